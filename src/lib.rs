@@ -1,0 +1,3 @@
+//! KT-830: a CNC control for grinding machines.
+
+pub mod units;

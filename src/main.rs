@@ -1,0 +1,3 @@
+//! The command `kt830`: arguments and wiring.
+
+fn main() {}

@@ -1,0 +1,139 @@
+//! The quantities that every room shares: time, axes and values per axis.
+//!
+//! Lengths are millimetres, feeds millimetres per minute where a person reads them and millimetres per second inside
+//! the motion room; names carry the unit last (`accel_mm_s2`) where no type does.
+
+use std::fmt;
+use std::ops::{Add, Index, IndexMut, Sub};
+
+use serde::{Deserialize, Serialize};
+
+/// A moment or a span of controller time, in microseconds since power-on. Never wall-clock time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Micros(pub u64);
+
+impl Micros {
+    /// Power-on, or a span of no length.
+    pub const ZERO: Self = Self(0);
+
+    /// A span of whole milliseconds.
+    #[must_use]
+    pub const fn from_millis(millis: u64) -> Self {
+        Self(millis * 1_000)
+    }
+
+    /// A span from a parameter in milliseconds; negative and non-finite values are no time at all.
+    #[must_use]
+    pub fn from_millis_f64(millis: f64) -> Self {
+        if millis.is_finite() && millis > 0.0 { Self((millis * 1_000.0).round() as u64) } else { Self::ZERO }
+    }
+
+    /// A span in seconds, rounded to the microsecond; negative and non-finite values are no time at all.
+    #[must_use]
+    pub fn from_secs_f64(seconds: f64) -> Self {
+        Self::from_millis_f64(seconds * 1_000.0)
+    }
+
+    /// The span in seconds.
+    #[must_use]
+    pub fn as_secs_f64(self) -> f64 {
+        self.0 as f64 / 1e6
+    }
+
+    /// The time gone by since `earlier`; zero if `earlier` lies ahead.
+    #[must_use]
+    pub const fn since(self, earlier: Self) -> Self {
+        Self(self.0.saturating_sub(earlier.0))
+    }
+}
+
+impl Add for Micros {
+    type Output = Self;
+    fn add(self, span: Self) -> Self {
+        Self(self.0 + span.0)
+    }
+}
+
+impl Sub for Micros {
+    type Output = Self;
+    fn sub(self, span: Self) -> Self {
+        Self(self.0.saturating_sub(span.0))
+    }
+}
+
+/// A linear axis of the machine. Which way it points is the machine kind's business.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub enum Axis {
+    /// Infeed on GC, table on GS, cross on GA.
+    X,
+    /// Wheel head down on GS; optional on GC and GA.
+    Y,
+    /// Table on GC, cross on GS, wheel head down on GA.
+    Z,
+}
+
+impl Axis {
+    /// All axes in the order of their index.
+    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// The address letter.
+    #[must_use]
+    pub const fn letter(self) -> char {
+        match self {
+            Self::X => 'X',
+            Self::Y => 'Y',
+            Self::Z => 'Z',
+        }
+    }
+
+    /// The axis of an address letter, in either case.
+    #[must_use]
+    pub const fn from_letter(letter: char) -> Option<Self> {
+        match letter {
+            'X' | 'x' => Some(Self::X),
+            'Y' | 'y' => Some(Self::Y),
+            'Z' | 'z' => Some(Self::Z),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Axis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.letter())
+    }
+}
+
+/// One value for each axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PerAxis<T>(pub [T; 3]);
+
+impl<T> PerAxis<T> {
+    /// The value of every axis from a function of the axis.
+    pub fn from_fn(mut f: impl FnMut(Axis) -> T) -> Self {
+        Self(Axis::ALL.map(&mut f))
+    }
+
+    /// A new value for each axis from the old one.
+    pub fn map<U>(self, f: impl FnMut(T) -> U) -> PerAxis<U> {
+        PerAxis(self.0.map(f))
+    }
+
+    /// Axis and value, X first.
+    pub fn iter(&self) -> impl Iterator<Item = (Axis, &T)> {
+        Axis::ALL.into_iter().zip(self.0.iter())
+    }
+}
+
+impl<T> Index<Axis> for PerAxis<T> {
+    type Output = T;
+    fn index(&self, axis: Axis) -> &T {
+        &self.0[axis as usize]
+    }
+}
+
+impl<T> IndexMut<Axis> for PerAxis<T> {
+    fn index_mut(&mut self, axis: Axis) -> &mut T {
+        &mut self.0[axis as usize]
+    }
+}
