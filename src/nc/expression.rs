@@ -88,7 +88,7 @@ impl<S: Scope> Reader<'_, '_, S> {
         self.cursor.blank()?;
         let at = self.cursor.at;
         if self.compare().is_some() {
-            return wrong1(at, E::BadStatement, "[ ]");
+            return wrong1(at, E::BadStatement, "a EQ b EQ c");
         }
         Ok(Some(f64::from(u8::from(holds(compare, left, right)))))
     }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::defs::gcode::GCode;
 use crate::defs::program_error::ProgramError;
 use crate::defs::text::Lang;
 
@@ -42,7 +43,14 @@ impl Fault {
     /// What is wrong, without place and remedy.
     #[must_use]
     pub fn cause(&self, lang: Lang) -> String {
-        fill(self.error.text().get(lang), &self.details)
+        let text = self.error.text().get(lang);
+        match (self.error, self.details[0].get(1..).and_then(|code| GCode::find(code.parse().ok()?))) {
+            // The function's name comes from the table, in the reader's language.
+            (ProgramError::LaterG | ProgramError::WrongKindG, Some(row)) => {
+                fill(text, &[self.details[0].clone(), row.text.get(lang).to_owned()])
+            }
+            _ => fill(text, &self.details),
+        }
     }
 
     /// What to do about it.

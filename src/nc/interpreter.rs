@@ -70,9 +70,9 @@ pub struct Interpreter {
     modals: Modals,
     words: Words,
     ended: bool,
-    /// Something other than `%` and comments was read in the main program.
-    begun: bool,
     second_half: bool,
+    /// The last block number read (#4114).
+    last_n: Option<u32>,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
 }
@@ -119,8 +119,8 @@ impl Interpreter {
             modals,
             words: Words::default(),
             ended: false,
-            begun: false,
             second_half: false,
+            last_n: None,
             nulls: None,
         }
     }
@@ -196,7 +196,6 @@ impl Interpreter {
     /// Goes past the line of a fault; for a check that wants to see the rest.
     pub(crate) fn skip_line(&mut self) {
         self.second_half = false;
-        self.begun = true;
         self.flow.go_to_line(self.flow.line + 1);
     }
 
@@ -208,6 +207,11 @@ impl Interpreter {
     /// Whether M99 has begun the main program again.
     pub(crate) const fn has_restarted(&self) -> bool {
         self.flow.restarted
+    }
+
+    /// Whether M02 or M30 was read.
+    pub(crate) const fn has_ended(&self) -> bool {
+        self.ended
     }
 
     /// Whether there is anything to remark on the last block.
@@ -236,14 +240,13 @@ impl Interpreter {
     }
 
     /// Reads one block whatever it is; `true` while there is more.
-    pub(crate) fn single(&mut self, world: &mut dyn World, block: &mut Block) -> Result<Option<bool>, Fault> {
+    pub(crate) fn single(&mut self, world: &mut dyn World, block: &mut Block) -> Result<bool, Fault> {
         block.clear();
         match self.step(world, block) {
-            Ok(Stepped::Nothing) => Ok(Some(false)),
-            Ok(Stepped::Block) => Ok(Some(!self.ended)),
-            Ok(Stepped::End) => Ok(None),
+            Ok(Stepped::Nothing | Stepped::Block) => Ok(true),
+            Ok(Stepped::End) => Ok(false),
             Err(stop) => match *stop {
-                Stop::Drain => Ok(Some(false)),
+                Stop::Drain => Ok(true),
                 Stop::Wrong(wrong) => Err(self.fault(wrong)),
             },
         }
@@ -271,7 +274,7 @@ impl Interpreter {
             modals: &self.modals,
             mill: self.settings.is_mill(),
             program: source.number(),
-            n: self.words.n,
+            n: self.last_n,
             nulls: &mut self.nulls,
             last_null: 0,
             source: &source,
@@ -291,16 +294,17 @@ impl Interpreter {
                     at,
                     second_half: self.second_half,
                 };
-                if self.words.look(b'O').is_some() && (self.begun || !self.flow.is_main()) && !at_head(text, at) {
+                if self.words.has(b'O') && !at_head(text, at) {
                     return wrong(at, E::MisplacedO);
                 }
                 let step = dialect::run(&mut running)?;
                 let call = self.prepare(step, &cursor, block)?;
-                self.modals = modals;
+                self.modals = Modals { modal_call: self.flow.modal.is_some(), ..modals };
                 call
             }
             content => self.statement(content, &cursor, block, text)?,
         };
+        self.last_n = self.words.n.or(self.last_n);
         block.at = Place { program: source.number(), line, n: self.words.n };
         block.modals = self.modals;
         Ok(step)
@@ -308,7 +312,6 @@ impl Interpreter {
 
     /// Puts the flow behind the block that was read.
     fn pass(&mut self, cursor: &Cursor<'_>) {
-        self.begun = true;
         self.second_half = false;
         if statement::goes_on(cursor) {
             self.flow.at = cursor.at;
@@ -334,9 +337,7 @@ impl Interpreter {
     fn statement(&mut self, content: Content, cursor: &Cursor<'_>, block: &mut Block, text: &[u8]) -> Outcome<Stepped> {
         match content {
             Content::Nothing | Content::Words => {
-                let begun = self.begun;
                 self.pass(cursor);
-                self.begun = begun;
             }
             Content::Assign { variable, value, at, text: comment } => {
                 self.assign(variable, value, at, comment.and_then(|range| text.get(range)), block)?;
@@ -350,14 +351,9 @@ impl Interpreter {
                 }
             }
             Content::EndLoop { number, at } => self.flow.end_loop(number, at)?,
-            Content::TextEnd { at } if self.begun || !self.flow.is_main() => {
-                let first = self.flow.line == 0;
-                if !first {
-                    return self.text_over(at);
-                }
-                self.pass(cursor);
-            }
-            Content::TextEnd { .. } => self.pass(cursor),
+            // The `%` at the head of a text only opens it.
+            Content::TextEnd { at } if at_head(text, at) && !text[..at].contains(&b'%') => self.pass(cursor),
+            Content::TextEnd { at } => return self.text_over(at),
         }
         Ok(if block.ops.is_empty() { Stepped::Nothing } else { Stepped::Block })
     }
@@ -397,7 +393,6 @@ impl Interpreter {
                 self.pass(cursor);
             }
             Step::Return { target, at } => {
-                self.begun = true;
                 self.second_half = false;
                 self.flow.return_to(target, at)?;
             }
@@ -467,7 +462,7 @@ impl Interpreter {
 }
 
 /// Whether nothing but `%`, blanks and comment lines stands before a byte.
-fn at_head(text: &[u8], at: usize) -> bool {
+pub(crate) fn at_head(text: &[u8], at: usize) -> bool {
     let mut comment = false;
     text.get(..at).unwrap_or_default().iter().all(|byte| {
         comment = match byte {
