@@ -4,12 +4,12 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::dialect;
-use super::fault::{Fault, Place, Stop, Wrong};
-use super::interpreter::{Block, Interpreter, at_head, fault_in};
+use super::fault::{Fault, Place, Stop, Wrong, fault_in};
+use super::interpreter::{Block, Interpreter};
 use super::lexer::Cursor;
 use super::memory::Memory;
 use super::settings::Settings;
-use super::source::{Library, Source};
+use super::source::{Library, Source, at_head};
 use super::statement::{self, Blank, Content, Head};
 use super::words::Words;
 use super::world::CheckWorld;

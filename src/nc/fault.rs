@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::source::Source;
 use crate::defs::gcode::GCode;
 use crate::defs::program_error::ProgramError;
 use crate::defs::text::Lang;
@@ -119,6 +120,17 @@ pub(crate) fn wrong2<T>(
     second: impl Into<String>,
 ) -> Outcome<T> {
     Err(Box::new(Stop::Wrong(Wrong { at, error, details: [detail.into(), second.into()] })))
+}
+
+/// Gives a mistake its place.
+pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fault {
+    if wrong.error == ProgramError::ForeignCharacter
+        && let Some((character, instead)) = source.foreign(wrong.at)
+    {
+        wrong.details = [character.to_string(), instead];
+    }
+    let (place, column) = source.place(wrong.at, n);
+    Fault::new(place, column, wrong)
 }
 
 #[cfg(test)]

@@ -3,20 +3,20 @@
 use std::sync::Arc;
 
 use super::dialect::{self, Running, Step};
-use super::expression::{Scope, Value};
-use super::fault::{Fault, Outcome, Place, Stop, Wrong, wrong, wrong1};
-use super::flow::{Call, Callee, Flow, Locals};
+use super::expression::Value;
+use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1};
+use super::flow::{Call, Callee, Flow};
 use super::lexer::Cursor;
 use super::memory::{Memory, VariableError};
 use super::modal::Modals;
 use super::op::Op;
+use super::scope::{LiveScope, NullUse};
 use super::settings::Settings;
-use super::source::{Library, Source};
+use super::source::{Library, Source, at_head};
 use super::statement::{self, Content, Head};
 use super::words::Words;
-use super::world::{Live, World};
+use super::world::World;
 use crate::defs::program_error::ProgramError as E;
-use crate::units::PerAxis;
 
 /// How many blocks without an operation one call of `next` may read.
 pub const STATEMENTS_PER_CALL: usize = 1_000;
@@ -42,7 +42,7 @@ impl Block {
         Self { at: Place::default(), ops: Vec::with_capacity(8), modals: Modals::new(settings), complete: true }
     }
 
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.ops.clear();
         self.complete = true;
     }
@@ -63,39 +63,22 @@ pub enum Next {
 
 /// Reads a program, ahead of its execution.
 pub struct Interpreter {
-    flow: Flow,
+    pub(super) flow: Flow,
     library: Arc<dyn Library + Send + Sync>,
-    settings: Settings,
+    pub(super) settings: Settings,
     memory: Memory,
     modals: Modals,
     words: Words,
-    ended: bool,
-    second_half: bool,
+    pub(super) ended: bool,
+    pub(super) second_half: bool,
     /// The last block number read (#4114).
     last_n: Option<u32>,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
 }
 
-/// Variables as the text being read sees them.
-pub(crate) struct LiveScope<'w> {
-    locals: &'w Locals,
-    memory: &'w Memory,
-    modals: &'w Modals,
-    mill: bool,
-    program: u32,
-    n: Option<u32>,
-    nulls: &'w mut Option<Vec<NullUse>>,
-    last_null: u32,
-    source: &'w Arc<Source>,
-    pub world: &'w mut dyn World,
-}
-
-/// Where null was taken as 0, and the variable that was null.
-type NullUse = (Arc<Source>, usize, u32);
-
 /// What one statement came to.
-enum Stepped {
+pub(super) enum Stepped {
     Nothing,
     Block,
     End,
@@ -193,70 +176,11 @@ impl Interpreter {
         Ok(Next::Busy)
     }
 
-    /// Goes past the line of a fault; for a check that wants to see the rest.
-    pub(crate) fn skip_line(&mut self) {
-        self.second_half = false;
-        self.flow.go_to_line(self.flow.line + 1);
-    }
-
-    /// Leaves the outermost loop that is open; for a check that sees no end of it.
-    pub(crate) fn leave_loop(&mut self) -> bool {
-        self.flow.leave_loops()
-    }
-
-    /// Whether M99 has begun the main program again.
-    pub(crate) const fn has_restarted(&self) -> bool {
-        self.flow.restarted
-    }
-
-    /// Whether M02 or M30 was read.
-    pub(crate) const fn has_ended(&self) -> bool {
-        self.ended
-    }
-
-    /// Whether there is anything to remark on the last block.
-    pub(crate) fn has_remarks(&self) -> bool {
-        self.flow.mid_line || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
-    }
-
-    /// What is allowed and seldom meant in the last block.
-    pub(crate) fn remarks(&mut self) -> Vec<Fault> {
-        let source = Arc::clone(&self.flow.source);
-        let mut remarks = Vec::new();
-        for (source, at, variable) in self.nulls.iter_mut().flat_map(|nulls| nulls.drain(..)) {
-            let details = [format!("#{variable}"), String::new()];
-            remarks.push(fault_in(&source, None, Wrong { at, error: E::NullUsed, details }));
-        }
-        if self.flow.mid_line {
-            let wrong = Wrong { at: self.flow.at, error: E::BlockAfterSemicolon, details: Default::default() };
-            remarks.push(fault_in(&source, None, wrong));
-        }
-        remarks
-    }
-
-    /// The running program and the line (from 0) that is read next.
-    pub(crate) fn at_line(&self) -> (&Arc<Source>, u32) {
-        (&self.flow.source, self.flow.line)
-    }
-
-    /// Reads one block whatever it is; `true` while there is more.
-    pub(crate) fn single(&mut self, world: &mut dyn World, block: &mut Block) -> Result<bool, Fault> {
-        block.clear();
-        match self.step(world, block) {
-            Ok(Stepped::Nothing | Stepped::Block) => Ok(true),
-            Ok(Stepped::End) => Ok(false),
-            Err(stop) => match *stop {
-                Stop::Drain => Ok(true),
-                Stop::Wrong(wrong) => Err(self.fault(wrong)),
-            },
-        }
-    }
-
-    fn fault(&self, wrong: Wrong) -> Fault {
+    pub(super) fn fault(&self, wrong: Wrong) -> Fault {
         fault_in(&self.flow.source, self.words.n, wrong)
     }
 
-    fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
+    pub(super) fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
         if self.ended {
             return Ok(Stepped::End);
         }
@@ -458,75 +382,5 @@ impl Interpreter {
             },
         }
         Ok(())
-    }
-}
-
-/// Whether nothing but `%`, blanks and comment lines stands before a byte.
-pub(crate) fn at_head(text: &[u8], at: usize) -> bool {
-    let mut comment = false;
-    text.get(..at).unwrap_or_default().iter().all(|byte| {
-        comment = match byte {
-            b'\r' | b'\n' => false,
-            b';' | b'(' => true,
-            _ => comment,
-        };
-        comment || matches!(byte, b'%' | b' ' | b'\t' | b'\r' | b'\n')
-    })
-}
-
-/// Gives a mistake its place.
-pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fault {
-    if wrong.error == E::ForeignCharacter
-        && let Some((character, instead)) = source.foreign(wrong.at)
-    {
-        wrong.details = [character.to_string(), instead];
-    }
-    let (place, column) = source.place(wrong.at, n);
-    Fault::new(place, column, wrong)
-}
-
-impl LiveScope<'_> {
-    /// Where the block begins.
-    pub fn position(&self) -> PerAxis<f64> {
-        self.world.position()
-    }
-}
-
-impl Scope for LiveScope<'_> {
-    const STRICT: bool = true;
-
-    fn read(&mut self, number: u32, at: usize) -> Outcome<Value> {
-        let value = self.look_up(number, at)?;
-        if value.is_none() {
-            self.last_null = number;
-        }
-        Ok(value)
-    }
-
-    fn null_used(&mut self, at: usize) {
-        if let Some(nulls) = self.nulls {
-            nulls.push((Arc::clone(self.source), at, self.last_null));
-        }
-    }
-}
-
-impl LiveScope<'_> {
-    fn look_up(&mut self, number: u32, at: usize) -> Outcome<Value> {
-        match number {
-            0 => Ok(None),
-            1..=33 => Ok(self.locals[number as usize - 1]),
-            4114 => Ok(self.n.map(f64::from)),
-            4115 => Ok(Some(f64::from(self.program))),
-            4000..=4200 => self
-                .modals
-                .variable(number, self.mill)
-                .map_or_else(|| wrong1(at, E::BadVariable, format!("#{number}")), Ok),
-            434..=439 | 1000.. => match self.world.system(number) {
-                Live::Value(value) => Ok(value),
-                Live::Drain => Err(Box::new(Stop::Drain)),
-                Live::Unknown => wrong1(at, E::BadVariable, format!("#{number}")),
-            },
-            _ => self.memory.get(number).or_else(|_| wrong1(at, E::BadVariable, format!("#{number}"))),
-        }
     }
 }

@@ -282,3 +282,16 @@ fn ascii_for(character: char) -> Option<char> {
         _ => None,
     }
 }
+
+/// Whether nothing but `%`, blanks and comment lines stands before a byte.
+pub(crate) fn at_head(text: &[u8], at: usize) -> bool {
+    let mut comment = false;
+    text.get(..at).unwrap_or_default().iter().all(|byte| {
+        comment = match byte {
+            b'\r' | b'\n' => false,
+            b';' | b'(' => true,
+            _ => comment,
+        };
+        comment || matches!(byte, b'%' | b' ' | b'\t' | b'\r' | b'\n')
+    })
+}
