@@ -3,4 +3,5 @@
 pub mod defs;
 pub mod io;
 pub mod link;
+pub mod machine;
 pub mod units;

@@ -50,6 +50,12 @@ pub enum Request {
     Demagnetise,
     /// Switch an output that has no rule of its own.
     Switch(Output, bool),
+    /// Start or resume a program or an MDI line.
+    CycleStart,
+    /// Home axes.
+    HomeAxes,
+    /// Jog, step or handwheel.
+    MoveByHand,
 }
 
 /// One M code.
