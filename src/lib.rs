@@ -1,7 +1,11 @@
 //! KT-830: a CNC control for grinding machines.
 
+pub mod controller;
 pub mod defs;
 pub mod io;
 pub mod link;
 pub mod machine;
+pub mod motion;
+pub mod nc;
+pub mod story;
 pub mod units;

@@ -62,7 +62,7 @@ macro_rules! alarms {
 alarms! {
     EMERGENCY_STOP = 0, StopAll, Reset, "急停", "emergency stop",
         "急停按钮按下或急停回路断开", "the emergency stop is pressed or its circuit is open",
-        "排除危险，松开急停后按复位，重新回零", "remove the danger, release the button, press RESET, home again";
+        "排除危险，松开急停后按复位", "remove the danger, release the button, press RESET";
     PAGE_FILES = 66, Show, SelfClearing, "页面文件不全或格式错误", "page files missing or not of the format",
         "C00nn.TXT 或 B00nn.BMP 缺少，或格式不符", "C00nn.TXT or B00nn.BMP is missing or not of the format",
         "按报警中的文件名和行号修改后重新拷贝", "mend the named file at the named line and copy it again";
@@ -110,9 +110,9 @@ alarms! {
     MAGNET = 187, StopProgram, Reset, "充磁/退磁互锁", "magnet interlock",
         "工件未充磁，或台面/砂轮转动中退磁", "not magnetised, or demagnetising while table or wheel turn",
         "先充磁；停止转动后再退磁", "magnetise first; stop before demagnetising";
-    INPUT_TIMEOUT = 188, StopProgram, Reset, "探测未收到信号", "skip signal missing",
-        "G31 到终点没有信号", "G31 reached its end without the signal",
-        "检查信号和行程", "check signal and travel";
+    UNKNOWN_M = 188, StopProgram, Reset, "M 代码无效", "M code not known",
+        "本机型没有这个 M 代码", "this kind of machine has no such M code",
+        "修改程序；M 代码见手册", "mend the program; the manual lists the M codes";
     DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
         "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; the copy is kept, factory values are in force",
         "从备份恢复数据，核对参数后再加工", "restore a backup and check the parameters before grinding";

@@ -89,7 +89,7 @@ bits! {
     LEAST_INCREMENT = 6 bit 1, NO, Builder, "无小数点数值为最小单位", "numbers without a point are least increments";
     IN_POSITION_CHECK = 6 bit 2, NO, Builder, "准停时检测到位", "in-position check at every exact stop";
     EDIT_VALUES_IN_RUN = 6 bit 3, NO, User, "运行中允许修改磨削数据", "grinding values may be edited in a run";
-    COUNT_ON_M30 = 6 bit 4, YES, User, "M30 工件计数", "M30 counts a workpiece";
+    COUNT_ON_M30 = 6 bit 4, NO, User, "M30 工件计数", "M30 counts a workpiece";
     TAILSTOCK_BEFORE_HEADSTOCK = 6 bit 5, NO, User, "头架启动要求尾座顶紧", "headstock start needs the tailstock advanced";
     MAGNET_ENABLED = 16 bit 0, [false, true, true], Builder, "充磁/退磁有效", "magnet codes and keys enabled";
     WHEEL_NEEDS_MAGNET = 16 bit 1, [false, true, true], Builder, "砂轮启动检测充磁", "wheel start needs the part magnetised";
@@ -123,7 +123,7 @@ numbers! {
     HOME_Y = 46, -9_999 => 9_999, 0, "mm", Builder, "Y 零点坐标", "home coordinate Y";
     HOME_Z = 47, -9_999 => 9_999, 0, "mm", Builder, "Z 零点坐标", "home coordinate Z";
     HOME_FAST = 48, 1 => 20_000, 3_000, "mm/min", Builder, "回零快速", "homing fast speed";
-    HOME_SLOW = 49, 1 => 2_000, 60, "mm/min", Builder, "回零慢速", "homing slow speed";
+    HOME_SLOW = 49, 1 => 2_000, 30, "mm/min", Builder, "回零慢速", "homing slow speed";
     BACKLASH_X = 50, 0 => 2, 0, "mm", Builder, "X 反向间隙", "backlash X";
     BACKLASH_Y = 51, 0 => 2, 0, "mm", Builder, "Y 反向间隙", "backlash Y";
     BACKLASH_Z = 52, 0 => 2, 0, "mm", Builder, "Z 反向间隙", "backlash Z";
@@ -144,6 +144,11 @@ numbers! {
     HANDWHEEL_SPEED = 67, 1 => 20_000, 3_000, "mm/min", Builder, "手轮最高速度", "greatest handwheel speed";
     DRAIN_TIME = 68, 10 => 60_000, 5_000, "ms", Builder, "到位等待超时", "in-position time-out";
     SKIP_SPEED_MAX = 69, 1 => 20_000, 1_500, "mm/min", Builder, "G31 最大速度", "greatest G31 speed";
+    RAPID_F0 = 72, 1 => 5_000, 400, "mm/min", Builder, "快速 F0 速度", "rapid speed at F0";
+    WHEEL_RPM = 73, 0 => 20_000, 1_100, "rpm", User, "砂轮默认转速", "wheel speed without S";
+    HEADSTOCK_RPM_HIGH = 74, 1 => 2_000, 200, "rpm", Builder, "头架高速转速", "headstock high speed";
+    HEADSTOCK_RPM_LOW = 75, 1 => 2_000, 60, "rpm", Builder, "头架低速转速", "headstock low speed";
+    HMI_KEEP_ALIVE = 76, 200 => 10_000, 2_000, "ms", Builder, "界面保持时间", "HMI keep-alive";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";

@@ -292,6 +292,12 @@ impl Machine {
         on
     }
 
+    /// Whether headstock, roll or table is switched on.
+    #[must_use]
+    pub fn drive_is_on(&self) -> bool {
+        self.drive != Drive::Off
+    }
+
     /// Whether the emergency stop is pressed.
     #[must_use]
     pub const fn is_e_stopped(&self) -> bool {

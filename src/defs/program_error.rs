@@ -1,0 +1,196 @@
+//! The alarms of a program: what is wrong in its text, and what to do about it.
+//! `{}` stands for the first detail of a fault, `{2}` for the second. Source: spec B8 (1–65, 67–99), B1–B4.
+
+use super::text::Text;
+
+macro_rules! program_errors {
+    ($($(#[$doc:meta])* $name:ident = $number:literal, $id:literal, $zh:literal, $en:literal, $remedy_zh:literal, $remedy_en:literal;)*) => {
+        /// What can be wrong in a program.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum ProgramError { $($(#[$doc])* $name,)* }
+
+        impl ProgramError {
+            /// All rows, by number.
+            pub const ALL: &'static [Self] = &[$(Self::$name),*];
+
+            /// The alarm number.
+            #[must_use]
+            pub const fn number(self) -> u16 {
+                match self { $(Self::$name => $number,)* }
+            }
+
+            /// Stable name, English, with hyphens.
+            #[must_use]
+            pub const fn id(self) -> &'static str {
+                match self { $(Self::$name => $id,)* }
+            }
+
+            /// What is wrong; `{}` and `{2}` stand for the details.
+            #[must_use]
+            pub const fn text(self) -> Text {
+                match self { $(Self::$name => Text { zh: $zh, en: $en },)* }
+            }
+
+            /// What to do about it.
+            #[must_use]
+            pub const fn remedy(self) -> Text {
+                match self { $(Self::$name => Text { zh: $remedy_zh, en: $remedy_en },)* }
+            }
+        }
+    };
+}
+
+program_errors! {
+    /// A word that nothing in the block takes.
+    UnknownWord = 1, "unknown-word", "无法识别的字 '{}'", "unknown word '{}'",
+        "该程序段中没有指令使用此字，请删除或更正", "nothing in this block takes it: correct or delete it";
+    /// A number that is not written as one.
+    BadNumber = 2, "bad-number", "数字格式错误 '{}'", "bad number '{}'",
+        "数字只能含一个小数点和最多 40 位", "write digits with at most one decimal point, 40 at most";
+    /// A letter without a number.
+    MissingNumber = 3, "missing-number", "'{}' 后缺少数字", "number missing after '{}'",
+        "请在字母后输入数值、变量或 [表达式]", "give a value, a variable or an [expression] after the letter";
+    /// A character that is not ASCII outside a comment.
+    ForeignCharacter = 4, "foreign-character", "注释以外出现字符 '{}'", "character '{}' outside a comment",
+        "请改用半角英文字符 {2}", "type {2} instead";
+    /// A character with no meaning here.
+    UnexpectedCharacter = 5, "unexpected-character", "此处不应出现 '{}'", "unexpected '{}'",
+        "请检查程序段的写法", "look at how the block is written";
+    /// Square brackets do not match.
+    UnbalancedBracket = 6, "unbalanced-bracket", "方括号不匹配", "square brackets do not match",
+        "每个 [ 都要有对应的 ]", "give every [ its ]";
+    /// A comment is not closed, or closed without being open.
+    UnbalancedComment = 7, "unbalanced-comment", "注释括号不匹配", "comment brackets do not match",
+        "在同一行内用 ( 和 ) 括起注释", "open with ( and close with ) on the same line";
+    /// A G code that the control does not know.
+    UnknownG = 8, "unknown-g", "没有 {} 指令", "unknown code {}",
+        "请查阅 G 代码表", "look it up in the table of G codes";
+    /// A G code of the specification that this version lacks.
+    LaterG = 9, "g-not-available", "本版本不支持 {} ({2})", "{} ({2}) is not available in this version",
+        "请改用其他指令或升级软件", "use another function or a newer version";
+    /// A G code that this kind of machine lacks.
+    WrongKindG = 10, "g-not-on-this-machine", "本机床没有 {} 指令", "{} does not exist on this machine",
+        "{2}", "{2}";
+    /// An M code above 99 or not a whole number.
+    UnknownM = 11, "unknown-m", "没有 {} 指令", "unknown code {}",
+        "M 代码为 M00–M99 的整数", "M codes are whole numbers from 0 to 99";
+    /// The same address twice.
+    DoubleWord = 12, "double-word", "同一程序段中 '{}' 重复", "'{}' appears twice in the block",
+        "每个地址在一段中只能出现一次", "write an address once in a block";
+    /// Two G codes that exclude each other.
+    DoubleGroup = 13, "double-group", "{} 与 {2} 属于同一组", "{} and {2} exclude each other in one block",
+        "请分成两个程序段", "write them in two blocks";
+    /// An axis absolute and incremental at once.
+    AbsoluteAndIncremental = 14, "absolute-and-incremental", "{} 与 {2} 指同一轴", "{} and {2} name the same axis",
+        "绝对与增量只能选一个", "use one of the two";
+    /// The machine has no such axis.
+    NoAxis = 15, "no-axis", "本机床没有 {} 轴", "this machine has no axis {}",
+        "请删除该字", "delete the word";
+    /// An arc with neither centre nor radius.
+    ArcWithoutCentre = 16, "arc-without-centre", "圆弧缺少圆心或半径", "arc without centre or radius",
+        "请输入 R，或圆心坐标 I J K", "give R, or the centre by I, J, K";
+    /// The end of an arc does not lie on its circle.
+    ArcEndOff = 17, "arc-end-off", "圆弧终点偏离圆周 {} mm", "the arc's end lies {} mm off the circle",
+        "请核对终点与圆心", "check end and centre";
+    /// A radius that cannot reach the end.
+    ArcRadius = 18, "arc-radius", "圆弧半径 {} 无效", "arc radius {} is not possible",
+        "半径不能为零，也不能小于弦长的一半；整圆请用 I J K", "not zero and at least half the chord; for a full circle give I, J, K";
+    /// No feed yet.
+    FeedMissing = 19, "feed-missing", "没有进给速度 F", "no feed F has been given",
+        "请在切削段之前或段内输入 F", "give F in this block or before; G98/G99 asks for a new one";
+    /// A value outside its range.
+    OutOfRange = 20, "out-of-range", "{} 超出范围 {2}", "{} is out of range {2}",
+        "请修改数值", "change the value";
+    /// Division by zero.
+    DivisionByZero = 21, "division-by-zero", "除数为零", "division by zero",
+        "请检查除数变量", "look at the variable under the division";
+    /// Outside the domain of a function.
+    Domain = 22, "domain", "函数 {} 的参数 {2} 无效", "{} of {2} is not possible",
+        "请检查表达式中的变量", "look at the variables of the expression";
+    /// A result too large.
+    Overflow = 23, "overflow", "计算结果溢出", "the result is too large",
+        "请检查表达式中的变量", "look at the variables of the expression";
+    /// No such variable.
+    BadVariable = 24, "bad-variable", "没有变量 {}", "there is no variable {}",
+        "可用 #1–#33 #100–#439 #500–#999 及系统变量", "use #1–#33, #100–#439, #500–#999 or a system variable";
+    /// A variable that cannot be written.
+    ReadOnly = 25, "read-only", "变量 {} 不能赋值", "variable {} cannot be set",
+        "该变量只读", "it can only be read";
+    /// A switch variable other than 0 or 1.
+    SwitchVariable = 26, "switch-variable", "变量 {} 只能为 0 或 1", "variable {} takes 0 or 1 only",
+        "请赋值 0 或 1", "give it 0 or 1";
+    /// The block to jump to does not exist.
+    MissingTarget = 27, "missing-target", "找不到程序段 {}", "there is no block {}",
+        "请检查跳转目标的 N 号", "check the N number of the target";
+    /// The program to call does not exist.
+    MissingProgram = 28, "missing-program", "找不到程序 {}", "there is no program {}",
+        "请检查 P 号或拷入该程序", "check P, or copy the program in";
+    /// Too many levels of subprograms or macros.
+    TooDeep = 29, "too-deep", "{}嵌套超过 {2} 层", "{} calls nested deeper than {2}",
+        "请减少调用层数", "call fewer levels";
+    /// WHILE without END or END without WHILE.
+    LoopMismatch = 30, "loop-mismatch", "{} 没有配对", "{} has no partner",
+        "WHILE […] DO m 与 END m 必须配对且不交叉", "WHILE […] DO m and END m go in pairs and do not cross";
+    /// The number after DO or END.
+    DoNumber = 31, "do-number", "循环号 {} 无效", "loop number {} is not possible",
+        "循环号只能为 1–3，内层不能重复外层的号", "use 1 to 3, another one inside than outside";
+    /// A statement that is not written as it must be.
+    BadStatement = 32, "bad-statement", "语句写法错误：{}", "statement not understood: {}",
+        "请按 IF […] GOTO n、IF […] THEN、WHILE […] DO m、END m、GOTO n、#i=… 书写", "write IF […] GOTO n, IF […] THEN …, WHILE […] DO m, END m, GOTO n, #i=…";
+    /// A word that a function needs.
+    MissingWord = 33, "missing-word", "{} 缺少 {2}", "{} needs {2}",
+        "请补上该字", "add the word";
+    /// Functions that must stand in blocks of their own.
+    NotTogether = 34, "not-together", "{} 与 {2} 不能同段", "{} and {2} cannot stand in one block",
+        "请分成两个程序段", "write them in two blocks";
+    /// G50 with several tools.
+    PresetWithTools = 35, "preset-with-tools", "使用多把刀时不能用 G50", "G50 in a program with several tools",
+        "多把刀请使用刀补方式", "with several tools work with offsets";
+    /// Too much in one block.
+    BlockTooLong = 36, "block-too-long", "程序段太长", "the block has too many words",
+        "请分成几个程序段", "write it in several blocks";
+    /// Brackets nested too deep.
+    TooComplex = 37, "too-complex", "表达式嵌套太深", "the expression is nested too deep",
+        "请分步计算", "calculate in several steps";
+    /// Axis words with nothing to take them.
+    AxisUnused = 38, "axis-unused", "{} 不能与坐标字同段", "{} takes no axis words",
+        "请分成两个程序段", "write them in two blocks";
+    /// A word that wants a whole number.
+    NotWhole = 39, "not-whole", "{} 必须为整数", "{} must be a whole number",
+        "请输入不带小数的数值", "give a number without a fraction";
+    /// The O number in the wrong place.
+    MisplacedO = 40, "misplaced-o", "O 号只能在程序开头", "the O number stands only at the head of the program",
+        "一个文件只存一个程序", "keep one program in a file";
+    /// An axis outside the plane of the arc.
+    AxisOutsidePlane = 41, "axis-outside-plane", "{} 不在所选平面内", "{} lies outside the plane of the arc",
+        "请选择平面 G17/G18/G19 或删除该字", "choose the plane with G17, G18, G19 or delete the word";
+    /// An input is not assigned.
+    NoInput = 42, "no-input", "{} 没有指定输入口", "{} has no input to look at",
+        "请输入 L，或在参数中设定输入口", "give L, or set the input by parameter";
+    /// An unknown H of G65.
+    UnknownH = 43, "unknown-h", "G65 没有 {}", "G65 has no {}",
+        "可用 H01–H05 H11–H13 H21–H27 H31–H34 H80–H86 H99", "use H01–H05, H11–H13, H21–H27, H31–H34, H80–H86, H99";
+    /// A loop of the check that does not end.
+    Endless = 44, "endless", "检查时循环没有结束", "the check gave up in a loop that does not end",
+        "请确认循环条件在运行时会改变", "make sure that the condition changes in the run";
+    /// Null used in arithmetic.
+    NullUsed = 45, "null-used", "空变量 {} 按 0 计算", "empty variable {} is taken as 0",
+        "请先给变量赋值", "give it a value first";
+    /// A block after `;` on the same line.
+    BlockAfterSemicolon = 46, "block-after-semicolon", "';' 后的内容按程序段执行", "the text after ';' is read as a block",
+        "注释请写在 ( ) 中", "write a comment in ( )";
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b8_program_alarms_keep_to_their_range_and_are_unique() {
+        for row in ProgramError::ALL {
+            assert!(matches!(row.number(), 1..=65 | 67..=99), "{}", row.id());
+            let same = |other: &&ProgramError| other.number() == row.number() || other.id() == row.id();
+            assert_eq!(ProgramError::ALL.iter().filter(same).count(), 1, "{}", row.id());
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! The check of a whole program: every mistake, path length, time and extents, without a machine. Source: spec B1, T4.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use super::dialect;
+use super::fault::{Fault, Place, Stop, Wrong};
+use super::interpreter::{Block, Interpreter, fault_in};
+use super::lexer::Cursor;
+use super::memory::Memory;
+use super::settings::Settings;
+use super::source::{Library, Source};
+use super::statement::{self, Blank, Content, Head};
+use super::words::Words;
+use super::world::CheckWorld;
+use crate::defs::program_error::ProgramError as E;
+use crate::units::PerAxis;
+
+/// After this many mistakes, or warnings, no more are collected.
+pub const FAULT_LIMIT: usize = 1_000;
+/// A run that reads this many blocks without coming to a new line of the program is in a loop that waits for something.
+pub const STANDSTILL_LIMIT: u32 = 1_000_000;
+/// How many such loops a check leaves before it gives up following the program.
+const LEFT_LOOPS: u32 = 4;
+
+/// What a check found.
+#[derive(Clone, Debug, Default)]
+pub struct Checked {
+    /// Every mistake, in the order of lines, each line once.
+    pub faults: Vec<Fault>,
+    /// What is allowed and seldom meant: null in arithmetic, a block after `;`, a loop that does not end here.
+    pub warnings: Vec<Fault>,
+    /// The way of all moves, mm.
+    pub length_mm: f64,
+    /// The time at programmed feeds, acceleration left out, seconds.
+    pub seconds: f64,
+    /// Least and greatest coordinates of all moves, work frame, radius mm; none without a move.
+    pub extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
+    /// Lines of the text.
+    pub lines: usize,
+    /// Blocks that had operations.
+    pub blocks: u64,
+    /// The run came to its end (or to its M99) and was not given up.
+    pub finished: bool,
+}
+
+/// Checks a program from a cold start.
+#[must_use]
+pub fn check(source: &Arc<Source>, library: &Arc<dyn Library + Send + Sync>, settings: &Settings) -> Checked {
+    check_with(source, library, settings, Memory::default(), &mut CheckWorld::new(settings), &mut |_| {})
+}
+
+/// Checks a program with given variables and world, and shows every block to `sink`.
+pub fn check_with(
+    source: &Arc<Source>,
+    library: &Arc<dyn Library + Send + Sync>,
+    settings: &Settings,
+    memory: Memory,
+    world: &mut CheckWorld,
+    sink: &mut dyn FnMut(&Block),
+) -> Checked {
+    let mut interpreter = Interpreter::new(Arc::clone(source), Arc::clone(library), settings.clone(), memory);
+    interpreter.nulls = Some(Vec::new());
+    let mut run = Run {
+        source,
+        settings,
+        found: Checked::default(),
+        visited: Visited::new(source.line_count()),
+        told: HashSet::new(),
+    };
+    run.follow(&mut interpreter, world, sink);
+    run.read_the_rest();
+    let mut found = run.found;
+    found.faults.sort_by_key(|fault| (fault.place.program != source.number(), fault.place.program, fault.place.line));
+    found.length_mm = world.length_mm();
+    found.seconds = world.seconds();
+    found.extents = world.extents();
+    found.lines = source.line_count();
+    found
+}
+
+/// One bit a line.
+struct Visited(Vec<u64>);
+
+impl Visited {
+    fn new(lines: usize) -> Self {
+        Self(vec![0; lines / 64 + 1])
+    }
+
+    /// Marks a line; whether it is new.
+    #[inline]
+    fn mark(&mut self, line: u32) -> bool {
+        let Some(word) = self.0.get_mut(line as usize / 64) else { return false };
+        let bit = 1 << (line % 64);
+        let new = *word & bit == 0;
+        *word |= bit;
+        new
+    }
+}
+
+struct Run<'r> {
+    source: &'r Arc<Source>,
+    settings: &'r Settings,
+    found: Checked,
+    visited: Visited,
+    told: HashSet<(u32, u32, E)>,
+}
+
+impl Run<'_> {
+    fn follow(&mut self, interpreter: &mut Interpreter, world: &mut CheckWorld, sink: &mut dyn FnMut(&Block)) {
+        let mut block = Block::new(self.settings);
+        let (mut standstill, mut left) = (0, 0);
+        loop {
+            let (source, line) = interpreter.at_line();
+            let main = Arc::ptr_eq(source, self.source);
+            standstill = if main && self.visited.mark(line) { 0 } else { standstill + 1 };
+            if standstill > STANDSTILL_LIMIT {
+                let place = interpreter.place();
+                self.warn(Fault::new(place, 1, Wrong { at: 0, error: E::Endless, details: Default::default() }));
+                left += 1;
+                if left > LEFT_LOOPS || !interpreter.leave_loop() {
+                    return;
+                }
+                standstill = 0;
+            }
+            match interpreter.single(world, &mut block) {
+                Ok(more) => {
+                    if !block.ops.is_empty() {
+                        self.found.blocks += 1;
+                        block.ops.iter().for_each(|op| world.apply(op));
+                        sink(&block);
+                    }
+                    if more.is_none() || interpreter.has_restarted() {
+                        self.found.finished = true;
+                        return;
+                    }
+                }
+                Err(fault) => {
+                    self.fault(fault);
+                    interpreter.skip_line();
+                }
+            }
+            if interpreter.has_remarks() {
+                interpreter.remarks().into_iter().for_each(|fault| self.warn(fault));
+            }
+        }
+    }
+
+    /// Lines that the run did not come to are read for their writing.
+    fn read_the_rest(&mut self) {
+        let source = Arc::clone(self.source);
+        let text = source.bytes();
+        let mut words = Words::default();
+        for line in 0..source.line_count() as u32 {
+            if !self.visited.mark(line) {
+                continue;
+            }
+            let mut cursor = Cursor::new(text, source.start(line));
+            let mut head = Head { mid_line: false, block_skip: false };
+            loop {
+                let at = cursor.at;
+                let read = statement::read(&mut cursor, &mut Blank, &mut words, head);
+                let read = read.and_then(|content| match content {
+                    Content::Words => dialect::look(&words, self.settings),
+                    Content::Goto { n, at } if n > 0 && source.find_block(n, line).is_none() => {
+                        super::fault::wrong1(at, E::MissingTarget, format!("N{n}"))
+                    }
+                    _ => Ok(()),
+                });
+                if let Err(stop) = read {
+                    if let Stop::Wrong(wrong) = *stop {
+                        self.fault(fault_in(&source, words.n, wrong));
+                    }
+                    break;
+                }
+                if !statement::goes_on(&cursor) || cursor.at <= at {
+                    break;
+                }
+                head.mid_line = true;
+            }
+        }
+    }
+
+    fn is_new(&mut self, place: Place, error: E) -> bool {
+        self.told.insert((place.program, place.line, error))
+    }
+
+    fn fault(&mut self, fault: Fault) {
+        if self.found.faults.len() < FAULT_LIMIT && self.is_new(fault.place, fault.error) {
+            self.found.faults.push(fault);
+        }
+    }
+
+    fn warn(&mut self, fault: Fault) {
+        if self.found.warnings.len() < FAULT_LIMIT && self.is_new(fault.place, fault.error) {
+            self.found.warnings.push(fault);
+        }
+    }
+}

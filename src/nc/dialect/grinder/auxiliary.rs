@@ -1,0 +1,184 @@
+//! S, T and M. Source: spec B2, B4, K3.4, K3.14, K3.15, K5.11.
+
+use super::codes::Plan;
+use super::{LIMIT, integer, out_of_range};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::{Running, Step};
+use crate::nc::expression::Scope;
+use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::nc::flow::{Call, Callee};
+use crate::nc::op::Op;
+use crate::nc::words::{Code, Word};
+
+/// The highest N and program number.
+const NUMBERS: u32 = 99_999_999;
+/// How often a subprogram can be repeated.
+pub(super) const REPEATS: u32 = 9_999;
+/// Input and output ports.
+const PORTS: u32 = 64;
+
+/// T: tool and offset.
+pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let Some(word) = running.words.take(b'T') else { return Ok(()) };
+    let count = running.settings.tools;
+    let value = integer(word, 0, 9_999)?;
+    let (tool, offset) = (value / 100, value % 100);
+    if tool > count || offset > count || (tool == 0 && offset != 0) {
+        return wrong2(
+            word.at as usize,
+            E::OutOfRange,
+            format!("T{value:04}"),
+            format!("Txxyy xx 1–{count} yy 0–{count}"),
+        );
+    }
+    let modals = &mut *running.modals;
+    let tool = tool as u16;
+    if tool != 0 && modals.tool != 0 && tool != modals.tool {
+        modals.several_tools = true;
+        if modals.preset {
+            return wrong(word.at as usize, E::PresetWithTools);
+        }
+    }
+    if tool != 0 {
+        modals.tool = tool;
+    }
+    modals.offset = offset as u16;
+    running.ops.push(Op::T { tool, offset: offset as u16 });
+    Ok(())
+}
+
+/// S, where no M code takes it.
+pub(super) fn speed(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
+    // K3.4: M63 S drives the second analog output; G50 S is a limit.
+    if plan.once_is(50) || running.words.m().iter().any(|code| takes_s(code.number)) {
+        return Ok(());
+    }
+    let Some(word) = running.words.take(b'S') else { return Ok(()) };
+    let value = speed_value(word)?;
+    running.modals.speed = Some(value);
+    running.ops.push(Op::S { value, mode: running.modals.speed_mode });
+    Ok(())
+}
+
+fn speed_value(word: Word) -> Outcome<f64> {
+    if (0.0..=LIMIT).contains(&word.value) { Ok(word.value) } else { out_of_range("S", word, "0–99999.999") }
+}
+
+const fn takes_s(code: u32) -> bool {
+    matches!(code, 63 | 64)
+}
+
+/// Codes that must be the only M of their block: they take P and L, or end or leave the block.
+const fn stands_alone(code: u32) -> bool {
+    matches!(code, 0 | 1 | 2 | 20..=22 | 30 | 91 | 92 | 98 | 99)
+}
+
+/// Codes that act when the axes have arrived.
+const fn acts_after_motion(code: u32) -> bool {
+    matches!(code, 0 | 1 | 2 | 5 | 9 | 30 | 31 | 33 | 65)
+}
+
+/// Checks the M codes, hands out those that act before the move, and says where the program goes on.
+pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Step> {
+    let words = running.words;
+    let mut flow = Step::Next;
+    for code in words.m() {
+        if code.number > 99 {
+            return wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number));
+        }
+        if stands_alone(code.number)
+            && let Some(other) = words.m().iter().find(|other| other.at != code.at)
+        {
+            let names = [code, other].map(|code| format!("M{:02}", code.number));
+            let [first, second] = names;
+            return wrong2(code.at as usize, E::NotTogether, first, second);
+        }
+        running.modals.m = Some(code.number as u8);
+        match code.number {
+            1 if words.has(b'L') => flow = jump(running, *code)?,
+            2 | 30 => flow = Step::End,
+            91 | 92 => flow = input_jump(running, *code)?,
+            98 => flow = subprogram(running, *code)?,
+            99 => flow = back(running, *code)?,
+            number if !acts_after_motion(number) => hand_out(running, *code)?,
+            _ => {}
+        }
+    }
+    Ok(flow)
+}
+
+/// Hands out the M codes that act after the move.
+pub(super) fn after_motion(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let words = running.words;
+    for code in words.m() {
+        let jumps = code.number == 1 && words.has(b'L');
+        if acts_after_motion(code.number) && !jumps {
+            hand_out(running, *code)?;
+        }
+    }
+    Ok(())
+}
+
+fn hand_out(running: &mut Running<'_, '_>, code: Code) -> Outcome<()> {
+    let words = running.words;
+    let number = code.number;
+    let s = if takes_s(number) { words.take(b'S').map(speed_value).transpose()? } else { None };
+    let (mut p, mut l) = (None, None);
+    if (20..=22).contains(&number) {
+        let name = || format!("M{number}");
+        let Some(port) = words.take(b'P') else { return wrong2(code.at as usize, E::MissingWord, name(), "P") };
+        p = Some(f64::from(integer(port, 1, PORTS)?));
+        if number == 20 {
+            // B4: a pulse of L milliseconds.
+            let Some(millis) = words.take(b'L') else { return wrong2(code.at as usize, E::MissingWord, name(), "L") };
+            if !(0.0..=LIMIT).contains(&millis.value) {
+                return out_of_range("L", millis, "0–99999.999");
+            }
+            l = Some(millis.value);
+        }
+    }
+    running.ops.push(Op::M { code: number as u8, s, p, l });
+    Ok(())
+}
+
+/// `M01 L n`: on at block n.
+fn jump(running: &Running<'_, '_>, code: Code) -> Outcome<Step> {
+    match running.words.take(b'L') {
+        Some(word) => Ok(Step::Goto { n: integer(word, 0, NUMBERS)?, at: word.at as usize }),
+        None => wrong2(code.at as usize, E::MissingWord, "M01", "L"),
+    }
+}
+
+/// `M91 P<in> L<block>` jumps if the input is active (low), `M92` if not; without L: P is the block.
+fn input_jump(running: &mut Running<'_, '_>, code: Code) -> Outcome<Step> {
+    let name = || format!("M{}", code.number);
+    let words = running.words;
+    let Some(p) = words.take(b'P') else { return wrong2(code.at as usize, E::MissingWord, name(), "P") };
+    let (port, target) = match words.take(b'L') {
+        Some(block) => (integer(p, 1, PORTS)?, block),
+        None if running.settings.jump_input == 0 => return wrong1(code.at as usize, E::NoInput, name()),
+        None => (running.settings.jump_input, p),
+    };
+    let n = integer(target, 0, NUMBERS)?;
+    let value = running.scope.read(999 + port, code.at as usize)?;
+    let active = value.is_some_and(|value| value.abs() > 0.5);
+    Ok(if active == (code.number == 91) { Step::Goto { n, at: target.at as usize } } else { Step::Next })
+}
+
+/// `M98 P○○○○ L□□□□`, or both in P: `P×××○○○○`.
+fn subprogram(running: &Running<'_, '_>, code: Code) -> Outcome<Step> {
+    let words = running.words;
+    let Some(p) = words.take(b'P') else { return wrong2(code.at as usize, E::MissingWord, "M98", "P") };
+    let packed = integer(p, 1, NUMBERS)?;
+    let (program, times) = match words.take(b'L') {
+        Some(times) => (integer(p, 1, 9_999)?, integer(times, 1, REPEATS)?),
+        None if packed > 9_999 => (packed % 10_000, packed / 10_000),
+        None => (packed, 1),
+    };
+    Ok(Step::Call(Call { program, times, callee: Callee::Sub, at: p.at as usize }))
+}
+
+fn back(running: &Running<'_, '_>, code: Code) -> Outcome<Step> {
+    let target = running.words.take(b'P').map(|word| integer(word, 0, NUMBERS)).transpose()?;
+    Ok(Step::Return { target, at: code.at as usize })
+}

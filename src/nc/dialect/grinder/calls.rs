@@ -1,0 +1,149 @@
+//! G65 and G66 with their arguments. Source: spec B3.
+
+use super::auxiliary::REPEATS;
+use super::codes::Plan;
+use super::{integer, macro_a};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::{Running, Step};
+use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::flow::{Call, Callee, Locals, ModalCall};
+use crate::nc::words::{Kind, Word};
+
+/// Sets of I, J, K in argument system II.
+const SETS: usize = 10;
+
+/// G65, G66, and G65 with H, which calculates.
+pub(super) fn macro_call(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
+    let words = running.words;
+    let (code, name) = match (plan.once, plan.call) {
+        (Some(once), Some(call)) => {
+            let names = [once, call].map(|code| format!("G{:02}", code.number));
+            let [first, second] = names;
+            return wrong2(call.at as usize, E::NotTogether, first, second);
+        }
+        (Some(once), None) => (once, "G65"),
+        (None, Some(call)) => (call, "G66"),
+        (None, None) => return Ok(Step::Next),
+    };
+    if let Some(m) = words.m().first() {
+        return wrong2(m.at as usize, E::NotTogether, name, format!("M{:02}", m.number));
+    }
+    if let Some(other) = words.g().iter().find(|other| other.at != code.at) {
+        return wrong2(other.at as usize, E::NotTogether, name, format!("G{:02}", other.number));
+    }
+    if name == "G65" && words.has(b'H') {
+        words.use_all();
+        return macro_a::run(running);
+    }
+    let Some(p) = words.take(b'P') else { return wrong2(code.at as usize, E::MissingWord, name, "P") };
+    let program = integer(p, 1, 9_999)?;
+    let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, REPEATS))?;
+    let arguments = Box::new(arguments(words.list())?);
+    words.use_all();
+    Ok(if name == "G65" {
+        Step::Call(Call { program, times, callee: Callee::Macro(arguments), at: p.at as usize })
+    } else {
+        Step::Modal(Some(Box::new(ModalCall { program, times, arguments })))
+    })
+}
+
+/// System I: each letter its own variable. System II, as soon as I, J or K stands twice: A B C and up to ten sets of
+/// I J K. A letter out of turn (K before I) begins the next set.
+fn arguments(words: &[Word]) -> Outcome<Locals> {
+    let mut locals: Locals = [None; 33];
+    let mut seen = 0_u32;
+    let given = || words.iter().filter(|word| !matches!(word.letter, b'P' | b'L' | b'O') && word.kind != Kind::Bare);
+    let mut count = [0; 3];
+    for word in given() {
+        if let Some(place) = (b'I'..=b'K').position(|letter| letter == word.letter) {
+            count[place] += 1;
+        }
+    }
+    let second = count.iter().any(|count| *count > 1);
+    let (mut set, mut last) = (0, None);
+    for word in given() {
+        let at = word.at as usize;
+        let index = match word.letter {
+            letter @ b'I'..=b'K' if second => {
+                let place = usize::from(letter - b'I');
+                if last.is_some_and(|last| place <= last) {
+                    set += 1;
+                }
+                last = Some(place);
+                if set >= SETS {
+                    return wrong1(at, E::DoubleWord, char::from(letter));
+                }
+                4 + 3 * set + place
+            }
+            letter => {
+                let bit = 1 << (letter - b'A');
+                if seen & bit != 0 {
+                    return wrong1(at, E::DoubleWord, char::from(letter));
+                }
+                seen |= bit;
+                match system_1(letter) {
+                    Some(index) if !second || index <= 3 => index,
+                    Some(_) | None => return wrong1(at, E::UnknownWord, char::from(letter)),
+                }
+            }
+        };
+        locals[index - 1] = (word.kind != Kind::Null).then_some(word.value);
+    }
+    Ok(locals)
+}
+
+const fn system_1(letter: u8) -> Option<usize> {
+    Some(match letter {
+        b'A' => 1,
+        b'B' => 2,
+        b'C' => 3,
+        b'I' => 4,
+        b'J' => 5,
+        b'K' => 6,
+        b'D' => 7,
+        b'E' => 8,
+        b'F' => 9,
+        b'H' => 11,
+        b'M' => 13,
+        b'Q' => 17,
+        b'R' => 18,
+        b'S' => 19,
+        b'T' => 20,
+        b'U' => 21,
+        b'V' => 22,
+        b'W' => 23,
+        b'X' => 24,
+        b'Y' => 25,
+        b'Z' => 26,
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn word(letter: u8, value: f64) -> Word {
+        Word { value, at: 0, letter, kind: Kind::Digits }
+    }
+
+    #[test]
+    fn b3_argument_system_1_gives_each_letter_its_variable() {
+        let locals = arguments(&[word(b'A', 1.0), word(b'X', 24.0), word(b'Z', 26.0), word(b'D', 7.0)]).unwrap();
+        assert_eq!(
+            (locals[0], locals[23], locals[25], locals[6], locals[3]),
+            (Some(1.0), Some(24.0), Some(26.0), Some(7.0), None)
+        );
+        assert!(arguments(&[word(b'X', 1.0), word(b'X', 2.0)]).is_err());
+    }
+
+    #[test]
+    fn b3_argument_system_2_counts_sets_of_i_j_k() {
+        let list = [(b'A', 1.0), (b'I', 4.0), (b'J', 5.0), (b'K', 6.0), (b'I', 7.0), (b'K', 9.0), (b'J', 11.0)];
+        let locals = arguments(&list.map(|(letter, value)| word(letter, value))).unwrap();
+        for (index, value) in [(1, 1.0), (4, 4.0), (5, 5.0), (6, 6.0), (7, 7.0), (9, 9.0), (11, 11.0)] {
+            assert_eq!(locals[index - 1], Some(value), "#{index}");
+        }
+        assert_eq!(locals[7], None);
+    }
+}

@@ -1,0 +1,139 @@
+//! The G codes of a block: each looked up in the table, none ignored. Source: spec B2, K1.
+
+use super::continuous;
+use crate::defs::gcode::{Exists, GCode, Group};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::Running;
+use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::modal::{CycleWords, Motion};
+use crate::nc::op::{PathMode, Plane, SpeedMode};
+use crate::nc::words::Code;
+
+/// What the G codes of a block ask for; modal ones are already in the working copy of the modals.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Plan {
+    /// The function of group 00.
+    pub once: Option<Code>,
+    /// G66 or G67.
+    pub call: Option<Code>,
+    /// A function of group 01 stands in the block.
+    pub motion: Option<Code>,
+    /// G61 or G64 stands in the block.
+    pub path: bool,
+    /// G54–G59 stands in the block.
+    pub frame: bool,
+}
+
+impl Plan {
+    /// Whether the function of group 00 is this one.
+    pub fn once_is(&self, number: u32) -> bool {
+        self.once.is_some_and(|once| once.number == number)
+    }
+
+    /// G65 or G66: the words are arguments.
+    pub fn is_macro_call(&self) -> bool {
+        self.once_is(65) || self.call.is_some_and(|call| call.number == 66)
+    }
+}
+
+/// Reads the G codes.
+pub(super) fn read(running: &mut Running<'_, '_>) -> Outcome<Plan> {
+    let mill = running.settings.is_mill();
+    let mut plan = Plan::default();
+    let mut holders: [Option<Code>; 11] = [None; 11];
+    let mut absolute = None;
+    let words = running.words;
+    for code in words.g() {
+        let row = look_up(*code, mill)?;
+        // K1: on GC `G90` beside another motion means absolute, which is what it is anyway.
+        if code.number == 90 && !mill {
+            if let Some(before) = absolute.replace(*code) {
+                return double(*code, before);
+            }
+            continue;
+        }
+        let group = row.group_on(mill);
+        if let Some(before) = holders[group as usize].replace(*code) {
+            return double(*code, before);
+        }
+        apply(running, &mut plan, group, *code);
+    }
+    if let Some(code) = absolute
+        && plan.once.is_none()
+    {
+        match plan.motion {
+            None => set_motion(running, &mut plan, code),
+            Some(motion) if motion.number > 3 => return double(motion, code),
+            Some(_) => {}
+        }
+    }
+    Ok(plan)
+}
+
+/// The row of a code, if this machine has it in this version.
+pub(super) fn look_up(code: Code, mill: bool) -> Outcome<&'static GCode> {
+    let (at, name) = (code.at as usize, || format!("G{:02}", code.number));
+    let Some(row) = GCode::find(code.number) else { return wrong1(at, E::UnknownG, name()) };
+    match row.exists_on(mill) {
+        Exists::Yes => Ok(row),
+        Exists::Later => wrong2(at, E::LaterG, name(), row.text.en),
+        Exists::No if code.number == 91 => wrong2(at, E::WrongKindG, name(), "U V W = ±X ±Y ±Z"),
+        Exists::No => wrong2(at, E::WrongKindG, name(), row.text.en),
+    }
+}
+
+#[cold]
+fn double<T>(code: Code, before: Code) -> Outcome<T> {
+    let (first, second) = (format!("G{:02}", before.number), format!("G{:02}", code.number));
+    if code.number == before.number {
+        return wrong1(code.at as usize, E::DoubleWord, second);
+    }
+    wrong2(code.at as usize, E::DoubleGroup, first, second)
+}
+
+fn set_motion(running: &mut Running<'_, '_>, plan: &mut Plan, code: Code) {
+    plan.motion = Some(code);
+    if let Some(motion) = Motion::from_g(code.number) {
+        if motion != running.modals.motion {
+            running.modals.cycle = CycleWords::default();
+        }
+        running.modals.motion = motion;
+    }
+}
+
+fn apply(running: &mut Running<'_, '_>, plan: &mut Plan, group: Group, code: Code) {
+    let modals = &mut *running.modals;
+    match group {
+        Group::Once => plan.once = Some(code),
+        Group::Motion => set_motion(running, plan, code),
+        Group::Speed => modals.speed_mode = if code.number == 96 { SpeedMode::SurfaceSpeed } else { modals.rotation },
+        Group::Distance => modals.incremental = code.number == 91,
+        Group::FeedMode => {
+            let per_rev = matches!(code.number, 95 | 99);
+            if per_rev != modals.per_rev {
+                // DECISION: 100 mm/min must not become 100 mm a revolution; a new F is asked for.
+                modals.feed = None;
+            }
+            modals.per_rev = per_rev;
+        }
+        Group::Units => modals.inch = code.number == 20,
+        Group::Compensation => {}
+        Group::Call => plan.call = Some(code),
+        Group::Frame => {
+            plan.frame = true;
+            modals.frame = code.number as u8;
+        }
+        Group::Path => {
+            plan.path = true;
+            let tolerance = running.settings.tolerance_mm;
+            modals.path = if code.number == 61 { PathMode::ExactStop } else { continuous(tolerance) };
+        }
+        Group::Plane => {
+            modals.plane = match code.number {
+                17 => Plane::Xy,
+                19 => Plane::Yz,
+                _ => Plane::Zx,
+            };
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! The canned cycles of GC: G90 along Z, G94 across, each four moves out of and back to the starting point.
+//! Source: spec B2, K1.
+
+use super::length;
+use super::motion::{Target, feed, target};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::Running;
+use crate::nc::fault::{Outcome, wrong2};
+use crate::nc::op::{AxisSet, Op};
+use crate::units::{Axis, PerAxis};
+
+/// G90: X in rapid, along Z at feed (taper R: radius at the start less radius at the end), X out at feed, Z back.
+pub(super) fn longitudinal(running: &mut Running<'_, '_>) -> Outcome<()> {
+    run(running, Axis::X, Axis::Z)
+}
+
+/// G94: Z in rapid, along X at feed (taper R in Z), Z out at feed, X back in rapid.
+pub(super) fn face(running: &mut Running<'_, '_>) -> Outcome<()> {
+    run(running, Axis::Z, Axis::X)
+}
+
+fn run(running: &mut Running<'_, '_>, infeed: Axis, stroke: Axis) -> Outcome<()> {
+    let from = running.scope.position();
+    let Target { to, words, incremental } = target(running, from)?;
+    let mut kept = running.modals.cycle;
+    if words.contains(Axis::X) {
+        kept.x = Some(to[Axis::X]);
+    }
+    if words.contains(Axis::Z) {
+        kept.z = Some(to[Axis::Z]);
+    }
+    if let Some(taper) = running.words.take(b'R') {
+        kept.taper = length(running, taper)?;
+    }
+    let name = format_args!("G{:02}", running.modals.motion.g()).to_string();
+    let (Some(x), Some(z)) = (kept.x, kept.z) else {
+        return wrong2(running.at, E::MissingWord, name, if kept.x.is_none() { "X / U" } else { "Z / W" });
+    };
+    let feed = feed(running)?;
+    running.modals.cycle = kept;
+    let with = |base: PerAxis<f64>, axis: Axis, value: f64| {
+        let mut point = base;
+        point[axis] = value;
+        point
+    };
+    let end = with(with(from, Axis::X, x), Axis::Z, z);
+    let start = with(from, infeed, end[infeed] + kept.taper);
+    let out = with(end, infeed, from[infeed]);
+    let by = |axes: AxisSet| {
+        let mut set = AxisSet::NONE;
+        axes.iter().filter(|axis| incremental.contains(*axis)).for_each(|axis| set.insert(axis));
+        set
+    };
+    let (one, other) = (AxisSet::of(infeed), AxisSet::of(stroke));
+    running.ops.push(Op::Rapid { to: start, words: one, incremental: by(one) });
+    running.ops.push(Op::Feed { to: end, feed, words: one.with(other), incremental: by(one.with(other)) });
+    running.ops.push(Op::Feed { to: out, feed, words: one, incremental: by(one) });
+    running.ops.push(Op::Rapid { to: from, words: other, incremental: by(other) });
+    Ok(())
+}

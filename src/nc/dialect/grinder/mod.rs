@@ -1,0 +1,191 @@
+//! The KT-820/KT-830 family's own dialect: lathe system A on GC, G90/G91 on GS and GA.
+//!
+//! Order within a block (DECISION): modes, frame, S, T, M codes that start something, the move, dwell or preset, M codes
+//! that stop something, then the jump or call. Source: spec B2, B4, K1, K3.14, K3.15.
+
+mod auxiliary;
+mod calls;
+mod codes;
+mod cycle;
+mod macro_a;
+mod motion;
+
+use self::codes::Plan;
+use super::{Running, Step};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::op::{Op, PathMode};
+use crate::nc::settings::Settings;
+use crate::nc::words::{Kind, Word, Words};
+use crate::units::Axis;
+
+/// The greatest coordinate, feed or speed that can be written.
+pub(super) const LIMIT: f64 = 99_999.999;
+const MM_PER_INCH: f64 = 25.4;
+
+/// The letters X Y Z U V W.
+const AXIS_WORDS: u32 = 1 << (b'X' - b'A')
+    | 1 << (b'Y' - b'A')
+    | 1 << (b'Z' - b'A')
+    | 1 << (b'U' - b'A')
+    | 1 << (b'V' - b'A')
+    | 1 << (b'W' - b'A');
+
+/// Executes a block of words.
+pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
+    let plan = codes::read(running)?;
+    if let Some(at) = running.words.bare {
+        return missing_number(running, at);
+    }
+    if let Some(at) = running.words.double
+        && !plan.is_macro_call()
+    {
+        let letter = char::from(running.text.get(at as usize).copied().unwrap_or(b'?')).to_ascii_uppercase();
+        return wrong1(at as usize, E::DoubleWord, letter);
+    }
+    if plan.is_macro_call() {
+        return calls::macro_call(running, &plan);
+    }
+    running.words.take(b'O');
+    modes(running, &plan)?;
+    if changes_position(running, &plan) && !running.second_half {
+        auxiliary::tool(running)?;
+        return Ok(Step::Again);
+    }
+    if !running.second_half {
+        auxiliary::tool(running)?;
+    } else {
+        running.words.take(b'T');
+    }
+    auxiliary::speed(running, &plan)?;
+    let flow = auxiliary::before_motion(running)?;
+    once_or_move(running, &plan)?;
+    auxiliary::after_motion(running)?;
+    if let Some(unused) = running.words.unused() {
+        return unknown_word(running, &plan, unused);
+    }
+    if matches!(flow, Step::Next)
+        && let Some(call) = plan.call
+        && call.number == 67
+    {
+        return Ok(Step::Modal(None));
+    }
+    Ok(flow)
+}
+
+/// Looks at the codes of a block that is not executed.
+pub(super) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
+    for code in words.g() {
+        codes::look_up(*code, settings.is_mill())?;
+    }
+    match words.m().iter().find(|code| code.number > 99) {
+        Some(code) => wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
+        None => Ok(()),
+    }
+}
+
+/// Feed, units, path mode and frame.
+fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
+    if let Some(feed) = running.words.take(b'F') {
+        let unit = if running.modals.inch { MM_PER_INCH } else { 1.0 };
+        if feed.value <= 0.0 || feed.value > LIMIT {
+            return out_of_range("F", feed, "0–99999.999");
+        }
+        running.modals.feed = Some(feed.value * unit);
+    }
+    if running.second_half {
+        return Ok(());
+    }
+    if plan.path {
+        running.ops.push(Op::Path(running.modals.path));
+    }
+    if plan.frame {
+        running.ops.push(Op::Frame { g: running.modals.frame });
+    }
+    Ok(())
+}
+
+/// Whether the block changes where coordinates are counted from before it uses them.
+fn changes_position(running: &Running<'_, '_>, plan: &Plan) -> bool {
+    let moves = running.words.has_any(AXIS_WORDS) && !plan.once_is(4);
+    moves && (plan.frame || running.words.has(b'T'))
+}
+
+fn once_or_move(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
+    match plan.once.map(|once| once.number) {
+        None => motion::modal(running, plan),
+        Some(4) => motion::dwell(running),
+        Some(28) => motion::reference(running),
+        Some(31) => motion::skip(running),
+        Some(50) => motion::preset(running),
+        Some(53) => motion::machine(running),
+        Some(_) => Ok(()),
+    }
+}
+
+/// A word's length in millimetres as written, inch and least increment counted in.
+fn length(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
+    let mut value = word.value;
+    if word.kind == Kind::Digits
+        && let Some(least) = running.settings.least_increment_mm
+    {
+        value *= least;
+    }
+    if running.modals.inch {
+        value *= MM_PER_INCH;
+    }
+    if value.abs() > LIMIT {
+        return out_of_range(char::from(word.letter), word, "±99999.999");
+    }
+    Ok(value)
+}
+
+/// A word that must be a whole number in a range.
+fn integer(word: Word, low: u32, high: u32) -> Outcome<u32> {
+    let name = char::from(word.letter);
+    match crate::nc::expression::whole(word.value) {
+        None => wrong1(word.at as usize, E::NotWhole, name),
+        Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
+        Some(_) => out_of_range(name, word, &format!("{low}–{high}")),
+    }
+}
+
+#[cold]
+fn out_of_range<T>(name: impl std::fmt::Display, word: Word, range: &str) -> Outcome<T> {
+    wrong2(word.at as usize, E::OutOfRange, format!("{name}{}", word.value), range)
+}
+
+#[cold]
+fn missing_number<T>(running: &Running<'_, '_>, at: u32) -> Outcome<T> {
+    let letter = char::from(running.text.get(at as usize).copied().unwrap_or(b'?')).to_ascii_uppercase();
+    wrong1(at as usize, E::MissingNumber, letter)
+}
+
+/// The word as written, up to the next letter or blank.
+#[cold]
+fn unknown_word<T>(running: &Running<'_, '_>, plan: &Plan, word: Word) -> Outcome<T> {
+    let at = word.at as usize;
+    let rest = running.text.get(at..).unwrap_or_default();
+    let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'[' | b']');
+    let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
+    let text = String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase();
+    if Axis::ALL.into_iter().any(|axis| axis_letters(axis).contains(&word.letter))
+        && let Some(once) = plan.once
+    {
+        return wrong1(at, E::AxisUnused, format!("G{:02}", once.number));
+    }
+    wrong1(at, E::UnknownWord, text)
+}
+
+/// The letters of an axis: absolute and incremental.
+const fn axis_letters(axis: Axis) -> [u8; 2] {
+    match axis {
+        Axis::X => [b'X', b'U'],
+        Axis::Y => [b'Y', b'V'],
+        Axis::Z => [b'Z', b'W'],
+    }
+}
+
+const fn continuous(tolerance_mm: f64) -> PathMode {
+    PathMode::Continuous { tolerance_mm }
+}

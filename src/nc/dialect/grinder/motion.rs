@@ -1,0 +1,278 @@
+//! Lines, arcs, dwell, skip, preset and the moves to fixed places. Source: spec B2, K1, K5.10, K5.11.
+
+use super::codes::Plan;
+use super::{AXIS_WORDS, LIMIT, axis_letters, cycle, integer, length, out_of_range};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::Running;
+use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::nc::modal::Motion;
+use crate::nc::op::{AxisSet, Feed, Op};
+use crate::nc::words::{Kind, Word};
+use crate::units::{Axis, PerAxis};
+
+/// Skip signals of G31.
+const SIGNALS: u32 = 6;
+const MOTION_ARC_LETTERS: u32 = 1 << (b'I' - b'A') | 1 << (b'J' - b'A') | 1 << (b'K' - b'A');
+
+/// The end of a move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Target {
+    pub to: PerAxis<f64>,
+    pub words: AxisSet,
+    pub incremental: AxisSet,
+}
+
+/// Where the axis words of the block lead from `from`.
+pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<Target> {
+    let words = running.words;
+    let mut target = Target { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
+    for axis in Axis::ALL {
+        let [absolute, distance] = axis_letters(axis).map(|letter| words.take(letter));
+        let (word, by) = match (absolute, distance) {
+            (None, None) => continue,
+            (Some(word), None) => (word, running.modals.incremental),
+            (None, Some(word)) => (word, true),
+            (Some(first), Some(second)) => {
+                let (first, second) = if first.at < second.at { (first, second) } else { (second, first) };
+                let names = [first, second].map(|word| char::from(word.letter).to_string());
+                let [first_name, second_name] = names;
+                return wrong2(second.at as usize, E::AbsoluteAndIncremental, first_name, second_name);
+            }
+        };
+        let value = axis_value(running, axis, word)?;
+        target.words.insert(axis);
+        if by {
+            target.incremental.insert(axis);
+        }
+        target.to[axis] = if by { from[axis] + value } else { value };
+    }
+    Ok(target)
+}
+
+/// The value of an axis word, radius mm.
+pub(super) fn axis_value(running: &Running<'_, '_>, axis: Axis, word: Word) -> Outcome<f64> {
+    if !running.settings.axes[axis] {
+        return wrong1(word.at as usize, E::NoAxis, axis.letter());
+    }
+    let value = length(running, word)?;
+    Ok(if axis == Axis::X && running.settings.diameter { value / 2.0 } else { value })
+}
+
+/// The feed in force.
+pub(super) fn feed(running: &Running<'_, '_>) -> Outcome<Feed> {
+    match running.modals.feed() {
+        Some(feed) => Ok(feed),
+        None => wrong(first_place(running), E::FeedMissing),
+    }
+}
+
+/// The first axis word of the block, else its first code.
+fn first_place(running: &Running<'_, '_>) -> usize {
+    let words = running.words;
+    let axis = words.list().iter().find(|word| Axis::ALL.iter().any(|axis| axis_letters(*axis).contains(&word.letter)));
+    axis.map_or_else(|| words.g().first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
+}
+
+/// The move of group 01.
+pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
+    let named = running.words.has_any(AXIS_WORDS);
+    let arc = matches!(running.modals.motion, Motion::ArcClockwise | Motion::ArcCounterClockwise);
+    if !named && !(arc && running.words.has_any(MOTION_ARC_LETTERS)) {
+        if arc && plan.motion.is_some() && running.words.has(b'R') {
+            return wrong1(first_place(running), E::ArcRadius, "R");
+        }
+        return Ok(());
+    }
+    match running.modals.motion {
+        Motion::Rapid => {
+            let Target { to, words, incremental } = target(running, running.scope.position())?;
+            running.ops.push(Op::Rapid { to, words, incremental });
+        }
+        Motion::Feed => {
+            let Target { to, words, incremental } = target(running, running.scope.position())?;
+            let feed = feed(running)?;
+            running.ops.push(Op::Feed { to, feed, words, incremental });
+        }
+        Motion::ArcClockwise => self::arc(running, -1)?,
+        Motion::ArcCounterClockwise => self::arc(running, 1)?,
+        Motion::LongitudinalCycle => cycle::longitudinal(running)?,
+        Motion::FaceCycle => cycle::face(running)?,
+    }
+    Ok(())
+}
+
+fn arc(running: &mut Running<'_, '_>, turn: i8) -> Outcome<()> {
+    let from = running.scope.position();
+    let target = target(running, from)?;
+    let plane = running.modals.plane;
+    let (first, second) = plane.axes();
+    if let Some(outside) = target.words.iter().find(|axis| *axis != first && *axis != second) {
+        return wrong1(first_place(running), E::AxisOutsidePlane, outside.letter());
+    }
+    let feed = feed(running)?;
+    let offsets = [first, second].map(|axis| running.words.take(centre_letter(axis)));
+    let radius = running.words.take(b'R');
+    let center = match (offsets, radius) {
+        ([None, None], None) => return wrong(first_place(running), E::ArcWithoutCentre),
+        ([None, None], Some(radius)) => by_radius(running, from, target.to, radius, turn)?,
+        ([a, b], None) => by_offsets(running, from, target.to, [a, b])?,
+        ([a, b], Some(radius)) => {
+            let other = a.or(b).map_or('I', |word| char::from(word.letter));
+            return wrong2(radius.at as usize, E::NotTogether, "R", other.to_string());
+        }
+    };
+    let Target { to, words, incremental } = target;
+    running.ops.push(Op::Arc { to, center, plane, turn, feed, words, incremental });
+    Ok(())
+}
+
+const fn centre_letter(axis: Axis) -> u8 {
+    match axis {
+        Axis::X => b'I',
+        Axis::Y => b'J',
+        Axis::Z => b'K',
+    }
+}
+
+fn by_offsets(
+    running: &Running<'_, '_>,
+    from: PerAxis<f64>,
+    to: PerAxis<f64>,
+    offsets: [Option<Word>; 2],
+) -> Outcome<PerAxis<f64>> {
+    let (first, second) = running.modals.plane.axes();
+    let mut center = from;
+    for (axis, word) in [first, second].into_iter().zip(offsets) {
+        if let Some(word) = word {
+            // B2: I is a radius, also where X is a diameter.
+            center[axis] += length(running, word)?;
+        }
+    }
+    let radius = |point: PerAxis<f64>| (point[first] - center[first]).hypot(point[second] - center[second]);
+    let (start, end) = (radius(from), radius(to));
+    if start <= f64::EPSILON {
+        return wrong1(first_place(running), E::ArcRadius, "0");
+    }
+    let off = (start - end).abs();
+    if off > running.settings.arc_tolerance_mm {
+        return wrong1(first_place(running), E::ArcEndOff, format!("{off:.3}"));
+    }
+    Ok(center)
+}
+
+fn by_radius(
+    running: &Running<'_, '_>,
+    from: PerAxis<f64>,
+    to: PerAxis<f64>,
+    word: Word,
+    turn: i8,
+) -> Outcome<PerAxis<f64>> {
+    let radius = length(running, word)?;
+    let (first, second) = running.modals.plane.axes();
+    let (a, b) = (to[first] - from[first], to[second] - from[second]);
+    let chord = a.hypot(b);
+    let half = chord / 2.0;
+    // A half circle may miss its radius by the rounding of the text.
+    let too_small = radius.abs() + running.settings.arc_tolerance_mm < half;
+    if chord <= 1e-9 || radius.abs() <= f64::EPSILON || too_small {
+        return wrong1(word.at as usize, E::ArcRadius, format!("R{}", word.value));
+    }
+    let height = (radius * radius - half * half).max(0.0).sqrt();
+    // The centre lies to the left of the way for a counter-clockwise minor arc; R below zero is the major arc.
+    let side = f64::from(turn) * radius.signum();
+    let mut center = from;
+    center[first] = (from[first] + to[first]) / 2.0 - side * height * b / chord;
+    center[second] = (from[second] + to[second]) / 2.0 + side * height * a / chord;
+    Ok(center)
+}
+
+/// G04: P milliseconds, X or U seconds.
+pub(super) fn dwell(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let words = running.words;
+    let found = [b'P', b'X', b'U'].map(|letter| words.take(letter));
+    let mut given = found.into_iter().flatten();
+    let Some(word) = given.next() else { return wrong2(code_place(running, 4), E::MissingWord, "G04", "P / X / U") };
+    if let Some(second) = given.next() {
+        let names = [word, second].map(|word| char::from(word.letter).to_string());
+        let [first, other] = names;
+        return wrong2(second.at as usize, E::NotTogether, first, other);
+    }
+    let scale = match (word.letter, word.kind, running.settings.least_increment_mm) {
+        (b'P', _, _) => 0.001,
+        (_, Kind::Digits, Some(least)) => least,
+        _ => 1.0,
+    };
+    let s = word.value * scale;
+    if !(0.0..=LIMIT).contains(&s) {
+        return out_of_range(char::from(word.letter), word, "0–99999.999 s");
+    }
+    running.ops.push(Op::Dwell { s });
+    Ok(())
+}
+
+/// G28: over the via point to the machine zero.
+pub(super) fn reference(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let Target { to, words, incremental } = target(running, running.scope.position())?;
+    if words.is_empty() {
+        return wrong2(code_place(running, 28), E::MissingWord, "G28", "X / Z");
+    }
+    running.ops.push(Op::Reference { via: to, words, incremental });
+    Ok(())
+}
+
+/// G31: feed until the signal P (1–6, 1 if not given).
+pub(super) fn skip(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let Target { to, words, incremental } = target(running, running.scope.position())?;
+    if words.is_empty() {
+        return wrong2(code_place(running, 31), E::MissingWord, "G31", "X / Z");
+    }
+    let signal = running.words.take(b'P').map_or(Ok(1), |word| integer(word, 1, SIGNALS))? as u8;
+    let feed = feed(running)?;
+    running.ops.push(Op::Skip { to, feed, signal, words, incremental });
+    Ok(())
+}
+
+/// G50: the present position is called X Z; U and W shift it; S limits the speed under G96.
+pub(super) fn preset(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let at = code_place(running, 50);
+    let Target { to, words, .. } = target(running, running.scope.position())?;
+    let limit = running.words.take(b'S');
+    if let Some(word) = limit {
+        if !(0.0..=LIMIT).contains(&word.value) {
+            return out_of_range("S", word, "0–99999.999");
+        }
+        running.ops.push(Op::SpeedLimit { rpm: word.value });
+    }
+    if words.is_empty() {
+        return if limit.is_some() { Ok(()) } else { wrong2(at, E::MissingWord, "G50", "X / Z / S") };
+    }
+    if running.modals.several_tools {
+        return wrong(at, E::PresetWithTools);
+    }
+    running.modals.preset = true;
+    running.ops.push(Op::Preset { values: PerAxis::from_fn(|axis| words.contains(axis).then_some(to[axis])) });
+    Ok(())
+}
+
+/// G53: machine coordinates for this block.
+pub(super) fn machine(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let at = code_place(running, 53);
+    let Target { to, words, incremental } = target(running, running.scope.position())?;
+    if words.is_empty() {
+        return wrong2(at, E::MissingWord, "G53", "X / Z");
+    }
+    if !incremental.is_empty() {
+        return wrong2(first_place(running), E::NotTogether, "G53", "U V W G91");
+    }
+    let feed = match running.modals.motion {
+        Motion::Rapid => None,
+        Motion::Feed => Some(feed(running)?),
+        motion => return wrong2(at, E::NotTogether, "G53", format!("G{:02}", motion.g())),
+    };
+    running.ops.push(Op::MachineMove { to: PerAxis::from_fn(|axis| words.contains(axis).then_some(to[axis])), feed });
+    Ok(())
+}
+
+fn code_place(running: &Running<'_, '_>, number: u32) -> usize {
+    running.words.g().iter().find(|code| code.number == number).map_or(running.at, |code| code.at as usize)
+}

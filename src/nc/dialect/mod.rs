@@ -1,0 +1,63 @@
+//! Dialects: how the words of a block become operations. Each is one module; lexer, expressions, flow, operations and
+//! the check are shared.
+
+mod grinder;
+
+use super::expression::Value;
+use super::fault::Outcome;
+use super::flow::{Call, ModalCall};
+use super::interpreter::LiveScope;
+use super::modal::Modals;
+use super::op::Op;
+use super::settings::{Settings, System};
+use super::words::Words;
+
+/// What a dialect is given to execute a block of words.
+pub(crate) struct Running<'r, 'w> {
+    pub words: &'r Words,
+    /// A working copy: it counts only if the block is accepted.
+    pub modals: &'r mut Modals,
+    pub settings: &'r Settings,
+    pub ops: &'r mut Vec<Op>,
+    pub scope: &'r mut LiveScope<'w>,
+    /// The text of the program, for words that are read again.
+    pub text: &'r [u8],
+    /// Where the block begins in it.
+    pub at: usize,
+    /// The second half of a block that was divided by `Step::Again`.
+    pub second_half: bool,
+}
+
+/// What follows a block of words.
+pub(crate) enum Step {
+    /// The next block.
+    Next,
+    /// The same block once more with `second_half`: what was handed out changes the position that the rest starts from.
+    Again,
+    /// Another block.
+    Goto { n: u32, at: usize },
+    /// Another program.
+    Call(Call),
+    /// G66, or G67 with `None`.
+    Modal(Option<Box<ModalCall>>),
+    /// M99.
+    Return { target: Option<u32>, at: usize },
+    /// A variable gets a value.
+    Assign { variable: u32, value: Value, at: usize },
+    /// M02, M30.
+    End,
+}
+
+/// Executes a block of words in the dialect of the machine kind.
+pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
+    match running.settings.system {
+        System::LatheA | System::Mill => grinder::run(running),
+    }
+}
+
+/// Looks at a block of words that is not executed: whether its codes exist.
+pub(crate) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
+    match settings.system {
+        System::LatheA | System::Mill => grinder::look(words, settings),
+    }
+}

@@ -1,0 +1,409 @@
+//! Expressions, evaluated as they are read: no tree is built. Null is `None`; it reads as 0 in arithmetic and two
+//! numbers are equal within 1e-9 of the larger. Source: spec B3.
+
+use super::fault::{Outcome, wrong, wrong1, wrong2};
+use super::lexer::Cursor;
+use crate::defs::program_error::ProgramError as E;
+
+/// How deep brackets, signs and indices may nest.
+const DEPTH: usize = 32;
+/// Largest whole number that the bit functions take: 2^53.
+const WHOLE_LIMIT: f64 = 9_007_199_254_740_992.0;
+
+/// A value; `None` is null.
+pub(crate) type Value = Option<f64>;
+
+/// Where variables are looked up.
+pub(crate) trait Scope {
+    /// Whether values are real: without them only the writing is checked.
+    const STRICT: bool;
+    /// The value of a variable that is named at a byte of the text.
+    fn read(&mut self, number: u32, at: usize) -> Outcome<Value>;
+    /// Null was taken as 0.
+    fn null_used(&mut self, at: usize);
+}
+
+/// EQ of the specification: within 1e-9 of the larger. DECISION: 1e-12 is always equal, so that 0.1+0.2-0.3 EQ 0.
+#[must_use]
+pub(crate) fn equal(a: f64, b: f64) -> bool {
+    (a - b).abs() <= (1e-9 * a.abs().max(b.abs())).max(1e-12)
+}
+
+/// A whole number, if the value is one within 1e-9.
+#[must_use]
+pub(crate) fn whole(value: f64) -> Option<i64> {
+    let near = value.round();
+    ((value - near).abs() <= 1e-9 * near.abs().max(1.0) && near.abs() <= WHOLE_LIMIT).then_some(near as i64)
+}
+
+/// Evaluates what stands at the cursor, comparisons included.
+pub(crate) fn evaluate<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<Value> {
+    Reader { cursor, scope, depth: 0 }.comparison()
+}
+
+/// Evaluates `[…]`, a variable or a number, without sign.
+pub(crate) fn primary<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<Value> {
+    Reader { cursor, scope, depth: 0 }.factor()
+}
+
+/// The number of the variable whose `#` is at the cursor.
+pub(crate) fn variable<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<u32> {
+    Reader { cursor, scope, depth: 0 }.index()
+}
+
+struct Reader<'r, 'a, S> {
+    cursor: &'r mut Cursor<'a>,
+    scope: &'r mut S,
+    depth: usize,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Compare {
+    Eq,
+    Ne,
+    Gt,
+    Ge,
+    Lt,
+    Le,
+}
+
+#[derive(Clone, Copy)]
+enum Operator {
+    Add,
+    Subtract,
+    Or,
+    Xor,
+    Multiply,
+    Divide,
+    Modulo,
+    And,
+}
+
+impl<S: Scope> Reader<'_, '_, S> {
+    fn comparison(&mut self) -> Outcome<Value> {
+        let left = self.sum()?;
+        self.cursor.blank()?;
+        let Some(compare) = self.compare() else { return Ok(left) };
+        let right = self.sum()?;
+        self.cursor.blank()?;
+        let at = self.cursor.at;
+        if self.compare().is_some() {
+            return wrong1(at, E::BadStatement, "[ ]");
+        }
+        Ok(Some(f64::from(u8::from(holds(compare, left, right)))))
+    }
+
+    fn compare(&mut self) -> Option<Compare> {
+        const WORDS: [(&str, Compare); 13] = [
+            ("EQ", Compare::Eq),
+            ("NE", Compare::Ne),
+            ("GT", Compare::Gt),
+            ("GE", Compare::Ge),
+            ("LT", Compare::Lt),
+            ("LE", Compare::Le),
+            ("==", Compare::Eq),
+            ("!=", Compare::Ne),
+            ("<>", Compare::Ne),
+            (">=", Compare::Ge),
+            ("<=", Compare::Le),
+            (">", Compare::Gt),
+            ("<", Compare::Lt),
+        ];
+        if !matches!(self.cursor.peek(), b'A'..=b'Z' | b'a'..=b'z' | b'=' | b'!' | b'<' | b'>') {
+            return None;
+        }
+        WORDS.into_iter().find(|(word, _)| self.cursor.keyword(word)).map(|(_, compare)| compare)
+    }
+
+    fn sum(&mut self) -> Outcome<Value> {
+        let mut left = self.product()?;
+        loop {
+            self.cursor.blank()?;
+            let at = self.cursor.at;
+            let operator = match self.cursor.peek() {
+                b'+' => Operator::Add,
+                b'-' => Operator::Subtract,
+                b'O' | b'o' if self.cursor.keyword("OR") => Operator::Or,
+                b'X' | b'x' if self.cursor.keyword("XOR") => Operator::Xor,
+                _ => return Ok(left),
+            };
+            self.cursor.at += usize::from(self.cursor.at == at);
+            let right = self.product()?;
+            left = self.apply(operator, left, right, at)?;
+        }
+    }
+
+    fn product(&mut self) -> Outcome<Value> {
+        let mut left = self.power()?;
+        loop {
+            self.cursor.blank()?;
+            let at = self.cursor.at;
+            let operator = match self.cursor.peek() {
+                b'*' => Operator::Multiply,
+                b'/' => Operator::Divide,
+                b'M' | b'm' if self.cursor.keyword("MOD") => Operator::Modulo,
+                b'A' | b'a' if self.cursor.keyword("AND") => Operator::And,
+                _ => return Ok(left),
+            };
+            self.cursor.at += usize::from(self.cursor.at == at);
+            let right = self.power()?;
+            left = self.apply(operator, left, right, at)?;
+        }
+    }
+
+    fn power(&mut self) -> Outcome<Value> {
+        let mut left = self.sign()?;
+        loop {
+            self.cursor.blank()?;
+            let at = self.cursor.at;
+            if !(self.cursor.peek() == b'*' && self.cursor.peek_at(1) == b'*') {
+                return Ok(left);
+            }
+            self.cursor.at += 2;
+            let right = self.sign()?;
+            let (base, exponent) = (self.operand(left, at), self.operand(right, at));
+            let power = base.powf(exponent);
+            if power.is_nan() && S::STRICT {
+                return wrong2(at, E::Domain, "**", format!("{base}, {exponent}"));
+            }
+            left = self.finite(power, at)?;
+        }
+    }
+
+    fn sign(&mut self) -> Outcome<Value> {
+        let mut negative = false;
+        for _ in 0..DEPTH {
+            self.cursor.blank()?;
+            match self.cursor.peek() {
+                b'-' => negative = !negative,
+                b'+' => {}
+                _ => {
+                    let value = self.factor()?;
+                    return Ok(if negative { value.map(|value| -value) } else { value });
+                }
+            }
+            self.cursor.at += 1;
+        }
+        wrong(self.cursor.at, E::TooComplex)
+    }
+
+    fn factor(&mut self) -> Outcome<Value> {
+        match self.cursor.peek() {
+            b'0'..=b'9' | b'.' => Ok(Some(self.cursor.number()?.value)),
+            b'#' => {
+                let at = self.cursor.at;
+                let number = self.index()?;
+                self.scope.read(number, at)
+            }
+            b'[' => self.bracket(),
+            b'A'..=b'Z' | b'a'..=b'z' => self.function(),
+            _ => self.cursor.unexpected(),
+        }
+    }
+
+    fn bracket(&mut self) -> Outcome<Value> {
+        let open = self.cursor.at;
+        if !self.cursor.take(b'[') {
+            return self.cursor.unexpected();
+        }
+        self.enter(open)?;
+        let value = self.comparison()?;
+        self.depth -= 1;
+        self.cursor.blank()?;
+        if self.cursor.take(b']') {
+            return Ok(value);
+        }
+        if matches!(self.cursor.peek(), b'\r' | b'\n' | b';') {
+            return wrong(open, E::UnbalancedBracket);
+        }
+        self.cursor.unexpected()
+    }
+
+    fn enter(&mut self, at: usize) -> Outcome<()> {
+        self.depth += 1;
+        if self.depth > DEPTH { wrong(at, E::TooComplex) } else { Ok(()) }
+    }
+
+    fn index(&mut self) -> Outcome<u32> {
+        let at = self.cursor.at;
+        self.cursor.at += 1;
+        self.cursor.blank()?;
+        let value = match self.cursor.peek() {
+            b'0'..=b'9' | b'.' => Some(self.cursor.number()?.value),
+            b'[' => self.bracket()?,
+            b'#' => {
+                self.enter(at)?;
+                let inner = self.factor()?;
+                self.depth -= 1;
+                inner
+            }
+            b'\r' | b'\n' | b';' => return wrong1(at, E::MissingNumber, "#"),
+            _ => return self.cursor.unexpected(),
+        };
+        if !S::STRICT && value.is_none() {
+            return Ok(0);
+        }
+        let value = self.operand(value, at);
+        match whole(value).map(u32::try_from) {
+            Some(Ok(number)) => Ok(number),
+            Some(Err(_)) | None => wrong1(at, E::BadVariable, format!("#{value}")),
+        }
+    }
+
+    fn operand(&mut self, value: Value, at: usize) -> f64 {
+        value.unwrap_or_else(|| {
+            self.scope.null_used(at);
+            0.0
+        })
+    }
+
+    fn finite(&self, value: f64, at: usize) -> Outcome<Value> {
+        if value.is_finite() || !S::STRICT { Ok(Some(value)) } else { wrong(at, E::Overflow) }
+    }
+
+    fn apply(&mut self, operator: Operator, left: Value, right: Value, at: usize) -> Outcome<Value> {
+        let (a, b) = (self.operand(left, at), self.operand(right, at));
+        let value = match operator {
+            Operator::Add => a + b,
+            Operator::Subtract => a - b,
+            Operator::Multiply => a * b,
+            Operator::Divide | Operator::Modulo if b.abs() <= 0.0 => {
+                return if S::STRICT { wrong(at, E::DivisionByZero) } else { Ok(Some(0.0)) };
+            }
+            Operator::Divide => a / b,
+            Operator::Modulo => a % b,
+            Operator::And => self.bits(a, b, at, |a, b| a & b)?,
+            Operator::Or => self.bits(a, b, at, |a, b| a | b)?,
+            Operator::Xor => self.bits(a, b, at, |a, b| a ^ b)?,
+        };
+        self.finite(value, at)
+    }
+
+    fn bits(&self, a: f64, b: f64, at: usize, act: fn(i64, i64) -> i64) -> Outcome<f64> {
+        match (whole(a), whole(b)) {
+            (Some(a), Some(b)) => Ok(act(a, b) as f64),
+            _ if S::STRICT => wrong2(at, E::Domain, "AND OR XOR", format!("{a}, {b}")),
+            _ => Ok(0.0),
+        }
+    }
+
+    fn function(&mut self) -> Outcome<Value> {
+        let at = self.cursor.at;
+        let Some((name, act)) = FUNCTIONS.into_iter().find(|(name, _)| self.cursor.keyword(name)) else {
+            return self.cursor.unexpected();
+        };
+        self.cursor.blank()?;
+        let argument = self.bracket()?;
+        let argument = self.operand(argument, at);
+        self.cursor.blank()?;
+        let value = if name == "ATAN" && self.cursor.peek() == b'/' && self.bracket_follows() {
+            self.cursor.at += 1;
+            self.cursor.blank()?;
+            let second = self.bracket()?;
+            Some(argument.atan2(self.operand(second, at)).to_degrees())
+        } else {
+            act(argument)
+        };
+        match value {
+            Some(value) => self.finite(value, at),
+            None if S::STRICT => wrong2(at, E::Domain, name, argument.to_string()),
+            None => Ok(Some(0.0)),
+        }
+    }
+
+    /// After the slash of `ATAN[a]/[b]`; `ATAN[a]/2` is a division.
+    fn bracket_follows(&self) -> bool {
+        let mut ahead = *self.cursor;
+        ahead.at += 1;
+        ahead.blank().is_ok() && ahead.peek() == b'['
+    }
+}
+
+fn holds(compare: Compare, left: Value, right: Value) -> bool {
+    // DECISION: null equals null only, as the family compares; in order it is 0.
+    let equals = match (left, right) {
+        (Some(a), Some(b)) => equal(a, b),
+        (None, None) => true,
+        (Some(_), None) | (None, Some(_)) if matches!(compare, Compare::Eq | Compare::Ne) => false,
+        (a, b) => equal(a.unwrap_or(0.0), b.unwrap_or(0.0)),
+    };
+    let (a, b) = (left.unwrap_or(0.0), right.unwrap_or(0.0));
+    match compare {
+        Compare::Eq => equals,
+        Compare::Ne => !equals,
+        Compare::Gt => a > b && !equals,
+        Compare::Ge => a > b || equals,
+        Compare::Lt => a < b && !equals,
+        Compare::Le => a < b || equals,
+    }
+}
+
+type Function = fn(f64) -> Option<f64>;
+
+/// A name that begins with another stands before it.
+const FUNCTIONS: [(&str, Function); 16] = [
+    ("SIN", |a| Some(sine(a))),
+    ("COS", |a| Some(sine(a + 90.0))),
+    ("TAN", |a| {
+        let cosine = sine(a + 90.0);
+        (cosine.abs() > 1e-12).then(|| sine(a) / cosine)
+    }),
+    ("ASIN", |a| in_unit(a).map(|a| a.asin().to_degrees())),
+    ("ACOS", |a| in_unit(a).map(|a| a.acos().to_degrees())),
+    ("ATAN", |a| Some(a.atan().to_degrees())),
+    ("SQRT", square_root),
+    ("SQR", square_root),
+    ("ABS", |a| Some(a.abs())),
+    ("ROUND", |a| Some(a.round())),
+    ("FIX", |a| Some(a.trunc())),
+    ("FUP", |a| Some(if a < 0.0 { a.floor() } else { a.ceil() })),
+    ("LN", |a| (a > 0.0).then(|| a.ln())),
+    ("EXP", |a| Some(a.exp())),
+    ("BIN", from_bcd),
+    ("BCD", to_bcd),
+];
+
+pub(crate) fn square_root(value: f64) -> Option<f64> {
+    (value >= 0.0).then(|| value.sqrt())
+}
+
+/// Sine of degrees, exact at every quarter turn.
+pub(crate) fn sine(degrees: f64) -> f64 {
+    let turned = degrees % 360.0;
+    match whole(turned).filter(|whole| whole % 90 == 0).map(|whole| whole.rem_euclid(360)) {
+        Some(90) => 1.0,
+        Some(270) => -1.0,
+        Some(_) => 0.0,
+        None => turned.to_radians().sin(),
+    }
+}
+
+fn in_unit(value: f64) -> Option<f64> {
+    // Rounding may carry a quotient of equal lengths just past 1.
+    (value.abs() <= 1.0 + 1e-9).then(|| value.clamp(-1.0, 1.0))
+}
+
+/// Decimal digits packed four bits each, as a number.
+pub(crate) fn from_bcd(value: f64) -> Option<f64> {
+    let value = whole(value).filter(|value| *value >= 0)?;
+    let mut result = 0;
+    for place in (0..13).rev() {
+        let digit = (value >> (4 * place)) & 15;
+        if digit > 9 {
+            return None;
+        }
+        result = result * 10 + digit;
+    }
+    Some(result as f64)
+}
+
+/// A number as decimal digits packed four bits each.
+pub(crate) fn to_bcd(value: f64) -> Option<f64> {
+    let mut value = whole(value).filter(|value| (0..10_000_000_000_000).contains(value))?;
+    let mut result = 0;
+    for place in 0..13 {
+        result |= (value % 10) << (4 * place);
+        value /= 10;
+    }
+    Some(result as f64)
+}

@@ -1,0 +1,128 @@
+//! What is wrong in a program, and exactly where. Source: spec B1, B8.
+
+use std::fmt;
+
+use crate::defs::program_error::ProgramError;
+use crate::defs::text::Lang;
+
+/// A block of a program.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Place {
+    /// The O number.
+    pub program: u32,
+    /// The line, from 1.
+    pub line: u32,
+    /// The N number, if the block has one.
+    pub n: Option<u32>,
+}
+
+/// A program's mistake: where, which, and its details.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub struct Fault {
+    /// The block.
+    pub place: Place,
+    /// The column, from 1, counted in characters.
+    pub column: u32,
+    /// Which row of the table.
+    pub error: ProgramError,
+    details: [String; 2],
+}
+
+impl Fault {
+    pub(crate) fn new(place: Place, column: u32, wrong: Wrong) -> Self {
+        Self { place, column, error: wrong.error, details: wrong.details }
+    }
+
+    /// The alarm number, 1–65 or 67–99.
+    #[must_use]
+    pub const fn alarm(&self) -> u16 {
+        self.error.number()
+    }
+
+    /// What is wrong, without place and remedy.
+    #[must_use]
+    pub fn cause(&self, lang: Lang) -> String {
+        fill(self.error.text().get(lang), &self.details)
+    }
+
+    /// What to do about it.
+    #[must_use]
+    pub fn remedy(&self, lang: Lang) -> String {
+        fill(self.error.remedy().get(lang), &self.details)
+    }
+
+    /// Program, line, column, cause and remedy in one line.
+    #[must_use]
+    pub fn text(&self, lang: Lang) -> String {
+        let (program, line, column) = (self.place.program, self.place.line, self.column);
+        let (cause, remedy) = (self.cause(lang), self.remedy(lang));
+        match lang {
+            Lang::Zh => format!("O{program:04} 第{line}行 第{column}列：{cause} – {remedy}"),
+            Lang::En => format!("O{program:04} line {line}, column {column}: {cause} – {remedy}"),
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.text(Lang::En))
+    }
+}
+
+fn fill(template: &str, details: &[String; 2]) -> String {
+    template.replace("{}", &details[0]).replace("{2}", &details[1])
+}
+
+/// A mistake at a byte of the text, before its line and column are counted.
+#[derive(Clone, Debug)]
+pub(crate) struct Wrong {
+    pub at: usize,
+    pub error: ProgramError,
+    pub details: [String; 2],
+}
+
+/// Why reading a block stopped.
+#[derive(Clone, Debug)]
+pub(crate) enum Stop {
+    /// A live value is wanted and motion must drain first.
+    Drain,
+    /// The text is wrong.
+    Wrong(Wrong),
+}
+
+/// Boxed so that the plain path carries one word.
+pub(crate) type Outcome<T> = Result<T, Box<Stop>>;
+
+#[cold]
+pub(crate) fn wrong<T>(at: usize, error: ProgramError) -> Outcome<T> {
+    wrong2(at, error, "", "")
+}
+
+#[cold]
+pub(crate) fn wrong1<T>(at: usize, error: ProgramError, detail: impl Into<String>) -> Outcome<T> {
+    wrong2(at, error, detail, "")
+}
+
+#[cold]
+pub(crate) fn wrong2<T>(
+    at: usize,
+    error: ProgramError,
+    detail: impl Into<String>,
+    second: impl Into<String>,
+) -> Outcome<T> {
+    Err(Box::new(Stop::Wrong(Wrong { at, error, details: [detail.into(), second.into()] })))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
+        let wrong = Wrong { at: 0, error: ProgramError::UnknownWord, details: ["Q9".into(), String::new()] };
+        let fault = Fault::new(Place { program: 1001, line: 7, n: None }, 12, wrong);
+        assert!(fault.text(Lang::En).starts_with("O1001 line 7, column 12: unknown word 'Q9' – "));
+        assert!(fault.text(Lang::Zh).starts_with("O1001 第7行 第12列：无法识别的字 'Q9' – "));
+        assert_eq!(fault.alarm(), 1);
+    }
+}

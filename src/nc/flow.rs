@@ -1,0 +1,252 @@
+//! Where the program is: jumps, loops, calls and returns. Source: spec B3.
+
+use std::sync::Arc;
+
+use super::expression::Value;
+use super::fault::{Outcome, wrong1, wrong2};
+use super::source::{LOOP_DEPTH, Source};
+use crate::defs::program_error::ProgramError as E;
+
+/// The deepest nesting of M98.
+pub(crate) const SUB_DEPTH: usize = 4;
+/// The deepest nesting of G65 and G66.
+pub(crate) const MACRO_DEPTH: usize = 4;
+
+/// #1–#33 of one level; index 0 is #1.
+pub(crate) type Locals = [Value; 33];
+
+/// A macro that is called after every block with motion.
+#[derive(Clone, Debug)]
+pub(crate) struct ModalCall {
+    pub program: u32,
+    pub times: u32,
+    pub arguments: Box<Locals>,
+}
+
+/// What a call opens: a subprogram shares the locals of its caller, a macro has its own.
+#[derive(Clone, Debug)]
+pub(crate) enum Callee {
+    Sub,
+    Macro(Box<Locals>),
+}
+
+/// A call as the text asks for it.
+#[derive(Clone, Debug)]
+pub(crate) struct Call {
+    pub program: u32,
+    pub times: u32,
+    pub callee: Callee,
+    pub at: usize,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Open {
+    number: u8,
+    while_line: u32,
+    end_line: u32,
+}
+
+/// A place in a program to which a return leads.
+#[derive(Clone, Debug)]
+struct Level {
+    source: Arc<Source>,
+    at: usize,
+    line: u32,
+    mid_line: bool,
+    loops: [Open; LOOP_DEPTH],
+    depth: usize,
+    left: u32,
+    callee: Callee,
+    modal: Option<Arc<ModalCall>>,
+}
+
+/// The place in the running program and the way back.
+#[derive(Clone, Debug)]
+pub(crate) struct Flow {
+    pub source: Arc<Source>,
+    /// The next byte to read.
+    pub at: usize,
+    /// Its line, from 0.
+    pub line: u32,
+    /// A block of this line was read before.
+    pub mid_line: bool,
+    /// M99 has begun the main program again.
+    pub restarted: bool,
+    /// The G66 in force.
+    pub modal: Option<Arc<ModalCall>>,
+    loops: [Open; LOOP_DEPTH],
+    depth: usize,
+    levels: Vec<Level>,
+    locals: Vec<Locals>,
+}
+
+impl Flow {
+    pub fn new(source: Arc<Source>) -> Self {
+        Self {
+            source,
+            at: 0,
+            line: 0,
+            mid_line: false,
+            restarted: false,
+            modal: None,
+            loops: [Open::default(); LOOP_DEPTH],
+            depth: 0,
+            levels: Vec::new(),
+            locals: vec![[None; 33]],
+        }
+    }
+
+    /// #1–#33 of the running level.
+    pub fn locals(&self) -> &Locals {
+        static NONE: Locals = [None; 33];
+        self.locals.last().unwrap_or(&NONE)
+    }
+
+    pub fn set_local(&mut self, number: u32, value: Value) {
+        let place = self.locals.last_mut().and_then(|locals| locals.get_mut((number as usize).wrapping_sub(1)));
+        if let Some(place) = place {
+            *place = value;
+        }
+    }
+
+    /// Whether this is the program that was started.
+    pub fn is_main(&self) -> bool {
+        self.levels.is_empty()
+    }
+
+    /// Goes to a line, from 0.
+    pub fn go_to_line(&mut self, line: u32) {
+        self.line = line;
+        self.at = self.source.start(line);
+        self.mid_line = false;
+    }
+
+    /// GOTO: the next block of that number, or the first of the program; loops that the target lies outside are left.
+    pub fn go_to_block(&mut self, n: u32, at: usize) -> Outcome<()> {
+        let Some(line) = self.source.find_block(n, self.line) else {
+            return wrong1(at, E::MissingTarget, format!("N{n}"));
+        };
+        let stays = |open: &Open| open.while_line < line && line <= open.end_line;
+        self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
+        self.go_to_line(line);
+        Ok(())
+    }
+
+    /// WHILE in the present line: into the loop, or behind its END.
+    pub fn begin_loop(&mut self, holds: bool, number: u8, at: usize) -> Outcome<()> {
+        let found = self.source.loop_at(self.line).filter(|found| found.number == number);
+        let Some((found, end_line)) = found.and_then(|found| found.end_line.map(|end| (found, end))) else {
+            return wrong1(at, E::LoopMismatch, format!("WHILE … DO{number}"));
+        };
+        let top = self.depth.checked_sub(1).map(|top| self.loops[top]);
+        let again = top.is_some_and(|top| top.while_line == found.while_line);
+        if !again {
+            if self.loops[..self.depth].iter().any(|open| open.number == number) || self.depth == LOOP_DEPTH {
+                return wrong1(at, E::DoNumber, number.to_string());
+            }
+            self.loops[self.depth] = Open { number, while_line: found.while_line, end_line };
+            self.depth += 1;
+        }
+        if !holds {
+            self.depth -= 1;
+            self.go_to_line(end_line + 1);
+        }
+        Ok(())
+    }
+
+    /// END: back to its WHILE.
+    pub fn end_loop(&mut self, number: u8, at: usize) -> Outcome<()> {
+        let line = self.line;
+        match self.depth.checked_sub(1).map(|top| self.loops[top]) {
+            Some(top) if top.number == number && top.end_line == line => {
+                self.go_to_line(top.while_line);
+                Ok(())
+            }
+            Some(_) | None => wrong1(at, E::LoopMismatch, format!("END{number}")),
+        }
+    }
+
+    /// Goes behind the outermost loop that is open; `false` if none is.
+    pub fn leave_loops(&mut self) -> bool {
+        if self.depth == 0 {
+            return false;
+        }
+        self.depth = 0;
+        self.go_to_line(self.loops[0].end_line + 1);
+        true
+    }
+
+    /// Opens a program; the flow already stands behind the calling block.
+    pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool) -> Outcome<()> {
+        let is_macro = matches!(call.callee, Callee::Macro(_));
+        let same = |level: &&Level| matches!(level.callee, Callee::Macro(_)) == is_macro;
+        let (limit, name) = if is_macro { (MACRO_DEPTH, "G65/G66") } else { (SUB_DEPTH, "M98") };
+        if self.levels.iter().filter(same).count() >= limit {
+            return wrong2(call.at, E::TooDeep, name, limit.to_string());
+        }
+        if let Callee::Macro(arguments) = &call.callee {
+            self.locals.push(**arguments);
+        }
+        // A macro that G66 calls is not called again by its own moves.
+        let restored = self.modal.clone();
+        if modal {
+            self.modal = None;
+        }
+        self.levels.push(Level {
+            source: std::mem::replace(&mut self.source, source),
+            at: self.at,
+            line: self.line,
+            mid_line: self.mid_line,
+            loops: self.loops,
+            depth: self.depth,
+            left: call.times - 1,
+            callee: call.callee,
+            modal: if modal { restored } else { None },
+        });
+        self.depth = 0;
+        self.go_to_line(0);
+        Ok(())
+    }
+
+    /// M99: to the next repetition, to the caller (to its block `target`, if given), or to the head of the main program.
+    pub fn return_to(&mut self, target: Option<u32>, at: usize) -> Outcome<()> {
+        let Some(level) = self.levels.last_mut() else {
+            self.depth = 0;
+            return match target {
+                Some(n) => self.go_to_block(n, at),
+                None => {
+                    self.restarted = true;
+                    self.go_to_line(0);
+                    Ok(())
+                }
+            };
+        };
+        if let Some(n) = target
+            && level.source.find_block(n, level.line).is_none()
+        {
+            return wrong1(at, E::MissingTarget, format!("O{:04} N{n}", level.source.number()));
+        }
+        if level.left > 0 && target.is_none() {
+            level.left -= 1;
+            if let Callee::Macro(arguments) = &level.callee
+                && let Some(locals) = self.locals.last_mut()
+            {
+                *locals = **arguments;
+            }
+            self.depth = 0;
+            self.go_to_line(0);
+            return Ok(());
+        }
+        let Some(level) = self.levels.pop() else { return Ok(()) };
+        if matches!(level.callee, Callee::Macro(_)) {
+            self.locals.pop();
+        }
+        self.source = level.source;
+        (self.at, self.line, self.mid_line) = (level.at, level.line, level.mid_line);
+        (self.loops, self.depth) = (level.loops, level.depth);
+        if level.modal.is_some() {
+            self.modal = level.modal;
+        }
+        target.map_or(Ok(()), |n| self.go_to_block(n, at))
+    }
+}

@@ -1,0 +1,226 @@
+//! Bytes to numbers, marks and words: the part that every dialect shares.
+//! Numbers are read as an integer mantissa and a scale, so that `0.1` is the nearest `f64` to 0.1. Source: spec B1.
+
+use nom::bytes::complete::{tag_no_case, take_till, take_while};
+use nom::{IResult, Parser};
+
+use super::fault::{Outcome, wrong, wrong1};
+use crate::defs::program_error::ProgramError;
+
+/// The most characters of one number.
+const NUMBER_LENGTH: usize = 40;
+/// Mantissas up to here are exact in an `f64`.
+const EXACT_DIGITS: usize = 15;
+
+const POWERS_OF_TEN: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// What stands after the last byte of a text.
+pub(crate) const END: u8 = b'\n';
+
+/// A number as written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Number {
+    pub value: f64,
+    /// Written with a decimal point.
+    pub point: bool,
+}
+
+/// A place in a text.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cursor<'a> {
+    pub text: &'a [u8],
+    pub at: usize,
+}
+
+impl<'a> Cursor<'a> {
+    pub const fn new(text: &'a [u8], at: usize) -> Self {
+        Self { text, at }
+    }
+
+    /// The next byte; a line end after the last.
+    #[inline]
+    pub fn peek(&self) -> u8 {
+        self.text.get(self.at).copied().unwrap_or(END)
+    }
+
+    /// The byte `ahead` of the next one.
+    #[inline]
+    pub fn peek_at(&self, ahead: usize) -> u8 {
+        self.text.get(self.at + ahead).copied().unwrap_or(END)
+    }
+
+    /// Whether every byte is read.
+    pub fn is_over(&self) -> bool {
+        self.at >= self.text.len()
+    }
+
+    fn rest(&self) -> &'a [u8] {
+        self.text.get(self.at..).unwrap_or_default()
+    }
+
+    fn advance_to(&mut self, rest: &[u8]) {
+        self.at = self.text.len() - rest.len();
+    }
+
+    /// Takes `byte` if it is next.
+    #[inline]
+    pub fn take(&mut self, byte: u8) -> bool {
+        let found = self.peek() == byte && !self.is_over();
+        self.at += usize::from(found);
+        found
+    }
+
+    /// Takes a keyword in either case.
+    pub fn keyword(&mut self, word: &str) -> bool {
+        let found: IResult<&[u8], &[u8]> = tag_no_case(word.as_bytes()).parse(self.rest());
+        match found {
+            Ok((rest, _)) => {
+                self.advance_to(rest);
+                true
+            }
+            Err(_) => false,
+        }
+    }
+
+    /// Skips spaces and `( )` comments.
+    #[inline]
+    pub fn blank(&mut self) -> Outcome<()> {
+        loop {
+            match self.peek() {
+                b' ' | b'\t' => self.at += 1,
+                b'(' => self.comment()?,
+                _ => return Ok(()),
+            }
+        }
+    }
+
+    #[cold]
+    fn comment(&mut self) -> Outcome<()> {
+        let open = self.at;
+        let found: IResult<&[u8], &[u8]> = take_till(|byte| matches!(byte, b')' | b'\r' | b'\n')).parse(self.rest());
+        if let Ok((rest, _)) = found {
+            self.advance_to(rest);
+        }
+        if self.take(b')') { Ok(()) } else { wrong(open, ProgramError::UnbalancedComment) }
+    }
+
+    /// Skips to the end of the line, which is left unread.
+    pub fn rest_of_line(&mut self) {
+        let found: IResult<&[u8], &[u8]> = take_while(|byte| !matches!(byte, b'\r' | b'\n')).parse(self.rest());
+        if let Ok((rest, _)) = found {
+            self.advance_to(rest);
+        }
+    }
+
+    /// Whether the line is read.
+    #[inline]
+    pub fn at_line_end(&self) -> bool {
+        matches!(self.peek(), b'\n' | b'\r')
+    }
+
+    /// Takes one line end: CR, LF or CR LF.
+    #[inline]
+    pub fn line_end(&mut self) {
+        if self.peek() == b'\r' {
+            self.at += 1;
+            if self.peek() == b'\n' && !self.is_over() {
+                self.at += 1;
+            }
+        } else {
+            self.at = (self.at + 1).min(self.text.len());
+        }
+    }
+
+    /// Whether a number without sign is next.
+    #[inline]
+    pub fn at_number(&self) -> bool {
+        matches!(self.peek(), b'0'..=b'9' | b'.')
+    }
+
+    /// Takes a number without sign.
+    #[inline]
+    pub fn number(&mut self) -> Outcome<Number> {
+        let start = self.at;
+        let mut mantissa = 0_u64;
+        let mut digits = 0;
+        let mut scale = 0;
+        let mut point = false;
+        loop {
+            match self.peek() {
+                digit @ b'0'..=b'9' => {
+                    mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit - b'0'));
+                    digits += 1;
+                    scale += usize::from(point);
+                }
+                b'.' if !point => point = true,
+                b'.' => return self.bad_number(start),
+                _ => break,
+            }
+            self.at += 1;
+        }
+        if digits > EXACT_DIGITS || digits == 0 {
+            return self.long_number(start, digits, point);
+        }
+        let value = if scale == 0 { mantissa as f64 } else { mantissa as f64 / POWERS_OF_TEN[scale] };
+        Ok(Number { value, point })
+    }
+
+    #[cold]
+    fn long_number(&mut self, start: usize, digits: usize, point: bool) -> Outcome<Number> {
+        let text = std::str::from_utf8(&self.text[start..self.at]).unwrap_or_default();
+        match text.parse::<f64>() {
+            Ok(value) if digits > 0 && digits <= NUMBER_LENGTH => Ok(Number { value, point }),
+            _ => self.bad_number(start),
+        }
+    }
+
+    #[cold]
+    fn bad_number<T>(&mut self, start: usize) -> Outcome<T> {
+        while self.at_number() {
+            self.at += 1;
+        }
+        wrong1(start, ProgramError::BadNumber, String::from_utf8_lossy(&self.text[start..self.at]))
+    }
+
+    /// The fault for a byte that fits nowhere.
+    #[cold]
+    pub fn unexpected<T>(&self) -> Outcome<T> {
+        match self.peek() {
+            b'[' | b']' => wrong(self.at, ProgramError::UnbalancedBracket),
+            b'(' | b')' => wrong(self.at, ProgramError::UnbalancedComment),
+            // The character itself is decoded when the fault is placed.
+            0x80.. => wrong(self.at, ProgramError::ForeignCharacter),
+            b'\r' | b'\n' => wrong1(self.at, ProgramError::UnexpectedCharacter, "⏎"),
+            byte if byte.is_ascii_control() => {
+                wrong1(self.at, ProgramError::UnexpectedCharacter, format!("0x{byte:02X}"))
+            }
+            byte => wrong1(self.at, ProgramError::UnexpectedCharacter, char::from(byte)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(text: &str) -> Option<f64> {
+        Cursor::new(text.as_bytes(), 0).number().ok().map(|number| number.value)
+    }
+
+    #[test]
+    fn b1_numbers_are_the_nearest_to_what_is_written() {
+        for text in ["0.1", "100", "100.", ".5", "0.3", "1234567.8901", "123456789012345678901234567890", "0.000001"] {
+            assert_eq!(number(text), text.parse().ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn b1_bad_numbers_are_refused() {
+        for text in [".", "1.2.3", "..", "1..", "12345678901234567890123456789012345678901"] {
+            assert_eq!(number(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! The interpreter: program text in, canonical operations out. It moves nothing.
+//!
+//! `Source` holds a text, `lexer` reads its bytes, `expression` and `statement` evaluate, a dialect turns words into
+//! operations (`Op`), `flow` jumps and calls, `Interpreter::next` hands over one block at a time and `check` runs a whole
+//! file against a plain world. Source: spec B1, B3, B4, B8, K4.
+//!
+//! Invariants: a refused block changes nothing; a block that asks for a live value (`Next::Drain`) is read again from
+//! its beginning; lengths leave this room as radius millimetres.
+
+pub mod check;
+mod dialect;
+mod expression;
+pub mod fault;
+mod flow;
+pub mod interpreter;
+mod lexer;
+pub mod memory;
+pub mod modal;
+pub mod op;
+pub mod settings;
+pub mod source;
+mod statement;
+mod words;
+pub mod world;
+
+pub use check::{Checked, check, check_with};
+pub use fault::{Fault, Place};
+pub use interpreter::{Block, Interpreter, Next};
+pub use memory::{Memory, VariableError};
+pub use modal::{Modals, Motion};
+pub use op::{AxisSet, Feed, Op, PathMode, Plane, SpeedMode};
+pub use settings::{Settings, SpeedUnit, System};
+pub use source::{Library, NoLibrary, Source};
+pub use world::{CheckWorld, Live, World};

@@ -1,0 +1,171 @@
+//! What stays in force from block to block. Source: spec B2, B3 (#4001…).
+
+use super::op::{Feed, PathMode, Plane, SpeedMode};
+use super::settings::{Settings, SpeedUnit};
+
+/// The function of group 01 in force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Motion {
+    /// G00.
+    #[default]
+    Rapid,
+    /// G01.
+    Feed,
+    /// G02.
+    ArcClockwise,
+    /// G03.
+    ArcCounterClockwise,
+    /// G90 on GC.
+    LongitudinalCycle,
+    /// G94 on GC.
+    FaceCycle,
+}
+
+impl Motion {
+    /// The G code.
+    #[must_use]
+    pub const fn g(self) -> u8 {
+        match self {
+            Self::Rapid => 0,
+            Self::Feed => 1,
+            Self::ArcClockwise => 2,
+            Self::ArcCounterClockwise => 3,
+            Self::LongitudinalCycle => 90,
+            Self::FaceCycle => 94,
+        }
+    }
+
+    pub(crate) const fn from_g(code: u32) -> Option<Self> {
+        match code {
+            0 => Some(Self::Rapid),
+            1 => Some(Self::Feed),
+            2 => Some(Self::ArcClockwise),
+            3 => Some(Self::ArcCounterClockwise),
+            90 => Some(Self::LongitudinalCycle),
+            94 => Some(Self::FaceCycle),
+            _ => None,
+        }
+    }
+}
+
+/// The words of a canned cycle that later blocks repeat, radius mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct CycleWords {
+    pub x: Option<f64>,
+    pub z: Option<f64>,
+    pub taper: f64,
+}
+
+/// Everything modal; small and copied into every block, so that the page shows what is executed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Modals {
+    /// Group 01.
+    pub motion: Motion,
+    /// G17, G18, G19.
+    pub plane: Plane,
+    /// G91 (GS and GA).
+    pub incremental: bool,
+    /// G99 (per revolution) instead of G98.
+    pub per_rev: bool,
+    /// F, mm/min or mm per revolution.
+    pub feed: Option<f64>,
+    /// G20.
+    pub inch: bool,
+    /// 54–59.
+    pub frame: u8,
+    /// G61 or G64.
+    pub path: PathMode,
+    /// G96 or G97 and its unit.
+    pub speed_mode: SpeedMode,
+    /// S.
+    pub speed: Option<f64>,
+    /// Tool of the last T.
+    pub tool: u16,
+    /// Offset of the last T.
+    pub offset: u16,
+    /// The last M code.
+    pub m: Option<u8>,
+    /// A G66 is in force.
+    pub modal_call: bool,
+    pub(crate) rotation: SpeedMode,
+    pub(crate) cycle: CycleWords,
+    /// K5.11: a second tool was called.
+    pub(crate) several_tools: bool,
+    /// K5.11: G50 was used.
+    pub(crate) preset: bool,
+}
+
+impl Modals {
+    /// The state at power-on and after reset.
+    #[must_use]
+    pub fn new(settings: &Settings) -> Self {
+        let rotation = match settings.speed_unit {
+            SpeedUnit::Rpm => SpeedMode::Rpm,
+            SpeedUnit::MetresPerSecond => SpeedMode::MetresPerSecond,
+        };
+        Self {
+            motion: Motion::Rapid,
+            plane: Plane::Zx,
+            incremental: false,
+            per_rev: false,
+            feed: None,
+            inch: settings.inch,
+            frame: 54,
+            path: PathMode::Continuous { tolerance_mm: settings.tolerance_mm },
+            speed_mode: rotation,
+            speed: None,
+            tool: 0,
+            offset: 0,
+            m: None,
+            modal_call: false,
+            rotation,
+            cycle: CycleWords::default(),
+            several_tools: false,
+            preset: false,
+        }
+    }
+
+    /// The feed in force.
+    #[must_use]
+    pub fn feed(&self) -> Option<Feed> {
+        self.feed.map(if self.per_rev { Feed::PerRev } else { Feed::PerMinute })
+    }
+
+    /// The G codes in force, in the order in which the pages show them.
+    #[must_use]
+    pub fn g_codes(&self, mill: bool) -> [u8; 8] {
+        [
+            self.motion.g(),
+            self.plane.g(),
+            if mill && self.incremental { 91 } else { 90 },
+            if self.per_rev { 99 } else { 98 },
+            if self.inch { 20 } else { 21 },
+            self.frame,
+            if self.path == PathMode::ExactStop { 61 } else { 64 },
+            if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 },
+        ]
+    }
+
+    /// #4001…#4130: a modal value; `None` for a number without meaning.
+    pub(crate) fn variable(&self, number: u32, mill: bool) -> Option<Option<f64>> {
+        let code = |code: u8| Some(Some(f64::from(code)));
+        let surface = if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 };
+        match number {
+            4001 => code(self.motion.g()),
+            4002 if mill => code(self.plane.g()),
+            4002 => code(surface),
+            4003 if mill => code(if self.incremental { 91 } else { 90 }),
+            4005 => code(if self.per_rev { 99 } else { 98 }),
+            4006 => code(if self.inch { 20 } else { 21 }),
+            4012 => code(if self.modal_call { 66 } else { 67 }),
+            4014 => code(self.frame),
+            4015 => code(if self.path == PathMode::ExactStop { 61 } else { 64 }),
+            4016 => code(self.plane.g()),
+            4109 => Some(self.feed),
+            4113 => Some(self.m.map(f64::from)),
+            4119 => Some(self.speed),
+            4120 => Some(Some(f64::from(self.tool) * 100.0 + f64::from(self.offset))),
+            _ => None,
+        }
+    }
+}

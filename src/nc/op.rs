@@ -1,0 +1,370 @@
+//! Canonical operations: what a program wants done, without a trace of how it was written.
+//! Lengths are radius millimetres in the active work frame, feeds true slide travel. Source: spec T4, K1.
+
+use std::fmt;
+
+use serde_json::{Map, Value, json};
+
+use crate::units::{Axis, PerAxis};
+
+/// Some of the axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct AxisSet(u8);
+
+impl AxisSet {
+    /// No axis.
+    pub const NONE: Self = Self(0);
+
+    /// Whether an axis belongs to it.
+    #[must_use]
+    pub const fn contains(self, axis: Axis) -> bool {
+        self.0 & (1 << axis as u8) != 0
+    }
+
+    /// Adds an axis.
+    pub const fn insert(&mut self, axis: Axis) {
+        self.0 |= 1 << axis as u8;
+    }
+
+    /// The set of one axis.
+    #[must_use]
+    pub const fn of(axis: Axis) -> Self {
+        Self(1 << axis as u8)
+    }
+
+    /// Both sets together.
+    #[must_use]
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether no axis belongs to it.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The axes, X first.
+    pub fn iter(self) -> impl Iterator<Item = Axis> {
+        Axis::ALL.into_iter().filter(move |axis| self.contains(*axis))
+    }
+}
+
+/// A programmed feed, above zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Feed {
+    /// mm/min.
+    PerMinute(f64),
+    /// mm per revolution.
+    PerRev(f64),
+}
+
+/// The plane of an arc, its first axis to the right, its second up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Plane {
+    /// G17: X right, Y up.
+    Xy,
+    /// G18: Z right, X up.
+    #[default]
+    Zx,
+    /// G19: Y right, Z up.
+    Yz,
+}
+
+impl Plane {
+    /// First and second axis.
+    #[must_use]
+    pub const fn axes(self) -> (Axis, Axis) {
+        match self {
+            Self::Xy => (Axis::X, Axis::Y),
+            Self::Zx => (Axis::Z, Axis::X),
+            Self::Yz => (Axis::Y, Axis::Z),
+        }
+    }
+
+    /// The G code.
+    #[must_use]
+    pub const fn g(self) -> u8 {
+        match self {
+            Self::Xy => 17,
+            Self::Zx => 18,
+            Self::Yz => 19,
+        }
+    }
+}
+
+/// How blocks join.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PathMode {
+    /// G61: every block ends at rest.
+    ExactStop,
+    /// G64: corners are rounded within a tolerance, millimetres.
+    Continuous {
+        /// The tolerance.
+        tolerance_mm: f64,
+    },
+}
+
+/// What an S value means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpeedMode {
+    /// G97, revolutions a minute.
+    Rpm,
+    /// G97 where the parameter says so: metres a second at the wheel's rim.
+    MetresPerSecond,
+    /// G96: constant surface speed, metres a minute.
+    SurfaceSpeed,
+}
+
+/// A canonical operation.
+///
+/// In moves, `words` are the axes that the block names and `incremental` those of them that were named as distances.
+/// Axes outside `words` stand still; `to` shows them where they were when the block was read.
+#[derive(Clone, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
+pub enum Op {
+    /// G00.
+    Rapid { to: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
+    /// G01.
+    Feed { to: PerAxis<f64>, feed: Feed, words: AxisSet, incremental: AxisSet },
+    /// G02 (turn −1, clockwise) and G03 (turn 1), seen with the plane's first axis to the right and the second up.
+    /// Only the plane's two axes of `center` count. An end equal to the start is a full circle.
+    Arc {
+        to: PerAxis<f64>,
+        center: PerAxis<f64>,
+        plane: Plane,
+        turn: i8,
+        feed: Feed,
+        words: AxisSet,
+        incremental: AxisSet,
+    },
+    /// G04, seconds.
+    Dwell { s: f64 },
+    /// G61, G64.
+    Path(PathMode),
+    /// G54–G59.
+    Frame { g: u8 },
+    /// G50: the present position is called so; clears the wear of the current tool (K5.10).
+    Preset { values: PerAxis<Option<f64>> },
+    /// G50 S: highest speed under G96, rpm.
+    SpeedLimit { rpm: f64 },
+    /// G53: machine coordinates, radius mm; at rapid speed without a feed.
+    MachineMove { to: PerAxis<Option<f64>>, feed: Option<Feed> },
+    /// G28: over the via point to the machine zero, the named axes only.
+    Reference { via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
+    /// G31: feed until the signal (1–6) comes.
+    Skip { to: PerAxis<f64>, feed: Feed, signal: u8, words: AxisSet, incremental: AxisSet },
+    /// An M code with the words it takes.
+    M { code: u8, s: Option<f64>, p: Option<f64>, l: Option<f64> },
+    /// S.
+    S { value: f64, mode: SpeedMode },
+    /// T: tool 0 keeps the tool, offset 0 cancels the offset.
+    T { tool: u16, offset: u16 },
+    /// A common variable (100–433, 500–999) gets its value when the machine is here.
+    Set { variable: u32, value: Option<f64> },
+    /// A system variable (#434–#439, #1100…, #2001…, #3001…, #3901…) is written.
+    SetSystem { number: u32, value: Option<f64> },
+    /// `#3000=n(text)`: alarm 3000–3999 and stop.
+    Alarm { number: u32, text: Box<str> },
+    /// `#3006=n(text)`: stop with a message, go on at cycle start.
+    Message { number: u32, text: Box<str> },
+}
+
+impl Op {
+    /// Whether no further block may be read before this is executed.
+    #[must_use]
+    pub const fn is_barrier(&self) -> bool {
+        match self {
+            Self::Skip { .. } | Self::Reference { .. } | Self::SetSystem { .. } => true,
+            Self::Alarm { .. } | Self::Message { .. } => true,
+            Self::M { code, .. } => matches!(code, 0 | 1 | 2 | 30 | 80..=89),
+            Self::Rapid { .. } | Self::Feed { .. } | Self::Arc { .. } | Self::Dwell { .. } | Self::Path(_) => false,
+            Self::Frame { .. } | Self::Preset { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
+            Self::S { .. } | Self::T { .. } | Self::Set { .. } => false,
+        }
+    }
+
+    /// Whether it moves axes.
+    #[must_use]
+    pub const fn is_motion(&self) -> bool {
+        matches!(
+            self,
+            Self::Rapid { .. }
+                | Self::Feed { .. }
+                | Self::Arc { .. }
+                | Self::MachineMove { .. }
+                | Self::Reference { .. }
+                | Self::Skip { .. }
+        )
+    }
+
+    /// The operation as one JSON object, with the axes that the machine has. Feeds per revolution carry `"per":"rev"`.
+    #[must_use]
+    pub fn json(&self, axes: PerAxis<bool>) -> Value {
+        let mut object = Map::new();
+        object.insert("op".into(), self.name().into());
+        self.fields(axes, &mut |key, value| {
+            object.insert(key.into(), value);
+        });
+        Value::Object(object)
+    }
+
+    /// Key and value of every field, positions first.
+    fn fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
+        match self {
+            Self::Rapid { to, .. } => points(put, "", axes, *to),
+            Self::Feed { to, feed, .. } => {
+                points(put, "", axes, *to);
+                feed_words(put, *feed);
+            }
+            Self::Arc { to, center, plane, turn, feed, .. } => {
+                points(put, "", axes, *to);
+                let (first, second) = plane.axes();
+                points(put, "c", PerAxis::from_fn(|axis| axis == first || axis == second), *center);
+                put("turn", json!(turn));
+                feed_words(put, *feed);
+            }
+            Self::Dwell { s } => put("s", json!(s)),
+            Self::Path(PathMode::ExactStop) => put("mode", json!("exact-stop")),
+            Self::Path(PathMode::Continuous { tolerance_mm }) => {
+                put("mode", json!("continuous"));
+                put("tolerance", json!(tolerance_mm));
+            }
+            Self::Frame { g } => put("g", json!(g)),
+            Self::Preset { values } => some_points(put, *values),
+            Self::SpeedLimit { rpm } => put("rpm", json!(rpm)),
+            Self::MachineMove { to, feed } => {
+                some_points(put, *to);
+                if let Some(feed) = feed {
+                    feed_words(put, *feed);
+                }
+            }
+            Self::Reference { via, words, .. } => points(put, "", PerAxis::from_fn(|axis| words.contains(axis)), *via),
+            Self::Skip { to, feed, signal, .. } => {
+                points(put, "", axes, *to);
+                feed_words(put, *feed);
+                put("signal", json!(signal));
+            }
+            Self::M { code, s, p, l } => {
+                put("code", json!(code));
+                for (key, value) in [("s", s), ("p", p), ("l", l)] {
+                    if let Some(value) = value {
+                        put(key, json!(value));
+                    }
+                }
+            }
+            Self::S { value, mode } => {
+                put("value", json!(value));
+                put("unit", json!(mode.unit()));
+            }
+            Self::T { tool, offset } => {
+                put("tool", json!(tool));
+                put("offset", json!(offset));
+            }
+            Self::Set { variable: number, value } | Self::SetSystem { number, value } => {
+                put("variable", json!(number));
+                put("value", json!(value));
+            }
+            Self::Alarm { number, text } | Self::Message { number, text } => {
+                put("number", json!(number));
+                put("text", json!(text));
+            }
+        }
+    }
+
+    const fn name(&self) -> &'static str {
+        match self {
+            Self::Rapid { .. } => "rapid",
+            Self::Feed { .. } => "feed",
+            Self::Arc { .. } => "arc",
+            Self::Dwell { .. } => "dwell",
+            Self::Path(_) => "path",
+            Self::Frame { .. } => "frame",
+            Self::Preset { .. } => "preset",
+            Self::SpeedLimit { .. } => "speed-limit",
+            Self::MachineMove { .. } => "machine",
+            Self::Reference { .. } => "reference",
+            Self::Skip { .. } => "skip",
+            Self::M { .. } => "m",
+            Self::S { .. } => "s",
+            Self::T { .. } => "t",
+            Self::Set { .. } => "set",
+            Self::SetSystem { .. } => "set-system",
+            Self::Alarm { .. } => "alarm",
+            Self::Message { .. } => "message",
+        }
+    }
+}
+
+impl SpeedMode {
+    const fn unit(self) -> &'static str {
+        match self {
+            Self::Rpm => "rpm",
+            Self::MetresPerSecond => "m/s",
+            Self::SurfaceSpeed => "m/min",
+        }
+    }
+}
+
+fn points(put: &mut dyn FnMut(&str, Value), prefix: &str, axes: PerAxis<bool>, to: PerAxis<f64>) {
+    some_points_named(put, prefix, PerAxis::from_fn(|axis| axes[axis].then_some(to[axis])));
+}
+
+fn some_points(put: &mut dyn FnMut(&str, Value), to: PerAxis<Option<f64>>) {
+    some_points_named(put, "", to);
+}
+
+fn some_points_named(put: &mut dyn FnMut(&str, Value), prefix: &str, to: PerAxis<Option<f64>>) {
+    for (axis, value) in to.iter() {
+        if let Some(value) = value {
+            put(&format!("{prefix}{}", axis.letter().to_ascii_lowercase()), json!(value));
+        }
+    }
+}
+
+fn feed_words(put: &mut dyn FnMut(&str, Value), feed: Feed) {
+    match feed {
+        Feed::PerMinute(value) => put("f", json!(value)),
+        Feed::PerRev(value) => {
+            put("f", json!(value));
+            put("per", json!("rev"));
+        }
+    }
+}
+
+impl fmt::Display for Op {
+    /// One line: the name, then key and value of every field, as in the JSON form.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())?;
+        let mut written = Ok(());
+        self.fields(PerAxis([true; 3]), &mut |key, value| {
+            written = written.and_then(|()| match value.as_f64() {
+                Some(number) => write!(f, " {key}={}", Rounded(number)),
+                None => write!(f, " {key}={value}"),
+            });
+        });
+        written?;
+        let (words, incremental) = match self {
+            Self::Rapid { words, incremental, .. } | Self::Feed { words, incremental, .. } => (*words, *incremental),
+            Self::Arc { words, incremental, .. } | Self::Skip { words, incremental, .. } => (*words, *incremental),
+            Self::Reference { words, incremental, .. } => (*words, *incremental),
+            _ => return Ok(()),
+        };
+        f.write_str(" [")?;
+        for axis in words.iter() {
+            write!(f, "{axis}{}", if incremental.contains(axis) { "+" } else { "" })?;
+        }
+        f.write_str("]")
+    }
+}
+
+/// At most six decimals, no trailing zeros.
+struct Rounded(f64);
+
+impl fmt::Display for Rounded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = format!("{:.6}", self.0);
+        let text = text.trim_end_matches('0').trim_end_matches('.');
+        f.write_str(if text == "-0" { "0" } else { text })
+    }
+}

@@ -1,0 +1,281 @@
+//! A program's text with its lines, block numbers and loops found once, when it is loaded. Source: spec B1.
+
+use std::sync::Arc;
+
+use encoding_rs::GB18030;
+
+use super::fault::Place;
+
+/// How deep WHILE can nest in one program; the numbers after DO are 1 to this.
+pub(crate) const LOOP_DEPTH: usize = 3;
+
+/// Programs for M98, G65 and G66.
+pub trait Library {
+    /// The program of an O number.
+    fn find(&self, number: u32) -> Option<Arc<Source>>;
+}
+
+/// A library without programs.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoLibrary;
+
+impl Library for NoLibrary {
+    fn find(&self, _number: u32) -> Option<Arc<Source>> {
+        None
+    }
+}
+
+/// A program's text.
+#[derive(Clone, Debug)]
+pub struct Source {
+    number: u32,
+    name: String,
+    bytes: Arc<[u8]>,
+    utf8: bool,
+    lines: Vec<u32>,
+    /// (N, line from 0), sorted.
+    labels: Vec<(u32, u32)>,
+    loops: Vec<Loop>,
+}
+
+/// WHILE and its END, lines from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Loop {
+    pub number: u8,
+    pub while_line: u32,
+    pub end_line: Option<u32>,
+}
+
+impl Source {
+    /// Takes a program's text: GBK or UTF-8, lines ended by CR, LF or both.
+    ///
+    /// # Panics
+    /// At 4 GiB and more: the caller bounds file sizes.
+    #[must_use]
+    pub fn new(number: u32, name: impl Into<String>, bytes: impl Into<Arc<[u8]>>) -> Self {
+        let bytes = bytes.into();
+        assert!(bytes.len() < u32::MAX as usize, "program of {} bytes", bytes.len());
+        let lines = line_starts(&bytes);
+        let utf8 = std::str::from_utf8(&bytes).is_ok();
+        let mut source = Self { number, name: name.into(), bytes, utf8, lines, labels: Vec::new(), loops: Vec::new() };
+        source.index();
+        source
+    }
+
+    /// The O number.
+    #[must_use]
+    pub const fn number(&self) -> u32 {
+        self.number
+    }
+
+    /// The file name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The text.
+    #[must_use]
+    pub fn bytes(&self) -> &Arc<[u8]> {
+        &self.bytes
+    }
+
+    /// The number of lines; a text that ends without a line end has its last line counted.
+    #[must_use]
+    pub fn line_count(&self) -> usize {
+        let open_end = self.lines.last().is_some_and(|start| (*start as usize) < self.bytes.len());
+        self.lines.len() - usize::from(!open_end)
+    }
+
+    /// A line (from 1) as text, without its line end.
+    #[must_use]
+    pub fn line(&self, line: u32) -> Option<String> {
+        let index = (line as usize).checked_sub(1)?;
+        let start = *self.lines.get(index)? as usize;
+        let end = self.lines.get(index + 1).map_or(self.bytes.len(), |next| *next as usize);
+        let bytes = self.bytes.get(start..end)?;
+        let kept = bytes.iter().rposition(|byte| !matches!(byte, b'\r' | b'\n')).map_or(0, |last| last + 1);
+        Some(self.decode(&bytes[..kept]))
+    }
+
+    /// The text of the first comment: what the directory shows beside the number.
+    #[must_use]
+    pub fn comment_title(&self) -> Option<String> {
+        let open = self.bytes.iter().position(|byte| matches!(byte, b'(' | b';'))?;
+        let closing: &[u8] = if self.bytes[open] == b'(' { b")\r\n" } else { b"\r\n" };
+        let rest = &self.bytes[open + 1..];
+        let end = rest.iter().position(|byte| closing.contains(byte)).unwrap_or(rest.len());
+        let title = self.decode(&rest[..end]);
+        let title = title.trim();
+        (!title.is_empty()).then(|| title.to_owned())
+    }
+
+    /// The byte at which a line (from 0) begins.
+    pub(crate) fn start(&self, line: u32) -> usize {
+        self.lines.get(line as usize).map_or(self.bytes.len(), |start| *start as usize)
+    }
+
+    /// The line (from 0) of a block number: the next one after `line`, else the first of the text.
+    pub(crate) fn find_block(&self, n: u32, line: u32) -> Option<u32> {
+        let from = self.labels.partition_point(|label| *label < (n, line + 1));
+        let first = self.labels.partition_point(|label| *label < (n, 0));
+        [from, first]
+            .into_iter()
+            .filter_map(|index| self.labels.get(index))
+            .find(|label| label.0 == n)
+            .map(|label| label.1)
+    }
+
+    /// The loop that opens in a line (from 0).
+    pub(crate) fn loop_at(&self, line: u32) -> Option<Loop> {
+        let index = self.loops.binary_search_by_key(&line, |found| found.while_line).ok()?;
+        self.loops.get(index).copied()
+    }
+
+    /// The place of a byte and its column, both from 1.
+    pub(crate) fn place(&self, at: usize, n: Option<u32>) -> (Place, u32) {
+        let at = at.min(self.bytes.len());
+        let line = self.lines.partition_point(|start| *start as usize <= at).max(1);
+        let start = self.start(line as u32 - 1);
+        let column = self.decode(&self.bytes[start.min(at)..at]).chars().count() + 1;
+        (Place { program: self.number, line: line as u32, n }, column as u32)
+    }
+
+    /// Text of some of the bytes: UTF-8 if the whole program is that, else GBK.
+    pub(crate) fn decode(&self, bytes: &[u8]) -> String {
+        let text =
+            if self.utf8 { String::from_utf8_lossy(bytes) } else { GB18030.decode_without_bom_handling(bytes).0 };
+        text.into_owned()
+    }
+
+    /// The character that begins at a byte, and what to type instead of it.
+    pub(crate) fn foreign(&self, at: usize) -> Option<(char, String)> {
+        let rest = self.bytes.get(at..(at + 4).min(self.bytes.len()))?;
+        let character = self.decode(rest).chars().next()?;
+        Some((character, ascii_for(character).map_or_else(|| "( )".to_owned(), |ascii| format!("'{ascii}'"))))
+    }
+
+    fn index(&mut self) {
+        let mut open = [0_usize; LOOP_DEPTH];
+        let mut depth = 0;
+        for line in 0..self.lines.len() as u32 {
+            let text = &self.bytes[self.start(line)..];
+            let (n, rest) = head(text);
+            if let Some(n) = n {
+                self.labels.push((n, line));
+            }
+            match rest.first() {
+                Some(b'W' | b'w') if starts(rest, b"WHILE") => {
+                    let number = do_number(rest);
+                    if let Some(place) = open.get_mut(depth) {
+                        *place = self.loops.len();
+                        depth += 1;
+                    }
+                    self.loops.push(Loop { number, while_line: line, end_line: None });
+                }
+                Some(b'E' | b'e') if starts(rest, b"END") => {
+                    let number = digits(&rest[3..]).unwrap_or(0) as u8;
+                    let Some(place) = depth.checked_sub(1).and_then(|top| self.loops.get_mut(open[top])) else {
+                        continue;
+                    };
+                    if place.number == number {
+                        place.end_line = Some(line);
+                        depth -= 1;
+                    }
+                }
+                _ => {}
+            }
+        }
+        self.labels.sort();
+    }
+}
+
+/// The first line end in `bytes`, eight at a time.
+fn line_end(bytes: &[u8]) -> Option<usize> {
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    const HIGHS: u64 = 0x8080_8080_8080_8080;
+    let (chunks, _) = bytes.as_chunks::<8>();
+    let mut at = 0;
+    for chunk in chunks {
+        let word = u64::from_le_bytes(*chunk);
+        let (lf, cr) = (word ^ (ONES * 0x0a), word ^ (ONES * 0x0d));
+        let found = (lf.wrapping_sub(ONES) & !lf & HIGHS) | (cr.wrapping_sub(ONES) & !cr & HIGHS);
+        if found != 0 {
+            return Some(at + found.trailing_zeros() as usize / 8);
+        }
+        at += 8;
+    }
+    bytes[at..].iter().position(|byte| matches!(byte, b'\n' | b'\r')).map(|rest| at + rest)
+}
+
+fn line_starts(bytes: &[u8]) -> Vec<u32> {
+    let mut starts = Vec::with_capacity(bytes.len() / 24 + 1);
+    starts.push(0);
+    let mut at = 0;
+    while let Some(end) = line_end(&bytes[at..]) {
+        let pair = bytes[at + end] == b'\r' && bytes.get(at + end + 1) == Some(&b'\n');
+        at += end + 1 + usize::from(pair);
+        starts.push(at as u32);
+    }
+    starts
+}
+
+fn blank(bytes: &[u8]) -> &[u8] {
+    let kept = bytes.iter().position(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(bytes.len());
+    &bytes[kept..]
+}
+
+fn starts(bytes: &[u8], word: &[u8]) -> bool {
+    bytes.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word))
+}
+
+fn digits(bytes: &[u8]) -> Option<u32> {
+    let bytes = blank(bytes);
+    let count = bytes.iter().take(9).position(|byte| !byte.is_ascii_digit()).unwrap_or(bytes.len().min(9));
+    let number = bytes[..count].iter().fold(0, |number, digit| number * 10 + u32::from(digit - b'0'));
+    (count > 0).then_some(number)
+}
+
+/// The block number at the head of a line and what follows it.
+fn head(line: &[u8]) -> (Option<u32>, &[u8]) {
+    let mut rest = blank(line);
+    if rest.first() == Some(&b'/') {
+        if rest.get(1) == Some(&b'/') {
+            return (None, &[]);
+        }
+        rest = blank(&rest[1..]);
+    }
+    if !matches!(rest.first(), Some(b'N' | b'n')) {
+        return (None, rest);
+    }
+    let number = digits(&rest[1..]);
+    let rest = blank(&rest[1..]);
+    let kept = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
+    (number, blank(&rest[kept..]))
+}
+
+/// The number after the last DO of a line, 0 if there is none.
+fn do_number(line: &[u8]) -> u8 {
+    let end = line_end(line).unwrap_or(line.len());
+    let line = &line[..end];
+    let place = line.windows(2).rposition(|pair| pair.eq_ignore_ascii_case(b"DO"));
+    place.and_then(|place| digits(&line[place + 2..])).map_or(0, |number| number.min(255) as u8)
+}
+
+/// The ASCII character that was meant by a wide one.
+fn ascii_for(character: char) -> Option<char> {
+    match character {
+        '\u{ff01}'..='\u{ff5e}' => char::from_u32(character as u32 - 0xfee0),
+        '\u{3000}' | '\u{a0}' => Some(' '),
+        '。' => Some('.'),
+        '、' => Some(','),
+        '【' | '〔' => Some('['),
+        '】' | '〕' => Some(']'),
+        '“' | '”' => Some('"'),
+        '‘' | '’' => Some('\''),
+        '—' | '–' | '−' => Some('-'),
+        '×' => Some('*'),
+        '÷' => Some('/'),
+        _ => None,
+    }
+}

@@ -1,0 +1,279 @@
+//! The words of one block, in order, with the place of each. Source: spec B1, B3 (null words are left out).
+
+use std::cell::Cell;
+
+use super::expression::{Scope, Value, primary, whole};
+use super::fault::{Outcome, wrong, wrong1};
+use super::lexer::Cursor;
+use crate::defs::program_error::ProgramError as E;
+
+/// The most words of a block, G and M not counted.
+pub(crate) const WORDS: usize = 48;
+/// The most G codes of a block.
+const G_WORDS: usize = 10;
+/// The most M codes of a block (DECISION: three, in the order written).
+const M_WORDS: usize = 3;
+
+/// A letter and its value.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Word {
+    pub value: f64,
+    pub at: u32,
+    pub letter: u8,
+    pub kind: Kind,
+}
+
+/// How a word's value is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// With a decimal point, or calculated.
+    #[default]
+    Exact,
+    /// Digits without a point.
+    Digits,
+    /// From a null variable: the word is left out.
+    Null,
+    /// The letter alone.
+    Bare,
+}
+
+/// A G or M code and its place.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Code {
+    pub number: u32,
+    pub at: u32,
+}
+
+/// The words of one block.
+#[derive(Clone, Debug)]
+pub(crate) struct Words {
+    list: [Word; WORDS],
+    count: usize,
+    first: [u8; 26],
+    mask: u32,
+    used: Cell<u32>,
+    g: [Code; G_WORDS],
+    g_count: usize,
+    m: [Code; M_WORDS],
+    m_count: usize,
+    /// The block number.
+    pub n: Option<u32>,
+    /// The first word whose address stood before in the block.
+    pub double: Option<u32>,
+    /// The first letter without a value.
+    pub bare: Option<u32>,
+}
+
+impl Default for Words {
+    fn default() -> Self {
+        Self {
+            list: [Word::default(); WORDS],
+            count: 0,
+            first: [0; 26],
+            mask: 0,
+            used: Cell::new(0),
+            g: [Code::default(); G_WORDS],
+            g_count: 0,
+            m: [Code::default(); M_WORDS],
+            m_count: 0,
+            n: None,
+            double: None,
+            bare: None,
+        }
+    }
+}
+
+const fn bit(letter: u8) -> u32 {
+    1 << (letter.wrapping_sub(b'A') & 31)
+}
+
+impl Words {
+    /// Forgets the last block.
+    #[inline]
+    pub fn clear(&mut self) {
+        self.count = 0;
+        self.mask = 0;
+        self.used.set(0);
+        self.g_count = 0;
+        self.m_count = 0;
+        self.n = None;
+        self.double = None;
+        self.bare = None;
+    }
+
+    /// All words but G, M and N, in order.
+    pub fn list(&self) -> &[Word] {
+        &self.list[..self.count]
+    }
+
+    /// The G codes in order.
+    #[inline]
+    pub fn g(&self) -> &[Code] {
+        &self.g[..self.g_count]
+    }
+
+    /// The M codes in order.
+    #[inline]
+    pub fn m(&self) -> &[Code] {
+        &self.m[..self.m_count]
+    }
+
+    /// Whether a letter has a value.
+    #[inline]
+    pub fn has(&self, letter: u8) -> bool {
+        self.mask & bit(letter) != 0
+    }
+
+    /// Whether any letter of a mask has a value.
+    #[inline]
+    pub fn has_any(&self, mask: u32) -> bool {
+        self.mask & mask != 0
+    }
+
+    /// The word of a letter, not marked as used.
+    #[inline]
+    pub fn look(&self, letter: u8) -> Option<Word> {
+        self.has(letter).then(|| self.list[usize::from(self.first[usize::from(letter - b'A')])])
+    }
+
+    /// The word of a letter, marked as used.
+    #[inline]
+    pub fn take(&self, letter: u8) -> Option<Word> {
+        self.used.set(self.used.get() | bit(letter));
+        self.look(letter)
+    }
+
+    /// Marks every word as used.
+    pub fn use_all(&self) {
+        self.used.set(u32::MAX);
+    }
+
+    /// The first word that nothing used.
+    #[inline]
+    pub fn unused(&self) -> Option<Word> {
+        let left = self.mask & !self.used.get();
+        if left == 0 {
+            return None;
+        }
+        self.list().iter().copied().find(|word| word.kind != Kind::Null && left & bit(word.letter) != 0)
+    }
+
+    #[inline]
+    fn push(&mut self, word: Word) -> Outcome<()> {
+        let Some(place) = self.list.get_mut(self.count) else { return wrong(word.at as usize, E::BlockTooLong) };
+        *place = word;
+        if word.kind != Kind::Null {
+            if self.mask & bit(word.letter) != 0 {
+                self.double = self.double.or(Some(word.at));
+            } else {
+                self.first[usize::from(word.letter - b'A')] = self.count as u8;
+                self.mask |= bit(word.letter);
+            }
+            if word.kind == Kind::Bare {
+                self.bare = self.bare.or(Some(word.at));
+            }
+        }
+        self.count += 1;
+        Ok(())
+    }
+
+    /// Reads words up to something that is not a letter.
+    #[inline]
+    pub fn read<S: Scope>(&mut self, cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<()> {
+        loop {
+            cursor.blank()?;
+            let at = cursor.at as u32;
+            let letter = cursor.peek() & !0x20;
+            if !cursor.peek().is_ascii_alphabetic() {
+                return Ok(());
+            }
+            cursor.at += 1;
+            let (value, kind) = word_value(cursor, scope)?;
+            match letter {
+                b'G' => push_code(&mut self.g, &mut self.g_count, letter, value, kind, at)?,
+                b'M' => push_code(&mut self.m, &mut self.m_count, letter, value, kind, at)?,
+                b'N' => self.number(value, kind, at)?,
+                _ => {
+                    let (value, kind) = match value {
+                        Some(value) => (value, kind),
+                        None if kind == Kind::Bare => (0.0, kind),
+                        None => (0.0, Kind::Null),
+                    };
+                    self.push(Word { value, at, letter, kind })?;
+                }
+            }
+        }
+    }
+
+    fn number(&mut self, value: Value, kind: Kind, at: u32) -> Outcome<()> {
+        let Some(value) = value.filter(|_| kind == Kind::Digits) else {
+            return wrong1(at as usize, E::MissingNumber, "N");
+        };
+        if self.n.is_some() {
+            return wrong1(at as usize, E::DoubleWord, "N");
+        }
+        self.n = Some(value.min(f64::from(u32::MAX)) as u32);
+        Ok(())
+    }
+}
+
+fn push_code<const COUNT: usize>(
+    codes: &mut [Code; COUNT],
+    count: &mut usize,
+    letter: u8,
+    value: Value,
+    kind: Kind,
+    at: u32,
+) -> Outcome<()> {
+    let name = char::from(letter);
+    let number = match value {
+        None if kind == Kind::Bare => return wrong1(at as usize, E::MissingNumber, name),
+        // A G or M from a null variable is left out like any other word.
+        None => return Ok(()),
+        Some(value) => match whole(value).map(u32::try_from) {
+            Some(Ok(number)) => number,
+            Some(Err(_)) | None => {
+                let error = if letter == b'G' { E::UnknownG } else { E::UnknownM };
+                return wrong1(at as usize, error, format!("{name}{value}"));
+            }
+        },
+    };
+    let Some(place) = codes.get_mut(*count) else { return wrong(at as usize, E::BlockTooLong) };
+    *place = Code { number, at };
+    *count += 1;
+    Ok(())
+}
+
+/// The value after a letter: a number, `#…` or `[…]`, each with or without a sign.
+#[inline]
+fn word_value<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<(Value, Kind)> {
+    if !cursor.at_number() {
+        cursor.blank()?;
+    }
+    let mut negative = false;
+    match cursor.peek() {
+        b'-' => {
+            negative = true;
+            cursor.at += 1;
+            cursor.blank()?;
+        }
+        b'+' => {
+            cursor.at += 1;
+            cursor.blank()?;
+        }
+        _ => {}
+    }
+    match cursor.peek() {
+        b'0'..=b'9' | b'.' => {
+            let number = cursor.number()?;
+            let kind = if number.point { Kind::Exact } else { Kind::Digits };
+            Ok((Some(if negative { -number.value } else { number.value }), kind))
+        }
+        b'#' | b'[' => {
+            let value = primary(cursor, scope)?;
+            Ok((if negative { value.map(|value| -value) } else { value }, Kind::Exact))
+        }
+        0x80.. => cursor.unexpected(),
+        _ => Ok((None, Kind::Bare)),
+    }
+}

@@ -1,0 +1,233 @@
+//! What lies outside the text: positions and live values; and the plain world of a check. Source: spec B3, T4.
+
+use std::collections::BTreeMap;
+
+use super::op::{Feed, Op, Plane};
+use super::settings::Settings;
+use crate::units::{Axis, PerAxis};
+
+/// The answer to a question for a live value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Live {
+    /// The value; `None` for null.
+    Value(Option<f64>),
+    /// Motion must drain first: the same block is read again later.
+    Drain,
+    /// There is no such variable.
+    Unknown,
+}
+
+/// What lies outside the text.
+pub trait World {
+    /// The position at the end of all operations handed out so far, active work frame, radius mm.
+    fn position(&self) -> PerAxis<f64>;
+    /// #434–#439 and #1000 and up, but for #4001–#4130; positions with X as a diameter where X words are. `#1000` + port − 1 is input `port`: 1 when it is active (low).
+    fn system(&mut self, number: u32) -> Live;
+    /// The 跳段 switch: blocks with `/` are left out.
+    fn block_skip(&self) -> bool;
+}
+
+/// A world without a machine: every operation is done at once.
+#[derive(Clone, Debug)]
+pub struct CheckWorld {
+    axes: PerAxis<bool>,
+    diameter: bool,
+    rapid_mm_min: PerAxis<f64>,
+    position: PerAxis<f64>,
+    machine_from_work: PerAxis<f64>,
+    system: BTreeMap<u32, Option<f64>>,
+    skip: bool,
+    rpm: f64,
+    length_mm: f64,
+    seconds: f64,
+    extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
+}
+
+/// What a feed per revolution is reckoned with as long as no S was given, rpm.
+const USUAL_RPM: f64 = 1_000.0;
+
+impl CheckWorld {
+    /// All axes at zero, all inputs inactive.
+    #[must_use]
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            axes: settings.axes,
+            diameter: settings.diameter,
+            rapid_mm_min: settings.rapid_mm_min,
+            position: PerAxis::default(),
+            machine_from_work: PerAxis::default(),
+            system: BTreeMap::new(),
+            skip: false,
+            rpm: USUAL_RPM,
+            length_mm: 0.0,
+            seconds: 0.0,
+            extents: None,
+        }
+    }
+
+    /// Begins elsewhere: work coordinates, radius mm.
+    #[must_use]
+    pub fn at(mut self, position: PerAxis<f64>) -> Self {
+        self.position = position;
+        self
+    }
+
+    /// Where machine zero lies: machine = work + this, radius mm.
+    #[must_use]
+    pub fn with_machine_from_work(mut self, machine_from_work: PerAxis<f64>) -> Self {
+        self.machine_from_work = machine_from_work;
+        self
+    }
+
+    /// With the 跳段 switch set.
+    #[must_use]
+    pub fn with_block_skip(mut self, skip: bool) -> Self {
+        self.skip = skip;
+        self
+    }
+
+    /// Gives a system variable a value.
+    pub fn set_system(&mut self, number: u32, value: Option<f64>) {
+        self.system.insert(number, value);
+    }
+
+    /// The way gone, mm.
+    #[must_use]
+    pub const fn length_mm(&self) -> f64 {
+        self.length_mm
+    }
+
+    /// The time it takes without acceleration, seconds.
+    #[must_use]
+    pub const fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// Least and greatest work coordinates of all moves.
+    #[must_use]
+    pub const fn extents(&self) -> Option<(PerAxis<f64>, PerAxis<f64>)> {
+        self.extents
+    }
+
+    /// Does one operation.
+    pub fn apply(&mut self, op: &Op) {
+        match op {
+            Op::Rapid { to, .. } => self.rapid(*to),
+            Op::Feed { to, feed, .. } | Op::Skip { to, feed, .. } => {
+                let length = distance(self.position, *to);
+                self.cut(*to, length, *feed);
+            }
+            Op::Arc { to, center, plane, turn, feed, .. } => self.arc(*to, *center, *plane, *turn, *feed),
+            Op::Dwell { s } => self.seconds += s,
+            Op::Preset { values } => {
+                for (axis, value) in values.iter() {
+                    if let Some(value) = value {
+                        self.machine_from_work[axis] += self.position[axis] - value;
+                        self.position[axis] = *value;
+                    }
+                }
+            }
+            Op::MachineMove { to, feed } => {
+                let to = PerAxis::from_fn(|axis| {
+                    to[axis].map_or(self.position[axis], |to| to - self.machine_from_work[axis])
+                });
+                match feed {
+                    Some(feed) => self.cut(to, distance(self.position, to), *feed),
+                    None => self.rapid(to),
+                }
+            }
+            Op::Reference { via, words, .. } => {
+                self.rapid(*via);
+                let home = |axis| if words.contains(axis) { -self.machine_from_work[axis] } else { via[axis] };
+                self.rapid(PerAxis::from_fn(home));
+            }
+            Op::S { value, mode: super::op::SpeedMode::Rpm } if *value > 0.0 => self.rpm = *value,
+            Op::SetSystem { number, value } => self.set_system(*number, *value),
+            Op::S { .. } | Op::Path(_) | Op::Frame { .. } | Op::SpeedLimit { .. } | Op::M { .. } | Op::T { .. } => {}
+            Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } => {}
+        }
+    }
+
+    fn rapid(&mut self, to: PerAxis<f64>) {
+        let minutes = |axis: Axis| (to[axis] - self.position[axis]).abs() / self.rapid_mm_min[axis].max(1.0);
+        self.seconds += 60.0 * Axis::ALL.into_iter().map(minutes).fold(0.0, f64::max);
+        self.length_mm += distance(self.position, to);
+        self.reach(to);
+    }
+
+    fn cut(&mut self, to: PerAxis<f64>, length: f64, feed: Feed) {
+        let mm_min = match feed {
+            Feed::PerMinute(feed) => feed,
+            Feed::PerRev(feed) => feed * self.rpm,
+        };
+        self.seconds += 60.0 * length / mm_min;
+        self.length_mm += length;
+        self.reach(to);
+    }
+
+    fn arc(&mut self, to: PerAxis<f64>, center: PerAxis<f64>, plane: Plane, turn: i8, feed: Feed) {
+        let (first, second) = plane.axes();
+        let angle = |point: PerAxis<f64>| (point[second] - center[second]).atan2(point[first] - center[first]);
+        let radius = (self.position[first] - center[first]).hypot(self.position[second] - center[second]);
+        let start = angle(self.position);
+        let swept = (f64::from(turn) * (angle(to) - start)).rem_euclid(std::f64::consts::TAU);
+        let swept = if swept <= 1e-9 { std::f64::consts::TAU } else { swept };
+        for quarter in 0..4 {
+            let compass = f64::from(quarter) * std::f64::consts::FRAC_PI_2;
+            if (f64::from(turn) * (compass - start)).rem_euclid(std::f64::consts::TAU) < swept {
+                let mut point = self.position;
+                point[first] = center[first] + radius * compass.cos();
+                point[second] = center[second] + radius * compass.sin();
+                self.stretch(point);
+            }
+        }
+        self.cut(to, radius * swept, feed);
+    }
+
+    fn reach(&mut self, to: PerAxis<f64>) {
+        self.stretch(self.position);
+        self.stretch(to);
+        self.position = to;
+    }
+
+    fn stretch(&mut self, point: PerAxis<f64>) {
+        let (low, high) = self.extents.get_or_insert((point, point));
+        for (axis, value) in point.iter() {
+            low[axis] = low[axis].min(*value);
+            high[axis] = high[axis].max(*value);
+        }
+    }
+}
+
+fn distance(from: PerAxis<f64>, to: PerAxis<f64>) -> f64 {
+    let square = |axis: Axis| (to[axis] - from[axis]) * (to[axis] - from[axis]);
+    (square(Axis::X) + square(Axis::Y) + square(Axis::Z)).sqrt()
+}
+
+impl World for CheckWorld {
+    fn position(&self) -> PerAxis<f64> {
+        self.position
+    }
+
+    fn system(&mut self, number: u32) -> Live {
+        if let Some(value) = self.system.get(&number) {
+            return Live::Value(*value);
+        }
+        let axis = |index: u32| Axis::ALL.into_iter().filter(|axis| self.axes[*axis]).nth(index as usize);
+        let shown =
+            |axis: Axis, mm: f64| Live::Value(Some(if self.diameter && axis == Axis::X { mm * 2.0 } else { mm }));
+        match number {
+            434..=439 | 1000..=1199 | 2000..=2999 | 3001..=3004 | 3901..=3902 => Live::Value(Some(0.0)),
+            5001..=5009 | 5041..=5049 | 5061..=5069 => {
+                axis(number % 20 - 1).map_or(Live::Unknown, |axis| shown(axis, self.position[axis]))
+            }
+            5021..=5029 => axis(number - 5021)
+                .map_or(Live::Unknown, |axis| shown(axis, self.position[axis] + self.machine_from_work[axis])),
+            _ => Live::Unknown,
+        }
+    }
+
+    fn block_skip(&self) -> bool {
+        self.skip
+    }
+}

@@ -1,0 +1,89 @@
+//! The interpreter against texts: programs and their operations side by side, and wrong programs with their errors.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use kt830::defs::text::Lang;
+use kt830::nc::{CheckWorld, Checked, Library, Memory, NoLibrary, Settings, Source, check_with};
+
+/// Programs of one folder, by number.
+struct Folder(HashMap<u32, Arc<Source>>);
+
+impl Library for Folder {
+    fn find(&self, number: u32) -> Option<Arc<Source>> {
+        self.0.get(&number).cloned()
+    }
+}
+
+fn settings_for(text: &str) -> Settings {
+    if text.contains("(MILL") { Settings::mill() } else { Settings::lathe() }
+}
+
+fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/nc").join(folder);
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|found| found == extension));
+    files.sort();
+    files
+}
+
+fn run(path: &Path) -> (String, Checked) {
+    let bytes = std::fs::read(path).unwrap();
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let settings = settings_for(&text);
+    let library: HashMap<_, _> = files("", "NC")
+        .iter()
+        .filter_map(|path| {
+            let number = path.file_stem()?.to_str()?.strip_prefix('O')?.parse().ok()?;
+            Some((number, Arc::new(Source::new(number, "", std::fs::read(path).unwrap()))))
+        })
+        .collect();
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(Folder(library));
+    let source = Arc::new(Source::new(1001, path.file_name().unwrap().to_string_lossy(), bytes));
+    let mut world = CheckWorld::new(&settings);
+    let mut ops = String::new();
+    let checked = check_with(&source, &library, &settings, Memory::default(), &mut world, &mut |block| {
+        for op in &block.ops {
+            ops.push_str(&format!("{}:{} {op}\n", block.at.program, block.at.line));
+        }
+    });
+    (ops, checked)
+}
+
+#[test]
+fn t4_golden_programs_give_their_operations() {
+    let programs = files("", "NC");
+    assert!(!programs.is_empty());
+    for path in programs {
+        let (ops, checked) = run(&path);
+        let faults: Vec<_> = checked.faults.iter().map(|fault| fault.text(Lang::En)).collect();
+        assert!(faults.is_empty(), "{}: {faults:#?}", path.display());
+        let golden = path.with_extension("ops");
+        let expected = std::fs::read_to_string(&golden).unwrap_or_default();
+        assert_eq!(ops, expected, "{}\n{ops}", path.display());
+    }
+}
+
+/// The first line says what is wrong: `; 3:12 1` is line 3, column 12, alarm 1; several are parted by commas.
+#[test]
+fn b1_wrong_programs_name_every_error_with_line_and_column() {
+    for path in files("bad", "NC") {
+        let (_, checked) = run(&path);
+        let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
+        let expected =
+            text.lines().next().unwrap().split_once(')').map_or("", |(_, rest)| rest).trim_start_matches([';', ' ']);
+        let found: Vec<_> = checked
+            .faults
+            .iter()
+            .map(|fault| format!("{}:{} {}", fault.place.line, fault.column, fault.alarm()))
+            .collect();
+        let texts: Vec<_> = checked.faults.iter().map(|fault| fault.text(Lang::En)).collect();
+        assert_eq!(found.join(", "), expected, "{}: {texts:#?}", path.display());
+    }
+}
+
+#[test]
+fn b1_an_empty_library_has_no_programs() {
+    assert!(NoLibrary.find(1).is_none());
+}
