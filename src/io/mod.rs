@@ -3,6 +3,8 @@
 //! Behind [`Backend`] stand the simulated machine or a field bus; the control cannot tell which.
 //! Source: spec P1–P8, style "time and hardware are arguments".
 
+pub mod sim;
+
 use crate::defs::signal::Terminals;
 use crate::units::{Micros, PerAxis};
 
