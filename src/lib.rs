@@ -7,5 +7,7 @@ pub mod link;
 pub mod machine;
 pub mod motion;
 pub mod nc;
+pub mod runtime;
+pub mod store;
 pub mod story;
 pub mod units;

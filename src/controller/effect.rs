@@ -20,6 +20,8 @@ pub enum Effect {
         /// Wear.
         wear: PerAxis<f64>,
     },
+    /// Keep a work frame: index 0 is G54; origin in machine coordinates, radius mm.
+    Frame(usize, PerAxis<f64>),
     /// Keep the number of the current program.
     CurrentProgram(u32),
     /// Keep the count of workpieces.

@@ -1,6 +1,7 @@
 //! Commands and keys: what a press does, or why it does nothing.
 //! Source: spec K2, K2.2, K2.4, B5.
 
+use super::frames::OFFSETS;
 use super::hand::HandLimits;
 use super::homing::{Homing, HomingPlan, Progress};
 use super::{Controller, Cycle, Effect, MINUTE_HZ};
@@ -47,6 +48,8 @@ impl Controller {
             Command::TypeVariable(variable, value) => self.type_variable(*variable, *value),
             Command::SetVariable(variable, value) => self.set_variable(*variable, *value),
             Command::SetParam(at, value) => self.set_param(*at, *value),
+            Command::SetFrame(index, origin) => self.set_frame(*index, *origin),
+            Command::SetGeometry(number, geometry) => self.set_geometry(*number, *geometry),
             Command::ClearRelative(axis) => self.relative_zero[*axis] = self.axes.actual()[*axis],
             Command::Screens(screens) => {
                 self.screens.clone_from(screens);
@@ -440,6 +443,28 @@ impl Controller {
         if matches!(self.ask(Request::CycleStart), Answer::Taken) {
             let source = std::sync::Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
             self.open_run(source, true);
+        }
+    }
+
+    fn set_frame(&mut self, index: usize, origin: PerAxis<f64>) {
+        match self.frames.work.get_mut(index) {
+            Some(_) if self.run.is_some() => self.refuse(NOT_IN_RUN),
+            Some(frame) => {
+                *frame = origin;
+                self.effects.push(Effect::Frame(index, origin));
+            }
+            None => self.refuse(Said::new("没有此工件坐标系", "there is no such work frame")),
+        }
+    }
+
+    fn set_geometry(&mut self, number: usize, geometry: PerAxis<f64>) {
+        match number.checked_sub(1).filter(|index| *index < OFFSETS) {
+            Some(_) if self.run.is_some() => self.refuse(NOT_IN_RUN),
+            Some(index) => {
+                self.frames.geometry[index] = geometry;
+                self.effects.push(Effect::Offset { number, geometry, wear: self.frames.wear[index] });
+            }
+            None => self.refuse(Said::new("刀补号应为 1-16", "offsets are numbered 1 to 16")),
         }
     }
 

@@ -30,6 +30,11 @@ impl Programs {
         Self { rows }
     }
 
+    /// All of them, by number.
+    pub fn iter(&self) -> impl Iterator<Item = &Program> {
+        self.rows.iter()
+    }
+
     /// The program of a number.
     #[must_use]
     pub fn get(&self, number: u32) -> Option<&Program> {

@@ -7,7 +7,7 @@ use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::screen::PageText;
 use crate::defs::text::Said;
-use crate::units::Axis;
+use crate::units::{Axis, PerAxis};
 
 /// One request to the core. Everything is answered in the tick that takes it, by doing it or by a message that says
 /// why not.
@@ -33,6 +33,10 @@ pub enum Command {
     SetVariable(u16, Option<f64>),
     /// A parameter set at the parameter page.
     SetParam(ParamAddress, f64),
+    /// The work zero of G54 (0) to G59 (5), machine coordinates, radius mm.
+    SetFrame(usize, PerAxis<f64>),
+    /// Geometry of a tool offset, 1 to 16, radius mm.
+    SetGeometry(usize, PerAxis<f64>),
     /// Makes the relative position of an axis zero.
     ClearRelative(Axis),
     /// The disk has read the folder of page texts and pictures.
