@@ -1,0 +1,122 @@
+//! The M codes: what each one does and where it is written.
+//! Source: spec K3, B4.
+
+use super::signal::Output;
+use super::text::Text;
+
+/// What the machine does on an M code. How and whether is the business of `machine`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Wait for cycle start.
+    Pause,
+    /// Wait for cycle start if the optional-stop switch is on.
+    OptionalStop,
+    /// End of program (K3.14).
+    End,
+    /// Count one workpiece.
+    Count,
+    /// Ask the machine for a change of one of its units.
+    Ask(Request),
+    /// Wait until the user input 1…10 is active.
+    AwaitInput(u8),
+    /// The reader of the program has dealt with it: jumps and calls.
+    Flow,
+}
+
+/// A change of the machine that a code, a key or a rule can ask for; the interlock table decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Request {
+    /// Start the wheel.
+    WheelStart,
+    /// Stop the wheel.
+    WheelStop,
+    /// Tailstock out.
+    TailstockAdvance,
+    /// Tailstock back.
+    TailstockRetract,
+    /// Headstock, dresser roll or table at high speed (M63).
+    DriveHigh,
+    /// Headstock at low speed; the single speed of roll and table (M64).
+    DriveLow,
+    /// Headstock, roll or table off (M65).
+    DriveStop,
+    /// Hydraulic pump on.
+    HydraulicOn,
+    /// Hydraulic pump off.
+    HydraulicOff,
+    /// Clamp the part by the magnet.
+    Magnetise,
+    /// Let the part go.
+    Demagnetise,
+    /// Switch an output that has no rule of its own.
+    Switch(Output, bool),
+    /// Start or resume a program or an MDI line.
+    CycleStart,
+    /// Home axes.
+    HomeAxes,
+    /// Jog, step or handwheel.
+    MoveByHand,
+}
+
+/// One M code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MCode {
+    /// The number after M.
+    pub code: u16,
+    /// What it does.
+    pub action: Action,
+    /// Whether the next block waits until it is done.
+    pub waits: bool,
+    /// Name shown.
+    pub name: Text,
+    /// Row of the specification.
+    pub row: &'static str,
+}
+
+macro_rules! mcodes {
+    ($($code:literal, $row:literal, $waits:literal, $action:expr, $zh:literal, $en:literal;)*) => {
+        /// Every M code, by number.
+        pub const MCODES: &[MCode] = &[$(MCode {
+            code: $code, action: $action, waits: $waits, name: Text::new($zh, $en), row: $row,
+        },)*];
+    };
+}
+
+mcodes! {
+    0, "K3.14", true, Action::Pause, "程序暂停", "program stop";
+    1, "B4", true, Action::OptionalStop, "选择停/跳转", "optional stop, jump";
+    3, "K3.1", true, Action::Ask(Request::WheelStart), "砂轮启动", "wheel start";
+    5, "K3.1", false, Action::Ask(Request::WheelStop), "砂轮停止", "wheel stop";
+    8, "K3.2", false, Action::Ask(Request::Switch(Output::Coolant, true)), "冷却开", "coolant on";
+    9, "K3.2", false, Action::Ask(Request::Switch(Output::Coolant, false)), "冷却关", "coolant off";
+    10, "K3.3", true, Action::Ask(Request::TailstockAdvance), "尾座进", "tailstock advance";
+    11, "K3.3", true, Action::Ask(Request::TailstockRetract), "尾座退", "tailstock retract";
+    14, "K3.5", false, Action::Ask(Request::HydraulicOn), "液压开", "hydraulic on";
+    15, "K3.5", false, Action::Ask(Request::HydraulicOff), "液压关", "hydraulic off";
+    30, "K3.14", true, Action::End, "程序结束", "program end";
+    31, "K3.14", false, Action::Count, "工件计数", "count a workpiece";
+    63, "K3.4", true, Action::Ask(Request::DriveHigh), "头架高速", "headstock high";
+    64, "K3.4", true, Action::Ask(Request::DriveLow), "头架低速", "headstock low";
+    65, "K3.4", false, Action::Ask(Request::DriveStop), "头架停止", "headstock stop";
+    91, "K3.15", false, Action::Flow, "输入有效跳转", "jump if input active";
+    92, "K3.15", false, Action::Flow, "输入无效跳转", "jump if input not active";
+    98, "K3.15", false, Action::Flow, "调用子程序", "call a subprogram";
+    99, "K3.15", false, Action::Flow, "子程序返回", "return from a subprogram";
+}
+
+/// The row of a code.
+#[must_use]
+pub fn find(code: u16) -> Option<&'static MCode> {
+    MCODES.iter().find(|row| row.code == code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k3_the_codes_stand_once_and_in_order() {
+        assert!(MCODES.windows(2).all(|pair| pair[0].code < pair[1].code));
+        assert!(find(2).is_none());
+    }
+}

@@ -1,0 +1,13 @@
+//! The tables: one per concept, read by the core, the pages, the checker and the manual.
+//!
+//! A row is the only place where a number, a name or a text stands. Nothing here acts.
+
+pub mod alarm;
+pub mod key;
+pub mod kind;
+pub mod mcode;
+pub mod page;
+pub mod param;
+pub mod screen;
+pub mod signal;
+pub mod text;
