@@ -4,4 +4,5 @@ pub mod defs;
 pub mod io;
 pub mod link;
 pub mod machine;
+pub mod store;
 pub mod units;
