@@ -1,5 +1,6 @@
 //! KT-830: a CNC control for grinding machines.
 
+pub mod cli;
 pub mod controller;
 pub mod defs;
 pub mod io;

@@ -151,6 +151,42 @@ impl Controller {
         self.output_set
     }
 
+    /// The block under way: program, line, N.
+    #[must_use]
+    pub const fn place(&self) -> crate::nc::Place {
+        self.place
+    }
+
+    /// Whether no set-point moves.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.axes.is_at_rest()
+    }
+
+    /// The axes of the machine.
+    pub fn axes_present(&self) -> impl Iterator<Item = Axis> + use<> {
+        self.axes.present()
+    }
+
+    /// Machine set-point, radius mm.
+    #[must_use]
+    pub const fn set_point(&self) -> PerAxis<f64> {
+        self.axes.set()
+    }
+
+    /// Machine position from the encoders, radius mm.
+    #[must_use]
+    pub const fn actual(&self) -> PerAxis<f64> {
+        self.axes.actual()
+    }
+
+    /// Wear of an offset, 1 to 16, as displayed.
+    #[must_use]
+    pub fn wear(&self, number: usize, axis: Axis) -> Option<f64> {
+        let wear = self.frames.wear.get(number.checked_sub(1)?)?;
+        Some(wear[axis] * self.displayed_per_mm(axis))
+    }
+
     /// Controller time.
     #[must_use]
     pub const fn now(&self) -> Micros {

@@ -142,7 +142,11 @@ fn fault(file: &str, zh: impl Into<String>, en: impl Into<String>) -> FileFault 
 fn read(folder: &Folder, class: &FileClass, number: u16) -> Result<crate::store::Read, FileFault> {
     folder.read(class, number).map_err(|error| {
         let name = class.name(number);
-        fault(&name, format!("不能读出，请重新拷入 screens 目录 ({error})"), format!("cannot be read, copy it again ({error})"))
+        fault(
+            &name,
+            format!("不能读出，请重新拷入 screens 目录 ({error})"),
+            format!("cannot be read, copy it again ({error})"),
+        )
     })
 }
 
@@ -159,7 +163,10 @@ pub fn parse_page_text(name: &str, bytes: &[u8]) -> Result<screen::PageText, Fil
     let decoded = decode(bytes).map_err(|error| FileFault {
         file: name.to_owned(),
         place: Some((error.line as u32, error.column as u32)),
-        said: Said::new("不是 GBK 或 UTF-8 编码，请用记事本另存", "neither GBK nor UTF-8: save it again with an editor"),
+        said: Said::new(
+            "不是 GBK 或 UTF-8 编码，请用记事本另存",
+            "neither GBK nor UTF-8: save it again with an editor",
+        ),
     })?;
     screen::parse(&decoded.text).map_err(|wrong| FileFault {
         file: name.to_owned(),

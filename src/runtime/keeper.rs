@@ -36,8 +36,7 @@ impl Keeper {
     pub fn open(folder: &Path, kind: Kind) -> Result<(Self, Found), store::RetainedError> {
         let mut opened = store::Retained::open(folder)?;
         let loaded = opened.retained.load()?;
-        let damaged =
-            opened.damaged.map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
+        let damaged = opened.damaged.map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
         let (retained, dropped) = restore(kind, &loaded);
         Ok((Self { store: opened.retained }, Found { retained, damaged, dropped }))
     }
