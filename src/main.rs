@@ -1,3 +1,5 @@
 //! The command `kt830`: arguments and wiring.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    kt830::cli::main()
+}

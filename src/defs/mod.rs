@@ -1,5 +1,15 @@
-//! One table per concept: the core, the pages, the checker and the manual read the same rows.
+//! The tables: one per concept, read by the core, the pages, the checker and the manual.
+//!
+//! A row is the only place where a number, a name or a text stands. Nothing here acts.
 
+pub mod alarm;
 pub mod gcode;
+pub mod key;
+pub mod kind;
+pub mod mcode;
+pub mod page;
+pub mod param;
 pub mod program_error;
+pub mod screen;
+pub mod signal;
 pub mod text;

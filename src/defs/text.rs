@@ -1,16 +1,18 @@
-//! Text in the two languages of the control.
+//! Texts in the two languages of the control.
 
-/// The language that a person reads.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+use serde::{Deserialize, Serialize};
+
+/// A language of the control. Chinese comes first.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Lang {
-    /// Chinese.
+    /// 中文
     #[default]
     Zh,
-    /// English.
+    /// English
     En,
 }
 
-/// The same text in both languages.
+/// One text in both languages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Text {
     /// Chinese.
@@ -20,12 +22,49 @@ pub struct Text {
 }
 
 impl Text {
-    /// The text in one language.
+    /// A text from its two forms.
     #[must_use]
-    pub const fn get(&self, lang: Lang) -> &'static str {
+    pub const fn new(zh: &'static str, en: &'static str) -> Self {
+        Self { zh, en }
+    }
+
+    /// The form for a language.
+    #[must_use]
+    pub const fn get(self, lang: Lang) -> &'static str {
         match lang {
             Lang::Zh => self.zh,
             Lang::En => self.en,
         }
+    }
+}
+
+/// A text put together at run time, in both languages at once: the core does not know which one the operator reads.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Said {
+    /// Chinese.
+    pub zh: String,
+    /// English.
+    pub en: String,
+}
+
+impl Said {
+    /// A text from its two forms.
+    pub fn new(zh: impl Into<String>, en: impl Into<String>) -> Self {
+        Self { zh: zh.into(), en: en.into() }
+    }
+
+    /// The form for a language.
+    #[must_use]
+    pub fn get(&self, lang: Lang) -> &str {
+        match lang {
+            Lang::Zh => &self.zh,
+            Lang::En => &self.en,
+        }
+    }
+}
+
+impl From<Text> for Said {
+    fn from(text: Text) -> Self {
+        Self::new(text.zh, text.en)
     }
 }

@@ -1,0 +1,187 @@
+//! The words of the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+
+use crate::defs::kind::Kind;
+use crate::defs::page::Page;
+use crate::defs::param::ParamAddress;
+use crate::defs::text::Lang;
+
+/// KT-830: a CNC control for grinding machines. Without a command it opens the control full-screen.
+#[derive(Debug, Parser)]
+#[command(name = "kt830", version, about, propagate_version = true)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: Option<Verb>,
+    /// What holds for every command.
+    #[command(flatten)]
+    pub shared: Shared,
+    /// Open the control in a window.
+    #[arg(long)]
+    pub windowed: bool,
+}
+
+/// Options of every command.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct Shared {
+    /// Kind of machine: gc (cylindrical grinder)
+    #[arg(long, global = true, default_value = "gc", value_parser = kind)]
+    pub kind: Kind,
+    /// Folder of retained data [default: the platform's data directory]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub data: Option<PathBuf>,
+    /// Folder of page texts and pictures [default: ./screens, else the data directory's]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub screens: Option<PathBuf>,
+    /// Folder of programs [default: ./programs, else the data directory's]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub programs: Option<PathBuf>,
+    /// Language
+    #[arg(long, global = true, default_value = "zh", value_parser = lang)]
+    pub lang: Lang,
+    /// Set a parameter, for example P270=0; may be repeated
+    #[arg(long = "param", global = true, value_name = "P=VALUE", value_parser = param)]
+    pub params: Vec<(ParamAddress, f64)>,
+    /// Set a macro variable, for example '#500=40.2'; may be repeated
+    #[arg(long = "set", global = true, value_name = "#N=VALUE", value_parser = variable, allow_hyphen_values = true)]
+    pub sets: Vec<(u16, f64)>,
+    /// Part file of the simulated machine
+    #[arg(long, global = true, value_name = "FILE")]
+    pub part: Option<PathBuf>,
+    /// Seed of the simulated machine's chance
+    #[arg(long, global = true, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Form of the results
+    #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
+    pub format: Format,
+}
+
+/// Form of the results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// For people.
+    Text,
+    /// For programs.
+    Json,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Open the control and play a story on the simulated machine
+    Demo(Demo),
+    /// Run a program on the simulated machine, as fast as it goes
+    Run(Run),
+    /// Check programs, page texts and pictures without running them
+    Check(Check),
+    /// Play a story and print what came of each line
+    Play(Play),
+    /// Paint a page to a PNG file
+    Shot(Shot),
+}
+
+/// `kt830 demo`
+#[derive(Debug, ClapArgs)]
+pub struct Demo {
+    /// The story [default: cold start to a ground, measured part]
+    pub story: Option<PathBuf>,
+    /// Where to write pictures of the pages visited, without a display
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+}
+
+/// `kt830 run`
+#[derive(Debug, ClapArgs)]
+pub struct Run {
+    /// A program of the folder (O1002) or a file
+    pub program: String,
+    /// Go on through M00
+    #[arg(long)]
+    pub through_stops: bool,
+    /// Write one line a tick: time, set and actual positions, outputs, block
+    #[arg(long, value_name = "FILE.csv")]
+    pub trace: Option<PathBuf>,
+}
+
+/// `kt830 check`
+#[derive(Debug, ClapArgs)]
+pub struct Check {
+    /// Programs, page texts, pictures
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Also run programs against their part
+    #[arg(long)]
+    pub simulate: bool,
+    /// Print the canonical operations
+    #[arg(long)]
+    pub ops: bool,
+}
+
+/// `kt830 play`
+#[derive(Debug, ClapArgs)]
+pub struct Play {
+    /// The story
+    pub story: PathBuf,
+}
+
+/// `kt830 shot`
+#[derive(Debug, ClapArgs)]
+pub struct Shot {
+    /// The page
+    #[arg(value_parser = page)]
+    pub page: Page,
+    /// Where to write it
+    #[arg(long, value_name = "FILE.png")]
+    pub out: PathBuf,
+    /// Size of the screen in pixels
+    #[arg(long, default_value = "1024x768", value_parser = size)]
+    pub size: (u32, u32),
+    /// A story that leads to what is to be seen
+    #[arg(long)]
+    pub story: Option<PathBuf>,
+}
+
+fn kind(word: &str) -> Result<Kind, String> {
+    Kind::from_id(word).ok_or_else(|| "the kinds are gc, gs, ga".to_owned())
+}
+
+fn lang(word: &str) -> Result<Lang, String> {
+    match word {
+        "zh" => Ok(Lang::Zh),
+        "en" => Ok(Lang::En),
+        _ => Err("the languages are zh and en".to_owned()),
+    }
+}
+
+fn page(word: &str) -> Result<Page, String> {
+    Page::from_id(word).ok_or_else(|| {
+        let pages: Vec<_> = Page::ALL.iter().map(|page| page.id()).collect();
+        format!("the pages are {}", pages.join(", "))
+    })
+}
+
+fn size(word: &str) -> Result<(u32, u32), String> {
+    const LEAST: u32 = 320;
+    const MOST: u32 = 7_680;
+    let wrong = || format!("a size reads 1024x768, each side from {LEAST} to {MOST}");
+    let (width, height) = word.split_once('x').ok_or_else(wrong)?;
+    let side = |text: &str| text.parse().ok().filter(|side| (LEAST..=MOST).contains(side)).ok_or_else(wrong);
+    Ok((side(width)?, side(height)?))
+}
+
+fn param(word: &str) -> Result<(ParamAddress, f64), String> {
+    let wrong = || "a parameter reads P270=0 or P16.0=1".to_owned();
+    let (at, value) = word.split_once('=').ok_or_else(wrong)?;
+    Ok((ParamAddress::parse(at.trim()).ok_or_else(wrong)?, value.trim().parse().map_err(|_| wrong())?))
+}
+
+fn variable(word: &str) -> Result<(u16, f64), String> {
+    let wrong = || "a variable reads '#500=40.2'".to_owned();
+    let (name, value) = word.split_once('=').ok_or_else(wrong)?;
+    let number = crate::story::parse::variable(name.trim()).ok_or_else(wrong)?;
+    let value: f64 = value.trim().parse().map_err(|_| wrong())?;
+    if value.is_finite() { Ok((number, value)) } else { Err(wrong()) }
+}

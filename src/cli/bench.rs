@@ -1,0 +1,133 @@
+//! Setting up a control with its simulated machine from the words of the call.
+
+use std::path::Path;
+
+use super::CallError;
+use super::args::Shared;
+use crate::controller::Retained;
+use crate::io::sim::PartFile;
+use crate::link::command::Command;
+use crate::nc::Memory;
+use crate::runtime::disk::{Folders, program};
+use crate::runtime::keeper::Keeper;
+use crate::runtime::rig::{Rig, Setup};
+use crate::store::DataDir;
+
+/// Number that a file gets whose name has none.
+const UNNUMBERED: u32 = 9_999;
+
+/// The folders of the call. Without `--data` nothing is written: the folders beside the caller must be there.
+///
+/// # Errors
+/// A folder cannot be made.
+pub fn folders(shared: &Shared) -> Result<Folders, CallError> {
+    let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+    Folders::resolve(shared.programs.clone(), shared.screens.clone(), &data).map_err(CallError::new)
+}
+
+/// What the control begins with: `--param` and `--set` applied to factory or retained values.
+///
+/// # Errors
+/// A parameter or variable does not exist or does not take the value.
+pub fn begin(shared: &Shared, mut retained: Retained) -> Result<Retained, CallError> {
+    for (at, value) in &shared.params {
+        retained.params.write(*at, *value).map_err(|error| CallError::new(format!("--param {at}={value}: {error}")))?;
+    }
+    for (number, value) in &shared.sets {
+        set(&mut retained.variables, *number, *value)?;
+    }
+    Ok(retained)
+}
+
+fn set(variables: &mut Memory, number: u16, value: f64) -> Result<(), CallError> {
+    variables
+        .set(u32::from(number), Some(value))
+        .map_err(|error| CallError::new(format!("--set #{number}={value}: {error}")))
+}
+
+/// A rig for a headless job: retained data only with `--data`.
+///
+/// # Errors
+/// Data, folders or the machine cannot be opened.
+pub fn rig(shared: &Shared) -> Result<Rig, CallError> {
+    let (keeper, retained, damaged) = match &shared.data {
+        Some(_) => {
+            let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+            let (keeper, found) = Keeper::open(data.root(), shared.kind).map_err(CallError::new)?;
+            for value in &found.dropped {
+                eprintln!("kt830: retained value {value} is not allowed any more and was left out");
+            }
+            (Some(keeper), found.retained, found.damaged)
+        }
+        None => (None, Retained::factory(shared.kind), None),
+    };
+    let setup = Setup {
+        kind: shared.kind,
+        retained: begin(shared, retained)?,
+        keeper,
+        folders: folders(shared)?,
+        seed: shared.seed,
+    };
+    let mut rig = Rig::new(setup).map_err(CallError::new)?;
+    if let Some(damaged) = damaged {
+        eprintln!("kt830: the retained data were damaged; the copy is kept as {damaged}; factory values are in force");
+        rig.report_damage(&damaged);
+    }
+    Ok(rig)
+}
+
+/// The part of the call: `--part`, else the one that comes with the program.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn part(shared: &Shared, number: u32) -> Result<Option<PartFile>, CallError> {
+    match &shared.part {
+        Some(path) => part_file(path).map(Some),
+        None => PartFile::builtin(number).map_err(CallError::new),
+    }
+}
+
+/// A part file.
+///
+/// # Errors
+/// The file cannot be read.
+pub fn part_file(path: &Path) -> Result<PartFile, CallError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| CallError::new(format!("part file {}: {error}; check the path", path.display())))?;
+    PartFile::parse(&text).map_err(|error| CallError::new(format!("part file {}: {error}", path.display())))
+}
+
+/// Makes the program of the call known to the rig: a number of the folder, or a file.
+///
+/// # Errors
+/// There is no such program.
+pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
+    if let Some(number) = crate::story::parse::program(word)
+        && rig.has_program(number)
+    {
+        return Ok(number);
+    }
+    let path = Path::new(word);
+    if !path.is_file() {
+        return Err(CallError::new(format!(
+            "there is no program {word}: neither in the programs folder nor as a file; `--programs DIR` names another folder"
+        )));
+    }
+    let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let number = crate::story::parse::program(&stem).unwrap_or(UNNUMBERED);
+    rig.add_program(program(number, word, bytes));
+    Ok(number)
+}
+
+/// Puts the part in, if there is one, and says which program is current.
+///
+/// # Errors
+/// The part file cannot be read.
+pub fn mount(rig: &mut Rig, shared: &Shared, number: u32) -> Result<(), CallError> {
+    if let Some(part) = part(shared, number)? {
+        rig.mount(&part);
+    }
+    rig.send(Command::LoadProgram(number));
+    Ok(())
+}

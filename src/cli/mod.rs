@@ -1,0 +1,61 @@
+//! The command line: what is asked, and what comes out. Results go to standard output, messages to standard error.
+//! Source: spec tools.md T1–T6.
+
+mod args;
+mod bench;
+mod run;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use clap::error::ErrorKind;
+
+use args::{Args, Verb};
+
+/// Fine.
+const FINE: u8 = 0;
+/// The job ended in an alarm or a failed expectation.
+const FAILED: u8 = 1;
+/// The call or a file is wrong.
+const WRONG_CALL: u8 = 2;
+
+/// Runs the command line of this process.
+#[must_use]
+pub fn main() -> ExitCode {
+    let args = match Args::try_parse() {
+        Ok(args) => args,
+        Err(error) => {
+            let fine = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
+            drop(error.print());
+            return ExitCode::from(if fine { FINE } else { WRONG_CALL });
+        }
+    };
+    let done = match &args.verb {
+        Some(Verb::Run(run)) => run::run(&args.shared, run),
+        _ => Err(CallError::new("not wired")),
+    };
+    match done {
+        Ok(status) => ExitCode::from(status),
+        Err(error) => {
+            eprintln!("kt830: {error}");
+            ExitCode::from(WRONG_CALL)
+        }
+    }
+}
+
+/// The call or a file is wrong: what, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct CallError(String);
+
+impl CallError {
+    fn new(text: impl std::fmt::Display) -> Self {
+        Self(text.to_string())
+    }
+}
+
+/// Writes a line to standard output; a closed pipe is nobody's fault.
+fn out(text: impl std::fmt::Display) {
+    use std::io::Write;
+    drop(writeln!(std::io::stdout().lock(), "{text}"));
+}

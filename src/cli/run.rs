@@ -1,0 +1,202 @@
+//! `kt830 run`: a program on the simulated machine from a ready machine to its end.
+//! Source: spec tools.md T3.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+
+use serde_json::{Map, Value, json};
+
+use super::args::{Format, Run, Shared};
+use super::{CallError, FAILED, FINE, bench, out};
+use crate::defs::key::Key;
+use crate::defs::text::Lang;
+use crate::link::command::Command;
+use crate::link::snapshot::{RunState, Snapshot, VARIABLES};
+use crate::runtime::rig::Rig;
+use crate::units::Axis;
+
+/// Ticks from cycle start to the first sign of life.
+const START_TICKS: u32 = 5;
+
+/// Runs the program and prints the report.
+///
+/// # Errors
+/// The call or a file is wrong.
+pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
+    let mut rig = bench::rig(shared)?;
+    let number = bench::find_program(&mut rig, &call.program)?;
+    bench::mount(&mut rig, shared, number)?;
+    rig.step(); // the control takes part, program and frames
+    rig.make_ready();
+    bench::mount(&mut rig, shared, number)?;
+    rig.step();
+    let mut trace = match &call.trace {
+        Some(path) => Some(Trace::create(path, &rig)?),
+        None => None,
+    };
+    let before = rig.snapshot().variables.clone();
+    let started = rig.now();
+    rig.send(Command::Press(Key::CycleStart));
+    let (mut blocks, mut last) = (0_u64, (0, 0));
+    let end = loop {
+        rig.step();
+        if let Some(trace) = &mut trace {
+            trace.line(&mut rig)?;
+        }
+        let place = rig.controller().place();
+        let at = (place.program, place.line);
+        if at != last {
+            blocks += 1;
+            last = at;
+        }
+        let state = rig.controller().state();
+        let young = rig.now().since(started).0 < u64::from(START_TICKS) * rig.tick_time().0;
+        match state {
+            RunState::Stopped if call.through_stops => rig.send(Command::Press(Key::CycleStart)),
+            RunState::Stopped | RunState::Held => break "stopped",
+            RunState::Idle if !young => break "finished",
+            RunState::Alarm if rig.controller().is_at_rest() => break "alarm",
+            RunState::Idle | RunState::Running | RunState::Waiting | RunState::Homing | RunState::Alarm => {}
+        }
+    };
+    let seconds = rig.now().since(started).as_secs_f64();
+    let report = Report { end, seconds, blocks, before };
+    match shared.format {
+        Format::Json => out(report.json(&mut rig, shared.lang)),
+        Format::Text => out(report.text(&mut rig, shared.lang)),
+    }
+    Ok(if end == "alarm" { FAILED } else { FINE })
+}
+
+/// What is told at the end.
+struct Report {
+    end: &'static str,
+    seconds: f64,
+    blocks: u64,
+    before: Box<[Option<f64>; VARIABLES]>,
+}
+
+impl Report {
+    fn json(&self, rig: &mut Rig, lang: Lang) -> Value {
+        let snapshot = rig.snapshot().clone();
+        let place = rig.controller().place();
+        let alarms: Vec<Value> = snapshot
+            .alarms
+            .iter()
+            .map(|alarm| {
+                json!({"number": alarm.number, "text": alarm.text.get(lang),
+                       "program": place.program, "line": place.line})
+            })
+            .collect();
+        let mut variables = Map::new();
+        for (number, value) in self.changed(&snapshot) {
+            variables.insert(format!("#{number}"), json!(value));
+        }
+        json!({
+            "end": self.end,
+            "alarms": alarms,
+            "seconds": self.seconds,
+            "blocks": self.blocks,
+            "work": positions(&snapshot, |axis| axis.work),
+            "machine": positions(&snapshot, |axis| axis.machine),
+            "parts": snapshot.parts,
+            "variables": variables,
+            "part": rig.machine().measure(),
+            "wheel": {"diameter": rig.machine().wheel().diameter_mm},
+            "events": rig.machine().events(),
+        })
+    }
+
+    /// Variables that the run has changed, by number.
+    fn changed(&self, snapshot: &Snapshot) -> BTreeMap<usize, Option<f64>> {
+        let pairs = self.before.iter().zip(snapshot.variables.iter()).enumerate();
+        pairs.filter(|(_, (before, after))| before != after).map(|(number, (_, after))| (number, *after)).collect()
+    }
+
+    fn text(&self, rig: &mut Rig, lang: Lang) -> String {
+        let snapshot = rig.snapshot().clone();
+        let mut lines =
+            vec![format!("{}  {:.3} s  {} blocks  {} parts", self.end, self.seconds, self.blocks, snapshot.parts)];
+        for alarm in &snapshot.alarms {
+            lines.push(format!("alarm {:03}  {}  {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang)));
+        }
+        if self.end != "finished" && !snapshot.message.text.get(lang).is_empty() {
+            lines.push(snapshot.message.text.get(lang).to_owned());
+        }
+        for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {
+            lines.push(format!("{axis}  work {:10.3}  machine {:10.3}", view.work, view.machine));
+        }
+        for (number, value) in self.changed(&snapshot) {
+            lines.push(match value {
+                Some(value) => format!("#{number} = {value}"),
+                None => format!("#{number} = "),
+            });
+        }
+        let part = rig.machine().measure();
+        lines.extend(part.diameters.iter().map(|at| format!("part diameter at Z{:.3}  {:.4}", at.z, at.d)));
+        lines.extend(part.faces.iter().map(|at| format!("part face at X{:.3}  Z {:.4}", at.x, at.z)));
+        lines.extend(part.heights.iter().map(|at| format!("part height at X{:.3} Z{:.3}  {:.4}", at.x, at.z, at.y)));
+        for event in rig.machine().events() {
+            lines.push(format!(
+                "event {} at {:.3} s: {} X{:.3} Z{:.3}",
+                event.kind.id(),
+                event.seconds,
+                event.place,
+                event.x,
+                event.z
+            ));
+        }
+        lines.push(format!("wheel diameter {:.4}", rig.machine().wheel().diameter_mm));
+        lines.join("\n")
+    }
+}
+
+fn positions(snapshot: &Snapshot, of: impl Fn(&crate::link::snapshot::AxisView) -> f64) -> Value {
+    let mut map = Map::new();
+    for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {
+        map.insert(axis.to_string(), json!(of(view)));
+    }
+    Value::Object(map)
+}
+
+/// `--trace`: one line a tick.
+struct Trace {
+    file: BufWriter<File>,
+    path: String,
+}
+
+impl Trace {
+    fn create(path: &std::path::Path, rig: &Rig) -> Result<Self, CallError> {
+        let name = path.display().to_string();
+        let file = File::create(path).map_err(|error| CallError::new(format!("--trace {name}: {error}")))?;
+        let mut trace = Self { file: BufWriter::new(file), path: name };
+        let axes: Vec<Axis> = rig.controller().axes_present().collect();
+        let columns = |what: &str| axes.iter().map(|axis| format!("{what}_{axis}")).collect::<Vec<_>>().join(",");
+        trace.write(&format!("seconds,{},{},outputs,program,line", columns("set"), columns("actual")))?;
+        Ok(trace)
+    }
+
+    fn line(&mut self, rig: &mut Rig) -> Result<(), CallError> {
+        let control = rig.controller();
+        let (set, actual, place) = (control.set_point(), control.actual(), control.place());
+        let list = |of: crate::units::PerAxis<f64>| {
+            control.axes_present().map(|axis| format!("{:.6}", of[axis])).collect::<Vec<_>>().join(",")
+        };
+        let outputs: Vec<_> = control.output_set().iter().map(|output| output.id()).collect();
+        let line = format!(
+            "{:.3},{},{},{},{},{}",
+            rig.now().as_secs_f64(),
+            list(set),
+            list(actual),
+            outputs.join(" "),
+            place.program,
+            place.line
+        );
+        self.write(&line)
+    }
+
+    fn write(&mut self, line: &str) -> Result<(), CallError> {
+        writeln!(self.file, "{line}").map_err(|error| CallError::new(format!("--trace {}: {error}", self.path)))
+    }
+}

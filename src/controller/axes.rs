@@ -1,0 +1,280 @@
+//! The axes: who moves them now, where they are told to be and where they are.
+//!
+//! Owns the path planner, one mover an axis, and the machine zero that homing finds. Machine frame, radius millimetres.
+//! Source: spec B5, B7.
+
+use crate::defs::param::{self, Params};
+use crate::io::InputImage;
+use crate::machine::kind::KindRow;
+use crate::motion::{AxisLimits, AxisMover, Limits, Override, Path};
+use crate::units::{Axis, PerAxis};
+
+/// Seconds in a minute: parameters are per minute, motion per second.
+pub const MINUTE: f64 = 60.0;
+
+/// Who moves the axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// Jog, step, handwheel, homing.
+    Hand,
+    /// The program.
+    Path,
+}
+
+/// All axes of the machine.
+#[derive(Debug)]
+pub struct Axes {
+    /// The program's moves.
+    pub path: Path,
+    /// One mover an axis for everything else.
+    pub movers: PerAxis<AxisMover>,
+    present: PerAxis<bool>,
+    owner: Owner,
+    /// Machine coordinate minus encoder reading.
+    zero_mm: PerAxis<f64>,
+    homed: PerAxis<bool>,
+    /// Where the axes are, from the encoders.
+    actual: PerAxis<f64>,
+    /// Where they are told to be.
+    set: PerAxis<f64>,
+    velocity_mm_s: PerAxis<f64>,
+    /// The last move of each axis went in the minus direction: its screw's play lies on the other side.
+    minus: PerAxis<bool>,
+    drives_on: bool,
+}
+
+impl Axes {
+    /// Axes at rest where the encoders find them; not homed.
+    #[must_use]
+    pub fn new(params: &Params, row: &KindRow, image: &InputImage) -> Self {
+        let limits = limits(params);
+        let start = image.encoder_mm;
+        let movers = PerAxis::from_fn(|axis| AxisMover::new(limits.axes[axis], start[axis], limits.tick_s));
+        Self {
+            path: Path::new(limits, start),
+            movers,
+            present: row.axes,
+            owner: Owner::Hand,
+            zero_mm: PerAxis::default(),
+            homed: PerAxis::default(),
+            actual: start,
+            set: start,
+            velocity_mm_s: PerAxis::default(),
+            minus: PerAxis::default(),
+            drives_on: true,
+        }
+    }
+
+    /// Takes over changed limits; only while nothing runs.
+    pub fn configure(&mut self, params: &Params) {
+        let limits = limits(params);
+        if self.path.is_done() {
+            self.path.set_limits(limits);
+        }
+        for axis in Axis::ALL {
+            self.movers[axis].set_limits(limits.axes[axis]);
+            self.bound(axis, params);
+        }
+    }
+
+    /// Soft limits hold from homing on (B5).
+    fn bound(&mut self, axis: Axis, params: &Params) {
+        let bounds = self.homed[axis].then(|| soft_limits(params, axis));
+        self.movers[axis].set_bounds(bounds);
+    }
+
+    /// Declares the machine zero of an axis: the encoder position `edge` (in today's machine frame) is `coordinate`.
+    /// The axis must stand.
+    pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64, params: &Params) {
+        let shift = coordinate - edge;
+        self.zero_mm[axis] += shift;
+        self.actual[axis] += shift;
+        self.set[axis] += shift;
+        self.movers[axis].set_position(self.set[axis]);
+        self.homed[axis] = true;
+        self.bound(axis, params);
+    }
+
+    /// Homing looks for the switch beyond any limit.
+    pub fn unbound(&mut self, axis: Axis) {
+        self.homed[axis] = false;
+        self.movers[axis].set_bounds(None);
+    }
+
+    /// Homing has to be done again (hard limit, drive fault).
+    pub fn forget_zero(&mut self) {
+        self.homed = PerAxis::default();
+        for axis in Axis::ALL {
+            self.movers[axis].set_bounds(None);
+        }
+    }
+
+    /// Reads the encoders.
+    pub fn read(&mut self, image: &InputImage) {
+        self.actual = PerAxis::from_fn(|axis| image.encoder_mm[axis] + self.zero_mm[axis]);
+    }
+
+    /// One tick of whoever owns the axes.
+    pub fn tick(&mut self, rate: Override) {
+        let before = self.set;
+        match self.owner {
+            Owner::Path => {
+                let point = self.path.tick(rate);
+                self.set = point.position;
+                self.velocity_mm_s = point.velocity_mm_s;
+            }
+            Owner::Hand => {
+                for axis in Axis::ALL {
+                    let (position, velocity) = self.movers[axis].tick();
+                    self.set[axis] = position;
+                    self.velocity_mm_s[axis] = velocity;
+                }
+            }
+        }
+        for axis in Axis::ALL {
+            let moved = self.set[axis] - before[axis];
+            if moved.abs() > 0.0 {
+                self.minus[axis] = moved < 0.0;
+            }
+        }
+    }
+
+    /// The set-point of each axis in the encoder's frame.
+    #[must_use]
+    pub fn set_points(&self, params: &Params) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| {
+            let play = params.of_axis(param::BACKLASH_X, axis);
+            let taken_up = if self.minus[axis] { -play } else { 0.0 };
+            self.set[axis] - self.zero_mm[axis] + taken_up
+        })
+    }
+
+    /// The program takes the axes over where they stand.
+    pub fn give_to_path(&mut self) {
+        if self.owner == Owner::Hand && self.path.is_at_rest() {
+            self.path.clear_at(self.set);
+            self.owner = Owner::Path;
+        }
+    }
+
+    /// Movers take the axes over where they stand.
+    pub fn give_to_hand(&mut self) {
+        if self.owner == Owner::Path && self.path.is_at_rest() {
+            for axis in Axis::ALL {
+                self.movers[axis].set_position(self.set[axis]);
+            }
+            self.owner = Owner::Hand;
+        }
+    }
+
+    /// Who moves the axes.
+    #[must_use]
+    pub const fn owner(&self) -> Owner {
+        self.owner
+    }
+
+    /// Brakes everything: the path along itself, the movers at full deceleration.
+    pub fn brake(&mut self) {
+        match self.owner {
+            Owner::Path => self.path.abort(),
+            Owner::Hand => {
+                for mover in &mut self.movers.0 {
+                    mover.emergency_stop();
+                }
+            }
+        }
+    }
+
+    /// Whether no set-point moves.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        match self.owner {
+            Owner::Path => self.path.is_at_rest(),
+            Owner::Hand => self.movers.iter().all(|(_, mover)| mover.is_at_rest()),
+        }
+    }
+
+    /// Whether every axis stands within the in-position width of its set-point.
+    #[must_use]
+    pub fn is_in_position(&self, params: &Params) -> bool {
+        let width = params.get(param::IN_POSITION);
+        self.present().all(|axis| (self.set[axis] - self.actual[axis]).abs() <= width)
+    }
+
+    /// The first axis whose following error is beyond its limit.
+    #[must_use]
+    pub fn lost(&self, params: &Params) -> Option<Axis> {
+        let limit = params.get(param::FOLLOWING_LIMIT);
+        self.present().find(|axis| self.drives_on && (self.set[*axis] - self.actual[*axis]).abs() > limit)
+    }
+
+    /// The drives were switched: off, the set-points follow the axes so that switching on does not jump.
+    pub fn set_drives(&mut self, on: bool) {
+        self.drives_on = on;
+    }
+
+    /// With the drives off the set-points are where the axes are.
+    pub fn follow_actual(&mut self) {
+        if self.path.is_at_rest() {
+            self.set = self.actual;
+            for axis in Axis::ALL {
+                self.movers[axis].set_position(self.actual[axis]);
+            }
+            self.owner = Owner::Hand;
+        }
+    }
+
+    /// The axes that the machine has.
+    pub fn present(&self) -> impl Iterator<Item = Axis> + use<> {
+        let present = self.present;
+        Axis::ALL.into_iter().filter(move |axis| present[*axis])
+    }
+
+    /// Whether an axis is homed.
+    #[must_use]
+    pub fn is_homed(&self, axis: Axis) -> bool {
+        self.homed[axis]
+    }
+
+    /// Whether all are.
+    #[must_use]
+    pub fn all_homed(&self) -> bool {
+        self.present().all(|axis| self.homed[axis])
+    }
+
+    /// Machine position from the encoders.
+    #[must_use]
+    pub const fn actual(&self) -> PerAxis<f64> {
+        self.actual
+    }
+
+    /// Machine position commanded.
+    #[must_use]
+    pub const fn set(&self) -> PerAxis<f64> {
+        self.set
+    }
+
+    /// Commanded velocity.
+    #[must_use]
+    pub const fn velocity_mm_s(&self) -> PerAxis<f64> {
+        self.velocity_mm_s
+    }
+}
+
+/// Soft limits of an axis, machine coordinates, low then high.
+#[must_use]
+pub fn soft_limits(params: &Params, axis: Axis) -> (f64, f64) {
+    (params.of_axis(param::SOFT_MINUS_X, axis), params.of_axis(param::SOFT_PLUS_X, axis))
+}
+
+/// The planner's limits from the parameters.
+fn limits(params: &Params) -> Limits {
+    Limits {
+        axes: PerAxis::from_fn(|axis| AxisLimits {
+            velocity_mm_s: params.of_axis(param::RAPID_X, axis) / MINUTE,
+            acceleration_mm_s2: params.of_axis(param::ACCELERATION_X, axis),
+            jerk_mm_s3: params.of_axis(param::JERK_X, axis),
+        }),
+        tick_s: params.get(param::TICK_TIME) / 1e6,
+    }
+}

@@ -1,0 +1,29 @@
+//! What the core asks the disk to do. It never waits for it: the answer comes back as a command.
+//! Source: style "effects to the disk", notes "acknowledge after commit".
+
+use crate::defs::param::ParamAddress;
+use crate::units::PerAxis;
+
+/// One wish.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// Keep the value of a retained variable; `None` is null.
+    Variable(u32, Option<f64>),
+    /// Keep a parameter.
+    Param(ParamAddress, f64),
+    /// Keep a tool offset (1 to 16): geometry and wear, radius mm.
+    Offset {
+        /// Number.
+        number: usize,
+        /// Geometry.
+        geometry: PerAxis<f64>,
+        /// Wear.
+        wear: PerAxis<f64>,
+    },
+    /// Keep a work frame: index 0 is G54; origin in machine coordinates, radius mm.
+    Frame(usize, PerAxis<f64>),
+    /// Keep the number of the current program.
+    CurrentProgram(u32),
+    /// Keep the count of workpieces.
+    Parts(u32),
+}

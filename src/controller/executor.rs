@@ -1,0 +1,454 @@
+//! Executing a run: acts at the front, moves to the path planner, blocks from the reader – in this order each tick.
+//! Source: spec B3, B5, K3.14.
+
+use std::sync::Arc;
+
+use super::run::{Act, Doing, Forbidden, Item, MOST_ITEMS, PlannedMove, Reading, Run};
+use super::system::RunWorld;
+use super::{Controller, Cycle, Effect};
+use crate::defs::alarm;
+use crate::defs::mcode::{Action, MCode};
+use crate::defs::param;
+use crate::defs::signal::Input;
+use crate::defs::text::{Lang, Said};
+use crate::machine::Answer;
+use crate::motion::{End, Move, Override};
+use crate::nc::{Memory, Next, Source, SpeedMode};
+use crate::units::{Axis, Micros, PerAxis};
+
+/// Most blocks read in a tick.
+const BLOCKS_PER_TICK: usize = 16;
+/// Most acts carried out in a tick.
+const ACTS_PER_TICK: usize = 64;
+
+/// What an act has come to.
+enum Did {
+    Done,
+    /// Not yet; ask again next tick.
+    Wait,
+    /// Done; the run stands until cycle start.
+    Stop,
+    /// The run is over.
+    Close,
+}
+
+impl Controller {
+    /// Opens a run of the text and starts it.
+    pub(super) fn open_run(&mut self, source: Arc<Source>, mdi: bool) {
+        let start = (self.memory.clone(), self.frames.clone(), self.axes.set());
+        let library = Arc::clone(&self.programs);
+        let mut run = Run::new(source, library, self.nc_settings(), start, self.now);
+        run.mdi = mdi;
+        self.axes.give_to_path();
+        self.run = Some(Box::new(run));
+        self.cycle = Cycle::Running;
+    }
+
+    /// One tick of the run.
+    pub(super) fn step_run(&mut self) {
+        let Some(mut run) = self.run.take() else { return };
+        self.retire(&mut run);
+        let mut close = false;
+        if matches!(self.cycle, Cycle::Running) {
+            close = self.carry_out(&mut run);
+        }
+        if matches!(self.cycle, Cycle::Running) && !close {
+            self.feed(&mut run);
+            self.read_ahead(&mut run);
+            self.feed(&mut run);
+        }
+        self.run = Some(run);
+        if close {
+            self.close_run();
+            self.cycle = Cycle::Idle;
+        }
+    }
+
+    /// Forgets the moves that are finished.
+    fn retire(&mut self, run: &mut Run) {
+        let finished = self.axes.path.finished_tag();
+        while run.fed > 0 {
+            match run.items.front() {
+                Some(Item::Move(planned)) if planned.tag.is_some() && planned.tag <= finished => {}
+                Some(Item::Move(_) | Item::Begin(_) | Item::Do(_) | Item::End) | None => break,
+            }
+            run.items.pop_front();
+            run.fed -= 1;
+        }
+    }
+
+    /// Carries out what stands at the front; true when the run is over.
+    fn carry_out(&mut self, run: &mut Run) -> bool {
+        for _ in 0..ACTS_PER_TICK {
+            self.retire(run);
+            let did = match run.items.front() {
+                None | Some(Item::Move(_)) => return false,
+                Some(Item::Begin(place)) => {
+                    self.place = *place;
+                    Did::Done
+                }
+                Some(Item::End) if self.switches.single_block && !run.mdi => Did::Stop,
+                Some(Item::End) => Did::Done,
+                Some(Item::Do(_)) => {
+                    let Some(Item::Do(act)) = run.items.pop_front() else { return false };
+                    let did = self.act(run, &act);
+                    run.items.push_front(Item::Do(act));
+                    did
+                }
+            };
+            match did {
+                Did::Wait => return false,
+                Did::Close => return true,
+                Did::Done | Did::Stop => {
+                    run.items.pop_front();
+                    run.fed = run.fed.saturating_sub(1);
+                    run.doing = Doing::Nothing;
+                    run.settle_since = None;
+                }
+            }
+            if matches!(did, Did::Stop) {
+                self.cycle = Cycle::Stopped;
+                return false;
+            }
+            if !matches!(self.cycle, Cycle::Running) {
+                return false;
+            }
+        }
+        false
+    }
+
+    fn act(&mut self, run: &mut Run, act: &Act) -> Did {
+        match act {
+            Act::Set(variable, value) => {
+                self.store_variable(*variable, *value);
+                Did::Done
+            }
+            Act::SetSystem(number, value) => {
+                self.write_system(*number, *value);
+                Did::Done
+            }
+            Act::Frames(frames) => {
+                self.put_frames(frames);
+                Did::Done
+            }
+            Act::Machine(row, s) => self.m_code(run, row, *s),
+            Act::Dwell(seconds) => self.dwell(run, *seconds),
+            Act::Wheel(value, mode) => {
+                if *mode == SpeedMode::Rpm {
+                    self.wheel_rpm = *value;
+                } else {
+                    self.refuse(Said::new("线速度 S 需要砂轮直径数据", "S in m/s or m/min needs the wheel's diameter"));
+                }
+                Did::Done
+            }
+            Act::Skip(planned, signal) => self.skip(run, planned, *signal),
+            Act::Alarm(number, text) => {
+                self.raise(*number, Some(text.clone()));
+                Did::Wait
+            }
+            Act::Message(text) => match self.is_settled(run) {
+                Some(true) => {
+                    self.say(text.clone());
+                    Did::Stop
+                }
+                _ => Did::Wait,
+            },
+            Act::Finish => match self.is_settled(run) {
+                Some(true) => Did::Close,
+                _ => Did::Wait,
+            },
+        }
+    }
+
+    /// Whether all motion is over and the axes stand in position; `None` after the time-out, with the alarm raised.
+    fn is_settled(&mut self, run: &mut Run) -> Option<bool> {
+        if !self.axes.is_at_rest() {
+            return Some(false);
+        }
+        if self.axes.is_in_position(&self.params) {
+            return Some(true);
+        }
+        let since = *run.settle_since.get_or_insert(self.now);
+        if self.now.since(since) > Micros::from_millis_f64(self.params.get(param::DRAIN_TIME)) {
+            self.raise(alarm::IN_POSITION_TIMEOUT, None);
+            return None;
+        }
+        Some(false)
+    }
+
+    fn m_code(&mut self, run: &mut Run, row: &'static MCode, s: Option<f64>) -> Did {
+        match row.action {
+            Action::Flow => Did::Done,
+            Action::Count => {
+                self.count_part();
+                Did::Done
+            }
+            Action::OptionalStop if !self.switches.optional_stop => Did::Done,
+            Action::Pause | Action::OptionalStop => match self.is_settled(run) {
+                Some(true) => Did::Stop,
+                Some(false) | None => Did::Wait,
+            },
+            Action::End => match self.is_settled(run) {
+                Some(true) => {
+                    self.machine.program_end(&self.params);
+                    if self.params.bit(param::COUNT_ON_M30) {
+                        self.count_part();
+                    }
+                    Did::Close
+                }
+                Some(false) | None => Did::Wait,
+            },
+            Action::AwaitInput(input) => self.await_input(run, input),
+            Action::Ask(request) if run.doing == Doing::Settling => {
+                if self.machine.is_settled(request) {
+                    Did::Done
+                } else {
+                    Did::Wait
+                }
+            }
+            Action::Ask(request) => {
+                if let (Some(rpm), true) = (s, request == crate::defs::mcode::Request::DriveHigh) {
+                    self.analog_2_rpm = rpm;
+                }
+                match self.ask(request) {
+                    Answer::Taken if row.waits => {
+                        run.doing = Doing::Settling;
+                        if self.machine.is_settled(request) { Did::Done } else { Did::Wait }
+                    }
+                    Answer::Taken | Answer::NoEffect(_) => Did::Done,
+                    // The block waits as in a feed hold; cycle start asks again.
+                    Answer::Denied(_) => {
+                        self.cycle = Cycle::Holding;
+                        Did::Wait
+                    }
+                    Answer::Refused(..) => Did::Wait,
+                }
+            }
+        }
+    }
+
+    fn await_input(&mut self, run: &mut Run, input: Input) -> Did {
+        if self.inputs.has(input) {
+            self.waiting_for = None;
+            return Did::Done;
+        }
+        if run.doing == Doing::Nothing {
+            run.doing = Doing::AwaitInput(input);
+            let (name, port) = (input.name(), self.params.input_port(input));
+            self.waiting_for = Some(Said::new(
+                format!("等待{}，输入口 {port}", name.zh),
+                format!("waiting for {}, port {port}", name.en),
+            ));
+        }
+        Did::Wait
+    }
+
+    fn dwell(&mut self, run: &mut Run, seconds: f64) -> Did {
+        match run.doing {
+            Doing::Dwell { until } if self.now >= until => Did::Done,
+            Doing::Dwell { .. } => Did::Wait,
+            Doing::Nothing | Doing::Settling | Doing::AwaitInput(_) | Doing::Skipping { .. } => {
+                if self.axes.is_at_rest() {
+                    run.doing = Doing::Dwell { until: self.now + Micros::from_secs_f64(seconds) };
+                }
+                Did::Wait
+            }
+        }
+    }
+
+    /// G31: the position is latched in the tick of the edge, then the axes brake.
+    fn skip(&mut self, run: &mut Run, planned: &PlannedMove, signal: u8) -> Did {
+        const SIGNALS: [Input; 6] =
+            [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
+        let input = SIGNALS[usize::from(signal.clamp(1, 6)) - 1];
+        match run.doing {
+            Doing::Nothing | Doing::Settling | Doing::Dwell { .. } | Doing::AwaitInput(_) => {
+                let tag = run.next_tag;
+                let most = self.params.get(param::SKIP_SPEED_MAX);
+                let Some(rate) = planned.speed.rate(self.drive_rpm(), most) else { return self.no_drive() };
+                let pushed = Move { to: planned.to, shape: planned.shape, rate, end: End::ExactStop, tag };
+                if self.axes.path.push(pushed).is_ok() {
+                    run.next_tag += 1;
+                    run.doing = Doing::Skipping { tag, latched: false };
+                }
+                Did::Wait
+            }
+            Doing::Skipping { tag, latched: false } => {
+                if self.raw.has(input) {
+                    self.skip_position = self.work();
+                    self.axes.path.abort();
+                    run.doing = Doing::Skipping { tag, latched: true };
+                } else if self.axes.path.finished_tag() >= Some(tag) {
+                    self.skip_position = self.work();
+                    return Did::Done;
+                }
+                Did::Wait
+            }
+            Doing::Skipping { latched: true, .. } if self.axes.is_at_rest() => {
+                run.planned.machine = self.axes.set();
+                Did::Done
+            }
+            Doing::Skipping { latched: true, .. } => Did::Wait,
+        }
+    }
+
+    fn no_drive(&mut self) -> Did {
+        self.raise(
+            alarm::DRIVE_BLOCKED,
+            Some(Said::new("每转进给需要头架转动", "a feed per revolution needs the headstock turning")),
+        );
+        Did::Wait
+    }
+
+    /// Hands moves to the path planner, up to the first act that must happen first.
+    fn feed(&mut self, run: &mut Run) {
+        while let Some(item) = run.items.get_mut(run.fed) {
+            match item {
+                Item::Move(planned) => {
+                    if self.axes.path.room() == 0 {
+                        return;
+                    }
+                    let Some(rate) = planned.speed.rate(self.drive_rpm(), self.params.get(param::FEED_MAX)) else {
+                        // The front of the queue only: what comes before it may start the drive.
+                        if run.fed == 0 {
+                            self.no_drive();
+                        }
+                        return;
+                    };
+                    let tag = run.next_tag;
+                    let pushed = Move { to: planned.to, shape: planned.shape, rate, end: planned.end, tag };
+                    if self.axes.path.push(pushed).is_err() {
+                        return;
+                    }
+                    planned.tag = Some(tag);
+                    run.next_tag += 1;
+                }
+                Item::End if self.switches.single_block && !run.mdi => return,
+                Item::Do(Act::Set(..) | Act::Frames(_) | Act::Wheel(..)) | Item::Begin(_) | Item::End => {}
+                Item::Do(
+                    Act::SetSystem(..)
+                    | Act::Machine(..)
+                    | Act::Dwell(_)
+                    | Act::Skip(..)
+                    | Act::Alarm(..)
+                    | Act::Message(_)
+                    | Act::Finish,
+                ) => return,
+            }
+            run.fed += 1;
+        }
+    }
+
+    fn read_ahead(&mut self, run: &mut Run) {
+        if run.reading == Reading::Barrier && run.items.is_empty() {
+            run.reading = Reading::Open;
+        }
+        for _ in 0..BLOCKS_PER_TICK {
+            if run.reading != Reading::Open || run.items.len() >= MOST_ITEMS {
+                return;
+            }
+            let drained = run.items.is_empty() && self.axes.is_at_rest() && self.axes.is_in_position(&self.params);
+            let mut world = RunWorld::new(self, &run.planned, drained);
+            match run.interpreter.next(&mut world, &mut run.block) {
+                Ok(Next::Block) => {
+                    if let Err(forbidden) = run.take_block(&self.params) {
+                        run.reading = Reading::Over;
+                        return self.forbid(run, &forbidden);
+                    }
+                }
+                Ok(Next::Drain | Next::Busy) => return,
+                Ok(Next::End) => {
+                    run.items.push_back(Item::Do(Act::Finish));
+                    run.reading = Reading::Over;
+                }
+                Err(fault) => {
+                    run.reading = Reading::Over;
+                    let said = Said::new(fault.text(Lang::Zh), fault.text(Lang::En));
+                    run.items.push_back(Item::Do(Act::Alarm(fault.alarm(), said)));
+                }
+            }
+        }
+    }
+
+    /// A block that may not be done: the alarm comes when everything before it is done, nothing of it is.
+    fn forbid(&self, run: &mut Run, forbidden: &Forbidden) {
+        let at = run.block.at;
+        let place =
+            Said::new(format!("O{:04} 第{}行", at.program, at.line), format!("O{:04} line {}", at.program, at.line));
+        let (number, cause) = match *forbidden {
+            Forbidden::SoftLimit(axis, to, limit) => {
+                let factor = self.displayed_per_mm(axis);
+                let (to, limit) = (to * factor, limit * factor);
+                (
+                    alarm::SOFT_LIMIT,
+                    Said::new(
+                        format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
+                        format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
+                    ),
+                )
+            }
+            Forbidden::Unknown(code) => (
+                alarm::UNKNOWN_M,
+                Said::new(format!("M{code:02} 无效或本机型没有"), format!("M{code:02} is not known on this machine")),
+            ),
+        };
+        let said = Said::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
+        run.items.push_back(Item::Do(Act::Alarm(number, said)));
+    }
+
+    /// Overrides as factors of this tick.
+    pub(super) fn rate(&self) -> Override {
+        let rapid = match self.overrides.rapid {
+            0 => self.params.get(param::RAPID_F0) / self.params.get(param::RAPID_X),
+            percent => f64::from(percent) / 100.0,
+        };
+        Override { feed: f64::from(self.overrides.feed) / 100.0, rapid: rapid.min(1.0) }
+    }
+
+    /// A common variable gets a value as executed; retained ones go to the disk.
+    pub(super) fn store_variable(&mut self, variable: u32, value: Option<f64>) {
+        if self.memory.set(variable, value).is_ok() && Memory::is_retained(variable) {
+            self.effects.push(Effect::Variable(variable, value));
+        }
+    }
+
+    fn put_frames(&mut self, frames: &super::Frames) {
+        for number in 1..=super::frames::OFFSETS {
+            let (geometry, wear) = (frames.geometry[number - 1], frames.wear[number - 1]);
+            if wear != self.frames.wear[number - 1] {
+                self.effects.push(Effect::Offset { number, geometry, wear });
+            }
+        }
+        self.frames.clone_from(frames);
+    }
+
+    pub(super) fn count_part(&mut self) {
+        self.parts += 1;
+        self.effects.push(Effect::Parts(self.parts));
+    }
+
+    /// Single block was switched on with moves already handed over: they are taken back at the next stand.
+    pub(super) fn take_back_moves(&mut self) {
+        if let Some(run) = &mut self.run {
+            let mut taken = Vec::new();
+            self.axes.path.drain_unfinished(&mut taken);
+            for item in run.items.iter_mut() {
+                if let Item::Move(planned) = item {
+                    planned.tag = None;
+                }
+            }
+            run.fed = 0;
+        }
+    }
+
+    /// Where the block under way still leads, displayed.
+    pub(super) fn distance_to_go(&self) -> PerAxis<f64> {
+        let way = if self.run.is_some() { self.axes.path.distance_to_go() } else { PerAxis::default() };
+        PerAxis::from_fn(|axis: Axis| way[axis] * self.displayed_per_mm(axis))
+    }
+
+    /// Whether the run waits for an input (M80–M89).
+    pub(super) fn is_waiting(&self) -> bool {
+        self.run.as_ref().is_some_and(|run| matches!(run.doing, Doing::AwaitInput(_)))
+    }
+}

@@ -1,0 +1,121 @@
+//! Coordinates: machine, work frame, shift, tool offset.
+//!
+//! Everything here is radius millimetres of slide travel. machine = work + G5x offset + G50 shift + geometry + wear.
+//! Source: spec B2 (G50, G53–G59, T), K4.1, K5.10.
+
+use crate::units::{Axis, PerAxis};
+
+/// Tool offsets: T xx01 … xx16.
+pub const OFFSETS: usize = 16;
+/// Work frames: G54 … G59.
+pub const WORK_FRAMES: usize = 6;
+
+/// All offsets and which of them are in force.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frames {
+    /// G54 … G59.
+    pub work: [PerAxis<f64>; WORK_FRAMES],
+    /// Index of the active work frame.
+    pub active: usize,
+    /// What G50 has shifted.
+    pub shift: PerAxis<f64>,
+    /// Geometry of each tool offset.
+    pub geometry: [PerAxis<f64>; OFFSETS],
+    /// Wear of each tool offset.
+    pub wear: [PerAxis<f64>; OFFSETS],
+    /// Tool in force, 0 none.
+    pub tool: u32,
+    /// Offset in force, 1 to 16; 0 none.
+    pub offset: usize,
+}
+
+impl Default for Frames {
+    fn default() -> Self {
+        Self {
+            work: [PerAxis::default(); WORK_FRAMES],
+            active: 0,
+            shift: PerAxis::default(),
+            geometry: [PerAxis::default(); OFFSETS],
+            wear: [PerAxis::default(); OFFSETS],
+            tool: 0,
+            offset: 0,
+        }
+    }
+}
+
+impl Frames {
+    /// What is added to a work coordinate to get the machine coordinate.
+    #[must_use]
+    pub fn machine_minus_work(&self, axis: Axis) -> f64 {
+        let tool = match self.offset {
+            0 => 0.0,
+            offset => self.geometry[offset - 1][axis] + self.wear[offset - 1][axis],
+        };
+        self.work[self.active][axis] + self.shift[axis] + tool
+    }
+
+    /// The work coordinate of a machine position.
+    #[must_use]
+    pub fn work_from_machine(&self, machine: PerAxis<f64>) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| machine[axis] - self.machine_minus_work(axis))
+    }
+
+    /// The machine position of a work coordinate.
+    #[must_use]
+    pub fn machine_from_work(&self, work: PerAxis<f64>) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| work[axis] + self.machine_minus_work(axis))
+    }
+
+    /// G50: the present position is called `values`. K5.10: the wear of the tool in force is cleared.
+    pub fn preset(&mut self, machine: PerAxis<f64>, values: &PerAxis<Option<f64>>) {
+        if let Some(offset) = self.offset.checked_sub(1) {
+            self.wear[offset] = PerAxis::default();
+        }
+        for (axis, value) in values.iter() {
+            if let Some(value) = value {
+                self.shift[axis] += machine[axis] - self.machine_minus_work(axis) - value;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(a: f64, b: f64) -> bool {
+        (a - b).abs() < 1e-12
+    }
+
+    #[test]
+    fn b2_g50_calls_the_present_position_by_its_new_name() {
+        let mut frames = Frames::default();
+        frames.work[0] = PerAxis([-100.0, 0.0, -200.0]);
+        let machine = PerAxis([-75.0, 0.0, -180.0]);
+        frames.preset(machine, &PerAxis([Some(10.0), None, None]));
+        let work = frames.work_from_machine(machine);
+        assert!(close(work[Axis::X], 10.0) && close(work[Axis::Z], 20.0));
+    }
+
+    #[test]
+    fn k5_10_g50_clears_the_wear_of_the_tool_in_force() {
+        let mut frames = Frames { offset: 4, ..Frames::default() };
+        frames.wear[3] = PerAxis([0.05, 0.0, -0.1]);
+        frames.wear[4] = PerAxis([0.02, 0.0, 0.0]);
+        frames.preset(PerAxis::default(), &PerAxis([Some(1.0), None, None]));
+        assert_eq!(frames.wear[3], PerAxis::default());
+        assert_eq!(frames.wear[4], PerAxis([0.02, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn b2_a_tool_offset_moves_the_work_coordinate() {
+        let mut frames = Frames::default();
+        frames.geometry[1] = PerAxis([0.0, 0.0, -20.0]);
+        frames.wear[1] = PerAxis([0.0, 0.0, 0.5]);
+        frames.offset = 2;
+        let work = PerAxis([5.0, 0.0, 30.0]);
+        let machine = frames.machine_from_work(work);
+        assert!(close(machine[Axis::Z], 10.5));
+        assert_eq!(frames.work_from_machine(machine), work);
+    }
+}

@@ -1,0 +1,119 @@
+//! Moving by hand: jog keys, steps, handwheel.
+//!
+//! A jog key acts only while it is held and heard of: after the keep-alive time of silence the axis stops.
+//! Source: spec K2.3, K5.9, B5.
+
+use super::axes::{Axes, MINUTE};
+use crate::defs::key::{Key, Mode};
+use crate::defs::param::{self, Params};
+use crate::units::{Axis, Micros, PerAxis};
+
+/// What the hand controls stand at.
+#[derive(Clone, Debug)]
+pub struct Hand {
+    /// Jog keys that are down: direction and when they were last heard of.
+    jog: PerAxis<Option<(f64, Micros)>>,
+    /// 快速 is on.
+    pub rapid: bool,
+    /// Axis of the handwheel.
+    pub axis: Axis,
+    /// Step of a detent, mm as displayed.
+    pub step_mm: f64,
+    /// Where each axis is being led by detents and steps.
+    target: PerAxis<Option<f64>>,
+}
+
+/// What limits the hand in this tick.
+#[derive(Clone, Copy, Debug)]
+pub struct HandLimits {
+    /// Feed override factor.
+    pub feed: f64,
+    /// Rapid override factor.
+    pub rapid: f64,
+    /// The axis whose minus direction is slow because the wheel turns (K5.9).
+    pub slow: Option<Axis>,
+}
+
+impl Default for Hand {
+    fn default() -> Self {
+        Self { jog: PerAxis::default(), rapid: false, axis: Axis::X, step_mm: 0.01, target: PerAxis::default() }
+    }
+}
+
+impl Hand {
+    /// A jog key goes down or is still down.
+    pub fn hold(&mut self, axis: Axis, direction: f64, now: Micros) {
+        self.jog[axis] = Some((direction, now));
+    }
+
+    /// A key that is already down is heard of again; others stay as they are.
+    pub fn keep(&mut self, key: Key, now: Micros) {
+        if let Some((axis, direction)) = key.jog()
+            && let Some((held, since)) = &mut self.jog[axis]
+            && held.total_cmp(&direction).is_eq()
+        {
+            *since = now;
+        }
+    }
+
+    /// A jog key goes up.
+    pub fn release(&mut self, axis: Axis) {
+        self.jog[axis] = None;
+    }
+
+    /// Lets go of everything.
+    pub fn let_go(&mut self) {
+        self.jog = PerAxis::default();
+        self.target = PerAxis::default();
+    }
+
+    /// Leads an axis on by `distance` mm of slide travel.
+    pub fn nudge(&mut self, axis: Axis, distance: f64, axes: &Axes, params: &Params) {
+        let from = self.target[axis].unwrap_or(axes.set()[axis]);
+        let mut to = from + distance;
+        if axes.is_homed(axis) {
+            let (low, high) = super::axes::soft_limits(params, axis);
+            to = to.clamp(low, high);
+        }
+        self.target[axis] = Some(to);
+    }
+
+    /// One tick: tells the movers where to go. Returns whether a jog key was let go for silence.
+    pub fn tick(&mut self, axes: &mut Axes, mode: Mode, now: Micros, params: &Params, limits: HandLimits) -> bool {
+        let silence = Micros::from_millis_f64(params.get(param::JOG_KEEP_ALIVE));
+        let mut lost = false;
+        for axis in Axis::ALL {
+            if let Some((_, heard)) = self.jog[axis]
+                && now.since(heard) > silence
+            {
+                self.jog[axis] = None;
+                lost = true;
+            }
+            let mover = &mut axes.movers[axis];
+            match (self.jog[axis], self.target[axis]) {
+                (Some((direction, _)), _) if mode == Mode::Manual => {
+                    mover.velocity_target(direction * self.speed(axis, direction, params, limits));
+                }
+                (_, Some(target)) => {
+                    mover.position_target(target, params.get(param::HANDWHEEL_SPEED) / MINUTE);
+                    if mover.is_at_rest() {
+                        self.target[axis] = None;
+                    }
+                }
+                (Some(_) | None, None) => mover.stop(),
+            }
+        }
+        lost
+    }
+
+    /// Jog speed, mm/s: the override counts, the slow direction of a turning wheel is limited and has no rapid.
+    fn speed(&self, axis: Axis, direction: f64, params: &Params, limits: HandLimits) -> f64 {
+        let slow = limits.slow == Some(axis) && direction < 0.0;
+        let speed = match self.rapid && !slow {
+            true => params.of_axis(param::RAPID_X, axis) * limits.rapid,
+            false => params.get(param::JOG_SPEED) * limits.feed,
+        };
+        let speed = if slow { speed.min(params.get(param::WHEEL_ON_SPEED)) } else { speed };
+        speed / MINUTE
+    }
+}

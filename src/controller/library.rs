@@ -1,0 +1,49 @@
+//! The programs of the folder, read and cut into lines before the core sees them.
+
+use std::sync::Arc;
+
+use crate::nc::{Library, Source};
+
+/// All programs at one moment; replaced as a whole when the folder changes.
+#[derive(Clone, Debug, Default)]
+pub struct Programs {
+    rows: Vec<Program>,
+}
+
+/// One program.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// O number.
+    pub number: u32,
+    /// For the interpreter.
+    pub source: Arc<Source>,
+    /// For people.
+    pub text: Arc<str>,
+}
+
+impl Programs {
+    /// Takes the programs; of two with one number the first counts.
+    #[must_use]
+    pub fn new(mut rows: Vec<Program>) -> Self {
+        rows.sort_by_key(|row| row.number);
+        rows.dedup_by_key(|row| row.number);
+        Self { rows }
+    }
+
+    /// All of them, by number.
+    pub fn iter(&self) -> impl Iterator<Item = &Program> {
+        self.rows.iter()
+    }
+
+    /// The program of a number.
+    #[must_use]
+    pub fn get(&self, number: u32) -> Option<&Program> {
+        self.rows.binary_search_by_key(&number, |row| row.number).ok().and_then(|index| self.rows.get(index))
+    }
+}
+
+impl Library for Programs {
+    fn find(&self, number: u32) -> Option<Arc<Source>> {
+        self.get(number).map(|row| Arc::clone(&row.source))
+    }
+}

@@ -1,0 +1,195 @@
+//! Filling the snapshot: lamps, positions, state. Read only; called as often as somebody looks.
+//! Source: spec H5, H7, K2.4.
+
+use std::sync::Arc;
+
+use super::{Controller, Cycle};
+use crate::defs::key::{Key, Lamp, Mode};
+use crate::defs::signal::OutputSet;
+use crate::link::snapshot::{AxisView, KeyView, RunState, Snapshot, VARIABLES};
+use crate::units::{Axis, Micros, PerAxis};
+
+/// Slower than this an axis is shown as standing, mm/s.
+const STANDING_MM_S: f64 = 1e-6;
+
+impl Controller {
+    /// The state in one word.
+    #[must_use]
+    pub fn state(&self) -> RunState {
+        match self.cycle {
+            Cycle::Homing { .. } => RunState::Homing,
+            Cycle::Running if self.is_waiting() => RunState::Waiting,
+            Cycle::Running => RunState::Running,
+            Cycle::Holding | Cycle::Held => RunState::Held,
+            Cycle::Stopped => RunState::Stopped,
+            Cycle::Idle | Cycle::Aborting if self.alarms.block_start() => RunState::Alarm,
+            Cycle::Idle | Cycle::Aborting => RunState::Idle,
+        }
+    }
+
+    /// Writes everything that a page may show.
+    pub fn snapshot(&self, out: &mut Snapshot) {
+        out.kind = self.kind;
+        out.now = self.now;
+        out.mode = self.mode;
+        out.state = self.state();
+        out.page = self.page;
+        out.diameter = self.is_diameter();
+        out.axes = self.axis_views();
+        self.program_view(out);
+        out.single_block = self.switches.single_block;
+        out.handwheel_axis = self.hand.axis;
+        out.step_mm = self.hand.step_mm;
+        out.feed_override = self.overrides.feed;
+        out.rapid_override = self.overrides.rapid;
+        out.spindle_override = self.overrides.spindle;
+        out.feed_mm_min = self.path_speed_mm_s() * super::axes::MINUTE;
+        out.wheel_rpm = if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm } else { 0.0 };
+        out.parts = self.parts;
+        let cycle = self.run.as_ref().map_or(self.cycle_time, |run| self.now.since(run.since));
+        out.cycle_seconds = cycle.as_secs_f64();
+        out.inputs = self.inputs;
+        out.outputs = self.output_set;
+        for key in Key::ALL {
+            out.keys[*key as usize] = self.key_view(*key);
+        }
+        for (number, place) in out.variables.iter_mut().enumerate().take(VARIABLES) {
+            *place = self.memory.get(number as u32).ok().flatten();
+        }
+        if out.alarms != self.alarms.present() {
+            out.alarms = self.alarms.present().to_vec();
+        }
+        if out.message != self.message {
+            out.message.clone_from(&self.message);
+        }
+        if out.waiting_for != self.waiting_for {
+            out.waiting_for.clone_from(&self.waiting_for);
+        }
+        if !Arc::ptr_eq(&out.screens, &self.screens) {
+            out.screens.clone_from(&self.screens);
+        }
+        if !Arc::ptr_eq(&out.directory, &self.directory) {
+            out.directory.clone_from(&self.directory);
+        }
+    }
+
+    fn axis_views(&self) -> PerAxis<AxisView> {
+        let (machine, work, to_go) = (self.axes.actual(), self.work(), self.distance_to_go());
+        PerAxis::from_fn(|axis: Axis| {
+            let factor = self.displayed_per_mm(axis);
+            AxisView {
+                present: self.row.axes[axis],
+                work: work[axis] * factor,
+                machine: machine[axis] * factor,
+                relative: (machine[axis] - self.relative_zero[axis]) * factor,
+                to_go: to_go[axis],
+                homed: self.axes.is_homed(axis),
+                moving: self.axes.velocity_mm_s()[axis].abs() > STANDING_MM_S,
+            }
+        })
+    }
+
+    fn program_view(&self, out: &mut Snapshot) {
+        let program = self.programs.get(self.current);
+        out.program.number = self.current;
+        match program {
+            Some(program) if !Arc::ptr_eq(&out.program.text, &program.text) => {
+                out.program.text.clone_from(&program.text);
+            }
+            Some(_) => {}
+            None if out.program.text.is_empty() => {}
+            None => out.program.text = Arc::from(""),
+        }
+        out.program.block_program = self.place.program;
+        out.program.line = self.place.line;
+        out.program.block = self.place.n;
+    }
+
+    fn key_view(&self, key: Key) -> KeyView {
+        let (lamp, working) = match key.row().lamp {
+            Lamp::None => (false, false),
+            Lamp::Output(output) => (self.output_set.has(output), self.machine.is_working(output)),
+            Lamp::OutputOff(output) => (!self.output_set.has(output), false),
+            Lamp::Control => (self.control_lamp(key), false),
+        };
+        KeyView { lamp, working, blocked: self.blocked(key) }
+    }
+
+    fn control_lamp(&self, key: Key) -> bool {
+        let step = |mm: f64| self.hand.step_mm.total_cmp(&mm).is_eq();
+        match key {
+            Key::SingleBlock => self.switches.single_block,
+            Key::BlockSkip => self.switches.block_skip,
+            Key::OptionalStop => self.switches.optional_stop,
+            Key::CycleStart => matches!(self.cycle, Cycle::Running),
+            Key::FeedHold => matches!(self.cycle, Cycle::Holding | Cycle::Held),
+            Key::EmergencyStop => self.machine.is_e_stopped(),
+            Key::Rapid => self.hand.rapid,
+            Key::RapidF0 => self.overrides.rapid == 0,
+            Key::Rapid25 => self.overrides.rapid == 25,
+            Key::Rapid50 => self.overrides.rapid == 50,
+            Key::Rapid100 => self.overrides.rapid == 100,
+            Key::HandwheelX => self.hand.axis == Axis::X,
+            Key::HandwheelY => self.hand.axis == Axis::Y,
+            Key::HandwheelZ => self.hand.axis == Axis::Z,
+            Key::Step0001 => step(0.001),
+            Key::Step001 => step(0.01),
+            Key::Step01 => step(0.1),
+            Key::HeadstockStop => !self.machine.drive_is_on(),
+            _ => Mode::ALL.into_iter().any(|mode| mode.key() == key && mode == self.mode),
+        }
+    }
+
+    fn path_speed_mm_s(&self) -> f64 {
+        let velocity = self.axes.velocity_mm_s();
+        velocity.iter().map(|(_, v)| v * v).sum::<f64>().sqrt()
+    }
+
+    /// Outputs by function, as they are now.
+    #[must_use]
+    pub const fn output_set(&self) -> OutputSet {
+        self.output_set
+    }
+
+    /// The block under way: program, line, N.
+    #[must_use]
+    pub const fn place(&self) -> crate::nc::Place {
+        self.place
+    }
+
+    /// Whether no set-point moves.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.axes.is_at_rest()
+    }
+
+    /// The axes of the machine.
+    pub fn axes_present(&self) -> impl Iterator<Item = Axis> + use<> {
+        self.axes.present()
+    }
+
+    /// Machine set-point, radius mm.
+    #[must_use]
+    pub const fn set_point(&self) -> PerAxis<f64> {
+        self.axes.set()
+    }
+
+    /// Machine position from the encoders, radius mm.
+    #[must_use]
+    pub const fn actual(&self) -> PerAxis<f64> {
+        self.axes.actual()
+    }
+
+    /// Wear of an offset, 1 to 16, as displayed.
+    #[must_use]
+    pub fn wear(&self, number: usize, axis: Axis) -> Option<f64> {
+        let wear = self.frames.wear.get(number.checked_sub(1)?)?;
+        Some(wear[axis] * self.displayed_per_mm(axis))
+    }
+
+    /// Controller time.
+    #[must_use]
+    pub const fn now(&self) -> Micros {
+        self.now
+    }
+}

@@ -1,0 +1,173 @@
+//! The alarms: number, text, cause, remedy, reaction and how each one is cleared.
+//! Program alarms (1–65, 67–99) carry their place in the program; their texts stand in `program_error`.
+//! Source: spec B8, K3.
+
+use super::text::Text;
+
+/// What the machine does when an alarm comes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Reaction {
+    /// Shown; nothing is stopped (a page file is wrong).
+    Show,
+    /// Blocks cycle start and wheel start; whoever raises it decides whether a run has to end.
+    BlockStart,
+    /// Ends the run: motion brakes along its path, the program is left. Wheel and fluids stay.
+    StopProgram,
+    /// Ends the run and stops wheel and workpiece drive.
+    StopProgramAndWheel,
+    /// All axes brake at full deceleration, safe outputs.
+    StopAll,
+}
+
+/// How an alarm goes away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ResetRule {
+    /// RESET, once its cause is gone.
+    Reset,
+    /// By itself when its cause is gone.
+    SelfClearing,
+    /// By itself, unless it has stopped a wheel or a program; then by RESET once its cause is gone.
+    SelfClearingUnlessStopped,
+}
+
+/// One alarm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Alarm {
+    /// Number shown.
+    pub number: u16,
+    /// What is the matter.
+    pub text: Text,
+    /// Why it comes.
+    pub cause: Text,
+    /// What to do.
+    pub remedy: Text,
+    /// What the machine does.
+    pub reaction: Reaction,
+    /// How it is cleared.
+    pub reset: ResetRule,
+}
+
+macro_rules! alarms {
+    ($($name:ident = $number:literal, $reaction:ident, $reset:ident, $zh:literal, $en:literal,
+        $cause_zh:literal, $cause_en:literal, $remedy_zh:literal, $remedy_en:literal;)*) => {
+        $(#[doc = $en] pub const $name: u16 = $number;)*
+        /// Every alarm that is not a program's, by number.
+        pub const ALARMS: &[Alarm] = &[$(Alarm {
+            number: $number, text: Text::new($zh, $en), cause: Text::new($cause_zh, $cause_en),
+            remedy: Text::new($remedy_zh, $remedy_en), reaction: Reaction::$reaction, reset: ResetRule::$reset,
+        },)*];
+    };
+}
+
+alarms! {
+    EMERGENCY_STOP = 0, StopAll, Reset, "急停", "emergency stop",
+        "急停按钮按下或急停回路断开", "the emergency stop is pressed or its circuit is open",
+        "排除危险，松开急停后按复位", "remove the danger, release the button, press RESET";
+    PAGE_FILES = 66, Show, SelfClearing, "页面文件不全或格式错误", "page files missing or not of the format",
+        "C00nn.TXT 或 B00nn.BMP 缺少，或格式不符", "C00nn.TXT or B00nn.BMP is missing or not of the format",
+        "按报警中的文件名和行号修改后重新拷贝", "mend the named file at the named line and copy it again";
+    NOT_HOMED = 100, BlockStart, Reset, "未回机械零点", "axes not homed",
+        "开机后未回零即启动程序", "cycle start before homing",
+        "按机械零点方式，各轴回零", "choose mode HOME and home every axis";
+    SOFT_LIMIT = 101, StopProgram, Reset, "软限位", "software limit",
+        "程序或移动目标超出软限位", "the target lies beyond a software limit",
+        "检查坐标系和程序尺寸；手动向反方向移开", "check frame and program; jog the other way";
+    HARD_LIMIT = 102, StopAll, Reset, "硬限位", "limit switch",
+        "轴压到限位开关", "an axis has reached its limit switch",
+        "复位后向反方向移开，重新回零", "RESET, jog the other way, home again";
+    FOLLOWING_ERROR = 103, StopAll, Reset, "跟随误差过大", "following error too large",
+        "轴没有跟上指令：机械卡住或驱动故障", "an axis did not follow: jammed or drive fault",
+        "检查驱动和机械，复位后重新回零", "check drive and mechanics, RESET, home again";
+    DRIVE_FAULT = 104, StopAll, Reset, "驱动报警", "drive fault",
+        "伺服驱动器报警", "the servo drive reports a fault",
+        "查看驱动器报警号，排除后复位并回零", "read the drive's own code, mend it, RESET, home again";
+    HOMING_FAILED = 105, StopProgram, Reset, "回零失败", "homing failed",
+        "最大行程内没有遇到或离开零点开关", "the home switch was not met or not left within the travel",
+        "检查零点开关和接线", "check the home switch and its wiring";
+    IN_POSITION_TIMEOUT = 106, StopProgram, Reset, "到位超时", "axis not in position in time",
+        "运动结束后轴没有进入到位宽度", "an axis did not settle after its move",
+        "检查驱动增益和机械", "check drive gain and mechanics";
+    HYDRAULIC = 180, BlockStart, SelfClearingUnlessStopped, "砂轮启动时液压异常", "hydraulic pressure missing",
+        "液压未打开，或延时 P270 后没有压力信号 P269", "hydraulics off, or no pressure signal P269 after the delay P270",
+        "打开液压，检查油泵、油位和压力开关；停机后压力恢复按复位", "switch hydraulics on, check pump, oil and switch; press RESET once pressure is back";
+    TAILSTOCK = 181, StopProgram, Reset, "头架与尾座互锁", "headstock and tailstock interlock",
+        "头架转动时尾座不能动作，尾座动作时头架不能启动", "tailstock moved while the headstock turns, or headstock started while it moves",
+        "停止头架，或等待尾座到位后再操作", "stop the headstock, or wait for the tailstock";
+    OSCILLATING = 182, BlockStart, Reset, "振荡中不能启动程序", "oscillating at cycle start",
+        "振荡没有关闭就按了循环启动", "cycle start while an axis oscillates",
+        "关闭振荡后再启动", "stop the oscillation first";
+    GAUGE_POSITIONING = 183, StopProgram, Reset, "G78 未收到量仪信号", "G78 without a gauge signal",
+        "走到 Z 指定位置仍没有信号", "the end position was reached without a signal",
+        "检查量仪、端面位置和 Z 值", "check gauge, face and Z";
+    DRIVE_BLOCKED = 184, StopProgram, Reset, "头架/台面不能启动", "workpiece drive may not start",
+        "启动条件不满足", "a condition for the start is missing", "按提示满足条件", "meet the condition named";
+    TAILSTOCK_TIMEOUT = 185, StopProgram, Reset, "尾座动作超时", "tailstock time-out",
+        "尾座没有在 P63 时间内到位", "the tailstock did not arrive within P63",
+        "检查液压压力和到位开关", "check pressure and end switches";
+    WHEEL_OVERSPEED = 186, StopProgram, Reset, "砂轮线速度超限", "wheel peripheral speed above its rating",
+        "砂轮直径与转速的组合超过额定线速度", "diameter and speed together exceed the rated m/s",
+        "降低 S 或更换砂轮", "lower S or change the wheel";
+    MAGNET = 187, StopProgram, Reset, "充磁/退磁互锁", "magnet interlock",
+        "工件未充磁，或台面/砂轮转动中退磁", "not magnetised, or demagnetising while table or wheel turn",
+        "先充磁；停止转动后再退磁", "magnetise first; stop before demagnetising";
+    UNKNOWN_M = 188, StopProgram, Reset, "M 代码无效", "M code not known",
+        "本机型没有这个 M 代码", "this kind of machine has no such M code",
+        "修改程序；M 代码见手册", "mend the program; the manual lists the M codes";
+    DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
+        "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; the copy is kept, factory values are in force",
+        "从备份恢复数据，核对参数后再加工", "restore a backup and check the parameters before grinding";
+    STORE_FAILED = 301, BlockStart, Reset, "数据保存失败", "data could not be stored",
+        "磁盘满或损坏", "the disk is full or damaged",
+        "清理磁盘后复位", "free the disk, then RESET";
+    PROGRAM_MISSING = 302, StopProgram, Reset, "程序不存在", "program not found",
+        "程序目录中没有该程序", "the folder has no such program",
+        "检查程序号，或拷入程序", "check the number or copy the program in";
+    HMI_LOST = 400, StopAll, Reset, "操作界面失去响应", "HMI lost",
+        "界面线程停止", "the HMI thread stopped", "重新启动系统", "restart the control";
+    LATE_TICKS = 401, StopAll, Reset, "控制周期超时", "control ticks late",
+        "连续多个控制周期迟到", "several ticks in a row came late", "关闭其他程序，检查系统", "close other programs, check the computer";
+    BUS_LOST = 402, StopAll, Reset, "输入输出总线中断", "I/O bus silent",
+        "总线没有应答", "the bus does not answer", "检查总线接线和电源", "check bus wiring and supply";
+}
+
+/// First number of the alarms that a program raises by `#3000`.
+pub const USER_FIRST: u16 = 3_000;
+
+/// The row of an alarm that is not a program's.
+#[must_use]
+pub fn find(number: u16) -> Option<&'static Alarm> {
+    ALARMS.iter().find(|row| row.number == number)
+}
+
+/// What the machine does on an alarm of any number; program alarms end the run.
+#[must_use]
+pub fn reaction(number: u16) -> Reaction {
+    find(number).map_or(Reaction::StopProgram, |row| row.reaction)
+}
+
+/// How an alarm of any number is cleared.
+#[must_use]
+pub fn reset_rule(number: u16) -> ResetRule {
+    find(number).map_or(ResetRule::Reset, |row| row.reset)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b8_numbers_stand_once_and_in_their_range() {
+        assert!(ALARMS.windows(2).all(|pair| pair[0].number < pair[1].number));
+        for row in ALARMS {
+            let named = !row.cause.zh.is_empty() && !row.remedy.en.is_empty();
+            assert!(named, "alarm {} lacks a text", row.number);
+        }
+    }
+
+    #[test]
+    fn b8_the_seeds_numbers_are_kept() {
+        for number in [66, 180, 181, 182, 183] {
+            assert!(find(number).is_some(), "alarm {number}");
+        }
+    }
+}

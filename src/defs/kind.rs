@@ -1,0 +1,48 @@
+//! The kinds of machine. What a kind is made of stands in `machine::kind`.
+//! Source: spec K1.
+
+use serde::{Deserialize, Serialize};
+
+use super::text::Text;
+
+/// A kind of machine, chosen at start and kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Kind {
+    /// KT-830GC, cylindrical grinder.
+    Gc,
+    /// KT-830GS, surface grinder.
+    Gs,
+    /// KT-830GA, rotary-table grinder.
+    Ga,
+}
+
+impl Kind {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Gc, Self::Gs, Self::Ga];
+
+    /// The word of the command line and of stories.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Gc => "gc",
+            Self::Gs => "gs",
+            Self::Ga => "ga",
+        }
+    }
+
+    /// The kind of a word.
+    #[must_use]
+    pub fn from_id(id: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.id().eq_ignore_ascii_case(id))
+    }
+
+    /// The name in the header.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Gc => Text::new("KT-830GC 外圆磨床", "KT-830GC cylindrical grinder"),
+            Self::Gs => Text::new("KT-830GS 平面磨床", "KT-830GS surface grinder"),
+            Self::Ga => Text::new("KT-830GA 圆台磨床", "KT-830GA rotary table grinder"),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! The M codes: what each one does and where it is written.
+//! Source: spec K3, B4.
+
+use super::signal::{Input, Output};
+use super::text::Text;
+
+/// What the machine does on an M code. How and whether is the business of `machine`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Wait for cycle start.
+    Pause,
+    /// Wait for cycle start if the optional-stop switch is on.
+    OptionalStop,
+    /// End of program (K3.14).
+    End,
+    /// Count one workpiece.
+    Count,
+    /// Ask the machine for a change of one of its units.
+    Ask(Request),
+    /// Wait until a user input is active.
+    AwaitInput(Input),
+    /// The reader of the program has dealt with it: jumps and calls.
+    Flow,
+}
+
+/// A change of the machine that a code, a key or a rule can ask for; the interlock table decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Request {
+    /// Start the wheel.
+    WheelStart,
+    /// Stop the wheel.
+    WheelStop,
+    /// Tailstock out.
+    TailstockAdvance,
+    /// Tailstock back.
+    TailstockRetract,
+    /// Headstock, dresser roll or table at high speed (M63).
+    DriveHigh,
+    /// Headstock at low speed; the single speed of roll and table (M64).
+    DriveLow,
+    /// Headstock, roll or table off (M65).
+    DriveStop,
+    /// Hydraulic pump on.
+    HydraulicOn,
+    /// Hydraulic pump off.
+    HydraulicOff,
+    /// Clamp the part by the magnet.
+    Magnetise,
+    /// Let the part go.
+    Demagnetise,
+    /// Switch an output that has no rule of its own.
+    Switch(Output, bool),
+    /// Start or resume a program or an MDI line.
+    CycleStart,
+    /// Home axes.
+    HomeAxes,
+    /// Jog, step or handwheel.
+    MoveByHand,
+}
+
+/// One M code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MCode {
+    /// The number after M.
+    pub code: u16,
+    /// What it does.
+    pub action: Action,
+    /// Whether the next block waits until it is done.
+    pub waits: bool,
+    /// Name shown.
+    pub name: Text,
+    /// Row of the specification.
+    pub row: &'static str,
+}
+
+macro_rules! mcodes {
+    ($($code:literal, $row:literal, $waits:literal, $action:expr, $zh:literal, $en:literal;)*) => {
+        /// Every M code, by number.
+        pub const MCODES: &[MCode] = &[$(MCode {
+            code: $code, action: $action, waits: $waits, name: Text::new($zh, $en), row: $row,
+        },)*];
+    };
+}
+
+mcodes! {
+    0, "K3.14", true, Action::Pause, "程序暂停", "program stop";
+    1, "B4", true, Action::OptionalStop, "选择停/跳转", "optional stop, jump";
+    2, "K3.14", true, Action::End, "程序结束", "program end";
+    3, "K3.1", true, Action::Ask(Request::WheelStart), "砂轮启动", "wheel start";
+    5, "K3.1", false, Action::Ask(Request::WheelStop), "砂轮停止", "wheel stop";
+    8, "K3.2", false, Action::Ask(Request::Switch(Output::Coolant, true)), "冷却开", "coolant on";
+    9, "K3.2", false, Action::Ask(Request::Switch(Output::Coolant, false)), "冷却关", "coolant off";
+    10, "K3.3", true, Action::Ask(Request::TailstockAdvance), "尾座进", "tailstock advance";
+    11, "K3.3", true, Action::Ask(Request::TailstockRetract), "尾座退", "tailstock retract";
+    14, "K3.5", false, Action::Ask(Request::HydraulicOn), "液压开", "hydraulic on";
+    15, "K3.5", false, Action::Ask(Request::HydraulicOff), "液压关", "hydraulic off";
+    30, "K3.14", true, Action::End, "程序结束", "program end";
+    31, "K3.14", false, Action::Count, "工件计数", "count a workpiece";
+    32, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, true)), "润滑开", "lubrication on";
+    33, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, false)), "润滑关", "lubrication off";
+    50, "K3.12", false, Action::Ask(Request::Switch(Output::User1, true)), "输出 1 开", "user output 1 on";
+    51, "K3.12", false, Action::Ask(Request::Switch(Output::User1, false)), "输出 1 关", "user output 1 off";
+    52, "K3.12", false, Action::Ask(Request::Switch(Output::User2, true)), "输出 2 开", "user output 2 on";
+    53, "K3.12", false, Action::Ask(Request::Switch(Output::User2, false)), "输出 2 关", "user output 2 off";
+    54, "K3.12", false, Action::Ask(Request::Switch(Output::User3, true)), "输出 3 开", "user output 3 on";
+    55, "K3.12", false, Action::Ask(Request::Switch(Output::User3, false)), "输出 3 关", "user output 3 off";
+    56, "K3.12", false, Action::Ask(Request::Switch(Output::User4, true)), "输出 4 开", "user output 4 on";
+    57, "K3.12", false, Action::Ask(Request::Switch(Output::User4, false)), "输出 4 关", "user output 4 off";
+    58, "K3.12", false, Action::Ask(Request::Switch(Output::User5, true)), "输出 5 开", "user output 5 on";
+    59, "K3.12", false, Action::Ask(Request::Switch(Output::User5, false)), "输出 5 关", "user output 5 off";
+    63, "K3.4", true, Action::Ask(Request::DriveHigh), "头架高速", "headstock high";
+    64, "K3.4", true, Action::Ask(Request::DriveLow), "头架低速", "headstock low";
+    65, "K3.4", false, Action::Ask(Request::DriveStop), "头架停止", "headstock stop";
+    70, "K3.9", false, Action::Ask(Request::Switch(Output::RadialGauge, true)), "径向量仪伸出", "radial gauge out";
+    75, "K3.9", false, Action::Ask(Request::Switch(Output::RadialGauge, false)), "径向量仪缩回", "radial gauge in";
+    78, "K3.10", false, Action::Ask(Request::Switch(Output::AxialGauge, true)), "轴向量仪伸出", "axial gauge out";
+    79, "K3.10", false, Action::Ask(Request::Switch(Output::AxialGauge, false)), "轴向量仪缩回", "axial gauge in";
+    80, "K3.13", true, Action::AwaitInput(Input::User1), "等待输入 1", "wait for user input 1";
+    81, "K3.13", true, Action::AwaitInput(Input::User2), "等待输入 2", "wait for user input 2";
+    82, "K3.13", true, Action::AwaitInput(Input::User3), "等待输入 3", "wait for user input 3";
+    83, "K3.13", true, Action::AwaitInput(Input::User4), "等待输入 4", "wait for user input 4";
+    84, "K3.13", true, Action::AwaitInput(Input::User5), "等待输入 5", "wait for user input 5";
+    85, "K3.13", true, Action::AwaitInput(Input::User6), "等待输入 6", "wait for user input 6";
+    86, "K3.13", true, Action::AwaitInput(Input::User7), "等待输入 7", "wait for user input 7";
+    87, "K3.13", true, Action::AwaitInput(Input::User8), "等待输入 8", "wait for user input 8";
+    88, "K3.13", true, Action::AwaitInput(Input::User9), "等待输入 9", "wait for user input 9";
+    89, "K3.13", true, Action::AwaitInput(Input::User10), "等待输入 10", "wait for user input 10";
+    91, "K3.15", false, Action::Flow, "输入有效跳转", "jump if input active";
+    92, "K3.15", false, Action::Flow, "输入无效跳转", "jump if input not active";
+    98, "K3.15", false, Action::Flow, "调用子程序", "call a subprogram";
+    99, "K3.15", false, Action::Flow, "子程序返回", "return from a subprogram";
+}
+
+/// The row of a code.
+#[must_use]
+pub fn find(code: u16) -> Option<&'static MCode> {
+    MCODES.iter().find(|row| row.code == code)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k3_the_codes_stand_once_and_in_order() {
+        assert!(MCODES.windows(2).all(|pair| pair[0].code < pair[1].code));
+        assert!(find(4).is_none());
+    }
+}

@@ -1,0 +1,44 @@
+//! The pages: id, title and the soft keys of the two rows.
+//! Source: spec K7.1, tools.md (ids).
+
+use serde::{Deserialize, Serialize};
+
+use super::text::Text;
+
+macro_rules! pages {
+    ($($variant:ident = $id:literal, $zh:literal, $en:literal;)*) => {
+        /// A page of the control screen.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum Page { #[default] $(#[doc = $en] $variant,)* }
+
+        impl Page {
+            /// All pages.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
+
+            /// The word of the command line and of stories.
+            #[must_use]
+            pub const fn id(self) -> &'static str {
+                match self { $(Self::$variant => $id,)* }
+            }
+
+            /// The title in the header.
+            #[must_use]
+            pub const fn title(self) -> Text {
+                match self { $(Self::$variant => Text::new($zh, $en),)* }
+            }
+
+            /// The page of a word.
+            #[must_use]
+            pub fn from_id(id: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|page| page.id() == id)
+            }
+        }
+    };
+}
+
+pages! {
+    Position = "position", "位置", "position";
+    Grinding = "grinding", "磨削", "grinding";
+    Program = "program", "程序", "program";
+    Directory = "directory", "目录", "directory";
+}

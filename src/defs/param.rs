@@ -1,0 +1,439 @@
+//! The parameters: number, bit, name, unit, range, factory value and access level, and a set of their values.
+//! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; the numbers from 30 to 99 are this project's.
+
+use serde::{Deserialize, Serialize};
+
+use super::kind::Kind;
+use super::signal::{Input, Output, PORTS};
+use super::text::Text;
+use crate::units::Axis;
+
+/// Highest parameter number + 1.
+pub const PARAM_LIMIT: usize = 400;
+
+/// Who may change a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Level {
+    /// Anyone at the panel.
+    Operator,
+    /// The user's password.
+    User,
+    /// The machine builder's password.
+    Builder,
+}
+
+/// A parameter with a number as its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Number {
+    /// P number.
+    pub number: u16,
+    /// Name shown.
+    pub name: Text,
+    /// Unit shown; empty for counts and ports.
+    pub unit: &'static str,
+    /// Least value allowed.
+    pub min: f64,
+    /// Greatest value allowed.
+    pub max: f64,
+    /// Factory value.
+    pub factory: f64,
+    /// Who may change it.
+    pub level: Level,
+}
+
+/// One bit of a bit parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bit {
+    /// P number.
+    pub number: u16,
+    /// Bit 0…7.
+    pub bit: u8,
+    /// What 1 means.
+    pub name: Text,
+    /// Factory value on GC, GS, GA.
+    pub factory: [bool; 3],
+    /// Who may change it.
+    pub level: Level,
+}
+
+macro_rules! bits {
+    ($($name:ident = $number:literal bit $bit:literal, $factory:expr, $level:ident, $zh:literal, $en:literal;)*) => {
+        $(#[doc = $en] pub const $name: Bit = Bit {
+            number: $number, bit: $bit, name: Text::new($zh, $en), factory: $factory, level: Level::$level,
+        };)*
+        /// Every bit, by number and bit.
+        pub const BITS: &[Bit] = &[$($name,)*];
+    };
+}
+
+macro_rules! numbers {
+    ($($name:ident = $number:literal, $min:expr => $max:expr, $factory:expr, $unit:literal, $level:ident, $zh:literal, $en:literal;)*) => {
+        $(#[doc = $en] pub const $name: Number = Number {
+            number: $number, name: Text::new($zh, $en), unit: $unit,
+            min: $min as f64, max: $max as f64, factory: $factory as f64, level: Level::$level,
+        };)*
+        /// Every number but the ports, by number.
+        pub const NUMBERS: &[Number] = &[$($name,)*];
+    };
+}
+
+const NO: [bool; 3] = [false; 3];
+const YES: [bool; 3] = [true; 3];
+
+bits! {
+    WHEEL_RETRACT = 4 bit 4, NO, User, "一键回退有效", "one-key wheel retract enabled";
+    HOME_MINUS_X = 5 bit 0, NO, Builder, "X 回零方向为负", "X homes in minus direction";
+    HOME_MINUS_Y = 5 bit 1, NO, Builder, "Y 回零方向为负", "Y homes in minus direction";
+    HOME_MINUS_Z = 5 bit 2, NO, Builder, "Z 回零方向为负", "Z homes in minus direction";
+    RADIUS_PROGRAMMING = 6 bit 0, [false, true, true], Builder, "半径编程", "radius programming";
+    LEAST_INCREMENT = 6 bit 1, NO, Builder, "无小数点数值为最小单位", "numbers without a point are least increments";
+    IN_POSITION_CHECK = 6 bit 2, NO, Builder, "准停时检测到位", "in-position check at every exact stop";
+    EDIT_VALUES_IN_RUN = 6 bit 3, NO, User, "运行中允许修改磨削数据", "grinding values may be edited in a run";
+    COUNT_ON_M30 = 6 bit 4, NO, User, "M30 工件计数", "M30 counts a workpiece";
+    TAILSTOCK_BEFORE_HEADSTOCK = 6 bit 5, NO, User, "头架启动要求尾座顶紧", "headstock start needs the tailstock advanced";
+    MAGNET_ENABLED = 16 bit 0, [false, true, true], Builder, "充磁/退磁有效", "magnet codes and keys enabled";
+    WHEEL_NEEDS_MAGNET = 16 bit 1, [false, true, true], Builder, "砂轮启动检测充磁", "wheel start needs the part magnetised";
+    TAILSTOCK_ENABLED = 16 bit 2, [true, false, false], Builder, "尾座有效", "tailstock code and key enabled";
+    NO_HYDRAULIC_CHECK = 17 bit 0, NO, Builder, "不检测液压", "no hydraulic supervision";
+    OSCILLATION_BY_CYLINDER = 17 bit 1, NO, Builder, "振荡为气缸控制", "oscillation by cylinder";
+    WHEEL_RUNS_AFTER_M30 = 17 bit 2, NO, User, "M30 后砂轮不停", "wheel keeps running after M30";
+    SWAP_OSCILLATION_FLAGS = 17 bit 3, NO, Builder, "#438/#439 互换", "#438 and #439 swapped";
+    EDIT_OFFSETS = 22 bit 0, NO, User, "刀补界面允许修改", "offset page may be edited";
+    PROGRAM_PASSWORD = 22 bit 5, YES, User, "编辑程序需要密码", "program editing needs the password";
+    SUBPROGRAM_PASSWORD = 23 bit 5, YES, User, "编辑 O9000-O9999 需要密码", "editing O9000-O9999 needs the password";
+}
+
+numbers! {
+    RAPID_X = 30, 1 => 60_000, 6_000, "mm/min", Builder, "X 快速", "rapid X";
+    RAPID_Y = 31, 1 => 60_000, 6_000, "mm/min", Builder, "Y 快速", "rapid Y";
+    RAPID_Z = 32, 1 => 60_000, 10_000, "mm/min", Builder, "Z 快速", "rapid Z";
+    ACCELERATION_X = 33, 1 => 20_000, 800, "mm/s²", Builder, "X 加速度", "acceleration X";
+    ACCELERATION_Y = 34, 1 => 20_000, 800, "mm/s²", Builder, "Y 加速度", "acceleration Y";
+    ACCELERATION_Z = 35, 1 => 20_000, 800, "mm/s²", Builder, "Z 加速度", "acceleration Z";
+    JERK_X = 36, 100 => 500_000, 20_000, "mm/s³", Builder, "X 加加速度", "jerk X";
+    JERK_Y = 37, 100 => 500_000, 20_000, "mm/s³", Builder, "Y 加加速度", "jerk Y";
+    JERK_Z = 38, 100 => 500_000, 20_000, "mm/s³", Builder, "Z 加加速度", "jerk Z";
+    SOFT_PLUS_X = 39, -9_999 => 9_999, 1, "mm", Builder, "X 正软限位", "soft limit X+";
+    SOFT_PLUS_Y = 40, -9_999 => 9_999, 1, "mm", Builder, "Y 正软限位", "soft limit Y+";
+    SOFT_PLUS_Z = 41, -9_999 => 9_999, 1, "mm", Builder, "Z 正软限位", "soft limit Z+";
+    SOFT_MINUS_X = 42, -9_999 => 9_999, -300, "mm", Builder, "X 负软限位", "soft limit X-";
+    SOFT_MINUS_Y = 43, -9_999 => 9_999, -300, "mm", Builder, "Y 负软限位", "soft limit Y-";
+    SOFT_MINUS_Z = 44, -9_999 => 9_999, -900, "mm", Builder, "Z 负软限位", "soft limit Z-";
+    HOME_X = 45, -9_999 => 9_999, 0, "mm", Builder, "X 零点坐标", "home coordinate X";
+    HOME_Y = 46, -9_999 => 9_999, 0, "mm", Builder, "Y 零点坐标", "home coordinate Y";
+    HOME_Z = 47, -9_999 => 9_999, 0, "mm", Builder, "Z 零点坐标", "home coordinate Z";
+    HOME_FAST = 48, 1 => 20_000, 3_000, "mm/min", Builder, "回零快速", "homing fast speed";
+    HOME_SLOW = 49, 1 => 2_000, 30, "mm/min", Builder, "回零慢速", "homing slow speed";
+    BACKLASH_X = 50, 0 => 2, 0, "mm", Builder, "X 反向间隙", "backlash X";
+    BACKLASH_Y = 51, 0 => 2, 0, "mm", Builder, "Y 反向间隙", "backlash Y";
+    BACKLASH_Z = 52, 0 => 2, 0, "mm", Builder, "Z 反向间隙", "backlash Z";
+    FOLLOWING_LIMIT = 53, 0.01 => 100, 8, "mm", Builder, "跟随误差极限", "following error limit";
+    IN_POSITION = 54, 0.0001 => 1, 0.002, "mm", Builder, "到位宽度", "in-position width";
+    PATH_TOLERANCE = 55, 0.0001 => 1, 0.01, "mm", User, "G64 轮廓公差", "G64 path tolerance";
+    JOG_SPEED = 56, 1 => 20_000, 1_000, "mm/min", User, "手动速度", "jog speed";
+    FEED_MAX = 57, 1 => 60_000, 6_000, "mm/min", Builder, "最大进给速度", "greatest feed";
+    TICK_TIME = 58, 500 => 4_000, 1_000, "us", Builder, "控制周期", "tick time";
+    INPUT_FILTER = 59, 0 => 100, 10, "ms", Builder, "输入滤波", "input filter";
+    HOMING_TRAVEL = 60, 1 => 9_999, 1_500, "mm", Builder, "回零最大行程", "greatest homing travel";
+    WHEEL_RUN_UP = 61, 0 => 60_000, 9_000, "ms", Builder, "砂轮启动延时", "wheel run-up delay";
+    HEADSTOCK_RUN_UP = 62, 0 => 60_000, 2_000, "ms", Builder, "头架启动延时", "headstock run-up delay";
+    TAILSTOCK_TIME = 63, 0 => 60_000, 3_000, "ms", Builder, "尾座动作超时", "tailstock time-out";
+    WHEEL_RPM_MAX = 64, 1 => 20_000, 1_260, "rpm", Builder, "砂轮最高转速 (10V)", "wheel speed at 10 V";
+    ANALOG_2_RPM_MAX = 65, 1 => 20_000, 300, "rpm", Builder, "第二模拟量最高转速 (10V)", "second analog speed at 10 V";
+    JOG_KEEP_ALIVE = 66, 20 => 1_000, 200, "ms", Builder, "手动键保持时间", "jog keep-alive";
+    HANDWHEEL_SPEED = 67, 1 => 20_000, 3_000, "mm/min", Builder, "手轮最高速度", "greatest handwheel speed";
+    DRAIN_TIME = 68, 10 => 60_000, 5_000, "ms", Builder, "到位等待超时", "in-position time-out";
+    SKIP_SPEED_MAX = 69, 1 => 20_000, 1_500, "mm/min", Builder, "G31 最大速度", "greatest G31 speed";
+    RAPID_F0 = 72, 1 => 5_000, 400, "mm/min", Builder, "快速 F0 速度", "rapid speed at F0";
+    WHEEL_RPM = 73, 0 => 20_000, 1_100, "rpm", User, "砂轮默认转速", "wheel speed without S";
+    HEADSTOCK_RPM_HIGH = 74, 1 => 2_000, 200, "rpm", Builder, "头架高速转速", "headstock high speed";
+    HEADSTOCK_RPM_LOW = 75, 1 => 2_000, 60, "rpm", Builder, "头架低速转速", "headstock low speed";
+    HMI_KEEP_ALIVE = 76, 200 => 10_000, 2_000, "ms", Builder, "界面保持时间", "HMI keep-alive";
+    PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
+    PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
+    OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
+    OSCILLATION_DWELL_BACKWARD = 236, 0 => 10_000, 0, "x4ms", User, "振荡后退到位延时", "oscillation dwell backward";
+    OSCILLATION_SPEED = 237, 1 => 20_000, 3_000, "mm/min", User, "振荡最大速度", "greatest oscillation speed";
+    OSCILLATION_AXIS = 238, 0 => 1, 0, "", User, "手动振荡轴 0:X 1:Z", "manual oscillation axis, 0 X, 1 Z";
+    OSCILLATION_POSITION = 239, -9_999 => 9_999, 0, "mm", User, "手动振荡位置", "manual oscillation position";
+    OSCILLATION_TIME_CONSTANT = 240, 1 => 5_000, 400, "ms", User, "振荡加减速时间常数", "oscillation time constant";
+    OSCILLATION_FREQUENCY = 241, 1 => 1_000, 5, "1/min", User, "振荡频率", "oscillation frequency";
+    WHEEL_ON_SPEED = 242, 1 => 20_000, 500, "mm/min", User, "砂轮启动后负向限速", "slow-direction speed with the wheel on";
+    DRESS_RETURN_SPEED = 243, 1 => 20_000, 1_000, "mm/min", User, "回修整点速度", "dressing-point return speed";
+    HYDRAULIC_DELAY = 270, 0 => 60_000, 3_000, "ms", Builder, "液压检测延时", "hydraulic check delay";
+    INPUTS_INVERTED_1 = 354, 0 => 65_535, 8, "", Builder, "输入口 1-16 反相", "inputs 1-16 inverted";
+    INPUTS_INVERTED_2 = 355, 0 => 65_535, 49_152, "", Builder, "输入口 17-32 反相", "inputs 17-32 inverted";
+    INPUTS_INVERTED_3 = 356, 0 => 65_535, 127, "", Builder, "输入口 33-48 反相", "inputs 33-48 inverted";
+    INPUTS_INVERTED_4 = 357, 0 => 65_535, 0, "", Builder, "输入口 49-64 反相", "inputs 49-64 inverted";
+}
+
+/// Factory port of an input (spec K3).
+const fn factory_input_port(input: Input) -> u8 {
+    let number = input.port_param();
+    match number {
+        228 => 1,
+        229 => 2,
+        269 => 3,
+        279..=288 => (number - 279) as u8 + 13,
+        320..=331 => match number {
+            320..=328 => (number - 320) as u8 + 4,
+            _ => (number - 329) as u8 + 23,
+        },
+        341..=349 => (number - 341) as u8 + 31,
+        _ => 0,
+    }
+}
+
+/// Factory port of an output (spec K3).
+const fn factory_output_port(output: Output) -> u8 {
+    match output.port_param() {
+        number @ 300..=307 => (number - 300) as u8 + 1,
+        226 => 11,
+        227 => 12,
+        273 => 10,
+        271 => 13,
+        272 => 14,
+        154 => 15,
+        153 => 16,
+        number @ 308..=311 => (number - 308) as u8 + 17,
+        number @ 274..=278 => (number - 274) as u8 + 21,
+        number @ 312..=314 => (number - 312) as u8 + 26,
+        _ => 0,
+    }
+}
+
+/// Why a value was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ParamError {
+    /// No such parameter.
+    #[error("there is no parameter P{0}")]
+    Unknown(u16),
+    /// The value lies outside the range.
+    #[error("P{number} takes {min} to {max}, not {value}")]
+    Range {
+        /// P number.
+        number: u16,
+        /// Least value allowed.
+        min: f64,
+        /// Greatest value allowed.
+        max: f64,
+        /// What was given.
+        value: f64,
+    },
+    /// A bit takes 0 or 1.
+    #[error("P{number}.{bit} takes 0 or 1, not {value}")]
+    Bit {
+        /// P number.
+        number: u16,
+        /// Bit.
+        bit: u8,
+        /// What was given.
+        value: f64,
+    },
+}
+
+/// The address of a parameter as people write it: `P270` or `P16.0`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ParamAddress {
+    /// P number.
+    pub number: u16,
+    /// The bit, for bit parameters.
+    pub bit: Option<u8>,
+}
+
+impl ParamAddress {
+    /// Reads `P270`, `270`, `P16.0`.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        let digits = text.strip_prefix(['P', 'p']).unwrap_or(text);
+        let (number, bit) = match digits.split_once('.') {
+            Some((number, bit)) => (number, Some(bit.parse().ok()?)),
+            None => (digits, None),
+        };
+        Some(Self { number: number.parse().ok()?, bit })
+    }
+}
+
+impl std::fmt::Display for ParamAddress {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.bit {
+            Some(bit) => write!(f, "P{}.{bit}", self.number),
+            None => write!(f, "P{}", self.number),
+        }
+    }
+}
+
+/// The values of all parameters of one machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Params {
+    numbers: Box<[f64; PARAM_LIMIT]>,
+    bits: Box<[u8; PARAM_LIMIT]>,
+}
+
+impl Params {
+    /// The factory values of a kind.
+    #[must_use]
+    pub fn factory(kind: Kind) -> Self {
+        let mut params = Self { numbers: Box::new([0.0; PARAM_LIMIT]), bits: Box::new([0; PARAM_LIMIT]) };
+        for row in NUMBERS {
+            params.numbers[usize::from(row.number)] = row.factory;
+        }
+        for input in Input::ALL {
+            params.numbers[usize::from(input.port_param())] = f64::from(factory_input_port(*input));
+        }
+        for output in Output::ALL {
+            params.numbers[usize::from(output.port_param())] = f64::from(factory_output_port(*output));
+        }
+        for row in BITS {
+            params.put_bit(row.number, row.bit, row.factory[kind as usize]);
+        }
+        params
+    }
+
+    fn put_bit(&mut self, number: u16, bit: u8, on: bool) {
+        let byte = &mut self.bits[usize::from(number)];
+        if on { *byte |= 1 << bit } else { *byte &= !(1 << bit) }
+    }
+
+    /// The value of a number parameter.
+    #[must_use]
+    pub fn get(&self, row: Number) -> f64 {
+        self.numbers[usize::from(row.number)]
+    }
+
+    /// Whether a bit is 1.
+    #[must_use]
+    pub fn bit(&self, row: Bit) -> bool {
+        self.bits[usize::from(row.number)] >> row.bit & 1 == 1
+    }
+
+    /// The port of an input; 0 is none.
+    #[must_use]
+    pub fn input_port(&self, input: Input) -> u8 {
+        self.numbers[usize::from(input.port_param())] as u8
+    }
+
+    /// The port of an output; 0 is none.
+    #[must_use]
+    pub fn output_port(&self, output: Output) -> u8 {
+        self.numbers[usize::from(output.port_param())] as u8
+    }
+
+    /// The input ports whose level is inverted before use (normally-closed contacts).
+    #[must_use]
+    pub fn inverted_inputs(&self) -> u64 {
+        [INPUTS_INVERTED_1, INPUTS_INVERTED_2, INPUTS_INVERTED_3, INPUTS_INVERTED_4]
+            .into_iter()
+            .rev()
+            .fold(0, |mask, row| mask << 16 | (self.get(row) as u64 & 0xFFFF))
+    }
+
+    /// One of three consecutive parameters X, Y, Z.
+    #[must_use]
+    pub fn of_axis(&self, x: Number, axis: Axis) -> f64 {
+        self.numbers[usize::from(x.number) + axis as usize]
+    }
+
+    /// The value at an address, bits as 0 or 1.
+    ///
+    /// # Errors
+    /// The address is not in the table.
+    pub fn read(&self, at: ParamAddress) -> Result<f64, ParamError> {
+        match at.bit {
+            Some(bit) => BITS
+                .iter()
+                .find(|row| row.number == at.number && row.bit == bit)
+                .map(|row| f64::from(u8::from(self.bit(*row)))),
+            None => find_number(at.number).map(|_| self.numbers[usize::from(at.number)]),
+        }
+        .ok_or(ParamError::Unknown(at.number))
+    }
+
+    /// Stores a value at an address.
+    ///
+    /// # Errors
+    /// The address is not in the table, or the value is outside its range; nothing is changed then.
+    pub fn write(&mut self, at: ParamAddress, value: f64) -> Result<(), ParamError> {
+        if let Some(bit) = at.bit {
+            if !BITS.iter().any(|row| row.number == at.number && row.bit == bit) {
+                return Err(ParamError::Unknown(at.number));
+            }
+            let on = match value {
+                v if v.total_cmp(&0.0).is_eq() => false,
+                v if v.total_cmp(&1.0).is_eq() => true,
+                value => return Err(ParamError::Bit { number: at.number, bit, value }),
+            };
+            self.put_bit(at.number, bit, on);
+            return Ok(());
+        }
+        let (min, max) = find_number(at.number).ok_or(ParamError::Unknown(at.number))?;
+        if !(min..=max).contains(&value) {
+            return Err(ParamError::Range { number: at.number, min, max, value });
+        }
+        self.numbers[usize::from(at.number)] = value;
+        Ok(())
+    }
+}
+
+/// The range of a number parameter, ports included.
+fn find_number(number: u16) -> Option<(f64, f64)> {
+    if let Some(row) = NUMBERS.iter().find(|row| row.number == number) {
+        return Some((row.min, row.max));
+    }
+    let port = Input::ALL.iter().any(|input| input.port_param() == number)
+        || Output::ALL.iter().any(|output| output.port_param() == number);
+    port.then_some((0.0, f64::from(PORTS)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k3_factory_ports_are_the_seeds() {
+        let params = Params::factory(Kind::Gc);
+        let outputs = [(Output::HeadstockHigh, 16), (Output::HeadstockLow, 15), (Output::Hydraulic, 10)];
+        for (output, port) in outputs {
+            assert_eq!(params.output_port(output), port);
+        }
+        assert_eq!(params.output_port(Output::RadialGauge), 13);
+        assert_eq!(params.output_port(Output::AxialGauge), 14);
+        assert_eq!(params.output_port(Output::User5), 25);
+        assert_eq!(params.output_port(Output::TowerGreen), 28);
+        assert_eq!(params.input_port(Input::HydraulicPressure), 3);
+        assert_eq!(params.input_port(Input::EmergencyStop), 4);
+        assert_eq!(params.input_port(Input::Gauge6), 12);
+        assert_eq!(params.input_port(Input::User10), 22);
+        assert_eq!(params.input_port(Input::HomeZ), 25);
+        assert_eq!(params.input_port(Input::LimitZMinus), 39);
+        assert_eq!(params.input_port(Input::GuardClosed), 0);
+    }
+
+    #[test]
+    fn k3_normally_closed_inputs_are_the_emergency_stop_drives_and_limits() {
+        let inverted = Params::factory(Kind::Gc).inverted_inputs();
+        // Ports 4, 31…33 and 34…39.
+        let expected: u64 = 1 << 3 | (30..39).map(|bit| 1_u64 << bit).sum::<u64>();
+        assert_eq!(inverted, expected);
+    }
+
+    #[test]
+    fn k1_factory_bits_differ_by_kind() {
+        let gc = Params::factory(Kind::Gc);
+        let gs = Params::factory(Kind::Gs);
+        assert!(!gc.bit(MAGNET_ENABLED) && !gc.bit(WHEEL_NEEDS_MAGNET) && gc.bit(TAILSTOCK_ENABLED));
+        assert!(gs.bit(MAGNET_ENABLED) && gs.bit(WHEEL_NEEDS_MAGNET) && !gs.bit(TAILSTOCK_ENABLED));
+    }
+
+    #[test]
+    fn b6_a_value_out_of_range_is_refused_and_changes_nothing() {
+        let mut params = Params::factory(Kind::Gc);
+        let at = ParamAddress::parse("P270").unwrap();
+        assert!(params.write(at, 60_001.0).is_err());
+        assert!(params.write(at, f64::NAN).is_err());
+        assert_eq!(params.read(at), Ok(3_000.0));
+        assert!(params.write(ParamAddress::parse("P16.0").unwrap(), 2.0).is_err());
+        assert!(params.write(ParamAddress::parse("P300").unwrap(), 65.0).is_err());
+        assert_eq!(params.write(ParamAddress::parse("P399").unwrap(), 1.0), Err(ParamError::Unknown(399)));
+    }
+}

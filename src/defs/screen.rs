@@ -1,0 +1,259 @@
+//! The page text of a grinding program (C00nn.TXT): its form and its reader.
+//! Source: spec K7.2–K7.4. Pure text to rows; the folder is the store's business.
+
+use super::text::Said;
+
+/// Rows of one column.
+pub const ROWS: usize = 10;
+
+/// One row of the page: a label and the macro variable beside it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Label as the customer wrote it.
+    pub label: String,
+    /// Macro variable number.
+    pub variable: u16,
+}
+
+/// A page text: a title and two columns of ten rows, empty where the customer left them so.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PageText {
+    /// Title, to which the page adds 参数设置.
+    pub title: String,
+    /// Left column.
+    pub left: [Option<Row>; ROWS],
+    /// Right column.
+    pub right: [Option<Row>; ROWS],
+}
+
+impl PageText {
+    /// The rows in reading order: left column, then right.
+    pub fn rows(&self) -> impl Iterator<Item = &Row> {
+        self.left.iter().chain(self.right.iter()).flatten()
+    }
+}
+
+/// What is wrong with a page text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TextFault {
+    /// Line, from 1.
+    pub line: u32,
+    /// Column in characters, from 1.
+    pub column: u32,
+    /// The fault, its cause and what to do.
+    pub said: Said,
+}
+
+/// Reads a page text.
+///
+/// # Errors
+/// The first place where the text is not of the format, with line and column.
+pub fn parse(text: &str) -> Result<PageText, TextFault> {
+    let mut entries = entries(text)?.into_iter();
+    let Some(title) = entries.next() else {
+        return Err(fault(
+            1,
+            1,
+            "文件是空的：第一行应为标题和 ;",
+            "the file is empty: the first line is the title and ;",
+        ));
+    };
+    if title.text.is_empty() {
+        return Err(fault(title.line, title.column, "标题是空的", "the title is empty"));
+    }
+    let mut page = PageText { title: title.text.to_owned(), ..PageText::default() };
+    let mut count = 0;
+    for entry in entries {
+        let slot = match count {
+            0..ROWS => &mut page.left[count],
+            _ if count < 2 * ROWS => &mut page.right[count - ROWS],
+            _ => {
+                return Err(fault(
+                    entry.line,
+                    entry.column,
+                    "多于 20 行：左栏 10 行、右栏 10 行后应为 %",
+                    "more than 20 entries: % is expected after ten for the left and ten for the right column",
+                ));
+            }
+        };
+        *slot = row(&entry)?;
+        count += 1;
+    }
+    if count < ROWS {
+        let line = text.lines().count().max(1) as u32;
+        return Err(fault(
+            line,
+            1,
+            &format!("左栏应有 10 行，只有 {count} 行；空行写一个 ;"),
+            &format!("the left column has ten entries, here are {count}; write ; for an empty one"),
+        ));
+    }
+    Ok(page)
+}
+
+/// One `;`-ended piece of the text.
+struct Entry<'a> {
+    text: &'a str,
+    line: u32,
+    column: u32,
+}
+
+/// Cuts the text at `;` up to the `%`.
+fn entries(text: &str) -> Result<Vec<Entry<'_>>, TextFault> {
+    let mut found = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let number = index as u32 + 1;
+        let mut rest = line.trim_start_matches('\u{feff}');
+        let mut column = 1;
+        while !rest.trim().is_empty() {
+            column += skip_blanks(&mut rest);
+            if let Some(after) = rest.strip_prefix('%') {
+                return match after.trim().is_empty() {
+                    true => Ok(found),
+                    false => Err(fault(number, column + 1, "% 之后不能有内容", "nothing may follow %")),
+                };
+            }
+            full_width(rest, number, column)?;
+            let Some((piece, after)) = rest.split_once(';') else {
+                return Err(fault(number, column, "缺少行末的 ;", "the ; at the end of the entry is missing"));
+            };
+            found.push(Entry { text: piece.trim(), line: number, column });
+            column += piece.chars().count() as u32 + 1;
+            rest = after;
+        }
+    }
+    let line = text.lines().count().max(1) as u32;
+    Err(fault(line, 1, "缺少文件末尾的 %", "the % at the end of the file is missing"))
+}
+
+fn skip_blanks(rest: &mut &str) -> u32 {
+    let trimmed = rest.trim_start();
+    let skipped = rest.chars().count() - trimmed.chars().count();
+    *rest = trimmed;
+    skipped as u32
+}
+
+/// Full-width punctuation is the commonest mistake of a Chinese keyboard; it is named as such.
+fn full_width(piece: &str, line: u32, column: u32) -> Result<(), TextFault> {
+    let signs = [('；', ';'), ('＃', '#'), ('％', '%')];
+    for (offset, sign) in piece.chars().enumerate() {
+        if let Some((wide, narrow)) = signs.into_iter().find(|(wide, _)| *wide == sign) {
+            return Err(fault(
+                line,
+                column + offset as u32,
+                &format!("全角符号“{wide}”：请改用英文符号 {narrow}"),
+                &format!("full-width '{wide}': type the ASCII '{narrow}'"),
+            ));
+        }
+        if sign.is_ascii_digit() || sign == ';' && offset > 0 {
+            continue;
+        }
+        if ('０'..='９').contains(&sign) && piece.contains('#') {
+            return Err(fault(
+                line,
+                column + offset as u32,
+                "全角数字：请改用英文数字",
+                "full-width digit: type ASCII digits",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn row(entry: &Entry<'_>) -> Result<Option<Row>, TextFault> {
+    if entry.text.is_empty() {
+        return Ok(None);
+    }
+    let Some((label, number)) = entry.text.rsplit_once('#') else {
+        return Err(fault(
+            entry.line,
+            entry.column,
+            "缺少宏变量号：应为“名称 #号;”",
+            "no macro variable: an entry reads 'label #number;'",
+        ));
+    };
+    let column = entry.column + label.chars().count() as u32 + 1;
+    let variable: u16 = match number.trim().parse() {
+        Ok(variable) => variable,
+        Err(_) => {
+            return Err(fault(
+                entry.line,
+                column,
+                &format!("宏变量号“{}”不是数字", number.trim()),
+                &format!("'{}' is not a variable number", number.trim()),
+            ));
+        }
+    };
+    let writable = matches!(variable, 100..=433 | 500..=999);
+    if !writable {
+        return Err(fault(
+            entry.line,
+            column,
+            &format!("宏变量 #{variable} 不能在页面上修改：可用 #100-#433、#500-#999"),
+            &format!("#{variable} cannot stand on a page: use #100-#433 or #500-#999"),
+        ));
+    }
+    if label.trim().is_empty() {
+        return Err(fault(entry.line, entry.column, "缺少名称", "the label is missing"));
+    }
+    Ok(Some(Row { label: label.trim().to_owned(), variable }))
+}
+
+fn fault(line: u32, column: u32, zh: &str, en: &str) -> TextFault {
+    TextFault { line, column, said: Said::new(zh, en) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The customer's own sample (seed 000), remarks of the document left out.
+    const SAMPLE: &str = "外卡磨削;\n\n卡尺 X 轴始磨位置 #500;\n卡尺 X 轴终点位置 #501;\n卡尺 X 轴安全位置 #503;\n\
+        卡尺 Z 轴终点位置 #504;\n左卡磨耗余量 #505;\n左卡粗磨余量 #506;\n粗磨进给方式 #507;\n精磨进给方式 #508;\n\n\
+        ;\n;\n\n左卡 Z 轴始磨位置 #502;\n右尺 Z 轴始磨位置 #514;\n右卡粗磨余量 #515;\n右卡精磨余量 #516;\n\
+        粗磨速度 #512;\n精磨速度 #513;\n光磨次数 #511;\n\n;\n;\n%\n\n";
+
+    #[test]
+    fn k7_4_the_customers_sample_is_read() {
+        let page = parse(SAMPLE).unwrap();
+        assert_eq!(page.title, "外卡磨削");
+        assert_eq!(page.left[0], Some(Row { label: "卡尺 X 轴始磨位置".into(), variable: 500 }));
+        assert_eq!(page.left[7].as_ref().unwrap().variable, 508);
+        assert_eq!((&page.left[8], &page.left[9]), (&None, &None));
+        assert_eq!(page.right[0].as_ref().unwrap().variable, 502);
+        // Seven rows and two empty ones before %: fewer right entries are allowed.
+        assert_eq!(page.right[6].as_ref().unwrap().variable, 511);
+        assert_eq!(page.right[9], None);
+        assert_eq!(page.rows().count(), 15);
+    }
+
+    #[test]
+    fn k7_4_full_width_punctuation_is_named_with_its_place() {
+        let fault = parse(&SAMPLE.replacen("位置 #501;", "位置 #501；", 1)).unwrap_err();
+        // "卡尺 X 轴终点位置 #501；": 2+1+1+1+5+1+4 = 15 characters before it.
+        assert_eq!((fault.line, fault.column), (4, 16));
+        assert!(fault.said.zh.contains("全角") && fault.said.en.contains("full-width"));
+        assert_eq!(parse(&SAMPLE.replacen('#', "＃", 1)).unwrap_err().line, 3);
+        assert!(parse(&SAMPLE.replace('%', "％")).unwrap_err().said.zh.contains("全角"));
+    }
+
+    #[test]
+    fn k7_4_what_is_not_of_the_format_is_refused() {
+        for (text, line) in [
+            ("", 1),
+            (";\n", 1),
+            ("标题;\n;\n%", 3),
+            ("标题;\nA #500\n%", 2),
+            ("标题;\nA 500;\n%", 2),
+            ("标题;\nA #1;\n%", 2),
+            ("标题;\nA #4x;\n%", 2),
+            ("标题;\n#500;\n%", 2),
+        ] {
+            assert_eq!(parse(text).unwrap_err().line, line, "{text:?}");
+        }
+        let long = format!("标题;{}%", "\n;".repeat(21));
+        assert_eq!(parse(&long).unwrap_err().line, 22);
+        assert_eq!(parse(&long.replacen("\n;", "", 1)).unwrap().rows().count(), 0);
+        assert_eq!(parse("标题;\n;;;;;;;;;;").unwrap_err().said.en, "the % at the end of the file is missing");
+    }
+}

@@ -1,0 +1,226 @@
+//! Inputs and outputs by function: id, name and the parameter that assigns the port.
+//! Source: spec K3 (ports), tools.md (ids).
+
+use serde::{Deserialize, Serialize};
+
+use super::text::Text;
+
+/// Number of ports of a terminal block; ports are numbered from 1, 0 is "not connected".
+pub const PORTS: u8 = 64;
+
+macro_rules! signals {
+    ($(#[$meta:meta])* $name:ident { $($variant:ident = $id:literal, $param:literal, $zh:literal, $en:literal;)* }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[repr(u8)]
+        pub enum $name { $(#[doc = $en] $variant,)* }
+
+        impl $name {
+            /// All of them, in table order.
+            pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
+            /// How many there are.
+            pub const COUNT: usize = Self::ALL.len();
+
+            /// The word of stories, traces and the diagnosis page.
+            #[must_use]
+            pub const fn id(self) -> &'static str {
+                match self { $(Self::$variant => $id,)* }
+            }
+
+            /// The parameter that assigns the port.
+            #[must_use]
+            pub const fn port_param(self) -> u16 {
+                match self { $(Self::$variant => $param,)* }
+            }
+
+            /// The name shown.
+            #[must_use]
+            pub const fn name(self) -> Text {
+                match self { $(Self::$variant => Text::new($zh, $en),)* }
+            }
+
+            /// The signal of a word.
+            #[must_use]
+            pub fn from_id(id: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|signal| signal.id() == id)
+            }
+
+            const fn bit(self) -> u128 {
+                1 << (self as u8)
+            }
+        }
+    };
+}
+
+signals! {
+    /// A switch, drive or gauge that the control reads.
+    Input {
+        OscillationForwardEnd = "oscillation-forward-end", 228, "振荡前进到位", "oscillation forward end";
+        OscillationBackwardEnd = "oscillation-backward-end", 229, "振荡后退到位", "oscillation backward end";
+        HydraulicPressure = "hydraulic-pressure", 269, "液压压力", "hydraulic pressure";
+        EmergencyStop = "emergency-stop", 320, "急停", "emergency stop";
+        TailstockAdvanced = "tailstock-advanced", 321, "尾座进到位", "tailstock advanced";
+        TailstockRetracted = "tailstock-retracted", 322, "尾座退到位", "tailstock retracted";
+        Gauge1 = "gauge-1", 323, "量仪信号 1", "gauge signal 1";
+        Gauge2 = "gauge-2", 324, "量仪信号 2", "gauge signal 2";
+        Gauge3 = "gauge-3", 325, "量仪信号 3", "gauge signal 3";
+        Gauge4 = "gauge-4", 326, "量仪信号 4", "gauge signal 4";
+        Gauge5 = "gauge-5", 327, "量仪信号 5", "gauge signal 5";
+        Gauge6 = "gauge-6", 328, "量仪信号 6", "gauge signal 6";
+        User1 = "user-1", 279, "用户输入 1 (M80)", "user input 1 (M80)";
+        User2 = "user-2", 280, "用户输入 2 (M81)", "user input 2 (M81)";
+        User3 = "user-3", 281, "用户输入 3 (M82)", "user input 3 (M82)";
+        User4 = "user-4", 282, "用户输入 4 (M83)", "user input 4 (M83)";
+        User5 = "user-5", 283, "用户输入 5 (M84)", "user input 5 (M84)";
+        User6 = "user-6", 284, "用户输入 6 (M85)", "user input 6 (M85)";
+        User7 = "user-7", 285, "用户输入 7 (M86)", "user input 7 (M86)";
+        User8 = "user-8", 286, "用户输入 8 (M87)", "user input 8 (M87)";
+        User9 = "user-9", 287, "用户输入 9 (M88)", "user input 9 (M88)";
+        User10 = "user-10", 288, "用户输入 10 (M89)", "user input 10 (M89)";
+        HomeX = "home-x", 329, "X 零点开关", "home switch X";
+        HomeY = "home-y", 330, "Y 零点开关", "home switch Y";
+        HomeZ = "home-z", 331, "Z 零点开关", "home switch Z";
+        GuardClosed = "guard-closed", 332, "防护门关", "guard closed";
+        CoolantFlow = "coolant-flow", 333, "冷却液流量", "coolant flow";
+        LubricationLevel = "lubrication-level", 334, "润滑油位", "lubrication level";
+        ExternalStart = "external-start", 335, "外接启动", "external start";
+        ExternalHold = "external-hold", 336, "外接暂停", "external hold";
+        RadialArmOut = "radial-arm-out", 337, "径向量仪伸出到位", "radial gauge arm out";
+        RadialArmIn = "radial-arm-in", 338, "径向量仪缩回到位", "radial gauge arm in";
+        AxialArmOut = "axial-arm-out", 339, "轴向量仪伸出到位", "axial gauge arm out";
+        AxialArmIn = "axial-arm-in", 340, "轴向量仪缩回到位", "axial gauge arm in";
+        DriveX = "drive-x", 341, "X 驱动报警", "drive fault X";
+        DriveY = "drive-y", 342, "Y 驱动报警", "drive fault Y";
+        DriveZ = "drive-z", 343, "Z 驱动报警", "drive fault Z";
+        LimitXPlus = "limit-x-plus", 344, "X+ 限位", "limit switch X+";
+        LimitXMinus = "limit-x-minus", 345, "X- 限位", "limit switch X-";
+        LimitYPlus = "limit-y-plus", 346, "Y+ 限位", "limit switch Y+";
+        LimitYMinus = "limit-y-minus", 347, "Y- 限位", "limit switch Y-";
+        LimitZPlus = "limit-z-plus", 348, "Z+ 限位", "limit switch Z+";
+        LimitZMinus = "limit-z-minus", 349, "Z- 限位", "limit switch Z-";
+        Gear1In = "gear-1-in", 350, "1 档到位", "gear 1 in";
+        Gear2In = "gear-2-in", 351, "2 档到位", "gear 2 in";
+        Gear3In = "gear-3-in", 352, "3 档到位", "gear 3 in";
+        Gear4In = "gear-4-in", 353, "4 档到位", "gear 4 in";
+    }
+}
+
+signals! {
+    /// A contactor, valve or lamp that the control switches.
+    Output {
+        Wheel = "wheel", 300, "砂轮", "wheel";
+        Coolant = "coolant", 301, "冷却", "coolant";
+        Lubrication = "lubrication", 302, "润滑", "lubrication";
+        Tailstock = "tailstock", 303, "尾座", "tailstock";
+        Magnetise = "magnetise", 304, "充磁", "magnetise";
+        Demagnetise = "demagnetise", 305, "退磁", "demagnetise";
+        SecondSpindle = "second-spindle", 306, "第二主轴正转", "second spindle cw";
+        SecondSpindleCcw = "second-spindle-ccw", 307, "第二主轴反转", "second spindle ccw";
+        OscillationForward = "oscillation-forward", 226, "振荡前进", "oscillation forward";
+        OscillationBackward = "oscillation-backward", 227, "振荡后退", "oscillation backward";
+        Hydraulic = "hydraulic", 273, "液压", "hydraulic";
+        RadialGauge = "radial-gauge", 271, "径向(厚度)量仪", "radial (thickness) gauge";
+        AxialGauge = "axial-gauge", 272, "轴向(平面)量仪", "axial (plane) gauge";
+        HeadstockHigh = "headstock-high", 153, "头架高速", "headstock high";
+        HeadstockLow = "headstock-low", 154, "头架低速", "headstock low";
+        DresserRoll = "dresser-roll", 153, "滚轮", "dresser roll";
+        TableRotation = "table-rotation", 153, "台面旋转", "table rotation";
+        Gear1 = "gear-1", 308, "1 档", "gear 1";
+        Gear2 = "gear-2", 309, "2 档", "gear 2";
+        Gear3 = "gear-3", 310, "3 档", "gear 3";
+        Gear4 = "gear-4", 311, "4 档", "gear 4";
+        User1 = "user-1", 274, "用户输出 1 (M50/M51)", "user output 1 (M50/M51)";
+        User2 = "user-2", 275, "用户输出 2 (M52/M53)", "user output 2 (M52/M53)";
+        User3 = "user-3", 276, "用户输出 3 (M54/M55)", "user output 3 (M54/M55)";
+        User4 = "user-4", 277, "用户输出 4 (M56/M57)", "user output 4 (M56/M57)";
+        User5 = "user-5", 278, "用户输出 5 (M58/M59)", "user output 5 (M58/M59)";
+        TowerRed = "tower-red", 312, "三色灯红", "tower light red";
+        TowerYellow = "tower-yellow", 313, "三色灯黄", "tower light yellow";
+        TowerGreen = "tower-green", 314, "三色灯绿", "tower light green";
+    }
+}
+
+macro_rules! signal_set {
+    ($(#[$meta:meta])* $set:ident of $signal:ident) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+        pub struct $set(u128);
+
+        impl $set {
+            /// None on.
+            pub const NONE: Self = Self(0);
+
+            /// Whether the signal is on.
+            #[must_use]
+            pub const fn has(self, signal: $signal) -> bool {
+                self.0 & signal.bit() != 0
+            }
+
+            /// Switches the signal.
+            pub const fn set(&mut self, signal: $signal, on: bool) {
+                if on { self.0 |= signal.bit() } else { self.0 &= !signal.bit() }
+            }
+
+            /// The signals that are on, in table order.
+            pub fn iter(self) -> impl Iterator<Item = $signal> {
+                $signal::ALL.iter().copied().filter(move |signal| self.has(*signal))
+            }
+        }
+    };
+}
+
+signal_set! {
+    /// The inputs that are logically active.
+    InputSet of Input
+}
+signal_set! {
+    /// The outputs that are on.
+    OutputSet of Output
+}
+
+/// The level of every terminal of one terminal block: bit 0 is port 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Terminals(pub u64);
+
+impl Terminals {
+    /// The level of a port; port 0 and ports beyond the block are low.
+    #[must_use]
+    pub const fn level(self, port: u8) -> bool {
+        port >= 1 && port <= PORTS && self.0 >> (port - 1) & 1 == 1
+    }
+
+    /// Sets the level of a port; port 0 and ports beyond the block are not there.
+    pub const fn set(&mut self, port: u8, on: bool) {
+        if port >= 1 && port <= PORTS {
+            let bit = 1 << (port - 1);
+            if on { self.0 |= bit } else { self.0 &= !bit }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k6_1_every_signal_has_its_own_id() {
+        for (i, a) in Input::ALL.iter().enumerate() {
+            assert_eq!(Input::from_id(a.id()), Some(*a));
+            assert!(Input::ALL[i + 1..].iter().all(|b| a.id() != b.id()), "{} twice", a.id());
+        }
+        for a in Output::ALL {
+            assert_eq!(Output::from_id(a.id()), Some(*a));
+        }
+        assert_eq!(Input::from_id("wheel"), None);
+    }
+
+    #[test]
+    fn k6_1_port_zero_is_not_connected() {
+        let mut block = Terminals::default();
+        block.set(0, true);
+        block.set(65, true);
+        assert_eq!(block, Terminals(0));
+        block.set(64, true);
+        assert!(block.level(64) && !block.level(0) && !block.level(63));
+    }
+}

@@ -1,0 +1,344 @@
+//! One axis of the simulated machine: drive, screw, slide and the switches along its way (P1).
+//!
+//! Motion law: the motor follows the set-point u as a critically damped second-order system,
+//! x'' = ω²·(u − x) − 2ω·x', whose lag at constant speed is 2/ω (20 ms at ω = 100 rad/s). It is stepped exactly over
+//! a tick with u held: with e = x − u and E = exp(−ω·dt),
+//! e ← E·((1 + ω·dt)·e + dt·v), v ← E·((1 − ω·dt)·v − ω²·dt·e).
+//! Only where that would break the drive's acceleration or jerk limit is the limited acceleration integrated instead.
+//! The slide hangs on the motor with backlash, and stands off by the pitch error of its place (B7).
+
+use super::contact::Contact;
+use super::machine_file::{Along, AxisFile};
+use super::random::SplitMix64;
+
+/// What the control wants of an axis in this tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drive {
+    /// Set-point, encoder frame, mm.
+    pub set_point_mm: f64,
+    /// The drive holds the axis; otherwise its brake does.
+    pub on: bool,
+    /// The drive is on but the axis does not follow (fault `following-x`).
+    pub lost: bool,
+}
+
+/// The switches of an axis, logically.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Switches {
+    pub home: bool,
+    pub limit_plus: bool,
+    pub limit_minus: bool,
+}
+
+/// An axis that has run onto its stop.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Struck {
+    /// Plus stop, otherwise the minus one.
+    pub plus: bool,
+    /// Speed at the stop, mm/s, without sign.
+    pub speed_mm_s: f64,
+}
+
+/// Drive, screw and slide.
+#[derive(Clone, Debug)]
+pub(super) struct SimAxis {
+    file: AxisFile,
+    /// Motor, machine frame of the screw, mm.
+    motor_mm: f64,
+    velocity_mm_s: f64,
+    accel_mm_s2: f64,
+    /// Slide before pitch error.
+    carried_mm: f64,
+    /// Slide as it really stands, machine frame, mm.
+    slide_mm: f64,
+    zero_mm: f64,
+    /// Last set-point that the drive held; the encoder counts from it.
+    held_mm: f64,
+    coefficients: Coefficients,
+    home: Contact,
+    plus: Contact,
+    minus: Contact,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Coefficients {
+    dt_s: f64,
+    e_from_e: f64,
+    e_from_v: f64,
+    v_from_e: f64,
+    v_from_v: f64,
+}
+
+impl Coefficients {
+    fn new(omega: f64, dt_s: f64) -> Self {
+        let decay = (-omega * dt_s).exp();
+        Self {
+            dt_s,
+            e_from_e: decay * (1.0 + omega * dt_s),
+            e_from_v: decay * dt_s,
+            v_from_e: -decay * omega * omega * dt_s,
+            v_from_v: decay * (1.0 - omega * dt_s),
+        }
+    }
+}
+
+impl SimAxis {
+    /// An axis standing where the file says, its encoder at zero.
+    pub(super) fn new(file: AxisFile) -> Self {
+        let start = file.power_on_mm;
+        let mut axis = Self {
+            file,
+            motor_mm: start,
+            velocity_mm_s: 0.0,
+            accel_mm_s2: 0.0,
+            carried_mm: start,
+            slide_mm: start,
+            zero_mm: start,
+            held_mm: 0.0,
+            coefficients: Coefficients::default(),
+            home: Contact::default(),
+            plus: Contact::default(),
+            minus: Contact::default(),
+        };
+        axis.place(start);
+        axis
+    }
+
+    /// Puts the axis at a machine position and switches its encoder on there.
+    pub(super) fn place(&mut self, machine_mm: f64) {
+        self.motor_mm = machine_mm;
+        self.carried_mm = machine_mm;
+        self.zero_mm = machine_mm;
+        self.held_mm = 0.0;
+        self.velocity_mm_s = 0.0;
+        self.accel_mm_s2 = 0.0;
+        self.slide_mm = machine_mm + at(&self.file.pitch_error_mm, machine_mm);
+        self.home = Contact::at(self.at_home());
+        self.plus = Contact::at(self.slide_mm >= self.file.limit_plus_mm);
+        self.minus = Contact::at(self.slide_mm <= self.file.limit_minus_mm);
+    }
+
+    /// Machine position at which the encoder reads zero.
+    pub(super) const fn zero_mm(&self) -> f64 {
+        self.zero_mm
+    }
+
+    /// Where the slide really stands, machine frame.
+    pub(super) const fn slide_mm(&self) -> f64 {
+        self.slide_mm
+    }
+
+    /// Speed of the slide, mm/s.
+    pub(super) const fn velocity_mm_s(&self) -> f64 {
+        self.velocity_mm_s
+    }
+
+    /// What the encoder reads. It counts in steps of the resolution from the set-point held, so that an axis that
+    /// has arrived reads its set-point exactly.
+    pub(super) fn encoder_mm(&self) -> f64 {
+        let off = self.motor_mm - self.zero_mm - self.held_mm;
+        self.held_mm + (off / self.file.resolution_mm).round() * self.file.resolution_mm
+    }
+
+    /// Moves the axis through one tick; tells if it struck a stop at speed.
+    pub(super) fn step(&mut self, drive: Drive, dt_s: f64) -> Option<Struck> {
+        if drive.on {
+            self.held_mm = drive.set_point_mm;
+        }
+        if drive.on && !drive.lost {
+            self.follow(dt_s)
+        } else {
+            self.brake(dt_s)
+        }
+        self.carry()
+    }
+
+    fn follow(&mut self, dt_s: f64) {
+        if dt_s.total_cmp(&self.coefficients.dt_s).is_ne() {
+            self.coefficients = Coefficients::new(self.file.following_rad_s, dt_s);
+        }
+        let c = self.coefficients;
+        let target = self.zero_mm + self.held_mm;
+        let error = self.motor_mm - target;
+        let wanted_v = c.v_from_e * error + c.v_from_v * self.velocity_mm_s;
+        let wanted_a = (wanted_v - self.velocity_mm_s) / dt_s;
+        let swing = self.file.jerk_mm_s3 * dt_s;
+        let limit = self.file.accel_mm_s2;
+        let least = (self.accel_mm_s2 - swing).max(-limit);
+        let most = (self.accel_mm_s2 + swing).min(limit);
+        if wanted_a >= least && wanted_a <= most {
+            self.motor_mm = target + c.e_from_e * error + c.e_from_v * self.velocity_mm_s;
+            self.velocity_mm_s = wanted_v;
+            self.accel_mm_s2 = wanted_a;
+        } else {
+            // `least` may exceed `limit` only after a brake; min keeps the order.
+            let accel = wanted_a.max(least).min(most);
+            self.motor_mm += (self.velocity_mm_s + 0.5 * accel * dt_s) * dt_s;
+            self.velocity_mm_s += accel * dt_s;
+            self.accel_mm_s2 = accel;
+        }
+    }
+
+    fn brake(&mut self, dt_s: f64) {
+        self.accel_mm_s2 = 0.0;
+        let speed = self.velocity_mm_s.abs();
+        if speed <= 0.0 {
+            return;
+        }
+        let drop = self.file.brake_mm_s2 * dt_s;
+        if drop >= speed {
+            self.motor_mm += self.velocity_mm_s * speed / (2.0 * self.file.brake_mm_s2);
+            self.velocity_mm_s = 0.0;
+        } else {
+            let left = self.velocity_mm_s * (1.0 - drop / speed);
+            self.motor_mm += 0.5 * (self.velocity_mm_s + left) * dt_s;
+            self.velocity_mm_s = left;
+        }
+    }
+
+    /// The slide goes where the motor takes it, as far as the stops.
+    fn carry(&mut self) -> Option<Struck> {
+        // Moving plus the screw pushes at once; moving minus it first takes up the play.
+        let play = at(&self.file.backlash_mm, self.motor_mm);
+        self.carried_mm = self.carried_mm.max(self.motor_mm).min(self.motor_mm + play);
+        self.slide_mm = self.carried_mm + at(&self.file.pitch_error_mm, self.carried_mm);
+        let plus = self.slide_mm > self.file.stop_plus_mm;
+        if !plus && self.slide_mm >= self.file.stop_minus_mm {
+            return None;
+        }
+        let stop = if plus { self.file.stop_plus_mm } else { self.file.stop_minus_mm };
+        self.motor_mm += stop - self.slide_mm;
+        self.carried_mm += stop - self.slide_mm;
+        self.slide_mm = stop;
+        let speed_mm_s = self.velocity_mm_s.abs();
+        self.velocity_mm_s = 0.0;
+        self.accel_mm_s2 = 0.0;
+        Some(Struck { plus, speed_mm_s })
+    }
+
+    fn at_home(&self) -> bool {
+        if self.file.home_at_plus {
+            self.slide_mm >= self.file.home_edge_mm
+        } else {
+            self.slide_mm <= self.file.home_edge_mm
+        }
+    }
+
+    /// The switches after this tick.
+    pub(super) fn switches(&mut self, dt_s: f64, bounce_s: f64, chance: &mut SplitMix64) -> Switches {
+        let (home, slide) = (self.at_home(), self.slide_mm);
+        Switches {
+            home: self.home.step(home, dt_s, bounce_s, chance),
+            limit_plus: self.plus.step(slide >= self.file.limit_plus_mm, dt_s, bounce_s, chance),
+            limit_minus: self.minus.step(slide <= self.file.limit_minus_mm, dt_s, bounce_s, chance),
+        }
+    }
+}
+
+/// A table over position, read between its points; flat beyond its ends, zero if empty.
+fn at(table: &[Along], position_mm: f64) -> f64 {
+    let (Some(first), Some(last)) = (table.first(), table.last()) else { return 0.0 };
+    if position_mm <= first.0 {
+        return first.1;
+    }
+    let after = table.partition_point(|row| row.0 < position_mm);
+    let Some(b) = table.get(after) else { return last.1 };
+    let a = table[after - 1];
+    a.1 + (b.1 - a.1) * (position_mm - a.0) / (b.0 - a.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+    use crate::io::sim::MachineFile;
+
+    const DT: f64 = 0.001;
+
+    fn axis(change: impl FnOnce(&mut AxisFile)) -> SimAxis {
+        let mut file = MachineFile::builtin(Kind::Gc).unwrap().x;
+        change(&mut file);
+        SimAxis::new(file)
+    }
+
+    fn drive(set_point_mm: f64) -> Drive {
+        Drive { set_point_mm, on: true, lost: false }
+    }
+
+    #[test]
+    fn p1_lag_at_constant_speed_is_twenty_milliseconds() {
+        let mut x = axis(|_| ());
+        for tick in 1..=1_000 {
+            x.step(drive(-50.0 * DT * f64::from(tick)), DT);
+        }
+        // 2/ω = 20 ms at 50 mm/s: 1 mm, and up to a tick (0.05 mm) for the held set-point.
+        let lag = x.motor_mm - (x.zero_mm - 50.0);
+        assert!((0.95..=1.0).contains(&lag), "{lag}");
+    }
+
+    #[test]
+    fn p1_an_axis_that_has_arrived_reads_its_set_point_exactly() {
+        let mut x = axis(|_| ());
+        for _ in 0..400 {
+            x.step(drive(-0.123_456_7), DT);
+        }
+        assert_eq!(x.encoder_mm().to_bits(), (-0.123_456_7_f64).to_bits());
+    }
+
+    #[test]
+    fn p1_a_step_of_the_set_point_keeps_the_drives_limits_and_settles() {
+        for step_mm in [0.01, 1.0, 20.0, -100.0] {
+            let mut x = axis(|_| ());
+            let (mut v, mut a) = (0.0, 0.0);
+            for _ in 0..3_000 {
+                x.step(drive(step_mm), DT);
+                let accel = (x.velocity_mm_s - v) / DT;
+                assert!(accel.abs() <= 3_000.0 + 1e-6 && (accel - a).abs() <= 400_000.0 * DT + 1e-6);
+                (v, a) = (x.velocity_mm_s, accel);
+            }
+            assert!((x.motor_mm - x.zero_mm - step_mm).abs() < 0.001, "{step_mm}: {}", x.motor_mm - x.zero_mm);
+        }
+    }
+
+    #[test]
+    fn p1_backlash_and_pitch_error_move_the_slide_not_the_encoder() {
+        let mut x = axis(|file| {
+            file.backlash_mm = vec![Along(-300.0, 0.02)];
+            file.pitch_error_mm = vec![Along(-100.0, 0.01), Along(0.0, 0.0)];
+        });
+        for _ in 0..400 {
+            x.step(drive(-10.0), DT);
+        }
+        // Motor at -50: moving minus leaves the play of 0.02; the error at -49.98 is 0.01 · 49.98/100.
+        assert!((x.slide_mm() - (-50.0 + 0.02 + 0.004_998)).abs() < 1e-6, "{}", x.slide_mm());
+        assert_eq!(x.encoder_mm().to_bits(), (-10.0_f64).to_bits());
+    }
+
+    #[test]
+    fn p1_the_stop_holds_and_tells_the_speed() {
+        let mut x = axis(|_| ());
+        let mut struck = None;
+        for tick in 1..=1_000 {
+            let hit = x.step(drive(100.0 * DT * f64::from(tick)), DT);
+            struck = struck.or(hit);
+        }
+        let struck = struck.unwrap();
+        assert!(struck.plus && struck.speed_mm_s > 99.0);
+        assert!(x.slide_mm() <= 8.0);
+    }
+
+    #[test]
+    fn p1_drives_off_the_brake_stops_the_axis_where_it_stands() {
+        let mut x = axis(|_| ());
+        for tick in 1..=500 {
+            x.step(drive(-100.0 * DT * f64::from(tick)), DT);
+        }
+        let from = x.slide_mm();
+        for _ in 0..100 {
+            x.step(Drive { set_point_mm: -80.0, on: false, lost: false }, DT);
+        }
+        // v²/2a = 100²/8000 = 1.25 mm.
+        assert!((from - x.slide_mm() - 1.25).abs() < 0.01, "{}", from - x.slide_mm());
+        assert!(x.velocity_mm_s().abs() <= 0.0);
+    }
+}

@@ -1,0 +1,49 @@
+//! A mechanical contact: it bounces for a few milliseconds at every edge (P1).
+
+use super::random::SplitMix64;
+
+/// A switch with its bounce.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Contact {
+    closed: bool,
+    bounce_left_s: f64,
+}
+
+impl Contact {
+    /// A contact at rest.
+    pub(super) const fn at(closed: bool) -> Self {
+        Self { closed, bounce_left_s: 0.0 }
+    }
+
+    /// What the contact shows after `dt_s` when its cam holds it `closed`.
+    pub(super) fn step(&mut self, closed: bool, dt_s: f64, bounce_s: f64, chance: &mut SplitMix64) -> bool {
+        if closed != self.closed {
+            self.closed = closed;
+            self.bounce_left_s = bounce_s;
+            return closed;
+        }
+        if self.bounce_left_s > 0.0 {
+            self.bounce_left_s -= dt_s;
+            if self.bounce_left_s > 0.0 {
+                return chance.coin();
+            }
+        }
+        closed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn p1_a_contact_bounces_five_milliseconds_and_no_longer() {
+        let mut chance = SplitMix64::new(3);
+        let mut contact = Contact::at(false);
+        assert!(!contact.step(false, 0.001, 0.005, &mut chance));
+        assert!(contact.step(true, 0.001, 0.005, &mut chance), "the first edge is not late");
+        let course: Vec<bool> = (0..20).map(|_| contact.step(true, 0.001, 0.005, &mut chance)).collect();
+        assert!(course[..5].contains(&false), "it bounces with this seed");
+        assert!(course[5..].iter().all(|closed| *closed));
+    }
+}

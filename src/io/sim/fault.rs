@@ -1,0 +1,165 @@
+//! What the simulated machine can suffer, by name (P8, tools.md "Faults").
+
+use crate::defs::signal::{Input, PORTS};
+use crate::units::{Axis, PerAxis};
+
+/// Longest fault of the bus, ticks.
+const BUS_TICKS_LIMIT: u32 = 1_000_000;
+
+/// The names, as the manual lists them; NAME is an input's id, N a number of ticks.
+const NAMES: &[&str] = &[
+    "stuck-on NAME",
+    "stuck-off NAME",
+    "bounce NAME",
+    "pressure-loss",
+    "drive-x",
+    "drive-y",
+    "drive-z",
+    "following-x",
+    "following-y",
+    "following-z",
+    "gauge-dead",
+    "coolant-missing",
+    "lubrication-missing",
+    "bus-late N",
+    "bus-silent N",
+    "supply-loss",
+];
+
+/// Why a fault or an input was not taken.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FaultError {
+    /// No fault of this name.
+    #[error("there is no fault '{0}'")]
+    Unknown(String),
+    /// The fault wants an input's id.
+    #[error("'{0}' is not the id of an input")]
+    Input(String),
+    /// The fault wants a number of ticks.
+    #[error("'{0}' is not a number of ticks from 1 to {BUS_TICKS_LIMIT}")]
+    Ticks(String),
+    /// Something stands behind a fault that takes nothing.
+    #[error("'{0}' takes nothing more, not '{1}'")]
+    TooMuch(&'static str, String),
+}
+
+/// A fault as it was named.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Fault {
+    StuckOn(Input),
+    StuckOff(Input),
+    Bounce(Input),
+    PressureLoss,
+    Drive(Axis),
+    Following(Axis),
+    GaugeDead,
+    CoolantMissing,
+    LubricationMissing,
+    BusLate(u32),
+    BusSilent(u32),
+    SupplyLoss,
+}
+
+/// The names of all faults.
+pub(super) const fn names() -> &'static [&'static str] {
+    NAMES
+}
+
+impl Fault {
+    /// Reads a fault's name, in either case. `ticks_optional` lets the number be left out, for the end of a fault.
+    pub(super) fn parse(text: &str, ticks_optional: bool) -> Result<Self, FaultError> {
+        let lower = text.trim().to_ascii_lowercase();
+        let (word, rest) = lower.split_once(char::is_whitespace).map_or((lower.as_str(), ""), |(w, r)| (w, r.trim()));
+        let input = || Input::from_id(rest).ok_or_else(|| FaultError::Input(rest.to_owned()));
+        let ticks = || match rest.parse::<u32>() {
+            Ok(n) if (1..=BUS_TICKS_LIMIT).contains(&n) => Ok(n),
+            _ if rest.is_empty() && ticks_optional => Ok(1),
+            _ => Err(FaultError::Ticks(rest.to_owned())),
+        };
+        let alone = |name: &'static str, fault: Self| {
+            if rest.is_empty() { Ok(fault) } else { Err(FaultError::TooMuch(name, rest.to_owned())) }
+        };
+        match word {
+            "stuck-on" => input().map(Self::StuckOn),
+            "stuck-off" => input().map(Self::StuckOff),
+            "bounce" => input().map(Self::Bounce),
+            "bus-late" => ticks().map(Self::BusLate),
+            "bus-silent" => ticks().map(Self::BusSilent),
+            "pressure-loss" => alone("pressure-loss", Self::PressureLoss),
+            "gauge-dead" => alone("gauge-dead", Self::GaugeDead),
+            "coolant-missing" => alone("coolant-missing", Self::CoolantMissing),
+            "lubrication-missing" => alone("lubrication-missing", Self::LubricationMissing),
+            "supply-loss" => alone("supply-loss", Self::SupplyLoss),
+            "drive-x" => alone("drive-x", Self::Drive(Axis::X)),
+            "drive-y" => alone("drive-y", Self::Drive(Axis::Y)),
+            "drive-z" => alone("drive-z", Self::Drive(Axis::Z)),
+            "following-x" => alone("following-x", Self::Following(Axis::X)),
+            "following-y" => alone("following-y", Self::Following(Axis::Y)),
+            "following-z" => alone("following-z", Self::Following(Axis::Z)),
+            _ => Err(FaultError::Unknown(word.to_owned())),
+        }
+    }
+}
+
+/// The faults that are present, but for those of switches, which are the wiring's.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Ailing {
+    pub pressure_loss: bool,
+    pub drive: PerAxis<bool>,
+    pub following: PerAxis<bool>,
+    /// Gauges come with P7; until then nothing reads it.
+    pub gauge_dead: bool,
+    pub coolant_missing: bool,
+    pub lubrication_missing: bool,
+    pub supply_loss: bool,
+    /// Ticks for which the bus still answers a tick late.
+    pub late_ticks: u32,
+    /// The lateness began in an earlier tick.
+    pub late_before: bool,
+    /// Ticks for which the bus is still silent.
+    pub silent_ticks: u32,
+}
+
+/// What a story's `input` statement names: an id or a port.
+pub(super) enum InputName {
+    Input(Input),
+    Port(u8),
+}
+
+impl InputName {
+    /// Reads `hydraulic-pressure` or `12`.
+    pub(super) fn parse(text: &str) -> Result<Self, FaultError> {
+        let text = text.trim();
+        if let Some(input) = Input::from_id(&text.to_ascii_lowercase()) {
+            return Ok(Self::Input(input));
+        }
+        match text.parse::<u8>() {
+            Ok(port) if (1..=PORTS).contains(&port) => Ok(Self::Port(port)),
+            Ok(_) | Err(_) => Err(FaultError::Input(text.to_owned())),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn p8_every_name_listed_can_be_said() {
+        for name in names() {
+            let text = name.replace("NAME", "home-x").replace(" N", " 3");
+            assert!(Fault::parse(&text, false).is_ok(), "{text}");
+        }
+        assert_eq!(Fault::parse("Drive-X", false), Ok(Fault::Drive(Axis::X)));
+    }
+
+    #[test]
+    fn p8_a_wrong_fault_says_what_is_wrong() {
+        let said = |text| Fault::parse(text, false).unwrap_err().to_string();
+        assert_eq!(said("earthquake"), "there is no fault 'earthquake'");
+        assert_eq!(said("stuck-on wheel"), "'wheel' is not the id of an input");
+        assert_eq!(said("bus-late"), "'' is not a number of ticks from 1 to 1000000");
+        assert_eq!(said("supply-loss now"), "'supply-loss' takes nothing more, not 'now'");
+        assert_eq!(Fault::parse("bus-late", true), Ok(Fault::BusLate(1)));
+    }
+}

@@ -1,0 +1,251 @@
+//! Pump and pressure switch, and all that goes from one end to the other in its own time: tailstock, gauge arms,
+//! oscillation cylinder, coolant flow, gears (P3).
+
+use super::contact::Contact;
+use super::machine_file::HydraulicsFile;
+use super::random::SplitMix64;
+
+/// A cylinder or arm between two ends, with a switch at each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Travel {
+    /// 0 at the back end, 1 at the front end.
+    place: f64,
+    rate_per_s: f64,
+    front: Contact,
+    back: Contact,
+    /// What the switches show: front, back.
+    shown: (bool, bool),
+}
+
+/// Which way a cylinder is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Push {
+    Forward,
+    Backward,
+    Not,
+}
+
+impl Travel {
+    fn new(whole_s: f64) -> Self {
+        Self {
+            place: 0.0,
+            rate_per_s: whole_s.recip(),
+            front: Contact::at(false),
+            back: Contact::at(true),
+            shown: (false, true),
+        }
+    }
+
+    fn place_at(&mut self, front: bool) {
+        self.place = if front { 1.0 } else { 0.0 };
+        self.front = Contact::at(front);
+        self.back = Contact::at(!front);
+        self.shown = (front, !front);
+    }
+
+    fn step(&mut self, push: Push, tick: Tick, chance: &mut SplitMix64) {
+        match push {
+            Push::Forward => self.place = (self.place + self.rate_per_s * tick.dt_s).min(1.0),
+            Push::Backward => self.place = (self.place - self.rate_per_s * tick.dt_s).max(0.0),
+            Push::Not => {}
+        }
+        self.shown = (
+            self.front.step(self.place >= 1.0, tick.dt_s, tick.bounce_s, chance),
+            self.back.step(self.place <= 0.0, tick.dt_s, tick.bounce_s, chance),
+        );
+    }
+
+    /// What the front switch shows.
+    pub(super) const fn front(&self) -> bool {
+        self.shown.0
+    }
+
+    /// What the back switch shows.
+    pub(super) const fn back(&self) -> bool {
+        self.shown.1
+    }
+
+    /// 0 at the back end, 1 at the front end.
+    pub(super) const fn place(&self) -> f64 {
+        self.place
+    }
+}
+
+/// The length of a tick and of a bounce.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tick {
+    pub dt_s: f64,
+    pub bounce_s: f64,
+}
+
+/// What the control switches here.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Valves {
+    pub pump: bool,
+    pub tailstock: bool,
+    pub radial_gauge: bool,
+    pub axial_gauge: bool,
+    pub oscillation_forward: bool,
+    pub oscillation_backward: bool,
+    pub coolant: bool,
+    pub gears: [bool; 4],
+}
+
+/// Pump, pressure and cylinders.
+#[derive(Clone, Debug)]
+pub(super) struct Hydraulics {
+    file: HydraulicsFile,
+    pressure_mpa: f64,
+    switch: bool,
+    decay: (f64, f64),
+    pub(super) tailstock: Travel,
+    pub(super) radial_arm: Travel,
+    pub(super) axial_arm: Travel,
+    pub(super) oscillation: Travel,
+    coolant_left_s: f64,
+    gear_left_s: [f64; 4],
+}
+
+impl Hydraulics {
+    /// Everything at rest: no pressure, tailstock and arms back.
+    pub(super) fn new(file: HydraulicsFile) -> Self {
+        Self {
+            pressure_mpa: 0.0,
+            switch: false,
+            decay: (0.0, 1.0),
+            tailstock: Travel::new(file.tailstock_s),
+            radial_arm: Travel::new(file.gauge_arm_s),
+            axial_arm: Travel::new(file.gauge_arm_s),
+            oscillation: Travel::new(file.oscillation_mm / file.oscillation_mm_s),
+            coolant_left_s: file.coolant_s,
+            gear_left_s: [file.gear_s; 4],
+            file,
+        }
+    }
+
+    /// Pump running at full pressure, tailstock where asked.
+    pub(super) fn make_ready(&mut self, tailstock_advanced: bool) {
+        self.pressure_mpa = self.file.pressure_mpa;
+        self.switch = true;
+        self.tailstock.place_at(tailstock_advanced);
+    }
+
+    /// Puts the tailstock at an end.
+    pub(super) fn place_tailstock(&mut self, advanced: bool) {
+        self.tailstock.place_at(advanced);
+    }
+
+    /// Moves everything through one tick; `leak` is the fault of lost pressure.
+    pub(super) fn step(&mut self, valves: &Valves, leak: bool, tick: Tick, chance: &mut SplitMix64) {
+        if tick.dt_s.total_cmp(&self.decay.0).is_ne() {
+            self.decay = (tick.dt_s, (-tick.dt_s / self.file.time_constant_s).exp());
+        }
+        let target = if valves.pump && !leak { self.file.pressure_mpa } else { 0.0 };
+        self.pressure_mpa = target + (self.pressure_mpa - target) * self.decay.1;
+        let edge = if self.switch { self.file.switch_off_mpa } else { self.file.switch_on_mpa };
+        self.switch = self.pressure_mpa >= edge;
+        let moves = self.pressure_mpa >= self.file.moves_from_mpa;
+        let two_way = |front: bool| if front { Push::Forward } else { Push::Backward };
+        self.tailstock.step(if moves { two_way(valves.tailstock) } else { Push::Not }, tick, chance);
+        self.radial_arm.step(two_way(valves.radial_gauge), tick, chance);
+        self.axial_arm.step(two_way(valves.axial_gauge), tick, chance);
+        let oscillation = match (valves.oscillation_forward, valves.oscillation_backward) {
+            (true, false) => Push::Forward,
+            (false, true) => Push::Backward,
+            (true, true) | (false, false) => Push::Not,
+        };
+        self.oscillation.step(oscillation, tick, chance);
+        count_down(&mut self.coolant_left_s, valves.coolant, self.file.coolant_s, tick.dt_s);
+        for (left, on) in self.gear_left_s.iter_mut().zip(valves.gears) {
+            count_down(left, on, self.file.gear_s, tick.dt_s);
+        }
+    }
+
+    /// Pressure now, MPa.
+    pub(super) const fn pressure_mpa(&self) -> f64 {
+        self.pressure_mpa
+    }
+
+    /// The pressure switch.
+    pub(super) const fn pressure_switch(&self) -> bool {
+        self.switch
+    }
+
+    /// Coolant flows.
+    pub(super) fn coolant_flows(&self) -> bool {
+        self.coolant_left_s <= 0.0
+    }
+
+    /// A gear, 0 to 3, is in.
+    pub(super) fn gear_in(&self, gear: usize) -> bool {
+        self.gear_left_s[gear] <= 0.0
+    }
+
+    /// How far the tailstock is drawn back from its advanced place, mm.
+    pub(super) fn tailstock_back_mm(&self) -> f64 {
+        (1.0 - self.tailstock.place()) * self.file.tailstock_mm
+    }
+}
+
+/// Time still wanted: runs down while on, starts anew when off.
+fn count_down(left_s: &mut f64, on: bool, whole_s: f64, dt_s: f64) {
+    *left_s = if on { (*left_s - dt_s).max(0.0) } else { whole_s };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+    use crate::io::sim::MachineFile;
+
+    const TICK: Tick = Tick { dt_s: 0.001, bounce_s: 0.005 };
+
+    fn run(hydraulics: &mut Hydraulics, valves: Valves, leak: bool, ticks: u32) {
+        let mut chance = SplitMix64::new(1);
+        (0..ticks).for_each(|_| hydraulics.step(&valves, leak, TICK, &mut chance));
+    }
+
+    fn hydraulics() -> Hydraulics {
+        Hydraulics::new(MachineFile::builtin(Kind::Gc).unwrap().hydraulics)
+    }
+
+    #[test]
+    fn p3_pressure_comes_after_its_time_constant() {
+        let pump = Valves { pump: true, ..Valves::default() };
+        let mut h = hydraulics();
+        // 2.5 of 3.0 MPa: 0.6·ln(3/0.5) = 1.075 s.
+        run(&mut h, pump, false, 1_074);
+        assert!(!h.pressure_switch());
+        run(&mut h, pump, false, 2);
+        assert!(h.pressure_switch());
+        run(&mut h, pump, false, 10_000);
+        // Down to 2.2: 0.6·ln(3/2.2) = 0.186 s.
+        run(&mut h, pump, true, 185);
+        assert!(h.pressure_switch());
+        run(&mut h, pump, true, 3);
+        assert!(!h.pressure_switch());
+    }
+
+    #[test]
+    fn p3_the_tailstock_takes_a_second_and_needs_pressure() {
+        let wish = Valves { tailstock: true, ..Valves::default() };
+        let mut h = hydraulics();
+        run(&mut h, wish, false, 3_000);
+        assert!(h.tailstock.back() && !h.tailstock.front(), "no pressure, no movement");
+        h.make_ready(false);
+        let wish = Valves { pump: true, ..wish };
+        run(&mut h, wish, false, 998);
+        assert!(!h.tailstock.front() && !h.tailstock.back());
+        run(&mut h, wish, false, 10);
+        assert!(h.tailstock.front() && h.tailstock_back_mm() <= 0.0);
+    }
+
+    #[test]
+    fn p3_the_oscillation_cylinder_runs_at_two_tenths_of_a_metre_a_second() {
+        let mut h = hydraulics();
+        run(&mut h, Valves { oscillation_forward: true, ..Valves::default() }, false, 490);
+        assert!(!h.oscillation.front());
+        run(&mut h, Valves { oscillation_forward: true, ..Valves::default() }, false, 20);
+        assert!(h.oscillation.front() && !h.oscillation.back());
+    }
+}

@@ -1,0 +1,63 @@
+//! What the control sees of the machine in a tick: every switch by its function, then the terminals (P1, P3, P8).
+
+use super::super::InputImage;
+use super::SimulatedMachine;
+use super::axis::{SimAxis, Switches};
+use crate::defs::signal::{Input, InputSet, Terminals};
+use crate::units::{Axis, Micros, PerAxis};
+
+/// The inputs of an axis: home, limit plus, limit minus, drive.
+const AXIS_INPUTS: PerAxis<[Input; 4]> = PerAxis([
+    [Input::HomeX, Input::LimitXPlus, Input::LimitXMinus, Input::DriveX],
+    [Input::HomeY, Input::LimitYPlus, Input::LimitYMinus, Input::DriveY],
+    [Input::HomeZ, Input::LimitZPlus, Input::LimitZMinus, Input::DriveZ],
+]);
+
+/// The gears' inputs.
+const GEARS: [Input; 4] = [Input::Gear1In, Input::Gear2In, Input::Gear3In, Input::Gear4In];
+
+impl SimulatedMachine {
+    /// The image of this tick, but for the handwheel.
+    pub(super) fn show(&mut self, dt: Micros) -> InputImage {
+        let logical = self.logical_inputs(dt.as_secs_f64());
+        let mut terminals = self.wiring.terminals(logical, &mut self.chance);
+        if self.ailing.supply_loss {
+            terminals = Terminals::default();
+        }
+        InputImage {
+            terminals,
+            encoder_mm: PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::encoder_mm)),
+            handwheel_detents: 0,
+            bus_alive: true,
+        }
+    }
+
+    fn logical_inputs(&mut self, dt_s: f64) -> InputSet {
+        let mut set = InputSet::NONE;
+        for axis in Axis::ALL {
+            let Some(sim) = &mut self.axes[axis] else { continue };
+            let Switches { home, limit_plus, limit_minus } = sim.switches(dt_s, self.file.bounce_s, &mut self.chance);
+            let fault = self.tripped || self.ailing.drive[axis];
+            for (input, on) in AXIS_INPUTS[axis].into_iter().zip([home, limit_plus, limit_minus, fault]) {
+                set.set(input, on);
+            }
+        }
+        let h = &self.hydraulics;
+        set.set(Input::HydraulicPressure, h.pressure_switch());
+        set.set(Input::TailstockAdvanced, h.tailstock.front());
+        set.set(Input::TailstockRetracted, h.tailstock.back());
+        set.set(Input::RadialArmOut, h.radial_arm.front());
+        set.set(Input::RadialArmIn, h.radial_arm.back());
+        set.set(Input::AxialArmOut, h.axial_arm.front());
+        set.set(Input::AxialArmIn, h.axial_arm.back());
+        set.set(Input::OscillationForwardEnd, h.oscillation.front());
+        set.set(Input::OscillationBackwardEnd, h.oscillation.back());
+        set.set(Input::CoolantFlow, h.coolant_flows() && !self.ailing.coolant_missing);
+        set.set(Input::LubricationLevel, !self.ailing.lubrication_missing);
+        set.set(Input::GuardClosed, true);
+        for (gear, input) in GEARS.into_iter().enumerate() {
+            set.set(input, h.gear_in(gear));
+        }
+        set
+    }
+}

@@ -1,0 +1,230 @@
+//! The workpiece and its set-up as data: `assets/parts/O1001.ron` and so on (P4, T3). Text in, structure out.
+//!
+//! Part coordinates are those of the work frame G54 with a new wheel: X as a diameter here (people read diameters),
+//! Z along the part. The wheel's reference point is its front corner towards −Z.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::machine_file::{SimFileError, above_zero};
+
+/// The parts that come with the control.
+const BUILTIN: &[(u32, &str)] =
+    &[(1001, include_str!("../../../assets/parts/O1001.ron")), (1002, include_str!("../../../assets/parts/O1002.ron"))];
+
+/// Most cells of one surface.
+const CELL_LIMIT: f64 = 100_000.0;
+
+/// A part in the machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartFile {
+    /// What it is, for people.
+    pub name: String,
+    /// Machine coordinates of the work zero, to preset in G54; X slide travel (radius).
+    pub g54_mm: Place,
+    /// Where the axes stand at the start of a run, machine coordinates; X slide travel (radius).
+    pub start_mm: Place,
+    /// Tool geometry to preset.
+    #[serde(default)]
+    pub offsets: Vec<OffsetPreset>,
+    /// Macro variables to preset.
+    #[serde(default)]
+    pub variables: BTreeMap<u16, f64>,
+    /// Whether the tailstock holds the part at the start.
+    pub tailstock_advanced: bool,
+    /// Where the tailstock stands when advanced.
+    #[serde(default)]
+    pub tailstock: Option<TailstockFile>,
+    /// Bodies that the wheel must not touch: chuck, fixture.
+    #[serde(default)]
+    pub bodies: Vec<BodyFile>,
+    /// What is ground.
+    pub surfaces: Vec<SurfaceFile>,
+}
+
+/// A place in the machine, mm of slide travel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Place {
+    /// X, radius.
+    pub x: f64,
+    /// Y, for machines that have it.
+    #[serde(default)]
+    pub y: f64,
+    /// Z.
+    pub z: f64,
+}
+
+/// One tool offset to preset.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OffsetPreset {
+    /// Offset number, 1–16.
+    pub number: u8,
+    /// Geometry X, diameter.
+    pub x: f64,
+    /// Geometry Z. Minus the wheel's width programs the wheel's right corner.
+    pub z: f64,
+}
+
+/// The tailstock's body: a cylinder from its point towards +Z, part coordinates when advanced.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TailstockFile {
+    /// Where its body begins when advanced.
+    pub z: f64,
+    /// Its length.
+    pub length: f64,
+    /// Its diameter.
+    pub diameter: f64,
+}
+
+/// A body that the wheel must not touch: a cylinder, part coordinates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BodyFile {
+    /// What it is.
+    pub what: Body,
+    /// From Z.
+    pub z_from: f64,
+    /// To Z.
+    pub z_to: f64,
+    /// Diameter.
+    pub diameter: f64,
+}
+
+/// What stands in the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Body {
+    /// The chuck.
+    Chuck,
+    /// A fixture or the part's own unground body.
+    Fixture,
+}
+
+/// Which way a face looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Looks {
+    /// To +Z: touched by the wheel's left (−Z) side.
+    PlusZ,
+    /// To −Z: touched by the wheel's right (+Z) side.
+    MinusZ,
+}
+
+/// One surface of the part before grinding.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum SurfaceFile {
+    /// An outer diameter r(z) of a part that turns.
+    Diameter {
+        /// From Z.
+        z_from: f64,
+        /// To Z.
+        z_to: f64,
+        /// Stock diameter, mean.
+        stock: f64,
+        /// Cell size along Z.
+        cell: f64,
+        /// Runout, peak to valley of the radius over one turn.
+        #[serde(default)]
+        runout: f64,
+        /// Waviness along Z, amplitude of the radius.
+        #[serde(default)]
+        waviness: f64,
+    },
+    /// A face z(x).
+    Face {
+        /// Which way it looks.
+        looks: Looks,
+        /// From diameter (the smaller).
+        x_from: f64,
+        /// To diameter.
+        x_to: f64,
+        /// Stock face at Z, mean.
+        stock: f64,
+        /// Cell size along the radius.
+        cell: f64,
+        /// Size across the wheel's way, of a face that does not turn; volume and load follow from it.
+        width: f64,
+        /// How thick the material behind the face is.
+        thickness: f64,
+        /// The face belongs to a part that must turn to be ground.
+        #[serde(default)]
+        turns: bool,
+        /// Waviness along X, amplitude.
+        #[serde(default)]
+        waviness: f64,
+    },
+}
+
+impl PartFile {
+    /// The part that comes with a program.
+    ///
+    /// # Errors
+    /// The file built in is wrong, which a test excludes.
+    pub fn builtin(program: u32) -> Result<Option<Self>, SimFileError> {
+        BUILTIN.iter().find(|(number, _)| *number == program).map(|(_, text)| Self::parse(text)).transpose()
+    }
+
+    /// Reads a part file.
+    ///
+    /// # Errors
+    /// The form with line and column, or the first value that makes no sense.
+    pub fn parse(text: &str) -> Result<Self, SimFileError> {
+        let file: Self = ron::from_str(text)?;
+        for (i, surface) in file.surfaces.iter().enumerate() {
+            surface.check(i + 1)?;
+        }
+        if let Some(offset) = file.offsets.iter().find(|offset| !(1..=16).contains(&offset.number)) {
+            let (field, value) = ("offsets.number".to_owned(), f64::from(offset.number));
+            return Err(SimFileError::Value { field, value, rule: "takes 1 to 16" });
+        }
+        Ok(file)
+    }
+}
+
+impl SurfaceFile {
+    fn check(&self, number: usize) -> Result<(), SimFileError> {
+        let (from, to, cell, stock, scale) = match *self {
+            Self::Diameter { z_from, z_to, cell, stock, .. } => (z_from, z_to, cell, stock, 1.0),
+            Self::Face { x_from, x_to, cell, stock, .. } => (x_from, x_to, cell, stock, 0.5),
+        };
+        let name = |field: &str| format!("surface {number}: {field}");
+        above_zero(&name("cell"), cell)?;
+        if !stock.is_finite() {
+            return Err(SimFileError::Value { field: name("stock"), value: stock, rule: "must be a number" });
+        }
+        let cells = (to - from) * scale / cell;
+        if !(1.0..=CELL_LIMIT).contains(&cells) {
+            let rule = "there must be 1 to 100000 cells from the one end to the other";
+            return Err(SimFileError::Value { field: name("cells"), value: cells, rule });
+        }
+        if let Self::Face { width, thickness, .. } = *self {
+            above_zero(&name("width"), width)?;
+            above_zero(&name("thickness"), thickness)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn p4_the_parts_built_in_can_be_read() {
+        for (program, _) in BUILTIN {
+            let part = PartFile::builtin(*program).unwrap().unwrap();
+            assert!(!part.surfaces.is_empty(), "O{program}");
+        }
+        assert_eq!(PartFile::builtin(1020), Ok(None));
+    }
+
+    #[test]
+    fn p4_a_part_without_length_is_refused_with_its_surface() {
+        let part = BUILTIN[1].1.replacen("z_to: 48.0", "z_to: 30.0", 1);
+        let said = PartFile::parse(&part).unwrap_err().to_string();
+        assert!(said.starts_with("surface 1: cells is 0"), "{said}");
+    }
+}

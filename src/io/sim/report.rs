@@ -1,0 +1,118 @@
+//! What the simulated machine tells afterwards: events and the measured part (P5, P8, tools.md run report).
+
+use serde::Serialize;
+
+/// Most events kept; the rest is only counted.
+const EVENT_LIMIT: usize = 256;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EventKind {
+    /// Something hit something at speed; the machine has stopped.
+    Crash,
+    /// Too much removed at once: the part is burnt there.
+    Burn,
+    /// The wheel cut into a part that did not turn: there is a flat on it.
+    Flat,
+}
+
+impl EventKind {
+    /// The word of stories.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Crash => "crash",
+            Self::Burn => "burn",
+            Self::Flat => "flat",
+        }
+    }
+}
+
+/// One thing that happened.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Event {
+    /// What.
+    pub kind: EventKind,
+    /// When, seconds of simulated time.
+    pub seconds: f64,
+    /// On what.
+    pub place: &'static str,
+    /// Wheel's reference point at that moment, part coordinates, diameter.
+    pub x: f64,
+    /// The same, Z.
+    pub z: f64,
+    /// Speed of the axes together, mm/min.
+    pub speed: f64,
+}
+
+/// The course of events, of bounded length.
+#[derive(Clone, Debug)]
+pub(super) struct EventLog {
+    events: Vec<Event>,
+    lost: u64,
+}
+
+impl EventLog {
+    /// An empty log with its room.
+    pub(super) fn new() -> Self {
+        Self { events: Vec::with_capacity(EVENT_LIMIT), lost: 0 }
+    }
+
+    /// Notes an event; beyond the limit it is only counted.
+    pub(super) fn push(&mut self, event: Event) {
+        if self.events.len() < EVENT_LIMIT {
+            self.events.push(event);
+        } else {
+            self.lost += 1;
+        }
+    }
+
+    pub(super) fn all(&self) -> &[Event] {
+        &self.events
+    }
+
+    pub(super) const fn lost(&self) -> u64 {
+        self.lost
+    }
+}
+
+/// A measured diameter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DiameterAt {
+    /// Where, Z.
+    pub z: f64,
+    /// Diameter.
+    pub d: f64,
+}
+
+/// A measured face.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct FaceAt {
+    /// Where, diameter.
+    pub x: f64,
+    /// Z of the face.
+    pub z: f64,
+}
+
+/// A measured height of a plane (GS, GA).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeightAt {
+    /// Where, X.
+    pub x: f64,
+    /// Where, Z.
+    pub z: f64,
+    /// Height.
+    pub y: f64,
+}
+
+/// The measured workpiece, part coordinates, mm.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct PartReport {
+    /// Diameters, five to a surface.
+    pub diameters: Vec<DiameterAt>,
+    /// Faces, three places to a face.
+    pub faces: Vec<FaceAt>,
+    /// Heights of planes; none on GC.
+    pub heights: Vec<HeightAt>,
+}

@@ -1,0 +1,190 @@
+//! The wheel's shape: a rectangle in the XZ plane whose rim is kept slice by slice along its width, and whose two
+//! sides wear back (P2, P6).
+//!
+//! Wear: a removed volume V costs the wheel V/G. On a slice of width b at diameter D the rim goes back by
+//! V/(G·π·D·b), on a side engaged to the depth e by V/(G·π·D·e).
+//! Dullness: 0 sharp to 1 dull, rising with V over `dull_after_mm3`; the time constant of the contact goes from
+//! `sharp_s` to `dull_s` with it. A pass of the diamond sharpens the slices it really cuts.
+
+use std::f64::consts::PI;
+
+use super::machine_file::{CuttingFile, WheelFile};
+
+/// Slices along the width.
+const SLICES: usize = 20;
+/// Least engagement that a side's wear is spread over, mm.
+const LEAST_ENGAGEMENT_MM: f64 = 1.0;
+
+/// Part of the wheel that touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// The side towards −Z.
+    Left,
+    /// The side towards +Z.
+    Right,
+}
+
+/// The wheel.
+#[derive(Clone, Debug)]
+pub(super) struct Wheel {
+    radius_mm: f64,
+    width_mm: f64,
+    slice_mm: f64,
+    slices_per_mm: f64,
+    grinding_ratio: f64,
+    /// How far each slice of the rim has gone back, from −Z to +Z.
+    rim_mm: [f64; SLICES],
+    side_mm: [f64; 2],
+    rim_dull: f64,
+    side_dull: [f64; 2],
+    sharp_s: f64,
+    dull_s: f64,
+    dull_after_mm3: f64,
+}
+
+impl Wheel {
+    /// A new, sharp wheel.
+    pub(super) fn new(file: &WheelFile, cutting: &CuttingFile) -> Self {
+        let slice_mm = file.width_mm / SLICES as f64;
+        Self {
+            radius_mm: file.diameter_mm / 2.0,
+            width_mm: file.width_mm,
+            slice_mm,
+            slices_per_mm: slice_mm.recip(),
+            grinding_ratio: file.grinding_ratio,
+            rim_mm: [0.0; SLICES],
+            side_mm: [0.0; 2],
+            rim_dull: 0.0,
+            side_dull: [0.0; 2],
+            sharp_s: cutting.sharp_s,
+            dull_s: cutting.dull_s,
+            dull_after_mm3: cutting.dull_after_mm3,
+        }
+    }
+
+    /// Width when new, mm.
+    pub(super) const fn width_mm(&self) -> f64 {
+        self.width_mm
+    }
+
+    /// Mean diameter, mm.
+    pub(super) fn diameter_mm(&self) -> f64 {
+        2.0 * (self.radius_mm - self.rim_mm.iter().sum::<f64>() / SLICES as f64)
+    }
+
+    /// Slice of the rim at a distance from the left side, if the wheel is there.
+    pub(super) fn slice_at(&self, from_left_mm: f64) -> Option<usize> {
+        let slice = from_left_mm * self.slices_per_mm;
+        (slice >= 0.0 && slice < SLICES as f64).then_some(slice as usize)
+    }
+
+    /// How far the rim has gone back in a slice, mm.
+    pub(super) fn rim_mm(&self, slice: usize) -> f64 {
+        self.rim_mm[slice]
+    }
+
+    /// How far the rim has gone back at the corner beside a side, mm.
+    pub(super) fn corner_mm(&self, side: Side) -> f64 {
+        match side {
+            Side::Left => self.rim_mm[0],
+            Side::Right => self.rim_mm[SLICES - 1],
+        }
+    }
+
+    /// How far a side has gone back, mm.
+    pub(super) const fn side_mm(&self, side: Side) -> f64 {
+        self.side_mm[side as usize]
+    }
+
+    /// Time constant of the rim, s.
+    pub(super) fn rim_s(&self) -> f64 {
+        self.sharp_s + (self.dull_s - self.sharp_s) * self.rim_dull
+    }
+
+    /// Time constant of a side, s.
+    pub(super) fn side_s(&self, side: Side) -> f64 {
+        self.sharp_s + (self.dull_s - self.sharp_s) * self.side_dull[side as usize]
+    }
+
+    /// How dull the rim is, 0 to 1.
+    pub(super) const fn rim_dull(&self) -> f64 {
+        self.rim_dull
+    }
+
+    /// How much longer everything takes than with a sharp wheel, for a time constant.
+    pub(super) fn slower(&self, time_constant_s: f64) -> f64 {
+        time_constant_s / self.sharp_s
+    }
+
+    /// A slice of the rim has removed a volume.
+    pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64) {
+        let ring = self.grinding_ratio * 2.0 * PI * self.radius_mm * self.slice_mm;
+        self.rim_mm[slice] += volume_mm3 / ring;
+        self.rim_dull = (self.rim_dull + volume_mm3 / self.dull_after_mm3).min(1.0);
+    }
+
+    /// A side, engaged to a depth along X, has removed a volume.
+    pub(super) fn wear_side(&mut self, side: Side, engaged_mm: f64, volume_mm3: f64) {
+        let ring = self.grinding_ratio * 2.0 * PI * self.radius_mm * engaged_mm.max(LEAST_ENGAGEMENT_MM);
+        self.side_mm[side as usize] += volume_mm3 / ring;
+        let dull = &mut self.side_dull[side as usize];
+        *dull = (*dull + volume_mm3 / self.dull_after_mm3).min(1.0);
+    }
+
+    /// The diamond cuts a slice back by a depth; a real cut sharpens its share of the rim, at an edge also the side.
+    pub(super) fn dress(&mut self, slice: usize, depth_mm: f64, sharpens: bool) {
+        self.rim_mm[slice] += depth_mm;
+        if !sharpens {
+            return;
+        }
+        self.rim_dull = (self.rim_dull - 1.0 / SLICES as f64).max(0.0);
+        if slice == 0 {
+            self.side_dull[Side::Left as usize] = 0.0;
+        } else if slice == SLICES - 1 {
+            self.side_dull[Side::Right as usize] = 0.0;
+        }
+    }
+
+    /// Makes the wheel as dull as asked, 0 to 1, everywhere.
+    pub(super) fn set_dull(&mut self, dull: f64) {
+        let dull = dull.clamp(0.0, 1.0);
+        self.rim_dull = dull;
+        self.side_dull = [dull; 2];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+    use crate::io::sim::MachineFile;
+
+    fn wheel() -> Wheel {
+        let file = MachineFile::builtin(Kind::Gc).unwrap();
+        Wheel::new(&file.wheel, &file.cutting)
+    }
+
+    #[test]
+    fn p2_wear_is_the_removed_volume_over_the_grinding_ratio() {
+        let mut wheel = wheel();
+        for slice in 0..SLICES {
+            wheel.wear_rim(slice, 1_508.0 / SLICES as f64);
+        }
+        // 1508/(40·π·600·20) = 0.0010 mm of radius.
+        assert!((600.0 - wheel.diameter_mm() - 0.002).abs() < 1e-6, "{}", wheel.diameter_mm());
+    }
+
+    #[test]
+    fn p6_a_dull_wheel_is_slower_and_the_diamond_sharpens_where_it_cuts() {
+        let mut wheel = wheel();
+        wheel.set_dull(1.0);
+        assert!((wheel.rim_s() - 2.0).abs() < 1e-12);
+        for slice in 0..SLICES / 2 {
+            wheel.dress(slice, 0.02, true);
+        }
+        assert!((wheel.rim_s() - 1.4).abs() < 1e-9, "half the rim is sharp");
+        wheel.dress(SLICES - 1, 0.001, false);
+        assert!((wheel.side_s(Side::Right) - 2.0).abs() < 1e-12, "a touch does not sharpen");
+        assert!((wheel.side_s(Side::Left) - 0.8).abs() < 1e-12);
+    }
+}

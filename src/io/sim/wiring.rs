@@ -1,0 +1,181 @@
+//! Which function hangs on which terminal, as the parameters said when the power came (P1, K6.1), and what is forced
+//! or broken on the way (P8): stuck and bouncing switches, inputs forced by a story.
+//!
+//! Level of an input terminal = logical state XOR inverted; several functions on one port act together (or).
+
+use crate::defs::param::Params;
+use crate::defs::signal::{Input, InputSet, Output, OutputSet, PORTS, Terminals};
+
+use super::random::SplitMix64;
+
+/// A force or fault on one input.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Meddled {
+    /// By a story's `input` statement; it goes before the fault.
+    forced: Option<bool>,
+    /// By `stuck-on`, `stuck-off`.
+    stuck: Option<bool>,
+    /// By `bounce`.
+    bounces: bool,
+}
+
+/// The wires of the machine.
+#[derive(Clone, Debug)]
+pub(super) struct Wiring {
+    inputs: Vec<(Input, u8)>,
+    outputs: Vec<(Output, u8)>,
+    inverted: u64,
+    meddled: [Meddled; Input::COUNT],
+    any_meddled: bool,
+    any_bounces: bool,
+    /// Ports forced by number: which, and their levels.
+    port_mask: u64,
+    port_level: u64,
+    /// Last logical state and the terminals it gave.
+    last: Option<(InputSet, Terminals)>,
+    last_out: (Terminals, OutputSet),
+}
+
+impl Wiring {
+    /// The wires as the parameters say.
+    pub(super) fn new(params: &Params) -> Self {
+        let inputs = Input::ALL.iter().map(|input| (*input, params.input_port(*input)));
+        let outputs = Output::ALL.iter().map(|output| (*output, params.output_port(*output)));
+        Self {
+            inputs: inputs.filter(|(_, port)| *port != 0).collect(),
+            outputs: outputs.filter(|(_, port)| *port != 0).collect(),
+            inverted: params.inverted_inputs(),
+            meddled: [Meddled::default(); Input::COUNT],
+            any_meddled: false,
+            any_bounces: false,
+            port_mask: 0,
+            port_level: 0,
+            last: None,
+            last_out: (Terminals::default(), OutputSet::NONE),
+        }
+    }
+
+    /// The terminals that a logical state gives.
+    pub(super) fn terminals(&mut self, logical: InputSet, chance: &mut SplitMix64) -> Terminals {
+        if let Some((before, terminals)) = self.last
+            && before == logical
+            && !self.any_bounces
+        {
+            return terminals;
+        }
+        let shown = if self.any_meddled { self.meddle(logical, chance) } else { logical };
+        let mut active = Terminals::default();
+        for (input, port) in &self.inputs {
+            if shown.has(*input) {
+                active.set(*port, true);
+            }
+        }
+        let level = active.0 ^ self.inverted;
+        let terminals = Terminals((level & !self.port_mask) | (self.port_level & self.port_mask));
+        self.last = Some((logical, terminals));
+        terminals
+    }
+
+    fn meddle(&self, logical: InputSet, chance: &mut SplitMix64) -> InputSet {
+        let mut shown = logical;
+        for input in Input::ALL {
+            let m = self.meddled[*input as usize];
+            if m.bounces {
+                shown.set(*input, chance.coin());
+            }
+            if let Some(on) = m.forced.or(m.stuck) {
+                shown.set(*input, on);
+            }
+        }
+        shown
+    }
+
+    /// The outputs that terminals switch on.
+    pub(super) fn outputs(&mut self, terminals: Terminals) -> OutputSet {
+        if self.last_out.0 != terminals {
+            let mut set = OutputSet::NONE;
+            for (output, port) in &self.outputs {
+                set.set(*output, terminals.level(*port));
+            }
+            self.last_out = (terminals, set);
+        }
+        self.last_out.1
+    }
+
+    fn change(&mut self, input: Input, change: impl FnOnce(&mut Meddled)) {
+        change(&mut self.meddled[input as usize]);
+        self.any_bounces = self.meddled.iter().any(|m| m.bounces);
+        self.any_meddled = self.meddled.iter().any(|m| *m != Meddled::default());
+        self.last = None;
+    }
+
+    /// Forces an input, or lets it go.
+    pub(super) fn force(&mut self, input: Input, on: Option<bool>) {
+        self.change(input, |m| m.forced = on);
+    }
+
+    /// Forces a port, `on` meaning logically active, or lets it go.
+    pub(super) fn force_port(&mut self, port: u8, on: Option<bool>) {
+        debug_assert!((1..=PORTS).contains(&port), "port {port}");
+        let bit = 1_u64 << (port - 1);
+        self.port_mask = if on.is_some() { self.port_mask | bit } else { self.port_mask & !bit };
+        let level = on.unwrap_or(false) != (self.inverted & bit != 0);
+        self.port_level = if level { self.port_level | bit } else { self.port_level & !bit };
+        self.last = None;
+    }
+
+    /// A switch sticks, or is free again.
+    pub(super) fn stick(&mut self, input: Input, on: Option<bool>) {
+        self.change(input, |m| m.stuck = on);
+    }
+
+    /// A switch chatters without end, or is sound again.
+    pub(super) fn bounce(&mut self, input: Input, bounces: bool) {
+        self.change(input, |m| m.bounces = bounces);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+
+    fn wired() -> (Wiring, SplitMix64) {
+        (Wiring::new(&Params::factory(Kind::Gc)), SplitMix64::new(1))
+    }
+
+    #[test]
+    fn p1_a_normally_closed_contact_is_high_at_rest() {
+        let (mut wiring, mut chance) = wired();
+        let rest = wiring.terminals(InputSet::NONE, &mut chance);
+        // Port 4 emergency stop, 34 limit X+; port 3 hydraulic pressure is normally open.
+        assert!(rest.level(4) && rest.level(34) && !rest.level(3));
+        let mut active = InputSet::NONE;
+        active.set(Input::LimitXPlus, true);
+        active.set(Input::HydraulicPressure, true);
+        let level = wiring.terminals(active, &mut chance);
+        assert!(!level.level(34) && level.level(3));
+    }
+
+    #[test]
+    fn p8_a_forced_input_is_logical_and_a_port_too() {
+        let (mut wiring, mut chance) = wired();
+        wiring.force(Input::EmergencyStop, Some(true));
+        assert!(!wiring.terminals(InputSet::NONE, &mut chance).level(4));
+        wiring.force(Input::EmergencyStop, None);
+        assert!(wiring.terminals(InputSet::NONE, &mut chance).level(4));
+        wiring.force_port(4, Some(true));
+        assert!(!wiring.terminals(InputSet::NONE, &mut chance).level(4));
+        wiring.force_port(4, None);
+        assert!(wiring.terminals(InputSet::NONE, &mut chance).level(4));
+    }
+
+    #[test]
+    fn p1_outputs_follow_the_parameters() {
+        let (mut wiring, _) = wired();
+        let mut block = Terminals::default();
+        block.set(10, true);
+        let on = wiring.outputs(block);
+        assert!(on.has(Output::Hydraulic) && !on.has(Output::Wheel));
+    }
+}

@@ -1,0 +1,110 @@
+//! What a person, a story or the disk can ask of the core.
+
+use std::sync::Arc;
+
+use crate::defs::key::Key;
+use crate::defs::page::Page;
+use crate::defs::param::ParamAddress;
+use crate::defs::screen::PageText;
+use crate::defs::text::Said;
+use crate::units::{Axis, PerAxis};
+
+/// One request to the core. Everything is answered in the tick that takes it, by doing it or by a message that says
+/// why not.
+#[derive(Clone, Debug)]
+pub enum Command {
+    /// A key goes down. A jog key acts only while [`Command::Hold`] is repeated.
+    Press(Key),
+    /// A key goes up.
+    Release(Key),
+    /// A jog key is still down; sent at least every 50 ms. After `JOG_KEEP_ALIVE` of silence the core lets go.
+    Hold(Key),
+    /// The screen's handwheel was turned by so many detents.
+    Handwheel(i32),
+    /// Another page was opened.
+    OpenPage(Page),
+    /// Make a program of the folder the current one.
+    LoadProgram(u32),
+    /// Execute a line of MDI text.
+    Mdi(String),
+    /// A value typed on the open page for one of its macro variables; `None` empties it.
+    TypeVariable(u16, Option<f64>),
+    /// A value set past the pages (`--set`, `set` in a story, a restored backup).
+    SetVariable(u16, Option<f64>),
+    /// A parameter set at the parameter page.
+    SetParam(ParamAddress, f64),
+    /// The work zero of G54 (0) to G59 (5), machine coordinates, radius mm.
+    SetFrame(usize, PerAxis<f64>),
+    /// Geometry of a tool offset, 1 to 16, radius mm.
+    SetGeometry(usize, PerAxis<f64>),
+    /// Makes the relative position of an axis zero.
+    ClearRelative(Axis),
+    /// The disk has read the folder of page texts and pictures.
+    Screens(Arc<Screens>),
+    /// The disk has stored what it was given, up to and including this generation.
+    Stored(u64),
+    /// The disk could not do what it was asked.
+    DiskFailed(Said),
+    /// The screen is alive; without it the core stops after its keep-alive time.
+    Alive,
+}
+
+/// The grinding pages as the disk found them.
+#[derive(Clone, Debug, Default)]
+pub struct Screens {
+    /// One for each program O1001–O1020 of which a file was found, by program number.
+    pub pages: Vec<(u32, ScreenFiles)>,
+}
+
+impl Screens {
+    /// The files of a program.
+    #[must_use]
+    pub fn find(&self, program: u32) -> Option<&ScreenFiles> {
+        self.pages.iter().find(|(number, _)| *number == program).map(|(_, files)| files)
+    }
+}
+
+/// Page text and picture of one program.
+#[derive(Clone, Debug)]
+pub struct ScreenFiles {
+    /// The page text, or what is wrong with it.
+    pub text: Result<Arc<PageText>, FileFault>,
+    /// The picture, or what is wrong with it.
+    pub picture: Result<Arc<Picture>, FileFault>,
+}
+
+/// A page picture: 200 × 400, 24 bit.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Width in pixels.
+    pub width: usize,
+    /// Height in pixels.
+    pub height: usize,
+    /// Red, green, blue of each pixel, top row first.
+    pub rgb: Vec<u8>,
+}
+
+/// What is wrong with a file of the screens folder: file, line where there is one, cause and remedy.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileFault {
+    /// File name.
+    pub file: String,
+    /// Line and column, from 1, of a text.
+    pub place: Option<(u32, u32)>,
+    /// Cause and remedy.
+    pub said: Said,
+}
+
+impl FileFault {
+    /// The fault with its place, as it is shown.
+    #[must_use]
+    pub fn said(&self) -> Said {
+        match self.place {
+            Some((line, column)) => Said::new(
+                format!("{} 第{line}行 第{column}列：{}", self.file, self.said.zh),
+                format!("{} line {line}, column {column}: {}", self.file, self.said.en),
+            ),
+            None => Said::new(format!("{}：{}", self.file, self.said.zh), format!("{}: {}", self.file, self.said.en)),
+        }
+    }
+}

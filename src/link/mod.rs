@@ -1,0 +1,8 @@
+//! All that the control screen and the core share: commands in, the newest snapshot out.
+//! It never runs back: a page cannot call the core, the core cannot call a page.
+
+pub mod command;
+pub mod snapshot;
+
+pub use command::Command;
+pub use snapshot::Snapshot;

@@ -1,0 +1,257 @@
+//! What the core shows: one value, overwritten in place, of which only the newest counts.
+//! Lengths are as displayed: diameters where diameter mode is on.
+
+use std::sync::Arc;
+
+use super::command::Screens;
+use crate::defs::key::{Key, Mode};
+use crate::defs::kind::Kind;
+use crate::defs::page::Page;
+use crate::defs::signal::{InputSet, OutputSet};
+use crate::defs::text::{Said, Text};
+use crate::units::{Axis, Micros, PerAxis};
+
+/// Macro variables shown: #0 to #999.
+pub const VARIABLES: usize = 1_000;
+
+/// The six words of the state (H7), with the two shades of standing still that stories tell apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum RunState {
+    /// 停止: nothing runs.
+    #[default]
+    Idle,
+    /// 运行: a program or an MDI line runs.
+    Running,
+    /// 暂停: feed hold.
+    Held,
+    /// 暂停: M00, M01 or the end of a single block.
+    Stopped,
+    /// 等待: M80–M89.
+    Waiting,
+    /// 回零: axes are homing.
+    Homing,
+    /// 报警: an alarm has stopped the machine.
+    Alarm,
+}
+
+impl RunState {
+    /// The word of stories.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Running => "running",
+            Self::Held => "held",
+            Self::Stopped => "stopped",
+            Self::Waiting => "waiting",
+            Self::Homing => "homing",
+            Self::Alarm => "alarm",
+        }
+    }
+
+    /// The word of the status line.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Idle => Text::new("停止", "IDLE"),
+            Self::Running => Text::new("运行", "RUN"),
+            Self::Held | Self::Stopped => Text::new("暂停", "HOLD"),
+            Self::Waiting => Text::new("等待", "WAIT"),
+            Self::Homing => Text::new("回零", "HOMING"),
+            Self::Alarm => Text::new("报警", "ALARM"),
+        }
+    }
+}
+
+/// One axis as the position page shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisView {
+    /// Whether the machine has the axis.
+    pub present: bool,
+    /// Work coordinate, from the encoder.
+    pub work: f64,
+    /// Machine coordinate, from the encoder.
+    pub machine: f64,
+    /// Relative coordinate.
+    pub relative: f64,
+    /// Distance to go in the block.
+    pub to_go: f64,
+    /// Homed since power-on.
+    pub homed: bool,
+    /// Moving now.
+    pub moving: bool,
+}
+
+/// The state of one key.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct KeyView {
+    /// Lamp on: the real output or state, never the wish.
+    pub lamp: bool,
+    /// The feedback has not come yet: the lamp blinks.
+    pub working: bool,
+    /// Pressing it now would be refused, and why.
+    pub blocked: Option<Text>,
+}
+
+/// One alarm that is present.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AlarmView {
+    /// Number.
+    pub number: u16,
+    /// What is the matter, with its place.
+    pub text: Said,
+    /// What to do.
+    pub remedy: Said,
+    /// When it came.
+    pub since: Micros,
+}
+
+/// How a message is meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tone {
+    /// Something was done.
+    #[default]
+    Note,
+    /// Something was not done; why.
+    Refused,
+}
+
+/// The message line.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Message {
+    /// The text.
+    pub text: Said,
+    /// How it is meant.
+    pub tone: Tone,
+    /// When it came.
+    pub since: Micros,
+}
+
+/// The program that is current.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ProgramView {
+    /// O number, 0 when there is none.
+    pub number: u32,
+    /// Its text, as the reader sees it.
+    pub text: Arc<str>,
+    /// Program of the running block: a subprogram's number while one runs.
+    pub block_program: u32,
+    /// Line of the running block, from 1; 0 before the first.
+    pub line: u32,
+    /// N number of the running block.
+    pub block: Option<u32>,
+}
+
+/// Everything that a page may show.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// Machine kind.
+    pub kind: Kind,
+    /// Controller time.
+    pub now: Micros,
+    /// Mode.
+    pub mode: Mode,
+    /// State.
+    pub state: RunState,
+    /// Open page.
+    pub page: Page,
+    /// Whether X is shown as a diameter.
+    pub diameter: bool,
+    /// The axes.
+    pub axes: PerAxis<AxisView>,
+    /// The current program.
+    pub program: ProgramView,
+    /// Single block is on.
+    pub single_block: bool,
+    /// Axis chosen for the handwheel.
+    pub handwheel_axis: Axis,
+    /// Step of a handwheel detent, mm displayed.
+    pub step_mm: f64,
+    /// Feed override, percent.
+    pub feed_override: u16,
+    /// Rapid override, percent (0 is F0).
+    pub rapid_override: u16,
+    /// Spindle override, percent.
+    pub spindle_override: u16,
+    /// Speed along the path, mm/min.
+    pub feed_mm_min: f64,
+    /// Wheel speed commanded, rpm.
+    pub wheel_rpm: f64,
+    /// Workpieces counted.
+    pub parts: u32,
+    /// Seconds of the running or last cycle.
+    pub cycle_seconds: f64,
+    /// Inputs, filtered and by their meaning.
+    pub inputs: InputSet,
+    /// Outputs by function.
+    pub outputs: OutputSet,
+    /// State of every key, by `Key as usize`.
+    pub keys: [KeyView; Key::COUNT],
+    /// Macro variables as executed.
+    pub variables: Box<[Option<f64>; VARIABLES]>,
+    /// Alarms present, the one that stopped the machine first.
+    pub alarms: Vec<AlarmView>,
+    /// The message line.
+    pub message: Message,
+    /// The program's own message (`MSG`), or what the run waits for.
+    pub waiting_for: Option<Said>,
+    /// Grinding pages found on disk.
+    pub screens: Arc<Screens>,
+    /// Programs found on disk, by number.
+    pub directory: Arc<Vec<DirectoryRow>>,
+}
+
+/// One program of the folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DirectoryRow {
+    /// O number.
+    pub number: u32,
+    /// Bytes.
+    pub size: u64,
+    /// Comment of its first line, or the title of its page text.
+    pub comment: String,
+    /// Date of last change as shown, local time.
+    pub modified: String,
+}
+
+impl Snapshot {
+    /// The state of a machine that has not been read yet.
+    #[must_use]
+    pub fn new(kind: Kind) -> Self {
+        Self {
+            kind,
+            now: Micros::ZERO,
+            mode: Mode::default(),
+            state: RunState::default(),
+            page: Page::default(),
+            diameter: false,
+            axes: PerAxis::default(),
+            program: ProgramView::default(),
+            single_block: false,
+            handwheel_axis: Axis::X,
+            step_mm: 0.001,
+            feed_override: 100,
+            rapid_override: 100,
+            spindle_override: 100,
+            feed_mm_min: 0.0,
+            wheel_rpm: 0.0,
+            parts: 0,
+            cycle_seconds: 0.0,
+            inputs: InputSet::NONE,
+            outputs: OutputSet::NONE,
+            keys: [KeyView::default(); Key::COUNT],
+            variables: Box::new([None; VARIABLES]),
+            alarms: Vec::new(),
+            message: Message::default(),
+            waiting_for: None,
+            screens: Arc::default(),
+            directory: Arc::default(),
+        }
+    }
+
+    /// The state of a key.
+    #[must_use]
+    pub const fn key(&self, key: Key) -> KeyView {
+        self.keys[key as usize]
+    }
+}

@@ -1,0 +1,111 @@
+//! Hydraulics: the pump's switch and the supervision of its pressure.
+//! Source: spec K3.5–K3.7. Not touched by reset or e-stop.
+
+use super::Finding;
+use crate::defs::alarm;
+use crate::defs::param::{self, Params};
+use crate::defs::signal::{Input, InputSet};
+use crate::units::Micros;
+
+/// Where alarm 180 stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Alarm180 {
+    Clear,
+    /// Goes by itself when the signal returns.
+    Present,
+    /// A wheel start was refused: goes when the start would be granted.
+    StartRefused,
+    /// Has stopped a wheel or a program: goes by RESET once the signal is back.
+    Latched,
+}
+
+/// The pump and its pressure switch.
+#[derive(Clone, Debug)]
+pub struct Hydraulic {
+    on: bool,
+    /// The pressure must be there `HYDRAULIC_DELAY` after this moment: power-on or the last switching-on.
+    since: Micros,
+    alarm: Alarm180,
+    refused_start: bool,
+    pressure_ok: bool,
+}
+
+impl Hydraulic {
+    pub fn new(power_on: Micros) -> Self {
+        Self { on: false, since: power_on, alarm: Alarm180::Clear, refused_start: false, pressure_ok: false }
+    }
+
+    pub fn make_ready(&mut self) {
+        self.on = true;
+    }
+
+    pub const fn is_on(&self) -> bool {
+        self.on
+    }
+
+    pub fn switch_on(&mut self, now: Micros) {
+        if !self.on {
+            self.on = true;
+            self.since = now;
+        }
+    }
+
+    pub fn switch_off(&mut self) {
+        self.on = false;
+    }
+
+    /// On, and long enough for the pressure to be judged.
+    pub fn is_settled(&self, now: Micros, params: &Params) -> bool {
+        self.on && now.since(self.since) >= Micros::from_millis_f64(params.get(param::HYDRAULIC_DELAY))
+    }
+
+    pub fn note_refused_start(&mut self) {
+        self.refused_start = true;
+    }
+
+    /// RESET: a latched alarm goes if its cause is gone.
+    pub fn acknowledge(&mut self) {
+        if self.alarm == Alarm180::Latched && self.pressure_ok {
+            self.alarm = Alarm180::Clear;
+        }
+    }
+
+    /// K3.7, each tick. Looked at from P270 after power-on and after each switching-on, also after a deliberate M15.
+    pub fn supervise(
+        &mut self,
+        now: Micros,
+        inputs: InputSet,
+        params: &Params,
+        wheel_on: bool,
+        run_open: bool,
+    ) -> Option<Finding> {
+        let delay = Micros::from_millis_f64(params.get(param::HYDRAULIC_DELAY));
+        let looked_at = !params.bit(param::NO_HYDRAULIC_CHECK) && delay > Micros::ZERO;
+        let due = now.since(self.since) >= delay;
+        let missing = looked_at && due && !inputs.has(Input::HydraulicPressure);
+        self.pressure_ok = !looked_at || inputs.has(Input::HydraulicPressure);
+        let refused = std::mem::take(&mut self.refused_start);
+        let granted = self.on && due && self.pressure_ok;
+        let next = match self.alarm {
+            Alarm180::Latched => Alarm180::Latched,
+            Alarm180::Clear | Alarm180::Present | Alarm180::StartRefused if missing && (wheel_on || run_open) => {
+                Alarm180::Latched
+            }
+            Alarm180::Clear | Alarm180::Present | Alarm180::StartRefused if refused && run_open => Alarm180::Latched,
+            Alarm180::Clear | Alarm180::Present if refused => Alarm180::StartRefused,
+            Alarm180::Clear | Alarm180::Present if missing => Alarm180::Present,
+            Alarm180::Clear | Alarm180::Present => Alarm180::Clear,
+            Alarm180::StartRefused if granted || !looked_at => Alarm180::Clear,
+            Alarm180::StartRefused => Alarm180::StartRefused,
+        };
+        let before = std::mem::replace(&mut self.alarm, next);
+        match (before, next) {
+            (before, next) if before == next => None,
+            (_, Alarm180::Latched) => Some(Finding::Alarm { number: alarm::HYDRAULIC, stopped: true }),
+            (_, Alarm180::Present | Alarm180::StartRefused) => {
+                Some(Finding::Alarm { number: alarm::HYDRAULIC, stopped: false })
+            }
+            (_, Alarm180::Clear) => Some(Finding::Gone(alarm::HYDRAULIC)),
+        }
+    }
+}

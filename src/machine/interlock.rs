@@ -1,0 +1,285 @@
+//! The interlock table: what may not happen when, and why. One row a rule; nothing else forbids anything.
+//!
+//! Rules are read from the top; the first that applies answers. They are pure functions of [`Facts`], so that tests
+//! can walk through all of them.
+//! Source: spec K3, K5, "what stops what".
+
+use super::Around;
+use crate::defs::alarm;
+use crate::defs::mcode::Request;
+use crate::defs::text::Text;
+
+/// The state of the machine as the rules see it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Facts {
+    /// The emergency stop is pressed.
+    pub e_stop: bool,
+    /// The wheel's output is on.
+    pub wheel_on: bool,
+    /// Headstock, roll or table: an output is on.
+    pub drive_on: bool,
+    /// P16.2, and the kind has a tailstock.
+    pub tailstock_enabled: bool,
+    /// The tailstock is on its way.
+    pub tailstock_moving: bool,
+    /// P6.5: the headstock needs the tailstock.
+    pub tailstock_needed: bool,
+    /// The part is clamped by the tailstock.
+    pub tailstock_advanced: bool,
+    /// P17.0=0.
+    pub hydraulic_needed: bool,
+    /// P17.0=0 and P270>0: the signal is looked at.
+    pub hydraulic_checked: bool,
+    /// The pump's output is on.
+    pub hydraulic_on: bool,
+    /// On for at least P270.
+    pub hydraulic_settled: bool,
+    /// The pressure switch.
+    pub pressure: bool,
+    /// P16.1.
+    pub magnet_needed: bool,
+    /// The magnet's output is on.
+    pub magnetised: bool,
+    /// What the controller tells.
+    pub around: Around,
+}
+
+/// What a rule does to a request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// A message; the program goes on.
+    NoEffect,
+    /// A message; a program waits before the block.
+    Deny,
+    /// An alarm; a program stops before the block.
+    Alarm(u16),
+}
+
+/// One rule.
+#[derive(Clone, Copy, Debug)]
+pub struct Rule {
+    /// Row of the specification.
+    pub row: &'static str,
+    /// Which requests it looks at.
+    pub forbids: fn(Request) -> bool,
+    /// When it applies.
+    pub when: fn(&Facts) -> bool,
+    /// What it does.
+    pub outcome: Outcome,
+    /// Why, for the message line and the diagnosis page.
+    pub reason: Text,
+}
+
+const fn wheel_start(request: Request) -> bool {
+    matches!(request, Request::WheelStart)
+}
+const fn cycle_start(request: Request) -> bool {
+    matches!(request, Request::CycleStart)
+}
+const fn tailstock(request: Request) -> bool {
+    matches!(request, Request::TailstockAdvance | Request::TailstockRetract)
+}
+const fn drive_start(request: Request) -> bool {
+    matches!(request, Request::DriveHigh | Request::DriveLow)
+}
+const fn hydraulic(request: Request) -> bool {
+    matches!(request, Request::HydraulicOn | Request::HydraulicOff)
+}
+const fn motion(request: Request) -> bool {
+    matches!(request, Request::CycleStart | Request::HomeAxes | Request::MoveByHand)
+}
+
+/// The table.
+pub const RULES: &[Rule] = &[
+    Rule {
+        row: "K3.1",
+        forbids: wheel_start,
+        when: |facts| facts.e_stop,
+        outcome: Outcome::Deny,
+        reason: Text::new("急停中，砂轮不能启动", "emergency stop: the wheel may not start"),
+    },
+    Rule {
+        row: "K3.4",
+        forbids: drive_start,
+        when: |facts| facts.e_stop,
+        outcome: Outcome::Deny,
+        reason: Text::new("急停中，头架不能启动", "emergency stop: the workpiece drive may not start"),
+    },
+    Rule {
+        row: "B5",
+        forbids: motion,
+        when: |facts| facts.e_stop,
+        outcome: Outcome::Deny,
+        reason: Text::new("急停中，松开急停并复位", "emergency stop: release it and press RESET"),
+    },
+    Rule {
+        row: "K3.7",
+        forbids: wheel_start,
+        when: |facts| facts.hydraulic_checked && !(facts.hydraulic_settled && facts.pressure),
+        outcome: Outcome::Alarm(alarm::HYDRAULIC),
+        reason: Text::new(
+            "液压未打开、延时未到或没有压力，砂轮不能启动",
+            "hydraulics off, too short on, or without pressure: the wheel may not start",
+        ),
+    },
+    Rule {
+        row: "K3.7",
+        forbids: wheel_start,
+        when: |facts| facts.hydraulic_needed && !facts.hydraulic_on,
+        outcome: Outcome::Deny,
+        reason: Text::new("液压未打开，砂轮不能启动", "hydraulics are off: the wheel may not start"),
+    },
+    Rule {
+        row: "K3.11",
+        forbids: wheel_start,
+        when: |facts| facts.magnet_needed && !facts.magnetised,
+        outcome: Outcome::Alarm(alarm::MAGNET),
+        reason: Text::new("工件未充磁，砂轮不能启动", "the part is not magnetised: the wheel may not start"),
+    },
+    Rule {
+        row: "K3.3",
+        forbids: tailstock,
+        when: |facts| !facts.tailstock_enabled,
+        outcome: Outcome::NoEffect,
+        reason: Text::new("尾座无效 (P16.2=0)", "the tailstock is disabled (P16.2=0)"),
+    },
+    Rule {
+        row: "K3.3",
+        forbids: tailstock,
+        when: |facts| facts.drive_on,
+        outcome: Outcome::Alarm(alarm::TAILSTOCK),
+        reason: Text::new("头架转动中，尾座不能动作", "the headstock turns: the tailstock may not move"),
+    },
+    Rule {
+        row: "K3.4",
+        forbids: drive_start,
+        when: |facts| facts.tailstock_moving,
+        outcome: Outcome::Alarm(alarm::TAILSTOCK),
+        reason: Text::new("尾座动作中，头架不能启动", "the tailstock moves: the headstock may not start"),
+    },
+    Rule {
+        row: "K3.4",
+        forbids: drive_start,
+        when: |facts| facts.tailstock_enabled && facts.tailstock_needed && !facts.tailstock_advanced,
+        outcome: Outcome::Alarm(alarm::DRIVE_BLOCKED),
+        reason: Text::new("尾座未顶紧，头架不能启动", "the tailstock is not advanced: the headstock may not start"),
+    },
+    Rule {
+        row: "K3.5",
+        forbids: hydraulic,
+        when: |facts| facts.wheel_on,
+        outcome: Outcome::NoEffect,
+        reason: Text::new("砂轮启动中，液压操作无效", "the wheel runs: hydraulics are not switched"),
+    },
+    Rule {
+        row: "K5.8",
+        forbids: cycle_start,
+        when: |facts| facts.around.oscillating,
+        outcome: Outcome::Alarm(alarm::OSCILLATING),
+        reason: Text::new("振荡中，不能启动程序", "an axis oscillates: no cycle start"),
+    },
+    Rule {
+        row: "B8",
+        forbids: cycle_start,
+        when: |facts| facts.around.alarm_blocks,
+        outcome: Outcome::Deny,
+        reason: Text::new("有报警，先排除并复位", "an alarm is present: clear it first"),
+    },
+    Rule {
+        row: "B5",
+        forbids: cycle_start,
+        when: |facts| !facts.around.homed,
+        outcome: Outcome::Alarm(alarm::NOT_HOMED),
+        reason: Text::new("未回机械零点，不能启动", "not homed: no cycle start"),
+    },
+];
+
+/// The first rule that forbids a request, if any.
+#[must_use]
+pub fn forbidding(request: Request, facts: &Facts) -> Option<&'static Rule> {
+    RULES.iter().find(|rule| (rule.forbids)(request) && (rule.when)(facts))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A machine on which everything is allowed.
+    fn ready() -> Facts {
+        Facts {
+            tailstock_enabled: true,
+            tailstock_advanced: true,
+            hydraulic_needed: true,
+            hydraulic_checked: true,
+            hydraulic_on: true,
+            hydraulic_settled: true,
+            pressure: true,
+            around: Around { homed: true, ..Around::default() },
+            ..Facts::default()
+        }
+    }
+
+    fn outcome(request: Request, facts: Facts) -> Option<Outcome> {
+        forbidding(request, &facts).map(|rule| rule.outcome)
+    }
+
+    #[test]
+    fn k3_7_wheel_start_needs_hydraulics_their_delay_and_their_pressure() {
+        assert_eq!(outcome(Request::WheelStart, ready()), None);
+        let alarm = Some(Outcome::Alarm(180));
+        assert_eq!(outcome(Request::WheelStart, Facts { pressure: false, ..ready() }), alarm);
+        assert_eq!(outcome(Request::WheelStart, Facts { hydraulic_settled: false, ..ready() }), alarm);
+    }
+
+    #[test]
+    fn k3_7_with_p270_zero_a_missing_pump_is_a_message() {
+        let facts = Facts { hydraulic_checked: false, pressure: false, ..ready() };
+        assert_eq!(outcome(Request::WheelStart, facts), None);
+        let off = Facts { hydraulic_on: false, hydraulic_settled: false, ..facts };
+        assert_eq!(outcome(Request::WheelStart, off), Some(Outcome::Deny));
+    }
+
+    #[test]
+    fn k3_7_with_p17_0_there_is_no_start_condition() {
+        let facts = Facts {
+            hydraulic_needed: false,
+            hydraulic_checked: false,
+            hydraulic_on: false,
+            pressure: false,
+            ..ready()
+        };
+        assert_eq!(outcome(Request::WheelStart, facts), None);
+    }
+
+    #[test]
+    fn k3_5_hydraulics_are_not_switched_while_the_wheel_runs() {
+        let turning = Facts { wheel_on: true, ..ready() };
+        for request in [Request::HydraulicOn, Request::HydraulicOff] {
+            assert_eq!(outcome(request, turning), Some(Outcome::NoEffect));
+            assert_eq!(outcome(request, ready()), None);
+        }
+    }
+
+    #[test]
+    fn k3_3_k3_4_headstock_and_tailstock_exclude_each_other() {
+        let turning = Facts { drive_on: true, ..ready() };
+        assert_eq!(outcome(Request::TailstockRetract, turning), Some(Outcome::Alarm(181)));
+        let moving = Facts { tailstock_moving: true, ..ready() };
+        assert_eq!(outcome(Request::DriveHigh, moving), Some(Outcome::Alarm(181)));
+        let disabled = Facts { tailstock_enabled: false, drive_on: true, ..ready() };
+        assert_eq!(outcome(Request::TailstockAdvance, disabled), Some(Outcome::NoEffect));
+    }
+
+    #[test]
+    fn b5_cycle_start_needs_homing_and_no_alarm() {
+        let mut facts = ready();
+        assert_eq!(outcome(Request::CycleStart, facts), None);
+        facts.around.homed = false;
+        assert_eq!(outcome(Request::CycleStart, facts), Some(Outcome::Alarm(100)));
+        facts.around.alarm_blocks = true;
+        assert_eq!(outcome(Request::CycleStart, facts), Some(Outcome::Deny));
+        // K3.7: alarm 180 blocks neither jogging nor homing.
+        assert_eq!(outcome(Request::MoveByHand, facts), None);
+        assert_eq!(outcome(Request::HomeAxes, facts), None);
+    }
+}

@@ -1,0 +1,66 @@
+//! Tailstock: a valve with two end switches.
+//! Source: spec K3.3. The output holds while the part is clamped; reset and e-stop leave it.
+
+use crate::defs::alarm;
+use crate::defs::param::{self, Params};
+use crate::defs::signal::{Input, InputSet};
+use crate::units::Micros;
+
+/// The quill and what is under way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tailstock {
+    /// Valve off, at the back end.
+    Resting,
+    /// Valve on, on its way out.
+    Advancing { since: Micros },
+    /// Valve on, part clamped.
+    Holding,
+    /// Valve off, on its way back.
+    Retracting { since: Micros },
+}
+
+impl Tailstock {
+    pub fn advance(&mut self, now: Micros) {
+        *self = match *self {
+            Self::Resting | Self::Retracting { .. } => Self::Advancing { since: now },
+            Self::Advancing { since } => Self::Advancing { since },
+            Self::Holding => Self::Holding,
+        };
+    }
+
+    pub fn retract(&mut self, now: Micros) {
+        *self = match *self {
+            Self::Holding | Self::Advancing { .. } => Self::Retracting { since: now },
+            Self::Retracting { since } => Self::Retracting { since },
+            Self::Resting => Self::Resting,
+        };
+    }
+
+    pub const fn is_moving(self) -> bool {
+        matches!(self, Self::Advancing { .. } | Self::Retracting { .. })
+    }
+
+    pub const fn is_advanced(self) -> bool {
+        matches!(self, Self::Holding)
+    }
+
+    /// The valve.
+    pub const fn output(self) -> bool {
+        matches!(self, Self::Advancing { .. } | Self::Holding)
+    }
+
+    /// Feedback and time-out; without an end switch assigned the time itself is the feedback.
+    pub fn watch(&mut self, now: Micros, inputs: InputSet, params: &Params) -> Option<u16> {
+        let (since, switch, there) = match *self {
+            Self::Advancing { since } => (since, Input::TailstockAdvanced, Self::Holding),
+            Self::Retracting { since } => (since, Input::TailstockRetracted, Self::Resting),
+            Self::Resting | Self::Holding => return None,
+        };
+        let late = now.since(since) >= Micros::from_millis_f64(params.get(param::TAILSTOCK_TIME));
+        let has_switch = params.input_port(switch) != 0;
+        if inputs.has(switch) || late {
+            *self = there;
+        }
+        (late && has_switch && !inputs.has(switch)).then_some(alarm::TAILSTOCK_TIMEOUT)
+    }
+}

@@ -1,0 +1,179 @@
+//! The programmed contour: lines and arcs by the distance along them.
+//!
+//! Owns the geometry of a single move. Knows nothing of speed. An arc is measured along its mean radius, with its third
+//! axis, so that a helix is as long as it is.
+
+use std::f64::consts::TAU;
+
+use super::{AxisLimits, Limits, Shape, Turn};
+use crate::units::{Axis, PerAxis};
+
+/// Shares of the axis limits on an arc, so that the vectors of acceleration and jerk stay below 1 in every direction:
+/// with normal and tangential acceleration both 0.7, √(0.7² + 0.7²) = 0.99; with tangential jerk 0.4 + 0.3 from the
+/// curvature and 0.7 across, the same.
+const ARC_SHARE: f64 = 0.7;
+const ARC_JERK_TANGENTIAL: f64 = 0.4;
+const ARC_JERK_CURVATURE: f64 = 0.3;
+/// Shorter than this a move is no motion, mm.
+pub const NO_LENGTH_MM: f64 = 1e-9;
+
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Line,
+    Arc { center: [f64; 2], axes: [usize; 3], radius: [f64; 2], angle: f64, sweep: f64 },
+}
+
+/// One line or arc from a point to another.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    from: [f64; 3],
+    to: [f64; 3],
+    form: Form,
+    length: f64,
+}
+
+impl Segment {
+    /// The contour of a move that starts at `from`.
+    #[must_use]
+    pub fn new(from: [f64; 3], to: PerAxis<f64>, shape: Shape) -> Self {
+        let PerAxis(to) = to;
+        let chord = distance(from, to);
+        match shape {
+            Shape::Line => Self { from, to, form: Form::Line, length: chord },
+            Shape::Arc { center, plane, turn } => {
+                let (first, second, third) = plane.axes();
+                let axes = [first, second, third].map(|axis: Axis| axis as usize);
+                let center = [center.0[axes[0]], center.0[axes[1]]];
+                let polar = |p: [f64; 3]| {
+                    let (x, y) = (p[axes[0]] - center[0], p[axes[1]] - center[1]);
+                    (x.hypot(y), y.atan2(x))
+                };
+                let ((r0, a0), (r1, a1)) = (polar(from), polar(to));
+                let ccw = (a1 - a0).rem_euclid(TAU);
+                let flat = (from[axes[0]] - to[axes[0]]).hypot(from[axes[1]] - to[axes[1]]);
+                let closed = flat <= NO_LENGTH_MM;
+                let sweep = match turn {
+                    Turn::Ccw if closed => TAU,
+                    Turn::Cw if closed => -TAU,
+                    Turn::Ccw => ccw,
+                    Turn::Cw => ccw - TAU,
+                };
+                let run = f64::midpoint(r0, r1) * sweep;
+                let length = run.hypot(to[axes[2]] - from[axes[2]]);
+                Self { from, to, form: Form::Arc { center, axes, radius: [r0, r1], angle: a0, sweep }, length }
+            }
+        }
+    }
+
+    /// Length, mm.
+    #[must_use]
+    pub const fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Whether there is nothing to move.
+    #[must_use]
+    pub fn is_nothing(&self) -> bool {
+        self.length <= NO_LENGTH_MM
+    }
+
+    /// The point `along` mm from the start; the end points come out exactly.
+    #[must_use]
+    pub fn at(&self, along: f64) -> [f64; 3] {
+        if along <= 0.0 {
+            return self.from;
+        }
+        if along >= self.length {
+            return self.to;
+        }
+        let part = along / self.length;
+        let mix = |axis: usize| self.from[axis] + (self.to[axis] - self.from[axis]) * part;
+        match self.form {
+            Form::Line => [mix(0), mix(1), mix(2)],
+            Form::Arc { center, axes, radius, angle, sweep } => {
+                let r = radius[0] + (radius[1] - radius[0]) * part;
+                let (sin, cos) = (angle + sweep * part).sin_cos();
+                let mut point = [0.0; 3];
+                point[axes[0]] = center[0] + r * cos;
+                point[axes[1]] = center[1] + r * sin;
+                point[axes[2]] = mix(axes[2]);
+                point
+            }
+        }
+    }
+
+    /// Limits of speed, acceleration and jerk along the segment that keep those of every axis.
+    #[must_use]
+    pub fn limits(&self, limits: &Limits) -> AxisLimits {
+        match self.form {
+            Form::Line => {
+                let share = |axis: Axis| (self.to[axis as usize] - self.from[axis as usize]).abs() / self.length;
+                along(limits, share)
+            }
+            Form::Arc { axes, radius, .. } => {
+                let linear = (self.to[axes[2]] - self.from[axes[2]]).abs() / self.length;
+                let share = |axis: Axis| if axis as usize == axes[2] { linear } else { 1.0 };
+                let AxisLimits { velocity_mm_s: v, acceleration_mm_s2: a, jerk_mm_s3: j } = along(limits, share);
+                let r = radius[0].min(radius[1]).max(NO_LENGTH_MM);
+                let velocity = v.min((ARC_SHARE * a * r).sqrt()).min((ARC_JERK_CURVATURE * j * r * r).cbrt());
+                let across = ARC_SHARE * j * r / (3.0 * velocity);
+                AxisLimits {
+                    velocity_mm_s: velocity,
+                    acceleration_mm_s2: (ARC_SHARE * a).min(across),
+                    jerk_mm_s3: ARC_JERK_TANGENTIAL * j,
+                }
+            }
+        }
+    }
+}
+
+/// Limits along a direction of which each axis takes a share, 0 to 1.
+fn along(limits: &Limits, share: impl Fn(Axis) -> f64) -> AxisLimits {
+    let least = |of: fn(&AxisLimits) -> f64| {
+        limits.axes.iter().map(|(axis, l)| of(l) / share(axis).max(1e-12)).fold(f64::INFINITY, f64::min)
+    };
+    AxisLimits {
+        velocity_mm_s: least(|l| l.velocity_mm_s),
+        acceleration_mm_s2: least(|l| l.acceleration_mm_s2),
+        jerk_mm_s3: least(|l| l.jerk_mm_s3),
+    }
+}
+
+/// Distance of two points, mm.
+#[must_use]
+pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|x| (a[x] - b[x]) * (a[x] - b[x])).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Segment;
+    use crate::motion::{Plane, Shape, Turn};
+    use crate::units::PerAxis;
+    use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+    fn arc(turn: Turn, to: [f64; 3]) -> Segment {
+        // In ZX from Z+ (X 0, Z 10) about the origin.
+        let shape = Shape::Arc { center: PerAxis([0.0; 3]), plane: Plane::Zx, turn };
+        Segment::new([0.0, 0.0, 10.0], PerAxis(to), shape)
+    }
+
+    fn check_middle(segment: &Segment, length: f64, middle: [f64; 3]) {
+        assert!((segment.length() - length).abs() < 1e-9, "{}", segment.length());
+        let at = segment.at(length / 2.0);
+        assert!((0..3).all(|x| (at[x] - middle[x]).abs() < 1e-9), "{at:?}");
+    }
+
+    #[test]
+    fn counter_clockwise_in_zx_leads_from_z_plus_to_x_plus() {
+        let half = 10.0 * FRAC_1_SQRT_2;
+        check_middle(&arc(Turn::Ccw, [10.0, 0.0, 0.0]), 5.0 * PI, [half, 0.0, half]);
+        check_middle(&arc(Turn::Cw, [10.0, 0.0, 0.0]), 15.0 * PI, [-half, 0.0, -half]);
+    }
+
+    #[test]
+    fn the_same_point_again_is_a_full_turn_and_the_third_axis_makes_it_a_helix() {
+        check_middle(&arc(Turn::Ccw, [0.0, 0.0, 10.0]), 20.0 * PI, [0.0, 0.0, -10.0]);
+        check_middle(&arc(Turn::Cw, [0.0, 5.0, 10.0]), (20.0 * PI).hypot(5.0), [0.0, 2.5, -10.0]);
+    }
+}

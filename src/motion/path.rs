@@ -1,0 +1,323 @@
+//! Program motion: the queue of moves and the set-points along them.
+//!
+//! Owns the queue, what of it is planned, where on the trail the axes are, and hold, override and abort. Knows nothing
+//! of why the program moves.
+//!
+//! An override below 100 % slows everything alike, corners too, and takes effect within a few ticks. Above 100 % it
+//! raises the programmed feed of all that is not laid on the trail yet (a few tenths of a second).
+
+use std::collections::VecDeque;
+
+use super::contour::Segment;
+use super::planner::Planner;
+use super::trail::{Spot, Trail};
+use super::warp::{History, StepLimits, Warp};
+use super::{Limits, Move, Override, PathFull, Rate, SetPoint};
+use crate::units::{Axis, PerAxis};
+
+/// Moves that can be queued.
+pub const MOVES: usize = 256;
+/// Finished tags kept for [`Path::pop_finished`]; older ones are dropped.
+pub const FINISHED_KEPT: usize = 1_024;
+/// The greatest feed override.
+const FEED_OVERRIDE_MOST: f64 = 1.5;
+
+/// A move in the queue.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Queued {
+    pub program: Move,
+    pub segment: Segment,
+    /// The number of the place after its last on the trail, once that is laid: there the curve has come through its end.
+    pub ends_at: Option<u64>,
+}
+
+/// Program motion of all axes.
+#[derive(Clone, Debug)]
+pub struct Path {
+    limits: Limits,
+    steps: StepLimits,
+    moves: VecDeque<Queued>,
+    finished: VecDeque<u32>,
+    finished_tag: Option<u32>,
+    planner: Planner,
+    trail: Trail,
+    spot: Spot,
+    past: History,
+    warp: Warp,
+    held: bool,
+    aborting: bool,
+}
+
+impl Path {
+    /// A path on which the axes stand at `start` mm.
+    ///
+    /// # Panics
+    /// When a limit or the tick is not positive and finite, or a start is not finite: a bug of the caller.
+    #[must_use]
+    pub fn new(limits: Limits, start: PerAxis<f64>) -> Self {
+        check_limits(&limits);
+        let PerAxis(at) = start;
+        assert!(at.iter().all(|x| x.is_finite()), "start {at:?}");
+        let trail = Trail::standing(at);
+        let spot = trail.resting_spot();
+        Self {
+            limits,
+            steps: step_limits(&limits),
+            moves: VecDeque::with_capacity(MOVES),
+            finished: VecDeque::with_capacity(FINISHED_KEPT),
+            finished_tag: None,
+            planner: Planner::new(&limits),
+            trail,
+            spot,
+            past: [at; 4],
+            warp: Warp::steady(1.0),
+            held: false,
+            aborting: false,
+        }
+    }
+
+    /// New limits for all that is planned from now on.
+    ///
+    /// # Panics
+    /// When the axes are not at rest with nothing queued, or a limit is not positive: bugs of the caller.
+    pub fn set_limits(&mut self, limits: Limits) {
+        assert!(self.is_done(), "limits changed while moves are queued");
+        check_limits(&limits);
+        self.limits = limits;
+        self.steps = step_limits(&limits);
+        self.planner = Planner::new(&limits);
+    }
+
+    /// Queue a move after those queued.
+    ///
+    /// # Errors
+    /// [`PathFull`] when [`Path::room`] is 0.
+    ///
+    /// # Panics
+    /// When an end point, centre, feed or tolerance is not finite: a bug of the caller.
+    pub fn push(&mut self, program: Move) -> Result<(), PathFull> {
+        if self.room() == 0 {
+            return Err(PathFull);
+        }
+        let finite = |p: PerAxis<f64>| p.0.iter().all(|x| x.is_finite());
+        assert!(finite(program.to), "end point {:?}", program.to);
+        if let Rate::Feed { mm_s } = program.rate {
+            assert!(mm_s.is_finite(), "feed {mm_s}");
+        }
+        let from = self.moves.back().map_or(self.end_of_laid(), |last| last.program.to.0);
+        let segment = Segment::new(from, program.to, program.shape);
+        assert!(segment.length().is_finite(), "move {program:?}");
+        self.moves.push_back(Queued { program, segment, ends_at: None });
+        Ok(())
+    }
+
+    /// How many moves can be pushed now; none while an abort brakes.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        if self.aborting { 0 } else { MOVES - self.moves.len() }
+    }
+
+    /// One tick on: where the axes are to be at its end.
+    pub fn tick(&mut self, requested: Override) -> SetPoint {
+        let requested = Override { feed: cut(requested.feed, FEED_OVERRIDE_MOST), rapid: cut(requested.rapid, 1.0) };
+        // A verified change of rate has looked at a closed trail's rest: then nothing may follow until it has ended.
+        if !self.aborting && (self.trail.is_open() || self.warp.is_steady()) {
+            self.planner.tick(&mut self.moves, &mut self.trail, self.spot, requested.feed.max(1.0));
+        }
+        self.steer(requested);
+        let ahead = self.warp.step();
+        self.spot = self.spot.later(ahead);
+        let resting = self.trail.resting_spot();
+        if self.spot.tick >= resting.tick {
+            self.spot = resting;
+        }
+        let on = self.trail.on(self.spot);
+        self.past = [self.past[1], self.past[2], self.past[3], on.at];
+        self.finish_passed();
+        if self.aborting && self.is_at_rest() {
+            self.forget();
+            (self.aborting, self.held) = (false, false);
+            self.warp = Warp::steady(1.0);
+        }
+        let rate = self.warp.rate() / self.limits.tick_s;
+        SetPoint { position: PerAxis(on.at), velocity_mm_s: PerAxis(on.step.map(|step| step * rate)) }
+    }
+
+    /// Feed hold: brake along the path to rest within the limits and stay.
+    pub const fn hold(&mut self) {
+        self.held = true;
+    }
+
+    /// End a hold. An abort cannot be taken back.
+    pub const fn resume(&mut self) {
+        if !self.aborting {
+            self.held = false;
+        }
+    }
+
+    /// Whether a hold has been asked for and not ended, braking or at rest.
+    #[must_use]
+    pub const fn is_holding(&self) -> bool {
+        self.held
+    }
+
+    /// Whether no axis moves nor will in the next tick unless something is pushed, resumed or overridden.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.warp.is_standing() || (self.spot.tick >= self.trail.end() && !self.trail.is_open())
+    }
+
+    /// Whether every move is finished and the axes rest.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        self.moves.is_empty() && self.is_at_rest()
+    }
+
+    /// Brake along the path to rest within the limits, then forget all moves and any hold. Until then [`Path::room`] is
+    /// 0. Nothing of what is forgotten is reported as finished.
+    pub fn abort(&mut self) {
+        (self.aborting, self.held) = (true, true);
+        if self.is_at_rest() {
+            self.forget();
+            (self.aborting, self.held) = (false, false);
+            self.warp = Warp::steady(1.0);
+        }
+    }
+
+    /// Forget every move and stand at `position` mm (after a jog in a hold, homing and the like); a hold stays.
+    ///
+    /// # Panics
+    /// When the axes are not at rest: a bug of the caller.
+    pub fn clear_at(&mut self, position: PerAxis<f64>) {
+        assert!(self.is_at_rest(), "cleared in motion");
+        self.moves.clear();
+        self.planner.clear();
+        self.spot = self.trail.stand(position.0);
+        self.past = [position.0; 4];
+        self.warp = Warp::steady(if self.held { 0.0 } else { 1.0 });
+    }
+
+    /// Take back every move that is not finished, the interrupted one first, in order with their tags, and stand where
+    /// the axes are; a hold stays. Pushed again (after [`Path::clear_at`] if an axis was moved meanwhile) they lead on
+    /// from there; an arc then begins with the radius of the place where it begins.
+    ///
+    /// # Panics
+    /// When the axes are not at rest: a bug of the caller.
+    pub fn drain_unfinished(&mut self, out: &mut Vec<Move>) {
+        out.extend(self.moves.iter().map(|queued| queued.program));
+        self.clear_at(self.position());
+    }
+
+    /// Moves queued and not finished, the active one included.
+    #[must_use]
+    pub fn remaining_moves(&self) -> usize {
+        self.moves.len()
+    }
+
+    /// The tag of the move under way or next.
+    #[must_use]
+    pub fn active_tag(&self) -> Option<u32> {
+        self.moves.front().map(|queued| queued.program.tag)
+    }
+
+    /// The tag of the move finished last; it and all before it are done.
+    #[must_use]
+    pub const fn finished_tag(&self) -> Option<u32> {
+        self.finished_tag
+    }
+
+    /// The next tag of a finished move not asked for yet; each comes once, in order. The newest [`FINISHED_KEPT`] wait.
+    pub fn pop_finished(&mut self) -> Option<u32> {
+        self.finished.pop_front()
+    }
+
+    /// The last emitted position, mm.
+    #[must_use]
+    pub const fn position(&self) -> PerAxis<f64> {
+        PerAxis(self.past[3])
+    }
+
+    /// From the last emitted position to the end of the active move, mm, with sign; zero without one.
+    #[must_use]
+    pub fn distance_to_go(&self) -> PerAxis<f64> {
+        let at = self.position();
+        self.moves
+            .front()
+            .map_or(PerAxis([0.0; 3]), |queued| PerAxis::from_fn(|axis| queued.program.to[axis] - at[axis]))
+    }
+
+    /// Speed along the path over the last tick, mm/s.
+    #[must_use]
+    pub fn path_speed_mm_s(&self) -> f64 {
+        super::contour::distance(self.past[3], self.past[2]) / self.limits.tick_s
+    }
+
+    /// Leads the rate to what hold and override ask for.
+    fn steer(&mut self, requested: Override) {
+        let place = self.trail.place(self.spot.tick + 1);
+        let target = match (self.held, place.rapid) {
+            (true, _) => 0.0,
+            (false, true) => requested.rapid,
+            (false, false) => (requested.feed / place.planned_override).min(1.0),
+        };
+        if (target - self.warp.target()).abs() <= 0.0 {
+            return;
+        }
+        if self.spot.tick >= self.trail.end() {
+            // At rest and nothing laid: any rate is the same.
+            self.warp = Warp::steady(target);
+        } else {
+            self.warp.aim(target, &self.trail, self.spot, &self.past, &self.steps);
+        }
+    }
+
+    fn finish_passed(&mut self) {
+        while let Some(queued) = self.moves.front() {
+            match queued.ends_at {
+                Some(place) if self.spot.tick >= place => {
+                    let tag = queued.program.tag;
+                    self.moves.pop_front();
+                    self.planner.forget_first();
+                    self.finished_tag = Some(tag);
+                    if self.finished.len() == FINISHED_KEPT {
+                        self.finished.pop_front();
+                    }
+                    self.finished.push_back(tag);
+                }
+                Some(_) | None => return,
+            }
+        }
+    }
+
+    fn forget(&mut self) {
+        self.clear_at(self.position());
+    }
+
+    /// Where the laid moves lead.
+    fn end_of_laid(&self) -> [f64; 3] {
+        self.trail.last().at
+    }
+}
+
+/// A factor cut to 0..=`most`; not-a-number is 0.
+fn cut(factor: f64, most: f64) -> f64 {
+    if factor > 0.0 { factor.min(most) } else { 0.0 }
+}
+
+fn check_limits(limits: &Limits) {
+    let positive = |x: f64| x.is_finite() && x > 0.0;
+    assert!(positive(limits.tick_s), "tick {} s", limits.tick_s);
+    for (axis, l) in limits.axes.iter() {
+        let good = positive(l.velocity_mm_s) && positive(l.acceleration_mm_s2) && positive(l.jerk_mm_s3);
+        assert!(good, "limits of {axis}: {l:?}");
+    }
+}
+
+fn step_limits(limits: &Limits) -> StepLimits {
+    let dt = limits.tick_s;
+    StepLimits {
+        first: Axis::ALL.map(|axis| limits.axes[axis].velocity_mm_s * dt),
+        second: Axis::ALL.map(|axis| limits.axes[axis].acceleration_mm_s2 * dt * dt),
+        third: Axis::ALL.map(|axis| limits.axes[axis].jerk_mm_s3 * dt * dt * dt),
+    }
+}

@@ -1,0 +1,56 @@
+//! The stroke: one move from rest to rest along its own contour.
+//!
+//! Owns the seven-segment profile along a single line or arc and its sampling at ticks. Knows nothing of what comes
+//! before or after. A stroke starts on a tick, so that its end point is a set-point.
+
+use super::contour::Segment;
+use super::profile::{AxisLimits, Profile, State};
+
+/// A profile end this close after a tick belongs to the tick (parts of a tick).
+const SAME_TICK: f64 = 1e-6;
+
+/// One move under way from rest to rest.
+#[derive(Clone, Copy, Debug)]
+pub struct Stroke {
+    segment: Segment,
+    limits: AxisLimits,
+    profile: Profile,
+    tick_s: f64,
+    ticks: u32,
+}
+
+impl Stroke {
+    /// A stroke along `segment` within `limits` of the way along it.
+    #[must_use]
+    pub fn new(segment: Segment, limits: AxisLimits, tick_s: f64) -> Self {
+        let profile = Profile::to_position(State::default(), segment.length(), limits);
+        Self { segment, limits, profile, tick_s, ticks: 0 }
+    }
+
+    /// Change the greatest speed (mm/s) from the next tick on.
+    pub fn set_speed(&mut self, velocity_mm_s: f64) {
+        if (velocity_mm_s - self.limits.velocity_mm_s).abs() > 0.0 && !self.is_over() {
+            let state = self.profile.at(f64::from(self.ticks) * self.tick_s);
+            self.limits.velocity_mm_s = velocity_mm_s;
+            self.profile = Profile::to_position(state, self.segment.length(), self.limits);
+            self.ticks = 0;
+        }
+    }
+
+    /// Whether the end point has been given out.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        f64::from(self.ticks) + SAME_TICK >= self.profile.seconds() / self.tick_s
+    }
+
+    /// The set-point of the next tick.
+    pub fn next(&mut self) -> [f64; 3] {
+        self.ticks += 1;
+        let along = if self.is_over() {
+            self.segment.length()
+        } else {
+            self.profile.at(f64::from(self.ticks) * self.tick_s).position
+        };
+        self.segment.at(along)
+    }
+}

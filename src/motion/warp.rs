@@ -1,0 +1,206 @@
+//! The warp: how fast the trail is followed, from 0 (held) to 1 (as planned).
+//!
+//! Owns the rate and its slope, and the search for a change of rate that keeps every limit. Knows nothing of moves. A
+//! change of rate adds to the acceleration and jerk of the trail; whether the sum fits depends on what the trail does
+//! meanwhile, so a candidate is run ahead tick by tick to its end and its set-points are differenced like any emitted
+//! ones. Only a candidate found good is begun, so there is always a verified way on: the one under way.
+
+use super::trail::{Spot, Trail};
+
+/// Rate changes tried, as fractions of the quickest that the axes could do on a straight line; the first good one wins.
+const CANDIDATES: [f64; 11] = [0.98, 0.8, 0.65, 0.5, 0.38, 0.28, 0.2, 0.12, 0.07, 0.035, 0.015];
+/// The target itself, then the parts of it that are tried when it cannot be met.
+const NEARLY: [f64; 3] = [1.0, 0.97, 0.85];
+/// After this many ticks run ahead no further candidate is begun in the same tick.
+const STEPS_PER_TICK: usize = 1_200;
+/// No candidate is followed farther than this many ticks.
+const LONGEST_RUN: usize = 4_096;
+/// Places ahead whose speed sets the scale of the candidates.
+const SCALE_PLACES: u64 = 96;
+/// Ticks after the end of a change during which its last difference still shows.
+const TAIL_TICKS: usize = 4;
+/// Rounding of positions near 1 m, differenced three times at 1 ms, is 1e-3 mm/s³: 1e-6 of the smallest useful jerk
+/// limit. The planner keeps a larger distance than this from every limit.
+pub const SLACK: f64 = 1e-6;
+
+/// Per axis, the greatest first, second and third difference of set-points, in mm.
+#[derive(Clone, Copy, Debug)]
+pub struct StepLimits {
+    /// Velocity times a tick.
+    pub first: [f64; 3],
+    /// Acceleration times a tick squared.
+    pub second: [f64; 3],
+    /// Jerk times a tick cubed.
+    pub third: [f64; 3],
+}
+
+/// The last four set-points, the newest last.
+pub type History = [[f64; 3]; 4];
+
+impl StepLimits {
+    /// Whether the newest set-point of a history keeps all limits.
+    #[must_use]
+    pub fn keeps(&self, p: &History) -> bool {
+        (0..3).all(|x| {
+            let (d1, d2, d3) = (p[3][x] - p[2][x], p[2][x] - p[1][x], p[1][x] - p[0][x]);
+            let (second, before) = (d1 - d2, d2 - d3);
+            let most = 1.0 + SLACK;
+            d1.abs() <= self.first[x] * most
+                && second.abs() <= self.second[x] * most
+                && (second - before).abs() <= self.third[x] * most
+        })
+    }
+}
+
+/// A part of a change of rate: `bend` is the second derivative of the rate, in ticks.
+#[derive(Clone, Copy, Debug, Default)]
+struct Leg {
+    ticks: f64,
+    bend: f64,
+}
+
+/// The rate of following the trail.
+#[derive(Clone, Copy, Debug)]
+pub struct Warp {
+    rate: f64,
+    slope: f64,
+    legs: [Leg; 3],
+    target: f64,
+    /// The candidate to try first at the next tick.
+    next_try: usize,
+}
+
+impl Warp {
+    /// A steady rate.
+    #[must_use]
+    pub const fn steady(rate: f64) -> Self {
+        Self { rate, slope: 0.0, legs: [Leg { ticks: 0.0, bend: 0.0 }; 3], target: rate, next_try: 0 }
+    }
+
+    /// The rate now.
+    #[must_use]
+    pub const fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// The rate that the change under way leads to.
+    #[must_use]
+    pub const fn target(&self) -> f64 {
+        self.target
+    }
+
+    /// Whether no change is under way.
+    #[must_use]
+    pub fn is_steady(&self) -> bool {
+        self.legs.iter().all(|leg| leg.ticks <= 0.0)
+    }
+
+    /// Whether the trail is not followed at all.
+    #[must_use]
+    pub fn is_standing(&self) -> bool {
+        self.is_steady() && self.rate <= 0.0
+    }
+
+    /// One tick on; returns the way along the trail in ticks.
+    pub fn step(&mut self) -> f64 {
+        let (mut left, mut way) = (1.0, 0.0);
+        for leg in &mut self.legs {
+            let t = leg.ticks.min(left);
+            if t > 0.0 {
+                way += t * (self.rate + t * (self.slope / 2.0 + t * leg.bend / 6.0));
+                self.rate += t * (self.slope + t * leg.bend / 2.0);
+                self.slope += t * leg.bend;
+                leg.ticks -= t;
+                left -= t;
+            }
+        }
+        if self.is_steady() {
+            (self.rate, self.slope) = (self.target, 0.0);
+            way += left * self.target;
+        }
+        way.max(0.0)
+    }
+
+    /// Begin the quickest change to `target` (0 to 1) that keeps every limit from `spot` to its end. `past` are the last
+    /// emitted set-points. Goes on as before when no candidate is good at this tick; then try again at the next.
+    ///
+    /// Where the trail uses up a limit all the way, full rate cannot be met without a hair too much; a rate a little
+    /// lower can ([`NEARLY`]), and is taken on the way up when the exact one is not to be had.
+    pub fn aim(&mut self, target: f64, trail: &Trail, spot: Spot, past: &History, limits: &StepLimits) {
+        let (slope, bend) = scales(trail, spot, limits);
+        let mut runs_left = STEPS_PER_TICK;
+        for _ in 0..CANDIDATES.len() * NEARLY.len() {
+            let near = target * NEARLY[self.next_try / CANDIDATES.len()];
+            let part = CANDIDATES[self.next_try % CANDIDATES.len()];
+            self.next_try = (self.next_try + 1) % (CANDIDATES.len() * NEARLY.len());
+            let closer = (near - target).abs() <= 0.0 || (near > self.rate && near > self.target);
+            if closer {
+                let candidate = self.toward(near, part * slope, part * bend);
+                if candidate.keeps(trail, spot, past, limits, &mut runs_left) {
+                    *self = Self { next_try: 0, ..candidate };
+                    return;
+                }
+                if runs_left == 0 {
+                    return;
+                }
+            }
+        }
+    }
+
+    /// The quickest change of rate with a bounded slope and bend.
+    fn toward(&self, target: f64, slope_most: f64, bend: f64) -> Self {
+        let settled = self.rate + self.slope * self.slope.abs() / (2.0 * bend);
+        let way = if target >= settled { 1.0 } else { -1.0 };
+        let (rise, first) = (way * (target - self.rate), way * self.slope);
+        let peak = (bend * rise + first * first / 2.0).max(0.0).sqrt();
+        let top = slope_most.max(first);
+        let legs = if peak <= top {
+            [(peak - first).max(0.0) / bend, 0.0, peak / bend]
+        } else {
+            let gained = (2.0 * top * top - first * first) / (2.0 * bend);
+            [(top - first) / bend, (rise - gained).max(0.0) / top, top / bend]
+        };
+        let bends = [way * bend, 0.0, -way * bend];
+        let legs = [0, 1, 2].map(|k| Leg { ticks: legs[k], bend: bends[k] });
+        Self { legs, target, ..*self }
+    }
+
+    fn keeps(mut self, trail: &Trail, mut spot: Spot, past: &History, limits: &StepLimits, left: &mut usize) -> bool {
+        let mut seen = *past;
+        let mut tail = 0;
+        for _ in 0..LONGEST_RUN {
+            *left = left.saturating_sub(1);
+            spot = spot.later(self.step());
+            // Going backwards is no way to hold, and what is not laid yet cannot be looked at.
+            let unknown = trail.is_open() && spot.tick + 3 > trail.end();
+            if self.rate < -1e-12 || self.rate > 1.0 + 1e-12 || unknown {
+                return false;
+            }
+            seen = [seen[1], seen[2], seen[3], trail.on(spot).at];
+            if !limits.keeps(&seen) {
+                return false;
+            }
+            tail += usize::from(self.is_steady());
+            if tail > TAIL_TICKS {
+                return true;
+            }
+        }
+        false
+    }
+}
+
+/// The quickest slope and bend of the rate that acceleration and jerk would allow at the greatest speed ahead.
+fn scales(trail: &Trail, spot: Spot, limits: &StepLimits) -> (f64, f64) {
+    let mut speed = [1e-9; 3];
+    let mut last = trail.place(spot.tick.saturating_sub(1)).at;
+    for number in 0..SCALE_PLACES {
+        let at = trail.place(spot.tick + number).at;
+        for axis in 0..3 {
+            speed[axis] = (at[axis] - last[axis]).abs().max(speed[axis]);
+        }
+        last = at;
+    }
+    let least = |of: &[f64; 3]| (0..3).map(|x| of[x] / speed[x]).fold(f64::INFINITY, f64::min);
+    // A rate can change within a tick or so at most; faster makes no difference to anyone.
+    (least(&limits.second).min(1.0), least(&limits.third).min(1.0))
+}

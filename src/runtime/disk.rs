@@ -1,0 +1,224 @@
+//! The two folders that people copy files into, as the core wants them: programs cut into lines, page texts parsed,
+//! pictures decoded. Runs on the disk thread or before a headless run, never in the tick.
+//! Source: spec B1, K5.12, K7.3, K7.4.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use chrono::{DateTime, Local};
+use image::ImageReader;
+
+use crate::controller::{Program, Programs};
+use crate::defs::screen;
+use crate::defs::text::Said;
+use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
+use crate::link::snapshot::DirectoryRow;
+use crate::nc::Source;
+use crate::store::{DataDir, Entry, FileClass, Folder, FolderError, PAGE_TEXT, PICTURE, PROGRAM, decode};
+
+/// Programs with a grinding page: O1001 to O1020 go with C0001 and B0001 to C0020 and B0020.
+const PAGES: std::ops::RangeInclusive<u16> = 1..=20;
+/// Size of a page picture, pixels.
+pub const PICTURE_SIZE: (u32, u32) = (200, 400);
+/// Bytes of a page picture: 54 of header, three a pixel (K5.12).
+pub const PICTURE_BYTES: usize = 54 + 3 * 200 * 400;
+/// Where in a BMP header the bits per pixel and the compression stand.
+const BITS_AT: usize = 28;
+const COMPRESSION_AT: usize = 30;
+
+/// Files that the control brings along; written once into folders that are made new.
+const SHIPPED: &[(&str, &[u8])] = &[
+    ("programs/O1001.NC", include_bytes!("../../programs/O1001.NC")),
+    ("programs/O1002.NC", include_bytes!("../../programs/O1002.NC")),
+    ("screens/C0001.TXT", include_bytes!("../../screens/C0001.TXT")),
+    ("screens/B0001.BMP", include_bytes!("../../screens/B0001.BMP")),
+    ("screens/C0002.TXT", include_bytes!("../../screens/C0002.TXT")),
+    ("screens/B0002.BMP", include_bytes!("../../screens/B0002.BMP")),
+];
+
+/// The folders of programs and of page files.
+#[derive(Clone, Debug)]
+pub struct Folders {
+    /// Programs.
+    pub programs: PathBuf,
+    /// Page texts and pictures.
+    pub screens: PathBuf,
+}
+
+impl Folders {
+    /// The folders asked for; else those beside the caller (`./programs`, `./screens`); else the data directory's,
+    /// filled with what the control brings along where they are empty.
+    ///
+    /// # Errors
+    /// The folder or a file in it cannot be made.
+    pub fn resolve(programs: Option<PathBuf>, screens: Option<PathBuf>, data: &DataDir) -> std::io::Result<Self> {
+        let choose = |given: Option<PathBuf>, name: &str, own: PathBuf| match given {
+            Some(path) => Ok(path),
+            None if Path::new(name).is_dir() => Ok(PathBuf::from(name)),
+            None => ship(name, &own).map(|()| own),
+        };
+        Ok(Self {
+            programs: choose(programs, "programs", data.programs())?,
+            screens: choose(screens, "screens", data.screens())?,
+        })
+    }
+
+    /// Reads every program.
+    ///
+    /// # Errors
+    /// The folder cannot be listed.
+    pub fn read_programs(&self) -> Result<(Programs, Vec<DirectoryRow>), FolderError> {
+        let folder = Folder::new(&self.programs);
+        let listing = folder.list(&PROGRAM)?;
+        let mut rows = Vec::new();
+        let mut directory = Vec::new();
+        for entry in &listing.entries {
+            if let Ok(read) = folder.read(&PROGRAM, entry.number) {
+                rows.push(program(u32::from(entry.number), &read.name, read.bytes));
+                directory.push(directory_row(entry));
+            }
+        }
+        Ok((Programs::new(rows), directory))
+    }
+
+    /// Reads every page text and picture.
+    ///
+    /// # Errors
+    /// The folder cannot be listed.
+    pub fn read_screens(&self) -> Result<Screens, FolderError> {
+        let folder = Folder::new(&self.screens);
+        let listed = |class: &FileClass| -> Result<Vec<u16>, FolderError> {
+            Ok(folder.list(class)?.entries.iter().map(|entry| entry.number).collect())
+        };
+        let (texts, pictures) = (listed(&PAGE_TEXT)?, listed(&PICTURE)?);
+        let pages = PAGES
+            .filter(|number| texts.contains(number) || pictures.contains(number))
+            .map(|number| {
+                let files = ScreenFiles { text: page_text(&folder, number), picture: picture(&folder, number) };
+                (1_000 + u32::from(number), files)
+            })
+            .collect();
+        Ok(Screens { pages })
+    }
+}
+
+/// A program from its bytes.
+#[must_use]
+pub fn program(number: u32, name: &str, bytes: Vec<u8>) -> Program {
+    let text: Arc<str> = match decode(&bytes) {
+        Ok(decoded) => decoded.text.into(),
+        Err(_) => String::from_utf8_lossy(&bytes).into(),
+    };
+    Program { number, source: Arc::new(Source::new(number, name, bytes)), text }
+}
+
+fn ship(name: &str, own: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(own)?;
+    if std::fs::read_dir(own)?.next().is_some() {
+        return Ok(());
+    }
+    for (path, bytes) in SHIPPED {
+        if let Some(file) = path.strip_prefix(name).and_then(|rest| rest.strip_prefix('/')) {
+            std::fs::write(own.join(file), bytes)?;
+        }
+    }
+    Ok(())
+}
+
+fn directory_row(entry: &Entry) -> DirectoryRow {
+    let modified = entry.modified.map(|time| DateTime::<Local>::from(time).format("%Y-%m-%d %H:%M").to_string());
+    DirectoryRow {
+        number: u32::from(entry.number),
+        size: entry.size,
+        comment: entry.comment.clone(),
+        modified: modified.unwrap_or_default(),
+    }
+}
+
+fn fault(file: &str, zh: impl Into<String>, en: impl Into<String>) -> FileFault {
+    FileFault { file: file.to_owned(), place: None, said: Said::new(zh, en) }
+}
+
+fn read(folder: &Folder, class: &FileClass, number: u16) -> Result<crate::store::Read, FileFault> {
+    folder.read(class, number).map_err(|error| {
+        let name = class.name(number);
+        fault(
+            &name,
+            format!("不能读出，请重新拷入 screens 目录 ({error})"),
+            format!("cannot be read, copy it again ({error})"),
+        )
+    })
+}
+
+fn page_text(folder: &Folder, number: u16) -> Result<Arc<screen::PageText>, FileFault> {
+    let found = read(folder, &PAGE_TEXT, number)?;
+    parse_page_text(&found.name, &found.bytes).map(Arc::new)
+}
+
+/// Reads a page text of either encoding.
+///
+/// # Errors
+/// The first place that is not of the format.
+pub fn parse_page_text(name: &str, bytes: &[u8]) -> Result<screen::PageText, FileFault> {
+    let decoded = decode(bytes).map_err(|error| FileFault {
+        file: name.to_owned(),
+        place: Some((error.line as u32, error.column as u32)),
+        said: Said::new(
+            "不是 GBK 或 UTF-8 编码，请用记事本另存",
+            "neither GBK nor UTF-8: save it again with an editor",
+        ),
+    })?;
+    screen::parse(&decoded.text).map_err(|wrong| FileFault {
+        file: name.to_owned(),
+        place: Some((wrong.line, wrong.column)),
+        said: wrong.said,
+    })
+}
+
+fn picture(folder: &Folder, number: u16) -> Result<Arc<Picture>, FileFault> {
+    let found = read(folder, &PICTURE, number)?;
+    parse_picture(&found.name, &found.bytes).map(Arc::new)
+}
+
+/// Reads a page picture: 200 × 400, 24 bit, uncompressed, 240 054 bytes (K5.12). Anything else is named.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
+    if !bytes.starts_with(b"BM") {
+        return Err(fault(name, "不是 BMP 文件", "not a BMP file"));
+    }
+    let number = |at: usize| bytes.get(at..at + 4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]));
+    let (width, height) = (number(18), number(22).map(|height| (height as i32).unsigned_abs()));
+    if (width, height) != (Some(PICTURE_SIZE.0), Some(PICTURE_SIZE.1)) {
+        let (width, height) = (width.unwrap_or(0), height.unwrap_or(0));
+        return Err(fault(
+            name,
+            format!("图片是 {width}×{height}，应为 200×400 点"),
+            format!("the picture is {width}×{height}, it has to be 200×400 pixels"),
+        ));
+    }
+    let bits = number(BITS_AT).map_or(0, |both| both & 0xFFFF);
+    if bits != 24 {
+        return Err(fault(
+            name,
+            format!("图片是 {bits} 位，保存时请选 24 位"),
+            format!("the picture has {bits} bits a pixel, save it with 24"),
+        ));
+    }
+    if number(COMPRESSION_AT) != Some(0) {
+        return Err(fault(name, "图片是压缩的，请存为不压缩的 BMP", "the picture is compressed, save it uncompressed"));
+    }
+    if bytes.len() != PICTURE_BYTES {
+        return Err(fault(
+            name,
+            format!("文件是 {} 字节，应为 {PICTURE_BYTES} 字节 (234K)", bytes.len()),
+            format!("the file has {} bytes, it has to have {PICTURE_BYTES}", bytes.len()),
+        ));
+    }
+    let decoded = ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Bmp)
+        .decode()
+        .map_err(|error| fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}")))?;
+    let rgb = decoded.to_rgb8();
+    Ok(Picture { width: rgb.width() as usize, height: rgb.height() as usize, rgb: rgb.into_raw() })
+}

@@ -1,0 +1,116 @@
+//! Between the core's wishes and the store: what is kept, under which name, and how it comes back at power-on.
+//! Source: spec B3 (retained ranges), notes "acknowledge after commit".
+
+use std::path::Path;
+
+use crate::controller::{Effect, Retained};
+use crate::defs::kind::Kind;
+use crate::defs::param::ParamAddress;
+use crate::store;
+use crate::units::PerAxis;
+
+const CURRENT_PROGRAM: &str = "current-program";
+const PARTS: &str = "parts";
+
+/// What opening the data has found, for people.
+#[derive(Debug)]
+pub struct Found {
+    /// What the control begins with.
+    pub retained: Retained,
+    /// The data were damaged: where the copy is kept and why.
+    pub damaged: Option<String>,
+    /// Values that were in the data but are no longer allowed; their factory values are in force.
+    pub dropped: Vec<String>,
+}
+
+/// The store of one control.
+pub struct Keeper {
+    store: store::Retained,
+}
+
+impl Keeper {
+    /// Opens the data of a directory.
+    ///
+    /// # Errors
+    /// Another control has it open, or the disk refuses.
+    pub fn open(folder: &Path, kind: Kind) -> Result<(Self, Found), store::RetainedError> {
+        let mut opened = store::Retained::open(folder)?;
+        let loaded = opened.retained.load()?;
+        let damaged = opened.damaged.map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
+        let (retained, dropped) = restore(kind, &loaded);
+        Ok((Self { store: opened.retained }, Found { retained, damaged, dropped }))
+    }
+
+    /// Keeps what the core wishes; when it returns, it outlives a power cut.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub fn commit(&mut self, effects: &[Effect]) -> Result<u64, store::RetainedError> {
+        let changes: Vec<store::Change> = effects.iter().map(change).collect();
+        self.store.commit(&changes).map(|generation| generation.0)
+    }
+}
+
+fn change(effect: &Effect) -> store::Change {
+    match effect {
+        Effect::Variable(number, value) => store::Change::Variable { number: *number as u16, value: *value },
+        Effect::Param(at, value) => store::Change::Param { key: at.to_string(), value: Some(*value) },
+        Effect::Offset { number, geometry, wear } => store::Change::Offset {
+            number: *number as u8,
+            offset: store::ToolOffset { geometry: *geometry, wear: *wear },
+        },
+        Effect::Frame(index, origin) => store::Change::Frame { index: *index as u8, origin: *origin },
+        Effect::CurrentProgram(number) => {
+            store::Change::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
+        }
+        Effect::Parts(parts) => store::Change::Number { key: PARTS.into(), value: Some(f64::from(*parts)) },
+    }
+}
+
+/// Applies one wish to data held in memory: what a control without a data directory begins with after a power cut.
+pub fn remember(retained: &mut Retained, effect: &Effect) {
+    match effect {
+        Effect::Variable(number, value) => drop(retained.variables.set(*number, *value)),
+        Effect::Param(at, value) => drop(retained.params.write(*at, *value)),
+        Effect::Offset { number, geometry, wear } => {
+            if let Some(index) = number.checked_sub(1).filter(|index| *index < retained.frames.wear.len()) {
+                retained.frames.geometry[index] = *geometry;
+                retained.frames.wear[index] = *wear;
+            }
+        }
+        Effect::Frame(index, origin) => {
+            if let Some(frame) = retained.frames.work.get_mut(*index) {
+                *frame = *origin;
+            }
+        }
+        Effect::CurrentProgram(number) => retained.current_program = *number,
+        Effect::Parts(parts) => retained.parts = *parts,
+    }
+}
+
+fn restore(kind: Kind, loaded: &store::Loaded) -> (Retained, Vec<String>) {
+    let mut retained = Retained::factory(kind);
+    let mut dropped = Vec::new();
+    for (number, value) in &loaded.variables {
+        if retained.variables.set(u32::from(*number), Some(*value)).is_err() {
+            dropped.push(format!("#{number} = {value}"));
+        }
+    }
+    for (key, value) in &loaded.params {
+        let written = ParamAddress::parse(key).map(|at| retained.params.write(at, *value));
+        if !matches!(written, Some(Ok(()))) {
+            dropped.push(format!("{key} = {value}"));
+        }
+    }
+    for (number, offset) in &loaded.offsets {
+        let number = usize::from(*number);
+        remember(&mut retained, &Effect::Offset { number, geometry: offset.geometry, wear: offset.wear });
+    }
+    for (index, origin) in &loaded.frames {
+        remember(&mut retained, &Effect::Frame(usize::from(*index), PerAxis(origin.0)));
+    }
+    let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);
+    retained.current_program = number(CURRENT_PROGRAM);
+    retained.parts = number(PARTS);
+    (retained, dropped)
+}

@@ -1,0 +1,258 @@
+//! A control wired to the simulated machine and stepped tick by tick by whoever holds it: headless runs, stories,
+//! demo, tests. Time is what has been stepped; nothing here waits.
+//! Source: spec tools.md T3, T5; simulator.md.
+
+use std::sync::Arc;
+
+use super::disk::Folders;
+use super::keeper::{Keeper, remember};
+use crate::controller::{Controller, Effect, Retained};
+use crate::defs::alarm;
+use crate::defs::kind::Kind;
+use crate::defs::param;
+use crate::defs::text::Said;
+use crate::io::sim::{MachineFile, PartFile, SimFileError, SimulatedMachine};
+use crate::io::{Backend, InputImage, OutputImage};
+use crate::link::command::{Command, Screens};
+use crate::link::snapshot::{DirectoryRow, Snapshot};
+use crate::store::FolderError;
+use crate::units::{Micros, PerAxis};
+
+/// Why a rig could not be set up.
+#[derive(Debug, thiserror::Error)]
+pub enum RigError {
+    /// The kind has no simulated machine or no control in this version.
+    #[error("kind {0} is not driven in this version; gc is")]
+    Kind(&'static str),
+    /// A machine or part file.
+    #[error(transparent)]
+    File(#[from] SimFileError),
+    /// A folder.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+}
+
+/// What a rig begins with.
+pub struct Setup {
+    /// Kind of machine.
+    pub kind: Kind,
+    /// What the control remembers.
+    pub retained: Retained,
+    /// Where to keep what it is to remember; none keeps it in memory.
+    pub keeper: Option<Keeper>,
+    /// Folders of programs and page files.
+    pub folders: Folders,
+    /// Seed of the simulated machine's chance.
+    pub seed: u64,
+}
+
+/// Control and machine.
+pub struct Rig {
+    kind: Kind,
+    controller: Controller,
+    machine: SimulatedMachine,
+    image: InputImage,
+    retained: Retained,
+    keeper: Option<Keeper>,
+    effects: Vec<Effect>,
+    inbox: Vec<Command>,
+    now: Micros,
+    tick: Micros,
+    powered: bool,
+    programs: Arc<crate::controller::Programs>,
+    directory: Arc<Vec<DirectoryRow>>,
+    screens: Arc<Screens>,
+    snapshot: Snapshot,
+}
+
+impl Rig {
+    /// A machine at power-on.
+    ///
+    /// # Errors
+    /// The kind is not driven, or a file cannot be read.
+    pub fn new(setup: Setup) -> Result<Self, RigError> {
+        let Setup { kind, retained, keeper, folders, seed } = setup;
+        let refused = || RigError::Kind(kind.id());
+        crate::machine::kind::find(kind).ok_or_else(refused)?;
+        let (programs, directory) = folders.read_programs()?;
+        let screens = folders.read_screens()?;
+        let mut machine = SimulatedMachine::new(MachineFile::builtin(kind)?, None, &retained.params, seed);
+        let now = Micros::ZERO;
+        let image = machine.read(now);
+        let controller = Controller::new(kind, retained.clone(), image, now).ok_or_else(refused)?;
+        let tick = Micros(retained.params.get(param::TICK_TIME) as u64);
+        let mut rig = Self {
+            kind,
+            controller,
+            machine,
+            image,
+            retained,
+            keeper,
+            effects: Vec::new(),
+            inbox: Vec::new(),
+            now,
+            tick,
+            powered: true,
+            programs: Arc::new(programs),
+            directory: Arc::new(directory),
+            screens: Arc::new(screens),
+            snapshot: Snapshot::new(kind),
+        };
+        rig.deliver();
+        Ok(rig)
+    }
+
+    /// A control gets what the disk has found.
+    fn deliver(&mut self) {
+        self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
+        self.inbox.push(Command::Screens(Arc::clone(&self.screens)));
+    }
+
+    /// Adds programs that are not in the folder (a file named on the command line).
+    pub fn add_program(&mut self, program: crate::controller::Program) {
+        let mut rows: Vec<_> = self.programs.iter().cloned().collect();
+        rows.retain(|row| row.number != program.number);
+        rows.push(program);
+        self.programs = Arc::new(crate::controller::Programs::new(rows));
+        self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
+    }
+
+    /// Puts a part into the machine, and its work zero and tool geometry into the control; variables that have no
+    /// value get the part's.
+    pub fn mount(&mut self, part: &PartFile) {
+        self.machine.set_part(Some(part));
+        let place = part.g54_mm;
+        self.inbox.push(Command::SetFrame(0, PerAxis([place.x, place.y, place.z])));
+        for offset in &part.offsets {
+            let geometry = PerAxis([offset.x / 2.0, 0.0, offset.z]);
+            self.inbox.push(Command::SetGeometry(usize::from(offset.number), geometry));
+        }
+        for (number, value) in &part.variables {
+            if matches!(self.retained.variables.get(u32::from(*number)), Ok(None)) {
+                self.inbox.push(Command::SetVariable(*number, Some(*value)));
+            }
+        }
+    }
+
+    /// Homed, hydraulics on, part clamped: where a headless run begins (T3).
+    pub fn make_ready(&mut self) {
+        self.machine.start_ready();
+        self.image = self.machine.read(self.now);
+        if let Some(controller) = Controller::new(self.kind, self.retained.clone(), self.image, self.now) {
+            self.controller = controller;
+        }
+        self.controller.make_ready(self.machine.encoder_zero_mm());
+        self.deliver();
+    }
+
+    /// Hands a command to the control; it is taken in the next tick.
+    pub fn send(&mut self, command: Command) {
+        self.inbox.push(command);
+    }
+
+    /// One tick of control and machine.
+    pub fn step(&mut self) {
+        self.now = self.now + self.tick;
+        self.image = self.machine.read(self.now);
+        if !self.powered {
+            self.inbox.clear();
+            return;
+        }
+        let outputs = *self.controller.tick(self.now, &self.image, &self.inbox);
+        self.inbox.clear();
+        self.machine.write(self.now, &outputs);
+        self.keep();
+    }
+
+    /// Keeps what the control wishes; without a disk thread the acknowledgement comes at once.
+    fn keep(&mut self) {
+        self.controller.drain_effects(&mut self.effects);
+        if self.effects.is_empty() {
+            return;
+        }
+        for effect in &self.effects {
+            remember(&mut self.retained, effect);
+        }
+        if let Some(keeper) = &mut self.keeper {
+            self.inbox.push(match keeper.commit(&self.effects) {
+                Ok(generation) => Command::Stored(generation),
+                Err(error) => Command::DiskFailed(Said::new(error.to_string(), error.to_string())),
+            });
+        }
+        self.effects.clear();
+    }
+
+    /// The power goes at this tick.
+    pub fn power_cut(&mut self) {
+        self.powered = false;
+        self.machine.write(self.now, &OutputImage { set_point_mm: self.image.encoder_mm, ..OutputImage::default() });
+    }
+
+    /// The power comes (again): a cold start with the data so far.
+    pub fn power_on(&mut self) {
+        self.powered = true;
+        self.image = self.machine.read(self.now);
+        if let Some(controller) = Controller::new(self.kind, self.retained.clone(), self.image, self.now) {
+            self.controller = controller;
+        }
+        self.deliver();
+    }
+
+    /// Tells the operator that the retained data were damaged.
+    pub fn report_damage(&mut self, what: &str) {
+        self.controller.report(alarm::DATA_DAMAGED, Some(Said::new(what, what)));
+    }
+
+    /// What a page would show now.
+    pub fn snapshot(&mut self) -> &Snapshot {
+        self.controller.snapshot(&mut self.snapshot);
+        &self.snapshot
+    }
+
+    /// The control.
+    #[must_use]
+    pub const fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The machine.
+    #[must_use]
+    pub const fn machine(&self) -> &SimulatedMachine {
+        &self.machine
+    }
+
+    /// The machine, to force inputs and faults.
+    pub const fn machine_mut(&mut self) -> &mut SimulatedMachine {
+        &mut self.machine
+    }
+
+    /// Simulated time since the start.
+    #[must_use]
+    pub const fn now(&self) -> Micros {
+        self.now
+    }
+
+    /// Length of a tick.
+    #[must_use]
+    pub const fn tick_time(&self) -> Micros {
+        self.tick
+    }
+
+    /// The kind of machine.
+    #[must_use]
+    pub const fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// Whether a program is in the folder.
+    #[must_use]
+    pub fn has_program(&self, number: u32) -> bool {
+        self.programs.get(number).is_some()
+    }
+
+    /// What the control remembers.
+    #[must_use]
+    pub const fn retained(&self) -> &Retained {
+        &self.retained
+    }
+}

@@ -1,0 +1,49 @@
+//! A 64-bit checksum against accidents (torn writes, flipped bits), not against intent.
+//!
+//! FNV-1a with a final mix, written out here because it is stored in files: it must never change with a library.
+
+const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+const PRIME: u64 = 0x0000_0100_0000_01b3;
+
+/// A running checksum.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Checksum(u64);
+
+impl Checksum {
+    /// The checksum of nothing yet.
+    pub(super) const fn new() -> Self {
+        Self(OFFSET)
+    }
+
+    /// Takes in bytes.
+    pub(super) fn add(mut self, bytes: &[u8]) -> Self {
+        for byte in bytes {
+            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(PRIME);
+        }
+        self
+    }
+
+    /// The value; mixed, so that sums of checksums stay telling.
+    pub(super) const fn finish(self) -> u64 {
+        let mut mixed = self.0;
+        mixed = (mixed ^ (mixed >> 33)).wrapping_mul(0xff51_afd7_ed55_8ccd);
+        mixed = (mixed ^ (mixed >> 33)).wrapping_mul(0xc4ce_b9fe_1a85_ec53);
+        mixed ^ (mixed >> 33)
+    }
+}
+
+/// The checksum of one piece of bytes.
+pub(super) fn of(bytes: &[u8]) -> u64 {
+    Checksum::new().add(bytes).finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_value_never_changes() {
+        assert_eq!(of(b""), 0xefd0_1f60_ba99_2926);
+        assert_ne!(of(b"#500=1"), of(b"#500=2"));
+    }
+}

@@ -1,0 +1,43 @@
+//! A refusal of the operating system, told with its place, its cause and what to do about it.
+
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// What the operating system refused to do with a file or folder.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: cannot {act}: {cause}; {}", .path.display(), remedy(.cause.kind()))]
+pub struct IoFault {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What was being done, as a verb: "read", "replace".
+    pub act: &'static str,
+    /// What the operating system said.
+    #[source]
+    pub cause: io::Error,
+}
+
+impl IoFault {
+    /// For `map_err`: adds the place and the act to what the operating system said.
+    pub(super) fn at(path: &Path, act: &'static str) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |cause| Self { path, act, cause }
+    }
+
+    /// Whether the file or folder simply is not there.
+    #[must_use]
+    pub fn is_missing(&self) -> bool {
+        self.cause.kind() == ErrorKind::NotFound
+    }
+}
+
+/// What a person can do about a kind of refusal.
+fn remedy(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::NotFound => "check the path, and that the stick is plugged in",
+        ErrorKind::PermissionDenied => "give the user of the control access to it",
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "make room on the disk",
+        ErrorKind::ReadOnlyFilesystem => "the disk is write-protected: unlock it, or replace a failing disk",
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "move away the file that stands in its place",
+        _ => "check the disk and try again",
+    }
+}

@@ -1,0 +1,122 @@
+//! What the files of a folder are called: a letter, four digits, an extension; case does not count.
+
+/// The largest part program, in bytes: over ten million blocks.
+pub const PROGRAM_LIMIT: u64 = 512 * 1024 * 1024;
+/// The largest page text, in bytes; a real one has 22 short lines.
+pub const PAGE_TEXT_LIMIT: u64 = 64 * 1024;
+/// The largest picture, in bytes; 200 × 400 in 24 bits is 240 054 (K5.12).
+pub const PICTURE_LIMIT: u64 = 1024 * 1024;
+
+/// Part programs `O1001.NC` (B1). A lathe adds its own extensions with another constant.
+pub const PROGRAM: FileClass =
+    FileClass { letter: 'O', extensions: &["NC"], limit: PROGRAM_LIMIT, comment: CommentIs::FirstComment };
+/// Page texts `C0001.TXT`; the `.NC` of the same number counts only without it (K7.3).
+pub const PAGE_TEXT: FileClass =
+    FileClass { letter: 'C', extensions: &["TXT", "NC"], limit: PAGE_TEXT_LIMIT, comment: CommentIs::Title };
+/// Pictures `B0001.BMP` (K7.3).
+pub const PICTURE: FileClass =
+    FileClass { letter: 'B', extensions: &["BMP"], limit: PICTURE_LIMIT, comment: CommentIs::None };
+
+/// A kind of file: how it is named and how large it may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FileClass {
+    /// The letter before the number, upper case.
+    pub letter: char,
+    /// Extensions in upper case; the earlier wins over the later.
+    pub extensions: &'static [&'static str],
+    /// The largest size, in bytes.
+    pub limit: u64,
+    /// What a directory shows beside the name.
+    pub comment: CommentIs,
+}
+
+/// Where the comment line of a directory entry comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CommentIs {
+    /// The first `( )` or `;` comment of the file's head, as in programs.
+    FirstComment,
+    /// The text up to the first `;`, as in page texts (K7.4).
+    Title,
+    /// None: the file is no text.
+    None,
+}
+
+/// How many digits a number has in a name.
+const DIGITS: usize = 4;
+/// The largest number that a name can carry.
+pub(super) const LARGEST_NUMBER: u16 = 9999;
+
+impl FileClass {
+    /// The name for a number, as this control writes it: `O1001.NC`.
+    #[must_use]
+    pub fn name(&self, number: u16) -> String {
+        let extension = self.extensions.first().copied().unwrap_or_default();
+        format!("{}{number:04}.{extension}", self.letter)
+    }
+
+    /// Number and rank of the extension (0 wins) of a name of this class, in any case; `None` for other names.
+    #[must_use]
+    pub fn parse(&self, name: &str) -> Option<(u16, usize)> {
+        let (stem, extension) = name.rsplit_once('.')?;
+        let rank = self.extensions.iter().position(|known| known.eq_ignore_ascii_case(extension))?;
+        let mut characters = stem.chars();
+        let letter = characters.next()?;
+        let digits = characters.as_str();
+        let numbered = digits.len() == DIGITS && digits.bytes().all(|byte| byte.is_ascii_digit());
+        if !letter.eq_ignore_ascii_case(&self.letter) || !numbered {
+            return None;
+        }
+        Some((digits.parse().ok()?, rank))
+    }
+
+    /// The comment line of a file whose beginning is `head`.
+    pub(super) fn comment_in(&self, head: &str) -> String {
+        match self.comment {
+            CommentIs::FirstComment => first_comment(head),
+            CommentIs::Title => head.split([';', '；']).next().unwrap_or_default().trim().to_owned(),
+            CommentIs::None => String::new(),
+        }
+    }
+}
+
+/// The first comment of a program's head: `( )`, `//` or after `;`.
+fn first_comment(head: &str) -> String {
+    for line in head.lines() {
+        let found = if let Some((_, rest)) = line.split_once('(') {
+            rest.split(')').next()
+        } else if let Some((_, rest)) = line.split_once(';') {
+            Some(rest.trim_start_matches(';'))
+        } else {
+            line.split_once("//").map(|(_, rest)| rest)
+        };
+        let found = found.unwrap_or_default().trim();
+        if !found.is_empty() {
+            return found.to_owned();
+        }
+    }
+    String::new()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_told_without_regard_to_case_and_nothing_else_passes() {
+        assert_eq!(PROGRAM.parse("o1001.nc"), Some((1001, 0)));
+        assert_eq!(PAGE_TEXT.parse("c0001.NC"), Some((1, 1)));
+        for other in ["O101.NC", "O10010.NC", "O1001.TXT", "O1001", "O+001.NC", "../O1001.NC", "O１００１.NC", "", "."]
+        {
+            assert_eq!(PROGRAM.parse(other), None, "{other}");
+        }
+        assert_eq!(PROGRAM.name(7), "O0007.NC");
+    }
+
+    #[test]
+    fn the_comment_line_is_the_first_comment_or_the_title() {
+        assert_eq!(PROGRAM.comment_in("%\nO1001 (JAW FACE)\nG0 X1 ; no"), "JAW FACE");
+        assert_eq!(PROGRAM.comment_in("G0 X1;\nG1 ; 快进"), "快进");
+        assert_eq!(PROGRAM.comment_in("G0 X1"), "");
+        assert_eq!(PAGE_TEXT.comment_in("外圆磨;\n起点 #500;"), "外圆磨");
+    }
+}

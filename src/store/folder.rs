@@ -1,0 +1,261 @@
+//! The folders `programs/` and `screens/`, and a stick's, by number.
+//!
+//! A person copies files in at any time, with any case and sometimes half-way; nothing is kept between two calls.
+//! Source: spec K7.3, K7.8, B1.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::fault::IoFault;
+use super::file_class::{FileClass, LARGEST_NUMBER};
+use super::listing::{self, Entry, Listing};
+use super::whole_file::{self, ReadError, UNFINISHED};
+
+/// Why a file of a folder was not read, written, renamed or deleted. Nothing was changed.
+#[derive(Debug, thiserror::Error)]
+pub enum FolderError {
+    /// No file of that number.
+    #[error("{name} is not in {}; copy it there", .folder.display())]
+    Missing {
+        /// The name it would have.
+        name: String,
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The name is not a plain file name: it holds a separator, `..`, or nothing.
+    #[error("\"{name}\" is not a file name; give a name without folders, like {like}")]
+    BadName {
+        /// The name given.
+        name: String,
+        /// A good one.
+        like: String,
+    },
+    /// The number cannot stand in a name.
+    #[error("{number} is not a file number; 0 to {LARGEST_NUMBER} are")]
+    BadNumber {
+        /// The number given.
+        number: u16,
+    },
+    /// A link, folder or device stands under the name.
+    #[error("{}: a link, folder or device; put the file itself there", .path.display())]
+    NotPlain {
+        /// The place.
+        path: PathBuf,
+    },
+    /// Larger than its class allows.
+    #[error("{}: {size} bytes, more than the {limit} allowed; split it", .path.display())]
+    TooLarge {
+        /// The place.
+        path: PathBuf,
+        /// Its size in bytes.
+        size: u64,
+        /// The largest size in bytes.
+        limit: u64,
+    },
+    /// It changed while it was read.
+    #[error("{}: still being written; wait until it is copied and try again", .path.display())]
+    Changing {
+        /// The place.
+        path: PathBuf,
+    },
+    /// The target exists already.
+    #[error("{}: there already; delete it first or choose another number", .path.display())]
+    Exists {
+        /// The place.
+        path: PathBuf,
+    },
+    /// The operating system refused.
+    #[error(transparent)]
+    Io(#[from] IoFault),
+}
+
+/// A file's name and content.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Read {
+    /// The name as it stands on the disk, for messages.
+    pub name: String,
+    /// The content.
+    pub bytes: Vec<u8>,
+}
+
+/// A folder of numbered files.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Folder {
+    path: PathBuf,
+}
+
+impl Folder {
+    /// The folder at a path. Whether it is there shows at the first use: a stick comes and goes.
+    #[must_use]
+    pub fn new(path: impl Into<PathBuf>) -> Self {
+        Self { path: path.into() }
+    }
+
+    /// The path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The files of a class with size, time and comment line, and those that do not count.
+    ///
+    /// # Errors
+    /// When the folder cannot be listed.
+    pub fn list(&self, class: &FileClass) -> Result<Listing, FolderError> {
+        Ok(listing::list(&self.path, class)?)
+    }
+
+    /// The file that counts for a number; names are compared without regard to case.
+    ///
+    /// # Errors
+    /// [`FolderError::Missing`], or when the folder cannot be listed.
+    pub fn find(&self, class: &FileClass, number: u16) -> Result<Entry, FolderError> {
+        let (mut found, _) = listing::scan(&self.path, class)?;
+        let found = found.remove(&number).ok_or_else(|| self.missing(class, number))?;
+        Ok(listing::entry(&self.path, class, number, found))
+    }
+
+    /// The content of the file that counts for a number.
+    ///
+    /// # Errors
+    /// When it is missing, no plain file, larger than its class allows, still being written, or unreadable.
+    pub fn read(&self, class: &FileClass, number: u16) -> Result<Read, FolderError> {
+        let path = self.existing(class, number)?;
+        Ok(Read { name: shown(&path), bytes: read_plain(&path, class.limit)? })
+    }
+
+    /// The content of a file by its exact name, at most `class.limit` bytes.
+    ///
+    /// # Errors
+    /// As [`Folder::read`]; also for a name with a separator or `..`.
+    pub fn read_named(&self, class: &FileClass, name: &str) -> Result<Read, FolderError> {
+        let path = self.path.join(plain_name(class, name)?);
+        Ok(Read { name: name.to_owned(), bytes: read_plain(&path, class.limit)? })
+    }
+
+    /// Writes a file, in place of the one that counted for the number: after a power cut it is the old or the new.
+    /// Returns its name.
+    ///
+    /// # Errors
+    /// When it is too large, or a link, folder or device has its name, or the disk refuses.
+    pub fn write(&self, class: &FileClass, number: u16, bytes: &[u8]) -> Result<String, FolderError> {
+        let path = match self.existing(class, number) {
+            Ok(path) => path,
+            Err(FolderError::Missing { .. }) => self.canonical(class, number)?,
+            Err(other) => return Err(other),
+        };
+        let size = bytes.len() as u64;
+        if size > class.limit {
+            return Err(FolderError::TooLarge { path, size, limit: class.limit });
+        }
+        whole_file::replace(&path, bytes)?;
+        Ok(shown(&path))
+    }
+
+    /// Copies a file to a free number and returns the new name.
+    ///
+    /// # Errors
+    /// As reading and writing; [`FolderError::Exists`] when the number is taken.
+    pub fn copy(&self, class: &FileClass, from: u16, to: u16) -> Result<String, FolderError> {
+        self.refuse_taken(class, to)?;
+        let read = self.read(class, from)?;
+        self.write(class, to, &read.bytes)
+    }
+
+    /// Gives a file a free number and returns the new name.
+    ///
+    /// # Errors
+    /// When it is missing, or the number is taken, or the disk refuses.
+    pub fn rename(&self, class: &FileClass, from: u16, to: u16) -> Result<String, FolderError> {
+        self.refuse_taken(class, to)?;
+        let (old, new) = (self.existing(class, from)?, self.canonical(class, to)?);
+        fs::rename(&old, &new).map_err(IoFault::at(&old, "rename"))?;
+        whole_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?;
+        Ok(shown(&new))
+    }
+
+    /// Deletes the file that counts for a number. One that it hid (`.NC` behind `.TXT`) counts afterwards.
+    ///
+    /// # Errors
+    /// When it is missing or the disk refuses.
+    pub fn delete(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
+        let path = self.existing(class, number)?;
+        fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?;
+        Ok(whole_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
+    }
+
+    /// Removes the temporary files that a power cut left behind; call once at start. Returns how many there were.
+    ///
+    /// # Errors
+    /// When the folder cannot be listed or the disk refuses.
+    pub fn remove_unfinished(&self) -> Result<usize, FolderError> {
+        let mut removed = 0;
+        for entry in fs::read_dir(&self.path).map_err(IoFault::at(&self.path, "list"))? {
+            let entry = entry.map_err(IoFault::at(&self.path, "list"))?;
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            if name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1) {
+                fs::remove_file(entry.path()).map_err(IoFault::at(&entry.path(), "delete"))?;
+                removed += 1;
+            }
+        }
+        Ok(removed)
+    }
+
+    /// The path of the file that counts for a number; a link, folder or device under its own name is refused.
+    fn existing(&self, class: &FileClass, number: u16) -> Result<PathBuf, FolderError> {
+        let (mut found, ignored) = listing::scan(&self.path, class)?;
+        if let Some(found) = found.remove(&number) {
+            return Ok(self.path.join(found.name));
+        }
+        let same = |name: &str| class.parse(name).is_some_and(|(other, _)| other == number);
+        match ignored.into_iter().find(|ignored| same(&ignored.name)) {
+            Some(odd) => Err(FolderError::NotPlain { path: self.path.join(odd.name) }),
+            None => Err(self.missing(class, number)),
+        }
+    }
+
+    /// The path that a new file gets.
+    fn canonical(&self, class: &FileClass, number: u16) -> Result<PathBuf, FolderError> {
+        if number > LARGEST_NUMBER {
+            return Err(FolderError::BadNumber { number });
+        }
+        Ok(self.path.join(class.name(number)))
+    }
+
+    fn refuse_taken(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
+        match self.existing(class, number) {
+            Ok(path) => Err(FolderError::Exists { path }),
+            Err(FolderError::Missing { .. }) => Ok(()),
+            Err(other) => Err(other),
+        }
+    }
+
+    fn missing(&self, class: &FileClass, number: u16) -> FolderError {
+        FolderError::Missing { name: class.name(number), folder: self.path.clone() }
+    }
+}
+
+/// A name that cannot lead out of the folder, whatever system the stick came from.
+fn plain_name<'a>(class: &FileClass, name: &'a str) -> Result<&'a str, FolderError> {
+    let outside = name.is_empty() || name == "." || name == ".." || name.contains(['/', '\\', ':', '\0']);
+    if outside { Err(FolderError::BadName { name: name.to_owned(), like: class.name(1001) }) } else { Ok(name) }
+}
+
+fn read_plain(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
+    let here = || path.to_path_buf();
+    whole_file::read(path, limit).map_err(|refused| match refused {
+        ReadError::Io(fault) if fault.is_missing() => {
+            FolderError::Missing { name: shown(path), folder: whole_file::folder_of(path).to_path_buf() }
+        }
+        ReadError::Io(fault) => FolderError::Io(fault),
+        ReadError::NotPlain => FolderError::NotPlain { path: here() },
+        ReadError::TooLarge { size, limit } => FolderError::TooLarge { path: here(), size, limit },
+        ReadError::Changing => FolderError::Changing { path: here() },
+    })
+}
+
+/// A path's own name, for messages.
+fn shown(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

@@ -1,0 +1,146 @@
+//! What lies in a folder: the files of a class by number, and why the others do not count.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+use std::time::SystemTime;
+
+use encoding_rs::GBK;
+
+use super::fault::IoFault;
+use super::file_class::{CommentIs, FileClass};
+use super::whole_file::UNFINISHED;
+
+/// The most files of a folder that are looked at; the rest is told as ignored.
+pub const LISTING_LIMIT: usize = 20_000;
+/// How much of a file is looked at for its comment line, in bytes.
+const HEAD_LIMIT: u64 = 2048;
+/// The longest comment line, in characters.
+const COMMENT_LIMIT: usize = 80;
+
+/// A file of a class.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// The number in its name.
+    pub number: u16,
+    /// Its name as it stands on the disk.
+    pub name: String,
+    /// Its size, in bytes.
+    pub size: u64,
+    /// When it was last written, by the clock of the computer; `None` when the disk does not say.
+    pub modified: Option<SystemTime>,
+    /// The comment line; empty when there is none.
+    pub comment: String,
+}
+
+/// A file that is there and does not count.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ignored {
+    /// Its name.
+    pub name: String,
+    /// Why, for the person who copied it.
+    pub reason: String,
+}
+
+/// The files of one class in a folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Listing {
+    /// In the order of their numbers.
+    pub entries: Vec<Entry>,
+    /// In the order of their names; files of another letter are not among them.
+    pub ignored: Vec<Ignored>,
+}
+
+/// A name that counts, before its file is looked into.
+pub(super) struct Found {
+    pub(super) name: String,
+    rank: usize,
+    pub(super) metadata: fs::Metadata,
+}
+
+/// The files of a class by number, without their comments, and what was passed over.
+pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Found>, Vec<Ignored>), IoFault> {
+    let mut found: BTreeMap<u16, Found> = BTreeMap::new();
+    let mut ignored = Vec::new();
+    for (looked_at, entry) in fs::read_dir(folder).map_err(IoFault::at(folder, "list"))?.enumerate() {
+        let entry = entry.map_err(IoFault::at(folder, "list"))?;
+        let Ok(name) = entry.file_name().into_string() else { continue };
+        if looked_at >= LISTING_LIMIT {
+            ignored.push(Ignored { name, reason: format!("more than {LISTING_LIMIT} files in the folder") });
+            break;
+        }
+        let Some((number, rank)) = class.parse(&name) else {
+            ignored.extend(misnamed(class, name));
+            continue;
+        };
+        let metadata = match entry.metadata() {
+            Ok(metadata) => metadata,
+            // Removed since the folder was opened.
+            Err(_) => continue,
+        };
+        if !metadata.is_file() {
+            ignored.push(Ignored { name, reason: "a link, folder or device: only plain files count".to_owned() });
+            continue;
+        }
+        let candidate = Found { name, rank, metadata };
+        match found.remove(&number) {
+            None => drop(found.insert(number, candidate)),
+            Some(rival) => {
+                let (winner, loser) = first_of(rival, candidate);
+                ignored.push(Ignored { name: loser.name, reason: format!("{} counts instead", winner.name) });
+                found.insert(number, winner);
+            }
+        }
+    }
+    ignored.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok((found, ignored))
+}
+
+/// Which of two files of one number counts: the better extension, then upper case before lower case.
+fn first_of(one: Found, other: Found) -> (Found, Found) {
+    if (one.rank, &one.name) <= (other.rank, &other.name) { (one, other) } else { (other, one) }
+}
+
+/// A file that was surely meant for the class, by its letter and extension, but has no number of four digits.
+fn misnamed(class: &FileClass, name: String) -> Option<Ignored> {
+    let extension = name.rsplit_once('.').map(|(_, extension)| extension)?;
+    let known = class.extensions.iter().any(|known| known.eq_ignore_ascii_case(extension));
+    let lettered = name.chars().next().is_some_and(|first| first.eq_ignore_ascii_case(&class.letter));
+    let unfinished = name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1);
+    (known && lettered && !unfinished).then(|| Ignored { reason: format!("rename it like {}", class.name(1001)), name })
+}
+
+/// The files of a class with size, time and comment line.
+pub(super) fn list(folder: &Path, class: &FileClass) -> Result<Listing, IoFault> {
+    let (found, ignored) = scan(folder, class)?;
+    let entries = found.into_iter().map(|(number, found)| entry(folder, class, number, found)).collect();
+    Ok(Listing { entries, ignored })
+}
+
+/// The entry of a file, its comment line read from its head.
+pub(super) fn entry(folder: &Path, class: &FileClass, number: u16, found: Found) -> Entry {
+    let head = match class.comment {
+        CommentIs::None => String::new(),
+        // A file that cannot be read has no comment; reading it in earnest says why.
+        CommentIs::FirstComment | CommentIs::Title => head(&folder.join(&found.name)).unwrap_or_default(),
+    };
+    let comment = class.comment_in(&head).chars().filter(|c| !c.is_control()).take(COMMENT_LIMIT).collect();
+    Entry { number, name: found.name, size: found.metadata.len(), modified: found.metadata.modified().ok(), comment }
+}
+
+/// The beginning of a file as text; what is no character shows as `�`.
+fn head(path: &Path) -> Option<String> {
+    let mut bytes = Vec::new();
+    File::open(path).ok()?.take(HEAD_LIMIT).read_to_end(&mut bytes).ok()?;
+    // A character cut in two at the end of the head is no reason to take the file for GBK.
+    let is_utf8 = match std::str::from_utf8(&bytes) {
+        Ok(_) => true,
+        Err(wrong) => wrong.error_len().is_none(),
+    };
+    if is_utf8 {
+        return Some(String::from_utf8_lossy(&bytes).trim_start_matches('\u{FEFF}').to_owned());
+    }
+    let (text, _) = GBK.decode_without_bom_handling(&bytes);
+    Some(text.into_owned())
+}

@@ -1,0 +1,37 @@
+//! Everything that outlives a power cut, and the folders a person copies files into.
+//!
+//! Plain synchronous code for the disk thread, never for the tick: every call may wait for the disk. Nothing here knows
+//! what a variable or a program means; it keeps what it is given and gives it back whole, or says what is wrong.
+//!
+//! | what | where | how it survives a power cut |
+//! |---|---|---|
+//! | variables, parameters, offsets, frames, words | [`Retained`], `retained.redb` | one durable transaction a commit |
+//! | settings, backups, part files | [`ron_file`] | whole-file replacement, checksum, previous generation kept |
+//! | programs, page files, pictures | [`Folder`] | whole-file replacement |
+//!
+//! Source: spec K3, K4.2, K6, K7.3, K7.8, B1, B3, B6.
+
+mod checksum;
+mod data_dir;
+mod decode;
+mod fault;
+mod file_class;
+mod folder;
+mod listing;
+mod retained;
+pub mod ron_file;
+mod watch;
+mod whole_file;
+
+pub use data_dir::{DataDir, DataDirError};
+pub use decode::{DecodeError, Decoded, Encoding, decode};
+pub use fault::IoFault;
+pub use file_class::{
+    CommentIs, FileClass, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, PICTURE_LIMIT, PROGRAM, PROGRAM_LIMIT,
+};
+pub use folder::{Folder, FolderError, Read};
+pub use listing::{Entry, Ignored, LISTING_LIMIT, Listing};
+pub use retained::{
+    Change, DamageReport, Generation, Loaded, Opened, Retained, RetainedError, StorageFault, ToolOffset,
+};
+pub use watch::{Changed, POLL_INTERVAL, Watch};

@@ -1,0 +1,253 @@
+//! The tables of the database, and the checksum over their rows.
+//!
+//! Every row has a checksum over table, key and value; the sum of them stands in the `meta` table and is kept up with
+//! each change, so that a commit costs what it changes and an opening sees rows that are lost or altered.
+
+use redb::{Database, ReadableDatabase, ReadableTable, Table, TableDefinition, WriteTransaction};
+
+use super::{Change, Generation, Loaded, RetainedError, ToolOffset};
+use crate::store::checksum::Checksum;
+use crate::units::PerAxis;
+
+/// The format of the tables written here.
+pub(super) const FORMAT: u64 = 1;
+/// The longest key of a parameter or retained word, in bytes.
+const KEY_LIMIT: usize = 64;
+/// The longest retained text, in bytes.
+const TEXT_LIMIT: usize = 4096;
+/// Tool offsets 1 to 16.
+const LAST_OFFSET: u8 = 16;
+/// Work frames G54 to G59.
+const FRAMES: u8 = 6;
+
+const META: TableDefinition<&str, u64> = TableDefinition::new("meta");
+const VARIABLES: TableDefinition<u16, f64> = TableDefinition::new("variables");
+const PARAMS: TableDefinition<&str, f64> = TableDefinition::new("params");
+const OFFSETS: TableDefinition<u8, [f64; 6]> = TableDefinition::new("tool_offsets");
+const WORK_FRAMES: TableDefinition<u8, [f64; 3]> = TableDefinition::new("work_frames");
+const NUMBERS: TableDefinition<&str, f64> = TableDefinition::new("numbers");
+const TEXTS: TableDefinition<&str, &str> = TableDefinition::new("texts");
+
+const META_FORMAT: &str = "kt830 retained format";
+const META_GENERATION: &str = "generation";
+const META_ROWS: &str = "rows";
+
+/// What the database said, of whichever of its kinds.
+#[derive(Debug, thiserror::Error)]
+#[error("retained data: {0}")]
+pub struct StorageFault(Box<redb::Error>);
+
+impl<E: Into<redb::Error>> From<E> for StorageFault {
+    fn from(fault: E) -> Self {
+        Self(Box::new(fault.into()))
+    }
+}
+
+/// Everything in the database, with what it says about itself.
+pub(super) struct Content {
+    pub(super) loaded: Loaded,
+    pub(super) format: u64,
+    /// The sum over the rows as the last commit wrote it.
+    pub(super) stated: u64,
+    /// The sum over the rows that are there.
+    pub(super) counted: u64,
+}
+
+/// Refuses what must never come back after a power cut.
+pub(super) fn check(change: &Change) -> Result<(), RetainedError> {
+    let finite = |value: &Option<f64>| value.is_none_or(f64::is_finite);
+    let keyed = |key: &String| !key.is_empty() && key.len() <= KEY_LIMIT;
+    let all_finite = |values: &PerAxis<f64>| values.0.iter().all(|value| value.is_finite());
+    let (good_key, good_value) = match change {
+        Change::Variable { value, .. } => (true, finite(value)),
+        Change::Param { key, value } | Change::Number { key, value } => (keyed(key), finite(value)),
+        Change::Offset { number, offset } => {
+            ((1..=LAST_OFFSET).contains(number), all_finite(&offset.geometry) && all_finite(&offset.wear))
+        }
+        Change::Frame { index, origin } => (*index < FRAMES, all_finite(origin)),
+        Change::Text { key, value } => (keyed(key), value.as_ref().is_none_or(|text| text.len() <= TEXT_LIMIT)),
+    };
+    let what = || format!("{change:?}");
+    match (good_key, good_value) {
+        (true, true) => Ok(()),
+        (false, _) => Err(RetainedError::BadChange { what: what(), cause: "its number or name is out of range" }),
+        (true, false) => Err(RetainedError::BadChange { what: what(), cause: "its value is not finite, or too long" }),
+    }
+}
+
+/// Writes the empty tables and the format.
+pub(super) fn begin(database: &Database) -> Result<(), StorageFault> {
+    let transaction = database.begin_write()?;
+    {
+        let mut meta = transaction.open_table(META)?;
+        for (key, value) in [(META_FORMAT, FORMAT), (META_GENERATION, 0), (META_ROWS, 0)] {
+            meta.insert(key, value)?;
+        }
+        transaction.open_table(VARIABLES)?;
+        transaction.open_table(PARAMS)?;
+        transaction.open_table(OFFSETS)?;
+        transaction.open_table(WORK_FRAMES)?;
+        transaction.open_table(NUMBERS)?;
+        transaction.open_table(TEXTS)?;
+    }
+    Ok(transaction.commit()?)
+}
+
+/// One durable transaction with all the changes.
+pub(super) fn apply(database: &Database, changes: &[Change]) -> Result<Generation, StorageFault> {
+    let transaction = database.begin_write()?;
+    let moved = apply_rows(&transaction, changes)?;
+    let generation = {
+        let mut meta = transaction.open_table(META)?;
+        let rows = value_of(&meta, META_ROWS)?.wrapping_add(moved);
+        let generation = value_of(&meta, META_GENERATION)? + 1;
+        meta.insert(META_ROWS, rows)?;
+        meta.insert(META_GENERATION, generation)?;
+        Generation(generation)
+    };
+    // The default durability: the disk has it when this returns.
+    transaction.commit()?;
+    Ok(generation)
+}
+
+/// Changes the rows; returns by how much their sum moved.
+fn apply_rows(transaction: &WriteTransaction, changes: &[Change]) -> Result<u64, StorageFault> {
+    let mut variables = transaction.open_table(VARIABLES)?;
+    let mut params = transaction.open_table(PARAMS)?;
+    let mut offsets = transaction.open_table(OFFSETS)?;
+    let mut frames = transaction.open_table(WORK_FRAMES)?;
+    let mut numbers = transaction.open_table(NUMBERS)?;
+    let mut texts = transaction.open_table(TEXTS)?;
+    let mut moved = 0_u64;
+    for change in changes {
+        let by = match change {
+            Change::Variable { number, value } => {
+                let row = |value: f64| variable_row(*number, value);
+                let old = match value {
+                    Some(value) => variables.insert(number, value)?.map(|old| row(old.value())),
+                    None => variables.remove(number)?.map(|old| row(old.value())),
+                };
+                shift(old, value.map(row))
+            }
+            Change::Param { key, value } => set_number(&mut params, RowOf::Param, key, *value)?,
+            Change::Number { key, value } => set_number(&mut numbers, RowOf::Number, key, *value)?,
+            Change::Offset { number, offset } => {
+                let values = flat(offset);
+                let old = offsets.insert(number, values)?.map(|old| axes_row(RowOf::Offset, *number, &old.value()));
+                shift(old, Some(axes_row(RowOf::Offset, *number, &values)))
+            }
+            Change::Frame { index, origin } => {
+                let old = frames.insert(index, origin.0)?.map(|old| axes_row(RowOf::Frame, *index, &old.value()));
+                shift(old, Some(axes_row(RowOf::Frame, *index, &origin.0)))
+            }
+            Change::Text { key, value } => {
+                let row = |text: &str| row(RowOf::Text, key.as_bytes(), text.as_bytes());
+                let old = match value {
+                    Some(text) => texts.insert(key.as_str(), text.as_str())?.map(|old| row(old.value())),
+                    None => texts.remove(key.as_str())?.map(|old| row(old.value())),
+                };
+                shift(old, value.as_deref().map(row))
+            }
+        };
+        moved = moved.wrapping_add(by);
+    }
+    Ok(moved)
+}
+
+fn set_number(
+    table: &mut Table<'_, &'static str, f64>,
+    of: RowOf,
+    key: &str,
+    value: Option<f64>,
+) -> Result<u64, StorageFault> {
+    let old = match value {
+        Some(value) => table.insert(key, value)?.map(|old| number_row(of, key, old.value())),
+        None => table.remove(key)?.map(|old| number_row(of, key, old.value())),
+    };
+    Ok(shift(old, value.map(|value| number_row(of, key, value))))
+}
+
+/// Everything at once.
+pub(super) fn load(database: &Database) -> Result<Content, StorageFault> {
+    let transaction = database.begin_read()?;
+    let meta = transaction.open_table(META)?;
+    let mut loaded = Loaded { generation: Generation(value_of(&meta, META_GENERATION)?), ..Loaded::default() };
+    let mut counted = 0_u64;
+    for row in transaction.open_table(VARIABLES)?.iter()? {
+        let (number, value) = row?;
+        counted = counted.wrapping_add(variable_row(number.value(), value.value()));
+        loaded.variables.insert(number.value(), value.value());
+    }
+    for (table, of, into) in [(PARAMS, RowOf::Param, &mut loaded.params), (NUMBERS, RowOf::Number, &mut loaded.numbers)]
+    {
+        for row in transaction.open_table(table)?.iter()? {
+            let (key, value) = row?;
+            counted = counted.wrapping_add(number_row(of, key.value(), value.value()));
+            into.insert(key.value().to_owned(), value.value());
+        }
+    }
+    for row in transaction.open_table(OFFSETS)?.iter()? {
+        let (number, values) = row?;
+        let [gx, gy, gz, wx, wy, wz] = values.value();
+        counted = counted.wrapping_add(axes_row(RowOf::Offset, number.value(), &values.value()));
+        let offset = ToolOffset { geometry: PerAxis([gx, gy, gz]), wear: PerAxis([wx, wy, wz]) };
+        loaded.offsets.insert(number.value(), offset);
+    }
+    for row in transaction.open_table(WORK_FRAMES)?.iter()? {
+        let (index, origin) = row?;
+        counted = counted.wrapping_add(axes_row(RowOf::Frame, index.value(), &origin.value()));
+        loaded.frames.insert(index.value(), PerAxis(origin.value()));
+    }
+    for entry in transaction.open_table(TEXTS)?.iter()? {
+        let (key, text) = entry?;
+        counted = counted.wrapping_add(row(RowOf::Text, key.value().as_bytes(), text.value().as_bytes()));
+        loaded.texts.insert(key.value().to_owned(), text.value().to_owned());
+    }
+    let (format, stated) = (value_of(&meta, META_FORMAT)?, value_of(&meta, META_ROWS)?);
+    Ok(Content { loaded, format, stated, counted })
+}
+
+/// A number of the meta table; 0 when it is not there, which no format is.
+fn value_of(meta: &impl ReadableTable<&'static str, u64>, key: &str) -> Result<u64, StorageFault> {
+    Ok(meta.get(key)?.map_or(0, |value| value.value()))
+}
+
+/// The table a row belongs to, as it enters the row's checksum; the numbers are part of the format.
+#[derive(Clone, Copy)]
+enum RowOf {
+    Variable = 1,
+    Param = 2,
+    Offset = 3,
+    Frame = 4,
+    Number = 5,
+    Text = 6,
+}
+
+fn row(of: RowOf, key: &[u8], value: &[u8]) -> u64 {
+    let length = u8::try_from(key.len()).unwrap_or(u8::MAX);
+    Checksum::new().add(&[of as u8, length]).add(key).add(value).finish()
+}
+
+fn variable_row(number: u16, value: f64) -> u64 {
+    row(RowOf::Variable, &number.to_le_bytes(), &value.to_le_bytes())
+}
+
+fn number_row(of: RowOf, key: &str, value: f64) -> u64 {
+    row(of, key.as_bytes(), &value.to_le_bytes())
+}
+
+fn axes_row(of: RowOf, number: u8, values: &[f64]) -> u64 {
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    row(of, &[number], &bytes)
+}
+
+/// By how much the sum moves when a row is replaced, added or removed.
+fn shift(old: Option<u64>, new: Option<u64>) -> u64 {
+    new.unwrap_or(0).wrapping_sub(old.unwrap_or(0))
+}
+
+fn flat(offset: &ToolOffset) -> [f64; 6] {
+    let [gx, gy, gz] = offset.geometry.0;
+    let [wx, wy, wz] = offset.wear.0;
+    [gx, gy, gz, wx, wy, wz]
+}

@@ -1,0 +1,238 @@
+//! RON files that people read, edit and carry: settings, backups of parameters and variables, part files.
+//!
+//! The last line is a comment with the checksum of all before it; the generation before is kept as `NAME.bak`.
+//! A file that was edited by hand still counts for [`Care::Person`], with a warning; for [`Care::Strict`] it does not.
+//! What cannot be read is never silently replaced by defaults: the previous generation is used and that is said.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ron::ser::PrettyConfig;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::checksum;
+use super::fault::IoFault;
+use super::whole_file::{self, ReadError};
+
+/// The largest RON file, in bytes.
+pub const RON_LIMIT: u64 = 16 * 1024 * 1024;
+/// How the checksum line begins; 16 hexadecimal digits and a line end follow.
+const CHECKSUM_MARK: &str = "// checksum ";
+
+/// How much a file must be as this control wrote it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Care {
+    /// Edited by people: a missing or stale checksum is a warning.
+    Person,
+    /// Written by the control alone: a missing or stale checksum refuses the file.
+    Strict,
+}
+
+/// What a person should be told although the file was read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Warning {
+    /// Edited or written by hand.
+    #[error("{}: no checksum; the file was edited by hand", .0.display())]
+    NoChecksum(PathBuf),
+    /// Edited by hand after the control wrote it.
+    #[error("{}: the checksum does not fit; the file was edited by hand", .0.display())]
+    StaleChecksum(PathBuf),
+    /// The previous generation was read instead.
+    #[error("{cause}; the previous generation {} was used instead", .backup.display())]
+    FromBackup {
+        /// The file that was read.
+        backup: PathBuf,
+        /// What is wrong with the newer one.
+        cause: String,
+    },
+}
+
+/// A value and what a person should be told about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found<T> {
+    /// The value.
+    pub value: T,
+    /// Empty when all is well.
+    pub warnings: Vec<Warning>,
+}
+
+/// Why a RON file was not read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum RonError {
+    /// Neither the file nor its previous generation is there.
+    #[error("{}: not there; it is made when it is first saved", .path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The text is not RON, or not RON of this kind.
+    #[error("{} line {line}, column {column}: {cause}; correct it there or restore a backup", .path.display())]
+    Text {
+        /// The file.
+        path: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column in characters, from 1.
+        column: usize,
+        /// What is wrong.
+        cause: String,
+    },
+    /// No checksum, or one that does not fit, where only the control writes.
+    #[error("{}: {cause}; restore a backup", .path.display())]
+    Checksum {
+        /// The file.
+        path: PathBuf,
+        /// Absent or stale.
+        cause: &'static str,
+    },
+    /// A link, folder or device, too large, or just being written.
+    #[error("{}: {cause}; put a plain RON file there", .path.display())]
+    NotReadable {
+        /// The file.
+        path: PathBuf,
+        /// Which of them.
+        cause: String,
+    },
+    /// A value that RON cannot express: a bug of the caller.
+    #[error("{}: the value cannot be written as RON: {cause}", .path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// What RON said.
+        cause: String,
+    },
+    /// The operating system refused.
+    #[error(transparent)]
+    Io(#[from] IoFault),
+}
+
+/// Reads a file, or its previous generation when it is missing or cannot be used.
+///
+/// # Errors
+/// The error of the file itself, when the previous generation is no good either.
+pub fn read<T: DeserializeOwned>(path: &Path, care: Care) -> Result<Found<T>, RonError> {
+    let first = match read_one(path, care) {
+        Ok(found) => return Ok(found),
+        Err(first) => first,
+    };
+    let backup = beside(path, "bak");
+    match read_one(&backup, care) {
+        Ok(Found { value, mut warnings }) => {
+            warnings.insert(0, Warning::FromBackup { backup, cause: first.to_string() });
+            Ok(Found { value, warnings })
+        }
+        Err(_) => Err(first),
+    }
+}
+
+/// Writes a file: at every power cut it is the old or the new. A good old file becomes `NAME.bak`; one that could not
+/// be read is put aside as `NAME.damaged`, so that it never pushes out a good previous generation.
+///
+/// # Errors
+/// When the disk refuses; the old file stands. [`RonError::Value`] when the value would not read back.
+pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: Care, value: &T) -> Result<(), RonError> {
+    let text = to_text(path, value)?;
+    match read_one::<T>(path, care) {
+        Ok(_) => keep(path, "bak")?,
+        Err(RonError::Missing { .. }) => {}
+        Err(RonError::Io(fault)) => return Err(RonError::Io(fault)),
+        Err(
+            RonError::Text { .. } | RonError::Checksum { .. } | RonError::NotReadable { .. } | RonError::Value { .. },
+        ) => {
+            let aside = beside(path, "damaged");
+            fs::rename(path, &aside).map_err(IoFault::at(path, "put aside"))?;
+        }
+    }
+    Ok(whole_file::replace(path, text.as_bytes())?)
+}
+
+/// Copies a file to its `NAME.extension`. A copy, not a link or a rename: sticks have no links, and the file stays.
+fn keep(path: &Path, extension: &str) -> Result<(), RonError> {
+    let bytes = whole_file::read(path, RON_LIMIT).map_err(|refused| unreadable(path, refused))?;
+    Ok(whole_file::replace(&beside(path, extension), &bytes)?)
+}
+
+/// The text of a value with its checksum line.
+fn to_text<T: Serialize + DeserializeOwned>(path: &Path, value: &T) -> Result<String, RonError> {
+    let refused = |cause: String| RonError::Value { path: path.to_path_buf(), cause };
+    let pretty = PrettyConfig::new().new_line("\n");
+    let mut text = ron::ser::to_string_pretty(value, pretty).map_err(|wrong| refused(wrong.to_string()))?;
+    text.push('\n');
+    ron::from_str::<T>(&text).map_err(|wrong| refused(wrong.to_string()))?;
+    let sum = checksum::of(text.as_bytes());
+    text.push_str(&format!("{CHECKSUM_MARK}{sum:016x}\n"));
+    if text.len() as u64 > RON_LIMIT {
+        return Err(refused(format!("{} bytes, more than {RON_LIMIT}", text.len())));
+    }
+    Ok(text)
+}
+
+/// Reads one file, without its previous generation.
+fn read_one<T: DeserializeOwned>(path: &Path, care: Care) -> Result<Found<T>, RonError> {
+    let bytes = whole_file::read(path, RON_LIMIT).map_err(|refused| unreadable(path, refused))?;
+    let text = std::str::from_utf8(&bytes).map_err(|wrong| not_utf8(path, &bytes, wrong.valid_up_to()))?;
+    let warnings = judge(path, care, text)?;
+    // Windows' editor puts a byte order mark in front.
+    let text = text.trim_start_matches('\u{FEFF}');
+    let value = ron::from_str(text).map_err(|wrong| {
+        let (line, column) = next_token(text, wrong.span.start.line, wrong.span.start.col);
+        RonError::Text { path: path.to_path_buf(), line, column, cause: wrong.code.to_string() }
+    })?;
+    Ok(Found { value, warnings })
+}
+
+/// Where the next token begins: the parser's place stands before the blanks in front of it.
+fn next_token(text: &str, line: usize, column: usize) -> (usize, usize) {
+    for (number, content) in text.lines().enumerate().skip(line.saturating_sub(1)) {
+        let skipped = if number + 1 == line { column.saturating_sub(1) } else { 0 };
+        let token = content.chars().enumerate().skip(skipped).find(|(_, character)| !character.is_whitespace());
+        if let Some((at, _)) = token {
+            return (number + 1, at + 1);
+        }
+    }
+    (line, column)
+}
+
+/// What the checksum line says.
+fn judge(path: &Path, care: Care, text: &str) -> Result<Vec<Warning>, RonError> {
+    let refused = |cause| RonError::Checksum { path: path.to_path_buf(), cause };
+    let stated = text.rfind(CHECKSUM_MARK).and_then(|at| {
+        let digits = text[at + CHECKSUM_MARK.len()..].trim_end();
+        u64::from_str_radix(digits, 16).ok().map(|sum| (at, sum))
+    });
+    match (stated, care) {
+        (Some((at, sum)), _) if checksum::of(&text.as_bytes()[..at]) == sum => Ok(Vec::new()),
+        (Some(_), Care::Person) => Ok(vec![Warning::StaleChecksum(path.to_path_buf())]),
+        (None, Care::Person) => Ok(vec![Warning::NoChecksum(path.to_path_buf())]),
+        (Some(_), Care::Strict) => Err(refused("the checksum does not fit: damaged, or edited by hand")),
+        (None, Care::Strict) => Err(refused("no checksum: cut off, or edited by hand")),
+    }
+}
+
+fn unreadable(path: &Path, refused: ReadError) -> RonError {
+    let path = path.to_path_buf();
+    match refused {
+        ReadError::Io(fault) if fault.is_missing() => RonError::Missing { path },
+        ReadError::Io(fault) => RonError::Io(fault),
+        other @ (ReadError::NotPlain | ReadError::TooLarge { .. } | ReadError::Changing) => {
+            RonError::NotReadable { path, cause: other.to_string() }
+        }
+    }
+}
+
+fn not_utf8(path: &Path, bytes: &[u8], valid: usize) -> RonError {
+    let before = String::from_utf8_lossy(&bytes[..valid]);
+    let (line, last) = (before.matches('\n').count() + 1, before.rsplit('\n').next().unwrap_or_default());
+    let cause = "no UTF-8 text".to_owned();
+    RonError::Text { path: path.to_path_buf(), line, column: last.chars().count() + 1, cause }
+}
+
+/// `NAME.extension` beside a file, its own extension kept.
+fn beside(path: &Path, extension: &str) -> PathBuf {
+    let mut name = OsString::from(path.as_os_str());
+    name.push(".");
+    name.push(extension);
+    PathBuf::from(name)
+}

@@ -1,0 +1,203 @@
+//! Tells that a person copied something into `programs/` or `screens/`.
+//!
+//! Uses the system's notices; where there are none (a network folder, no watches left) it lists the folders now and
+//! then. Either way one change at most is waiting for each folder, however many files were copied.
+//! Source: spec K7.3 (copied in by the operator at any time).
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::time::{Duration, Instant, UNIX_EPOCH};
+
+use notify::event::{AccessKind, AccessMode, ModifyKind};
+use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
+
+use super::checksum::Checksum;
+
+/// How often the folders are listed when the system gives no notices.
+pub const POLL_INTERVAL: Duration = Duration::from_secs(1);
+
+/// Which folder changed. What changed is seen by listing it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Changed {
+    /// `programs/`
+    Programs,
+    /// `screens/`
+    Screens,
+}
+
+impl Changed {
+    const ALL: [Self; 2] = [Self::Programs, Self::Screens];
+}
+
+/// A watch over the two folders.
+pub struct Watch {
+    folders: [PathBuf; 2],
+    sight: Sight,
+}
+
+/// How changes are seen.
+enum Sight {
+    Notices { _watcher: RecommendedWatcher, pending: Arc<Pending>, waiting: Receiver<Changed> },
+    Polling { cause: String, seen: [u64; 2], told: [bool; 2], next: Option<Instant> },
+}
+
+/// What the system's thread hands over: a flag for each folder keeps the channel at one notice each.
+#[derive(Default)]
+struct Pending {
+    flags: [AtomicBool; 2],
+    lost: AtomicBool,
+}
+
+impl Watch {
+    /// Watches two existing folders. Never fails: without notices from the system it polls.
+    #[must_use]
+    pub fn start(programs: &Path, screens: &Path) -> Self {
+        let folders = [programs.to_path_buf(), screens.to_path_buf()];
+        let sight = notices(&folders).unwrap_or_else(|wrong| polling(&folders, wrong.to_string()));
+        Self { folders, sight }
+    }
+
+    /// Watches by listing only, for folders whose system gives no notices.
+    #[must_use]
+    pub fn polling(programs: &Path, screens: &Path) -> Self {
+        let folders = [programs.to_path_buf(), screens.to_path_buf()];
+        let sight = polling(&folders, "polling was asked for".to_owned());
+        Self { folders, sight }
+    }
+
+    /// Why the folders are polled; `None` while the system gives notices.
+    #[must_use]
+    pub fn polling_because(&self) -> Option<&str> {
+        match &self.sight {
+            Sight::Notices { .. } => None,
+            Sight::Polling { cause, .. } => Some(cause),
+        }
+    }
+
+    /// A folder that changed since it was last told, without waiting. `now` spaces the listings when polling.
+    pub fn try_recv(&mut self, now: Instant) -> Option<Changed> {
+        if self.lost_sight() {
+            let mut sight = polling(&self.folders, "a watched folder was removed or its watch failed".to_owned());
+            if let Sight::Polling { told, .. } = &mut sight {
+                // What changed while the watch failed is not known.
+                *told = [false; 2];
+            }
+            self.sight = sight;
+        }
+        match &mut self.sight {
+            Sight::Notices { pending, waiting, .. } => {
+                let changed = waiting.try_recv().ok()?;
+                pending.flags[changed as usize].store(false, Ordering::Release);
+                Some(changed)
+            }
+            Sight::Polling { seen, told, next, .. } => {
+                if next.is_none_or(|next| now >= next) {
+                    *next = Some(now + POLL_INTERVAL);
+                    look(&self.folders, seen, told);
+                }
+                let changed = Changed::ALL.into_iter().find(|changed| !told[*changed as usize])?;
+                told[changed as usize] = true;
+                Some(changed)
+            }
+        }
+    }
+
+    /// As [`Watch::try_recv`], waiting up to `longest` for a notice; when polling it does not wait.
+    pub fn recv_timeout(&mut self, now: Instant, longest: Duration) -> Option<Changed> {
+        if let Sight::Notices { pending, waiting, .. } = &self.sight
+            && !pending.lost.load(Ordering::Acquire)
+        {
+            let changed = waiting.recv_timeout(longest).ok()?;
+            pending.flags[changed as usize].store(false, Ordering::Release);
+            return Some(changed);
+        }
+        self.try_recv(now)
+    }
+
+    fn lost_sight(&self) -> bool {
+        match &self.sight {
+            Sight::Notices { pending, .. } => pending.lost.load(Ordering::Acquire),
+            Sight::Polling { .. } => false,
+        }
+    }
+}
+
+/// Starts the system's notices.
+fn notices(folders: &[PathBuf; 2]) -> notify::Result<Sight> {
+    let pending = Arc::new(Pending::default());
+    let (sender, waiting) = sync_channel(Changed::ALL.len());
+    let (shared, roots) = (Arc::clone(&pending), folders.clone());
+    let mut watcher =
+        notify::recommended_watcher(move |event: notify::Result<Event>| hand_over(event, &roots, &shared, &sender))?;
+    for folder in folders {
+        watcher.watch(folder, RecursiveMode::NonRecursive)?;
+    }
+    Ok(Sight::Notices { _watcher: watcher, pending, waiting })
+}
+
+/// Runs on the system's thread for each event.
+fn hand_over(event: notify::Result<Event>, roots: &[PathBuf; 2], pending: &Pending, sender: &SyncSender<Changed>) {
+    let Ok(event) = event else {
+        pending.lost.store(true, Ordering::Release);
+        return;
+    };
+    if !tells_a_change(&event.kind) {
+        return;
+    }
+    let overflowed = event.need_rescan();
+    for (changed, root) in Changed::ALL.into_iter().zip(roots) {
+        let moved_or_removed = matches!(event.kind, EventKind::Remove(_) | EventKind::Modify(ModifyKind::Name(_)));
+        if moved_or_removed && event.paths.iter().any(|path| path == root) {
+            pending.lost.store(true, Ordering::Release);
+        }
+        let concerned = overflowed || event.paths.iter().any(|path| path.starts_with(root));
+        if concerned && !pending.flags[changed as usize].swap(true, Ordering::AcqRel) {
+            // The flag keeps at most one notice a folder in a channel that holds one a folder: it is never full.
+            let _ = sender.try_send(changed);
+        }
+    }
+}
+
+/// Reading a file is an event too, and must not make the reader read again.
+fn tells_a_change(kind: &EventKind) -> bool {
+    match kind {
+        EventKind::Access(AccessKind::Close(AccessMode::Write)) => true,
+        EventKind::Access(_) => false,
+        EventKind::Any | EventKind::Create(_) | EventKind::Modify(_) | EventKind::Remove(_) | EventKind::Other => true,
+    }
+}
+
+/// Polling from now on; what lies there already is no change.
+fn polling(folders: &[PathBuf; 2], cause: String) -> Sight {
+    let seen = [print_of(&folders[0]), print_of(&folders[1])];
+    Sight::Polling { cause, seen, told: [true; 2], next: None }
+}
+
+/// Lists both folders and marks what differs.
+fn look(folders: &[PathBuf; 2], seen: &mut [u64; 2], told: &mut [bool; 2]) {
+    for ((folder, seen), told) in folders.iter().zip(seen).zip(told) {
+        let present = print_of(folder);
+        if *seen != present {
+            *seen = present;
+            *told = false;
+        }
+    }
+}
+
+/// A checksum over names, sizes and times; an unreadable folder is an empty one.
+fn print_of(folder: &Path) -> u64 {
+    let mut sum = 0_u64;
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let Ok(metadata) = entry.metadata() else { continue };
+        let written = metadata.modified().ok().and_then(|at| at.duration_since(UNIX_EPOCH).ok()).unwrap_or_default();
+        let print = Checksum::new()
+            .add(entry.file_name().as_encoded_bytes())
+            .add(&metadata.len().to_le_bytes())
+            .add(&written.as_nanos().to_le_bytes());
+        // A sum: the order in which a folder is listed does not matter.
+        sum = sum.wrapping_add(print.finish());
+    }
+    sum
+}

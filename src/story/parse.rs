@@ -1,0 +1,628 @@
+//! Reading a story: text to statements. Strict: an unknown word is an error with line and column.
+//! Source: spec tools.md, "Story language".
+
+use crate::defs::key::{Key, Mode};
+use crate::defs::kind::Kind;
+use crate::defs::page::Page;
+use crate::defs::param::ParamAddress;
+use crate::defs::signal::{Input, Output, PORTS};
+use crate::link::snapshot::RunState;
+use crate::units::Axis;
+
+/// Most statements of a story.
+pub const MOST_STATEMENTS: usize = 100_000;
+/// How long `wait until` waits where the story does not say, seconds.
+pub const USUAL_WAIT_S: f64 = 60.0;
+/// How far a value may lie off where the story does not say: half a micrometre, less than the display shows.
+pub const USUAL_TOLERANCE: f64 = 0.000_5;
+
+/// A place in the story that cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}, column {column}: {cause}")]
+pub struct StoryError {
+    /// Line, from 1.
+    pub line: u32,
+    /// Column in characters, from 1.
+    pub column: u32,
+    /// What is wrong, and what would be right.
+    pub cause: String,
+}
+
+/// A line of the story.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// Its number, from 1.
+    pub number: u32,
+    /// The text as written, without its comment.
+    pub text: String,
+    /// What it says.
+    pub statement: Statement,
+}
+
+/// What an input is forced to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Force {
+    /// Logically active or not.
+    To(bool),
+    /// As the machine has it.
+    Free,
+}
+
+/// What a `wait until` waits for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Until {
+    /// A state.
+    State(RunState),
+    /// A work coordinate below (true) or above a value.
+    Axis(Axis, bool, f64),
+}
+
+/// A number that a story can look at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quantity {
+    /// Work coordinate.
+    Work(Axis),
+    /// Machine coordinate.
+    Machine(Axis),
+    /// Macro variable.
+    Variable(u16),
+    /// Wear of an offset.
+    Wear(usize, Axis),
+    /// Diameter of the part at a Z.
+    PartDiameter(f64),
+    /// Z of the part's face at a diameter.
+    PartFace(f64),
+    /// Height of the part at X, Z.
+    PartHeight(f64, f64),
+}
+
+/// What a story expects.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Expectation {
+    /// An output is on or off.
+    Output(Output, bool),
+    /// An input is active or not.
+    Input(Input, bool),
+    /// A lamp is on or off.
+    Lamp(Key, bool),
+    /// An alarm of this number is present.
+    Alarm(u16),
+    /// Some alarm is present.
+    AnyAlarm,
+    /// An alarm with this text is present.
+    AlarmText(String),
+    /// None is.
+    NoAlarm,
+    /// The simulated machine has reported such an event.
+    Event(String),
+    /// It has reported none.
+    NoEvent,
+    /// The state.
+    State(RunState),
+    /// A number within a tolerance.
+    Value {
+        /// Which.
+        of: Quantity,
+        /// What it should be.
+        is: f64,
+        /// How far off it may be.
+        tolerance: f64,
+    },
+    /// The message line contains this.
+    Message(String),
+    /// The page shows this.
+    Page(Page, String),
+}
+
+/// One statement.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Statement {
+    /// `kind gc`
+    Kind(Kind),
+    /// `power on`
+    PowerOn,
+    /// `power cut`
+    PowerCut,
+    /// `param P270 500`
+    Param(ParamAddress, f64),
+    /// `set #500 = 40.2`; without a value: null
+    Set(u16, Option<f64>),
+    /// `load O1001`
+    Load(u32),
+    /// `mode auto`
+    Mode(Mode),
+    /// `home all`
+    HomeAll,
+    /// `key 循环启动`
+    Key(Key),
+    /// `press …`
+    Press(Key),
+    /// `release …`
+    Release(Key),
+    /// `hold X- 1.5 s`
+    Hold(Key, f64),
+    /// `handwheel X -25 x0.01`
+    Handwheel(Axis, i32, Key),
+    /// `mdi G00 X50`
+    Mdi(String),
+    /// `page grinding`
+    Page(Page),
+    /// `type #505 0.03`
+    Type(u16, Option<f64>),
+    /// `input hydraulic-pressure off`
+    Input(String, Force),
+    /// `fault pressure-loss`
+    Fault(String),
+    /// `wait 2 s`
+    Wait(f64),
+    /// `wait until idle max 60 s`
+    WaitUntil(Until, f64),
+    /// `seed 7`
+    Seed(u64),
+    /// `part FILE`
+    Part(String),
+    /// `expect …`
+    Expect(Expectation),
+}
+
+/// Reads a story for a kind; its first line may name another.
+///
+/// # Errors
+/// The first line that is not of the language.
+pub fn parse(text: &str, kind: Kind) -> Result<(Kind, Vec<Line>), StoryError> {
+    let (mut kind, mut lines) = (kind, Vec::new());
+    for (index, whole) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+        let number = index as u32 + 1;
+        let words = Words::cut(whole, number)?;
+        if words.is_over() {
+            continue;
+        }
+        if lines.len() >= MOST_STATEMENTS {
+            return Err(words.error("the story is too long"));
+        }
+        let text = words.text.clone();
+        let statement = words.statement(kind)?;
+        if let Statement::Kind(named) = statement {
+            if !lines.is_empty() {
+                return Err(StoryError {
+                    line: number,
+                    column: 1,
+                    cause: "`kind` is the first line of a story".into(),
+                });
+            }
+            kind = named;
+        }
+        lines.push(Line { number, text, statement });
+    }
+    Ok((kind, lines))
+}
+
+/// The words of one line, and how far they have been read.
+struct Words {
+    line: u32,
+    text: String,
+    words: Vec<(u32, String)>,
+    next: usize,
+}
+
+impl Words {
+    fn cut(whole: &str, line: u32) -> Result<Self, StoryError> {
+        let text = whole.split_once("#!").map_or(whole, |(before, _)| before).trim_end();
+        let mut words = Vec::new();
+        let mut chars = (1_u32..).zip(text.chars()).peekable();
+        while let Some((column, sign)) = chars.next() {
+            if sign.is_whitespace() {
+                continue;
+            }
+            let mut word = String::from(sign);
+            if sign == '"' || sign == '“' {
+                let closing = if sign == '"' { '"' } else { '”' };
+                word = String::from('"');
+                loop {
+                    match chars.next() {
+                        Some((_, sign)) if sign == closing => break,
+                        Some((_, sign)) => word.push(sign),
+                        None => return Err(StoryError { line, column, cause: "the closing quote is missing".into() }),
+                    }
+                }
+            } else {
+                while let Some((_, sign)) = chars.next_if(|(_, sign)| !sign.is_whitespace()) {
+                    word.push(sign);
+                }
+            }
+            words.push((column, word));
+        }
+        Ok(Self { line, text: text.trim_start().to_owned(), words, next: 0 })
+    }
+
+    fn is_over(&self) -> bool {
+        self.next >= self.words.len()
+    }
+
+    /// An error at the word read last.
+    fn error(&self, cause: impl Into<String>) -> StoryError {
+        let column = self.next.checked_sub(1).and_then(|last| self.words.get(last)).map_or(1, |(column, _)| *column);
+        StoryError { line: self.line, column, cause: cause.into() }
+    }
+
+    fn word(&mut self, wanted: &str) -> Result<String, StoryError> {
+        let word = self.words.get(self.next).map(|(_, word)| word.clone());
+        self.next += 1;
+        word.ok_or_else(|| StoryError {
+            line: self.line,
+            column: self.text.chars().count() as u32 + 1,
+            cause: format!("{wanted} is missing"),
+        })
+    }
+
+    fn end(&self) -> Result<(), StoryError> {
+        match self.words.get(self.next) {
+            None => Ok(()),
+            Some((column, word)) => {
+                Err(StoryError { line: self.line, column: *column, cause: format!("'{word}' is too much here") })
+            }
+        }
+    }
+
+    fn statement(mut self, kind: Kind) -> Result<Statement, StoryError> {
+        let verb = self.word("a statement")?;
+        let statement = match verb.as_str() {
+            "kind" => Statement::Kind(self.one_of("a kind: gc, gs, ga", Kind::from_id)?),
+            "power" => self.one_of("`on` or `cut`", |word| match word {
+                "on" => Some(Statement::PowerOn),
+                "cut" => Some(Statement::PowerCut),
+                _ => None,
+            })?,
+            "param" => {
+                Statement::Param(self.one_of("a parameter such as P270 or P16.0", ParamAddress::parse)?, self.number()?)
+            }
+            "set" => self.set()?,
+            "type" => Statement::Type(self.variable()?, self.value_or_nothing()?),
+            "load" => Statement::Load(self.one_of("a program such as O1001", program)?),
+            "mode" => Statement::Mode(self.one_of("edit, auto, mdi, home, handwheel, step or jog", Mode::from_id)?),
+            "home" => self.one_of("`all`", |word| (word == "all").then_some(Statement::HomeAll))?,
+            "key" => Statement::Key(self.key(kind)?),
+            "press" => Statement::Press(self.key(kind)?),
+            "release" => Statement::Release(self.key(kind)?),
+            "hold" => Statement::Hold(self.one_of("axis and sign such as X-", jog)?, self.seconds()?),
+            "handwheel" => self.handwheel()?,
+            "mdi" => {
+                self.next = self.words.len();
+                Statement::Mdi(self.text.trim_start_matches("mdi").trim().to_owned())
+            }
+            "page" => Statement::Page(self.one_of("a page", Page::from_id)?),
+            "input" => self.input()?,
+            "fault" => {
+                self.next = self.words.len();
+                Statement::Fault(self.text.trim_start_matches("fault").trim().to_owned())
+            }
+            "wait" => self.wait()?,
+            "seed" => Statement::Seed(self.one_of("a whole number", |word| word.parse().ok())?),
+            "part" => Statement::Part(self.word("a file")?.trim_start_matches('"').to_owned()),
+            "expect" => Statement::Expect(self.expect(kind)?),
+            verb => return Err(self.error(format!("'{verb}' is not a statement"))),
+        };
+        self.end()?;
+        Ok(statement)
+    }
+
+    fn one_of<T>(&mut self, wanted: &str, read: impl Fn(&str) -> Option<T>) -> Result<T, StoryError> {
+        let word = self.word(wanted)?;
+        read(&word).ok_or_else(|| self.error(format!("'{word}' is not {wanted}")))
+    }
+
+    fn number(&mut self) -> Result<f64, StoryError> {
+        self.one_of("a number", |word| word.parse().ok().filter(|value: &f64| value.is_finite()))
+    }
+
+    fn variable(&mut self) -> Result<u16, StoryError> {
+        self.one_of("a variable such as #500", variable)
+    }
+
+    fn key(&mut self, kind: Kind) -> Result<Key, StoryError> {
+        self.one_of("a key of this kind (a label that two keys share is given by its id)", |word| {
+            Key::from_word(word, kind)
+        })
+    }
+
+    fn value_or_nothing(&mut self) -> Result<Option<f64>, StoryError> {
+        if self.is_over() { Ok(None) } else { self.number().map(Some) }
+    }
+
+    /// `1.5 s`, `200 ms`, `2 min`; the unit may stand close to the number.
+    fn seconds(&mut self) -> Result<f64, StoryError> {
+        let word = self.word("a time such as 1.5 s")?;
+        let digits = word.trim_end_matches(char::is_alphabetic);
+        let mut unit = word[digits.len()..].to_owned();
+        if unit.is_empty() {
+            unit = self.word("a unit: ms, s, min")?;
+        }
+        let factor = match unit.as_str() {
+            "ms" => 0.001,
+            "s" => 1.0,
+            "min" => 60.0,
+            unit => return Err(self.error(format!("'{unit}' is not a unit of time: ms, s, min"))),
+        };
+        match digits.parse::<f64>() {
+            Ok(value) if value.is_finite() && value >= 0.0 => Ok(value * factor),
+            _ => Err(self.error(format!("'{word}' is not a time"))),
+        }
+    }
+
+    fn set(&mut self) -> Result<Statement, StoryError> {
+        let word = self.word("a variable such as #500")?;
+        // `set #500=40.2` is as good as `set #500 = 40.2`.
+        let (name, close) = word.split_once('=').map_or((word.as_str(), None), |(name, value)| (name, Some(value)));
+        let number = variable(name).ok_or_else(|| self.error(format!("'{name}' is not a variable such as #500")))?;
+        let value = match close {
+            Some(value) if !value.is_empty() => Some(
+                value
+                    .parse()
+                    .ok()
+                    .filter(|value: &f64| value.is_finite())
+                    .ok_or_else(|| self.error(format!("'{value}' is not a number")))?,
+            ),
+            Some(_) => self.value_or_nothing()?,
+            None => {
+                self.one_of("=", |word| (word == "=").then_some(()))?;
+                self.value_or_nothing()?
+            }
+        };
+        Ok(Statement::Set(number, value))
+    }
+
+    fn handwheel(&mut self) -> Result<Statement, StoryError> {
+        let axis = self.one_of("an axis", axis)?;
+        let detents = self.one_of("a whole number of detents", |word| word.parse().ok())?;
+        let step = self.one_of("x0.001, x0.01 or x0.1", |word| match word.trim_start_matches(['x', 'X', '×']) {
+            "0.001" => Some(Key::Step0001),
+            "0.01" => Some(Key::Step001),
+            "0.1" => Some(Key::Step01),
+            _ => None,
+        })?;
+        Ok(Statement::Handwheel(axis, detents, step))
+    }
+
+    fn input(&mut self) -> Result<Statement, StoryError> {
+        let name = self.one_of("an input or a port from 1 to 64", |word| {
+            let port = word.parse::<u8>().is_ok_and(|port| (1..=PORTS).contains(&port));
+            (port || Input::from_id(word).is_some()).then(|| word.to_owned())
+        })?;
+        let force = self.one_of("on, off or free", |word| match word {
+            "free" => Some(Force::Free),
+            word => on_off(word).map(Force::To),
+        })?;
+        Ok(Statement::Input(name, force))
+    }
+
+    fn wait(&mut self) -> Result<Statement, StoryError> {
+        if self.words.get(self.next).is_none_or(|(_, word)| word != "until") {
+            return Ok(Statement::Wait(self.seconds()?));
+        }
+        self.next += 1;
+        let wanted = "idle, running, held, stopped, waiting, homing, alarm, or such as X<10.5";
+        let until = self.one_of(wanted, |word| state(word).map(Until::State).or_else(|| comparison(word)))?;
+        let most = match self.words.get(self.next) {
+            Some((_, word)) if word == "max" => {
+                self.next += 1;
+                self.seconds()?
+            }
+            _ => USUAL_WAIT_S,
+        };
+        Ok(Statement::WaitUntil(until, most))
+    }
+
+    fn expect(&mut self, kind: Kind) -> Result<Expectation, StoryError> {
+        let what = self.word("an expectation")?;
+        Ok(match what.as_str() {
+            "output" => Expectation::Output(self.one_of("an output", Output::from_id)?, self.on_off()?),
+            "input" => Expectation::Input(self.one_of("an input", Input::from_id)?, self.on_off()?),
+            "lamp" => Expectation::Lamp(self.key(kind)?, self.on_off()?),
+            "alarm" => self.one_of("an alarm number, `any` or a text in quotes", |word| match word {
+                "any" => Some(Expectation::AnyAlarm),
+                word => match word.strip_prefix('"') {
+                    Some(text) => Some(Expectation::AlarmText(text.to_owned())),
+                    None => word.parse().ok().map(Expectation::Alarm),
+                },
+            })?,
+            "no" => self.one_of("`alarm` or `event`", |word| match word {
+                "alarm" => Some(Expectation::NoAlarm),
+                "event" => Some(Expectation::NoEvent),
+                _ => None,
+            })?,
+            "event" => Expectation::Event(self.word("a kind of event")?),
+            "state" => Expectation::State(self.one_of("a state", state)?),
+            "message" => Expectation::Message(self.quoted()?),
+            "page" => {
+                let page = self.one_of("a page", Page::from_id)?;
+                self.one_of("`shows`", |word| (word == "shows").then_some(()))?;
+                Expectation::Page(page, self.quoted()?)
+            }
+            word => {
+                let of = self.quantity(word)?;
+                let is = self.number()?;
+                let tolerance = if self.is_over() { USUAL_TOLERANCE } else { self.tolerance()? };
+                Expectation::Value { of, is, tolerance }
+            }
+        })
+    }
+
+    fn quantity(&mut self, word: &str) -> Result<Quantity, StoryError> {
+        match word {
+            "machine" => Ok(Quantity::Machine(self.one_of("an axis", axis)?)),
+            "wear" => {
+                let number =
+                    self.one_of("an offset from 1 to 16", |word| word.parse().ok().filter(|n| (1..=16).contains(n)))?;
+                Ok(Quantity::Wear(number, self.one_of("an axis", axis)?))
+            }
+            "part" => self.part(),
+            word => axis(word)
+                .map(Quantity::Work)
+                .or_else(|| variable(word).map(Quantity::Variable))
+                .ok_or_else(|| self.error(format!("'{word}' cannot be expected"))),
+        }
+    }
+
+    fn part(&mut self) -> Result<Quantity, StoryError> {
+        let what = self.word("diameter, face or height")?;
+        self.one_of("`at`", |word| (word == "at").then_some(()))?;
+        match what.as_str() {
+            "diameter" => Ok(Quantity::PartDiameter(self.one_of("a place such as Z-20", place('Z'))?)),
+            "face" => Ok(Quantity::PartFace(self.one_of("a place such as X30", place('X'))?)),
+            "height" => Ok(Quantity::PartHeight(
+                self.one_of("a place such as X10", place('X'))?,
+                self.one_of("a place such as Z5", place('Z'))?,
+            )),
+            what => Err(self.error(format!("'{what}' is not diameter, face or height"))),
+        }
+    }
+
+    fn tolerance(&mut self) -> Result<f64, StoryError> {
+        self.one_of("a tolerance such as ±0.001", |word| {
+            let digits = word.strip_prefix('±').or_else(|| word.strip_prefix("+-"))?;
+            digits.parse().ok().filter(|value: &f64| value.is_finite() && *value >= 0.0)
+        })
+    }
+
+    fn on_off(&mut self) -> Result<bool, StoryError> {
+        self.one_of("on or off", on_off)
+    }
+
+    fn quoted(&mut self) -> Result<String, StoryError> {
+        self.one_of("a text in quotes", |word| word.strip_prefix('"').map(str::to_owned))
+    }
+}
+
+fn on_off(word: &str) -> Option<bool> {
+    match word {
+        "on" => Some(true),
+        "off" => Some(false),
+        _ => None,
+    }
+}
+
+/// `O1001`, `o1001`, `1001`.
+#[must_use]
+pub fn program(word: &str) -> Option<u32> {
+    word.trim_start_matches(['O', 'o']).parse().ok().filter(|number| (1..=9_999).contains(number))
+}
+
+/// `#500`.
+#[must_use]
+pub fn variable(word: &str) -> Option<u16> {
+    word.strip_prefix('#')?.parse().ok()
+}
+
+fn axis(word: &str) -> Option<Axis> {
+    let mut letters = word.chars();
+    let axis = Axis::from_letter(letters.next()?)?;
+    letters.next().is_none().then_some(axis)
+}
+
+fn jog(word: &str) -> Option<Key> {
+    let (letter, sign) = word.split_at_checked(1)?;
+    let plus = match sign {
+        "+" => true,
+        "-" => false,
+        _ => return None,
+    };
+    Some(Key::of_jog(axis(letter)?, plus))
+}
+
+fn state(word: &str) -> Option<RunState> {
+    [
+        RunState::Idle,
+        RunState::Running,
+        RunState::Held,
+        RunState::Stopped,
+        RunState::Waiting,
+        RunState::Homing,
+        RunState::Alarm,
+    ]
+    .into_iter()
+    .find(|state| state.id() == word)
+}
+
+fn comparison(word: &str) -> Option<Until> {
+    let at = word.find(['<', '>'])?;
+    let axis = axis(&word[..at])?;
+    let below = word.as_bytes()[at] == b'<';
+    let value = word[at + 1..].trim_start_matches('=').parse().ok().filter(|value: &f64| value.is_finite())?;
+    Some(Until::Axis(axis, below, value))
+}
+
+fn place(letter: char) -> impl Fn(&str) -> Option<f64> {
+    move |word| word.strip_prefix(letter)?.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(line: &str) -> Statement {
+        parse(line, Kind::Gc).unwrap().1.remove(0).statement
+    }
+
+    fn fault(line: &str) -> (u32, u32) {
+        let error = parse(line, Kind::Gc).unwrap_err();
+        (error.line, error.column)
+    }
+
+    #[test]
+    fn t5_every_statement_of_the_specification_is_read() {
+        assert_eq!(one("kind gc"), Statement::Kind(Kind::Gc));
+        assert_eq!(one("power cut"), Statement::PowerCut);
+        assert_eq!(one("param P16.0 1"), Statement::Param(ParamAddress { number: 16, bit: Some(0) }, 1.0));
+        assert_eq!(one("set #500 = 40.2"), Statement::Set(500, Some(40.2)));
+        assert_eq!(one("set #500=40.2"), Statement::Set(500, Some(40.2)));
+        assert_eq!(one("load O1001"), Statement::Load(1001));
+        assert_eq!(one("mode jog"), Statement::Mode(Mode::Manual));
+        assert_eq!(one("key 循环启动   #! 启动"), Statement::Key(Key::CycleStart));
+        assert_eq!(one("hold X- 1.5 s"), Statement::Hold(Key::XMinus, 1.5));
+        assert_eq!(one("handwheel X -25 x0.01"), Statement::Handwheel(Axis::X, -25, Key::Step001));
+        assert_eq!(one("mdi G00 X50 Z10"), Statement::Mdi("G00 X50 Z10".into()));
+        assert_eq!(one("type #505 0.03"), Statement::Type(505, Some(0.03)));
+        assert_eq!(one("input 12 off"), Statement::Input("12".into(), Force::To(false)));
+        assert_eq!(one("input hydraulic-pressure free"), Statement::Input("hydraulic-pressure".into(), Force::Free));
+        assert_eq!(one("fault stuck-on home-x"), Statement::Fault("stuck-on home-x".into()));
+        assert_eq!(one("wait 200 ms"), Statement::Wait(0.2));
+        assert_eq!(one("wait until X<10.5 max 5 s"), Statement::WaitUntil(Until::Axis(Axis::X, true, 10.5), 5.0));
+        assert_eq!(one("wait until idle"), Statement::WaitUntil(Until::State(RunState::Idle), 60.0));
+    }
+
+    #[test]
+    fn t5_every_expectation_of_the_specification_is_read() {
+        let expected = |line: &str| match one(&format!("expect {line}")) {
+            Statement::Expect(expectation) => expectation,
+            statement => panic!("{statement:?}"),
+        };
+        assert_eq!(expected("output wheel on"), Expectation::Output(Output::Wheel, true));
+        assert_eq!(expected("lamp 液压 off"), Expectation::Lamp(Key::Hydraulic, false));
+        assert_eq!(expected("alarm 180"), Expectation::Alarm(180));
+        assert_eq!(expected("alarm \"液压\""), Expectation::AlarmText("液压".into()));
+        assert_eq!(expected("no alarm"), Expectation::NoAlarm);
+        assert_eq!(expected("event crash"), Expectation::Event("crash".into()));
+        let value = |of, is, tolerance| Expectation::Value { of, is, tolerance };
+        assert_eq!(expected("X 50.000 ±0.001"), value(Quantity::Work(Axis::X), 50.0, 0.001));
+        assert_eq!(expected("machine Z -3"), value(Quantity::Machine(Axis::Z), -3.0, USUAL_TOLERANCE));
+        assert_eq!(expected("#437 0.1 +-0.01"), value(Quantity::Variable(437), 0.1, 0.01));
+        assert_eq!(expected("wear 4 X 0.1 ±0"), value(Quantity::Wear(4, Axis::X), 0.1, 0.0));
+        assert_eq!(expected("part diameter at Z-20 40 ±0.002"), value(Quantity::PartDiameter(-20.0), 40.0, 0.002));
+        assert_eq!(expected("part height at X10 Z5 3 ±0.1"), value(Quantity::PartHeight(10.0, 5.0), 3.0, 0.1));
+        assert_eq!(expected("message \"振荡\""), Expectation::Message("振荡".into()));
+        assert_eq!(expected("page grinding shows \"外卡磨削\""), Expectation::Page(Page::Grinding, "外卡磨削".into()));
+    }
+
+    #[test]
+    fn t5_what_is_not_of_the_language_is_refused_with_its_place() {
+        assert_eq!(fault("power on\n  jump X"), (2, 3));
+        assert_eq!(fault("key 充磁"), (1, 5)); // not on GC
+        assert_eq!(fault("wait 2 parsecs"), (1, 8));
+        assert_eq!(fault("wait 2 s s"), (1, 10));
+        assert_eq!(fault("expect message \"振荡"), (1, 16));
+        assert_eq!(fault("input 65 on"), (1, 7));
+        assert_eq!(fault("hold X 1 s"), (1, 6));
+        assert_eq!(fault("load"), (1, 5));
+        assert_eq!(fault("power on\nkind gc"), (2, 1));
+    }
+}

@@ -1,0 +1,206 @@
+//! Random paths, overrides and holds: velocity, acceleration, jerk and tolerance are kept in every tick.
+//!
+//! Everything is measured on the emitted set-points by differences over ticks, and the distance to the programmed
+//! contour directly; nothing of the planner's own arithmetic is used. Source: spec, motion, the property test.
+
+use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Plane, Rate, Shape, Turn};
+use kt830::units::PerAxis;
+use proptest::prelude::*;
+
+const TICK_S: f64 = 0.001;
+/// Positions to 300 mm are rounded to 6e-14 mm; eight of those over (1 ms)³ are 5e-4 mm/s³, 1e-6 of 500 mm/s³.
+const SLACK: f64 = 1e-6;
+/// The curve passes the nominal set-points at a·dt²/6, 0.4 µm at 2500 mm/s²; at exact stops and on arcs too.
+const CURVE_MM: f64 = 0.000_5;
+
+fn limits() -> Limits {
+    let axis = |v, a, j| AxisLimits { velocity_mm_s: v, acceleration_mm_s2: a, jerk_mm_s3: j };
+    let axes = PerAxis([axis(80.0, 800.0, 15_000.0), axis(100.0, 1_000.0, 20_000.0), axis(150.0, 1_500.0, 30_000.0)]);
+    Limits { axes, tick_s: TICK_S }
+}
+
+/// Sees every set-point and compares it with the limits and the contour.
+struct Witness {
+    limits: Limits,
+    past: [[f64; 3]; 4],
+    contour: Vec<([f64; 3], Move)>,
+    tolerance_mm: f64,
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|x| (a[x] - b[x]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// From a point to a move that starts at `from`.
+fn distance_to(from: [f64; 3], program: &Move, p: [f64; 3]) -> f64 {
+    let to = program.to.0;
+    match program.shape {
+        Shape::Line => {
+            let d = [0, 1, 2].map(|x| to[x] - from[x]);
+            let square: f64 = d.iter().map(|x| x * x).sum();
+            let along = (0..3).map(|x| (p[x] - from[x]) * d[x]).sum::<f64>();
+            let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
+            distance(p, [0, 1, 2].map(|x| from[x] + t * d[x]))
+        }
+        Shape::Arc { center, turn, .. } => {
+            // All arcs here lie flat in ZX.
+            let polar = |q: [f64; 3]| {
+                let (z, x) = (q[2] - center.0[2], q[0] - center.0[0]);
+                (z.hypot(x), x.atan2(z))
+            };
+            let sense = if turn == Turn::Ccw { 1.0 } else { -1.0 };
+            let ((r, start), (_, end), (rp, at)) = (polar(from), polar(to), polar(p));
+            let sweep = (sense * (end - start)).rem_euclid(std::f64::consts::TAU);
+            let passed = (sense * (at - start)).rem_euclid(std::f64::consts::TAU);
+            let ends = distance(p, from).min(distance(p, to));
+            if passed <= sweep { ends.min((rp - r).hypot(p[1] - from[1])) } else { ends }
+        }
+    }
+}
+
+impl Witness {
+    fn sees(&mut self, p: [f64; 3]) {
+        self.past = [self.past[1], self.past[2], self.past[3], p];
+        let q = &self.past;
+        for (axis, l) in self.limits.axes.iter() {
+            let x = axis as usize;
+            let v = (q[3][x] - q[2][x]) / TICK_S;
+            let a = (q[3][x] - 2.0 * q[2][x] + q[1][x]) / TICK_S.powi(2);
+            let j = (q[3][x] - 3.0 * (q[2][x] - q[1][x]) - q[0][x]) / TICK_S.powi(3);
+            assert!(v.abs() <= l.velocity_mm_s * (1.0 + SLACK), "{axis} velocity {v}");
+            assert!(a.abs() <= l.acceleration_mm_s2 * (1.0 + SLACK), "{axis} acceleration {a}");
+            assert!(j.abs() <= l.jerk_mm_s3 * (1.0 + SLACK), "{axis} jerk {j}");
+        }
+        let off = self.contour.iter().map(|(from, m)| distance_to(*from, m, p)).fold(f64::INFINITY, f64::min);
+        assert!(off <= self.tolerance_mm + CURVE_MM, "{off} mm off the contour");
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Leg {
+    by: [f64; 3],
+    arc: Option<(f64, bool)>,
+    rapid: bool,
+    feed: f64,
+    exact: bool,
+}
+
+fn length() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        1 => Just(0.0),
+        3 => -0.02..0.02_f64,
+        4 => -1.0..1.0_f64,
+        3 => -15.0..15.0_f64,
+    ]
+}
+
+fn leg() -> impl Strategy<Value = Leg> {
+    let arc = prop_oneof![2 => Just(None), 1 => (-1.5..1.5_f64, any::<bool>()).prop_map(Some)];
+    let by = (length(), length(), length(), any::<bool>());
+    (by, arc, 0..8_u8, 5.0..200.0_f64, 0..4_u8).prop_map(|((x, y, z, flat), arc, rapid, feed, exact)| Leg {
+        by: if flat { [x, 0.0, z] } else { [x, y, z] },
+        arc,
+        rapid: rapid == 0,
+        feed,
+        exact: exact == 0,
+    })
+}
+
+/// What happens every few ticks: hold, resume or an override.
+#[derive(Clone, Copy, Debug)]
+enum Event {
+    Hold,
+    Resume,
+    Feed(f64),
+    Rapid(f64),
+}
+
+fn event() -> impl Strategy<Value = (u16, Event)> {
+    let what = prop_oneof![
+        Just(Event::Hold),
+        Just(Event::Resume),
+        (0.0..1.5_f64).prop_map(Event::Feed),
+        Just(Event::Feed(1.0)),
+        Just(Event::Feed(0.0)),
+        (0.0..1.0_f64).prop_map(Event::Rapid),
+    ];
+    (0..120_u16, what)
+}
+
+fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
+    let mut from = [0.0_f64; 3];
+    legs.iter()
+        .zip(0_u32..)
+        .map(|(leg, tag)| {
+            let mut to = [0, 1, 2].map(|x| from[x] + leg.by[x]);
+            let mut shape = Shape::Line;
+            if let Some((bulge, ccw)) = leg.arc {
+                // A flat arc in ZX: the centre lies off the middle of the chord by `bulge` chords.
+                to[1] = from[1];
+                let (z, x) = (to[2] - from[2], to[0] - from[0]);
+                if z.hypot(x) > 1e-3 {
+                    let center = PerAxis([from[0] + x / 2.0 + bulge * z, 0.0, from[2] + z / 2.0 - bulge * x]);
+                    shape = Shape::Arc { center, plane: Plane::Zx, turn: if ccw { Turn::Ccw } else { Turn::Cw } };
+                }
+            }
+            let rate = if leg.rapid { Rate::Rapid } else { Rate::Feed { mm_s: leg.feed } };
+            let end = if leg.exact { End::ExactStop } else { End::Continuous { tolerance_mm } };
+            let start = std::mem::replace(&mut from, to);
+            (start, Move { to: PerAxis(to), shape, rate, end, tag })
+        })
+        .collect()
+}
+
+/// Longest run: twelve moves of some 30 mm at the least feed here, 5 mm/s, and as long again.
+const MOST_TICKS: usize = 150_000;
+
+fn run(legs: &[Leg], events: &[(u16, Event)], tolerance_mm: f64) {
+    let contour = program(legs, tolerance_mm);
+    let mut path = Path::new(limits(), PerAxis([0.0; 3]));
+    let end = contour.last().map_or([0.0; 3], |(_, m)| m.to.0);
+    let tags: Vec<u32> = contour.iter().map(|(_, m)| m.tag).collect();
+    for (_, m) in &contour {
+        path.push(*m).unwrap();
+    }
+    let mut witness = Witness { limits: limits(), past: [[0.0; 3]; 4], contour, tolerance_mm };
+    let mut ov = Override::FULL;
+    let mut seen = Vec::new();
+    let mut step = |path: &mut Path, ov: Override, seen: &mut Vec<u32>| {
+        witness.sees(path.tick(ov).position.0);
+        seen.extend(std::iter::from_fn(|| path.pop_finished()));
+    };
+    for (wait, event) in events {
+        for _ in 0..*wait {
+            step(&mut path, ov, &mut seen);
+        }
+        match *event {
+            Event::Hold => path.hold(),
+            Event::Resume => path.resume(),
+            Event::Feed(factor) => ov.feed = factor,
+            Event::Rapid(factor) => ov.rapid = factor,
+        }
+    }
+    path.resume();
+    for _ in 0..MOST_TICKS {
+        if path.is_done() {
+            break;
+        }
+        step(&mut path, Override::FULL, &mut seen);
+    }
+    assert!(path.is_done(), "never done: {} moves left", path.remaining_moves());
+    assert_eq!(seen, tags);
+    assert!(distance(path.position().0, end) <= 1e-9, "ended at {:?}, not {end:?}", path.position());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, max_shrink_iters: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_limit_is_kept_in_every_tick(
+        legs in prop::collection::vec(leg(), 1..12),
+        events in prop::collection::vec(event(), 0..12),
+        tolerance_mm in prop_oneof![Just(0.01), 0.002..0.2_f64],
+    ) {
+        run(&legs, &events, tolerance_mm);
+    }
+}

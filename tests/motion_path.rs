@@ -1,0 +1,184 @@
+//! Stories of program motion: strokes, hold, abort, overrides, taking moves back.
+
+use kt830::motion::{AxisLimits, End, Limits, MOVES, Move, Override, Path, PathFull, Rate, Shape};
+use kt830::units::PerAxis;
+
+/// Jerk is ample: a stroke is 0.2 s up, 0.8 s along, 0.2 s down, and 5 ms for each change of acceleration.
+const AXIS: AxisLimits = AxisLimits { velocity_mm_s: 100.0, acceleration_mm_s2: 500.0, jerk_mm_s3: 100_000.0 };
+const FULL: Override = Override::FULL;
+
+fn path() -> Path {
+    Path::new(Limits { axes: PerAxis([AXIS; 3]), tick_s: 0.001 }, PerAxis([0.0; 3]))
+}
+
+fn line(x: f64, z: f64, tag: u32) -> Move {
+    let rate = Rate::Feed { mm_s: 100.0 };
+    Move { to: PerAxis([x, 0.0, z]), shape: Shape::Line, rate, end: End::ExactStop, tag }
+}
+
+/// Ticks until done.
+fn finish(path: &mut Path) -> u32 {
+    let mut ticks = 0;
+    while !path.is_done() {
+        path.tick(FULL);
+        ticks += 1;
+        assert!(ticks < 1_000_000, "never done");
+    }
+    ticks
+}
+
+fn ticks(path: &mut Path, count: u32, requested: Override) {
+    for _ in 0..count {
+        path.tick(requested);
+    }
+}
+
+/// Ticks until at rest.
+fn ticks_to_rest(path: &mut Path) -> u32 {
+    (0..5_000)
+        .find(|_| {
+            let at_rest = path.is_at_rest();
+            path.tick(FULL);
+            at_rest
+        })
+        .unwrap()
+}
+
+#[test]
+fn twenty_strokes_with_infeed_cost_nothing_beyond_their_profiles() {
+    let mut path = path();
+    for stroke in 0..20_u32 {
+        let z = if stroke % 2 == 0 { 100.0 } else { 0.0 };
+        let infeed = f64::from(stroke) * 0.002;
+        path.push(line(infeed, z, 2 * stroke)).unwrap();
+        if stroke < 19 {
+            path.push(line(infeed + 0.002, z, 2 * stroke + 1)).unwrap();
+        }
+    }
+    let seconds = f64::from(finish(&mut path)) * 0.001;
+    // 20 (100/100 + 100/500 + 500/100000) s, 19 infeeds of 4 (0.002 / (2 · 100000))^(1/3) s; a start on the next tick
+    // and one tick at each end: 39 moves.
+    let bound = 20.0 * 1.205 + 19.0 * 4.0 * (0.002_f64 / 200_000.0).cbrt();
+    assert!(seconds >= bound && seconds < bound + 0.045, "{seconds} s, bound {bound} s");
+}
+
+#[test]
+fn hold_brakes_in_the_least_time_and_resume_goes_on_to_the_end() {
+    let mut path = path();
+    path.push(line(0.0, 100.0, 7)).unwrap();
+    ticks(&mut path, 500, FULL);
+    path.hold();
+    // 100 mm/s at 500 mm/s² and 5 ms of jerk: 205 ms; a few ticks for the change to begin and end.
+    let braking = ticks_to_rest(&mut path);
+    assert!((205..=215).contains(&braking), "{braking} ticks");
+    assert!(path.is_holding() && !path.is_done());
+    let stood = path.position();
+    ticks(&mut path, 100, FULL);
+    assert_eq!(path.position(), stood);
+    path.resume();
+    finish(&mut path);
+    assert_eq!(path.position(), PerAxis([0.0, 0.0, 100.0]));
+    assert_eq!((path.finished_tag(), path.pop_finished(), path.pop_finished()), (Some(7), Some(7), None));
+}
+
+#[test]
+fn override_nothing_is_a_stop_and_half_is_half_the_speed() {
+    let mut path = path();
+    path.push(line(0.0, 100.0, 0)).unwrap();
+    ticks(&mut path, 600, Override { feed: 0.5, rapid: 1.0 });
+    assert!((path.path_speed_mm_s() - 50.0).abs() < 0.1, "{}", path.path_speed_mm_s());
+    ticks(&mut path, 300, Override { feed: 0.0, rapid: 1.0 });
+    assert!(path.is_at_rest() && !path.is_done() && !path.is_holding());
+    finish(&mut path);
+}
+
+#[test]
+fn override_above_full_raises_a_feed_but_never_an_axis_limit() {
+    let mut path = path();
+    path.push(Move { rate: Rate::Feed { mm_s: 40.0 }, ..line(0.0, 100.0, 0) }).unwrap();
+    path.push(line(0.0, 0.0, 1)).unwrap();
+    ticks(&mut path, 100, FULL);
+    ticks(&mut path, 1_200, Override { feed: 1.5, rapid: 1.0 });
+    assert!((path.path_speed_mm_s() - 60.0).abs() < 0.1, "{}", path.path_speed_mm_s());
+    while path.active_tag() == Some(0) {
+        path.tick(Override { feed: 1.5, rapid: 1.0 });
+    }
+    ticks(&mut path, 500, Override { feed: 1.5, rapid: 1.0 });
+    assert!(path.path_speed_mm_s() <= 100.0, "{}", path.path_speed_mm_s());
+}
+
+#[test]
+fn abort_brakes_forgets_and_reports_nothing() {
+    let mut path = path();
+    for tag in 0..3 {
+        path.push(line(0.0, if tag % 2 == 0 { 100.0 } else { 0.0 }, tag)).unwrap();
+    }
+    ticks(&mut path, 500, FULL);
+    path.abort();
+    assert_eq!((path.room(), path.push(line(0.0, 0.0, 9))), (0, Err(PathFull)));
+    while !path.is_done() {
+        path.tick(FULL);
+    }
+    assert_eq!((path.finished_tag(), path.remaining_moves(), path.is_holding()), (None, 0, false));
+    assert!(path.position().0[2] < 75.0, "{:?}", path.position());
+    path.push(line(0.0, 0.0, 10)).unwrap();
+    finish(&mut path);
+    assert_eq!(path.position(), PerAxis([0.0; 3]));
+}
+
+#[test]
+fn moves_taken_back_in_a_hold_lead_on_from_where_the_handwheel_left_the_axis() {
+    let mut path = path();
+    for (tag, z) in [(1, 50.0), (2, 80.0), (3, 0.0)] {
+        path.push(line(0.0, z, tag)).unwrap();
+    }
+    while path.active_tag() != Some(2) {
+        path.tick(FULL);
+    }
+    ticks(&mut path, 50, FULL);
+    path.hold();
+    ticks_to_rest(&mut path);
+    let mut unfinished = Vec::new();
+    path.drain_unfinished(&mut unfinished);
+    assert_eq!(unfinished.iter().map(|m| m.tag).collect::<Vec<_>>(), [2, 3]);
+    let PerAxis([_, _, z]) = path.position();
+    path.clear_at(PerAxis([1.0, 0.0, z]));
+    for m in unfinished {
+        path.push(m).unwrap();
+    }
+    ticks(&mut path, 50, FULL);
+    assert_eq!(path.position(), PerAxis([1.0, 0.0, z]), "still held");
+    path.resume();
+    finish(&mut path);
+    assert_eq!((path.position(), path.finished_tag()), (PerAxis([0.0; 3]), Some(3)));
+}
+
+#[test]
+fn moves_of_no_length_finish_at_once_and_are_reported() {
+    let mut path = path();
+    for tag in 0..3 {
+        path.push(line(0.0, 0.0, tag)).unwrap();
+    }
+    path.tick(FULL);
+    assert!(path.is_done());
+    assert_eq!([path.pop_finished(), path.pop_finished(), path.pop_finished()], [Some(0), Some(1), Some(2)]);
+}
+
+#[test]
+fn a_full_queue_refuses() {
+    let mut path = path();
+    for tag in 0..MOVES as u32 {
+        path.push(line(0.0, f64::from(tag + 1), tag)).unwrap();
+    }
+    assert_eq!((path.room(), path.push(line(0.0, 0.0, 0))), (0, Err(PathFull)));
+}
+
+#[test]
+fn distance_to_go_is_to_the_end_of_the_active_move() {
+    let mut path = path();
+    path.push(line(0.0, 100.0, 0)).unwrap();
+    path.push(line(0.0, 30.0, 1)).unwrap();
+    ticks(&mut path, 300, FULL);
+    let (PerAxis([_, _, at]), PerAxis([_, _, to_go])) = (path.position(), path.distance_to_go());
+    assert!((at + to_go - 100.0).abs() < 1e-12);
+}
