@@ -314,6 +314,45 @@ fn k7_9_switches_refuse_other_values_from_a_program_too() {
 }
 
 #[test]
+fn b3_a_sign_binds_weaker_than_a_power() {
+    let text = "#100=-2**2\n#101=2**-1\n#102=[-2]**2\n#103=3--2\n#1=4\n#104=-#1**0.5*2";
+    let values = ["-4", "0.5", "4", "5", "-4"];
+    for ((line, value), variable) in lines(text, Settings::lathe()).iter().zip(values).zip(100..) {
+        assert_eq!(*line, format!("set variable={variable} value={value}"));
+    }
+}
+
+#[test]
+fn b3_comments_may_stand_before_numbers_and_statements() {
+    let text =
+        "#1=0\n(ROUGH) N10 WHILE[#1 LT 2]DO1\n #1=#1+1 (STEP)\n/(X) END1\nIF[#1 EQ 2]GOTO 20\nG0 X9\n (LAST) N20 M30";
+    assert_eq!(lines(text, Settings::lathe()), ["m code=30"]);
+}
+
+#[test]
+fn b3_g66_is_not_lost_where_a_move_and_a_call_share_a_block() {
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(Twice);
+    let source = Arc::new(Source::new(1, "", "G66 P9000\nG0 X1 M98 P9000\nG67\nM30\n".as_bytes().to_vec()));
+    let checked = check(&source, &library, &Settings::lathe());
+    assert!(
+        checked.faults[0].text(Lang::En).starts_with("O0001 line 2, column 11: G66 and M cannot stand in one block")
+    );
+}
+
+struct Twice;
+
+impl Library for Twice {
+    fn find(&self, number: u32) -> Option<Arc<Source>> {
+        Some(Arc::new(Source::new(number, "", "M99\n".as_bytes().to_vec())))
+    }
+}
+
+#[test]
+fn b2_a_distance_cannot_lead_past_the_greatest_coordinate() {
+    assert!(refused("G0 Z99999\nW5").contains("line 2, column 1: W5 is out of range"));
+}
+
+#[test]
 fn b2_inch_words_become_millimetres() {
     let ops = run_with("G20 G98 G1 X2 Z-1 F1", Settings::lathe()).unwrap();
     let Some(Op::Feed { to, feed, .. }) = ops.first() else { panic!("{ops:?}") };

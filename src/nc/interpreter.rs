@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::dialect::{self, Running, Step};
 use super::expression::Value;
-use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1};
+use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1, wrong2};
 use super::flow::{Call, Callee, Flow};
 use super::lexer::Cursor;
 use super::memory::{Memory, VariableError};
@@ -284,9 +284,13 @@ impl Interpreter {
 
     /// Acts on what a block of words asked for besides its operations.
     fn prepare(&mut self, step: Step, cursor: &Cursor<'_>, block: &mut Block) -> Outcome<Stepped> {
+        let moves = self.flow.modal.is_some() && block.ops.iter().any(Op::is_motion);
         match step {
+            Step::Goto { at, .. } | Step::Call(Call { at, .. }) | Step::Return { at, .. } if moves => {
+                // The macro would have to run between the move and the jump.
+                return wrong2(at, E::NotTogether, "G66", "M");
+            }
             Step::Next => {
-                let moves = self.flow.modal.is_some() && block.ops.iter().any(Op::is_motion);
                 let modal = self.flow.modal.clone().filter(|_| moves);
                 let at = self.flow.at;
                 let source = modal.as_ref().map(|modal| self.find(modal.program, at)).transpose()?;
@@ -361,7 +365,7 @@ impl Interpreter {
                 let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
                 let value = value.unwrap_or(0.0);
                 let Some(number) = super::expression::whole(value).filter(|number| (0..=999).contains(number)) else {
-                    return super::fault::wrong2(at, E::OutOfRange, format!("#{variable}={value}"), "0–999");
+                    return wrong2(at, E::OutOfRange, format!("#{variable}={value}"), "0–999");
                 };
                 let number = number as u32;
                 block.ops.push(if variable == 3000 {
