@@ -339,6 +339,19 @@ fn b3_g66_is_not_lost_where_a_move_and_a_call_share_a_block() {
     );
 }
 
+#[test]
+fn b1_a_block_of_more_than_4096_bytes_is_refused_and_does_not_hold_up_the_tick() {
+    let long = |length: usize| format!("G0 X2\r\n({})\r\nX4\r\n", "c".repeat(length - 4));
+    for length in 4_080..4_092 {
+        assert_eq!(lines(&long(length), Settings::lathe()).len(), 2, "{length}");
+    }
+    for length in [4_100, 100_000] {
+        assert!(refused(&long(length)).contains("line 2, column 1: the block is too long"), "{length}");
+    }
+    let endless = format!("G0 X2\n#100=1{}\nX4", "+1".repeat(1_000_000));
+    assert!(refused(&endless).contains("line 2, column 1"));
+}
+
 struct Twice;
 
 impl Library for Twice {
@@ -366,6 +379,10 @@ proptest! {
     #[test]
     fn b1_any_bytes_neither_panic_nor_hang(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         exercise(&bytes);
+        let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+        let source = Arc::new(Source::new(1, "", bytes));
+        let checked = check(&source, &library, &Settings::lathe());
+        prop_assert!(checked.lines <= 200);
     }
 
     #[test]

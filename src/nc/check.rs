@@ -164,12 +164,14 @@ impl Run<'_> {
             if !self.visited.mark(line) {
                 continue;
             }
-            let mut cursor = Cursor::new(text, source.start(line));
+            let mut cursor = Cursor::window(text, source.start(line));
             let mut head = Head { mid_line: false, block_skip: false };
             loop {
                 let at = cursor.at;
                 let read = statement::read(&mut cursor, &mut Blank, &mut words, head);
+                let cut = cursor.is_cut(text);
                 let read = read.and_then(|content| match content {
+                    _ if cut => super::fault::wrong(at, E::BlockTooLong),
                     Content::Words => dialect::look(&words, self.settings),
                     Content::TextEnd { at } if !at_head(text, at) => {
                         self.text_end = Some(line);

@@ -187,7 +187,7 @@ impl Interpreter {
         let source = Arc::clone(&self.flow.source);
         let text = source.bytes();
         let (at, line) = (self.flow.at, self.flow.line + 1);
-        let mut cursor = Cursor::new(text, at);
+        let mut cursor = Cursor::window(text, at);
         if cursor.is_over() {
             return self.text_over(at);
         }
@@ -204,7 +204,11 @@ impl Interpreter {
             source: &source,
             world,
         };
-        let content = statement::read(&mut cursor, &mut scope, &mut self.words, head)?;
+        let read = statement::read(&mut cursor, &mut scope, &mut self.words, head);
+        if cursor.is_cut(text) {
+            return wrong(at, E::BlockTooLong);
+        }
+        let content = read?;
         let step = match content {
             Content::Words => {
                 let mut modals = self.modals;
