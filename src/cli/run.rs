@@ -19,6 +19,9 @@ use crate::units::Axis;
 /// Ticks from cycle start to the first sign of life.
 const START_TICKS: u32 = 5;
 
+/// Ticks after the end until the axes have settled to the last micrometre: ten lags of 20 ms.
+const SETTLE_TICKS: u32 = 200;
+
 /// Runs the program and prints the report.
 ///
 /// # Errors
@@ -61,6 +64,9 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
         }
     };
     let seconds = rig.now().since(started).as_secs_f64();
+    for _ in 0..SETTLE_TICKS {
+        rig.step();
+    }
     let report = Report { end, seconds, blocks, before };
     match shared.format {
         Format::Json => out(report.json(&mut rig, shared.lang)),
