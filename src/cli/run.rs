@@ -41,17 +41,10 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
     let before = rig.snapshot().variables.clone();
     let started = rig.now();
     rig.send(Command::Press(Key::CycleStart));
-    let (mut blocks, mut last) = (0_u64, (0, 0));
     let end = loop {
         rig.step();
         if let Some(trace) = &mut trace {
             trace.line(&mut rig)?;
-        }
-        let place = rig.controller().place();
-        let at = (place.program, place.line);
-        if at != last {
-            blocks += 1;
-            last = at;
         }
         let state = rig.controller().state();
         let young = rig.now().since(started).0 < u64::from(START_TICKS) * rig.tick_time().0;
@@ -67,7 +60,7 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
     for _ in 0..SETTLE_TICKS {
         rig.step();
     }
-    let report = Report { end, seconds, blocks, before };
+    let report = Report { end, seconds, blocks: rig.controller().blocks(), before };
     match shared.format {
         Format::Json => out(report.json(&mut rig, shared.lang)),
         Format::Text => out(report.text(&mut rig, shared.lang)),
