@@ -9,7 +9,7 @@
 
 use super::contact::Contact;
 use super::machine_file::{Along, AxisFile};
-use super::random::SplitMix64;
+use crate::io::random::SplitMix64;
 
 /// What the control wants of an axis in this tick.
 #[derive(Clone, Copy, Debug)]

@@ -7,11 +7,11 @@
 
 use super::machine_file::{CuttingFile, DresserFile, MachineFile};
 use super::part_file::{Body, BodyFile, PartFile, Place};
-use super::random::SplitMix64;
 use super::report::{Event, EventKind, EventLog, PartReport};
 use super::spindle::Spindle;
 use super::surface::{Pass, Surface, Touch};
 use super::wheel::Wheel;
+use crate::io::random::SplitMix64;
 use crate::units::{Axis, PerAxis};
 
 /// Where the wheel and what else moves stand in this tick, machine coordinates.
