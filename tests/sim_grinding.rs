@@ -4,6 +4,7 @@ mod sim_rig;
 
 use kt830::defs::signal::{Input, Output};
 use kt830::io::sim::{EventKind, Looks, SurfaceFile};
+use kt830::units::Axis;
 use sim_rig::{Rig, ready, ready_with};
 
 /// O1002 by hand: approach, rough, fine, spark-out, retract.
@@ -136,13 +137,19 @@ fn p8_rapid_into_the_part_is_a_crash_with_place_and_speed_and_stops_the_machine(
     let stands = rig.sim.slide_mm();
     rig.wait(0.2);
     assert_eq!(stands, rig.sim.slide_mm());
+    assert!(rig.input(Input::DriveX), "it lasts as long as the drives are on");
     rig.out.drives_on = false;
     rig.step();
+    rig.step();
+    assert!(!rig.input(Input::DriveX), "switching the drives off ends it");
     rig.out.set_point_mm = rig.seen.encoder_mm;
     rig.out.drives_on = true;
     rig.step();
     rig.step();
-    assert!(!rig.input(Input::DriveX), "switching the drives on again ends it");
+    rig.go(60.0, 29.0, 6_000.0);
+    assert_eq!(rig.events(), [EventKind::Burn, EventKind::Crash], "the wheel comes free without another");
+    rig.wait(0.2);
+    assert!((rig.sim.slide_mm()[Axis::X] - (30.0 - 230.0)).abs() < 1e-6);
 }
 
 #[test]

@@ -241,3 +241,30 @@ fn p1_the_machines_own_handwheel_arrives_once() {
     assert_eq!(rig.seen.handwheel_detents, 3);
     assert_eq!(rig.sim.read(rig.now).handwheel_detents, 0);
 }
+
+#[test]
+fn p8_whatever_the_control_does_the_machine_stays_in_its_bounds() {
+    let mut rig = ready(1002);
+    let mut bits = 0x9E37_79B9_7F4A_7C15_u64;
+    for tick in 0..60_000 {
+        // xorshift64: wild set-points and outputs, drives mostly on.
+        bits ^= bits << 13;
+        bits ^= bits >> 7;
+        bits ^= bits << 17;
+        if tick % 40 == 0 {
+            rig.out.terminals = Terminals(bits);
+            rig.out.drives_on = bits & 0xF != 0;
+            rig.out.wheel_volts = (bits >> 8 & 0xF) as f64 - 2.0;
+            let wild = [(bits >> 16 & 0x3FF) as f64 - 500.0, f64::NAN, (bits >> 32 & 0x7FF) as f64 - 1_200.0];
+            rig.out.set_point_mm.0 = if bits & 0xF0 == 0 { [f64::NAN; 3] } else { wild };
+        }
+        rig.tick.0 = [500, 1_000, 4_000, 30_000][(bits >> 60) as usize % 4];
+        rig.step();
+        let (slide, wheel) = (rig.sim.slide_mm(), rig.sim.wheel());
+        assert!((-308.0..=8.0).contains(&slide[Axis::X]) && (-908.0..=8.0).contains(&slide[Axis::Z]), "{slide:?}");
+        assert!(rig.seen.encoder_mm.0.iter().all(|mm| mm.is_finite()));
+        assert!((0.0..=1_260.0).contains(&wheel.rpm) && wheel.diameter_mm > 500.0 && wheel.load_percent.is_finite());
+        assert!(rig.sim.measure().diameters.iter().all(|at| (0.0..=40.4).contains(&at.d)));
+    }
+    assert!(!rig.events().is_empty());
+}

@@ -65,7 +65,7 @@ pub struct SimulatedMachine {
     chance: SplitMix64,
     start_mm: PerAxis<f64>,
     tailstock_at_start: bool,
-    /// A crash has tripped all drives; switching the drives off and on ends it.
+    /// A crash has tripped all drives; switching them off ends it once the axes stand.
     tripped: bool,
     now: Option<Micros>,
     seconds: f64,
@@ -235,7 +235,8 @@ impl SimulatedMachine {
             tailstock_back_mm: self.hydraulics.tailstock_back_mm(),
         };
         crashed |= self.grinding.step(&scene, &mut self.wheel, &mut self.log);
-        self.tripped |= crashed;
+        let standing = vx_mm_s.abs() + vz_mm_s.abs() <= 0.0;
+        self.tripped = crashed || (self.tripped && (self.outputs.drives_on || !standing));
     }
 
     /// True: an axis has run onto its stop at speed.
@@ -262,9 +263,6 @@ impl SimulatedMachine {
     }
 
     fn take(&mut self, outputs: &OutputImage) {
-        if outputs.drives_on && !self.outputs.drives_on {
-            self.tripped = false;
-        }
         self.outputs = *outputs;
         self.on = self.wiring.outputs(outputs.terminals);
     }
