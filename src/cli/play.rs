@@ -25,8 +25,7 @@ pub struct Story {
 pub fn story(path: &Path, kind: Kind) -> Result<Story, CallError> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| CallError::new(format!("story {}: {error}; check the path", path.display())))?;
-    let (kind, lines) =
-        parse(&text, kind).map_err(|error| CallError::new(format!("{} {error}", path.display())))?;
+    let (kind, lines) = parse(&text, kind).map_err(|error| CallError::new(format!("{} {error}", path.display())))?;
     Ok(Story { kind, lines })
 }
 
@@ -42,8 +41,8 @@ pub fn play(shared: &Shared, call: &Play) -> Result<u8, CallError> {
         rig.mount(&bench::part_file(path)?);
     }
     let folder = call.story.parent().unwrap_or(Path::new("."));
-    let mut eyes = super::eyes::eyes(shared.lang);
-    let mut player = Player::new(&mut rig, eyes.as_deref_mut(), folder, shared.part.is_some());
+    let eyes = super::eyes::eyes(shared.lang);
+    let mut player = Player::new(&mut rig, eyes, folder, shared.part.is_some());
     for line in &story.lines {
         let done = player.play(line);
         let seconds = player.rig().now().as_secs_f64();
@@ -58,7 +57,9 @@ pub fn play(shared: &Shared, call: &Play) -> Result<u8, CallError> {
 
 fn tell(format: Format, line: &Line, done: &Result<(), String>, seconds: f64) {
     match (format, done) {
-        (Format::Json, Ok(())) => out(json!({"line": line.number, "statement": line.text, "ok": true, "seconds": seconds})),
+        (Format::Json, Ok(())) => {
+            out(json!({"line": line.number, "statement": line.text, "ok": true, "seconds": seconds}))
+        }
         (Format::Json, Err(why)) => {
             out(json!({"line": line.number, "statement": line.text, "ok": false, "seconds": seconds, "why": why}));
         }

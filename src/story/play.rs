@@ -32,7 +32,7 @@ pub trait Eyes {
 /// Plays a story.
 pub struct Player<'a> {
     rig: &'a mut Rig,
-    eyes: Option<&'a mut dyn Eyes>,
+    eyes: Option<Box<dyn Eyes>>,
     folder: PathBuf,
     part_given: bool,
 }
@@ -41,7 +41,7 @@ impl<'a> Player<'a> {
     /// A player; files that the story names are looked for in `folder`. `part_given`: a part is in the machine
     /// already, so loading a program does not bring another.
     #[must_use]
-    pub fn new(rig: &'a mut Rig, eyes: Option<&'a mut dyn Eyes>, folder: &Path, part_given: bool) -> Self {
+    pub fn new(rig: &'a mut Rig, eyes: Option<Box<dyn Eyes>>, folder: &Path, part_given: bool) -> Self {
         Self { rig, eyes, folder: folder.to_owned(), part_given }
     }
 
@@ -242,9 +242,7 @@ impl<'a> Player<'a> {
             if is == wanted { Ok(()) } else { Err(format!("{name} is {}", on_off(is))) }
         };
         match expectation {
-            Expectation::Output(output, on) => {
-                switched(output.id(), self.rig.snapshot().outputs.has(*output), *on)
-            }
+            Expectation::Output(output, on) => switched(output.id(), self.rig.snapshot().outputs.has(*output), *on),
             Expectation::Input(input, on) => switched(input.id(), self.rig.snapshot().inputs.has(*input), *on),
             Expectation::Lamp(key, on) => switched(key.id(), self.rig.snapshot().key(*key).lamp, *on),
             Expectation::Alarm(number) => {

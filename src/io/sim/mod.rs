@@ -117,6 +117,11 @@ impl SimulatedMachine {
         sim
     }
 
+    /// Begins the machine's chance anew: the next part, bounce and noise follow the seed.
+    pub fn reseed(&mut self, seed: u64) {
+        self.chance = SplitMix64::new(seed);
+    }
+
     /// Puts another part in, fresh from its file, or takes the part out. The axes stay where they are.
     pub fn set_part(&mut self, part: Option<&PartFile>) {
         self.grinding.set_part(part, &mut self.chance);
