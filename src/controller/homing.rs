@@ -17,6 +17,8 @@ pub struct HomingPlan {
     pub travel_mm: f64,
     /// Coordinate of the switch.
     pub coordinate: f64,
+    /// In-position width at the zero point.
+    pub width_mm: f64,
 }
 
 /// Back-off is this many times the slow speed: its place does not matter.
@@ -71,7 +73,7 @@ impl Homing {
 
     /// One tick. `raw` is the switch before the filter, `at` the axis position from the encoder.
     pub fn tick(&mut self, mover: &mut AxisMover, switch: bool, raw: bool, at: f64) -> Progress {
-        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate } = self.plan;
+        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate, width_mm } = self.plan;
         let rest = mover.is_at_rest();
         if !raw {
             self.edge = None;
@@ -114,7 +116,8 @@ impl Homing {
             }
             Step::ToZero => {
                 mover.position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
-                return if mover.is_at_rest() { Progress::Done } else { Progress::Going };
+                let there = mover.is_at_rest() && (at - coordinate).abs() <= width_mm;
+                return if there { Progress::Done } else { Progress::Going };
             }
             Step::SeekFast { from } | Step::BackOff { from } | Step::SeekSlow { from } if too_far(from) => {
                 mover.stop();
