@@ -69,8 +69,8 @@ program_errors! {
     LaterG = 9, "g-not-available", "本版本不支持 {} ({2})", "{} ({2}) is not available in this version",
         "请改用其他指令或升级软件", "use another function or a newer version";
     /// A G code that this kind of machine lacks.
-    WrongKindG = 10, "g-not-on-this-machine", "本机床没有 {} 指令", "{} does not exist on this machine",
-        "{2}", "{2}";
+    WrongKindG = 10, "g-not-on-this-machine", "本机床没有 {} ({2})", "{} ({2}) does not exist on this machine",
+        "请查阅本机床的 G 代码表", "look at the table of G codes of this machine";
     /// An M code above 99 or not a whole number.
     UnknownM = 11, "unknown-m", "没有 {} 指令", "unknown code {}",
         "M 代码为 M00–M99 的整数", "M codes are whole numbers from 0 to 99";
@@ -176,6 +176,9 @@ program_errors! {
     /// Null used in arithmetic.
     NullUsed = 45, "null-used", "空变量 {} 按 0 计算", "empty variable {} is taken as 0",
         "请先给变量赋值", "give it a value first";
+    /// G91 on GC.
+    IncrementalG91 = 47, "g91-on-lathe", "外圆磨没有 G91 指令", "G91 does not exist on this machine",
+        "增量编程请用 U、W", "write distances with U and W";
     /// A block after `;` on the same line.
     BlockAfterSemicolon = 46, "block-after-semicolon", "';' 后的内容按程序段执行", "the text after ';' is read as a block",
         "注释请写在 ( ) 中", "write a comment in ( )";

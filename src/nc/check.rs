@@ -4,12 +4,12 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::dialect;
-use super::fault::{Fault, Place, Stop, Wrong};
-use super::interpreter::{Block, Interpreter, fault_in};
+use super::fault::{Fault, Place, Stop, Wrong, fault_in};
+use super::interpreter::{Block, Interpreter};
 use super::lexer::Cursor;
 use super::memory::Memory;
 use super::settings::Settings;
-use super::source::{Library, Source};
+use super::source::{Library, Source, at_head};
 use super::statement::{self, Blank, Content, Head};
 use super::words::Words;
 use super::world::CheckWorld;
@@ -67,6 +67,7 @@ pub fn check_with(
         found: Checked::default(),
         visited: Visited::new(source.line_count()),
         told: HashSet::new(),
+        text_end: None,
     };
     run.follow(&mut interpreter, world, sink);
     run.read_the_rest();
@@ -104,13 +105,15 @@ struct Run<'r> {
     found: Checked,
     visited: Visited,
     told: HashSet<(u32, u32, E)>,
+    /// The line (from 0) behind which nothing counts: its `%` ended the run.
+    text_end: Option<u32>,
 }
 
 impl Run<'_> {
     fn follow(&mut self, interpreter: &mut Interpreter, world: &mut CheckWorld, sink: &mut dyn FnMut(&Block)) {
         let mut block = Block::new(self.settings);
         let (mut standstill, mut left) = (0, 0);
-        loop {
+        while !interpreter.has_ended() {
             let (source, line) = interpreter.at_line();
             let main = Arc::ptr_eq(source, self.source);
             standstill = if main && self.visited.mark(line) { 0 } else { standstill + 1 };
@@ -130,9 +133,11 @@ impl Run<'_> {
                         block.ops.iter().for_each(|op| world.apply(op));
                         sink(&block);
                     }
-                    if more.is_none() || interpreter.has_restarted() {
-                        self.found.finished = true;
-                        return;
+                    if !more && main {
+                        self.text_end = Some(line);
+                    }
+                    if !more || interpreter.has_restarted() {
+                        break;
                     }
                 }
                 Err(fault) => {
@@ -144,6 +149,7 @@ impl Run<'_> {
                 interpreter.remarks().into_iter().for_each(|fault| self.warn(fault));
             }
         }
+        self.found.finished = true;
     }
 
     /// Lines that the run did not come to are read for their writing.
@@ -152,6 +158,9 @@ impl Run<'_> {
         let text = source.bytes();
         let mut words = Words::default();
         for line in 0..source.line_count() as u32 {
+            if self.text_end.is_some_and(|end| line > end) {
+                return;
+            }
             if !self.visited.mark(line) {
                 continue;
             }
@@ -162,6 +171,10 @@ impl Run<'_> {
                 let read = statement::read(&mut cursor, &mut Blank, &mut words, head);
                 let read = read.and_then(|content| match content {
                     Content::Words => dialect::look(&words, self.settings),
+                    Content::TextEnd { at } if !at_head(text, at) => {
+                        self.text_end = Some(line);
+                        Ok(())
+                    }
                     Content::Goto { n, at } if n > 0 && source.find_block(n, line).is_none() => {
                         super::fault::wrong1(at, E::MissingTarget, format!("N{n}"))
                     }

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::source::Source;
+use crate::defs::gcode::GCode;
 use crate::defs::program_error::ProgramError;
 use crate::defs::text::Lang;
 
@@ -42,7 +44,14 @@ impl Fault {
     /// What is wrong, without place and remedy.
     #[must_use]
     pub fn cause(&self, lang: Lang) -> String {
-        fill(self.error.text().get(lang), &self.details)
+        let text = self.error.text().get(lang);
+        match (self.error, self.details[0].get(1..).and_then(|code| GCode::find(code.parse().ok()?))) {
+            // The function's name comes from the table, in the reader's language.
+            (ProgramError::LaterG | ProgramError::WrongKindG, Some(row)) => {
+                fill(text, &[self.details[0].clone(), row.text.get(lang).to_owned()])
+            }
+            _ => fill(text, &self.details),
+        }
     }
 
     /// What to do about it.
@@ -111,6 +120,17 @@ pub(crate) fn wrong2<T>(
     second: impl Into<String>,
 ) -> Outcome<T> {
     Err(Box::new(Stop::Wrong(Wrong { at, error, details: [detail.into(), second.into()] })))
+}
+
+/// Gives a mistake its place.
+pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fault {
+    if wrong.error == ProgramError::ForeignCharacter
+        && let Some((character, instead)) = source.foreign(wrong.at)
+    {
+        wrong.details = [character.to_string(), instead];
+    }
+    let (place, column) = source.place(wrong.at, n);
+    Fault::new(place, column, wrong)
 }
 
 #[cfg(test)]

@@ -83,8 +83,8 @@ pub(crate) struct Flow {
 impl Flow {
     pub fn new(source: Arc<Source>) -> Self {
         Self {
+            at: source.start(0),
             source,
-            at: 0,
             line: 0,
             mid_line: false,
             restarted: false,

@@ -3,20 +3,20 @@
 use std::sync::Arc;
 
 use super::dialect::{self, Running, Step};
-use super::expression::{Scope, Value};
-use super::fault::{Fault, Outcome, Place, Stop, Wrong, wrong, wrong1};
-use super::flow::{Call, Callee, Flow, Locals};
+use super::expression::Value;
+use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1};
+use super::flow::{Call, Callee, Flow};
 use super::lexer::Cursor;
 use super::memory::{Memory, VariableError};
 use super::modal::Modals;
 use super::op::Op;
+use super::scope::{LiveScope, NullUse};
 use super::settings::Settings;
-use super::source::{Library, Source};
+use super::source::{Library, Source, at_head};
 use super::statement::{self, Content, Head};
 use super::words::Words;
-use super::world::{Live, World};
+use super::world::World;
 use crate::defs::program_error::ProgramError as E;
-use crate::units::PerAxis;
 
 /// How many blocks without an operation one call of `next` may read.
 pub const STATEMENTS_PER_CALL: usize = 1_000;
@@ -42,7 +42,7 @@ impl Block {
         Self { at: Place::default(), ops: Vec::with_capacity(8), modals: Modals::new(settings), complete: true }
     }
 
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.ops.clear();
         self.complete = true;
     }
@@ -63,39 +63,22 @@ pub enum Next {
 
 /// Reads a program, ahead of its execution.
 pub struct Interpreter {
-    flow: Flow,
+    pub(super) flow: Flow,
     library: Arc<dyn Library + Send + Sync>,
-    settings: Settings,
+    pub(super) settings: Settings,
     memory: Memory,
     modals: Modals,
     words: Words,
-    ended: bool,
-    /// Something other than `%` and comments was read in the main program.
-    begun: bool,
-    second_half: bool,
+    pub(super) ended: bool,
+    pub(super) second_half: bool,
+    /// The last block number read (#4114).
+    last_n: Option<u32>,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
 }
 
-/// Variables as the text being read sees them.
-pub(crate) struct LiveScope<'w> {
-    locals: &'w Locals,
-    memory: &'w Memory,
-    modals: &'w Modals,
-    mill: bool,
-    program: u32,
-    n: Option<u32>,
-    nulls: &'w mut Option<Vec<NullUse>>,
-    last_null: u32,
-    source: &'w Arc<Source>,
-    pub world: &'w mut dyn World,
-}
-
-/// Where null was taken as 0, and the variable that was null.
-type NullUse = (Arc<Source>, usize, u32);
-
 /// What one statement came to.
-enum Stepped {
+pub(super) enum Stepped {
     Nothing,
     Block,
     End,
@@ -119,8 +102,8 @@ impl Interpreter {
             modals,
             words: Words::default(),
             ended: false,
-            begun: false,
             second_half: false,
+            last_n: None,
             nulls: None,
         }
     }
@@ -193,67 +176,11 @@ impl Interpreter {
         Ok(Next::Busy)
     }
 
-    /// Goes past the line of a fault; for a check that wants to see the rest.
-    pub(crate) fn skip_line(&mut self) {
-        self.second_half = false;
-        self.begun = true;
-        self.flow.go_to_line(self.flow.line + 1);
-    }
-
-    /// Leaves the outermost loop that is open; for a check that sees no end of it.
-    pub(crate) fn leave_loop(&mut self) -> bool {
-        self.flow.leave_loops()
-    }
-
-    /// Whether M99 has begun the main program again.
-    pub(crate) const fn has_restarted(&self) -> bool {
-        self.flow.restarted
-    }
-
-    /// Whether there is anything to remark on the last block.
-    pub(crate) fn has_remarks(&self) -> bool {
-        self.flow.mid_line || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
-    }
-
-    /// What is allowed and seldom meant in the last block.
-    pub(crate) fn remarks(&mut self) -> Vec<Fault> {
-        let source = Arc::clone(&self.flow.source);
-        let mut remarks = Vec::new();
-        for (source, at, variable) in self.nulls.iter_mut().flat_map(|nulls| nulls.drain(..)) {
-            let details = [format!("#{variable}"), String::new()];
-            remarks.push(fault_in(&source, None, Wrong { at, error: E::NullUsed, details }));
-        }
-        if self.flow.mid_line {
-            let wrong = Wrong { at: self.flow.at, error: E::BlockAfterSemicolon, details: Default::default() };
-            remarks.push(fault_in(&source, None, wrong));
-        }
-        remarks
-    }
-
-    /// The running program and the line (from 0) that is read next.
-    pub(crate) fn at_line(&self) -> (&Arc<Source>, u32) {
-        (&self.flow.source, self.flow.line)
-    }
-
-    /// Reads one block whatever it is; `true` while there is more.
-    pub(crate) fn single(&mut self, world: &mut dyn World, block: &mut Block) -> Result<Option<bool>, Fault> {
-        block.clear();
-        match self.step(world, block) {
-            Ok(Stepped::Nothing) => Ok(Some(false)),
-            Ok(Stepped::Block) => Ok(Some(!self.ended)),
-            Ok(Stepped::End) => Ok(None),
-            Err(stop) => match *stop {
-                Stop::Drain => Ok(Some(false)),
-                Stop::Wrong(wrong) => Err(self.fault(wrong)),
-            },
-        }
-    }
-
-    fn fault(&self, wrong: Wrong) -> Fault {
+    pub(super) fn fault(&self, wrong: Wrong) -> Fault {
         fault_in(&self.flow.source, self.words.n, wrong)
     }
 
-    fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
+    pub(super) fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
         if self.ended {
             return Ok(Stepped::End);
         }
@@ -271,7 +198,7 @@ impl Interpreter {
             modals: &self.modals,
             mill: self.settings.is_mill(),
             program: source.number(),
-            n: self.words.n,
+            n: self.last_n,
             nulls: &mut self.nulls,
             last_null: 0,
             source: &source,
@@ -291,16 +218,17 @@ impl Interpreter {
                     at,
                     second_half: self.second_half,
                 };
-                if self.words.look(b'O').is_some() && (self.begun || !self.flow.is_main()) && !at_head(text, at) {
+                if self.words.has(b'O') && !at_head(text, at) {
                     return wrong(at, E::MisplacedO);
                 }
                 let step = dialect::run(&mut running)?;
                 let call = self.prepare(step, &cursor, block)?;
-                self.modals = modals;
+                self.modals = Modals { modal_call: self.flow.modal.is_some(), ..modals };
                 call
             }
             content => self.statement(content, &cursor, block, text)?,
         };
+        self.last_n = self.words.n.or(self.last_n);
         block.at = Place { program: source.number(), line, n: self.words.n };
         block.modals = self.modals;
         Ok(step)
@@ -308,7 +236,6 @@ impl Interpreter {
 
     /// Puts the flow behind the block that was read.
     fn pass(&mut self, cursor: &Cursor<'_>) {
-        self.begun = true;
         self.second_half = false;
         if statement::goes_on(cursor) {
             self.flow.at = cursor.at;
@@ -334,9 +261,7 @@ impl Interpreter {
     fn statement(&mut self, content: Content, cursor: &Cursor<'_>, block: &mut Block, text: &[u8]) -> Outcome<Stepped> {
         match content {
             Content::Nothing | Content::Words => {
-                let begun = self.begun;
                 self.pass(cursor);
-                self.begun = begun;
             }
             Content::Assign { variable, value, at, text: comment } => {
                 self.assign(variable, value, at, comment.and_then(|range| text.get(range)), block)?;
@@ -350,14 +275,9 @@ impl Interpreter {
                 }
             }
             Content::EndLoop { number, at } => self.flow.end_loop(number, at)?,
-            Content::TextEnd { at } if self.begun || !self.flow.is_main() => {
-                let first = self.flow.line == 0;
-                if !first {
-                    return self.text_over(at);
-                }
-                self.pass(cursor);
-            }
-            Content::TextEnd { .. } => self.pass(cursor),
+            // The `%` at the head of a text only opens it.
+            Content::TextEnd { at } if at_head(text, at) && !text[..at].contains(&b'%') => self.pass(cursor),
+            Content::TextEnd { at } => return self.text_over(at),
         }
         Ok(if block.ops.is_empty() { Stepped::Nothing } else { Stepped::Block })
     }
@@ -397,7 +317,6 @@ impl Interpreter {
                 self.pass(cursor);
             }
             Step::Return { target, at } => {
-                self.begun = true;
                 self.second_half = false;
                 self.flow.return_to(target, at)?;
             }
@@ -463,75 +382,5 @@ impl Interpreter {
             },
         }
         Ok(())
-    }
-}
-
-/// Whether nothing but `%`, blanks and comment lines stands before a byte.
-fn at_head(text: &[u8], at: usize) -> bool {
-    let mut comment = false;
-    text.get(..at).unwrap_or_default().iter().all(|byte| {
-        comment = match byte {
-            b'\r' | b'\n' => false,
-            b';' | b'(' => true,
-            _ => comment,
-        };
-        comment || matches!(byte, b'%' | b' ' | b'\t' | b'\r' | b'\n')
-    })
-}
-
-/// Gives a mistake its place.
-pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fault {
-    if wrong.error == E::ForeignCharacter
-        && let Some((character, instead)) = source.foreign(wrong.at)
-    {
-        wrong.details = [character.to_string(), instead];
-    }
-    let (place, column) = source.place(wrong.at, n);
-    Fault::new(place, column, wrong)
-}
-
-impl LiveScope<'_> {
-    /// Where the block begins.
-    pub fn position(&self) -> PerAxis<f64> {
-        self.world.position()
-    }
-}
-
-impl Scope for LiveScope<'_> {
-    const STRICT: bool = true;
-
-    fn read(&mut self, number: u32, at: usize) -> Outcome<Value> {
-        let value = self.look_up(number, at)?;
-        if value.is_none() {
-            self.last_null = number;
-        }
-        Ok(value)
-    }
-
-    fn null_used(&mut self, at: usize) {
-        if let Some(nulls) = self.nulls {
-            nulls.push((Arc::clone(self.source), at, self.last_null));
-        }
-    }
-}
-
-impl LiveScope<'_> {
-    fn look_up(&mut self, number: u32, at: usize) -> Outcome<Value> {
-        match number {
-            0 => Ok(None),
-            1..=33 => Ok(self.locals[number as usize - 1]),
-            4114 => Ok(self.n.map(f64::from)),
-            4115 => Ok(Some(f64::from(self.program))),
-            4000..=4200 => self
-                .modals
-                .variable(number, self.mill)
-                .map_or_else(|| wrong1(at, E::BadVariable, format!("#{number}")), Ok),
-            434..=439 | 1000.. => match self.world.system(number) {
-                Live::Value(value) => Ok(value),
-                Live::Drain => Err(Box::new(Stop::Drain)),
-                Live::Unknown => wrong1(at, E::BadVariable, format!("#{number}")),
-            },
-            _ => self.memory.get(number).or_else(|_| wrong1(at, E::BadVariable, format!("#{number}"))),
-        }
     }
 }

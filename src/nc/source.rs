@@ -9,6 +9,9 @@ use super::fault::Place;
 /// How deep WHILE can nest in one program; the numbers after DO are 1 to this.
 pub(crate) const LOOP_DEPTH: usize = 3;
 
+/// What some editors put before UTF-8 text.
+const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
+
 /// Programs for M98, G65 and G66.
 pub trait Library {
     /// The program of an O number.
@@ -210,8 +213,8 @@ fn line_end(bytes: &[u8]) -> Option<usize> {
 
 fn line_starts(bytes: &[u8]) -> Vec<u32> {
     let mut starts = Vec::with_capacity(bytes.len() / 24 + 1);
-    starts.push(0);
-    let mut at = 0;
+    let mut at = if bytes.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
+    starts.push(at as u32);
     while let Some(end) = line_end(&bytes[at..]) {
         let pair = bytes[at + end] == b'\r' && bytes.get(at + end + 1) == Some(&b'\n');
         at += end + 1 + usize::from(pair);
@@ -278,4 +281,17 @@ fn ascii_for(character: char) -> Option<char> {
         '÷' => Some('/'),
         _ => None,
     }
+}
+
+/// Whether nothing but `%`, blanks and comment lines stands before a byte.
+pub(crate) fn at_head(text: &[u8], at: usize) -> bool {
+    let mut comment = false;
+    text.get(..at).unwrap_or_default().iter().all(|byte| {
+        comment = match byte {
+            b'\r' | b'\n' => false,
+            b';' | b'(' => true,
+            _ => comment,
+        };
+        comment || matches!(byte, b'%' | b' ' | b'\t' | b'\r' | b'\n')
+    })
 }

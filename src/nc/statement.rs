@@ -94,7 +94,8 @@ fn body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words, dep
     let at = cursor.at;
     match cursor.peek() {
         b'#' => assign(cursor, scope),
-        b'%' => {
+        // DECISION: the end mark of old DOS texts (0x1A) ends a text as `%` does.
+        b'%' | 0x1a => {
             cursor.at += 1;
             Ok(Content::TextEnd { at })
         }
@@ -240,6 +241,7 @@ fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
 #[cold]
 fn is_block(mut cursor: Cursor<'_>) -> bool {
     let mut words = Words::default();
+    while cursor.take(b';') || cursor.take(b' ') {}
     let read = cursor.blank().and_then(|()| body(&mut cursor, &mut Blank, &mut words, 0));
     let complete = matches!(cursor.peek(), b'\r' | b'\n' | b';') && words.bare.is_none();
     complete && matches!(read, Ok(content) if content != Content::Nothing)

@@ -6,9 +6,9 @@ mod grinder;
 use super::expression::Value;
 use super::fault::Outcome;
 use super::flow::{Call, ModalCall};
-use super::interpreter::LiveScope;
 use super::modal::Modals;
 use super::op::Op;
+use super::scope::LiveScope;
 use super::settings::{Settings, System};
 use super::words::Words;
 

@@ -4,7 +4,7 @@ use super::continuous;
 use crate::defs::gcode::{Exists, GCode, Group};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::Running;
-use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::{CycleWords, Motion};
 use crate::nc::op::{PathMode, Plane, SpeedMode};
 use crate::nc::words::Code;
@@ -76,9 +76,9 @@ pub(super) fn look_up(code: Code, mill: bool) -> Outcome<&'static GCode> {
     let Some(row) = GCode::find(code.number) else { return wrong1(at, E::UnknownG, name()) };
     match row.exists_on(mill) {
         Exists::Yes => Ok(row),
-        Exists::Later => wrong2(at, E::LaterG, name(), row.text.en),
-        Exists::No if code.number == 91 => wrong2(at, E::WrongKindG, name(), "U V W = ±X ±Y ±Z"),
-        Exists::No => wrong2(at, E::WrongKindG, name(), row.text.en),
+        Exists::Later => wrong1(at, E::LaterG, name()),
+        Exists::No if code.number == 91 => wrong(at, E::IncrementalG91),
+        Exists::No => wrong1(at, E::WrongKindG, name()),
     }
 }
 

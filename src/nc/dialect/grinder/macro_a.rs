@@ -3,8 +3,9 @@
 use super::integer;
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::{Running, Step};
-use crate::nc::expression::{self, equal, from_bcd, sine, square_root, to_bcd, whole};
+use crate::nc::expression::{self, equal, whole};
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::nc::functions::{from_bcd, sine, square_root, to_bcd};
 use crate::nc::lexer::Cursor;
 use crate::nc::op::Op;
 use crate::nc::words::Word;

@@ -13,7 +13,7 @@ mod motion;
 use self::codes::Plan;
 use super::{Running, Step};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::fault::{Outcome, Stop, wrong1, wrong2};
 use crate::nc::op::{Op, PathMode};
 use crate::nc::settings::Settings;
 use crate::nc::words::{Kind, Word, Words};
@@ -48,21 +48,37 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     }
     running.words.take(b'O');
     modes(running, &plan)?;
-    if changes_position(running, &plan) && !running.second_half {
-        auxiliary::tool(running)?;
-        return Ok(Step::Again);
+    running.words.take(b'T');
+    if running.second_half {
+        return rest(running, &plan);
     }
-    if !running.second_half {
-        auxiliary::tool(running)?;
-    } else {
-        running.words.take(b'T');
+    auxiliary::tool(running)?;
+    if !changes_position(running, &plan) {
+        return rest(running, &plan);
     }
-    auxiliary::speed(running, &plan)?;
+    // The rest is rehearsed, so that a mistake in it refuses the whole block; its arcs begin elsewhere later.
+    let (kept, modals) = (running.ops.len(), *running.modals);
+    match rest(running, &plan) {
+        Err(stop) if !starts_elsewhere(&stop) => return Err(stop),
+        Ok(_) | Err(_) => {}
+    }
+    running.ops.truncate(kept);
+    *running.modals = modals;
+    Ok(Step::Again)
+}
+
+fn starts_elsewhere(stop: &Stop) -> bool {
+    matches!(stop, Stop::Wrong(wrong) if matches!(wrong.error, E::ArcEndOff | E::ArcRadius))
+}
+
+/// Everything behind the modes, the frame and the tool.
+fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
+    auxiliary::speed(running, plan)?;
     let flow = auxiliary::before_motion(running)?;
-    once_or_move(running, &plan)?;
+    once_or_move(running, plan)?;
     auxiliary::after_motion(running)?;
     if let Some(unused) = running.words.unused() {
-        return unknown_word(running, &plan, unused);
+        return unknown_word(running, plan, unused);
     }
     if matches!(flow, Step::Next)
         && let Some(call) = plan.call

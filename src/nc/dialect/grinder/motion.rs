@@ -77,11 +77,15 @@ fn first_place(running: &Running<'_, '_>) -> usize {
 pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     let named = running.words.has_any(AXIS_WORDS);
     let arc = matches!(running.modals.motion, Motion::ArcClockwise | Motion::ArcCounterClockwise);
-    if !named && !(arc && running.words.has_any(MOTION_ARC_LETTERS)) {
-        if arc && plan.motion.is_some() && running.words.has(b'R') {
-            return wrong1(first_place(running), E::ArcRadius, "R");
-        }
-        return Ok(());
+    let by_centre = arc && running.words.has_any(MOTION_ARC_LETTERS);
+    if !named && !by_centre {
+        return match running.words.look(b'R') {
+            // An arc by radius has no end of its own.
+            Some(radius) if arc && plan.motion.is_some() => {
+                wrong1(radius.at as usize, E::ArcRadius, format!("R{}", radius.value))
+            }
+            Some(_) | None => Ok(()),
+        };
     }
     match running.modals.motion {
         Motion::Rapid => {

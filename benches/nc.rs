@@ -1,0 +1,101 @@
+//! Reading speed: lines a second of the check and of `Interpreter::next` on long programs. Aims: 2 M, then 5 M lines/s
+//! of the check on a million lines of `N10 G1 X… Z… F…`.
+#![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use kt830::nc::{Block, CheckWorld, Interpreter, Library, Memory, Next, NoLibrary, Settings, Source, check};
+
+const LINES: usize = 1_000_000;
+const ROUNDS: usize = 3;
+const AIM: f64 = 5e6;
+
+fn moves() -> String {
+    let mut text = String::from("O1001\nG98 G0 X50 Z10\n");
+    for line in 0..LINES {
+        let (x, z) = (line * 7919 % 100_000, line * 104_729 % 1_000_000);
+        text += &format!(
+            "N{} G1 X{}.{:03} Z-{}.{:03} F{}\n",
+            line % 10_000,
+            x / 1000,
+            x % 1000,
+            z / 1000,
+            z % 1000,
+            100 + line % 900
+        );
+    }
+    text + "M30\n"
+}
+
+fn arithmetic() -> String {
+    let mut text = String::from("O1001\n#100=1\n#101=2.5\n");
+    for line in 0..LINES / 2 {
+        text += &format!("#1=[#100+{}.25]*#101-SIN[30]/2\n#102=#1-#101*0.5\n", line % 1000);
+    }
+    text + "M30\n"
+}
+
+fn while_loop() -> String {
+    format!("O1001\n#1=0\nWHILE[#1 LT {}]DO1\n#1=#1+1\nIF[#1 EQ 0]GOTO 10\nEND1\nN10 M30\n", LINES / 4)
+}
+
+/// Lines read in a run, by how often each is read.
+fn report(name: &str, lines: usize, bytes: usize, act: impl Fn()) {
+    let seconds = (0..ROUNDS)
+        .map(|_| {
+            let start = Instant::now();
+            act();
+            start.elapsed().as_secs_f64()
+        })
+        .fold(f64::INFINITY, f64::min);
+    let speed = lines as f64 / seconds;
+    println!(
+        "{name:<28} {:>7.2} M lines/s {:>7.1} MB/s  {:>6.1} ns/line  {:>5.2} of the aim",
+        speed / 1e6,
+        bytes as f64 / seconds / 1e6,
+        1e9 / speed,
+        speed / AIM
+    );
+}
+
+fn run(source: &Arc<Source>) -> usize {
+    let settings = Settings::lathe();
+    let mut world = CheckWorld::new(&settings);
+    let mut block = Block::new(&settings);
+    let mut interpreter = Interpreter::new(Arc::clone(source), Arc::new(NoLibrary), settings, Memory::default());
+    let mut count = 0;
+    loop {
+        match interpreter.next(&mut world, &mut block).unwrap() {
+            Next::Block => {
+                count += block.ops.len();
+                block.ops.iter().for_each(|op| world.apply(op));
+            }
+            Next::Busy | Next::Drain => {}
+            Next::End => return count,
+        }
+    }
+}
+
+fn main() {
+    let settings = Settings::lathe();
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    for (name, text, lines) in
+        [("moves", moves(), LINES), ("arithmetic", arithmetic(), LINES), ("while loop", while_loop(), LINES)]
+    {
+        let bytes = text.len();
+        println!("{name}: {:.1} MB", bytes as f64 / 1e6);
+        let shared: Arc<[u8]> = text.into_bytes().into();
+        let load = || Source::new(1001, "", Arc::clone(&shared));
+        let source = Arc::new(load());
+        if name != "while loop" {
+            report("  load (line index)", lines, bytes, || assert!(load().line_count() > 2));
+        }
+        report("  check", lines, bytes, || {
+            let checked = check(&source, &library, &settings);
+            assert!(checked.faults.is_empty(), "{:?}", checked.faults.first());
+            assert!(checked.finished);
+        });
+        report("  next", lines, bytes, || assert!(run(&source) > 0));
+    }
+}

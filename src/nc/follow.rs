@@ -1,0 +1,93 @@
+//! Following a program without a machine: for the check, and for a run from a chosen block. Source: spec B1, B5, T4.
+
+use std::sync::Arc;
+
+use super::fault::{Fault, Stop, Wrong, fault_in};
+use super::interpreter::{Block, Interpreter, Next, Stepped};
+use super::source::Source;
+use super::world::{CheckWorld, World};
+use crate::defs::program_error::ProgramError as E;
+
+/// How many blocks one call of `advance_to` may read.
+pub const ADVANCE_PER_CALL: usize = 2_000;
+
+impl Interpreter {
+    /// Reads on, as fast as it goes and without a machine, until a line (from 1) of the started program is next: what
+    /// is in force there is then in [`Self::modals`], the position in `world`. At most [`ADVANCE_PER_CALL`] blocks;
+    /// `Next::Block` when the line is reached, `Next::Busy` to be asked again, `Next::End` if the program ends before.
+    ///
+    /// # Errors
+    /// A mistake on the way.
+    pub fn advance_to(&mut self, line: u32, world: &mut CheckWorld) -> Result<Next, Fault> {
+        let mut block = Block::new(&self.settings);
+        for _ in 0..ADVANCE_PER_CALL {
+            if self.flow.is_main() && self.flow.line + 1 == line && !self.flow.mid_line && !self.second_half {
+                return Ok(Next::Block);
+            }
+            if self.ended || !self.single(world, &mut block)? {
+                return Ok(Next::End);
+            }
+            block.ops.iter().for_each(|op| world.apply(op));
+        }
+        Ok(Next::Busy)
+    }
+
+    /// Goes past the line of a fault; for a check that wants to see the rest.
+    pub(crate) fn skip_line(&mut self) {
+        self.second_half = false;
+        self.flow.go_to_line(self.flow.line + 1);
+    }
+
+    /// Leaves the outermost loop that is open; for a check that sees no end of it.
+    pub(crate) fn leave_loop(&mut self) -> bool {
+        self.flow.leave_loops()
+    }
+
+    /// Whether M99 has begun the main program again.
+    pub(crate) const fn has_restarted(&self) -> bool {
+        self.flow.restarted
+    }
+
+    /// Whether M02 or M30 was read.
+    pub(crate) const fn has_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Whether there is anything to remark on the last block.
+    pub(crate) fn has_remarks(&self) -> bool {
+        self.flow.mid_line || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
+    }
+
+    /// What is allowed and seldom meant in the last block.
+    pub(crate) fn remarks(&mut self) -> Vec<Fault> {
+        let source = Arc::clone(&self.flow.source);
+        let mut remarks = Vec::new();
+        for (source, at, variable) in self.nulls.iter_mut().flat_map(|nulls| nulls.drain(..)) {
+            let details = [format!("#{variable}"), String::new()];
+            remarks.push(fault_in(&source, None, Wrong { at, error: E::NullUsed, details }));
+        }
+        if self.flow.mid_line {
+            let wrong = Wrong { at: self.flow.at, error: E::BlockAfterSemicolon, details: Default::default() };
+            remarks.push(fault_in(&source, None, wrong));
+        }
+        remarks
+    }
+
+    /// The running program and the line (from 0) that is read next.
+    pub(crate) fn at_line(&self) -> (&Arc<Source>, u32) {
+        (&self.flow.source, self.flow.line)
+    }
+
+    /// Reads one block whatever it is; `true` while there is more.
+    pub(crate) fn single(&mut self, world: &mut dyn World, block: &mut Block) -> Result<bool, Fault> {
+        block.clear();
+        match self.step(world, block) {
+            Ok(Stepped::Nothing | Stepped::Block) => Ok(true),
+            Ok(Stepped::End) => Ok(false),
+            Err(stop) => match *stop {
+                Stop::Drain => Ok(true),
+                Stop::Wrong(wrong) => Err(self.fault(wrong)),
+            },
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! The functions of expressions. Angles are degrees; `None` is outside a function's domain. Source: spec B3.
+
+use super::expression::whole;
+
+/// One argument, one result.
+pub(crate) type Function = fn(f64) -> Option<f64>;
+
+/// A name that begins with another stands before it.
+pub(crate) const FUNCTIONS: [(&str, Function); 16] = [
+    ("SIN", |a| Some(sine(a))),
+    ("COS", |a| Some(sine(a + 90.0))),
+    ("TAN", |a| {
+        let cosine = sine(a + 90.0);
+        (cosine.abs() > 1e-12).then(|| sine(a) / cosine)
+    }),
+    ("ASIN", |a| in_unit(a).map(|a| a.asin().to_degrees())),
+    ("ACOS", |a| in_unit(a).map(|a| a.acos().to_degrees())),
+    ("ATAN", |a| Some(a.atan().to_degrees())),
+    ("SQRT", square_root),
+    ("SQR", square_root),
+    ("ABS", |a| Some(a.abs())),
+    ("ROUND", |a| Some(a.round())),
+    ("FIX", |a| Some(a.trunc())),
+    ("FUP", |a| Some(if a < 0.0 { a.floor() } else { a.ceil() })),
+    ("LN", |a| (a > 0.0).then(|| a.ln())),
+    ("EXP", |a| Some(a.exp())),
+    ("BIN", from_bcd),
+    ("BCD", to_bcd),
+];
+
+pub(crate) fn square_root(value: f64) -> Option<f64> {
+    (value >= 0.0).then(|| value.sqrt())
+}
+
+/// Sine of degrees, exact at every quarter turn.
+pub(crate) fn sine(degrees: f64) -> f64 {
+    let turned = degrees % 360.0;
+    match whole(turned).filter(|whole| whole % 90 == 0).map(|whole| whole.rem_euclid(360)) {
+        Some(90) => 1.0,
+        Some(270) => -1.0,
+        Some(_) => 0.0,
+        None => turned.to_radians().sin(),
+    }
+}
+
+fn in_unit(value: f64) -> Option<f64> {
+    // Rounding may carry a quotient of equal lengths just past 1.
+    (value.abs() <= 1.0 + 1e-9).then(|| value.clamp(-1.0, 1.0))
+}
+
+/// Decimal digits packed four bits each, as a number.
+pub(crate) fn from_bcd(value: f64) -> Option<f64> {
+    let value = whole(value).filter(|value| *value >= 0)?;
+    let mut result = 0;
+    for place in (0..13).rev() {
+        let digit = (value >> (4 * place)) & 15;
+        if digit > 9 {
+            return None;
+        }
+        result = result * 10 + digit;
+    }
+    Some(result as f64)
+}
+
+/// A number as decimal digits packed four bits each.
+pub(crate) fn to_bcd(value: f64) -> Option<f64> {
+    let mut value = whole(value).filter(|value| (0..10_000_000_000_000).contains(value))?;
+    let mut result = 0;
+    for place in 0..13 {
+        result |= (value % 10) << (4 * place);
+        value /= 10;
+    }
+    Some(result as f64)
+}

@@ -1,0 +1,76 @@
+//! Variables as the text being read sees them: locals, commons, modals and the world. Source: spec B3.
+
+use std::sync::Arc;
+
+use super::expression::{Scope, Value};
+use super::fault::{Outcome, Stop, wrong1};
+use super::flow::Locals;
+use super::memory::Memory;
+use super::modal::Modals;
+use super::source::Source;
+use super::world::{Live, World};
+use crate::defs::program_error::ProgramError as E;
+use crate::units::PerAxis;
+
+/// Where null was taken as 0, and the variable that was null.
+pub(crate) type NullUse = (Arc<Source>, usize, u32);
+
+/// Variables as the text being read sees them.
+pub(crate) struct LiveScope<'w> {
+    pub locals: &'w Locals,
+    pub memory: &'w Memory,
+    pub modals: &'w Modals,
+    pub mill: bool,
+    pub program: u32,
+    pub n: Option<u32>,
+    pub nulls: &'w mut Option<Vec<NullUse>>,
+    pub last_null: u32,
+    pub source: &'w Arc<Source>,
+    pub world: &'w mut dyn World,
+}
+
+impl LiveScope<'_> {
+    /// Where the block begins.
+    pub fn position(&self) -> PerAxis<f64> {
+        self.world.position()
+    }
+}
+
+impl Scope for LiveScope<'_> {
+    const STRICT: bool = true;
+
+    fn read(&mut self, number: u32, at: usize) -> Outcome<Value> {
+        let value = self.look_up(number, at)?;
+        if value.is_none() {
+            self.last_null = number;
+        }
+        Ok(value)
+    }
+
+    fn null_used(&mut self, at: usize) {
+        if let Some(nulls) = self.nulls {
+            nulls.push((Arc::clone(self.source), at, self.last_null));
+        }
+    }
+}
+
+impl LiveScope<'_> {
+    fn look_up(&mut self, number: u32, at: usize) -> Outcome<Value> {
+        match number {
+            0 => Ok(None),
+            1..=33 => Ok(self.locals[number as usize - 1]),
+            4114 => Ok(self.n.map(f64::from)),
+            4115 => Ok(Some(f64::from(self.program))),
+            4000..=4200 => self
+                .modals
+                .variable(number, self.mill)
+                .map_or_else(|| wrong1(at, E::BadVariable, format!("#{number}")), Ok),
+            434..=439 | 1000.. => match self.world.system(number) {
+                Live::Value(value) => Ok(value),
+                Live::Drain => Err(Box::new(Stop::Drain)),
+                Live::Unknown => wrong1(at, E::BadVariable, format!("#{number}")),
+            },
+            _ => self.memory.get(number).or_else(|_| wrong1(at, E::BadVariable, format!("#{number}"))),
+        }
+    }
+}

@@ -1,0 +1,373 @@
+//! The interpreter block by block: one story a row of the specification.
+
+#![allow(clippy::unwrap_used, reason = "a test may stop at what it did not expect")]
+
+use std::sync::Arc;
+
+use kt830::defs::text::Lang;
+use kt830::nc::{
+    Block, CheckWorld, Fault, Feed, Interpreter, Library, Live, Memory, Next, NoLibrary, Op, Settings, Source, World,
+    check,
+};
+use kt830::units::{Axis, PerAxis};
+use proptest::prelude::*;
+
+fn start(text: impl Into<Vec<u8>>, settings: Settings) -> (Interpreter, CheckWorld, Block) {
+    let (world, block) = (CheckWorld::new(&settings), Block::new(&settings));
+    let source = Arc::new(Source::new(1001, "O1001.NC", text.into()));
+    (Interpreter::new(source, Arc::new(NoLibrary), settings, Memory::default()), world, block)
+}
+
+/// All operations of a text, or its first fault.
+fn run_with(text: impl Into<Vec<u8>>, settings: Settings) -> Result<Vec<Op>, Fault> {
+    let (mut interpreter, mut world, mut block) = start(text, settings);
+    let mut ops = Vec::new();
+    loop {
+        match interpreter.next(&mut world, &mut block)? {
+            Next::Block => {
+                block.ops.iter().for_each(|op| world.apply(op));
+                ops.append(&mut block.ops);
+            }
+            Next::Drain => {}
+            Next::Busy => panic!("busy"),
+            Next::End => return Ok(ops),
+        }
+    }
+}
+
+fn lines(text: &str, settings: Settings) -> Vec<String> {
+    run_with(text, settings).unwrap().iter().map(Op::to_string).collect()
+}
+
+fn refused(text: &str) -> String {
+    run_with(text, Settings::lathe()).unwrap_err().text(Lang::En)
+}
+
+#[test]
+fn b3_null_word_is_left_out() {
+    assert_eq!(lines("#1=#0\nG0 X10 Z#1\nM#1 G#2 X-#3", Settings::lathe()), ["rapid x=5 y=0 z=0 [X]"]);
+}
+
+#[test]
+fn b3_null_reads_as_zero_in_arithmetic_and_the_check_warns() {
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let source = Arc::new(Source::new(1001, "", "#100=#110-#162\nM30\n".as_bytes().to_vec()));
+    let checked = check(&source, &library, &Settings::lathe());
+    assert!(checked.faults.is_empty());
+    let warning = checked.warnings.first().unwrap().text(Lang::En);
+    assert!(warning.starts_with("O1001 line 1, column 10: empty variable #"), "{warning}");
+    assert_eq!(lines("#100=#110-#162", Settings::lathe()), ["set variable=100 value=0"]);
+}
+
+#[test]
+fn k1_diameter_can_be_switched_to_radius_and_f_stays_true_travel() {
+    let text = "G98 G1 X10 U2 F60";
+    assert!(refused(text).contains("X and U name the same axis"));
+    let text = "G98 G1 X10 F60\nU2";
+    assert_eq!(lines(text, Settings::lathe()), ["feed x=5 y=0 z=0 f=60 [X]", "feed x=6 y=0 z=0 f=60 [X+]"]);
+    let radius = Settings { diameter: false, ..Settings::lathe() };
+    assert_eq!(lines(text, radius), ["feed x=10 y=0 z=0 f=60 [X]", "feed x=12 y=0 z=0 f=60 [X+]"]);
+}
+
+#[test]
+fn b1_a_number_without_a_point_can_count_least_increments() {
+    let least = Settings { least_increment_mm: Some(0.001), ..Settings::lathe() };
+    assert_eq!(lines("G0 X1000 Z1.5\nX#1", least), ["rapid x=0.5 y=0 z=1.5 [XZ]"]);
+    assert_eq!(lines("G0 X100", Settings::lathe()), ["rapid x=50 y=0 z=0 [X]"]);
+}
+
+#[test]
+fn b1_blocks_end_at_cr_lf_crlf_and_semicolon_and_spaces_are_free() {
+    for text in ["G0X2\rZ3\r", "G0X2\nZ3", "g 0 x 2.\r\nz 3\r\n", "G0X2;Z3", "G0X2;Z3;", "%\nO1001;\nG0X2;\nZ3;\n%\nX9"]
+    {
+        assert_eq!(lines(text, Settings::lathe()), ["rapid x=1 y=0 z=0 [X]", "rapid x=1 y=0 z=3 [Z]"], "{text:?}");
+    }
+    assert_eq!(lines("\u{feff}G0X2 // Z3\n; X3\n(X4) ; text X5\x1a", Settings::lathe()), ["rapid x=1 y=0 z=0 [X]"]);
+}
+
+#[test]
+fn b1_block_skip_leaves_out_blocks_with_a_slash_only_when_the_switch_is_set() {
+    let text = "/G0X2\nN5 /Z3\nX4";
+    assert_eq!(lines(text, Settings::lathe()).len(), 3);
+    let (mut interpreter, world, mut block) = start(text, Settings::lathe());
+    let mut world = world.with_block_skip(true);
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
+    assert_eq!((block.at.line, block.ops.len()), (3, 1));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::End));
+}
+
+#[test]
+fn b1_gbk_comments_are_read_and_columns_count_characters() {
+    // 外圆 in GBK.
+    let mut text = b"O1001 (\xcd\xe2\xd4\xb2)\nG0 (\xcd\xe2\xd4\xb2) X1 Q9\n".to_vec();
+    let source = Source::new(1001, "", text.clone());
+    assert_eq!(source.comment_title().as_deref(), Some("外圆"));
+    assert_eq!(source.line(2).as_deref(), Some("G0 (外圆) X1 Q9"));
+    let fault = run_with(text.clone(), Settings::lathe()).unwrap_err();
+    assert_eq!((fault.place.line, fault.column), (2, 12));
+    // A wide semicolon in GBK, outside a comment.
+    text.splice(13.., b"G0 X1 \xa3\xbb".iter().copied());
+    let fault = run_with(text, Settings::lathe()).unwrap_err();
+    assert_eq!(fault.text(Lang::Zh), "O1001 第2行 第7列：注释以外出现字符 '；' – 请改用半角英文字符 ';'");
+}
+
+/// A world whose live values must be waited for once.
+struct Live434 {
+    inner: CheckWorld,
+    drained: bool,
+}
+
+impl World for Live434 {
+    fn position(&self) -> PerAxis<f64> {
+        self.inner.position()
+    }
+
+    fn system(&mut self, number: u32) -> Live {
+        match (number, self.drained) {
+            (434 | 1002, true) => Live::Value(Some(1.0)),
+            (434 | 1002, false) => Live::Drain,
+            _ => Live::Unknown,
+        }
+    }
+
+    fn block_skip(&self) -> bool {
+        false
+    }
+}
+
+#[test]
+fn b3_a_live_value_waits_for_motion_and_the_block_is_read_again() {
+    let (mut interpreter, inner, mut block) = start("#500=#434+1\nM91 P3 L7\nG0 X9\nN7 #501=#502", Settings::lathe());
+    let mut world = Live434 { inner, drained: false };
+    for _ in 0..3 {
+        assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Drain));
+        assert!(block.ops.is_empty());
+    }
+    world.drained = true;
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
+    assert_eq!(block.ops, [Op::Set { variable: 500, value: Some(2.0) }]);
+    world.drained = false;
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Drain));
+    world.drained = true;
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
+    assert_eq!((block.at.line, block.at.n), (4, Some(7)));
+    assert_eq!(block.ops, [Op::Set { variable: 501, value: None }]);
+}
+
+#[test]
+fn b3_loops_without_operations_do_not_hold_up_the_tick() {
+    for text in ["WHILE[1]DO1\n#1=1\nEND1", "N1 GOTO 1", "M99", "N1 M99 P1", "N1 G65 H80 P1"] {
+        let (mut interpreter, mut world, mut block) = start(text, Settings::lathe());
+        for _ in 0..3 {
+            assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Busy), "{text}");
+        }
+    }
+}
+
+#[test]
+fn b3_an_edited_variable_counts_from_the_next_block_read() {
+    let (mut interpreter, mut world, mut block) = start("#500=1\nG0 X#500\nX#500", Settings::lathe());
+    interpreter.next(&mut world, &mut block).unwrap();
+    interpreter.next(&mut world, &mut block).unwrap();
+    assert_eq!(block.ops[0].to_string(), "rapid x=0.5 y=0 z=0 [X]");
+    interpreter.variable_edited(500, Some(4.0)).unwrap();
+    assert!(interpreter.variable_edited(570, Some(4.0)).is_err());
+    interpreter.next(&mut world, &mut block).unwrap();
+    assert_eq!(block.ops[0].to_string(), "rapid x=2 y=0 z=0 [X]");
+}
+
+#[test]
+fn b2_a_frame_and_a_move_in_one_block_come_in_two_parts() {
+    let (mut interpreter, mut world, mut block) = start("G55 T0303 G0 U2", Settings::lathe());
+    interpreter.next(&mut world, &mut block).unwrap();
+    assert_eq!(block.ops, [Op::Frame { g: 55 }, Op::T { tool: 3, offset: 3 }]);
+    assert!(!block.complete);
+    // Frame and offset have moved the origin meanwhile.
+    let mut world = world.at(PerAxis([7.0, 0.0, 0.0]));
+    interpreter.next(&mut world, &mut block).unwrap();
+    assert_eq!(block.ops[0].to_string(), "rapid x=8 y=0 z=0 [X+]");
+    assert!(block.complete);
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::End));
+}
+
+#[test]
+fn b5_a_run_from_a_chosen_block_knows_what_is_in_force_there() {
+    let text = "G99 G1 X20 F0.2\nT0202\nG56\nU2\nN70 G0 Z9\nM30";
+    let (mut interpreter, mut world, mut block) = start(text, Settings::lathe());
+    assert_eq!(interpreter.advance_to(5, &mut world), Ok(Next::Block));
+    let modals = *interpreter.modals();
+    assert_eq!((modals.frame, modals.tool, modals.feed(), modals.motion.g()), (56, 2, Some(Feed::PerRev(0.2)), 1));
+    assert_eq!(world.position(), PerAxis([11.0, 0.0, 0.0]));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
+    assert_eq!((block.at.line, block.at.n), (5, Some(70)));
+    assert_eq!(interpreter.advance_to(99, &mut world), Ok(Next::End));
+    let (mut interpreter, mut world, _) = start("N1 GOTO 1\nM30", Settings::lathe());
+    assert_eq!(interpreter.advance_to(2, &mut world), Ok(Next::Busy));
+}
+
+#[test]
+fn b2_a_mistake_behind_a_frame_refuses_the_whole_block() {
+    let (mut interpreter, mut world, mut block) = start("G55 G0 X2 Q1", Settings::lathe());
+    for _ in 0..2 {
+        assert!(interpreter.next(&mut world, &mut block).is_err());
+        assert!(block.ops.is_empty());
+    }
+    assert_eq!(interpreter.modals().frame, 54);
+}
+
+#[test]
+fn b2_a_change_between_g98_and_g99_asks_for_a_new_feed() {
+    assert_eq!(run_with("G99 G1 X2 F0.1", Settings::lathe()).unwrap().len(), 1);
+    assert!(refused("G98 F100\nG99 G1 X2").contains("line 2, column 8: no feed"));
+    assert_eq!(lines("G98 F100\nG98 G1 X2", Settings::lathe()).len(), 1);
+}
+
+#[test]
+fn k4_motion_waits_behind_m80_m00_g31_g28_and_system_writes() {
+    for (text, barrier) in [
+        ("M80", true),
+        ("M89", true),
+        ("M00", true),
+        ("M01", true),
+        ("M30", true),
+        ("G31 X1 F1", true),
+        ("G28 X1", true),
+        ("#2001=1", true),
+        ("M79", false),
+        ("G0 X1", false),
+        ("#500=1", false),
+    ] {
+        assert_eq!(run_with(text, Settings::lathe()).unwrap()[0].is_barrier(), barrier, "{text}");
+    }
+}
+
+#[test]
+fn b3_m30_ends_and_nothing_follows() {
+    let (mut interpreter, mut world, mut block) = start("M30\nG0 X1", Settings::lathe());
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::End));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::End));
+}
+
+#[test]
+fn b3_modal_system_variables_are_what_is_in_force() {
+    let text = "G99 G1 X2 F0.5\nM8\n#100=#4001\n#101=#4109\n#102=#4113\nN30 #1=1\n#103=#4114+#4115\n#104=#4005";
+    let found: Vec<_> = run_with(text, Settings::lathe())
+        .unwrap()
+        .into_iter()
+        .filter_map(|op| if let Op::Set { value, .. } = op { value } else { None })
+        .collect();
+    assert_eq!(found, [1.0, 0.5, 8.0, 30.0 + 1001.0, 99.0]);
+}
+
+#[test]
+fn k5_11_g50_and_several_tools_refuse_each_other_in_both_orders() {
+    assert!(refused("T0101\nG50 X1\nT0202").contains("line 3, column 1: G50 in a program with several tools"));
+    assert!(refused("T0101\nT0202\nG50 X1").contains("line 3, column 1: G50 in a program with several tools"));
+    assert_eq!(lines("T0101\nG50 X1\nT0100\nT0101", Settings::lathe()).len(), 4);
+}
+
+#[test]
+fn t4_the_json_form_is_radius_mm_with_the_named_keys() {
+    let ops = run_with("G98 G0 X20 Z0\nG03 X40 Z-10 R10 F100\nG99 G1 X2 F0.1\nG4 X1\nM3", Settings::lathe()).unwrap();
+    let axes = Settings::lathe().axes;
+    let found: Vec<_> = ops.iter().map(|op| op.json(axes).to_string()).collect();
+    assert_eq!(
+        found,
+        [
+            r#"{"op":"rapid","x":10.0,"z":0.0}"#,
+            r#"{"cx":10.0,"cz":-10.0,"f":100.0,"op":"arc","turn":1,"x":20.0,"z":-10.0}"#,
+            r#"{"f":0.1,"op":"feed","per":"rev","x":1.0,"z":-10.0}"#,
+            r#"{"op":"dwell","s":1.0}"#,
+            r#"{"code":3,"op":"m"}"#,
+        ]
+    );
+}
+
+#[test]
+fn t4_the_check_measures_way_time_and_extents() {
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let text = "G98 G0 X20\nG1 Z-30 F60\nG02 X20 Z-30 K-5\nM30\n";
+    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &Settings::lathe());
+    assert!(checked.faults.is_empty() && checked.finished);
+    let circle = std::f64::consts::TAU * 5.0;
+    assert!((checked.length_mm - (10.0 + 30.0 + circle)).abs() < 1e-9);
+    assert!((checked.seconds - (0.1 + 30.0 + circle)).abs() < 1e-9);
+    let (low, high) = checked.extents.unwrap();
+    assert!((low[Axis::Z] + 40.0).abs() < 1e-9 && (high[Axis::X] - 15.0).abs() < 1e-9 && (low[Axis::X]).abs() < 1e-9);
+    assert_eq!((checked.lines, checked.blocks), (4, 4));
+}
+
+#[test]
+fn t4_the_check_leaves_a_loop_that_waits_for_the_machine() {
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let text = "WHILE[#438 EQ 0]DO1\nEND1\nG0 X5 Q1\nM30\n";
+    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &Settings::lathe());
+    assert_eq!(checked.warnings.len(), 1);
+    assert!(checked.faults[0].text(Lang::En).starts_with("O0001 line 3, column 7: unknown word 'Q1'"));
+}
+
+#[test]
+fn k7_9_switches_refuse_other_values_from_a_program_too() {
+    assert!(refused("#575=2").contains("variable #575 takes 0 or 1 only"));
+    assert_eq!(lines("#575=1\n#575=0", Settings::lathe()).len(), 2);
+}
+
+#[test]
+fn b2_inch_words_become_millimetres() {
+    let ops = run_with("G20 G98 G1 X2 Z-1 F1", Settings::lathe()).unwrap();
+    let Some(Op::Feed { to, feed, .. }) = ops.first() else { panic!("{ops:?}") };
+    assert!((to[Axis::X] - 25.4).abs() < 1e-12 && (to[Axis::Z] + 25.4).abs() < 1e-12);
+    assert_eq!(*feed, Feed::PerMinute(25.4));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+    #[test]
+    fn b1_any_bytes_neither_panic_nor_hang(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+        exercise(&bytes);
+    }
+
+    #[test]
+    fn b1_any_likely_text_neither_panics_nor_hangs(
+        text in proptest::collection::vec(
+            proptest::sample::select(vec![
+                "G0", "G1", "G2", "G3", "G4", "G90", "G94", "G28", "G31", "G50", "G53", "G54", "G65", "G66", "G67", "H1", "H80",
+                "H26", "X", "Z", "U", "W", "R", "I", "K", "P", "Q", "L", "F", "S", "T", "M98", "M99", "M30", "M91", "N", "#", "=",
+                "[", "]", "+", "-", "*", "/", "**", "AND", "MOD", "IF", "THEN", "GOTO", "WHILE", "DO", "END", "EQ", "GT", "SIN",
+                "ATAN", "1", "2", "3", "10", "0.5", "100", "570", "3000", "\n", "\n", " ", ";", "(", ")", "%", "O", "，", "//",
+            ]),
+            0..60,
+        )
+    ) {
+        exercise(text.concat().as_bytes());
+    }
+
+    #[test]
+    fn b1_numbers_printed_and_read_again_are_the_same(micrometres in -99_999_999_i64..=99_999_999) {
+        let value = micrometres as f64 / 1000.0;
+        let ops = run_with(format!("G0 Z{value}\n#500={value}"), Settings::lathe()).unwrap();
+        prop_assert_eq!(&ops[1], &Op::Set { variable: 500, value: Some(value) });
+        let Op::Rapid { to, .. } = &ops[0] else { panic!("{ops:?}") };
+        prop_assert_eq!(to[Axis::Z].to_bits(), (value + 0.0).to_bits());
+    }
+}
+
+fn exercise(bytes: &[u8]) {
+    for settings in [Settings::lathe(), Settings::mill()] {
+        let (mut interpreter, mut world, mut block) = start(bytes, settings.clone());
+        for _ in 0..50 {
+            match interpreter.next(&mut world, &mut block) {
+                Ok(Next::Block) => block.ops.iter().for_each(|op| world.apply(op)),
+                Ok(Next::Busy | Next::Drain) => {}
+                Ok(Next::End) => break,
+                Err(fault) => {
+                    assert!(fault.column >= 1 && fault.place.line >= 1);
+                    assert!(!fault.text(Lang::Zh).is_empty());
+                    break;
+                }
+            }
+        }
+    }
+}
