@@ -3,6 +3,8 @@
 
 mod args;
 mod bench;
+mod eyes;
+mod play;
 mod run;
 
 use std::process::ExitCode;
@@ -32,6 +34,7 @@ pub fn main() -> ExitCode {
     };
     let done = match &args.verb {
         Some(Verb::Run(run)) => run::run(&args.shared, run),
+        Some(Verb::Play(play)) => play::play(&args.shared, play),
         _ => Err(CallError::new("not wired")),
     };
     match done {

@@ -19,6 +19,9 @@ use crate::units::Axis;
 /// Ticks from cycle start to the first sign of life.
 const START_TICKS: u32 = 5;
 
+/// Ticks after the end until the axes have settled to the last micrometre: ten lags of 20 ms.
+const SETTLE_TICKS: u32 = 200;
+
 /// Runs the program and prints the report.
 ///
 /// # Errors
@@ -38,17 +41,10 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
     let before = rig.snapshot().variables.clone();
     let started = rig.now();
     rig.send(Command::Press(Key::CycleStart));
-    let (mut blocks, mut last) = (0_u64, (0, 0));
     let end = loop {
         rig.step();
         if let Some(trace) = &mut trace {
             trace.line(&mut rig)?;
-        }
-        let place = rig.controller().place();
-        let at = (place.program, place.line);
-        if at != last {
-            blocks += 1;
-            last = at;
         }
         let state = rig.controller().state();
         let young = rig.now().since(started).0 < u64::from(START_TICKS) * rig.tick_time().0;
@@ -61,7 +57,10 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
         }
     };
     let seconds = rig.now().since(started).as_secs_f64();
-    let report = Report { end, seconds, blocks, before };
+    for _ in 0..SETTLE_TICKS {
+        rig.step();
+    }
+    let report = Report { end, seconds, blocks: rig.controller().blocks(), before };
     match shared.format {
         Format::Json => out(report.json(&mut rig, shared.lang)),
         Format::Text => out(report.text(&mut rig, shared.lang)),

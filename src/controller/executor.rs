@@ -85,6 +85,7 @@ impl Controller {
                 None | Some(Item::Move(_)) => return false,
                 Some(Item::Begin(place)) => {
                     self.place = *place;
+                    self.blocks += 1;
                     Did::Done
                 }
                 Some(Item::End) if self.switches.single_block && !run.mdi => Did::Stop,

@@ -17,10 +17,15 @@ pub struct HomingPlan {
     pub travel_mm: f64,
     /// Coordinate of the switch.
     pub coordinate: f64,
+    /// In-position width at the zero point.
+    pub width_mm: f64,
 }
 
 /// Back-off is this many times the slow speed: its place does not matter.
 const BACK_OFF_FACTOR: f64 = 10.0;
+
+/// Longest pause of a bouncing contact, ticks: longer than the 5 ms of a switch and the input filter together.
+const BOUNCE_TICKS: u32 = 20;
 
 /// Where the sequence of one axis stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,26 +63,38 @@ pub struct Homing {
     pub axis: Axis,
     plan: HomingPlan,
     step: Step,
-    /// Position at the last unfiltered rising edge of the switch.
+    /// Position at the first unfiltered edge of the switch; what follows within a moment is bounce.
     edge: Option<f64>,
+    /// Ticks for which the switch has been off without a break.
+    quiet: u32,
 }
 
 impl Homing {
     /// Begins with the next tick.
     #[must_use]
     pub const fn new(axis: Axis, plan: HomingPlan) -> Self {
-        Self { axis, plan, step: Step::Begin, edge: None }
+        Self { axis, plan, step: Step::Begin, edge: None, quiet: 0 }
+    }
+
+    /// The contact closes where it first closes; bouncing after that moves nothing. Off for longer than it can bounce,
+    /// an edge was a disturbance and is forgotten.
+    fn note_edge(&mut self, raw: bool, at: f64) {
+        if raw {
+            self.quiet = 0;
+            self.edge.get_or_insert(at);
+        } else {
+            self.quiet += 1;
+            if self.quiet > BOUNCE_TICKS {
+                self.edge = None;
+            }
+        }
     }
 
     /// One tick. `raw` is the switch before the filter, `at` the axis position from the encoder.
     pub fn tick(&mut self, mover: &mut AxisMover, switch: bool, raw: bool, at: f64) -> Progress {
-        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate } = self.plan;
+        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate, width_mm } = self.plan;
         let rest = mover.is_at_rest();
-        if !raw {
-            self.edge = None;
-        } else if self.edge.is_none() {
-            self.edge = Some(at);
-        }
+        self.note_edge(raw, at);
         let too_far = |from: f64| (at - from).abs() > travel_mm;
         self.step = match self.step {
             Step::Begin if switch => {
@@ -114,7 +131,8 @@ impl Homing {
             }
             Step::ToZero => {
                 mover.position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
-                return if mover.is_at_rest() { Progress::Done } else { Progress::Going };
+                let there = mover.is_at_rest() && (at - coordinate).abs() <= width_mm;
+                return if there { Progress::Done } else { Progress::Going };
             }
             Step::SeekFast { from } | Step::BackOff { from } | Step::SeekSlow { from } if too_far(from) => {
                 mover.stop();

@@ -205,6 +205,9 @@ impl Controller {
     fn cycle_start(&mut self) {
         match self.cycle {
             Cycle::Running | Cycle::Holding | Cycle::Aborting | Cycle::Homing { .. } => return,
+            Cycle::Idle if self.mode != Mode::Auto => {
+                return self.refuse(Said::new("自动方式下才能循环启动", "cycle start works in mode AUTO"));
+            }
             Cycle::Idle | Cycle::Held | Cycle::Stopped => {}
         }
         if !matches!(self.ask(Request::CycleStart), Answer::Taken) {
@@ -215,20 +218,21 @@ impl Controller {
                 self.axes.path.resume();
                 self.cycle = Cycle::Running;
             }
-            _ if self.mode == Mode::Auto => match self.programs.get(self.current) {
-                Some(program) => {
-                    let source = std::sync::Arc::clone(&program.source);
-                    self.open_run(source, false);
-                }
-                None => {
-                    let number = self.current;
-                    self.refuse(Said::new(
-                        format!("没有程序 O{number:04}：先在目录中选择程序"),
-                        format!("there is no program O{number:04}: choose one in the directory"),
-                    ));
-                }
-            },
-            _ => self.refuse(Said::new("自动方式下才能循环启动", "cycle start works in mode AUTO")),
+            _ => self.start_program(),
+        }
+    }
+
+    fn start_program(&mut self) {
+        let number = self.current;
+        match self.programs.get(number) {
+            Some(program) => {
+                let source = std::sync::Arc::clone(&program.source);
+                self.open_run(source, false);
+            }
+            None => self.refuse(Said::new(
+                format!("没有程序 O{number:04}：先在目录中选择程序"),
+                format!("there is no program O{number:04}: choose one in the directory"),
+            )),
         }
     }
 
@@ -340,6 +344,7 @@ impl Controller {
             slow_mm_s: self.params.get(param::HOME_SLOW) * MINUTE_HZ,
             travel_mm: self.params.get(param::HOMING_TRAVEL),
             coordinate: self.params.of_axis(param::HOME_X, axis),
+            width_mm: self.params.get(param::IN_POSITION),
         };
         self.axes.give_to_hand();
         self.axes.unbound(axis);

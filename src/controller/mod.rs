@@ -158,6 +158,8 @@ pub struct Controller {
     skip_position: PerAxis<f64>,
     parts: u32,
     cycle_time: Micros,
+    /// Blocks executed since power-on.
+    blocks: u64,
     screen_heard: Option<Micros>,
 }
 
@@ -205,6 +207,7 @@ impl Controller {
             skip_position: PerAxis::default(),
             parts: retained.parts,
             cycle_time: Micros::ZERO,
+            blocks: 0,
             screen_heard: None,
             params,
         })

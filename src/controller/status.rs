@@ -157,6 +157,12 @@ impl Controller {
         self.place
     }
 
+    /// Blocks executed since power-on.
+    #[must_use]
+    pub const fn blocks(&self) -> u64 {
+        self.blocks
+    }
+
     /// Whether no set-point moves.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {

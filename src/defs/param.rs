@@ -128,7 +128,7 @@ numbers! {
     BACKLASH_Y = 51, 0 => 2, 0, "mm", Builder, "Y 反向间隙", "backlash Y";
     BACKLASH_Z = 52, 0 => 2, 0, "mm", Builder, "Z 反向间隙", "backlash Z";
     FOLLOWING_LIMIT = 53, 0.01 => 100, 8, "mm", Builder, "跟随误差极限", "following error limit";
-    IN_POSITION = 54, 0.0001 => 1, 0.002, "mm", Builder, "到位宽度", "in-position width";
+    IN_POSITION = 54, 0.0001 => 1, 0.0006, "mm", Builder, "到位宽度", "in-position width";
     PATH_TOLERANCE = 55, 0.0001 => 1, 0.01, "mm", User, "G64 轮廓公差", "G64 path tolerance";
     JOG_SPEED = 56, 1 => 20_000, 1_000, "mm/min", User, "手动速度", "jog speed";
     FEED_MAX = 57, 1 => 60_000, 6_000, "mm/min", Builder, "最大进给速度", "greatest feed";

@@ -3,7 +3,10 @@
 //! Behind [`Backend`] stand the simulated machine or a field bus; the control cannot tell which.
 //! Source: spec P1–P8, style "time and hardware are arguments".
 
+pub mod injector;
+mod random;
 pub mod sim;
+pub mod trace;
 
 use crate::defs::signal::Terminals;
 use crate::units::{Micros, PerAxis};

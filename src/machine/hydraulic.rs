@@ -23,8 +23,8 @@ enum Alarm180 {
 #[derive(Clone, Debug)]
 pub struct Hydraulic {
     on: bool,
-    /// The pressure must be there `HYDRAULIC_DELAY` after this moment: power-on or the last switching-on.
-    since: Micros,
+    /// The pressure must be there `HYDRAULIC_DELAY` after this moment: power-on or the last switching-on. None: long ago.
+    since: Option<Micros>,
     alarm: Alarm180,
     refused_start: bool,
     pressure_ok: bool,
@@ -32,11 +32,12 @@ pub struct Hydraulic {
 
 impl Hydraulic {
     pub fn new(power_on: Micros) -> Self {
-        Self { on: false, since: power_on, alarm: Alarm180::Clear, refused_start: false, pressure_ok: false }
+        Self { on: false, since: Some(power_on), alarm: Alarm180::Clear, refused_start: false, pressure_ok: false }
     }
 
     pub fn make_ready(&mut self) {
         self.on = true;
+        self.since = None;
     }
 
     pub const fn is_on(&self) -> bool {
@@ -46,7 +47,7 @@ impl Hydraulic {
     pub fn switch_on(&mut self, now: Micros) {
         if !self.on {
             self.on = true;
-            self.since = now;
+            self.since = Some(now);
         }
     }
 
@@ -56,7 +57,11 @@ impl Hydraulic {
 
     /// On, and long enough for the pressure to be judged.
     pub fn is_settled(&self, now: Micros, params: &Params) -> bool {
-        self.on && now.since(self.since) >= Micros::from_millis_f64(params.get(param::HYDRAULIC_DELAY))
+        self.on && self.is_due(now, Micros::from_millis_f64(params.get(param::HYDRAULIC_DELAY)))
+    }
+
+    fn is_due(&self, now: Micros, delay: Micros) -> bool {
+        self.since.is_none_or(|since| now.since(since) >= delay)
     }
 
     pub fn note_refused_start(&mut self) {
@@ -81,7 +86,7 @@ impl Hydraulic {
     ) -> Option<Finding> {
         let delay = Micros::from_millis_f64(params.get(param::HYDRAULIC_DELAY));
         let looked_at = !params.bit(param::NO_HYDRAULIC_CHECK) && delay > Micros::ZERO;
-        let due = now.since(self.since) >= delay;
+        let due = self.is_due(now, delay);
         let missing = looked_at && due && !inputs.has(Input::HydraulicPressure);
         self.pressure_ok = !looked_at || inputs.has(Input::HydraulicPressure);
         let refused = std::mem::take(&mut self.refused_start);

@@ -190,7 +190,7 @@ pub const RULES: &[Rule] = &[
         forbids: cycle_start,
         when: |facts| !facts.around.homed,
         outcome: Outcome::Alarm(alarm::NOT_HOMED),
-        reason: Text::new("未回机械零点，不能启动", "not homed: no cycle start"),
+        reason: Text::new("先回零再循环启动", "home the axes before cycle start"),
     },
 ];
 

@@ -134,6 +134,11 @@ impl Rig {
         }
     }
 
+    /// Begins the machine's chance anew.
+    pub fn reseed(&mut self, seed: u64) {
+        self.machine.reseed(seed);
+    }
+
     /// Homed, hydraulics on, part clamped: where a headless run begins (T3).
     pub fn make_ready(&mut self) {
         self.machine.start_ready();

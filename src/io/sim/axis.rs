@@ -9,7 +9,7 @@
 
 use super::contact::Contact;
 use super::machine_file::{Along, AxisFile};
-use super::random::SplitMix64;
+use crate::io::random::SplitMix64;
 
 /// What the control wants of an axis in this tick.
 #[derive(Clone, Copy, Debug)]
@@ -133,8 +133,8 @@ impl SimAxis {
         self.velocity_mm_s
     }
 
-    /// What the encoder reads. It counts in steps of the resolution from the set-point held, so that an axis that
-    /// has arrived reads its set-point exactly.
+    /// What the encoder reads. DECISION: it counts in steps of the resolution from the set-point held (as drives that
+    /// interpolate do), so that an axis that has arrived reads its set-point exactly.
     pub(super) fn encoder_mm(&self) -> f64 {
         let off = self.motor_mm - self.zero_mm - self.held_mm;
         self.held_mm + (off / self.file.resolution_mm).round() * self.file.resolution_mm
@@ -142,7 +142,8 @@ impl SimAxis {
 
     /// Moves the axis through one tick; tells if it struck a stop at speed.
     pub(super) fn step(&mut self, drive: Drive, dt_s: f64) -> Option<Struck> {
-        if drive.on {
+        // A drive does not follow what is no number; the control's own assertions find the cause.
+        if drive.on && drive.set_point_mm.is_finite() {
             self.held_mm = drive.set_point_mm;
         }
         if drive.on && !drive.lost {

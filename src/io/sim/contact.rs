@@ -1,6 +1,6 @@
 //! A mechanical contact: it bounces for a few milliseconds at every edge (P1).
 
-use super::random::SplitMix64;
+use crate::io::random::SplitMix64;
 
 /// A switch with its bounce.
 #[derive(Clone, Copy, Debug, Default)]

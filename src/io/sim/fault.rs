@@ -101,6 +101,9 @@ impl Fault {
     }
 }
 
+/// DECISION: `bus-late N` – for N ticks the bus answers a tick late: the first has no answer, outputs arrive a tick
+/// late; `bus-silent N` – for N ticks there is no answer and outputs do not arrive; drives hold the last set-point.
+///
 /// The faults that are present, but for those of switches, which are the wiring's.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ailing {

@@ -2,16 +2,17 @@
 //!
 //! A crash is an overlap that no feed could have given (`crash_mm`), a standing wheel pressed onto the part, or any
 //! touch of chuck, tailstock or fixture. It is told once a contact; until the wheel has come free nothing more is
-//! removed there. A burn is told once a contact, too. A part that stands where it should turn gets a flat and keeps
-//! its size.
+//! removed there. A burn is told once a contact, too.
+//! DECISION: a part that stands where it should turn gets a flat (event `flat`) and keeps its size; a crash trips the
+//! drives of all axes, and switching the drives off ends that once the axes stand.
 
 use super::machine_file::{CuttingFile, DresserFile, MachineFile};
 use super::part_file::{Body, BodyFile, PartFile, Place};
-use super::random::SplitMix64;
 use super::report::{Event, EventKind, EventLog, PartReport};
 use super::spindle::Spindle;
 use super::surface::{Pass, Surface, Touch};
 use super::wheel::Wheel;
+use crate::io::random::SplitMix64;
 use crate::units::{Axis, PerAxis};
 
 /// Where the wheel and what else moves stand in this tick, machine coordinates.

@@ -3,7 +3,7 @@
 
 use super::contact::Contact;
 use super::machine_file::HydraulicsFile;
-use super::random::SplitMix64;
+use crate::io::random::SplitMix64;
 
 /// A cylinder or arm between two ends, with a switch at each.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,8 @@
 //! One tick: [`Backend::read`] moves the machine from the last `now` to this one under the outputs last written –
 //! axes, spindles, hydraulics, contact of wheel and part – and shows its terminals and encoders.
 //! The files: `axis` drives and switches, `spindle` wheel drive and workhead, `hydraulics`, `wheel` shape and wear,
-//! `surface` the contact law, `grinding` who meets whom, `wiring` terminals, `fault` names, `report` what is told.
+//! `surface` the contact law, `grinding` who meets whom, `wiring` terminals, `inputs` what is shown, `fault` names, `measure`
+//! and `report` what can be asked afterwards.
 //! GS and GA get surfaces `y(x, z)`, a magnet and gauges (P3, P7) in the same places.
 
 mod axis;
@@ -13,26 +14,23 @@ mod grinding;
 mod hydraulics;
 mod inputs;
 mod machine_file;
+mod measure;
 mod part_file;
-mod random;
 mod report;
 mod spindle;
 mod surface;
 mod wheel;
 mod wiring;
 
-use std::f64::consts::PI;
-
 use self::axis::{Drive, SimAxis};
 use self::fault::{Ailing, Fault, InputName};
 use self::grinding::{Grinding, Scene};
 use self::hydraulics::{Hydraulics, Tick, Valves};
-use self::random::SplitMix64;
 use self::report::EventLog;
 use self::spindle::Spindle;
-use self::surface::Surface;
 use self::wheel::Wheel;
 use self::wiring::Wiring;
+use super::random::SplitMix64;
 use super::{Backend, InputImage, OutputImage};
 use crate::defs::param::Params;
 use crate::defs::signal::{Output, OutputSet};
@@ -42,6 +40,7 @@ pub use self::fault::FaultError;
 pub use self::machine_file::{
     Along, AxisFile, CuttingFile, DresserFile, HydraulicsFile, MachineFile, SimFileError, WheelFile, WorkheadFile,
 };
+pub use self::measure::WheelState;
 pub use self::part_file::{Body, BodyFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile, TailstockFile};
 pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartReport};
 
@@ -49,21 +48,6 @@ pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartRepor
 const STEP_LIMIT_US: u64 = 4_000;
 /// Most steps in one tick; what a longer silence brought is lost.
 const STEPS_LIMIT: u64 = 50;
-
-/// The wheel as it is now.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WheelState {
-    /// Mean diameter, mm.
-    pub diameter_mm: f64,
-    /// Speed, rpm.
-    pub rpm: f64,
-    /// Peripheral speed, m/s.
-    pub peripheral_m_s: f64,
-    /// Load of its motor, percent.
-    pub load_percent: f64,
-    /// 0 sharp, 1 dull.
-    pub dull: f64,
-}
 
 /// The simulated machine.
 #[derive(Clone, Debug)]
@@ -81,7 +65,7 @@ pub struct SimulatedMachine {
     chance: SplitMix64,
     start_mm: PerAxis<f64>,
     tailstock_at_start: bool,
-    /// A crash has tripped all drives; switching the drives off and on ends it.
+    /// A crash has tripped all drives; switching them off ends it once the axes stand.
     tripped: bool,
     now: Option<Micros>,
     seconds: f64,
@@ -133,6 +117,11 @@ impl SimulatedMachine {
         sim
     }
 
+    /// Begins the machine's chance anew: the next part, bounce and noise follow the seed.
+    pub fn reseed(&mut self, seed: u64) {
+        self.chance = SplitMix64::new(seed);
+    }
+
     /// Puts another part in, fresh from its file, or takes the part out. The axes stay where they are.
     pub fn set_part(&mut self, part: Option<&PartFile>) {
         self.grinding.set_part(part, &mut self.chance);
@@ -153,78 +142,6 @@ impl SimulatedMachine {
             }
         }
         self.hydraulics.make_ready(self.tailstock_at_start);
-    }
-
-    /// Machine position of each axis at encoder reading zero: what homing has to find out.
-    #[must_use]
-    pub fn encoder_zero_mm(&self) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::zero_mm))
-    }
-
-    /// Where each slide really stands, machine coordinates, slide travel.
-    #[must_use]
-    pub fn slide_mm(&self) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm))
-    }
-
-    /// The wheel as it is now.
-    #[must_use]
-    pub fn wheel(&self) -> WheelState {
-        let (diameter_mm, rpm) = (self.wheel.diameter_mm(), self.spindle.rpm());
-        WheelState {
-            diameter_mm,
-            rpm,
-            peripheral_m_s: PI * diameter_mm / 1_000.0 * rpm / 60.0,
-            load_percent: self.grinding.load_percent(),
-            dull: self.wheel.rim_dull(),
-        }
-    }
-
-    /// Makes the wheel as dull as asked everywhere, 0 sharp to 1 dull.
-    pub fn set_wheel_dull(&mut self, dull: f64) {
-        self.wheel.set_dull(dull);
-    }
-
-    /// Speed of the workhead, rpm.
-    #[must_use]
-    pub const fn workhead_rpm(&self) -> f64 {
-        self.workhead.rpm()
-    }
-
-    /// Hydraulic pressure, MPa.
-    #[must_use]
-    pub const fn pressure_mpa(&self) -> f64 {
-        self.hydraulics.pressure_mpa()
-    }
-
-    /// The workpiece measured.
-    #[must_use]
-    pub fn measure(&self) -> PartReport {
-        self.grinding.report()
-    }
-
-    /// Diameter of the part at Z; `None` where no diameter is.
-    #[must_use]
-    pub fn diameter_at(&self, z: f64) -> Option<f64> {
-        self.grinding.surfaces().iter().find_map(|surface| surface.diameter_at(z))
-    }
-
-    /// Z of a face at X (a diameter): the first face there, or the first that looks as asked.
-    #[must_use]
-    pub fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
-        self.grinding.surfaces().iter().find_map(|surface: &Surface| surface.face_at(x, looks))
-    }
-
-    /// What happened so far, oldest first; at most 256.
-    #[must_use]
-    pub fn events(&self) -> &[Event] {
-        self.log.all()
-    }
-
-    /// How many events more there were than are kept.
-    #[must_use]
-    pub const fn events_lost(&self) -> u64 {
-        self.log.lost()
     }
 
     /// Makes the machine suffer a fault by name.
@@ -294,7 +211,7 @@ impl SimulatedMachine {
             return;
         }
         let steps = span.div_ceil(STEP_LIMIT_US).min(STEPS_LIMIT);
-        let dt_s = (span / steps).min(STEP_LIMIT_US) as f64 / 1e6;
+        let dt_s = (span as f64 / steps as f64).min(STEP_LIMIT_US as f64) / 1e6;
         for _ in 0..steps {
             self.step(dt_s);
         }
@@ -323,7 +240,8 @@ impl SimulatedMachine {
             tailstock_back_mm: self.hydraulics.tailstock_back_mm(),
         };
         crashed |= self.grinding.step(&scene, &mut self.wheel, &mut self.log);
-        self.tripped |= crashed;
+        let standing = vx_mm_s.abs() + vz_mm_s.abs() <= 0.0;
+        self.tripped = crashed || (self.tripped && (self.outputs.drives_on || !standing));
     }
 
     /// True: an axis has run onto its stop at speed.
@@ -350,9 +268,6 @@ impl SimulatedMachine {
     }
 
     fn take(&mut self, outputs: &OutputImage) {
-        if outputs.drives_on && !self.outputs.drives_on {
-            self.tripped = false;
-        }
         self.outputs = *outputs;
         self.on = self.wiring.outputs(outputs.terminals);
     }

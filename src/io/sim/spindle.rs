@@ -57,7 +57,8 @@ impl Spindle {
     }
 }
 
-/// Speed asked of the wheel.
+/// Speed asked of the wheel. DECISION: switched on without a voltage it runs at mains speed, as a wheel motor on its
+/// contactor does; a program that never says S still grinds.
 pub(super) fn wheel_target(file: &WheelFile, on: bool, volts: f64) -> f64 {
     match (on, volts > NO_VOLTS) {
         (false, _) => 0.0,

@@ -19,9 +19,9 @@
 use std::f64::consts::PI;
 
 use super::part_file::{Looks, SurfaceFile};
-use super::random::SplitMix64;
 use super::report::{DiameterAt, FaceAt};
 use super::wheel::{Side, Wheel};
+use crate::io::random::SplitMix64;
 
 /// Wavelength of the waviness, mm.
 const WAVE_MM: f64 = 7.0;

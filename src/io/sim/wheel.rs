@@ -29,9 +29,11 @@ pub(super) enum Side {
 pub(super) struct Wheel {
     radius_mm: f64,
     width_mm: f64,
-    slice_mm: f64,
     slices_per_mm: f64,
     grinding_ratio: f64,
+    /// Wear of a slice for a volume removed by it.
+    rim_mm_per_mm3: f64,
+    dull_per_mm3: f64,
     /// How far each slice of the rim has gone back, from −Z to +Z.
     rim_mm: [f64; SLICES],
     side_mm: [f64; 2],
@@ -39,7 +41,6 @@ pub(super) struct Wheel {
     side_dull: [f64; 2],
     sharp_s: f64,
     dull_s: f64,
-    dull_after_mm3: f64,
 }
 
 impl Wheel {
@@ -49,16 +50,16 @@ impl Wheel {
         Self {
             radius_mm: file.diameter_mm / 2.0,
             width_mm: file.width_mm,
-            slice_mm,
             slices_per_mm: slice_mm.recip(),
             grinding_ratio: file.grinding_ratio,
+            rim_mm_per_mm3: (file.grinding_ratio * PI * file.diameter_mm * slice_mm).recip(),
+            dull_per_mm3: cutting.dull_after_mm3.recip(),
             rim_mm: [0.0; SLICES],
             side_mm: [0.0; 2],
             rim_dull: 0.0,
             side_dull: [0.0; 2],
             sharp_s: cutting.sharp_s,
             dull_s: cutting.dull_s,
-            dull_after_mm3: cutting.dull_after_mm3,
         }
     }
 
@@ -118,9 +119,8 @@ impl Wheel {
 
     /// A slice of the rim has removed a volume.
     pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64) {
-        let ring = self.grinding_ratio * 2.0 * PI * self.radius_mm * self.slice_mm;
-        self.rim_mm[slice] += volume_mm3 / ring;
-        self.rim_dull = (self.rim_dull + volume_mm3 / self.dull_after_mm3).min(1.0);
+        self.rim_mm[slice] += volume_mm3 * self.rim_mm_per_mm3;
+        self.rim_dull = (self.rim_dull + volume_mm3 * self.dull_per_mm3).min(1.0);
     }
 
     /// A side, engaged to a depth along X, has removed a volume.
@@ -128,7 +128,7 @@ impl Wheel {
         let ring = self.grinding_ratio * 2.0 * PI * self.radius_mm * engaged_mm.max(LEAST_ENGAGEMENT_MM);
         self.side_mm[side as usize] += volume_mm3 / ring;
         let dull = &mut self.side_dull[side as usize];
-        *dull = (*dull + volume_mm3 / self.dull_after_mm3).min(1.0);
+        *dull = (*dull + volume_mm3 * self.dull_per_mm3).min(1.0);
     }
 
     /// The diamond cuts a slice back by a depth; a real cut sharpens its share of the rim, at an edge also the side.

@@ -6,7 +6,7 @@
 use crate::defs::param::Params;
 use crate::defs::signal::{Input, InputSet, Output, OutputSet, PORTS, Terminals};
 
-use super::random::SplitMix64;
+use crate::io::random::SplitMix64;
 
 /// A force or fault on one input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

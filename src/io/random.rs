@@ -3,16 +3,16 @@
 
 /// A SplitMix64 generator.
 #[derive(Clone, Debug)]
-pub(super) struct SplitMix64(u64);
+pub(in crate::io) struct SplitMix64(u64);
 
 impl SplitMix64 {
     /// A generator whose whole course follows from the seed.
-    pub(super) const fn new(seed: u64) -> Self {
+    pub(in crate::io) const fn new(seed: u64) -> Self {
         Self(seed)
     }
 
     /// The next 64 bits.
-    pub(super) const fn next(&mut self) -> u64 {
+    pub(in crate::io) const fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -21,12 +21,12 @@ impl SplitMix64 {
     }
 
     /// Heads or tails.
-    pub(super) const fn coin(&mut self) -> bool {
+    pub(in crate::io) const fn coin(&mut self) -> bool {
         self.next() >> 63 == 1
     }
 
     /// Evenly spread from 0 to below 1.
-    pub(super) fn unit(&mut self) -> f64 {
+    pub(in crate::io) fn unit(&mut self) -> f64 {
         // 53 bits fit the mantissa exactly.
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }

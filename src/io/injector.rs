@@ -1,0 +1,174 @@
+//! Seeded trouble on the way between control and machine: the bus falls silent, terminals flicker (P8).
+//!
+//! [`FaultInjector`] stands before any [`Backend`]. One seed gives one course of trouble; a test that fails prints
+//! [`FaultInjector::seed`] and can be played again.
+
+use super::random::SplitMix64;
+use super::{Backend, InputImage, OutputImage};
+use crate::defs::signal::PORTS;
+use crate::units::Micros;
+
+/// How often what goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// Chance per tick that the bus falls silent, 0 to 1.
+    pub silence: f64,
+    /// Longest silence, ticks.
+    pub silence_ticks: u32,
+    /// Chance per tick that an input terminal begins to show the wrong level, 0 to 1.
+    pub flicker: f64,
+    /// Longest flicker, ticks.
+    pub flicker_ticks: u32,
+}
+
+/// A backend with trouble before it.
+#[derive(Clone, Debug)]
+pub struct FaultInjector<B> {
+    inner: B,
+    rates: Rates,
+    seed: u64,
+    chance: SplitMix64,
+    silent_left: u32,
+    flicker_left: u32,
+    /// Terminals that show the wrong level.
+    wrong: u64,
+    last: InputImage,
+    injected: u64,
+}
+
+impl<B: Backend> FaultInjector<B> {
+    /// Puts trouble before a backend.
+    pub fn new(inner: B, rates: Rates, seed: u64) -> Self {
+        Self {
+            inner,
+            rates,
+            seed,
+            chance: SplitMix64::new(seed),
+            silent_left: 0,
+            flicker_left: 0,
+            wrong: 0,
+            last: InputImage::default(),
+            injected: 0,
+        }
+    }
+
+    /// The seed of this course of trouble.
+    pub const fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// How many silences and flickers there were so far.
+    pub const fn injected(&self) -> u64 {
+        self.injected
+    }
+
+    /// The backend behind.
+    pub const fn inner(&self) -> &B {
+        &self.inner
+    }
+
+    /// The backend behind, to be meddled with.
+    pub const fn inner_mut(&mut self) -> &mut B {
+        &mut self.inner
+    }
+
+    fn happens(&mut self, rate: f64) -> bool {
+        self.chance.unit() < rate
+    }
+
+    fn ticks(&mut self, most: u32) -> u32 {
+        1 + (self.chance.next() % u64::from(most.max(1))) as u32
+    }
+
+    /// Begins what this tick brings.
+    fn begin(&mut self) {
+        if self.silent_left == 0 && self.happens(self.rates.silence) {
+            self.silent_left = self.ticks(self.rates.silence_ticks);
+            self.injected += 1;
+        }
+        if self.flicker_left == 0 {
+            self.wrong = 0;
+            if self.happens(self.rates.flicker) {
+                self.flicker_left = self.ticks(self.rates.flicker_ticks);
+                self.wrong = 1 << (self.chance.next() % u64::from(PORTS));
+                self.injected += 1;
+            }
+        }
+    }
+}
+
+impl<B: Backend> Backend for FaultInjector<B> {
+    fn read(&mut self, now: Micros) -> InputImage {
+        let mut image = self.inner.read(now);
+        self.begin();
+        if self.silent_left > 0 {
+            // The detents of a silent tick are gone, as on a real bus.
+            self.last.bus_alive = false;
+            self.last.handwheel_detents = 0;
+            return self.last;
+        }
+        if self.flicker_left > 0 {
+            self.flicker_left -= 1;
+            image.terminals.0 ^= self.wrong;
+        }
+        self.last = image;
+        image
+    }
+
+    fn write(&mut self, now: Micros, outputs: &OutputImage) {
+        if self.silent_left > 0 {
+            self.silent_left -= 1;
+            return;
+        }
+        self.inner.write(now, outputs);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counts what reaches it.
+    #[derive(Default)]
+    struct Counter(u32);
+
+    impl Backend for Counter {
+        fn read(&mut self, _now: Micros) -> InputImage {
+            InputImage { bus_alive: true, ..InputImage::default() }
+        }
+        fn write(&mut self, _now: Micros, _outputs: &OutputImage) {
+            self.0 += 1;
+        }
+    }
+
+    fn course(rates: Rates, seed: u64) -> (u32, u32, u32) {
+        let mut injector = FaultInjector::new(Counter::default(), rates, seed);
+        let (mut silent, mut wrong) = (0, 0);
+        for tick in 1..=10_000 {
+            let image = injector.read(Micros::from_millis(tick));
+            silent += u32::from(!image.bus_alive);
+            wrong += u32::from(image.terminals.0 != 0);
+            injector.write(Micros::from_millis(tick), &OutputImage::default());
+        }
+        (silent, wrong, injector.inner().0)
+    }
+
+    #[test]
+    fn p8_a_silent_tick_neither_tells_nor_hears() {
+        let (silent, wrong, heard) =
+            course(Rates { silence: 0.01, silence_ticks: 3, flicker: 0.0, flicker_ticks: 0 }, 7);
+        // About 10 000 · 0.01 · 2 ticks.
+        assert!((100..=300).contains(&silent), "{silent}");
+        assert_eq!((wrong, heard), (0, 10_000 - silent));
+    }
+
+    #[test]
+    fn p8_flicker_is_short_and_the_same_seed_gives_the_same_course() {
+        let rates = Rates { silence: 0.0, silence_ticks: 0, flicker: 0.01, flicker_ticks: 5 };
+        let (silent, wrong, heard) = course(rates, 7);
+        assert!((150..=450).contains(&wrong), "{wrong}");
+        assert_eq!((silent, heard), (0, 10_000));
+        assert_eq!(course(rates, 7), course(rates, 7));
+        assert_ne!(course(rates, 7), course(rates, 8));
+    }
+}

@@ -1,0 +1,98 @@
+//! What can be asked of the simulated machine from outside the control: places, wheel, part, events (P2, P5, T3).
+
+use std::f64::consts::PI;
+
+use super::SimulatedMachine;
+use super::axis::SimAxis;
+use super::part_file::Looks;
+use super::report::{Event, PartReport};
+use crate::units::PerAxis;
+
+/// The wheel as it is now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WheelState {
+    /// Mean diameter, mm.
+    pub diameter_mm: f64,
+    /// Speed, rpm.
+    pub rpm: f64,
+    /// Peripheral speed, m/s.
+    pub peripheral_m_s: f64,
+    /// Load of its motor, percent.
+    pub load_percent: f64,
+    /// 0 sharp, 1 dull.
+    pub dull: f64,
+}
+
+impl SimulatedMachine {
+    /// Machine position of each axis at encoder reading zero: what homing has to find out.
+    #[must_use]
+    pub fn encoder_zero_mm(&self) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::zero_mm))
+    }
+
+    /// Where each slide really stands, machine coordinates, slide travel.
+    #[must_use]
+    pub fn slide_mm(&self) -> PerAxis<f64> {
+        PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm))
+    }
+
+    /// The wheel as it is now.
+    #[must_use]
+    pub fn wheel(&self) -> WheelState {
+        let (diameter_mm, rpm) = (self.wheel.diameter_mm(), self.spindle.rpm());
+        WheelState {
+            diameter_mm,
+            rpm,
+            peripheral_m_s: PI * diameter_mm / 1_000.0 * rpm / 60.0,
+            load_percent: self.grinding.load_percent(),
+            dull: self.wheel.rim_dull(),
+        }
+    }
+
+    /// Makes the wheel as dull as asked everywhere, 0 sharp to 1 dull.
+    pub fn set_wheel_dull(&mut self, dull: f64) {
+        self.wheel.set_dull(dull);
+    }
+
+    /// Speed of the workhead, rpm.
+    #[must_use]
+    pub const fn workhead_rpm(&self) -> f64 {
+        self.workhead.rpm()
+    }
+
+    /// Hydraulic pressure, MPa.
+    #[must_use]
+    pub const fn pressure_mpa(&self) -> f64 {
+        self.hydraulics.pressure_mpa()
+    }
+
+    /// The workpiece measured.
+    #[must_use]
+    pub fn measure(&self) -> PartReport {
+        self.grinding.report()
+    }
+
+    /// Diameter of the part at Z; `None` where no diameter is.
+    #[must_use]
+    pub fn diameter_at(&self, z: f64) -> Option<f64> {
+        self.grinding.surfaces().iter().find_map(|surface| surface.diameter_at(z))
+    }
+
+    /// Z of a face at X (a diameter): the first face there, or the first that looks as asked.
+    #[must_use]
+    pub fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
+        self.grinding.surfaces().iter().find_map(|surface| surface.face_at(x, looks))
+    }
+
+    /// What happened so far, oldest first; at most 256.
+    #[must_use]
+    pub fn events(&self) -> &[Event] {
+        self.log.all()
+    }
+
+    /// How many events more there were than are kept.
+    #[must_use]
+    pub const fn events_lost(&self) -> u64 {
+        self.log.lost()
+    }
+}

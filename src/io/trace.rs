@@ -1,0 +1,300 @@
+//! What passed between control and machine, tick by tick: kept, written as text, and played again as a machine.
+//!
+//! [`Tracer`] stands before any [`Backend`] and keeps the last ticks. A row is one line of text that reads back to
+//! the same bits. [`Replay`] gives the recorded inputs again and notes where the control answers otherwise.
+//! Source: style "recorded traces become tests".
+
+use std::collections::VecDeque;
+use std::fmt;
+
+use super::{Backend, InputImage, OutputImage};
+use crate::defs::signal::Terminals;
+use crate::units::{Micros, PerAxis};
+
+/// One tick: when, what the machine told, what the control answered.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TraceRow {
+    /// Controller time.
+    pub now: Micros,
+    /// Read from the machine.
+    pub inputs: InputImage,
+    /// Written to the machine.
+    pub outputs: OutputImage,
+}
+
+/// Columns of a row.
+const COLUMNS: usize = 14;
+
+/// The names of the columns, the first line of a trace. Terminals are hexadecimal, bit 0 is port 1.
+pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,detents,bus_alive,\
+outputs,set_x,set_y,set_z,drives_on,wheel_volts,analog_2_volts";
+
+impl fmt::Display for TraceRow {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (i, o) = (&self.inputs, &self.outputs);
+        let [ex, ey, ez] = i.encoder_mm.0;
+        let [sx, sy, sz] = o.set_point_mm.0;
+        write!(f, "{},{:x},{ex},{ey},{ez},", self.now.0, i.terminals.0)?;
+        write!(f, "{},{},{:x},", i.handwheel_detents, u8::from(i.bus_alive), o.terminals.0)?;
+        write!(f, "{sx},{sy},{sz},{},{},{}", u8::from(o.drives_on), o.wheel_volts, o.analog_2_volts)
+    }
+}
+
+/// Why a trace was not taken.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum TraceError {
+    /// A row has too few or too many columns.
+    #[error("line {line}: {found} columns instead of {COLUMNS}")]
+    Columns {
+        /// Line, from 1.
+        line: usize,
+        /// Columns found.
+        found: usize,
+    },
+    /// A column is no number of its kind.
+    #[error("line {line}, column {column}: '{text}' is not a number")]
+    Number {
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What stands there.
+        text: String,
+    },
+}
+
+/// The columns of one line, taken one after the other.
+struct Columns<'a> {
+    line: usize,
+    column: usize,
+    rest: std::str::Split<'a, char>,
+}
+
+impl Columns<'_> {
+    fn next<T>(&mut self, read: impl Fn(&str) -> Option<T>) -> Result<T, TraceError> {
+        self.column += 1;
+        let text = self.rest.next().unwrap_or_default();
+        read(text).ok_or_else(|| TraceError::Number { line: self.line, column: self.column, text: text.to_owned() })
+    }
+
+    fn float(&mut self) -> Result<f64, TraceError> {
+        self.next(|text| text.parse().ok())
+    }
+
+    fn flag(&mut self) -> Result<bool, TraceError> {
+        self.next(|text| match text {
+            "0" => Some(false),
+            "1" => Some(true),
+            _ => None,
+        })
+    }
+
+    fn terminals(&mut self) -> Result<Terminals, TraceError> {
+        self.next(|text| u64::from_str_radix(text, 16).ok()).map(Terminals)
+    }
+}
+
+impl TraceRow {
+    /// Reads one line; `line` is its number, for the error.
+    ///
+    /// # Errors
+    /// The line and column that are not of the form.
+    pub fn parse(text: &str, line: usize) -> Result<Self, TraceError> {
+        let found = text.split(',').count();
+        if found != COLUMNS {
+            return Err(TraceError::Columns { line, found });
+        }
+        let mut c = Columns { line, column: 0, rest: text.split(',') };
+        Ok(Self {
+            now: Micros(c.next(|text| text.parse().ok())?),
+            inputs: InputImage {
+                terminals: c.terminals()?,
+                encoder_mm: PerAxis([c.float()?, c.float()?, c.float()?]),
+                handwheel_detents: c.next(|text| text.parse().ok())?,
+                bus_alive: c.flag()?,
+            },
+            outputs: OutputImage {
+                terminals: c.terminals()?,
+                set_point_mm: PerAxis([c.float()?, c.float()?, c.float()?]),
+                drives_on: c.flag()?,
+                wheel_volts: c.float()?,
+                analog_2_volts: c.float()?,
+            },
+        })
+    }
+}
+
+/// A backend whose traffic is kept.
+#[derive(Clone, Debug)]
+pub struct Tracer<B> {
+    inner: B,
+    rows: VecDeque<TraceRow>,
+    most: usize,
+    read: InputImage,
+}
+
+impl<B: Backend> Tracer<B> {
+    /// Keeps the last `most` ticks of a backend; the room for them is taken now.
+    pub fn new(inner: B, most: usize) -> Self {
+        Self { inner, rows: VecDeque::with_capacity(most), most, read: InputImage::default() }
+    }
+
+    /// The ticks kept, oldest first.
+    pub fn rows(&self) -> impl ExactSizeIterator<Item = &TraceRow> {
+        self.rows.iter()
+    }
+
+    /// The newest tick.
+    pub fn newest(&self) -> Option<&TraceRow> {
+        self.rows.back()
+    }
+
+    /// The backend behind.
+    pub const fn inner(&self) -> &B {
+        &self.inner
+    }
+
+    /// The backend behind, to be meddled with.
+    pub const fn inner_mut(&mut self) -> &mut B {
+        &mut self.inner
+    }
+}
+
+impl<B: Backend> Backend for Tracer<B> {
+    fn read(&mut self, now: Micros) -> InputImage {
+        self.read = self.inner.read(now);
+        self.read
+    }
+
+    fn write(&mut self, now: Micros, outputs: &OutputImage) {
+        if self.rows.len() == self.most {
+            self.rows.pop_front();
+        }
+        if self.most > 0 {
+            self.rows.push_back(TraceRow { now, inputs: self.read, outputs: *outputs });
+        }
+        self.inner.write(now, outputs);
+    }
+}
+
+/// A recorded machine: it gives the inputs of a trace again, whatever the control does.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    rows: Vec<TraceRow>,
+    next: usize,
+    differs: Option<usize>,
+}
+
+impl Replay {
+    /// Reads a trace: the header, then a row a line.
+    ///
+    /// # Errors
+    /// The first line and column that are not of the form.
+    pub fn parse(text: &str) -> Result<Self, TraceError> {
+        let lines = text.lines().enumerate().filter(|(_, line)| !line.is_empty() && *line != HEADER);
+        let rows = lines.map(|(i, line)| TraceRow::parse(line, i + 1)).collect::<Result<_, _>>()?;
+        Ok(Self { rows, next: 0, differs: None })
+    }
+
+    /// All ticks have been played.
+    #[must_use]
+    pub const fn done(&self) -> bool {
+        self.next >= self.rows.len()
+    }
+
+    /// The first recorded tick, from 0, in which the control now answered otherwise.
+    #[must_use]
+    pub const fn first_difference(&self) -> Option<usize> {
+        self.differs
+    }
+}
+
+impl Backend for Replay {
+    /// The next tick's inputs; at the end a silent bus with the last image.
+    fn read(&mut self, _now: Micros) -> InputImage {
+        match self.rows.get(self.next) {
+            Some(row) => row.inputs,
+            None => InputImage { bus_alive: false, ..self.rows.last().map(|row| row.inputs).unwrap_or_default() },
+        }
+    }
+
+    fn write(&mut self, _now: Micros, outputs: &OutputImage) {
+        if let Some(row) = self.rows.get(self.next) {
+            if row.outputs != *outputs && self.differs.is_none() {
+                self.differs = Some(self.next);
+            }
+            self.next += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Ramp(f64);
+
+    impl Backend for Ramp {
+        fn read(&mut self, _now: Micros) -> InputImage {
+            self.0 += 0.1;
+            InputImage { encoder_mm: PerAxis([self.0, 0.0, -1e-7]), bus_alive: true, ..InputImage::default() }
+        }
+        fn write(&mut self, _now: Micros, _outputs: &OutputImage) {}
+    }
+
+    /// An answer that follows from the input.
+    fn answer(inputs: InputImage) -> OutputImage {
+        let set_point_mm = inputs.encoder_mm.map(|mm| mm / 3.0);
+        OutputImage { set_point_mm, terminals: Terminals(0x8000_0000_0000_0001), ..OutputImage::default() }
+    }
+
+    fn traced(ticks: u64, most: usize) -> Tracer<Ramp> {
+        let mut tracer = Tracer::new(Ramp(0.0), most);
+        for tick in 1..=ticks {
+            let now = Micros::from_millis(tick);
+            let inputs = tracer.read(now);
+            tracer.write(now, &answer(inputs));
+        }
+        tracer
+    }
+
+    #[test]
+    fn p8_a_trace_is_text_and_plays_again_bit_for_bit() {
+        let tracer = traced(50, 100);
+        let lines = tracer.rows().map(|row| format!("{row}\n")).collect::<String>();
+        let mut replay = Replay::parse(&format!("{HEADER}\n{lines}")).unwrap();
+        while !replay.done() {
+            let inputs = replay.read(Micros::ZERO);
+            replay.write(Micros::ZERO, &answer(inputs));
+        }
+        assert_eq!(replay.first_difference(), None);
+        assert_eq!(replay.rows, tracer.rows().copied().collect::<Vec<_>>());
+        assert!(!replay.read(Micros::ZERO).bus_alive, "the end is a silent bus");
+    }
+
+    #[test]
+    fn p8_another_answer_is_found_at_its_tick() {
+        let lines = traced(5, 5).rows().map(|row| format!("{row}\n")).collect::<String>();
+        let mut replay = Replay::parse(&lines).unwrap();
+        for tick in 0..5 {
+            let mut outputs = answer(replay.read(Micros::ZERO));
+            outputs.drives_on = tick >= 3;
+            replay.write(Micros::ZERO, &outputs);
+        }
+        assert_eq!(replay.first_difference(), Some(3));
+    }
+
+    #[test]
+    fn p8_only_the_last_ticks_are_kept() {
+        let tracer = traced(50, 10);
+        assert_eq!(tracer.rows().len(), 10);
+        assert_eq!(tracer.newest().unwrap().now, Micros::from_millis(50));
+    }
+
+    #[test]
+    fn p8_a_broken_trace_is_refused_with_its_place() {
+        let said = |text: &str| Replay::parse(text).unwrap_err().to_string();
+        assert_eq!(said("1,2"), "line 1: 2 columns instead of 14");
+        assert_eq!(said("1,0,0,0,0,0,2,0,0,0,0,0,0,0"), "line 1, column 7: '2' is not a number");
+    }
+}

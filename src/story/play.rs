@@ -1,0 +1,361 @@
+//! Playing a story on a rig: each statement does what a person would do, then the control runs until it has answered.
+//! Source: spec tools.md T5, "Story language".
+
+use std::path::{Path, PathBuf};
+
+use super::parse::{Expectation, Force, Line, Quantity, Statement, Until};
+use crate::defs::key::{Key, Mode};
+use crate::defs::page::Page;
+use crate::io::sim::PartFile;
+use crate::link::command::Command;
+use crate::link::snapshot::{RunState, Snapshot};
+use crate::runtime::rig::Rig;
+use crate::units::{Axis, Micros};
+
+/// Ticks after every statement.
+const ANSWER_TICKS: u32 = 2;
+/// Ticks after an input was forced: longer than the input filter.
+const INPUT_TICKS: u32 = 20;
+/// How often a held key is heard of.
+const HOLD_EVERY: Micros = Micros::from_millis(50);
+/// How long `mdi` and `handwheel` wait for the machine to stand.
+const STAND_MOST: Micros = Micros::from_millis(1_000);
+/// How long homing may take.
+const HOME_MOST: Micros = Micros::from_millis(300_000);
+
+/// What is to be seen on a page, for `expect page … shows`. A build without the screen has no eyes.
+pub trait Eyes {
+    /// The texts that the open page shows.
+    fn texts(&mut self, snapshot: &Snapshot) -> Vec<String>;
+}
+
+/// Plays a story.
+pub struct Player<'a> {
+    rig: &'a mut Rig,
+    eyes: Option<Box<dyn Eyes>>,
+    folder: PathBuf,
+    part_given: bool,
+}
+
+impl<'a> Player<'a> {
+    /// A player; files that the story names are looked for in `folder`. `part_given`: a part is in the machine
+    /// already, so loading a program does not bring another.
+    #[must_use]
+    pub fn new(rig: &'a mut Rig, eyes: Option<Box<dyn Eyes>>, folder: &Path, part_given: bool) -> Self {
+        Self { rig, eyes, folder: folder.to_owned(), part_given }
+    }
+
+    /// The rig, to look at.
+    #[must_use]
+    pub fn rig(&mut self) -> &mut Rig {
+        self.rig
+    }
+
+    /// Plays one line.
+    ///
+    /// # Errors
+    /// Why an expectation failed or a statement could not be done.
+    pub fn play(&mut self, line: &Line) -> Result<(), String> {
+        match &line.statement {
+            Statement::Kind(_) => Ok(()),
+            Statement::PowerOn => {
+                self.rig.power_on();
+                self.answer()
+            }
+            Statement::PowerCut => {
+                self.rig.power_cut();
+                Ok(())
+            }
+            Statement::Param(at, value) => self.send(Command::SetParam(*at, *value)),
+            Statement::Set(number, value) => self.send(Command::SetVariable(*number, *value)),
+            Statement::Load(number) => self.load(*number),
+            Statement::Mode(mode) => self.press(mode.key()),
+            Statement::HomeAll => self.home_all(),
+            Statement::Key(key) => self.press(*key),
+            Statement::Press(key) => self.send(Command::Press(*key)),
+            Statement::Release(key) => self.send(Command::Release(*key)),
+            Statement::Hold(key, seconds) => self.hold(*key, *seconds),
+            Statement::Handwheel(axis, detents, step) => self.handwheel(*axis, *detents, *step),
+            Statement::Mdi(text) => {
+                self.press(Mode::Mdi.key())?;
+                self.send(Command::Mdi(text.clone()))?;
+                self.until_it_stands();
+                Ok(())
+            }
+            Statement::Page(page) => self.send(Command::OpenPage(*page)),
+            Statement::Type(number, value) => self.send(Command::TypeVariable(*number, *value)),
+            Statement::Input(name, force) => {
+                let level = match force {
+                    Force::To(on) => Some(*on),
+                    Force::Free => None,
+                };
+                self.rig.machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
+                self.ticks(INPUT_TICKS);
+                Ok(())
+            }
+            Statement::Fault(text) => {
+                self.rig.machine_mut().fault(text).map_err(|error| error.to_string())?;
+                self.answer()
+            }
+            Statement::Wait(seconds) => {
+                self.wait(Micros::from_secs_f64(*seconds));
+                Ok(())
+            }
+            Statement::WaitUntil(until, most) => self.wait_until(*until, Micros::from_secs_f64(*most)),
+            Statement::Seed(seed) => {
+                self.rig.reseed(*seed);
+                Ok(())
+            }
+            Statement::Part(file) => self.part(file),
+            Statement::Expect(expectation) => self.expect(expectation),
+        }
+    }
+
+    fn ticks(&mut self, count: u32) {
+        for _ in 0..count {
+            self.rig.step();
+        }
+    }
+
+    fn answer(&mut self) -> Result<(), String> {
+        self.ticks(ANSWER_TICKS);
+        Ok(())
+    }
+
+    fn send(&mut self, command: Command) -> Result<(), String> {
+        self.rig.send(command);
+        self.answer()
+    }
+
+    fn press(&mut self, key: Key) -> Result<(), String> {
+        self.send(Command::Press(key))?;
+        self.send(Command::Release(key))
+    }
+
+    fn wait(&mut self, span: Micros) {
+        let end = self.rig.now() + span;
+        while self.rig.now() < end {
+            self.rig.step();
+        }
+    }
+
+    /// Runs until the condition holds; false after the longest time.
+    fn run_until(&mut self, most: Micros, mut done: impl FnMut(&mut Rig) -> bool) -> bool {
+        let end = self.rig.now() + most;
+        while !done(self.rig) {
+            if self.rig.now() >= end {
+                return false;
+            }
+            self.rig.step();
+        }
+        true
+    }
+
+    fn until_it_stands(&mut self) {
+        self.run_until(STAND_MOST, |rig| {
+            let state = rig.controller().state();
+            rig.controller().is_at_rest() && !matches!(state, RunState::Running | RunState::Homing)
+        });
+    }
+
+    fn load(&mut self, number: u32) -> Result<(), String> {
+        self.send(Command::LoadProgram(number))?;
+        if !self.part_given
+            && let Ok(Some(part)) = PartFile::builtin(number)
+        {
+            self.rig.mount(&part);
+            self.ticks(ANSWER_TICKS);
+        }
+        Ok(())
+    }
+
+    fn part(&mut self, file: &str) -> Result<(), String> {
+        let path = self.folder.join(file);
+        let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let part = PartFile::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+        self.rig.mount(&part);
+        self.part_given = true;
+        self.answer()
+    }
+
+    /// What the operator does: mode home, one axis key after the other.
+    fn home_all(&mut self) -> Result<(), String> {
+        self.press(Mode::Home.key())?;
+        let axes: Vec<Axis> = self.rig.controller().axes_present().collect();
+        for axis in axes {
+            self.press(Key::of_jog(axis, true))?;
+        }
+        let homing = |rig: &mut Rig| rig.controller().state() != RunState::Homing;
+        if !self.run_until(HOME_MOST, homing) {
+            return Err("homing did not end".to_owned());
+        }
+        let snapshot = self.rig.snapshot();
+        let missing = snapshot.axes.iter().find(|(_, view)| view.present && !view.homed).map(|(axis, _)| axis);
+        match missing {
+            None => Ok(()),
+            Some(axis) => Err(format!("{axis} is not homed: {}", snapshot.message.text.zh)),
+        }
+    }
+
+    fn hold(&mut self, key: Key, seconds: f64) -> Result<(), String> {
+        let end = self.rig.now() + Micros::from_secs_f64(seconds);
+        self.rig.send(Command::Press(key));
+        let mut next = self.rig.now() + HOLD_EVERY;
+        while self.rig.now() < end {
+            self.rig.step();
+            if self.rig.now() >= next {
+                self.rig.send(Command::Hold(key));
+                next = next + HOLD_EVERY;
+            }
+        }
+        self.send(Command::Release(key))
+    }
+
+    fn handwheel(&mut self, axis: Axis, detents: i32, step: Key) -> Result<(), String> {
+        let chosen = match axis {
+            Axis::X => Key::HandwheelX,
+            Axis::Y => Key::HandwheelY,
+            Axis::Z => Key::HandwheelZ,
+        };
+        for key in [Mode::Handwheel.key(), chosen, step] {
+            self.press(key)?;
+        }
+        self.send(Command::Handwheel(detents))?;
+        self.until_it_stands();
+        Ok(())
+    }
+
+    fn wait_until(&mut self, until: Until, most: Micros) -> Result<(), String> {
+        let there = self.run_until(most, |rig| match until {
+            Until::State(state) => rig.controller().state() == state,
+            Until::Axis(axis, below, value) => {
+                let at = rig.snapshot().axes[axis].work;
+                if below { at < value } else { at > value }
+            }
+        });
+        if there { Ok(()) } else { Err(format!("not within {} s", most.as_secs_f64())) }
+    }
+
+    fn expect(&mut self, expectation: &Expectation) -> Result<(), String> {
+        let on_off = |on: bool| if on { "on" } else { "off" };
+        let switched = |name: &str, is: bool, wanted: bool| {
+            if is == wanted { Ok(()) } else { Err(format!("{name} is {}", on_off(is))) }
+        };
+        match expectation {
+            Expectation::Output(output, on) => switched(output.id(), self.rig.snapshot().outputs.has(*output), *on),
+            Expectation::Input(input, on) => switched(input.id(), self.rig.snapshot().inputs.has(*input), *on),
+            Expectation::Lamp(key, on) => switched(key.id(), self.rig.snapshot().key(*key).lamp, *on),
+            Expectation::Alarm(number) => {
+                self.alarm(|alarm| alarm.number == *number, &format!("alarm {number} is not present"))
+            }
+            Expectation::AnyAlarm => self.alarm(|_| true, "no alarm is present"),
+            Expectation::AlarmText(text) => {
+                let has = |alarm: &crate::link::snapshot::AlarmView| {
+                    alarm.text.zh.contains(text) || alarm.text.en.contains(text)
+                };
+                self.alarm(has, "no alarm has this text")
+            }
+            Expectation::NoAlarm => match self.rig.snapshot().alarms.first() {
+                None => Ok(()),
+                Some(alarm) => Err(format!("alarm {}: {}", alarm.number, alarm.text.zh)),
+            },
+            Expectation::Event(kind) => {
+                let seen: Vec<_> = self.rig.machine().events().iter().map(|event| event.kind.id()).collect();
+                if seen.contains(&kind.as_str()) { Ok(()) } else { Err(format!("events: {seen:?}")) }
+            }
+            Expectation::NoEvent => match self.rig.machine().events().first() {
+                None => Ok(()),
+                Some(event) => Err(format!("event {} at {:.3} s on {}", event.kind.id(), event.seconds, event.place)),
+            },
+            Expectation::State(state) => {
+                let is = self.rig.controller().state();
+                if is == *state { Ok(()) } else { Err(format!("state is {}", is.id())) }
+            }
+            Expectation::Value { of, is, tolerance } => self.value(*of, *is, *tolerance),
+            Expectation::Message(text) => {
+                let message = &self.rig.snapshot().message.text;
+                if message.zh.contains(text) || message.en.contains(text) {
+                    Ok(())
+                } else {
+                    Err(format!("the message is \"{}\"", message.zh))
+                }
+            }
+            Expectation::Page(page, text) => self.page_shows(*page, text),
+        }
+    }
+
+    fn alarm(&mut self, is: impl Fn(&crate::link::snapshot::AlarmView) -> bool, no: &str) -> Result<(), String> {
+        let alarms = &self.rig.snapshot().alarms;
+        if alarms.iter().any(is) {
+            return Ok(());
+        }
+        let present: Vec<_> = alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh)).collect();
+        Err(format!("{no}; present: [{}]", present.join(", ")))
+    }
+
+    fn value(&mut self, of: Quantity, is: f64, tolerance: f64) -> Result<(), String> {
+        let found = match of {
+            Quantity::Work(axis) => Some(self.rig.snapshot().axes[axis].work),
+            Quantity::Machine(axis) => Some(self.rig.snapshot().axes[axis].machine),
+            Quantity::Variable(number) => {
+                let values = &self.rig.snapshot().variables;
+                values.get(usize::from(number)).copied().flatten()
+            }
+            Quantity::Wear(number, axis) => self.rig.controller().wear(number, axis),
+            Quantity::PartDiameter(z) => self.rig.machine().diameter_at(z),
+            Quantity::PartFace(x) => self.rig.machine().face_at(x, None),
+            Quantity::PartHeight(..) => None,
+        };
+        match found {
+            // The last digit of a tolerance is not lost to rounding in binary.
+            Some(found) if (found - is).abs() <= tolerance + 1e-9 => Ok(()),
+            Some(found) => Err(format!("it is {found:.4}, {:+.4} off", found - is)),
+            None => Err("there is no such value".to_owned()),
+        }
+    }
+
+    fn page_shows(&mut self, page: Page, text: &str) -> Result<(), String> {
+        let snapshot = self.rig.snapshot();
+        if snapshot.page != page {
+            return Err(format!("the open page is {}", snapshot.page.id()));
+        }
+        let Some(eyes) = &mut self.eyes else {
+            return Err("this build has no screen: pages cannot be looked at".to_owned());
+        };
+        let texts = eyes.texts(snapshot);
+        // Labels may be broken into pieces; spaces between them do not count.
+        let squeeze = |text: &str| text.split_whitespace().collect::<String>();
+        if squeeze(&texts.join("\n")).contains(&squeeze(text)) {
+            Ok(())
+        } else {
+            Err(format!("the page shows: {}", texts.join(" | ")))
+        }
+    }
+}
+
+/// The state around a failed line, for the person who reads it.
+#[must_use]
+pub fn around(rig: &mut Rig) -> String {
+    let now = rig.now().as_secs_f64();
+    let snapshot = rig.snapshot();
+    let axes: Vec<_> = snapshot
+        .axes
+        .iter()
+        .filter(|(_, view)| view.present)
+        .map(|(axis, view)| format!("{axis} {:.3} (machine {:.3}, to go {:.3})", view.work, view.machine, view.to_go))
+        .collect();
+    let outputs: Vec<_> = snapshot.outputs.iter().map(|output| output.id()).collect();
+    let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh)).collect();
+    format!(
+        "  at {now:.3} s: state {}, mode {}, page {}, O{:04} line {}\n  {}\n  outputs: {}\n  alarms: {}\n  message: {}",
+        snapshot.state.id(),
+        snapshot.mode.name().en,
+        snapshot.page.id(),
+        snapshot.program.number,
+        snapshot.program.line,
+        axes.join(", "),
+        outputs.join(" "),
+        alarms.join("; "),
+        snapshot.message.text.zh,
+    )
+}
