@@ -10,7 +10,6 @@ use kt830::nc::{
     check,
 };
 use kt830::units::{Axis, PerAxis};
-use proptest::prelude::*;
 
 fn start(text: impl Into<Vec<u8>>, settings: Settings) -> (Interpreter, CheckWorld, Block) {
     let (world, block) = (CheckWorld::new(&settings), Block::new(&settings));
@@ -371,59 +370,4 @@ fn b2_inch_words_become_millimetres() {
     let Some(Op::Feed { to, feed, .. }) = ops.first() else { panic!("{ops:?}") };
     assert!((to[Axis::X] - 25.4).abs() < 1e-12 && (to[Axis::Z] + 25.4).abs() < 1e-12);
     assert_eq!(*feed, Feed::PerMinute(25.4));
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2_000))]
-
-    #[test]
-    fn b1_any_bytes_neither_panic_nor_hang(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
-        exercise(&bytes);
-        let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
-        let source = Arc::new(Source::new(1, "", bytes));
-        let checked = check(&source, &library, &Settings::lathe());
-        prop_assert!(checked.lines <= 200);
-    }
-
-    #[test]
-    fn b1_any_likely_text_neither_panics_nor_hangs(
-        text in proptest::collection::vec(
-            proptest::sample::select(vec![
-                "G0", "G1", "G2", "G3", "G4", "G90", "G94", "G28", "G31", "G50", "G53", "G54", "G65", "G66", "G67", "H1", "H80",
-                "H26", "X", "Z", "U", "W", "R", "I", "K", "P", "Q", "L", "F", "S", "T", "M98", "M99", "M30", "M91", "N", "#", "=",
-                "[", "]", "+", "-", "*", "/", "**", "AND", "MOD", "IF", "THEN", "GOTO", "WHILE", "DO", "END", "EQ", "GT", "SIN",
-                "ATAN", "1", "2", "3", "10", "0.5", "100", "570", "3000", "\n", "\n", " ", ";", "(", ")", "%", "O", "，", "//",
-            ]),
-            0..60,
-        )
-    ) {
-        exercise(text.concat().as_bytes());
-    }
-
-    #[test]
-    fn b1_numbers_printed_and_read_again_are_the_same(micrometres in -99_999_999_i64..=99_999_999) {
-        let value = micrometres as f64 / 1000.0;
-        let ops = run_with(format!("G0 Z{value}\n#500={value}"), Settings::lathe()).unwrap();
-        prop_assert_eq!(&ops[1], &Op::Set { variable: 500, value: Some(value) });
-        let Op::Rapid { to, .. } = &ops[0] else { panic!("{ops:?}") };
-        prop_assert_eq!(to[Axis::Z].to_bits(), (value + 0.0).to_bits());
-    }
-}
-
-fn exercise(bytes: &[u8]) {
-    for settings in [Settings::lathe(), Settings::mill()] {
-        let (mut interpreter, mut world, mut block) = start(bytes, settings.clone());
-        for _ in 0..50 {
-            match interpreter.next(&mut world, &mut block) {
-                Ok(Next::Block) => block.ops.iter().for_each(|op| world.apply(op)),
-                Ok(Next::Busy | Next::Drain) => {}
-                Ok(Next::End) => break,
-                Err(fault) => {
-                    assert!(fault.column >= 1 && fault.place.line >= 1);
-                    assert!(!fault.text(Lang::Zh).is_empty());
-                    break;
-                }
-            }
-        }
-    }
 }
