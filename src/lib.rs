@@ -3,6 +3,8 @@
 pub mod cli;
 pub mod controller;
 pub mod defs;
+#[cfg(feature = "hmi")]
+pub mod hmi;
 pub mod io;
 pub mod link;
 pub mod machine;

@@ -3,6 +3,7 @@
 
 mod args;
 mod bench;
+mod check;
 mod eyes;
 mod play;
 mod run;
@@ -34,6 +35,7 @@ pub fn main() -> ExitCode {
     };
     let done = match &args.verb {
         Some(Verb::Run(run)) => run::run(&args.shared, run),
+        Some(Verb::Check(check)) => check::check(&args.shared, check),
         Some(Verb::Play(play)) => play::play(&args.shared, play),
         _ => Err(CallError::new("not wired")),
     };

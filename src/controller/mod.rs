@@ -403,13 +403,15 @@ impl Controller {
         self.outputs.set_point_mm = self.axes.set_points(&self.params);
     }
 
-    /// The safe output image (a panicked thread, a lost bus): what turns or flows is off, what clamps stays.
-    pub fn safe_outputs(&mut self) -> &OutputImage {
-        self.machine.safe_stop();
-        self.drives_on = false;
-        self.write_outputs();
-        self.outputs.drives_on = false;
-        &self.outputs
+    /// The terminals that stay as they are in the safe output image: what clamps, lubricates or shows. What turns or
+    /// flows is off (table after K3).
+    #[must_use]
+    pub fn kept_when_safe(&self) -> crate::defs::signal::Terminals {
+        let mut kept = crate::defs::signal::Terminals::default();
+        for output in crate::machine::KEPT_WHEN_SAFE {
+            kept.set(self.params.output_port(*output), true);
+        }
+        kept
     }
 
     /// Other programs are in the folder.

@@ -157,6 +157,18 @@ impl Controller {
         self.place
     }
 
+    /// The kind of machine.
+    #[must_use]
+    pub const fn kind(&self) -> crate::defs::kind::Kind {
+        self.kind
+    }
+
+    /// Length of a tick.
+    #[must_use]
+    pub fn tick_time(&self) -> Micros {
+        Micros(self.params.get(crate::defs::param::TICK_TIME) as u64)
+    }
+
     /// Blocks executed since power-on.
     #[must_use]
     pub const fn blocks(&self) -> u64 {

@@ -99,6 +99,11 @@ pub struct Machine {
     around: Around,
 }
 
+/// Outputs that an emergency stop, a panic, a lost screen or a lost bus leave as they are: a part must not fly while the
+/// wheel coasts (table after K3).
+pub const KEPT_WHEN_SAFE: &[Output] =
+    &[Output::Hydraulic, Output::Magnetise, Output::Tailstock, Output::Lubrication, Output::TowerRed];
+
 /// Findings of one tick: at most the e-stop, the hydraulics and the tailstock.
 pub type Findings = [Option<Finding>; 3];
 

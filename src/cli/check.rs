@@ -1,0 +1,209 @@
+//! `kt830 check`: programs, page texts and pictures, without running them; every error with its place.
+//! Source: spec tools.md T4.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+use super::args::{Check, Format, Run, Shared};
+use super::{CallError, FINE, WRONG_CALL, bench, out};
+use crate::controller::{Programs, Retained};
+use crate::defs::param;
+use crate::io::sim::PartFile;
+use crate::nc::{CheckWorld, Checked, Fault, Library, Memory, Op, Settings, check_with};
+use crate::runtime::disk::{parse_page_text, parse_picture, program};
+use crate::units::{Axis, PerAxis};
+
+/// What a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Class {
+    Program,
+    PageText,
+    Picture,
+}
+
+/// An error of a file.
+struct Wrong {
+    line: u32,
+    column: u32,
+    message: String,
+}
+
+/// Checks every file of the call.
+///
+/// # Errors
+/// A file cannot be read.
+pub fn check(shared: &Shared, call: &Check) -> Result<u8, CallError> {
+    let mut status = FINE;
+    for path in &call.files {
+        let bytes = std::fs::read(path).map_err(|error| {
+            CallError::new(format!("{}: {error}; check the path, or whether the file may be read", path.display()))
+        })?;
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let wrong = match class(&name) {
+            Class::Program => check_program(shared, call, path, bytes)?,
+            Class::PageText => {
+                let done = parse_page_text(&name, &bytes);
+                tell_file(shared, path, done.map(drop).map_err(|fault| vec![wrong_file(shared, &fault)]))
+            }
+            Class::Picture => {
+                let done = parse_picture(&name, &bytes);
+                tell_file(shared, path, done.map(drop).map_err(|fault| vec![wrong_file(shared, &fault)]))
+            }
+        };
+        if wrong {
+            status = WRONG_CALL;
+        }
+        if call.simulate && class(&name) == Class::Program && !wrong {
+            let run = Run { program: path.display().to_string(), through_stops: true, trace: None };
+            status = status.max(super::run::run(shared, &run)?);
+        }
+    }
+    Ok(status)
+}
+
+/// `C0001.TXT`, `C0001.NC` are page texts, `.BMP` pictures, everything else programs.
+fn class(name: &str) -> Class {
+    let upper = name.to_ascii_uppercase();
+    let page = upper
+        .strip_prefix('C')
+        .is_some_and(|rest| rest.len() > 4 && rest.as_bytes()[..4].iter().all(u8::is_ascii_digit));
+    match upper.rsplit_once('.').map(|(_, extension)| extension) {
+        Some("BMP") => Class::Picture,
+        Some("TXT") => Class::PageText,
+        _ if page => Class::PageText,
+        _ => Class::Program,
+    }
+}
+
+fn wrong_file(shared: &Shared, fault: &crate::link::command::FileFault) -> Wrong {
+    let (line, column) = fault.place.unwrap_or((0, 0));
+    Wrong { line, column, message: fault.said.get(shared.lang).to_owned() }
+}
+
+fn wrong_program(shared: &Shared, fault: &Fault) -> Wrong {
+    let message = format!("{} – {}", fault.cause(shared.lang), fault.remedy(shared.lang));
+    Wrong { line: fault.place.line, column: fault.column, message }
+}
+
+/// Tells what came of a page text or picture; true if something is wrong.
+fn tell_file(shared: &Shared, path: &Path, done: Result<(), Vec<Wrong>>) -> bool {
+    let wrong = done.err().unwrap_or_default();
+    let file = path.display().to_string();
+    match shared.format {
+        Format::Json => out(json!({"file": file, "errors": errors(&wrong)})),
+        Format::Text => tell_errors(&file, &wrong),
+    }
+    !wrong.is_empty()
+}
+
+fn errors(wrong: &[Wrong]) -> Value {
+    wrong.iter().map(|at| json!({"line": at.line, "column": at.column, "message": at.message})).collect()
+}
+
+fn tell_errors(file: &str, wrong: &[Wrong]) {
+    for at in wrong {
+        out(match at.line {
+            0 => format!("{file}: {}", at.message),
+            line => format!("{file}:{line}:{}: {}", at.column, at.message),
+        });
+    }
+    if wrong.is_empty() {
+        out(format!("{file}: ok"));
+    }
+}
+
+fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> Result<bool, CallError> {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let number = crate::story::parse::program(&stem).unwrap_or(0);
+    let retained = bench::begin(shared, Retained::factory(shared.kind))?;
+    let (settings, axes) = settings(&retained);
+    let folders = bench::folders(shared)?;
+    let (programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
+    let mut memory = retained.variables.clone();
+    let mut world = CheckWorld::new(&settings);
+    if let Some(part) = bench::part(shared, number)? {
+        world = start(world, &part);
+        preset(&mut memory, &part);
+    }
+    let source = program(number, &path.display().to_string(), bytes).source;
+    let mut show = |op: &Op| match shared.format {
+        Format::Json => out(op.json(axes)),
+        Format::Text => out(op),
+    };
+    let checked = check_with(&source, &library, &settings, memory, &mut world, &mut |block| {
+        if call.ops {
+            block.ops.iter().for_each(&mut show);
+        }
+    });
+    tell_program(shared, call, path, &checked, &settings);
+    Ok(!checked.faults.is_empty())
+}
+
+/// How a machine with these parameters reads programs.
+fn settings(retained: &Retained) -> (Settings, PerAxis<bool>) {
+    let lathe = Settings::lathe();
+    let params = &retained.params;
+    let settings = Settings {
+        diameter: !params.bit(param::RADIUS_PROGRAMMING),
+        least_increment_mm: params.bit(param::LEAST_INCREMENT).then_some(0.001),
+        tolerance_mm: params.get(param::PATH_TOLERANCE),
+        rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
+        ..lathe
+    };
+    let axes = settings.axes;
+    (settings, axes)
+}
+
+/// Where a run of the part would begin.
+fn start(world: CheckWorld, part: &PartFile) -> CheckWorld {
+    let zero = PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z]);
+    let at = PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]);
+    world.at(PerAxis::from_fn(|axis| at[axis] - zero[axis])).with_machine_from_work(zero)
+}
+
+/// The part's values for variables that have none.
+fn preset(memory: &mut Memory, part: &PartFile) {
+    for (number, value) in &part.variables {
+        let number = u32::from(*number);
+        if matches!(memory.get(number), Ok(None)) {
+            let _ = memory.set(number, Some(*value)); // a part presets only what a page may show
+        }
+    }
+}
+
+fn tell_program(shared: &Shared, call: &Check, path: &Path, checked: &Checked, settings: &Settings) {
+    let file = path.display().to_string();
+    let wrong: Vec<_> = checked.faults.iter().map(|fault| wrong_program(shared, fault)).collect();
+    let warnings: Vec<_> = checked.warnings.iter().map(|fault| wrong_program(shared, fault)).collect();
+    let shown = |axis: Axis, value: f64| if axis == Axis::X && settings.diameter { value * 2.0 } else { value };
+    let extents: Vec<(Axis, f64, f64)> = checked.extents.map_or_else(Vec::new, |(low, high)| {
+        let present = Axis::ALL.into_iter().filter(|axis| settings.axes[*axis]);
+        present.map(|axis| (axis, shown(axis, low[axis]), shown(axis, high[axis]))).collect()
+    });
+    match shared.format {
+        Format::Json if call.ops && wrong.is_empty() => {}
+        Format::Json => {
+            let extents: serde_json::Map<String, Value> =
+                extents.iter().map(|(axis, low, high)| (axis.to_string(), json!([low, high]))).collect();
+            out(json!({"file": file, "errors": errors(&wrong), "warnings": errors(&warnings),
+                       "seconds": checked.seconds, "length": checked.length_mm, "extents": extents}));
+        }
+        Format::Text => {
+            for at in &warnings {
+                eprintln!("{file}:{}:{}: warning: {}", at.line, at.column, at.message);
+            }
+            tell_errors(&file, &wrong);
+            let ranges: Vec<_> = extents.iter().map(|(axis, low, high)| format!("{axis} {low:.3}…{high:.3}")).collect();
+            out(format!(
+                "{} lines  {:.3} mm  {:.1} s  {}",
+                checked.lines,
+                checked.length_mm,
+                checked.seconds,
+                ranges.join("  ")
+            ));
+        }
+    }
+}

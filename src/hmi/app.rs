@@ -1,0 +1,276 @@
+//! One frame of the screen: layout, frame, page, panel, entry. It keeps only what a face may keep – cursor, edit text,
+//! scroll places – and knows the machine from the snapshot alone.
+
+use std::sync::Arc;
+
+use egui::{ColorImage, TextureHandle, TextureId, TextureOptions, Ui};
+
+use super::entry::{Edit, Entry};
+use super::keyboard::{self, Asked};
+use super::layout::{self, PanelLayout, Regions};
+use super::page::directory::Directory;
+use super::page::grinding;
+use super::page::position::{self, Shown};
+use super::page::program::Listing;
+use super::panel::Panel;
+use super::press::Presses;
+use super::softkey::{self, Pressed, SoftAct};
+use super::theme::{self, Theme};
+use super::view::View;
+use super::{frame, help, pad};
+use crate::defs::key::Key;
+use crate::defs::page::Page;
+use crate::defs::text::{Lang, Text};
+use crate::link::command::Picture;
+use crate::link::{Command, Snapshot};
+
+/// Seconds that a local refusal stays in the message line.
+const HINT_SECONDS: f64 = 5.0;
+
+/// The face of the control. One value lives as long as the window.
+pub struct Hmi {
+    lang: Lang,
+    theme: Theme,
+    clock: Option<String>,
+    page: Option<Page>,
+    program: u32,
+    shown: Shown,
+    soft_row: usize,
+    entry: Entry,
+    listing: Listing,
+    directory: Directory,
+    panel: Panel,
+    presses: Presses,
+    help: bool,
+    hint: Option<(Text, f64)>,
+    picture: Option<(Arc<Picture>, TextureHandle)>,
+}
+
+impl Hmi {
+    /// A face in a language, dark theme.
+    #[must_use]
+    pub fn new(lang: Lang) -> Self {
+        Self {
+            lang,
+            theme: theme::DARK,
+            clock: None,
+            page: None,
+            program: 0,
+            shown: Shown::default(),
+            soft_row: 0,
+            entry: Entry::default(),
+            listing: Listing::default(),
+            directory: Directory::default(),
+            panel: Panel::default(),
+            presses: Presses::default(),
+            help: false,
+            hint: None,
+            picture: None,
+        }
+    }
+
+    /// Gives a context the font and the manners of this face. Once, before the first frame.
+    pub fn install(&self, ctx: &egui::Context) {
+        theme::install(ctx, &self.theme);
+    }
+
+    /// The time of day for the header; without it the time since power-on is shown.
+    pub fn set_clock(&mut self, clock: String) {
+        self.clock = Some(clock);
+    }
+
+    /// What is being typed, for tests and stories.
+    #[must_use]
+    pub const fn entry(&self) -> &Entry {
+        &self.entry
+    }
+
+    /// Draws one frame over the whole `ui` and gives what the operator asked for in it.
+    /// Gather the commands of all passes of a frame and send them once.
+    pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
+        let mut out = Vec::new();
+        self.notice(ui, snapshot);
+        let clock = self.clock.clone().unwrap_or_else(|| uptime(snapshot));
+        let theme = self.theme;
+        // A phase of the machine's own time: the same snapshot is the same picture.
+        let blink = snapshot.now.0 / 500_000 % 2 == 0;
+        let view = View { snapshot, lang: self.lang, theme: &theme, clock: &clock, blink };
+        let regions = Regions::new(ui.max_rect());
+        let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
+        ui.painter().rect_filled(ui.max_rect(), 0.0, theme.ground);
+        let asked = keyboard::read(ui, snapshot.kind);
+        self.physical_keys(ui, &view, &asked, &mut out);
+        let mut edits = asked.edits.clone();
+        if self.pad_is_open(&view) {
+            // Drawn last, so that it lies on top; its touches are read first, so that they count in this frame.
+            self.draw_panel(ui, &panel, &view, &mut out);
+            pad::ui(ui, &view, panel.pad, &mut edits);
+        } else {
+            self.draw_panel(ui, &panel, &view, &mut out);
+        }
+        self.draw_page(ui, &regions, &view, &edits, asked.pages, &mut out);
+        self.draw_frame(ui, &regions, &view, &asked, &mut out);
+        if self.help {
+            self.help = !help::ui(ui, &view, regions.content.shrink(theme::GAP));
+        }
+        self.presses.end_frame(ui, &mut out);
+        out
+    }
+
+    /// Another page, another program, another picture.
+    fn notice(&mut self, ui: &Ui, snapshot: &Snapshot) {
+        if self.page != Some(snapshot.page) {
+            self.page = Some(snapshot.page);
+            self.soft_row = softkey::row_of(snapshot.page);
+            self.entry.restart();
+            let theme = self.theme;
+            let view = View { snapshot, lang: self.lang, theme: &theme, clock: "", blink: false };
+            self.directory.open(&view);
+        }
+        if self.program != snapshot.program.number {
+            self.program = snapshot.program.number;
+            self.entry.restart();
+        }
+        let files = snapshot.screens.find(snapshot.program.number);
+        let wanted = files.and_then(|files| files.picture.as_ref().ok());
+        match (wanted, &self.picture) {
+            (Some(wanted), Some((shown, _))) if Arc::ptr_eq(wanted, shown) => {}
+            (Some(wanted), _) => self.picture = load(ui.ctx(), wanted),
+            (None, _) => self.picture = None,
+        }
+        let now = ui.input(|input| input.time);
+        self.hint = self.hint.filter(|(_, since)| now - since < HINT_SECONDS);
+    }
+
+    fn texture(&self) -> Option<TextureId> {
+        self.picture.as_ref().map(|(_, texture)| texture.id())
+    }
+
+    fn pad_is_open(&self, view: &View<'_>) -> bool {
+        let number = view.snapshot.program.number;
+        let has_fields = view.snapshot.screens.find(number).is_some_and(|files| files.text.is_ok());
+        self.entry.pad && frame::takes_numbers(view.snapshot.page) && has_fields
+    }
+
+    fn draw_panel(&mut self, ui: &mut Ui, layout: &PanelLayout, view: &View<'_>, out: &mut Vec<Command>) {
+        let said = self.panel.ui(ui, layout, view, &mut self.presses, out);
+        if let Some(reason) = said.refused {
+            self.say(ui, reason);
+        }
+    }
+
+    fn say(&mut self, ui: &Ui, reason: Text) {
+        self.hint = Some((reason, ui.input(|input| input.time)));
+        ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(HINT_SECONDS + 0.05));
+    }
+
+    fn draw_page(
+        &mut self,
+        ui: &Ui,
+        regions: &Regions,
+        view: &View<'_>,
+        edits: &[Edit],
+        pages: i32,
+        out: &mut Vec<Command>,
+    ) {
+        let rect = regions.content;
+        let commands = match view.snapshot.page {
+            Page::Position => {
+                answers(edits, out);
+                position::ui(ui, rect, view, self.shown)
+            }
+            Page::Grinding => {
+                if !edits.is_empty() {
+                    self.hint = None;
+                }
+                let texture = self.texture();
+                grinding::ui(ui, rect, view, &mut self.entry, edits, texture)
+            }
+            Page::Program => self.listing.ui(ui, rect, view, pages),
+            Page::Directory => self.directory.ui(ui, rect, view, edits, pages),
+        };
+        out.extend(commands);
+    }
+
+    fn draw_frame(&mut self, ui: &Ui, regions: &Regions, view: &View<'_>, asked: &Asked, out: &mut Vec<Command>) {
+        frame::header(ui, view, regions.header);
+        let hint = self.hint.map(|(text, _)| text.get(view.lang));
+        frame::message_line(ui, view, regions.message, hint);
+        frame::status_line(ui, view, regions.status);
+        let (page, shown) = (view.snapshot.page, self.shown);
+        let chosen = |act: SoftAct| match act {
+            SoftAct::Open(other) => other == page,
+            SoftAct::Position(other) => page == Page::Position && other == shown,
+            SoftAct::Blocked(_) | SoftAct::Help => false,
+        };
+        let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
+        let by_key = asked.soft.and_then(|index| softkey::ROWS.get(self.soft_row)?.get(index));
+        match touched.or(by_key.map(|soft| Pressed::Act(soft.act))) {
+            Some(Pressed::Act(act)) => self.soft(ui, act, out),
+            Some(Pressed::Next) => self.next_row(),
+            None if asked.next_row => self.next_row(),
+            None => {}
+        }
+    }
+
+    fn next_row(&mut self) {
+        self.soft_row = (self.soft_row + 1) % softkey::ROWS.len();
+    }
+
+    fn soft(&mut self, ui: &Ui, act: SoftAct, out: &mut Vec<Command>) {
+        match act {
+            SoftAct::Open(page) => out.push(Command::OpenPage(page)),
+            SoftAct::Position(shown) => {
+                self.shown = shown;
+                out.push(Command::OpenPage(Page::Position));
+            }
+            SoftAct::Blocked(reason) => self.say(ui, reason),
+            SoftAct::Help => self.help = !self.help,
+        }
+    }
+
+    fn physical_keys(&mut self, ui: &Ui, view: &View<'_>, asked: &Asked, out: &mut Vec<Command>) {
+        let now = ui.input(|input| input.time);
+        self.presses.follow_keyboard(ui, out);
+        for shortcut in &asked.keys {
+            if let Some(reason) = super::panel::state(view, shortcut.key).blocked {
+                self.say(ui, reason);
+            }
+            self.presses.key_down(shortcut.physical, shortcut.modifiers, shortcut.key, now, out);
+        }
+        let relative = view.snapshot.page == Page::Position && self.shown == Shown::Relative;
+        for key in asked.addresses.iter().filter(|_| relative) {
+            out.extend([Command::Press(*key), Command::Release(*key)]);
+        }
+        if asked.detents != 0 {
+            out.push(Command::Handwheel(asked.detents));
+        }
+        self.help ^= asked.help;
+    }
+}
+
+/// On a page without fields Enter and Esc are the panel's own keys 输入 and 取消.
+fn answers(edits: &[Edit], out: &mut Vec<Command>) {
+    for edit in edits {
+        match edit {
+            Edit::Enter => out.extend([Command::Press(Key::Input), Command::Release(Key::Input)]),
+            Edit::Cancel => out.extend([Command::Press(Key::Cancel), Command::Release(Key::Cancel)]),
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Up | Edit::Down => {}
+            Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {}
+        }
+    }
+}
+
+fn load(ctx: &egui::Context, picture: &Arc<Picture>) -> Option<(Arc<Picture>, TextureHandle)> {
+    if picture.rgb.len() != picture.width * picture.height * 3 || picture.rgb.is_empty() {
+        return None;
+    }
+    let image = ColorImage::from_rgb([picture.width, picture.height], &picture.rgb);
+    Some((Arc::clone(picture), ctx.load_texture("page picture", image, TextureOptions::LINEAR)))
+}
+
+/// Hours, minutes and seconds since power-on.
+fn uptime(snapshot: &Snapshot) -> String {
+    let seconds = snapshot.now.0 / 1_000_000;
+    format!("{:02}:{:02}:{:02}", seconds / 3_600, seconds / 60 % 60, seconds % 60)
+}

@@ -1,0 +1,155 @@
+//! The frame around every page: header, message line, status line.
+//! Source: spec H1, H7.
+
+use egui::{Align2, Color32, Rect, Ui, pos2, vec2};
+
+use super::theme;
+use super::view::{View, chip, fit, put};
+use crate::defs::page::Page;
+use crate::link::snapshot::{RunState, Tone};
+use crate::units::Micros;
+
+/// How long a refusal stays in the message line.
+const FADES_AFTER: Micros = Micros::from_millis(5_000);
+
+/// Kind · page, program and block, mode, state, alarms, clock.
+pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, view.theme.surface);
+    painter.hline(rect.x_range(), rect.max.y - 0.5, egui::Stroke::new(theme::HAIR, view.theme.line));
+    let row = rect.shrink2(vec2(theme::PAD, 7.0));
+    let mut right = row.max.x;
+    let clock = Rect::from_min_max(pos2(right - 66.0, row.min.y), pos2(right, row.max.y));
+    put(painter, clock, Align2::RIGHT_CENTER, view.clock, theme::LABEL, view.theme.quiet);
+    right = clock.min.x - theme::PAD;
+    right = alarm_chip(ui, view, right, row);
+    let (fill, ink) = state_colours(view);
+    let state = chip(painter, right, row, view.snapshot.state.name().get(view.lang), fill, ink);
+    let mode = chip(painter, state.min.x - theme::GAP, row, mode_word(view), view.theme.raised, view.theme.text);
+    right = mode.min.x - theme::PAD;
+    let program = program_word(view);
+    let place = Rect::from_min_max(pos2(right - 122.0, row.min.y), pos2(right, row.max.y));
+    put(painter, place, Align2::RIGHT_CENTER, &program, theme::LABEL, view.theme.text);
+    let title = Rect::from_min_max(row.min, pos2(place.min.x - theme::PAD, row.max.y));
+    let kind = view.snapshot.kind.name().get(view.lang).split(' ').next().unwrap_or_default();
+    let word = format!("{kind} · {}", view.snapshot.page.title().get(view.lang));
+    fit(painter, title, Align2::LEFT_CENTER, &word, theme::TITLE, view.theme.text);
+}
+
+/// The mode in two characters, as on its key.
+fn mode_word<'a>(view: &View<'a>) -> &'a str {
+    view.snapshot.mode.key().label().get(view.lang)
+}
+
+/// `O1001 N0040`
+#[must_use]
+pub fn program_word(view: &View<'_>) -> String {
+    let program = &view.snapshot.program;
+    if program.number == 0 {
+        return view.say("没有程序", "no program").to_owned();
+    }
+    format!("O{:04} N{:04}", program.number, program.block.unwrap_or(0))
+}
+
+/// One accent at a time: only a state that matters now is coloured.
+fn state_colours(view: &View<'_>) -> (Color32, Color32) {
+    match view.snapshot.state {
+        RunState::Idle => (view.theme.raised, view.theme.text),
+        RunState::Running => (view.theme.run, view.theme.ink),
+        RunState::Held | RunState::Stopped | RunState::Waiting => (view.theme.hold, view.theme.ink),
+        RunState::Homing => (view.theme.info, view.theme.ink),
+        RunState::Alarm => (view.theme.alarm, view.theme.ink),
+    }
+}
+
+/// Number of the first alarm and how many there are; its place stays free while there is none.
+fn alarm_chip(ui: &Ui, view: &View<'_>, right: f32, row: Rect) -> f32 {
+    if let Some(first) = view.snapshot.alarms.first() {
+        let word = match view.snapshot.alarms.len() {
+            1 => format!("⚠ {:03}", first.number),
+            count => format!("⚠ {:03} ×{count}", first.number),
+        };
+        chip(ui.painter(), right, row, &word, view.theme.alarm, view.theme.ink);
+    }
+    right - 92.0
+}
+
+/// What the message line says, and in which colour.
+fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
+    let lang = view.lang;
+    if let Some(hint) = hint {
+        return Some((hint.to_owned(), view.theme.hold));
+    }
+    let message = &view.snapshot.message;
+    let fresh = view.snapshot.now.since(message.since) < FADES_AFTER && !message.text.zh.is_empty();
+    if fresh && message.tone == Tone::Refused {
+        return Some((message.text.get(lang).to_owned(), view.theme.hold));
+    }
+    if let Some(alarm) = view.snapshot.alarms.first() {
+        let word = format!("{:03} {} → {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang));
+        return Some((word, view.theme.alarm_text));
+    }
+    if let Some(waiting) = &view.snapshot.waiting_for {
+        return Some((waiting.get(lang).to_owned(), view.theme.hold));
+    }
+    fresh.then(|| (message.text.get(lang).to_owned(), view.theme.text))
+}
+
+/// Alarm with remedy in red; a refusal in amber for 5 s; what the run waits for; a note.
+pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, view.theme.surface);
+    painter.hline(rect.x_range(), rect.min.y + 0.5, egui::Stroke::new(theme::HAIR, view.theme.line));
+    if let Some((words, colour)) = message(view, hint) {
+        let mark = Rect::from_min_size(rect.min + vec2(0.0, 1.0), vec2(4.0, rect.height() - 1.0));
+        painter.rect_filled(mark, 0.0, colour);
+        fit(painter, rect.shrink2(vec2(theme::PAD, 2.0)), Align2::LEFT_CENTER, &words, theme::LABEL, colour);
+    }
+}
+
+/// `手动方式 · 连续 · 停止 · F 100 % · 100 mm/min · S 1260 · 件数 12`
+pub fn status_line(ui: &Ui, view: &View<'_>, rect: Rect) {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, view.theme.ground);
+    painter.hline(rect.x_range(), rect.min.y + 0.5, egui::Stroke::new(theme::HAIR, view.theme.line));
+    let snapshot = view.snapshot;
+    let blocks =
+        if snapshot.single_block { view.say("单段", "single block") } else { view.say("连续", "continuous") };
+    let words = [
+        snapshot.mode.name().get(view.lang).to_owned(),
+        blocks.to_owned(),
+        snapshot.state.name().get(view.lang).to_owned(),
+        format!("F {} %", snapshot.feed_override),
+        format!("{:.0} mm/min", snapshot.feed_mm_min),
+        format!("S {:.0}", snapshot.wheel_rpm),
+        format!("{} {}", view.say("件数", "parts"), snapshot.parts),
+    ];
+    // Fixed columns: nothing moves when a figure changes.
+    let row = rect.shrink2(vec2(theme::PAD, 0.0));
+    let shares: [f32; 7] = [0.15, 0.13, 0.11, 0.13, 0.21, 0.13, 0.14];
+    let mut left = row.min.x;
+    for (word, share) in words.iter().zip(shares) {
+        let place = Rect::from_min_size(pos2(left, row.min.y), vec2(row.width() * share, row.height()));
+        if left > row.min.x {
+            painter.vline(
+                left - theme::GAP,
+                rect.min.y + 8.0..=rect.max.y - 7.0,
+                egui::Stroke::new(theme::HAIR, view.theme.line),
+            );
+        }
+        let cell = Rect::from_min_max(place.min, pos2(place.max.x - 2.0 * theme::GAP, place.max.y));
+        fit(painter, cell, Align2::LEFT_CENTER, word, theme::LABEL, view.theme.text);
+        left = place.max.x;
+    }
+}
+
+/// The title of a page, where a page has its own; kept here so that all look the same.
+pub fn title(ui: &Ui, view: &View<'_>, rect: Rect, words: &str) {
+    fit(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::SECONDARY, view.theme.text);
+}
+
+/// A page that takes numbers.
+#[must_use]
+pub const fn takes_numbers(page: Page) -> bool {
+    matches!(page, Page::Grinding)
+}

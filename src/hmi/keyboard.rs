@@ -1,0 +1,188 @@
+//! The panel on a keyboard: one table, read by the key handling, the help overlay and the manual.
+//! Source: spec K2.1 (same keys reachable from a keyboard), H6.
+
+use egui::{Event, Modifiers, Ui};
+
+use super::entry::Edit;
+use crate::defs::key::Key;
+
+/// A physical key for a panel key.
+#[derive(Clone, Copy, Debug)]
+pub struct Shortcut {
+    /// Held with it.
+    pub modifiers: Modifiers,
+    /// The physical key.
+    pub physical: egui::Key,
+    /// The panel key.
+    pub key: Key,
+}
+
+const fn plain(physical: egui::Key, key: Key) -> Shortcut {
+    Shortcut { modifiers: Modifiers::NONE, physical, key }
+}
+
+const fn alt(physical: egui::Key, key: Key) -> Shortcut {
+    Shortcut { modifiers: Modifiers::ALT, physical, key }
+}
+
+const fn ctrl(physical: egui::Key, key: Key) -> Shortcut {
+    Shortcut { modifiers: Modifiers::CTRL, physical, key }
+}
+
+/// Every panel key with its physical key; keys that share one are on different kinds.
+/// Jogging along the arrows: the screen's left and right are Z on GC; the key that is drawn there is the one that acts.
+pub const SHORTCUTS: &[Shortcut] = &[
+    plain(egui::Key::F8, Key::EmergencyStop),
+    plain(egui::Key::F9, Key::CycleStart),
+    plain(egui::Key::F10, Key::FeedHold),
+    plain(egui::Key::Space, Key::FeedHold),
+    plain(egui::Key::F11, Key::Reset),
+    ctrl(egui::Key::Num1, Key::ModeEdit),
+    ctrl(egui::Key::Num2, Key::ModeAuto),
+    ctrl(egui::Key::Num3, Key::ModeMdi),
+    ctrl(egui::Key::Num4, Key::ModeHome),
+    ctrl(egui::Key::Num5, Key::ModeHandwheel),
+    ctrl(egui::Key::Num6, Key::ModeStep),
+    ctrl(egui::Key::Num7, Key::ModeManual),
+    ctrl(egui::Key::B, Key::SingleBlock),
+    ctrl(egui::Key::K, Key::BlockSkip),
+    ctrl(egui::Key::O, Key::OptionalStop),
+    ctrl(egui::Key::L, Key::MachineLock),
+    ctrl(egui::Key::T, Key::MstLock),
+    ctrl(egui::Key::D, Key::DryRun),
+    ctrl(egui::Key::PageUp, Key::FeedOverrideUp),
+    ctrl(egui::Key::PageDown, Key::FeedOverrideDown),
+    ctrl(egui::Key::Home, Key::SpindleOverrideUp),
+    ctrl(egui::Key::End, Key::SpindleOverrideDown),
+    alt(egui::Key::Num0, Key::RapidF0),
+    alt(egui::Key::Num1, Key::Rapid25),
+    alt(egui::Key::Num2, Key::Rapid50),
+    alt(egui::Key::Num3, Key::Rapid100),
+    alt(egui::Key::Num4, Key::Step0001),
+    alt(egui::Key::Num5, Key::Step001),
+    alt(egui::Key::Num6, Key::Step01),
+    alt(egui::Key::X, Key::HandwheelX),
+    alt(egui::Key::Y, Key::HandwheelY),
+    alt(egui::Key::Z, Key::HandwheelZ),
+    alt(egui::Key::U, Key::XPlus),
+    alt(egui::Key::J, Key::XMinus),
+    alt(egui::Key::I, Key::YPlus),
+    alt(egui::Key::K, Key::YMinus),
+    alt(egui::Key::O, Key::ZPlus),
+    alt(egui::Key::L, Key::ZMinus),
+    alt(egui::Key::T, Key::Rapid),
+    alt(egui::Key::W, Key::WheelStart),
+    alt(egui::Key::Q, Key::WheelStop),
+    alt(egui::Key::E, Key::SecondSpindle),
+    alt(egui::Key::H, Key::HeadstockHigh),
+    alt(egui::Key::G, Key::HeadstockLow),
+    alt(egui::Key::F, Key::HeadstockStop),
+    alt(egui::Key::H, Key::DresserRoll),
+    alt(egui::Key::H, Key::TableRotation),
+    alt(egui::Key::N, Key::TailstockAdvance),
+    alt(egui::Key::M, Key::TailstockRetract),
+    alt(egui::Key::N, Key::Magnetise),
+    alt(egui::Key::M, Key::Demagnetise),
+    alt(egui::Key::C, Key::Coolant),
+    alt(egui::Key::V, Key::Lubrication),
+    alt(egui::Key::P, Key::Hydraulic),
+    alt(egui::Key::R, Key::RadialGauge),
+    alt(egui::Key::A, Key::AxialGauge),
+    alt(egui::Key::S, Key::Oscillation),
+    alt(egui::Key::D, Key::DressReturn),
+    alt(egui::Key::B, Key::WheelRetract),
+];
+
+/// What the keyboard asked for in this frame.
+#[derive(Debug, Default)]
+pub struct Asked {
+    /// Panel keys going down, with the physical key and its modifiers.
+    pub keys: Vec<Shortcut>,
+    /// Typing and moving.
+    pub edits: Vec<Edit>,
+    /// Address keys X Y Z.
+    pub addresses: Vec<Key>,
+    /// A soft key, 0–4.
+    pub soft: Option<usize>,
+    /// F6: the next row of soft keys.
+    pub next_row: bool,
+    /// F12: the help overlay.
+    pub help: bool,
+    /// Lines to scroll: a page up is −1, a page down 1.
+    pub pages: i32,
+    /// Detents of the handwheel.
+    pub detents: i32,
+}
+
+/// Reads the keyboard of this frame.
+#[must_use]
+pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
+    let mut asked = Asked::default();
+    let events = ui.input(|input| input.events.clone());
+    for event in &events {
+        match event {
+            Event::Key { key, pressed: true, repeat, modifiers, .. } => {
+                let modified = modifiers.alt || modifiers.ctrl || modifiers.command;
+                let found = SHORTCUTS.iter().find(|shortcut| {
+                    shortcut.physical == *key && modifiers.matches_exact(shortcut.modifiers) && shortcut.key.is_on(kind)
+                });
+                match found {
+                    Some(shortcut) if !repeat => asked.keys.push(*shortcut),
+                    Some(_) => {}
+                    None if modifiers.alt => asked.detents += detent(*key),
+                    None if !modified => asked.plain(*key, modifiers.shift),
+                    None => {}
+                }
+            }
+            Event::Text(text) => asked.edits.extend(text.chars().filter_map(typed)),
+            _ => {}
+        }
+    }
+    asked
+}
+
+/// Alt with comma or point turns the handwheel.
+const fn detent(key: egui::Key) -> i32 {
+    match key {
+        egui::Key::Comma => -1,
+        egui::Key::Period => 1,
+        _ => 0,
+    }
+}
+
+const fn typed(sign: char) -> Option<Edit> {
+    match sign {
+        '0'..='9' | '.' => Some(Edit::Char(sign)),
+        '-' | '+' => Some(Edit::Sign),
+        _ => None,
+    }
+}
+
+impl Asked {
+    fn plain(&mut self, key: egui::Key, shift: bool) {
+        match key {
+            egui::Key::F1 => self.soft = Some(0),
+            egui::Key::F2 => self.soft = Some(1),
+            egui::Key::F3 => self.soft = Some(2),
+            egui::Key::F4 => self.soft = Some(3),
+            egui::Key::F5 => self.soft = Some(4),
+            egui::Key::F6 => self.next_row = true,
+            egui::Key::F12 => self.help = true,
+            egui::Key::X => self.addresses.push(Key::AddressX),
+            egui::Key::Y => self.addresses.push(Key::AddressY),
+            egui::Key::Z => self.addresses.push(Key::AddressZ),
+            egui::Key::PageUp => self.pages -= 1,
+            egui::Key::PageDown => self.pages += 1,
+            egui::Key::Enter => self.edits.push(Edit::Enter),
+            egui::Key::Escape => self.edits.push(Edit::Cancel),
+            egui::Key::Backspace | egui::Key::Delete => self.edits.push(Edit::Back),
+            egui::Key::ArrowUp => self.edits.push(Edit::Up),
+            egui::Key::ArrowDown => self.edits.push(Edit::Down),
+            egui::Key::ArrowLeft => self.edits.push(Edit::Left),
+            egui::Key::ArrowRight => self.edits.push(Edit::Right),
+            egui::Key::Tab if shift => self.edits.push(Edit::Previous),
+            egui::Key::Tab => self.edits.push(Edit::Next),
+            _ => {}
+        }
+    }
+}

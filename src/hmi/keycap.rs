@@ -1,0 +1,203 @@
+//! The face of a key: lamp, pictogram, label, lock; and its states, each told without colour alone.
+//! Source: spec H3. Off · on (bar lit, label bright) · working (half bar, blinking) · blocked (dim, lock) · pressed (inset).
+
+use egui::{Align2, Color32, CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2, vec2};
+
+use super::pictogram::{self, Mark};
+use super::theme::{self, Theme};
+use super::view::{View, card, fit};
+use crate::defs::key::{Group, Key, Lamp};
+use crate::defs::text::Text;
+use crate::link::snapshot::KeyView;
+
+/// What a key looks like now.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Face {
+    /// Lamp on.
+    pub on: bool,
+    /// The feedback has not come yet.
+    pub working: bool,
+    /// Pressing it would be refused.
+    pub blocked: bool,
+    /// The finger is on it.
+    pub pressed: bool,
+}
+
+impl Face {
+    /// The face of a key's state.
+    #[must_use]
+    pub const fn of(state: KeyView, pressed: bool) -> Self {
+        Self { on: state.lamp, working: state.working, blocked: state.blocked.is_some(), pressed }
+    }
+}
+
+/// The label on the key: short where the caption of the group says the rest.
+#[must_use]
+pub const fn label(key: Key) -> Text {
+    match key {
+        Key::ModeHandwheel => Text::new("手轮", "MPG"),
+        Key::OptionalStop => Text::new("选择停", "M01"),
+        Key::MstLock => Text::new("辅助锁", "MST"),
+        Key::MachineLock => Text::new("机床锁", "LOCK"),
+        Key::DryRun => Text::new("空运行", "DRY"),
+        Key::FeedOverrideUp | Key::SpindleOverrideUp => Text::new("+", "+"),
+        Key::FeedOverrideDown | Key::SpindleOverrideDown => Text::new("-", "-"),
+        Key::RapidF0 => Text::new("F0", "F0"),
+        Key::Rapid25 => Text::new("25%", "25%"),
+        Key::Rapid50 => Text::new("50%", "50%"),
+        Key::Rapid100 => Text::new("100%", "100%"),
+        Key::HandwheelX => Text::new("X", "X"),
+        Key::HandwheelY => Text::new("Y", "Y"),
+        Key::HandwheelZ => Text::new("Z", "Z"),
+        Key::WheelStart => Text::new("启动", "START"),
+        Key::WheelStop => Text::new("停止", "STOP"),
+        Key::SecondSpindle => Text::new("第二主轴", "SPDL 2"),
+        Key::HeadstockHigh => Text::new("高速", "HIGH"),
+        Key::HeadstockLow => Text::new("低速", "LOW"),
+        Key::HeadstockStop => Text::new("停止", "STOP"),
+        Key::TailstockAdvance => Text::new("进", "IN"),
+        Key::TailstockRetract => Text::new("退", "OUT"),
+        Key::Lubrication => Text::new("润滑", "LUBE"),
+        Key::Hydraulic => Text::new("液压", "HYDR"),
+        Key::RadialGauge => Text::new("径向", "RADIAL"),
+        Key::AxialGauge => Text::new("轴向", "AXIAL"),
+        Key::DressReturn => Text::new("回修整点", "POINT"),
+        Key::WheelRetract => Text::new("一键回退", "RETRACT"),
+        _ => key.label(),
+    }
+}
+
+/// The name that a screen reader and the tests know the key by.
+#[must_use]
+pub fn accessible_name(key: Key, lang: crate::defs::text::Lang) -> String {
+    format!("{} {}", key.label().get(lang), key.id())
+}
+
+/// Draws a key of the panel.
+pub fn paint(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face, marks: &[Mark]) {
+    match key {
+        Key::CycleStart => run_key(painter, view, rect, key, face, view.theme.run),
+        Key::FeedHold => run_key(painter, view, rect, key, face, view.theme.hold),
+        Key::EmergencyStop => mushroom(painter, view, rect, face),
+        _ => ordinary(painter, view, rect, key, face, marks),
+    }
+}
+
+fn ordinary(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face, marks: &[Mark]) {
+    let theme = view.theme;
+    plate(painter, theme, rect, face);
+    let body = if face.pressed { rect.translate(vec2(0.0, 1.5)) } else { rect };
+    let ink = ink(theme, face);
+    let has_lamp = key.row().lamp != Lamp::None;
+    if has_lamp {
+        lamp(painter, view, rect, face, lamp_colour(theme, key));
+    }
+    let text = label(key).get(view.lang);
+    let inner = body.shrink2(vec2(2.0, 0.0));
+    if marks.is_empty() {
+        let size = if matches!(key.row().group, Group::Override) { theme::SECONDARY } else { theme::LABEL };
+        let size = if text.chars().count() <= 1 { theme::SECONDARY } else { size.min(theme::LABEL) };
+        let below = if has_lamp { inner.translate(vec2(0.0, 2.0)) } else { inner };
+        fit(painter, below, Align2::CENTER_CENTER, text, size, ink);
+    } else {
+        let picture = (rect.height() * 0.42).min(26.0);
+        let top = body.min.y + if has_lamp { 7.0 } else { 5.0 };
+        let square = Rect::from_center_size(pos2(body.center().x, top + picture / 2.0), vec2(picture, picture));
+        pictogram::draw(painter, square, marks, ink);
+        let bottom = Rect::from_min_max(pos2(inner.min.x, square.max.y), pos2(inner.max.x, body.max.y - 1.0));
+        fit(painter, bottom, Align2::CENTER_CENTER, text, theme::LABEL, ink);
+    }
+    if face.blocked {
+        let corner = Rect::from_min_size(pos2(body.max.x - 13.0, body.min.y + 7.0), vec2(10.0, 10.0));
+        pictogram::draw(painter, corner, pictogram::LOCK, theme.quiet);
+    }
+}
+
+/// The colour of text and pictogram.
+fn ink(theme: &Theme, face: Face) -> Color32 {
+    if face.blocked && !face.on {
+        theme.dim
+    } else if face.on || face.working {
+        theme.text
+    } else {
+        theme.quiet
+    }
+}
+
+/// Outputs burn green; what is chosen (mode, switch, step) is cyan.
+fn lamp_colour(theme: &Theme, key: Key) -> Color32 {
+    match key.row().lamp {
+        Lamp::Output(_) => theme.run,
+        Lamp::None | Lamp::OutputOff(_) | Lamp::Control => match key {
+            Key::Oscillation | Key::DressReturn | Key::WheelRetract => theme.run,
+            Key::MachineLock | Key::MstLock | Key::DryRun => theme.hold,
+            _ => theme.info,
+        },
+    }
+}
+
+/// The body of a key: raised, or inset while the finger is on it.
+pub fn plate(painter: &Painter, theme: &Theme, rect: Rect, face: Face) {
+    let radius = CornerRadius::same(theme::RADIUS as u8);
+    if face.pressed {
+        card(painter, rect, theme.ground, theme.focus);
+        painter.rect_stroke(rect.shrink(1.0), radius, Stroke::new(theme::FRAME, theme.line), StrokeKind::Inside);
+    } else {
+        card(painter, rect, if face.blocked { theme.surface } else { theme.raised }, theme.line);
+    }
+}
+
+fn lamp(painter: &Painter, view: &View<'_>, rect: Rect, face: Face, colour: Color32) {
+    let bar = Rect::from_min_size(rect.min + vec2(5.0, 3.0), vec2(rect.width() - 10.0, 3.0));
+    let radius = CornerRadius::same(1);
+    painter.rect_filled(bar, radius, view.theme.line);
+    if face.working {
+        if view.blink {
+            let half = Rect::from_center_size(bar.center(), vec2(bar.width() / 2.0, bar.height()));
+            painter.rect_filled(half, radius, colour);
+        }
+    } else if face.on {
+        painter.rect_filled(bar, radius, colour);
+    }
+}
+
+/// Cycle start and feed hold: large, framed in their colour, filled with it while they burn.
+fn run_key(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face, colour: Color32) {
+    let theme = view.theme;
+    let radius = CornerRadius::same(2 * theme::RADIUS as u8);
+    let lit = face.on && (!face.working || view.blink);
+    let fill = if lit { colour } else { theme.raised };
+    let fill = if face.pressed { theme.ground } else { fill };
+    painter.rect(rect, radius, fill, Stroke::new(theme::FRAME, colour), StrokeKind::Inside);
+    let ink = if lit && !face.pressed { theme.ink } else { colour };
+    let ink = if face.blocked && !lit { theme.dim } else { ink };
+    let body = if face.pressed { rect.translate(vec2(0.0, 2.0)) } else { rect };
+    let size = (rect.height() * 0.36).min(34.0);
+    let centre = pos2(body.center().x, body.min.y + rect.height() * 0.36);
+    pictogram::draw(painter, Rect::from_center_size(centre, vec2(size, size)), pictogram::of(key), ink);
+    let below =
+        Rect::from_min_max(pos2(body.min.x + 3.0, centre.y + size / 2.0), pos2(body.max.x - 3.0, body.max.y - 4.0));
+    fit(painter, below, Align2::CENTER_CENTER, key.label().get(view.lang), theme::LABEL, ink);
+    if face.blocked {
+        let corner = Rect::from_min_size(pos2(body.max.x - 18.0, body.min.y + 6.0), vec2(12.0, 12.0));
+        pictogram::draw(painter, corner, pictogram::LOCK, theme.quiet);
+    }
+}
+
+/// The emergency stop: a red mushroom on yellow, pushed in while it acts.
+fn mushroom(painter: &Painter, view: &View<'_>, rect: Rect, face: Face) {
+    let theme = view.theme;
+    let radius = CornerRadius::same(2 * theme::RADIUS as u8);
+    painter.rect_filled(rect, radius, theme.stop_ground);
+    let centre = pos2(rect.center().x, rect.min.y + rect.height() * 0.41);
+    let pushed = face.pressed || face.on;
+    let outer = (rect.height() * 0.34).min(rect.width() * 0.42);
+    painter.circle_filled(centre, outer, theme.ink);
+    painter.circle_filled(centre, if pushed { outer - 6.0 } else { outer - 1.5 }, theme.alarm);
+    painter.circle_stroke(centre, (outer - 9.0).max(3.0), Stroke::new(theme::FRAME, theme.ink.gamma_multiply(0.35)));
+    if face.on && view.blink {
+        painter.circle_stroke(centre, outer + 2.5, Stroke::new(3.0, theme.alarm));
+    }
+    let below = Rect::from_min_max(pos2(rect.min.x + 2.0, centre.y + outer), rect.max - vec2(2.0, 1.0));
+    fit(painter, below, Align2::CENTER_CENTER, Key::EmergencyStop.label().get(view.lang), theme::LABEL, theme.ink);
+}

@@ -1,0 +1,339 @@
+//! Where everything is: the regions of the screen and the place of every panel key. Pure geometry.
+//! Source: spec H1, H2, K1 (direction keys of each kind).
+
+use egui::{Pos2, Rect, pos2, vec2};
+
+use super::theme;
+use crate::defs::key::Key;
+use crate::defs::kind::Kind;
+use crate::defs::text::Text;
+
+/// The regions of one display.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Regions {
+    /// Kind, page, program, chips, clock.
+    pub header: Rect,
+    /// The page.
+    pub content: Rect,
+    /// Alarm, refusal or note.
+    pub message: Rect,
+    /// Mode, state, feed, speed, count.
+    pub status: Rect,
+    /// F1 … F5 ▶.
+    pub soft: Rect,
+    /// The operator panel.
+    pub panel: Rect,
+    /// The panel lies below.
+    pub portrait: bool,
+}
+
+impl Regions {
+    /// The regions of a display of this logical size.
+    #[must_use]
+    pub fn new(display: Rect) -> Self {
+        let portrait = display.height() > display.width();
+        let panel_width = if display.width() >= theme::WIDE { theme::PANEL.1 } else { theme::PANEL.0 };
+        let (screen, panel) = if portrait {
+            let cut = display.max.y - theme::PANEL_PORTRAIT;
+            display.split_top_bottom_at_y(cut)
+        } else {
+            display.split_left_right_at_x(display.max.x - panel_width)
+        };
+        let (header, rest) = screen.split_top_bottom_at_y(screen.min.y + theme::HEADER);
+        let (rest, soft) = rest.split_top_bottom_at_y(rest.max.y - theme::SOFT);
+        let (rest, status) = rest.split_top_bottom_at_y(rest.max.y - theme::STATUS);
+        let (content, message) = rest.split_top_bottom_at_y(rest.max.y - theme::MESSAGE);
+        Self { header, content, message, status, soft, panel, portrait }
+    }
+}
+
+/// A group of keys: its frame and its caption, if it needs one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Around the keys.
+    pub frame: Rect,
+    /// Shown at the top of the frame.
+    pub caption: Option<(Rect, Text)>,
+}
+
+/// The place of everything on the panel.
+#[derive(Clone, Debug)]
+pub struct PanelLayout {
+    /// Every key of the kind.
+    pub keys: Vec<(Key, Rect)>,
+    /// Groups.
+    pub groups: Vec<Group>,
+    /// The handwheel.
+    pub wheel: Rect,
+    /// Between the two keys of the feed override.
+    pub feed: Rect,
+    /// Between the two keys of the spindle override.
+    pub spindle: Rect,
+    /// Where the numeric pad slides over: never over cycle start, hold, reset and emergency stop.
+    pub pad: Rect,
+}
+
+/// Gap between keys of a group, between groups, and the height of a caption.
+const INNER: f32 = 3.0;
+const BETWEEN: f32 = 6.0;
+const CAPTION: f32 = 16.0;
+const MARGIN: f32 = 5.0;
+
+/// Lays the panel out.
+#[must_use]
+pub fn panel(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
+    let empty = Rect::from_min_size(rect.min, vec2(0.0, 0.0));
+    let mut layout = PanelLayout {
+        keys: Vec::with_capacity(64),
+        groups: Vec::with_capacity(16),
+        wheel: empty,
+        feed: empty,
+        spindle: empty,
+        pad: empty,
+    };
+    let inside = rect.shrink(MARGIN);
+    if portrait {
+        let width = (inside.width() - 2.0 * BETWEEN) / 3.0;
+        let key = (inside.height() - 3.0 * INNER - 2.0 * BETWEEN) / 6.0;
+        let column = |index: f32| pos2(inside.min.x + index * (width + BETWEEN), inside.min.y);
+        let mut build = Build { layout: &mut layout, kind, key, at: column(0.0), width };
+        build.modes();
+        build.overrides();
+        build.at = column(1.0);
+        build.functions();
+        let bottom = inside.max.y;
+        let pad = Rect::from_min_max(column(1.0), pos2(column(1.0).x + width, bottom));
+        build.at = column(2.0);
+        build.jog();
+        build.run_row();
+        layout.pad = pad;
+    } else {
+        // Fifteen rows of keys; captions, gaps within and between the groups.
+        let fixed = 2.0 * CAPTION + 7.0 * INNER + 7.0 * BETWEEN;
+        let key = ((inside.height() - fixed) / 15.0).min(64.0);
+        let mut build = Build { layout: &mut layout, kind, key, at: inside.min, width: inside.width() };
+        build.modes();
+        build.functions();
+        let top = build.at.y;
+        build.overrides();
+        build.jog();
+        let bottom = build.at.y - BETWEEN;
+        build.run_row();
+        layout.pad = Rect::from_min_max(pos2(inside.min.x, top), pos2(inside.max.x, bottom));
+    }
+    layout
+}
+
+/// The directions of a kind's jog keys on a cross of three by three; the middle is rapid.
+/// GC: X− brings the wheel to the part, towards the operator. GS: Y, GA: Z is the wheel head's way down.
+#[must_use]
+pub const fn jog_places(kind: Kind) -> [(Key, u8, u8); 7] {
+    match kind {
+        Kind::Gc => [
+            (Key::XPlus, 1, 0),
+            (Key::XMinus, 1, 2),
+            (Key::ZMinus, 0, 1),
+            (Key::ZPlus, 2, 1),
+            (Key::YPlus, 2, 0),
+            (Key::YMinus, 2, 2),
+            (Key::Rapid, 1, 1),
+        ],
+        Kind::Gs => [
+            (Key::XMinus, 0, 1),
+            (Key::XPlus, 2, 1),
+            (Key::ZPlus, 0, 0),
+            (Key::ZMinus, 0, 2),
+            (Key::YPlus, 1, 0),
+            (Key::YMinus, 1, 2),
+            (Key::Rapid, 1, 1),
+        ],
+        Kind::Ga => [
+            (Key::XMinus, 0, 1),
+            (Key::XPlus, 2, 1),
+            (Key::ZPlus, 1, 0),
+            (Key::ZMinus, 1, 2),
+            (Key::YPlus, 0, 0),
+            (Key::YMinus, 0, 2),
+            (Key::Rapid, 1, 1),
+        ],
+    }
+}
+
+const MODES: [Key; 8] = [
+    Key::ModeEdit,
+    Key::ModeAuto,
+    Key::ModeMdi,
+    Key::ModeHome,
+    Key::ModeHandwheel,
+    Key::ModeStep,
+    Key::ModeManual,
+    Key::SingleBlock,
+];
+const SWITCHES: [Key; 5] = [Key::BlockSkip, Key::OptionalStop, Key::MachineLock, Key::MstLock, Key::DryRun];
+const WHEEL: [Key; 3] = [Key::WheelStart, Key::WheelStop, Key::SecondSpindle];
+const FLUIDS: [Key; 3] = [Key::Coolant, Key::Lubrication, Key::Hydraulic];
+const DRESSING: [Key; 3] = [Key::Oscillation, Key::DressReturn, Key::WheelRetract];
+const GAUGES: [Key; 2] = [Key::RadialGauge, Key::AxialGauge];
+const RAPIDS: [Key; 4] = [Key::RapidF0, Key::Rapid25, Key::Rapid50, Key::Rapid100];
+const HANDWHEEL: [[Key; 2]; 3] =
+    [[Key::HandwheelX, Key::Step0001], [Key::HandwheelY, Key::Step001], [Key::HandwheelZ, Key::Step01]];
+
+/// The unit between wheel and fluids: workpiece drive, and on GS and GA the magnet below it.
+const fn workpiece(kind: Kind) -> (Text, [Key; 3]) {
+    match kind {
+        Kind::Gc => (Text::new("头架", "HEAD"), [Key::HeadstockHigh, Key::HeadstockLow, Key::HeadstockStop]),
+        Kind::Gs => (Text::new("工件", "WORK"), [Key::DresserRoll, Key::Magnetise, Key::Demagnetise]),
+        Kind::Ga => (Text::new("工件", "WORK"), [Key::TableRotation, Key::Magnetise, Key::Demagnetise]),
+    }
+}
+
+/// Puts group after group downwards.
+struct Build<'a> {
+    layout: &'a mut PanelLayout,
+    kind: Kind,
+    key: f32,
+    at: Pos2,
+    width: f32,
+}
+
+impl Build<'_> {
+    /// A place on a grid of so many columns from the present corner.
+    fn cell(&self, columns: f32, column: usize, row: usize) -> Rect {
+        let width = (self.width - (columns - 1.0) * INNER) / columns;
+        let corner = self.at + vec2(column as f32 * (width + INNER), row as f32 * (self.key + INNER));
+        Rect::from_min_size(corner, vec2(width, self.key))
+    }
+
+    fn down(&mut self, rows: f32, gap: f32) {
+        self.at.y += rows * self.key + (rows - 1.0).max(0.0) * INNER + gap;
+    }
+
+    fn group(&mut self, around: Rect, caption: Option<Text>) {
+        let caption = caption.map(|text| {
+            let bar = Rect::from_min_max(pos2(around.min.x, around.min.y - CAPTION), pos2(around.max.x, around.min.y));
+            (bar, text)
+        });
+        let frame = caption.as_ref().map_or(around, |(bar, _)| around.union(*bar)).expand(2.0);
+        self.layout.groups.push(Group { frame, caption });
+    }
+
+    fn rows(&mut self, columns: f32, keys: &[Key], caption: Option<Text>) {
+        let mut around = Rect::NOTHING;
+        for (index, key) in keys.iter().enumerate() {
+            let cell = self.cell(columns, index % columns as usize, index / columns as usize);
+            around = around.union(cell);
+            self.layout.keys.push((*key, cell));
+        }
+        self.group(around, caption);
+    }
+
+    fn modes(&mut self) {
+        self.rows(4.0, &MODES, None);
+        self.down(2.0, BETWEEN);
+        self.rows(5.0, &SWITCHES, None);
+        self.down(1.0, BETWEEN);
+    }
+
+    /// Four columns of units with three keys each, then pairs below them.
+    fn functions(&mut self) {
+        self.at.y += CAPTION;
+        let (name, work) = workpiece(self.kind);
+        let units = [
+            (Text::new("砂轮", "WHEEL"), WHEEL),
+            (name, work),
+            (Text::new("液体", "FLUIDS"), FLUIDS),
+            (Text::new("修整", "DRESS"), DRESSING),
+        ];
+        for (column, (caption, keys)) in units.into_iter().enumerate() {
+            self.block(column, 1, &keys, caption);
+        }
+        self.down(3.0, BETWEEN);
+        self.at.y += CAPTION;
+        let gauges = Text::new("量仪", "GAUGES");
+        if self.kind == Kind::Gc {
+            self.block(0, 2, &[Key::TailstockAdvance, Key::TailstockRetract], Text::new("尾座", "TAILSTOCK"));
+            self.block(2, 2, &GAUGES, gauges);
+        } else {
+            self.block(0, 2, &GAUGES, gauges);
+        }
+        self.down(1.0, BETWEEN);
+    }
+
+    fn block(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
+        let mut around = Rect::NOTHING;
+        for (index, key) in keys.iter().enumerate() {
+            let cell = self.cell(4.0, column + index % columns, index / columns);
+            around = around.union(cell);
+            self.layout.keys.push((*key, cell));
+        }
+        self.group(around, Some(caption));
+    }
+
+    /// Feed and spindle with their values between the keys, then the rapid steps.
+    fn overrides(&mut self) {
+        let half = (self.width - BETWEEN) / 2.0;
+        let side = theme::TARGET + 1.0;
+        let pairs = [(Key::FeedOverrideDown, Key::FeedOverrideUp), (Key::SpindleOverrideDown, Key::SpindleOverrideUp)];
+        for (index, (less, more)) in pairs.into_iter().enumerate() {
+            let left = self.at + vec2(index as f32 * (half + BETWEEN), 0.0);
+            let whole = Rect::from_min_size(left, vec2(half, self.key));
+            let (first, rest) = whole.split_left_right_at_x(whole.min.x + side);
+            let (value, last) = rest.split_left_right_at_x(rest.max.x - side);
+            self.layout.keys.push((less, first));
+            self.layout.keys.push((more, last));
+            if index == 0 { self.layout.feed = value } else { self.layout.spindle = value }
+        }
+        let top = self.at;
+        self.at.y += self.key + INNER;
+        for (index, key) in RAPIDS.into_iter().enumerate() {
+            let cell = self.cell(4.0, index, 0);
+            self.layout.keys.push((key, cell));
+        }
+        let around = Rect::from_min_size(top, vec2(self.width, 2.0 * self.key + INNER));
+        self.group(around, None);
+        self.down(1.0, BETWEEN);
+    }
+
+    /// The cross of the kind's directions, and the handwheel's axis and step beside it.
+    fn jog(&mut self) {
+        let unit = (self.width - 3.0 * INNER - BETWEEN) / 5.0;
+        let place = |at: Pos2, left: f32, column: u8, row: u8, key: f32| {
+            let corner = at + vec2(left + f32::from(column) * (unit + INNER), f32::from(row) * (key + INNER));
+            Rect::from_min_size(corner, vec2(unit, key))
+        };
+        for (key, column, row) in jog_places(self.kind) {
+            self.layout.keys.push((key, place(self.at, 0.0, column, row, self.key)));
+        }
+        let left = 3.0 * unit + 2.0 * INNER + BETWEEN;
+        for (row, keys) in HANDWHEEL.into_iter().enumerate() {
+            for (column, key) in keys.into_iter().enumerate() {
+                let cell = place(self.at, left, column as u8, row as u8, self.key);
+                self.layout.keys.push((key, cell));
+            }
+        }
+        let height = 3.0 * self.key + 2.0 * INNER;
+        self.group(Rect::from_min_size(self.at, vec2(3.0 * unit + 2.0 * INNER, height)), None);
+        let wheel = Rect::from_min_size(self.at + vec2(left, 0.0), vec2(self.width - left, height));
+        self.group(wheel, None);
+        self.down(3.0, BETWEEN);
+    }
+
+    /// Handwheel and reset, then cycle start, feed hold and emergency stop: large and apart.
+    fn run_row(&mut self) {
+        let stop = (self.width * 0.32).round();
+        let reset = Rect::from_min_size(pos2(self.at.x + self.width - stop, self.at.y), vec2(stop, self.key));
+        self.layout.keys.push((Key::Reset, reset));
+        self.layout.wheel = Rect::from_min_max(self.at, pos2(reset.min.x - BETWEEN, self.at.y + self.key));
+        self.down(1.0, BETWEEN);
+        let height = 2.0 * self.key + INNER;
+        let apart = theme::PAD - 2.0;
+        let width = (self.width - stop - 2.0 * apart) / 2.0;
+        for (index, key) in [Key::CycleStart, Key::FeedHold].into_iter().enumerate() {
+            let corner = self.at + vec2(index as f32 * (width + apart), 0.0);
+            self.layout.keys.push((key, Rect::from_min_size(corner, vec2(width, height))));
+        }
+        let corner = pos2(self.at.x + self.width - stop, self.at.y);
+        self.layout.keys.push((Key::EmergencyStop, Rect::from_min_size(corner, vec2(stop, height))));
+        self.down(2.0, 0.0);
+    }
+}

@@ -1,0 +1,29 @@
+//! The touch screen: control screen and operator panel in egui, drawn from the newest snapshot alone.
+//!
+//! [`Hmi::ui`] draws one frame and gives the commands that the operator's fingers and keys ask for; it knows nothing of
+//! windows. [`window::run`] is the shell that puts it on a display, [`shot`] and [`page_text`] draw without one.
+//! Source: spec H1–H10, K2, K7.
+
+pub mod app;
+pub mod entry;
+mod frame;
+mod help;
+mod keyboard;
+mod keycap;
+pub mod layout;
+mod pad;
+mod page;
+pub mod panel;
+pub mod pictogram;
+mod press;
+pub mod raster;
+pub mod shot;
+mod softkey;
+pub mod theme;
+pub mod view;
+pub mod window;
+
+pub use app::Hmi;
+pub use keyboard::{SHORTCUTS, Shortcut};
+pub use shot::{page_text, shot};
+pub use softkey::{ROWS as SOFT_KEYS, SoftAct, SoftKey};

@@ -1,0 +1,250 @@
+//! The grinding page: positions, the customer's two columns of macro variables, the picture.
+//! Source: spec K7.2–K7.5, H6, H8; seed 000.
+
+use egui::accesskit::Role;
+use egui::{Align2, Color32, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
+
+use super::{empty, position};
+use crate::defs::page::Page;
+use crate::defs::screen::{ROWS, Row};
+use crate::hmi::entry::{self, Edit, Entry};
+use crate::hmi::view::{View, card, fit, frame, length, paragraph, put};
+use crate::hmi::{frame as lines, keycap, pictogram, theme};
+use crate::link::Command;
+use crate::link::command::{FileFault, ScreenFiles};
+
+/// Programs that have a page (K7.2).
+pub const PROGRAMS: std::ops::RangeInclusive<u32> = 1_001..=1_020;
+/// Column width from which label and value stand side by side.
+const SIDE_BY_SIDE: f32 = 236.0;
+/// Width of a value beside its label.
+const VALUE: f32 = 104.0;
+
+/// Draws the page; what was typed comes in as edits.
+pub fn ui(
+    ui: &Ui,
+    rect: Rect,
+    view: &View<'_>,
+    entry: &mut Entry,
+    edits: &[Edit],
+    picture: Option<TextureId>,
+) -> Vec<Command> {
+    let mut out = Vec::new();
+    let number = view.snapshot.program.number;
+    if !PROGRAMS.contains(&number) {
+        no_page(ui, rect, view, number, &mut out);
+        return out;
+    }
+    let places = Places::new(rect);
+    let files = view.snapshot.screens.find(number);
+    position_column(ui, places.left, view);
+    show_picture(ui, places.picture, view, files, picture);
+    match files.map(|files| &files.text) {
+        Some(Ok(text)) => {
+            let title = format!("{}{}", text.title, view.say("参数设置", " · parameters"));
+            lines::title(ui, view, places.title, &title);
+            let columns = (variables(&text.left), variables(&text.right));
+            for edit in edits {
+                out.extend(entry.edit(*edit, (&columns.0, &columns.1)));
+            }
+            fields(ui, &places, view, [&text.left, &text.right], entry);
+            input_line(ui, places.input, view, entry, [&text.left, &text.right]);
+        }
+        Some(Err(fault)) => text_fault(ui, &places, view, fault),
+        None => {
+            let what = format!("{} C{:04}.TXT", view.say("缺少文件", "missing file"), number % 1_000);
+            let remedy = view.say(
+                "把页面文字 C00nn.TXT 和图片 B00nn.BMP 拷贝到 screens 目录；程序不受影响，仍可运行。",
+                "Copy the page text C00nn.TXT and the picture B00nn.BMP into the folder screens; the program itself can run.",
+            );
+            empty::show(ui, view, places.body, pictogram::NO_PAGE, &what, remedy);
+        }
+    }
+    out
+}
+
+/// Where things are.
+struct Places {
+    left: Rect,
+    title: Rect,
+    body: Rect,
+    picture: Rect,
+    input: Rect,
+}
+
+impl Places {
+    fn new(rect: Rect) -> Self {
+        let (main, input) = rect.split_top_bottom_at_y(rect.max.y - theme::INPUT);
+        let main = main.shrink2(vec2(theme::GAP, theme::GAP));
+        let wide = main.width() > 900.0;
+        let left_width = if wide { 190.0 } else { 152.0 };
+        let (left, rest) = main.split_left_right_at_x(main.min.x + left_width);
+        let (middle, picture) = rest.split_left_right_at_x(rest.max.x - theme::PICTURE.x - 2.0);
+        let middle = Rect::from_min_max(middle.min + vec2(theme::GAP, 0.0), middle.max - vec2(theme::GAP, 0.0));
+        let (title, body) = middle.split_top_bottom_at_y(middle.min.y + 34.0);
+        Self { left, title, body, picture, input }
+    }
+}
+
+fn variables(column: &[Option<Row>; ROWS]) -> Vec<u16> {
+    column.iter().flatten().map(|row| row.variable).collect()
+}
+
+/// Left: 位置, [绝对坐标], [移动余量], O and N.
+fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
+    let painter = ui.painter();
+    card(painter, rect, view.theme.surface, view.theme.line);
+    let inside = rect.shrink2(vec2(10.0, 8.0));
+    let mut at = inside.min.y;
+    let mut row = |height: f32| {
+        let place = Rect::from_min_size(pos2(inside.min.x, at), vec2(inside.width(), height));
+        at += height;
+        place
+    };
+    put(painter, row(28.0), Align2::LEFT_CENTER, view.say("位置", "POSITION"), theme::TITLE, view.theme.text);
+    let blocks: [(_, fn(&crate::link::snapshot::AxisView) -> f64); 2] = [
+        (view.say("[绝对坐标]", "[absolute]"), |axis| axis.work),
+        (view.say("[移动余量]", "[to go]"), |axis| axis.to_go),
+    ];
+    for (name, value) in blocks {
+        row(8.0);
+        put(painter, row(24.0), Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+        for (axis, state) in view.snapshot.axes.iter().filter(|(_, state)| state.present) {
+            let place = row(32.0);
+            let ink = if state.moving { view.theme.info } else { view.theme.text };
+            put(painter, place, Align2::LEFT_CENTER, &axis.to_string(), theme::SECONDARY, ink);
+            fit(painter, place, Align2::RIGHT_CENTER, &length(value(state)), theme::SECONDARY, view.theme.text);
+        }
+    }
+    row(14.0);
+    let block = row(26.0);
+    fit(painter, block, Align2::LEFT_CENTER, &lines::program_word(view), theme::LABEL, view.theme.text);
+    position::process(ui, Rect::from_min_max(pos2(inside.min.x, block.max.y + 8.0), inside.max), view);
+}
+
+fn fields(ui: &Ui, places: &Places, view: &View<'_>, columns: [&[Option<Row>; ROWS]; 2], entry: &mut Entry) {
+    let body = places.body;
+    let width = (body.width() - theme::GAP) / 2.0;
+    let height = ((body.height() - 9.0 * 4.0) / ROWS as f32).min(58.0);
+    let mut index = 0;
+    for (column, rows) in columns.into_iter().enumerate() {
+        for (line, row) in rows.iter().enumerate() {
+            let Some(row) = row else { continue };
+            let corner = body.min + vec2(column as f32 * (width + theme::GAP), line as f32 * (height + 4.0));
+            let place = Rect::from_min_size(corner, vec2(width, height));
+            let response = ui.interact(place, Id::unique(("field", index)), Sense::CLICK);
+            response
+                .widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{} #{}", row.label, row.variable)));
+            if response.clicked() {
+                entry.choose(index);
+            }
+            let chosen = entry.cursor == index;
+            field(ui, place, view, row, chosen.then_some(&*entry), response.is_pointer_button_down_on());
+            index += 1;
+        }
+    }
+}
+
+/// One label and its value; the chosen one is framed and shows what is being typed.
+fn field(ui: &Ui, place: Rect, view: &View<'_>, row: &Row, chosen: Option<&Entry>, pressed: bool) {
+    let painter = ui.painter();
+    keycap::plate(painter, view.theme, place, keycap::Face { pressed, ..keycap::Face::default() });
+    let inside = place.shrink2(vec2(8.0, 3.0));
+    let (label, value) = if place.width() >= SIDE_BY_SIDE {
+        inside.split_left_right_at_x(inside.max.x - VALUE)
+    } else {
+        inside.split_top_bottom_at_fraction(0.46)
+    };
+    let ink = if chosen.is_some() { view.theme.text } else { view.theme.quiet };
+    fit(painter, label, Align2::LEFT_CENTER, &row.label, theme::LABEL, ink);
+    let (words, colour) = match chosen {
+        Some(entry) if entry.refused.is_some() => (entry.text.clone(), view.theme.alarm_text),
+        Some(entry) if !entry.text.is_empty() => (format!("{}_", entry.text), view.theme.info),
+        _ => (shown(view, row.variable), view.theme.text),
+    };
+    fit(painter, value, Align2::RIGHT_CENTER, &words, theme::SECONDARY, colour);
+    if let Some(entry) = chosen {
+        let colour = if entry.refused.is_some() { view.theme.alarm } else { view.theme.focus };
+        frame(painter, place, colour);
+    }
+}
+
+/// The value of a variable as executed; a null variable is a dash.
+fn shown(view: &View<'_>, variable: u16) -> String {
+    let value = view.snapshot.variables.get(usize::from(variable)).copied().flatten();
+    value.map_or_else(|| "—".to_owned(), length)
+}
+
+/// `数据输入: #500=40.2_   卡尺X轴始磨位置   范围 ±99999.999 · 原值 40.000`
+fn input_line(ui: &Ui, rect: Rect, view: &View<'_>, entry: &Entry, columns: [&[Option<Row>; ROWS]; 2]) {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, view.theme.surface);
+    painter.hline(rect.x_range(), rect.min.y + 0.5, egui::Stroke::new(theme::HAIR, view.theme.line));
+    let Some(row) = columns.into_iter().flatten().flatten().nth(entry.cursor) else { return };
+    let line = rect.shrink2(vec2(theme::PAD, 2.0));
+    let (left, rest) = line.split_left_right_at_fraction(0.34);
+    let words = format!("{} #{}={}", view.say("数据输入:", "INPUT:"), row.variable, entry.text);
+    let (colour, right) = match entry.reason(view.lang) {
+        Some(reason) => (view.theme.alarm_text, (reason.to_owned(), view.theme.alarm_text)),
+        None => {
+            let range = entry::range(row.variable).get(view.lang);
+            let old = shown(view, row.variable);
+            let words = format!("{} {range} · {} {old}", view.say("范围", "range"), view.say("原值", "was"));
+            (view.theme.text, (words, view.theme.quiet))
+        }
+    };
+    fit(painter, left, Align2::LEFT_CENTER, &words, theme::TITLE, colour);
+    let (name, range) = rest.split_left_right_at_fraction(0.4);
+    let name = Rect::from_min_max(name.min, name.max - vec2(theme::PAD, 0.0));
+    fit(painter, name, Align2::LEFT_CENTER, &row.label, theme::LABEL, view.theme.quiet);
+    fit(painter, range, Align2::RIGHT_CENTER, &right.0, theme::LABEL, right.1);
+}
+
+fn show_picture(ui: &Ui, rect: Rect, view: &View<'_>, files: Option<&ScreenFiles>, texture: Option<TextureId>) {
+    let painter = ui.painter();
+    let place = Rect::from_min_size(rect.min, theme::PICTURE + vec2(2.0, 2.0));
+    card(painter, place, view.theme.surface, view.theme.line);
+    let full = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    if let Some(texture) = texture {
+        painter.image(texture, place.shrink(1.0), full, Color32::WHITE);
+    } else {
+        let number = view.snapshot.program.number;
+        let words = match files.map(|files| &files.picture) {
+            Some(Err(fault)) => fault.said().get(view.lang).to_owned(),
+            _ => format!("B{:04}.BMP：{}", number % 1_000, view.say("没有图片", "no picture")),
+        };
+        empty::show(ui, view, place.shrink(4.0), pictogram::NO_PICTURE, view.say("没有图片", "no picture"), &words);
+    }
+}
+
+fn text_fault(ui: &Ui, places: &Places, view: &View<'_>, fault: &FileFault) {
+    let what = view.say("页面文件格式错误", "the page file is not of the format");
+    lines::title(ui, view, places.title, what);
+    empty::show(ui, view, places.body, pictogram::NO_PAGE, &fault.file, "");
+    let below = Rect::from_min_max(pos2(places.body.min.x + 8.0, places.body.center().y + 20.0), places.body.max);
+    paragraph(ui.painter(), below, fault.said().get(view.lang), theme::LABEL, view.theme.alarm_text);
+}
+
+/// Any other program: nothing of the page is shown, but what to do.
+fn no_page(ui: &Ui, rect: Rect, view: &View<'_>, number: u32, out: &mut Vec<Command>) {
+    let what = match (number, view.lang) {
+        (0, _) => view.say("没有装入程序", "no program is loaded").to_owned(),
+        (_, crate::defs::text::Lang::Zh) => format!("O{number:04} 没有磨削页面"),
+        (_, crate::defs::text::Lang::En) => format!("O{number:04} has no grinding page"),
+    };
+    let remedy = view.say(
+        "磨削页面只用于 O1001–O1020，文字和图片在 screens 目录（C00nn.TXT、B00nn.BMP）。请在目录中装入其中一个程序。",
+        "Only O1001–O1020 have a grinding page (C00nn.TXT and B00nn.BMP in the folder screens). Load one of them in the directory.",
+    );
+    empty::show(ui, view, rect, pictogram::NO_PAGE, &what, remedy);
+    let key = Rect::from_center_size(pos2(rect.center().x, rect.min.y + rect.height() * 0.72), vec2(200.0, 52.0));
+    let response = ui.interact(key, Id::unique("to-directory"), Sense::CLICK);
+    let words = view.say("打开目录", "open directory");
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, words));
+    let pressed = response.is_pointer_button_down_on();
+    keycap::plate(ui.painter(), view.theme, key, keycap::Face { pressed, ..keycap::Face::default() });
+    fit(ui.painter(), key, Align2::CENTER_CENTER, words, theme::TITLE, view.theme.text);
+    if response.clicked() {
+        out.push(Command::OpenPage(Page::Directory));
+    }
+}

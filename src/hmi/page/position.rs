@@ -1,0 +1,204 @@
+//! The position page: relative, all, machine. There is no 绝对 page (K7.1); the work frame stands on the grinding page.
+//! Source: spec K7.1, K4.2 (setting a dressing point), H5.
+
+use egui::accesskit::Role;
+use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use crate::defs::key::Key;
+use crate::hmi::keycap::{self, Face};
+use crate::hmi::view::{View, card, fit, length, put};
+use crate::hmi::{frame as lines, pictogram, theme};
+use crate::link::Command;
+use crate::link::snapshot::AxisView;
+use crate::units::Axis;
+
+/// Which coordinates the page shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Shown {
+    /// F1 相对
+    Relative,
+    /// F2 综合
+    #[default]
+    All,
+    /// F3 机床
+    Machine,
+}
+
+/// Draws the page.
+pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>, shown: Shown) -> Vec<Command> {
+    let mut out = Vec::new();
+    let inside = rect.shrink(theme::PAD);
+    let side = if inside.width() > 900.0 { 250.0 } else { 190.0 };
+    let (main, right) = inside.split_left_right_at_x(inside.max.x - side);
+    let main = Rect::from_min_max(main.min, main.max - vec2(theme::PAD, 0.0));
+    let (title, axes) = main.split_top_bottom_at_y(main.min.y + 34.0);
+    let words = match shown {
+        Shown::Relative => view.say("相对坐标", "relative"),
+        Shown::All => view.say("综合坐标", "all coordinates"),
+        Shown::Machine => view.say("机床坐标", "machine"),
+    };
+    lines::title(ui, view, title, words);
+    let unit = if view.snapshot.diameter { view.say("mm · X 直径", "mm · X diameter") } else { "mm" };
+    put(ui.painter(), title, Align2::RIGHT_CENTER, unit, theme::LABEL, view.theme.quiet);
+    let present: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present).collect();
+    let keys = shown == Shown::Relative;
+    let room = axes.height() - if keys { 60.0 } else { 0.0 };
+    let height = ((room - theme::GAP * 2.0) / present.len().max(2) as f32 - theme::GAP).clamp(90.0, 190.0);
+    for (index, axis) in present.into_iter().enumerate() {
+        let corner = axes.min + vec2(0.0, index as f32 * (height + theme::GAP));
+        let card = Rect::from_min_size(corner, vec2(axes.width(), height));
+        axis_card(ui, card, view, axis, shown, &mut out);
+    }
+    if keys {
+        answer_keys(ui, axes, view, &mut out);
+    }
+    side_column(ui, right, view);
+    out
+}
+
+/// Letter, house, large digits on one decimal point; smaller companions beneath.
+fn axis_card(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Shown, out: &mut Vec<Command>) {
+    let painter = ui.painter();
+    let state = &view.snapshot.axes[axis];
+    let edge = if state.moving { view.theme.info } else { view.theme.line };
+    card(painter, rect, view.theme.surface, edge);
+    let inside = rect.shrink2(vec2(theme::PAD, 8.0));
+    let (top, bottom) = inside.split_top_bottom_at_y(inside.max.y - 30.0);
+    let letter = Rect::from_min_size(top.min, vec2(56.0, top.height().min(64.0)));
+    let letter = Rect::from_center_size(pos2(letter.center().x, top.center().y), letter.size());
+    axis_letter(ui, letter, view, axis, shown, out);
+    house(ui, view, letter, state);
+    let (large, others) = figures(view, state, shown);
+    let mut digits = Rect::from_min_max(pos2(letter.max.x + 34.0, top.min.y), top.max);
+    if shown == Shown::Relative {
+        let (rest, key) = digits.split_left_right_at_x(digits.max.x - 76.0);
+        digits = rest;
+        clear_key(ui, Rect::from_center_size(key.center() + vec2(6.0, 0.0), vec2(64.0, 48.0)), view, axis, out);
+        digits.max.x -= theme::PAD;
+    }
+    let size = if rect.height() > 120.0 { theme::DIGITS * 1.4 } else { theme::DIGITS };
+    fit(painter, digits, Align2::RIGHT_CENTER, &length(large), size, view.theme.text);
+    let width = bottom.width() / others.len() as f32;
+    for (index, (name, value)) in others.iter().enumerate() {
+        let place = Rect::from_min_size(
+            bottom.min + vec2(index as f32 * width, 0.0),
+            vec2(width - theme::PAD, bottom.height()),
+        );
+        let place = if index + 1 == others.len() { Rect::from_min_max(place.min, bottom.max) } else { place };
+        put(painter, place, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+        put(painter, place, Align2::RIGHT_CENTER, &length(*value), theme::SECONDARY, view.theme.text);
+    }
+}
+
+/// The large figure and its companions.
+fn figures<'a>(view: &View<'a>, axis: &AxisView, shown: Shown) -> (f64, Vec<(&'a str, f64)>) {
+    let relative = (view.say("相对", "REL"), axis.relative);
+    let machine = (view.say("机床", "MACHINE"), axis.machine);
+    let to_go = (view.say("余量", "TO GO"), axis.to_go);
+    match shown {
+        Shown::Relative => (axis.relative, vec![machine, to_go]),
+        Shown::All => (axis.work, vec![relative, machine, to_go]),
+        Shown::Machine => (axis.machine, vec![relative, to_go]),
+    }
+}
+
+/// On the relative page the letter is the address key (K4.2).
+fn axis_letter(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Shown, out: &mut Vec<Command>) {
+    let ink = if view.snapshot.axes[axis].moving { view.theme.info } else { view.theme.text };
+    if shown == Shown::Relative {
+        let key = match axis {
+            Axis::X => Key::AddressX,
+            Axis::Y => Key::AddressY,
+            Axis::Z => Key::AddressZ,
+        };
+        screen_key(ui, rect, view, key, out);
+    }
+    put(ui.painter(), rect, Align2::CENTER_CENTER, &axis.to_string(), theme::DIGITS, ink);
+}
+
+/// A key of the control screen: pressed and released in one.
+fn screen_key(ui: &Ui, rect: Rect, view: &View<'_>, key: Key, out: &mut Vec<Command>) {
+    let response = ui.interact(rect, Id::unique(("screen-key", key as u8)), Sense::CLICK);
+    let name = keycap::accessible_name(key, view.lang);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
+    let pressed = response.is_pointer_button_down_on();
+    keycap::plate(ui.painter(), view.theme, rect, Face { pressed, ..Face::default() });
+    if response.clicked() {
+        out.extend([Command::Press(key), Command::Release(key)]);
+    }
+}
+
+/// 输入 and 取消: the answers to “是否设置 X 轴修整点”.
+fn answer_keys(ui: &Ui, axes: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+    let row = Rect::from_min_max(pos2(axes.min.x, axes.max.y - 50.0), axes.max);
+    let words = view.say("按轴字母键设置修整点", "press an axis letter to set the dressing point");
+    let text = Rect::from_min_max(row.min, pos2(row.max.x - 216.0, row.max.y));
+    fit(ui.painter(), text, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
+    for (index, key) in [Key::Cancel, Key::Input].into_iter().enumerate() {
+        let left = row.max.x - 206.0 + index as f32 * 106.0;
+        let place = Rect::from_min_size(pos2(left, row.min.y), vec2(100.0, 50.0));
+        screen_key(ui, place, view, key, out);
+        fit(ui.painter(), place, Align2::CENTER_CENTER, key.label().get(view.lang), theme::TITLE, view.theme.text);
+    }
+}
+
+fn clear_key(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, out: &mut Vec<Command>) {
+    let response = ui.interact(rect, Id::unique(("clear", axis as u8)), Sense::CLICK);
+    let words = view.say("清零", "ZERO");
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{words} {axis}")));
+    let pressed = response.is_pointer_button_down_on();
+    keycap::plate(ui.painter(), view.theme, rect, Face { pressed, ..Face::default() });
+    fit(ui.painter(), rect, Align2::CENTER_CENTER, words, theme::LABEL, view.theme.text);
+    if response.clicked() {
+        out.push(Command::ClearRelative(axis));
+    }
+}
+
+/// A house: homed since power-on; without it the machine coordinate means nothing yet.
+fn house(ui: &Ui, view: &View<'_>, letter: Rect, state: &AxisView) {
+    let place = Rect::from_center_size(pos2(letter.max.x + 18.0, letter.center().y), vec2(20.0, 20.0));
+    let ink = if state.homed { view.theme.run } else { view.theme.line };
+    pictogram::draw(ui.painter(), place, pictogram::HOUSE, ink);
+}
+
+/// Program, feed, wheel, time, count.
+fn side_column(ui: &Ui, rect: Rect, view: &View<'_>) {
+    card(ui.painter(), rect, view.theme.surface, view.theme.line);
+    let inside = rect.shrink2(vec2(theme::PAD, 10.0));
+    let (top, rest) = inside.split_top_bottom_at_y(inside.min.y + 30.0);
+    fit(ui.painter(), top, Align2::LEFT_CENTER, &lines::program_word(view), theme::TITLE, view.theme.text);
+    process(ui, Rect::from_min_max(rest.min + vec2(0.0, 8.0), rest.max), view);
+}
+
+/// The figures of the process, one under the other; as many as there is room for.
+pub fn process(ui: &Ui, rect: Rect, view: &View<'_>) {
+    let snapshot = view.snapshot;
+    let minutes = (snapshot.cycle_seconds / 60.0).floor();
+    let rapid = if snapshot.rapid_override == 0 { "F0".to_owned() } else { format!("{} %", snapshot.rapid_override) };
+    let rows = [
+        (view.say("进给", "feed"), format!("{:.0}", snapshot.feed_mm_min), "mm/min"),
+        (view.say("进给倍率", "feed ovr"), format!("{}", snapshot.feed_override), "%"),
+        (view.say("快速倍率", "rapid ovr"), rapid, ""),
+        (view.say("砂轮", "wheel"), format!("{:.0}", snapshot.wheel_rpm), "r/min"),
+        (
+            view.say("循环时间", "cycle"),
+            format!("{minutes:02.0}:{:02.0}", (snapshot.cycle_seconds - minutes * 60.0).floor()),
+            "",
+        ),
+        (view.say("件数", "parts"), snapshot.parts.to_string(), ""),
+    ];
+    let narrow = rect.width() < 150.0;
+    let height = if narrow { 46.0 } else { 34.0 };
+    for (index, (name, value, unit)) in rows.into_iter().enumerate() {
+        let place = Rect::from_min_size(rect.min + vec2(0.0, index as f32 * height), vec2(rect.width(), height));
+        if place.max.y > rect.max.y + 0.5 {
+            return;
+        }
+        let (label, figure) = if narrow { place.split_top_bottom_at_fraction(0.46) } else { (place, place) };
+        put(ui.painter(), label, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+        let unit_width = if unit.is_empty() { 0.0 } else { 52.0 };
+        let (figure, tail) = figure.split_left_right_at_x(figure.max.x - unit_width);
+        put(ui.painter(), figure, Align2::RIGHT_CENTER, &value, theme::SECONDARY, view.theme.text);
+        put(ui.painter(), tail, Align2::RIGHT_CENTER, unit, theme::SMALL, view.theme.quiet);
+    }
+}

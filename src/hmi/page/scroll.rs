@@ -1,0 +1,66 @@
+//! A long list under a finger: only the visible lines are laid out.
+
+use egui::{Id, Rect, Sense, Ui, vec2};
+
+use crate::hmi::theme;
+use crate::hmi::view::View;
+
+/// Where a list stands.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Scroll {
+    /// Lines above the first visible one; a fraction while the finger moves it.
+    pub top: f64,
+    /// The finger has moved the list: it no longer follows by itself.
+    pub by_hand: bool,
+}
+
+impl Scroll {
+    /// Follows finger and wheel; gives the lines to draw, first and one past the last.
+    pub fn follow(&mut self, ui: &Ui, id: &str, rect: Rect, line: f32, count: usize) -> (usize, usize) {
+        let response = ui.interact(rect, Id::unique(id), Sense::DRAG | Sense::HOVER);
+        let mut moved = 0.0;
+        if response.dragged() {
+            moved -= response.drag_delta().y;
+        }
+        if response.hovered() {
+            moved -= ui.input(|input| input.smooth_scroll_delta()).y;
+        }
+        if moved.abs() > 0.0 {
+            self.by_hand = true;
+            self.top += f64::from(moved / line);
+        }
+        let visible = (rect.height() / line).floor().max(1.0) as usize;
+        self.top = self.top.clamp(0.0, count.saturating_sub(visible) as f64);
+        let first = self.top.floor() as usize;
+        (first, (first + visible + 2).min(count))
+    }
+
+    /// By so many pages.
+    pub fn page(&mut self, pages: i32, rect: Rect, line: f32) {
+        self.by_hand = true;
+        self.top += f64::from(pages) * f64::from((rect.height() / line).floor() - 1.0);
+    }
+
+    /// Brings a line to a third of the height.
+    pub fn show(&mut self, row: usize, rect: Rect, line: f32) {
+        let visible = f64::from((rect.height() / line).floor());
+        let row = row as f64;
+        if row < self.top + 1.0 || row > self.top + visible - 3.0 {
+            self.top = (row - (visible / 3.0).floor()).max(0.0);
+        }
+    }
+
+    /// A slim bar that says how far down the list stands.
+    pub fn bar(&self, ui: &Ui, view: &View<'_>, rect: Rect, line: f32, count: usize) {
+        let visible = f64::from(rect.height() / line);
+        let all = count as f64;
+        if all <= visible {
+            return;
+        }
+        let height = (f64::from(rect.height()) * visible / all).max(24.0) as f32;
+        let room = f64::from(rect.height() - height);
+        let top = rect.min.y + (self.top / (all - visible).max(1.0) * room).clamp(0.0, room) as f32;
+        let bar = Rect::from_min_size(egui::pos2(rect.max.x - 5.0, top), vec2(4.0, height));
+        ui.painter().rect_filled(bar, theme::RADIUS / 2.0, view.theme.quiet);
+    }
+}

@@ -1,0 +1,183 @@
+//! The operator panel: every key of the kind with its lamp, the overrides, the handwheel.
+//! Source: spec K2, H2, H3.
+
+use egui::accesskit::Role;
+use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, vec2};
+
+use super::keycap::{self, Face};
+use super::layout::{self, PanelLayout};
+use super::pictogram::{self, Mark};
+use super::press::Presses;
+use super::theme;
+use super::view::{View, card, fit, put};
+use crate::defs::key::Key;
+use crate::defs::text::Text;
+use crate::link::Command;
+use crate::link::snapshot::KeyView;
+
+/// Points of travel to one detent of the handwheel.
+const DETENT: f32 = 10.0;
+
+/// What the panel remembers between frames: how far the handwheel was turned within a detent.
+#[derive(Debug, Default)]
+pub struct Panel {
+    turned: f32,
+    phase: f32,
+}
+
+/// What the panel hands back besides commands.
+#[derive(Debug, Default)]
+pub struct Said {
+    /// Why the key that was just pressed is blocked.
+    pub refused: Option<Text>,
+}
+
+impl Panel {
+    /// Draws the panel and follows the fingers on it.
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        layout: &PanelLayout,
+        view: &View<'_>,
+        presses: &mut Presses,
+        out: &mut Vec<Command>,
+    ) -> Said {
+        let painter = ui.painter().clone();
+        for group in &layout.groups {
+            card(&painter, group.frame, view.theme.ground, view.theme.line);
+            if let Some((rect, text)) = &group.caption {
+                let row = rect.shrink2(vec2(4.0, 0.0));
+                fit(&painter, row, Align2::LEFT_CENTER, text.get(view.lang), theme::SMALL, view.theme.quiet);
+            }
+        }
+        override_value(ui, view, layout.feed, ("进给", "FEED"), view.snapshot.feed_override);
+        override_value(ui, view, layout.spindle, ("主轴", "SPDL"), view.snapshot.spindle_override);
+        let mut said = Said::default();
+        for (key, rect) in &layout.keys {
+            let refused = key_ui(ui, view, *key, *rect, presses, out);
+            said.refused = said.refused.or(refused);
+        }
+        self.handwheel(ui, view, layout.wheel, out);
+        said
+    }
+
+    /// A thumb wheel: drag along it or scroll over it, one command for so many detents.
+    fn handwheel(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, out: &mut Vec<Command>) {
+        let response = ui.interact(rect, Id::unique("handwheel"), Sense::DRAG | Sense::HOVER);
+        let text =
+            format!("{} {} ×{}", view.say("手轮", "WHEEL"), view.snapshot.handwheel_axis, step(view.snapshot.step_mm));
+        response.widget_info(|| {
+            WidgetInfo::labeled(Role::Button, true, format!("{} handwheel", view.say("手轮", "handwheel")))
+        });
+        if response.dragged() {
+            self.turned += response.drag_delta().x;
+            self.phase = (self.phase + response.drag_delta().x).rem_euclid(DETENT);
+        }
+        if response.hovered() {
+            let scroll = ui.input(|input| input.smooth_scroll_delta());
+            self.turned += (scroll.y + scroll.x) * 0.5;
+            self.phase = (self.phase + (scroll.y + scroll.x) * 0.5).rem_euclid(DETENT);
+        }
+        if response.drag_stopped() {
+            self.turned = 0.0;
+        }
+        let detents = (self.turned / DETENT).trunc();
+        if detents.abs() >= 1.0 {
+            self.turned -= detents * DETENT;
+            out.push(Command::Handwheel(detents as i32));
+        }
+        self.paint_wheel(ui, view, rect, &text);
+    }
+
+    fn paint_wheel(&self, ui: &Ui, view: &View<'_>, rect: Rect, text: &str) {
+        let active = view.snapshot.mode == crate::defs::key::Mode::Handwheel;
+        let painter = ui.painter().with_clip_rect(rect);
+        card(&painter, rect, view.theme.surface, if active { view.theme.info } else { view.theme.line });
+        let (words, ribs) = rect.shrink2(vec2(6.0, 3.0)).split_top_bottom_at_fraction(0.5);
+        let ink = if active { view.theme.text } else { view.theme.quiet };
+        fit(&painter, words, Align2::CENTER_CENTER, text, theme::LABEL, ink);
+        let ribs = ribs.shrink2(vec2(0.0, 2.0));
+        let half = ribs.width() / 2.0;
+        let mut x = ribs.min.x + self.phase;
+        while x < ribs.max.x {
+            // Ribs of a turning wheel: shorter towards its sides.
+            let out_there = ((x - ribs.center().x) / half).abs();
+            let reach = ribs.height() / 2.0 * (1.0 - 0.6 * out_there * out_there);
+            painter.vline(
+                x,
+                ribs.center().y - reach..=ribs.center().y + reach,
+                egui::Stroke::new(2.0, view.theme.quiet),
+            );
+            x += DETENT;
+        }
+    }
+}
+
+/// The step without needless zeros.
+fn step(mm: f64) -> String {
+    let text = format!("{mm:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn override_value(ui: &Ui, view: &View<'_>, rect: Rect, name: (&'static str, &'static str), percent: u16) {
+    let (top, bottom) = rect.split_top_bottom_at_fraction(0.46);
+    put(ui.painter(), top, Align2::CENTER_CENTER, view.say(name.0, name.1), theme::SMALL, view.theme.quiet);
+    fit(ui.painter(), bottom, Align2::CENTER_CENTER, &format!("{percent}%"), theme::LABEL, view.theme.text);
+}
+
+/// The state of a key as the panel shows it: an axis that the machine does not have is blocked.
+#[must_use]
+pub fn state(view: &View<'_>, key: Key) -> KeyView {
+    let mut state = view.snapshot.key(key);
+    let axis = match key {
+        Key::HandwheelX => Some(crate::units::Axis::X),
+        Key::HandwheelY => Some(crate::units::Axis::Y),
+        Key::HandwheelZ => Some(crate::units::Axis::Z),
+        _ => key.jog().map(|(axis, _)| axis),
+    };
+    if axis.is_some_and(|axis| !view.snapshot.axes[axis].present) && state.blocked.is_none() {
+        state.blocked = Some(Text::new("机床没有这个轴", "the machine does not have this axis"));
+    }
+    state
+}
+
+/// One key: drawn, labelled, followed. Gives the reason when a blocked key was pressed.
+pub fn key_ui(
+    ui: &Ui,
+    view: &View<'_>,
+    key: Key,
+    rect: Rect,
+    presses: &mut Presses,
+    out: &mut Vec<Command>,
+) -> Option<Text> {
+    let response = ui.interact(rect, Id::unique(("key", key as u8)), Sense::CLICK);
+    let state = state(view, key);
+    let name = || keycap::accessible_name(key, view.lang);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, state.blocked.is_none(), state.lamp, name()));
+    let before = out.len();
+    let pressed = presses.touch(ui, &response, rect, key, out) || presses.is_down(key);
+    keycap::paint(ui.painter(), view, rect, key, Face::of(state, pressed), marks(view, key));
+    let asked = out[before..].iter().any(|command| matches!(command, Command::Press(_)));
+    state.blocked.filter(|_| asked)
+}
+
+fn marks(view: &View<'_>, key: Key) -> &'static [Mark] {
+    use Mark::{Head, Line};
+    const UP: &[Mark] = &[Line(&[(12.0, 20.0), (12.0, 8.0)]), Head(12.0, 2.0, -90.0)];
+    const DOWN: &[Mark] = &[Line(&[(12.0, 4.0), (12.0, 16.0)]), Head(12.0, 22.0, 90.0)];
+    const LEFT: &[Mark] = &[Line(&[(20.0, 12.0), (8.0, 12.0)]), Head(2.0, 12.0, 180.0)];
+    const RIGHT: &[Mark] = &[Line(&[(4.0, 12.0), (16.0, 12.0)]), Head(22.0, 12.0, 0.0)];
+    if key.jog().is_none() {
+        return match key {
+            Key::RapidF0 | Key::Rapid25 | Key::Rapid50 | Key::Rapid100 => &[],
+            _ => pictogram::of(key),
+        };
+    }
+    let place = layout::jog_places(view.snapshot.kind).into_iter().find(|(other, ..)| *other == key);
+    match place {
+        Some((_, 0, 1)) => LEFT,
+        Some((_, 2, 1)) => RIGHT,
+        Some((_, _, 0)) => UP,
+        _ => DOWN,
+    }
+}

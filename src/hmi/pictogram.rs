@@ -1,0 +1,330 @@
+//! The pictograms of the keys: own line drawings in the manner of ISO 7000, on a field of 24 × 24.
+//! Source: spec H3. Read them as drawings: a wheel is a circle with a hub, | is on, O is off.
+
+use egui::epaint::PathShape;
+use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
+
+use crate::defs::key::Key;
+
+/// One stroke of a pictogram.
+#[derive(Clone, Copy, Debug)]
+pub enum Mark {
+    /// A line through points.
+    Line(&'static [(f32, f32)]),
+    /// A filled shape.
+    Fill(&'static [(f32, f32)]),
+    /// A circle: centre and radius.
+    Ring(f32, f32, f32),
+    /// A filled circle.
+    Dot(f32, f32, f32),
+    /// An arc: centre, radius, from and to in degrees, clockwise from three o'clock.
+    Arc(f32, f32, f32, f32, f32),
+    /// A box: left, top, width, height.
+    Box(f32, f32, f32, f32),
+    /// An arrow head: tip and direction in degrees.
+    Head(f32, f32, f32),
+}
+
+use Mark::{Arc, Box, Dot, Fill, Head, Line, Ring};
+
+/// Draws a pictogram into a square.
+pub fn draw(painter: &Painter, rect: Rect, marks: &[Mark], colour: Color32) {
+    let unit = rect.width().min(rect.height()) / 24.0;
+    let corner = rect.center() - vec2(12.0, 12.0) * unit;
+    let at = |(x, y): (f32, f32)| corner + vec2(x, y) * unit;
+    let stroke = Stroke::new((1.9 * unit).max(1.3), colour);
+    for mark in marks {
+        mark.paint(painter, &at, unit, stroke);
+    }
+}
+
+impl Mark {
+    fn paint(self, painter: &Painter, at: &dyn Fn((f32, f32)) -> Pos2, unit: f32, stroke: Stroke) {
+        match self {
+            Line(points) => {
+                painter.add(Shape::line(points.iter().copied().map(at).collect(), stroke));
+            }
+            Fill(points) => {
+                let points = points.iter().copied().map(at).collect();
+                painter.add(PathShape::convex_polygon(points, stroke.color, Stroke::NONE));
+            }
+            Ring(x, y, radius) => {
+                painter.circle_stroke(at((x, y)), radius * unit, stroke);
+            }
+            Dot(x, y, radius) => {
+                painter.circle_filled(at((x, y)), radius * unit, stroke.color);
+            }
+            Arc(x, y, radius, from, to) => {
+                let points = (0..=14).map(|step| {
+                    let angle = (from + (to - from) * step as f32 / 14.0).to_radians();
+                    at((x + radius * angle.cos(), y + radius * angle.sin()))
+                });
+                painter.add(Shape::line(points.collect(), stroke));
+            }
+            Box(x, y, width, height) => {
+                let points = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)].map(at);
+                painter.add(Shape::closed_line(points.to_vec(), stroke));
+            }
+            Head(x, y, degrees) => {
+                let turn = |forward: f32, side: f32| {
+                    let (sin, cos) = degrees.to_radians().sin_cos();
+                    at((x + forward * cos - side * sin, y + forward * sin + side * cos))
+                };
+                let points = vec![turn(0.0, 0.0), turn(-5.5, 3.4), turn(-5.5, -3.4)];
+                painter.add(PathShape::convex_polygon(points, stroke.color, Stroke::NONE));
+            }
+        }
+    }
+}
+
+/// A small padlock: the sign of a blocked key.
+pub const LOCK: &[Mark] =
+    &[Fill(&[(4.0, 11.0), (20.0, 11.0), (20.0, 22.0), (4.0, 22.0)]), Arc(12.0, 11.0, 5.5, 180.0, 360.0)];
+/// A small house: the axis has been homed (H5).
+pub const HOUSE: &[Mark] =
+    &[Line(&[(2.0, 12.0), (12.0, 3.0), (22.0, 12.0)]), Line(&[(5.0, 11.0), (5.0, 21.0), (19.0, 21.0), (19.0, 11.0)])];
+/// A picture that is not there.
+pub const NO_PICTURE: &[Mark] = &[
+    Box(3.0, 4.0, 18.0, 16.0),
+    Line(&[(3.0, 18.0), (9.0, 11.0), (13.0, 16.0), (16.0, 13.0), (21.0, 18.0)]),
+    Line(&[(1.0, 23.0), (23.0, 1.0)]),
+];
+/// A sheet: there is no page.
+pub const NO_PAGE: &[Mark] = &[
+    Line(&[(14.0, 2.0), (4.0, 2.0), (4.0, 22.0), (20.0, 22.0), (20.0, 8.0), (14.0, 2.0), (14.0, 8.0), (20.0, 8.0)]),
+    Line(&[(9.0, 12.5), (15.0, 18.5)]),
+    Line(&[(15.0, 12.5), (9.0, 18.5)]),
+];
+
+const WHEEL: Mark = Ring(9.0, 12.0, 7.5);
+const HUB: Mark = Dot(9.0, 12.0, 2.0);
+const ON: Mark = Line(&[(21.0, 6.0), (21.0, 18.0)]);
+const OFF: Mark = Ring(20.0, 18.0, 3.0);
+const CHUCK: Mark = Box(2.5, 4.0, 6.0, 16.0);
+const SHAFT: Mark = Line(&[(8.5, 8.5), (15.0, 8.5), (15.0, 15.5), (8.5, 15.5)]);
+const CONE: Mark = Line(&[(11.0, 12.0), (15.0, 8.0), (22.0, 8.0), (22.0, 16.0), (15.0, 16.0), (11.0, 12.0)]);
+const MAGNET: Mark = Arc(12.0, 12.0, 7.0, 180.0, 360.0);
+const POLES: Mark = Line(&[(5.0, 12.0), (5.0, 19.0)]);
+const POLES_2: Mark = Line(&[(19.0, 12.0), (19.0, 19.0)]);
+const PART: Mark = Ring(12.0, 15.0, 5.0);
+const LOCK_BODY: Mark = Box(6.0, 11.0, 12.0, 9.0);
+const LOCK_BOW: Mark = Arc(12.0, 11.0, 4.0, 180.0, 360.0);
+
+/// The pictogram of a key; keys whose face is a number or a letter have none.
+#[must_use]
+pub const fn of(key: Key) -> &'static [Mark] {
+    match key {
+        Key::ModeEdit
+        | Key::ModeAuto
+        | Key::ModeMdi
+        | Key::ModeHome
+        | Key::ModeHandwheel
+        | Key::ModeStep
+        | Key::ModeManual
+        | Key::SingleBlock => mode(key),
+        Key::BlockSkip => &[
+            Line(&[(2.0, 19.0), (7.0, 19.0)]),
+            Box(9.0, 15.0, 6.0, 6.0),
+            Line(&[(17.0, 19.0), (22.0, 19.0)]),
+            Arc(12.0, 14.0, 8.0, 190.0, 335.0),
+            Head(20.5, 14.5, 65.0),
+        ],
+        Key::OptionalStop => &[
+            Line(&[
+                (8.0, 3.0),
+                (16.0, 3.0),
+                (21.0, 8.0),
+                (21.0, 16.0),
+                (16.0, 21.0),
+                (8.0, 21.0),
+                (3.0, 16.0),
+                (3.0, 8.0),
+                (8.0, 3.0),
+            ]),
+            Line(&[(9.0, 8.5), (9.0, 15.5)]),
+            Line(&[(15.0, 8.5), (15.0, 15.5)]),
+        ],
+        Key::MachineLock => &[LOCK_BODY, LOCK_BOW, Line(&[(1.0, 22.5), (23.0, 22.5)]), Dot(12.0, 15.5, 1.6)],
+        Key::MstLock => &[
+            Box(3.0, 12.0, 11.0, 8.5),
+            Arc(8.5, 12.0, 3.6, 180.0, 360.0),
+            Ring(19.0, 8.0, 3.2),
+            Line(&[(19.0, 2.0), (19.0, 14.0)]),
+            Line(&[(13.8, 5.0), (24.0, 11.0)]),
+        ],
+        Key::DryRun => &[
+            Line(&[(2.0, 18.0), (8.0, 8.0), (12.0, 14.0), (19.0, 5.0)]),
+            Head(21.0, 2.5, -52.0),
+            Line(&[(2.0, 22.0), (5.0, 22.0)]),
+            Line(&[(8.0, 22.0), (11.0, 22.0)]),
+            Line(&[(14.0, 22.0), (17.0, 22.0)]),
+        ],
+        Key::CycleStart => &[Fill(&[(6.0, 3.0), (20.0, 12.0), (6.0, 21.0)])],
+        Key::FeedHold => &[
+            Fill(&[(5.0, 4.0), (9.5, 4.0), (9.5, 20.0), (5.0, 20.0)]),
+            Fill(&[(14.5, 4.0), (19.0, 4.0), (19.0, 20.0), (14.5, 20.0)]),
+        ],
+        Key::Reset => &[Line(&[(5.0, 20.0), (15.0, 4.0)]), Line(&[(10.0, 20.0), (17.5, 8.0)]), Head(20.0, 4.0, -58.0)],
+        Key::XPlus | Key::XMinus | Key::YPlus | Key::YMinus | Key::ZPlus | Key::ZMinus => &[],
+        Key::Rapid | Key::RapidF0 | Key::Rapid25 | Key::Rapid50 | Key::Rapid100 => {
+            &[Line(&[(2.0, 17.0), (8.0, 7.0), (13.0, 17.0), (19.0, 7.0)]), Head(21.5, 3.0, -60.0)]
+        }
+        _ => unit(key),
+    }
+}
+
+const fn mode(key: Key) -> &'static [Mark] {
+    match key {
+        Key::ModeEdit => &[
+            Line(&[(4.0, 20.0), (5.0, 15.0), (16.0, 4.0), (20.0, 8.0), (9.0, 19.0), (4.0, 20.0)]),
+            Line(&[(13.0, 7.0), (17.0, 11.0)]),
+        ],
+        Key::ModeAuto => &[
+            Arc(12.0, 12.0, 8.0, -40.0, 250.0),
+            Head(13.0, 4.0, 10.0),
+            Fill(&[(10.0, 8.5), (16.0, 12.0), (10.0, 15.5)]),
+        ],
+        Key::ModeMdi => &[
+            Box(2.5, 5.0, 19.0, 14.0),
+            Line(&[(6.0, 9.0), (9.5, 12.0), (6.0, 15.0)]),
+            Line(&[(12.0, 15.0), (17.0, 15.0)]),
+        ],
+        Key::ModeHome => &[
+            Ring(12.0, 12.0, 7.0),
+            Line(&[(12.0, 1.5), (12.0, 22.5)]),
+            Line(&[(1.5, 12.0), (22.5, 12.0)]),
+            Fill(&[(12.0, 12.0), (12.0, 5.0), (16.9, 7.1), (19.0, 12.0)]),
+            Fill(&[(12.0, 12.0), (12.0, 19.0), (7.1, 16.9), (5.0, 12.0)]),
+        ],
+        Key::ModeHandwheel => &[Ring(12.0, 12.0, 9.0), Ring(12.0, 12.0, 2.0), Dot(16.5, 7.5, 2.4)],
+        Key::ModeStep => &[
+            Line(&[(2.0, 20.0), (7.0, 20.0), (7.0, 14.0), (12.5, 14.0), (12.5, 8.0), (18.0, 8.0)]),
+            Head(22.5, 8.0, 0.0),
+        ],
+        Key::ModeManual => &[
+            Line(&[(12.0, 5.0), (12.0, 19.0)]),
+            Line(&[(5.0, 12.0), (19.0, 12.0)]),
+            Head(12.0, 1.0, -90.0),
+            Head(12.0, 23.0, 90.0),
+            Head(1.0, 12.0, 180.0),
+            Head(23.0, 12.0, 0.0),
+        ],
+        _ => &[
+            Box(2.5, 7.0, 8.0, 10.0),
+            Line(&[(12.0, 12.0), (16.0, 12.0)]),
+            Head(20.0, 12.0, 0.0),
+            Line(&[(21.5, 5.0), (21.5, 19.0)]),
+        ],
+    }
+}
+
+const fn unit(key: Key) -> &'static [Mark] {
+    match key {
+        Key::WheelStart => &[WHEEL, HUB, ON],
+        Key::WheelStop => &[WHEEL, HUB, OFF],
+        Key::SecondSpindle => &[
+            Box(2.5, 6.0, 11.0, 12.0),
+            Line(&[(13.5, 9.5), (17.0, 9.5), (17.0, 14.5), (13.5, 14.5)]),
+            Ring(20.0, 12.0, 2.5),
+        ],
+        Key::HeadstockHigh => &[
+            CHUCK,
+            SHAFT,
+            Arc(16.0, 12.0, 6.0, -70.0, 60.0),
+            Head(17.5, 18.5, 150.0),
+            Arc(13.0, 12.0, 10.0, -45.0, 45.0),
+        ],
+        Key::HeadstockLow => &[CHUCK, SHAFT, Arc(15.0, 12.0, 6.0, -70.0, 60.0), Head(16.5, 18.5, 150.0)],
+        Key::HeadstockStop => &[CHUCK, SHAFT, OFF],
+        Key::DresserRoll => {
+            &[Ring(8.0, 9.0, 6.0), Ring(17.5, 17.0, 3.8), Dot(8.0, 9.0, 1.6), Arc(17.5, 17.0, 6.0, -60.0, 40.0)]
+        }
+        Key::TableRotation => &[
+            Line(&[(2.0, 14.0), (22.0, 14.0), (22.0, 17.5), (2.0, 17.5), (2.0, 14.0)]),
+            Line(&[(12.0, 17.5), (12.0, 22.0)]),
+            Arc(12.0, 9.0, 7.0, 150.0, 340.0),
+            Head(19.5, 9.5, 80.0),
+        ],
+        Key::TailstockAdvance => &[
+            CONE,
+            Line(&[(9.0, 20.5), (4.0, 20.5)]),
+            Head(1.0, 20.5, 180.0),
+            Line(&[(2.0, 4.0), (2.0, 16.0), (6.0, 16.0), (6.0, 4.0)]),
+        ],
+        Key::TailstockRetract => &[
+            CONE,
+            Line(&[(11.0, 20.5), (18.0, 20.5)]),
+            Head(22.0, 20.5, 0.0),
+            Line(&[(2.0, 4.0), (2.0, 16.0), (6.0, 16.0), (6.0, 4.0)]),
+        ],
+        Key::Magnetise => &[
+            MAGNET,
+            POLES,
+            POLES_2,
+            Line(&[(2.5, 19.5), (7.5, 19.5)]),
+            Line(&[(16.5, 19.5), (21.5, 19.5)]),
+            Line(&[(12.0, 14.0), (12.0, 21.0)]),
+        ],
+        Key::Demagnetise => &[MAGNET, POLES, POLES_2, Line(&[(3.0, 21.0), (21.0, 3.0)])],
+        Key::Coolant => &[
+            Line(&[(2.0, 6.0), (12.0, 6.0), (16.0, 10.0), (16.0, 12.0)]),
+            Line(&[(2.0, 10.5), (10.0, 10.5), (11.5, 12.0)]),
+            Dot(14.0, 16.0, 1.7),
+            Dot(10.5, 20.5, 1.7),
+            Dot(17.5, 20.5, 1.7),
+        ],
+        Key::Lubrication => &[
+            Line(&[(3.0, 19.0), (3.0, 11.0), (11.0, 11.0), (13.0, 14.0), (21.0, 7.0)]),
+            Line(&[(3.0, 19.0), (13.0, 19.0), (13.0, 14.0)]),
+            Line(&[(5.0, 11.0), (5.0, 7.5), (9.0, 7.5), (9.0, 11.0)]),
+            Dot(21.5, 12.5, 1.8),
+        ],
+        Key::Hydraulic => &[
+            Ring(12.0, 12.0, 8.0),
+            Fill(&[(12.0, 4.0), (16.5, 11.0), (7.5, 11.0)]),
+            Line(&[(12.0, 1.0), (12.0, 5.0)]),
+            Line(&[(12.0, 20.0), (12.0, 23.0)]),
+        ],
+        Key::RadialGauge => &[
+            PART,
+            Line(&[
+                (7.0, 22.0),
+                (4.0, 15.0),
+                (7.0, 8.0),
+                (7.0, 2.0),
+                (17.0, 2.0),
+                (17.0, 8.0),
+                (20.0, 15.0),
+                (17.0, 22.0),
+            ]),
+        ],
+        Key::AxialGauge => &[
+            Box(2.5, 8.0, 9.0, 12.0),
+            Line(&[(22.0, 3.0), (22.0, 14.0), (16.0, 14.0)]),
+            Head(12.5, 14.0, 180.0),
+            Line(&[(17.0, 3.0), (23.5, 3.0)]),
+        ],
+        Key::Oscillation => &[
+            Line(&[(3.0, 5.0), (3.0, 19.0)]),
+            Line(&[(21.0, 5.0), (21.0, 19.0)]),
+            Line(&[(8.0, 12.0), (16.0, 12.0)]),
+            Head(5.0, 12.0, 180.0),
+            Head(19.0, 12.0, 0.0),
+        ],
+        Key::DressReturn => &[
+            Ring(8.0, 9.0, 6.0),
+            Dot(8.0, 9.0, 1.6),
+            Fill(&[(15.0, 18.0), (18.0, 15.0), (21.0, 18.0), (18.0, 21.0)]),
+            Line(&[(13.0, 13.5), (15.5, 15.8)]),
+            Line(&[(18.0, 15.0), (18.0, 8.0), (21.0, 8.0)]),
+        ],
+        Key::WheelRetract => &[
+            Ring(9.0, 9.0, 6.0),
+            Dot(9.0, 9.0, 1.6),
+            Line(&[(1.0, 21.0), (17.0, 21.0)]),
+            Line(&[(20.0, 20.0), (20.0, 8.0)]),
+            Head(20.0, 3.5, -90.0),
+        ],
+        _ => &[],
+    }
+}

@@ -1,0 +1,152 @@
+//! Fingers and physical keys on panel keys: when a press counts, when it ends, and the “still held” of a jog key.
+//! Source: spec H9, K2; link::Command (Press once, Hold every 50 ms at least, Release).
+
+use egui::{Modifiers, Rect, Response, Ui};
+
+use crate::defs::key::Key;
+use crate::link::Command;
+
+/// Seconds between two “still held”.
+const REPEAT: f64 = 0.03;
+
+/// When a key acts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Act {
+    /// While the finger stays on it.
+    Hold,
+    /// In the frame of the press: what stops must not wait.
+    AtOnce,
+    /// When the finger is lifted inside it: a swipe does nothing.
+    Lifted,
+}
+
+/// When a key acts.
+#[must_use]
+pub const fn act(key: Key) -> Act {
+    match key {
+        Key::EmergencyStop | Key::FeedHold | Key::Reset => Act::AtOnce,
+        _ if key.jog().is_some() => Act::Hold,
+        _ => Act::Lifted,
+    }
+}
+
+/// A key that is down.
+#[derive(Clone, Copy, Debug)]
+struct Down {
+    key: Key,
+    /// `Press` has been sent and `Release` has not.
+    sent: bool,
+    last: f64,
+    /// Drawn in this frame: a key that has gone from the screen is let go.
+    seen: bool,
+}
+
+/// All that is down now.
+#[derive(Debug, Default)]
+pub struct Presses {
+    finger: Option<Down>,
+    physical: Vec<(egui::Key, Modifiers, Down)>,
+}
+
+impl Presses {
+    /// Follows the finger on one key; true while it is to be drawn pressed.
+    pub fn touch(&mut self, ui: &Ui, response: &Response, rect: Rect, key: Key, out: &mut Vec<Command>) -> bool {
+        let (now, focused, inside, lifted) = ui.input(|input| {
+            let place = lift_place(input).or(input.pointer.interact_pos());
+            let inside = place.is_some_and(|place| rect.contains(place));
+            (input.time, input.focused, inside, input.pointer.any_released())
+        });
+        let on_it = response.is_pointer_button_down_on() && inside && focused;
+        let mine = self.finger.filter(|down| down.key == key);
+        match mine {
+            None if on_it && self.finger.is_none() => {
+                let sent = act(key) != Act::Lifted;
+                if sent {
+                    out.push(Command::Press(key));
+                }
+                self.finger = Some(Down { key, sent, last: now, seen: true });
+            }
+            None if response.clicked() => out.extend([Command::Press(key), Command::Release(key)]),
+            None => {}
+            Some(down) if on_it => self.finger = Some(hold(down, now, out)),
+            Some(down) => {
+                let counts = !down.sent && focused && (response.clicked() || (lifted && inside));
+                if counts && act(key) == Act::Lifted {
+                    out.extend([Command::Press(key), Command::Release(key)]);
+                }
+                // Off the key with the finger still down: let go, and dead until the next touch.
+                if down.sent {
+                    out.push(Command::Release(key));
+                }
+                let spent = Down { sent: false, seen: true, ..down };
+                self.finger = response.is_pointer_button_down_on().then_some(spent).filter(|_| !lifted);
+            }
+        }
+        if self.finger.is_some() {
+            ui.ctx().request_repaint_after(std::time::Duration::from_millis(20));
+        }
+        on_it && self.finger.is_some_and(|down| down.key == key && (down.sent || act(key) == Act::Lifted))
+    }
+
+    /// A physical key goes down on a panel key.
+    pub fn key_down(&mut self, by: egui::Key, modifiers: Modifiers, key: Key, now: f64, out: &mut Vec<Command>) {
+        if self.physical.iter().any(|(other, ..)| *other == by) {
+            return;
+        }
+        out.push(Command::Press(key));
+        self.physical.push((by, modifiers, Down { key, sent: true, last: now, seen: true }));
+    }
+
+    /// Lets go of physical keys that are up, repeats those that hold.
+    pub fn follow_keyboard(&mut self, ui: &Ui, out: &mut Vec<Command>) {
+        let (now, focused, held, modifiers) =
+            ui.input(|input| (input.time, input.focused, input.keys_down.clone(), input.modifiers));
+        self.physical.retain_mut(|(by, with, down)| {
+            if focused && held.contains(by) && modifiers.contains(*with) {
+                *down = hold(*down, now, out);
+                return true;
+            }
+            out.push(Command::Release(down.key));
+            false
+        });
+        if !self.physical.is_empty() {
+            ui.ctx().request_repaint_after(std::time::Duration::from_millis(20));
+        }
+    }
+
+    /// Lets go of a key that was not drawn in this frame, and of everything when the window has lost the focus.
+    pub fn end_frame(&mut self, ui: &Ui, out: &mut Vec<Command>) {
+        let (focused, down) = ui.input(|input| (input.focused, input.pointer.any_down()));
+        let Some(finger) = self.finger.as_mut() else { return };
+        if finger.seen && focused && down {
+            finger.seen = false;
+            return;
+        }
+        if finger.sent {
+            out.push(Command::Release(finger.key));
+        }
+        self.finger = None;
+    }
+
+    /// Whether a physical key holds this panel key down.
+    #[must_use]
+    pub fn is_down(&self, key: Key) -> bool {
+        self.physical.iter().any(|(_, _, down)| down.key == key)
+    }
+}
+
+fn hold(down: Down, now: f64, out: &mut Vec<Command>) -> Down {
+    let due = now - down.last >= REPEAT;
+    if down.sent && act(down.key) == Act::Hold && due {
+        out.push(Command::Hold(down.key));
+    }
+    Down { seen: true, last: if due { now } else { down.last }, ..down }
+}
+
+/// Where the finger was lifted in this frame: a touch leaves no pointer behind.
+fn lift_place(input: &egui::InputState) -> Option<egui::Pos2> {
+    input.events.iter().rev().find_map(|event| match event {
+        egui::Event::PointerButton { pos, pressed: false, .. } => Some(*pos),
+        _ => None,
+    })
+}

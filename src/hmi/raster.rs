@@ -1,0 +1,227 @@
+//! A software painter of egui's triangles: the pictures of `shot` and of the tests, without display or driver.
+//! The same input gives the same bytes on every machine: edges are whole numbers, colours are eight-bit steps.
+//! Colours are multiplied and blended in gamma space with premultiplied alpha, as egui's own painters do it.
+
+use std::collections::HashMap;
+
+use egui::epaint::{ClippedPrimitive, ImageData, ImageDelta, Primitive, Vertex};
+use egui::{Color32, Mesh, Rect, TextureFilter, TextureId, TexturesDelta};
+use image::{Rgba, RgbaImage};
+
+/// Sub-pixel steps of a vertex.
+const STEPS: f32 = 256.0;
+
+/// One texture.
+struct Texture {
+    size: [usize; 2],
+    pixels: Vec<Color32>,
+    nearest: bool,
+}
+
+/// Paints frames; keeps the textures between them.
+#[derive(Default)]
+pub struct Raster {
+    textures: HashMap<TextureId, Texture>,
+}
+
+impl Raster {
+    /// Takes over new and changed textures of a frame.
+    pub fn update(&mut self, delta: &TexturesDelta) {
+        for (id, changes) in &delta.set {
+            for change in changes {
+                self.apply(*id, change);
+            }
+        }
+    }
+
+    /// Forgets the textures that a frame no longer needs. Call it after painting.
+    pub fn free(&mut self, delta: &TexturesDelta) {
+        for id in &delta.free {
+            self.textures.remove(id);
+        }
+    }
+
+    fn apply(&mut self, id: TextureId, change: &ImageDelta) {
+        let ImageData::Color(image) = &change.image;
+        let Some([left, top]) = change.pos else {
+            let nearest = change.options.magnification == TextureFilter::Nearest;
+            self.textures.insert(id, Texture { size: image.size, pixels: image.pixels.clone(), nearest });
+            return;
+        };
+        let Some(texture) = self.textures.get_mut(&id) else { return };
+        let [width, height] = image.size;
+        for row in 0..height {
+            let from = row * width;
+            let to = (top + row) * texture.size[0] + left;
+            if let (Some(source), Some(target)) =
+                (image.pixels.get(from..from + width), texture.pixels.get_mut(to..to + width))
+            {
+                target.copy_from_slice(source);
+            }
+        }
+    }
+
+    /// Paints tessellated shapes on a ground colour.
+    #[must_use]
+    pub fn paint(&self, primitives: &[ClippedPrimitive], scale: f32, size: (u32, u32), ground: Color32) -> RgbaImage {
+        let fill = Rgba([ground.r(), ground.g(), ground.b(), 255]);
+        let mut picture = RgbaImage::from_pixel(size.0, size.1, fill);
+        for primitive in primitives {
+            if let Primitive::Mesh(mesh) = &primitive.primitive
+                && let Some(texture) = self.textures.get(&mesh.texture_id)
+            {
+                let clip = Clip::new(primitive.clip_rect, scale, size);
+                mesh_onto(&mut picture, mesh, texture, scale, &clip);
+            }
+        }
+        picture
+    }
+}
+
+/// The pixels that may be touched.
+struct Clip {
+    left: i64,
+    top: i64,
+    right: i64,
+    bottom: i64,
+}
+
+impl Clip {
+    fn new(rect: Rect, scale: f32, size: (u32, u32)) -> Self {
+        let side = |value: f32, limit: u32| ((value * scale).round().clamp(0.0, limit as f32)) as i64;
+        Self {
+            left: side(rect.min.x, size.0),
+            top: side(rect.min.y, size.1),
+            right: side(rect.max.x, size.0),
+            bottom: side(rect.max.y, size.1),
+        }
+    }
+}
+
+fn mesh_onto(picture: &mut RgbaImage, mesh: &Mesh, texture: &Texture, scale: f32, clip: &Clip) {
+    for corners in mesh.indices.chunks_exact(3) {
+        let corner = |index: u32| mesh.vertices.get(index as usize);
+        if let (Some(a), Some(b), Some(c)) = (corner(corners[0]), corner(corners[1]), corner(corners[2])) {
+            triangle(picture, [a, b, c], texture, scale, clip);
+        }
+    }
+}
+
+/// A vertex on the sub-pixel grid.
+#[derive(Clone, Copy)]
+struct Point {
+    x: i64,
+    y: i64,
+}
+
+/// Twice the signed area of the triangle a, b, p.
+const fn edge(a: Point, b: Point, p: Point) -> i64 {
+    (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)
+}
+
+/// Whether pixels exactly on this edge belong to the triangle: each shared edge is painted once.
+const fn owns(a: Point, b: Point) -> bool {
+    (a.y == b.y && b.x > a.x) || b.y < a.y
+}
+
+fn triangle(picture: &mut RgbaImage, corners: [&Vertex; 3], texture: &Texture, scale: f32, clip: &Clip) {
+    let place = |vertex: &Vertex| Point {
+        x: (vertex.pos.x * scale * STEPS).round() as i64,
+        y: (vertex.pos.y * scale * STEPS).round() as i64,
+    };
+    let mut corners = corners;
+    let mut points = corners.map(place);
+    if edge(points[0], points[1], points[2]) < 0 {
+        corners.swap(1, 2);
+        points.swap(1, 2);
+    }
+    let area = edge(points[0], points[1], points[2]);
+    if area == 0 {
+        return;
+    }
+    let flat = is_flat(corners).then(|| texture.sample(corners[0].uv.x, corners[0].uv.y));
+    let shade = Shade::new(corners, area as f32);
+    let steps = STEPS as i64;
+    let low = |pick: fn(&Point) -> i64| points.iter().map(pick).min().unwrap_or(0).div_euclid(steps);
+    let high = |pick: fn(&Point) -> i64| points.iter().map(pick).max().unwrap_or(0).div_euclid(steps) + 1;
+    let bias = [(1, 2), (2, 0), (0, 1)].map(|(a, b)| if owns(points[a], points[b]) { 0 } else { -1 });
+    for y in low(|p| p.y).max(clip.top)..high(|p| p.y).min(clip.bottom) {
+        for x in low(|p| p.x).max(clip.left)..high(|p| p.x).min(clip.right) {
+            let here = Point { x: x * steps + steps / 2, y: y * steps + steps / 2 };
+            let weights =
+                [edge(points[1], points[2], here), edge(points[2], points[0], here), edge(points[0], points[1], here)];
+            if weights.iter().zip(bias).all(|(weight, bias)| weight + bias >= 0) {
+                let source = shade.colour(weights, texture, flat);
+                blend(picture.get_pixel_mut(x as u32, y as u32), source);
+            }
+        }
+    }
+}
+
+fn is_flat(corners: [&Vertex; 3]) -> bool {
+    corners[1..].iter().all(|other| other.uv == corners[0].uv)
+}
+
+/// Colour and texture place across a triangle.
+struct Shade {
+    colours: [[f32; 4]; 3],
+    uvs: [[f32; 2]; 3],
+    area: f32,
+}
+
+impl Shade {
+    fn new(corners: [&Vertex; 3], area: f32) -> Self {
+        Self {
+            colours: corners.map(|corner| corner.color.to_array().map(f32::from)),
+            uvs: corners.map(|corner| [corner.uv.x, corner.uv.y]),
+            area,
+        }
+    }
+
+    fn colour(&self, weights: [i64; 3], texture: &Texture, flat: Option<[f32; 4]>) -> [f32; 4] {
+        let part = weights.map(|weight| weight as f32 / self.area);
+        let mix = |values: [f32; 3]| values[0] * part[0] + values[1] * part[1] + values[2] * part[2];
+        let texel = flat.unwrap_or_else(|| {
+            let u = mix([self.uvs[0][0], self.uvs[1][0], self.uvs[2][0]]);
+            let v = mix([self.uvs[0][1], self.uvs[1][1], self.uvs[2][1]]);
+            texture.sample(u, v)
+        });
+        std::array::from_fn(|channel| {
+            mix([self.colours[0][channel], self.colours[1][channel], self.colours[2][channel]]) * texel[channel] / 255.0
+        })
+    }
+}
+
+impl Texture {
+    fn at(&self, x: i64, y: i64) -> [f32; 4] {
+        let column = x.clamp(0, self.size[0] as i64 - 1) as usize;
+        let row = y.clamp(0, self.size[1] as i64 - 1) as usize;
+        self.pixels.get(row * self.size[0] + column).map_or([0.0; 4], |pixel| pixel.to_array().map(f32::from))
+    }
+
+    /// The texture at a place between 0 and 1: between four texels, or the nearest one.
+    fn sample(&self, u: f32, v: f32) -> [f32; 4] {
+        let (x, y) = (u * self.size[0] as f32, v * self.size[1] as f32);
+        if self.nearest {
+            return self.at(x.floor() as i64, y.floor() as i64);
+        }
+        // Texels are told apart to 1/64: what is meant to hit a texel's centre must not take a trace of its neighbour.
+        let snap = |value: f32| ((value - 0.5) * 64.0).round() / 64.0;
+        let (x, y) = (snap(x), snap(y));
+        let (column, row) = (x.floor() as i64, y.floor() as i64);
+        let (right, down) = (x - x.floor(), y - y.floor());
+        let [a, b] = [self.at(column, row), self.at(column + 1, row)];
+        let [c, d] = [self.at(column, row + 1), self.at(column + 1, row + 1)];
+        std::array::from_fn(|i| {
+            let (above, below) = (a[i] + (b[i] - a[i]) * right, c[i] + (d[i] - c[i]) * right);
+            above + (below - above) * down
+        })
+    }
+}
+
+fn blend(target: &mut Rgba<u8>, source: [f32; 4]) {
+    let keep = 1.0 - source[3] / 255.0;
+    for (channel, value) in target.0.iter_mut().zip(source).take(3) {
+        *channel = (value + f32::from(*channel) * keep + 0.5).clamp(0.0, 255.0) as u8;
+    }
+}

@@ -1,0 +1,124 @@
+//! Pages without a display: as a picture, and as the text that was really painted.
+//! Source: tools.md T6, the story line `expect page … shows`.
+
+use egui::{Context, Pos2, RawInput, Rect, Shape, ViewportId, vec2};
+use image::RgbaImage;
+
+use super::app::Hmi;
+use super::raster::Raster;
+use super::theme;
+use crate::defs::text::Lang;
+use crate::link::Snapshot;
+
+/// The size that texts are read at.
+const TEXT_SIZE: (u32, u32) = (1_024, 768);
+
+/// The screen with the panel, as the operator would see it. The same snapshot gives the same bytes.
+#[must_use]
+pub fn shot(snapshot: &Snapshot, lang: Lang, size: (u32, u32)) -> RgbaImage {
+    let mut stage = Stage::new(Hmi::new(lang), size);
+    stage.frame(snapshot);
+    stage.frame(snapshot);
+    stage.picture()
+}
+
+/// Every text that the open page, its frame and the panel paint, in the order of painting. Line breaks in a text are
+/// taken out.
+#[must_use]
+pub fn page_text(snapshot: &Snapshot, lang: Lang) -> Vec<String> {
+    let mut stage = Stage::new(Hmi::new(lang), TEXT_SIZE);
+    stage.frame(snapshot);
+    stage.texts().into_iter().map(|(text, ..)| text).collect()
+}
+
+/// A face and a context without window: frames are run on it and painted in software.
+pub struct Stage {
+    /// The face; tests reach into it.
+    pub hmi: Hmi,
+    ctx: Context,
+    raster: Raster,
+    size: (u32, u32),
+    scale: f32,
+    shapes: Vec<egui::epaint::ClippedShape>,
+    time: f64,
+    /// Input of the next frame.
+    pub events: Vec<egui::Event>,
+}
+
+impl Stage {
+    /// A stage of so many pixels.
+    #[must_use]
+    pub fn new(hmi: Hmi, size: (u32, u32)) -> Self {
+        let ctx = Context::default();
+        hmi.install(&ctx);
+        let scale = theme::scale(vec2(size.0 as f32, size.1 as f32));
+        Self { hmi, ctx, raster: Raster::default(), size, scale, shapes: Vec::new(), time: 0.0, events: Vec::new() }
+    }
+
+    /// Runs one frame, a sixtieth of a second after the last; gives its commands.
+    pub fn frame(&mut self, snapshot: &Snapshot) -> Vec<crate::link::Command> {
+        let logical = vec2(self.size.0 as f32, self.size.1 as f32) / self.scale;
+        let mut input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, logical)),
+            time: Some(self.time),
+            focused: true,
+            events: std::mem::take(&mut self.events),
+            ..RawInput::default()
+        };
+        if let Some(viewport) = input.viewports.get_mut(&ViewportId::ROOT) {
+            viewport.native_pixels_per_point = Some(self.scale);
+        }
+        self.time += 1.0 / 60.0;
+        let hmi = &mut self.hmi;
+        let mut commands = Vec::new();
+        let mut output = self.ctx.run_ui(input, |ui| commands.extend(hmi.ui(ui, snapshot)));
+        let mut delta = std::mem::take(&mut output.textures_delta);
+        self.raster.update(&delta);
+        self.raster.free(&delta);
+        delta.clear();
+        self.shapes = std::mem::take(&mut output.shapes);
+        output.drop_without_applying_deltas();
+        commands
+    }
+
+    /// Turns the shapes of the last frame into triangles; gives how many there are.
+    pub fn triangles(&self) -> usize {
+        let primitives = self.ctx.tessellate(self.shapes.clone(), self.scale);
+        let count = |primitive: &egui::epaint::ClippedPrimitive| match &primitive.primitive {
+            egui::epaint::Primitive::Mesh(mesh) => mesh.indices.len() / 3,
+            egui::epaint::Primitive::Callback(_) => 0,
+        };
+        primitives.iter().map(count).sum()
+    }
+
+    /// The last frame as a picture.
+    #[must_use]
+    pub fn picture(&self) -> RgbaImage {
+        let primitives = self.ctx.tessellate(self.shapes.clone(), self.scale);
+        self.raster.paint(&primitives, self.scale, self.size, theme::DARK.ground)
+    }
+
+    /// Every text of the last frame with the place that its ink takes, its clip rectangle, and whether it was cut.
+    #[must_use]
+    pub fn texts(&self) -> Vec<(String, Rect, Rect, bool)> {
+        let mut found = Vec::new();
+        for clipped in &self.shapes {
+            collect(&clipped.shape, clipped.clip_rect, &mut found);
+        }
+        found
+    }
+}
+
+fn collect(shape: &Shape, clip: Rect, found: &mut Vec<(String, Rect, Rect, bool)>) {
+    match shape {
+        Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, clip, found)),
+        Shape::Text(text) => {
+            let ink = text.galley.mesh_bounds.translate(text.pos.to_vec2());
+            let words = text.galley.job.text.replace('\n', "");
+            if clip.intersects(ink) && !words.trim().is_empty() {
+                found.push((words, ink, clip, text.galley.elided));
+            }
+        }
+        _ => {}
+    }
+}

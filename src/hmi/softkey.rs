@@ -1,0 +1,155 @@
+//! The soft keys F1–F5 and ▶: three rows, one table.
+//! Source: spec K7.1, K7.2.
+
+use egui::accesskit::Role;
+use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::keycap::{self, Face};
+use super::page::position::Shown;
+use super::pictogram;
+use super::theme;
+use super::view::{View, fit, put};
+use crate::defs::page::Page;
+use crate::defs::text::Text;
+
+/// What a soft key does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SoftAct {
+    /// Opens a page.
+    Open(Page),
+    /// Opens the position page with these coordinates.
+    Position(Shown),
+    /// Not there yet, and why.
+    Blocked(Text),
+    /// Shows the keys of the keyboard.
+    Help,
+}
+
+/// One soft key.
+#[derive(Clone, Copy, Debug)]
+pub struct SoftKey {
+    /// Label.
+    pub label: Text,
+    /// What it does.
+    pub act: SoftAct,
+}
+
+const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
+    SoftKey { label: Text::new(zh, en), act }
+}
+
+const fn later(zh: &'static str, en: &'static str, reason_zh: &'static str, reason_en: &'static str) -> SoftKey {
+    key(zh, en, SoftAct::Blocked(Text::new(reason_zh, reason_en)))
+}
+
+/// The rows that ▶ turns through.
+pub const ROWS: [[SoftKey; 5]; 3] = [
+    [
+        key("相对", "RELATIVE", SoftAct::Position(Shown::Relative)),
+        key("综合", "ALL", SoftAct::Position(Shown::All)),
+        key("机床", "MACHINE", SoftAct::Position(Shown::Machine)),
+        key("磨削", "GRINDING", SoftAct::Open(Page::Grinding)),
+        later("砂轮修整", "DRESSING", "砂轮修整页面：本版本尚未提供", "the dressing page is not in this version yet"),
+    ],
+    [
+        later(
+            "参数",
+            "PARAMS",
+            "参数页面：本版本尚未提供，用 --param 设置",
+            "the parameter page is not in this version yet; use --param",
+        ),
+        later("诊断", "DIAGNOSIS", "诊断页面：本版本尚未提供", "the diagnosis page is not in this version yet"),
+        later("图形", "GRAPHIC", "图形页面：本版本尚未提供", "the graphic page is not in this version yet"),
+        later("U盘/通信", "USB/COMM", "U盘/通信：本版本尚未提供", "USB and communication are not in this version yet"),
+        later(
+            "屏幕打印",
+            "PRINT",
+            "屏幕打印：本版本尚未提供，用 kt830 shot",
+            "screen print is not in this version yet; use kt830 shot",
+        ),
+    ],
+    [
+        key("程序", "PROGRAM", SoftAct::Open(Page::Program)),
+        key("目录", "DIRECTORY", SoftAct::Open(Page::Directory)),
+        later(
+            "报警",
+            "ALARMS",
+            "报警页面：本版本尚未提供；当前报警见提示行",
+            "the alarm page is not in this version yet; see the message line",
+        ),
+        later("设置", "SETTINGS", "设置页面：本版本尚未提供", "the settings page is not in this version yet"),
+        key("帮助", "HELP", SoftAct::Help),
+    ],
+];
+
+/// The row that is turned to when a page opens.
+#[must_use]
+pub const fn row_of(page: Page) -> usize {
+    match page {
+        Page::Position => 0,
+        Page::Grinding => 1,
+        Page::Program | Page::Directory => 2,
+    }
+}
+
+/// Which soft key was pressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pressed {
+    /// One of F1–F5.
+    Act(SoftAct),
+    /// ▶
+    Next,
+}
+
+/// Draws a row; `chosen` says whether a key's page is the open one.
+pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(SoftAct) -> bool) -> Option<Pressed> {
+    let mut pressed = None;
+    let inner = rect.shrink2(vec2(theme::GAP, 3.0));
+    let next_width = 52.0;
+    let width = (inner.width() - next_width - 5.0 * theme::GAP) / 5.0;
+    for (index, soft) in ROWS[row % ROWS.len()].iter().enumerate() {
+        let left = inner.min.x + index as f32 * (width + theme::GAP);
+        let place = Rect::from_min_size(pos2(left, inner.min.y), vec2(width, inner.height()));
+        if one(ui, view, place, index, soft, chosen(soft.act)) {
+            pressed = Some(Pressed::Act(soft.act));
+        }
+    }
+    let place = Rect::from_min_max(pos2(inner.max.x - next_width, inner.min.y), inner.max);
+    let response = ui.interact(place, Id::unique("soft-next"), Sense::CLICK);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "▶ next-row"));
+    let face = Face { pressed: response.is_pointer_button_down_on(), ..Face::default() };
+    keycap::plate(ui.painter(), view.theme, place, face);
+    let (sign, count) = place.split_top_bottom_at_fraction(0.6);
+    put(ui.painter(), sign, Align2::CENTER_CENTER, "▶", theme::TITLE, view.theme.text);
+    let which = format!("{}/{}", row % ROWS.len() + 1, ROWS.len());
+    put(ui.painter(), count, Align2::CENTER_CENTER, &which, theme::SMALL, view.theme.quiet);
+    if response.clicked() { Some(Pressed::Next) } else { pressed }
+}
+
+fn one(ui: &Ui, view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chosen: bool) -> bool {
+    let response = ui.interact(place, Id::unique(("soft", index)), Sense::CLICK);
+    let blocked = matches!(soft.act, SoftAct::Blocked(_));
+    let name = format!("{} f{}", soft.label.get(view.lang), index + 1);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, !blocked, chosen, &name));
+    let face = Face { pressed: response.is_pointer_button_down_on(), blocked, ..Face::default() };
+    let painter = ui.painter();
+    keycap::plate(painter, view.theme, place, face);
+    let ink = match (blocked, chosen) {
+        (true, _) => view.theme.dim,
+        (false, true) => view.theme.info,
+        (false, false) => view.theme.text,
+    };
+    let tag = Rect::from_min_size(place.min + vec2(7.0, 3.0), vec2(30.0, 16.0));
+    put(painter, tag, Align2::LEFT_CENTER, &format!("F{}", index + 1), theme::SMALL, view.theme.quiet);
+    let words = Rect::from_min_max(pos2(place.min.x + 4.0, place.min.y + 16.0), place.max - vec2(4.0, 2.0));
+    fit(painter, words, Align2::CENTER_CENTER, soft.label.get(view.lang), theme::TITLE, ink);
+    if chosen {
+        let bar = Rect::from_min_size(pos2(place.min.x + 6.0, place.max.y - 4.0), vec2(place.width() - 12.0, 3.0));
+        painter.rect_filled(bar, 1.0, view.theme.info);
+    }
+    if blocked {
+        let corner = Rect::from_min_size(pos2(place.max.x - 18.0, place.min.y + 5.0), vec2(11.0, 11.0));
+        pictogram::draw(painter, corner, pictogram::LOCK, view.theme.quiet);
+    }
+    response.clicked()
+}

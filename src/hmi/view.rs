@@ -1,0 +1,117 @@
+//! What a page is given to show, and the few ways of putting text and lines on the screen.
+
+use std::sync::Arc;
+
+use egui::text::LayoutJob;
+use egui::{Align2, Color32, CornerRadius, Galley, Painter, Pos2, Rect, Stroke, StrokeKind};
+
+use super::theme::{self, Theme};
+use crate::defs::text::{Lang, Text};
+use crate::link::Snapshot;
+
+/// Everything that a page may read. A page changes nothing but its cursor and its edit text.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    /// The newest state of the machine.
+    pub snapshot: &'a Snapshot,
+    /// Language.
+    pub lang: Lang,
+    /// Colours.
+    pub theme: &'a Theme,
+    /// Time of day as shown.
+    pub clock: &'a str,
+    /// The lit half of the 1 Hz blink.
+    pub blink: bool,
+}
+
+impl View<'_> {
+    /// A text in the language of the screen.
+    #[must_use]
+    pub const fn say(&self, zh: &'static str, en: &'static str) -> &'static str {
+        Text::new(zh, en).get(self.lang)
+    }
+}
+
+/// Lays one line of text out, cut with … at a width.
+#[must_use]
+pub fn line(painter: &Painter, text: &str, size: f32, colour: Color32, width: f32) -> Arc<Galley> {
+    let mut job = LayoutJob::simple_singleline(text.to_owned(), theme::font(size), colour);
+    job.wrap.max_width = width.max(1.0);
+    job.wrap.max_rows = 1;
+    job.wrap.break_anywhere = true;
+    painter.layout_job(job)
+}
+
+/// One line of text in a rectangle, cut with … where it is too long.
+pub fn put(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
+    let galley = line(painter, text, size, colour, rect.width());
+    place(painter, rect, align, galley, colour)
+}
+
+/// One line of text in a rectangle, made smaller down to 13 before it is cut.
+pub fn fit(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
+    let mut size = size;
+    let mut galley = line(painter, text, size, colour, rect.width());
+    while galley.elided && size > theme::SMALL {
+        size = (size - 1.0).max(theme::SMALL);
+        galley = line(painter, text, size, colour, rect.width());
+    }
+    place(painter, rect, align, galley, colour)
+}
+
+/// Text of several lines in a rectangle, wrapped, from its top left corner; gives the place it took.
+pub fn paragraph(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
+    let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
+    job.wrap.max_rows = (rect.height() / (size * 1.4)).floor().max(1.0) as usize;
+    job.wrap.break_anywhere = true;
+    let galley = painter.layout_job(job);
+    place(painter, rect, Align2::LEFT_TOP, galley, colour)
+}
+
+fn place(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley>, colour: Color32) -> Rect {
+    let at = align.align_size_within_rect(galley.size(), rect);
+    // Whole points: nothing moves by a pixel when a digit changes (H5).
+    let corner = Pos2::new(at.min.x.round(), at.min.y.round());
+    let taken = Rect::from_min_size(corner, galley.size());
+    painter.galley(corner, galley, colour);
+    taken
+}
+
+/// A filled area with a hairline around it.
+pub fn card(painter: &Painter, rect: Rect, fill: Color32, line: Color32) {
+    let radius = CornerRadius::same(theme::RADIUS as u8);
+    painter.rect(rect, radius, fill, Stroke::new(theme::HAIR, line), StrokeKind::Inside);
+}
+
+/// A frame around a chosen field.
+pub fn frame(painter: &Painter, rect: Rect, colour: Color32) {
+    let radius = CornerRadius::same(theme::RADIUS as u8);
+    painter.rect_stroke(rect, radius, Stroke::new(theme::FRAME, colour), StrokeKind::Inside);
+}
+
+/// A small filled sign with text, as wide as it needs to be; `right` is its right edge.
+pub fn chip(painter: &Painter, right: f32, row: Rect, text: &str, fill: Color32, ink: Color32) -> Rect {
+    let galley = line(painter, text, theme::LABEL, ink, row.width());
+    let width = galley.size().x + 2.0 * theme::PAD - 4.0;
+    let rect = Rect::from_min_max(Pos2::new((right - width).round(), row.min.y), Pos2::new(right, row.max.y));
+    painter.rect_filled(rect, CornerRadius::same(theme::RADIUS as u8), fill);
+    place(painter, rect, Align2::CENTER_CENTER, galley, ink);
+    rect
+}
+
+/// A rectangle from its left top corner and its size.
+#[must_use]
+pub fn at(x: f32, y: f32, width: f32, height: f32) -> Rect {
+    Rect::from_min_size(Pos2::new(x, y), egui::vec2(width, height))
+}
+
+/// A length as shown: three decimals, sign in front; what is not a number is a dash.
+#[must_use]
+pub fn length(value: f64) -> String {
+    if !value.is_finite() {
+        return "—".to_owned();
+    }
+    // -0.0004 shows as 0.000, never as -0.000.
+    let text = format!("{value:.3}");
+    if text == "-0.000" { "0.000".to_owned() } else { text }
+}

@@ -1,0 +1,299 @@
+//! The control's own thread: one tick each millisecond, computed from the absolute tick number, never from the last
+//! wake-up. Commands come in through a bounded channel with a reserved path for reset, hold and emergency stop; the
+//! newest snapshot goes out. A panic, a lost screen or a silent bus end in the safe output image.
+//! Source: notes "reliability", style "a key press", safety stance.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
+use thread_priority::{ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id};
+
+use crate::controller::{Controller, Effect, Programs};
+use crate::defs::alarm;
+use crate::defs::key::Key;
+use crate::defs::signal::Terminals;
+use crate::io::{Backend, OutputImage};
+use crate::link::command::Command;
+use crate::link::snapshot::{DirectoryRow, Snapshot};
+use crate::units::Micros;
+
+/// Commands waiting for the next tick.
+const COMMANDS: usize = 256;
+/// Places kept free for reset, hold and emergency stop.
+const URGENT: usize = 16;
+/// Wishes on their way to the disk.
+const WISHES: usize = 4_096;
+/// Snapshots a second.
+const SNAPSHOTS_PER_SECOND: u64 = 60;
+/// More ticks behind than this are given up and time is counted anew.
+const CATCH_UP: u64 = 50;
+/// Ticks late in a row that stop a real machine.
+const LATE_IN_A_ROW: u32 = 10;
+/// Real-time priority, SCHED_FIFO.
+const PRIORITY: u8 = 80;
+
+/// What the disk thread brings the core beside commands.
+pub struct Delivery {
+    /// Programs of the folder.
+    pub programs: Arc<Programs>,
+    /// The directory as shown.
+    pub directory: Arc<Vec<DirectoryRow>>,
+}
+
+/// What happens when ticks come late.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lateness {
+    /// Counted; a simulated machine waits.
+    Counted,
+    /// An alarm after several in a row; a real machine does not wait.
+    Alarm,
+}
+
+/// How the thread is doing.
+#[derive(Debug, Default)]
+pub struct Health {
+    /// Ticks done.
+    pub ticks: AtomicU64,
+    /// Ticks that came more than one tick time late.
+    pub late: AtomicU64,
+    /// The thread runs with real-time priority.
+    pub real_time: AtomicBool,
+    /// The thread has failed; the outputs are safe.
+    pub failed: AtomicBool,
+}
+
+/// The screen's end of the control.
+pub struct Link {
+    commands: Sender<Command>,
+    urgent: Sender<Command>,
+    newest: Arc<Mutex<Snapshot>>,
+    /// How the thread is doing.
+    pub health: Arc<Health>,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// The disk thread's end of the control.
+pub struct DiskEnd {
+    /// What is to be kept.
+    pub wishes: Receiver<Vec<Effect>>,
+    /// Answers.
+    pub commands: Sender<Command>,
+    /// Programs.
+    pub deliveries: Sender<Delivery>,
+}
+
+/// Starts the thread for a control and its machine.
+///
+/// # Errors
+/// The system has no thread to give.
+pub fn start<B: Backend + Send + 'static>(
+    controller: Controller,
+    backend: B,
+    lateness: Lateness,
+) -> std::io::Result<(Link, DiskEnd)> {
+    let (commands, from_screen) = bounded(COMMANDS);
+    let (urgent, from_urgent) = bounded(URGENT);
+    let (wish, wishes) = bounded(WISHES);
+    let (deliver, deliveries) = bounded(4);
+    let mut first = Snapshot::new(controller.kind());
+    controller.snapshot(&mut first);
+    let newest = Arc::new(Mutex::new(first.clone()));
+    let (health, stop) = (Arc::new(Health::default()), Arc::new(AtomicBool::new(false)));
+    let core = Core {
+        controller,
+        backend,
+        lateness,
+        from_screen,
+        from_urgent,
+        wish,
+        deliveries,
+        newest: Arc::clone(&newest),
+        scratch: first,
+        health: Arc::clone(&health),
+        stop: Arc::clone(&stop),
+        inbox: Vec::with_capacity(COMMANDS + URGENT),
+        effects: Vec::new(),
+        last: OutputImage::default(),
+        late_in_a_row: 0,
+    };
+    let thread = std::thread::Builder::new().name("kt830-control".into()).spawn(move || core.run())?;
+    let disk = DiskEnd { wishes, commands: commands.clone(), deliveries: deliver };
+    Ok((Link { commands, urgent, newest, health, stop, thread: Some(thread) }, disk))
+}
+
+impl Link {
+    /// Sends a command; reset, hold and emergency stop have a path of their own that a flood of others cannot fill.
+    /// False: the control is too busy or gone, and the command was not taken.
+    pub fn send(&self, command: Command) -> bool {
+        let urgent = matches!(command, Command::Press(Key::Reset | Key::FeedHold | Key::EmergencyStop));
+        let path = if urgent { &self.urgent } else { &self.commands };
+        path.try_send(command).is_ok()
+    }
+
+    /// Copies the newest snapshot.
+    pub fn newest(&self, into: &mut Snapshot) {
+        into.clone_from(&self.newest.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            drop(thread.join());
+        }
+    }
+}
+
+/// Everything that the thread owns.
+struct Core<B> {
+    controller: Controller,
+    backend: B,
+    lateness: Lateness,
+    from_screen: Receiver<Command>,
+    from_urgent: Receiver<Command>,
+    wish: Sender<Vec<Effect>>,
+    deliveries: Receiver<Delivery>,
+    newest: Arc<Mutex<Snapshot>>,
+    scratch: Snapshot,
+    health: Arc<Health>,
+    stop: Arc<AtomicBool>,
+    inbox: Vec<Command>,
+    effects: Vec<Effect>,
+    last: OutputImage,
+    late_in_a_row: u32,
+}
+
+impl<B: Backend> Core<B> {
+    fn run(mut self) {
+        self.health.real_time.store(become_real_time(), Ordering::Release);
+        let tick = self.controller.tick_time();
+        let every = (1_000_000 / SNAPSHOTS_PER_SECOND / tick.0.max(1)).max(1);
+        let (mut start, mut skipped, mut index) = (Instant::now(), 0_u64, 0_u64);
+        while !self.stop.load(Ordering::Acquire) {
+            index += 1;
+            let due = start + Duration::from_micros((index - skipped) * tick.0);
+            let behind = sleep_until(due);
+            if behind > Duration::from_micros(tick.0) {
+                self.note_late();
+                if behind > Duration::from_micros(tick.0 * CATCH_UP) {
+                    (start, skipped) = (Instant::now(), index);
+                }
+            } else {
+                self.late_in_a_row = 0;
+            }
+            let now = Micros(index * tick.0);
+            let done = catch_unwind(AssertUnwindSafe(|| self.tick(now, index % every == 0)));
+            if done.is_err() {
+                self.health.failed.store(true, Ordering::Release);
+                break;
+            }
+        }
+        self.leave_safe();
+    }
+
+    fn tick(&mut self, now: Micros, show: bool) {
+        self.inbox.extend(self.from_urgent.try_iter());
+        self.inbox.extend(self.from_screen.try_iter().take(COMMANDS));
+        while let Ok(delivery) = self.deliveries.try_recv() {
+            self.controller.deliver_programs(delivery.programs, delivery.directory);
+        }
+        let image = self.backend.read(now);
+        self.last = *self.controller.tick(now, &image, &self.inbox);
+        self.backend.write(now, &self.last);
+        self.inbox.clear();
+        self.hand_over_wishes();
+        if show {
+            self.show();
+        }
+        self.health.ticks.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// The disk is never waited for: what does not fit now is offered again.
+    fn hand_over_wishes(&mut self) {
+        self.controller.drain_effects(&mut self.effects);
+        if self.effects.is_empty() {
+            return;
+        }
+        match self.wish.try_send(std::mem::take(&mut self.effects)) {
+            Ok(()) => {}
+            Err(TrySendError::Full(wishes) | TrySendError::Disconnected(wishes)) => self.effects = wishes,
+        }
+    }
+
+    /// Newest only: a screen that is just copying gets the next one.
+    fn show(&mut self) {
+        self.controller.snapshot(&mut self.scratch);
+        if let Ok(mut newest) = self.newest.try_lock() {
+            std::mem::swap(&mut *newest, &mut self.scratch);
+        }
+    }
+
+    fn note_late(&mut self) {
+        self.health.late.fetch_add(1, Ordering::Relaxed);
+        self.late_in_a_row += 1;
+        if self.lateness == Lateness::Alarm && self.late_in_a_row >= LATE_IN_A_ROW {
+            self.controller.report(alarm::LATE_TICKS, None);
+        }
+    }
+
+    /// The last image with everything off that turns or flows; made without the controller, which may be the cause.
+    fn leave_safe(&mut self) {
+        let kept = self.controller.kept_when_safe();
+        let terminals = Terminals(self.last.terminals.0 & kept.0);
+        let safe = OutputImage { terminals, drives_on: false, wheel_volts: 0.0, analog_2_volts: 0.0, ..self.last };
+        let backend = &mut self.backend;
+        drop(catch_unwind(AssertUnwindSafe(|| backend.write(Micros::ZERO, &safe))));
+    }
+}
+
+/// Sleeps to a moment; how far behind it the thread woke up.
+fn sleep_until(due: Instant) -> Duration {
+    let now = Instant::now();
+    if let Some(ahead) = due.checked_duration_since(now) {
+        #[cfg(target_os = "linux")]
+        absolute_sleep(ahead);
+        #[cfg(not(target_os = "linux"))]
+        std::thread::sleep(ahead);
+    }
+    Instant::now().saturating_duration_since(due)
+}
+
+/// `clock_nanosleep` to an absolute time: a signal or a preemption on the way does not add up.
+#[cfg(target_os = "linux")]
+fn absolute_sleep(ahead: Duration) {
+    use rustix::thread::{ClockId, clock_nanosleep_absolute};
+    let clock = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    let mut due = clock;
+    due.tv_sec += ahead.as_secs() as i64;
+    due.tv_nsec += i64::from(ahead.subsec_nanos());
+    if due.tv_nsec >= 1_000_000_000 {
+        due.tv_sec += 1;
+        due.tv_nsec -= 1_000_000_000;
+    }
+    while clock_nanosleep_absolute(ClockId::Monotonic, &due) == Err(rustix::io::Errno::INTR) {}
+}
+
+/// Asks for real-time priority and locked memory; false where the system does not permit it.
+fn become_real_time() -> bool {
+    #[cfg(unix)]
+    {
+        use rustix::mm::{MlockAllFlags, mlockall};
+        use thread_priority::{RealtimeThreadSchedulePolicy, ThreadPriorityValue};
+        let Ok(value) = ThreadPriorityValue::try_from(PRIORITY) else { return false };
+        let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+        let given =
+            set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(value), policy).is_ok();
+        let locked = given && mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).is_ok();
+        given && locked
+    }
+    #[cfg(not(unix))]
+    {
+        false
+    }
+}

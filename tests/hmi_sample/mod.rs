@@ -1,0 +1,162 @@
+//! A realistic machine for pictures and tests: O1001 is loaded, homed, hydraulic and coolant on, wheel turning.
+
+#![allow(dead_code)]
+
+use std::sync::Arc;
+
+use kt830::defs::key::{Key, Mode};
+use kt830::defs::kind::Kind;
+use kt830::defs::page::Page;
+use kt830::defs::screen;
+use kt830::defs::text::{Said, Text};
+use kt830::link::Snapshot;
+use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
+use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
+use kt830::units::{Axis, Micros};
+
+/// The customer's own page text (seed 000).
+pub const C0001: &str = "外卡磨削;\n卡尺X轴始磨位置 #500;\n卡尺X轴终点位置 #501;\n卡尺X轴安全位置 #503;\n\
+    卡尺Z轴终点位置 #504;\n左卡磨耗余量 #505;\n左卡粗磨余量 #506;\n粗磨进给方式 #507;\n精磨进给方式 #508;\n;\n;\n\
+    左卡Z轴始磨位置 #502;\n右尺Z轴始磨位置 #514;\n右卡粗磨余量 #515;\n右卡精磨余量 #516;\n粗磨速度 #512;\n\
+    精磨速度 #513;\n光磨次数 #511;\n;\n;\n;\n%\n";
+
+const O1001: &str = "O1001 (外卡磨削 snap gauge)\n(步距 step sizes)\n#101=0.02\n#102=0.005\nN0010 G98 G00 X#503\nN0020 M14\n\
+    N0030 M03 S1260\nN0040 M08\nN0050 G00 Z#502\nN0060 G00 X#500\nN0070 WHILE[#110 LT #506] DO1\nN0080 G01 W-#101 F#512\n\
+    N0090 G01 X#501 F1200\nN0100 #110=#110+#101\nN0110 END1\n; 精磨\nN0120 G01 W-#102 F#513\nN0130 G01 X#500\n\
+    N0140 G04 P500\nN0150 G00 X#503\nN0160 G00 Z#504\nN0170 M09\nN0180 M05\nN0190 M30\n%\n";
+
+/// The page picture in the repository, or a plain one.
+pub fn picture(file: &str) -> Arc<Picture> {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("screens").join(file);
+    let (width, height) = (200, 400);
+    let rgb = image::open(path).map_or_else(|_| vec![40; width * height * 3], |read| read.to_rgb8().into_raw());
+    Arc::new(Picture { width, height, rgb })
+}
+
+/// A running machine on a page.
+pub fn snapshot(page: Page) -> Snapshot {
+    let mut snapshot = Snapshot::new(Kind::Gc);
+    snapshot.now = Micros(54_116_000_000);
+    snapshot.page = page;
+    snapshot.mode = Mode::Manual;
+    snapshot.diameter = true;
+    let axis = |work: f64, machine: f64, relative: f64| AxisView {
+        present: true,
+        work,
+        machine,
+        relative,
+        to_go: 0.0,
+        homed: true,
+        moving: false,
+    };
+    snapshot.axes[Axis::X] = axis(-743.080, -812.455, 12.340);
+    snapshot.axes[Axis::Z] = axis(-139.080, -391.006, -0.005);
+    snapshot.program =
+        ProgramView { number: 1_001, text: O1001.into(), block_program: 1_001, line: 8, block: Some(40) };
+    snapshot.wheel_rpm = 1_260.0;
+    snapshot.feed_mm_min = 0.0;
+    snapshot.parts = 12;
+    snapshot.cycle_seconds = 187.0;
+    for (number, value) in
+        [(500, 40.2), (501, -12.5), (503, 120.0), (504, 85.0), (505, 0.03), (506, 0.25), (507, 0.0), (508, 1.0)]
+    {
+        snapshot.variables[number] = Some(value);
+    }
+    for (number, value) in [(502, 12.0), (514, 48.25), (515, 0.2), (512, 300.0), (513, 60.0), (511, 3.0)] {
+        snapshot.variables[number] = Some(value);
+    }
+    for key in [Key::ModeManual, Key::Hydraulic, Key::Coolant, Key::WheelStart, Key::HeadstockStop, Key::Rapid50] {
+        snapshot.keys[key as usize].lamp = true;
+    }
+    for key in [Key::HandwheelX, Key::Step001] {
+        snapshot.keys[key as usize].lamp = true;
+    }
+    snapshot.rapid_override = 50;
+    snapshot.step_mm = 0.01;
+    snapshot.keys[Key::Lubrication as usize].working = true;
+    let wheel_on = Text::new("砂轮旋转时液压键无效", "no effect while the wheel turns");
+    snapshot.keys[Key::Hydraulic as usize].blocked = Some(wheel_on);
+    let text = screen::parse(C0001).map(Arc::new).map_err(|fault| FileFault {
+        file: "C0001.TXT".into(),
+        place: Some((fault.line, fault.column)),
+        said: fault.said,
+    });
+    let files = ScreenFiles { text, picture: Ok(picture("B0001.BMP")) };
+    snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)] });
+    snapshot.directory = Arc::new(directory());
+    snapshot
+}
+
+fn directory() -> Vec<DirectoryRow> {
+    let row = |number: u32, size: u64, comment: &str| DirectoryRow {
+        number,
+        size,
+        comment: comment.into(),
+        modified: "2026-06-03 15:01".into(),
+    };
+    let mut rows = vec![
+        row(1_001, 1_812, "外卡磨削"),
+        row(1_002, 962, "外圆切入磨削"),
+        row(1_003, 2_410, "台阶轴磨削"),
+        row(1_008, 120_411, "凸轮轴"),
+        row(2_000, 640, "试切程序"),
+        row(9_000, 310, "一键回退"),
+        row(9_001, 330, "回退返回"),
+    ];
+    rows.extend((3_001..3_020).map(|number| row(number, 1_000 + u64::from(number), "批量件")));
+    rows
+}
+
+/// An automatic run in its fine stage, X moving.
+pub fn running(page: Page) -> Snapshot {
+    let mut snapshot = snapshot(page);
+    snapshot.mode = Mode::Auto;
+    snapshot.state = RunState::Running;
+    snapshot.feed_mm_min = 100.0;
+    snapshot.axes[Axis::X].moving = true;
+    snapshot.axes[Axis::X].work = 39.964;
+    snapshot.axes[Axis::X].to_go = -52.464;
+    snapshot.program.line = 13;
+    snapshot.program.block = Some(90);
+    let why = Text::new("自动运行中此键无效", "dead while a program runs");
+    for key in Key::ALL {
+        let row = key.row();
+        snapshot.keys[*key as usize].blocked = (!row.in_run).then_some(why);
+    }
+    snapshot.keys[Key::ModeManual as usize].lamp = false;
+    for key in [Key::ModeAuto, Key::CycleStart, Key::HeadstockHigh] {
+        snapshot.keys[key as usize].lamp = true;
+    }
+    snapshot.keys[Key::HeadstockStop as usize].lamp = false;
+    snapshot
+}
+
+/// Hydraulic pressure was lost.
+pub fn alarm(page: Page) -> Snapshot {
+    let mut snapshot = snapshot(page);
+    snapshot.state = RunState::Alarm;
+    let said = |zh: &str, en: &str| Said::new(zh, en);
+    snapshot.alarms = vec![
+        AlarmView {
+            number: 180,
+            text: said("砂轮启动时液压异常", "hydraulic pressure missing"),
+            remedy: said("检查油泵和压力开关，信号恢复后按复位", "find the leak, press RESET once the signal is back"),
+            since: snapshot.now,
+        },
+        AlarmView {
+            number: 66,
+            text: said("页面文件不全或格式错误", "page files missing"),
+            remedy: said("", ""),
+            since: snapshot.now,
+        },
+    ];
+    snapshot
+}
+
+/// The core has refused something just now.
+pub fn refused(page: Page) -> Snapshot {
+    let mut snapshot = snapshot(page);
+    let text = Said::new("头架旋转时尾座不能动作", "the tailstock is locked while the headstock turns");
+    snapshot.message = Message { text, tone: Tone::Refused, since: snapshot.now };
+    snapshot
+}
