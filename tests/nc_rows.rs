@@ -59,6 +59,20 @@ fn b3_null_reads_as_zero_in_arithmetic_and_the_check_warns() {
 }
 
 #[test]
+fn b3_what_empty_variables_cause_is_a_warning_of_the_check_and_a_fault_of_the_run() {
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let text = "G98 G1 X10 F#526\nX9\nG4 X#528\n#100=1/#529\nM30\n";
+    let source = Arc::new(Source::new(1001, "", text.as_bytes().to_vec()));
+    let checked = check(&source, &library, &Settings::lathe());
+    assert!(checked.faults.is_empty(), "{:?}", checked.faults);
+    let alarms: Vec<_> = checked.warnings.iter().map(|fault| (fault.place.line, fault.alarm())).collect();
+    assert_eq!(alarms, [(1, 19), (3, 33), (4, 21), (4, 45)]);
+    for (text, cause) in [("G4 X#528", "G04 needs"), ("#100=1/#529", "division by zero"), ("G1 X1 F#1", "no feed")] {
+        assert!(refused(text).contains(cause), "{text}");
+    }
+}
+
+#[test]
 fn k1_diameter_can_be_switched_to_radius_and_f_stays_true_travel() {
     let text = "G98 G1 X10 U2 F60";
     assert!(refused(text).contains("X and U name the same axis"));

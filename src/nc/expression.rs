@@ -151,7 +151,14 @@ impl<S: Scope> Reader<'_, '_, S> {
                 _ => return Ok(left),
             };
             self.cursor.at += usize::from(self.cursor.at == at);
+            self.cursor.blank()?;
+            let literal = self.cursor.at_number();
             let right = self.sign()?;
+            let zero = right.is_some_and(|right| right.abs() <= 0.0);
+            if literal && zero && S::STRICT && matches!(operator, Operator::Divide | Operator::Modulo) {
+                // The detail tells the check that no empty variable is to blame.
+                return wrong1(at, E::DivisionByZero, "0");
+            }
             left = self.apply(operator, left, right, at)?;
         }
     }

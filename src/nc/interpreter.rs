@@ -68,7 +68,7 @@ pub struct Interpreter {
     pub(super) settings: Settings,
     memory: Memory,
     modals: Modals,
-    words: Words,
+    pub(super) words: Words,
     pub(super) ended: bool,
     pub(super) second_half: bool,
     /// The last block number read (#4114).
