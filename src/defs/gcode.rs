@@ -143,6 +143,7 @@ const ROW: [u8; 100] = {
 impl GCode {
     /// The row of a number, if the control knows it.
     #[must_use]
+    #[inline]
     pub fn find(code: u32) -> Option<&'static Self> {
         let row = *ROW.get(code as usize)?;
         G_CODES.get(usize::from(row))
@@ -150,6 +151,7 @@ impl GCode {
 
     /// The group on one G-code system: on GS and GA `G90` chooses absolute and `G94` feed per minute.
     #[must_use]
+    #[inline]
     pub const fn group_on(&self, mill: bool) -> Group {
         match (self.code, mill) {
             (90, true) => Group::Distance,
@@ -160,6 +162,7 @@ impl GCode {
 
     /// Whether one G-code system has it.
     #[must_use]
+    #[inline]
     pub const fn exists_on(&self, mill: bool) -> Exists {
         if mill { self.mill } else { self.lathe }
     }

@@ -97,6 +97,7 @@ impl Flow {
     }
 
     /// #1–#33 of the running level.
+    #[inline]
     pub fn locals(&self) -> &Locals {
         static NONE: Locals = [None; 33];
         self.locals.last().unwrap_or(&NONE)
@@ -110,6 +111,7 @@ impl Flow {
     }
 
     /// Whether this is the program that was started.
+    #[inline]
     pub fn is_main(&self) -> bool {
         self.levels.is_empty()
     }

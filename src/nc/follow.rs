@@ -54,11 +54,13 @@ impl Interpreter {
     }
 
     /// Whether there is anything to remark on the last block.
+    #[inline]
     pub(crate) fn has_remarks(&self) -> bool {
         self.flow.mid_line || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
     }
 
     /// Whether a variable without a value counted in the last block.
+    #[inline]
     pub(crate) fn has_met_null(&self) -> bool {
         self.words.has_null() || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
     }
@@ -79,11 +81,13 @@ impl Interpreter {
     }
 
     /// The running program and the line (from 0) that is read next.
+    #[inline]
     pub(crate) fn at_line(&self) -> (&Arc<Source>, u32) {
         (&self.flow.source, self.flow.line)
     }
 
     /// Reads one block whatever it is; `true` while there is more.
+    #[inline]
     pub(crate) fn single(&mut self, world: &mut dyn World, block: &mut Block) -> Result<bool, Fault> {
         block.clear();
         match self.step(world, block) {

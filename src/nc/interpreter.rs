@@ -191,11 +191,13 @@ impl Interpreter {
         if cursor.is_over() {
             return self.text_over(at);
         }
+        // A refused block must leave what is in force as it was.
+        let before = self.modals;
         let head = Head { mid_line: self.flow.mid_line, block_skip: world.block_skip() };
         let mut scope = LiveScope {
             locals: self.flow.locals(),
             memory: &self.memory,
-            modals: &self.modals,
+            modals: &before,
             mill: self.settings.is_mill(),
             program: source.number(),
             n: self.last_n,
@@ -211,10 +213,9 @@ impl Interpreter {
         let content = read?;
         let step = match content {
             Content::Words => {
-                let mut modals = self.modals;
                 let mut running = Running {
                     words: &self.words,
-                    modals: &mut modals,
+                    modals: &mut self.modals,
                     settings: &self.settings,
                     ops: &mut block.ops,
                     scope: &mut scope,
@@ -225,20 +226,25 @@ impl Interpreter {
                 if self.words.has(b'O') && !at_head(text, at) {
                     return wrong(at, E::MisplacedO);
                 }
-                let step = dialect::run(&mut running)?;
-                let call = self.prepare(step, &cursor, block)?;
-                self.modals = Modals { modal_call: self.flow.modal.is_some(), ..modals };
-                call
+                let done = dialect::run(&mut running).and_then(|step| self.prepare(step, &cursor, block));
+                match &done {
+                    Ok(_) => self.modals.modal_call = self.flow.modal.is_some(),
+                    Err(_) => self.modals = before,
+                }
+                done?
             }
             content => self.statement(content, &cursor, block, text)?,
         };
         self.last_n = self.words.n.or(self.last_n);
         block.at = Place { program: source.number(), line, n: self.words.n };
-        block.modals = self.modals;
+        if !block.ops.is_empty() {
+            block.modals = self.modals;
+        }
         Ok(step)
     }
 
     /// Puts the flow behind the block that was read.
+    #[inline]
     fn pass(&mut self, cursor: &Cursor<'_>) {
         self.second_half = false;
         if statement::goes_on(cursor) {
@@ -291,6 +297,7 @@ impl Interpreter {
     }
 
     /// Acts on what a block of words asked for besides its operations.
+    #[inline]
     fn prepare(&mut self, step: Step, cursor: &Cursor<'_>, block: &mut Block) -> Outcome<Stepped> {
         let moves = self.flow.modal.is_some() && block.ops.iter().any(Op::is_motion);
         match step {

@@ -40,12 +40,14 @@ pub(crate) struct Cursor<'a> {
 
 impl<'a> Cursor<'a> {
     /// Sees one block's length of the text from a place on.
+    #[inline]
     pub fn window(text: &'a [u8], at: usize) -> Self {
         let end = text.len().min(at + BLOCK_LENGTH);
         Self { text: &text[..end], at }
     }
 
     /// Whether a block of `text` was cut off by the window.
+    #[inline]
     pub const fn is_cut(&self, text: &[u8]) -> bool {
         // A CR at the very end may have its LF outside.
         self.text.len() < text.len() && self.at + 2 > self.text.len()

@@ -35,6 +35,7 @@ impl Motion {
         }
     }
 
+    #[inline]
     pub(crate) const fn from_g(code: u32) -> Option<Self> {
         match code {
             0 => Some(Self::Rapid),
@@ -127,6 +128,7 @@ impl Modals {
 
     /// The feed in force.
     #[must_use]
+    #[inline]
     pub fn feed(&self) -> Option<Feed> {
         self.feed.map(if self.per_rev { Feed::PerRev } else { Feed::PerMinute })
     }

@@ -17,29 +17,34 @@ impl AxisSet {
 
     /// Whether an axis belongs to it.
     #[must_use]
+    #[inline]
     pub const fn contains(self, axis: Axis) -> bool {
         self.0 & (1 << axis as u8) != 0
     }
 
     /// Adds an axis.
+    #[inline]
     pub const fn insert(&mut self, axis: Axis) {
         self.0 |= 1 << axis as u8;
     }
 
     /// The set of one axis.
     #[must_use]
+    #[inline]
     pub const fn of(axis: Axis) -> Self {
         Self(1 << axis as u8)
     }
 
     /// Both sets together.
     #[must_use]
+    #[inline]
     pub const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
     /// Whether no axis belongs to it.
     #[must_use]
+    #[inline]
     pub const fn is_empty(self) -> bool {
         self.0 == 0
     }

@@ -31,6 +31,7 @@ pub(crate) struct LiveScope<'w> {
 
 impl LiveScope<'_> {
     /// Where the block begins.
+    #[inline]
     pub fn position(&self) -> PerAxis<f64> {
         self.world.position()
     }

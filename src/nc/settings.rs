@@ -72,6 +72,7 @@ impl Settings {
         Self { system: System::Mill, diameter: false, axes: PerAxis([true; 3]), ..Self::lathe() }
     }
 
+    #[inline]
     pub(crate) fn is_mill(&self) -> bool {
         self.system == System::Mill
     }

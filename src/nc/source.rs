@@ -67,6 +67,7 @@ impl Source {
 
     /// The O number.
     #[must_use]
+    #[inline]
     pub const fn number(&self) -> u32 {
         self.number
     }
@@ -79,6 +80,7 @@ impl Source {
 
     /// The text.
     #[must_use]
+    #[inline]
     pub fn bytes(&self) -> &Arc<[u8]> {
         &self.bytes
     }

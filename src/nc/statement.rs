@@ -40,6 +40,7 @@ pub(crate) struct Head {
 }
 
 /// Reads one block. Afterwards the cursor stands at the line end, or behind a `;` that another block follows.
+#[inline]
 pub(crate) fn read<S: Scope>(
     cursor: &mut Cursor<'_>,
     scope: &mut S,
@@ -72,10 +73,12 @@ pub(crate) fn read<S: Scope>(
 }
 
 /// Whether the cursor stands behind a `;` on a line that goes on.
+#[inline]
 pub(crate) fn goes_on(cursor: &Cursor<'_>) -> bool {
     !cursor.at_line_end() && !cursor.is_over()
 }
 
+#[inline]
 fn block_number(cursor: &mut Cursor<'_>) -> Outcome<u32> {
     let at = cursor.at;
     cursor.at += 1;
@@ -218,6 +221,7 @@ fn comment(cursor: &Cursor<'_>, start: usize) -> Option<Range<usize>> {
 }
 
 /// What may follow a block on its line: nothing, a comment, or another block after `;`.
+#[inline]
 fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
     match cursor.peek() {
         b'\r' | b'\n' => Ok(()),

@@ -51,6 +51,7 @@ pub(crate) struct Words {
     count: usize,
     first: [u8; 26],
     mask: u32,
+    nulls: u32,
     used: Cell<u32>,
     g: [Code; G_WORDS],
     g_count: usize,
@@ -71,6 +72,7 @@ impl Default for Words {
             count: 0,
             first: [0; 26],
             mask: 0,
+            nulls: 0,
             used: Cell::new(0),
             g: [Code::default(); G_WORDS],
             g_count: 0,
@@ -93,6 +95,7 @@ impl Words {
     pub fn clear(&mut self) {
         self.count = 0;
         self.mask = 0;
+        self.nulls = 0;
         self.used.set(0);
         self.g_count = 0;
         self.m_count = 0;
@@ -107,10 +110,11 @@ impl Words {
     }
 
     /// Whether a word was left out because its variable is null.
+    #[inline]
     pub fn has_null(&self) -> bool {
         // `G65 H… P#i` names the variable that takes the result.
-        let result = |word: &Word| word.letter == b'P' && self.has(b'H');
-        self.list().iter().any(|word| word.kind == Kind::Null && !result(word))
+        let result = if self.has(b'H') { bit(b'P') } else { 0 };
+        self.nulls & !result != 0
     }
 
     /// The G codes in order.
@@ -169,7 +173,9 @@ impl Words {
     fn push(&mut self, word: Word) -> Outcome<()> {
         let Some(place) = self.list.get_mut(self.count) else { return wrong(word.at as usize, E::BlockTooLong) };
         *place = word;
-        if word.kind != Kind::Null {
+        if word.kind == Kind::Null {
+            self.nulls |= bit(word.letter);
+        } else {
             if self.mask & bit(word.letter) != 0 {
                 self.double = self.double.or(Some(word.at));
             } else {
@@ -224,6 +230,7 @@ impl Words {
     }
 }
 
+#[inline]
 fn push_code<const COUNT: usize>(
     codes: &mut [Code; COUNT],
     count: &mut usize,

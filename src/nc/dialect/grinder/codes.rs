@@ -26,11 +26,13 @@ pub(super) struct Plan {
 
 impl Plan {
     /// Whether the function of group 00 is this one.
+    #[inline]
     pub fn once_is(&self, number: u32) -> bool {
         self.once.is_some_and(|once| once.number == number)
     }
 
     /// G65 or G66: the words are arguments.
+    #[inline]
     pub fn is_macro_call(&self) -> bool {
         self.once_is(65) || self.call.is_some_and(|call| call.number == 66)
     }
@@ -72,6 +74,7 @@ pub(super) fn read(running: &mut Running<'_, '_>) -> Outcome<Plan> {
 }
 
 /// The row of a code, if this machine has it in this version.
+#[inline]
 pub(super) fn look_up(code: Code, mill: bool) -> Outcome<&'static GCode> {
     let (at, name) = (code.at as usize, || format!("G{:02}", code.number));
     let Some(row) = GCode::find(code.number) else { return wrong1(at, E::UnknownG, name()) };
@@ -100,6 +103,7 @@ fn double<T>(code: Code, before: Code) -> Outcome<T> {
     wrong2(code.at as usize, E::DoubleGroup, first, second)
 }
 
+#[inline]
 fn set_motion(running: &mut Running<'_, '_>, plan: &mut Plan, code: Code) {
     plan.motion = Some(code);
     if let Some(motion) = Motion::from_g(code.number) {
@@ -110,6 +114,7 @@ fn set_motion(running: &mut Running<'_, '_>, plan: &mut Plan, code: Code) {
     }
 }
 
+#[inline]
 fn apply(running: &mut Running<'_, '_>, plan: &mut Plan, group: Group, code: Code) {
     let modals = &mut *running.modals;
     match group {

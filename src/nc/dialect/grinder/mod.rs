@@ -101,6 +101,7 @@ pub(super) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
 }
 
 /// Feed, units, path mode and frame.
+#[inline]
 fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     if let Some(feed) = running.words.take(b'F') {
         let unit = if running.modals.inch { MM_PER_INCH } else { 1.0 };
@@ -122,6 +123,7 @@ fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
 }
 
 /// Whether the block changes where coordinates are counted from before it uses them.
+#[inline]
 fn changes_position(running: &Running<'_, '_>, plan: &Plan) -> bool {
     let moves = running.words.has_any(AXIS_WORDS) && !plan.once_is(4);
     moves && (plan.frame || running.words.has(b'T'))
@@ -140,6 +142,7 @@ fn once_or_move(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
 }
 
 /// A word's length in millimetres as written, inch and least increment counted in.
+#[inline]
 fn length(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     let mut value = word.value;
     if word.kind == Kind::Digits
@@ -194,6 +197,7 @@ fn unknown_word<T>(running: &Running<'_, '_>, plan: &Plan, word: Word) -> Outcom
 }
 
 /// The letters of an axis: absolute and incremental.
+#[inline]
 const fn axis_letters(axis: Axis) -> [u8; 2] {
     match axis {
         Axis::X => [b'X', b'U'],

@@ -54,6 +54,7 @@ pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<T
 }
 
 /// The value of an axis word, radius mm.
+#[inline]
 pub(super) fn axis_value(running: &Running<'_, '_>, axis: Axis, word: Word) -> Outcome<f64> {
     if !running.settings.axes[axis] {
         return wrong1(word.at as usize, E::NoAxis, axis.letter());
@@ -63,6 +64,7 @@ pub(super) fn axis_value(running: &Running<'_, '_>, axis: Axis, word: Word) -> O
 }
 
 /// The feed in force.
+#[inline]
 pub(super) fn feed(running: &Running<'_, '_>) -> Outcome<Feed> {
     match running.modals.feed() {
         Some(feed) => Ok(feed),
