@@ -29,7 +29,7 @@ pub trait Eyes {
     fn texts(&mut self, snapshot: &Snapshot) -> Vec<String>;
 }
 
-/// Plays a story.
+/// Plays a story. Where a person stands beside the rig and touches something, waiting ends at once.
 pub struct Player<'a> {
     rig: &'a mut Rig,
     eyes: Option<Box<dyn Eyes>>,
@@ -134,7 +134,7 @@ impl<'a> Player<'a> {
 
     fn wait(&mut self, span: Micros) {
         let end = self.rig.now() + span;
-        while self.rig.now() < end {
+        while self.rig.now() < end && !self.rig.is_touched() {
             self.rig.step();
         }
     }
@@ -143,7 +143,7 @@ impl<'a> Player<'a> {
     fn run_until(&mut self, most: Micros, mut done: impl FnMut(&mut Rig) -> bool) -> bool {
         let end = self.rig.now() + most;
         while !done(self.rig) {
-            if self.rig.now() >= end {
+            if self.rig.now() >= end || self.rig.is_touched() {
                 return false;
             }
             self.rig.step();
