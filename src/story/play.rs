@@ -14,6 +14,8 @@ use crate::units::{Axis, Micros};
 
 /// Ticks after every statement.
 const ANSWER_TICKS: u32 = 2;
+/// Longest wait for an answer.
+const ANSWER_MOST: Micros = Micros::from_millis(48);
 /// Ticks after an input was forced: longer than the input filter.
 const INPUT_TICKS: u32 = 20;
 /// How often a held key is heard of.
@@ -117,8 +119,10 @@ impl<'a> Player<'a> {
         }
     }
 
+    /// Until the control has answered: two ticks, and up to 50 ms while it brakes.
     fn answer(&mut self) -> Result<(), String> {
         self.ticks(ANSWER_TICKS);
+        self.run_until(ANSWER_MOST, |rig| !rig.controller().is_braking());
         Ok(())
     }
 
