@@ -19,6 +19,9 @@ const EMPTY_PER_TICK: usize = 32;
 /// The trail is laid ahead of the axes by this many of the longest braking times.
 const BRAKES_AHEAD: f64 = 2.0;
 const LEAST_AHEAD: f64 = 96.0;
+/// Length, mm, and time, s, of one span at most: its points then lie near enough to each other for a tolerance of 10 µm.
+const SPAN_LENGTH_MOST_MM: f64 = 450.0;
+const SPAN_SECONDS_MOST: f64 = 10.0;
 /// A run that could still go on is begun when no move has come for so many ticks.
 const GATHER_TICKS: u32 = 3;
 /// Below this tolerance, mm, corners are exact stops: the curve through the set-points needs half a micrometre itself.
@@ -204,10 +207,21 @@ impl Planner {
 
     /// How many of the next moves can be one span, its tolerance, and whether moves still to come could belong to it.
     fn run_ahead(&self, moves: &VecDeque<Queued>) -> (usize, f64, bool) {
-        let mut tolerance = f64::INFINITY;
+        let (mut tolerance, mut length, mut seconds) = (f64::INFINITY, 0.0, 0.0);
+        // Where to stop when the run is too long for one span: at its sharpest corner, but not in its first half.
+        let mut corners: [(f64, usize); MOVES] = [(1.0, 0); MOVES];
         for number in self.taken..moves.len() {
             let count = number + 1 - self.taken;
             let this = &moves[number];
+            length += this.segment.length();
+            seconds += this.segment.length() / top_speed(this, &self.limits, 1.0);
+            let too_long = length > SPAN_LENGTH_MOST_MM || seconds > SPAN_SECONDS_MOST;
+            if too_long || count == MOVES {
+                let half = count / 2;
+                let sharpest =
+                    corners[half..count].iter().fold((2.0, 1), |a, b| if b.1 > 0 && b.0 < a.0 { *b } else { a });
+                return (sharpest.1, if tolerance.is_finite() { tolerance } else { 0.0 }, false);
+            }
             let End::Continuous { tolerance_mm } = this.program.end else { return (count, tolerance, false) };
             let Some(next) = moves.get(number + 1) else { return (count, tolerance, true) };
             let same = (this.program.rate == Rate::Rapid) == (next.program.rate == Rate::Rapid);
@@ -216,6 +230,7 @@ impl Planner {
             if !same || tolerance_mm < LEAST_TOLERANCE_MM || next.segment.is_nothing() || cosine < SHARPEST_COSINE {
                 return (count, tolerance, false);
             }
+            corners[count] = (cosine, count);
             tolerance = tolerance.min(tolerance_mm);
         }
         (moves.len().saturating_sub(self.taken), tolerance, true)

@@ -4,6 +4,9 @@
 //! quickest speed along the curve, both once more with the better timing, and a run over the whole plan that compares
 //! every set-point with limits and tolerance before the first is laid. Knows nothing of the queue.
 
+mod follow;
+mod timing;
+
 use super::Limits;
 use super::contour::Segment;
 use super::smooth::{POINTS, Smooth, Tube};
@@ -24,7 +27,7 @@ const TOLERANCE_SHARE: f64 = 0.99;
 const LOOKS: u32 = 4;
 const CLOSER_LOOKS: u32 = 10;
 /// Iterations of smoothing in each round.
-const ROUNDS: [u32; 3] = [120, 80, 80];
+const ROUNDS: [u32; 3] = [60, 50, 60];
 /// The share of the limits planned for: what lies between knots is not looked at.
 const LIMIT_SHARE: f64 = 0.995;
 /// Narrower than this part of the tolerance the tube is not made.
@@ -224,89 +227,6 @@ impl Span {
         self.excess.resize(self.smooth.points.len(), -1.0);
     }
 
-    /// The greatest speed at a distance along the contour of the first timing, mm/s.
-    fn first_speed(&self, along: f64, push: f64) -> f64 {
-        let k = self.tube.segment_at(along);
-        let (from, to) = (along - self.tube.along[k], self.tube.along[k + 1] - along);
-        let rise = (self.corner[k].powi(2) + 2.0 * push * from.max(0.0)).sqrt();
-        let fall = (self.corner[k + 1].powi(2) + 2.0 * push * to.max(0.0)).sqrt();
-        let own = self.tube.segments[k].limits(&self.limits).velocity_mm_s.min(self.feeds[k]);
-        rise.min(fall).min(own)
-    }
-
-    /// A first timing: corners at a speed guessed from tolerance and jerk, even acceleration between them.
-    fn first_timing(&mut self) {
-        let least = |of: fn(&super::AxisLimits) -> f64| {
-            self.limits.axes.iter().map(|(_, l)| of(l)).fold(f64::INFINITY, f64::min)
-        };
-        let (push, jerk) = (0.5 * least(|l| l.acceleration_mm_s2), least(|l| l.jerk_mm_s3));
-        let count = self.tube.segments.len();
-        self.corner.clear();
-        self.corner.resize(count + 1, 0.0);
-        for k in 1..count {
-            let [_, a] = self.tube.segments[k - 1].directions();
-            let [b, _] = self.tube.segments[k].directions();
-            let turn = super::contour::distance(a, b).max(1e-9);
-            // A bend of half-width h deviates turn · h / 6 and needs the third derivative turn / h²; the tube gives
-            // about two and a half times that width by swinging out before and after.
-            let width = 2.5 * 6.0 * self.tolerance / turn;
-            let bend = (jerk * width * width / turn).cbrt();
-            let even = self.tube.segments[k - 1].length().min(self.tube.segments[k].length()) / turn;
-            let arc = (2.0 * push * even).sqrt().min((jerk * even * even).cbrt());
-            let own = self.feeds[k - 1].min(self.feeds[k]);
-            self.corner[k] = if width > even * turn { bend.max(arc).min(own) } else { bend.min(own) };
-            if width > even * turn {
-                self.corner[k] = self.corner[k].min(bend);
-            }
-        }
-        for k in 1..=count {
-            let reach = self.corner[k - 1].powi(2) + 2.0 * push * self.tube.segments[k - 1].length();
-            self.corner[k] = self.corner[k].min(reach.sqrt());
-        }
-        for k in (0..count).rev() {
-            let reach = self.corner[k + 1].powi(2) + 2.0 * push * self.tube.segments[k].length();
-            self.corner[k] = self.corner[k].min(reach.sqrt());
-        }
-        let mut spacing = SPACING_LEAST_S;
-        for _ in 0..8 {
-            let points = self.lay_first(spacing, push);
-            if (points as f64) < POINTS_AIM {
-                break;
-            }
-            spacing *= 1.5;
-        }
-        self.spacing_s = spacing;
-    }
-
-    /// Control points along the contour at even times; returns how many. Stops early when there are too many.
-    fn lay_first(&mut self, spacing: f64, push: f64) -> usize {
-        let (length, least) = (self.tube.length(), 0.5 * push * spacing);
-        self.smooth.points.clear();
-        self.smooth.along.clear();
-        let start = self.tube.segments[0].at(0.0);
-        for _ in 0..3 {
-            self.smooth.points.push(start);
-            self.smooth.along.push(0.0);
-        }
-        let mut along = 0.0;
-        while self.smooth.points.len() < POINTS - 4 {
-            let half = along + self.first_speed(along, push).max(least) * spacing / 2.0;
-            along += self.first_speed(half.min(length), push).max(least) * spacing;
-            if along >= length {
-                break;
-            }
-            self.smooth.points.push(self.tube.at(along));
-            self.smooth.along.push(along);
-        }
-        let last = self.tube.segments.len() - 1;
-        let end = self.tube.segments[last].at(f64::INFINITY);
-        for _ in 0..3.max(POINTS_LEAST.saturating_sub(self.smooth.points.len())) {
-            self.smooth.points.push(end);
-            self.smooth.along.push(length);
-        }
-        self.smooth.points.len()
-    }
-
     fn begin_speed(&mut self) {
         let (d, share) = (self.spacing_s, LIMIT_SHARE);
         let axes = self.limits.axes.map(|l| {
@@ -325,50 +245,6 @@ impl Span {
         }
         self.slowed = 1.0;
         self.speed.begin(&self.smooth.points, limits);
-    }
-
-    /// Control points again at even times of the better timing.
-    fn time_again(&mut self) {
-        self.rewind();
-        self.fresh.clear();
-        let mut spacing = 1.0;
-        // The time of the plan, in spacings.
-        let mut total = 0.0;
-        for k in 0..self.intervals() {
-            total += self.time_between(k, 0.0, 1.0);
-        }
-        if total > POINTS_AIM {
-            spacing = total / POINTS_AIM;
-        }
-        self.spacing_s *= spacing;
-        while self.fresh.len() < POINTS - 8 {
-            self.advance(spacing);
-            if self.is_at_end() {
-                break;
-            }
-            // The knots around are 1 and 2; the first and the last fixed ones have been placed by nobody.
-            let Follow { interval, part } = self.follow;
-            let length = self.tube.length();
-            let place = |k: usize| match k {
-                0 => 0.0,
-                k if k + 1 >= self.smooth.points.len() => length,
-                k => self.smooth.near[k].0,
-            };
-            let along = place(interval + 1) + part * (place(interval + 2) - place(interval + 1));
-            self.fresh.push((self.position(), along));
-        }
-        let end = self.smooth.points[self.smooth.points.len() - 1];
-        self.smooth.points.truncate(3);
-        self.smooth.along.truncate(3);
-        for (at, along) in &self.fresh {
-            self.smooth.points.push(*at);
-            self.smooth.along.push(*along);
-        }
-        for _ in 0..3.max(POINTS_LEAST.saturating_sub(self.smooth.points.len())) {
-            self.smooth.points.push(end);
-            self.smooth.along.push(self.tube.length());
-        }
-        self.smooth.begin(self.allowed() * TUBE_SHARE);
     }
 
     /// How far set-points may be off the contour, mm.
@@ -460,55 +336,5 @@ impl Span {
         } else {
             Phase::Ready
         };
-    }
-
-    /// Coefficients of b over one interval.
-    fn rate_square(&self, interval: usize, part: f64) -> f64 {
-        let c = &self.speed.rate_square[interval..interval + 3];
-        let start = f64::midpoint(c[0], c[1]);
-        start + part * ((c[1] - c[0]) + part * (c[2] - 2.0 * c[1] + c[0]) / 2.0)
-    }
-
-    /// Time from one part of an interval to another, in spacings, by four-point Gauss quadrature.
-    fn time_between(&self, interval: usize, from: f64, to: f64) -> f64 {
-        const NODES: [(f64, f64); 4] = [
-            (0.069_431_844_202_973_71, 0.173_927_422_568_726_9),
-            (0.330_009_478_207_571_9, 0.326_072_577_431_273_1),
-            (0.669_990_521_792_428_1, 0.326_072_577_431_273_1),
-            (0.930_568_155_797_026_2, 0.173_927_422_568_726_9),
-        ];
-        let span = to - from;
-        NODES.iter().map(|(x, w)| span * w / self.rate_square(interval, from + span * x).sqrt()).sum()
-    }
-
-    /// Goes on by a time in spacings.
-    fn advance(&mut self, mut time: f64) {
-        for _ in 0..POINTS {
-            if self.is_at_end() {
-                return;
-            }
-            let Follow { interval, part } = self.follow;
-            let rest = self.time_between(interval, part, 1.0);
-            if rest <= time {
-                time -= rest;
-                self.follow = Follow { interval: interval + 1, part: 0.0 };
-                continue;
-            }
-            let mut to = part + (1.0 - part) * time / rest;
-            for _ in 0..4 {
-                let off = time - self.time_between(interval, part, to);
-                to = (to + off * self.rate_square(interval, to).sqrt()).clamp(part, 1.0);
-            }
-            self.follow.part = to;
-            return;
-        }
-    }
-
-    fn position(&self) -> [f64; 3] {
-        let Follow { interval, part } = self.follow;
-        if self.is_at_end() {
-            return self.smooth.points[self.smooth.points.len() - 1];
-        }
-        spline(&self.smooth.points[interval..interval + 4], part)
     }
 }
