@@ -23,7 +23,7 @@ fn settings_for(text: &str) -> Settings {
 }
 
 fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/nc").join(folder);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.retain(|path| path.extension().is_some_and(|found| found == extension));
     files.sort();
@@ -34,7 +34,7 @@ fn run(path: &Path) -> (String, Checked) {
     let bytes = std::fs::read(path).unwrap();
     let text = String::from_utf8_lossy(&bytes).into_owned();
     let settings = settings_for(&text);
-    let library: HashMap<_, _> = files("sub", "NC")
+    let library: HashMap<_, _> = files("tests/nc/sub", "NC")
         .iter()
         .filter_map(|path| {
             let number = path.file_stem()?.to_str()?.strip_prefix('O')?.parse().ok()?;
@@ -55,7 +55,7 @@ fn run(path: &Path) -> (String, Checked) {
 
 #[test]
 fn t4_golden_programs_give_their_operations() {
-    let programs = files("", "NC");
+    let programs = files("tests/nc", "NC");
     assert!(!programs.is_empty());
     for path in programs {
         let (ops, checked) = run(&path);
@@ -70,7 +70,7 @@ fn t4_golden_programs_give_their_operations() {
 /// The first line says what is wrong: `; line:column cause`, several parted by ` | `.
 #[test]
 fn b1_wrong_programs_name_every_error_with_line_and_column() {
-    for path in files("bad", "NC") {
+    for path in files("tests/nc/bad", "NC") {
         let (_, checked) = run(&path);
         let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
         let expected = text.lines().next().unwrap().trim_start_matches([';', ' ']);
@@ -86,4 +86,14 @@ fn b1_wrong_programs_name_every_error_with_line_and_column() {
 #[test]
 fn b1_an_empty_library_has_no_programs() {
     assert!(NoLibrary.find(1).is_none());
+}
+
+#[test]
+fn k7_9_shipped_programs_have_no_mistake() {
+    for path in files("programs", "NC") {
+        let (_, checked) = run(&path);
+        let faults: Vec<_> = checked.faults.iter().map(|fault| fault.text(Lang::En)).collect();
+        assert!(faults.is_empty(), "{}: {faults:#?}", path.display());
+        assert!(checked.finished, "{}: {:#?}", path.display(), checked.warnings);
+    }
 }

@@ -147,7 +147,7 @@ program_errors! {
     PresetWithTools = 35, "preset-with-tools", "使用多把刀时不能用 G50", "G50 in a program with several tools",
         "多把刀请使用刀补方式", "with several tools work with offsets";
     /// Too much in one block.
-    BlockTooLong = 36, "block-too-long", "程序段太长", "the block has too many words",
+    BlockTooLong = 36, "block-too-long", "程序段太长", "the block is too long",
         "请分成几个程序段", "write it in several blocks";
     /// Brackets nested too deep.
     TooComplex = 37, "too-complex", "表达式嵌套太深", "the expression is nested too deep",

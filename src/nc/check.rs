@@ -113,6 +113,8 @@ impl Run<'_> {
     fn follow(&mut self, interpreter: &mut Interpreter, world: &mut CheckWorld, sink: &mut dyn FnMut(&Block)) {
         let mut block = Block::new(self.settings);
         let (mut standstill, mut left) = (0, 0);
+        // A word was left out somewhere: what is in force may differ from what it will be in the run.
+        let mut left_out = false;
         while !interpreter.has_ended() {
             let (source, line) = interpreter.at_line();
             let main = Arc::ptr_eq(source, self.source);
@@ -128,6 +130,7 @@ impl Run<'_> {
             }
             match interpreter.single(world, &mut block) {
                 Ok(more) => {
+                    left_out = left_out || interpreter.has_met_null();
                     if !block.ops.is_empty() {
                         self.found.blocks += 1;
                         block.ops.iter().for_each(|op| world.apply(op));
@@ -141,7 +144,8 @@ impl Run<'_> {
                     }
                 }
                 Err(fault) => {
-                    self.fault(fault);
+                    left_out = left_out || interpreter.has_met_null();
+                    self.judge(fault, interpreter.has_met_null(), left_out);
                     interpreter.skip_line();
                 }
             }
@@ -164,12 +168,14 @@ impl Run<'_> {
             if !self.visited.mark(line) {
                 continue;
             }
-            let mut cursor = Cursor::new(text, source.start(line));
+            let mut cursor = Cursor::window(text, source.start(line));
             let mut head = Head { mid_line: false, block_skip: false };
             loop {
                 let at = cursor.at;
                 let read = statement::read(&mut cursor, &mut Blank, &mut words, head);
+                let cut = cursor.is_cut(text);
                 let read = read.and_then(|content| match content {
+                    _ if cut => super::fault::wrong(at, E::BlockTooLong),
                     Content::Words => dialect::look(&words, self.settings),
                     Content::TextEnd { at } if !at_head(text, at) => {
                         self.text_end = Some(line);
@@ -192,6 +198,18 @@ impl Run<'_> {
                 head.mid_line = true;
             }
         }
+    }
+
+    /// What variables without a value cause is no mistake of the text: the operator will have given them.
+    fn judge(&mut self, fault: Fault, null_here: bool, left_out: bool) {
+        let by_null = match fault.error {
+            E::MissingWord | E::ArcWithoutCentre | E::ArcEndOff | E::ArcRadius => null_here,
+            E::DivisionByZero => null_here && fault.detail().is_empty(),
+            E::Domain | E::OutOfRange | E::BadVariable | E::SwitchVariable => null_here,
+            E::FeedMissing => left_out,
+            _ => false,
+        };
+        if by_null { self.warn(fault) } else { self.fault(fault) }
     }
 
     fn is_new(&mut self, place: Place, error: E) -> bool {

@@ -32,9 +32,13 @@ pub(crate) fn equal(a: f64, b: f64) -> bool {
 
 /// A whole number, if the value is one within 1e-9.
 #[must_use]
+#[inline]
 pub(crate) fn whole(value: f64) -> Option<i64> {
-    let near = value.round();
-    ((value - near).abs() <= 1e-9 * near.abs().max(1.0) && near.abs() <= WHOLE_LIMIT).then_some(near as i64)
+    // A cast cuts towards zero and saturates; NaN fails the comparison.
+    let near = (value + 0.5_f64.copysign(value)) as i64;
+    let limit = WHOLE_LIMIT as i64;
+    let off = (value - near as f64).abs();
+    (off <= 1e-9 * value.abs().max(1.0) && (-limit..=limit).contains(&near)).then_some(near)
 }
 
 /// Evaluates what stands at the cursor, comparisons included.
@@ -135,7 +139,7 @@ impl<S: Scope> Reader<'_, '_, S> {
     }
 
     fn product(&mut self) -> Outcome<Value> {
-        let mut left = self.power()?;
+        let mut left = self.sign()?;
         loop {
             self.cursor.blank()?;
             let at = self.cursor.at;
@@ -147,13 +151,41 @@ impl<S: Scope> Reader<'_, '_, S> {
                 _ => return Ok(left),
             };
             self.cursor.at += usize::from(self.cursor.at == at);
-            let right = self.power()?;
+            self.cursor.blank()?;
+            let literal = self.cursor.at_number();
+            let right = self.sign()?;
+            let zero = right.is_some_and(|right| right.abs() <= 0.0);
+            if literal && zero && S::STRICT && matches!(operator, Operator::Divide | Operator::Modulo) {
+                // The detail tells the check that no empty variable is to blame.
+                return wrong1(at, E::DivisionByZero, "0");
+            }
             left = self.apply(operator, left, right, at)?;
         }
     }
 
+    /// Signs bind weaker than `**`: `-2**2` is −4.
+    fn sign(&mut self) -> Outcome<Value> {
+        let negative = self.signs()?;
+        let value = self.power()?;
+        Ok(if negative { value.map(|value| -value) } else { value })
+    }
+
+    fn signs(&mut self) -> Outcome<bool> {
+        let mut negative = false;
+        for _ in 0..DEPTH {
+            self.cursor.blank()?;
+            match self.cursor.peek() {
+                b'-' => negative = !negative,
+                b'+' => {}
+                _ => return Ok(negative),
+            }
+            self.cursor.at += 1;
+        }
+        wrong(self.cursor.at, E::TooComplex)
+    }
+
     fn power(&mut self) -> Outcome<Value> {
-        let mut left = self.sign()?;
+        let mut left = self.factor()?;
         loop {
             self.cursor.blank()?;
             let at = self.cursor.at;
@@ -161,31 +193,16 @@ impl<S: Scope> Reader<'_, '_, S> {
                 return Ok(left);
             }
             self.cursor.at += 2;
-            let right = self.sign()?;
+            let negative = self.signs()?;
+            let right = self.factor()?;
             let (base, exponent) = (self.operand(left, at), self.operand(right, at));
+            let exponent = if negative { -exponent } else { exponent };
             let power = base.powf(exponent);
             if power.is_nan() && S::STRICT {
                 return wrong2(at, E::Domain, "**", format!("{base}, {exponent}"));
             }
             left = self.finite(power, at)?;
         }
-    }
-
-    fn sign(&mut self) -> Outcome<Value> {
-        let mut negative = false;
-        for _ in 0..DEPTH {
-            self.cursor.blank()?;
-            match self.cursor.peek() {
-                b'-' => negative = !negative,
-                b'+' => {}
-                _ => {
-                    let value = self.factor()?;
-                    return Ok(if negative { value.map(|value| -value) } else { value });
-                }
-            }
-            self.cursor.at += 1;
-        }
-        wrong(self.cursor.at, E::TooComplex)
     }
 
     fn factor(&mut self) -> Outcome<Value> {
@@ -230,7 +247,13 @@ impl<S: Scope> Reader<'_, '_, S> {
         self.cursor.at += 1;
         self.cursor.blank()?;
         let value = match self.cursor.peek() {
-            b'0'..=b'9' | b'.' => Some(self.cursor.number()?.value),
+            b'0'..=b'9' | b'.' => {
+                let number = self.cursor.number()?;
+                if !number.point && number.value < f64::from(u32::MAX) {
+                    return Ok(number.value as u32);
+                }
+                Some(number.value)
+            }
             b'[' => self.bracket()?,
             b'#' => {
                 self.enter(at)?;
@@ -336,5 +359,26 @@ fn holds(compare: Compare, left: Value, right: Value) -> bool {
         Compare::Ge => a > b || equals,
         Compare::Lt => a < b && !equals,
         Compare::Le => a < b || equals,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b3_eq_is_within_a_billionth_of_the_larger() {
+        assert!(equal(0.1 + 0.2, 0.3) && equal(0.1 + 0.2 - 0.3, 0.0) && equal(1e6, 1e6 + 5e-4));
+        assert!(!equal(1e6, 1e6 + 5e-3) && !equal(0.001, 0.001_000_01) && !equal(0.0, 1e-9));
+    }
+
+    #[test]
+    fn b3_whole_numbers_are_recognised_through_rounding() {
+        for (value, found) in [(2.0, Some(2)), (-2.0, Some(-2)), (2.0 - 1e-12, Some(2)), (-0.0, Some(0)), (2.5, None)] {
+            assert_eq!(whole(value), found, "{value}");
+        }
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 0.5, -0.5, 1e-3] {
+            assert_eq!(whole(value), None, "{value}");
+        }
     }
 }

@@ -35,6 +35,10 @@ impl Fault {
         Self { place, column, error: wrong.error, details: wrong.details }
     }
 
+    pub(crate) fn detail(&self) -> &str {
+        &self.details[0]
+    }
+
     /// The alarm number, 1–65 or 67–99.
     #[must_use]
     pub const fn alarm(&self) -> u16 {

@@ -58,6 +58,11 @@ impl Interpreter {
         self.flow.mid_line || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
     }
 
+    /// Whether a variable without a value counted in the last block.
+    pub(crate) fn has_met_null(&self) -> bool {
+        self.words.has_null() || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
+    }
+
     /// What is allowed and seldom meant in the last block.
     pub(crate) fn remarks(&mut self) -> Vec<Fault> {
         let source = Arc::clone(&self.flow.source);

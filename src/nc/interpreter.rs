@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::dialect::{self, Running, Step};
 use super::expression::Value;
-use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1};
+use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1, wrong2};
 use super::flow::{Call, Callee, Flow};
 use super::lexer::Cursor;
 use super::memory::{Memory, VariableError};
@@ -68,7 +68,7 @@ pub struct Interpreter {
     pub(super) settings: Settings,
     memory: Memory,
     modals: Modals,
-    words: Words,
+    pub(super) words: Words,
     pub(super) ended: bool,
     pub(super) second_half: bool,
     /// The last block number read (#4114).
@@ -187,7 +187,7 @@ impl Interpreter {
         let source = Arc::clone(&self.flow.source);
         let text = source.bytes();
         let (at, line) = (self.flow.at, self.flow.line + 1);
-        let mut cursor = Cursor::new(text, at);
+        let mut cursor = Cursor::window(text, at);
         if cursor.is_over() {
             return self.text_over(at);
         }
@@ -204,7 +204,11 @@ impl Interpreter {
             source: &source,
             world,
         };
-        let content = statement::read(&mut cursor, &mut scope, &mut self.words, head)?;
+        let read = statement::read(&mut cursor, &mut scope, &mut self.words, head);
+        if cursor.is_cut(text) {
+            return wrong(at, E::BlockTooLong);
+        }
+        let content = read?;
         let step = match content {
             Content::Words => {
                 let mut modals = self.modals;
@@ -274,6 +278,10 @@ impl Interpreter {
                     self.pass(cursor);
                 }
             }
+            // What follows END on its line would be lost when the loop is left.
+            Content::EndLoop { number, at } if statement::goes_on(cursor) => {
+                return wrong1(at, E::BadStatement, format!("END{number};…"));
+            }
             Content::EndLoop { number, at } => self.flow.end_loop(number, at)?,
             // The `%` at the head of a text only opens it.
             Content::TextEnd { at } if at_head(text, at) && !text[..at].contains(&b'%') => self.pass(cursor),
@@ -284,9 +292,13 @@ impl Interpreter {
 
     /// Acts on what a block of words asked for besides its operations.
     fn prepare(&mut self, step: Step, cursor: &Cursor<'_>, block: &mut Block) -> Outcome<Stepped> {
+        let moves = self.flow.modal.is_some() && block.ops.iter().any(Op::is_motion);
         match step {
+            Step::Goto { at, .. } | Step::Call(Call { at, .. }) | Step::Return { at, .. } if moves => {
+                // The macro would have to run between the move and the jump.
+                return wrong2(at, E::NotTogether, "G66", "M");
+            }
             Step::Next => {
-                let moves = self.flow.modal.is_some() && block.ops.iter().any(Op::is_motion);
                 let modal = self.flow.modal.clone().filter(|_| moves);
                 let at = self.flow.at;
                 let source = modal.as_ref().map(|modal| self.find(modal.program, at)).transpose()?;
@@ -361,7 +373,7 @@ impl Interpreter {
                 let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
                 let value = value.unwrap_or(0.0);
                 let Some(number) = super::expression::whole(value).filter(|number| (0..=999).contains(number)) else {
-                    return super::fault::wrong2(at, E::OutOfRange, format!("#{variable}={value}"), "0–999");
+                    return wrong2(at, E::OutOfRange, format!("#{variable}={value}"), "0–999");
                 };
                 let number = number as u32;
                 block.ops.push(if variable == 3000 {

@@ -17,6 +17,9 @@ const POWERS_OF_TEN: [f64; 23] = [
     1e21, 1e22,
 ];
 
+/// The most bytes of a block; more could hold up a tick.
+pub(crate) const BLOCK_LENGTH: usize = 4_096;
+
 /// What stands after the last byte of a text.
 pub(crate) const END: u8 = b'\n';
 
@@ -36,8 +39,16 @@ pub(crate) struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    pub const fn new(text: &'a [u8], at: usize) -> Self {
-        Self { text, at }
+    /// Sees one block's length of the text from a place on.
+    pub fn window(text: &'a [u8], at: usize) -> Self {
+        let end = text.len().min(at + BLOCK_LENGTH);
+        Self { text: &text[..end], at }
+    }
+
+    /// Whether a block of `text` was cut off by the window.
+    pub const fn is_cut(&self, text: &[u8]) -> bool {
+        // A CR at the very end may have its LF outside.
+        self.text.len() < text.len() && self.at + 2 > self.text.len()
     }
 
     /// The next byte; a line end after the last.
@@ -207,7 +218,7 @@ mod tests {
     use super::*;
 
     fn number(text: &str) -> Option<f64> {
-        Cursor::new(text.as_bytes(), 0).number().ok().map(|number| number.value)
+        Cursor::window(text.as_bytes(), 0).number().ok().map(|number| number.value)
     }
 
     #[test]

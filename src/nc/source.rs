@@ -223,9 +223,20 @@ fn line_starts(bytes: &[u8]) -> Vec<u32> {
     starts
 }
 
-fn blank(bytes: &[u8]) -> &[u8] {
-    let kept = bytes.iter().position(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(bytes.len());
-    &bytes[kept..]
+/// Without leading spaces and `( )` comments.
+fn blank(mut bytes: &[u8]) -> &[u8] {
+    loop {
+        let kept = bytes.iter().position(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(bytes.len());
+        bytes = &bytes[kept..];
+        if bytes.first() != Some(&b'(') {
+            return bytes;
+        }
+        let closed = bytes.iter().position(|byte| matches!(byte, b')' | b'\r' | b'\n'));
+        match closed {
+            Some(close) if bytes[close] == b')' => bytes = &bytes[close + 1..],
+            Some(_) | None => return &[],
+        }
+    }
 }
 
 fn starts(bytes: &[u8], word: &[u8]) -> bool {

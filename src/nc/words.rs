@@ -106,6 +106,13 @@ impl Words {
         &self.list[..self.count]
     }
 
+    /// Whether a word was left out because its variable is null.
+    pub fn has_null(&self) -> bool {
+        // `G65 H… P#i` names the variable that takes the result.
+        let result = |word: &Word| word.letter == b'P' && self.has(b'H');
+        self.list().iter().any(|word| word.kind == Kind::Null && !result(word))
+    }
+
     /// The G codes in order.
     #[inline]
     pub fn g(&self) -> &[Code] {

@@ -7,7 +7,7 @@ use crate::nc::dialect::Running;
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::{CycleWords, Motion};
 use crate::nc::op::{PathMode, Plane, SpeedMode};
-use crate::nc::words::Code;
+use crate::nc::words::{Code, Words};
 
 /// What the G codes of a block ask for; modal ones are already in the working copy of the modals.
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,7 +40,7 @@ impl Plan {
 pub(super) fn read(running: &mut Running<'_, '_>) -> Outcome<Plan> {
     let mill = running.settings.is_mill();
     let mut plan = Plan::default();
-    let mut holders: [Option<Code>; 11] = [None; 11];
+    let mut taken = 0_u16;
     let mut absolute = None;
     let words = running.words;
     for code in words.g() {
@@ -53,9 +53,10 @@ pub(super) fn read(running: &mut Running<'_, '_>) -> Outcome<Plan> {
             continue;
         }
         let group = row.group_on(mill);
-        if let Some(before) = holders[group as usize].replace(*code) {
-            return double(*code, before);
+        if taken & 1 << group as u16 != 0 {
+            return double_group(words, *code, group, mill);
         }
+        taken |= 1 << group as u16;
         apply(running, &mut plan, group, *code);
     }
     if let Some(code) = absolute
@@ -80,6 +81,14 @@ pub(super) fn look_up(code: Code, mill: bool) -> Outcome<&'static GCode> {
         Exists::No if code.number == 91 => wrong(at, E::IncrementalG91),
         Exists::No => wrong1(at, E::WrongKindG, name()),
     }
+}
+
+/// The fault of a code whose group stood before in the block.
+#[cold]
+fn double_group<T>(words: &Words, code: Code, group: Group, mill: bool) -> Outcome<T> {
+    let same = |before: &&Code| GCode::find(before.number).is_some_and(|row| row.group_on(mill) == group);
+    let before = words.g().iter().filter(|before| mill || before.number != 90).find(same);
+    double(code, before.copied().unwrap_or(code))
 }
 
 #[cold]

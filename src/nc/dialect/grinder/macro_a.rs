@@ -122,7 +122,7 @@ fn result_variable(running: &mut Running<'_, '_>, h: Word) -> Outcome<(u32, usiz
         return wrong2(h.at as usize, E::MissingWord, format!("G65 H{:02}", h.value), "P");
     };
     let at = word.at as usize;
-    let mut cursor = Cursor::new(running.text, at + 1);
+    let mut cursor = Cursor::window(running.text, at + 1);
     cursor.blank()?;
     if cursor.peek() != b'#' {
         return wrong1(at, E::BadStatement, "P#i");

@@ -44,7 +44,11 @@ pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<T
         if by {
             target.incremental.insert(axis);
         }
-        target.to[axis] = if by { from[axis] + value } else { value };
+        let to = if by { from[axis] + value } else { value };
+        if to.abs() > LIMIT {
+            return out_of_range(char::from(word.letter), word, "±99999.999");
+        }
+        target.to[axis] = to;
     }
     Ok(target)
 }
