@@ -160,7 +160,7 @@ fn run(legs: &[Leg], events: &[(u16, Event)], tolerance_mm: f64) {
     let end = contour.last().map_or([0.0; 3], |(_, m)| m.to.0);
     let tags: Vec<u32> = contour.iter().map(|(_, m)| m.tag).collect();
     for (_, m) in &contour {
-        path.push(*m).unwrap();
+        assert_eq!(path.push(*m), Ok(()));
     }
     let mut witness = Witness { limits: limits(), past: [[0.0; 3]; 4], contour, tolerance_mm };
     let mut ov = Override::FULL;

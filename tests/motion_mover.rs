@@ -34,7 +34,7 @@ impl Watched {
         }
     }
 
-    fn to_rest(&mut self) -> f64 {
+    fn run_to_rest(&mut self) -> f64 {
         for _ in 0..100_000 {
             if self.axis.is_at_rest() {
                 return self.axis.position();
@@ -52,7 +52,7 @@ fn jog_runs_until_let_go() {
     w.ticks(1_000);
     assert!((w.axis.velocity_mm_s() + 20.0).abs() < 1e-12);
     w.axis.velocity_target(0.0);
-    w.to_rest();
+    w.run_to_rest();
     assert!(w.axis.velocity_mm_s().abs() < 1e-12);
 }
 
@@ -61,11 +61,11 @@ fn jog_lands_on_the_software_limit_and_outward_is_refused_there() {
     let mut w = Watched::new();
     w.axis.set_bounds(Some((-5.0, 12.5)));
     w.axis.velocity_target(50.0);
-    assert!((w.to_rest() - 12.5).abs() < 1e-12);
+    assert!((w.run_to_rest() - 12.5).abs() < 1e-12);
     w.axis.velocity_target(10.0);
-    assert!((w.to_rest() - 12.5).abs() < 1e-12);
+    assert!((w.run_to_rest() - 12.5).abs() < 1e-12);
     w.axis.velocity_target(-50.0);
-    assert!((w.to_rest() + 5.0).abs() < 1e-12);
+    assert!((w.run_to_rest() + 5.0).abs() < 1e-12);
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn from_beyond_a_limit_only_the_way_back_is_open() {
     w.ticks(100);
     assert!(w.axis.position().abs() < 1e-12);
     w.axis.velocity_target(5.0);
-    assert!((w.to_rest() - 10.0).abs() < 1e-12);
+    assert!((w.run_to_rest() - 10.0).abs() < 1e-12);
 }
 
 #[test]
@@ -86,9 +86,9 @@ fn handwheel_detents_at_every_moment_end_exactly_on_the_last() {
         w.axis.position_target(f64::from(detent) * 0.01, 50.0);
         w.ticks(7);
     }
-    assert!((w.to_rest() - 0.4).abs() < 1e-15);
+    assert!((w.run_to_rest() - 0.4).abs() < 1e-15);
     w.axis.position_target(0.399, 50.0);
-    assert!((w.to_rest() - 0.399).abs() < 1e-15);
+    assert!((w.run_to_rest() - 0.399).abs() < 1e-15);
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn emergency_stop_brakes_with_more_jerk_but_no_more_deceleration() {
     let from = w.axis.position();
     w.axis.emergency_stop();
     // v²/2a and v/2 of the 5 ms that the deceleration takes to build up.
-    let braking = w.to_rest() - from;
+    let braking = w.run_to_rest() - from;
     assert!((braking - (2.5 + 0.125)).abs() < 0.01, "{braking}");
 }
 
@@ -138,6 +138,6 @@ proptest! {
             }
         }
         w.axis.position_target(1.25, 50.0);
-        prop_assert!((w.to_rest() - 1.25).abs() < 1e-12);
+        prop_assert!((w.run_to_rest() - 1.25).abs() < 1e-12);
     }
 }

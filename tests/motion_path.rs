@@ -1,4 +1,5 @@
 //! Stories of program motion: strokes, hold, abort, overrides, taking moves back.
+#![allow(clippy::unwrap_used, clippy::expect_used)] // A test may fail so.
 
 use kt830::motion::{AxisLimits, End, Limits, MOVES, Move, Override, Path, PathFull, Rate, Shape};
 use kt830::units::PerAxis;
@@ -41,7 +42,7 @@ fn ticks_to_rest(path: &mut Path) -> u32 {
             path.tick(FULL);
             at_rest
         })
-        .unwrap()
+        .expect("never at rest")
 }
 
 #[test]
@@ -181,4 +182,46 @@ fn distance_to_go_is_to_the_end_of_the_active_move() {
     ticks(&mut path, 300, FULL);
     let (PerAxis([_, _, at]), PerAxis([_, _, to_go])) = (path.position(), path.distance_to_go());
     assert!((at + to_go - 100.0).abs() < 1e-12);
+}
+
+/// A quarter of a circle of 20 mm in chords of 1°, sagitta 0.8 µm.
+fn chords(path: &mut Path) {
+    for k in 1..=90_u32 {
+        let (sin, cos) = f64::from(k).to_radians().sin_cos();
+        let end = End::Continuous { tolerance_mm: 0.01 };
+        path.push(Move { end, ..line(20.0 - 20.0 * cos, 20.0 * sin, k) }).unwrap();
+    }
+}
+
+#[test]
+fn short_chords_are_one_curve_and_every_tag_is_reported_in_order() {
+    let mut path = path();
+    chords(&mut path);
+    let mut slowest = f64::INFINITY;
+    let mut tags = Vec::new();
+    while !path.is_done() {
+        path.tick(FULL);
+        tags.extend(path.pop_finished());
+        if matches!(path.active_tag(), Some(20..=70)) {
+            slowest = slowest.min(path.path_speed_mm_s());
+        }
+    }
+    // √(a r) = 100 mm/s at 500 mm/s² on 20 mm; a stop would be 0.
+    assert!(slowest > 50.0, "{slowest} mm/s");
+    assert_eq!(tags, (1..=90).collect::<Vec<_>>());
+}
+
+#[test]
+fn hold_in_a_curve_comes_to_rest_soon() {
+    let mut path = path();
+    chords(&mut path);
+    while path.active_tag() < Some(45) {
+        path.tick(FULL);
+    }
+    path.hold();
+    // From 100 mm/s at half of 500 mm/s², the other half bending the path: 400 ms.
+    let braking = ticks_to_rest(&mut path);
+    assert!(braking < 500, "{braking} ticks");
+    path.resume();
+    finish(&mut path);
 }

@@ -5,6 +5,22 @@ use crate::story::Eyes;
 
 /// Eyes for a language; none in a build without the screen.
 #[must_use]
-pub fn eyes(_lang: Lang) -> Option<Box<dyn Eyes>> {
-    None
+pub fn eyes(lang: Lang) -> Option<Box<dyn Eyes>> {
+    #[cfg(feature = "hmi")]
+    return Some(Box::new(Painted(lang)));
+    #[cfg(not(feature = "hmi"))]
+    {
+        let _ = lang;
+        None
+    }
+}
+
+#[cfg(feature = "hmi")]
+struct Painted(Lang);
+
+#[cfg(feature = "hmi")]
+impl Eyes for Painted {
+    fn texts(&mut self, snapshot: &crate::link::Snapshot) -> Vec<String> {
+        crate::hmi::page_text(snapshot, self.0)
+    }
 }

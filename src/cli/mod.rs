@@ -4,9 +4,14 @@
 mod args;
 mod bench;
 mod check;
+mod demo;
 mod eyes;
 mod play;
 mod run;
+#[cfg(feature = "hmi")]
+mod shot;
+#[cfg(feature = "hmi")]
+mod window;
 
 use std::process::ExitCode;
 
@@ -34,10 +39,18 @@ pub fn main() -> ExitCode {
         }
     };
     let done = match &args.verb {
-        Some(Verb::Run(run)) => run::run(&args.shared, run),
-        Some(Verb::Check(check)) => check::check(&args.shared, check),
-        Some(Verb::Play(play)) => play::play(&args.shared, play),
-        _ => Err(CallError::new("not wired")),
+        Some(Verb::Run(call)) => run::run(&args.shared, call),
+        Some(Verb::Check(call)) => check::check(&args.shared, call),
+        Some(Verb::Play(call)) => play::play(&args.shared, call),
+        Some(Verb::Demo(call)) => demo::demo(&args.shared, call),
+        #[cfg(feature = "hmi")]
+        Some(Verb::Shot(call)) => shot::shot(&args.shared, call),
+        #[cfg(feature = "hmi")]
+        None => window::open(&args.shared, !args.windowed),
+        #[cfg(not(feature = "hmi"))]
+        Some(Verb::Shot(_)) | None => Err(CallError::new(
+            "this build has no screen: use `demo`, `run`, `play` or `check`, or build with the feature hmi",
+        )),
     };
     match done {
         Ok(status) => ExitCode::from(status),

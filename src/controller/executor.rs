@@ -49,10 +49,12 @@ impl Controller {
         let Some(mut run) = self.run.take() else { return };
         self.retire(&mut run);
         let mut close = false;
-        if matches!(self.cycle, Cycle::Running) {
+        if run.splitting && matches!(self.cycle, Cycle::Running) {
+            self.take_back_moves(&mut run);
+        } else if matches!(self.cycle, Cycle::Running) {
             close = self.carry_out(&mut run);
         }
-        if matches!(self.cycle, Cycle::Running) && !close {
+        if matches!(self.cycle, Cycle::Running) && !close && !run.splitting {
             self.feed(&mut run);
             self.read_ahead(&mut run);
             self.feed(&mut run);
@@ -428,18 +430,21 @@ impl Controller {
         self.effects.push(Effect::Parts(self.parts));
     }
 
-    /// Single block was switched on with moves already handed over: they are taken back at the next stand.
-    pub(super) fn take_back_moves(&mut self) {
-        if let Some(run) = &mut self.run {
-            let mut taken = Vec::new();
-            self.axes.path.drain_unfinished(&mut taken);
-            for item in run.items.iter_mut() {
-                if let Item::Move(planned) = item {
-                    planned.tag = None;
-                }
-            }
-            run.fed = 0;
+    /// Once the axes stand, the moves handed over go back to the run, which then gives out one block at a time.
+    fn take_back_moves(&mut self, run: &mut Run) {
+        if !self.axes.path.is_at_rest() {
+            return;
         }
+        let mut taken = Vec::new();
+        self.axes.path.drain_unfinished(&mut taken);
+        for item in &mut run.items {
+            if let Item::Move(planned) = item {
+                planned.tag = None;
+            }
+        }
+        run.fed = 0;
+        run.splitting = false;
+        self.axes.path.resume();
     }
 
     /// Where the block under way still leads, displayed.

@@ -67,7 +67,7 @@ impl Controller {
         if !key.is_on(self.kind) {
             return Some(NOT_ON_KIND);
         }
-        if matches!(self.cycle, Cycle::Running | Cycle::Holding | Cycle::Aborting) && !row.in_run {
+        if matches!(self.cycle, Cycle::Running | Cycle::Aborting) && !row.in_run {
             return Some(NOT_IN_RUN);
         }
         if !is_in_this_version(key) {
@@ -197,8 +197,13 @@ impl Controller {
 
     fn switch_single_block(&mut self) {
         self.switches.single_block = !self.switches.single_block;
-        if self.switches.single_block && matches!(self.cycle, Cycle::Running) && self.axes.path.is_at_rest() {
-            self.take_back_moves();
+        if self.switches.single_block
+            && matches!(self.cycle, Cycle::Running)
+            && let Some(run) = &mut self.run
+            && run.fed > 0
+        {
+            self.axes.path.hold();
+            run.splitting = true;
         }
     }
 

@@ -146,6 +146,8 @@ pub struct Run {
     pub mdi: bool,
     /// When it began.
     pub since: Micros,
+    /// Single block was switched on with moves already handed over: the axes stop, and the moves are taken back.
+    pub splitting: bool,
     /// In-position wait of the item at the front.
     pub settle_since: Option<Micros>,
 }
@@ -193,6 +195,7 @@ impl Run {
             doing: Doing::Nothing,
             mdi: false,
             since: now,
+            splitting: false,
             settle_since: None,
         }
     }

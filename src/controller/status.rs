@@ -175,6 +175,12 @@ impl Controller {
         self.blocks
     }
 
+    /// Whether the axes are braking to a hold or a reset.
+    #[must_use]
+    pub const fn is_braking(&self) -> bool {
+        matches!(self.cycle, Cycle::Holding | Cycle::Aborting)
+    }
+
     /// Whether no set-point moves.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {

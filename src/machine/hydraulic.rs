@@ -27,12 +27,12 @@ pub struct Hydraulic {
     since: Option<Micros>,
     alarm: Alarm180,
     refused_start: bool,
-    pressure_ok: bool,
+    acknowledged: bool,
 }
 
 impl Hydraulic {
     pub fn new(power_on: Micros) -> Self {
-        Self { on: false, since: Some(power_on), alarm: Alarm180::Clear, refused_start: false, pressure_ok: false }
+        Self { on: false, since: Some(power_on), alarm: Alarm180::Clear, refused_start: false, acknowledged: false }
     }
 
     pub fn make_ready(&mut self) {
@@ -68,11 +68,9 @@ impl Hydraulic {
         self.refused_start = true;
     }
 
-    /// RESET: a latched alarm goes if its cause is gone.
+    /// RESET: with the next look a latched alarm goes if its cause is gone.
     pub fn acknowledge(&mut self) {
-        if self.alarm == Alarm180::Latched && self.pressure_ok {
-            self.alarm = Alarm180::Clear;
-        }
+        self.acknowledged = true;
     }
 
     /// K3.7, each tick. Looked at from P270 after power-on and after each switching-on, also after a deliberate M15.
@@ -88,10 +86,12 @@ impl Hydraulic {
         let looked_at = !params.bit(param::NO_HYDRAULIC_CHECK) && delay > Micros::ZERO;
         let due = self.is_due(now, delay);
         let missing = looked_at && due && !inputs.has(Input::HydraulicPressure);
-        self.pressure_ok = !looked_at || inputs.has(Input::HydraulicPressure);
+        let pressure_ok = !looked_at || inputs.has(Input::HydraulicPressure);
         let refused = std::mem::take(&mut self.refused_start);
-        let granted = self.on && due && self.pressure_ok;
+        let acknowledged = std::mem::take(&mut self.acknowledged);
+        let granted = self.on && due && pressure_ok;
         let next = match self.alarm {
+            Alarm180::Latched if acknowledged && pressure_ok => Alarm180::Clear,
             Alarm180::Latched => Alarm180::Latched,
             Alarm180::Clear | Alarm180::Present | Alarm180::StartRefused if missing && (wheel_on || run_open) => {
                 Alarm180::Latched

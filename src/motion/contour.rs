@@ -102,6 +102,45 @@ impl Segment {
         }
     }
 
+    /// Where along the segment, mm, it is nearest to `point`.
+    #[must_use]
+    pub fn nearest(&self, point: [f64; 3]) -> f64 {
+        match self.form {
+            Form::Line => {
+                let d = [0, 1, 2].map(|x| self.to[x] - self.from[x]);
+                let along: f64 = (0..3).map(|x| (point[x] - self.from[x]) * d[x]).sum();
+                (along / self.length.max(NO_LENGTH_MM)).clamp(0.0, self.length)
+            }
+            Form::Arc { center, axes, angle, sweep, .. } => {
+                // By the angle alone: exact for a flat arc, and near enough within the tube of a helix.
+                let (x, y) = (point[axes[0]] - center[0], point[axes[1]] - center[1]);
+                let turned = (sweep.signum() * (y.atan2(x) - angle)).rem_euclid(TAU);
+                let whole = sweep.abs();
+                if turned <= whole {
+                    turned / whole * self.length
+                } else if turned - whole < TAU - turned {
+                    self.length
+                } else {
+                    0.0
+                }
+            }
+        }
+    }
+
+    /// Directions at the start and at the end, of length 1.
+    #[must_use]
+    pub fn directions(&self) -> [[f64; 3]; 2] {
+        let step = self.length * 1e-4;
+        let toward = |a: [f64; 3], b: [f64; 3]| {
+            let length = distance(a, b).max(NO_LENGTH_MM);
+            [0, 1, 2].map(|x| (b[x] - a[x]) / length)
+        };
+        match self.form {
+            Form::Line => [toward(self.from, self.to); 2],
+            Form::Arc { .. } => [toward(self.from, self.at(step)), toward(self.at(self.length - step), self.to)],
+        }
+    }
+
     /// Limits of speed, acceleration and jerk along the segment that keep those of every axis.
     #[must_use]
     pub fn limits(&self, limits: &Limits) -> AxisLimits {

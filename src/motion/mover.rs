@@ -157,7 +157,7 @@ impl AxisMover {
 
     fn jog(&self, velocity: f64) -> Profile {
         let limits = self.limits;
-        if !(velocity.abs() > 0.0) {
+        if velocity.is_nan() || velocity.abs() <= 0.0 {
             return self.halt(limits);
         }
         let cruise = AxisLimits { velocity_mm_s: velocity.abs(), ..limits };

@@ -13,7 +13,7 @@ use super::planner::Planner;
 use super::trail::{Spot, Trail};
 use super::warp::{History, StepLimits, Warp};
 use super::{Limits, Move, Override, PathFull, Rate, SetPoint};
-use crate::units::{Axis, PerAxis};
+use crate::units::PerAxis;
 
 /// Moves that can be queued.
 pub const MOVES: usize = 256;
@@ -62,7 +62,7 @@ impl Path {
         let spot = trail.resting_spot();
         Self {
             limits,
-            steps: step_limits(&limits),
+            steps: StepLimits::of(&limits),
             moves: VecDeque::with_capacity(MOVES),
             finished: VecDeque::with_capacity(FINISHED_KEPT),
             finished_tag: None,
@@ -84,7 +84,7 @@ impl Path {
         assert!(self.is_done(), "limits changed while moves are queued");
         check_limits(&limits);
         self.limits = limits;
-        self.steps = step_limits(&limits);
+        self.steps = StepLimits::of(&limits);
         self.planner = Planner::new(&limits);
     }
 
@@ -310,14 +310,5 @@ fn check_limits(limits: &Limits) {
     for (axis, l) in limits.axes.iter() {
         let good = positive(l.velocity_mm_s) && positive(l.acceleration_mm_s2) && positive(l.jerk_mm_s3);
         assert!(good, "limits of {axis}: {l:?}");
-    }
-}
-
-fn step_limits(limits: &Limits) -> StepLimits {
-    let dt = limits.tick_s;
-    StepLimits {
-        first: Axis::ALL.map(|axis| limits.axes[axis].velocity_mm_s * dt),
-        second: Axis::ALL.map(|axis| limits.axes[axis].acceleration_mm_s2 * dt * dt),
-        third: Axis::ALL.map(|axis| limits.axes[axis].jerk_mm_s3 * dt * dt * dt),
     }
 }

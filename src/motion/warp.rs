@@ -5,7 +5,9 @@
 //! meanwhile, so a candidate is run ahead tick by tick to its end and its set-points are differenced like any emitted
 //! ones. Only a candidate found good is begun, so there is always a verified way on: the one under way.
 
+use super::Limits;
 use super::trail::{Spot, Trail};
+use crate::units::Axis;
 
 /// Rate changes tried, as fractions of the quickest that the axes could do on a straight line; the first good one wins.
 const CANDIDATES: [f64; 11] = [0.98, 0.8, 0.65, 0.5, 0.38, 0.28, 0.2, 0.12, 0.07, 0.035, 0.015];
@@ -38,6 +40,28 @@ pub struct StepLimits {
 pub type History = [[f64; 3]; 4];
 
 impl StepLimits {
+    /// The limits of one tick.
+    #[must_use]
+    pub fn of(limits: &Limits) -> Self {
+        let dt = limits.tick_s;
+        Self {
+            first: Axis::ALL.map(|axis| limits.axes[axis].velocity_mm_s * dt),
+            second: Axis::ALL.map(|axis| limits.axes[axis].acceleration_mm_s2 * dt * dt),
+            third: Axis::ALL.map(|axis| limits.axes[axis].jerk_mm_s3 * dt * dt * dt),
+        }
+    }
+
+    /// How many times slower the newest set-point of a history would keep all limits; up to 1 it does already.
+    #[must_use]
+    pub fn slowing(&self, p: &History) -> f64 {
+        (0..3).fold(0.0, |worst, x| {
+            let (d1, d2, d3) = (p[3][x] - p[2][x], p[2][x] - p[1][x], p[1][x] - p[0][x]);
+            let third = (d1 - 2.0 * d2 + d3).abs() / self.third[x];
+            let second = (d1 - d2).abs() / self.second[x];
+            f64::max(worst, d1.abs() / self.first[x]).max(second.sqrt()).max(third.cbrt())
+        })
+    }
+
     /// Whether the newest set-point of a history keeps all limits.
     #[must_use]
     pub fn keeps(&self, p: &History) -> bool {

@@ -46,6 +46,12 @@ pub struct Setup {
     pub seed: u64,
 }
 
+/// Somebody beside the rig: paces it, shows it, brings commands of a person.
+pub trait Companion: Send {
+    /// Called after each tick; true when the person has touched something.
+    fn accompany(&mut self, now: Micros, control: &Controller, inbox: &mut Vec<Command>) -> bool;
+}
+
 /// Control and machine.
 pub struct Rig {
     kind: Kind,
@@ -63,6 +69,8 @@ pub struct Rig {
     directory: Arc<Vec<DirectoryRow>>,
     screens: Arc<Screens>,
     snapshot: Snapshot,
+    companion: Option<Box<dyn Companion>>,
+    touched: bool,
 }
 
 impl Rig {
@@ -97,6 +105,8 @@ impl Rig {
             directory: Arc::new(directory),
             screens: Arc::new(screens),
             snapshot: Snapshot::new(kind),
+            companion: None,
+            touched: false,
         };
         rig.deliver();
         Ok(rig)
@@ -167,6 +177,25 @@ impl Rig {
         self.inbox.clear();
         self.machine.write(self.now, &outputs);
         self.keep();
+        if let Some(companion) = &mut self.companion {
+            self.touched |= companion.accompany(self.now, &self.controller, &mut self.inbox);
+        }
+    }
+
+    /// From now on somebody stands beside the rig.
+    pub fn accompany(&mut self, companion: Box<dyn Companion>) {
+        self.companion = Some(companion);
+    }
+
+    /// Whether a person has touched something since [`Rig::take_touch`].
+    #[must_use]
+    pub const fn is_touched(&self) -> bool {
+        self.touched
+    }
+
+    /// Whether a person has touched something; the next touch is told anew.
+    pub const fn take_touch(&mut self) -> bool {
+        std::mem::replace(&mut self.touched, false)
     }
 
     /// Keeps what the control wishes; without a disk thread the acknowledgement comes at once.

@@ -14,6 +14,8 @@ use crate::units::{Axis, Micros};
 
 /// Ticks after every statement.
 const ANSWER_TICKS: u32 = 2;
+/// Longest wait for an answer.
+const ANSWER_MOST: Micros = Micros::from_millis(48);
 /// Ticks after an input was forced: longer than the input filter.
 const INPUT_TICKS: u32 = 20;
 /// How often a held key is heard of.
@@ -29,7 +31,7 @@ pub trait Eyes {
     fn texts(&mut self, snapshot: &Snapshot) -> Vec<String>;
 }
 
-/// Plays a story.
+/// Plays a story. Where a person stands beside the rig and touches something, waiting ends at once.
 pub struct Player<'a> {
     rig: &'a mut Rig,
     eyes: Option<Box<dyn Eyes>>,
@@ -117,8 +119,10 @@ impl<'a> Player<'a> {
         }
     }
 
+    /// Until the control has answered: two ticks, and up to 50 ms while it brakes.
     fn answer(&mut self) -> Result<(), String> {
         self.ticks(ANSWER_TICKS);
+        self.run_until(ANSWER_MOST, |rig| !rig.controller().is_braking());
         Ok(())
     }
 
@@ -134,7 +138,7 @@ impl<'a> Player<'a> {
 
     fn wait(&mut self, span: Micros) {
         let end = self.rig.now() + span;
-        while self.rig.now() < end {
+        while self.rig.now() < end && !self.rig.is_touched() {
             self.rig.step();
         }
     }
@@ -143,7 +147,7 @@ impl<'a> Player<'a> {
     fn run_until(&mut self, most: Micros, mut done: impl FnMut(&mut Rig) -> bool) -> bool {
         let end = self.rig.now() + most;
         while !done(self.rig) {
-            if self.rig.now() >= end {
+            if self.rig.now() >= end || self.rig.is_touched() {
                 return false;
             }
             self.rig.step();

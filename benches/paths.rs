@@ -1,0 +1,115 @@
+//! Runs the benchmark paths and compares their time with the least possible.
+//!
+//! Reads every `*.json` in the folder named by `KT830_BENCH_PATHS`; prints name, seconds and the ratio to the jerk-limited
+//! optimum. Fails when a limit or the tolerance is exceeded in any tick, or path a is slower than 1.20.
+#![allow(clippy::print_stdout, clippy::unwrap_used)]
+
+use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Rate, Shape};
+use kt830::units::PerAxis;
+use serde_json::Value;
+use std::time::Instant;
+
+/// Rounding of positions to 300 mm, differenced three times over 1 ms: 5e-4 mm/s³.
+const SLACK: f64 = 1e-6;
+const MOST_TICKS: u32 = 200_000;
+
+fn distance_to_line(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
+    let (dx, dz) = (b[0] - a[0], b[1] - a[1]);
+    let square = dx * dx + dz * dz;
+    let t = if square > 0.0 { (((p[0] - a[0]) * dx + (p[1] - a[1]) * dz) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (p[0] - a[0] - t * dx).hypot(p[1] - a[1] - t * dz)
+}
+
+/// Seconds, ratio, and whether everything was kept.
+fn run(value: &Value) -> (f64, Option<f64>, bool) {
+    let number = |v: &Value| v.as_f64().unwrap();
+    let limit = |name: &str, k: usize| number(&value["limits"][name][k]);
+    let axis =
+        |k| AxisLimits { velocity_mm_s: limit("v", k), acceleration_mm_s2: limit("a", k), jerk_mm_s3: limit("j", k) };
+    let (x, z) = (axis(0), axis(1));
+    let limits = Limits { axes: PerAxis([x, x, z]), tick_s: 0.001 };
+    let tolerance_mm = number(&value["limits"]["tol"]);
+    let mm_s = number(&value["limits"]["feed"]);
+    let points: Vec<[f64; 2]> =
+        value["points"].as_array().unwrap().iter().map(|p| [number(&p[0]), number(&p[1])]).collect();
+    let mut path = Path::new(limits, PerAxis([points[0][0], 0.0, points[0][1]]));
+    let mut moves = points[1..].iter().map(|p| Move {
+        to: PerAxis([p[0], 0.0, p[1]]),
+        shape: Shape::Line,
+        rate: Rate::Feed { mm_s },
+        end: End::Continuous { tolerance_mm },
+        tag: 0,
+    });
+    let start = path.position().0;
+    let mut past = [start; 4];
+    let (mut kept, mut worst, mut ticks) = (true, [0.0_f64; 4], 0);
+    let (mut cost, mut cost_sum) = (0.0_f64, 0.0_f64);
+    let mut moving = (0.0, 0_u32);
+    while ticks == 0 || (!path.is_done() && ticks < MOST_TICKS) {
+        while path.room() > 0
+            && let Some(m) = moves.next()
+        {
+            path.push(m).unwrap();
+        }
+        let before = Instant::now();
+        let p = path.tick(Override::FULL).position.0;
+        let spent = before.elapsed().as_secs_f64() * 1e6;
+        cost = cost.max(spent);
+        cost_sum += spent;
+        if path.path_speed_mm_s() > 0.0 {
+            moving = (moving.0 + spent, moving.1 + 1);
+        }
+        ticks += 1;
+        past = [past[1], past[2], past[3], p];
+        for (k, l) in [(0, x), (2, z)] {
+            let v = (past[3][k] - past[2][k]) * 1e3 / l.velocity_mm_s;
+            let a = (past[3][k] - 2.0 * past[2][k] + past[1][k]) * 1e6 / l.acceleration_mm_s2;
+            let j = (past[3][k] - 3.0 * (past[2][k] - past[1][k]) - past[0][k]) * 1e9 / l.jerk_mm_s3;
+            worst = [worst[0].max(v.abs()), worst[1].max(a.abs()), worst[2].max(j.abs()), worst[3]];
+        }
+        let off = points.windows(2).map(|w| distance_to_line(w[0], w[1], [p[0], p[2]])).fold(f64::INFINITY, f64::min);
+        worst[3] = worst[3].max(off / tolerance_mm);
+    }
+    kept &= worst.iter().all(|w| *w <= 1.0 + SLACK) && path.is_done();
+    let end = points[points.len() - 1];
+    kept &= (past[3][0] - end[0]).hypot(past[3][2] - end[1]) <= 1e-9;
+    if std::env::var_os("KT830_BENCH_VERBOSE").is_some() {
+        println!(
+            "  used v {:.4} a {:.4} j {:.4} tolerance {:.3}; tick mean {:.1} µs, moving {:.1} µs, worst {:.0} µs",
+            worst[0],
+            worst[1],
+            worst[2],
+            worst[3],
+            cost_sum / f64::from(ticks),
+            moving.0 / f64::from(moving.1.max(1)),
+            cost
+        );
+    }
+    let seconds = f64::from(ticks) * 0.001;
+    let ratio = value["seconds"]["jerk_limited_optimum"].as_f64().map(|least| seconds / least);
+    (seconds, ratio, kept)
+}
+
+fn main() {
+    let folder = std::env::var("KT830_BENCH_PATHS")
+        .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/bench").to_owned());
+    let Ok(listing) = std::fs::read_dir(&folder) else {
+        println!("no folder {folder}: nothing measured");
+        return;
+    };
+    let mut files: Vec<_> = listing.flatten().map(|entry| entry.path()).collect();
+    files.retain(|file| file.extension().is_some_and(|e| e == "json"));
+    files.sort();
+    let mut good = true;
+    for file in files {
+        let value: Value = serde_json::from_str(&std::fs::read_to_string(&file).unwrap()).unwrap();
+        let name = value["name"].as_str().unwrap_or("?").to_owned();
+        let (seconds, ratio, kept) = run(&value);
+        let shown = ratio.map_or_else(|| "-".to_owned(), |r| format!("{r:.3}"));
+        println!("{name} {seconds:.3} {shown}{}", if kept { "" } else { " EXCEEDED" });
+        good &= kept && !(name.starts_with('a') && ratio.is_some_and(|r| r > 1.20));
+    }
+    if !good {
+        std::process::exit(1);
+    }
+}

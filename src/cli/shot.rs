@@ -1,0 +1,53 @@
+//! `kt830 shot`: a page painted to a file, without a display.
+//! Source: spec tools.md T6.
+
+use std::path::Path;
+
+use super::args::{Shared, Shot};
+use super::play::story;
+use super::{CallError, FAILED, FINE, bench};
+use crate::link::command::Command;
+use crate::story::{Player, play::around};
+
+/// Program shown where no story loads one.
+const SHOWN: u32 = 1_001;
+/// Ticks until a page stands.
+const TICKS: u32 = 5;
+
+/// Paints the page.
+///
+/// # Errors
+/// The call or a file is wrong.
+pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
+    let told = call.story.as_deref().map(|path| story(path, shared.kind)).transpose()?;
+    let kind = told.as_ref().map_or(shared.kind, |story| story.kind);
+    let shared = Shared { kind, ..shared.clone() };
+    let mut rig = bench::rig(&shared)?;
+    match &told {
+        Some(told) => {
+            let path = call.story.as_deref().unwrap_or(Path::new("."));
+            let folder = path.parent().unwrap_or(Path::new("."));
+            let mut player = Player::new(&mut rig, super::eyes::eyes(shared.lang), folder, shared.part.is_some());
+            for line in &told.lines {
+                if let Err(why) = player.play(line) {
+                    eprintln!("{}:{}: {}: {why}\n{}", path.display(), line.number, line.text, around(player.rig()));
+                    return Ok(FAILED);
+                }
+            }
+        }
+        None => {
+            bench::mount(&mut rig, &shared, SHOWN)?;
+            rig.step();
+            rig.make_ready();
+            bench::mount(&mut rig, &shared, SHOWN)?;
+        }
+    }
+    rig.send(Command::OpenPage(call.page));
+    for _ in 0..TICKS {
+        rig.step();
+    }
+    let picture = crate::hmi::shot(rig.snapshot(), shared.lang, call.size);
+    let out = &call.out;
+    picture.save(out).map_err(|error| CallError::new(format!("--out {}: {error}", out.display())))?;
+    Ok(FINE)
+}

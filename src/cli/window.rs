@@ -1,0 +1,156 @@
+//! Opening the control on a display: the real-time thread behind it (T1), or a story that plays by itself (T2).
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use chrono::Local;
+use crossbeam_channel::{Receiver, Sender, bounded};
+
+use super::args::Shared;
+use super::{CallError, FINE, bench};
+use crate::controller::{Controller, Retained};
+use crate::hmi::window::{Desk, Options, WindowError, run};
+use crate::io::Backend;
+use crate::io::sim::{MachineFile, SimulatedMachine};
+use crate::link::{Command, Snapshot};
+use crate::runtime::keeper::Keeper;
+use crate::runtime::realtime::{Lateness, Link};
+use crate::runtime::rig::Companion;
+use crate::runtime::{disk_thread, realtime};
+use crate::store::DataDir;
+use crate::units::Micros;
+
+/// Commands on their way from the window to a story.
+const COMMANDS: usize = 256;
+/// Snapshots a second in a demo.
+const SNAPSHOT_EVERY: u64 = 16;
+
+/// Opens the control (T1) and stays until the window is closed.
+///
+/// # Errors
+/// There is no display, or data and folders cannot be opened.
+pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
+    let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+    let (keeper, found) = Keeper::open(data.root(), shared.kind).map_err(CallError::new)?;
+    let retained = bench::begin(shared, found.retained)?;
+    let mut machine = simulated(shared, &retained)?;
+    let image = machine.read(Micros::ZERO);
+    let mut controller = Controller::new(shared.kind, retained, image, Micros::ZERO)
+        .ok_or_else(|| CallError::new(format!("kind {} is not driven in this version; gc is", shared.kind.id())))?;
+    if let Some(damaged) = found.damaged {
+        let said = crate::defs::text::Said::new(damaged.clone(), damaged);
+        controller.report(crate::defs::alarm::DATA_DAMAGED, Some(said));
+    }
+    let folders = bench::folders(shared)?;
+    let (link, disk) = realtime::start(controller, machine, Lateness::Counted).map_err(CallError::new)?;
+    let disk = disk_thread::start(disk, Some(keeper), folders).map_err(CallError::new)?;
+    let desk = LinkDesk { newest: Arc::new(Snapshot::new(shared.kind)), link };
+    let closed = show(Box::new(desk), shared, fullscreen);
+    drop(disk.join());
+    closed
+}
+
+fn simulated(shared: &Shared, retained: &Retained) -> Result<SimulatedMachine, CallError> {
+    let file = MachineFile::builtin(shared.kind).map_err(CallError::new)?;
+    let part = bench::part(shared, retained.current_program)?;
+    Ok(SimulatedMachine::new(file, part.as_ref(), &retained.params, shared.seed))
+}
+
+/// Shows a desk in a window.
+///
+/// # Errors
+/// There is no display.
+pub fn show(desk: Box<dyn Desk>, shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
+    match run(desk, Options { fullscreen, lang: shared.lang }) {
+        Ok(()) => Ok(FINE),
+        Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(
+            "{error}. Without a display use `kt830 demo` (a story to its end), `kt830 run PROGRAM` or `kt830 shot PAGE --out FILE.png`"
+        ))),
+        Err(error @ WindowError::Graphics(_)) => Err(CallError::new(error)),
+    }
+}
+
+/// Whether there is a display to open a window on.
+#[must_use]
+pub fn has_display() -> bool {
+    let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    cfg!(any(not(unix), target_os = "macos")) || named("DISPLAY")
+}
+
+/// The real-time control as the window sees it.
+struct LinkDesk {
+    link: Link,
+    newest: Arc<Snapshot>,
+}
+
+impl Desk for LinkDesk {
+    fn newest(&mut self) -> Arc<Snapshot> {
+        self.link.newest(Arc::make_mut(&mut self.newest));
+        Arc::clone(&self.newest)
+    }
+
+    fn send(&mut self, command: Command) {
+        self.link.send(command);
+    }
+
+    fn clock(&mut self) -> Option<String> {
+        Some(Local::now().format("%H:%M:%S").to_string())
+    }
+}
+
+/// A story as the window sees it.
+pub struct StoryDesk {
+    newest: Arc<Mutex<Arc<Snapshot>>>,
+    commands: Sender<Command>,
+}
+
+/// The window as a story sees it: paces it to real time, shows it, and hears the person.
+pub struct Beside {
+    newest: Arc<Mutex<Arc<Snapshot>>>,
+    commands: Receiver<Command>,
+    begun: Option<(Instant, Micros)>,
+    ticks: u64,
+}
+
+/// A desk and its companion, for a first snapshot.
+#[must_use]
+pub fn story_desk(first: Snapshot) -> (StoryDesk, Beside) {
+    let newest = Arc::new(Mutex::new(Arc::new(first)));
+    let (commands, heard) = bounded(COMMANDS);
+    let desk = StoryDesk { newest: Arc::clone(&newest), commands };
+    (desk, Beside { newest, commands: heard, begun: None, ticks: 0 })
+}
+
+impl Desk for StoryDesk {
+    fn newest(&mut self) -> Arc<Snapshot> {
+        Arc::clone(&self.newest.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn send(&mut self, command: Command) {
+        drop(self.commands.try_send(command));
+    }
+
+    fn clock(&mut self) -> Option<String> {
+        Some(Local::now().format("%H:%M:%S").to_string())
+    }
+}
+
+impl Companion for Beside {
+    fn accompany(&mut self, now: Micros, control: &Controller, inbox: &mut Vec<Command>) -> bool {
+        let (begun, from) = *self.begun.get_or_insert((Instant::now(), now));
+        let due = begun + Duration::from_micros(now.since(from).0);
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+        self.ticks += 1;
+        if self.ticks % SNAPSHOT_EVERY == 0 {
+            let mut snapshot = Snapshot::new(control.kind());
+            control.snapshot(&mut snapshot);
+            *self.newest.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(snapshot);
+        }
+        let mut touched = false;
+        for command in self.commands.try_iter() {
+            touched |= !matches!(command, Command::Alive);
+            inbox.push(command);
+        }
+        touched
+    }
+}

@@ -1,0 +1,194 @@
+//! Running programs: start conditions, hold, single block, frames, variables as executed, bad input.
+
+mod told;
+
+use told::{ready, ready_with, rig, tell};
+
+#[test]
+fn b5_cycle_start_without_homing_is_alarm_100_and_moves_nothing() {
+    let mut rig = rig();
+    tell(&mut rig, "key hydraulic\nwait 4 s\nload O1002\nmode auto\nkey cycle-start\nexpect alarm 100\nwait 1 s");
+    tell(&mut rig, "expect machine X 0 ±0.001\nexpect output wheel off\nkey reset\nexpect no alarm");
+}
+
+#[test]
+fn b5_cycle_start_without_a_program_or_in_another_mode_says_so() {
+    let mut rig = ready();
+    tell(&mut rig, "mode auto\nkey cycle-start\nexpect message \"没有程序\"\nexpect state idle");
+    tell(&mut rig, "load O1002\nmode jog\nkey cycle-start\nexpect message \"自动\"\nexpect state idle");
+    tell(&mut rig, "load O4711\nexpect message \"O4711\"");
+}
+
+#[test]
+fn b5_cycle_start_with_an_alarm_present_is_refused() {
+    let mut rig = ready_with("#100=1\nM30");
+    tell(
+        &mut rig,
+        "fault pressure-loss\nwait 5 s\nexpect alarm 180\nmode auto\nkey cycle-start\nexpect message \"报警\"",
+    );
+    assert_eq!(rig.snapshot().variables[100], None);
+}
+
+#[test]
+fn b5_feed_hold_stops_and_cycle_start_goes_on_to_the_same_end() {
+    let mut rig = ready_with("G98 G01 X-200 Z-250 F2000\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait until held max 1 s\nwait 0.4 s");
+    let held = rig.snapshot().axes;
+    tell(&mut rig, "wait 2 s\nexpect state held");
+    assert_eq!(rig.snapshot().axes, held, "nothing moves in a hold");
+    tell(
+        &mut rig,
+        "key cycle-start\nwait until idle max 60 s\nwait 0.3 s\nexpect X -200 ±0.0015\nexpect Z -250 ±0.0015",
+    );
+}
+
+#[test]
+fn b5_reset_leaves_the_program_and_the_axes_stand() {
+    let mut rig = ready_with("G98 G01 X-200 F500\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 1 s\nkey reset\nwait 0.5 s\nexpect state idle\nexpect no alarm");
+    let stood = rig.snapshot().axes.0[0].machine;
+    tell(&mut rig, "wait 1 s");
+    assert!((rig.snapshot().axes.0[0].machine - stood).abs() < 1e-9);
+}
+
+#[test]
+fn b5_single_block_stops_after_each_block() {
+    let mut rig = ready_with("#100=1\nG98 G01 U-1 F600\n#100=2\nM30");
+    tell(&mut rig, "key single-block\nmode auto\nkey cycle-start\nwait until stopped max 2 s\nexpect #100 1");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 2 s\nexpect #100 1\nkey cycle-start\nwait until stopped");
+    tell(&mut rig, "expect #100 2\nkey cycle-start\nwait until idle max 2 s");
+}
+
+#[test]
+fn b5_single_block_switched_on_in_a_run_stops_at_the_end_of_that_block() {
+    // Thirty short blocks, all of them read ahead; the first stop is far from the end.
+    let text: String = (0..30).map(|n| format!("N{n} G98 G01 U-0.5 F300\n")).collect();
+    let mut rig = ready_with(&format!("{text}M30"));
+    let start = rig.snapshot().axes.0[0].work;
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.2 s\nkey single-block\nwait until stopped max 3 s\nwait 0.3 s");
+    let blocks = (start - rig.snapshot().axes.0[0].work) / 0.5;
+    assert!((blocks - blocks.round()).abs() < 0.01 && blocks < 10.0, "stopped after {blocks} blocks");
+    tell(&mut rig, "key single-block\nkey cycle-start\nwait until idle max 20 s\nwait 0.3 s");
+    let blocks = (start - rig.snapshot().axes.0[0].work) / 0.5;
+    assert!((blocks - 30.0).abs() < 0.01, "all thirty blocks were executed, not {blocks}");
+}
+
+#[test]
+fn b3_variables_are_shown_as_executed() {
+    // 30 blocks of 1 mm at 600 mm/min; #100 counts them. The reader is far ahead, the page is not.
+    let mut rig = ready_with("#100=0\nWHILE[#100 LT 30]DO1\nG98 G01 W-1 F600\n#100=#100+1\nEND1\nM30");
+    let z = rig.snapshot().axes.0[2].work;
+    tell(&mut rig, "mode auto\nkey cycle-start");
+    for _ in 0..4_000 {
+        rig.step();
+        let snapshot = rig.snapshot();
+        let (count, gone) = (snapshot.variables[100].unwrap_or(0.0), z - snapshot.axes.0[2].work);
+        // The set-point is at most 20 ms × 10 mm/s = 0.2 mm ahead of the axis, and a corner 0.01 mm.
+        assert!(count <= gone + 0.25, "#100 = {count} after {gone} mm");
+    }
+    tell(&mut rig, "wait until idle max 5 s\nexpect #100 30");
+}
+
+#[test]
+fn b3_reading_a_position_waits_for_the_motion_by_itself() {
+    let mut rig = ready_with("G98 G01 W-10 F3000\n#100=#5042\nM30");
+    let z = rig.snapshot().axes.0[2].work;
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 5 s");
+    let seen = rig.snapshot().variables[100].unwrap();
+    // In position is 0.6 µm (P54); the encoder counts micrometres.
+    assert!((seen - (z - 10.0)).abs() < 0.0015, "{seen}");
+}
+
+#[test]
+fn b2_g54_to_g59_g50_and_g53_place_the_axes() {
+    let mut rig = ready_with("G00 X-200 Z-200\nG50 X0 Z0\nG00 X50 Z-20\nM00\nG53 X-400 Z-300\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait until stopped max 20 s\nwait 0.3 s\nexpect X 50 ±0.0015\nexpect Z -20 ±0.0015",
+    );
+    tell(&mut rig, "expect machine X -150 ±0.0015\nexpect machine Z -220 ±0.0015");
+}
+
+#[test]
+fn b5_a_target_beyond_the_soft_limit_is_an_alarm_before_its_block() {
+    let mut rig = ready_with("#100=1\nG00 Z-100\nG00 Z-2000\n#100=2\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait until alarm max 60 s\nexpect alarm 101\nexpect alarm \"第3行\"\nwait 0.5 s",
+    );
+    tell(&mut rig, "expect Z -100 ±0.0015\nexpect #100 1");
+}
+
+#[test]
+fn b1_a_wrong_block_is_one_alarm_with_program_line_and_column() {
+    let mut rig = ready_with("#100=1\nG01 X1..5 F100\n#100=2\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until alarm max 2 s\nexpect alarm \"O7000 第2行\"\nexpect #100 1");
+}
+
+#[test]
+fn k7_5_570_to_579_take_0_or_1_only_from_a_program_too() {
+    let mut rig = ready_with("#570=1\n#570=2\n#100=1\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until alarm max 2 s\nexpect alarm \"570\"\nexpect #570 1");
+    assert_eq!(rig.snapshot().variables[100], None);
+}
+
+#[test]
+fn b2_g31_latches_the_position_of_the_edge_and_stops() {
+    let mut rig = ready_with("G98 G31 W-100 F600 P1\n#100=#5062\nM30");
+    let z = rig.snapshot().axes.0[2].work;
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 2 s\ninput gauge-1 on\nwait until idle max 5 s");
+    let latched = z - rig.snapshot().variables[100].unwrap();
+    // 600 mm/min for about 2 s is about 20 mm, far from 100.
+    assert!((15.0..25.0).contains(&latched), "latched after {latched} mm");
+}
+
+#[test]
+fn b3_3000_is_an_alarm_with_the_programs_text() {
+    let mut rig = ready_with("#100=1\n#3000=5(没有夹紧)\n#100=2\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait until alarm max 2 s\nexpect alarm 3005\nexpect alarm \"没有夹紧\"\nexpect #100 1",
+    );
+}
+
+#[test]
+fn b5_overrides_act_on_a_running_block() {
+    let mut rig = ready_with("G98 G01 W-100 F600\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 1 s");
+    let full = rig.snapshot().feed_mm_min;
+    for _ in 0..5 {
+        tell(&mut rig, "key feed-override-down");
+    }
+    tell(&mut rig, "wait 0.5 s");
+    let half = rig.snapshot().feed_mm_min;
+    assert!((full - 600.0).abs() < 1.0 && (half - 300.0).abs() < 1.0, "{full}, then {half}");
+}
+
+#[test]
+fn b5_mdi_executes_a_line_and_says_what_is_wrong_with_another() {
+    let mut rig = ready();
+    tell(
+        &mut rig,
+        "mdi G00 X-200 Z-100\nwait until idle max 20 s\nwait 0.3 s\nexpect X -200 ±0.0015\nexpect Z -100 ±0.0015",
+    );
+    tell(&mut rig, "mdi G77 X1\nexpect alarm any");
+}
+
+#[test]
+fn power_cut_keeps_variables_and_forgets_homing() {
+    let mut rig = ready();
+    tell(&mut rig, "set #500 = 40.2\nset #100 = 3\npower cut\nwait 1 s\npower on\nexpect #500 40.2");
+    assert_eq!(rig.snapshot().variables[100], None, "#100 is null at power-on");
+    assert!(!rig.snapshot().axes.0[0].homed);
+}
+
+#[test]
+fn the_same_story_gives_the_same_course() {
+    let course = || {
+        let mut rig = ready_with("M03\nG98 G01 W-20 F900\nM30");
+        tell(&mut rig, "mode auto\nkey cycle-start\nwait 10 s\nkey feed-hold\nwait 0.3 s\nkey cycle-start\nwait 3 s");
+        let snapshot = rig.snapshot();
+        snapshot.axes.0.map(|view| (view.machine.to_bits(), view.work.to_bits()))
+    };
+    assert_eq!(course(), course());
+}
