@@ -49,12 +49,12 @@ impl Controller {
         let Some(mut run) = self.run.take() else { return };
         self.retire(&mut run);
         let mut close = false;
-        if run.splitting && matches!(self.cycle, Cycle::Running) {
-            self.take_back_moves(&mut run);
-        } else if matches!(self.cycle, Cycle::Running) {
+        if matches!(self.cycle, Cycle::Running) {
             close = self.carry_out(&mut run);
         }
-        if matches!(self.cycle, Cycle::Running) && !close && !run.splitting {
+        if run.splitting && matches!(self.cycle, Cycle::Running) {
+            self.take_back_moves(&mut run);
+        } else if matches!(self.cycle, Cycle::Running) && !close {
             self.feed(&mut run);
             self.read_ahead(&mut run);
             self.feed(&mut run);
@@ -90,7 +90,8 @@ impl Controller {
                     self.blocks += 1;
                     Did::Done
                 }
-                Some(Item::End) if self.switches.single_block && !run.mdi => Did::Stop,
+                // While splitting, a block whose successor is under way is over without a stop.
+                Some(Item::End) if self.switches.single_block && !run.mdi && !run.splitting => Did::Stop,
                 Some(Item::End) => Did::Done,
                 Some(Item::Do(_)) => {
                     let Some(Item::Do(act)) = run.items.pop_front() else { return false };
