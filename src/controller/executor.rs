@@ -391,9 +391,12 @@ impl Controller {
                     ),
                 )
             }
-            Forbidden::Unknown(code) => (
-                alarm::UNKNOWN_M,
-                Said::new(format!("M{code:02} 无效或本机型没有"), format!("M{code:02} is not known on this machine")),
+            Forbidden::NotYet(code) => (
+                alarm::M_NOT_YET,
+                Said::new(
+                    format!("M{code:02} 在本版本中还没有"),
+                    format!("M{code:02} is not available in this version"),
+                ),
             ),
         };
         let said = Said::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));

@@ -168,7 +168,7 @@ pub enum Forbidden {
     /// Leave the soft limits: axis, target, limit, all machine coordinates in radius mm.
     SoftLimit(Axis, f64, f64),
     /// A code that this version does not have.
-    Unknown(u8),
+    NotYet(u8),
 }
 
 impl Run {
@@ -280,7 +280,7 @@ impl Planned {
                 Act::Frames(Box::new(self.frames.clone()))
             }
             Op::M { code, s, .. } => {
-                let row = mcode::find(u16::from(*code)).ok_or(Forbidden::Unknown(*code))?;
+                let row = mcode::find(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
                 Act::Machine(row, *s)
             }
             Op::S { value, mode } => Act::Wheel(*value, *mode),

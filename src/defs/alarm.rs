@@ -110,8 +110,8 @@ alarms! {
     MAGNET = 187, StopProgram, Reset, "充磁/退磁互锁", "magnet interlock",
         "工件未充磁，或台面/砂轮转动中退磁", "not magnetised, or demagnetising while table or wheel turn",
         "先充磁；停止转动后再退磁", "magnetise first; stop before demagnetising";
-    UNKNOWN_M = 188, StopProgram, Reset, "M 代码无效", "M code not known",
-        "本机型没有这个 M 代码", "this kind of machine has no such M code",
+    M_NOT_YET = 188, StopProgram, Reset, "M 代码不可用", "M code not available",
+        "本版本没有这个 M 代码", "this version does not drive the code",
         "修改程序；M 代码见手册", "mend the program; the manual lists the M codes";
     DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
         "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; the copy is kept, factory values are in force",

@@ -131,6 +131,15 @@ mcodes! {
     99, "K3.15", false, Action::Flow, "子程序返回", "return from a subprogram";
 }
 
+/// Codes of the control that this version reads but does not drive: a run stops before their block.
+pub const NOT_YET: &[u16] = &[20, 21, 22, 26, 27, 28, 35, 36, 41, 42, 43, 44, 94, 95];
+
+/// Whether the control has the code at all.
+#[must_use]
+pub fn is_known(code: u32) -> bool {
+    u16::try_from(code).is_ok_and(|code| find(code).is_some() || NOT_YET.contains(&code))
+}
+
 /// The row of a code.
 #[must_use]
 pub fn find(code: u16) -> Option<&'static MCode> {
@@ -144,6 +153,7 @@ mod tests {
     #[test]
     fn k3_the_codes_stand_once_and_in_order() {
         assert!(MCODES.windows(2).all(|pair| pair[0].code < pair[1].code));
-        assert!(find(4).is_none());
+        assert!(find(4).is_none() && !is_known(4) && !is_known(100));
+        assert!(NOT_YET.iter().all(|code| find(*code).is_none() && is_known(u32::from(*code))));
     }
 }

@@ -2,6 +2,7 @@
 
 use super::codes::Plan;
 use super::{LIMIT, integer, out_of_range};
+use crate::defs::mcode;
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::{Running, Step};
 use crate::nc::expression::Scope;
@@ -83,7 +84,7 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Step> {
     let words = running.words;
     let mut flow = Step::Next;
     for code in words.m() {
-        if code.number > 99 {
+        if !mcode::is_known(code.number) {
             return wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number));
         }
         if stands_alone(code.number)

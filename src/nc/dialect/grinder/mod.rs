@@ -94,7 +94,7 @@ pub(super) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
     for code in words.g() {
         codes::look_up(*code, settings.is_mill())?;
     }
-    match words.m().iter().find(|code| code.number > 99) {
+    match words.m().iter().find(|code| !crate::defs::mcode::is_known(code.number)) {
         Some(code) => wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
         None => Ok(()),
     }
