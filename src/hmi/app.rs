@@ -93,7 +93,7 @@ impl Hmi {
         let clock = self.clock.clone().unwrap_or_else(|| uptime(snapshot));
         let theme = self.theme;
         // A phase of the machine's own time: the same snapshot is the same picture.
-        let blink = snapshot.now.0 / 500_000 % 2 == 0;
+        let blink = (snapshot.now.0 / 500_000).is_multiple_of(2);
         let view = View { snapshot, lang: self.lang, theme: &theme, clock: &clock, blink };
         let regions = Regions::new(ui.max_rect());
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
@@ -101,14 +101,12 @@ impl Hmi {
         let asked = keyboard::read(ui, snapshot.kind);
         self.physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
+        self.draw_panel(ui, &panel, &view, &mut out);
         if self.pad_is_open(&view) {
-            // Drawn last, so that it lies on top; its touches are read first, so that they count in this frame.
-            self.draw_panel(ui, &panel, &view, &mut out);
+            // After the panel, so that it lies on top; before the page, so that its touches count in this frame.
             pad::ui(ui, &view, panel.pad, &mut edits);
-        } else {
-            self.draw_panel(ui, &panel, &view, &mut out);
         }
-        self.draw_page(ui, &regions, &view, &edits, asked.pages, &mut out);
+        self.draw_page(ui, &regions, &view, (&edits, asked.pages), &mut out);
         self.draw_frame(ui, &regions, &view, &asked, &mut out);
         if self.help {
             self.help = !help::ui(ui, &view, regions.content.shrink(theme::GAP));
@@ -169,15 +167,15 @@ impl Hmi {
         ui: &Ui,
         regions: &Regions,
         view: &View<'_>,
-        edits: &[Edit],
-        pages: i32,
+        typed: (&[Edit], i32),
         out: &mut Vec<Command>,
     ) {
         let rect = regions.content;
+        let (edits, pages) = typed;
         let commands = match view.snapshot.page {
             Page::Position => {
                 answers(edits, out);
-                position::ui(ui, rect, view, self.shown)
+                position::ui(ui, rect, view, self.shown, &mut self.listing)
             }
             Page::Grinding => {
                 if !edits.is_empty() {

@@ -47,8 +47,8 @@ pub fn check(variable: u16, text: &str) -> Result<f64, Said> {
     if !value.is_finite() || value.abs() > LARGEST {
         return Err(Said::new("超出范围 ±99999.999", "out of range ±99999.999"));
     }
-    let zero_or_one = text.trim_start_matches('-').trim_end_matches('.').parse::<u32>().is_ok_and(|whole| whole < 2);
-    if is_switch(variable) && (!zero_or_one || value < 0.0) {
+    let zero_or_one = [0.0_f64, 1.0].iter().any(|allowed| allowed.to_bits() == value.to_bits());
+    if is_switch(variable) && !zero_or_one {
         return Err(Said::new("只能输入 0 或 1", "only 0 or 1"));
     }
     Ok(value)

@@ -26,7 +26,12 @@ fn written(shortcut: &Shortcut) -> String {
         (false, true) => "Alt+",
         (false, false) => "",
     };
-    format!("{prefix}{}", shortcut.physical.name())
+    let name = match shortcut.physical {
+        egui::Key::PageUp => "PgUp",
+        egui::Key::PageDown => "PgDn",
+        other => other.name(),
+    };
+    format!("{prefix}{name}")
 }
 
 /// Draws the overlay over the page; true when it was touched and is to close.

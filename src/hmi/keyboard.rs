@@ -118,7 +118,7 @@ pub struct Asked {
 #[must_use]
 pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
     let mut asked = Asked::default();
-    let events = ui.input(|input| input.events.clone());
+    let (events, alt) = ui.input(|input| (input.events.clone(), input.modifiers.alt));
     for event in &events {
         match event {
             Event::Key { key, pressed: true, repeat, modifiers, .. } => {
@@ -134,7 +134,8 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
                     None => {}
                 }
             }
-            Event::Text(text) => asked.edits.extend(text.chars().filter_map(typed)),
+            // Alt with a digit is a panel key, not a digit.
+            Event::Text(text) if !alt => asked.edits.extend(text.chars().filter_map(typed)),
             _ => {}
         }
     }
@@ -153,7 +154,7 @@ const fn detent(key: egui::Key) -> i32 {
 const fn typed(sign: char) -> Option<Edit> {
     match sign {
         '0'..='9' | '.' => Some(Edit::Char(sign)),
-        '-' | '+' => Some(Edit::Sign),
+        '-' => Some(Edit::Sign),
         _ => None,
     }
 }

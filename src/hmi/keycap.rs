@@ -40,8 +40,9 @@ pub const fn label(key: Key) -> Text {
         Key::MstLock => Text::new("辅助锁", "MST"),
         Key::MachineLock => Text::new("机床锁", "LOCK"),
         Key::DryRun => Text::new("空运行", "DRY"),
-        Key::FeedOverrideUp | Key::SpindleOverrideUp => Text::new("+", "+"),
-        Key::FeedOverrideDown | Key::SpindleOverrideDown => Text::new("-", "-"),
+        Key::FeedOverrideUp | Key::SpindleOverrideUp | Key::FeedOverrideDown | Key::SpindleOverrideDown => {
+            Text::new("", "")
+        }
         Key::RapidF0 => Text::new("F0", "F0"),
         Key::Rapid25 => Text::new("25%", "25%"),
         Key::Rapid50 => Text::new("50%", "50%"),
@@ -57,6 +58,7 @@ pub const fn label(key: Key) -> Text {
         Key::HeadstockStop => Text::new("停止", "STOP"),
         Key::TailstockAdvance => Text::new("进", "IN"),
         Key::TailstockRetract => Text::new("退", "OUT"),
+        Key::Coolant => Text::new("冷却", "COOL"),
         Key::Lubrication => Text::new("润滑", "LUBE"),
         Key::Hydraulic => Text::new("液压", "HYDR"),
         Key::RadialGauge => Text::new("径向", "RADIAL"),
@@ -94,22 +96,25 @@ fn ordinary(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face
     }
     let text = label(key).get(view.lang);
     let inner = body.shrink2(vec2(2.0, 0.0));
-    if marks.is_empty() {
+    if text.is_empty() {
+        let square = Rect::from_center_size(body.center(), vec2(24.0, 24.0));
+        pictogram::draw(painter, square, marks, ink);
+    } else if marks.is_empty() {
         let size = if matches!(key.row().group, Group::Override) { theme::SECONDARY } else { theme::LABEL };
         let size = if text.chars().count() <= 1 { theme::SECONDARY } else { size.min(theme::LABEL) };
         let below = if has_lamp { inner.translate(vec2(0.0, 2.0)) } else { inner };
         fit(painter, below, Align2::CENTER_CENTER, text, size, ink);
     } else {
-        let picture = (rect.height() * 0.42).min(26.0);
-        let top = body.min.y + if has_lamp { 7.0 } else { 5.0 };
+        let picture = (rect.height() * 0.40).min(26.0);
+        let top = body.min.y + if has_lamp { 7.0 } else { 5.0 } + (rect.height() - 44.0).max(0.0) * 0.2;
         let square = Rect::from_center_size(pos2(body.center().x, top + picture / 2.0), vec2(picture, picture));
         pictogram::draw(painter, square, marks, ink);
-        let bottom = Rect::from_min_max(pos2(inner.min.x, square.max.y), pos2(inner.max.x, body.max.y - 1.0));
+        let bottom = Rect::from_min_max(pos2(inner.min.x, square.max.y - 1.0), pos2(inner.max.x, body.max.y - 2.0));
         fit(painter, bottom, Align2::CENTER_CENTER, text, theme::LABEL, ink);
     }
     if face.blocked {
         let corner = Rect::from_min_size(pos2(body.max.x - 13.0, body.min.y + 7.0), vec2(10.0, 10.0));
-        pictogram::draw(painter, corner, pictogram::LOCK, theme.quiet);
+        pictogram::draw(painter, corner, pictogram::LOCK, theme.dim);
     }
 }
 
@@ -180,7 +185,7 @@ fn run_key(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face,
     fit(painter, below, Align2::CENTER_CENTER, key.label().get(view.lang), theme::LABEL, ink);
     if face.blocked {
         let corner = Rect::from_min_size(pos2(body.max.x - 18.0, body.min.y + 6.0), vec2(12.0, 12.0));
-        pictogram::draw(painter, corner, pictogram::LOCK, theme.quiet);
+        pictogram::draw(painter, corner, pictogram::LOCK, theme.dim);
     }
 }
 

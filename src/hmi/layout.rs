@@ -296,7 +296,8 @@ impl Build<'_> {
 
     /// The cross of the kind's directions, and the handwheel's axis and step beside it.
     fn jog(&mut self) {
-        let unit = (self.width - 3.0 * INNER - BETWEEN) / 5.0;
+        // The last column, the steps, is the wider one: ×0.001 has six signs.
+        let unit = ((self.width - 3.0 * INNER - BETWEEN) / 5.0 - 2.0).max(theme::TARGET);
         let place = |at: Pos2, left: f32, column: u8, row: u8, key: f32| {
             let corner = at + vec2(left + f32::from(column) * (unit + INNER), f32::from(row) * (key + INNER));
             Rect::from_min_size(corner, vec2(unit, key))
@@ -307,7 +308,10 @@ impl Build<'_> {
         let left = 3.0 * unit + 2.0 * INNER + BETWEEN;
         for (row, keys) in HANDWHEEL.into_iter().enumerate() {
             for (column, key) in keys.into_iter().enumerate() {
-                let cell = place(self.at, left, column as u8, row as u8, self.key);
+                let mut cell = place(self.at, left, column as u8, row as u8, self.key);
+                if column == 1 {
+                    cell.max.x = self.at.x + self.width;
+                }
                 self.layout.keys.push((key, cell));
             }
         }

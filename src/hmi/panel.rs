@@ -51,7 +51,7 @@ impl Panel {
             }
         }
         override_value(ui, view, layout.feed, ("进给", "FEED"), view.snapshot.feed_override);
-        override_value(ui, view, layout.spindle, ("主轴", "SPDL"), view.snapshot.spindle_override);
+        override_value(ui, view, layout.spindle, ("主轴", "SPIN"), view.snapshot.spindle_override);
         let mut said = Said::default();
         for (key, rect) in &layout.keys {
             let refused = key_ui(ui, view, *key, *rect, presses, out);
@@ -122,7 +122,7 @@ fn step(mm: f64) -> String {
 fn override_value(ui: &Ui, view: &View<'_>, rect: Rect, name: (&'static str, &'static str), percent: u16) {
     let (top, bottom) = rect.split_top_bottom_at_fraction(0.46);
     put(ui.painter(), top, Align2::CENTER_CENTER, view.say(name.0, name.1), theme::SMALL, view.theme.quiet);
-    fit(ui.painter(), bottom, Align2::CENTER_CENTER, &format!("{percent}%"), theme::LABEL, view.theme.text);
+    fit(ui.painter(), bottom, Align2::CENTER_CENTER, &percent.to_string(), theme::TITLE, view.theme.text);
 }
 
 /// The state of a key as the panel shows it: an axis that the machine does not have is blocked.
@@ -150,7 +150,8 @@ pub fn key_ui(
     presses: &mut Presses,
     out: &mut Vec<Command>,
 ) -> Option<Text> {
-    let response = ui.interact(rect, Id::unique(("key", key as u8)), Sense::CLICK);
+    // Drag as well as click: a click alone is forgotten after 0.8 s, and a jog key is held for minutes.
+    let response = ui.interact(rect, Id::unique(("key", key as u8)), Sense::CLICK | Sense::DRAG);
     let state = state(view, key);
     let name = || keycap::accessible_name(key, view.lang);
     response.widget_info(|| WidgetInfo::selected(Role::Button, state.blocked.is_none(), state.lamp, name()));

@@ -165,6 +165,10 @@ pub const fn of(key: Key) -> &'static [Mark] {
             Fill(&[(14.5, 4.0), (19.0, 4.0), (19.0, 20.0), (14.5, 20.0)]),
         ],
         Key::Reset => &[Line(&[(5.0, 20.0), (15.0, 4.0)]), Line(&[(10.0, 20.0), (17.5, 8.0)]), Head(20.0, 4.0, -58.0)],
+        Key::FeedOverrideUp | Key::SpindleOverrideUp => {
+            &[Line(&[(4.0, 12.0), (20.0, 12.0)]), Line(&[(12.0, 4.0), (12.0, 20.0)])]
+        }
+        Key::FeedOverrideDown | Key::SpindleOverrideDown => &[Line(&[(4.0, 12.0), (20.0, 12.0)])],
         Key::XPlus | Key::XMinus | Key::YPlus | Key::YMinus | Key::ZPlus | Key::ZMinus => &[],
         Key::Rapid | Key::RapidF0 | Key::Rapid25 | Key::Rapid50 | Key::Rapid100 => {
             &[Line(&[(2.0, 17.0), (8.0, 7.0), (13.0, 17.0), (19.0, 7.0)]), Head(21.5, 3.0, -60.0)]
@@ -245,6 +249,12 @@ const fn unit(key: Key) -> &'static [Mark] {
             Arc(12.0, 9.0, 7.0, 150.0, 340.0),
             Head(19.5, 9.5, 80.0),
         ],
+        _ => aid(key),
+    }
+}
+
+const fn aid(key: Key) -> &'static [Mark] {
+    match key {
         Key::TailstockAdvance => &[
             CONE,
             Line(&[(9.0, 20.5), (4.0, 20.5)]),

@@ -30,12 +30,22 @@ pub const fn act(key: Key) -> Act {
     }
 }
 
+/// How far a key that is down has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Acts when it is lifted.
+    Armed,
+    /// `Press` has been sent and `Release` has not.
+    Sent,
+    /// Let go although the finger is still down: dead until the next touch.
+    Spent,
+}
+
 /// A key that is down.
 #[derive(Clone, Copy, Debug)]
 struct Down {
     key: Key,
-    /// `Press` has been sent and `Release` has not.
-    sent: bool,
+    stage: Stage,
     last: f64,
     /// Drawn in this frame: a key that has gone from the screen is let go.
     seen: bool,
@@ -51,41 +61,38 @@ pub struct Presses {
 impl Presses {
     /// Follows the finger on one key; true while it is to be drawn pressed.
     pub fn touch(&mut self, ui: &Ui, response: &Response, rect: Rect, key: Key, out: &mut Vec<Command>) -> bool {
-        let (now, focused, inside, lifted) = ui.input(|input| {
+        let (now, inside, lifted, lost) = ui.input(|input| {
             let place = lift_place(input).or(input.pointer.interact_pos());
             let inside = place.is_some_and(|place| rect.contains(place));
-            (input.time, input.focused, inside, input.pointer.any_released())
+            (input.time, inside, input.pointer.any_released(), focus_lost(input))
         });
-        let on_it = response.is_pointer_button_down_on() && inside && focused;
-        let mine = self.finger.filter(|down| down.key == key);
-        match mine {
+        let held = response.is_pointer_button_down_on();
+        let on_it = held && inside && !lost;
+        match self.finger.filter(|down| down.key == key) {
             None if on_it && self.finger.is_none() => {
-                let sent = act(key) != Act::Lifted;
-                if sent {
-                    out.push(Command::Press(key));
-                }
-                self.finger = Some(Down { key, sent, last: now, seen: true });
+                let at_once = act(key) != Act::Lifted;
+                let stage = if at_once { Stage::Sent } else { Stage::Armed };
+                out.extend(at_once.then_some(Command::Press(key)));
+                self.finger = Some(Down { key, stage, last: now, seen: true });
             }
-            None if response.clicked() => out.extend([Command::Press(key), Command::Release(key)]),
+            None if response.clicked() && !lost => out.extend([Command::Press(key), Command::Release(key)]),
             None => {}
             Some(down) if on_it => self.finger = Some(hold(down, now, out)),
             Some(down) => {
-                let counts = !down.sent && focused && (response.clicked() || (lifted && inside));
-                if counts && act(key) == Act::Lifted {
-                    out.extend([Command::Press(key), Command::Release(key)]);
+                let counts = response.clicked() || (lifted && inside);
+                match down.stage {
+                    Stage::Armed if counts && !lost => out.extend([Command::Press(key), Command::Release(key)]),
+                    Stage::Sent => out.push(Command::Release(key)),
+                    Stage::Armed | Stage::Spent => {}
                 }
-                // Off the key with the finger still down: let go, and dead until the next touch.
-                if down.sent {
-                    out.push(Command::Release(key));
-                }
-                let spent = Down { sent: false, seen: true, ..down };
-                self.finger = response.is_pointer_button_down_on().then_some(spent).filter(|_| !lifted);
+                let stage = if down.stage == Stage::Armed && !lost { Stage::Armed } else { Stage::Spent };
+                self.finger = held.then_some(Down { stage, seen: true, ..down });
             }
         }
         if self.finger.is_some() {
             ui.ctx().request_repaint_after(std::time::Duration::from_millis(20));
         }
-        on_it && self.finger.is_some_and(|down| down.key == key && (down.sent || act(key) == Act::Lifted))
+        on_it && self.finger.is_some_and(|down| down.key == key && down.stage != Stage::Spent)
     }
 
     /// A physical key goes down on a panel key.
@@ -94,15 +101,15 @@ impl Presses {
             return;
         }
         out.push(Command::Press(key));
-        self.physical.push((by, modifiers, Down { key, sent: true, last: now, seen: true }));
+        self.physical.push((by, modifiers, Down { key, stage: Stage::Sent, last: now, seen: true }));
     }
 
     /// Lets go of physical keys that are up, repeats those that hold.
     pub fn follow_keyboard(&mut self, ui: &Ui, out: &mut Vec<Command>) {
-        let (now, focused, held, modifiers) =
-            ui.input(|input| (input.time, input.focused, input.keys_down.clone(), input.modifiers));
+        let (now, lost, held, modifiers) =
+            ui.input(|input| (input.time, focus_lost(input), input.keys_down.clone(), input.modifiers));
         self.physical.retain_mut(|(by, with, down)| {
-            if focused && held.contains(by) && modifiers.contains(*with) {
+            if !lost && held.contains(by) && modifiers.contains(*with) {
                 *down = hold(*down, now, out);
                 return true;
             }
@@ -114,15 +121,15 @@ impl Presses {
         }
     }
 
-    /// Lets go of a key that was not drawn in this frame, and of everything when the window has lost the focus.
+    /// Lets go of a key that was not drawn in this frame.
     pub fn end_frame(&mut self, ui: &Ui, out: &mut Vec<Command>) {
-        let (focused, down) = ui.input(|input| (input.focused, input.pointer.any_down()));
+        let down = ui.input(|input| input.pointer.any_down());
         let Some(finger) = self.finger.as_mut() else { return };
-        if finger.seen && focused && down {
+        if finger.seen && down {
             finger.seen = false;
             return;
         }
-        if finger.sent {
+        if finger.stage == Stage::Sent {
             out.push(Command::Release(finger.key));
         }
         self.finger = None;
@@ -137,7 +144,7 @@ impl Presses {
 
 fn hold(down: Down, now: f64, out: &mut Vec<Command>) -> Down {
     let due = now - down.last >= REPEAT;
-    if down.sent && act(down.key) == Act::Hold && due {
+    if down.stage == Stage::Sent && act(down.key) == Act::Hold && due {
         out.push(Command::Hold(down.key));
     }
     Down { seen: true, last: if due { now } else { down.last }, ..down }
@@ -149,4 +156,9 @@ fn lift_place(input: &egui::InputState) -> Option<egui::Pos2> {
         egui::Event::PointerButton { pos, pressed: false, .. } => Some(*pos),
         _ => None,
     })
+}
+
+/// The window loses the focus in this frame. Only the loss counts: a panel without window manager never has the focus.
+fn focus_lost(input: &egui::InputState) -> bool {
+    input.events.iter().any(|event| matches!(event, egui::Event::WindowFocused(false)))
 }

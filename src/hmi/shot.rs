@@ -55,6 +55,12 @@ impl Stage {
         Self { hmi, ctx, raster: Raster::default(), size, scale, shapes: Vec::new(), time: 0.0, events: Vec::new() }
     }
 
+    /// The context; tests give it their own manners.
+    #[must_use]
+    pub const fn ctx(&self) -> &Context {
+        &self.ctx
+    }
+
     /// Runs one frame, a sixtieth of a second after the last; gives its commands.
     pub fn frame(&mut self, snapshot: &Snapshot) -> Vec<crate::link::Command> {
         let logical = vec2(self.size.0 as f32, self.size.1 as f32) / self.scale;

@@ -47,6 +47,8 @@ pub const TITLE: f32 = 18.0;
 pub const LABEL: f32 = 15.0;
 /// Nothing is written smaller.
 pub const SMALL: f32 = 13.0;
+/// Pictures are shown in their own colours.
+pub const UNTINTED: Color32 = Color32::WHITE;
 /// Size of a page picture (K5.12), in logical points at scale 1.
 pub const PICTURE: Vec2 = Vec2::new(200.0, 400.0);
 
@@ -174,7 +176,12 @@ pub fn install(ctx: &egui::Context, theme: &Theme) {
     }
     ctx.set_fonts(fonts);
     ctx.set_theme(egui::Theme::Dark);
-    ctx.options_mut(|options| options.zoom_with_keyboard = false);
+    ctx.options_mut(|options| {
+        options.zoom_with_keyboard = false;
+        // A slow finger, or one in a glove that rolls a little, presses a key all the same.
+        options.input_options.max_click_duration = f64::INFINITY;
+        options.input_options.max_click_dist = 10.0;
+    });
     ctx.all_styles_mut(|style| {
         style.animation_time = 0.0;
         style.visuals.panel_fill = theme.ground;

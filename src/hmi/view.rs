@@ -9,6 +9,9 @@ use super::theme::{self, Theme};
 use crate::defs::text::{Lang, Text};
 use crate::link::Snapshot;
 
+/// How far below the middle of its line the font draws its signs, of the line's height.
+const SAG: f32 = 0.045;
+
 /// Everything that a page may read. A page changes nothing but its cursor and its edit text.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
@@ -71,7 +74,9 @@ pub fn paragraph(painter: &Painter, rect: Rect, text: &str, size: f32, colour: C
 fn place(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley>, colour: Color32) -> Rect {
     let at = align.align_size_within_rect(galley.size(), rect);
     // Whole points: nothing moves by a pixel when a digit changes (H5).
-    let corner = Pos2::new(at.min.x.round(), at.min.y.round());
+    // The font's line is deeper below its signs than above them: what is to stand in the middle goes up by that much.
+    let up = if align.y() == egui::Align::Center { galley.size().y * SAG } else { 0.0 };
+    let corner = Pos2::new(at.min.x.round(), (at.min.y - up).round());
     let taken = Rect::from_min_size(corner, galley.size());
     painter.galley(corner, galley, colour);
     taken

@@ -60,20 +60,19 @@ impl Directory {
         for (index, row) in rows.iter().enumerate().take(last).skip(first) {
             let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(ROW)) as f32;
             let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, ROW - 4.0));
-            if place.max.y <= list.max.y + 1.0 && place.min.y >= list.min.y - 1.0 {
-                load |= self.row(ui, place, view, index, row);
-            }
+            load |= self.row(ui, list, place, view, (index, row));
         }
         self.scroll.bar(ui, view, list, ROW, rows.len());
         let chosen = rows.get(self.cursor).filter(|_| load);
         chosen.map(|row| Command::LoadProgram(row.number)).into_iter().collect()
     }
 
-    fn row(&mut self, ui: &Ui, place: Rect, view: &View<'_>, index: usize, row: &DirectoryRow) -> bool {
-        let painter = ui.painter();
+    fn row(&mut self, ui: &Ui, list: Rect, place: Rect, view: &View<'_>, row: (usize, &DirectoryRow)) -> bool {
+        let (index, row) = row;
+        let painter = &ui.painter().with_clip_rect(list);
         let current = row.number == view.snapshot.program.number;
         let chosen = index == self.cursor;
-        let response = ui.interact(place, Id::unique(("program", index)), Sense::CLICK);
+        let response = ui.interact(place.intersect(list), Id::unique(("program", index)), Sense::CLICK);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, format!("O{:04}", row.number)));
         if response.clicked() {
             self.cursor = index;
@@ -91,9 +90,9 @@ impl Directory {
         let comment = Rect::from_min_max(comment.min, comment.max - vec2(theme::PAD, 0.0));
         fit(painter, comment, Align2::LEFT_CENTER, &row.comment, theme::LABEL, view.theme.text);
         let (size, date) = facts.split_left_right_at_fraction(0.34);
-        put(painter, size, Align2::RIGHT_CENTER, &kilobytes(row.size), theme::SMALL, view.theme.quiet);
+        put(painter, size, Align2::RIGHT_CENTER, &kilobytes(row.size), theme::LABEL, view.theme.quiet);
         let date = Rect::from_min_max(date.min, date.max - vec2(theme::PAD, 0.0));
-        fit(painter, date, Align2::RIGHT_CENTER, &row.modified, theme::SMALL, view.theme.quiet);
+        fit(painter, date, Align2::RIGHT_CENTER, &row.modified, theme::LABEL, view.theme.quiet);
         if current {
             fit(painter, action, Align2::RIGHT_CENTER, view.say("当前", "CURRENT"), theme::LABEL, view.theme.run);
             return false;

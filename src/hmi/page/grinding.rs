@@ -2,7 +2,7 @@
 //! Source: spec K7.2–K7.5, H6, H8; seed 000.
 
 use egui::accesskit::Role;
-use egui::{Align2, Color32, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
 
 use super::{empty, position};
 use crate::defs::page::Page;
@@ -102,18 +102,22 @@ fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
         place
     };
     put(painter, row(28.0), Align2::LEFT_CENTER, view.say("位置", "POSITION"), theme::TITLE, view.theme.text);
-    let blocks: [(_, fn(&crate::link::snapshot::AxisView) -> f64); 2] = [
-        (view.say("[绝对坐标]", "[absolute]"), |axis| axis.work),
-        (view.say("[移动余量]", "[to go]"), |axis| axis.to_go),
-    ];
-    for (name, value) in blocks {
+    for to_go in [false, true] {
+        let name = if to_go { view.say("[移动余量]", "[to go]") } else { view.say("[绝对坐标]", "[absolute]") };
         row(8.0);
         put(painter, row(24.0), Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
         for (axis, state) in view.snapshot.axes.iter().filter(|(_, state)| state.present) {
             let place = row(32.0);
             let ink = if state.moving { view.theme.info } else { view.theme.text };
             put(painter, place, Align2::LEFT_CENTER, &axis.to_string(), theme::SECONDARY, ink);
-            fit(painter, place, Align2::RIGHT_CENTER, &length(value(state)), theme::SECONDARY, view.theme.text);
+            fit(
+                painter,
+                place,
+                Align2::RIGHT_CENTER,
+                &length(if to_go { state.to_go } else { state.work }),
+                theme::SECONDARY,
+                view.theme.text,
+            );
         }
     }
     row(14.0);
@@ -206,7 +210,7 @@ fn show_picture(ui: &Ui, rect: Rect, view: &View<'_>, files: Option<&ScreenFiles
     card(painter, place, view.theme.surface, view.theme.line);
     let full = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     if let Some(texture) = texture {
-        painter.image(texture, place.shrink(1.0), full, Color32::WHITE);
+        painter.image(texture, place.shrink(1.0), full, theme::UNTINTED);
     } else {
         let number = view.snapshot.program.number;
         let words = match files.map(|files| &files.picture) {

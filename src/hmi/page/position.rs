@@ -4,6 +4,7 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::program::Listing;
 use crate::defs::key::Key;
 use crate::hmi::keycap::{self, Face};
 use crate::hmi::view::{View, card, fit, length, put};
@@ -25,7 +26,7 @@ pub enum Shown {
 }
 
 /// Draws the page.
-pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>, shown: Shown) -> Vec<Command> {
+pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>, shown: Shown, listing: &mut Listing) -> Vec<Command> {
     let mut out = Vec::new();
     let inside = rect.shrink(theme::PAD);
     let side = if inside.width() > 900.0 { 250.0 } else { 190.0 };
@@ -44,11 +45,14 @@ pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>, shown: Shown) -> Vec<Command> {
     let keys = shown == Shown::Relative;
     let room = axes.height() - if keys { 60.0 } else { 0.0 };
     let height = ((room - theme::GAP * 2.0) / present.len().max(2) as f32 - theme::GAP).clamp(90.0, 190.0);
+    let used = present.len() as f32 * (height + theme::GAP);
     for (index, axis) in present.into_iter().enumerate() {
         let corner = axes.min + vec2(0.0, index as f32 * (height + theme::GAP));
         let card = Rect::from_min_size(corner, vec2(axes.width(), height));
         axis_card(ui, card, view, axis, shown, &mut out);
     }
+    let rest = Rect::from_min_size(axes.min + vec2(0.0, used), vec2(axes.width(), room - used));
+    listing.strip(ui, rest, view);
     if keys {
         answer_keys(ui, axes, view, &mut out);
     }
@@ -68,8 +72,11 @@ fn axis_card(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Shown, out
     let letter = Rect::from_center_size(pos2(letter.center().x, top.center().y), letter.size());
     axis_letter(ui, letter, view, axis, shown, out);
     house(ui, view, letter, state);
-    let (large, others) = figures(view, state, shown);
-    let mut digits = Rect::from_min_max(pos2(letter.max.x + 34.0, top.min.y), top.max);
+    let (name, large, others) = figures(view, state, shown);
+    let mut digits = Rect::from_min_max(pos2(letter.max.x + 40.0, top.min.y), top.max);
+    let tag = Rect::from_min_size(pos2(digits.min.x, letter.center().y - 11.0), vec2(80.0, 22.0));
+    put(painter, tag, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+    digits.min.x += 40.0;
     if shown == Shown::Relative {
         let (rest, key) = digits.split_left_right_at_x(digits.max.x - 76.0);
         digits = rest;
@@ -91,14 +98,14 @@ fn axis_card(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Shown, out
 }
 
 /// The large figure and its companions.
-fn figures<'a>(view: &View<'a>, axis: &AxisView, shown: Shown) -> (f64, Vec<(&'a str, f64)>) {
+fn figures<'a>(view: &View<'a>, axis: &AxisView, shown: Shown) -> (&'a str, f64, Vec<(&'a str, f64)>) {
     let relative = (view.say("相对", "REL"), axis.relative);
     let machine = (view.say("机床", "MACHINE"), axis.machine);
     let to_go = (view.say("余量", "TO GO"), axis.to_go);
     match shown {
-        Shown::Relative => (axis.relative, vec![machine, to_go]),
-        Shown::All => (axis.work, vec![relative, machine, to_go]),
-        Shown::Machine => (axis.machine, vec![relative, to_go]),
+        Shown::Relative => (relative.0, axis.relative, vec![machine, to_go]),
+        Shown::All => (view.say("绝对", "ABS"), axis.work, vec![relative, machine, to_go]),
+        Shown::Machine => (machine.0, axis.machine, vec![relative, to_go]),
     }
 }
 
@@ -174,11 +181,14 @@ fn side_column(ui: &Ui, rect: Rect, view: &View<'_>) {
 pub fn process(ui: &Ui, rect: Rect, view: &View<'_>) {
     let snapshot = view.snapshot;
     let minutes = (snapshot.cycle_seconds / 60.0).floor();
-    let rapid = if snapshot.rapid_override == 0 { "F0".to_owned() } else { format!("{} %", snapshot.rapid_override) };
+    let (rapid, of) = match snapshot.rapid_override {
+        0 => ("F0".to_owned(), ""),
+        percent => (percent.to_string(), "%"),
+    };
     let rows = [
         (view.say("进给", "feed"), format!("{:.0}", snapshot.feed_mm_min), "mm/min"),
         (view.say("进给倍率", "feed ovr"), format!("{}", snapshot.feed_override), "%"),
-        (view.say("快速倍率", "rapid ovr"), rapid, ""),
+        (view.say("快速倍率", "rapid ovr"), rapid, of),
         (view.say("砂轮", "wheel"), format!("{:.0}", snapshot.wheel_rpm), "r/min"),
         (
             view.say("循环时间", "cycle"),
@@ -187,18 +197,24 @@ pub fn process(ui: &Ui, rect: Rect, view: &View<'_>) {
         ),
         (view.say("件数", "parts"), snapshot.parts.to_string(), ""),
     ];
-    let narrow = rect.width() < 150.0;
+    let narrow = rect.width() < 190.0;
     let height = if narrow { 46.0 } else { 34.0 };
     for (index, (name, value, unit)) in rows.into_iter().enumerate() {
         let place = Rect::from_min_size(rect.min + vec2(0.0, index as f32 * height), vec2(rect.width(), height));
         if place.max.y > rect.max.y + 0.5 {
             return;
         }
-        let (label, figure) = if narrow { place.split_top_bottom_at_fraction(0.46) } else { (place, place) };
-        put(ui.painter(), label, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
-        let unit_width = if unit.is_empty() { 0.0 } else { 52.0 };
-        let (figure, tail) = figure.split_left_right_at_x(figure.max.x - unit_width);
-        put(ui.painter(), figure, Align2::RIGHT_CENTER, &value, theme::SECONDARY, view.theme.text);
-        put(ui.painter(), tail, Align2::RIGHT_CENTER, unit, theme::SMALL, view.theme.quiet);
+        if narrow {
+            let (label, figure) = place.split_top_bottom_at_fraction(0.46);
+            put(ui.painter(), label, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+            put(ui.painter(), label, Align2::RIGHT_CENTER, unit, theme::SMALL, view.theme.quiet);
+            put(ui.painter(), figure, Align2::RIGHT_CENTER, &value, theme::SECONDARY, view.theme.text);
+        } else {
+            let (figure, tail) = place.split_left_right_at_x(place.max.x - 62.0);
+            put(ui.painter(), figure, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+            put(ui.painter(), figure, Align2::RIGHT_CENTER, &value, theme::SECONDARY, view.theme.text);
+            let tail = Rect::from_min_max(pos2(tail.min.x + 8.0, tail.min.y), tail.max);
+            put(ui.painter(), tail, Align2::LEFT_CENTER, unit, theme::SMALL, view.theme.quiet);
+        }
     }
 }

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Rect, Ui, pos2, vec2};
+use egui::{Align2, Painter, Rect, Ui, pos2, vec2};
 
 use super::empty;
 use super::scroll::Scroll;
@@ -57,7 +57,7 @@ impl Listing {
             let top = list.min.y + ((row as f64 - self.scroll.top) * f64::from(LINE)) as f32;
             let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, LINE));
             let running = !in_subprogram && row + 1 == program.line as usize;
-            self.row(ui, list, place, view, row, running);
+            self.row(&ui.painter().with_clip_rect(list), place, view, row, running);
         }
         self.scroll.bar(ui, view, list, LINE, self.starts.len());
         if in_subprogram {
@@ -65,6 +65,24 @@ impl Listing {
             put(ui.painter(), title, Align2::CENTER_CENTER, &words, theme::LABEL, view.theme.info);
         }
         Vec::new()
+    }
+
+    /// The running block and its neighbours, in as many lines as there is room for.
+    pub fn strip(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
+        let program = &view.snapshot.program;
+        let count = ((rect.height() - 8.0) / LINE).floor().max(0.0) as usize;
+        let elsewhere = program.block_program != 0 && program.block_program != program.number;
+        if count < 2 || program.number == 0 || elsewhere {
+            return;
+        }
+        self.read(&program.text);
+        card(ui.painter(), rect, view.theme.surface, view.theme.line);
+        let first = (program.line as usize).saturating_sub(1 + count / 3);
+        for (index, row) in (first..self.starts.len().min(first + count)).enumerate() {
+            let corner = pos2(rect.min.x + 2.0, rect.min.y + 4.0 + index as f32 * LINE);
+            let place = Rect::from_min_size(corner, vec2(rect.width() - 4.0, LINE));
+            self.row(&ui.painter().with_clip_rect(rect), place, view, row, row + 1 == program.line as usize);
+        }
     }
 
     /// Finds the lines of a text that has changed.
@@ -80,8 +98,7 @@ impl Listing {
         self.scroll = Scroll::default();
     }
 
-    fn row(&self, ui: &Ui, list: Rect, place: Rect, view: &View<'_>, row: usize, running: bool) {
-        let painter = ui.painter().with_clip_rect(list);
+    fn row(&self, painter: &Painter, place: Rect, view: &View<'_>, row: usize, running: bool) {
         if running {
             painter.rect_filled(place, theme::RADIUS, view.theme.raised);
             let mark = Rect::from_min_size(place.min, vec2(4.0, place.height()));
@@ -89,14 +106,14 @@ impl Listing {
         }
         let (number, words) = place.split_left_right_at_x(place.min.x + 68.0);
         let number = Rect::from_min_max(number.min, number.max - vec2(theme::PAD, 0.0));
-        fit(&painter, number, Align2::RIGHT_CENTER, &(row + 1).to_string(), theme::SMALL, view.theme.quiet);
+        fit(painter, number, Align2::RIGHT_CENTER, &(row + 1).to_string(), theme::SMALL, view.theme.quiet);
         let start = self.starts.get(row).copied().unwrap_or(0) as usize;
         let end = self.starts.get(row + 1).map_or(self.text.len(), |end| *end as usize);
         // What no screen is wide enough for is not laid out either.
         let text: String = self.text.get(start..end).unwrap_or_default().trim_end().chars().take(200).collect();
         let remark = text.trim_start().starts_with(['(', ';', '%']) || text.trim_start().starts_with("//");
         let ink = if remark { view.theme.quiet } else { view.theme.text };
-        let galley = line(&painter, &text.replace('\t', "  "), theme::TITLE - 1.0, ink, words.width());
+        let galley = line(painter, &text.replace('\t', "  "), theme::TITLE - 1.0, ink, words.width());
         let top = words.center().y - galley.size().y / 2.0;
         painter.galley(pos2(words.min.x, top.round()), galley, ink);
     }

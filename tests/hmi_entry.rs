@@ -1,0 +1,184 @@
+//! Typing on the grinding page, by touch and by keyboard, and the refusal. Soft keys and the directory.
+
+#![cfg(feature = "hmi")]
+
+mod hmi_sample;
+
+use egui::{Event, vec2};
+use egui_kittest::{Harness, kittest::Queryable};
+use hmi_sample::{C0001, snapshot};
+use kt830::defs::page::Page;
+use kt830::defs::screen;
+use kt830::defs::text::Lang;
+use kt830::hmi::{Hmi, SOFT_KEYS, SoftAct};
+use kt830::link::command::{ScreenFiles, Screens};
+use kt830::link::{Command, Snapshot};
+use std::sync::Arc;
+
+struct Desk {
+    hmi: Hmi,
+    snapshot: Snapshot,
+    sent: Vec<Command>,
+}
+
+type Screen = Harness<'static, Desk>;
+
+fn open(snapshot: Snapshot) -> Screen {
+    let desk = Desk { hmi: Hmi::new(Lang::Zh), snapshot, sent: Vec::new() };
+    let mut screen = Harness::builder()
+        .with_size(vec2(1_024.0, 768.0))
+        .with_context_setup(|ctx| Hmi::new(Lang::Zh).install(ctx))
+        .build_ui_state(
+            |ui, desk: &mut Desk| {
+                let commands = desk.hmi.ui(ui, &desk.snapshot);
+                desk.sent.extend(commands);
+            },
+            desk,
+        );
+    screen.step();
+    screen
+}
+
+fn touch(screen: &mut Screen, label: &str) {
+    screen.get_by_label(label).click();
+    for _ in 0..4 {
+        screen.step();
+    }
+}
+
+fn press(screen: &mut Screen, key: egui::Key) {
+    screen.key_press(key);
+    screen.step();
+    screen.step();
+}
+
+fn write(screen: &mut Screen, text: &str) {
+    screen.event(Event::Text(text.to_owned()));
+    screen.step();
+}
+
+fn sent(screen: &mut Screen) -> Vec<String> {
+    std::mem::take(&mut screen.state_mut().sent).iter().map(|command| format!("{command:?}")).collect()
+}
+
+#[test]
+fn h6_by_touch_a_value_is_typed_stored_and_the_next_field_chosen() {
+    let mut screen = open(snapshot(Page::Grinding));
+    touch(&mut screen, "左卡磨耗余量 #505");
+    for key in ["pad-0", "pad-point", "pad-0", "pad-3", "pad-5", "pad-back", "pad-sign"] {
+        touch(&mut screen, key);
+    }
+    assert_eq!(screen.state().hmi.entry().text, "-0.03");
+    assert!(sent(&mut screen).is_empty(), "nothing is stored before 输入");
+    touch(&mut screen, "输入 input");
+    assert_eq!(sent(&mut screen), ["TypeVariable(505, Some(-0.03))"]);
+    assert_eq!(screen.state().hmi.entry().cursor, 5, "the next field is chosen");
+}
+
+#[test]
+fn h6_cancel_restores_then_closes_the_pad() {
+    let mut screen = open(snapshot(Page::Grinding));
+    touch(&mut screen, "卡尺X轴始磨位置 #500");
+    touch(&mut screen, "pad-9");
+    touch(&mut screen, "取消 cancel");
+    assert!(screen.state().hmi.entry().text.is_empty());
+    touch(&mut screen, "取消 cancel");
+    assert!(screen.query_by_label("pad-9").is_none());
+    assert!(sent(&mut screen).is_empty());
+}
+
+#[test]
+fn h6_physical_keys_do_the_same() {
+    let mut screen = open(snapshot(Page::Grinding));
+    press(&mut screen, egui::Key::ArrowDown);
+    write(&mut screen, "-12.75");
+    press(&mut screen, egui::Key::Enter);
+    press(&mut screen, egui::Key::Tab);
+    write(&mut screen, "7");
+    press(&mut screen, egui::Key::Backspace);
+    write(&mut screen, "8");
+    press(&mut screen, egui::Key::Enter);
+    write(&mut screen, "1");
+    press(&mut screen, egui::Key::Escape);
+    press(&mut screen, egui::Key::ArrowRight);
+    assert_eq!(sent(&mut screen), ["TypeVariable(501, Some(-12.75))", "TypeVariable(504, Some(8.0))"]);
+    assert_eq!(screen.state().hmi.entry().cursor, 12, "the arrow goes to the field beside it");
+}
+
+#[test]
+fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
+    let mut machine = snapshot(Page::Grinding);
+    let text = screen::parse(&C0001.replace("#508", "#570")).map(Arc::new).expect("the sample is right");
+    let picture = hmi_sample::picture("B0001.BMP");
+    let files = ScreenFiles { text: Ok(text), picture: Ok(picture) };
+    machine.screens = Arc::new(Screens { pages: vec![(1_001, files)] });
+    let mut screen = open(machine);
+    touch(&mut screen, "精磨进给方式 #570");
+    write(&mut screen, "2");
+    press(&mut screen, egui::Key::Enter);
+    assert!(sent(&mut screen).is_empty());
+    assert_eq!(screen.state().hmi.entry().reason(Lang::Zh), Some("只能输入 0 或 1"));
+    assert_eq!(screen.state().hmi.entry().text, "2");
+    write(&mut screen, "1");
+    assert_eq!(screen.state().hmi.entry().reason(Lang::Zh), None);
+    press(&mut screen, egui::Key::Enter);
+    assert_eq!(sent(&mut screen), ["TypeVariable(570, Some(1.0))"]);
+    write(&mut screen, "100000");
+    press(&mut screen, egui::Key::Enter);
+    assert_eq!(screen.state().hmi.entry().reason(Lang::En), Some("out of range ±99999.999"));
+    assert!(sent(&mut screen).is_empty());
+}
+
+#[test]
+fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
+    let keys = [egui::Key::F1, egui::Key::F2, egui::Key::F3, egui::Key::F4, egui::Key::F5];
+    let mut screen = open(snapshot(Page::Position));
+    for row in SOFT_KEYS {
+        for (index, soft) in row.into_iter().enumerate() {
+            let wanted = match soft.act {
+                SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
+                SoftAct::Position(_) => Some("OpenPage(Position)".to_owned()),
+                SoftAct::Blocked(_) | SoftAct::Help => None,
+            };
+            touch(&mut screen, &format!("{} f{}", soft.label.zh, index + 1));
+            assert_eq!(sent(&mut screen), Vec::from_iter(wanted.clone()), "{}", soft.label.en);
+            press(&mut screen, keys[index]);
+            assert_eq!(sent(&mut screen), Vec::from_iter(wanted), "{}", soft.label.en);
+        }
+        touch(&mut screen, "▶ next-row");
+    }
+}
+
+#[test]
+fn b6_the_directory_loads_by_its_own_key_only() {
+    let mut screen = open(snapshot(Page::Directory));
+    touch(&mut screen, "O1002");
+    assert!(sent(&mut screen).is_empty(), "choosing does not load");
+    touch(&mut screen, "装入 load-program");
+    assert_eq!(sent(&mut screen), ["LoadProgram(1002)"]);
+    press(&mut screen, egui::Key::ArrowDown);
+    press(&mut screen, egui::Key::Enter);
+    assert_eq!(sent(&mut screen), ["LoadProgram(1003)"]);
+}
+
+#[test]
+fn k4_2_on_the_relative_page_letters_and_answers_are_keys() {
+    let mut screen = open(snapshot(Page::Position));
+    touch(&mut screen, "相对 f1");
+    sent(&mut screen);
+    for (label, key) in [("X address-x", "AddressX"), ("输入 input", "Input"), ("取消 cancel", "Cancel")] {
+        touch(&mut screen, label);
+        assert_eq!(sent(&mut screen), [format!("Press({key})"), format!("Release({key})")]);
+    }
+    touch(&mut screen, "清零 Z");
+    assert_eq!(sent(&mut screen), ["ClearRelative(Z)"]);
+}
+
+#[test]
+fn h8_a_program_without_page_leads_to_the_directory() {
+    let mut machine = snapshot(Page::Grinding);
+    machine.program.number = 2_000;
+    let mut screen = open(machine);
+    touch(&mut screen, "打开目录");
+    assert_eq!(sent(&mut screen), ["OpenPage(Directory)"]);
+}

@@ -1,0 +1,206 @@
+//! The pages as they are painted: what they say, whether it fits, and one picture byte for byte.
+
+#![cfg(feature = "hmi")]
+
+mod hmi_sample;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use egui::Rect;
+use hmi_sample::{alarm, refused, running, snapshot};
+use kt830::defs::kind::Kind;
+use kt830::defs::page::Page;
+use kt830::defs::text::{Lang, Said};
+use kt830::hmi::shot::Stage;
+use kt830::hmi::theme::{DARK, contrast, scale};
+use kt830::hmi::{Hmi, page_text, shot};
+use kt830::link::Snapshot;
+use kt830::link::command::{FileFault, Screens};
+
+const SIZES: [(u32, u32); 4] = [(1_024, 768), (1_280, 800), (1_920, 1_080), (768, 1_024)];
+
+fn says(snapshot: &Snapshot, words: &str) -> bool {
+    page_text(snapshot, Lang::Zh).iter().any(|text| text.contains(words))
+}
+
+#[test]
+fn k7_2_the_grinding_page_shows_what_the_customer_drew() {
+    let machine = snapshot(Page::Grinding);
+    let texts = page_text(&machine, Lang::Zh);
+    for words in [
+        "位置",
+        "[绝对坐标]",
+        "[移动余量]",
+        "-743.080",
+        "O1001 N0040",
+        "外卡磨削参数设置",
+        "卡尺X轴始磨位置",
+        "右卡精磨余量",
+        "40.200",
+        "数据输入: #500=",
+        "手动方式",
+        "连续",
+        "停止",
+        "参数",
+        "诊断",
+        "图形",
+        "U盘/通信",
+        "屏幕打印",
+        "▶",
+    ] {
+        assert!(texts.iter().any(|text| text == words), "{words} is missing in {texts:?}");
+    }
+}
+
+#[test]
+fn h8_what_is_missing_is_said_with_the_remedy() {
+    let mut machine = snapshot(Page::Grinding);
+    machine.program.number = 2_000;
+    assert!(says(&machine, "O2000 没有磨削页面"));
+    machine.program.number = 1_002;
+    assert!(says(&machine, "C0002.TXT") && says(&machine, "screens"));
+    let mut machine = snapshot(Page::Grinding);
+    let fault =
+        |file: &str, place| FileFault {
+            file: file.into(), place, said: Said::new("全角符号“；”", "full-width")
+        };
+    let mut screens = Screens { pages: machine.screens.pages.clone() };
+    screens.pages[0].1.text = Err(fault("C0001.TXT", Some((4, 16))));
+    screens.pages[0].1.picture = Err(fault("B0001.BMP", None));
+    machine.screens = Arc::new(screens);
+    assert!(says(&machine, "C0001.TXT 第4行 第16列") && says(&machine, "B0001.BMP"));
+    machine.page = Page::Directory;
+    machine.directory = Arc::default();
+    assert!(says(&machine, "programs"));
+    machine.page = Page::Program;
+    machine.program.number = 0;
+    assert!(says(&machine, "没有装入程序"));
+}
+
+#[test]
+fn h7_alarm_and_refusal_are_in_the_message_line() {
+    let machine = alarm(Page::Position);
+    assert!(says(&machine, "⚠ 180 ×2") && says(&machine, "180 砂轮启动时液压异常 → 检查油泵"));
+    let mut machine = refused(Page::Position);
+    assert!(says(&machine, "头架旋转时尾座不能动作"));
+    machine.now.0 += 6_000_000;
+    assert!(!says(&machine, "头架旋转时尾座不能动作"), "a refusal fades after 5 s");
+}
+
+#[test]
+fn k7_1_the_position_page_has_its_coordinates() {
+    let machine = snapshot(Page::Position);
+    for words in ["综合坐标", "12.340", "-812.455", "-391.006", "砂轮修整"] {
+        assert!(says(&machine, words), "{words}");
+    }
+}
+
+#[test]
+fn b6_the_program_page_marks_the_block_and_stays_fluid() {
+    let mut machine = running(Page::Program);
+    assert!(says(&machine, "N0090 G01 X#501 F1200"));
+    let long: String = (1..=1_000_000).map(|line| format!("N{line} G01 X{line}\n")).collect();
+    machine.program.text = long.into();
+    machine.program.line = 999_999;
+    let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
+    stage.frame(&machine);
+    let begun = std::time::Instant::now();
+    for _ in 0..10 {
+        stage.frame(&machine);
+    }
+    // Generous: a frame of an unoptimised build on a busy machine; laying the lines out would take seconds.
+    assert!(begun.elapsed().as_millis() < 1_500, "{:?}", begun.elapsed());
+    assert!(stage.texts().iter().any(|(text, ..)| text == "N999999 G01 X999999"));
+}
+
+/// Every text of a page keeps inside its clip and the screen, is not cut, and lies on no other text.
+fn fits(stage: &mut Stage, machine: &Snapshot, what: &str) {
+    // A sign that the font lacks ends the test.
+    stage.ctx().set_missing_glyph_policy(egui::MissingGlyphPolicy::Panic);
+    stage.frame(machine);
+    stage.frame(machine);
+    let texts = stage.texts();
+    let list = matches!(machine.page, Page::Program | Page::Directory);
+    for (index, (text, ink, clip, cut)) in texts.iter().enumerate() {
+        let what = format!("{text:?} on {:?} {what}", machine.page);
+        assert!(!cut, "{what} is cut");
+        // The last line of a list may end at its edge.
+        assert!(list || clip.expand(0.5).contains_rect(*ink), "{what} is clipped: {ink} in {clip}");
+        for (other, place, ..) in &texts[..index] {
+            let common: Rect = place.intersect(*ink).shrink(0.75);
+            assert!(!common.is_positive(), "{what} {ink} lies on {other:?} {place}");
+        }
+    }
+}
+
+#[test]
+fn h9_nothing_is_cut_or_overlaps() {
+    for lang in [Lang::Zh, Lang::En] {
+        for size in SIZES {
+            let mut stage = Stage::new(Hmi::new(lang), size);
+            for page in Page::ALL {
+                for machine in [snapshot(*page), running(*page), alarm(*page), refused(*page)] {
+                    fits(&mut stage, &machine, &format!("{lang:?} {size:?}"));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn h3_every_kind_has_a_panel_that_fits() {
+    for lang in [Lang::Zh, Lang::En] {
+        for size in SIZES {
+            let mut stage = Stage::new(Hmi::new(lang), size);
+            for kind in Kind::ALL {
+                let mut machine = snapshot(Page::Position);
+                machine.kind = kind;
+                fits(&mut stage, &machine, &format!("{kind:?} {lang:?} {size:?}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn h4_text_has_contrast() {
+    for (name, ink, ground) in DARK.text_pairs() {
+        let ratio = contrast(ink, ground);
+        assert!(ratio >= 4.5, "{name} {ink:?} on {ground:?}: {ratio:.2}");
+    }
+}
+
+#[test]
+fn h1_the_scale_follows_the_display() {
+    let scale = |x: f32, y: f32| (scale(egui::vec2(x, y)) * 10.0).round() as i32;
+    assert_eq!((scale(1_024.0, 768.0), scale(1_280.0, 800.0), scale(1_920.0, 1_080.0)), (10, 10, 14));
+    assert_eq!((scale(768.0, 1_024.0), scale(3_840.0, 2_160.0), scale(800.0, 600.0)), (10, 28, 7));
+}
+
+#[test]
+fn k5_12_page_pictures_are_of_the_form() {
+    for name in ["B0001.BMP", "B0002.BMP"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("screens").join(name);
+        let bytes = std::fs::read(&path).expect(name);
+        assert_eq!(bytes.len(), 240_054, "{name}");
+        assert_eq!((&bytes[..2], bytes[28], bytes[30]), (&b"BM"[..], 24, 0), "{name}: 24 bit, uncompressed");
+        let picture = image::open(&path).expect(name);
+        assert_eq!((picture.width(), picture.height()), (200, 400), "{name}");
+    }
+}
+
+/// The committed picture; after a wanted change take the new one from the place that the message names.
+#[test]
+fn h1_the_grinding_page_looks_as_committed() {
+    let machine = snapshot(Page::Grinding);
+    let picture = shot(&machine, Lang::Zh, (1_024, 768));
+    assert!(picture == shot(&machine, Lang::Zh, (1_024, 768)), "two shots differ");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hmi_sample/grinding.png");
+    let committed = image::open(&path).map(|read| read.to_rgba8());
+    if committed.is_ok_and(|committed| committed == picture) {
+        return;
+    }
+    let new = std::env::temp_dir().join("kt830_grinding.png");
+    picture.save(&new).expect("the temporary folder can be written");
+    panic!("the grinding page differs from {}; the new one is {}", path.display(), new.display());
+}
