@@ -38,8 +38,8 @@ pub struct Planner {
     span: Span,
     /// Moves of the span that have been laid.
     span_ended: usize,
-    /// Moves that a span was not found for and that are taken one by one.
-    strokes_left: usize,
+    /// Moves in a span at most: halved when none was found that keeps everything, doubled when one was.
+    run_most: usize,
     planned_override: f64,
     /// Moves in the queue at the last tick, and for how many ticks that has been so.
     seen: usize,
@@ -67,7 +67,7 @@ impl Planner {
             stroke: None,
             span: Span::new(&limits, MOVES),
             span_ended: 0,
-            strokes_left: 0,
+            run_most: MOVES,
             planned_override: 1.0,
             seen: 0,
             quiet: 0,
@@ -79,7 +79,7 @@ impl Planner {
         self.taken = 0;
         self.stroke = None;
         self.span.clear();
-        self.strokes_left = 0;
+        self.run_most = MOVES;
     }
 
     /// The first move of the queue has gone.
@@ -137,8 +137,8 @@ impl Planner {
 
     fn lay_span(&mut self, moves: &mut VecDeque<Queued>, trail: &mut Trail, spot: Spot) -> bool {
         if self.span.has_failed() {
-            // One by one then.
-            self.strokes_left = self.span.tube.segments.len();
+            // Half as many at once then; a single move is a stroke.
+            self.run_most = (self.span.tube.segments.len() / 2).max(1);
             self.span.clear();
             return false;
         }
@@ -162,6 +162,7 @@ impl Planner {
             self.span_ended += 1;
         }
         if over {
+            self.run_most = (2 * self.run_most).min(MOVES);
             stand(trail);
             self.span.clear();
         }
@@ -177,26 +178,24 @@ impl Planner {
         if queued.segment.is_nothing() {
             moves[self.taken].ends_at = Some(trail.end());
             self.taken += 1;
-            self.strokes_left = self.strokes_left.saturating_sub(1);
             return true;
         }
-        if self.strokes_left == 0 {
-            let (count, tolerance, open) = self.run_ahead(moves);
-            if open && self.quiet < GATHER_TICKS && moves.len() < MOVES {
-                return false;
-            }
-            if count > 1 {
-                self.planned_override = feed_override;
-                for queued in moves.range(self.taken..self.taken + count) {
-                    self.span.add(queued.segment, top_feed(queued, feed_override));
-                }
-                self.span_ended = 0;
-                self.span.begin(tolerance);
-                return false;
-            }
+        let (count, tolerance, open) = self.run_ahead(moves);
+        if open && self.quiet < GATHER_TICKS && moves.len() < MOVES {
+            return false;
         }
+        let count = count.min(self.run_most);
+        if count > 1 {
+            self.planned_override = feed_override;
+            for queued in moves.range(self.taken..self.taken + count) {
+                self.span.add(queued.segment, top_feed(queued, feed_override));
+            }
+            self.span_ended = 0;
+            self.span.begin(tolerance);
+            return false;
+        }
+        self.run_most = (2 * self.run_most).min(MOVES);
         let Some(queued) = moves.get(self.taken) else { return false };
-        self.strokes_left = self.strokes_left.saturating_sub(1);
         let mut limits = queued.segment.limits(&self.limits);
         limits.velocity_mm_s = top_speed(queued, &self.limits, feed_override);
         self.planned_override = feed_override;

@@ -12,7 +12,7 @@ use super::contour::{NO_LENGTH_MM, distance};
 /// Control points at most.
 pub const POINTS: usize = 1_280;
 /// Weight of staying in the tube against the jerk; found by trial on the benchmark paths.
-const TUBE_WEIGHT: f64 = 0.05;
+const TUBE_WEIGHT: f64 = 0.03;
 /// Corners of more than 8° (its cosine) are sharp.
 const SHARP_COSINE: f64 = 0.99;
 /// Over-relaxation, 1 to 2.

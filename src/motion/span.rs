@@ -20,7 +20,7 @@ const POINTS_AIM: f64 = 900.0;
 /// Control points at least.
 const POINTS_LEAST: usize = 24;
 /// Part of the tolerance used while smoothing; the rest is for what lies between knots and for unfinished iterations.
-const TUBE_SHARE: f64 = 0.97;
+const TUBE_SHARE: f64 = 0.95;
 /// Part of the tolerance planned for: the rest is for what lies between set-points and is passed under an override.
 const TOLERANCE_SHARE: f64 = 0.99;
 /// Places looked at in a tick, and between two of them near a corner.
@@ -36,7 +36,7 @@ const NARROWEST: f64 = 0.02;
 const REPAIR_SPARE: f64 = 0.01;
 /// How often the tube is made narrower, and the iterations of smoothing after each time.
 const REPAIRS_MOST: u32 = 8;
-const REPAIR_ROUND: u32 = 40;
+const REPAIR_ROUND: u32 = 60;
 /// How often a plan is slowed after the check until it is given up.
 const SLOWER_MOST: u32 = 4;
 /// Work of a tick, in control points iterated: while the axes rest, and while they move.
