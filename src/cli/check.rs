@@ -124,13 +124,14 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
     let mut memory = retained.variables.clone();
     let mut world = CheckWorld::new(&settings);
-    if let Some(part) = bench::part(shared, number)? {
-        world = start(world, &part);
-        preset(&mut memory, &part);
+    let part = bench::part(shared, number)?;
+    if let Some(part) = &part {
+        world = start(world, part);
+        preset(&mut memory, part);
     }
     let source = program(number, &path.display().to_string(), bytes).source;
     let mut show = |op: &Op| match shared.format {
-        Format::Json => out(op.json(axes)),
+        Format::Json => out(with_frame(op, op.json(axes), part.as_ref(), axes)),
         Format::Text => out(op),
     };
     let checked = check_with(&source, &library, &settings, memory, &mut world, &mut |block| {
@@ -140,6 +141,19 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     });
     tell_program(shared, call, path, &checked, &settings);
     Ok(!checked.faults.is_empty())
+}
+
+/// A change of the work frame tells where the frame lies: G54 where the part's set-up puts it, the others at zero.
+fn with_frame(op: &Op, mut json: Value, part: Option<&PartFile>, axes: PerAxis<bool>) -> Value {
+    if let (Op::Frame { g }, Some(object)) = (op, json.as_object_mut()) {
+        let zero = part
+            .filter(|_| *g == 54)
+            .map_or_else(PerAxis::default, |part| PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z]));
+        for (axis, _) in axes.iter().filter(|(_, present)| **present) {
+            object.insert(axis.letter().to_ascii_lowercase().to_string(), json!(zero[axis]));
+        }
+    }
+    json
 }
 
 /// How a machine with these parameters reads programs.

@@ -141,7 +141,7 @@ impl Companion for Beside {
         let due = begun + Duration::from_micros(now.since(from).0);
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
         self.ticks += 1;
-        if self.ticks % SNAPSHOT_EVERY == 0 {
+        if self.ticks.is_multiple_of(SNAPSHOT_EVERY) {
             let mut snapshot = Snapshot::new(control.kind());
             control.snapshot(&mut snapshot);
             *self.newest.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(snapshot);

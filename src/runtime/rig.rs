@@ -3,6 +3,7 @@
 //! Source: spec tools.md T3, T5; simulator.md.
 
 use std::sync::Arc;
+use std::time::Instant;
 
 use super::disk::Folders;
 use super::keeper::{Keeper, remember};
@@ -167,13 +168,20 @@ impl Rig {
 
     /// One tick of control and machine.
     pub fn step(&mut self) {
+        self.step_timed(|_| {});
+    }
+
+    /// One tick; tells how many nanoseconds the control's part of it took, for measuring.
+    pub fn step_timed(&mut self, told: impl FnOnce(u64)) {
         self.now = self.now + self.tick;
         self.image = self.machine.read(self.now);
         if !self.powered {
             self.inbox.clear();
             return;
         }
+        let begun = Instant::now();
         let outputs = *self.controller.tick(self.now, &self.image, &self.inbox);
+        told(begun.elapsed().as_nanos() as u64);
         self.inbox.clear();
         self.machine.write(self.now, &outputs);
         self.keep();

@@ -1,0 +1,95 @@
+//! How long a tick takes, and how fast a headless run is against real time.
+//! `cargo bench --bench core`
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a bench prints its figures")]
+
+use std::path::Path;
+use std::time::Instant;
+
+use kt830::controller::{Controller, Retained};
+use kt830::defs::key::{Key, Mode};
+use kt830::defs::kind::Kind;
+use kt830::io::Backend;
+use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
+use kt830::link::Command;
+use kt830::link::snapshot::RunState;
+use kt830::runtime::disk::Folders;
+use kt830::runtime::rig::{Rig, Setup};
+use kt830::units::Micros;
+
+fn rig(program: u32) -> Rig {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = Folders { programs: root.join("programs"), screens: root.join("screens") };
+    let setup = Setup { kind: Kind::Gc, retained: Retained::factory(Kind::Gc), keeper: None, folders, seed: 1 };
+    let mut rig = Rig::new(setup).unwrap();
+    let part = PartFile::builtin(program).unwrap().unwrap();
+    rig.mount(&part);
+    rig.send(Command::LoadProgram(program));
+    rig.step();
+    rig.make_ready();
+    rig.mount(&part);
+    rig.send(Command::LoadProgram(program));
+    rig.send(Command::Press(Mode::Auto.key()));
+    rig.step();
+    rig.send(Command::Press(Key::CycleStart));
+    rig.step();
+    rig
+}
+
+/// Nanoseconds of each controller tick of a whole program, the machine's own time left out.
+fn ticks(program: u32) -> Vec<u64> {
+    let mut rig = rig(program);
+    let mut taken = Vec::new();
+    while rig.controller().state() != RunState::Idle {
+        rig.step_timed(|nanos| taken.push(nanos));
+    }
+    taken.sort_unstable();
+    taken
+}
+
+/// Controller ticks while nothing runs.
+fn idle() -> Vec<u64> {
+    let retained = Retained::factory(Kind::Gc);
+    let mut machine = SimulatedMachine::new(MachineFile::builtin(Kind::Gc).unwrap(), None, &retained.params, 1);
+    let image = machine.read(Micros::ZERO);
+    let mut controller = Controller::new(Kind::Gc, retained, image, Micros::ZERO).unwrap();
+    let mut taken: Vec<u64> = (1..=100_000_u64)
+        .map(|tick| {
+            let now = Micros(tick * 1_000);
+            let image = machine.read(now);
+            let begun = Instant::now();
+            controller.tick(now, &image, &[]);
+            begun.elapsed().as_nanos() as u64
+        })
+        .collect();
+    taken.sort_unstable();
+    taken
+}
+
+fn tell(name: &str, sorted: &[u64]) {
+    let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize] as f64 / 1_000.0;
+    println!(
+        "tick {name}: p50 {:.2} µs  p99 {:.2} µs  p99.9 {:.2} µs  max {:.0} µs  ({} ticks)",
+        at(0.5),
+        at(0.99),
+        at(0.999),
+        at(1.0),
+        sorted.len()
+    );
+}
+
+fn main() {
+    tell("idle", &idle());
+    for program in [1_001, 1_002] {
+        tell(&format!("O{program}"), &ticks(program));
+    }
+    for program in [1_001, 1_002] {
+        let mut rig = rig(program);
+        let (begun, from) = (Instant::now(), rig.now());
+        while rig.controller().state() != RunState::Idle {
+            rig.step();
+        }
+        let (simulated, real) = (rig.now().since(from).as_secs_f64(), begun.elapsed().as_secs_f64());
+        println!("run O{program}: {simulated:.1} s simulated in {real:.4} s, {:.0} × real time", simulated / real);
+    }
+}
