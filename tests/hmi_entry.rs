@@ -130,6 +130,23 @@ fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
 }
 
 #[test]
+fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
+    let mut screen = open(snapshot(Page::Grinding));
+    let key = |pressed| Event::Key {
+        key: egui::Key::Num5,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: egui::Modifiers::ALT,
+    };
+    screen.input_mut().events.extend([key(true), Event::Text("5".to_owned()), key(false)]);
+    screen.step();
+    screen.step();
+    assert_eq!(sent(&mut screen), ["Press(Step001)", "Release(Step001)"]);
+    assert_eq!(screen.state().hmi.entry().text, "");
+}
+
+#[test]
 fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
     let keys = [egui::Key::F1, egui::Key::F2, egui::Key::F3, egui::Key::F4, egui::Key::F5];
     let mut screen = open(snapshot(Page::Position));
