@@ -155,7 +155,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
             let wanted = match soft.act {
                 SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
                 SoftAct::Position(_) => Some("OpenPage(Position)".to_owned()),
-                SoftAct::Blocked(_) | SoftAct::Help => None,
+                SoftAct::Blocked(_) | SoftAct::Help | SoftAct::Alarms => None,
             };
             touch(&mut screen, &format!("{} f{}", soft.label.zh, index + 1));
             assert_eq!(sent(&mut screen), Vec::from_iter(wanted.clone()), "{}", soft.label.en);
@@ -198,4 +198,14 @@ fn h8_a_program_without_page_leads_to_the_directory() {
     let mut screen = open(machine);
     touch(&mut screen, "打开目录");
     assert_eq!(sent(&mut screen), ["OpenPage(Directory)"]);
+}
+
+#[test]
+fn h7_a_touch_on_the_message_line_lists_every_alarm() {
+    let mut screen = open(hmi_sample::alarm(Page::Grinding));
+    touch(&mut screen, "报警 alarm-list");
+    assert!(screen.query_by_label("关闭报警 close-alarms").is_some());
+    touch(&mut screen, "关闭报警 close-alarms");
+    assert!(screen.query_by_label("关闭报警 close-alarms").is_none());
+    assert!(sent(&mut screen).is_empty());
 }
