@@ -130,6 +130,23 @@ fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
 }
 
 #[test]
+fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
+    let mut screen = open(snapshot(Page::Grinding));
+    let key = |pressed| Event::Key {
+        key: egui::Key::Num5,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: egui::Modifiers::ALT,
+    };
+    screen.input_mut().events.extend([key(true), Event::Text("5".to_owned()), key(false)]);
+    screen.step();
+    screen.step();
+    assert_eq!(sent(&mut screen), ["Press(Step001)", "Release(Step001)"]);
+    assert_eq!(screen.state().hmi.entry().text, "");
+}
+
+#[test]
 fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
     let keys = [egui::Key::F1, egui::Key::F2, egui::Key::F3, egui::Key::F4, egui::Key::F5];
     let mut screen = open(snapshot(Page::Position));
@@ -138,7 +155,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
             let wanted = match soft.act {
                 SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
                 SoftAct::Position(_) => Some("OpenPage(Position)".to_owned()),
-                SoftAct::Blocked(_) | SoftAct::Help => None,
+                SoftAct::Blocked(_) | SoftAct::Help | SoftAct::Alarms => None,
             };
             touch(&mut screen, &format!("{} f{}", soft.label.zh, index + 1));
             assert_eq!(sent(&mut screen), Vec::from_iter(wanted.clone()), "{}", soft.label.en);
@@ -181,4 +198,14 @@ fn h8_a_program_without_page_leads_to_the_directory() {
     let mut screen = open(machine);
     touch(&mut screen, "打开目录");
     assert_eq!(sent(&mut screen), ["OpenPage(Directory)"]);
+}
+
+#[test]
+fn h7_a_touch_on_the_message_line_lists_every_alarm() {
+    let mut screen = open(hmi_sample::alarm(Page::Grinding));
+    touch(&mut screen, "报警 alarm-list");
+    assert!(screen.query_by_label("关闭报警 close-alarms").is_some());
+    touch(&mut screen, "关闭报警 close-alarms");
+    assert!(screen.query_by_label("关闭报警 close-alarms").is_none());
+    assert!(sent(&mut screen).is_empty());
 }

@@ -163,6 +163,14 @@ fn h3_every_kind_has_a_panel_that_fits() {
 }
 
 #[test]
+fn k1_the_gauge_keys_are_named_by_the_kind() {
+    let mut machine = snapshot(Page::Position);
+    assert!(says(&machine, "径向") && !says(&machine, "厚度"));
+    machine.kind = Kind::Gs;
+    assert!(says(&machine, "厚度") && says(&machine, "平面") && says(&machine, "充磁") && !says(&machine, "尾座"));
+}
+
+#[test]
 fn h4_text_has_contrast() {
     for (name, ink, ground) in DARK.text_pairs() {
         let ratio = contrast(ink, ground);

@@ -17,7 +17,7 @@ use super::press::Presses;
 use super::softkey::{self, Pressed, SoftAct};
 use super::theme::{self, Theme};
 use super::view::View;
-use super::{frame, help, pad};
+use super::{alarms, frame, help, pad};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::text::{Lang, Text};
@@ -26,6 +26,13 @@ use crate::link::{Command, Snapshot};
 
 /// Seconds that a local refusal stays in the message line.
 const HINT_SECONDS: f64 = 5.0;
+
+/// A sheet over the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Over {
+    Help,
+    Alarms,
+}
 
 /// The face of the control. One value lives as long as the window.
 pub struct Hmi {
@@ -41,7 +48,7 @@ pub struct Hmi {
     directory: Directory,
     panel: Panel,
     presses: Presses,
-    help: bool,
+    over: Option<Over>,
     hint: Option<(Text, f64)>,
     picture: Option<(Arc<Picture>, TextureHandle)>,
 }
@@ -63,7 +70,7 @@ impl Hmi {
             directory: Directory::default(),
             panel: Panel::default(),
             presses: Presses::default(),
-            help: false,
+            over: None,
             hint: None,
             picture: None,
         }
@@ -108,9 +115,13 @@ impl Hmi {
         }
         self.draw_page(ui, &regions, &view, (&edits, asked.pages), &mut out);
         self.draw_frame(ui, &regions, &view, &asked, &mut out);
-        if self.help {
-            self.help = !help::ui(ui, &view, regions.content.shrink(theme::GAP));
-        }
+        let sheet = regions.content.shrink(theme::GAP);
+        let closed = match self.over {
+            Some(Over::Help) => help::ui(ui, &view, sheet),
+            Some(Over::Alarms) => alarms::ui(ui, &view, sheet),
+            None => false,
+        };
+        self.over = self.over.filter(|_| !closed);
         self.presses.end_frame(ui, &mut out);
         out
     }
@@ -120,6 +131,7 @@ impl Hmi {
         if self.page != Some(snapshot.page) {
             self.page = Some(snapshot.page);
             self.soft_row = softkey::row_of(snapshot.page);
+            self.over = None;
             self.entry.restart();
             let theme = self.theme;
             let view = View { snapshot, lang: self.lang, theme: &theme, clock: "", blink: false };
@@ -193,13 +205,15 @@ impl Hmi {
     fn draw_frame(&mut self, ui: &Ui, regions: &Regions, view: &View<'_>, asked: &Asked, out: &mut Vec<Command>) {
         frame::header(ui, view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
-        frame::message_line(ui, view, regions.message, hint);
+        if frame::message_line(ui, view, regions.message, hint) {
+            self.toggle(Over::Alarms);
+        }
         frame::status_line(ui, view, regions.status);
         let (page, shown) = (view.snapshot.page, self.shown);
         let chosen = |act: SoftAct| match act {
             SoftAct::Open(other) => other == page,
             SoftAct::Position(other) => page == Page::Position && other == shown,
-            SoftAct::Blocked(_) | SoftAct::Help => false,
+            SoftAct::Blocked(_) | SoftAct::Help | SoftAct::Alarms => false,
         };
         let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
         let by_key = asked.soft.and_then(|index| softkey::ROWS.get(self.soft_row)?.get(index));
@@ -209,6 +223,10 @@ impl Hmi {
             None if asked.next_row => self.next_row(),
             None => {}
         }
+    }
+
+    fn toggle(&mut self, over: Over) {
+        self.over = if self.over == Some(over) { None } else { Some(over) };
     }
 
     fn next_row(&mut self) {
@@ -223,7 +241,8 @@ impl Hmi {
                 out.push(Command::OpenPage(Page::Position));
             }
             SoftAct::Blocked(reason) => self.say(ui, reason),
-            SoftAct::Help => self.help = !self.help,
+            SoftAct::Help => self.toggle(Over::Help),
+            SoftAct::Alarms => self.toggle(Over::Alarms),
         }
     }
 
@@ -243,7 +262,9 @@ impl Hmi {
         if asked.detents != 0 {
             out.push(Command::Handwheel(asked.detents));
         }
-        self.help ^= asked.help;
+        if asked.help {
+            self.toggle(Over::Help);
+        }
     }
 }
 

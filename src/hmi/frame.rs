@@ -1,7 +1,8 @@
 //! The frame around every page: header, message line, status line.
 //! Source: spec H1, H7.
 
-use egui::{Align2, Color32, Rect, Ui, pos2, vec2};
+use egui::accesskit::Role;
+use egui::{Align2, Color32, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::theme;
 use super::view::{View, chip, fit, put};
@@ -95,8 +96,9 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
     fresh.then(|| (message.text.get(lang).to_owned(), view.theme.text))
 }
 
-/// Alarm with remedy in red; a refusal in amber for 5 s; what the run waits for; a note.
-pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) {
+/// Alarm with remedy in red; a refusal in amber for 5 s; what the run waits for; a note. True when it was touched
+/// while there is an alarm.
+pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) -> bool {
     let painter = ui.painter();
     painter.rect_filled(rect, 0.0, view.theme.surface);
     painter.hline(rect.x_range(), rect.min.y + 0.5, egui::Stroke::new(theme::HAIR, view.theme.line));
@@ -105,6 +107,12 @@ pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) {
         painter.rect_filled(mark, 0.0, colour);
         fit(painter, rect.shrink2(vec2(theme::PAD, 2.0)), Align2::LEFT_CENTER, &words, theme::LABEL, colour);
     }
+    if view.snapshot.alarms.is_empty() {
+        return false;
+    }
+    let response = ui.interact(rect, Id::unique("message"), Sense::CLICK);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "报警 alarm-list"));
+    response.clicked()
 }
 
 /// `手动方式 · 连续 · 停止 · F 100 % · 100 mm/min · S 1260 · 件数 12`

@@ -118,10 +118,13 @@ pub struct Asked {
 #[must_use]
 pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
     let mut asked = Asked::default();
-    let (events, alt) = ui.input(|input| (input.events.clone(), input.modifiers.alt));
+    let events = ui.input(|input| input.events.clone());
+    // Alt with a digit is a panel key, not a digit: the text of a key comes right behind the key.
+    let mut alt = false;
     for event in &events {
         match event {
             Event::Key { key, pressed: true, repeat, modifiers, .. } => {
+                alt = modifiers.alt;
                 let modified = modifiers.alt || modifiers.ctrl || modifiers.command;
                 let found = SHORTCUTS.iter().find(|shortcut| {
                     shortcut.physical == *key && modifiers.matches_exact(shortcut.modifiers) && shortcut.key.is_on(kind)
@@ -134,7 +137,6 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
                     None => {}
                 }
             }
-            // Alt with a digit is a panel key, not a digit.
             Event::Text(text) if !alt => asked.edits.extend(text.chars().filter_map(typed)),
             _ => {}
         }

@@ -7,6 +7,7 @@ use super::pictogram::{self, Mark};
 use super::theme::{self, Theme};
 use super::view::{View, card, fit};
 use crate::defs::key::{Group, Key, Lamp};
+use crate::defs::kind::Kind;
 use crate::defs::text::Text;
 use crate::link::snapshot::KeyView;
 
@@ -33,8 +34,11 @@ impl Face {
 
 /// The label on the key: short where the caption of the group says the rest.
 #[must_use]
-pub const fn label(key: Key) -> Text {
+pub const fn label(key: Key, kind: Kind) -> Text {
     match key {
+        // K1: on surface and rotary-table grinders the gauges measure thickness and plane.
+        Key::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度", "THICK"),
+        Key::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面", "PLANE"),
         Key::ModeHandwheel => Text::new("手轮", "MPG"),
         Key::OptionalStop => Text::new("选择停", "M01"),
         Key::MstLock => Text::new("辅助锁", "MST"),
@@ -94,7 +98,7 @@ fn ordinary(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face
     if has_lamp {
         lamp(painter, view, rect, face, lamp_colour(theme, key));
     }
-    let text = label(key).get(view.lang);
+    let text = label(key, view.snapshot.kind).get(view.lang);
     let inner = body.shrink2(vec2(2.0, 0.0));
     if text.is_empty() {
         let square = Rect::from_center_size(body.center(), vec2(24.0, 24.0));

@@ -23,6 +23,8 @@ pub enum SoftAct {
     Blocked(Text),
     /// Shows the keys of the keyboard.
     Help,
+    /// Shows the alarms present.
+    Alarms,
 }
 
 /// One soft key.
@@ -71,12 +73,7 @@ pub const ROWS: [[SoftKey; 5]; 3] = [
     [
         key("程序", "PROGRAM", SoftAct::Open(Page::Program)),
         key("目录", "DIRECTORY", SoftAct::Open(Page::Directory)),
-        later(
-            "报警",
-            "ALARMS",
-            "报警页面：本版本尚未提供；当前报警见提示行",
-            "the alarm page is not in this version yet; see the message line",
-        ),
+        key("报警", "ALARMS", SoftAct::Alarms),
         later("设置", "SETTINGS", "设置页面：本版本尚未提供", "the settings page is not in this version yet"),
         key("帮助", "HELP", SoftAct::Help),
     ],

@@ -66,7 +66,6 @@ pub fn fit(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, 
 pub fn paragraph(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
     let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
     job.wrap.max_rows = (rect.height() / (size * 1.4)).floor().max(1.0) as usize;
-    job.wrap.break_anywhere = true;
     let galley = painter.layout_job(job);
     place(painter, rect, Align2::LEFT_TOP, galley, colour)
 }

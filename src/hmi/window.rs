@@ -52,7 +52,7 @@ pub struct Options {
 /// Why there is no window.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WindowError {
-    /// The computer has no display, or this session may not use it.
+    /// The computer has no display, or this user may not use it.
     NoDisplay(String),
     /// The display is there, drawing on it failed.
     Graphics(String),

@@ -215,7 +215,7 @@ fn show_picture(ui: &Ui, rect: Rect, view: &View<'_>, files: Option<&ScreenFiles
         let number = view.snapshot.program.number;
         let words = match files.map(|files| &files.picture) {
             Some(Err(fault)) => fault.said().get(view.lang).to_owned(),
-            _ => format!("B{:04}.BMP：{}", number % 1_000, view.say("没有图片", "no picture")),
+            _ => format!("B{:04}.BMP：{}", number % 1_000, view.say("应为 200×400、24 位", "200×400, 24 bit")),
         };
         empty::show(ui, view, place.shrink(4.0), pictogram::NO_PICTURE, view.say("没有图片", "no picture"), &words);
     }
