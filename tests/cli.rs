@@ -1,0 +1,184 @@
+//! The command line as a user calls it: results, exit statuses and messages (tools.md T1–T6).
+
+#![allow(clippy::unwrap_used, reason = "a test driver: a failure is the message")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Runs the command in the repository with a data directory of its own and without a display.
+fn kt830(words: &[&str]) -> Output {
+    let data = tempfile::tempdir().unwrap();
+    Command::new(env!("CARGO_BIN_EXE_kt830"))
+        .args(words)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .env("XDG_DATA_HOME", data.path())
+        .env("HOME", data.path())
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap()
+}
+
+fn json(words: &[&str]) -> Value {
+    let out = kt830(words);
+    serde_json::from_slice(&out.stdout).unwrap_or_else(|error| panic!("{error}: {out:?}"))
+}
+
+fn status(out: &Output) -> i32 {
+    out.status.code().unwrap()
+}
+
+fn errors(out: &Output) -> String {
+    String::from_utf8_lossy(&out.stderr).into_owned()
+}
+
+/// A file of its own for one test.
+fn file(name: &str, bytes: &[u8]) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    let path = path.to_string_lossy().into_owned();
+    (folder, path)
+}
+
+fn diameter(report: &Value) -> f64 {
+    let all: Vec<f64> =
+        report["part"]["diameters"].as_array().unwrap().iter().map(|at| at["d"].as_f64().unwrap()).collect();
+    all.iter().sum::<f64>() / all.len() as f64
+}
+
+#[test]
+fn t3_o1002_grinds_to_the_asked_diameter_within_2_um() {
+    for asked in [40.0, 39.9, 40.1] {
+        let set = format!("#521={asked}");
+        let report = json(&["run", "O1002", "--kind", "gc", "--set", &set, "--format", "json"]);
+        assert_eq!(report["end"], "finished");
+        assert!((diameter(&report) - asked).abs() < 0.002, "asked {asked}, ground {}", diameter(&report));
+        assert_eq!(report["events"].as_array().unwrap().len(), 0);
+        assert_eq!(report["parts"], 1);
+    }
+}
+
+#[test]
+fn p5_without_spark_out_the_part_stays_larger() {
+    let report = json(&["run", "O1002", "--set", "#528=0", "--format", "json"]);
+    // Fine feed 0.3 mm/min = 5 µm/s; τ = 0.8 s leaves about 4 µm of radius, 8 µm of diameter.
+    assert!(diameter(&report) > 40.004, "{}", diameter(&report));
+}
+
+#[test]
+fn k7_9_o1001_grinds_both_jaw_faces_to_the_typed_allowances() {
+    let cases: [(&[&str], f64, f64); 3] = [
+        (&[], 10.0 - 0.25, 50.0 + 0.25),
+        (&["--set", "#505=0.03", "--set", "#516=0.04"], 10.0 - 0.23, 50.0 + 0.24),
+        (&["--set", "#506=0.3", "--set", "#507=1", "--set", "#502=10.01"], 10.01 - 0.35, 50.0 + 0.25),
+    ];
+    for (sets, left, right) in cases {
+        let mut words = vec!["run", "O1001", "--format", "json"];
+        words.extend_from_slice(sets);
+        let report = json(&words);
+        assert_eq!(report["end"], "finished");
+        for face in report["part"]["faces"].as_array().unwrap() {
+            let z = face["z"].as_f64().unwrap();
+            let wanted = if z < 30.0 { left } else { right };
+            assert!((z - wanted).abs() < 0.003, "{sets:?}: face at {z}, wanted {wanted}");
+        }
+    }
+}
+
+#[test]
+fn t1_without_a_display_it_says_what_to_use_instead() {
+    if cfg!(feature = "hmi") {
+        let out = kt830(&[]);
+        assert_eq!(status(&out), 2);
+        for word in ["display", "demo", "run", "shot"] {
+            assert!(errors(&out).contains(word), "{}", errors(&out));
+        }
+    }
+}
+
+#[test]
+fn t2_the_demo_grinds_a_part_without_a_display() {
+    let out = kt830(&["demo"]);
+    assert_eq!(status(&out), 0, "{}", errors(&out));
+    assert!(String::from_utf8_lossy(&out.stdout).contains("part diameter"));
+}
+
+#[test]
+fn t4_every_error_of_a_file_is_told_with_line_and_column() {
+    let (_folder, path) = file("O2001.NC", b"G00 X1\nG01 X1..5 F10\nG777\n#1=[1+\nM30\n");
+    let report = json(&["check", &path, "--format", "json"]);
+    let lines: Vec<_> = report["errors"].as_array().unwrap().iter().map(|at| at["line"].as_u64().unwrap()).collect();
+    assert_eq!(lines, [2, 3, 4]);
+    assert_eq!(status(&kt830(&["check", &path])), 2);
+    assert_eq!(status(&kt830(&["check", "programs/O1002.NC", "screens/C0001.TXT", "screens/B0001.BMP"])), 0);
+}
+
+#[test]
+fn k7_4_k5_12_page_files_name_what_is_wrong() {
+    let (_folder, path) = file("C0009.TXT", "标题；\n%".as_bytes());
+    let out = kt830(&["check", &path]);
+    assert!(status(&out) == 2 && String::from_utf8_lossy(&out.stdout).contains("全角"));
+    let mut picture = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("screens/B0001.BMP")).unwrap();
+    picture[28] = 8;
+    let (_folder, path) = file("B0009.BMP", &picture);
+    assert!(String::from_utf8_lossy(&kt830(&["check", &path]).stdout).contains("24"));
+    picture[28] = 24;
+    picture[18] = 100;
+    let (_folder, path) = file("B0009.BMP", &picture);
+    assert!(String::from_utf8_lossy(&kt830(&["check", &path]).stdout).contains("200×400"));
+}
+
+#[test]
+fn t3_a_run_that_ends_in_an_alarm_ends_with_1_and_names_its_place() {
+    let (_folder, path) = file("O2002.NC", b"#100=1\nG00 X-90\nG01 X[1/0] F10\nM30\n");
+    let out = kt830(&["run", &path, "--format", "json"]);
+    assert_eq!(status(&out), 1);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(
+        (&report["end"], &report["alarms"][0]["program"], &report["alarms"][0]["line"]),
+        (&"alarm".into(), &2002.into(), &3.into())
+    );
+}
+
+#[test]
+fn a_wrong_call_ends_with_2_and_says_what_to_do() {
+    for words in [
+        &["run", "O4711"][..],
+        &["run", "O1002", "--set", "500=1"],
+        &["run", "O1002", "--set", "#570=2"],
+        &["run", "O1002", "--param", "P399=1"],
+        &["run", "O1002", "--part", "no-such.ron"],
+        &["play", "no-such.story"],
+        &["run", "O1002", "--kind", "xx"],
+        &["frobnicate"],
+    ] {
+        let out = kt830(words);
+        assert_eq!(status(&out), 2, "{words:?}");
+        assert!(!errors(&out).is_empty(), "{words:?}");
+    }
+}
+
+#[test]
+fn t5_a_story_that_cannot_be_read_is_a_wrong_call_and_one_that_fails_is_1() {
+    let (_folder, path) = file("a.story", "kind gc\npower on\njump\n".as_bytes());
+    let out = kt830(&["play", &path]);
+    assert!(status(&out) == 2 && errors(&out).contains("line 3, column 1"), "{}", errors(&out));
+    let (_folder, path) = file("b.story", "expect output wheel on\n".as_bytes());
+    assert_eq!(status(&kt830(&["play", &path])), 1);
+}
+
+#[test]
+fn damaged_data_are_kept_and_told() {
+    let data = tempfile::tempdir().unwrap();
+    std::fs::write(data.path().join("retained.redb"), b"this is no database").unwrap();
+    let folder = data.path().to_string_lossy().into_owned();
+    let out = kt830(&["run", "O1002", "--data", &folder, "--format", "json"]);
+    assert!(errors(&out).contains("damaged"), "{}", errors(&out));
+    let kept = std::fs::read_dir(data.path())
+        .unwrap()
+        .any(|entry| entry.unwrap().file_name().to_string_lossy().contains("damaged"));
+    assert!(kept, "the damaged file is kept");
+}
