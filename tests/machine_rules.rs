@@ -269,3 +269,65 @@ fn b5_soft_limits_stop_a_jog_in_time() {
     // From wherever it stands to the plus limit P39 = +1 mm: never beyond it, and not an alarm.
     tell(&mut rig, "mode jog\nkey rapid\nhold X+ 6 s\nwait 0.5 s\nexpect no alarm\nexpect machine X 2.000 ±0.002");
 }
+
+#[test]
+fn b5_with_the_drives_off_nothing_moves_until_reset() {
+    for trouble in ["key emergency-stop\nwait 100 ms\nkey emergency-stop", "fault drive-z\nwait 100 ms"] {
+        let mut rig = ready();
+        tell(&mut rig, &format!("{trouble}\nwait 0.2 s"));
+        let before = rig.snapshot().axes;
+        tell(&mut rig, "mode jog\nhold Z- 1 s\nhold X- 1 s\nhandwheel Z 10 x0.1\nmode home\nkey x-plus\nwait 1 s");
+        assert_eq!(rig.snapshot().axes.map(|view| view.machine.to_bits()), before.map(|view| view.machine.to_bits()));
+    }
+}
+
+#[test]
+fn b5_a_limit_switch_is_left_the_other_way_only() {
+    let mut rig = ready();
+    tell(&mut rig, "mode jog\nhold Z- 0.5 s\ninput limit-z-minus on\nwait 0.5 s\nexpect alarm 102");
+    let stood = rig.snapshot().axes.0[2].machine;
+    tell(&mut rig, "hold Z- 1 s\nkey reset\nexpect alarm 102\nhold Z- 1 s\nexpect message \"反方向\"\nwait 0.2 s");
+    assert!((rig.snapshot().axes.0[2].machine - stood).abs() < 0.002, "not further onto the switch");
+    tell(&mut rig, "hold Z+ 1 s\nwait 0.3 s");
+    assert!(rig.snapshot().axes.0[2].machine > stood + 5.0, "off the switch");
+    assert!(!rig.snapshot().axes.0[2].homed, "homing has to be done again");
+    tell(&mut rig, "input limit-z-minus off\nkey reset\nexpect no alarm");
+}
+
+#[test]
+fn k3_7_a_latched_alarm_180_blocks_the_wheel_until_reset() {
+    let mut rig = story(HYDRAULICS);
+    tell(&mut rig, "key wheel-start\nwait 1 s\ninput hydraulic-pressure off\ninput hydraulic-pressure free\nwait 0.1 s");
+    tell(&mut rig, "expect alarm 180\nkey wheel-start\nexpect output wheel off\nkey reset\nkey wheel-start\nexpect output wheel on");
+}
+
+#[test]
+fn k3_7_switching_the_pump_anew_does_not_take_the_alarm_away() {
+    let mut rig = story(HYDRAULICS);
+    tell(&mut rig, "input hydraulic-pressure off\nwait 0.1 s\nexpect alarm 180\nkey hydraulic\nkey hydraulic\nwait 0.1 s");
+    tell(&mut rig, "expect alarm 180\ninput hydraulic-pressure free\nwait 1.5 s\nexpect no alarm");
+}
+
+#[test]
+fn k3_4_a_tailstock_that_timed_out_is_not_advanced() {
+    let mut rig = story(HYDRAULICS);
+    tell(&mut rig, "param P6.5 1\ninput tailstock-advanced off\nkey tailstock-advance\nwait 4 s\nexpect alarm 185");
+    tell(&mut rig, "key reset\nkey headstock-high\nexpect output headstock-high off\nexpect alarm 184");
+}
+
+#[test]
+fn k3_4_m63_s_drives_the_second_analog_output_until_the_drive_changes() {
+    let mut rig = ready_with("M63 S250\nM00\nM64\nM00\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until stopped max 5 s");
+    // P65: 300 rpm at 10 V.
+    assert!((rig.analog_2_volts() - 250.0 / 30.0).abs() < 1e-9);
+    tell(&mut rig, "key cycle-start\nwait until stopped max 5 s");
+    assert!(rig.analog_2_volts().abs() < 1e-12);
+}
+
+#[test]
+fn k5_9_with_the_wheel_on_the_wheel_axis_takes_fine_steps_only() {
+    let mut rig = story(HYDRAULICS);
+    tell(&mut rig, "key wheel-start\nhandwheel X -5 x0.1\nexpect X 0 ±0.001\nexpect message \"0.01\"");
+    tell(&mut rig, "handwheel X -5 x0.01\nexpect X -0.05 ±0.0015\nhandwheel Z -5 x0.1\nexpect Z -0.5 ±0.0015");
+}

@@ -192,3 +192,35 @@ fn the_same_story_gives_the_same_course() {
     };
     assert_eq!(course(), course());
 }
+
+#[test]
+fn b2_a_frame_of_an_mdi_line_does_not_reach_into_the_next_program() {
+    let mut rig = ready_with("#100=#4014\n#101=#5041\nM30");
+    tell(&mut rig, "mdi G55\nmode auto\nkey cycle-start\nwait until idle max 2 s\nexpect #100 54");
+    tell(&mut rig, "mdi G55\nmdi #100=#4014\nexpect #100 55");
+}
+
+#[test]
+fn b5_mdi_goes_on_with_the_codes_of_its_last_line() {
+    let mut rig = ready();
+    tell(&mut rig, "mdi G98 G01 W-0.1 F60\nwait until idle\nmdi W-10\nwait 1 s\nexpect state running");
+    assert!((rig.snapshot().feed_mm_min - 60.0).abs() < 1.0, "at the feed, not in rapid");
+}
+
+#[test]
+fn b2_a_dwell_does_not_run_on_in_a_hold() {
+    let mut rig = ready_with("G04 X5\n#100=1\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 10 s\nkey cycle-start\nwait 3.5 s");
+    assert_eq!(rig.snapshot().variables[100], None);
+    tell(&mut rig, "wait 1 s\nexpect #100 1");
+}
+
+#[test]
+fn b7_a_new_tick_time_holds_from_the_next_power_on() {
+    let mut rig = ready_with("G98 G01 W-10 F600\nM30");
+    let z = rig.snapshot().axes.0[2].work;
+    tell(&mut rig, "param P58 4000\nmode auto\nkey cycle-start\nwait 0.5 s");
+    // 600 mm/min = 10 mm/s: about 5 mm in half a second, less the start and the lag.
+    let gone = z - rig.snapshot().axes.0[2].work;
+    assert!((3.5..5.0).contains(&gone), "{gone} mm");
+}

@@ -16,7 +16,7 @@ use crate::store::DataDir;
 /// Number that a file gets whose name has none.
 const UNNUMBERED: u32 = 9_999;
 
-/// The folders of the call. Without `--data` nothing is written: the folders beside the caller must be there.
+/// The folders of the call: those named, those beside the caller, or the data directory's.
 ///
 /// # Errors
 /// A folder cannot be made.
@@ -108,14 +108,21 @@ pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
         return Ok(number);
     }
     let path = Path::new(word);
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let named = crate::story::parse::program(&stem);
+    if !path.is_file()
+        && let Some(number) = named
+        && rig.has_program(number)
+    {
+        return Ok(number);
+    }
     if !path.is_file() {
         return Err(CallError::new(format!(
             "there is no program {word}: neither in the programs folder nor as a file; `--programs DIR` names another folder"
         )));
     }
     let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let number = crate::story::parse::program(&stem).unwrap_or(UNNUMBERED);
+    let number = named.unwrap_or(UNNUMBERED);
     rig.add_program(program(number, word, bytes));
     Ok(number)
 }

@@ -82,8 +82,10 @@ fn wrong_file(shared: &Shared, fault: &crate::link::command::FileFault) -> Wrong
     Wrong { line, column, message: fault.said.get(shared.lang).to_owned() }
 }
 
-fn wrong_program(shared: &Shared, fault: &Fault) -> Wrong {
-    let message = format!("{} – {}", fault.cause(shared.lang), fault.remedy(shared.lang));
+fn wrong_program(shared: &Shared, number: u32, fault: &Fault) -> Wrong {
+    // A mistake in a subprogram is told with its program.
+    let sub = if fault.place.program == number { String::new() } else { format!("O{:04}: ", fault.place.program) };
+    let message = format!("{sub}{} – {}", fault.cause(shared.lang), fault.remedy(shared.lang));
     Wrong { line: fault.place.line, column: fault.column, message }
 }
 
@@ -115,8 +117,7 @@ fn tell_errors(file: &str, wrong: &[Wrong]) {
 }
 
 fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> Result<bool, CallError> {
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let number = crate::story::parse::program(&stem).unwrap_or(0);
+    let number = number_of(path);
     let retained = bench::begin(shared, Retained::factory(shared.kind))?;
     let (settings, axes) = settings(&retained);
     let folders = bench::folders(shared)?;
@@ -156,6 +157,12 @@ fn with_frame(op: &Op, mut json: Value, part: Option<&PartFile>, axes: PerAxis<b
     json
 }
 
+/// The O number of a file's name; 0 for a name without one.
+fn number_of(path: &Path) -> u32 {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    crate::story::parse::program(&stem).unwrap_or(0)
+}
+
 /// How a machine with these parameters reads programs.
 fn settings(retained: &Retained) -> (Settings, PerAxis<bool>) {
     let lathe = Settings::lathe();
@@ -189,9 +196,10 @@ fn preset(memory: &mut Memory, part: &PartFile) {
 }
 
 fn tell_program(shared: &Shared, call: &Check, path: &Path, checked: &Checked, settings: &Settings) {
+    let number = number_of(path);
     let file = path.display().to_string();
-    let wrong: Vec<_> = checked.faults.iter().map(|fault| wrong_program(shared, fault)).collect();
-    let warnings: Vec<_> = checked.warnings.iter().map(|fault| wrong_program(shared, fault)).collect();
+    let wrong: Vec<_> = checked.faults.iter().map(|fault| wrong_program(shared, number, fault)).collect();
+    let warnings: Vec<_> = checked.warnings.iter().map(|fault| wrong_program(shared, number, fault)).collect();
     let shown = |axis: Axis, value: f64| if axis == Axis::X && settings.diameter { value * 2.0 } else { value };
     let extents: Vec<(Axis, f64, f64)> = checked.extents.map_or_else(Vec::new, |(low, high)| {
         let present = Axis::ALL.into_iter().filter(|axis| settings.axes[*axis]);

@@ -14,11 +14,13 @@ use crate::defs::text::Lang;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot, VARIABLES};
 use crate::runtime::rig::Rig;
-use crate::units::Axis;
+use crate::units::{Axis, Micros};
 
 /// Ticks from cycle start to the first sign of life.
 const START_TICKS: u32 = 5;
 
+/// Longest simulated time of a headless run: a working day.
+const LONGEST: Micros = Micros::from_millis(8 * 3_600_000);
 /// Ticks after the end until the axes have settled to the last micrometre: ten lags of 20 ms.
 const SETTLE_TICKS: u32 = 200;
 
@@ -53,9 +55,13 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
             RunState::Stopped | RunState::Held => break "stopped",
             RunState::Idle if !young => break "finished",
             RunState::Alarm if rig.controller().is_at_rest() => break "alarm",
-            RunState::Idle | RunState::Running | RunState::Waiting | RunState::Homing | RunState::Alarm => {}
+            // Nobody stands beside a headless run to give the input.
+            RunState::Waiting => break "stopped",
+            RunState::Running if rig.now().since(started) > LONGEST => break "stopped",
+            RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
         }
     };
+    tell_why(&mut rig, shared.lang, started);
     let seconds = rig.now().since(started).as_secs_f64();
     for _ in 0..SETTLE_TICKS {
         rig.step();
@@ -66,6 +72,15 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
         Format::Text => out(report.text(&mut rig, shared.lang)),
     }
     Ok(if end == "alarm" { FAILED } else { FINE })
+}
+
+/// A run that stopped by itself says why, on standard error.
+fn tell_why(rig: &mut Rig, lang: Lang, started: Micros) {
+    if rig.now().since(started) > LONGEST {
+        eprintln!("kt830: stopped after {} s of simulated time: the program does not end", LONGEST.as_secs_f64());
+    } else if let Some(what) = &rig.snapshot().waiting_for {
+        eprintln!("kt830: stopped: {}", what.get(lang));
+    }
 }
 
 /// What is told at the end.
@@ -79,13 +94,12 @@ struct Report {
 impl Report {
     fn json(&self, rig: &mut Rig, lang: Lang) -> Value {
         let snapshot = rig.snapshot().clone();
-        let place = rig.controller().place();
         let alarms: Vec<Value> = snapshot
             .alarms
             .iter()
             .map(|alarm| {
-                json!({"number": alarm.number, "text": alarm.text.get(lang),
-                       "program": place.program, "line": place.line})
+                let (program, line) = alarm.place.unwrap_or_default();
+                json!({"number": alarm.number, "text": alarm.text.get(lang), "program": program, "line": line})
             })
             .collect();
         let mut variables = Map::new();

@@ -18,7 +18,7 @@ pub struct Alarms {
 impl Alarms {
     /// Adds an alarm of the table, with a place or detail in front of its remedy where there is one. An alarm that is
     /// already present is not added twice.
-    pub fn raise(&mut self, number: u16, detail: Option<Said>, now: Micros) {
+    pub fn raise(&mut self, number: u16, detail: Option<Said>, now: Micros, place: Option<(u32, u32)>) {
         if self.has(number) || self.present.len() >= MOST_ALARMS {
             return;
         }
@@ -33,7 +33,7 @@ impl Alarms {
             Some(detail) => detail,
             None => text,
         };
-        self.present.push(AlarmView { number, text, remedy, since: now });
+        self.present.push(AlarmView { number, text, remedy, since: now, place });
     }
 
     /// Takes away an alarm whose condition is gone.
@@ -75,9 +75,9 @@ mod tests {
     #[test]
     fn b8_reset_leaves_alarms_whose_cause_is_still_there() {
         let mut alarms = Alarms::default();
-        alarms.raise(alarm::EMERGENCY_STOP, None, Micros::ZERO);
-        alarms.raise(alarm::TAILSTOCK, None, Micros::ZERO);
-        alarms.raise(alarm::TAILSTOCK, None, Micros(1));
+        alarms.raise(alarm::EMERGENCY_STOP, None, Micros::ZERO, None);
+        alarms.raise(alarm::TAILSTOCK, None, Micros::ZERO, None);
+        alarms.raise(alarm::TAILSTOCK, None, Micros(1), None);
         assert_eq!(alarms.present().len(), 2);
         alarms.reset(|number| number == alarm::EMERGENCY_STOP);
         assert!(alarms.has(alarm::EMERGENCY_STOP) && !alarms.has(alarm::TAILSTOCK) && alarms.block_start());
@@ -86,7 +86,7 @@ mod tests {
     #[test]
     fn k3_7_alarm_180_is_not_reset_by_the_list() {
         let mut alarms = Alarms::default();
-        alarms.raise(alarm::HYDRAULIC, None, Micros::ZERO);
+        alarms.raise(alarm::HYDRAULIC, None, Micros::ZERO, None);
         alarms.reset(|_| false);
         assert!(alarms.has(alarm::HYDRAULIC));
         alarms.clear(alarm::HYDRAULIC);
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn k7_3_page_files_never_block_a_run() {
         let mut alarms = Alarms::default();
-        alarms.raise(alarm::PAGE_FILES, Some(Said::new("B0002.BMP", "B0002.BMP")), Micros::ZERO);
+        alarms.raise(alarm::PAGE_FILES, Some(Said::new("B0002.BMP", "B0002.BMP")), Micros::ZERO, None);
         assert!(!alarms.block_start());
         assert!(alarms.present()[0].text.zh.ends_with("B0002.BMP"));
     }

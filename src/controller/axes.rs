@@ -41,13 +41,16 @@ pub struct Axes {
     /// The last move of each axis went in the minus direction: its screw's play lies on the other side.
     minus: PerAxis<bool>,
     drives_on: bool,
+    /// Length of a tick: as it was at power-on (P58).
+    tick_s: f64,
 }
 
 impl Axes {
     /// Axes at rest where the encoders find them; not homed.
     #[must_use]
     pub fn new(params: &Params, row: &KindRow, image: &InputImage) -> Self {
-        let limits = limits(params);
+        let tick_s = params.get(param::TICK_TIME) / 1e6;
+        let limits = limits(params, tick_s);
         let start = image.encoder_mm;
         let movers = PerAxis::from_fn(|axis| AxisMover::new(limits.axes[axis], start[axis], limits.tick_s));
         Self {
@@ -62,12 +65,13 @@ impl Axes {
             velocity_mm_s: PerAxis::default(),
             minus: PerAxis::default(),
             drives_on: true,
+            tick_s,
         }
     }
 
     /// Takes over changed limits; only while nothing runs.
     pub fn configure(&mut self, params: &Params) {
-        let limits = limits(params);
+        let limits = limits(params, self.tick_s);
         if self.path.is_done() {
             self.path.set_limits(limits);
         }
@@ -268,13 +272,13 @@ pub fn soft_limits(params: &Params, axis: Axis) -> (f64, f64) {
 }
 
 /// The planner's limits from the parameters.
-fn limits(params: &Params) -> Limits {
+fn limits(params: &Params, tick_s: f64) -> Limits {
     Limits {
         axes: PerAxis::from_fn(|axis| AxisLimits {
             velocity_mm_s: params.of_axis(param::RAPID_X, axis) / MINUTE,
             acceleration_mm_s2: params.of_axis(param::ACCELERATION_X, axis),
             jerk_mm_s3: params.of_axis(param::JERK_X, axis),
         }),
-        tick_s: params.get(param::TICK_TIME) / 1e6,
+        tick_s,
     }
 }

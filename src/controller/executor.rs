@@ -7,13 +7,13 @@ use super::run::{Act, Doing, Forbidden, Item, MOST_ITEMS, PlannedMove, Reading, 
 use super::system::RunWorld;
 use super::{Controller, Cycle, Effect};
 use crate::defs::alarm;
-use crate::defs::mcode::{Action, MCode};
+use crate::defs::mcode::{Action, MCode, Request};
 use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{Lang, Said};
 use crate::machine::Answer;
 use crate::motion::{End, Move, Override};
-use crate::nc::{Memory, Next, Source, SpeedMode};
+use crate::nc::{Memory, Modals, Next, Source, SpeedMode, VariableError};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Most blocks read in a tick.
@@ -35,9 +35,14 @@ enum Did {
 impl Controller {
     /// Opens a run of the text and starts it.
     pub(super) fn open_run(&mut self, source: Arc<Source>, mdi: bool) {
+        let settings = self.nc_settings();
+        // A program begins from the power-on state of the codes; MDI goes on from its last line.
+        let kept = self.mdi_modals.take().filter(|_| mdi);
+        let modals = kept.unwrap_or_else(|| Modals::new(&settings));
+        self.frames.active = usize::from(modals.frame.saturating_sub(54)).min(super::frames::WORK_FRAMES - 1);
         let start = (self.memory.clone(), self.frames.clone(), self.axes.set());
         let library = Arc::clone(&self.programs);
-        let mut run = Run::new(source, library, self.nc_settings(), start, self.now);
+        let mut run = Run::new(source, library, (settings, modals), start, self.now);
         run.mdi = mdi;
         self.axes.give_to_path();
         self.run = Some(Box::new(run));
@@ -47,6 +52,7 @@ impl Controller {
     /// One tick of the run.
     pub(super) fn step_run(&mut self) {
         let Some(mut run) = self.run.take() else { return };
+        self.stretch_dwell(&mut run);
         self.retire(&mut run);
         let mut close = false;
         if matches!(self.cycle, Cycle::Running) {
@@ -63,6 +69,15 @@ impl Controller {
         if close {
             self.close_run();
             self.cycle = Cycle::Idle;
+        }
+    }
+
+    /// A dwell does not run on while the program is held.
+    fn stretch_dwell(&self, run: &mut Run) {
+        if let Doing::Dwell { until } = &mut run.doing
+            && !matches!(self.cycle, Cycle::Running)
+        {
+            *until = *until + self.tick;
         }
     }
 
@@ -91,7 +106,9 @@ impl Controller {
                     Did::Done
                 }
                 // While splitting, a block whose successor is under way is over without a stop.
-                Some(Item::End) if self.switches.single_block && !run.mdi && !run.splitting => Did::Stop,
+                Some(Item::End) if self.switches.single_block && !run.mdi && !run.splitting => {
+                    if self.is_settled(run) == Some(true) { Did::Stop } else { Did::Wait }
+                }
                 Some(Item::End) => Did::Done,
                 Some(Item::Do(_)) => {
                     let Some(Item::Do(act)) = run.items.pop_front() else { return false };
@@ -124,7 +141,8 @@ impl Controller {
     fn act(&mut self, run: &mut Run, act: &Act) -> Did {
         match act {
             Act::Set(variable, value) => {
-                self.store_variable(*variable, *value);
+                // The reader has checked number and value; it refuses what this would.
+                let _ = self.store_variable(*variable, *value);
                 Did::Done
             }
             Act::SetSystem(number, value) => {
@@ -146,7 +164,8 @@ impl Controller {
                 Did::Done
             }
             Act::Skip(planned, signal) => self.skip(run, planned, *signal),
-            Act::Alarm(number, text) => {
+            Act::Alarm(number, text, place) => {
+                self.place = *place;
                 self.raise(*number, Some(text.clone()));
                 Did::Wait
             }
@@ -211,10 +230,11 @@ impl Controller {
                 }
             }
             Action::Ask(request) => {
-                if let (Some(rpm), true) = (s, request == crate::defs::mcode::Request::DriveHigh) {
-                    self.analog_2_rpm = rpm;
+                let answer = self.ask(request);
+                if let (Some(rpm), Answer::Taken, Request::DriveHigh) = (s, answer, request) {
+                    self.analog_2_rpm = rpm; // K3.4: M63 S
                 }
-                match self.ask(request) {
+                match answer {
                     Answer::Taken if row.waits => {
                         run.doing = Doing::Settling;
                         if self.machine.is_settled(request) { Did::Done } else { Did::Wait }
@@ -239,10 +259,10 @@ impl Controller {
         if run.doing == Doing::Nothing {
             run.doing = Doing::AwaitInput(input);
             let (name, port) = (input.name(), self.params.input_port(input));
-            self.waiting_for = Some(Said::new(
-                format!("等待{}，输入口 {port}", name.zh),
-                format!("waiting for {}, port {port}", name.en),
-            ));
+            let what =
+                Said::new(format!("等待{}，输入口 {port}", name.zh), format!("waiting for {}, port {port}", name.en));
+            self.say(what.clone());
+            self.waiting_for = Some(what);
         }
         Did::Wait
     }
@@ -368,7 +388,7 @@ impl Controller {
                 Err(fault) => {
                     run.reading = Reading::Over;
                     let said = Said::new(fault.text(Lang::Zh), fault.text(Lang::En));
-                    run.items.push_back(Item::Do(Act::Alarm(fault.alarm(), said)));
+                    run.items.push_back(Item::Do(Act::Alarm(fault.alarm(), said, fault.place)));
                 }
             }
         }
@@ -400,7 +420,7 @@ impl Controller {
             ),
         };
         let said = Said::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
-        run.items.push_back(Item::Do(Act::Alarm(number, said)));
+        run.items.push_back(Item::Do(Act::Alarm(number, said, at)));
     }
 
     /// Overrides as factors of this tick.
@@ -413,10 +433,12 @@ impl Controller {
     }
 
     /// A common variable gets a value as executed; retained ones go to the disk.
-    pub(super) fn store_variable(&mut self, variable: u32, value: Option<f64>) {
-        if self.memory.set(variable, value).is_ok() && Memory::is_retained(variable) {
+    pub(super) fn store_variable(&mut self, variable: u32, value: Option<f64>) -> Result<(), VariableError> {
+        self.memory.set(variable, value)?;
+        if Memory::is_retained(variable) {
             self.effects.push(Effect::Variable(variable, value));
         }
+        Ok(())
     }
 
     fn put_frames(&mut self, frames: &super::Frames) {

@@ -16,13 +16,22 @@ pub struct Filter {
     ports: [u8; Input::COUNT],
     inverted: u64,
     ticks: u64,
+    /// Length of a tick, µs: as it was at power-on (P58).
+    tick_us: f64,
 }
 
 impl Filter {
     /// A filter for the ports and times of these parameters; `first` counts as settled.
     #[must_use]
     pub fn new(params: &Params, first: Terminals) -> Self {
-        let mut filter = Self { stable: 0, planes: [0; PLANES], ports: [0; Input::COUNT], inverted: 0, ticks: 0 };
+        let mut filter = Self {
+            stable: 0,
+            planes: [0; PLANES],
+            ports: [0; Input::COUNT],
+            inverted: 0,
+            ticks: 0,
+            tick_us: params.get(param::TICK_TIME),
+        };
         filter.configure(params);
         filter.stable = first.0 ^ filter.inverted;
         filter
@@ -34,7 +43,7 @@ impl Filter {
             self.ports[*input as usize] = params.input_port(*input);
         }
         self.inverted = params.inverted_inputs();
-        let ticks = params.get(param::INPUT_FILTER) * 1_000.0 / params.get(param::TICK_TIME);
+        let ticks = params.get(param::INPUT_FILTER) * 1_000.0 / self.tick_us;
         self.ticks = (ticks.round() as u64).min((1 << PLANES) - 1);
     }
 

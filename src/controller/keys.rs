@@ -14,7 +14,7 @@ use crate::defs::signal::{Input, Output};
 use crate::defs::text::{Said, Text};
 use crate::link::command::{Command, FileFault};
 use crate::machine::Answer;
-use crate::nc::Source;
+use crate::nc::{Source, VariableError};
 use crate::units::{Axis, PerAxis};
 
 /// Highest overrides, percent, and their step.
@@ -26,6 +26,10 @@ const PAGED_PROGRAMS: std::ops::RangeInclusive<u32> = 1_001..=1_020;
 /// Most characters of an MDI line.
 const MDI_MOST: usize = 500;
 
+/// The coarsest step by hand on the wheel axis while the wheel turns, mm displayed (K5.9).
+const FINE_STEP_MM: f64 = 0.010_5;
+
+const INTO_LIMIT: Text = Text::new("限位方向，请向反方向移开", "onto the limit switch: move the other way");
 const NOT_IN_RUN: Text = Text::new("程序运行中，按键无效", "dead while a program runs");
 const NOT_ON_KIND: Text = Text::new("本机型没有此功能", "this kind of machine does not have it");
 const NOT_YET: Text = Text::new("此功能在本版本中还没有", "not available in this version");
@@ -46,7 +50,9 @@ impl Controller {
             Command::LoadProgram(number) => self.load_program(*number),
             Command::Mdi(line) => self.mdi(line),
             Command::TypeVariable(variable, value) => self.type_variable(*variable, *value),
-            Command::SetVariable(variable, value) => self.set_variable(*variable, *value),
+            Command::SetVariable(variable, value) => {
+                self.set_variable(*variable, *value);
+            }
             Command::SetParam(at, value) => self.set_param(*at, *value),
             Command::SetFrame(index, origin) => self.set_frame(*index, *origin),
             Command::SetGeometry(number, geometry) => self.set_geometry(*number, *geometry),
@@ -171,6 +177,9 @@ impl Controller {
     pub(super) fn ask(&mut self, request: Request) -> Answer {
         let answer = self.machine.ask(request, self.now, self.inputs, &self.params);
         match answer {
+            Answer::Taken if matches!(request, Request::DriveHigh | Request::DriveLow | Request::DriveStop) => {
+                self.analog_2_rpm = 0.0;
+            }
             Answer::Taken => {}
             Answer::NoEffect(reason) | Answer::Denied(reason) => self.refuse(reason),
             Answer::Refused(number, reason) => {
@@ -209,7 +218,10 @@ impl Controller {
 
     fn cycle_start(&mut self) {
         match self.cycle {
-            Cycle::Running | Cycle::Holding | Cycle::Aborting | Cycle::Homing { .. } => return,
+            Cycle::Running => return self.refuse(Said::new("程序已在运行", "the program is running")),
+            Cycle::Holding | Cycle::Aborting | Cycle::Homing { .. } => {
+                return self.refuse(Said::new("轴还在运动，请稍候", "the axes still move"));
+            }
             Cycle::Idle if self.mode != Mode::Auto => {
                 return self.refuse(Said::new("自动方式下才能循环启动", "cycle start works in mode AUTO"));
             }
@@ -257,12 +269,13 @@ impl Controller {
         self.machine.reset();
         let e_stop = self.machine.is_e_stopped();
         let bus = self.image.bus_alive;
-        let inputs = self.inputs;
+        let (inputs, limits) = (self.inputs, self.limits);
         let drives = [Input::DriveX, Input::DriveY, Input::DriveZ].into_iter().any(|input| inputs.has(input));
         self.alarms.reset(|number| match number {
             alarm::EMERGENCY_STOP => e_stop,
             alarm::BUS_LOST => !bus,
             alarm::DRIVE_FAULT => drives,
+            alarm::HARD_LIMIT => limits != 0,
             _ => false,
         });
         self.drives_on = !e_stop && bus && !drives;
@@ -287,6 +300,27 @@ impl Controller {
         }
         let axis = self.hand.axis;
         let distance = f64::from(detents) * self.hand.step_mm / self.displayed_per_mm(axis);
+        self.step_by(axis, distance);
+    }
+
+    /// Whether a direction leads further onto a limit switch that is pressed.
+    fn runs_into_limit(&self, axis: Axis, direction: f64) -> bool {
+        let side = if direction > 0.0 { 0 } else { 1 };
+        self.limits >> (2 * axis as u8 + side) & 1 == 1
+    }
+
+    /// A detent or a step by hand. K5.9: with the wheel on, the wheel axis takes no coarse steps.
+    fn step_by(&mut self, axis: Axis, distance: f64) {
+        let coarse = self.hand.step_mm > FINE_STEP_MM;
+        if coarse && axis == self.row.slow_axis && self.output_set.has(Output::Wheel) {
+            return self.refuse(Said::new(
+                "砂轮启动后该轴倍率只能为 ×0.01",
+                "with the wheel on this axis takes ×0.01 and finer",
+            ));
+        }
+        if self.runs_into_limit(axis, distance) {
+            return self.refuse(INTO_LIMIT);
+        }
         self.hand.nudge(axis, distance, &self.axes, &self.params);
     }
 
@@ -298,14 +332,16 @@ impl Controller {
                 self.refuse(Said::new("轴还在运动或程序未结束", "axes still move, or a program is open"));
             }
             Mode::Manual => {
-                if matches!(self.ask(Request::MoveByHand), Answer::Taken) {
+                if self.runs_into_limit(axis, direction) {
+                    self.refuse(INTO_LIMIT);
+                } else if matches!(self.ask(Request::MoveByHand), Answer::Taken) {
                     self.hand.hold(axis, direction, self.now);
                 }
             }
             Mode::Step => {
                 if matches!(self.ask(Request::MoveByHand), Answer::Taken) {
                     let distance = direction * self.hand.step_mm / self.displayed_per_mm(axis);
-                    self.hand.nudge(axis, distance, &self.axes, &self.params);
+                    self.step_by(axis, distance);
                 }
             }
             Mode::Edit | Mode::Auto | Mode::Mdi | Mode::Handwheel => {
@@ -489,7 +525,10 @@ impl Controller {
         if self.run.is_some() && !self.params.bit(param::EDIT_VALUES_IN_RUN) {
             return self.refuse(Said::new("程序运行中不能修改 (P6.3)", "not while a program runs (P6.3)"));
         }
-        self.set_variable(variable, value);
+        if self.set_variable(variable, value) {
+            let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
+            self.say(Said::new(format!("#{variable} = {shown}"), format!("#{variable} = {shown}")));
+        }
     }
 
     fn page_shows(&self, variable: u16) -> bool {
@@ -499,29 +538,25 @@ impl Controller {
             .is_some_and(|page| page.rows().any(|row| row.variable == variable))
     }
 
-    fn set_variable(&mut self, variable: u16, value: Option<f64>) {
+    /// False: refused, and said why.
+    fn set_variable(&mut self, variable: u16, value: Option<f64>) -> bool {
         let number = u32::from(variable);
-        let mut trial = self.memory.clone();
-        match trial.set(number, value) {
-            Ok(()) => {
-                self.store_variable(number, value);
-                if let Some(run) = &mut self.run
-                    && run.interpreter.variable_edited(number, value).is_err()
-                {
-                    return self.refuse(Said::new("程序没有接受此值", "the running program did not take the value"));
-                }
-                let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
-                self.say(Said::new(format!("#{variable} = {shown}"), format!("#{variable} = {shown}")));
-            }
-            Err(error) => {
-                let zh = match error {
-                    crate::nc::VariableError::Unknown(_) => format!("#{variable} 不存在或不能修改"),
-                    crate::nc::VariableError::Switch(_) => format!("#{variable} 只能输入 0 或 1"),
-                    crate::nc::VariableError::NotFinite(_) => format!("#{variable} 的值不是数字"),
-                };
-                self.refuse(Said::new(zh, error.to_string()));
-            }
+        if let Err(error) = self.store_variable(number, value) {
+            let zh = match error {
+                VariableError::Unknown(_) => format!("#{variable} 不存在或不能修改"),
+                VariableError::Switch(_) => format!("#{variable} 只能输入 0 或 1"),
+                VariableError::NotFinite(_) => format!("#{variable} 的值不是数字"),
+            };
+            self.refuse(Said::new(zh, error.to_string()));
+            return false;
         }
+        if let Some(run) = &mut self.run
+            && run.interpreter.variable_edited(number, value).is_err()
+        {
+            self.refuse(Said::new("程序没有接受此值", "the running program did not take the value"));
+            return false;
+        }
+        true
     }
 }
 
@@ -536,7 +571,14 @@ const fn is_in_this_version(key: Key) -> bool {
             | Key::Oscillation
             | Key::DressReturn
             | Key::WheelRetract
+            | Key::F2
+            | Key::F3
             | Key::F5
+            | Key::AddressX
+            | Key::AddressY
+            | Key::AddressZ
+            | Key::Input
+            | Key::Cancel
             | Key::NextRow
     )
 }

@@ -37,7 +37,7 @@ use crate::link::command::{Command, Screens};
 use crate::link::snapshot::{DirectoryRow, Message, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Around, Finding, Machine};
-use crate::nc::{Memory, Place};
+use crate::nc::{Memory, Modals, Place};
 use crate::units::{Axis, Micros, PerAxis};
 use axes::Axes;
 use filter::Filter;
@@ -161,6 +161,12 @@ pub struct Controller {
     /// Blocks executed since power-on.
     blocks: u64,
     screen_heard: Option<Micros>,
+    /// Length of a tick: as it was at power-on (P58).
+    tick: Micros,
+    /// Limit switches pressed, two bits an axis.
+    limits: u8,
+    /// What is modal in MDI, from line to line.
+    mdi_modals: Option<Modals>,
 }
 
 impl Controller {
@@ -209,6 +215,9 @@ impl Controller {
             cycle_time: Micros::ZERO,
             blocks: 0,
             screen_heard: None,
+            tick: Micros(params.get(param::TICK_TIME) as u64),
+            limits: 0,
+            mdi_modals: None,
             params,
         })
     }
@@ -260,6 +269,7 @@ impl Controller {
             run_open: self.run.is_some(),
             homed: self.axes.all_homed(),
             alarm_blocks: self.alarms.block_start(),
+            drives_off: !self.drives_on,
             oscillating: false,
         };
         for finding in self.machine.tick(self.now, self.inputs, &self.params, around).into_iter().flatten() {
@@ -291,10 +301,19 @@ impl Controller {
             let name = || Some(Said::new(axis.to_string(), axis.to_string()));
             if self.inputs.has(drives[axis as usize]) {
                 self.raise(alarm::DRIVE_FAULT, name());
+                self.axes.forget_zero();
             }
             let (plus, minus) = limits[axis as usize];
-            if self.inputs.has(plus) || self.inputs.has(minus) {
-                self.raise(alarm::HARD_LIMIT, name());
+            for (bit, switch) in [(0, plus), (1, minus)] {
+                let mask = 1 << (2 * axis as u8 + bit);
+                let pressed = self.inputs.has(switch);
+                // The edge counts: after RESET the axis must be able to leave the switch.
+                if pressed && self.limits & mask == 0 {
+                    self.alarms.clear(alarm::HARD_LIMIT);
+                    self.raise(alarm::HARD_LIMIT, name());
+                    self.axes.forget_zero();
+                }
+                if pressed { self.limits |= mask } else { self.limits &= !mask }
             }
         }
         if let Some(axis) = self.axes.lost(&self.params)
@@ -320,7 +339,9 @@ impl Controller {
         if self.alarms.has(number) {
             return;
         }
-        self.alarms.raise(number, detail, self.now);
+        let running = !matches!(self.cycle, Cycle::Idle | Cycle::Homing { .. });
+        let place = running.then_some((self.place.program, self.place.line));
+        self.alarms.raise(number, detail, self.now, place);
         match alarm::reaction(number) {
             Reaction::Show | Reaction::BlockStart => {}
             Reaction::StopProgram => self.abort_run(),
@@ -377,6 +398,7 @@ impl Controller {
     fn close_run(&mut self) {
         if let Some(run) = self.run.take() {
             self.cycle_time = self.now.since(run.since);
+            self.mdi_modals = run.mdi.then(|| *run.interpreter.modals());
         }
         self.waiting_for = None;
         self.axes.give_to_hand();
@@ -399,7 +421,8 @@ impl Controller {
         self.outputs.wheel_volts = volts(wheel, self.params.get(param::WHEEL_RPM_MAX));
         let drive = if self.machine.drive_is_on() { self.analog_2_rpm } else { 0.0 };
         self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));
-        self.outputs.drives_on = self.drives_on || !self.axes.is_at_rest();
+        // Braking needs the drives; nothing else moves without them.
+        self.outputs.drives_on = self.drives_on || matches!(self.cycle, Cycle::Aborting);
         self.outputs.set_point_mm = self.axes.set_points(&self.params);
     }
 

@@ -68,7 +68,7 @@ pub enum Act {
     /// A system variable is written.
     SetSystem(u32, Option<f64>),
     /// Other frames or offsets are in force from here on.
-    Frames(Box<Frames>),
+    Frames(Arc<Frames>),
     /// An M code.
     Machine(&'static MCode, Option<f64>),
     /// Stand still, seconds.
@@ -78,7 +78,7 @@ pub enum Act {
     /// Move until a signal comes: the move, and which gauge signal.
     Skip(Box<PlannedMove>, u8),
     /// Alarm of the program's own.
-    Alarm(u16, Said),
+    Alarm(u16, Said, Place),
     /// Message of the program's own; waits for cycle start.
     Message(Said),
     /// The program is over without M30.
@@ -155,8 +155,8 @@ pub struct Run {
 /// Frames and position at the end of what has been read.
 #[derive(Clone, Debug)]
 pub struct Planned {
-    /// Frames in force there.
-    pub frames: Frames,
+    /// Frames in force there; shared until one changes.
+    pub frames: Arc<Frames>,
     /// Machine position there.
     pub machine: PerAxis<f64>,
     path: PathMode,
@@ -177,20 +177,20 @@ impl Run {
     pub fn new(
         source: Arc<Source>,
         library: Arc<dyn Library + Send + Sync>,
-        settings: nc::Settings,
+        (settings, modals): (nc::Settings, nc::Modals),
         start: (Memory, Frames, PerAxis<f64>),
         now: Micros,
     ) -> Self {
         let (memory, frames, machine) = start;
-        let path = PathMode::Continuous { tolerance_mm: settings.tolerance_mm };
+        let path = modals.path;
         let block = Block::new(&settings);
         Self {
-            interpreter: Interpreter::new(source, library, settings, memory),
+            interpreter: Interpreter::new(source, library, settings, memory).with_modals(modals),
             block,
             items: VecDeque::with_capacity(MOST_ITEMS + 64),
             fed: 0,
             next_tag: 1,
-            planned: Planned { frames, machine, path },
+            planned: Planned { frames: Arc::new(frames), machine, path },
             reading: Reading::Open,
             doing: Doing::Nothing,
             mdi: false,
@@ -211,7 +211,7 @@ impl Run {
         let ops = std::mem::take(&mut self.block.ops);
         let mut result = Ok(());
         for op in &ops {
-            result = self.planned.take(op, &mut self.items, params);
+            result = self.planned.take(op, self.block.at, &mut self.items, params);
             if result.is_err() {
                 break;
             }
@@ -234,7 +234,7 @@ impl Run {
 
 impl Planned {
     /// Turns one operation into items.
-    fn take(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
+    fn take(&mut self, op: &Op, at: Place, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
         let act = match op {
             Op::Rapid { to, words, .. } => {
                 return self.line(*to, Speed::Rapid, *words, items, params);
@@ -265,19 +265,21 @@ impl Planned {
                 return Ok(());
             }
             Op::Frame { g } => {
-                self.frames.active = usize::from(g.saturating_sub(54)).min(super::frames::WORK_FRAMES - 1);
-                Act::Frames(Box::new(self.frames.clone()))
+                let active = usize::from(g.saturating_sub(54)).min(super::frames::WORK_FRAMES - 1);
+                Arc::make_mut(&mut self.frames).active = active;
+                Act::Frames(Arc::clone(&self.frames))
             }
             Op::Preset { values } => {
-                self.frames.preset(self.machine, values);
-                Act::Frames(Box::new(self.frames.clone()))
+                Arc::make_mut(&mut self.frames).preset(self.machine, values);
+                Act::Frames(Arc::clone(&self.frames))
             }
             Op::T { tool, offset } => {
+                let frames = Arc::make_mut(&mut self.frames);
                 if *tool != 0 {
-                    self.frames.tool = u32::from(*tool);
+                    frames.tool = u32::from(*tool);
                 }
-                self.frames.offset = usize::from(*offset).min(super::frames::OFFSETS);
-                Act::Frames(Box::new(self.frames.clone()))
+                frames.offset = usize::from(*offset).min(super::frames::OFFSETS);
+                Act::Frames(Arc::clone(&self.frames))
             }
             Op::M { code, s, .. } => {
                 let row = mcode::find(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
@@ -288,7 +290,7 @@ impl Planned {
             Op::Dwell { s } => Act::Dwell(*s),
             Op::Set { variable, value } => Act::Set(*variable, *value),
             Op::SetSystem { number, value } => Act::SetSystem(*number, *value),
-            Op::Alarm { number, text } => Act::Alarm(*number as u16, Said::new(&**text, &**text)),
+            Op::Alarm { number, text } => Act::Alarm(*number as u16, Said::new(&**text, &**text), at),
             Op::Message { text, .. } => Act::Message(Said::new(&**text, &**text)),
         };
         items.push_back(Item::Do(act));

@@ -157,6 +157,12 @@ impl Controller {
         self.place
     }
 
+    /// The output image of the last tick.
+    #[must_use]
+    pub const fn outputs(&self) -> &crate::io::OutputImage {
+        &self.outputs
+    }
+
     /// The kind of machine.
     #[must_use]
     pub const fn kind(&self) -> crate::defs::kind::Kind {
@@ -165,8 +171,8 @@ impl Controller {
 
     /// Length of a tick.
     #[must_use]
-    pub fn tick_time(&self) -> Micros {
-        Micros(self.params.get(crate::defs::param::TICK_TIME) as u64)
+    pub const fn tick_time(&self) -> Micros {
+        self.tick
     }
 
     /// Blocks executed since power-on.
@@ -179,6 +185,12 @@ impl Controller {
     #[must_use]
     pub const fn is_braking(&self) -> bool {
         matches!(self.cycle, Cycle::Holding | Cycle::Aborting)
+    }
+
+    /// Whether the axes stand in position.
+    #[must_use]
+    pub fn is_in_position(&self) -> bool {
+        self.axes.is_at_rest() && self.axes.is_in_position(&self.params)
     }
 
     /// Whether no set-point moves.

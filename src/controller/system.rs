@@ -133,7 +133,7 @@ impl Controller {
                 let (geometry, wear) = (self.frames.geometry[index], self.frames.wear[index]);
                 self.effects.push(Effect::Offset { number: index + 1, geometry, wear });
                 if let Some(run) = &mut self.run {
-                    run.planned.frames.clone_from(&self.frames);
+                    run.planned.frames = std::sync::Arc::new(self.frames.clone());
                 }
             }
         }

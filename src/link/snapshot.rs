@@ -104,6 +104,8 @@ pub struct AlarmView {
     pub remedy: Said,
     /// When it came.
     pub since: Micros,
+    /// Program and line under way when it came; none outside a run.
+    pub place: Option<(u32, u32)>,
 }
 
 /// How a message is meant.

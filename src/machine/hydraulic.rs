@@ -44,6 +44,11 @@ impl Hydraulic {
         self.on
     }
 
+    /// Alarm 180 has stopped a wheel or a program and waits for RESET.
+    pub fn is_latched(&self) -> bool {
+        self.alarm == Alarm180::Latched
+    }
+
     pub fn switch_on(&mut self, now: Micros) {
         if !self.on {
             self.on = true;
@@ -99,6 +104,8 @@ impl Hydraulic {
             Alarm180::Clear | Alarm180::Present | Alarm180::StartRefused if refused && run_open => Alarm180::Latched,
             Alarm180::Clear | Alarm180::Present if refused => Alarm180::StartRefused,
             Alarm180::Clear | Alarm180::Present if missing => Alarm180::Present,
+            // Switching the pump anew does not take it away: only the signal does.
+            Alarm180::Present if !pressure_ok => Alarm180::Present,
             Alarm180::Clear | Alarm180::Present => Alarm180::Clear,
             Alarm180::StartRefused if granted || !looked_at => Alarm180::Clear,
             Alarm180::StartRefused => Alarm180::StartRefused,

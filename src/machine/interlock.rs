@@ -30,6 +30,8 @@ pub struct Facts {
     pub hydraulic_needed: bool,
     /// P17.0=0 and P270>0: the signal is looked at.
     pub hydraulic_checked: bool,
+    /// Alarm 180 has stopped a wheel or a program and waits for RESET.
+    pub hydraulic_latched: bool,
     /// The pump's output is on.
     pub hydraulic_on: bool,
     /// On for at least P270.
@@ -111,6 +113,20 @@ pub const RULES: &[Rule] = &[
         when: |facts| facts.e_stop,
         outcome: Outcome::Deny,
         reason: Text::new("急停中，松开急停并复位", "emergency stop: release it and press RESET"),
+    },
+    Rule {
+        row: "B5",
+        forbids: motion,
+        when: |facts| facts.around.drives_off,
+        outcome: Outcome::Deny,
+        reason: Text::new("驱动已断开，排除报警后按复位", "the drives are off: clear the alarm and press RESET"),
+    },
+    Rule {
+        row: "K3.7",
+        forbids: wheel_start,
+        when: |facts| facts.hydraulic_latched,
+        outcome: Outcome::Deny,
+        reason: Text::new("液压报警 180 未复位，砂轮不能启动", "alarm 180 waits for RESET: the wheel may not start"),
     },
     Rule {
         row: "K3.7",
@@ -268,6 +284,21 @@ mod tests {
         assert_eq!(outcome(Request::DriveHigh, moving), Some(Outcome::Alarm(181)));
         let disabled = Facts { tailstock_enabled: false, drive_on: true, ..ready() };
         assert_eq!(outcome(Request::TailstockAdvance, disabled), Some(Outcome::NoEffect));
+    }
+
+    #[test]
+    fn k3_7_a_latched_alarm_180_blocks_the_wheel_although_the_pressure_is_back() {
+        let latched = Facts { hydraulic_latched: true, ..ready() };
+        assert_eq!(outcome(Request::WheelStart, latched), Some(Outcome::Deny));
+    }
+
+    #[test]
+    fn b5_nothing_moves_while_the_drives_are_off() {
+        let mut facts = ready();
+        facts.around.drives_off = true;
+        for request in [Request::MoveByHand, Request::HomeAxes, Request::CycleStart] {
+            assert_eq!(outcome(request, facts), Some(Outcome::Deny));
+        }
     }
 
     #[test]

@@ -67,6 +67,8 @@ pub struct Around {
     pub homed: bool,
     /// An alarm that blocks cycle start is present.
     pub alarm_blocks: bool,
+    /// The drives are off after an alarm that stopped everything.
+    pub drives_off: bool,
     /// An axis oscillates that the run did not start.
     pub oscillating: bool,
 }
@@ -146,6 +148,7 @@ impl Machine {
             hydraulic_needed: supervised,
             hydraulic_checked: supervised && params.get(param::HYDRAULIC_DELAY) > 0.0,
             hydraulic_on: self.hydraulic.is_on(),
+            hydraulic_latched: self.hydraulic.is_latched(),
             hydraulic_settled: self.hydraulic.is_settled(now, params),
             pressure: inputs.has(Input::HydraulicPressure),
             magnet_needed: params.bit(param::WHEEL_NEEDS_MAGNET),

@@ -17,12 +17,14 @@ pub enum Tailstock {
     Holding,
     /// Valve off, on its way back.
     Retracting { since: Micros },
+    /// Its end switch did not come, or went: neither clamped nor back.
+    Lost { valve: bool },
 }
 
 impl Tailstock {
     pub fn advance(&mut self, now: Micros) {
         *self = match *self {
-            Self::Resting | Self::Retracting { .. } => Self::Advancing { since: now },
+            Self::Resting | Self::Lost { .. } | Self::Retracting { .. } => Self::Advancing { since: now },
             Self::Advancing { since } => Self::Advancing { since },
             Self::Holding => Self::Holding,
         };
@@ -30,7 +32,7 @@ impl Tailstock {
 
     pub fn retract(&mut self, now: Micros) {
         *self = match *self {
-            Self::Holding | Self::Advancing { .. } => Self::Retracting { since: now },
+            Self::Holding | Self::Lost { .. } | Self::Advancing { .. } => Self::Retracting { since: now },
             Self::Retracting { since } => Self::Retracting { since },
             Self::Resting => Self::Resting,
         };
@@ -46,7 +48,7 @@ impl Tailstock {
 
     /// The valve.
     pub const fn output(self) -> bool {
-        matches!(self, Self::Advancing { .. } | Self::Holding)
+        matches!(self, Self::Advancing { .. } | Self::Holding | Self::Lost { valve: true })
     }
 
     /// Feedback and time-out; without an end switch assigned the time itself is the feedback.
@@ -54,13 +56,22 @@ impl Tailstock {
         let (since, switch, there) = match *self {
             Self::Advancing { since } => (since, Input::TailstockAdvanced, Self::Holding),
             Self::Retracting { since } => (since, Input::TailstockRetracted, Self::Resting),
-            Self::Resting | Self::Holding => return None,
+            Self::Holding => {
+                if params.input_port(Input::TailstockAdvanced) != 0 && !inputs.has(Input::TailstockAdvanced) {
+                    *self = Self::Lost { valve: true };
+                }
+                return None;
+            }
+            Self::Resting | Self::Lost { .. } => return None,
         };
         let late = now.since(since) >= Micros::from_millis_f64(params.get(param::TAILSTOCK_TIME));
         let has_switch = params.input_port(switch) != 0;
-        if inputs.has(switch) || late {
+        let arrived = inputs.has(switch) || late && !has_switch;
+        if arrived {
             *self = there;
+        } else if late {
+            *self = Self::Lost { valve: self.output() };
         }
-        (late && has_switch && !inputs.has(switch)).then_some(alarm::TAILSTOCK_TIMEOUT)
+        (late && !arrived).then_some(alarm::TAILSTOCK_TIMEOUT)
     }
 }

@@ -72,6 +72,8 @@ pub struct Rig {
     snapshot: Snapshot,
     companion: Option<Box<dyn Companion>>,
     touched: bool,
+    /// The retained data were damaged: told again at every power-on of this rig.
+    damage: Option<String>,
 }
 
 impl Rig {
@@ -108,6 +110,7 @@ impl Rig {
             snapshot: Snapshot::new(kind),
             companion: None,
             touched: false,
+            damage: None,
         };
         rig.deliver();
         Ok(rig)
@@ -117,6 +120,9 @@ impl Rig {
     fn deliver(&mut self) {
         self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
         self.inbox.push(Command::Screens(Arc::clone(&self.screens)));
+        if let Some(what) = &self.damage {
+            self.controller.report(alarm::DATA_DAMAGED, Some(Said::new(what, what)));
+        }
     }
 
     /// Adds programs that are not in the folder (a file named on the command line).
@@ -242,6 +248,7 @@ impl Rig {
 
     /// Tells the operator that the retained data were damaged.
     pub fn report_damage(&mut self, what: &str) {
+        self.damage = Some(what.to_owned());
         self.controller.report(alarm::DATA_DAMAGED, Some(Said::new(what, what)));
     }
 
@@ -266,6 +273,12 @@ impl Rig {
     /// The machine, to force inputs and faults.
     pub const fn machine_mut(&mut self) -> &mut SimulatedMachine {
         &mut self.machine
+    }
+
+    /// What the control puts on its second analog output, volts.
+    #[must_use]
+    pub const fn analog_2_volts(&self) -> f64 {
+        self.controller.outputs().analog_2_volts
     }
 
     /// Simulated time since the start.

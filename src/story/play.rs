@@ -158,12 +158,16 @@ impl<'a> Player<'a> {
     fn until_it_stands(&mut self) {
         self.run_until(STAND_MOST, |rig| {
             let state = rig.controller().state();
-            rig.controller().is_at_rest() && !matches!(state, RunState::Running | RunState::Homing)
+            rig.controller().is_in_position() && !matches!(state, RunState::Running | RunState::Homing)
         });
     }
 
     fn load(&mut self, number: u32) -> Result<(), String> {
         self.send(Command::LoadProgram(number))?;
+        let snapshot = self.rig.snapshot();
+        if snapshot.program.number != number {
+            return Ok(()); // refused, and the message says why
+        }
         if !self.part_given
             && let Ok(Some(part)) = PartFile::builtin(number)
         {
@@ -216,6 +220,9 @@ impl<'a> Player<'a> {
     }
 
     fn handwheel(&mut self, axis: Axis, detents: i32, step: Key) -> Result<(), String> {
+        if !self.rig.snapshot().axes[axis].present {
+            return Err(format!("this machine has no {axis}"));
+        }
         let chosen = match axis {
             Axis::X => Key::HandwheelX,
             Axis::Y => Key::HandwheelY,
