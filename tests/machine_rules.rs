@@ -297,14 +297,23 @@ fn b5_a_limit_switch_is_left_the_other_way_only() {
 #[test]
 fn k3_7_a_latched_alarm_180_blocks_the_wheel_until_reset() {
     let mut rig = story(HYDRAULICS);
-    tell(&mut rig, "key wheel-start\nwait 1 s\ninput hydraulic-pressure off\ninput hydraulic-pressure free\nwait 0.1 s");
-    tell(&mut rig, "expect alarm 180\nkey wheel-start\nexpect output wheel off\nkey reset\nkey wheel-start\nexpect output wheel on");
+    tell(
+        &mut rig,
+        "key wheel-start\nwait 1 s\ninput hydraulic-pressure off\ninput hydraulic-pressure free\nwait 0.1 s",
+    );
+    tell(
+        &mut rig,
+        "expect alarm 180\nkey wheel-start\nexpect output wheel off\nkey reset\nkey wheel-start\nexpect output wheel on",
+    );
 }
 
 #[test]
 fn k3_7_switching_the_pump_anew_does_not_take_the_alarm_away() {
     let mut rig = story(HYDRAULICS);
-    tell(&mut rig, "input hydraulic-pressure off\nwait 0.1 s\nexpect alarm 180\nkey hydraulic\nkey hydraulic\nwait 0.1 s");
+    tell(
+        &mut rig,
+        "input hydraulic-pressure off\nwait 0.1 s\nexpect alarm 180\nkey hydraulic\nkey hydraulic\nwait 0.1 s",
+    );
     tell(&mut rig, "expect alarm 180\ninput hydraulic-pressure free\nwait 1.5 s\nexpect no alarm");
 }
 

@@ -224,3 +224,13 @@ fn b7_a_new_tick_time_holds_from_the_next_power_on() {
     let gone = z - rig.snapshot().axes.0[2].work;
     assert!((3.5..5.0).contains(&gone), "{gone} mm");
 }
+
+#[test]
+fn b5_the_second_run_moves_like_the_first() {
+    let mut rig = ready_with("G98 G01 W-1 F600\nM30");
+    let z = rig.snapshot().axes.0[2].work;
+    for run in 1..=3 {
+        tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 5 s\nwait 0.3 s");
+        assert!((z - rig.snapshot().axes.0[2].work - f64::from(run)).abs() < 0.0015, "run {run}");
+    }
+}

@@ -44,6 +44,8 @@ impl Controller {
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
         run.mdi = mdi;
+        // The planner remembers what it has finished, runs gone by included.
+        run.next_tag = self.axes.path.finished_tag().map_or(1, |tag| tag + 1);
         self.axes.give_to_path();
         self.run = Some(Box::new(run));
         self.cycle = Cycle::Running;

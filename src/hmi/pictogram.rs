@@ -295,6 +295,13 @@ const fn aid(key: Key) -> &'static [Mark] {
             Line(&[(12.0, 1.0), (12.0, 5.0)]),
             Line(&[(12.0, 20.0), (12.0, 23.0)]),
         ],
+        _ => process(key),
+    }
+}
+
+/// Gauges, oscillation, dressing and retract.
+const fn process(key: Key) -> &'static [Mark] {
+    match key {
         Key::RadialGauge => &[
             PART,
             Line(&[

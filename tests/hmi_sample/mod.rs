@@ -142,12 +142,14 @@ pub fn alarm(page: Page) -> Snapshot {
             text: said("砂轮启动时液压异常", "hydraulic pressure missing"),
             remedy: said("检查油泵和压力开关，信号恢复后按复位", "find the leak, press RESET once the signal is back"),
             since: snapshot.now,
+            place: None,
         },
         AlarmView {
             number: 66,
             text: said("页面文件不全或格式错误", "page files missing"),
             remedy: said("", ""),
             since: snapshot.now,
+            place: None,
         },
     ];
     snapshot
