@@ -1,4 +1,54 @@
-//! KT-830: a CNC control for grinding machines.
+//! KT-830: a CNC control for grinding machines. A touch screen and a controller core in one process, joined by channels;
+//! a simulated machine stands in for the real one.
+//!
+//! # Rooms
+//!
+//! Who may import whom is checked by `tests/tidy.rs`; siblings never import each other.
+//!
+//! | room | what it owns | imports |
+//! |---|---|---|
+//! | [`units`] | time, axes | – |
+//! | [`defs`] | one table a concept: keys, signals, M and G codes, parameters, alarms, pages | units |
+//! | [`link`] | [`link::Command`] in, [`link::Snapshot`] out: all that screen and core share | units, defs |
+//! | [`nc`] | program text → [`nc::Op`]; moves nothing | units, defs |
+//! | [`motion`] | moves → set-points within velocity, acceleration, jerk and tolerance | units, defs |
+//! | [`machine`] | wheel, headstock, tailstock, hydraulics; the interlock table; one file a kind | units, defs, link |
+//! | [`io`] | [`io::Backend`]; the simulated machine and its physics | units, defs |
+//! | [`store`] | what outlives a power cut, and the folders people copy files into | units, defs |
+//! | [`controller`] | [`controller::Controller::tick`] in a fixed order | the core above |
+//! | [`runtime`] | clock, threads, disk; the headless rig | controller, io, store, link |
+//! | [`story`] | what an operator does, as text; its player | runtime, link |
+//! | `hmi` | the screen (feature `hmi`): pages, panel, theme | units, defs, link |
+//! | [`cli`] | the command line | all |
+//!
+//! # The path of a key press
+//!
+//! finger → `hmi::panel` → [`link::Command`] → bounded channel (reset, hold and emergency stop have one of their own) →
+//! [`runtime::realtime`] → [`controller::Controller::tick`]: inputs, commands (`controller::keys` asks
+//! [`machine::Machine::ask`], which asks [`machine::interlock`]), machine logic and alarms, program, hand, axes, outputs →
+//! [`io::Backend::write`] → newest-only [`link::Snapshot`] → page. It never runs back: a lamp shows the output, not the wish.
+//!
+//! # The path of a move
+//!
+//! text → [`nc::Interpreter::next`] → [`nc::Op`] (radius mm, work frame) → `controller::run` turns it into machine
+//! coordinates and checks the soft limits → `controller::executor` hands it to [`motion::Path`], in order with the acts
+//! between the moves → [`motion::Path::tick`], one set-point a tick → [`io::OutputImage`]. Variables, frames and block numbers
+//! change when the machine gets there, not when the reader does.
+//!
+//! # What always holds
+//!
+//! - Time, inputs and commands are arguments of the core: the same story gives the same trace, bit for bit.
+//! - An output changes by a row of the interlock table or a sequence of [`machine`], never by a page.
+//! - No axis moves while the drives are off, while another one owns it, or beyond a soft limit once it is homed.
+//! - Every refusal says why; a refused request changes nothing.
+//! - A lost screen, a silent bus, a panic end in the safe output image: what turns or flows is off, what clamps stays.
+//!
+//! # Words
+//!
+//! *Block*: one line of a program. *Op*: a canonical operation of a block. *Act*: something other than a move that waits for
+//! its turn. *Barrier*: an op that must be executed before the next block is read. *Drain*: all motion over, axes in
+//! position. *Rig*: control and simulated machine, stepped tick by tick. *Slide travel*: true millimetres of an axis; X is
+//! shown as twice that where diameter mode is on.
 
 pub mod cli;
 pub mod controller;
