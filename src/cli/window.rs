@@ -10,12 +10,13 @@ use super::args::Shared;
 use super::{CallError, FINE, bench};
 use crate::controller::{Controller, Retained};
 use crate::hmi::window::{Desk, Options, WindowError, run};
-use crate::io::Backend;
-use crate::io::sim::{MachineFile, SimulatedMachine};
+use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
+use crate::io::{Backend, InputImage, OutputImage};
+use crate::link::snapshot::RunState;
 use crate::link::{Command, Snapshot};
 use crate::runtime::keeper::Keeper;
 use crate::runtime::realtime::{Lateness, Link};
-use crate::runtime::rig::Companion;
+use crate::runtime::rig::{Companion, set_up};
 use crate::runtime::{disk_thread, realtime};
 use crate::store::DataDir;
 use crate::units::Micros;
@@ -42,12 +43,33 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
         controller.report(crate::defs::alarm::DATA_DAMAGED, Some(said));
     }
     let folders = bench::folders(shared)?;
-    let (link, disk) = realtime::start(controller, machine, Lateness::Counted).map_err(CallError::new)?;
+    let (bring, parts) = bounded(4);
+    let backend = Workshop { machine, parts };
+    let (link, disk) = realtime::start(controller, backend, Lateness::Counted).map_err(CallError::new)?;
     let disk = disk_thread::start(disk, Some(keeper), folders).map_err(CallError::new)?;
-    let desk = LinkDesk { newest: Arc::new(Snapshot::new(shared.kind)), link };
+    let desk = LinkDesk { newest: Arc::new(Snapshot::new(shared.kind)), link, bring };
     let closed = show(Box::new(desk), shared, fullscreen);
     drop(disk.join());
     closed
+}
+
+/// The simulated machine with somebody who puts the part of the chosen program into it.
+struct Workshop {
+    machine: SimulatedMachine,
+    parts: Receiver<PartFile>,
+}
+
+impl Backend for Workshop {
+    fn read(&mut self, now: Micros) -> InputImage {
+        if let Ok(part) = self.parts.try_recv() {
+            self.machine.set_part(Some(&part));
+        }
+        self.machine.read(now)
+    }
+
+    fn write(&mut self, now: Micros, outputs: &OutputImage) {
+        self.machine.write(now, outputs);
+    }
 }
 
 fn simulated(shared: &Shared, retained: &Retained) -> Result<SimulatedMachine, CallError> {
@@ -81,6 +103,19 @@ pub fn has_display() -> bool {
 struct LinkDesk {
     link: Link,
     newest: Arc<Snapshot>,
+    bring: Sender<PartFile>,
+}
+
+impl LinkDesk {
+    /// Another program was chosen: its part goes into the simulated machine, its set-up into the control.
+    fn mount(&self, number: u32) {
+        if let Ok(Some(part)) = PartFile::builtin(number) {
+            for command in set_up(&part, |variable| self.newest.variables[usize::from(variable)]) {
+                self.link.send(command);
+            }
+            drop(self.bring.try_send(part));
+        }
+    }
 }
 
 impl Desk for LinkDesk {
@@ -90,7 +125,14 @@ impl Desk for LinkDesk {
     }
 
     fn send(&mut self, command: Command) {
+        let chosen = match command {
+            Command::LoadProgram(number) if self.newest.state != RunState::Running => Some(number),
+            _ => None,
+        };
         self.link.send(command);
+        if let Some(number) = chosen {
+            self.mount(number);
+        }
     }
 
     fn clock(&mut self) -> Option<String> {

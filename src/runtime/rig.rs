@@ -47,6 +47,20 @@ pub struct Setup {
     pub seed: u64,
 }
 
+/// What setting a part up means for the control: its work zero, its tool geometry, and values for the variables that
+/// have none.
+pub fn set_up(part: &PartFile, present: impl Fn(u16) -> Option<f64>) -> Vec<Command> {
+    let place = part.g54_mm;
+    let mut commands = vec![Command::SetFrame(0, PerAxis([place.x, place.y, place.z]))];
+    for offset in &part.offsets {
+        let geometry = PerAxis([offset.x / 2.0, 0.0, offset.z]);
+        commands.push(Command::SetGeometry(usize::from(offset.number), geometry));
+    }
+    let missing = part.variables.iter().filter(|(number, _)| present(**number).is_none());
+    commands.extend(missing.map(|(number, value)| Command::SetVariable(*number, Some(*value))));
+    commands
+}
+
 /// Somebody beside the rig: paces it, shows it, brings commands of a person.
 pub trait Companion: Send {
     /// Called after each tick; true when the person has touched something.
@@ -138,17 +152,9 @@ impl Rig {
     /// value get the part's.
     pub fn mount(&mut self, part: &PartFile) {
         self.machine.set_part(Some(part));
-        let place = part.g54_mm;
-        self.inbox.push(Command::SetFrame(0, PerAxis([place.x, place.y, place.z])));
-        for offset in &part.offsets {
-            let geometry = PerAxis([offset.x / 2.0, 0.0, offset.z]);
-            self.inbox.push(Command::SetGeometry(usize::from(offset.number), geometry));
-        }
-        for (number, value) in &part.variables {
-            if matches!(self.retained.variables.get(u32::from(*number)), Ok(None)) {
-                self.inbox.push(Command::SetVariable(*number, Some(*value)));
-            }
-        }
+        let variables = &self.retained.variables;
+        let present = |variable: u16| variables.get(u32::from(variable)).ok().flatten();
+        self.inbox.extend(set_up(part, present));
     }
 
     /// Begins the machine's chance anew.
