@@ -171,6 +171,14 @@ fn t5_a_story_that_cannot_be_read_is_a_wrong_call_and_one_that_fails_is_1() {
 }
 
 #[test]
+fn t5_the_stories_that_come_along_play_to_their_end() {
+    for story in ["assets/stories/first_part.story", "assets/stories/pressure_lost.story"] {
+        let out = kt830(&["play", story]);
+        assert_eq!(status(&out), 0, "{story}: {}", errors(&out));
+    }
+}
+
+#[test]
 fn damaged_data_are_kept_and_told() {
     let data = tempfile::tempdir().unwrap();
     std::fs::write(data.path().join("retained.redb"), b"this is no database").unwrap();

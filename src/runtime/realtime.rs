@@ -279,17 +279,27 @@ fn absolute_sleep(ahead: Duration) {
     while clock_nanosleep_absolute(ClockId::Monotonic, &due) == Err(rustix::io::Errno::INTR) {}
 }
 
+/// What is in use stays in memory; on Linux pages count from their first use, so that stacks are not filled in advance.
+#[cfg(unix)]
+fn locked_memory() -> rustix::mm::MlockAllFlags {
+    use rustix::mm::MlockAllFlags;
+    let all = MlockAllFlags::CURRENT | MlockAllFlags::FUTURE;
+    #[cfg(target_os = "linux")]
+    let all = all | MlockAllFlags::ONFAULT;
+    all
+}
+
 /// Asks for real-time priority and locked memory; false where the system does not permit it.
 fn become_real_time() -> bool {
     #[cfg(unix)]
     {
-        use rustix::mm::{MlockAllFlags, mlockall};
+        use rustix::mm::mlockall;
         use thread_priority::{RealtimeThreadSchedulePolicy, ThreadPriorityValue};
         let Ok(value) = ThreadPriorityValue::try_from(PRIORITY) else { return false };
         let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
         let given =
             set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(value), policy).is_ok();
-        let locked = given && mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).is_ok();
+        let locked = given && mlockall(locked_memory()).is_ok();
         given && locked
     }
     #[cfg(not(unix))]
