@@ -234,3 +234,13 @@ fn b5_the_second_run_moves_like_the_first() {
         assert!((z - rig.snapshot().axes.0[2].work - f64::from(run)).abs() < 0.0015, "run {run}");
     }
 }
+
+#[test]
+fn k6_3_a_held_run_survives_a_change_of_mode() {
+    let mut rig = ready_with("G98 G01 W-20 F600\nM30");
+    let z = rig.snapshot().axes.0[2].work;
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.5 s\nmode handwheel\nexpect lamp mode-auto on\nkey feed-hold");
+    tell(&mut rig, "mode handwheel\nexpect lamp mode-handwheel on\nexpect state held\nmode jog\nmode handwheel");
+    tell(&mut rig, "key cycle-start\nexpect state running\nwait until idle max 5 s\nwait 0.3 s");
+    assert!((z - rig.snapshot().axes.0[2].work - 20.0).abs() < 0.0015);
+}

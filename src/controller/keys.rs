@@ -30,6 +30,8 @@ const MDI_MOST: usize = 500;
 const FINE_STEP_MM: f64 = 0.010_5;
 
 const INTO_LIMIT: Text = Text::new("限位方向，请向反方向移开", "onto the limit switch: move the other way");
+const OPEN_RUN: Text =
+    Text::new("轴还在运动或程序未结束，先复位", "axes still move, or a program is open: press RESET");
 const NOT_IN_RUN: Text = Text::new("程序运行中，按键无效", "dead while a program runs");
 const NOT_ON_KIND: Text = Text::new("本机型没有此功能", "this kind of machine does not have it");
 const NOT_YET: Text = Text::new("此功能在本版本中还没有", "not available in this version");
@@ -194,11 +196,9 @@ impl Controller {
     }
 
     fn choose(&mut self, mode: Mode) {
-        if !matches!(self.cycle, Cycle::Idle) && mode != self.mode {
-            return self.refuse(Said::new(
-                "程序未结束，先复位再换方式",
-                "a program is open: press RESET before changing the mode",
-            ));
+        // K2.2, K6.3: a held run survives a change of mode; cycle start resumes it from any.
+        if !matches!(self.cycle, Cycle::Idle | Cycle::Held | Cycle::Stopped) && mode != self.mode {
+            return self.refuse(Said::new("轴还在运动，不能换方式", "the axes still move: no change of mode"));
         }
         self.hand.let_go();
         self.mode = mode;
@@ -295,7 +295,10 @@ impl Controller {
         if self.mode != Mode::Handwheel {
             return self.refuse(Said::new("手轮方式下手轮才有效", "the handwheel works in mode HANDWHEEL"));
         }
-        if !matches!(self.cycle, Cycle::Idle) || !matches!(self.ask(Request::MoveByHand), Answer::Taken) {
+        if !matches!(self.cycle, Cycle::Idle) {
+            return self.refuse(OPEN_RUN);
+        }
+        if !matches!(self.ask(Request::MoveByHand), Answer::Taken) {
             return;
         }
         let axis = self.hand.axis;
@@ -329,7 +332,7 @@ impl Controller {
         match self.mode {
             Mode::Home => self.home_axis(axis),
             Mode::Manual | Mode::Step if !matches!(self.cycle, Cycle::Idle) => {
-                self.refuse(Said::new("轴还在运动或程序未结束", "axes still move, or a program is open"));
+                self.refuse(OPEN_RUN);
             }
             Mode::Manual => {
                 if self.runs_into_limit(axis, direction) {
@@ -368,7 +371,9 @@ impl Controller {
                 }
             }
             Cycle::Idle => self.next_homing(wanted),
-            Cycle::Running | Cycle::Holding | Cycle::Held | Cycle::Stopped | Cycle::Aborting => {}
+            Cycle::Running | Cycle::Holding | Cycle::Held | Cycle::Stopped | Cycle::Aborting => {
+                self.refuse(OPEN_RUN);
+            }
         }
     }
 
