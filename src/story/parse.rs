@@ -6,6 +6,7 @@ use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output, PORTS};
+use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::snapshot::RunState;
 use crate::units::Axis;
 
@@ -94,7 +95,7 @@ pub enum Expectation {
     /// None is.
     NoAlarm,
     /// The simulated machine has reported such an event.
-    Event(String),
+    Event(EventKind),
     /// It has reported none.
     NoEvent,
     /// The state.
@@ -292,10 +293,7 @@ impl Words {
             }
             "page" => Statement::Page(self.one_of("a page", Page::from_id)?),
             "input" => self.input()?,
-            "fault" => {
-                self.next = self.words.len();
-                Statement::Fault(self.text.trim_start_matches("fault").trim().to_owned())
-            }
+            "fault" => self.fault()?,
             "wait" => self.wait()?,
             "seed" => Statement::Seed(self.one_of("a whole number", |word| word.parse().ok())?),
             "part" => Statement::Part(self.word("a file")?.trim_start_matches('"').to_owned()),
@@ -383,6 +381,16 @@ impl Words {
         Ok(Statement::Handwheel(axis, detents, step))
     }
 
+    fn fault(&mut self) -> Result<Statement, StoryError> {
+        self.word("a fault")?;
+        let text = self.text.trim_start_matches("fault").trim().to_owned();
+        if let Err(error) = SimulatedMachine::check_fault(&text) {
+            return Err(self.error(error.to_string()));
+        }
+        self.next = self.words.len();
+        Ok(Statement::Fault(text))
+    }
+
     fn input(&mut self) -> Result<Statement, StoryError> {
         let name = self.one_of("an input or a port from 1 to 64", |word| {
             let port = word.parse::<u8>().is_ok_and(|port| (1..=PORTS).contains(&port));
@@ -430,7 +438,7 @@ impl Words {
                 "event" => Some(Expectation::NoEvent),
                 _ => None,
             })?,
-            "event" => Expectation::Event(self.word("a kind of event")?),
+            "event" => Expectation::Event(self.one_of("a kind of event: crash, burn, flat", EventKind::from_id)?),
             "state" => Expectation::State(self.one_of("a state", state)?),
             "message" => Expectation::Message(self.quoted()?),
             "page" => {
@@ -601,7 +609,7 @@ mod tests {
         assert_eq!(expected("alarm 180"), Expectation::Alarm(180));
         assert_eq!(expected("alarm \"液压\""), Expectation::AlarmText("液压".into()));
         assert_eq!(expected("no alarm"), Expectation::NoAlarm);
-        assert_eq!(expected("event crash"), Expectation::Event("crash".into()));
+        assert_eq!(expected("event crash"), Expectation::Event(EventKind::Crash));
         let value = |of, is, tolerance| Expectation::Value { of, is, tolerance };
         assert_eq!(expected("X 50.000 ±0.001"), value(Quantity::Work(Axis::X), 50.0, 0.001));
         assert_eq!(expected("machine Z -3"), value(Quantity::Machine(Axis::Z), -3.0, USUAL_TOLERANCE));
@@ -623,6 +631,9 @@ mod tests {
         assert_eq!(fault("input 65 on"), (1, 7));
         assert_eq!(fault("hold X 1 s"), (1, 6));
         assert_eq!(fault("load"), (1, 5));
+        assert_eq!(fault("fault earthquake"), (1, 7));
+        assert_eq!(fault("fault stuck-on nothing"), (1, 7));
+        assert_eq!(fault("expect event bang"), (1, 14));
         assert_eq!(fault("power on\nkind gc"), (2, 1));
     }
 }

@@ -271,8 +271,8 @@ impl<'a> Player<'a> {
                 Some(alarm) => Err(format!("alarm {}: {}", alarm.number, alarm.text.zh)),
             },
             Expectation::Event(kind) => {
-                let seen: Vec<_> = self.rig.machine().events().iter().map(|event| event.kind.id()).collect();
-                if seen.contains(&kind.as_str()) { Ok(()) } else { Err(format!("events: {seen:?}")) }
+                let seen: Vec<_> = self.rig.machine().events().iter().map(|event| event.kind).collect();
+                if seen.contains(kind) { Ok(()) } else { Err(format!("events: {seen:?}")) }
             }
             Expectation::NoEvent => match self.rig.machine().events().first() {
                 None => Ok(()),

@@ -144,6 +144,14 @@ impl SimulatedMachine {
         self.hydraulics.make_ready(self.tailstock_at_start);
     }
 
+    /// Whether a text names a fault that this machine can suffer; for a story to be checked before it is played.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn check_fault(text: &str) -> Result<(), FaultError> {
+        self::fault::Fault::parse(text, false).map(drop)
+    }
+
     /// Makes the machine suffer a fault by name.
     ///
     /// # Errors

@@ -18,6 +18,15 @@ pub enum EventKind {
 }
 
 impl EventKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Crash, Self::Burn, Self::Flat];
+
+    /// The kind of a word.
+    #[must_use]
+    pub fn from_id(id: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.id() == id)
+    }
+
     /// The word of stories.
     #[must_use]
     pub const fn id(self) -> &'static str {
