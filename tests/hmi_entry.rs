@@ -2,42 +2,19 @@
 
 #![cfg(feature = "hmi")]
 
+mod hmi_desk;
 mod hmi_sample;
 
-use egui::{Event, vec2};
-use egui_kittest::{Harness, kittest::Queryable};
+use egui::Event;
+use egui_kittest::kittest::Queryable;
+use hmi_desk::{Screen, open};
 use hmi_sample::{C0001, snapshot};
 use kt830::defs::page::Page;
 use kt830::defs::screen;
 use kt830::defs::text::Lang;
-use kt830::hmi::{Hmi, SOFT_KEYS, SoftAct};
+use kt830::hmi::{SOFT_KEYS, SoftAct};
 use kt830::link::command::{ScreenFiles, Screens};
-use kt830::link::{Command, Snapshot};
 use std::sync::Arc;
-
-struct Desk {
-    hmi: Hmi,
-    snapshot: Snapshot,
-    sent: Vec<Command>,
-}
-
-type Screen = Harness<'static, Desk>;
-
-fn open(snapshot: Snapshot) -> Screen {
-    let desk = Desk { hmi: Hmi::new(Lang::Zh), snapshot, sent: Vec::new() };
-    let mut screen = Harness::builder()
-        .with_size(vec2(1_024.0, 768.0))
-        .with_context_setup(|ctx| Hmi::new(Lang::Zh).install(ctx))
-        .build_ui_state(
-            |ui, desk: &mut Desk| {
-                let commands = desk.hmi.ui(ui, &desk.snapshot);
-                desk.sent.extend(commands);
-            },
-            desk,
-        );
-    screen.step();
-    screen
-}
 
 fn touch(screen: &mut Screen, label: &str) {
     screen.get_by_label(label).click();

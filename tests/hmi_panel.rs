@@ -2,10 +2,12 @@
 
 #![cfg(feature = "hmi")]
 
+mod hmi_desk;
 mod hmi_sample;
 
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
-use egui_kittest::{Harness, kittest::Queryable};
+use egui_kittest::kittest::Queryable;
+use hmi_desk::{Screen, open};
 use hmi_sample::snapshot;
 use kt830::defs::key::{Group, Key};
 use kt830::defs::kind::Kind;
@@ -13,32 +15,7 @@ use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::hmi::layout::{PanelLayout, Regions, panel};
 use kt830::hmi::{Hmi, SHORTCUTS};
-use kt830::link::{Command, Snapshot};
-
-struct Desk {
-    hmi: Hmi,
-    snapshot: Snapshot,
-    sent: Vec<Command>,
-}
-
-type Screen = Harness<'static, Desk>;
-
-fn screen(snapshot: Snapshot) -> Screen {
-    let desk = Desk { hmi: Hmi::new(Lang::Zh), snapshot, sent: Vec::new() };
-    let mut screen = Harness::builder()
-        .with_size(vec2(1_024.0, 768.0))
-        .with_context_setup(|ctx| Hmi::new(Lang::Zh).install(ctx))
-        .build_ui_state(
-            |ui, desk: &mut Desk| {
-                let commands = desk.hmi.ui(ui, &desk.snapshot);
-                desk.sent.extend(commands);
-            },
-            desk,
-        );
-    screen.step();
-    screen.state_mut().sent.clear();
-    screen
-}
+use kt830::link::Command;
 
 /// Press and release of a key, in the order they were sent, without the holds between them.
 fn sent(screen: &mut Screen) -> Vec<String> {
@@ -118,7 +95,7 @@ fn k2_1_every_key_of_every_kind_is_labelled_and_sends_its_press() {
     for kind in Kind::ALL {
         let mut machine = snapshot(Page::Position);
         machine.kind = kind;
-        let mut screen = screen(machine);
+        let mut screen = open(machine);
         for key in panel_keys(kind) {
             screen.get_by_label(&format!("{} {}", key.label().zh, key.id())).click();
             for _ in 0..4 {
@@ -135,7 +112,7 @@ fn k2_1_every_key_of_every_kind_is_on_the_keyboard() {
     for kind in Kind::ALL {
         let mut machine = snapshot(Page::Position);
         machine.kind = kind;
-        let mut screen = screen(machine);
+        let mut screen = open(machine);
         for key in panel_keys(kind) {
             let shortcut =
                 SHORTCUTS.iter().find(|shortcut| shortcut.key == key).unwrap_or_else(|| panic!("{}", key.id()));
@@ -158,7 +135,7 @@ fn k2_1_every_key_of_every_kind_is_on_the_keyboard() {
 
 #[test]
 fn k2_jog_holds_while_the_finger_stays_and_lets_go_when_it_leaves() {
-    let mut screen = screen(snapshot(Page::Position));
+    let mut screen = open(snapshot(Page::Position));
     let key = place(&screen, Key::XMinus);
     pointer(&mut screen, key.center(), Some(true));
     for _ in 0..20 {
@@ -179,7 +156,7 @@ fn k2_jog_holds_while_the_finger_stays_and_lets_go_when_it_leaves() {
 
 #[test]
 fn k2_jog_lets_go_when_the_window_loses_the_focus() {
-    let mut screen = screen(snapshot(Page::Position));
+    let mut screen = open(snapshot(Page::Position));
     let key = place(&screen, Key::ZPlus);
     pointer(&mut screen, key.center(), Some(true));
     screen.event(Event::WindowFocused(false));
@@ -193,7 +170,7 @@ fn k2_jog_lets_go_when_the_window_loses_the_focus() {
 
 #[test]
 fn k2_jog_by_keyboard_holds_until_the_key_is_up() {
-    let mut screen = screen(snapshot(Page::Position));
+    let mut screen = open(snapshot(Page::Position));
     let alt_j = |pressed| Event::Key {
         key: egui::Key::J,
         physical_key: None,
@@ -217,7 +194,7 @@ fn k2_jog_by_keyboard_holds_until_the_key_is_up() {
 
 #[test]
 fn h9_stop_keys_act_on_the_press_others_when_lifted_inside() {
-    let mut screen = screen(snapshot(Page::Position));
+    let mut screen = open(snapshot(Page::Position));
     for key in [Key::EmergencyStop, Key::FeedHold, Key::Reset] {
         let rect = place(&screen, key);
         pointer(&mut screen, rect.center(), Some(true));
@@ -238,7 +215,7 @@ fn h9_stop_keys_act_on_the_press_others_when_lifted_inside() {
 
 #[test]
 fn k2_4_a_blocked_key_says_why() {
-    let mut screen = screen(snapshot(Page::Position));
+    let mut screen = open(snapshot(Page::Position));
     screen.get_by_label("液压 hydraulic").click();
     for _ in 0..4 {
         screen.step();
@@ -261,7 +238,7 @@ fn k2_4_a_blocked_key_says_why() {
 
 #[test]
 fn k2_3_the_handwheel_sends_detents() {
-    let mut screen = screen(snapshot(Page::Position));
+    let mut screen = open(snapshot(Page::Position));
     let wheel = screen.get_by_label("手轮 handwheel").rect();
     pointer(&mut screen, wheel.center(), Some(true));
     pointer(&mut screen, wheel.center() + vec2(35.0, 0.0), None);

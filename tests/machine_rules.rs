@@ -237,8 +237,8 @@ fn k3_15_an_unknown_m_code_is_an_error_before_its_block() {
 #[test]
 fn p8_every_kind_of_axis_trouble_stops_everything_and_says_why() {
     for (trouble, number) in [("drive-x", 104), ("stuck-on limit-z-minus", 102), ("bus-silent 50", 402)] {
-        let mut rig = ready_with("G98 G01 X-200 F100\nM30");
-        tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.5 s\nexpect state running");
+        let mut rig = ready_with("M08\nG98 G01 X-200 F100\nM30");
+        tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.5 s\nexpect state running\nexpect output coolant on");
         tell(&mut rig, &format!("fault {trouble}\nwait 0.5 s\nexpect alarm {number}\nexpect state alarm"));
         assert!(!rig.snapshot().outputs.has(kt830::defs::signal::Output::Coolant));
     }

@@ -8,7 +8,8 @@ mode auto
 load O1002
 key 循环启动                     #! not homed: refused with alarm 100
 expect alarm 100
-expect X 0 ±500
+expect machine X 0.000
+expect output wheel off
 key 复位
 expect no alarm
 

@@ -1,0 +1,36 @@
+//! The screen on a harness: what it shows is given, what it sends is collected.
+
+#![allow(dead_code, reason = "each test file uses what it needs")]
+
+use egui::vec2;
+use egui_kittest::Harness;
+use kt830::defs::text::Lang;
+use kt830::hmi::Hmi;
+use kt830::link::{Command, Snapshot};
+
+/// The screen, what it is shown and what it has sent.
+pub struct Desk {
+    pub hmi: Hmi,
+    pub snapshot: Snapshot,
+    pub sent: Vec<Command>,
+}
+
+pub type Screen = Harness<'static, Desk>;
+
+/// A screen of 1024×768 after its first frame; what that sent is forgotten.
+pub fn open(snapshot: Snapshot) -> Screen {
+    let desk = Desk { hmi: Hmi::new(Lang::Zh), snapshot, sent: Vec::new() };
+    let mut screen = Harness::builder()
+        .with_size(vec2(1_024.0, 768.0))
+        .with_context_setup(|ctx| Hmi::new(Lang::Zh).install(ctx))
+        .build_ui_state(
+            |ui, desk: &mut Desk| {
+                let commands = desk.hmi.ui(ui, &desk.snapshot);
+                desk.sent.extend(commands);
+            },
+            desk,
+        );
+    screen.step();
+    screen.state_mut().sent.clear();
+    screen
+}
