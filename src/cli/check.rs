@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 
 use super::args::{Check, Format, Run, Shared};
 use super::{CallError, FINE, WRONG_CALL, bench, out};
-use crate::controller::{Programs, Retained};
-use crate::defs::param;
+use crate::controller::{Programs, Retained, nc_settings};
 use crate::io::sim::PartFile;
 use crate::nc::{CheckWorld, Checked, Fault, Library, Memory, Op, Settings, check_with};
 use crate::runtime::disk::{parse_page_text, parse_picture, program};
@@ -119,7 +118,8 @@ fn tell_errors(file: &str, wrong: &[Wrong]) {
 fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> Result<bool, CallError> {
     let number = number_of(path);
     let retained = bench::begin(shared, Retained::factory(shared.kind))?;
-    let (settings, axes) = settings(&retained);
+    let settings = nc_settings(shared.kind, &retained.params);
+    let axes = settings.axes;
     let folders = bench::folders(shared)?;
     let (programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
@@ -161,21 +161,6 @@ fn with_frame(op: &Op, mut json: Value, part: Option<&PartFile>, axes: PerAxis<b
 fn number_of(path: &Path) -> u32 {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     crate::story::parse::program(&stem).unwrap_or(0)
-}
-
-/// How a machine with these parameters reads programs.
-fn settings(retained: &Retained) -> (Settings, PerAxis<bool>) {
-    let lathe = Settings::lathe();
-    let params = &retained.params;
-    let settings = Settings {
-        diameter: !params.bit(param::RADIUS_PROGRAMMING),
-        least_increment_mm: params.bit(param::LEAST_INCREMENT).then_some(0.001),
-        tolerance_mm: params.get(param::PATH_TOLERANCE),
-        rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
-        ..lathe
-    };
-    let axes = settings.axes;
-    (settings, axes)
 }
 
 /// Where a run of the part would begin.

@@ -56,7 +56,7 @@ impl Axes {
         Self {
             path: Path::new(limits, start),
             movers,
-            present: row.axes,
+            present: row.fitted(params),
             owner: Owner::Hand,
             zero_mm: PerAxis::default(),
             homed: PerAxis::default(),
@@ -228,7 +228,14 @@ impl Axes {
         }
     }
 
-    /// The axes that the machine has.
+    /// Whether the machine has an axis.
+    #[must_use]
+    pub fn is_present(&self, axis: Axis) -> bool {
+        self.present[axis]
+    }
+
+    /// The axes of the machine.
+    #[must_use]
     pub fn present(&self) -> impl Iterator<Item = Axis> + use<> {
         let present = self.present;
         Axis::ALL.into_iter().filter(move |axis| present[*axis])

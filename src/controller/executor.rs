@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::run::{Act, Doing, Forbidden, Item, MOST_ITEMS, PlannedMove, Reading, Run};
-use super::system::RunWorld;
+use super::system::{RunWorld, nc_settings};
 use super::{Controller, Cycle, Effect};
 use crate::defs::alarm;
 use crate::defs::mcode::{Action, MCode, Request};
@@ -35,7 +35,7 @@ enum Did {
 impl Controller {
     /// Opens a run of the text and starts it.
     pub(super) fn open_run(&mut self, source: Arc<Source>, mdi: bool) {
-        let settings = self.nc_settings();
+        let settings = nc_settings(self.kind, &self.params);
         // A program begins from the power-on state of the codes; MDI goes on from its last line.
         let kept = self.mdi_modals.take().filter(|_| mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));

@@ -82,7 +82,7 @@ impl Controller {
             return Some(NOT_YET);
         }
         if let Some((axis, _)) = key.jog()
-            && !self.row.axes[axis]
+            && !self.axes.is_present(axis)
         {
             return Some(NOT_ON_KIND);
         }
@@ -283,7 +283,7 @@ impl Controller {
     }
 
     fn choose_handwheel(&mut self, axis: Axis) {
-        if self.row.axes[axis] {
+        if self.axes.is_present(axis) {
             self.hand.axis = axis;
         } else {
             self.refuse(NOT_ON_KIND);

@@ -22,6 +22,7 @@ pub use alarms::Alarms;
 pub use effect::Effect;
 pub use frames::Frames;
 pub use library::{Program, Programs};
+pub use system::nc_settings;
 
 use std::sync::Arc;
 
@@ -170,12 +171,12 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// A control at power-on. `None` if this version does not drive the kind.
+    /// A control at power-on.
     #[must_use]
-    pub fn new(kind: Kind, retained: Retained, image: InputImage, now: Micros) -> Option<Self> {
-        let row = crate::machine::kind::find(kind)?;
+    pub fn new(kind: Kind, retained: Retained, image: InputImage, now: Micros) -> Self {
+        let row = crate::machine::kind::find(kind);
         let params = retained.params;
-        Some(Self {
+        Self {
             kind,
             row,
             now,
@@ -219,7 +220,7 @@ impl Controller {
             limits: 0,
             mdi_modals: None,
             params,
-        })
+        }
     }
 
     /// Puts the control where a headless run begins (tools.md T3): homed with the encoders' zero at `encoder_zero_mm`

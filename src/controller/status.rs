@@ -78,7 +78,7 @@ impl Controller {
         PerAxis::from_fn(|axis: Axis| {
             let factor = self.displayed_per_mm(axis);
             AxisView {
-                present: self.row.axes[axis],
+                present: self.axes.is_present(axis),
                 work: work[axis] * factor,
                 machine: machine[axis] * factor,
                 relative: (machine[axis] - self.relative_zero[axis]) * factor,

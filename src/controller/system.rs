@@ -5,7 +5,8 @@
 use super::frames::OFFSETS;
 use super::run::Planned;
 use super::{Controller, Effect};
-use crate::defs::param;
+use crate::defs::kind::Kind;
+use crate::defs::param::{self, Params};
 use crate::defs::signal::PORTS;
 use crate::nc::{Live, Settings, SpeedUnit, System, World};
 use crate::units::{Axis, PerAxis};
@@ -56,25 +57,26 @@ impl World for RunWorld<'_> {
     }
 }
 
-impl Controller {
-    /// How this machine's programs are to be read.
-    pub(super) fn nc_settings(&self) -> Settings {
-        let params = &self.params;
-        Settings {
-            system: if self.row.lathe_system { System::LatheA } else { System::Mill },
-            diameter: self.is_diameter(),
-            axes: self.row.axes,
-            least_increment_mm: params.bit(param::LEAST_INCREMENT).then_some(0.001),
-            inch: false,
-            tolerance_mm: params.get(param::PATH_TOLERANCE),
-            arc_tolerance_mm: 0.01,
-            speed_unit: SpeedUnit::Rpm,
-            jump_input: 0,
-            tools: OFFSETS as u32,
-            rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
-        }
+/// How a machine of a kind with these parameters reads its programs.
+#[must_use]
+pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
+    let row = crate::machine::kind::find(kind);
+    Settings {
+        system: if row.lathe_system { System::LatheA } else { System::Mill },
+        diameter: !params.bit(param::RADIUS_PROGRAMMING),
+        axes: row.fitted(params),
+        least_increment_mm: params.bit(param::LEAST_INCREMENT).then_some(0.001),
+        inch: false,
+        tolerance_mm: params.get(param::PATH_TOLERANCE),
+        arc_tolerance_mm: 0.01,
+        speed_unit: SpeedUnit::Rpm,
+        jump_input: 0,
+        tools: OFFSETS as u32,
+        rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
     }
+}
 
+impl Controller {
     /// A system variable; `None` if there is no such, `Some(None)` for null.
     fn read_system(&self, number: u32) -> Option<Option<f64>> {
         let switched = |on: bool| Some(Some(f64::from(u8::from(on))));

@@ -91,6 +91,7 @@ bits! {
     EDIT_VALUES_IN_RUN = 6 bit 3, NO, User, "运行中允许修改磨削数据", "grinding values may be edited in a run";
     COUNT_ON_M30 = 6 bit 4, NO, User, "M30 工件计数", "M30 counts a workpiece";
     TAILSTOCK_BEFORE_HEADSTOCK = 6 bit 5, NO, User, "头架启动要求尾座顶紧", "headstock start needs the tailstock advanced";
+    Y_FITTED = 6 bit 6, [false, true, false], Builder, "装有 Y 轴", "axis Y is fitted";
     MAGNET_ENABLED = 16 bit 0, [false, true, true], Builder, "充磁/退磁有效", "magnet codes and keys enabled";
     WHEEL_NEEDS_MAGNET = 16 bit 1, [false, true, true], Builder, "砂轮启动检测充磁", "wheel start needs the part magnetised";
     TAILSTOCK_ENABLED = 16 bit 2, [true, false, false], Builder, "尾座有效", "tailstock code and key enabled";
@@ -166,6 +167,14 @@ numbers! {
     INPUTS_INVERTED_3 = 356, 0 => 65_535, 127, "", Builder, "输入口 33-48 反相", "inputs 33-48 inverted";
     INPUTS_INVERTED_4 = 357, 0 => 65_535, 0, "", Builder, "输入口 49-64 反相", "inputs 49-64 inverted";
 }
+
+/// Factory values of one kind that differ from the table: the travels of its slides.
+const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
+    (Kind::Gs, SOFT_MINUS_X, -600.0),
+    (Kind::Gs, SOFT_MINUS_Z, -300.0),
+    (Kind::Ga, SOFT_MINUS_X, -400.0),
+    (Kind::Ga, SOFT_MINUS_Z, -300.0),
+];
 
 /// Factory port of an input (spec K3).
 const fn factory_input_port(input: Input) -> u8 {
@@ -277,6 +286,11 @@ impl Params {
         let mut params = Self { numbers: Box::new([0.0; PARAM_LIMIT]), bits: Box::new([0; PARAM_LIMIT]) };
         for row in NUMBERS {
             params.numbers[usize::from(row.number)] = row.factory;
+        }
+        for (of, row, value) in FACTORY_OF_KIND {
+            if *of == kind {
+                params.numbers[usize::from(row.number)] = *value;
+            }
         }
         for input in Input::ALL {
             params.numbers[usize::from(input.port_param())] = f64::from(factory_input_port(*input));

@@ -22,9 +22,6 @@ use crate::units::{Micros, PerAxis};
 /// Why a rig could not be set up.
 #[derive(Debug, thiserror::Error)]
 pub enum RigError {
-    /// The kind has no simulated machine or no control in this version.
-    #[error("kind {0} is not driven in this version; gc is")]
-    Kind(&'static str),
     /// A machine or part file.
     #[error(transparent)]
     File(#[from] SimFileError),
@@ -97,14 +94,12 @@ impl Rig {
     /// The kind is not driven, or a file cannot be read.
     pub fn new(setup: Setup) -> Result<Self, RigError> {
         let Setup { kind, retained, keeper, folders, seed } = setup;
-        let refused = || RigError::Kind(kind.id());
-        crate::machine::kind::find(kind).ok_or_else(refused)?;
         let (programs, directory) = folders.read_programs()?;
         let screens = folders.read_screens()?;
         let mut machine = SimulatedMachine::new(MachineFile::builtin(kind)?, None, &retained.params, seed);
         let now = Micros::ZERO;
         let image = machine.read(now);
-        let controller = Controller::new(kind, retained.clone(), image, now).ok_or_else(refused)?;
+        let controller = Controller::new(kind, retained.clone(), image, now);
         let tick = Micros(retained.params.get(param::TICK_TIME) as u64);
         let mut rig = Self {
             kind,
@@ -166,9 +161,7 @@ impl Rig {
     pub fn make_ready(&mut self) {
         self.machine.start_ready();
         self.image = self.machine.read(self.now);
-        if let Some(controller) = Controller::new(self.kind, self.retained.clone(), self.image, self.now) {
-            self.controller = controller;
-        }
+        self.controller = Controller::new(self.kind, self.retained.clone(), self.image, self.now);
         self.controller.make_ready(self.machine.encoder_zero_mm());
         self.deliver();
     }
@@ -246,9 +239,7 @@ impl Rig {
     pub fn power_on(&mut self) {
         self.powered = true;
         self.image = self.machine.read(self.now);
-        if let Some(controller) = Controller::new(self.kind, self.retained.clone(), self.image, self.now) {
-            self.controller = controller;
-        }
+        self.controller = Controller::new(self.kind, self.retained.clone(), self.image, self.now);
         self.deliver();
     }
 
