@@ -2,6 +2,7 @@
 //! Source: style "effects to the disk", notes "acknowledge after commit".
 
 use crate::defs::param::ParamAddress;
+use crate::defs::signal::{Input, Output};
 use crate::units::PerAxis;
 
 /// One wish.
@@ -26,4 +27,16 @@ pub enum Effect {
     CurrentProgram(u32),
     /// Keep the count of workpieces.
     Parts(u32),
+}
+
+impl Effect {
+    /// Whether it assigns a port to a function.
+    #[must_use]
+    pub fn assigns_port(&self) -> bool {
+        let is_port = |number| {
+            Input::ALL.iter().any(|input| input.port_param() == number)
+                || Output::ALL.iter().any(|output| output.port_param() == number)
+        };
+        matches!(self, Self::Param(at, _) if at.bit.is_none() && is_port(at.number))
+    }
 }

@@ -166,6 +166,12 @@ impl Controller {
         &self.outputs
     }
 
+    /// The parameters in force.
+    #[must_use]
+    pub const fn params(&self) -> &crate::defs::param::Params {
+        &self.params
+    }
+
     /// The kind of machine.
     #[must_use]
     pub const fn kind(&self) -> crate::defs::kind::Kind {

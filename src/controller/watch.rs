@@ -2,12 +2,12 @@
 //! Source: spec B5, B8, K3.7, table "what stops what".
 
 use super::{Controller, Event};
-use crate::defs::alarm::{self, Reaction};
+use crate::defs::alarm;
 use crate::defs::key::Key;
 use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::Said;
-use crate::machine::{Around, Finding};
+use crate::machine::{Around, Consequence, Finding};
 use crate::units::{Axis, Micros};
 
 impl Controller {
@@ -16,12 +16,7 @@ impl Controller {
         let around = self.around();
         for finding in self.machine.tick(self.now, self.inputs, &self.params, around).into_iter().flatten() {
             match finding {
-                Finding::Alarm { number, stopped } => {
-                    self.raise(number, None);
-                    if stopped && alarm::reaction(number) == Reaction::BlockStart {
-                        self.abort_run();
-                    }
-                }
+                Finding::Alarm { number, stopped } => self.raise_for(number, None, stopped),
                 Finding::Gone(number) => self.alarms.clear(number),
             }
         }
@@ -117,20 +112,25 @@ impl Controller {
 
     /// Raises an alarm and carries out its reaction.
     pub(super) fn raise(&mut self, number: u16, detail: Option<Said>) {
-        if self.alarms.has(number) {
+        self.raise_for(number, detail, false);
+    }
+
+    fn raise_for(&mut self, number: u16, detail: Option<Said>, stopped: bool) {
+        if !self.alarms.has(number) {
+            let place = self.phase.is_run_open().then_some((self.place.program, self.place.line));
+            self.alarms.raise(number, detail, self.now, place);
+        } else if !stopped {
             return;
         }
-        let place = self.phase.is_run_open().then_some((self.place.program, self.place.line));
-        self.alarms.raise(number, detail, self.now, place);
-        match alarm::reaction(number) {
-            Reaction::Show | Reaction::BlockStart => {}
-            Reaction::HoldProgram => self.hold_run(),
-            Reaction::StopProgram => self.abort_run(),
-            Reaction::StopProgramAndWheel => {
+        match Consequence::of(number, stopped) {
+            Consequence::Nothing => {}
+            Consequence::Hold => self.hold_run(),
+            Consequence::Abort => self.abort_run(),
+            Consequence::AbortAndStop => {
                 self.machine.stop_wheel_and_drive();
                 self.abort_run();
             }
-            Reaction::StopAll => {
+            Consequence::AbortAndMakeSafe => {
                 self.machine.safe_stop();
                 self.abort_run();
                 self.drives_on = false;

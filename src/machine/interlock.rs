@@ -5,7 +5,6 @@
 //! Source: spec K3, K5, "what stops what".
 
 use super::Around;
-use super::rules::RULES;
 use crate::defs::mcode::Request;
 use crate::defs::text::Text;
 
@@ -96,12 +95,13 @@ pub struct Rule {
 
 /// The first rule that forbids a request, if any.
 #[must_use]
-pub fn forbidding(request: Request, facts: &Facts) -> Option<&'static Rule> {
-    RULES.iter().find(|rule| (rule.forbids)(request) && (rule.when)(facts))
+pub fn forbidding(rules: &'static [Rule], request: Request, facts: &Facts) -> Option<&'static Rule> {
+    rules.iter().find(|rule| (rule.forbids)(request) && (rule.when)(facts))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::rules::RULES;
     use super::*;
 
     /// A machine on which everything is allowed.
@@ -121,7 +121,7 @@ mod tests {
     }
 
     fn outcome(request: Request, facts: Facts) -> Option<Outcome> {
-        forbidding(request, &facts).map(|rule| rule.outcome)
+        forbidding(RULES, request, &facts).map(|rule| rule.outcome)
     }
 
     #[test]

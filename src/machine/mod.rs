@@ -4,6 +4,7 @@
 //! ([`Machine::ask`]); the interlock table answers. [`press`] tells what a key asks for, [`phase`] what becomes of a run.
 //! Source: spec K3, K5.
 
+pub mod discrete;
 mod fluids;
 mod gauge;
 mod hydraulic;
@@ -13,13 +14,13 @@ mod magnet;
 pub mod phase;
 mod ports;
 pub mod press;
-mod rules;
+pub mod rules;
 mod stroke;
 mod tailstock;
 mod units;
 mod wheel;
 
-use crate::defs::alarm;
+use crate::defs::alarm::{self, Reaction};
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet, Output, OutputSet, Terminals};
@@ -28,10 +29,11 @@ use crate::units::Micros;
 use fluids::Fluids;
 use gauge::{Arms, Gears};
 use hydraulic::Hydraulic;
-use interlock::{Facts, Outcome};
+use interlock::{Facts, Outcome, Rule};
 use kind::KindRow;
 use magnet::Magnet;
 use ports::{Owner, Ports};
+use rules::RULES;
 use tailstock::Tailstock;
 use wheel::{Drive, SecondSpindle, Wheel};
 
@@ -85,6 +87,36 @@ pub enum Finding {
     Gone(u16),
 }
 
+/// What a finding or a refusal does to the run and the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Consequence {
+    /// Nothing beyond the alarm.
+    Nothing,
+    /// The run is held.
+    Hold,
+    /// The run ends; what turns and flows stays.
+    Abort,
+    /// The run ends, wheel and workpiece drive stop.
+    AbortAndStop,
+    /// The run ends, safe outputs, drives off.
+    AbortAndMakeSafe,
+}
+
+impl Consequence {
+    /// Of an alarm. `stopped`: the machine logic has stopped a unit for it, so that the run ends too.
+    #[must_use]
+    pub fn of(number: u16, stopped: bool) -> Self {
+        match alarm::reaction(number) {
+            Reaction::BlockStart if stopped => Self::Abort,
+            Reaction::Show | Reaction::BlockStart => Self::Nothing,
+            Reaction::HoldProgram => Self::Hold,
+            Reaction::StopProgram => Self::Abort,
+            Reaction::StopProgramAndWheel => Self::AbortAndStop,
+            Reaction::StopAll => Self::AbortAndMakeSafe,
+        }
+    }
+}
+
 /// The guard door, as far as the machine has one (P332).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Guard {
@@ -99,6 +131,7 @@ struct Guard {
 #[derive(Clone, Debug)]
 pub struct Machine {
     row: &'static KindRow,
+    rules: &'static [Rule],
     wheel: Wheel,
     drive: Drive,
     second_spindle: SecondSpindle,
@@ -141,8 +174,15 @@ impl Machine {
     /// A machine at power-on: everything off.
     #[must_use]
     pub fn new(row: &'static KindRow, now: Micros) -> Self {
+        Self::governed_by(RULES, row, now)
+    }
+
+    /// The same under another table of rules: what a search for the use of each rule needs.
+    #[must_use]
+    pub fn governed_by(rules: &'static [Rule], row: &'static KindRow, now: Micros) -> Self {
         Self {
             row,
+            rules,
             wheel: Wheel::Off,
             drive: Drive::Off,
             second_spindle: SecondSpindle::Off,
@@ -216,14 +256,14 @@ impl Machine {
         now: Micros,
         inputs: InputSet,
         params: &Params,
-    ) -> Option<&'static interlock::Rule> {
+    ) -> Option<&'static Rule> {
         let mut facts = self.facts(now, inputs, params);
         facts.port_conflict =
             self.output_of(request).is_some_and(|output| params.output_conflict(self.row.kind, output).is_some());
         if let Request::Port(port, _) | Request::Pulse(port, _) = request {
             facts.port_owned = matches!(ports::owner(port, params), Owner::Interlocked(_));
         }
-        interlock::forbidding(request, &facts)
+        interlock::forbidding(self.rules, request, &facts)
     }
 
     /// Asks for a change. The interlock table decides; a refused request changes nothing.

@@ -220,6 +220,9 @@ impl Rig {
         for effect in &self.effects {
             remember(&mut self.retained, effect);
         }
+        if self.effects.iter().any(Effect::assigns_port) {
+            self.machine.rewire(&self.retained.params);
+        }
         if let Some(keeper) = &mut self.keeper {
             self.inbox.push(match keeper.commit(&self.effects) {
                 Ok(generation) => Command::Stored(generation),
