@@ -6,6 +6,7 @@ use std::sync::Arc;
 use egui::{ColorImage, TextureHandle, TextureId, TextureOptions, Ui};
 
 use super::entry::{Edit, Entry};
+use super::frame::Touched;
 use super::keyboard::{self, Asked};
 use super::layout::{self, PanelLayout, Regions};
 use super::page::directory::Directory;
@@ -17,7 +18,7 @@ use super::press::Presses;
 use super::softkey::{self, Pressed, SoftAct};
 use super::theme::{self, Theme};
 use super::view::View;
-use super::{alarms, frame, help, pad};
+use super::{frame, help, pad};
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::text::{Lang, Text};
@@ -26,13 +27,6 @@ use crate::link::{Command, Snapshot};
 
 /// Seconds that a local refusal stays in the message line.
 const HINT_SECONDS: f64 = 5.0;
-
-/// A sheet over the page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Over {
-    Help,
-    Alarms,
-}
 
 /// The face of the control. One value lives as long as the window.
 pub struct Hmi {
@@ -48,7 +42,8 @@ pub struct Hmi {
     directory: Directory,
     panel: Panel,
     presses: Presses,
-    over: Option<Over>,
+    /// The keyboard's map lies over the page.
+    help: bool,
     hint: Option<(Text, f64)>,
     picture: Option<(Arc<Picture>, TextureHandle)>,
 }
@@ -70,7 +65,7 @@ impl Hmi {
             directory: Directory::default(),
             panel: Panel::default(),
             presses: Presses::default(),
-            over: None,
+            help: false,
             hint: None,
             picture: None,
         }
@@ -115,13 +110,9 @@ impl Hmi {
         }
         self.draw_page(ui, &regions, &view, (&edits, asked.pages), &mut out);
         self.draw_frame(ui, &regions, &view, &asked, &mut out);
-        let sheet = regions.content.shrink(theme::GAP);
-        let closed = match self.over {
-            Some(Over::Help) => help::ui(ui, &view, sheet),
-            Some(Over::Alarms) => alarms::ui(ui, &view, sheet),
-            None => false,
-        };
-        self.over = self.over.filter(|_| !closed);
+        if self.help && help::sheet(ui, &view, regions.content.shrink(theme::GAP)) {
+            self.help = false;
+        }
         self.presses.end_frame(ui, &mut out);
         out
     }
@@ -131,7 +122,7 @@ impl Hmi {
         if self.page != Some(snapshot.page) {
             self.page = Some(snapshot.page);
             self.soft_row = softkey::row_of(snapshot.page);
-            self.over = None;
+            self.help = false;
             self.entry.restart();
             let theme = self.theme;
             let view = View { snapshot, lang: self.lang, theme: &theme, clock: "", blink: false };
@@ -185,7 +176,7 @@ impl Hmi {
         let rect = regions.content;
         let (edits, pages) = typed;
         let commands = match view.snapshot.page {
-            Page::Position => {
+            Page::Position | Page::Panel => {
                 answers(edits, out);
                 position::ui(ui, rect, view, self.shown, &mut self.listing)
             }
@@ -198,22 +189,29 @@ impl Hmi {
             }
             Page::Program => self.listing.ui(ui, rect, view, pages),
             Page::Directory => self.directory.ui(ui, rect, view, edits, pages),
+            Page::Help => {
+                help::page(ui, view, rect);
+                Vec::new()
+            }
+            Page::Params | Page::Diagnosis | Page::Alarm | Page::Settings => Vec::new(),
         };
         out.extend(commands);
     }
 
     fn draw_frame(&mut self, ui: &Ui, regions: &Regions, view: &View<'_>, asked: &Asked, out: &mut Vec<Command>) {
-        frame::header(ui, view, regions.header);
+        let header = frame::header(ui, view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
-        if frame::message_line(ui, view, regions.message, hint) {
-            self.toggle(Over::Alarms);
+        match header.or(frame::message_line(ui, view, regions.message, hint)) {
+            Some(Touched::Help) => self.help = !self.help,
+            Some(Touched::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
+            None => {}
         }
         frame::status_line(ui, view, regions.status);
         let (page, shown) = (view.snapshot.page, self.shown);
         let chosen = |act: SoftAct| match act {
             SoftAct::Open(other) => other == page,
             SoftAct::Position(other) => page == Page::Position && other == shown,
-            SoftAct::Blocked(_) | SoftAct::Help | SoftAct::Alarms => false,
+            SoftAct::Blocked(_) => false,
         };
         let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
         let by_key = asked.soft.and_then(|index| softkey::ROWS.get(self.soft_row)?.get(index));
@@ -223,10 +221,6 @@ impl Hmi {
             None if asked.next_row => self.next_row(),
             None => {}
         }
-    }
-
-    fn toggle(&mut self, over: Over) {
-        self.over = if self.over == Some(over) { None } else { Some(over) };
     }
 
     fn next_row(&mut self) {
@@ -241,8 +235,6 @@ impl Hmi {
                 out.push(Command::OpenPage(Page::Position));
             }
             SoftAct::Blocked(reason) => self.say(ui, reason),
-            SoftAct::Help => self.toggle(Over::Help),
-            SoftAct::Alarms => self.toggle(Over::Alarms),
         }
     }
 
@@ -262,8 +254,13 @@ impl Hmi {
         if asked.detents != 0 {
             out.push(Command::Handwheel(asked.detents));
         }
+        if asked.alarms {
+            out.push(Command::OpenPage(Page::Alarm));
+        }
         if asked.help {
-            self.toggle(Over::Help);
+            self.help = !self.help;
+        } else if self.help && asked.edits.contains(&Edit::Cancel) {
+            self.help = false;
         }
     }
 }

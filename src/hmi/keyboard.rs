@@ -108,6 +108,8 @@ pub struct Asked {
     pub next_row: bool,
     /// F12: the help overlay.
     pub help: bool,
+    /// F7: the alarm page.
+    pub alarms: bool,
     /// Lines to scroll: a page up is −1, a page down 1.
     pub pages: i32,
     /// Detents of the handwheel.
@@ -170,6 +172,7 @@ impl Asked {
             egui::Key::F4 => self.soft = Some(3),
             egui::Key::F5 => self.soft = Some(4),
             egui::Key::F6 => self.next_row = true,
+            egui::Key::F7 => self.alarms = true,
             egui::Key::F12 => self.help = true,
             egui::Key::X => self.addresses.push(Key::AddressX),
             egui::Key::Y => self.addresses.push(Key::AddressY),

@@ -4,7 +4,6 @@
 //! windows. [`window::run`] is the shell that puts it on a display, [`shot`] and [`page_text`] draw without one.
 //! Source: spec H1–H10, K2, K7.
 
-mod alarms;
 pub mod app;
 pub mod entry;
 mod frame;
