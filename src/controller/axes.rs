@@ -235,7 +235,6 @@ impl Axes {
     }
 
     /// The axes of the machine.
-    #[must_use]
     pub fn present(&self) -> impl Iterator<Item = Axis> + use<> {
         let present = self.present;
         Axis::ALL.into_iter().filter(move |axis| present[*axis])

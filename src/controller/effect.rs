@@ -2,6 +2,7 @@
 //! Source: style "effects to the disk", notes "acknowledge after commit".
 
 use crate::defs::param::ParamAddress;
+use crate::link::page_command::PageWish;
 use crate::units::PerAxis;
 
 /// One wish.
@@ -26,4 +27,6 @@ pub enum Effect {
     CurrentProgram(u32),
     /// Keep the count of workpieces.
     Parts(u32),
+    /// What a page asks of the disk: passwords, settings. It is answered by a command.
+    Ask(PageWish),
 }

@@ -14,6 +14,7 @@ mod hand;
 mod homing;
 mod keys;
 mod library;
+mod pages;
 mod run;
 mod status;
 mod system;
@@ -44,6 +45,7 @@ use axes::Axes;
 use filter::Filter;
 use hand::Hand;
 use homing::Homing;
+use pages::Pages;
 use run::Run;
 
 /// mm/min to mm/s.
@@ -168,6 +170,7 @@ pub struct Controller {
     limits: u8,
     /// What is modal in MDI, from line to line.
     mdi_modals: Option<Modals>,
+    pages: Pages,
 }
 
 impl Controller {
@@ -219,6 +222,7 @@ impl Controller {
             tick: Micros(params.get(param::TICK_TIME) as u64),
             limits: 0,
             mdi_modals: None,
+            pages: Pages::new(kind, &params),
             params,
         }
     }
@@ -237,6 +241,7 @@ impl Controller {
     /// One tick. `now` grows by the tick time from call to call.
     pub fn tick(&mut self, now: Micros, image: &InputImage, commands: &[Command]) -> &OutputImage {
         self.now = now;
+        self.alarms.at(now);
         self.read_inputs(image);
         for command in commands {
             self.take(command);
@@ -469,6 +474,7 @@ impl Controller {
         match self.params.write(at, value) {
             Ok(()) => {
                 self.effects.push(Effect::Param(at, value));
+                self.pages.show(&self.params);
                 self.filter.configure(&self.params);
                 self.axes.configure(&self.params);
                 self.say(Said::new(format!("{at} = {value}"), format!("{at} = {value}")));

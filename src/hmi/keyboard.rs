@@ -100,6 +100,8 @@ pub struct Asked {
     pub keys: Vec<Shortcut>,
     /// Typing and moving.
     pub edits: Vec<Edit>,
+    /// Every sign typed, for searches.
+    pub text: String,
     /// Address keys X Y Z.
     pub addresses: Vec<Key>,
     /// A soft key, 0–4.
@@ -139,7 +141,10 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
                     None => {}
                 }
             }
-            Event::Text(text) if !alt => asked.edits.extend(text.chars().filter_map(typed)),
+            Event::Text(text) if !alt => {
+                asked.edits.extend(text.chars().filter_map(typed));
+                asked.text.push_str(text);
+            }
             _ => {}
         }
     }

@@ -11,6 +11,8 @@ mod help;
 mod keyboard;
 mod keycap;
 pub mod layout;
+mod letters;
+mod login;
 mod pad;
 mod page;
 pub mod panel;
@@ -21,6 +23,7 @@ pub mod shot;
 mod softkey;
 pub mod theme;
 pub mod view;
+mod widget;
 pub mod window;
 
 pub use app::Hmi;
