@@ -47,6 +47,7 @@ impl Controller {
             }
             Command::Stored(_) => {}
             Command::DiskFailed(why) => self.raise(alarm::STORE_FAILED, Some(why.clone())),
+            Command::Page(command) => self.take_page(command),
             Command::Alive => self.screen_heard = Some(self.now),
         }
     }

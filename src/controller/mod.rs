@@ -17,6 +17,7 @@ mod homing;
 mod keys;
 mod library;
 mod page_files;
+mod pages;
 mod run;
 mod settle;
 mod status;
@@ -49,6 +50,7 @@ use axes::Axes;
 use filter::Filter;
 use hand::Hand;
 use homing::AxisHoming;
+use pages::Pages;
 use run::Run;
 
 /// mm/min to mm/s.
@@ -170,6 +172,7 @@ pub struct Controller {
     limits: u8,
     /// What is modal in MDI, from line to line.
     mdi_modals: Option<Modals>,
+    pages: Pages,
 }
 
 impl Controller {
@@ -222,6 +225,7 @@ impl Controller {
             tick: Micros(params.get(param::TICK_TIME) as u64),
             limits: 0,
             mdi_modals: None,
+            pages: Pages::new(kind, &params),
             params,
         }
     }
@@ -240,6 +244,7 @@ impl Controller {
     /// One tick. `now` grows by the tick time from call to call.
     pub fn tick(&mut self, now: Micros, image: &InputImage, commands: &[Command]) -> &OutputImage {
         self.now = now;
+        self.alarms.at(now);
         self.read_inputs(image);
         for command in commands {
             self.take(command);
@@ -296,6 +301,7 @@ impl Controller {
     fn keep_param(&mut self, at: ParamAddress, value: f64) {
         if self.params.write(at, value).is_ok() {
             self.effects.push(Effect::Param(at, value));
+            self.pages.show(&self.params);
         }
     }
 
@@ -312,6 +318,7 @@ impl Controller {
         match self.params.write(at, value) {
             Ok(()) => {
                 self.effects.push(Effect::Param(at, value));
+                self.pages.show(&self.params);
                 self.filter.configure(&self.params);
                 self.axes.configure(&self.params);
                 self.say(Said::new(format!("{at} = {value}"), format!("{at} = {value}")));
