@@ -132,7 +132,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
             let wanted = match soft.act {
                 SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
                 SoftAct::Position(_) => Some("OpenPage(Position)".to_owned()),
-                SoftAct::Blocked(_) | SoftAct::Help | SoftAct::Alarms => None,
+                SoftAct::Blocked(_) => None,
             };
             touch(&mut screen, &format!("{} f{}", soft.label.zh, index + 1));
             assert_eq!(sent(&mut screen), Vec::from_iter(wanted.clone()), "{}", soft.label.en);
@@ -178,11 +178,28 @@ fn h8_a_program_without_page_leads_to_the_directory() {
 }
 
 #[test]
-fn h7_a_touch_on_the_message_line_lists_every_alarm() {
+fn h7_chip_and_message_line_open_the_alarm_page() {
     let mut screen = open(hmi_sample::alarm(Page::Grinding));
     touch(&mut screen, "报警 alarm-list");
-    assert!(screen.query_by_label("关闭报警 close-alarms").is_some());
-    touch(&mut screen, "关闭报警 close-alarms");
-    assert!(screen.query_by_label("关闭报警 close-alarms").is_none());
+    assert_eq!(sent(&mut screen), ["OpenPage(Alarm)"]);
+    touch(&mut screen, "报警 alarm-chip");
+    assert_eq!(sent(&mut screen), ["OpenPage(Alarm)"]);
+    press(&mut screen, egui::Key::F7);
+    assert_eq!(sent(&mut screen), ["OpenPage(Alarm)"]);
+}
+
+#[test]
+fn k2_1_the_help_key_lays_the_keyboards_map_over_the_page() {
+    let mut screen = open(snapshot(Page::Grinding));
+    touch(&mut screen, "? help");
+    assert!(screen.query_by_label("关闭帮助 close-help").is_some());
+    touch(&mut screen, "关闭帮助 close-help");
+    assert!(screen.query_by_label("关闭帮助 close-help").is_none());
+    for closes in [egui::Key::F12, egui::Key::Escape] {
+        press(&mut screen, egui::Key::F12);
+        assert!(screen.query_by_label("关闭帮助 close-help").is_some());
+        press(&mut screen, closes);
+        assert!(screen.query_by_label("关闭帮助 close-help").is_none());
+    }
     assert!(sent(&mut screen).is_empty());
 }

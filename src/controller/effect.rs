@@ -3,6 +3,7 @@
 
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output};
+use crate::link::page_command::PageWish;
 use crate::units::PerAxis;
 
 /// One wish.
@@ -27,6 +28,8 @@ pub enum Effect {
     CurrentProgram(u32),
     /// Keep the count of workpieces.
     Parts(u32),
+    /// What a page asks of the disk: passwords, settings. It is answered by a command.
+    Ask(PageWish),
 }
 
 impl Effect {

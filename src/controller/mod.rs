@@ -12,12 +12,12 @@ mod cycle;
 mod effect;
 mod executor;
 mod filter;
-mod frames;
 mod hand;
 mod homing;
 mod keys;
 mod library;
 mod page_files;
+mod pages;
 mod run;
 mod settle;
 mod status;
@@ -27,7 +27,6 @@ mod watch;
 
 pub use alarms::Alarms;
 pub use effect::Effect;
-pub use frames::Frames;
 pub use library::{Program, Programs};
 pub use system::nc_settings;
 
@@ -44,12 +43,14 @@ use crate::link::command::{Command, Screens};
 use crate::link::snapshot::{DirectoryRow, Message, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
+pub use crate::nc::Frames;
 use crate::nc::{Memory, Modals, Place};
 use crate::units::{Axis, Micros, PerAxis};
 use axes::Axes;
 use filter::Filter;
 use hand::Hand;
 use homing::AxisHoming;
+use pages::Pages;
 use run::Run;
 
 /// mm/min to mm/s.
@@ -171,6 +172,7 @@ pub struct Controller {
     limits: u8,
     /// What is modal in MDI, from line to line.
     mdi_modals: Option<Modals>,
+    pages: Pages,
 }
 
 impl Controller {
@@ -223,6 +225,7 @@ impl Controller {
             tick: Micros(params.get(param::TICK_TIME) as u64),
             limits: 0,
             mdi_modals: None,
+            pages: Pages::new(kind, &params),
             params,
         }
     }
@@ -241,6 +244,7 @@ impl Controller {
     /// One tick. `now` grows by the tick time from call to call.
     pub fn tick(&mut self, now: Micros, image: &InputImage, commands: &[Command]) -> &OutputImage {
         self.now = now;
+        self.alarms.at(now);
         self.read_inputs(image);
         for command in commands {
             self.take(command);
@@ -297,6 +301,7 @@ impl Controller {
     fn keep_param(&mut self, at: ParamAddress, value: f64) {
         if self.params.write(at, value).is_ok() {
             self.effects.push(Effect::Param(at, value));
+            self.pages.show(&self.params);
         }
     }
 
@@ -313,6 +318,7 @@ impl Controller {
         match self.params.write(at, value) {
             Ok(()) => {
                 self.effects.push(Effect::Param(at, value));
+                self.pages.show(&self.params);
                 self.filter.configure(&self.params);
                 self.axes.configure(&self.params);
                 self.say(Said::new(format!("{at} = {value}"), format!("{at} = {value}")));

@@ -65,6 +65,7 @@ impl Controller {
         if out.waiting_for != self.waiting_for {
             out.waiting_for.clone_from(&self.waiting_for);
         }
+        self.page_view(out);
         if !Arc::ptr_eq(&out.screens, &self.screens) {
             out.screens.clone_from(&self.screens);
         }
@@ -84,7 +85,7 @@ impl Controller {
                 relative: (machine[axis] - self.relative_zero[axis]) * factor,
                 to_go: to_go[axis],
                 homed: self.axes.is_homed(axis),
-                moving: self.axes.velocity_mm_s()[axis].abs() > STANDING_MM_S,
+                moving: self.is_moving(axis),
             }
         })
     }
@@ -141,6 +142,10 @@ impl Controller {
             Key::HeadstockStop => !self.machine.drive_is_on(),
             _ => Mode::ALL.into_iter().any(|mode| mode.key() == key && mode == self.mode),
         }
+    }
+
+    pub(super) fn is_moving(&self, axis: Axis) -> bool {
+        self.axes.velocity_mm_s()[axis].abs() > STANDING_MM_S
     }
 
     fn path_speed_mm_s(&self) -> f64 {

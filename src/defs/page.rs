@@ -41,4 +41,10 @@ pages! {
     Grinding = "grinding", "磨削", "grinding";
     Program = "program", "程序", "program";
     Directory = "directory", "目录", "directory";
+    Params = "params", "参数", "parameters";
+    Diagnosis = "diagnosis", "诊断", "diagnosis";
+    Alarm = "alarm", "报警", "alarms";
+    Settings = "settings", "设置", "settings";
+    Panel = "panel", "面板", "panel";
+    Help = "help", "帮助", "help";
 }

@@ -73,6 +73,16 @@ pub const fn label(key: Key, kind: Kind) -> Text {
     }
 }
 
+/// The label where no caption stands beside it; named by the kind as well.
+#[must_use]
+pub const fn whole_label(key: Key, kind: Kind) -> Text {
+    match key {
+        Key::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度量仪", "THICKNESS"),
+        Key::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面量仪", "PLANE"),
+        _ => key.label(),
+    }
+}
+
 /// The name that a screen reader and the tests know the key by.
 #[must_use]
 pub fn accessible_name(key: Key, lang: crate::defs::text::Lang) -> String {

@@ -21,10 +21,6 @@ pub enum SoftAct {
     Position(Shown),
     /// Not there yet, and why.
     Blocked(Text),
-    /// Shows the keys of the keyboard.
-    Help,
-    /// Shows the alarms present.
-    Alarms,
 }
 
 /// One soft key.
@@ -54,13 +50,8 @@ pub const ROWS: [[SoftKey; 5]; 3] = [
         later("砂轮修整", "DRESSING", "砂轮修整页面：本版本尚未提供", "the dressing page is not in this version yet"),
     ],
     [
-        later(
-            "参数",
-            "PARAMS",
-            "参数页面：本版本尚未提供，用 --param 设置",
-            "the parameter page is not in this version yet; use --param",
-        ),
-        later("诊断", "DIAGNOSIS", "诊断页面：本版本尚未提供", "the diagnosis page is not in this version yet"),
+        key("参数", "PARAMS", SoftAct::Open(Page::Params)),
+        key("诊断", "DIAGNOSIS", SoftAct::Open(Page::Diagnosis)),
         later("图形", "GRAPHIC", "图形页面：本版本尚未提供", "the graphic page is not in this version yet"),
         later("U盘/通信", "USB/COMM", "U盘/通信：本版本尚未提供", "USB and communication are not in this version yet"),
         later(
@@ -73,9 +64,9 @@ pub const ROWS: [[SoftKey; 5]; 3] = [
     [
         key("程序", "PROGRAM", SoftAct::Open(Page::Program)),
         key("目录", "DIRECTORY", SoftAct::Open(Page::Directory)),
-        key("报警", "ALARMS", SoftAct::Alarms),
-        later("设置", "SETTINGS", "设置页面：本版本尚未提供", "the settings page is not in this version yet"),
-        key("帮助", "HELP", SoftAct::Help),
+        key("报警", "ALARMS", SoftAct::Open(Page::Alarm)),
+        key("设置", "SETTINGS", SoftAct::Open(Page::Settings)),
+        key("帮助", "HELP", SoftAct::Open(Page::Help)),
     ],
 ];
 
@@ -83,9 +74,9 @@ pub const ROWS: [[SoftKey; 5]; 3] = [
 #[must_use]
 pub const fn row_of(page: Page) -> usize {
     match page {
-        Page::Position => 0,
-        Page::Grinding => 1,
-        Page::Program | Page::Directory => 2,
+        Page::Position | Page::Panel => 0,
+        Page::Grinding | Page::Params | Page::Diagnosis => 1,
+        Page::Program | Page::Directory | Page::Alarm | Page::Settings | Page::Help => 2,
     }
 }
 

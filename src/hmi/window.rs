@@ -14,6 +14,7 @@ use egui::{ViewportBuilder, ViewportCommand, vec2};
 
 use super::app::Hmi;
 use super::theme;
+use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::link::{Command, Snapshot};
 
@@ -157,6 +158,13 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     }
     (&snapshot.message.text.zh, snapshot.message.since).hash(h);
     snapshot.waiting_for.as_ref().map(|said| &said.zh).hash(h);
+    if snapshot.page == Page::Diagnosis {
+        (snapshot.input_terminals, snapshot.output_terminals, snapshot.inputs, snapshot.outputs).hash(h);
+        (snapshot.internals, snapshot.analog_volts.map(|volts| (volts * 100.0).round() as i64)).hash(h);
+    }
+    let access = snapshot.access;
+    (access.level as u8, access.asking, access.answers, snapshot.next_kind as u8).hash(h);
+    (Arc::as_ptr(&snapshot.params).addr(), Arc::as_ptr(&snapshot.alarm_history).addr()).hash(h);
     (Arc::as_ptr(&snapshot.screens).addr(), Arc::as_ptr(&snapshot.directory).addr()).hash(h);
     hasher.finish()
 }

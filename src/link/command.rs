@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::page_command::PageCommand;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -31,7 +32,7 @@ pub enum Command {
     TypeVariable(u16, Option<f64>),
     /// A value set past the pages (`--set`, `set` in a story, a restored backup).
     SetVariable(u16, Option<f64>),
-    /// A parameter set at the parameter page.
+    /// A parameter set past the pages (`--param`, `param` in a story): no password is asked.
     SetParam(ParamAddress, f64),
     /// The work zero of G54 (0) to G59 (5), machine coordinates, radius mm.
     SetFrame(usize, PerAxis<f64>),
@@ -45,6 +46,8 @@ pub enum Command {
     Stored(u64),
     /// The disk could not do what it was asked.
     DiskFailed(Said),
+    /// What the pages of parameters and settings ask.
+    Page(PageCommand),
     /// The screen is alive; without it the core stops after its keep-alive time.
     Alive,
 }

@@ -4,10 +4,12 @@
 use std::sync::Arc;
 
 use super::command::Screens;
+use super::internal::InternalSet;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
-use crate::defs::signal::{InputSet, OutputSet};
+use crate::defs::param::{Level, Params};
+use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -108,6 +110,34 @@ pub struct AlarmView {
     pub place: Option<(u32, u32)>,
 }
 
+/// One alarm of the history.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PastAlarm {
+    /// The alarm as it came.
+    pub alarm: Arc<AlarmView>,
+    /// When it went; none while it is present.
+    pub gone: Option<Micros>,
+}
+
+/// Who stands at the panel, and what came of the last password.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Access {
+    /// The level that is open.
+    pub level: Level,
+    /// A password is with the disk.
+    pub asking: bool,
+    /// Counts the answers, so that a page sees a new one.
+    pub answers: u32,
+    /// Why the last password was refused.
+    pub refused: Option<Text>,
+}
+
+impl Default for Access {
+    fn default() -> Self {
+        Self { level: Level::Operator, asking: false, answers: 0, refused: None }
+    }
+}
+
 /// How a message is meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {
@@ -197,6 +227,22 @@ pub struct Snapshot {
     pub message: Message,
     /// The program's own message (`MSG`), or what the run waits for.
     pub waiting_for: Option<Said>,
+    /// Level of the inputs' terminals as wired.
+    pub input_terminals: Terminals,
+    /// Level of the outputs' terminals.
+    pub output_terminals: Terminals,
+    /// The analog outputs: wheel speed, second output; volts.
+    pub analog_volts: [f64; 2],
+    /// States inside the control.
+    pub internals: InternalSet,
+    /// Alarms that came since power-on, the latest last; replaced only when one comes or goes.
+    pub alarm_history: Arc<Vec<PastAlarm>>,
+    /// The parameters; replaced only when one is changed.
+    pub params: Arc<Params>,
+    /// Which level of parameters is open.
+    pub access: Access,
+    /// The kind of machine of the next start.
+    pub next_kind: Kind,
     /// Grinding pages found on disk.
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
@@ -246,6 +292,14 @@ impl Snapshot {
             alarms: Vec::new(),
             message: Message::default(),
             waiting_for: None,
+            input_terminals: Terminals::default(),
+            output_terminals: Terminals::default(),
+            analog_volts: [0.0; 2],
+            internals: InternalSet::default(),
+            alarm_history: Arc::default(),
+            params: Arc::new(Params::factory(kind)),
+            access: Access::default(),
+            next_kind: kind,
             screens: Arc::default(),
             directory: Arc::default(),
         }

@@ -3,9 +3,12 @@
 
 use std::path::Path;
 
+use super::vault::Vault;
 use crate::controller::{Effect, Retained};
 use crate::defs::kind::Kind;
 use crate::defs::param::ParamAddress;
+use crate::link::command::Command;
+use crate::link::page_command::PageWish;
 use crate::store;
 use crate::units::PerAxis;
 
@@ -26,6 +29,7 @@ pub struct Found {
 /// The store of one control.
 pub struct Keeper {
     store: store::Retained,
+    vault: Vault,
 }
 
 impl Keeper {
@@ -38,7 +42,13 @@ impl Keeper {
         let loaded = opened.retained.load()?;
         let damaged = opened.damaged.map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
         let (retained, dropped) = restore(kind, &loaded);
-        Ok((Self { store: opened.retained }, Found { retained, damaged, dropped }))
+        let vault = Vault::new(&loaded, folder.to_path_buf());
+        Ok((Self { store: opened.retained, vault }, Found { retained, damaged, dropped }))
+    }
+
+    /// Answers what a page asks.
+    pub fn answer(&mut self, wish: &PageWish) -> Command {
+        self.vault.answer(wish, Some(&mut self.store))
     }
 
     /// Keeps what the core wishes; when it returns, it outlives a power cut.
@@ -46,13 +56,14 @@ impl Keeper {
     /// # Errors
     /// The disk refuses.
     pub fn commit(&mut self, effects: &[Effect]) -> Result<u64, store::RetainedError> {
-        let changes: Vec<store::Change> = effects.iter().map(change).collect();
+        let changes: Vec<store::Change> = effects.iter().filter_map(change).collect();
         self.store.commit(&changes).map(|generation| generation.0)
     }
 }
 
-fn change(effect: &Effect) -> store::Change {
-    match effect {
+/// What an effect changes in the store; a question changes nothing.
+fn change(effect: &Effect) -> Option<store::Change> {
+    Some(match effect {
         Effect::Variable(number, value) => store::Change::Variable { number: *number as u16, value: *value },
         Effect::Param(at, value) => store::Change::Param { key: at.to_string(), value: Some(*value) },
         Effect::Offset { number, geometry, wear } => store::Change::Offset {
@@ -64,7 +75,8 @@ fn change(effect: &Effect) -> store::Change {
             store::Change::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
         }
         Effect::Parts(parts) => store::Change::Number { key: PARTS.into(), value: Some(f64::from(*parts)) },
-    }
+        Effect::Ask(_) => return None,
+    })
 }
 
 /// Applies one wish to data held in memory: what a control without a data directory begins with after a power cut.
@@ -85,6 +97,7 @@ pub fn remember(retained: &mut Retained, effect: &Effect) {
         }
         Effect::CurrentProgram(number) => retained.current_program = *number,
         Effect::Parts(parts) => retained.parts = *parts,
+        Effect::Ask(_) => {}
     }
 }
 

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use super::disk::Folders;
 use super::keeper::{Keeper, remember};
+use super::vault::Vault;
 use crate::controller::{Controller, Effect, Retained};
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
@@ -72,6 +73,8 @@ pub struct Rig {
     image: InputImage,
     retained: Retained,
     keeper: Option<Keeper>,
+    /// Passwords, where nothing keeps them.
+    vault: Vault,
     effects: Vec<Effect>,
     inbox: Vec<Command>,
     now: Micros,
@@ -108,6 +111,7 @@ impl Rig {
             image,
             retained,
             keeper,
+            vault: Vault::default(),
             effects: Vec::new(),
             inbox: Vec::new(),
             now,
@@ -219,6 +223,12 @@ impl Rig {
         }
         for effect in &self.effects {
             remember(&mut self.retained, effect);
+            if let Effect::Ask(wish) = effect {
+                let vault = &mut self.vault;
+                let answer =
+                    self.keeper.as_mut().map_or_else(|| vault.answer(wish, None), |keeper| keeper.answer(wish));
+                self.inbox.push(answer);
+            }
         }
         if self.effects.iter().any(Effect::assigns_port) {
             self.machine.rewire(&self.retained.params);

@@ -4,14 +4,16 @@
 
 use std::sync::Arc;
 
+use kt830::defs::alarm::ALARMS;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
+use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::screen;
 use kt830::defs::text::{Said, Text};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
-use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
+use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, PastAlarm, ProgramView, RunState, Tone};
 use kt830::units::{Axis, Micros};
 
 /// The customer's own page text (seed 000).
@@ -152,6 +154,28 @@ pub fn alarm(page: Page) -> Snapshot {
             place: None,
         },
     ];
+    snapshot
+}
+
+/// Two functions on one port, both ways, and a history of alarms.
+pub fn troubled(page: Page) -> Snapshot {
+    let mut snapshot = alarm(page);
+    let mut params = Params::factory(snapshot.kind);
+    for (number, value) in [(301, 10.0), (302, 10.0), (332, 3.0), (333, 4.0), (352, 22.0)] {
+        assert!(params.write(ParamAddress { number, bit: None }, value).is_ok(), "P{number} = {value}");
+    }
+    snapshot.params = Arc::new(params);
+    let past = |number: u16, minutes: u64, gone: Option<u64>| {
+        let row = ALARMS.iter().find(|row| row.number == number).unwrap_or(&ALARMS[0]);
+        let at = |minutes: u64| Micros(snapshot.now.0 - minutes * 60_000_000);
+        let place = number.is_multiple_of(2).then_some((1_001, 13));
+        let view = AlarmView { number, text: row.text.into(), remedy: row.remedy.into(), since: at(minutes), place };
+        PastAlarm { alarm: Arc::new(view), gone: gone.map(at) }
+    };
+    let mut history = vec![past(102, 800, Some(799)), past(0, 200, Some(199)), past(181, 60, Some(58))];
+    history.extend((1..40).rev().map(|minutes| past(184, minutes + 1, Some(minutes))));
+    history.push(past(180, 0, None));
+    snapshot.alarm_history = Arc::new(history);
     snapshot
 }
 
