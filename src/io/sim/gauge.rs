@@ -128,6 +128,19 @@ mod tests {
     }
 
     #[test]
+    fn p7_a_size_that_stands_at_a_stage_gives_one_edge_and_no_chatter() {
+        let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
+        let (mut edges, mut before) = (0, false);
+        for _ in 0..60_000 {
+            // Noise is over it or under it half of the time.
+            g.step(size(5.0), 0.001, &mut chance);
+            edges += u32::from(g.stage(2) != before);
+            before = g.stage(2);
+        }
+        assert_eq!((edges, before), (1, true));
+    }
+
+    #[test]
     fn p7_the_signal_comes_ten_milliseconds_after_the_touch() {
         let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
         let pressed = |mm| Found { over_um: None, pressed_mm: Some(mm) };
