@@ -9,7 +9,7 @@ use super::run::{Doing, Forbidden, Item, PlannedMove, Run, Speed, within};
 use super::{Controller, Event, Phase};
 use crate::controller::axes::Owner;
 use crate::defs::param::{self, Params};
-use crate::motion::{End, Shape};
+use crate::motion::Shape;
 use crate::nc::AxisSet;
 use crate::units::{Axis, PerAxis};
 
@@ -127,15 +127,8 @@ impl Run {
     /// The moves before the remainder: the withdrawn wheel comes back, and an arc is met where it was left.
     fn way_back(&self, parted: Parted, begin: PerAxis<f64>, shift: &PerAxis<f64>, params: &Params) -> Vec<PlannedMove> {
         let mut back = Vec::new();
-        let straight = |to: PerAxis<f64>| PlannedMove {
-            to,
-            shape: Shape::Line,
-            speed: Speed::PerMinute(params.get(param::WHEEL_ON_SPEED)),
-            end: End::ExactStop,
-            tag: None,
-            words: AxisSet::NONE,
-            incremental: AxisSet::NONE,
-        };
+        let speed = Speed::PerMinute(params.get(param::WHEEL_ON_SPEED));
+        let straight = |to| PlannedMove::new(to, Shape::Line, speed, (AxisSet::NONE, AxisSet::NONE));
         if parted.withdrawn.is_some() {
             back.push(straight(begin));
         }
@@ -199,15 +192,7 @@ mod tests {
             axes.iter().for_each(|axis| set.insert(*axis));
             set
         };
-        PlannedMove {
-            to: PerAxis(to),
-            shape: Shape::Line,
-            speed: Speed::Rapid,
-            end: End::ExactStop,
-            tag: None,
-            words: set(words),
-            incremental: set(incremental),
-        }
+        PlannedMove::new(PerAxis(to), Shape::Line, Speed::Rapid, (set(words), set(incremental)))
     }
 
     #[test]

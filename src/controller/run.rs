@@ -41,6 +41,14 @@ pub struct PlannedMove {
     pub incremental: AxisSet,
 }
 
+impl PlannedMove {
+    /// A move that ends at rest, not yet handed to the planner.
+    #[must_use]
+    pub const fn new(to: PerAxis<f64>, shape: Shape, speed: Speed, (words, incremental): Named) -> Self {
+        Self { to, shape, speed, end: End::ExactStop, tag: None, words, incremental }
+    }
+}
+
 /// The speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
@@ -290,13 +298,15 @@ impl Planned {
             Op::Arc { .. } => return self.arc(op, items, params),
             Op::MachineMove { to, feed } => {
                 let target = PerAxis::from_fn(|axis| to[axis].unwrap_or(self.machine[axis]));
-                return self.push(target, Shape::Line, feed.map_or(Speed::Rapid, speed), ALL_NAMED, items, params);
+                let speed = feed.map_or(Speed::Rapid, speed);
+                return self.push(PlannedMove::new(target, Shape::Line, speed, ALL_NAMED), items, params);
             }
             Op::Reference { via, words, incremental } => {
                 self.line(*via, Speed::Rapid, (*words, *incremental), items, params)?;
                 let home = |axis: Axis| params.of_axis(param::HOME_X, axis);
                 let to = PerAxis::from_fn(|axis| if words.contains(axis) { home(axis) } else { self.machine[axis] });
-                return self.push(to, Shape::Line, Speed::Rapid, (*words, AxisSet::NONE), items, params);
+                let named = (*words, AxisSet::NONE);
+                return self.push(PlannedMove::new(to, Shape::Line, Speed::Rapid, named), items, params);
             }
             Op::Skip { to, feed, signal, words, incremental } => {
                 self.line(*to, speed(*feed), (*words, *incremental), items, params)?;
@@ -347,7 +357,7 @@ impl Planned {
         params: &Params,
     ) -> Result<(), Forbidden> {
         let target = self.target(to, named.0);
-        self.push(target, Shape::Line, speed, named, items, params)
+        self.push(PlannedMove::new(target, Shape::Line, speed, named), items, params)
     }
 
     /// Machine coordinates of a target; axes that the block does not name stay where they are.
@@ -376,29 +386,22 @@ impl Planned {
             }
         }
         let turn = if ccw { Turn::Ccw } else { Turn::Cw };
-        self.push(target, Shape::Arc { center, plane, turn }, speed(*feed), (*words, *incremental), items, params)
+        let shape = Shape::Arc { center, plane, turn };
+        self.push(PlannedMove::new(target, shape, speed(*feed), (*words, *incremental)), items, params)
     }
 
-    fn push(
-        &mut self,
-        to: PerAxis<f64>,
-        shape: Shape,
-        speed: Speed,
-        (words, incremental): Named,
-        items: &mut VecDeque<Item>,
-        params: &Params,
-    ) -> Result<(), Forbidden> {
+    fn push(&mut self, mut planned: PlannedMove, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
         for axis in Axis::ALL {
-            if (to[axis] - self.machine[axis]).abs() > 0.0 {
-                within(axis, to[axis], params)?;
+            if (planned.to[axis] - self.machine[axis]).abs() > 0.0 {
+                within(axis, planned.to[axis], params)?;
             }
         }
-        let end = match (speed, self.path) {
+        planned.end = match (planned.speed, self.path) {
             (Speed::Rapid, _) | (_, PathMode::ExactStop) => End::ExactStop,
             (_, PathMode::Continuous { tolerance_mm }) => End::Continuous { tolerance_mm },
         };
-        self.machine = to;
-        items.push_back(Item::Move(PlannedMove { to, shape, speed, end, tag: None, words, incremental }));
+        self.machine = planned.to;
+        items.push_back(Item::Move(planned));
         Ok(())
     }
 }
