@@ -21,6 +21,13 @@ pub enum Owner {
     Path,
 }
 
+/// What machine lock keeps.
+#[derive(Clone, Copy, Debug)]
+struct Locked {
+    set: PerAxis<f64>,
+    minus: PerAxis<bool>,
+}
+
 /// All axes of the machine.
 #[derive(Debug)]
 pub struct Axes {
@@ -34,6 +41,8 @@ pub struct Axes {
     zero_mm: PerAxis<f64>,
     homed: PerAxis<bool>,
     /// Where the axes are, from the encoders.
+    encoder: PerAxis<f64>,
+    /// Where they are shown to be: the same, but for machine lock.
     actual: PerAxis<f64>,
     /// Where they are told to be.
     set: PerAxis<f64>,
@@ -41,6 +50,8 @@ pub struct Axes {
     /// The last move of each axis went in the minus direction: its screw's play lies on the other side.
     minus: PerAxis<bool>,
     drives_on: bool,
+    /// Machine lock: where the axes really stand while the positions count on.
+    locked: Option<Locked>,
     /// Length of a tick: as it was at power-on (P58).
     tick_s: f64,
 }
@@ -60,11 +71,13 @@ impl Axes {
             owner: Owner::Hand,
             zero_mm: PerAxis::default(),
             homed: PerAxis::default(),
+            encoder: start,
             actual: start,
             set: start,
             velocity_mm_s: PerAxis::default(),
             minus: PerAxis::default(),
             drives_on: true,
+            locked: None,
             tick_s,
         }
     }
@@ -92,6 +105,7 @@ impl Axes {
     pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64, params: &Params) {
         let shift = coordinate - edge;
         self.zero_mm[axis] += shift;
+        self.encoder[axis] += shift;
         self.actual[axis] += shift;
         self.set[axis] += shift;
         self.movers[axis].set_position(self.set[axis]);
@@ -115,7 +129,8 @@ impl Axes {
 
     /// Reads the encoders.
     pub fn read(&mut self, image: &InputImage) {
-        self.actual = PerAxis::from_fn(|axis| image.encoder_mm[axis] + self.zero_mm[axis]);
+        self.encoder = PerAxis::from_fn(|axis| image.encoder_mm[axis] + self.zero_mm[axis]);
+        self.actual = if self.locked.is_some() { self.set } else { self.encoder };
     }
 
     /// One tick of whoever owns the axes.
@@ -146,11 +161,29 @@ impl Axes {
     /// The set-point of each axis in the encoder's frame.
     #[must_use]
     pub fn set_points(&self, params: &Params) -> PerAxis<f64> {
+        let Locked { set, minus } = self.locked.unwrap_or(Locked { set: self.set, minus: self.minus });
         PerAxis::from_fn(|axis| {
             let play = params.of_axis(param::BACKLASH_X, axis);
-            let taken_up = if self.minus[axis] { -play } else { 0.0 };
-            self.set[axis] - self.zero_mm[axis] + taken_up
+            let taken_up = if minus[axis] { -play } else { 0.0 };
+            set[axis] - self.zero_mm[axis] + taken_up
         })
+    }
+
+    /// Machine lock on: from here the positions count without the axes. The axes must stand.
+    pub const fn lock(&mut self) {
+        if self.locked.is_none() {
+            self.locked = Some(Locked { set: self.set, minus: self.minus });
+        }
+    }
+
+    /// Machine lock off: the positions are the real ones again.
+    pub fn unlock(&mut self) {
+        let Some(Locked { set, minus }) = self.locked.take() else { return };
+        (self.set, self.minus, self.actual) = (set, minus, self.encoder);
+        self.path.clear_at(set);
+        for axis in Axis::ALL {
+            self.movers[axis].set_position(set[axis]);
+        }
     }
 
     /// The program takes the axes over where they stand.
@@ -209,7 +242,8 @@ impl Axes {
     #[must_use]
     pub fn lost(&self, params: &Params) -> Option<Axis> {
         let limit = params.get(param::FOLLOWING_LIMIT);
-        self.present().find(|axis| self.drives_on && (self.set[*axis] - self.actual[*axis]).abs() > limit)
+        let set = self.locked.map_or(self.set, |locked| locked.set);
+        self.present().find(|axis| self.drives_on && (set[*axis] - self.encoder[*axis]).abs() > limit)
     }
 
     /// The drives were switched: off, the set-points follow the axes so that switching on does not jump.
@@ -226,6 +260,12 @@ impl Axes {
             }
             self.owner = Owner::Hand;
         }
+    }
+
+    /// Which axes the machine has.
+    #[must_use]
+    pub const fn fitted(&self) -> PerAxis<bool> {
+        self.present
     }
 
     /// Whether the machine has an axis.

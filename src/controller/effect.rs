@@ -2,6 +2,7 @@
 //! Source: style "effects to the disk", notes "acknowledge after commit".
 
 use crate::defs::param::ParamAddress;
+use crate::defs::signal::{Input, Output};
 use crate::link::page_command::PageWish;
 use crate::units::PerAxis;
 
@@ -29,4 +30,16 @@ pub enum Effect {
     Parts(u32),
     /// What a page asks of the disk: passwords, settings. It is answered by a command.
     Ask(PageWish),
+}
+
+impl Effect {
+    /// Whether it assigns a port to a function.
+    #[must_use]
+    pub fn assigns_port(&self) -> bool {
+        let is_port = |number| {
+            Input::ALL.iter().any(|input| input.port_param() == number)
+                || Output::ALL.iter().any(|output| output.port_param() == number)
+        };
+        matches!(self, Self::Param(at, _) if at.bit.is_none() && is_port(at.number))
+    }
 }

@@ -3,11 +3,11 @@
 
 use std::sync::Arc;
 
-use super::run::{Act, Doing, Forbidden, Item, MOST_ITEMS, PlannedMove, Reading, Run};
+use super::run::{Act, Doing, Forbidden, Item, MCall, MOST_ITEMS, PlannedMove, Reading, Run, Speed};
 use super::system::{RunWorld, nc_settings};
-use super::{Controller, Cycle, Effect};
+use super::{Controller, Effect, Event, Phase};
 use crate::defs::alarm;
-use crate::defs::mcode::{Action, MCode, Request};
+use crate::defs::mcode::{Action, Request};
 use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{Lang, Said};
@@ -48,7 +48,7 @@ impl Controller {
         run.next_tag = self.axes.path.finished_tag().map_or(1, |tag| tag + 1);
         self.axes.give_to_path();
         self.run = Some(Box::new(run));
-        self.cycle = Cycle::Running;
+        self.happen(Event::Start);
     }
 
     /// One tick of the run.
@@ -57,12 +57,12 @@ impl Controller {
         self.stretch_dwell(&mut run);
         self.retire(&mut run);
         let mut close = false;
-        if matches!(self.cycle, Cycle::Running) {
+        if matches!(self.phase, Phase::Running) {
             close = self.carry_out(&mut run);
         }
-        if run.splitting && matches!(self.cycle, Cycle::Running) {
+        if run.splitting && matches!(self.phase, Phase::Running) {
             self.take_back_moves(&mut run);
-        } else if matches!(self.cycle, Cycle::Running) && !close {
+        } else if matches!(self.phase, Phase::Running) && !close {
             self.feed(&mut run);
             self.read_ahead(&mut run);
             self.feed(&mut run);
@@ -70,14 +70,14 @@ impl Controller {
         self.run = Some(run);
         if close {
             self.close_run();
-            self.cycle = Cycle::Idle;
+            self.happen(Event::Finish);
         }
     }
 
     /// A dwell does not run on while the program is held.
     fn stretch_dwell(&self, run: &mut Run) {
         if let Doing::Dwell { until } = &mut run.doing
-            && !matches!(self.cycle, Cycle::Running)
+            && !matches!(self.phase, Phase::Running)
         {
             *until = *until + self.tick;
         }
@@ -130,10 +130,10 @@ impl Controller {
                 }
             }
             if matches!(did, Did::Stop) {
-                self.cycle = Cycle::Stopped;
+                self.happen(Event::Stop);
                 return false;
             }
-            if !matches!(self.cycle, Cycle::Running) {
+            if !matches!(self.phase, Phase::Running) {
                 return false;
             }
         }
@@ -155,8 +155,9 @@ impl Controller {
                 self.put_frames(frames);
                 Did::Done
             }
-            Act::Machine(row, s) => self.m_code(run, row, *s),
+            Act::Machine(call) => self.m_code(run, *call),
             Act::Dwell(seconds) => self.dwell(run, *seconds),
+            Act::Wheel(..) if self.switches.mst_lock => Did::Done,
             Act::Wheel(value, mode) => {
                 if *mode == SpeedMode::Rpm {
                     self.wheel_rpm = *value;
@@ -201,55 +202,67 @@ impl Controller {
         Some(false)
     }
 
-    fn m_code(&mut self, run: &mut Run, row: &'static MCode, s: Option<f64>) -> Did {
-        match row.action {
-            Action::Flow => Did::Done,
-            Action::Count => {
-                self.count_part();
-                Did::Done
-            }
+    fn m_code(&mut self, run: &mut Run, call: MCall) -> Did {
+        if let Some(request) = call.request() {
+            return self.m_request(run, call, request);
+        }
+        match call.row.action {
             Action::OptionalStop if !self.switches.optional_stop => Did::Done,
             Action::Pause | Action::OptionalStop => match self.is_settled(run) {
                 Some(true) => Did::Stop,
                 Some(false) | None => Did::Wait,
             },
+            Action::Count => {
+                self.count_part();
+                Did::Done
+            }
             Action::End => match self.is_settled(run) {
                 Some(true) => {
-                    self.machine.program_end(&self.params);
-                    if self.params.bit(param::COUNT_ON_M30) {
-                        self.count_part();
-                    }
+                    self.end_program();
                     Did::Close
                 }
                 Some(false) | None => Did::Wait,
             },
+            Action::AwaitInput(_) if self.switches.mst_lock => Did::Done,
             Action::AwaitInput(input) => self.await_input(run, input),
-            Action::Ask(request) if run.doing == Doing::Settling => {
-                if self.machine.is_settled(request) {
-                    Did::Done
-                } else {
-                    Did::Wait
-                }
+            Action::Flow | Action::Ask(_) | Action::Port(_) | Action::Pulse => Did::Done,
+        }
+    }
+
+    /// M30 (K3.14, K5.17).
+    fn end_program(&mut self) {
+        self.machine.program_end(&self.params);
+        if self.params.bit(param::COUNT_ON_M30) {
+            self.count_part();
+        }
+        if self.params.bit(param::WHEEL_UNDRESSED) && self.around().dressing {
+            self.keep_param(param::WHEEL_UNDRESSED.address(), 0.0);
+        }
+    }
+
+    fn m_request(&mut self, run: &mut Run, call: MCall, request: Request) -> Did {
+        if run.doing == Doing::Settling {
+            return if self.machine.is_settled(request) { Did::Done } else { Did::Wait };
+        }
+        if self.switches.mst_lock {
+            return Did::Done;
+        }
+        let answer = self.ask(request);
+        if let (Some(rpm), Answer::Taken, Request::DriveHigh | Request::DriveLow) = (call.s, answer, request) {
+            self.analog_2_rpm = rpm; // K3.4: M63 S
+        }
+        match answer {
+            Answer::Taken if call.row.waits => {
+                run.doing = Doing::Settling;
+                if self.machine.is_settled(request) { Did::Done } else { Did::Wait }
             }
-            Action::Ask(request) => {
-                let answer = self.ask(request);
-                if let (Some(rpm), Answer::Taken, Request::DriveHigh) = (s, answer, request) {
-                    self.analog_2_rpm = rpm; // K3.4: M63 S
-                }
-                match answer {
-                    Answer::Taken if row.waits => {
-                        run.doing = Doing::Settling;
-                        if self.machine.is_settled(request) { Did::Done } else { Did::Wait }
-                    }
-                    Answer::Taken | Answer::NoEffect(_) => Did::Done,
-                    // The block waits as in a feed hold; cycle start asks again.
-                    Answer::Denied(_) => {
-                        self.cycle = Cycle::Holding;
-                        Did::Wait
-                    }
-                    Answer::Refused(..) => Did::Wait,
-                }
+            Answer::Taken | Answer::NoEffect(_) => Did::Done,
+            // The block waits as in a feed hold; cycle start asks again.
+            Answer::Denied(_) => {
+                self.happen(Event::Hold);
+                Did::Wait
             }
+            Answer::Refused(..) => Did::Wait,
         }
     }
 
@@ -334,7 +347,10 @@ impl Controller {
                     if self.axes.path.room() == 0 {
                         return;
                     }
-                    let Some(rate) = planned.speed.rate(self.drive_rpm(), self.params.get(param::FEED_MAX)) else {
+                    let dry = self.switches.dry_run && planned.speed != Speed::Rapid;
+                    let speed =
+                        if dry { Speed::PerMinute(self.params.get(param::DRY_RUN_FEED)) } else { planned.speed };
+                    let Some(rate) = speed.rate(self.drive_rpm(), self.params.get(param::FEED_MAX)) else {
                         // The front of the queue only: what comes before it may start the drive.
                         if run.fed == 0 {
                             self.no_drive();

@@ -6,6 +6,9 @@
 
 mod alarms;
 pub mod axes;
+mod by_hand;
+mod commands;
+mod cycle;
 mod effect;
 mod executor;
 mod filter;
@@ -14,10 +17,14 @@ mod hand;
 mod homing;
 mod keys;
 mod library;
+mod page_files;
 mod pages;
 mod run;
+mod settle;
 mod status;
+mod switches;
 mod system;
+mod watch;
 
 pub use alarms::Alarms;
 pub use effect::Effect;
@@ -27,7 +34,6 @@ pub use system::nc_settings;
 
 use std::sync::Arc;
 
-use crate::defs::alarm::{self, Reaction};
 use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
@@ -38,13 +44,13 @@ use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
 use crate::link::snapshot::{DirectoryRow, Message, Tone};
 use crate::machine::kind::KindRow;
-use crate::machine::{Around, Finding, Machine};
+use crate::machine::{Machine, phase};
 use crate::nc::{Memory, Modals, Place};
 use crate::units::{Axis, Micros, PerAxis};
 use axes::Axes;
 use filter::Filter;
 use hand::Hand;
-use homing::Homing;
+use homing::AxisHoming;
 use pages::Pages;
 use run::Run;
 
@@ -55,25 +61,17 @@ const FULL_SCALE_VOLTS: f64 = 10.0;
 /// Most wishes to the disk kept between two calls of [`Controller::drain_effects`].
 const EFFECTS: usize = 256;
 
-/// Where the control stands in its work.
-#[derive(Debug)]
-enum Cycle {
-    Idle,
-    Running,
-    /// Feed hold, still braking.
-    Holding,
-    /// Feed hold, at rest.
-    Held,
-    /// M00, M01, a message or the end of a single block.
-    Stopped,
-    /// Reset or an alarm: braking, then the run is left.
-    Aborting,
-    /// Homing; the axes still to come after this one.
-    Homing {
-        now: Homing,
-        next: PerAxis<bool>,
-    },
+/// Homing under way: this axis, and those still to come.
+#[derive(Clone, Debug)]
+struct Homing {
+    now: AxisHoming,
+    next: PerAxis<bool>,
 }
+
+/// Where the control stands in its work.
+type Phase = phase::Phase<Homing>;
+/// What happens to it.
+type Event = phase::Event<Homing>;
 
 /// The switches of the panel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -81,6 +79,9 @@ struct Switches {
     single_block: bool,
     block_skip: bool,
     optional_stop: bool,
+    machine_lock: bool,
+    mst_lock: bool,
+    dry_run: bool,
 }
 
 /// Overrides in percent.
@@ -130,10 +131,12 @@ pub struct Controller {
     filter: Filter,
     inputs: InputSet,
     raw: InputSet,
+    /// Inputs of the tick before, for edges.
+    last_inputs: InputSet,
     machine: Machine,
     axes: Axes,
     hand: Hand,
-    cycle: Cycle,
+    phase: Phase,
     run: Option<Box<Run>>,
     mode: Mode,
     page: Page,
@@ -187,10 +190,11 @@ impl Controller {
             filter: Filter::new(&params, image.terminals),
             inputs: InputSet::NONE,
             raw: InputSet::NONE,
+            last_inputs: InputSet::NONE,
             machine: Machine::new(row, now),
             axes: Axes::new(&params, row, &image),
             hand: Hand::default(),
-            cycle: Cycle::Idle,
+            phase: Phase::Idle,
             run: None,
             mode: Mode::Manual,
             page: Page::Position,
@@ -260,187 +264,14 @@ impl Controller {
         self.image = *image;
         self.raw = self.filter.unfiltered(image.terminals);
         self.inputs = self.filter.tick(image.terminals);
-        if self.soft_e_stop {
+        // The emergency stop acts at its first edge; only letting it go is filtered.
+        if self.soft_e_stop || self.raw.has(Input::EmergencyStop) {
             self.inputs.set(Input::EmergencyStop, true);
         }
         self.axes.read(image);
         if image.handwheel_detents != 0 {
             self.turn_handwheel(image.handwheel_detents);
         }
-    }
-
-    /// Machine logic, and what the control watches itself.
-    fn watch(&mut self) {
-        let around = Around {
-            run_open: self.run.is_some(),
-            homed: self.axes.all_homed(),
-            alarm_blocks: self.alarms.block_start(),
-            drives_off: !self.drives_on,
-            oscillating: false,
-        };
-        for finding in self.machine.tick(self.now, self.inputs, &self.params, around).into_iter().flatten() {
-            match finding {
-                Finding::Alarm { number, stopped } => {
-                    self.raise(number, None);
-                    if stopped && alarm::reaction(number) == Reaction::BlockStart {
-                        self.abort_run();
-                    }
-                }
-                Finding::Gone(number) => self.alarms.clear(number),
-            }
-        }
-        self.watch_axes();
-        self.watch_screen();
-    }
-
-    fn watch_axes(&mut self) {
-        if !self.image.bus_alive {
-            self.raise(alarm::BUS_LOST, None);
-        }
-        let drives = [Input::DriveX, Input::DriveY, Input::DriveZ];
-        let limits = [
-            (Input::LimitXPlus, Input::LimitXMinus),
-            (Input::LimitYPlus, Input::LimitYMinus),
-            (Input::LimitZPlus, Input::LimitZMinus),
-        ];
-        for axis in self.axes.present() {
-            let name = || Some(Said::new(axis.to_string(), axis.to_string()));
-            if self.inputs.has(drives[axis as usize]) {
-                self.raise(alarm::DRIVE_FAULT, name());
-                self.axes.forget_zero();
-            }
-            let (plus, minus) = limits[axis as usize];
-            for (bit, switch) in [(0, plus), (1, minus)] {
-                let mask = 1 << (2 * axis as u8 + bit);
-                let pressed = self.inputs.has(switch);
-                // The edge counts: after RESET the axis must be able to leave the switch.
-                if pressed && self.limits & mask == 0 {
-                    self.alarms.clear(alarm::HARD_LIMIT);
-                    self.raise(alarm::HARD_LIMIT, name());
-                    self.axes.forget_zero();
-                }
-                if pressed { self.limits |= mask } else { self.limits &= !mask }
-            }
-        }
-        if let Some(axis) = self.axes.lost(&self.params)
-            && self.drives_on
-        {
-            self.raise(alarm::FOLLOWING_ERROR, Some(Said::new(axis.to_string(), axis.to_string())));
-            self.axes.forget_zero();
-        }
-    }
-
-    fn watch_screen(&mut self) {
-        let silence = Micros::from_millis_f64(self.params.get(param::HMI_KEEP_ALIVE));
-        if let Some(heard) = self.screen_heard
-            && self.now.since(heard) > silence
-        {
-            self.raise(alarm::HMI_LOST, None);
-            self.screen_heard = None;
-        }
-    }
-
-    /// Raises an alarm and carries out its reaction.
-    fn raise(&mut self, number: u16, detail: Option<Said>) {
-        if self.alarms.has(number) {
-            return;
-        }
-        let running = !matches!(self.cycle, Cycle::Idle | Cycle::Homing { .. });
-        let place = running.then_some((self.place.program, self.place.line));
-        self.alarms.raise(number, detail, self.now, place);
-        match alarm::reaction(number) {
-            Reaction::Show | Reaction::BlockStart => {}
-            Reaction::StopProgram => self.abort_run(),
-            Reaction::StopProgramAndWheel => {
-                self.machine.stop_wheel_and_drive();
-                self.abort_run();
-            }
-            Reaction::StopAll => {
-                self.machine.safe_stop();
-                self.abort_run();
-                self.drives_on = false;
-            }
-        }
-    }
-
-    /// Brakes whatever moves; the run is left once the axes stand.
-    fn abort_run(&mut self) {
-        self.hand.let_go();
-        self.waiting_for = None;
-        match self.cycle {
-            Cycle::Idle if self.axes.is_at_rest() => {}
-            Cycle::Aborting => {}
-            Cycle::Idle | Cycle::Running | Cycle::Holding | Cycle::Held | Cycle::Stopped | Cycle::Homing { .. } => {
-                self.axes.brake();
-                self.cycle = Cycle::Aborting;
-            }
-        }
-    }
-
-    /// Drives, and the end of braking.
-    fn settle(&mut self) {
-        let rest = self.axes.is_at_rest();
-        match self.cycle {
-            Cycle::Holding if rest => self.cycle = Cycle::Held,
-            Cycle::Aborting if rest => {
-                self.close_run();
-                self.cycle = Cycle::Idle;
-            }
-            Cycle::Idle
-            | Cycle::Running
-            | Cycle::Holding
-            | Cycle::Held
-            | Cycle::Stopped
-            | Cycle::Aborting
-            | Cycle::Homing { .. } => {}
-        }
-        self.axes.set_drives(self.drives_on);
-        if !self.drives_on && rest {
-            self.axes.follow_actual();
-        }
-    }
-
-    /// Leaves the run: what was read ahead and not executed is forgotten.
-    fn close_run(&mut self) {
-        if let Some(run) = self.run.take() {
-            self.cycle_time = self.now.since(run.since);
-            self.mdi_modals = run.mdi.then(|| *run.interpreter.modals());
-        }
-        self.waiting_for = None;
-        self.axes.give_to_hand();
-    }
-
-    fn write_outputs(&mut self) {
-        let mut on = self.machine.outputs();
-        on.set(Output::TowerRed, self.alarms.block_start());
-        on.set(Output::TowerGreen, matches!(self.cycle, Cycle::Running | Cycle::Homing { .. }));
-        let waits = matches!(self.cycle, Cycle::Holding | Cycle::Held | Cycle::Stopped);
-        on.set(Output::TowerYellow, waits);
-        self.output_set = on;
-        self.outputs.terminals = crate::defs::signal::Terminals::default();
-        for output in on.iter() {
-            self.outputs.terminals.set(self.params.output_port(output), true);
-        }
-        let volts = |rpm: f64, most: f64| (FULL_SCALE_VOLTS * rpm / most).clamp(0.0, FULL_SCALE_VOLTS);
-        let wheel = self.wheel_rpm * f64::from(self.overrides.spindle) / 100.0;
-        let wheel = if on.has(Output::Wheel) { wheel } else { 0.0 };
-        self.outputs.wheel_volts = volts(wheel, self.params.get(param::WHEEL_RPM_MAX));
-        let drive = if self.machine.drive_is_on() { self.analog_2_rpm } else { 0.0 };
-        self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));
-        // Braking needs the drives; nothing else moves without them.
-        self.outputs.drives_on = self.drives_on || matches!(self.cycle, Cycle::Aborting);
-        self.outputs.set_point_mm = self.axes.set_points(&self.params);
-    }
-
-    /// The terminals that stay as they are in the safe output image: what clamps, lubricates or shows. What turns or
-    /// flows is off (table after K3).
-    #[must_use]
-    pub fn kept_when_safe(&self) -> crate::defs::signal::Terminals {
-        let mut kept = crate::defs::signal::Terminals::default();
-        for output in crate::machine::KEPT_WHEN_SAFE {
-            kept.set(self.params.output_port(*output), true);
-        }
-        kept
     }
 
     /// Other programs are in the folder.
@@ -467,9 +298,23 @@ impl Controller {
         self.message = Message { text: text.into(), tone: Tone::Refused, since: self.now };
     }
 
+    /// A parameter that the control itself changes.
+    fn keep_param(&mut self, at: ParamAddress, value: f64) {
+        if self.params.write(at, value).is_ok() {
+            self.pages.show(&self.params);
+            self.effects.push(Effect::Param(at, value));
+        }
+    }
+
     fn set_param(&mut self, at: ParamAddress, value: f64) {
         if self.run.is_some() {
             return self.refuse(Said::new("运行中不能修改参数", "parameters are not changed while a program runs"));
+        }
+        if self.is_port_in_use(at, value) {
+            return self.refuse(Said::new(
+                format!("{at}：该输出正在工作，先关闭再改端口"),
+                format!("{at}: the output is on; switch it off before its port is changed"),
+            ));
         }
         match self.params.write(at, value) {
             Ok(()) => {
@@ -481,6 +326,15 @@ impl Controller {
             }
             Err(error) => self.refuse(Said::new(format!("{at} 超出范围或不存在：{error}"), error.to_string())),
         }
+    }
+
+    /// Whether a changed port would drop an output that is on, or raise another function's terminal.
+    fn is_port_in_use(&self, at: ParamAddress, value: f64) -> bool {
+        let of = |output: &Output| at.bit.is_none() && output.port_param() == at.number && output.is_of(self.kind);
+        let port = value as u8; // cut: the range is checked when it is written
+        Output::ALL
+            .iter()
+            .any(|output| of(output) && (self.output_set.has(*output) || self.outputs.terminals.level(port)))
     }
 
     /// X is programmed and shown as a diameter.

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::axes::{MINUTE, soft_limits};
 use super::frames::Frames;
-use crate::defs::mcode::{self, MCode};
+use crate::defs::mcode::{self, Action, MCode, Request};
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
 use crate::motion::{End, Plane, Rate, Shape, Turn};
@@ -60,6 +60,37 @@ impl Speed {
     }
 }
 
+/// An M code with its words.
+#[derive(Clone, Copy, Debug)]
+pub struct MCall {
+    /// The code.
+    pub row: &'static MCode,
+    /// Speed, rpm (M63).
+    pub s: Option<f64>,
+    /// Port (M20 to M22); the reader has checked it.
+    pub p: u8,
+    /// Length of a pulse, ms (M20).
+    pub l_ms: u32,
+}
+
+impl MCall {
+    /// The change of the machine that the code asks for, if it asks for one.
+    #[must_use]
+    pub const fn request(&self) -> Option<Request> {
+        match self.row.action {
+            Action::Ask(request) => Some(request),
+            Action::Port(on) => Some(Request::Port(self.p, on)),
+            Action::Pulse => Some(Request::Pulse(self.p, self.l_ms)),
+            Action::Pause
+            | Action::OptionalStop
+            | Action::End
+            | Action::Count
+            | Action::AwaitInput(_)
+            | Action::Flow => None,
+        }
+    }
+}
+
 /// Something other than a move.
 #[derive(Clone, Debug)]
 pub enum Act {
@@ -70,7 +101,7 @@ pub enum Act {
     /// Other frames or offsets are in force from here on.
     Frames(Arc<Frames>),
     /// An M code.
-    Machine(&'static MCode, Option<f64>),
+    Machine(MCall),
     /// Stand still, seconds.
     Dwell(f64),
     /// Wheel speed.
@@ -281,9 +312,9 @@ impl Planned {
                 frames.offset = usize::from(*offset).min(super::frames::OFFSETS);
                 Act::Frames(Arc::clone(&self.frames))
             }
-            Op::M { code, s, .. } => {
+            Op::M { code, s, p, l } => {
                 let row = mcode::find(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
-                Act::Machine(row, *s)
+                Act::Machine(MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 })
             }
             Op::S { value, mode } => Act::Wheel(*value, *mode),
             Op::SpeedLimit { .. } => return Ok(()),

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Controller, Cycle};
+use super::{Controller, Phase};
 use crate::defs::key::{Key, Lamp, Mode};
 use crate::defs::signal::OutputSet;
 use crate::link::snapshot::{AxisView, KeyView, RunState, Snapshot, VARIABLES};
@@ -16,14 +16,14 @@ impl Controller {
     /// The state in one word.
     #[must_use]
     pub fn state(&self) -> RunState {
-        match self.cycle {
-            Cycle::Homing { .. } => RunState::Homing,
-            Cycle::Running if self.is_waiting() => RunState::Waiting,
-            Cycle::Running => RunState::Running,
-            Cycle::Holding | Cycle::Held => RunState::Held,
-            Cycle::Stopped => RunState::Stopped,
-            Cycle::Idle | Cycle::Aborting if self.alarms.block_start() => RunState::Alarm,
-            Cycle::Idle | Cycle::Aborting => RunState::Idle,
+        match self.phase {
+            Phase::Homing(_) => RunState::Homing,
+            Phase::Running if self.is_waiting() => RunState::Waiting,
+            Phase::Running => RunState::Running,
+            Phase::Holding | Phase::Held => RunState::Held,
+            Phase::Stopped => RunState::Stopped,
+            Phase::Idle | Phase::Aborting if self.alarms.block_start() => RunState::Alarm,
+            Phase::Idle | Phase::Aborting => RunState::Idle,
         }
     }
 
@@ -122,8 +122,11 @@ impl Controller {
             Key::SingleBlock => self.switches.single_block,
             Key::BlockSkip => self.switches.block_skip,
             Key::OptionalStop => self.switches.optional_stop,
-            Key::CycleStart => matches!(self.cycle, Cycle::Running),
-            Key::FeedHold => matches!(self.cycle, Cycle::Holding | Cycle::Held),
+            Key::MachineLock => self.switches.machine_lock,
+            Key::MstLock => self.switches.mst_lock,
+            Key::DryRun => self.switches.dry_run,
+            Key::CycleStart => matches!(self.phase, Phase::Running),
+            Key::FeedHold => matches!(self.phase, Phase::Holding | Phase::Held),
             Key::EmergencyStop => self.machine.is_e_stopped(),
             Key::Rapid => self.hand.rapid,
             Key::RapidF0 => self.overrides.rapid == 0,
@@ -168,6 +171,12 @@ impl Controller {
         &self.outputs
     }
 
+    /// The parameters in force.
+    #[must_use]
+    pub const fn params(&self) -> &crate::defs::param::Params {
+        &self.params
+    }
+
     /// The kind of machine.
     #[must_use]
     pub const fn kind(&self) -> crate::defs::kind::Kind {
@@ -189,7 +198,7 @@ impl Controller {
     /// Whether the axes are braking to a hold or a reset.
     #[must_use]
     pub const fn is_braking(&self) -> bool {
-        matches!(self.cycle, Cycle::Holding | Cycle::Aborting)
+        matches!(self.phase, Phase::Holding | Phase::Aborting)
     }
 
     /// Whether the axes stand in position.

@@ -70,7 +70,7 @@ pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
         tolerance_mm: params.get(param::PATH_TOLERANCE),
         arc_tolerance_mm: 0.01,
         speed_unit: SpeedUnit::Rpm,
-        jump_input: 0,
+        jump_input: params.get(param::JUMP_INPUT) as u32,
         tools: OFFSETS as u32,
         rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
     }

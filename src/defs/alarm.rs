@@ -11,6 +11,8 @@ pub enum Reaction {
     Show,
     /// Blocks cycle start and wheel start; whoever raises it decides whether a run has to end.
     BlockStart,
+    /// Holds the run as a feed hold does, and blocks cycle start; nothing else stops.
+    HoldProgram,
     /// Ends the run: motion brakes along its path, the program is left. Wheel and fluids stay.
     StopProgram,
     /// Ends the run and stops wheel and workpiece drive.
@@ -113,6 +115,27 @@ alarms! {
     M_NOT_YET = 188, StopProgram, Reset, "M 代码不可用", "M code not available",
         "本版本没有这个 M 代码", "this version does not drive the code",
         "修改程序；M 代码见手册", "mend the program; the manual lists the M codes";
+    GAUGE_ARM_TIMEOUT = 189, StopProgram, Reset, "量仪动作超时", "gauge arm time-out",
+        "量仪没有在 P80 时间内伸出或缩回到位", "the gauge arm did not arrive within P80",
+        "检查量仪、气压和到位开关", "check the arm, its air and its switches";
+    OTHER_KIND = 190, StopProgram, Reset, "本机型没有此 M 代码", "M code of another kind of machine",
+        "程序使用了其他机型的 M 代码", "the program uses an M code that this kind does not have",
+        "修改程序；各机型 M 代码见手册", "mend the program; the manual lists the codes of each kind";
+    GUARD_OPEN = 191, HoldProgram, SelfClearing, "防护门打开", "guard open",
+        "运行中防护门被打开", "the guard was opened while a program ran",
+        "关好防护门，重新启动头架，再按循环启动", "close the guard, start the headstock again, press cycle start";
+    COOLANT_FLOW = 192, HoldProgram, SelfClearing, "冷却液无流量", "no coolant flow",
+        "冷却打开后 P83 时间内没有流量信号", "coolant is on and its flow switch has been off for P83",
+        "检查水箱、水泵和流量开关", "check tank, pump and flow switch";
+    LUBRICATION_LEVEL = 193, HoldProgram, SelfClearing, "润滑油位低", "lubrication level low",
+        "润滑油位信号断开超过 P84", "the level switch has been off for P84",
+        "加润滑油", "fill up lubrication oil";
+    GEAR_TIMEOUT = 194, StopProgram, Reset, "换档超时", "gear change time-out",
+        "档位到位信号没有在 P88 时间内到来", "the gear's switch did not come within P88",
+        "检查换档机构和到位开关", "check the gear and its switch";
+    PORT_OWNED = 195, StopProgram, Reset, "输出口被功能占用", "output port belongs to a function",
+        "M20–M22 指定的输出口属于有联锁的功能", "the port of M20–M22 belongs to an interlocked function",
+        "改用未分配的输出口，或用该功能的 M 代码", "use a free port, or the function's own M code";
     DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
         "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; the copy is kept, factory values are in force",
         "从备份恢复数据，核对参数后再加工", "restore a backup and check the parameters before grinding";

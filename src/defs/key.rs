@@ -288,6 +288,17 @@ impl Key {
         })
     }
 
+    /// The axis that a key names: jog, handwheel and address keys.
+    #[must_use]
+    pub const fn axis(self) -> Option<Axis> {
+        match self {
+            Self::XPlus | Self::XMinus | Self::HandwheelX | Self::AddressX => Some(Axis::X),
+            Self::YPlus | Self::YMinus | Self::HandwheelY | Self::AddressY => Some(Axis::Y),
+            Self::ZPlus | Self::ZMinus | Self::HandwheelZ | Self::AddressZ => Some(Axis::Z),
+            _ => None,
+        }
+    }
+
     /// The jog key of an axis and a sign.
     #[must_use]
     pub const fn of_jog(axis: Axis, plus: bool) -> Self {

@@ -230,6 +230,9 @@ impl Rig {
                 self.inbox.push(answer);
             }
         }
+        if self.effects.iter().any(Effect::assigns_port) {
+            self.machine.rewire(&self.retained.params);
+        }
         if let Some(keeper) = &mut self.keeper {
             self.inbox.push(match keeper.commit(&self.effects) {
                 Ok(generation) => Command::Stored(generation),

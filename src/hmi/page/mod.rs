@@ -20,6 +20,7 @@ use super::login::Login;
 use super::view::View;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
+use crate::defs::text::Lang;
 use crate::link::Command;
 use position::Shown;
 
@@ -63,6 +64,12 @@ impl Pages {
     /// Another program is current.
     pub fn restart_entry(&mut self) {
         self.entry.restart();
+    }
+
+    /// Why the value typed on the parameter page was refused.
+    #[must_use]
+    pub fn param_refusal(&self, lang: Lang) -> Option<String> {
+        self.params.refused.as_ref().map(|said| said.get(lang).to_owned())
     }
 
     /// Whether the numeric pad is to slide in.

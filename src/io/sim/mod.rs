@@ -313,6 +313,11 @@ impl Backend for SimulatedMachine {
         made
     }
 
+    fn rewire(&mut self, params: &Params) {
+        self.wiring.rewire(params);
+        self.on = self.wiring.outputs(self.outputs.terminals);
+    }
+
     fn write(&mut self, _now: Micros, outputs: &OutputImage) {
         if self.ailing.silent_ticks > 0 {
             return; // it never arrives

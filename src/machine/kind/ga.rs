@@ -2,10 +2,12 @@
 //! Source: spec K1, column GA.
 
 use super::KindRow;
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
+    kind: Kind::Ga,
     axes: PerAxis([true, false, true]),
     lathe_system: false,
     home_order: &[Axis::Z, Axis::X, Axis::Y],

@@ -2,10 +2,12 @@
 //! Source: spec K1, column GC.
 
 use super::KindRow;
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
+    kind: Kind::Gc,
     axes: PerAxis([true, false, true]),
     lathe_system: true,
     home_order: &[Axis::X, Axis::Z, Axis::Y],

@@ -2,10 +2,12 @@
 //! Source: spec K1, column GS.
 
 use super::KindRow;
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
+    kind: Kind::Gs,
     axes: PerAxis([true, true, true]),
     lathe_system: false,
     home_order: &[Axis::Y, Axis::Z, Axis::X],

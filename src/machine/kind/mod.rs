@@ -13,6 +13,8 @@ use crate::units::{Axis, PerAxis};
 /// One kind.
 #[derive(Debug)]
 pub struct KindRow {
+    /// Which one.
+    pub kind: Kind,
     /// The axes it always has; Y can be fitted to any kind (P6.6).
     pub axes: PerAxis<bool>,
     /// Whether programs follow G-code system A of lathes (U, V, W incremental) or G90/G91.

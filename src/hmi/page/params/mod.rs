@@ -39,7 +39,8 @@ pub struct Params {
     cursor: usize,
     /// The value being typed.
     text: String,
-    refused: Option<Said>,
+    /// Why the text was refused, until the next key.
+    pub refused: Option<Said>,
     /// The numeric pad is open.
     pad: bool,
     /// A value that waits for the password of its level.
