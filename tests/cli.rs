@@ -172,10 +172,32 @@ fn t5_a_story_that_cannot_be_read_is_a_wrong_call_and_one_that_fails_is_1() {
 
 #[test]
 fn t5_the_stories_that_come_along_play_to_their_end() {
-    for story in ["assets/stories/first_part.story", "assets/stories/pressure_lost.story"] {
-        let out = kt830(&["play", story]);
-        assert_eq!(status(&out), 0, "{story}: {}", errors(&out));
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/stories");
+    let mut played = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let story = entry.unwrap().path();
+        let out = kt830(&["play", &story.to_string_lossy()]);
+        assert_eq!(status(&out), 0, "{}: {}{}", story.display(), String::from_utf8_lossy(&out.stdout), errors(&out));
+        played += 1;
     }
+    assert!(played >= 6, "{played} stories");
+}
+
+#[test]
+fn t5_a_part_file_that_is_not_there_is_a_wrong_call() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\npart nowhere.ron\n");
+    let out = kt830(&["play", &path]);
+    assert!(status(&out) == 2 && errors(&out).contains("nowhere.ron"), "{}", errors(&out));
+}
+
+#[test]
+fn t5_a_refused_statement_tells_why_and_the_story_goes_on() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\nparam P270 99999\nexpect message \"P270\"\n");
+    let out = kt830(&["play", &path]);
+    let told = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert_eq!(status(&out), 0, "{told}");
+    let line = told.lines().find(|line| line.contains("99999")).unwrap();
+    assert!(line.contains("60000"), "the range is told: {line}");
 }
 
 #[test]

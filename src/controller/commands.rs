@@ -1,7 +1,6 @@
 //! Commands: what a person, a story or the disk asks for, and why it is refused.
 //! Source: spec B6, K7.5, K7.7.
 
-use super::frames::OFFSETS;
 use super::{Controller, Effect};
 use crate::defs::alarm;
 use crate::defs::key::Mode;
@@ -12,6 +11,7 @@ use crate::defs::text::Said;
 use crate::link::command::Command;
 use crate::machine::Answer;
 use crate::machine::press::NOT_IN_RUN;
+use crate::nc::frames::OFFSETS;
 use crate::nc::{Source, VariableError};
 use crate::units::PerAxis;
 

@@ -39,7 +39,7 @@ impl Controller {
         // A program begins from the power-on state of the codes; MDI goes on from its last line.
         let kept = self.mdi_modals.take().filter(|_| mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
-        self.frames.active = usize::from(modals.frame.saturating_sub(54)).min(super::frames::WORK_FRAMES - 1);
+        self.frames.activate(modals.frame);
         let start = (self.memory.clone(), self.frames.clone(), self.axes.set());
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
@@ -460,7 +460,7 @@ impl Controller {
     }
 
     fn put_frames(&mut self, frames: &super::Frames) {
-        for number in 1..=super::frames::OFFSETS {
+        for number in 1..=crate::nc::frames::OFFSETS {
             let (geometry, wear) = (frames.geometry[number - 1], frames.wear[number - 1]);
             if wear != self.frames.wear[number - 1] {
                 self.effects.push(Effect::Offset { number, geometry, wear });

@@ -12,7 +12,6 @@ mod cycle;
 mod effect;
 mod executor;
 mod filter;
-mod frames;
 mod hand;
 mod homing;
 mod keys;
@@ -28,7 +27,6 @@ mod watch;
 
 pub use alarms::Alarms;
 pub use effect::Effect;
-pub use frames::Frames;
 pub use library::{Program, Programs};
 pub use system::nc_settings;
 
@@ -45,6 +43,7 @@ use crate::link::command::{Command, Screens};
 use crate::link::snapshot::{DirectoryRow, Message, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
+pub use crate::nc::Frames;
 use crate::nc::{Memory, Modals, Place};
 use crate::units::{Axis, Micros, PerAxis};
 use axes::Axes;

@@ -9,12 +9,13 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::axes::{MINUTE, soft_limits};
-use super::frames::Frames;
 use crate::defs::mcode::{self, Action, MCode, Request};
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
 use crate::motion::{End, Plane, Rate, Shape, Turn};
-use crate::nc::{self, AxisSet, Block, Feed, Interpreter, Library, Memory, Op, PathMode, Place, Source, SpeedMode};
+use crate::nc::{
+    self, AxisSet, Block, Feed, Frames, Interpreter, Library, Memory, Op, PathMode, Place, Source, SpeedMode,
+};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Most items read ahead.
@@ -296,8 +297,7 @@ impl Planned {
                 return Ok(());
             }
             Op::Frame { g } => {
-                let active = usize::from(g.saturating_sub(54)).min(super::frames::WORK_FRAMES - 1);
-                Arc::make_mut(&mut self.frames).active = active;
+                Arc::make_mut(&mut self.frames).activate(*g);
                 Act::Frames(Arc::clone(&self.frames))
             }
             Op::Preset { values } => {
@@ -305,11 +305,7 @@ impl Planned {
                 Act::Frames(Arc::clone(&self.frames))
             }
             Op::T { tool, offset } => {
-                let frames = Arc::make_mut(&mut self.frames);
-                if *tool != 0 {
-                    frames.tool = u32::from(*tool);
-                }
-                frames.offset = usize::from(*offset).min(super::frames::OFFSETS);
+                Arc::make_mut(&mut self.frames).call_tool(*tool, *offset);
                 Act::Frames(Arc::clone(&self.frames))
             }
             Op::M { code, s, p, l } => {

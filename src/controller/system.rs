@@ -2,12 +2,12 @@
 //! Numbers follow FANUC's: #1000 inputs, #1100 outputs, #2001 wear, #3001 times, #3901 counts, #5001 positions.
 //! Source: spec B3, K4.3 (#438, #439).
 
-use super::frames::OFFSETS;
 use super::run::Planned;
 use super::{Controller, Effect};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::PORTS;
+use crate::nc::frames::OFFSETS;
 use crate::nc::{Live, Settings, SpeedUnit, System, World};
 use crate::units::{Axis, PerAxis};
 
