@@ -151,8 +151,8 @@ mod tests {
         assert_eq!(times, [(Micros(5), Some(Micros(9))), (Micros(12), None)]);
         assert_eq!(alarms.history()[0].alarm.place, Some((1_001, 7)));
         for round in 0..300 {
-            alarms.at(Micros(20 + round));
             alarms.clear(alarm::HYDRAULIC);
+            alarms.at(Micros(20 + round));
             alarms.raise(alarm::HYDRAULIC, None, Micros(20 + round), None);
         }
         assert_eq!(alarms.history().len(), MOST_HISTORY);
