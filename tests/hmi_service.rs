@@ -189,6 +189,8 @@ fn b6_by_touch_a_parameter_is_found_and_typed() {
     }
     assert_eq!(bench.param("P71").to_bits(), 42.0_f64.to_bits());
     assert!(bench.screen.query_by_label("P70").is_none(), "only what was searched is listed");
+    bench.touch("× search-clear");
+    assert!(bench.screen.query_by_label("P70").is_some());
 }
 
 #[test]
@@ -260,6 +262,23 @@ fn b6_a_new_password_is_typed_twice_alike_and_the_old_one_must_fit() {
     }
     assert!(bench.asks_password(), "the old password no longer fits");
     assert_eq!(bench.message(), "密码错误");
+}
+
+#[test]
+fn b6_the_settings_are_reached_by_keyboard() {
+    let mut bench = Bench::new(told::rig(), Page::Settings);
+    // Kinds, languages, levels, passwords: the fifth key is English.
+    for _ in 0..5 {
+        bench.press(egui::Key::ArrowDown);
+    }
+    bench.press(egui::Key::Enter);
+    assert!(bench.screen.query_by_label("CHANGE change-user").is_some());
+    bench.press(egui::Key::ArrowDown);
+    bench.press(egui::Key::Enter);
+    assert!(bench.asks_password(), "the sixth opens the user's level");
+    bench.write("123456");
+    bench.press(egui::Key::Enter);
+    assert_eq!(bench.rig.snapshot().access.level, Level::User);
 }
 
 #[test]

@@ -58,6 +58,8 @@ impl Pages {
         self.login.close();
         self.directory.open(view);
         self.alarms.open();
+        self.diagnosis = diagnosis::Diagnosis::default();
+        self.settings = settings::Settings::default();
         self.params.open();
     }
 
@@ -107,7 +109,7 @@ impl Pages {
             Page::Program => self.listing.ui(ui, rect, view, typed.pages),
             Page::Directory => self.directory.ui(ui, rect, view, typed.edits, typed.pages),
             Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
-            Page::Settings => self.settings.ui(ui, rect, view, &mut self.login),
+            Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),
             Page::Diagnosis => {
                 self.diagnosis.ui(ui, rect, view, typed);
                 Vec::new()
