@@ -301,6 +301,7 @@ impl Controller {
     /// A parameter that the control itself changes.
     fn keep_param(&mut self, at: ParamAddress, value: f64) {
         if self.params.write(at, value).is_ok() {
+            self.pages.show(&self.params);
             self.effects.push(Effect::Param(at, value));
             self.pages.show(&self.params);
         }
