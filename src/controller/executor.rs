@@ -3,13 +3,14 @@
 
 use std::sync::Arc;
 
+use super::axes::MINUTE;
 use super::run::{Act, Doing, Forbidden, Item, MCall, MOST_ITEMS, PlannedMove, Reading, Run, Speed};
 use super::system::{RunWorld, nc_settings};
 use super::{Controller, Effect, Event, Phase};
 use crate::defs::alarm;
 use crate::defs::mcode::{Action, Request};
 use crate::defs::param;
-use crate::defs::signal::Input;
+use crate::defs::signal::{Input, Output};
 use crate::defs::text::{Lang, Said};
 use crate::machine::Answer;
 use crate::motion::{End, Move, Override};
@@ -159,11 +160,7 @@ impl Controller {
             Act::Dwell(seconds) => self.dwell(run, *seconds),
             Act::Wheel(..) if self.switches.mst_lock => Did::Done,
             Act::Wheel(value, mode) => {
-                if *mode == SpeedMode::Rpm {
-                    self.wheel_rpm = *value;
-                } else {
-                    self.refuse(Said::new("线速度 S 需要砂轮直径数据", "S in m/s or m/min needs the wheel's diameter"));
-                }
+                self.set_wheel_speed(*value, *mode);
                 Did::Done
             }
             Act::Skip(planned, signal) => self.skip(run, planned, *signal),
@@ -183,6 +180,22 @@ impl Controller {
                 Some(true) => Did::Close,
                 _ => Did::Wait,
             },
+        }
+    }
+
+    /// S: revolutions, or the speed of the wheel's rim by its diameter P77.
+    fn set_wheel_speed(&mut self, value: f64, mode: SpeedMode) {
+        let girth_m = std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER) / 1_000.0;
+        self.wheel_rpm = match mode {
+            SpeedMode::Rpm => value,
+            SpeedMode::MetresPerSecond => value * MINUTE / girth_m,
+            SpeedMode::SurfaceSpeed => value / girth_m,
+        };
+        if self.output_set.has(Output::Wheel) && self.wheel_rpm_given() < self.commanded_wheel_rpm() {
+            self.refuse(Said::new(
+                "S 超过砂轮额定线速度，按额定转速运行 (P77 P79)",
+                "S exceeds the wheel's rating: it runs at the rating (P77, P79)",
+            ));
         }
     }
 
