@@ -53,7 +53,7 @@ impl Alarms {
     fn remember(&mut self, alarm: &AlarmView) {
         let history = Arc::make_mut(&mut self.history);
         // Looked at again and still there: it never went.
-        let same = |past: &&mut PastAlarm| past.gone == Some(self.now) && past.alarm.text == alarm.text;
+        let same = |past: &&mut PastAlarm| past.gone == Some(alarm.since) && past.alarm.text == alarm.text;
         if let Some(past) = history.last_mut().filter(same) {
             past.gone = None;
             return;

@@ -251,6 +251,7 @@ impl Rig {
     /// The power comes (again): a cold start with the data so far.
     pub fn power_on(&mut self) {
         self.powered = true;
+        self.machine.power_on(&self.retained.params);
         self.image = self.machine.read(self.now);
         self.controller = Controller::new(self.kind, self.retained.clone(), self.image, self.now);
         self.deliver();
