@@ -6,7 +6,7 @@ mod sim_rig;
 use kt830::defs::kind::Kind;
 use kt830::defs::param::{self, ParamAddress, Params};
 use kt830::defs::signal::{Input, Output, Terminals};
-use kt830::io::sim::{EventKind, MachineFile, SimulatedMachine};
+use kt830::io::sim::{EventKind, MachineFile, PartFile, SimulatedMachine};
 use kt830::units::Axis;
 use sim_rig::{Rig, cold_of, connect, driven_of, program_of, ready, ready_wired, ready_with};
 
@@ -457,6 +457,14 @@ fn p8_a_standing_wheel_pressed_onto_the_part_is_a_crash_on_every_kind() {
         let places: Vec<_> = rig.sim.events().iter().map(|event| event.place).collect();
         assert_eq!(places, ["part, wheel standing"], "O{program}");
     }
+}
+
+#[test]
+fn p4_a_part_for_another_kind_of_machine_does_not_fit_in() {
+    let mut rig = ready(1007);
+    assert!(rig.sim.height_at(100.0, 30.0).is_some());
+    rig.sim.set_part(PartFile::builtin(1002).unwrap().as_ref());
+    assert!(rig.sim.measure().diameters.is_empty() && rig.sim.height_at(100.0, 30.0).is_none());
 }
 
 #[test]

@@ -74,10 +74,10 @@ impl Controller {
         }
     }
 
-    /// A dwell does not run on while the program is held.
+    /// A dwell does not run on while the program is held, or comes back from a hold.
     fn stretch_dwell(&self, run: &mut Run) {
         if let Doing::Dwell { until } = &mut run.doing
-            && !matches!(self.phase, Phase::Running)
+            && (!matches!(self.phase, Phase::Running) || matches!(run.items.front(), Some(Item::Move(_))))
         {
             *until = *until + self.tick;
         }
@@ -417,28 +417,31 @@ impl Controller {
         let at = run.block.at;
         let place =
             Said::new(format!("O{:04} 第{}行", at.program, at.line), format!("O{:04} line {}", at.program, at.line));
-        let (number, cause) = match *forbidden {
+        let number = match forbidden {
+            Forbidden::SoftLimit(..) => alarm::SOFT_LIMIT,
+            Forbidden::NotYet(_) => alarm::M_NOT_YET,
+        };
+        let cause = self.forbidden(forbidden);
+        let said = Said::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
+        run.items.push_back(Item::Do(Act::Alarm(number, said, at)));
+    }
+
+    /// What may not be done, in words.
+    pub(super) fn forbidden(&self, forbidden: &Forbidden) -> Said {
+        match *forbidden {
             Forbidden::SoftLimit(axis, to, limit) => {
                 let factor = self.displayed_per_mm(axis);
                 let (to, limit) = (to * factor, limit * factor);
-                (
-                    alarm::SOFT_LIMIT,
-                    Said::new(
-                        format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
-                        format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
-                    ),
+                Said::new(
+                    format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
+                    format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
                 )
             }
-            Forbidden::NotYet(code) => (
-                alarm::M_NOT_YET,
-                Said::new(
-                    format!("M{code:02} 在本版本中还没有"),
-                    format!("M{code:02} is not available in this version"),
-                ),
+            Forbidden::NotYet(code) => Said::new(
+                format!("M{code:02} 在本版本中还没有"),
+                format!("M{code:02} is not available in this version"),
             ),
-        };
-        let said = Said::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
-        run.items.push_back(Item::Do(Act::Alarm(number, said, at)));
+        }
     }
 
     /// Overrides as factors of this tick.
@@ -475,7 +478,7 @@ impl Controller {
     }
 
     /// Once the axes stand, the moves handed over go back to the run, which then gives out one block at a time.
-    fn take_back_moves(&mut self, run: &mut Run) {
+    pub(super) fn take_back_moves(&mut self, run: &mut Run) {
         if !self.axes.path.is_at_rest() {
             return;
         }

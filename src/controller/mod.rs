@@ -13,6 +13,7 @@ mod effect;
 mod executor;
 mod filter;
 mod hand;
+mod hold;
 mod homing;
 mod keys;
 mod library;

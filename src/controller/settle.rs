@@ -29,7 +29,11 @@ impl Controller {
             if matches!(self.phase, Phase::Aborting) {
                 self.close_run();
             }
+            let held = matches!(self.phase, Phase::Holding);
             self.happen(Event::AtRest);
+            if held {
+                self.withdraw_wheel();
+            }
         }
         self.axes.set_drives(self.drives_on);
         if !self.drives_on && rest {

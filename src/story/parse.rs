@@ -441,7 +441,9 @@ impl Words {
                 "event" => Some(Expectation::NoEvent),
                 _ => None,
             })?,
-            "event" => Expectation::Event(self.one_of("a kind of event: crash, burn, flat", EventKind::from_id)?),
+            "event" => {
+                Expectation::Event(self.one_of("a kind of event: crash, burn, flat, overspeed", EventKind::from_id)?)
+            }
             "state" => Expectation::State(self.one_of("a state", state)?),
             "message" => Expectation::Message(self.quoted()?),
             "page" => {

@@ -15,7 +15,6 @@ use super::report::{Event, EventKind, EventLog, PartReport};
 use super::spindle::Spindle;
 use super::surface::{Pass, Surface, Touch, Traverse};
 use super::wheel::Wheel;
-use crate::defs::kind::Kind;
 use crate::io::random::SplitMix64;
 use crate::units::{Axis, PerAxis};
 
@@ -66,7 +65,6 @@ pub(super) struct Grinding {
 /// What the machine file says.
 #[derive(Clone, Debug)]
 struct Fixed {
-    kind: Kind,
     layout: LayoutFile,
     cutting: CuttingFile,
     dresser: Option<DresserFile>,
@@ -87,7 +85,6 @@ impl Grinding {
             contact_mm: file.cutting.contact_mm,
         };
         let machine = Fixed {
-            kind: file.kind,
             layout: file.layout,
             cutting: file.cutting.clone(),
             dresser: file.dresser.clone(),
@@ -113,13 +110,13 @@ impl Grinding {
         }
     }
 
-    /// Puts a part in, fresh from its file, or takes it out. A part for another kind of machine does not fit in.
+    /// Puts a part in, fresh from its file, or takes it out.
     pub(super) fn set_part(&mut self, part: Option<&PartFile>, chance: &mut SplitMix64) {
         self.surfaces.clear();
         self.obstacles.clear();
         self.gauge = None;
         self.gone = false;
-        if let Some(part) = part.filter(|part| part.kind == self.machine.kind) {
+        if let Some(part) = part {
             self.zero = part.g54_mm;
             self.gauge = part.gauge;
             self.surfaces.extend(part.surfaces.iter().filter_map(|file| Surface::new(file, chance)));

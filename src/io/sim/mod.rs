@@ -147,8 +147,10 @@ impl SimulatedMachine {
         self.chance = SplitMix64::new(seed);
     }
 
-    /// Puts another part in, fresh from its file, or takes the part out. The axes stay where they are.
+    /// Puts another part in, fresh from its file, or takes the part out. The axes stay where they are. A part
+    /// for another kind of machine does not fit in.
     pub fn set_part(&mut self, part: Option<&PartFile>) {
+        let part = part.filter(|part| part.kind == self.file.kind);
         self.grinding.set_part(part, &mut self.chance);
         if let Some(part) = part {
             self.start_mm = PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]);

@@ -359,6 +359,21 @@ mod tests {
     }
 
     #[test]
+    fn p4_a_surface_that_the_kind_of_machine_cannot_grind_is_refused() {
+        let part = BUILTIN[2].1.replacen("kind: Gs", "kind: Ga", 1);
+        let said = PartFile::parse(&part).unwrap_err().to_string();
+        assert_eq!(said, "surface 1: the part's kind of machine cannot grind it");
+    }
+
+    #[test]
+    fn p4_a_plane_has_no_more_cells_than_are_allowed() {
+        let part = BUILTIN[2].1.replacen("cell: 1.0", "cell: 0.01", 1);
+        let said = PartFile::parse(&part).unwrap_err().to_string();
+        // 200 · 60 mm at 0.01 mm.
+        assert!(said.starts_with("surface 1: cells is 120000000"), "{said}");
+    }
+
+    #[test]
     fn p4_a_part_without_length_is_refused_with_its_surface() {
         let part = BUILTIN[1].1.replacen("z_to: 48.0", "z_to: 30.0", 1);
         let said = PartFile::parse(&part).unwrap_err().to_string();

@@ -27,6 +27,12 @@ pub(super) struct Plane {
     height_mm: Box<[f64]>,
     /// No cell stands higher.
     highest_mm: f64,
+    /// No cell of the column stands higher, so that the cells of those far below are not looked at.
+    column_mm: Box<[f64]>,
+    /// How far the rim stands back over each row, in this tick; only the rows under the wheel are up to date.
+    rim_mm: Box<[f64]>,
+    /// What each row has given in this tick, mm of depth.
+    gave_mm: Box<[f64]>,
 }
 
 /// Cells one after the other in one direction.
@@ -85,7 +91,10 @@ impl Plane {
         };
         let height_mm: Box<[f64]> = (0..x.count * z.count).map(height).collect();
         let highest_mm = height_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Some(Self { x, z, height_mm, highest_mm })
+        let column = |column: &[f64]| column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let column_mm = height_mm.chunks(z.count).map(column).collect();
+        let row = vec![0.0; z.count].into_boxed_slice();
+        Some(Self { x, z, height_mm, highest_mm, column_mm, rim_mm: row.clone(), gave_mm: row })
     }
 
     /// No cell stands higher, mm.
@@ -114,52 +123,78 @@ impl Plane {
     }
 
     /// Greatest overlap with the wheel, mm; zero or less is none.
-    pub(super) fn overlap_mm(&self, pass: &Pass, wheel: &Wheel) -> f64 {
+    pub(super) fn overlap_mm(&mut self, pass: &Pass, wheel: &Wheel) -> f64 {
         if pass.front_mm >= self.highest_mm {
             return 0.0;
         }
         let (xs, zs) = self.under(pass, wheel);
+        if xs.is_empty() || zs.is_empty() {
+            return 0.0;
+        }
+        for z in zs.clone() {
+            let slice = wheel.slice_at(self.z.middle(z) - pass.left_mm);
+            self.rim_mm[z] = slice.map_or(f64::INFINITY, |slice| wheel.rim_mm(slice));
+        }
         let mut greatest = 0.0_f64;
         for x in xs {
             let surface = pass.front_mm + self.met(x, pass, wheel).0;
-            for z in zs.clone() {
-                let overlap = self.height_mm[x * self.z.count + z] - surface;
-                if overlap > greatest
-                    && let Some(slice) = wheel.slice_at(self.z.middle(z) - pass.left_mm)
-                {
-                    greatest = greatest.max(overlap - wheel.rim_mm(slice));
+            if surface < self.column_mm[x] {
+                let heights = &self.height_mm[x * self.z.count..][zs.clone()];
+                for (h, rim) in heights.iter().zip(&self.rim_mm[zs.clone()]) {
+                    greatest = greatest.max(h - surface - rim);
                 }
             }
         }
         greatest
     }
 
-    /// Grinds what overlaps for one tick.
+    /// Grinds what overlaps for one tick; the overlap was asked for before.
     pub(super) fn grind(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
         let tau = wheel.rim_s();
         let slower = wheel.slower(tau);
         let across = pass.across_mm_s / (pass.traverse.across_mm * slower);
-        let area = self.x.cell_mm * self.z.cell_mm;
         let (xs, zs) = self.under(pass, wheel);
-        let (mut volume, mut widest) = (0.0, 0.0_f64);
+        self.gave_mm[zs.clone()].fill(0.0);
+        let mut widest = 0;
         for x in xs {
             let (lift, way) = self.met(x, pass, wheel);
-            let taken = taken(pass.dt_s, tau, across + way / (pass.traverse.plane_mm * slower * pass.dt_s));
-            let mut width = 0.0;
-            for z in zs.clone() {
-                let Some(slice) = wheel.slice_at(self.z.middle(z) - pass.left_mm) else { continue };
-                let h = &mut self.height_mm[x * self.z.count + z];
-                let overlap = *h - pass.front_mm - lift - wheel.rim_mm(slice);
-                if overlap > 0.0 {
-                    *h -= overlap * taken;
-                    wheel.wear_rim(slice, area * overlap * taken);
-                    volume += area * overlap * taken;
-                    width += self.z.cell_mm;
-                }
+            let surface = pass.front_mm + lift;
+            if surface >= self.column_mm[x] {
+                continue;
             }
-            widest = widest.max(width);
+            let taken = taken(pass.dt_s, tau, across + way / (pass.traverse.plane_mm * slower * pass.dt_s));
+            widest = widest.max(self.grind_column(x, &zs, surface, taken));
         }
-        Cut { volume_mm3: volume, specific_mm2: if widest > 0.0 { volume / widest } else { 0.0 } }
+        let area = self.x.cell_mm * self.z.cell_mm;
+        let mut volume = 0.0;
+        for z in zs {
+            let gave = area * self.gave_mm[z];
+            if gave > 0.0
+                && let Some(slice) = wheel.slice_at(self.z.middle(z) - pass.left_mm)
+            {
+                wheel.wear_rim(slice, gave);
+                volume += gave;
+            }
+        }
+        let width = widest as f64 * self.z.cell_mm;
+        Cut { volume_mm3: volume, specific_mm2: if widest > 0 { volume / width } else { 0.0 } }
+    }
+
+    /// Takes a share of what stands above the wheel's surface in a column; tells how many cells that were.
+    fn grind_column(&mut self, x: usize, zs: &Range<usize>, surface: f64, taken: f64) -> usize {
+        let column = &mut self.height_mm[x * self.z.count..][..self.z.count];
+        let (rims, gave) = (&self.rim_mm[zs.clone()], &mut self.gave_mm[zs.clone()]);
+        let mut touched = 0;
+        for ((h, rim), gave) in column[zs.clone()].iter_mut().zip(rims).zip(gave) {
+            let overlap = (*h - surface - rim).max(0.0);
+            touched += usize::from(overlap > 0.0);
+            *h -= overlap * taken;
+            *gave += overlap * taken;
+        }
+        if touched > 0 {
+            self.column_mm[x] = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        }
+        touched
     }
 
     /// Height at a place, between the middles of the cells; `None` beside the plane.

@@ -123,8 +123,8 @@ impl Surface {
     }
 
     /// Greatest overlap with the wheel, mm; zero or less is none.
-    pub(super) fn overlap_mm(&self, pass: &Pass, wheel: &Wheel) -> f64 {
-        match &self.cells {
+    pub(super) fn overlap_mm(&mut self, pass: &Pass, wheel: &Wheel) -> f64 {
+        match &mut self.cells {
             Cells::Line(line) => line.overlap_mm(pass, wheel),
             Cells::Field(field) => field.overlap_mm(pass, wheel),
         }

@@ -36,6 +36,8 @@ pub(super) struct Wheel {
     dull_per_mm3: f64,
     /// How far each slice of the rim has gone back, from −Z to +Z.
     rim_mm: [f64; SLICES],
+    /// The sum of these.
+    rims_mm: f64,
     side_mm: [f64; 2],
     rim_dull: f64,
     side_dull: [f64; 2],
@@ -55,6 +57,7 @@ impl Wheel {
             rim_mm_per_mm3: (file.grinding_ratio * PI * file.diameter_mm * slice_mm).recip(),
             dull_per_mm3: cutting.dull_after_mm3.recip(),
             rim_mm: [0.0; SLICES],
+            rims_mm: 0.0,
             side_mm: [0.0; 2],
             rim_dull: 0.0,
             side_dull: [0.0; 2],
@@ -81,7 +84,7 @@ impl Wheel {
 
     /// Mean diameter, mm.
     pub(super) fn diameter_mm(&self) -> f64 {
-        2.0 * (self.radius_mm - self.rim_mm.iter().sum::<f64>() / SLICES as f64)
+        2.0 * (self.radius_mm - self.rims_mm / SLICES as f64)
     }
 
     /// Slice of the rim at a distance from the left side, if the wheel is there.
@@ -141,6 +144,7 @@ impl Wheel {
     /// A slice of the rim has removed a volume.
     pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64) {
         self.rim_mm[slice] += volume_mm3 * self.rim_mm_per_mm3;
+        self.rims_mm += volume_mm3 * self.rim_mm_per_mm3;
         self.rim_dull = (self.rim_dull + volume_mm3 * self.dull_per_mm3).min(1.0);
     }
 
@@ -156,6 +160,7 @@ impl Wheel {
     /// `sharpened` is 0 for a mere touch to 1 for a cut as deep as it takes.
     pub(super) fn dress(&mut self, slice: usize, depth_mm: f64, sharpened: f64) {
         self.rim_mm[slice] += depth_mm;
+        self.rims_mm += depth_mm;
         self.rim_dull = (self.rim_dull - sharpened / SLICES as f64).max(0.0);
         let side = match slice {
             0 => Side::Left,
