@@ -303,7 +303,6 @@ impl Controller {
         if self.params.write(at, value).is_ok() {
             self.pages.show(&self.params);
             self.effects.push(Effect::Param(at, value));
-            self.pages.show(&self.params);
         }
     }
 
