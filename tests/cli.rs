@@ -50,6 +50,21 @@ fn diameter(report: &Value) -> f64 {
 }
 
 #[test]
+fn k1_the_kind_set_on_the_machine_holds_where_none_is_asked_for() {
+    let data = tempfile::tempdir().unwrap();
+    std::fs::write(data.path().join("settings.ron"), "(kind: Some(Gs))").unwrap();
+    let folder = data.path().to_string_lossy().into_owned();
+    let (_story, path) = file("magnet.story", b"power on\nkey magnetise\nwait 0.5 s\nexpect output magnetise on\n");
+    let stored = kt830(&["play", &path, "--data", &folder]);
+    assert_eq!(status(&stored), 0, "{stored:?}");
+    let asked = kt830(&["play", &path, "--data", &folder, "--kind", "gc"]);
+    assert_ne!(status(&asked), 0, "the command line goes first: GC has no such key");
+    std::fs::write(data.path().join("settings.ron"), "(kind: Some(Gx))").unwrap();
+    let wrong = kt830(&["play", &path, "--data", &folder]);
+    assert!(status(&wrong) == 2 && errors(&wrong).contains("settings.ron line 1"), "{}", errors(&wrong));
+}
+
+#[test]
 fn t3_o1002_grinds_to_the_asked_diameter_within_2_um() {
     for asked in [40.0, 39.9, 40.1] {
         let set = format!("#521={asked}");

@@ -568,3 +568,24 @@ fn b5_external_start_and_hold_act_as_the_keys_do() {
     tell(&mut rig, "key cycle-start\nexpect state held\nexpect message \"外接暂停\"\ninput external-hold off");
     tell(&mut rig, "key cycle-start\nexpect state running");
 }
+
+#[test]
+fn p2_a_speed_above_the_wheels_rating_is_refused_at_the_start_and_not_reached_later() {
+    // 600 mm: 35 m/s are 35 × 60 / (π × 0.6) = 1114.1 rpm; 10 V are 1260 rpm, so 8.842 V.
+    let mut rig = ready_with("M03\nS1200\nM00\nM05\nS1200\nM03\nM30");
+    tell(&mut rig, "param P61 100\nparam P79 35\nmode auto\nkey cycle-start\nwait until stopped max 5 s");
+    tell(&mut rig, "expect message \"额定\"\nexpect output wheel on");
+    assert!((rig.controller().outputs().wheel_volts - 8.842).abs() < 0.001);
+    tell(&mut rig, "key cycle-start\nwait until alarm max 5 s\nexpect alarm 186\nexpect output wheel off");
+}
+
+#[test]
+fn b2_s_is_revolutions_or_metres_a_second_by_parameter() {
+    // 30 m/s at 600 mm are 954.93 rpm: 7.579 V of 10 V at 1260 rpm. G96 S in m/min: 1800 m/min are the same 30 m/s.
+    for (setup, text) in [("param P5.3 1\n", "S30\nM03\nM00\nM30"), ("", "G96 S1800\nM03\nM00\nM30")] {
+        let mut rig = ready_with(text);
+        tell(&mut rig, &format!("{setup}param P61 100\nmode auto\nkey cycle-start\nwait until stopped max 5 s"));
+        let volts = rig.controller().outputs().wheel_volts;
+        assert!((volts - 7.579).abs() < 0.001, "{volts}");
+    }
+}

@@ -143,12 +143,16 @@ mod tests {
         alarms.clear(alarm::HYDRAULIC);
         assert!(Arc::ptr_eq(&shown, alarms.history()), "nothing went: the list is not replaced");
         alarms.reset(|_| false);
+        alarms.at(Micros(12));
+        alarms.raise(alarm::TAILSTOCK, None, Micros(12), None);
+        alarms.clear(alarm::TAILSTOCK);
         alarms.raise(alarm::TAILSTOCK, None, Micros(12), None);
         let times: Vec<_> = alarms.history().iter().map(|past| (past.alarm.since, past.gone)).collect();
         assert_eq!(times, [(Micros(5), Some(Micros(9))), (Micros(12), None)]);
         assert_eq!(alarms.history()[0].alarm.place, Some((1_001, 7)));
         for round in 0..300 {
             alarms.clear(alarm::HYDRAULIC);
+            alarms.at(Micros(20 + round));
             alarms.raise(alarm::HYDRAULIC, None, Micros(20 + round), None);
         }
         assert_eq!(alarms.history().len(), MOST_HISTORY);

@@ -1,6 +1,7 @@
 //! Moving by hand: axis keys, steps, handwheel, and homing.
 //! Source: spec K2.3, K5.9, K5.16, B5.
 
+use super::axes::Owner;
 use super::hand::HandLimits;
 use super::homing::{AxisHoming, HomingPlan, Progress};
 use super::{Controller, Event, Homing, MINUTE_HZ, Phase};
@@ -17,6 +18,7 @@ use crate::units::{Axis, PerAxis};
 const FINE_STEP_MM: f64 = 0.010_5;
 
 const INTO_LIMIT: Text = Text::new("限位方向，请向反方向移开", "onto the limit switch: move the other way");
+const STILL_MOVING: Text = Text::new("轴还在运动，请稍候", "the axes still move");
 const OPEN_RUN: Text =
     Text::new("轴还在运动或程序未结束，先复位", "axes still move, or a program is open: press RESET");
 
@@ -26,10 +28,10 @@ impl Controller {
         if self.mode != Mode::Handwheel {
             return self.refuse(Said::new("手轮方式下手轮才有效", "the handwheel works in mode HANDWHEEL"));
         }
-        if !matches!(self.phase, Phase::Idle) {
-            return self.refuse(OPEN_RUN);
+        if !self.is_free_for_hand() {
+            return self.refuse(STILL_MOVING);
         }
-        if !matches!(self.ask(Request::MoveByHand), Answer::Taken) {
+        if !matches!(self.ask(Request::MoveByHand), Answer::Taken) || !self.part_from_run() {
             return;
         }
         let axis = self.hand.axis;
@@ -56,18 +58,16 @@ impl Controller {
         let Some((axis, direction)) = key.jog() else { return };
         match self.mode {
             Mode::Home => self.home_axis(axis),
-            Mode::Manual | Mode::Step if !matches!(self.phase, Phase::Idle) => {
-                self.refuse(OPEN_RUN);
-            }
+            Mode::Manual | Mode::Step if !self.is_free_for_hand() => self.refuse(STILL_MOVING),
             Mode::Manual => {
                 if self.runs_into_limit(axis, direction) {
                     self.refuse(INTO_LIMIT);
-                } else if matches!(self.ask(Request::MoveByHand), Answer::Taken) {
+                } else if matches!(self.ask(Request::MoveByHand), Answer::Taken) && self.part_from_run() {
                     self.hand.hold(axis, direction, self.now);
                 }
             }
             Mode::Step => {
-                if matches!(self.ask(Request::MoveByHand), Answer::Taken) {
+                if matches!(self.ask(Request::MoveByHand), Answer::Taken) && self.part_from_run() {
                     let distance = direction * self.hand.step_mm / self.displayed_per_mm(axis);
                     self.step_by(axis, distance);
                 }
@@ -140,7 +140,7 @@ impl Controller {
                     self.raise(alarm::HOMING_FAILED, Some(Said::new(axis.to_string(), axis.to_string())));
                 }
             }
-        } else if matches!(self.phase, Phase::Idle) {
+        } else if matches!(self.phase, Phase::Idle) || self.is_free_for_hand() && self.axes.owner() == Owner::Hand {
             let limits = HandLimits {
                 feed: f64::from(self.overrides.feed) / 100.0,
                 rapid: self.rate().rapid,

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Controller, Event, Phase};
+use super::{Controller, Phase};
 use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
@@ -41,8 +41,7 @@ impl Controller {
         if matches!(self.phase, Phase::Idle) {
             return self.start_program();
         }
-        self.axes.path.resume();
-        self.happen(Event::Start);
+        self.resume_run();
     }
 
     fn start_program(&mut self) {

@@ -3,13 +3,14 @@
 
 use std::sync::Arc;
 
+use super::axes::MINUTE;
 use super::run::{Act, Doing, Forbidden, Item, MCall, MOST_ITEMS, PlannedMove, Reading, Run, Speed};
 use super::system::{RunWorld, nc_settings};
 use super::{Controller, Effect, Event, Phase};
 use crate::defs::alarm;
 use crate::defs::mcode::{Action, Request};
 use crate::defs::param;
-use crate::defs::signal::Input;
+use crate::defs::signal::{Input, Output};
 use crate::defs::text::{Lang, Said};
 use crate::machine::Answer;
 use crate::motion::{End, Move, Override};
@@ -74,10 +75,10 @@ impl Controller {
         }
     }
 
-    /// A dwell does not run on while the program is held.
+    /// A dwell does not run on while the program is held, or comes back from a hold.
     fn stretch_dwell(&self, run: &mut Run) {
         if let Doing::Dwell { until } = &mut run.doing
-            && !matches!(self.phase, Phase::Running)
+            && (!matches!(self.phase, Phase::Running) || matches!(run.items.front(), Some(Item::Move(_))))
         {
             *until = *until + self.tick;
         }
@@ -159,11 +160,7 @@ impl Controller {
             Act::Dwell(seconds) => self.dwell(run, *seconds),
             Act::Wheel(..) if self.switches.mst_lock => Did::Done,
             Act::Wheel(value, mode) => {
-                if *mode == SpeedMode::Rpm {
-                    self.wheel_rpm = *value;
-                } else {
-                    self.refuse(Said::new("线速度 S 需要砂轮直径数据", "S in m/s or m/min needs the wheel's diameter"));
-                }
+                self.set_wheel_speed(*value, *mode);
                 Did::Done
             }
             Act::Skip(planned, signal) => self.skip(run, planned, *signal),
@@ -183,6 +180,22 @@ impl Controller {
                 Some(true) => Did::Close,
                 _ => Did::Wait,
             },
+        }
+    }
+
+    /// S: revolutions, or the speed of the wheel's rim by its diameter P77.
+    fn set_wheel_speed(&mut self, value: f64, mode: SpeedMode) {
+        let girth_m = std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER) / 1_000.0;
+        self.wheel_rpm = match mode {
+            SpeedMode::Rpm => value,
+            SpeedMode::MetresPerSecond => value * MINUTE / girth_m,
+            SpeedMode::SurfaceSpeed => value / girth_m,
+        };
+        if self.output_set.has(Output::Wheel) && self.wheel_rpm_given() < self.commanded_wheel_rpm() {
+            self.refuse(Said::new(
+                "S 超过砂轮额定线速度，按额定转速运行 (P77 P79)",
+                "S exceeds the wheel's rating: it runs at the rating (P77, P79)",
+            ));
         }
     }
 
@@ -417,28 +430,31 @@ impl Controller {
         let at = run.block.at;
         let place =
             Said::new(format!("O{:04} 第{}行", at.program, at.line), format!("O{:04} line {}", at.program, at.line));
-        let (number, cause) = match *forbidden {
+        let number = match forbidden {
+            Forbidden::SoftLimit(..) => alarm::SOFT_LIMIT,
+            Forbidden::NotYet(_) => alarm::M_NOT_YET,
+        };
+        let cause = self.forbidden(forbidden);
+        let said = Said::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
+        run.items.push_back(Item::Do(Act::Alarm(number, said, at)));
+    }
+
+    /// What may not be done, in words.
+    pub(super) fn forbidden(&self, forbidden: &Forbidden) -> Said {
+        match *forbidden {
             Forbidden::SoftLimit(axis, to, limit) => {
                 let factor = self.displayed_per_mm(axis);
                 let (to, limit) = (to * factor, limit * factor);
-                (
-                    alarm::SOFT_LIMIT,
-                    Said::new(
-                        format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
-                        format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
-                    ),
+                Said::new(
+                    format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
+                    format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
                 )
             }
-            Forbidden::NotYet(code) => (
-                alarm::M_NOT_YET,
-                Said::new(
-                    format!("M{code:02} 在本版本中还没有"),
-                    format!("M{code:02} is not available in this version"),
-                ),
+            Forbidden::NotYet(code) => Said::new(
+                format!("M{code:02} 在本版本中还没有"),
+                format!("M{code:02} is not available in this version"),
             ),
-        };
-        let said = Said::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
-        run.items.push_back(Item::Do(Act::Alarm(number, said, at)));
+        }
     }
 
     /// Overrides as factors of this tick.
@@ -475,7 +491,7 @@ impl Controller {
     }
 
     /// Once the axes stand, the moves handed over go back to the run, which then gives out one block at a time.
-    fn take_back_moves(&mut self, run: &mut Run) {
+    pub(super) fn take_back_moves(&mut self, run: &mut Run) {
         if !self.axes.path.is_at_rest() {
             return;
         }

@@ -13,6 +13,7 @@ mod effect;
 mod executor;
 mod filter;
 mod hand;
+mod hold;
 mod homing;
 mod keys;
 mod library;
@@ -300,8 +301,8 @@ impl Controller {
     /// A parameter that the control itself changes.
     fn keep_param(&mut self, at: ParamAddress, value: f64) {
         if self.params.write(at, value).is_ok() {
-            self.effects.push(Effect::Param(at, value));
             self.pages.show(&self.params);
+            self.effects.push(Effect::Param(at, value));
         }
     }
 

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::{Controller, Effect, Phase};
+use super::{Controller, Effect};
 use crate::defs::kind::Kind;
 use crate::defs::param::{Level, ParamAddress, Params};
 use crate::defs::param_row;
@@ -14,7 +14,7 @@ use crate::defs::signal::Output;
 use crate::defs::text::{Said, Text};
 use crate::link::internal::{Internal, InternalSet};
 use crate::link::page_command::{Guard, PASSWORD_LENGTH, PageAnswer, PageCommand, PageWish};
-use crate::link::snapshot::{Access, Snapshot};
+use crate::link::snapshot::{Access, RunState, Snapshot};
 use crate::units::{Axis, Micros};
 
 /// Wrong passwords in a row after which there is a pause.
@@ -174,6 +174,7 @@ impl Controller {
 
     fn internals(&self) -> InternalSet {
         let facts = self.machine.facts(self.now, self.inputs, &self.params);
+        let state = self.state();
         let axes = [
             (Axis::X, Internal::HomedX, Internal::MovingX),
             (Axis::Y, Internal::HomedY, Internal::MovingY),
@@ -190,10 +191,10 @@ impl Controller {
             .with(Internal::AlarmBlocksStart, self.alarms.block_start())
             .with(Internal::InPosition, self.is_in_position())
             .with(Internal::RunOpen, self.run.is_some())
-            .with(Internal::Running, matches!(self.phase, Phase::Running))
-            .with(Internal::Held, matches!(self.phase, Phase::Holding | Phase::Held))
-            .with(Internal::Waiting, self.is_waiting())
-            .with(Internal::Homing, matches!(self.phase, Phase::Homing { .. }))
+            .with(Internal::Running, matches!(state, RunState::Running | RunState::Waiting))
+            .with(Internal::Held, state == RunState::Held)
+            .with(Internal::Waiting, state == RunState::Waiting)
+            .with(Internal::Homing, state == RunState::Homing)
             .with(Internal::SingleBlock, self.switches.single_block)
             .with(Internal::BlockSkip, self.switches.block_skip)
             .with(Internal::OptionalStop, self.switches.optional_stop)

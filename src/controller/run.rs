@@ -9,6 +9,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::axes::{MINUTE, soft_limits};
+use super::hold::Parted;
 use crate::defs::mcode::{self, Action, MCode, Request};
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
@@ -34,6 +35,18 @@ pub struct PlannedMove {
     pub end: End,
     /// Mark in the path planner, once it is there.
     pub tag: Option<u32>,
+    /// The axes that the block names.
+    pub words: AxisSet,
+    /// Those of them that it names as distances.
+    pub incremental: AxisSet,
+}
+
+impl PlannedMove {
+    /// A move that ends at rest, not yet handed to the planner.
+    #[must_use]
+    pub const fn new(to: PerAxis<f64>, shape: Shape, speed: Speed, (words, incremental): Named) -> Self {
+        Self { to, shape, speed, end: End::ExactStop, tag: None, words, incremental }
+    }
 }
 
 /// The speed of a move.
@@ -182,6 +195,8 @@ pub struct Run {
     pub splitting: bool,
     /// In-position wait of the item at the front.
     pub settle_since: Option<Micros>,
+    /// The hand has the axes, in a hold.
+    pub parted: Option<Parted>,
 }
 
 /// Frames and position at the end of what has been read.
@@ -193,6 +208,11 @@ pub struct Planned {
     pub machine: PerAxis<f64>,
     path: PathMode,
 }
+
+/// The axes that a block names, and those of them that it names as distances.
+type Named = (AxisSet, AxisSet);
+/// G53 names places.
+const ALL_NAMED: Named = (AxisSet::of(Axis::X).with(AxisSet::of(Axis::Y)).with(AxisSet::of(Axis::Z)), AxisSet::NONE);
 
 /// What a move may not do.
 #[derive(Clone, Debug, PartialEq)]
@@ -229,6 +249,7 @@ impl Run {
             since: now,
             splitting: false,
             settle_since: None,
+            parted: None,
         }
     }
 
@@ -268,25 +289,27 @@ impl Planned {
     /// Turns one operation into items.
     fn take(&mut self, op: &Op, at: Place, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
         let act = match op {
-            Op::Rapid { to, words, .. } => {
-                return self.line(*to, Speed::Rapid, *words, items, params);
+            Op::Rapid { to, words, incremental } => {
+                return self.line(*to, Speed::Rapid, (*words, *incremental), items, params);
             }
-            Op::Feed { to, feed, words, .. } => {
-                return self.line(*to, speed(*feed), *words, items, params);
+            Op::Feed { to, feed, words, incremental } => {
+                return self.line(*to, speed(*feed), (*words, *incremental), items, params);
             }
             Op::Arc { .. } => return self.arc(op, items, params),
             Op::MachineMove { to, feed } => {
                 let target = PerAxis::from_fn(|axis| to[axis].unwrap_or(self.machine[axis]));
-                return self.push(target, Shape::Line, feed.map_or(Speed::Rapid, speed), items, params);
+                let speed = feed.map_or(Speed::Rapid, speed);
+                return self.push(PlannedMove::new(target, Shape::Line, speed, ALL_NAMED), items, params);
             }
-            Op::Reference { via, words, .. } => {
-                self.line(*via, Speed::Rapid, *words, items, params)?;
+            Op::Reference { via, words, incremental } => {
+                self.line(*via, Speed::Rapid, (*words, *incremental), items, params)?;
                 let home = |axis: Axis| params.of_axis(param::HOME_X, axis);
                 let to = PerAxis::from_fn(|axis| if words.contains(axis) { home(axis) } else { self.machine[axis] });
-                return self.push(to, Shape::Line, Speed::Rapid, items, params);
+                let named = (*words, AxisSet::NONE);
+                return self.push(PlannedMove::new(to, Shape::Line, Speed::Rapid, named), items, params);
             }
-            Op::Skip { to, feed, signal, words, .. } => {
-                self.line(*to, speed(*feed), *words, items, params)?;
+            Op::Skip { to, feed, signal, words, incremental } => {
+                self.line(*to, speed(*feed), (*words, *incremental), items, params)?;
                 match items.pop_back() {
                     Some(Item::Move(planned)) => Act::Skip(Box::new(planned), *signal),
                     _ => return Ok(()),
@@ -329,12 +352,12 @@ impl Planned {
         &mut self,
         to: PerAxis<f64>,
         speed: Speed,
-        words: AxisSet,
+        named: Named,
         items: &mut VecDeque<Item>,
         params: &Params,
     ) -> Result<(), Forbidden> {
-        let target = self.target(to, words);
-        self.push(target, Shape::Line, speed, items, params)
+        let target = self.target(to, named.0);
+        self.push(PlannedMove::new(target, Shape::Line, speed, named), items, params)
     }
 
     /// Machine coordinates of a target; axes that the block does not name stay where they are.
@@ -344,7 +367,7 @@ impl Planned {
     }
 
     fn arc(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
-        let Op::Arc { to, center, plane, turn, feed, words, .. } = op else { return Ok(()) };
+        let Op::Arc { to, center, plane, turn, feed, words, incremental } = op else { return Ok(()) };
         let target = self.target(*to, *words);
         let center = self.frames.machine_from_work(*center);
         let plane = match plane {
@@ -363,28 +386,22 @@ impl Planned {
             }
         }
         let turn = if ccw { Turn::Ccw } else { Turn::Cw };
-        self.push(target, Shape::Arc { center, plane, turn }, speed(*feed), items, params)
+        let shape = Shape::Arc { center, plane, turn };
+        self.push(PlannedMove::new(target, shape, speed(*feed), (*words, *incremental)), items, params)
     }
 
-    fn push(
-        &mut self,
-        to: PerAxis<f64>,
-        shape: Shape,
-        speed: Speed,
-        items: &mut VecDeque<Item>,
-        params: &Params,
-    ) -> Result<(), Forbidden> {
+    fn push(&mut self, mut planned: PlannedMove, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
         for axis in Axis::ALL {
-            if (to[axis] - self.machine[axis]).abs() > 0.0 {
-                within(axis, to[axis], params)?;
+            if (planned.to[axis] - self.machine[axis]).abs() > 0.0 {
+                within(axis, planned.to[axis], params)?;
             }
         }
-        let end = match (speed, self.path) {
+        planned.end = match (planned.speed, self.path) {
             (Speed::Rapid, _) | (_, PathMode::ExactStop) => End::ExactStop,
             (_, PathMode::Continuous { tolerance_mm }) => End::Continuous { tolerance_mm },
         };
-        self.machine = to;
-        items.push_back(Item::Move(PlannedMove { to, shape, speed, end, tag: None }));
+        self.machine = planned.to;
+        items.push_back(Item::Move(planned));
         Ok(())
     }
 }
@@ -399,7 +416,7 @@ const fn speed(feed: Feed) -> Speed {
 /// Rounding slack of a limit, mm: far below the resolution.
 const LIMIT_SLACK_MM: f64 = 1e-6;
 
-fn within(axis: Axis, at: f64, params: &Params) -> Result<(), Forbidden> {
+pub(super) fn within(axis: Axis, at: f64, params: &Params) -> Result<(), Forbidden> {
     let (low, high) = soft_limits(params, axis);
     if at < low - LIMIT_SLACK_MM {
         return Err(Forbidden::SoftLimit(axis, at, low));

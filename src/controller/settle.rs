@@ -29,7 +29,11 @@ impl Controller {
             if matches!(self.phase, Phase::Aborting) {
                 self.close_run();
             }
+            let held = matches!(self.phase, Phase::Holding);
             self.happen(Event::AtRest);
+            if held {
+                self.withdraw_wheel();
+            }
         }
         self.axes.set_drives(self.drives_on);
         if !self.drives_on && rest {
@@ -59,7 +63,7 @@ impl Controller {
             self.outputs.terminals.set(self.params.output_port(output), true);
         }
         let volts = |rpm: f64, most: f64| (FULL_SCALE_VOLTS * rpm / most).clamp(0.0, FULL_SCALE_VOLTS);
-        let wheel = if on.has(Output::Wheel) { self.commanded_wheel_rpm() } else { 0.0 };
+        let wheel = if on.has(Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
         self.outputs.wheel_volts = volts(wheel, self.params.get(param::WHEEL_RPM_MAX));
         let drive = if self.machine.drive_is_on() { self.analog_2_rpm } else { 0.0 };
         self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));

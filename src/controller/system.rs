@@ -69,7 +69,7 @@ pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
         inch: false,
         tolerance_mm: params.get(param::PATH_TOLERANCE),
         arc_tolerance_mm: 0.01,
-        speed_unit: SpeedUnit::Rpm,
+        speed_unit: if params.bit(param::SPEED_AT_THE_RIM) { SpeedUnit::MetresPerSecond } else { SpeedUnit::Rpm },
         jump_input: params.get(param::JUMP_INPUT) as u32,
         tools: OFFSETS as u32,
         rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),

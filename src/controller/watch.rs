@@ -41,10 +41,17 @@ impl Controller {
         }
     }
 
-    /// The speed that the first analog output asks for, rpm, at 10 V at most.
+    /// The speed asked of the wheel, rpm, at 10 V at most. Above the wheel's rating it is not started (P2).
     pub(super) fn commanded_wheel_rpm(&self) -> f64 {
         let wanted = self.wheel_rpm * f64::from(self.overrides.spindle) / 100.0;
         wanted.min(self.params.get(param::WHEEL_RPM_MAX))
+    }
+
+    /// What the first analog output gives, rpm: a wheel that runs is not led beyond its rating either.
+    pub(super) fn wheel_rpm_given(&self) -> f64 {
+        let rim_mm_min = self.params.get(param::WHEEL_RATED_SPEED) * 60_000.0;
+        let rated = rim_mm_min / (std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER));
+        self.commanded_wheel_rpm().min(rated)
     }
 
     /// External cycle start and hold act at their edge, as the keys do (P335, P336).

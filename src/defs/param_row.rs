@@ -3,7 +3,6 @@
 
 use super::kind::Kind;
 use super::param::{BITS, Level, NUMBERS, ParamAddress, Params};
-use super::port;
 use super::signal::{Input, Output, PORTS};
 use super::text::{Said, Text};
 
@@ -68,7 +67,7 @@ pub fn rows(kind: Kind) -> Vec<ParamRow> {
     };
     let (into, out_of) = (Text::new("输入口", "input port"), Text::new("输出口", "output port"));
     let inputs = Input::ALL.iter().map(|input| port(input.port_param(), input.name(), into, Sort::Input(*input)));
-    let on_kind = Output::ALL.iter().filter(|output| port::is_of_kind(**output, kind));
+    let on_kind = Output::ALL.iter().filter(|output| output.is_of(kind));
     let outputs = on_kind.map(|output| port(output.port_param(), output.name(), out_of, Sort::Output(*output)));
     let mut numbers: Vec<ParamRow> = numbers.collect();
     let mut ports: Vec<ParamRow> = inputs.chain(outputs).collect();

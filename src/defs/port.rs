@@ -1,41 +1,10 @@
-//! Which inputs and outputs a machine has, and which of them were given the same port.
+//! Ports that were given to more than one function: what the diagnosis page shows, and the interlock table refuses.
 //! Source: spec K6.1. Functions of which only one can exist on a kind share a port without a conflict (P153); port 0 is
-//! "not connected"; a function that is switched off by its parameter takes no port.
+//! "not connected".
 
 use super::kind::Kind;
-use super::param::{self, Params};
+use super::param::Params;
 use super::signal::{Input, Output, PORTS};
-
-/// Whether a kind has an output.
-#[must_use]
-pub const fn is_of_kind(output: Output, kind: Kind) -> bool {
-    match output {
-        Output::HeadstockHigh | Output::HeadstockLow => matches!(kind, Kind::Gc),
-        Output::DresserRoll => matches!(kind, Kind::Gs),
-        Output::TableRotation => matches!(kind, Kind::Ga),
-        _ => true,
-    }
-}
-
-/// Whether an output is in use on a machine with these parameters.
-#[must_use]
-pub fn uses_output(output: Output, kind: Kind, params: &Params) -> bool {
-    match output {
-        Output::Tailstock => params.bit(param::TAILSTOCK_ENABLED),
-        Output::Magnetise | Output::Demagnetise => params.bit(param::MAGNET_ENABLED),
-        output => is_of_kind(output, kind),
-    }
-}
-
-/// Whether an input is in use on a machine with these parameters.
-#[must_use]
-pub fn uses_input(input: Input, params: &Params) -> bool {
-    match input {
-        Input::TailstockAdvanced | Input::TailstockRetracted => params.bit(param::TAILSTOCK_ENABLED),
-        Input::HomeY | Input::DriveY | Input::LimitYPlus | Input::LimitYMinus => params.bit(param::Y_FITTED),
-        _ => true,
-    }
-}
 
 /// One port that several functions were given.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,14 +18,13 @@ pub struct Conflict<T> {
 /// Input ports with more than one function.
 #[must_use]
 pub fn input_conflicts(params: &Params) -> Vec<Conflict<Input>> {
-    let used = Input::ALL.iter().copied().filter(|input| uses_input(*input, params));
-    conflicts(used, |input| params.input_port(input))
+    conflicts(Input::ALL.iter().copied(), |input| params.input_port(input))
 }
 
 /// Output ports with more than one function.
 #[must_use]
 pub fn output_conflicts(kind: Kind, params: &Params) -> Vec<Conflict<Output>> {
-    let used = Output::ALL.iter().copied().filter(|output| uses_output(*output, kind, params));
+    let used = Output::ALL.iter().copied().filter(|output| output.is_of(kind));
     conflicts(used, |output| params.output_port(output))
 }
 
@@ -101,11 +69,21 @@ mod tests {
     }
 
     #[test]
-    fn k6_1_a_function_that_is_switched_off_takes_no_port() {
-        let mut params = Params::factory(Kind::Gs);
-        params.write(ParamAddress { number: 303, bit: None }, 10.0).expect("a port");
-        assert_eq!(output_conflicts(Kind::Gs, &params), [], "GS has no tailstock: P16.2=0");
-        params.write(ParamAddress { number: 16, bit: Some(2) }, 1.0).expect("a bit");
-        assert_eq!(output_conflicts(Kind::Gs, &params).len(), 1);
+    fn k6_1_the_page_names_the_conflicts_that_the_interlock_refuses() {
+        for kind in Kind::ALL {
+            let mut params = Params::factory(kind);
+            for (number, port) in [(301, 10.0), (303, 10.0), (323, 13.0)] {
+                params.write(ParamAddress { number, bit: None }, port).expect("a port");
+            }
+            let (outputs, inputs) = (output_conflicts(kind, &params), input_conflicts(&params));
+            for output in Output::ALL.iter().filter(|output| output.is_of(kind)) {
+                let shown = outputs.iter().any(|conflict| conflict.functions.contains(output));
+                assert_eq!(shown, params.output_conflict(kind, *output).is_some(), "{}", output.id());
+            }
+            for input in Input::ALL {
+                let shown = inputs.iter().any(|conflict| conflict.functions.contains(input));
+                assert_eq!(shown, params.input_conflict(*input).is_some(), "{}", input.id());
+            }
+        }
     }
 }

@@ -82,6 +82,12 @@ impl Hmi {
         &self.pages.entry
     }
 
+    /// Why the value typed on the parameter page was refused, for tests.
+    #[must_use]
+    pub fn param_refusal(&self, lang: Lang) -> Option<String> {
+        self.pages.param_refusal(lang)
+    }
+
     /// Draws one frame over the whole `ui` and gives what the operator asked for in it.
     /// Gather the commands of all passes of a frame and send them once.
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {

@@ -129,6 +129,7 @@ fn map(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) {
                 }
                 Line::Entry(keys, name) => {
                     let (left, right) = place.split_left_right_at_fraction(0.48);
+                    let left = Rect::from_min_max(left.min, left.max - vec2(4.0, 0.0));
                     fit(painter, left, Align2::LEFT_CENTER, keys, theme::LABEL, view.theme.info);
                     fit(painter, right, Align2::LEFT_CENTER, name.get(view.lang), theme::LABEL, view.theme.text);
                 }

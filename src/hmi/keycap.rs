@@ -67,6 +67,7 @@ pub const fn label(key: Key, kind: Kind) -> Text {
         Key::Hydraulic => Text::new("液压", "HYDR"),
         Key::RadialGauge => Text::new("径向", "RADIAL"),
         Key::AxialGauge => Text::new("轴向", "AXIAL"),
+        Key::TableRotation => Text::new("台面旋转", "ROTATE"),
         Key::DressReturn => Text::new("回修整点", "POINT"),
         Key::WheelRetract => Text::new("一键回退", "RETRACT"),
         _ => key.label(),

@@ -4,10 +4,11 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Painter, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
+use super::entry::Edit;
 use super::keycap::{self, Face};
 use super::pictogram;
 use super::theme;
-use super::view::{View, fit};
+use super::view::{View, fit, frame};
 
 /// Height of a row of tabs or page keys.
 pub const TABS: f32 = 46.0;
@@ -54,6 +55,49 @@ pub fn tabs(ui: &Ui, view: &View<'_>, rect: Rect, keys: &[(&str, String)], chose
         }
     }
     touched
+}
+
+/// Walks over the keys of a page by keyboard: each key that is drawn asks whether it is the chosen one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Walk {
+    /// The chosen key, once the keyboard was used.
+    cursor: Option<usize>,
+    drawn: usize,
+    enter: bool,
+}
+
+impl Walk {
+    /// Begins a frame: what was typed moves the choice among the keys of the last frame, or acts.
+    pub fn begin(&mut self, edits: &[Edit]) {
+        let count = self.drawn.max(1);
+        self.enter = false;
+        for edit in edits {
+            match edit {
+                Edit::Down | Edit::Right | Edit::Next => {
+                    self.cursor = Some(self.cursor.map_or(0, |at| (at + 1) % count))
+                }
+                Edit::Up | Edit::Left | Edit::Previous => {
+                    self.cursor = Some(self.cursor.map_or(count - 1, |at| (at + count - 1) % count));
+                }
+                Edit::Enter => self.enter = true,
+                Edit::Cancel => self.cursor = None,
+                Edit::Char(_) | Edit::Sign | Edit::Back => {}
+            }
+        }
+        self.drawn = 0;
+    }
+
+    /// A key of the page by its name and label, touched or chosen and entered.
+    pub fn push(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, words: (&str, &str), look: Look) -> bool {
+        let (name, label) = words;
+        let chosen = self.cursor == Some(self.drawn);
+        self.drawn += 1;
+        let touched = push(ui, view, rect, name, label, look);
+        if chosen {
+            frame(ui.painter(), rect, view.theme.focus);
+        }
+        touched || (chosen && self.enter)
+    }
 }
 
 /// A small lamp with its figure: a filled disc and 1, or a ring and 0.

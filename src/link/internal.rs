@@ -33,8 +33,8 @@ internals! {
     DrivesOn = "drives-on", "驱动接通", "drives on";
     BusAlive = "bus-alive", "总线正常", "bus alive";
     EmergencyStopped = "emergency-stopped", "急停生效", "emergency stop in force";
-    ScreenEmergencyStop = "screen-emergency-stop", "屏幕急停按下", "emergency stop on the screen";
-    AlarmBlocksStart = "alarm-blocks-start", "报警禁止启动", "an alarm blocks cycle start";
+    ScreenEmergencyStop = "screen-emergency-stop", "屏幕急停按下", "screen e-stop pressed";
+    AlarmBlocksStart = "alarm-blocks-start", "报警禁止启动", "alarm blocks start";
     HomedX = "homed-x", "X 已回零", "X homed";
     HomedY = "homed-y", "Y 已回零", "Y homed";
     HomedZ = "homed-z", "Z 已回零", "Z homed";
@@ -56,7 +56,7 @@ internals! {
     TailstockMoving = "tailstock-moving", "尾座动作中", "tailstock moving";
     TailstockClamped = "tailstock-clamped", "尾座已顶紧", "tailstock advanced";
     HydraulicSettled = "hydraulic-settled", "液压延时到", "hydraulic delay over";
-    HydraulicLatched = "hydraulic-latched", "报警 180 待复位", "alarm 180 waits for RESET";
+    HydraulicLatched = "hydraulic-latched", "报警 180 待复位", "180 waits for RESET";
 }
 
 /// The states that are on.

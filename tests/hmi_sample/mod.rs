@@ -162,7 +162,8 @@ pub fn troubled(page: Page) -> Snapshot {
     let mut snapshot = alarm(page);
     let mut params = Params::factory(snapshot.kind);
     for (number, value) in [(301, 10.0), (302, 10.0), (332, 3.0), (333, 4.0), (352, 22.0)] {
-        assert!(params.write(ParamAddress { number, bit: None }, value).is_ok(), "P{number} = {value}");
+        let taken = params.write(ParamAddress { number, bit: None }, value);
+        assert!(taken.is_ok(), "P{number}");
     }
     snapshot.params = Arc::new(params);
     let past = |number: u16, minutes: u64, gone: Option<u64>| {

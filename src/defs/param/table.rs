@@ -35,6 +35,7 @@ bits! {
     HOME_MINUS_X = 5 bit 0, NO, Builder, "X 回零方向为负", "X homes in minus direction";
     HOME_MINUS_Y = 5 bit 1, NO, Builder, "Y 回零方向为负", "Y homes in minus direction";
     HOME_MINUS_Z = 5 bit 2, NO, Builder, "Z 回零方向为负", "Z homes in minus direction";
+    SPEED_AT_THE_RIM = 5 bit 3, NO, Builder, "S 为砂轮线速度 m/s", "S is the rim speed of the wheel, m/s";
     RADIUS_PROGRAMMING = 6 bit 0, [false, true, true], Builder, "半径编程", "radius programming";
     LEAST_INCREMENT = 6 bit 1, NO, Builder, "无小数点数值为最小单位", "numbers without a point are least increments";
     IN_POSITION_CHECK = 6 bit 2, NO, Builder, "准停时检测到位", "in-position check at every exact stop";

@@ -203,7 +203,6 @@ fn inputs(view: &View<'_>) -> Vec<Line> {
     let snapshot = view.snapshot;
     let inverted = snapshot.params.inverted_inputs();
     let twice = port::input_conflicts(&snapshot.params);
-    let used = Input::ALL.iter().filter(|input| port::uses_input(**input, &snapshot.params));
     let line = |input: &Input| {
         let port = snapshot.params.input_port(*input);
         let connected = port > 0;
@@ -219,7 +218,7 @@ fn inputs(view: &View<'_>) -> Vec<Line> {
             volts: None,
         }
     };
-    used.map(line).collect()
+    Input::ALL.iter().map(line).collect()
 }
 
 fn outputs(view: &View<'_>) -> Vec<Line> {
@@ -240,7 +239,7 @@ fn outputs(view: &View<'_>) -> Vec<Line> {
         param: 0,
         volts: Some(volts),
     });
-    let used = Output::ALL.iter().filter(|output| port::uses_output(**output, snapshot.kind, &snapshot.params));
+    let used = Output::ALL.iter().filter(|output| output.is_of(snapshot.kind));
     let line = |output: &Output| {
         let port = snapshot.params.output_port(*output);
         Line {

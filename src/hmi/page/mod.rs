@@ -20,6 +20,7 @@ use super::login::Login;
 use super::view::View;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
+use crate::defs::text::Lang;
 use crate::link::Command;
 use position::Shown;
 
@@ -57,12 +58,20 @@ impl Pages {
         self.login.close();
         self.directory.open(view);
         self.alarms.open();
+        self.diagnosis = diagnosis::Diagnosis::default();
+        self.settings = settings::Settings::default();
         self.params.open();
     }
 
     /// Another program is current.
     pub fn restart_entry(&mut self) {
         self.entry.restart();
+    }
+
+    /// Why the value typed on the parameter page was refused.
+    #[must_use]
+    pub fn param_refusal(&self, lang: Lang) -> Option<String> {
+        self.params.refused.as_ref().map(|said| said.get(lang).to_owned())
     }
 
     /// Whether the numeric pad is to slide in.
@@ -100,7 +109,7 @@ impl Pages {
             Page::Program => self.listing.ui(ui, rect, view, typed.pages),
             Page::Directory => self.directory.ui(ui, rect, view, typed.edits, typed.pages),
             Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
-            Page::Settings => self.settings.ui(ui, rect, view, &mut self.login),
+            Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),
             Page::Diagnosis => {
                 self.diagnosis.ui(ui, rect, view, typed);
                 Vec::new()

@@ -6,10 +6,11 @@ use egui::{Align2, Rect, Ui, pos2, vec2};
 use crate::defs::kind::Kind;
 use crate::defs::param::Level;
 use crate::defs::text::Lang;
+use crate::hmi::entry::Edit;
 use crate::hmi::login::Login;
 use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit, paragraph};
-use crate::hmi::widget::{self, Look};
+use crate::hmi::widget::{Look, Walk};
 use crate::link::Command;
 use crate::link::page_command::{Guard, PageCommand};
 
@@ -21,12 +22,14 @@ const KEY: f32 = 52.0;
 pub struct Settings {
     /// The kind that waits for the builder's password.
     waiting: Option<Kind>,
+    walk: Walk,
 }
 
 impl Settings {
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, login: &mut Login) -> Vec<Command> {
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
+        self.walk.begin(if login.is_open() { &[] } else { edits });
         if let Some(kind) = self.waiting {
             if view.snapshot.access.level >= Level::Builder {
                 out.push(Command::Page(PageCommand::KeepKind(kind)));
@@ -43,20 +46,22 @@ impl Settings {
             Rect::from_min_size(corner, vec2(half, height))
         };
         self.kind(ui, place(0.0, 0.0), view, login, &mut out);
-        language(ui, place(1.0, 0.0), view, &mut out);
-        level(ui, place(0.0, 1.0), view, login, &mut out);
-        passwords(ui, place(1.0, 1.0), view, login);
+        language(ui, place(1.0, 0.0), view, &mut self.walk, &mut out);
+        level(ui, place(0.0, 1.0), view, (&mut self.walk, login), &mut out);
+        passwords(ui, place(1.0, 1.0), view, &mut self.walk, login);
         out
     }
 
     fn kind(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let body = group(ui, view, rect, view.say("机床类型", "kind of machine"));
-        let keys: Vec<(&str, String)> = Kind::ALL.iter().map(|kind| (kind.id(), kind.id().to_uppercase())).collect();
         let next = view.snapshot.next_kind;
-        let chosen = Kind::ALL.iter().position(|kind| *kind == next).unwrap_or(0);
         let row = Rect::from_min_size(body.min, vec2(body.width(), KEY));
-        if let Some(index) = widget::tabs(ui, view, row, &keys, chosen) {
-            let kind = Kind::ALL[index];
+        for (index, kind) in Kind::ALL.into_iter().enumerate() {
+            let look = Look { on: kind == next, locked: view.snapshot.access.level < Level::Builder };
+            let place = cell(row, index, Kind::ALL.len());
+            if !self.walk.push(ui, view, place, (kind.id(), &kind.id().to_uppercase()), look) {
+                continue;
+            }
             if view.snapshot.access.level >= Level::Builder {
                 out.push(Command::Page(PageCommand::KeepKind(kind)));
             } else {
@@ -78,6 +83,12 @@ impl Settings {
     }
 }
 
+/// One of so many keys side by side.
+fn cell(row: Rect, index: usize, count: usize) -> Rect {
+    let width = (row.width() - (count as f32 - 1.0) * theme::GAP) / count as f32;
+    Rect::from_min_size(row.min + vec2(index as f32 * (width + theme::GAP), 0.0), vec2(width, row.height()))
+}
+
 /// A card with a title; gives its inside.
 fn group(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) -> Rect {
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
@@ -87,12 +98,16 @@ fn group(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) -> Rect {
     body
 }
 
-fn language(ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+fn language(ui: &Ui, rect: Rect, view: &View<'_>, walk: &mut Walk, out: &mut Vec<Command>) {
     let body = group(ui, view, rect, view.say("语言 Language", "Language 语言"));
     let row = Rect::from_min_size(body.min, vec2(body.width(), KEY));
-    let keys = [("lang-zh", "中文".to_owned()), ("lang-en", "English".to_owned())];
-    if let Some(index) = widget::tabs(ui, view, row, &keys, usize::from(view.lang == Lang::En)) {
-        out.push(Command::Page(PageCommand::KeepLang(if index == 0 { Lang::Zh } else { Lang::En })));
+    for (index, (lang, id, name)) in
+        [(Lang::Zh, "lang-zh", "中文"), (Lang::En, "lang-en", "English")].into_iter().enumerate()
+    {
+        let look = Look { on: lang == view.lang, locked: false };
+        if walk.push(ui, view, cell(row, index, 2), (id, name), look) {
+            out.push(Command::Page(PageCommand::KeepLang(lang)));
+        }
     }
     let note = view.say("立即生效并保存", "at once, and kept");
     let below = Rect::from_min_max(pos2(body.min.x, row.max.y + 10.0), body.max);
@@ -100,31 +115,31 @@ fn language(ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
 }
 
 /// Which parameters may be changed now.
-fn level(ui: &Ui, rect: Rect, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+fn level(ui: &Ui, rect: Rect, view: &View<'_>, keys: (&mut Walk, &mut Login), out: &mut Vec<Command>) {
+    let (walk, login) = keys;
     let body = group(ui, view, rect, view.say("参数权限", "access to parameters"));
     let open = view.snapshot.access.level;
     let words = format!("{} {}", view.say("当前级别：", "open now:"), open.name().get(view.lang));
     let line = Rect::from_min_size(body.min, vec2(body.width(), 26.0));
     fit(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
-    let width = (body.width() - 2.0 * theme::GAP) / 3.0;
-    let place = |index: f32| Rect::from_min_size(body.min + vec2(index * (width + theme::GAP), 36.0), vec2(width, KEY));
+    let row = Rect::from_min_size(body.min + vec2(0.0, 36.0), vec2(body.width(), KEY));
     let user = Look { on: open == Level::User, locked: open < Level::User };
-    if widget::push(ui, view, place(0.0), "unlock-user", view.say("用户", "USER"), user) {
+    if walk.push(ui, view, cell(row, 0, 3), ("unlock-user", view.say("用户", "USER")), user) {
         login.unlock(view, Guard::User);
     }
     let builder = Look { on: open == Level::Builder, locked: open < Level::Builder };
-    if widget::push(ui, view, place(1.0), "unlock-builder", view.say("机床厂", "BUILDER"), builder) {
+    if walk.push(ui, view, cell(row, 1, 3), ("unlock-builder", view.say("机床厂", "BUILDER")), builder) {
         login.unlock(view, Guard::Builder);
     }
-    if widget::push(ui, view, place(2.0), "lock", view.say("锁定", "LOCK"), Look::default()) {
+    if walk.push(ui, view, cell(row, 2, 3), ("lock", view.say("锁定", "LOCK")), Look::default()) {
         out.push(Command::Page(PageCommand::Lock));
     }
     let note = view.say("输入一次密码，锁定或关机前有效", "one password opens it until LOCK or power-off");
-    let below = Rect::from_min_max(pos2(body.min.x, place(0.0).max.y + 10.0), body.max);
+    let below = Rect::from_min_max(pos2(body.min.x, row.max.y + 10.0), body.max);
     paragraph(ui.painter(), below, note, theme::LABEL, view.theme.quiet);
 }
 
-fn passwords(ui: &Ui, rect: Rect, view: &View<'_>, login: &mut Login) {
+fn passwords(ui: &Ui, rect: Rect, view: &View<'_>, walk: &mut Walk, login: &mut Login) {
     let body = group(ui, view, rect, view.say("修改密码", "change a password"));
     let pitch = ((body.height() + theme::GAP) / 3.0).min(KEY + theme::GAP);
     for (index, guard) in Guard::ALL.into_iter().enumerate() {
@@ -137,7 +152,7 @@ fn passwords(ui: &Ui, rect: Rect, view: &View<'_>, login: &mut Login) {
             Guard::User => "change-user",
             Guard::Builder => "change-builder",
         };
-        if widget::push(ui, view, key, id, view.say("修改", "CHANGE"), Look::default()) {
+        if walk.push(ui, view, key, (id, view.say("修改", "CHANGE")), Look::default()) {
             login.change(view, guard);
         }
     }

@@ -39,7 +39,8 @@ pub struct Params {
     cursor: usize,
     /// The value being typed.
     text: String,
-    refused: Option<Said>,
+    /// Why the text was refused, until the next key.
+    pub refused: Option<Said>,
     /// The numeric pad is open.
     pad: bool,
     /// A value that waits for the password of its level.
@@ -68,12 +69,14 @@ impl Params {
             if !shown {
                 self.choose(self.list.first().unwrap_or(0));
             }
+            self.reveal(self.cursor);
         }
         self.send_waiting(view, login, &mut out);
         if !login.is_open() {
             self.take(typed, view, login, &mut out);
         }
-        let bits = self.list.rows.get(self.cursor).is_some_and(|row| row.sort == Sort::Bit);
+        let number = self.list.rows.get(self.cursor).filter(|row| row.sort == Sort::Bit).map(|row| row.at.number);
+        let bits = self.list.rows.iter().filter(|row| Some(row.at.number) == number).count();
         let places = paint::Places::new(rect, self.searching, bits);
         self.top(ui, &places, view, login, &mut out);
         self.lines(ui, &places, view, typed);
@@ -119,9 +122,13 @@ impl Params {
         if let Some(index) = widget::tabs(ui, view, places.tabs, &keys, chosen) {
             self.part = PARTS[index];
         }
-        if paint::search_field(ui, view, places.search, &self.search, self.searching) {
-            self.searching = !self.searching;
-            self.text.clear();
+        match paint::search_field(ui, view, places.search, &self.search, self.searching) {
+            Some(paint::SearchTouch::Field) => {
+                self.searching = !self.searching;
+                self.text.clear();
+            }
+            Some(paint::SearchTouch::Clear) => self.search.clear(),
+            None => {}
         }
         let level = view.snapshot.access.level;
         if paint::level_key(ui, view, places.level, level) {
@@ -137,7 +144,7 @@ impl Params {
     /// The lines that there is room for.
     fn lines(&mut self, ui: &Ui, places: &paint::Places, view: &View<'_>, typed: &Typed<'_>) {
         if self.list.lines.is_empty() {
-            paint::nothing(ui, view, places.list);
+            paint::nothing(ui.painter(), view, places.list);
             return;
         }
         let list = widget::whole_lines(places.list, paint::LINE);
@@ -209,6 +216,11 @@ impl Params {
     fn go(&mut self, row: Option<usize>) {
         let Some(row) = row else { return };
         self.choose(row);
+        self.reveal(row);
+    }
+
+    /// Brings a row into sight.
+    fn reveal(&mut self, row: usize) {
         if let Some(line) = self.list.line_of(row) {
             // The height is that of the last frame's list; a line more or less does not matter to `show`.
             let seen = Rect::from_min_size(egui::Pos2::ZERO, vec2(1.0, 7.0 * paint::LINE));

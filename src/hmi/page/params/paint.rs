@@ -12,17 +12,15 @@ use crate::defs::port;
 use crate::defs::text::Said;
 use crate::hmi::keycap::{self, Face};
 use crate::hmi::letters;
-use crate::hmi::page::empty;
-use crate::hmi::pictogram;
 use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit, frame, put};
 use crate::hmi::widget::{self, Look};
 
 /// Height of a line with the gap below it.
 pub const LINE: f32 = 50.0;
-/// Height of what is known about the chosen parameter; of a bit, with the other bits of its parameter.
+/// Height of what is known about the chosen parameter, and of each bit beside it.
 const DETAIL: f32 = 54.0;
-const DETAIL_BITS: f32 = DETAIL + 4.0 * 24.0;
+const BIT: f32 = 24.0;
 /// Width of the number in front of a line.
 const NUMBER: f32 = 64.0;
 
@@ -38,7 +36,8 @@ pub struct Places {
 }
 
 impl Places {
-    pub fn new(rect: Rect, searching: bool, bits: bool) -> Self {
+    /// `bits` of the chosen parameter are listed in two columns; one alone needs no list.
+    pub fn new(rect: Rect, searching: bool, bits: usize) -> Self {
         let (main, input) = rect.split_top_bottom_at_y(rect.max.y - theme::INPUT);
         let pad = if searching { letters::HEIGHT } else { 0.0 };
         let (main, letters) = main.split_top_bottom_at_y(main.max.y - pad);
@@ -46,9 +45,9 @@ impl Places {
         let (top, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS);
         let (tabs, right) = top.split_left_right_at_fraction(0.5);
         let (search, level) = right.split_left_right_at_x(right.max.x - 136.0);
+        let lines = if searching || bits < 2 { 0 } else { bits.div_ceil(2) };
         let search = Rect::from_min_max(search.min + vec2(SPACE, 0.0), search.max - vec2(SPACE, 0.0));
-        let (list, detail) =
-            rest.split_top_bottom_at_y(rest.max.y - if bits && !searching { DETAIL_BITS } else { DETAIL });
+        let (list, detail) = rest.split_top_bottom_at_y(rest.max.y - DETAIL - lines as f32 * BIT);
         let list = Rect::from_min_max(list.min + vec2(0.0, theme::GAP), list.max - vec2(0.0, theme::GAP));
         Self { tabs, search, level, list, detail, input, letters: letters.shrink2(vec2(theme::GAP, 0.0)) }
     }
@@ -62,8 +61,28 @@ pub struct Drawn<'a> {
     pub refused: bool,
 }
 
-/// The search field; true when it was touched.
-pub fn search_field(ui: &Ui, view: &View<'_>, rect: Rect, search: &str, open: bool) -> bool {
+/// What was touched in the search field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SearchTouch {
+    /// The field.
+    Field,
+    /// The cross that empties it.
+    Clear,
+}
+
+/// The search field, with a cross while something is in it.
+pub fn search_field(ui: &Ui, view: &View<'_>, rect: Rect, search: &str, open: bool) -> Option<SearchTouch> {
+    let (rect, cross) = if search.is_empty() {
+        (rect, None)
+    } else {
+        let (field, cross) = rect.split_left_right_at_x(rect.max.x - theme::TARGET - SPACE);
+        (field, Some(Rect::from_min_max(cross.min + vec2(SPACE, 0.0), cross.max)))
+    };
+    if let Some(cross) = cross
+        && widget::push(ui, view, cross, "search-clear", "×", Look::default())
+    {
+        return Some(SearchTouch::Clear);
+    }
     let response = ui.interact(rect, Id::unique("param-search"), Sense::CLICK);
     response
         .widget_info(|| WidgetInfo::labeled(Role::SearchInput, true, format!("{} search", view.say("查找", "find"))));
@@ -84,7 +103,7 @@ pub fn search_field(ui: &Ui, view: &View<'_>, rect: Rect, search: &str, open: bo
             fit(painter, inside, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.info);
         }
     }
-    response.clicked()
+    response.clicked().then_some(SearchTouch::Field)
 }
 
 /// Which level is open; a touch opens or locks.
@@ -98,10 +117,14 @@ pub fn level_key(ui: &Ui, view: &View<'_>, rect: Rect, level: Level) -> bool {
     widget::push(ui, view, rect, "param-level", &words, Look { on: open, locked: !open })
 }
 
-/// Nothing was found.
-pub fn nothing(ui: &Ui, view: &View<'_>, rect: Rect) {
-    let remedy = view.say("换一个词，或用号码查找，例如 P270。", "Try another word, or a number such as P270.");
-    empty::show(ui, view, rect, pictogram::NO_PAGE, view.say("没有找到参数", "no parameter found"), remedy);
+/// Nothing was found: what to do.
+pub fn nothing(painter: &Painter, view: &View<'_>, rect: Rect) {
+    let words = view.say("没有找到参数", "no parameter found");
+    let remedy = view.say("换一个词，或用号码查找，例如 P270", "try another word, or a number such as P270");
+    let line = Rect::from_min_size(rect.center_top() + vec2(-rect.width() / 2.0, 16.0), vec2(rect.width(), 30.0));
+    fit(painter, line, Align2::CENTER_CENTER, words, theme::SECONDARY, view.theme.text);
+    let line = line.translate(vec2(0.0, 34.0));
+    fit(painter, line, Align2::CENTER_CENTER, remedy, theme::LABEL, view.theme.quiet);
 }
 
 /// One line; gives the row that was touched.
@@ -262,7 +285,7 @@ fn company(view: &View<'_>, row: &ParamRow) -> Option<String> {
 
 /// What is known about the chosen parameter: name, factory value, level, conflict.
 pub fn detail(painter: &Painter, view: &View<'_>, places: &Places, list: &List, cursor: usize) {
-    let Some(row) = list.rows.get(cursor) else { return };
+    let Some(row) = list.rows.get(cursor).filter(|_| !list.lines.is_empty()) else { return };
     let (place, others) = places.detail.split_top_bottom_at_y(places.detail.min.y + DETAIL);
     company_of_bits(painter, view, others, list, row);
     painter.hline(place.x_range(), place.min.y, Stroke::new(theme::HAIR, view.theme.line));
@@ -289,21 +312,20 @@ pub fn detail(painter: &Painter, view: &View<'_>, places: &Places, list: &List, 
     fit(painter, below, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.quiet);
 }
 
-/// The other bits of the parameter with their meaning, four lines in two columns.
+/// Every bit of the parameter with its value and meaning, in two columns.
 fn company_of_bits(painter: &Painter, view: &View<'_>, rect: Rect, list: &List, row: &ParamRow) {
+    if rect.height() < BIT {
+        return;
+    }
     let bits = list.rows.iter().filter(|other| other.at.number == row.at.number && other.at.bit.is_some());
-    for (bit, other) in bits.filter_map(|other| other.at.bit.map(|bit| (bit, other))) {
-        let (column, line) = (f32::from(1 - bit / 4), f32::from(3 - bit % 4));
-        let corner = rect.min + vec2(column * rect.width() / 2.0, line * 24.0);
-        let place = Rect::from_min_size(corner, vec2(rect.width() / 2.0 - theme::PAD, 24.0));
-        if place.max.y > rect.max.y + 0.5 {
-            return;
-        }
-        let chosen = other.at == row.at;
-        let ink = if chosen { view.theme.info } else { view.theme.text };
+    let lines = (rect.height() / BIT).round() as usize;
+    for (index, other) in bits.rev().enumerate() {
+        let corner = rect.min + vec2((index / lines) as f32 * rect.width() / 2.0, (index % lines) as f32 * BIT);
+        let place = Rect::from_min_size(corner, vec2(rect.width() / 2.0 - theme::PAD, BIT));
+        let ink = if other.at == row.at { view.theme.info } else { view.theme.text };
         let (name, words) = place.split_left_right_at_x(place.min.x + 80.0);
-        let value = format!("BIT{bit} = {}", value(view, other.at));
-        fit(painter, name, Align2::LEFT_CENTER, &value, theme::LABEL, ink);
+        let bit = format!("BIT{} = {}", other.at.bit.unwrap_or(0), value(view, other.at));
+        fit(painter, name, Align2::LEFT_CENTER, &bit, theme::LABEL, ink);
         fit(painter, words, Align2::LEFT_CENTER, other.name.get(view.lang), theme::LABEL, ink);
     }
 }
