@@ -207,13 +207,6 @@ impl Params {
         others.into_iter().find(|other| port != 0 && output.is_of(kind) && self.output_port(*other) == port)
     }
 
-    /// Another function on the port of this input (K6.1).
-    #[must_use]
-    pub fn input_conflict(&self, input: Input) -> Option<Input> {
-        let port = self.input_port(input);
-        Input::ALL.iter().copied().find(|other| port != 0 && *other != input && self.input_port(*other) == port)
-    }
-
     /// A number parameter in milliseconds, as a time.
     #[must_use]
     pub fn millis(&self, row: Number) -> Micros {
