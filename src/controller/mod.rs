@@ -9,14 +9,17 @@ pub mod axes;
 mod by_hand;
 mod commands;
 mod cycle;
+mod dress;
 mod effect;
 mod executor;
 mod filter;
+mod gauge;
 mod hand;
 mod hold;
 mod homing;
 mod keys;
 mod library;
+mod oscillation;
 mod page_files;
 mod pages;
 mod run;
@@ -48,9 +51,11 @@ pub use crate::nc::Frames;
 use crate::nc::{Memory, Modals, Place};
 use crate::units::{Axis, Micros, PerAxis};
 use axes::Axes;
+use dress::Dress;
 use filter::Filter;
 use hand::Hand;
 use homing::AxisHoming;
+use oscillation::Oscillation;
 use pages::Pages;
 use run::Run;
 
@@ -101,6 +106,8 @@ pub struct Retained {
     pub variables: Memory,
     /// Work frames and tool offsets.
     pub frames: Frames,
+    /// Dressing points that have been set, machine coordinates, radius mm (K4.2).
+    pub dress_points: PerAxis<Option<f64>>,
     /// Number of the current program, 0 none.
     pub current_program: u32,
     /// Workpieces counted.
@@ -115,6 +122,7 @@ impl Retained {
             params: Params::factory(kind),
             variables: Memory::default(),
             frames: Frames::default(),
+            dress_points: PerAxis::default(),
             current_program: 0,
             parts: 0,
         }
@@ -136,6 +144,7 @@ pub struct Controller {
     machine: Machine,
     axes: Axes,
     hand: Hand,
+    oscillation: Option<Oscillation>,
     phase: Phase,
     run: Option<Box<Run>>,
     mode: Mode,
@@ -143,6 +152,7 @@ pub struct Controller {
     switches: Switches,
     overrides: Overrides,
     frames: Frames,
+    dress: Dress,
     memory: Memory,
     programs: Arc<Programs>,
     current: u32,
@@ -162,6 +172,7 @@ pub struct Controller {
     analog_2_rpm: f64,
     relative_zero: PerAxis<f64>,
     skip_position: PerAxis<f64>,
+    gauge_found: gauge::Found,
     parts: u32,
     cycle_time: Micros,
     /// Blocks executed since power-on.
@@ -194,6 +205,7 @@ impl Controller {
             machine: Machine::new(row, now),
             axes: Axes::new(&params, row, &image),
             hand: Hand::default(),
+            oscillation: None,
             phase: Phase::Idle,
             run: None,
             mode: Mode::Manual,
@@ -201,6 +213,7 @@ impl Controller {
             switches: Switches::default(),
             overrides: Overrides { feed: 100, rapid: 100, spindle: 100 },
             frames: retained.frames,
+            dress: Dress::new(retained.dress_points),
             memory: retained.variables,
             programs: Arc::default(),
             current: retained.current_program,
@@ -219,6 +232,7 @@ impl Controller {
             analog_2_rpm: 0.0,
             relative_zero: PerAxis::default(),
             skip_position: PerAxis::default(),
+            gauge_found: gauge::Found::default(),
             parts: retained.parts,
             cycle_time: Micros::ZERO,
             blocks: 0,
@@ -253,6 +267,7 @@ impl Controller {
         self.watch();
         self.step_run();
         self.step_hand();
+        self.step_oscillation();
         let rate = self.rate();
         self.axes.tick(rate);
         self.settle();
