@@ -71,6 +71,7 @@ impl Controller {
             Key::XPlus | Key::XMinus | Key::YPlus | Key::YMinus | Key::ZPlus | Key::ZMinus => self.axis_key(key),
             Key::F1 => self.open_page(Page::Position),
             Key::F4 => self.open_page(Page::Grinding),
+            Key::F5 => self.open_page(Page::Dressing),
             _ => self.press_override(key),
         }
     }
@@ -137,7 +138,6 @@ const fn is_in_this_version(key: Key) -> bool {
             | Key::WheelRetract
             | Key::F2
             | Key::F3
-            | Key::F5
             | Key::AddressX
             | Key::AddressY
             | Key::AddressZ

@@ -9,6 +9,7 @@ pub mod axes;
 mod by_hand;
 mod commands;
 mod cycle;
+mod edits;
 mod effect;
 mod executor;
 mod filter;
@@ -17,6 +18,8 @@ mod hold;
 mod homing;
 mod keys;
 mod library;
+mod mdi;
+mod offsets;
 mod page_files;
 mod pages;
 mod run;
@@ -25,6 +28,7 @@ mod status;
 mod switches;
 mod system;
 mod watch;
+mod wheel_change;
 
 pub use alarms::Alarms;
 pub use effect::Effect;
@@ -174,6 +178,7 @@ pub struct Controller {
     /// What is modal in MDI, from line to line.
     mdi_modals: Option<Modals>,
     pages: Pages,
+    edits: edits::Edits,
 }
 
 impl Controller {
@@ -227,6 +232,7 @@ impl Controller {
             limits: 0,
             mdi_modals: None,
             pages: Pages::new(kind, &params),
+            edits: edits::Edits::default(),
             params,
         }
     }

@@ -78,7 +78,7 @@ pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
 
 impl Controller {
     /// A system variable; `None` if there is no such, `Some(None)` for null.
-    fn read_system(&self, number: u32) -> Option<Option<f64>> {
+    pub(super) fn read_system(&self, number: u32) -> Option<Option<f64>> {
         let switched = |on: bool| Some(Some(f64::from(u8::from(on))));
         match number {
             434..=437 => Some(None),
