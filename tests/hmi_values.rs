@@ -15,6 +15,7 @@ use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
+use kt830::hmi::page_text;
 use kt830::link::Command;
 use kt830::link::edit::{OffsetCommand, Part};
 use kt830::link::snapshot::RunState;
@@ -112,6 +113,15 @@ fn k4_1_an_increment_without_its_point_is_refused() {
     bench.rig.send(Command::AddWear { number: 17, axis: Axis::X, by: 0.1 });
     bench.turn();
     assert_eq!(bench.message(), "刀补号应为 1-16");
+}
+
+#[test]
+fn k4_1_g10_and_the_page_add_to_the_same_wear() {
+    let mut bench = bench(Page::Offset, "param P22.0 1\nmdi G10 D4 U0.1 W-0.1\nwait until idle");
+    bench.touch("wear-04-X");
+    bench.write("u");
+    type_in(&mut bench, "0.05");
+    assert!(is(wear(&bench, 4, Axis::X), 0.15) && is(wear(&bench, 4, Axis::Z), -0.1));
 }
 
 #[test]
@@ -250,6 +260,21 @@ fn k7_6_the_dressing_page_edits_the_same_wear_without_p22_0() {
     let mut busy = running(Page::Dressing, "");
     type_in(&mut busy, "0.5");
     assert_eq!(red(&busy), Some(("0.5".into(), "程序运行中不能修改 (P6.3)".into())));
+}
+
+#[test]
+fn k7_6_the_dressing_page_shows_the_point_that_was_set() {
+    let mut bench = bench(Page::Dressing, "mode manual");
+    assert!(bench.says("未设置"));
+    bench.touch("相对 f1");
+    bench.touch("X address-x");
+    bench.touch("输入 input");
+    bench.touch("砂轮修整 f5");
+    let machine = bench.rig.snapshot().axes[Axis::X].machine;
+    assert_eq!(bench.rig.snapshot().dressing_point[Axis::X].map(f64::to_bits), Some(machine.to_bits()));
+    bench.turn();
+    let texts = page_text(bench.rig.snapshot(), Lang::Zh);
+    assert_eq!(texts.iter().filter(|text| *text == "未设置").count(), 1, "Z is still without");
 }
 
 #[test]
@@ -409,7 +434,7 @@ fn change_wheel(bench: &mut Bench, values: [&str; 3]) {
 
 #[test]
 fn k5_17_a_new_wheel_blocks_cycle_start_until_it_is_dressed() {
-    let mut bench = bench(Page::Wheel, "");
+    let mut bench = bench(Page::Wheel, "param P77 600\nparam P79 45");
     assert!(bench.says("砂轮已修整") && bench.says("1432"), "45 m/s on 600 mm");
     change_wheel(&mut bench, ["500", "25", "35"]);
     assert!(is(bench.param("P77"), 500.0) && is(bench.param("P78"), 25.0) && is(bench.param("P79"), 35.0));

@@ -82,8 +82,9 @@ fn table() -> Vec<Row> {
         row("M03", GS_GA, Alarm(187), Wheel, false).after("M95").key(Key::WheelStart, false),
         row("M03", GS_GA, Done, Wheel, true).with("param P16.1 0").after("M95").key(Key::WheelStart, true),
         row("M03", GC, Alarm(187), Wheel, false).with("param P16.1 1").key(Key::WheelStart, false),
-        // P2: 600 mm at 1100 rpm are 34.6 m/s.
-        row("M03", ALL, Alarm(186), Wheel, false).with("param P79 34").key(Key::WheelStart, false),
+        // P2: 1100 rpm are 34.6 m/s at 600 mm (GC), 28.8 m/s at 500 mm (GS, GA).
+        row("M03", GC, Alarm(186), Wheel, false).with("param P79 34").key(Key::WheelStart, false),
+        row("M03", GS_GA, Alarm(186), Wheel, false).with("param P79 28").key(Key::WheelStart, false),
         row("M05", ALL, Done, Wheel, false).after("M03").key(Key::WheelStop, true),
         // K3.2, K3.8, K3.12.
         row("M08", ALL, Done, Coolant, true).key(Key::Coolant, true),

@@ -50,6 +50,8 @@ pub struct Axes {
     /// The last move of each axis went in the minus direction: its screw's play lies on the other side.
     minus: PerAxis<bool>,
     drives_on: bool,
+    /// An axis that oscillates beside whoever owns the axes: its set-point and velocity.
+    oscillated: Option<(Axis, f64, f64)>,
     /// Machine lock: where the axes really stand while the positions count on.
     locked: Option<Locked>,
     /// Length of a tick: as it was at power-on (P58).
@@ -77,6 +79,7 @@ impl Axes {
             velocity_mm_s: PerAxis::default(),
             minus: PerAxis::default(),
             drives_on: true,
+            oscillated: None,
             locked: None,
             tick_s,
         }
@@ -150,12 +153,27 @@ impl Axes {
                 }
             }
         }
+        if let Some((axis, position, velocity)) = self.oscillated {
+            self.set[axis] = position;
+            self.velocity_mm_s[axis] = velocity;
+        }
         for axis in Axis::ALL {
             let moved = self.set[axis] - before[axis];
             if moved.abs() > 0.0 {
                 self.minus[axis] = moved < 0.0;
             }
         }
+    }
+
+    /// Where the oscillating axis is to be in this tick; none lets it go where it stands.
+    pub fn oscillate(&mut self, strokes: Option<(Axis, f64, f64)>) {
+        if let (Some((axis, position, _)), None) = (self.oscillated, strokes) {
+            self.movers[axis].set_position(position);
+            if self.owner == Owner::Path && self.path.is_done() {
+                self.path.clear_at(self.set);
+            }
+        }
+        self.oscillated = strokes;
     }
 
     /// The set-point of each axis in the encoder's frame.
@@ -234,8 +252,14 @@ impl Axes {
     /// Whether every axis stands within the in-position width of its set-point.
     #[must_use]
     pub fn is_in_position(&self, params: &Params) -> bool {
-        let width = params.get(param::IN_POSITION);
-        self.present().all(|axis| (self.set[axis] - self.actual[axis]).abs() <= width)
+        let oscillating = self.oscillated.map(|(axis, ..)| axis);
+        self.present().all(|axis| Some(axis) == oscillating || self.is_axis_in_position(axis, params))
+    }
+
+    /// Whether one axis stands within the in-position width of its set-point.
+    #[must_use]
+    pub fn is_axis_in_position(&self, axis: Axis, params: &Params) -> bool {
+        (self.set[axis] - self.actual[axis]).abs() <= params.get(param::IN_POSITION)
     }
 
     /// The first axis whose following error is beyond its limit.
@@ -318,7 +342,7 @@ pub fn soft_limits(params: &Params, axis: Axis) -> (f64, f64) {
 }
 
 /// The planner's limits from the parameters.
-fn limits(params: &Params, tick_s: f64) -> Limits {
+pub fn limits(params: &Params, tick_s: f64) -> Limits {
     Limits {
         axes: PerAxis::from_fn(|axis| AxisLimits {
             velocity_mm_s: params.of_axis(param::RAPID_X, axis) / MINUTE,

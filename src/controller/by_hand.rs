@@ -35,6 +35,9 @@ impl Controller {
             return;
         }
         let axis = self.hand.axis;
+        if self.refuse_oscillating(axis) {
+            return;
+        }
         let distance = f64::from(detents) * self.hand.step_mm / self.displayed_per_mm(axis);
         self.step_by(axis, distance);
     }
@@ -56,7 +59,11 @@ impl Controller {
 
     pub(super) fn axis_key(&mut self, key: Key) {
         let Some((axis, direction)) = key.jog() else { return };
+        if self.refuse_oscillating(axis) {
+            return;
+        }
         match self.mode {
+            Mode::Manual if self.dress.returning => self.return_to_dress_point(axis),
             Mode::Home => self.home_axis(axis),
             Mode::Manual | Mode::Step if !self.is_free_for_hand() => self.refuse(STILL_MOVING),
             Mode::Manual => {

@@ -124,7 +124,7 @@ impl Controller {
         if line.chars().count() > MDI_MOST {
             return self.refuse(Said::new("录入行太长", "the MDI line is too long"));
         }
-        if matches!(self.ask(Request::CycleStart), Answer::Taken) {
+        if matches!(self.ask(Request::MdiStart), Answer::Taken) {
             let source = std::sync::Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
             self.open_run(source, true);
         }

@@ -69,6 +69,8 @@ impl Controller {
     pub(super) fn reset(&mut self) {
         self.abort_run();
         self.machine.reset();
+        self.dress.let_go();
+        self.stop_oscillation();
         let e_stop = self.machine.is_e_stopped();
         let bus = self.image.bus_alive;
         let (inputs, limits) = (self.inputs, self.limits);

@@ -11,6 +11,7 @@ use crate::link::command::Command;
 use crate::link::edit::{EditAnswer, OffsetView};
 use crate::link::snapshot::Snapshot;
 use crate::nc::Memory;
+use crate::units::PerAxis;
 
 const LOCKED: Text = Text::new("P22.0=0：不允许修改", "P22.0 is 0: locked");
 const NOT_IN_RUN: Text = Text::new("程序运行中不能修改 (P6.3)", "not while a program runs (P6.3)");
@@ -110,9 +111,7 @@ impl Controller {
         }
         out.offset_in_force = self.frames.offset;
         out.modals = self.modal_view();
-        // The control's own variables #434–#439 (K4).
-        for number in 434..=439_u32 {
-            out.variables[number as usize] = self.read_system(number).flatten();
-        }
+        let points = self.dress.points;
+        out.dressing_point = PerAxis::from_fn(|axis| points[axis].map(|at| at * self.displayed_per_mm(axis)));
     }
 }

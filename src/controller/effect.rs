@@ -4,7 +4,7 @@
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output};
 use crate::link::page_command::PageWish;
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// One wish.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,8 @@ pub enum Effect {
     },
     /// Keep a work frame: index 0 is G54; origin in machine coordinates, radius mm.
     Frame(usize, PerAxis<f64>),
+    /// Keep the dressing point of an axis: machine coordinate, radius mm.
+    DressPoint(Axis, f64),
     /// Keep the number of the current program.
     CurrentProgram(u32),
     /// Keep the count of workpieces.

@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use super::axes::MINUTE;
-use super::run::{Act, Doing, Forbidden, Item, MCall, MOST_ITEMS, PlannedMove, Reading, Run, Speed};
+use super::gauge::SIGNALS;
+use super::run::{Act, Doing, Forbidden, Item, MCall, MOST_ITEMS, Planned, PlannedMove, Reading, Run, Speed};
 use super::system::{RunWorld, nc_settings};
 use super::{Controller, Effect, Event, Phase};
 use crate::defs::alarm;
@@ -23,7 +24,7 @@ const BLOCKS_PER_TICK: usize = 16;
 const ACTS_PER_TICK: usize = 64;
 
 /// What an act has come to.
-enum Did {
+pub(super) enum Did {
     Done,
     /// Not yet; ask again next tick.
     Wait,
@@ -41,7 +42,9 @@ impl Controller {
         let kept = self.mdi_modals.take().filter(|_| mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
         self.frames.activate(modals.frame);
-        let start = (self.memory.clone(), self.frames.clone(), self.axes.set());
+        let mut planned = Planned::new(self.frames.clone(), self.axes.set(), self.dress.points, modals.path);
+        planned.oscillating = self.oscillating_axis();
+        let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
         run.mdi = mdi;
@@ -157,6 +160,26 @@ impl Controller {
                 Did::Done
             }
             Act::Machine(call) => self.m_code(run, *call),
+            Act::Gauge(asked) => self.gauge(run, asked),
+            Act::Oscillate(stroke) => match self.is_settled(run) {
+                Some(true) => {
+                    self.begin_oscillation(*stroke);
+                    Did::Done
+                }
+                Some(false) | None => Did::Wait,
+            },
+            Act::Cylinder(true) => match self.ask(Request::CylinderOn) {
+                Answer::Taken | Answer::NoEffect(_) => Did::Done,
+                Answer::Denied(_) | Answer::Refused(..) => Did::Wait,
+            },
+            // K4.3: the stroke ends at its starting end, then the next block runs.
+            Act::Cylinder(false) => {
+                if self.axes.is_at_rest() && self.end_oscillation() {
+                    Did::Done
+                } else {
+                    Did::Wait
+                }
+            }
             Act::Dwell(seconds) => self.dwell(run, *seconds),
             Act::Wheel(..) if self.switches.mst_lock => Did::Done,
             Act::Wheel(value, mode) => {
@@ -200,7 +223,7 @@ impl Controller {
     }
 
     /// Whether all motion is over and the axes stand in position; `None` after the time-out, with the alarm raised.
-    fn is_settled(&mut self, run: &mut Run) -> Option<bool> {
+    pub(super) fn is_settled(&mut self, run: &mut Run) -> Option<bool> {
         if !self.axes.is_at_rest() {
             return Some(false);
         }
@@ -310,8 +333,6 @@ impl Controller {
 
     /// G31: the position is latched in the tick of the edge, then the axes brake.
     fn skip(&mut self, run: &mut Run, planned: &PlannedMove, signal: u8) -> Did {
-        const SIGNALS: [Input; 6] =
-            [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
         let input = SIGNALS[usize::from(signal.clamp(1, 6)) - 1];
         match run.doing {
             Doing::Nothing | Doing::Settling | Doing::Dwell { .. } | Doing::AwaitInput(_) => {
@@ -383,6 +404,9 @@ impl Controller {
                 Item::Do(
                     Act::SetSystem(..)
                     | Act::Machine(..)
+                    | Act::Gauge(_)
+                    | Act::Oscillate(_)
+                    | Act::Cylinder(_)
                     | Act::Dwell(_)
                     | Act::Skip(..)
                     | Act::Alarm(..)
@@ -432,6 +456,9 @@ impl Controller {
             Said::new(format!("O{:04} 第{}行", at.program, at.line), format!("O{:04} line {}", at.program, at.line));
         let number = match forbidden {
             Forbidden::SoftLimit(..) => alarm::SOFT_LIMIT,
+            Forbidden::Oscillating(_) => alarm::OSCILLATING_AXIS,
+            Forbidden::NoStroke(_) => alarm::OSCILLATION,
+            Forbidden::NoDressPoint(_) => alarm::NO_DRESS_POINT,
             Forbidden::NotYet(_) => alarm::M_NOT_YET,
         };
         let cause = self.forbidden(forbidden);
@@ -449,6 +476,17 @@ impl Controller {
                     format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
                     format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
                 )
+            }
+            Forbidden::Oscillating(axis) => Said::new(
+                format!("{axis} 轴在振荡中，先用 G36 关闭"),
+                format!("{axis} oscillates: end it with G36 first"),
+            ),
+            Forbidden::NoStroke(axis) => Said::new(
+                format!("{axis} 轴没有振荡行程，或未回零"),
+                format!("{axis} has no stroke to oscillate, or is not homed"),
+            ),
+            Forbidden::NoDressPoint(axis) => {
+                Said::new(format!("{axis} 轴没有设置修整点"), format!("{axis} has no dressing point"))
             }
             Forbidden::NotYet(code) => Said::new(
                 format!("M{code:02} 在本版本中还没有"),

@@ -19,8 +19,8 @@ pub struct Hand {
     pub axis: Axis,
     /// Step of a detent, mm as displayed.
     pub step_mm: f64,
-    /// Where each axis is being led by detents and steps.
-    target: PerAxis<Option<f64>>,
+    /// Where each axis is being led, and how fast at most, mm/s; detents and steps at P67.
+    target: PerAxis<Option<(f64, Option<f64>)>>,
 }
 
 /// What limits the hand in this tick.
@@ -69,13 +69,18 @@ impl Hand {
 
     /// Leads an axis on by `distance` mm of slide travel.
     pub fn nudge(&mut self, axis: Axis, distance: f64, axes: &Axes, params: &Params) {
-        let from = self.target[axis].unwrap_or(axes.set()[axis]);
+        let from = self.target[axis].map_or(axes.set()[axis], |(target, _)| target);
         let mut to = from + distance;
         if axes.is_homed(axis) {
             let (low, high) = super::axes::soft_limits(params, axis);
             to = to.clamp(low, high);
         }
-        self.target[axis] = Some(to);
+        self.target[axis] = Some((to, None));
+    }
+
+    /// Leads an axis to a machine coordinate, mm/s at most. The soft limits hold it all the same.
+    pub fn lead(&mut self, axis: Axis, to: f64, speed_mm_s: f64) {
+        self.target[axis] = Some((to, Some(speed_mm_s)));
     }
 
     /// One tick: tells the movers where to go. Returns whether a jog key was let go for silence.
@@ -94,8 +99,10 @@ impl Hand {
                 (Some((direction, _)), _) if mode == Mode::Manual => {
                     mover.velocity_target(direction * self.speed(axis, direction, params, limits));
                 }
-                (_, Some(target)) => {
-                    mover.position_target(target, params.get(param::HANDWHEEL_SPEED) / MINUTE);
+                (_, Some((target, speed))) => {
+                    // A led axis follows the feed override as a jog does.
+                    let speed = speed.map(|speed| speed * limits.feed);
+                    mover.position_target(target, speed.unwrap_or(params.get(param::HANDWHEEL_SPEED) / MINUTE));
                     if mover.is_at_rest() {
                         self.target[axis] = None;
                     }

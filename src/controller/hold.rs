@@ -44,6 +44,7 @@ impl Controller {
             if matches!(run.doing, Doing::Skipping { .. }) {
                 run.doing = Doing::Nothing; // the skip begins anew from where the axis will stand
             }
+            run.gauging = None;
             run.parted = Some(Parted { at: self.axes.set(), withdrawn: None });
             self.run = Some(run);
         }

@@ -69,6 +69,13 @@ impl Controller {
             Key::Step001 => self.hand.step_mm = 0.01,
             Key::Step01 => self.hand.step_mm = 0.1,
             Key::XPlus | Key::XMinus | Key::YPlus | Key::YMinus | Key::ZPlus | Key::ZMinus => self.axis_key(key),
+            Key::Oscillation => self.switch_oscillation(),
+            Key::DressReturn => self.switch_dress_return(),
+            Key::AddressX => self.ask_dress_point(Axis::X),
+            Key::AddressY => self.ask_dress_point(Axis::Y),
+            Key::AddressZ => self.ask_dress_point(Axis::Z),
+            Key::Input => self.set_dress_point(),
+            Key::Cancel => self.cancel_dress_point(),
             Key::F1 => self.open_page(Page::Position),
             Key::F4 => self.open_page(Page::Grinding),
             Key::F5 => self.open_page(Page::Dressing),
@@ -125,24 +132,14 @@ impl Controller {
             return self.refuse(Said::new("轴还在运动，不能换方式", "the axes still move: no change of mode"));
         }
         self.hand.let_go();
+        if mode != self.mode {
+            self.dress.let_go();
+        }
         self.mode = mode;
     }
 }
 
 /// Keys that this version draws but does not drive yet.
 const fn is_in_this_version(key: Key) -> bool {
-    !matches!(
-        key,
-        Key::Oscillation
-            | Key::DressReturn
-            | Key::WheelRetract
-            | Key::F2
-            | Key::F3
-            | Key::AddressX
-            | Key::AddressY
-            | Key::AddressZ
-            | Key::Input
-            | Key::Cancel
-            | Key::NextRow
-    )
+    !matches!(key, Key::WheelRetract | Key::F2 | Key::F3 | Key::NextRow)
 }

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::commands::MDI_MOST;
-use super::run::Run;
+use super::run::{Planned, Run};
 use super::system::{RunWorld, nc_settings};
 use super::{Controller, Phase};
 use crate::defs::key::Mode;
@@ -58,7 +58,9 @@ impl Controller {
         let modals = self.mdi_modals.unwrap_or_else(|| Modals::new(&settings));
         let mut frames = self.frames.clone();
         frames.activate(modals.frame);
-        let start = (self.memory.clone(), frames, self.axes.set());
+        let mut planned = Planned::new(frames, self.axes.set(), self.dress.points, modals.path);
+        planned.oscillating = self.oscillating_axis();
+        let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
         let mut world = RunWorld::new(self, &run.planned, true);

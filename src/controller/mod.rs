@@ -9,10 +9,12 @@ pub mod axes;
 mod by_hand;
 mod commands;
 mod cycle;
+mod dress;
 mod edits;
 mod effect;
 mod executor;
 mod filter;
+mod gauge;
 mod hand;
 mod hold;
 mod homing;
@@ -20,6 +22,7 @@ mod keys;
 mod library;
 mod mdi;
 mod offsets;
+mod oscillation;
 mod page_files;
 mod pages;
 mod run;
@@ -52,9 +55,11 @@ pub use crate::nc::Frames;
 use crate::nc::{Memory, Modals, Place};
 use crate::units::{Axis, Micros, PerAxis};
 use axes::Axes;
+use dress::Dress;
 use filter::Filter;
 use hand::Hand;
 use homing::AxisHoming;
+use oscillation::Oscillation;
 use pages::Pages;
 use run::Run;
 
@@ -105,6 +110,8 @@ pub struct Retained {
     pub variables: Memory,
     /// Work frames and tool offsets.
     pub frames: Frames,
+    /// Dressing points that have been set, machine coordinates, radius mm (K4.2).
+    pub dress_points: PerAxis<Option<f64>>,
     /// Number of the current program, 0 none.
     pub current_program: u32,
     /// Workpieces counted.
@@ -119,6 +126,7 @@ impl Retained {
             params: Params::factory(kind),
             variables: Memory::default(),
             frames: Frames::default(),
+            dress_points: PerAxis::default(),
             current_program: 0,
             parts: 0,
         }
@@ -140,6 +148,7 @@ pub struct Controller {
     machine: Machine,
     axes: Axes,
     hand: Hand,
+    oscillation: Option<Oscillation>,
     phase: Phase,
     run: Option<Box<Run>>,
     mode: Mode,
@@ -147,6 +156,7 @@ pub struct Controller {
     switches: Switches,
     overrides: Overrides,
     frames: Frames,
+    dress: Dress,
     memory: Memory,
     programs: Arc<Programs>,
     current: u32,
@@ -166,6 +176,7 @@ pub struct Controller {
     analog_2_rpm: f64,
     relative_zero: PerAxis<f64>,
     skip_position: PerAxis<f64>,
+    gauge_found: gauge::Found,
     parts: u32,
     cycle_time: Micros,
     /// Blocks executed since power-on.
@@ -199,6 +210,7 @@ impl Controller {
             machine: Machine::new(row, now),
             axes: Axes::new(&params, row, &image),
             hand: Hand::default(),
+            oscillation: None,
             phase: Phase::Idle,
             run: None,
             mode: Mode::Manual,
@@ -206,6 +218,7 @@ impl Controller {
             switches: Switches::default(),
             overrides: Overrides { feed: 100, rapid: 100, spindle: 100 },
             frames: retained.frames,
+            dress: Dress::new(retained.dress_points),
             memory: retained.variables,
             programs: Arc::default(),
             current: retained.current_program,
@@ -224,6 +237,7 @@ impl Controller {
             analog_2_rpm: 0.0,
             relative_zero: PerAxis::default(),
             skip_position: PerAxis::default(),
+            gauge_found: gauge::Found::default(),
             parts: retained.parts,
             cycle_time: Micros::ZERO,
             blocks: 0,
@@ -259,6 +273,7 @@ impl Controller {
         self.watch();
         self.step_run();
         self.step_hand();
+        self.step_oscillation();
         let rate = self.rate();
         self.axes.tick(rate);
         self.settle();

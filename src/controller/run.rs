@@ -9,13 +9,15 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::axes::{MINUTE, soft_limits};
+use super::gauge::GaugeRun;
 use super::hold::Parted;
+use super::oscillation::{LEAST_STROKE_MM, Stroke};
 use crate::defs::mcode::{self, Action, MCode, Request};
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
 use crate::motion::{End, Plane, Rate, Shape, Turn};
 use crate::nc::{
-    self, AxisSet, Block, Feed, Frames, Interpreter, Library, Memory, Op, PathMode, Place, Source, SpeedMode,
+    self, AxisSet, Block, Feed, Frames, Gauging, Interpreter, Library, Memory, Op, PathMode, Place, Source, SpeedMode,
 };
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -116,6 +118,12 @@ pub enum Act {
     Frames(Arc<Frames>),
     /// An M code.
     Machine(MCall),
+    /// G78, its end as a machine coordinate.
+    Gauge(Gauging),
+    /// G35 by servo.
+    Oscillate(Stroke),
+    /// G35 by cylinder (true), and G36 of either.
+    Cylinder(bool),
     /// Stand still, seconds.
     Dwell(f64),
     /// Wheel speed.
@@ -195,6 +203,8 @@ pub struct Run {
     pub splitting: bool,
     /// In-position wait of the item at the front.
     pub settle_since: Option<Micros>,
+    /// G78 under way.
+    pub gauging: Option<GaugeRun>,
     /// The hand has the axes, in a hold.
     pub parted: Option<Parted>,
 }
@@ -206,19 +216,27 @@ pub struct Planned {
     pub frames: Arc<Frames>,
     /// Machine position there.
     pub machine: PerAxis<f64>,
+    /// The dressing points; they do not change in a run.
+    pub dress_points: PerAxis<Option<f64>>,
+    /// The axis that oscillates there.
+    pub oscillating: Option<Axis>,
     path: PathMode,
 }
 
 /// The axes that a block names, and those of them that it names as distances.
 type Named = (AxisSet, AxisSet);
-/// G53 names places.
-const ALL_NAMED: Named = (AxisSet::of(Axis::X).with(AxisSet::of(Axis::Y)).with(AxisSet::of(Axis::Z)), AxisSet::NONE);
 
 /// What a move may not do.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Forbidden {
     /// Leave the soft limits: axis, target, limit, all machine coordinates in radius mm.
     SoftLimit(Axis, f64, f64),
+    /// Move an axis that oscillates, or oscillate a second one.
+    Oscillating(Axis),
+    /// Oscillate over no length, or an axis that is not homed.
+    NoStroke(Axis),
+    /// Return to a dressing point that was never set.
+    NoDressPoint(Axis),
     /// A code that this version does not have.
     NotYet(u8),
 }
@@ -230,11 +248,9 @@ impl Run {
         source: Arc<Source>,
         library: Arc<dyn Library + Send + Sync>,
         (settings, modals): (nc::Settings, nc::Modals),
-        start: (Memory, Frames, PerAxis<f64>),
+        (memory, planned): (Memory, Planned),
         now: Micros,
     ) -> Self {
-        let (memory, frames, machine) = start;
-        let path = modals.path;
         let block = Block::new(&settings);
         Self {
             interpreter: Interpreter::new(source, library, settings, memory).with_modals(modals),
@@ -242,13 +258,14 @@ impl Run {
             items: VecDeque::with_capacity(MOST_ITEMS + 64),
             fed: 0,
             next_tag: 1,
-            planned: Planned { frames: Arc::new(frames), machine, path },
+            planned,
             reading: Reading::Open,
             doing: Doing::Nothing,
             mdi: false,
             since: now,
             splitting: false,
             settle_since: None,
+            gauging: None,
             parted: None,
         }
     }
@@ -286,6 +303,12 @@ impl Run {
 }
 
 impl Planned {
+    /// The beginning of a run.
+    #[must_use]
+    pub fn new(frames: Frames, machine: PerAxis<f64>, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
+        Self { frames: Arc::new(frames), machine, dress_points, oscillating: None, path }
+    }
+
     /// Turns one operation into items.
     fn take(&mut self, op: &Op, at: Place, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
         let act = match op {
@@ -297,9 +320,11 @@ impl Planned {
             }
             Op::Arc { .. } => return self.arc(op, items, params),
             Op::MachineMove { to, feed } => {
+                let mut named = AxisSet::NONE;
+                to.iter().filter(|(_, to)| to.is_some()).for_each(|(axis, _)| named.insert(axis));
                 let target = PerAxis::from_fn(|axis| to[axis].unwrap_or(self.machine[axis]));
                 let speed = feed.map_or(Speed::Rapid, speed);
-                return self.push(PlannedMove::new(target, Shape::Line, speed, ALL_NAMED), items, params);
+                return self.push(PlannedMove::new(target, Shape::Line, speed, (named, AxisSet::NONE)), items, params);
             }
             Op::Reference { via, words, incremental } => {
                 self.line(*via, Speed::Rapid, (*words, *incremental), items, params)?;
@@ -315,6 +340,37 @@ impl Planned {
                     _ => return Ok(()),
                 }
             }
+            Op::AddWear { number, by } => {
+                Arc::make_mut(&mut self.frames).add_wear(*number, *by);
+                Act::Frames(Arc::clone(&self.frames))
+            }
+            Op::Gauge(gauging) => {
+                let mut asked = *gauging;
+                asked.to += self.frames.machine_minus_work(asked.axis);
+                if self.oscillating == Some(asked.axis) {
+                    return Err(Forbidden::Oscillating(asked.axis));
+                }
+                within(asked.axis, asked.to, params)?;
+                Act::Gauge(asked)
+            }
+            Op::OscillationOn { stroke: None, .. } => Act::Cylinder(true),
+            Op::OscillationOn { stroke: Some((axis, to)), ramp_ms, strokes_min } => {
+                let to = to + self.frames.machine_minus_work(*axis);
+                if self.oscillating.is_some() {
+                    return Err(Forbidden::Oscillating(*axis));
+                }
+                if (to - self.machine[*axis]).abs() < LEAST_STROKE_MM {
+                    return Err(Forbidden::NoStroke(*axis));
+                }
+                within(*axis, to, params)?;
+                self.oscillating = Some(*axis);
+                Act::Oscillate(Stroke { axis: *axis, to, ramp_ms: *ramp_ms, strokes_min: *strokes_min })
+            }
+            Op::OscillationOff => {
+                self.oscillating = None;
+                Act::Cylinder(false)
+            }
+            Op::DressReturn { axes, feed } => return self.dress_return(*axes, *feed, items, params),
             Op::Path(mode) => {
                 self.path = *mode;
                 return Ok(());
@@ -366,6 +422,26 @@ impl Planned {
         PerAxis::from_fn(|axis| if words.contains(axis) { machine[axis] } else { self.machine[axis] })
     }
 
+    /// G27: machine coordinates, whatever offsets are in force.
+    fn dress_return(
+        &mut self,
+        axes: AxisSet,
+        feed: Option<f64>,
+        items: &mut VecDeque<Item>,
+        params: &Params,
+    ) -> Result<(), Forbidden> {
+        let mut target = self.machine;
+        for axis in axes.iter() {
+            target[axis] = self.dress_points[axis].ok_or(Forbidden::NoDressPoint(axis))?;
+        }
+        let speed = Speed::PerMinute(feed.unwrap_or_else(|| params.get(param::DRESS_RETURN_SPEED)));
+        let planned = PlannedMove::new(target, Shape::Line, speed, (axes, AxisSet::NONE));
+        let path = std::mem::replace(&mut self.path, PathMode::ExactStop);
+        let pushed = self.push(planned, items, params);
+        self.path = path;
+        pushed
+    }
+
     fn arc(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
         let Op::Arc { to, center, plane, turn, feed, words, incremental } = op else { return Ok(()) };
         let target = self.target(*to, *words);
@@ -391,6 +467,9 @@ impl Planned {
     }
 
     fn push(&mut self, mut planned: PlannedMove, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
+        if let Some(axis) = self.oscillating.filter(|axis| planned.words.contains(*axis)) {
+            return Err(Forbidden::Oscillating(axis)); // K4.3: before the block starts
+        }
         for axis in Axis::ALL {
             if (planned.to[axis] - self.machine[axis]).abs() > 0.0 {
                 within(axis, planned.to[axis], params)?;

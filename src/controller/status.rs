@@ -45,6 +45,7 @@ impl Controller {
         out.spindle_override = self.overrides.spindle;
         out.feed_mm_min = self.path_speed_mm_s() * super::axes::MINUTE;
         out.wheel_rpm = if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm } else { 0.0 };
+        out.strokes_min = self.measured_strokes_min();
         out.parts = self.parts;
         let cycle = self.run.as_ref().map_or(self.cycle_time, |run| self.now.since(run.since));
         out.cycle_seconds = cycle.as_secs_f64();
@@ -55,6 +56,9 @@ impl Controller {
         }
         for (number, place) in out.variables.iter_mut().enumerate().take(VARIABLES) {
             *place = self.memory.get(number as u32).ok().flatten();
+        }
+        for number in 434..=439 {
+            out.variables[number] = self.system_value(number as u32);
         }
         if out.alarms != self.alarms.present() {
             out.alarms = self.alarms.present().to_vec();
@@ -126,6 +130,8 @@ impl Controller {
             Key::MachineLock => self.switches.machine_lock,
             Key::MstLock => self.switches.mst_lock,
             Key::DryRun => self.switches.dry_run,
+            Key::Oscillation => self.oscillation_lamp(),
+            Key::DressReturn => self.dress.returning,
             Key::CycleStart => matches!(self.phase, Phase::Running),
             Key::FeedHold => matches!(self.phase, Phase::Holding | Phase::Held),
             Key::EmergencyStop => self.machine.is_e_stopped(),

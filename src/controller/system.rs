@@ -72,17 +72,25 @@ pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
         speed_unit: if params.bit(param::SPEED_AT_THE_RIM) { SpeedUnit::MetresPerSecond } else { SpeedUnit::Rpm },
         jump_input: params.get(param::JUMP_INPUT) as u32,
         tools: OFFSETS as u32,
+        oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
         rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
     }
 }
 
 impl Controller {
+    /// The value of a system variable, as a program reads it.
+    #[must_use]
+    pub fn system_value(&self, number: u32) -> Option<f64> {
+        self.read_system(number).flatten()
+    }
+
     /// A system variable; `None` if there is no such, `Some(None)` for null.
     pub(super) fn read_system(&self, number: u32) -> Option<Option<f64>> {
         let switched = |on: bool| Some(Some(f64::from(u8::from(on))));
         match number {
-            434..=437 => Some(None),
-            438 | 439 => switched(false),
+            434..=437 => Some(self.gauge_found[(number - 434) as usize]),
+            438 => switched(self.oscillation_flags().0),
+            439 => switched(self.oscillation_flags().1),
             INPUTS..OUTPUTS if number - INPUTS < u32::from(PORTS) => {
                 let port = (number - INPUTS + 1) as u8;
                 let level = self.image.terminals.level(port);

@@ -33,7 +33,7 @@ impl Controller {
             homed: self.axes.all_homed(),
             alarm_blocks: self.alarms.block_start(),
             drives_off: !self.drives_on,
-            oscillating: false,
+            oscillating: self.oscillation.is_some() && self.run.is_none(),
             dry_run: self.switches.dry_run,
             machine_lock: self.switches.machine_lock,
             dressing: dressing.contains(&f64::from(self.current)),
@@ -138,6 +138,7 @@ impl Controller {
                 self.abort_run();
             }
             Consequence::AbortAndMakeSafe => {
+                self.stop_oscillation();
                 self.machine.safe_stop();
                 self.abort_run();
                 self.drives_on = false;

@@ -136,6 +136,21 @@ alarms! {
     PORT_OWNED = 195, StopProgram, Reset, "输出口被功能占用", "output port belongs to a function",
         "M20–M22 指定的输出口属于有联锁的功能", "the port of M20–M22 belongs to an interlocked function",
         "改用未分配的输出口，或用该功能的 M 代码", "use a free port, or the function's own M code";
+    NO_DRESS_POINT = 196, StopProgram, Reset, "没有设置修整点", "no dressing point",
+        "该轴没有设置砂轮修整点", "the dressing point of the axis has not been set",
+        "手动方式，位置页面移到修整处，按轴名键，再按输入", "in JOG, on the position page, stand at the place, press the axis letter, then INPUT";
+    OSCILLATION = 197, StopProgram, Reset, "振荡不能开始", "oscillation may not begin",
+        "换向点与当前位置相同、超出软限位或轴未回零", "the reversal point is where the axis stands, beyond a soft limit, or the axis is not homed",
+        "检查 G35 的坐标和 P238 P239", "check the coordinate of G35, or P238 and P239";
+    OSCILLATING_AXIS = 198, StopProgram, Reset, "轴在振荡中", "the axis oscillates",
+        "程序对正在振荡的轴编写了移动", "the program moves an axis that oscillates",
+        "先用 G36 关闭振荡", "end it with G36 first";
+    CYLINDER_SWITCHES = 199, StopProgram, Reset, "振荡气缸到位信号异常", "switches of the oscillation cylinder",
+        "两个到位信号同时有效，或 P94 时间内没有到位", "both end switches at once, or none within P94",
+        "检查气压和到位开关 P228 P229", "check the air and the switches P228, P229";
+    GAUGE_BEFORE = 200, StopProgram, Reset, "G78 开始时量仪信号已有效", "gauge signal before G78",
+        "启动时量仪信号已经接通", "the signal was on before the axis moved",
+        "检查量仪位置和信号", "check the gauge's place and signal";
     DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
         "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; the copy is kept, factory values are in force",
         "从备份恢复数据，核对参数后再加工", "restore a backup and check the parameters before grinding";

@@ -68,8 +68,14 @@ pub enum Request {
     Port(u8, bool),
     /// Switch a port on for so many milliseconds (M20).
     Pulse(u8, u32),
-    /// Start or resume a program or an MDI line.
+    /// The oscillation cylinder begins its cycle (P17.1=1).
+    CylinderOn,
+    /// Both valves of the cylinder off.
+    CylinderOff,
+    /// Start or resume a program.
     CycleStart,
+    /// Execute an MDI line.
+    MdiStart,
     /// Home axes.
     HomeAxes,
     /// Jog, step or handwheel.
@@ -101,7 +107,9 @@ pub const REQUESTS: &[(Request, Text)] = &[
     (Request::Switch(Output::User1, true), Text::new("用户输出开", "user output on")),
     (Request::Port(1, true), Text::new("输出口开/关 (M21 M22)", "port on or off (M21, M22)")),
     (Request::Pulse(1, 1), Text::new("输出口脉冲 (M20)", "port pulse (M20)")),
+    (Request::CylinderOn, Text::new("振荡气缸启动", "oscillation cylinder on")),
     (Request::CycleStart, Text::new("循环启动", "cycle start")),
+    (Request::MdiStart, Text::new("录入执行", "MDI line")),
     (Request::HomeAxes, Text::new("回零", "homing")),
     (Request::MoveByHand, Text::new("手动移动", "moving by hand")),
 ];
@@ -161,6 +169,8 @@ mcodes! {
     31, "K3.14", false, Action::Count, "工件计数", "count a workpiece";
     32, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, true)), "润滑开", "lubrication on";
     33, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, false)), "润滑关", "lubrication off";
+    35, "K4.3", true, Action::Flow, "振荡开启 (G35)", "oscillation on (G35)";
+    36, "K4.3", true, Action::Flow, "振荡关闭 (G36)", "oscillation off (G36)";
     41, "B4", true, Action::Ask(Request::Gear(0)), "1 档", "gear 1";
     42, "B4", true, Action::Ask(Request::Gear(1)), "2 档", "gear 2";
     43, "B4", true, Action::Ask(Request::Gear(2)), "3 档", "gear 3";
@@ -201,7 +211,7 @@ mcodes! {
 }
 
 /// Codes of the control that this version reads but does not drive: a run stops before their block.
-pub const NOT_YET: &[u16] = &[35, 36];
+pub const NOT_YET: &[u16] = &[];
 
 /// Whether the control has the code at all.
 #[must_use]

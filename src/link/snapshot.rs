@@ -210,6 +210,8 @@ pub struct Snapshot {
     pub feed_mm_min: f64,
     /// Wheel speed commanded, rpm.
     pub wheel_rpm: f64,
+    /// Measured strokes a minute of the axis that oscillates (K4.3).
+    pub strokes_min: Option<f64>,
     /// Workpieces counted.
     pub parts: u32,
     /// Seconds of the running or last cycle.
@@ -296,6 +298,7 @@ impl Snapshot {
             spindle_override: 100,
             feed_mm_min: 0.0,
             wheel_rpm: 0.0,
+            strokes_min: None,
             parts: 0,
             cycle_seconds: 0.0,
             inputs: InputSet::NONE,

@@ -55,6 +55,8 @@ pub struct Facts {
     pub magnet_needed: bool,
     /// The magnet holds: on for P81.
     pub magnetised: bool,
+    /// The oscillation cylinder is in its cycle.
+    pub cylinder_on: bool,
     /// P332 is assigned and the guard is not closed.
     pub guard_open: bool,
     /// The external hold is active.

@@ -4,6 +4,7 @@
 //! ([`Machine::ask`]); the interlock table answers. [`press`] tells what a key asks for, [`phase`] what becomes of a run.
 //! Source: spec K3, K5.
 
+mod cylinder;
 pub mod discrete;
 mod fluids;
 mod gauge;
@@ -26,6 +27,7 @@ use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet, Output, OutputSet, Terminals};
 use crate::defs::text::Text;
 use crate::units::Micros;
+use cylinder::Cylinder;
 use fluids::Fluids;
 use gauge::{Arms, Gears};
 use hydraulic::Hydraulic;
@@ -138,6 +140,9 @@ pub struct Machine {
     tailstock: Tailstock,
     magnet: Magnet,
     hydraulic: Hydraulic,
+    cylinder: Cylinder,
+    /// #438 and #439 of the cylinder.
+    cylinder_flags: (bool, bool),
     fluids: Fluids,
     /// When the lubrication pump last ran by its interval.
     last_dose: Micros,
@@ -166,7 +171,7 @@ pub const OFF_WHEN_SAFE: &[Output] = &[
 ];
 
 /// Most findings of one tick.
-pub const FINDINGS: usize = 9;
+pub const FINDINGS: usize = 10;
 /// Findings of one tick.
 pub type Findings = [Option<Finding>; FINDINGS];
 
@@ -189,6 +194,8 @@ impl Machine {
             tailstock: Tailstock::Resting,
             magnet: Magnet::Off,
             hydraulic: Hydraulic::new(now),
+            cylinder: Cylinder::Off,
+            cylinder_flags: (false, false),
             fluids: Fluids::default(),
             last_dose: now,
             arms: Arms::default(),
@@ -240,6 +247,7 @@ impl Machine {
             magnet_enabled: params.bit(param::MAGNET_ENABLED),
             magnet_needed: params.bit(param::WHEEL_NEEDS_MAGNET),
             magnetised: self.magnet.is_holding(),
+            cylinder_on: self.cylinder.is_on(),
             guard_open: params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed),
             external_hold: inputs.has(Input::ExternalHold),
             port_owned: false,
@@ -307,8 +315,9 @@ impl Machine {
         let [radial, axial] = self.arms.watch(now, inputs, params).map(|late| late.map(alarm));
         let gears = self.gears.watch(now, inputs, params).map(alarm);
         let [flow, level] = self.fluids.tick(now, inputs, params, &mut self.last_dose);
+        let cylinder = self.cylinder.tick(now, inputs, params, &mut self.cylinder_flags).map(alarm);
         let guard = self.watch_guard(inputs, params);
-        [pressed, hydraulic, tailstock, radial, axial, gears, flow, level, guard]
+        [pressed, hydraulic, tailstock, radial, axial, gears, cylinder, flow, level, guard]
     }
 
     /// K5.13: with the guard open the workpiece drive stops; opened in a run it holds the program.
@@ -339,12 +348,14 @@ impl Machine {
         self.drive = Drive::Off;
         self.second_spindle = SecondSpindle::Off;
         self.fluids.coolant = false;
+        self.cylinder = Cylinder::Off;
         self.ports.end_pulses();
     }
 
-    /// Reset: the workpiece drive stops; wheel, fluids, hydraulics and clamping stay (table after K3).
+    /// Reset: workpiece drive and oscillation stop; wheel, fluids, hydraulics and clamping stay (table after K3).
     pub fn reset(&mut self) {
         self.drive = Drive::Off;
+        self.cylinder = Cylinder::Off;
         self.ports.end_pulses();
         self.hydraulic.acknowledge();
     }
@@ -369,6 +380,18 @@ impl Machine {
     #[must_use]
     pub const fn port_terminals(&self) -> Terminals {
         self.ports.terminals()
+    }
+
+    /// Whether the oscillation cylinder is in its cycle.
+    #[must_use]
+    pub fn cylinder_is_on(&self) -> bool {
+        self.cylinder.is_on()
+    }
+
+    /// #438 and #439 of the cylinder: forward, backward in position.
+    #[must_use]
+    pub const fn cylinder_flags(&self) -> (bool, bool) {
+        self.cylinder_flags
     }
 
     /// Whether headstock, roll or table is switched on.

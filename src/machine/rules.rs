@@ -14,7 +14,7 @@ const fn spindle_start(request: Request) -> bool {
     matches!(request, Request::WheelStart | Request::SecondSpindleStart(_))
 }
 const fn cycle_start(request: Request) -> bool {
-    matches!(request, Request::CycleStart)
+    matches!(request, Request::CycleStart | Request::MdiStart)
 }
 const fn tailstock(request: Request) -> bool {
     matches!(request, Request::TailstockAdvance | Request::TailstockRetract)
@@ -32,10 +32,12 @@ const fn release(request: Request) -> bool {
     matches!(request, Request::Demagnetise | Request::MagnetOff)
 }
 const fn motion(request: Request) -> bool {
-    matches!(request, Request::CycleStart | Request::HomeAxes | Request::MoveByHand)
+    cycle_start(request) || matches!(request, Request::HomeAxes | Request::MoveByHand)
 }
 const fn starts_or_flows(request: Request) -> bool {
-    drive_start(request) || spindle_start(request) || matches!(request, Request::Switch(Output::Coolant, true))
+    drive_start(request)
+        || spindle_start(request)
+        || matches!(request, Request::Switch(Output::Coolant, true) | Request::CylinderOn)
 }
 const fn needs_guard(request: Request) -> bool {
     drive_start(request) || spindle_start(request) || cycle_start(request)
@@ -87,6 +89,13 @@ pub const RULES: &[Rule] = &[
         when: |facts| facts.around.machine_lock,
         outcome: Outcome::Deny,
         reason: Text::new("机床锁中不能回零", "machine lock: no homing"),
+    },
+    Rule {
+        row: "K4.3",
+        forbids: |request| matches!(request, Request::HomeAxes),
+        when: |facts| facts.around.oscillating,
+        outcome: Outcome::Deny,
+        reason: Text::new("振荡中不能回零", "an axis oscillates: no homing"),
     },
     Rule {
         row: "K6.1",
@@ -236,8 +245,9 @@ pub const RULES: &[Rule] = &[
     },
     Rule {
         row: "K5.8",
-        forbids: cycle_start,
-        when: |facts| facts.around.oscillating,
+        // An MDI line may end it.
+        forbids: |request| matches!(request, Request::CycleStart),
+        when: |facts| facts.around.oscillating || facts.cylinder_on && !facts.around.run_open,
         outcome: Outcome::Alarm(alarm::OSCILLATING),
         reason: Text::new("振荡中，不能启动程序", "an axis oscillates: no cycle start"),
     },

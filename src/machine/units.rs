@@ -1,6 +1,7 @@
 //! Carrying out what has been granted, and what the units show: outputs, lamps that blink, whether they have arrived.
 //! Source: spec K3.
 
+use super::cylinder::Cylinder;
 use super::fluids::Lubrication;
 use super::magnet::Magnet;
 use super::ports::{Owner, owner};
@@ -19,7 +20,9 @@ impl Machine {
     pub(super) fn carry_out(&mut self, request: Request, now: Micros, params: &Params) -> Answer {
         match request {
             Request::WheelStart => self.wheel.start(now),
-            Request::CycleStart | Request::HomeAxes | Request::MoveByHand => {}
+            Request::CycleStart | Request::MdiStart | Request::HomeAxes | Request::MoveByHand => {}
+            Request::CylinderOn => self.cylinder.start(now),
+            Request::CylinderOff => self.cylinder = Cylinder::Off,
             Request::WheelStop => self.wheel = Wheel::Off,
             // One speed where both codes drive the same output.
             Request::DriveHigh | Request::DriveLow => {
@@ -62,6 +65,7 @@ impl Machine {
             Request::SecondSpindleStart(true) => Output::SecondSpindleCcw,
             Request::TailstockAdvance => Output::Tailstock,
             Request::HydraulicOn => Output::Hydraulic,
+            Request::CylinderOn => Output::OscillationForward,
             Request::Magnetise => Output::Magnetise,
             Request::Demagnetise => Output::Demagnetise,
             Request::Gauge(Gauge::Radial, true) => Output::RadialGauge,
@@ -78,7 +82,9 @@ impl Machine {
             | Request::Switch(_, false)
             | Request::Port(..)
             | Request::Pulse(..)
+            | Request::CylinderOff
             | Request::CycleStart
+            | Request::MdiStart
             | Request::HomeAxes
             | Request::MoveByHand => return None,
         })
@@ -115,7 +121,10 @@ impl Machine {
             | Request::MagnetOff
             | Request::Switch(..)
             | Request::Port(..)
+            | Request::CylinderOn
+            | Request::CylinderOff
             | Request::CycleStart
+            | Request::MdiStart
             | Request::HomeAxes
             | Request::MoveByHand => true,
         }
@@ -134,6 +143,7 @@ impl Machine {
         on.set(Output::Demagnetise, self.magnet.is_demagnetising());
         on.set(Output::SecondSpindle, self.second_spindle.direction() == Some(false));
         on.set(Output::SecondSpindleCcw, self.second_spindle.direction() == Some(true));
+        self.cylinder.show(&mut on);
         self.arms.show(&mut on);
         self.gears.show(&mut on);
         if let Some(fast) = self.drive.speed() {

@@ -79,6 +79,13 @@ impl Frames {
         self.offset = usize::from(offset).min(OFFSETS);
     }
 
+    /// G10: adds to the wear of an offset, 1 to 16.
+    pub fn add_wear(&mut self, number: u8, by: PerAxis<f64>) {
+        if let Some(wear) = usize::from(number).checked_sub(1).and_then(|index| self.wear.get_mut(index)) {
+            *wear = PerAxis::from_fn(|axis| wear[axis] + by[axis]);
+        }
+    }
+
     /// G50: the present position is called `values`. K5.10: the wear of the tool in force is cleared.
     pub fn preset(&mut self, machine: PerAxis<f64>, values: &PerAxis<Option<f64>>) {
         if let Some(offset) = self.offset.checked_sub(1) {

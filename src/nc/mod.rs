@@ -34,7 +34,7 @@ pub use frames::Frames;
 pub use interpreter::{Block, Interpreter, Next};
 pub use memory::{Memory, VariableError};
 pub use modal::{Modals, Motion};
-pub use op::{AxisSet, Feed, Op, PathMode, Plane, SpeedMode};
+pub use op::{AxisSet, Feed, Gauging, Op, PathMode, Plane, SpeedMode};
 pub use settings::{Settings, SpeedUnit, System};
 pub use source::{Library, NoLibrary, Source};
 pub use world::{CheckWorld, Live, World};

@@ -134,6 +134,15 @@ impl CheckWorld {
                 self.reframe(|frames| frames.preset(machine, values));
             }
             Op::Frame { g } => self.reframe(|frames| frames.activate(*g)),
+            Op::AddWear { number, by } => self.reframe(|frames| frames.add_wear(*number, *by)),
+            Op::Gauge(gauging) => {
+                // A check meets no part: the axis goes all the way and comes back.
+                let (mut to, from) = (self.position, self.position[gauging.axis]);
+                to[gauging.axis] = gauging.to;
+                self.cut(to, distance(self.position, to), Feed::PerMinute(gauging.fast_mm_min));
+                to[gauging.axis] += gauging.retract_mm.copysign(from - gauging.to);
+                self.cut(to, gauging.retract_mm, Feed::PerMinute(gauging.fast_mm_min));
+            }
             Op::T { tool, offset } => self.reframe(|frames| frames.call_tool(*tool, *offset)),
             Op::MachineMove { to, feed } => {
                 let to = PerAxis::from_fn(|axis| {
@@ -153,6 +162,8 @@ impl CheckWorld {
             Op::S { value, mode: super::op::SpeedMode::Rpm } if *value > 0.0 => self.rpm = *value,
             Op::SetSystem { number, value } => self.set_system(*number, *value),
             Op::S { .. } | Op::Path(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
+            // Where the dressing point is, only the machine knows; an oscillating axis comes back to where it was.
+            Op::DressReturn { .. } | Op::OscillationOn { .. } | Op::OscillationOff => {}
             Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } => {}
         }
     }

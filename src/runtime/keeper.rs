@@ -14,6 +14,7 @@ use crate::units::PerAxis;
 
 const CURRENT_PROGRAM: &str = "current-program";
 const PARTS: &str = "parts";
+const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
 /// What opening the data has found, for people.
 #[derive(Debug)]
@@ -71,6 +72,9 @@ fn change(effect: &Effect) -> Option<store::Change> {
             offset: store::ToolOffset { geometry: *geometry, wear: *wear },
         },
         Effect::Frame(index, origin) => store::Change::Frame { index: *index as u8, origin: *origin },
+        Effect::DressPoint(axis, at) => {
+            store::Change::Number { key: DRESS_POINTS[*axis as usize].into(), value: Some(*at) }
+        }
         Effect::CurrentProgram(number) => {
             store::Change::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
         }
@@ -95,6 +99,7 @@ pub fn remember(retained: &mut Retained, effect: &Effect) {
                 *frame = *origin;
             }
         }
+        Effect::DressPoint(axis, at) => retained.dress_points[*axis] = Some(*at),
         Effect::CurrentProgram(number) => retained.current_program = *number,
         Effect::Parts(parts) => retained.parts = *parts,
         Effect::Ask(_) => {}
@@ -125,5 +130,6 @@ fn restore(kind: Kind, loaded: &store::Loaded) -> (Retained, Vec<String>) {
     let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);
     retained.current_program = number(CURRENT_PROGRAM);
     retained.parts = number(PARTS);
+    retained.dress_points = PerAxis::from_fn(|axis| loaded.numbers.get(DRESS_POINTS[axis as usize]).copied());
     (retained, dropped)
 }

@@ -104,7 +104,7 @@ numbers! {
     HMI_KEEP_ALIVE = 76, 200 => 10_000, 2_000, "ms", Builder, "界面保持时间", "HMI keep-alive";
     WHEEL_DIAMETER = 77, 10 => 2_000, 600, "mm", User, "砂轮直径", "wheel diameter";
     WHEEL_WIDTH = 78, 1 => 1_000, 20, "mm", User, "砂轮宽度", "wheel width";
-    WHEEL_RATED_SPEED = 79, 1 => 200, 45, "m/s", User, "砂轮额定线速度", "rated peripheral speed of the wheel";
+    WHEEL_RATED_SPEED = 79, 1 => 200, 35, "m/s", User, "砂轮额定线速度", "rated peripheral speed of the wheel";
     GAUGE_ARM_TIME = 80, 0 => 60_000, 3_000, "ms", Builder, "量仪动作超时", "gauge arm time-out";
     MAGNETISE_TIME = 81, 0 => 60_000, 1_000, "ms", Builder, "充磁时间", "time until the magnet holds";
     DEMAGNETISE_TIME = 82, 0 => 60_000, 6_000, "ms", Builder, "退磁时间", "demagnetising time";
@@ -119,6 +119,7 @@ numbers! {
     DRESSING_FIRST = 91, 0 => 9_999, 1_011, "", User, "修整程序起始号", "first dressing program";
     DRESSING_LAST = 92, 0 => 9_999, 1_012, "", User, "修整程序末号", "last dressing program";
     JUMP_INPUT = 93, 0 => 64, 0, "", Builder, "M91/M92 默认输入口", "input port of M91/M92 without L, 0 none";
+    CYLINDER_TIME = 94, 0 => 60_000, 3_000, "ms", Builder, "振荡气缸超时", "oscillation cylinder time-out";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
@@ -137,11 +138,17 @@ numbers! {
     INPUTS_INVERTED_4 = 357, 0 => 65_535, 0, "", Builder, "输入口 49-64 反相", "inputs 49-64 inverted";
 }
 
-/// Factory values of one kind that differ from the table: the travels of its slides.
+/// Factory values of one kind that differ from the table: its travels and its wheel.
 pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
     (Kind::Gs, SOFT_MINUS_X, -600.0),
     (Kind::Gs, SOFT_MINUS_Z, -300.0),
+    (Kind::Gs, WHEEL_DIAMETER, 500.0),
+    (Kind::Gs, WHEEL_WIDTH, 40.0),
+    (Kind::Gs, WHEEL_RATED_SPEED, 30.0),
     (Kind::Ga, SOFT_MINUS_X, -400.0),
+    (Kind::Ga, WHEEL_DIAMETER, 500.0),
+    (Kind::Ga, WHEEL_WIDTH, 40.0),
+    (Kind::Ga, WHEEL_RATED_SPEED, 30.0),
     (Kind::Ga, SOFT_MINUS_Z, -300.0),
 ];
 

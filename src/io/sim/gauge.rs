@@ -109,9 +109,9 @@ mod tests {
         let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
         let mut edges = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
         let mut before = [false; 4];
-        for tick in 0..12_000 {
-            // 10 µm/s: 0.1 µm in the delay of 10 ms.
-            let over = 110.0 - 0.01 * f64::from(tick);
+        for tick in 0..120_000 {
+            // 1 µm/s: 0.01 µm in the delay of 10 ms, and a second in the noise of a stage.
+            let over = 110.0 - 0.001 * f64::from(tick);
             g.step(size(over), 0.001, &mut chance);
             for stage in 0..4 {
                 if g.stage(stage) != before[stage] {
@@ -122,9 +122,22 @@ mod tests {
         }
         for (edges, stage) in edges.iter().zip([100.0, 20.0, 5.0, 0.0]) {
             assert_eq!(edges.len(), 1, "{stage}: {edges:?}");
-            // Noise up to 0.5 µm before, the delay's 0.1 µm behind.
-            assert!(edges[0] <= stage + 0.5 - 0.09 && edges[0] >= stage - 0.5 - 0.11, "{stage}: {edges:?}");
+            // Noise up to 0.5 µm before or behind, and the delay's 0.01 µm.
+            assert!((edges[0] - stage).abs() <= 0.515, "{stage}: {edges:?}");
         }
+    }
+
+    #[test]
+    fn p7_a_size_that_stands_at_a_stage_gives_one_edge_and_no_chatter() {
+        let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
+        let (mut edges, mut before) = (0, false);
+        for _ in 0..60_000 {
+            // Noise is over it or under it half of the time.
+            g.step(size(5.0), 0.001, &mut chance);
+            edges += u32::from(g.stage(2) != before);
+            before = g.stage(2);
+        }
+        assert_eq!((edges, before), (1, true));
     }
 
     #[test]
