@@ -65,7 +65,7 @@ fn h8_what_is_missing_is_said_with_the_remedy() {
         |file: &str, place| FileFault {
             file: file.into(), place, said: Said::new("全角符号“；”", "full-width")
         };
-    let mut screens = Screens { pages: machine.screens.pages.clone() };
+    let mut screens = Screens::clone(&machine.screens);
     screens.pages[0].1.text = Err(fault("C0001.TXT", Some((4, 16))));
     screens.pages[0].1.picture = Err(fault("B0001.BMP", None));
     machine.screens = Arc::new(screens);
@@ -172,7 +172,7 @@ fn h9_nothing_is_cut_or_overlaps() {
 }
 
 /// The keys that lead to what a page shows only when it is used.
-const USES: [(Page, &[&str]); 8] = [
+const USES: [(Page, &[&str]); 16] = [
     (Page::Diagnosis, &["→"]),
     (Page::Diagnosis, &["→", "→"]),
     (Page::Diagnosis, &["→", "→", "→"]),
@@ -181,6 +181,14 @@ const USES: [(Page, &[&str]); 8] = [
     (Page::Params, &["/", "nothing of the kind"]),
     (Page::Params, &["p300", "⏎", "65", "⏎"]),
     (Page::Params, &["p300", "⏎", "11", "⏎", "123", "⏎"]),
+    (Page::Offset, &["u", "-0.125"]),
+    (Page::Offset, &["→", "→", "1000.25", "⏎"]),
+    (Page::Offset, &["m", "-9000.125"]),
+    (Page::Dressing, &["w", "12.5", "⏎"]),
+    (Page::Macro, &["#", "600", "⏎"]),
+    (Page::Macro, &["#", "440", "⏎"]),
+    (Page::Wheel, &["5", "⏎"]),
+    (Page::Wheel, &["550", "⏎", "⏎", "50", "⏎", "⏎"]),
 ];
 
 fn use_page(stage: &mut Stage, machine: &Snapshot, keys: &[&str]) {
@@ -269,7 +277,7 @@ fn h1_the_scale_follows_the_display() {
 
 #[test]
 fn k5_12_page_pictures_are_of_the_form() {
-    for name in ["B0001.BMP", "B0002.BMP"] {
+    for name in ["B0001.BMP", "B0002.BMP", "B0100.BMP"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("screens").join(name);
         let bytes = std::fs::read(&path).expect(name);
         assert_eq!(bytes.len(), 240_054, "{name}");

@@ -3,15 +3,15 @@
 #![cfg(feature = "hmi")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
 
+mod hmi_bench;
 mod hmi_desk;
 mod told;
 
 use std::path::Path;
 use std::sync::Arc;
 
-use egui::Event;
 use egui_kittest::kittest::Queryable;
-use hmi_desk::{Screen, open};
+use hmi_bench::Bench;
 use kt830::controller::Retained;
 use kt830::defs::key::{Group, Key};
 use kt830::defs::kind::Kind;
@@ -24,79 +24,6 @@ use kt830::link::page_command::{Guard, PageCommand, Secret};
 use kt830::runtime::keeper::Keeper;
 use kt830::runtime::rig::{Rig, Setup};
 use kt830::store::Settings;
-
-/// The screen and the machine behind it.
-struct Bench {
-    rig: Rig,
-    screen: Screen,
-}
-
-impl Bench {
-    fn new(mut rig: Rig, page: Page) -> Self {
-        rig.send(Command::OpenPage(page));
-        rig.step();
-        rig.step();
-        let screen = open(rig.snapshot().clone());
-        let mut bench = Self { rig, screen };
-        bench.turn();
-        bench
-    }
-
-    /// Commands go down, ticks pass, the snapshot comes back, as between window and core.
-    fn turn(&mut self) {
-        for _ in 0..3 {
-            self.screen.step();
-            for command in std::mem::take(&mut self.screen.state_mut().sent) {
-                self.rig.send(command);
-            }
-            for _ in 0..3 {
-                self.rig.step();
-            }
-            self.screen.state_mut().snapshot = self.rig.snapshot().clone();
-        }
-        self.screen.step();
-    }
-
-    fn touch(&mut self, label: &str) {
-        self.screen.get_by_label(label).click();
-        self.turn();
-    }
-
-    fn press(&mut self, key: egui::Key) {
-        self.screen.key_press(key);
-        self.turn();
-    }
-
-    fn write(&mut self, text: &str) {
-        self.screen.event(Event::Text(text.to_owned()));
-        self.turn();
-    }
-
-    /// Finds a parameter by its number, types a value and presses 输入.
-    fn set(&mut self, param: &str, value: &str) {
-        self.write(param);
-        self.press(egui::Key::Enter);
-        self.write(value);
-        self.press(egui::Key::Enter);
-    }
-
-    fn param(&self, word: &str) -> f64 {
-        self.rig.retained().params.read(ParamAddress::parse(word).unwrap()).unwrap()
-    }
-
-    fn asks_password(&self) -> bool {
-        self.screen.query_by_label("密码 password").is_some()
-    }
-
-    fn says(&mut self, words: &str) -> bool {
-        self.turn();
-        page_text(self.rig.snapshot(), Lang::Zh).iter().any(|text| text.contains(words))
-    }
-
-    fn message(&mut self) -> String {
-        self.rig.snapshot().message.text.zh.clone()
-    }
-}
 
 /// A rig whose data stay in a folder.
 fn kept(folder: &Path, kind: Kind) -> Rig {

@@ -5,8 +5,6 @@ use super::{Controller, Effect};
 use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
-use crate::defs::page::Page;
-use crate::defs::param;
 use crate::defs::text::Said;
 use crate::link::command::Command;
 use crate::machine::Answer;
@@ -16,7 +14,7 @@ use crate::nc::{Source, VariableError};
 use crate::units::PerAxis;
 
 /// Most characters of an MDI line.
-const MDI_MOST: usize = 500;
+pub(super) const MDI_MOST: usize = 500;
 
 impl Controller {
     /// Takes one command.
@@ -33,7 +31,11 @@ impl Controller {
             Command::OpenPage(page) => self.open_page(*page),
             Command::LoadProgram(number) => self.load_program(*number),
             Command::Mdi(line) => self.mdi(line),
-            Command::TypeVariable(variable, value) => self.type_variable(*variable, *value),
+            Command::TypeVariable(..)
+            | Command::Offset(_)
+            | Command::AddWear { .. }
+            | Command::ChangeWheel { .. }
+            | Command::ReadyMdi(_) => self.take_edit(command),
             Command::SetVariable(variable, value) => {
                 self.set_variable(*variable, *value);
             }
@@ -74,32 +76,8 @@ impl Controller {
         }
     }
 
-    /// A value typed on the open page (K7.5, K7.7).
-    fn type_variable(&mut self, variable: u16, value: Option<f64>) {
-        if self.page != Page::Grinding || !self.page_shows(variable) {
-            return self.refuse(Said::new(
-                format!("当前页面没有 #{variable}"),
-                format!("the open page does not show #{variable}"),
-            ));
-        }
-        if self.run.is_some() && !self.params.bit(param::EDIT_VALUES_IN_RUN) {
-            return self.refuse(Said::new("程序运行中不能修改 (P6.3)", "not while a program runs (P6.3)"));
-        }
-        if self.set_variable(variable, value) {
-            let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
-            self.say(Said::new(format!("#{variable} = {shown}"), format!("#{variable} = {shown}")));
-        }
-    }
-
-    fn page_shows(&self, variable: u16) -> bool {
-        self.screens
-            .find(self.current)
-            .and_then(|files| files.text.as_ref().ok())
-            .is_some_and(|page| page.rows().any(|row| row.variable == variable))
-    }
-
     /// False: refused, and said why.
-    fn set_variable(&mut self, variable: u16, value: Option<f64>) -> bool {
+    pub(super) fn set_variable(&mut self, variable: u16, value: Option<f64>) -> bool {
         let number = u32::from(variable);
         if let Err(error) = self.store_variable(number, value) {
             let zh = match error {
@@ -136,7 +114,7 @@ impl Controller {
         self.say(Said::new(format!("当前程序 O{number:04}"), format!("current program O{number:04}")));
     }
 
-    fn mdi(&mut self, line: &str) {
+    pub(super) fn mdi(&mut self, line: &str) {
         if self.mode != Mode::Mdi {
             return self.refuse(Said::new("录入方式下才能执行", "MDI lines work in mode MDI"));
         }

@@ -30,6 +30,7 @@ impl Controller {
             Phase::Holding | Phase::Aborting | Phase::Homing(_) => {
                 return self.refuse(Said::new("轴还在运动，请稍候", "the axes still move"));
             }
+            Phase::Idle if self.mode == Mode::Mdi => return self.start_mdi(),
             Phase::Idle if self.mode != Mode::Auto => {
                 return self.refuse(Said::new("自动方式下才能循环启动", "cycle start works in mode AUTO"));
             }

@@ -78,6 +78,7 @@ impl Controller {
             Key::Cancel => self.cancel_dress_point(),
             Key::F1 => self.open_page(Page::Position),
             Key::F4 => self.open_page(Page::Grinding),
+            Key::F5 => self.open_page(Page::Dressing),
             _ => self.press_override(key),
         }
     }
@@ -141,5 +142,5 @@ impl Controller {
 
 /// Keys that this version draws but does not drive yet.
 const fn is_in_this_version(key: Key) -> bool {
-    !matches!(key, Key::WheelRetract | Key::F2 | Key::F3 | Key::F5 | Key::NextRow)
+    !matches!(key, Key::WheelRetract | Key::F2 | Key::F3 | Key::NextRow)
 }

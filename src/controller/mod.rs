@@ -10,6 +10,7 @@ mod by_hand;
 mod commands;
 mod cycle;
 mod dress;
+mod edits;
 mod effect;
 mod executor;
 mod filter;
@@ -19,6 +20,8 @@ mod hold;
 mod homing;
 mod keys;
 mod library;
+mod mdi;
+mod offsets;
 mod oscillation;
 mod page_files;
 mod pages;
@@ -28,6 +31,7 @@ mod status;
 mod switches;
 mod system;
 mod watch;
+mod wheel_change;
 
 pub use alarms::Alarms;
 pub use effect::Effect;
@@ -187,6 +191,7 @@ pub struct Controller {
     /// What is modal in MDI, from line to line.
     mdi_modals: Option<Modals>,
     pages: Pages,
+    edits: edits::Edits,
 }
 
 impl Controller {
@@ -244,6 +249,7 @@ impl Controller {
             limits: 0,
             mdi_modals: None,
             pages: Pages::new(kind, &params),
+            edits: edits::Edits::default(),
             params,
         };
         control.find_dead_outputs();

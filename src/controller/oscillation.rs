@@ -161,10 +161,8 @@ impl Oscillation {
         self.flags = (forward, !forward);
         let until = now + Micros::from_millis_f64(DWELL_UNIT_MS * params.get(dwell));
         self.step = Step::Dwelling { forward, until };
-        if forward {
-            if let Some(last) = self.last_forward.replace(now) {
-                self.strokes_min = MINUTE / now.since(last).as_secs_f64();
-            }
+        if forward && let Some(last) = self.last_forward.replace(now) {
+            self.strokes_min = MINUTE / now.since(last).as_secs_f64();
         }
     }
 

@@ -1,5 +1,5 @@
-//! The open page, and alarm 66 for the files of the grinding page.
-//! Source: spec K7.3.
+//! The open page, and alarm 66 for the files of the grinding and the dressing page.
+//! Source: spec K7.3, K7.6.
 
 use super::Controller;
 use crate::defs::alarm;
@@ -19,6 +19,13 @@ impl Controller {
     /// K7.3: alarm 66 when the page opens; it goes when the files are right or the page is left.
     pub(super) fn check_page_files(&mut self) {
         self.alarms.clear(alarm::PAGE_FILES);
+        if self.page == Page::Dressing {
+            // K7.6: its picture alone.
+            if let Some(Err(fault)) = self.screens.dressing.clone() {
+                self.raise(alarm::PAGE_FILES, Some(fault.said()));
+            }
+            return;
+        }
         if self.page != Page::Grinding || !PAGED_PROGRAMS.contains(&self.current) {
             return;
         }

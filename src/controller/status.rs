@@ -70,6 +70,7 @@ impl Controller {
             out.waiting_for.clone_from(&self.waiting_for);
         }
         self.page_view(out);
+        self.edit_view(out);
         if !Arc::ptr_eq(&out.screens, &self.screens) {
             out.screens.clone_from(&self.screens);
         }

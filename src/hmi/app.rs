@@ -88,6 +88,12 @@ impl Hmi {
         self.pages.param_refusal(lang)
     }
 
+    /// What was typed on the open page and refused there, by the page or by the core, and why; for tests.
+    #[must_use]
+    pub fn refusal(&self, lang: Lang) -> Option<(String, String)> {
+        self.pages.refusal(self.page?, lang)
+    }
+
     /// Draws one frame over the whole `ui` and gives what the operator asked for in it.
     /// Gather the commands of all passes of a frame and send them once.
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
@@ -136,7 +142,10 @@ impl Hmi {
             self.pages.restart_entry();
         }
         let files = snapshot.screens.find(snapshot.program.number);
-        let wanted = files.and_then(|files| files.picture.as_ref().ok());
+        let wanted = match snapshot.page {
+            Page::Dressing => snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().ok()),
+            _ => files.and_then(|files| files.picture.as_ref().ok()),
+        };
         match (wanted, &self.picture) {
             (Some(wanted), Some((shown, _))) if Arc::ptr_eq(wanted, shown) => {}
             (Some(wanted), _) => self.picture = load(ui.ctx(), wanted),

@@ -22,6 +22,7 @@ pub mod raster;
 pub mod shot;
 mod softkey;
 pub mod theme;
+pub mod typing;
 pub mod view;
 mod widget;
 pub mod window;

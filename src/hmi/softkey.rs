@@ -1,4 +1,4 @@
-//! The soft keys F1–F5 and ▶: three rows, one table.
+//! The soft keys F1–F5 and ▶: four rows, one table.
 //! Source: spec K7.1, K7.2.
 
 use egui::accesskit::Role;
@@ -41,15 +41,15 @@ const fn later(zh: &'static str, en: &'static str, reason_zh: &'static str, reas
 }
 
 /// The rows that ▶ turns through.
-pub const ROWS: [[SoftKey; 5]; 3] = [
-    [
+pub const ROWS: [&[SoftKey]; 4] = [
+    &[
         key("相对", "RELATIVE", SoftAct::Position(Shown::Relative)),
         key("综合", "ALL", SoftAct::Position(Shown::All)),
         key("机床", "MACHINE", SoftAct::Position(Shown::Machine)),
         key("磨削", "GRINDING", SoftAct::Open(Page::Grinding)),
-        later("砂轮修整", "DRESSING", "砂轮修整页面：本版本尚未提供", "the dressing page is not in this version yet"),
+        key("砂轮修整", "DRESSING", SoftAct::Open(Page::Dressing)),
     ],
-    [
+    &[
         key("参数", "PARAMS", SoftAct::Open(Page::Params)),
         key("诊断", "DIAGNOSIS", SoftAct::Open(Page::Diagnosis)),
         later("图形", "GRAPHIC", "图形页面：本版本尚未提供", "the graphic page is not in this version yet"),
@@ -61,10 +61,16 @@ pub const ROWS: [[SoftKey; 5]; 3] = [
             "screen print is not in this version yet; use kt830 shot",
         ),
     ],
-    [
+    &[
         key("程序", "PROGRAM", SoftAct::Open(Page::Program)),
+        key("录入", "MDI", SoftAct::Open(Page::Mdi)),
         key("目录", "DIRECTORY", SoftAct::Open(Page::Directory)),
+        key("刀补", "OFFSETS", SoftAct::Open(Page::Offset)),
+        key("宏变量", "MACRO", SoftAct::Open(Page::Macro)),
+    ],
+    &[
         key("报警", "ALARMS", SoftAct::Open(Page::Alarm)),
+        key("换砂轮", "WHEEL", SoftAct::Open(Page::Wheel)),
         key("设置", "SETTINGS", SoftAct::Open(Page::Settings)),
         key("帮助", "HELP", SoftAct::Open(Page::Help)),
     ],
@@ -74,9 +80,10 @@ pub const ROWS: [[SoftKey; 5]; 3] = [
 #[must_use]
 pub const fn row_of(page: Page) -> usize {
     match page {
-        Page::Position | Page::Panel => 0,
+        Page::Position | Page::Panel | Page::Dressing => 0,
         Page::Grinding | Page::Params | Page::Diagnosis => 1,
-        Page::Program | Page::Directory | Page::Alarm | Page::Settings | Page::Help => 2,
+        Page::Program | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
+        Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
@@ -30,6 +31,28 @@ pub enum Command {
     Mdi(String),
     /// A value typed on the open page for one of its macro variables; `None` empties it.
     TypeVariable(u16, Option<f64>),
+    /// What the offset and the dressing page ask.
+    Offset(OffsetCommand),
+    /// An increment to the wear of an offset, typed as U, V or W; G10 goes the same way (K4.1).
+    AddWear {
+        /// 1 to 16.
+        number: usize,
+        /// Axis.
+        axis: Axis,
+        /// mm as displayed.
+        by: f64,
+    },
+    /// The wheel has been changed (K5.17): its size and rating, and no cycle start before it is dressed.
+    ChangeWheel {
+        /// Diameter, mm.
+        diameter_mm: f64,
+        /// Width, mm.
+        width_mm: f64,
+        /// Rated peripheral speed, m/s.
+        rated_m_s: f64,
+    },
+    /// Puts a line of MDI text ready for cycle start; an empty one takes it back.
+    ReadyMdi(String),
     /// A value set past the pages (`--set`, `set` in a story, a restored backup).
     SetVariable(u16, Option<f64>),
     /// A parameter set past the pages (`--param`, `param` in a story): no password is asked.
@@ -57,6 +80,8 @@ pub enum Command {
 pub struct Screens {
     /// One for each program O1001–O1020 of which a file was found, by program number.
     pub pages: Vec<(u32, ScreenFiles)>,
+    /// The picture of the dressing page, or what is wrong with it; none before the folder was read.
+    pub dressing: Option<Result<Arc<Picture>, FileFault>>,
 }
 
 impl Screens {

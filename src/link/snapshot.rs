@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::command::Screens;
+use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
 use super::internal::InternalSet;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
@@ -245,6 +246,18 @@ pub struct Snapshot {
     pub access: Access,
     /// The kind of machine of the next start.
     pub next_kind: Kind,
+    /// The answer to what was last typed at a page.
+    pub edit: EditAnswer,
+    /// Tool offsets 1 to 16.
+    pub offsets: [OffsetView; OFFSETS],
+    /// The offset in force, 1 to 16; 0 none.
+    pub offset_in_force: usize,
+    /// The codes in force.
+    pub modals: ModalView,
+    /// The MDI line that waits for cycle start; empty if none does.
+    pub mdi_ready: Arc<str>,
+    /// Machine coordinates of the dressing point of each axis, where it is set (K4.2).
+    pub dressing_point: PerAxis<Option<f64>>,
     /// Grinding pages found on disk.
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
@@ -303,6 +316,12 @@ impl Snapshot {
             params: Arc::new(Params::factory(kind)),
             access: Access::default(),
             next_kind: kind,
+            edit: EditAnswer::default(),
+            offsets: [OffsetView::default(); OFFSETS],
+            offset_in_force: 0,
+            modals: ModalView::default(),
+            mdi_ready: Arc::from(""),
+            dressing_point: PerAxis::default(),
             screens: Arc::default(),
             directory: Arc::default(),
         }

@@ -13,8 +13,9 @@ use kt830::defs::screen;
 use kt830::defs::text::{Said, Text};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
+use kt830::link::edit::ModalView;
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, PastAlarm, ProgramView, RunState, Tone};
-use kt830::units::{Axis, Micros};
+use kt830::units::{Axis, Micros, PerAxis};
 
 /// The customer's own page text (seed 000).
 pub const C0001: &str = "外卡磨削;\n卡尺X轴始磨位置 #500;\n卡尺X轴终点位置 #501;\n卡尺X轴安全位置 #503;\n\
@@ -84,8 +85,22 @@ pub fn snapshot(page: Page) -> Snapshot {
         said: fault.said,
     });
     let files = ScreenFiles { text, picture: Ok(picture("B0001.BMP")) };
-    snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)] });
+    snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: Some(Ok(picture("B0100.BMP"))) });
     snapshot.directory = Arc::new(directory());
+    for (index, row) in snapshot.offsets.iter_mut().enumerate() {
+        row.geometry = PerAxis([-9_999.999 + index as f64, 0.0, -20.0]);
+        row.wear = PerAxis([0.01 * index as f64, 0.0, -999.999]);
+    }
+    snapshot.offset_in_force = 4;
+    snapshot.dressing_point[Axis::X] = Some(-1_234.567);
+    snapshot.modals = ModalView {
+        g: [1, 18, 90, 98, 21, 54, 64, 97],
+        feed: Some(1_200.0),
+        speed: Some(1_260.0),
+        tool: (1, 4),
+        m: Some(8),
+    };
+    snapshot.mdi_ready = "G01 X120.5 Z-35 F300".into();
     snapshot
 }
 
@@ -163,6 +178,11 @@ pub fn troubled(page: Page) -> Snapshot {
     let mut params = Params::factory(snapshot.kind);
     for (number, value) in [(301, 10.0), (302, 10.0), (332, 3.0), (333, 4.0), (352, 22.0)] {
         let taken = params.write(ParamAddress { number, bit: None }, value);
+        assert!(taken.is_ok(), "P{number}");
+    }
+    // A new wheel that the usual speed is too much for, and the offsets open.
+    for (number, bit, value) in [(6, Some(7), 1.0), (22, Some(0), 1.0), (79, None, 30.0)] {
+        let taken = params.write(ParamAddress { number, bit }, value);
         assert!(taken.is_ok(), "P{number}");
     }
     snapshot.params = Arc::new(params);

@@ -3,13 +3,19 @@
 pub mod alarm;
 pub mod diagnosis;
 pub mod directory;
+pub mod dressing;
 pub mod empty;
 pub mod grinding;
+pub mod input_line;
+pub mod mdi;
+pub mod offset;
 pub mod params;
 pub mod position;
 pub mod program;
 pub mod scroll;
 pub mod settings;
+pub mod variables;
+pub mod wheel;
 
 use egui::{Rect, TextureId, Ui};
 
@@ -48,6 +54,11 @@ pub struct Pages {
     alarms: alarm::Alarms,
     params: params::Params,
     settings: settings::Settings,
+    offset: offset::Offset,
+    dressing: dressing::Dressing,
+    variables: variables::Variables,
+    mdi: mdi::Mdi,
+    wheel: wheel::WheelChange,
     login: Login,
 }
 
@@ -61,6 +72,11 @@ impl Pages {
         self.diagnosis = diagnosis::Diagnosis::default();
         self.settings = settings::Settings::default();
         self.params.open();
+        self.offset.table.open(view.snapshot.offset_in_force);
+        self.dressing.table.open(view.snapshot.offset_in_force);
+        self.variables.open();
+        self.mdi.open();
+        self.wheel = wheel::WheelChange::default();
     }
 
     /// Another program is current.
@@ -74,6 +90,20 @@ impl Pages {
         self.params.refused.as_ref().map(|said| said.get(lang).to_owned())
     }
 
+    /// Why the value typed on the open page was refused, and what was typed.
+    #[must_use]
+    pub fn refusal(&self, page: Page, lang: Lang) -> Option<(String, String)> {
+        let typing = match page {
+            Page::Offset => &self.offset.table.typing,
+            Page::Dressing => &self.dressing.table.typing,
+            Page::Macro => &self.variables.typing,
+            Page::Mdi => &self.mdi.typing,
+            Page::Wheel => &self.wheel.typing,
+            _ => &self.entry.typing,
+        };
+        Some((typing.text.clone(), typing.reason(lang)?.to_owned()))
+    }
+
     /// Whether the numeric pad is to slide in.
     #[must_use]
     pub fn wants_pad(&self, view: &View<'_>) -> bool {
@@ -82,10 +112,14 @@ impl Pages {
         }
         match view.snapshot.page {
             Page::Params => self.params.wants_pad(),
+            Page::Offset => self.offset.table.typing.pad,
+            Page::Dressing => self.dressing.table.typing.pad,
+            Page::Macro => self.variables.typing.pad,
+            Page::Wheel => self.wheel.wants_pad(),
             page => {
                 let number = view.snapshot.program.number;
                 let has_fields = view.snapshot.screens.find(number).is_some_and(|files| files.text.is_ok());
-                self.entry.pad && frame::takes_numbers(page) && has_fields
+                self.entry.typing.pad && frame::takes_numbers(page) && has_fields
             }
         }
     }
@@ -108,6 +142,11 @@ impl Pages {
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
             Page::Program => self.listing.ui(ui, rect, view, typed.pages),
             Page::Directory => self.directory.ui(ui, rect, view, typed.edits, typed.pages),
+            Page::Dressing => self.dressing.ui(ui, rect, view, typed, picture),
+            Page::Offset => self.offset.ui(ui, rect, view, typed),
+            Page::Macro => self.variables.ui(ui, rect, view, typed),
+            Page::Mdi => self.mdi.ui(ui, rect, view, typed),
+            Page::Wheel => self.wheel.ui(ui, rect, view, typed.edits),
             Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
             Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),
             Page::Diagnosis => {

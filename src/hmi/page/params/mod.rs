@@ -90,7 +90,7 @@ impl Params {
             self.refused.as_ref(),
         );
         if self.searching
-            && let Some(letter) = letters::ui(ui, view, places.letters)
+            && let Some(letter) = letters::ui(ui, view, places.letters, &letters::SEARCH)
         {
             self.letter(&letter);
         }

@@ -39,7 +39,7 @@ impl Places {
     /// `bits` of the chosen parameter are listed in two columns; one alone needs no list.
     pub fn new(rect: Rect, searching: bool, bits: usize) -> Self {
         let (main, input) = rect.split_top_bottom_at_y(rect.max.y - theme::INPUT);
-        let pad = if searching { letters::HEIGHT } else { 0.0 };
+        let pad = if searching { letters::SEARCH.height() } else { 0.0 };
         let (main, letters) = main.split_top_bottom_at_y(main.max.y - pad);
         let inside = main.shrink(theme::PAD);
         let (top, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS);
