@@ -1,5 +1,7 @@
 //! The grinding functions of K4 as stories: wear, dressing point, oscillation, gauge positioning.
 
+#![allow(clippy::unwrap_used, reason = "a test driver: a failure is the message")]
+
 mod told;
 
 use kt830::defs::kind::Kind;

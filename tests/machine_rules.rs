@@ -656,7 +656,7 @@ fn b5_a_program_begins_once_the_jogged_axis_stands() {
         let now = rig.controller().set_point();
         let moved = now.0[2] - at.0[2];
         if let Some(before) = step.replace(moved) {
-            assert!((moved - before as f64).abs() < 0.004, "from {before} to {moved} mm a tick");
+            assert!((moved - before).abs() < 0.004, "from {before} to {moved} mm a tick");
         }
         at = now;
     }
