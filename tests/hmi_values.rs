@@ -423,6 +423,17 @@ fn b6_a_ready_mdi_line_outlives_a_refused_cycle_start() {
     assert!(bench.rig.snapshot().state != RunState::Running);
 }
 
+#[test]
+fn b6_a_ready_mdi_line_goes_with_the_mode_and_with_reset() {
+    let mut bench = bench(Page::Mdi, "mode mdi");
+    for story in ["mode auto\nmode mdi", "key reset"] {
+        type_in(&mut bench, "G00 U-1");
+        assert!(!bench.rig.snapshot().mdi_ready.is_empty());
+        told::tell(&mut bench.rig, story);
+        assert!(bench.rig.snapshot().mdi_ready.is_empty(), "{story}");
+    }
+}
+
 /// Types the three values of a new wheel and confirms.
 fn change_wheel(bench: &mut Bench, values: [&str; 3]) {
     for value in values {
