@@ -109,3 +109,24 @@ fn k5_18_a_hold_in_a_rapid_or_without_the_wheel_withdraws_nothing() {
     // 5 s at 6 mm/min of slide are 1 mm of diameter.
     assert!((-81.05..=-80.95).contains(&held), "held at {held}");
 }
+
+#[test]
+fn k6_3_g50_after_a_shifted_block_calls_the_place_where_the_machine_stands() {
+    let mut rig = ready_with("G98 G01 W-10 F300\nG50 Z0\nG01 Z-5 F600\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s\nhandwheel Z -10 x0.01\nkey cycle-start",
+    );
+    tell(&mut rig, "wait until idle max 10 s\nexpect machine Z -165.1 ±0.001");
+}
+
+#[test]
+fn k6_3_an_arc_that_would_bulge_over_a_soft_limit_is_refused() {
+    // From X -20 to X -20 with R25 over 40 mm: the bulge of 10 mm reaches X radius 0; the limit is +1 mm, 2 of diameter.
+    let mut rig = ready_with("G98 G00 X-20\nG04 X3\nG03 U0 W-40 R25 F3000\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait 2.5 s\nkey feed-hold\nwait 0.3 s\nexpect state held\nhandwheel X 50 x0.1",
+    );
+    tell(&mut rig, "wait 1 s\nkey cycle-start\nwait 0.2 s\nexpect state held\nexpect message \"软限位\"");
+}

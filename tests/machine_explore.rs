@@ -27,6 +27,41 @@ const TICK: Micros = Micros(1_000);
 /// Two ticks for every delay: long enough to be on the way, short enough to search.
 const DELAY_MS: f64 = 2.0;
 
+/// K2.2, written out: coolant, lubrication and the run keys. One-key retract acts by P4.4 and is not of this search.
+const ALIVE_IN_A_RUN: &[Key] = &[
+    Key::Coolant,
+    Key::Lubrication,
+    Key::CycleStart,
+    Key::FeedHold,
+    Key::Reset,
+    Key::EmergencyStop,
+    Key::FeedOverrideUp,
+    Key::FeedOverrideDown,
+    Key::RapidF0,
+    Key::Rapid25,
+    Key::Rapid50,
+    Key::Rapid100,
+    Key::SpindleOverrideUp,
+    Key::SpindleOverrideDown,
+    Key::SingleBlock,
+    Key::BlockSkip,
+    Key::OptionalStop,
+];
+
+/// The table after K3, written out: off in the tick of the emergency stop.
+const ALL_OFF_IN_AN_EMERGENCY: &[Output] = &[
+    Output::Wheel,
+    Output::SecondSpindle,
+    Output::SecondSpindleCcw,
+    Output::HeadstockHigh,
+    Output::HeadstockLow,
+    Output::DresserRoll,
+    Output::TableRotation,
+    Output::Coolant,
+    Output::OscillationForward,
+    Output::OscillationBackward,
+];
+
 /// What the search may leave out, to see whether it notices.
 #[derive(Clone, Copy, Default)]
 struct Without {
@@ -51,12 +86,15 @@ struct Plan {
 struct State {
     units: Discrete,
     phase: Phase,
+    drives_off: bool,
 }
 
 #[derive(Clone)]
 struct Node {
     machine: Machine,
     phase: Phase,
+    /// An alarm has stopped everything and waits for RESET.
+    drives_off: bool,
 }
 
 /// What happens in one tick beside the inputs.
@@ -143,6 +181,7 @@ fn foreign_requests() -> Vec<Request> {
     all.extend((0..4).map(Request::Gear));
     all.extend(Output::USER.into_iter().flat_map(|user| [Request::Switch(user, true), Request::Switch(user, false)]));
     all.extend([true, false].map(|on| Request::Switch(Output::Lubrication, on)));
+    all.push(Request::CylinderOff);
     all.extend([Request::Port(40, true), Request::Port(40, false), Request::Pulse(41, 5)]);
     all
 }
@@ -171,6 +210,7 @@ impl Search {
         let first = Node {
             machine: Machine::governed_by(self.rules, kind::find(self.plan.kind), self.now),
             phase: Phase::Idle,
+            drives_off: false,
         };
         let mut seen: HashMap<State, Micros> = HashMap::from([(self.state(&first, self.now), self.now)]);
         let mut open = VecDeque::from([(first, self.now)]);
@@ -199,7 +239,7 @@ impl Search {
     }
 
     fn state(&self, node: &Node, now: Micros) -> State {
-        State { units: node.machine.discrete(now, TICK), phase: node.phase }
+        State { units: node.machine.discrete(now, TICK), phase: node.phase, drives_off: node.drives_off }
     }
 
     fn outputs(&self, machine: &Machine) -> OutputSet {
@@ -246,8 +286,7 @@ impl Search {
     }
 
     fn tick(&self, node: &mut Node, inputs: InputSet, now: Micros) {
-        let around = Around { run_open: node.phase.is_run_open(), homed: true, ..Around::default() };
-        for finding in node.machine.tick(now, inputs, &self.params, around).into_iter().flatten() {
+        for finding in node.machine.tick(now, inputs, &self.params, around(node)).into_iter().flatten() {
             let Finding::Alarm { number, stopped } = finding else { continue };
             match Consequence::of(number, stopped) {
                 Consequence::Nothing => {}
@@ -258,6 +297,7 @@ impl Search {
                     node.phase = abort(node.phase);
                 }
                 Consequence::AbortAndMakeSafe => {
+                    node.drives_off = true;
                     node.machine.safe_stop();
                     node.phase = abort(node.phase);
                 }
@@ -280,6 +320,7 @@ impl Search {
             Key::Reset => {
                 node.phase = abort(node.phase);
                 node.machine.reset();
+                node.drives_off = node.machine.is_e_stopped();
             }
             key => {
                 let Some(request) = press::request(key, Mode::Auto, self.outputs(&node.machine)) else {
@@ -296,6 +337,7 @@ impl Search {
 
     fn ask(&self, node: &mut Node, request: Request, inputs: InputSet, now: Micros) -> Result<Answer, String> {
         let before = self.outputs(&node.machine);
+        node.machine.inform(around(node));
         let answer = node.machine.ask(request, now, inputs, &self.params);
         match answer {
             Answer::Taken => return Ok(answer),
@@ -344,6 +386,10 @@ impl Search {
             held("the wheel starts in an emergency stop", !facts.e_stop)?;
             held("the wheel starts with alarm 180 latched", !facts.hydraulic_latched)?;
         }
+        let starts = |output| !before.has(output) && asked.has(output);
+        for output in ALL_OFF_IN_AN_EMERGENCY {
+            held("something starts before RESET", !(from.drives_off && starts(*output)))?;
+        }
         let moving = to.machine.facts(now, inputs, &self.params).tailstock_moving;
         held("headstock and tailstock move together", !(turns(after) && moving))?;
         if self.plan.kind == Kind::Ga && self.params.bit(param::MAGNET_ENABLED) {
@@ -358,11 +404,11 @@ impl Search {
         let pump = before.has(Output::Hydraulic) != after.has(Output::Hydraulic);
         held("hydraulics switch while the wheel runs", !(pump && before.has(Output::Wheel)))?;
         if let Deed::Key(key) = deed {
-            let alive = key.row().in_run || !from.phase.is_automatic();
+            let alive = ALIVE_IN_A_RUN.contains(&key) || !from.phase.is_automatic();
             held("a dead key acts while the program runs", alive)?;
         }
         if inputs.has(Input::EmergencyStop) {
-            for output in kt830::machine::OFF_WHEN_SAFE {
+            for output in ALL_OFF_IN_AN_EMERGENCY {
                 held("an output runs on in the tick of the emergency stop", !after.has(*output))?;
             }
             for output in [Output::Hydraulic, Output::Magnetise, Output::Tailstock] {
@@ -401,6 +447,11 @@ impl std::fmt::Debug for Node {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:?}, {:#?}", self.phase, self.machine)
     }
+}
+
+/// What the controller tells the machine.
+fn around(node: &Node) -> Around {
+    Around { run_open: node.phase.is_run_open(), homed: true, drives_off: node.drives_off, ..Around::default() }
 }
 
 /// The run ends; nothing to end when nothing runs.
@@ -464,6 +515,11 @@ fn the_search_notices_each_rule_that_is_taken_out() {
         (Kind::Gc, "alarm 180 waits for RESET: the wheel may not start", "the wheel starts with alarm 180"),
         (Kind::Gs, "the part is not magnetised: the wheel may not start", "the wheel starts unmagnetised"),
         (Kind::Gc, "emergency stop: nothing is started", "the wheel starts in an emergency stop"),
+        (
+            Kind::Gc,
+            "an alarm that stopped everything waits for RESET: nothing is started",
+            "something starts before RESET",
+        ),
         (Kind::Gc, "the guard is open: close it first", "the wheel starts with the guard open"),
         (Kind::Gc, "the headstock turns: the tailstock may not move", "headstock and tailstock"),
         (Kind::Gc, "the tailstock moves: the headstock may not start", "headstock and tailstock"),

@@ -589,3 +589,164 @@ fn b2_s_is_revolutions_or_metres_a_second_by_parameter() {
         assert!((volts - 7.579).abs() < 0.001, "{volts}");
     }
 }
+
+#[test]
+fn b5_the_emergency_stop_with_machine_lock_in_a_run_stops_and_shows_the_real_positions() {
+    let mut rig = ready_with("G98 G01 W-100 F3000\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey machine-lock\nkey cycle-start\nwait 1 s\nkey emergency-stop\nwait 0.5 s\nexpect alarm 0",
+    );
+    tell(
+        &mut rig,
+        "expect Z -150 ±0.001\nexpect lamp machine-lock off\nkey emergency-stop\nkey reset\nexpect no alarm",
+    );
+}
+
+#[test]
+fn b8_after_a_stop_of_everything_nothing_starts_before_reset() {
+    for cause in ["key emergency-stop\nkey emergency-stop", "fault drive-X", "fault bus-silent 5"] {
+        let mut rig = ready();
+        tell(&mut rig, &format!("mode jog\n{cause}\nwait 0.1 s\nexpect alarm any"));
+        for key in ["wheel-start", "headstock-high", "second-spindle", "coolant"] {
+            tell(&mut rig, &format!("key {key}\nexpect message \"复位\""));
+        }
+        tell(&mut rig, "expect output wheel off\nexpect output headstock-high off\nexpect output coolant off");
+    }
+}
+
+#[test]
+fn k6_1_a_tower_lamp_on_the_wheels_port_never_switches_the_wheel() {
+    let mut rig = ready();
+    tell(
+        &mut rig,
+        "param P312 1\nmode jog\nkey emergency-stop\nwait 0.1 s\nexpect alarm 0\nexpect output tower-red off",
+    );
+    assert!(!rig.controller().outputs().terminals.level(1));
+    let mut rig = ready();
+    tell(&mut rig, "param P302 1\nparam P85 1\nwait 61 s\nexpect output lubrication off");
+    assert!(!rig.controller().outputs().terminals.level(1));
+}
+
+#[test]
+fn k6_3_a_detent_and_cycle_start_in_one_tick_leave_nothing_to_move_later() {
+    use kt830::defs::key::Key;
+    use kt830::link::command::Command;
+    let mut rig = ready_with("G98 G01 W-10 F300\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s\nhandwheel X 1 x0.1");
+    rig.send(Command::Handwheel(-50));
+    rig.send(Command::Press(Key::CycleStart));
+    tell(&mut rig, "wait until idle max 10 s\nexpect X -79.9 ±0.001\nwait 2 s\nexpect X -79.9 ±0.001");
+}
+
+#[test]
+fn b5_a_program_begins_once_the_jogged_axis_stands() {
+    use kt830::defs::key::{Key, Mode};
+    use kt830::link::command::Command;
+    let mut rig = ready_with("G98 G00 W-5\nM30");
+    tell(&mut rig, "mode jog\nkey rapid\nhold Z- 0.5 s\npress z-minus\nwait 0.15 s");
+    rig.send(Command::Release(Key::ZMinus));
+    rig.send(Command::Press(Mode::Auto.key()));
+    rig.send(Command::Press(Key::CycleStart));
+    // 10 m/min are 0.167 mm a tick; at 800 mm/s² a tick changes that by 0.0008 mm, at full braking by four times as much.
+    let mut at = rig.controller().set_point();
+    let mut step = None;
+    for _ in 0..3_000 {
+        rig.step();
+        let now = rig.controller().set_point();
+        let moved = now.0[2] - at.0[2];
+        if let Some(before) = step.replace(moved) {
+            assert!((moved - before as f64).abs() < 0.004, "from {before} to {moved} mm a tick");
+        }
+        at = now;
+    }
+    tell(&mut rig, "expect state idle\nexpect no alarm");
+}
+
+#[test]
+fn b5_homing_does_not_run_further_onto_a_pressed_limit_switch() {
+    let mut rig = story(
+        "mode home\ninput limit-x-plus on\nkey reset\nmode home\nkey x-plus\nwait 0.5 s\nexpect machine X 0 ±0.01",
+    );
+    tell(&mut rig, "expect message \"限位方向\"");
+}
+
+#[test]
+fn k5_14_an_alarm_that_holds_does_not_reach_into_the_next_program() {
+    let mut rig = ready_with("G98 G01 W-5 F600\nM30");
+    tell(
+        &mut rig,
+        "param P334 61\ninput lubrication-level off\nwait 6 s\nexpect alarm 193\ninput lubrication-level on",
+    );
+    tell(&mut rig, "expect no alarm\nmode auto\nkey cycle-start\nwait until idle max 5 s\nexpect Z -155 ±0.001");
+}
+
+#[test]
+fn k3_14_a_unit_switched_by_key_in_a_hold_is_asked_again() {
+    // The wheel is stopped while M03 waits: cycle start starts it again, the program does not go on without it.
+    let mut rig = ready_with("M03\nM00\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 2 s\nkey feed-hold\nkey wheel-stop\nkey cycle-start");
+    tell(&mut rig, "expect output wheel on\nwait until stopped max 12 s\nexpect output wheel on");
+    let mut rig = ready_with("M11\nM10\nM00\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait 1.3 s\nkey feed-hold\nkey tailstock-retract\nwait 2 s\nkey cycle-start",
+    );
+    tell(&mut rig, "wait until stopped max 12 s\nexpect output tailstock on");
+}
+
+#[test]
+fn k3_3_a_tailstock_that_loses_its_switch_stops_the_headstock_and_says_so() {
+    let mut rig = ready();
+    tell(
+        &mut rig,
+        "mode jog\nkey headstock-low\nwait 1 s\nfault stuck-off tailstock-advanced\nwait 0.1 s\nexpect alarm 201",
+    );
+    tell(
+        &mut rig,
+        "expect output headstock-low off\nkey reset\nkey headstock-low\nexpect output headstock-low off\nexpect alarm 184",
+    );
+}
+
+#[test]
+fn k5_17_only_a_real_dressing_run_counts() {
+    let mut rig = ready();
+    rig.add_program(kt830::runtime::disk::program(1_011, "O1011.NC", b"G04 X1\nM30".to_vec()));
+    tell(
+        &mut rig,
+        "load O1011\nparam P6.7 1\nmdi M30\nwait 0.5 s\nmode auto\nkey machine-lock\nkey cycle-start\nwait 2 s",
+    );
+    tell(&mut rig, "key machine-lock\nload O1002\nkey cycle-start\nexpect state idle\nexpect message \"修整\"");
+}
+
+#[test]
+fn k3_13_an_input_without_a_port_is_an_alarm() {
+    let mut rig = ready_with("M80\nM30");
+    tell(&mut rig, "param P279 0\nmode auto\nkey cycle-start\nwait until alarm max 1 s\nexpect alarm 202");
+}
+
+#[test]
+fn k2_4_a_function_without_a_port_lights_nothing() {
+    let mut rig = ready();
+    tell(&mut rig, "mode jog\nparam P301 0\nkey coolant\nexpect lamp coolant off\nexpect message \"没有分配\"");
+    let mut rig = ready_with("M08\nM03\nM00\nM30");
+    tell(
+        &mut rig,
+        "param P301 0\nparam P61 100\nmode auto\nkey cycle-start\nwait until stopped max 3 s\nexpect output wheel on",
+    );
+}
+
+#[test]
+fn b5_an_mdi_line_may_switch_before_homing_and_not_move() {
+    let mut rig = story(
+        "mdi M14\nwait 0.2 s\nexpect output hydraulic on\nexpect no alarm\nmdi G00 X1\nwait 0.2 s\nexpect alarm 100",
+    );
+    tell(&mut rig, "expect machine X 0 ±0.01");
+}
+
+#[test]
+fn k6_1_ports_are_whole_numbers_and_are_not_moved_under_a_turning_wheel() {
+    let mut rig = story(HYDRAULICS);
+    tell(&mut rig, "param P300 1.5\nexpect message \"整数\"\nkey wheel-start\nexpect output wheel on\nparam P320 0");
+    tell(&mut rig, "expect message \"先关闭\"\ninput emergency-stop on\nexpect output wheel off");
+}

@@ -70,6 +70,10 @@ impl Row {
 /// Delays short enough that every code is over soon; the input filter stays.
 const QUICK: &str = "param P61 300;param P62 200;param P81 200;param P82 400;param P88 300";
 
+/// A unit is taken away once its output is off: before that the parameter is refused.
+const NO_TAILSTOCK: &str = "mdi M11;wait 2 s;param P16.2 0";
+const NO_MAGNET: &str = "mdi M95;wait 1 s;param P16.0 0";
+
 #[rustfmt::skip]
 fn table() -> Vec<Row> {
     use Output::*;
@@ -106,8 +110,8 @@ fn table() -> Vec<Row> {
         row("M11", GC, Done, Tailstock, false).key(Key::TailstockRetract, true),
         row("M10", GC, Alarm(181), Tailstock, true).after("M63").key(Key::TailstockAdvance, true),
         row("M11", GC, Alarm(181), Tailstock, true).after("M64").key(Key::TailstockRetract, false),
-        row("M10", GC, NoEffect, Tailstock, true).with("param P16.2 0").key(Key::TailstockAdvance, true),
-        row("M11", GC, NoEffect, Tailstock, true).with("param P16.2 0").key(Key::TailstockRetract, false),
+        row("M10", GC, NoEffect, Tailstock, false).with(NO_TAILSTOCK).key(Key::TailstockAdvance, false),
+        row("M11", GC, NoEffect, Tailstock, false).with(NO_TAILSTOCK).key(Key::TailstockRetract, true),
         row("M10", GS_GA, Alarm(190), Tailstock, false),
         row("M11", GS_GA, Alarm(190), Tailstock, false),
         row("M10", GS_GA, Alarm(190), Tailstock, false).with("param P16.2 1"),
@@ -140,7 +144,7 @@ fn table() -> Vec<Row> {
         row("M63", GC, Alarm(184), HeadstockHigh, false).with("param P6.5 1").after("M11").key(Key::HeadstockHigh, false),
         row("M64", GC, Alarm(184), HeadstockLow, false).with("param P6.5 1").after("M11").key(Key::HeadstockLow, false),
         row("M63", GC, Done, HeadstockHigh, true).with("param P6.5 1").key(Key::HeadstockHigh, true),
-        row("M63", GC, Done, HeadstockHigh, true).with("param P6.5 1;param P16.2 0").key(Key::HeadstockHigh, true),
+        row("M63", GC, Done, HeadstockHigh, true).with("param P6.5 1;mdi M11;wait 2 s;param P16.2 0").key(Key::HeadstockHigh, true),
         row("M63", GS, Done, DresserRoll, true).key(Key::DresserRoll, true),
         row("M64", GS, Done, DresserRoll, true),
         row("M65", GS, Done, DresserRoll, false).after("M63").key(Key::DresserRoll, false),
@@ -150,7 +154,7 @@ fn table() -> Vec<Row> {
         row("M65", GA, Done, TableRotation, false).after("M63").key(Key::TableRotation, false),
         row("M63", GA, Alarm(187), TableRotation, false).after("M95").key(Key::TableRotation, false),
         row("M64", GA, Alarm(187), TableRotation, false).after("M95"),
-        row("M63", GA, Done, TableRotation, true).with("param P16.0 0").key(Key::TableRotation, true),
+        row("M63", GA, Done, TableRotation, true).with(NO_MAGNET).key(Key::TableRotation, true),
         // K3.9, K3.10.
         row("M70", ALL, Done, RadialGauge, true).key(Key::RadialGauge, true),
         row("M75", ALL, Done, RadialGauge, false).after("M70").key(Key::RadialGauge, false),
@@ -162,8 +166,8 @@ fn table() -> Vec<Row> {
         row("M95", GS_GA, Alarm(187), Magnetise, true).after("M03").key(Key::Demagnetise, false),
         row("M95", GA, Alarm(187), Magnetise, true).after("M63").key(Key::Demagnetise, false),
         row("M95", GS, Done, Magnetise, false).after("M63"),
-        row("M94", GS_GA, NoEffect, Magnetise, true).with("param P16.0 0"),
-        row("M95", GS_GA, NoEffect, Magnetise, true).with("param P16.0 0").key(Key::Demagnetise, false),
+        row("M94", GS_GA, NoEffect, Magnetise, false).with(NO_MAGNET).key(Key::Magnetise, false),
+        row("M95", GS_GA, NoEffect, Demagnetise, false).with(NO_MAGNET).key(Key::Demagnetise, false),
         row("M94", GC, Alarm(190), Magnetise, false),
         row("M95", GC, Alarm(190), Demagnetise, false),
         row("M94", GC, Done, Magnetise, true).with("param P16.0 1"),
@@ -171,8 +175,8 @@ fn table() -> Vec<Row> {
     ]
 }
 
-/// Codes whose rows stand in stories of their own (`machine_rules`, `run_control`, the nc tests).
-const ELSEWHERE: &[u16] = &[0, 1, 2, 30, 31, 80, 81, 82, 83, 84, 85, 86, 87, 88, 89, 91, 92, 98, 99];
+/// Codes whose rows stand in stories of their own (`machine_rules`, `run_control`, `grinding_functions`, the nc tests).
+const ELSEWHERE: &[u16] = &[0, 1, 2, 30, 31, 35, 36, 80, 81, 82, 83, 84, 85, 86, 87, 88, 89, 91, 92, 98, 99];
 
 fn begin(row: &Row, kind: Kind) -> Rig {
     let mut rig = ready_of(kind);

@@ -1,7 +1,7 @@
 //! Moving by hand: axis keys, steps, handwheel, and homing.
 //! Source: spec K2.3, K5.9, K5.16, B5.
 
-use super::axes::Owner;
+use super::axes::{Owner, soft_limits};
 use super::hand::HandLimits;
 use super::homing::{AxisHoming, HomingPlan, Progress};
 use super::{Controller, Event, Homing, MINUTE_HZ, Phase};
@@ -18,6 +18,7 @@ use crate::units::{Axis, PerAxis};
 const FINE_STEP_MM: f64 = 0.010_5;
 
 const INTO_LIMIT: Text = Text::new("限位方向，请向反方向移开", "onto the limit switch: move the other way");
+const AT_SOFT_LIMIT: Text = Text::new("已到软限位，请向反方向移动", "at the software limit: move the other way");
 const STILL_MOVING: Text = Text::new("轴还在运动，请稍候", "the axes still move");
 const OPEN_RUN: Text =
     Text::new("轴还在运动或程序未结束，先复位", "axes still move, or a program is open: press RESET");
@@ -42,6 +43,14 @@ impl Controller {
         self.step_by(axis, distance);
     }
 
+    /// Whether a homed axis stands at the software limit of this direction.
+    fn is_at_soft_limit(&self, axis: Axis, direction: f64) -> bool {
+        let (low, high) = soft_limits(&self.params, axis);
+        let at = self.axes.set()[axis];
+        let width = self.params.get(param::IN_POSITION);
+        self.axes.is_homed(axis) && if direction > 0.0 { at >= high - width } else { at <= low + width }
+    }
+
     /// A detent or a step by hand. K5.9: with the wheel on, the wheel axis takes no coarse steps.
     fn step_by(&mut self, axis: Axis, distance: f64) {
         let coarse = self.hand.step_mm > FINE_STEP_MM;
@@ -53,6 +62,9 @@ impl Controller {
         }
         if self.runs_into_limit(axis, distance) {
             return self.refuse(INTO_LIMIT);
+        }
+        if self.is_at_soft_limit(axis, distance) {
+            return self.refuse(AT_SOFT_LIMIT);
         }
         self.hand.nudge(axis, distance, &self.axes, &self.params);
     }
@@ -69,6 +81,10 @@ impl Controller {
             Mode::Manual => {
                 if self.runs_into_limit(axis, direction) {
                     self.refuse(INTO_LIMIT);
+                } else if self.overrides.feed == 0 && !self.hand.rapid {
+                    self.refuse(Said::new("进给倍率为 0，轴不动", "the feed override is 0: the axis stands"));
+                } else if self.is_at_soft_limit(axis, direction) {
+                    self.refuse(AT_SOFT_LIMIT);
                 } else if matches!(self.ask(Request::MoveByHand), Answer::Taken) && self.part_from_run() {
                     self.hand.hold(axis, direction, self.now);
                 }
@@ -115,9 +131,17 @@ impl Controller {
         };
         wanted[axis] = false;
         let minus: Bit = [param::HOME_MINUS_X, param::HOME_MINUS_Y, param::HOME_MINUS_Z][axis as usize];
+        let direction = if self.params.bit(minus) { -1.0 } else { 1.0 };
+        if self.runs_into_limit(axis, direction) {
+            self.refuse(INTO_LIMIT);
+            return self.happen(Event::Homed);
+        }
+        // K5.9: a turning wheel keeps its slow direction.
+        let slow = axis == self.row.slow_axis && direction < 0.0 && self.output_set.has(Output::Wheel);
+        let most = if slow { self.params.get(param::WHEEL_ON_SPEED) } else { f64::INFINITY };
         let plan = HomingPlan {
-            direction: if self.params.bit(minus) { -1.0 } else { 1.0 },
-            fast_mm_s: self.params.get(param::HOME_FAST) * MINUTE_HZ,
+            direction,
+            fast_mm_s: self.params.get(param::HOME_FAST).min(most) * MINUTE_HZ,
             slow_mm_s: self.params.get(param::HOME_SLOW) * MINUTE_HZ,
             travel_mm: self.params.get(param::HOMING_TRAVEL),
             coordinate: self.params.of_axis(param::HOME_X, axis),

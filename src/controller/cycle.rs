@@ -61,7 +61,8 @@ impl Controller {
 
     pub(super) fn feed_hold(&mut self) {
         match self.phase {
-            Phase::Running | Phase::Homing(_) => self.hold_run(),
+            Phase::Running => self.hold_run(),
+            Phase::Homing(_) => self.abort_run(),
             Phase::Idle | Phase::Holding | Phase::Held | Phase::Stopped | Phase::Aborting => {}
         }
     }

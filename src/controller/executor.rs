@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use super::axes::MINUTE;
 use super::gauge::SIGNALS;
+use super::oscillation::Stroke;
 use super::run::{Act, Doing, Forbidden, Item, MCall, MOST_ITEMS, Planned, PlannedMove, Reading, Run, Speed};
 use super::system::{RunWorld, nc_settings};
-use super::{Controller, Effect, Event, Phase};
+use super::{Controller, Effect, Event, Phase, Switches};
 use crate::defs::alarm;
 use crate::defs::mcode::{Action, Request};
 use crate::defs::param;
@@ -15,7 +16,7 @@ use crate::defs::signal::{Input, Output};
 use crate::defs::text::{Lang, Said};
 use crate::machine::Answer;
 use crate::motion::{End, Move, Override};
-use crate::nc::{Memory, Modals, Next, Source, SpeedMode, VariableError};
+use crate::nc::{self, Memory, Modals, Next, Source, SpeedMode, VariableError};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Most blocks read in a tick.
@@ -37,20 +38,20 @@ pub(super) enum Did {
 impl Controller {
     /// Opens a run of the text and starts it.
     pub(super) fn open_run(&mut self, source: Arc<Source>, mdi: bool) {
-        let settings = nc_settings(self.kind, &self.params);
+        let settings = nc::Settings { axes: self.axes.fitted(), ..nc_settings(self.kind, &self.params) };
         // A program begins from the power-on state of the codes; MDI goes on from its last line.
         let kept = self.mdi_modals.take().filter(|_| mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
         self.frames.activate(modals.frame);
         let mut planned = Planned::new(self.frames.clone(), self.axes.set(), self.dress.points, modals.path);
         planned.oscillating = self.oscillating_axis();
+        planned.homed = self.axes.all_homed();
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
         run.mdi = mdi;
         // The planner remembers what it has finished, runs gone by included.
         run.next_tag = self.axes.path.finished_tag().map_or(1, |tag| tag + 1);
-        self.axes.give_to_path();
         self.run = Some(Box::new(run));
         self.happen(Event::Start);
     }
@@ -58,6 +59,10 @@ impl Controller {
     /// One tick of the run.
     pub(super) fn step_run(&mut self) {
         let Some(mut run) = self.run.take() else { return };
+        if matches!(self.phase, Phase::Running) && !self.join_axes(&mut run) {
+            self.run = Some(run);
+            return;
+        }
         self.stretch_dwell(&mut run);
         self.retire(&mut run);
         let mut close = false;
@@ -155,31 +160,15 @@ impl Controller {
                 self.write_system(*number, *value);
                 Did::Done
             }
+            Act::Preset(values) => self.preset(run, values),
             Act::Frames(frames) => {
                 self.put_frames(frames);
                 Did::Done
             }
             Act::Machine(call) => self.m_code(run, *call),
             Act::Gauge(asked) => self.gauge(run, asked),
-            Act::Oscillate(stroke) => match self.is_settled(run) {
-                Some(true) => {
-                    self.begin_oscillation(*stroke);
-                    Did::Done
-                }
-                Some(false) | None => Did::Wait,
-            },
-            Act::Cylinder(true) => match self.ask(Request::CylinderOn) {
-                Answer::Taken | Answer::NoEffect(_) => Did::Done,
-                Answer::Denied(_) | Answer::Refused(..) => Did::Wait,
-            },
-            // K4.3: the stroke ends at its starting end, then the next block runs.
-            Act::Cylinder(false) => {
-                if self.axes.is_at_rest() && self.end_oscillation() {
-                    Did::Done
-                } else {
-                    Did::Wait
-                }
-            }
+            Act::Oscillate(stroke) => self.oscillate(run, *stroke),
+            Act::Cylinder(on) => self.cylinder(*on),
             Act::Dwell(seconds) => self.dwell(run, *seconds),
             Act::Wheel(..) if self.switches.mst_lock => Did::Done,
             Act::Wheel(value, mode) => {
@@ -203,6 +192,40 @@ impl Controller {
                 Some(true) => Did::Close,
                 _ => Did::Wait,
             },
+        }
+    }
+
+    fn oscillate(&mut self, run: &mut Run, stroke: Stroke) -> Did {
+        match self.is_settled(run) {
+            Some(true) => {
+                self.begin_oscillation(stroke);
+                Did::Done
+            }
+            Some(false) | None => Did::Wait,
+        }
+    }
+
+    /// G35 with a cylinder, and G36: the stroke ends at its starting end, then the next block runs (K4.3).
+    fn cylinder(&mut self, on: bool) -> Did {
+        let done = if on {
+            matches!(self.ask(Request::CylinderOn), Answer::Taken | Answer::NoEffect(_))
+        } else {
+            self.axes.is_at_rest() && self.end_oscillation()
+        };
+        if done { Did::Done } else { Did::Wait }
+    }
+
+    /// G50: what the present position is called, once the machine stands there.
+    fn preset(&mut self, run: &mut Run, values: &PerAxis<Option<f64>>) -> Did {
+        match self.is_settled(run) {
+            Some(true) => {
+                let mut frames = self.frames.clone();
+                frames.preset(self.axes.set(), values);
+                self.put_frames(&frames);
+                run.planned.frames = Arc::new(frames);
+                Did::Done
+            }
+            Some(false) | None => Did::Wait,
         }
     }
 
@@ -254,7 +277,7 @@ impl Controller {
             }
             Action::End => match self.is_settled(run) {
                 Some(true) => {
-                    self.end_program();
+                    self.end_program(run.mdi);
                     Did::Close
                 }
                 Some(false) | None => Did::Wait,
@@ -266,12 +289,14 @@ impl Controller {
     }
 
     /// M30 (K3.14, K5.17).
-    fn end_program(&mut self) {
+    fn end_program(&mut self, mdi: bool) {
         self.machine.program_end(&self.params);
         if self.params.bit(param::COUNT_ON_M30) {
             self.count_part();
         }
-        if self.params.bit(param::WHEEL_UNDRESSED) && self.around().dressing {
+        let Switches { machine_lock, mst_lock, dry_run, .. } = self.switches;
+        let really = !mdi && !machine_lock && !mst_lock && !dry_run;
+        if really && self.params.bit(param::WHEEL_UNDRESSED) && self.around().dressing {
             self.keep_param(param::WHEEL_UNDRESSED.address(), 0.0);
         }
     }
@@ -308,8 +333,12 @@ impl Controller {
             return Did::Done;
         }
         if run.doing == Doing::Nothing {
-            run.doing = Doing::AwaitInput(input);
             let (name, port) = (input.name(), self.params.input_port(input));
+            if port == 0 {
+                self.raise(alarm::INPUT_MISSING, Some(name.into()));
+                return Did::Wait;
+            }
+            run.doing = Doing::AwaitInput(input);
             let what =
                 Said::new(format!("等待{}，输入口 {port}", name.zh), format!("waiting for {}, port {port}", name.en));
             self.say(what.clone());
@@ -403,6 +432,7 @@ impl Controller {
                 Item::Do(Act::Set(..) | Act::Frames(_) | Act::Wheel(..)) | Item::Begin(_) | Item::End => {}
                 Item::Do(
                     Act::SetSystem(..)
+                    | Act::Preset(_)
                     | Act::Machine(..)
                     | Act::Gauge(_)
                     | Act::Oscillate(_)
@@ -456,6 +486,7 @@ impl Controller {
             Said::new(format!("O{:04} 第{}行", at.program, at.line), format!("O{:04} line {}", at.program, at.line));
         let number = match forbidden {
             Forbidden::SoftLimit(..) => alarm::SOFT_LIMIT,
+            Forbidden::NotHomed => alarm::NOT_HOMED,
             Forbidden::Oscillating(_) => alarm::OSCILLATING_AXIS,
             Forbidden::NoStroke(_) => alarm::OSCILLATION,
             Forbidden::NoDressPoint(_) => alarm::NO_DRESS_POINT,
@@ -477,6 +508,7 @@ impl Controller {
                     format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
                 )
             }
+            Forbidden::NotHomed => Said::new("先回零", "home the axes first"),
             Forbidden::Oscillating(axis) => Said::new(
                 format!("{axis} 轴在振荡中，先用 G36 关闭"),
                 format!("{axis} oscillates: end it with G36 first"),

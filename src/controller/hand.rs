@@ -61,6 +61,12 @@ impl Hand {
         self.jog[axis] = None;
     }
 
+    /// Whether an axis is led or a jog key is down: movement that may not have begun yet.
+    #[must_use]
+    pub fn is_leading(&self) -> bool {
+        self.jog.iter().any(|(_, jog)| jog.is_some()) || self.target.iter().any(|(_, target)| target.is_some())
+    }
+
     /// Lets go of everything.
     pub fn let_go(&mut self) {
         self.jog = PerAxis::default();
@@ -102,7 +108,10 @@ impl Hand {
                 (_, Some((target, speed))) => {
                     // A led axis follows the feed override as a jog does.
                     let speed = speed.map(|speed| speed * limits.feed);
-                    mover.position_target(target, speed.unwrap_or(params.get(param::HANDWHEEL_SPEED) / MINUTE));
+                    let speed = speed.unwrap_or(params.get(param::HANDWHEEL_SPEED) / MINUTE);
+                    let slow = limits.slow == Some(axis) && target < mover.position();
+                    let most = if slow { params.get(param::WHEEL_ON_SPEED) / MINUTE } else { f64::INFINITY };
+                    mover.position_target(target, speed.min(most));
                     if mover.is_at_rest() {
                         self.target[axis] = None;
                     }

@@ -5,9 +5,10 @@
 //! A hold in contact can withdraw the wheel by itself; the way back comes before anything else.
 //! Source: spec K2.2, K6.3, K5.18.
 
-use super::run::{Doing, Forbidden, Item, PlannedMove, Run, Speed, within};
+use super::run::{Act, Doing, Forbidden, Item, PlannedMove, Run, Speed};
 use super::{Controller, Event, Phase};
 use crate::controller::axes::Owner;
+use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
 use crate::motion::Shape;
 use crate::nc::AxisSet;
@@ -67,30 +68,57 @@ impl Controller {
         }
     }
 
-    /// Cycle start after a hold. False, with the reason said: the axes still move, or a shifted block leaves its limits.
-    pub(super) fn resume_run(&mut self) -> bool {
-        if let Some(parted) = self.run.as_ref().and_then(|run| run.parted) {
-            if !self.axes.is_at_rest() {
-                self.refuse(crate::defs::text::Said::new("轴还在运动，请稍候", "the axes still move"));
-                return false;
-            }
-            let Some(mut run) = self.run.take() else { return false };
-            let rejoined = run.rejoin(parted, self.axes.set(), &self.params);
-            self.run = Some(run);
-            if let Err(forbidden) = rejoined {
-                let said = self.forbidden(&forbidden);
-                self.refuse(said);
-                return false;
-            }
-            self.axes.give_to_path();
+    /// The run takes the axes over from the hand: first they come to rest, then what the hand has moved is reckoned in.
+    /// False: not yet, or a shifted block would leave its limits and the run is held again, with the reason said.
+    pub(super) fn join_axes(&mut self, run: &mut Run) -> bool {
+        if self.axes.owner() == Owner::Path {
+            return true;
         }
+        self.hand.let_go();
+        for axis in Axis::ALL {
+            self.axes.movers[axis].stop();
+        }
+        if !self.axes.is_at_rest() {
+            return false;
+        }
+        match run.parted {
+            Some(parted) => {
+                if let Err(forbidden) = run.rejoin(parted, self.axes.set(), &self.params) {
+                    let said = self.forbidden(&forbidden);
+                    self.refuse(said);
+                    self.happen(Event::Hold);
+                    return false;
+                }
+            }
+            None => run.planned.machine = self.axes.set(),
+        }
+        self.axes.give_to_path();
         self.axes.path.resume();
-        self.happen(Event::Start);
         true
+    }
+
+    /// Cycle start after a hold.
+    pub(super) fn resume_run(&mut self) {
+        if let Some(run) = &mut self.run
+            && run.doing == Doing::Settling
+            && !run.is_pulsing()
+        {
+            run.doing = Doing::Nothing; // a key may have switched the unit in the hold: it is asked again
+        }
+        if self.axes.owner() == Owner::Path {
+            self.axes.path.resume();
+        }
+        self.happen(Event::Start);
     }
 }
 
 impl Run {
+    /// M20 at the front: asked again it would pulse twice.
+    fn is_pulsing(&self) -> bool {
+        let Some(Item::Do(Act::Machine(call))) = self.items.front() else { return false };
+        matches!(call.request(), Some(Request::Pulse(..)))
+    }
+
     /// The block under way is a feed or a dwell: the wheel may touch the part.
     fn is_in_contact(&self) -> bool {
         match self.items.front() {
@@ -108,12 +136,12 @@ impl Run {
         let begin = PerAxis::from_fn(|axis| parted.at[axis] + shift[axis]);
         let mut items = self.items.clone();
         let back = self.way_back(parted, begin, &shift, params);
+        let mut from = begin;
         for item in &mut items {
             if let Some(planned) = item.planned_mut() {
                 planned.shift(&mut shift);
-                for axis in Axis::ALL {
-                    within(axis, planned.to[axis], params)?;
-                }
+                planned.check(from, params)?;
+                from = planned.to;
             }
         }
         for planned in back.into_iter().rev() {
@@ -155,7 +183,7 @@ impl Item {
     fn planned_mut(&mut self) -> Option<&mut PlannedMove> {
         match self {
             Self::Move(planned) => Some(planned),
-            Self::Do(super::run::Act::Skip(planned, _)) => Some(planned),
+            Self::Do(Act::Skip(planned, _)) => Some(planned),
             Self::Begin(_) | Self::End | Self::Do(_) => None,
         }
     }

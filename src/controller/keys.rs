@@ -108,6 +108,7 @@ impl Controller {
 
     /// Asks the machine logic and says what came of it.
     pub(super) fn ask(&mut self, request: Request) -> Answer {
+        self.machine.inform(self.around());
         let answer = self.machine.ask(request, self.now, self.inputs, &self.params);
         match answer {
             Answer::Taken if matches!(request, Request::DriveHigh | Request::DriveLow | Request::DriveStop) => {

@@ -169,6 +169,8 @@ pub struct Controller {
     effects: Vec<Effect>,
     outputs: OutputImage,
     output_set: OutputSet,
+    /// Outputs that share their port or have none.
+    dead_outputs: OutputSet,
     /// The mushroom on the screen is in.
     soft_e_stop: bool,
     drives_on: bool,
@@ -198,7 +200,7 @@ impl Controller {
     pub fn new(kind: Kind, retained: Retained, image: InputImage, now: Micros) -> Self {
         let row = crate::machine::kind::find(kind);
         let params = retained.params;
-        Self {
+        let mut control = Self {
             kind,
             row,
             now,
@@ -231,6 +233,7 @@ impl Controller {
             effects: Vec::with_capacity(EFFECTS),
             outputs: OutputImage::default(),
             output_set: OutputSet::NONE,
+            dead_outputs: OutputSet::NONE,
             soft_e_stop: false,
             drives_on: true,
             wheel_rpm: params.get(param::WHEEL_RPM),
@@ -248,7 +251,9 @@ impl Controller {
             pages: Pages::new(kind, &params),
             edits: edits::Edits::default(),
             params,
-        }
+        };
+        control.find_dead_outputs();
+        control
     }
 
     /// Puts the control where a headless run begins (tools.md T3): homed with the encoders' zero at `encoder_zero_mm`
@@ -331,10 +336,10 @@ impl Controller {
         if self.run.is_some() {
             return self.refuse(Said::new("运行中不能修改参数", "parameters are not changed while a program runs"));
         }
-        if self.is_port_in_use(at, value) {
+        if self.is_in_use(at, value) {
             return self.refuse(Said::new(
-                format!("{at}：该输出正在工作，先关闭再改端口"),
-                format!("{at}: the output is on; switch it off before its port is changed"),
+                format!("{at}：该功能正在工作，先关闭再修改"),
+                format!("{at}: the function is on; switch it off before this is changed"),
             ));
         }
         match self.params.write(at, value) {
@@ -343,19 +348,33 @@ impl Controller {
                 self.pages.show(&self.params);
                 self.filter.configure(&self.params);
                 self.axes.configure(&self.params);
+                self.find_dead_outputs();
                 self.say(Said::new(format!("{at} = {value}"), format!("{at} = {value}")));
             }
-            Err(error) => self.refuse(Said::new(format!("{at} 超出范围或不存在：{error}"), error.to_string())),
+            Err(error) => self.refuse(Said::new(error.zh(), error.to_string())),
         }
     }
 
-    /// Whether a changed port would drop an output that is on, or raise another function's terminal.
-    fn is_port_in_use(&self, at: ParamAddress, value: f64) -> bool {
-        let of = |output: &Output| at.bit.is_none() && output.port_param() == at.number && output.is_of(self.kind);
+    /// Whether a change would drop an output that is on, raise another function's terminal, take a switch from under
+    /// something that turns, or leave a clamped part without its key.
+    fn is_in_use(&self, at: ParamAddress, value: f64) -> bool {
+        let on = |output: Output| self.output_set.has(output);
+        if at == param::TAILSTOCK_ENABLED.address() {
+            return on(Output::Tailstock);
+        }
+        if at == param::MAGNET_ENABLED.address() {
+            return on(Output::Magnetise) || on(Output::Demagnetise);
+        }
+        if at.bit.is_some() {
+            return false;
+        }
+        let turns = on(Output::Wheel) || on(Output::SecondSpindle) || on(Output::SecondSpindleCcw);
+        if Input::ALL.iter().any(|input| input.port_param() == at.number) {
+            return turns || self.machine.drive_is_on();
+        }
+        let of = |output: &Output| output.port_param() == at.number && output.is_of(self.kind);
         let port = value as u8; // cut: the range is checked when it is written
-        Output::ALL
-            .iter()
-            .any(|output| of(output) && (self.output_set.has(*output) || self.outputs.terminals.level(port)))
+        Output::ALL.iter().any(|output| of(output) && (on(*output) || self.outputs.terminals.level(port)))
     }
 
     /// X is programmed and shown as a diameter.

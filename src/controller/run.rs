@@ -49,6 +49,29 @@ impl PlannedMove {
     pub const fn new(to: PerAxis<f64>, shape: Shape, speed: Speed, (words, incremental): Named) -> Self {
         Self { to, shape, speed, end: End::ExactStop, tag: None, words, incremental }
     }
+
+    /// Whether it stays within the soft limits from a place on: its end, and an arc where it bulges.
+    ///
+    /// # Errors
+    /// The axis, its place and the limit.
+    pub fn check(&self, from: PerAxis<f64>, params: &Params) -> Result<(), Forbidden> {
+        for axis in Axis::ALL {
+            if (self.to[axis] - from[axis]).abs() > 0.0 {
+                within(axis, self.to[axis], params)?;
+            }
+        }
+        let Shape::Arc { center, plane, turn } = self.shape else { return Ok(()) };
+        let (first, second, _) = plane.axes();
+        let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
+        for (axis, sign) in [(first, 1.0), (first, -1.0), (second, 1.0), (second, -1.0)] {
+            let mut summit = center;
+            summit[axis] += sign * radius;
+            if passes(from, self.to, center, (first, second), turn == Turn::Ccw, summit) {
+                within(axis, summit[axis], params)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The speed of a move.
@@ -114,6 +137,8 @@ pub enum Act {
     Set(u32, Option<f64>),
     /// A system variable is written.
     SetSystem(u32, Option<f64>),
+    /// G50: the position where the machine then stands is called so.
+    Preset(PerAxis<Option<f64>>),
     /// Other frames or offsets are in force from here on.
     Frames(Arc<Frames>),
     /// An M code.
@@ -220,6 +245,8 @@ pub struct Planned {
     pub dress_points: PerAxis<Option<f64>>,
     /// The axis that oscillates there.
     pub oscillating: Option<Axis>,
+    /// Every axis is homed.
+    pub homed: bool,
     path: PathMode,
 }
 
@@ -231,6 +258,8 @@ type Named = (AxisSet, AxisSet);
 pub enum Forbidden {
     /// Leave the soft limits: axis, target, limit, all machine coordinates in radius mm.
     SoftLimit(Axis, f64, f64),
+    /// Move before homing.
+    NotHomed,
     /// Move an axis that oscillates, or oscillate a second one.
     Oscillating(Axis),
     /// Oscillate over no length, or an axis that is not homed.
@@ -306,7 +335,7 @@ impl Planned {
     /// The beginning of a run.
     #[must_use]
     pub fn new(frames: Frames, machine: PerAxis<f64>, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
-        Self { frames: Arc::new(frames), machine, dress_points, oscillating: None, path }
+        Self { frames: Arc::new(frames), machine, dress_points, oscillating: None, homed: true, path }
     }
 
     /// Turns one operation into items.
@@ -340,6 +369,43 @@ impl Planned {
                     _ => return Ok(()),
                 }
             }
+            Op::AddWear { .. }
+            | Op::DressReturn { .. }
+            | Op::OscillationOn { .. }
+            | Op::OscillationOff
+            | Op::Gauge(_) => return self.take_grinding(op, items, params),
+            Op::Path(mode) => {
+                self.path = *mode;
+                return Ok(());
+            }
+            Op::Frame { g } => {
+                Arc::make_mut(&mut self.frames).activate(*g);
+                Act::Frames(Arc::clone(&self.frames))
+            }
+            Op::Preset { values } => Act::Preset(*values),
+            Op::T { tool, offset } => {
+                Arc::make_mut(&mut self.frames).call_tool(*tool, *offset);
+                Act::Frames(Arc::clone(&self.frames))
+            }
+            Op::M { code, s, p, l } => {
+                let row = mcode::find(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
+                Act::Machine(MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 })
+            }
+            Op::S { value, mode } => Act::Wheel(*value, *mode),
+            Op::SpeedLimit { .. } => return Ok(()),
+            Op::Dwell { s } => Act::Dwell(*s),
+            Op::Set { variable, value } => Act::Set(*variable, *value),
+            Op::SetSystem { number, value } => Act::SetSystem(*number, *value),
+            Op::Alarm { number, text } => Act::Alarm(*number as u16, Said::new(&**text, &**text), at),
+            Op::Message { text, .. } => Act::Message(Said::new(&**text, &**text)),
+        };
+        items.push_back(Item::Do(act));
+        Ok(())
+    }
+
+    /// The grinding functions (K4).
+    fn take_grinding(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
+        let act = match op {
             Op::AddWear { number, by } => {
                 Arc::make_mut(&mut self.frames).add_wear(*number, *by);
                 Act::Frames(Arc::clone(&self.frames))
@@ -371,33 +437,7 @@ impl Planned {
                 Act::Cylinder(false)
             }
             Op::DressReturn { axes, feed } => return self.dress_return(*axes, *feed, items, params),
-            Op::Path(mode) => {
-                self.path = *mode;
-                return Ok(());
-            }
-            Op::Frame { g } => {
-                Arc::make_mut(&mut self.frames).activate(*g);
-                Act::Frames(Arc::clone(&self.frames))
-            }
-            Op::Preset { values } => {
-                Arc::make_mut(&mut self.frames).preset(self.machine, values);
-                Act::Frames(Arc::clone(&self.frames))
-            }
-            Op::T { tool, offset } => {
-                Arc::make_mut(&mut self.frames).call_tool(*tool, *offset);
-                Act::Frames(Arc::clone(&self.frames))
-            }
-            Op::M { code, s, p, l } => {
-                let row = mcode::find(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
-                Act::Machine(MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 })
-            }
-            Op::S { value, mode } => Act::Wheel(*value, *mode),
-            Op::SpeedLimit { .. } => return Ok(()),
-            Op::Dwell { s } => Act::Dwell(*s),
-            Op::Set { variable, value } => Act::Set(*variable, *value),
-            Op::SetSystem { number, value } => Act::SetSystem(*number, *value),
-            Op::Alarm { number, text } => Act::Alarm(*number as u16, Said::new(&**text, &**text), at),
-            Op::Message { text, .. } => Act::Message(Said::new(&**text, &**text)),
+            _ => return Ok(()),
         };
         items.push_back(Item::Do(act));
         Ok(())
@@ -451,17 +491,7 @@ impl Planned {
             nc::Plane::Zx => Plane::Zx,
             nc::Plane::Yz => Plane::Yz,
         };
-        let (first, second, _) = plane.axes();
-        let (from, ccw) = (self.machine, *turn > 0);
-        for (axis, sign) in [(first, 1.0), (first, -1.0), (second, 1.0), (second, -1.0)] {
-            let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
-            let mut summit = center;
-            summit[axis] += sign * radius;
-            if passes(from, target, center, (first, second), ccw, summit) {
-                within(axis, summit[axis], params)?;
-            }
-        }
-        let turn = if ccw { Turn::Ccw } else { Turn::Cw };
+        let turn = if *turn > 0 { Turn::Ccw } else { Turn::Cw };
         let shape = Shape::Arc { center, plane, turn };
         self.push(PlannedMove::new(target, shape, speed(*feed), (*words, *incremental)), items, params)
     }
@@ -470,11 +500,10 @@ impl Planned {
         if let Some(axis) = self.oscillating.filter(|axis| planned.words.contains(*axis)) {
             return Err(Forbidden::Oscillating(axis)); // K4.3: before the block starts
         }
-        for axis in Axis::ALL {
-            if (planned.to[axis] - self.machine[axis]).abs() > 0.0 {
-                within(axis, planned.to[axis], params)?;
-            }
+        if !self.homed {
+            return Err(Forbidden::NotHomed);
         }
+        planned.check(self.machine, params)?;
         planned.end = match (planned.speed, self.path) {
             (Speed::Rapid, _) | (_, PathMode::ExactStop) => End::ExactStop,
             (_, PathMode::Continuous { tolerance_mm }) => End::Continuous { tolerance_mm },

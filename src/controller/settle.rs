@@ -3,7 +3,7 @@
 
 use super::{Controller, Event, FULL_SCALE_VOLTS, Phase};
 use crate::defs::param;
-use crate::defs::signal::{Output, Terminals};
+use crate::defs::signal::{Output, OutputSet, Terminals};
 
 impl Controller {
     /// The one place where the phase changes.
@@ -37,6 +37,7 @@ impl Controller {
         }
         self.axes.set_drives(self.drives_on);
         if !self.drives_on && rest {
+            self.release_machine_lock();
             self.axes.follow_actual();
         }
     }
@@ -57,6 +58,8 @@ impl Controller {
         on.set(Output::TowerRed, self.alarms.block_start());
         on.set(Output::TowerGreen, matches!(self.phase, Phase::Running | Phase::Homing(_)));
         on.set(Output::TowerYellow, matches!(self.phase, Phase::Holding | Phase::Held | Phase::Stopped));
+        // K6.1, K2.4: what shares its port or has none switches nothing, and its lamp says so.
+        let on = on.without(self.dead_outputs);
         self.output_set = on;
         self.outputs.terminals = self.machine.port_terminals();
         for output in on.iter() {
@@ -70,6 +73,16 @@ impl Controller {
         // Braking needs the drives; nothing else moves without them.
         self.outputs.drives_on = self.drives_on || matches!(self.phase, Phase::Aborting);
         self.outputs.set_point_mm = self.axes.set_points(&self.params);
+    }
+
+    /// The outputs that can switch nothing with these parameters.
+    pub(super) fn find_dead_outputs(&mut self) {
+        let mut dead = OutputSet::NONE;
+        for output in Output::ALL {
+            let lost = self.params.output_port(*output) == 0;
+            dead.set(*output, lost || self.params.output_conflict(self.kind, *output).is_some());
+        }
+        self.dead_outputs = dead;
     }
 
     /// The terminals that stay as they are in the safe output image. What turns or flows is off (table after K3).

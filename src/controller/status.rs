@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Controller, Phase};
 use crate::defs::key::{Key, Lamp, Mode};
-use crate::defs::signal::OutputSet;
+use crate::defs::signal::{Output, OutputSet};
 use crate::link::snapshot::{AxisView, KeyView, RunState, Snapshot, VARIABLES};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -114,6 +114,10 @@ impl Controller {
     fn key_view(&self, key: Key) -> KeyView {
         let (lamp, working) = match key.row().lamp {
             Lamp::None => (false, false),
+            Lamp::Output(Output::SecondSpindle) => {
+                let both = [Output::SecondSpindle, Output::SecondSpindleCcw];
+                (both.iter().any(|output| self.output_set.has(*output)), self.machine.is_working(Output::SecondSpindle))
+            }
             Lamp::Output(output) => (self.output_set.has(output), self.machine.is_working(output)),
             Lamp::OutputOff(output) => (!self.output_set.has(output), false),
             Lamp::Control => (self.control_lamp(key), false),

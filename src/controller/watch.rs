@@ -1,7 +1,7 @@
 //! Watching: what the machine logic finds, and what the control looks at itself – drives, limits, bus, screen.
 //! Source: spec B5, B8, K3.7, table "what stops what".
 
-use super::{Controller, Event};
+use super::{Controller, Event, Phase};
 use crate::defs::alarm;
 use crate::defs::key::Key;
 use crate::defs::param;
@@ -18,6 +18,7 @@ impl Controller {
             match finding {
                 Finding::Alarm { number, stopped } => self.raise_for(number, None, stopped),
                 Finding::Gone(number) => self.alarms.clear(number),
+                Finding::Told(why) => self.refuse(why),
             }
         }
         self.watch_external_keys();
@@ -29,11 +30,11 @@ impl Controller {
     pub(super) fn around(&self) -> Around {
         let dressing = self.params.get(param::DRESSING_FIRST)..=self.params.get(param::DRESSING_LAST);
         Around {
-            run_open: self.run.is_some(),
+            run_open: self.phase.is_run_open(),
             homed: self.axes.all_homed(),
             alarm_blocks: self.alarms.block_start(),
             drives_off: !self.drives_on,
-            oscillating: self.oscillation.is_some() && self.run.is_none(),
+            oscillating: self.oscillation.is_some() && !self.phase.is_run_open(),
             dry_run: self.switches.dry_run,
             machine_lock: self.switches.machine_lock,
             dressing: dressing.contains(&f64::from(self.current)),
@@ -126,6 +127,10 @@ impl Controller {
         if !self.alarms.has(number) {
             let place = self.phase.is_run_open().then_some((self.place.program, self.place.line));
             self.alarms.raise(number, detail, self.now, place);
+            if let Some(alarm) = self.alarms.present().last().filter(|_| self.message.since < self.now) {
+                let text = alarm.text.clone();
+                self.refuse(text);
+            }
         } else if !stopped {
             return;
         }
@@ -142,17 +147,15 @@ impl Controller {
                 self.machine.safe_stop();
                 self.abort_run();
                 self.drives_on = false;
-                self.release_machine_lock();
             }
         }
     }
 
-    /// Feed hold by a rule: a run that moves is held, homing ends.
+    /// Feed hold by a rule: a run that moves is held; nothing else is touched.
     pub(super) fn hold_run(&mut self) {
-        if self.phase.is_homing() {
-            return self.abort_run();
+        if matches!(self.phase, Phase::Running) {
+            self.axes.path.hold();
+            self.happen(Event::Hold);
         }
-        self.axes.path.hold();
-        self.happen(Event::Hold);
     }
 }

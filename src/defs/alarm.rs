@@ -9,7 +9,7 @@ use super::text::Text;
 pub enum Reaction {
     /// Shown; nothing is stopped (a page file is wrong).
     Show,
-    /// Blocks cycle start and wheel start; whoever raises it decides whether a run has to end.
+    /// Blocks cycle start; whoever raises it decides whether a run has to end.
     BlockStart,
     /// Holds the run as a feed hold does, and blocks cycle start; nothing else stops.
     HoldProgram,
@@ -151,6 +151,12 @@ alarms! {
     GAUGE_BEFORE = 200, StopProgram, Reset, "G78 开始时量仪信号已有效", "gauge signal before G78",
         "启动时量仪信号已经接通", "the signal was on before the axis moved",
         "检查量仪位置和信号", "check the gauge's place and signal";
+    TAILSTOCK_LOST = 201, StopProgram, Reset, "尾座到位信号丢失", "tailstock end switch lost",
+        "夹紧后尾座到位信号断开，工件可能松动", "the end switch went while the part was clamped: it may be loose",
+        "检查工件、液压和到位开关，再按尾座进", "check part, pressure and switch, then advance the tailstock again";
+    INPUT_MISSING = 202, StopProgram, Reset, "没有分配输入口", "input has no port",
+        "M80–M89 等待的输入没有分配输入口", "the input that M80 to M89 waits for has no port",
+        "在参数中分配输入口", "assign its port in the parameters";
     DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
         "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; the copy is kept, factory values are in force",
         "从备份恢复数据，核对参数后再加工", "restore a backup and check the parameters before grinding";

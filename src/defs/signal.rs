@@ -183,6 +183,12 @@ macro_rules! signal_set {
             /// None on.
             pub const NONE: Self = Self(0);
 
+            /// Those that are on here and not there.
+            #[must_use]
+            pub const fn without(self, other: Self) -> Self {
+                Self(self.0 & !other.0)
+            }
+
             /// Whether the signal is on.
             #[must_use]
             pub const fn has(self, signal: $signal) -> bool {

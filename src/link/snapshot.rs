@@ -327,6 +327,15 @@ impl Snapshot {
         }
     }
 
+    /// Without power nothing is switched, seen or lit.
+    pub fn darken(&mut self) {
+        self.inputs = InputSet::NONE;
+        self.outputs = OutputSet::NONE;
+        for key in &mut self.keys {
+            (key.lamp, key.working) = (false, false);
+        }
+    }
+
     /// The state of a key.
     #[must_use]
     pub const fn key(&self, key: Key) -> KeyView {

@@ -31,6 +31,8 @@ pub struct Facts {
     pub tailstock_enabled: bool,
     /// The tailstock is on its way.
     pub tailstock_moving: bool,
+    /// Its end switch went or did not come while the valve is on.
+    pub tailstock_lost: bool,
     /// P6.5: the headstock needs the tailstock.
     pub tailstock_needed: bool,
     /// The part is clamped by the tailstock.
@@ -63,6 +65,8 @@ pub struct Facts {
     pub external_hold: bool,
     /// The port asked for belongs to a function with rules.
     pub port_owned: bool,
+    /// The output asked for has no port.
+    pub port_missing: bool,
     /// Another function has the port of the output asked for.
     pub port_conflict: bool,
     /// What the controller tells.

@@ -87,6 +87,8 @@ pub enum Finding {
     },
     /// A self-clearing alarm's condition is gone.
     Gone(u16),
+    /// Something was switched without being asked for, and is no alarm: why.
+    Told(Text),
 }
 
 /// What a finding or a refusal does to the run and the machine.
@@ -170,6 +172,9 @@ pub const OFF_WHEN_SAFE: &[Output] = &[
     Output::OscillationBackward,
 ];
 
+const GUARD_STOPPED: Text =
+    Text::new("防护门打开，头架/滚轮/台面已停", "the guard is open: headstock, roll or table stopped");
+
 /// Most findings of one tick.
 pub const FINDINGS: usize = 10;
 /// Findings of one tick.
@@ -219,6 +224,11 @@ impl Machine {
         }
     }
 
+    /// What has changed around the machine within this tick.
+    pub const fn inform(&mut self, around: Around) {
+        self.around = around;
+    }
+
     /// The facts that the interlock rules read.
     #[must_use]
     pub fn facts(&self, now: Micros, inputs: InputSet, params: &Params) -> Facts {
@@ -235,6 +245,7 @@ impl Machine {
             tailstock_on_kind: self.row.tailstock,
             tailstock_enabled: params.bit(param::TAILSTOCK_ENABLED) && self.row.tailstock,
             tailstock_moving: self.tailstock.is_moving(),
+            tailstock_lost: self.tailstock.is_lost(),
             tailstock_needed: params.bit(param::TAILSTOCK_BEFORE_HEADSTOCK),
             tailstock_advanced: self.tailstock.is_advanced(),
             hydraulic_needed: supervised,
@@ -251,6 +262,7 @@ impl Machine {
             guard_open: params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed),
             external_hold: inputs.has(Input::ExternalHold),
             port_owned: false,
+            port_missing: false,
             port_conflict: false,
             around: self.around,
         }
@@ -266,10 +278,11 @@ impl Machine {
         params: &Params,
     ) -> Option<&'static Rule> {
         let mut facts = self.facts(now, inputs, params);
-        facts.port_conflict =
-            self.output_of(request).is_some_and(|output| params.output_conflict(self.row.kind, output).is_some());
+        let output = self.output_of(request);
+        facts.port_missing = output.is_some_and(|output| params.output_port(output) == 0);
+        facts.port_conflict = output.is_some_and(|output| params.output_conflict(self.row.kind, output).is_some());
         if let Request::Port(port, _) | Request::Pulse(port, _) = request {
-            facts.port_owned = matches!(ports::owner(port, params), Owner::Interlocked(_));
+            facts.port_owned = matches!(ports::owner(port, params, self.row.kind), Owner::Interlocked(_));
         }
         interlock::forbidding(self.rules, request, &facts)
     }
@@ -311,7 +324,11 @@ impl Machine {
         }
         let alarm = |number| Finding::Alarm { number, stopped: true };
         let pressed = pressed.then(|| alarm(alarm::EMERGENCY_STOP));
-        let tailstock = self.tailstock.watch(now, inputs, params).map(alarm);
+        let tailstock = self.tailstock.watch(now, inputs, params);
+        if tailstock == Some(alarm::TAILSTOCK_LOST) {
+            self.drive = Drive::Off; // the part may come loose
+        }
+        let tailstock = tailstock.map(alarm);
         let [radial, axial] = self.arms.watch(now, inputs, params).map(|late| late.map(alarm));
         let gears = self.gears.watch(now, inputs, params).map(alarm);
         let [flow, level] = self.fluids.tick(now, inputs, params, &mut self.last_dose);
@@ -322,11 +339,12 @@ impl Machine {
 
     /// K5.13: with the guard open the workpiece drive stops; opened in a run it holds the program.
     fn watch_guard(&mut self, inputs: InputSet, params: &Params) -> Option<Finding> {
-        let was_open = self.guard.open;
+        let (was_open, mut stopped) = (self.guard.open, false);
         self.guard.open = params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed);
         if self.guard.open && self.drive.is_on() {
             self.drive = Drive::Off;
             self.guard.stopped_drive = self.around.run_open;
+            stopped = true;
         }
         self.guard.stopped_drive &= self.around.run_open && !self.drive.is_on();
         match (self.guard.open, self.guard.alarm) {
@@ -338,7 +356,7 @@ impl Machine {
                 self.guard.alarm = false;
                 Some(Finding::Gone(alarm::GUARD_OPEN))
             }
-            (true | false, true | false) => None,
+            (true | false, true | false) => stopped.then_some(Finding::Told(GUARD_STOPPED)),
         }
     }
 

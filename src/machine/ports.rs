@@ -1,6 +1,7 @@
 //! Ports that a program switches by number: M20 pulse, M21 on, M22 off.
 //! Source: spec B4. A port of an interlocked function is refused; one of a plain function is that function.
 
+use crate::defs::kind::Kind;
 use crate::defs::param::Params;
 use crate::defs::signal::{Output, PORTS, Terminals};
 use crate::units::Micros;
@@ -20,10 +21,10 @@ pub enum Owner {
 }
 
 /// Who owns an output port.
-pub fn owner(port: u8, params: &Params) -> Owner {
+pub fn owner(port: u8, params: &Params, kind: Kind) -> Owner {
     let mut found = Owner::Nobody;
     for output in Output::ALL {
-        if port == 0 || params.output_port(*output) != port {
+        if port == 0 || !output.is_of(kind) || params.output_port(*output) != port {
             continue;
         }
         if !output.is_plain() {

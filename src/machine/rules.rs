@@ -60,6 +60,13 @@ const fn switches_on(request: Request) -> bool {
         )
 }
 
+/// Requests that a program relies on: without their output it must not go on.
+const fn needs_its_port(request: Request) -> bool {
+    drive_start(request)
+        || spindle_start(request)
+        || matches!(request, Request::TailstockAdvance | Request::HydraulicOn | Request::Magnetise)
+}
+
 /// The table.
 pub const RULES: &[Rule] = &[
     Rule {
@@ -68,6 +75,16 @@ pub const RULES: &[Rule] = &[
         when: |facts| facts.e_stop,
         outcome: Outcome::Deny,
         reason: Text::new("急停中，不能启动", "emergency stop: nothing is started"),
+    },
+    Rule {
+        row: "B8",
+        forbids: starts_or_flows,
+        when: |facts| facts.around.drives_off,
+        outcome: Outcome::Deny,
+        reason: Text::new(
+            "停机报警未复位，不能启动",
+            "an alarm that stopped everything waits for RESET: nothing is started",
+        ),
     },
     Rule {
         row: "B5",
@@ -103,6 +120,20 @@ pub const RULES: &[Rule] = &[
         when: |facts| facts.port_conflict,
         outcome: Outcome::Deny,
         reason: Text::new("两个功能用了同一个输出口，见诊断页", "two functions share one output port: see diagnosis"),
+    },
+    Rule {
+        row: "K2.4",
+        forbids: needs_its_port,
+        when: |facts| facts.port_missing,
+        outcome: Outcome::Deny,
+        reason: Text::new("该功能没有分配输出口", "the function has no output port"),
+    },
+    Rule {
+        row: "K2.4",
+        forbids: switches_on,
+        when: |facts| facts.port_missing,
+        outcome: Outcome::NoEffect,
+        reason: Text::new("该功能没有分配输出口，无效", "the function has no output port: no effect"),
     },
     Rule {
         row: "B4",
@@ -164,7 +195,7 @@ pub const RULES: &[Rule] = &[
         forbids: wheel_start,
         when: |facts| facts.magnet_needed && !facts.magnetised,
         outcome: Outcome::Alarm(alarm::MAGNET),
-        reason: Text::new("工件未充磁，砂轮不能启动", "the part is not magnetised: the wheel may not start"),
+        reason: Text::new("工件未充磁，砂轮不能启动 (P16.1)", "the part is not magnetised: the wheel may not start"),
     },
     Rule {
         row: "K5.3",
@@ -232,6 +263,16 @@ pub const RULES: &[Rule] = &[
     Rule {
         row: "K3.4",
         forbids: drive_start,
+        when: |facts| facts.tailstock_lost,
+        outcome: Outcome::Alarm(alarm::DRIVE_BLOCKED),
+        reason: Text::new(
+            "尾座到位信号丢失，头架不能启动",
+            "the tailstock has lost its end switch: the headstock may not start",
+        ),
+    },
+    Rule {
+        row: "K3.4",
+        forbids: drive_start,
         when: |facts| facts.tailstock_enabled && facts.tailstock_needed && !facts.tailstock_advanced,
         outcome: Outcome::Alarm(alarm::DRIVE_BLOCKED),
         reason: Text::new("尾座未顶紧，头架不能启动", "the tailstock is not advanced: the headstock may not start"),
@@ -270,7 +311,10 @@ pub const RULES: &[Rule] = &[
         forbids: cycle_start,
         when: |facts| facts.drive_stopped_by_guard,
         outcome: Outcome::Deny,
-        reason: Text::new("防护门停了头架，先启动头架再循环启动", "the guard stopped the headstock: start it first"),
+        reason: Text::new(
+            "防护门停了头架/滚轮/台面，先启动再循环启动",
+            "the guard stopped headstock, roll or table: start it first",
+        ),
     },
     Rule {
         row: "K5.17",
@@ -291,7 +335,8 @@ pub const RULES: &[Rule] = &[
     },
     Rule {
         row: "B5",
-        forbids: cycle_start,
+        // An MDI line may switch; its moves ask for homing themselves.
+        forbids: |request| matches!(request, Request::CycleStart),
         when: |facts| !facts.around.homed,
         outcome: Outcome::Alarm(alarm::NOT_HOMED),
         reason: Text::new("先回零再循环启动", "home the axes before cycle start"),

@@ -42,7 +42,7 @@ impl Machine {
             Request::Gauge(gauge, out) => self.arms.send(gauge, out, now),
             Request::Gear(gear) => self.gears.change(gear, now),
             Request::Switch(output, on) => self.switch(output, on),
-            Request::Port(port, on) => match owner(port, params) {
+            Request::Port(port, on) => match owner(port, params, self.row.kind) {
                 Owner::Plain(output) => self.switch(output, on),
                 Owner::Nobody | Owner::Interlocked(_) => self.ports.switch(port, on),
             },

@@ -214,7 +214,8 @@ impl Op {
             Self::Alarm { .. } | Self::Message { .. } => true,
             Self::M { code, .. } => matches!(code, 0 | 1 | 2 | 30 | 80..=89),
             Self::Rapid { .. } | Self::Feed { .. } | Self::Arc { .. } | Self::Dwell { .. } | Self::Path(_) => false,
-            Self::Frame { .. } | Self::Preset { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
+            Self::Preset { .. } => true,
+            Self::Frame { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
             Self::S { .. } | Self::T { .. } | Self::Set { .. } => false,
             Self::AddWear { .. } | Self::DressReturn { .. } => false,
         }
@@ -283,6 +284,41 @@ impl Op {
                 feed_words(put, *feed);
                 put("signal", json!(signal));
             }
+            Self::AddWear { .. }
+            | Self::DressReturn { .. }
+            | Self::OscillationOn { .. }
+            | Self::OscillationOff
+            | Self::Gauge(_) => self.grinding_fields(axes, put),
+            Self::M { code, s, p, l } => {
+                put("code", json!(code));
+                for (key, value) in [("s", s), ("p", p), ("l", l)] {
+                    if let Some(value) = value {
+                        put(key, json!(value));
+                    }
+                }
+            }
+            Self::S { value, mode } => {
+                put("value", json!(value));
+                put("unit", json!(mode.unit()));
+            }
+            Self::T { tool, offset } => {
+                put("tool", json!(tool));
+                put("offset", json!(offset));
+            }
+            Self::Set { variable: number, value } | Self::SetSystem { number, value } => {
+                put("variable", json!(number));
+                put("value", json!(value));
+            }
+            Self::Alarm { number, text } | Self::Message { number, text } => {
+                put("number", json!(number));
+                put("text", json!(text));
+            }
+        }
+    }
+
+    /// The fields of the grinding functions.
+    fn grinding_fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
+        match self {
             Self::AddWear { number, by } => {
                 put("offset", json!(number));
                 points(put, "", axes, *by);
@@ -315,30 +351,7 @@ impl Op {
                 }
                 put("l", json!(gauging.retract_mm));
             }
-            Self::M { code, s, p, l } => {
-                put("code", json!(code));
-                for (key, value) in [("s", s), ("p", p), ("l", l)] {
-                    if let Some(value) = value {
-                        put(key, json!(value));
-                    }
-                }
-            }
-            Self::S { value, mode } => {
-                put("value", json!(value));
-                put("unit", json!(mode.unit()));
-            }
-            Self::T { tool, offset } => {
-                put("tool", json!(tool));
-                put("offset", json!(offset));
-            }
-            Self::Set { variable: number, value } | Self::SetSystem { number, value } => {
-                put("variable", json!(number));
-                put("value", json!(value));
-            }
-            Self::Alarm { number, text } | Self::Message { number, text } => {
-                put("number", json!(number));
-                put("text", json!(text));
-            }
+            _ => {}
         }
     }
 

@@ -266,6 +266,9 @@ impl Rig {
     /// What a page would show now.
     pub fn snapshot(&mut self) -> &Snapshot {
         self.controller.snapshot(&mut self.snapshot);
+        if !self.powered {
+            self.snapshot.darken();
+        }
         &self.snapshot
     }
 

@@ -95,6 +95,14 @@ pub enum ParamError {
         /// What was given.
         value: f64,
     },
+    /// Ports, counts and codes are whole numbers.
+    #[error("P{number} takes a whole number, not {value}")]
+    Whole {
+        /// P number.
+        number: u16,
+        /// What was given.
+        value: f64,
+    },
     /// A bit takes 0 or 1.
     #[error("P{number}.{bit} takes 0 or 1, not {value}")]
     Bit {
@@ -105,6 +113,19 @@ pub enum ParamError {
         /// What was given.
         value: f64,
     },
+}
+
+impl ParamError {
+    /// The same in Chinese.
+    #[must_use]
+    pub fn zh(self) -> String {
+        match self {
+            Self::Unknown(number) => format!("没有参数 P{number}"),
+            Self::Range { number, min, max, value } => format!("P{number} 范围 {min} 到 {max}，不能为 {value}"),
+            Self::Whole { number, value } => format!("P{number} 应为整数，不能为 {value}"),
+            Self::Bit { number, bit, value } => format!("P{number}.{bit} 只能为 0 或 1，不能为 {value}"),
+        }
+    }
 }
 
 /// The address of a parameter as people write it: `P270` or `P16.0`.
@@ -260,23 +281,26 @@ impl Params {
             self.put_bit(at.number, bit, on);
             return Ok(());
         }
-        let (min, max) = find_number(at.number).ok_or(ParamError::Unknown(at.number))?;
+        let (min, max, whole) = find_number(at.number).ok_or(ParamError::Unknown(at.number))?;
         if !(min..=max).contains(&value) {
             return Err(ParamError::Range { number: at.number, min, max, value });
+        }
+        if whole && value.fract().abs() > 0.0 {
+            return Err(ParamError::Whole { number: at.number, value });
         }
         self.numbers[usize::from(at.number)] = value;
         Ok(())
     }
 }
 
-/// The range of a number parameter, ports included.
-fn find_number(number: u16) -> Option<(f64, f64)> {
+/// The range of a number parameter, ports included, and whether it is a whole number: what has no unit is.
+fn find_number(number: u16) -> Option<(f64, f64, bool)> {
     if let Some(row) = NUMBERS.iter().find(|row| row.number == number) {
-        return Some((row.min, row.max));
+        return Some((row.min, row.max, row.unit.is_empty()));
     }
     let port = Input::ALL.iter().any(|input| input.port_param() == number)
         || Output::ALL.iter().any(|output| output.port_param() == number);
-    port.then_some((0.0, f64::from(PORTS)))
+    port.then_some((0.0, f64::from(PORTS), true))
 }
 
 #[cfg(test)]
