@@ -14,9 +14,11 @@ use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, Said};
 use kt830::hmi::shot::Stage;
 use kt830::hmi::theme::{DARK, contrast, scale};
+use kt830::hmi::window::shown;
 use kt830::hmi::{Hmi, page_text, shot};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Screens};
+use kt830::units::Axis;
 
 const SIZES: [(u32, u32); 4] = [(1_024, 768), (1_280, 800), (1_920, 1_080), (768, 1_024)];
 
@@ -145,7 +147,7 @@ fn misfits(stage: &mut Stage, machine: &Snapshot, what: &str) -> Vec<String> {
 /// The same machine as another kind.
 fn of_kind(mut machine: Snapshot, kind: Kind) -> Snapshot {
     machine.kind = kind;
-    machine.axes[kt830::units::Axis::Y].present = true;
+    machine.axes[Axis::Y].present = true;
     machine
 }
 
@@ -265,6 +267,28 @@ fn h4_text_has_contrast() {
     for (name, ink, ground) in DARK.text_pairs() {
         let ratio = contrast(ink, ground);
         assert!(ratio >= 4.5, "{name} {ink:?} on {ground:?}: {ratio:.2}");
+    }
+}
+
+/// The window paints only when something shown has changed: every value that a page shows has to count.
+#[test]
+fn h8_whatever_changes_on_a_page_is_painted() {
+    let changes: [fn(&mut Snapshot); 8] = [
+        |machine| machine.edit.count += 1,
+        |machine| machine.offsets[15].wear[Axis::Z] += 0.001,
+        |machine| machine.offsets[0].geometry[Axis::X] += 0.001,
+        |machine| machine.offset_in_force = 5,
+        |machine| machine.modals.g[0] = 0,
+        |machine| machine.mdi_ready = "M30".into(),
+        |machine| machine.dressing_point[Axis::Z] = Some(1.0),
+        |machine| machine.strokes_min = Some(12.5),
+    ];
+    let before = snapshot(Page::Offset);
+    assert_eq!(shown(&before), shown(&before.clone()));
+    for (index, change) in changes.into_iter().enumerate() {
+        let mut machine = before.clone();
+        change(&mut machine);
+        assert_ne!(shown(&machine), shown(&before), "change {index}");
     }
 }
 

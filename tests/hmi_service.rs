@@ -128,6 +128,9 @@ fn b6_parameters_are_not_changed_in_a_run() {
     bench.set("P71", "9");
     assert_eq!(bench.param("P71").to_bits(), 0.0_f64.to_bits());
     assert!(bench.message().contains("运行中"), "{}", bench.message());
+    // H6: what the core refuses stays in red.
+    let (text, reason) = bench.screen.state().hmi.refusal(Lang::Zh).unwrap();
+    assert!(text == "9" && reason.contains("运行中"), "{text}: {reason}");
 }
 
 #[test]

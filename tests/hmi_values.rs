@@ -413,14 +413,25 @@ fn b6_mdi_needs_its_mode_and_a_line() {
 #[test]
 fn b6_a_ready_mdi_line_outlives_a_refused_cycle_start() {
     let mut rig = told::rig();
-    told::tell(&mut rig, "param P332 60\ninput guard-closed off\nmode mdi");
+    told::tell(&mut rig, "mode mdi\nwait 4 s\nexpect alarm 180");
     let mut bench = Bench::new(rig, Page::Mdi);
     type_in(&mut bench, "M08");
     assert_eq!(&*bench.rig.snapshot().mdi_ready, "M08");
     bench.rig.send(Command::Press(Key::CycleStart));
     bench.turn();
-    assert_eq!(&*bench.rig.snapshot().mdi_ready, "M08", "the guard is open: it waits on");
+    assert_eq!(&*bench.rig.snapshot().mdi_ready, "M08", "alarm 180 blocks: it waits on");
     assert!(bench.rig.snapshot().state != RunState::Running);
+}
+
+#[test]
+fn b6_a_ready_mdi_line_goes_with_the_mode_and_with_reset() {
+    let mut bench = bench(Page::Mdi, "mode mdi");
+    for story in ["mode auto\nmode mdi", "key reset"] {
+        type_in(&mut bench, "G00 U-1");
+        assert!(!bench.rig.snapshot().mdi_ready.is_empty());
+        told::tell(&mut bench.rig, story);
+        assert!(bench.rig.snapshot().mdi_ready.is_empty(), "{story}");
+    }
 }
 
 /// Types the three values of a new wheel and confirms.

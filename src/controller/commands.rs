@@ -6,6 +6,7 @@ use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::text::Said;
+use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::machine::Answer;
 use crate::machine::press::NOT_IN_RUN;
@@ -35,7 +36,8 @@ impl Controller {
             | Command::Offset(_)
             | Command::AddWear { .. }
             | Command::ChangeWheel { .. }
-            | Command::ReadyMdi(_) => self.take_edit(command),
+            | Command::ReadyMdi(_)
+            | Command::Page(PageCommand::EditParam(..)) => self.take_edit(command),
             Command::SetVariable(variable, value) => {
                 self.set_variable(*variable, *value);
             }

@@ -68,6 +68,7 @@ impl Controller {
     }
 
     pub(super) fn reset(&mut self) {
+        self.drop_mdi();
         self.abort_run();
         self.machine.reset();
         self.dress.let_go();

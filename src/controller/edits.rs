@@ -7,9 +7,10 @@ use super::Controller;
 use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::text::{Said, Text};
+use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::edit::{EditAnswer, OffsetView};
-use crate::link::snapshot::Snapshot;
+use crate::link::snapshot::{Message, Snapshot, Tone};
 use crate::nc::Memory;
 use crate::units::PerAxis;
 
@@ -42,6 +43,7 @@ impl Controller {
                 self.change_wheel(*diameter_mm, *width_mm, *rated_m_s)
             }
             Command::ReadyMdi(line) => self.ready_mdi(line),
+            Command::Page(command) => self.type_param(command),
             _ => return,
         };
         self.edits.answer.count = self.edits.answer.count.wrapping_add(1);
@@ -76,6 +78,17 @@ impl Controller {
         }
         let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
         Ok(Said::new(format!("#{variable} = {shown}"), format!("#{variable} = {shown}")))
+    }
+
+    /// A parameter typed at its page: it has said what came of it.
+    fn type_param(&mut self, command: &PageCommand) -> Result<Said, Said> {
+        self.message = Message::default();
+        self.take_page(command);
+        let text = self.message.text.clone();
+        match self.message.tone {
+            Tone::Note => Ok(text),
+            Tone::Refused => Err(text),
+        }
     }
 
     fn page_shows(&self, variable: u16) -> bool {

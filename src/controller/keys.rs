@@ -133,6 +133,7 @@ impl Controller {
             return self.refuse(Said::new("轴还在运动，不能换方式", "the axes still move: no change of mode"));
         }
         self.hand.let_go();
+        self.drop_mdi();
         if mode != self.mode {
             self.dress.let_go();
         }

@@ -22,7 +22,7 @@ impl Controller {
     pub(super) fn ready_mdi(&mut self, line: &str) -> Result<Said, Said> {
         let line = line.trim();
         if line.is_empty() {
-            self.edits.mdi_ready = Arc::from("");
+            self.drop_mdi();
             return Ok(Said::new("录入行已取消", "the MDI line is taken back"));
         }
         if self.mode != Mode::Mdi {
@@ -39,6 +39,13 @@ impl Controller {
         Ok(Said::new("按循环启动执行", "press cycle start to execute it"))
     }
 
+    /// Another mode, or RESET: a line that was put ready long ago must not start.
+    pub(super) fn drop_mdi(&mut self) {
+        if !self.edits.mdi_ready.is_empty() {
+            self.edits.mdi_ready = Arc::from("");
+        }
+    }
+
     /// Cycle start in mode MDI.
     pub(super) fn start_mdi(&mut self) {
         let line = Arc::clone(&self.edits.mdi_ready);
@@ -47,7 +54,7 @@ impl Controller {
         }
         self.mdi(&line);
         if self.run.is_some() {
-            self.edits.mdi_ready = Arc::from("");
+            self.drop_mdi();
         }
     }
 

@@ -30,6 +30,7 @@ pub fn request(key: Key, mode: Mode, on: OutputSet) -> Option<Request> {
     let toggle = |output: Output| Request::Switch(output, !on.has(output));
     let either = |output: Output, stop: Request, start: Request| if on.has(output) { stop } else { start };
     Some(match key {
+        Key::CycleStart if mode == Mode::Mdi => Request::MdiStart,
         Key::CycleStart => Request::CycleStart,
         Key::WheelStart => Request::WheelStart,
         Key::WheelStop => Request::WheelStop,

@@ -87,7 +87,7 @@ impl Pages {
     /// Why the value typed on the parameter page was refused.
     #[must_use]
     pub fn param_refusal(&self, lang: Lang) -> Option<String> {
-        self.params.refused.as_ref().map(|said| said.get(lang).to_owned())
+        self.params.typing.reason(lang).map(str::to_owned)
     }
 
     /// Why the value typed on the open page was refused, and what was typed.
@@ -99,6 +99,7 @@ impl Pages {
             Page::Macro => &self.variables.typing,
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
+            Page::Params => &self.params.typing,
             _ => &self.entry.typing,
         };
         Some((typing.text.clone(), typing.reason(lang)?.to_owned()))

@@ -36,6 +36,8 @@ pub struct Variables {
     labelled: bool,
     /// A number is being typed to be found.
     searching: bool,
+    /// Variables in a line, as last drawn.
+    columns: usize,
 }
 
 /// The control's own variables (K4).
@@ -73,7 +75,8 @@ impl Variables {
         self.tabs(ui, top, view);
         let (note, list) = rest.split_top_bottom_at_y(rest.min.y + 28.0);
         head(ui, note, view);
-        let columns = if list.width() > 860.0 { 3 } else { 2 };
+        self.columns = if list.width() > 860.0 { 3 } else { 2 };
+        let columns = self.columns;
         self.list(ui, widget::whole_lines(list, LINE), view, typed.pages, (&numbers, columns));
         self.input(ui, input, view);
         out
@@ -111,8 +114,8 @@ impl Variables {
         match edit {
             Edit::Enter if self.searching => self.find(),
             Edit::Enter => self.enter(numbers[(here + 1) % count], out),
-            Edit::Up => self.go(numbers[(here + count - 2 % count.max(1)) % count]),
-            Edit::Down => self.go(numbers[(here + 2) % count]),
+            Edit::Up => self.go(numbers[(here + count - self.columns.min(count)) % count]),
+            Edit::Down => self.go(numbers[(here + self.columns) % count]),
             Edit::Left | Edit::Previous => self.go(numbers[(here + count - 1) % count]),
             Edit::Right | Edit::Next => self.go(numbers[(here + 1) % count]),
             Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel => {}

@@ -169,6 +169,14 @@ impl WheelChange {
         let (words, ink) = match (&self.refused, self.asking) {
             (Some(why), _) => (why.get(view.lang).to_owned(), view.theme.alarm_text),
             (None, true) => (question(view, values), view.theme.hold),
+            (None, false) if too_fast(view, values) => (
+                view.say(
+                    "默认转速 P73 超过新砂轮的额定：换后先改 P73 或 S，否则砂轮不能启动。",
+                    "P73, the speed without S, exceeds the new rating: change P73 or S, or the wheel will not start.",
+                )
+                .to_owned(),
+                view.theme.hold,
+            ),
             (None, false) => (
                 view.say(
                     "尺寸和线速度以砂轮标签为准；未输入的项保持原值。",
@@ -252,6 +260,11 @@ fn range(row: Number) -> String {
 /// The speed at which the rim reaches the rating, rpm.
 fn most_rpm(diameter_mm: f64, rated_m_s: f64) -> f64 {
     (rated_m_s * 60_000.0 / (std::f64::consts::PI * diameter_mm)).floor()
+}
+
+/// Whether the speed without S is too much for these values.
+fn too_fast(view: &View<'_>, [diameter, _, rated]: [f64; 3]) -> bool {
+    view.snapshot.params.get(param::WHEEL_RPM) > most_rpm(diameter, rated)
 }
 
 fn question(view: &View<'_>, [diameter, width, rated]: [f64; 3]) -> String {

@@ -52,7 +52,7 @@ impl Offset {
         let words = if locked {
             view.say("P22.0=0：磨耗、增量、测量已锁", "P22.0 is 0: wear, increments, measuring locked")
         } else {
-            view.say("键盘：U W 增量，M 测量", "keyboard: U, W increment, M measure")
+            view.say("键盘：U V W 增量，M 测量", "keyboard: U V W increment, M measure")
         };
         let ink = if locked { view.theme.hold } else { view.theme.quiet };
         let below = Rect::from_min_max(below.min, below.max - vec2(theme::PAD, 0.0));

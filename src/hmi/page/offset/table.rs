@@ -19,8 +19,8 @@ use crate::units::Axis;
 
 /// Height of a line.
 const LINE: f32 = 46.0;
-/// Height of the head.
-const HEAD: f32 = 44.0;
+/// Height of the head: parts, axes.
+const HEAD: (f32, f32) = (22.0, 22.0);
 /// Width of the offset's number.
 const NUMBER: f32 = 46.0;
 /// Most columns: two parts of three axes.
@@ -198,7 +198,7 @@ impl Table {
 
     /// Draws head and lines.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, form: &Form<'_>) {
-        let (head, list) = rect.split_top_bottom_at_y(rect.min.y + HEAD);
+        let (head, list) = rect.split_top_bottom_at_y(rect.min.y + HEAD.1 + parts_height(form));
         head_line(ui, head, view, form);
         let list = widget::whole_lines(list, LINE);
         if typed.pages != 0 {
@@ -291,10 +291,16 @@ fn cell(line: Rect, column: usize, form: &Form<'_>) -> Rect {
     Rect::from_min_size(corner, vec2(width - 4.0, line.height()))
 }
 
+/// One part alone needs no name.
+fn parts_height(form: &Form<'_>) -> f32 {
+    let first = form.columns.first().map(|column| column.0);
+    if form.columns.iter().all(|column| Some(column.0) == first) { 0.0 } else { HEAD.0 }
+}
+
 /// Parts over axes; a lock where P22.0 forbids.
 fn head_line(ui: &Ui, rect: Rect, view: &View<'_>, form: &Form<'_>) {
     let painter = ui.painter();
-    let (parts, axes) = rect.split_top_bottom_at_y(rect.min.y + 22.0);
+    let (parts, axes) = rect.split_top_bottom_at_y(rect.min.y + parts_height(form));
     let line = |rect: Rect| Rect::from_min_max(rect.min, rect.max - vec2(8.0, 0.0));
     let number = Rect::from_min_size(axes.min, vec2(NUMBER, axes.height()));
     put(painter, number, Align2::CENTER_CENTER, view.say("号", "No."), theme::SMALL, view.theme.quiet);
@@ -302,7 +308,7 @@ fn head_line(ui: &Ui, rect: Rect, view: &View<'_>, form: &Form<'_>) {
     for (column, (part, axis)) in form.columns.iter().enumerate() {
         let below = cell(line(axes), column, form).shrink2(vec2(8.0, 0.0));
         fit(painter, below, Align2::RIGHT_CENTER, &axis.to_string(), theme::LABEL, view.theme.text);
-        if last.replace(*part) == Some(*part) {
+        if last.replace(*part) == Some(*part) || parts_height(form) < HEAD.0 {
             continue;
         }
         let above = cell(line(parts), column, form).shrink2(vec2(8.0, 0.0));

@@ -15,13 +15,14 @@ use crate::hmi::entry::Edit;
 use crate::hmi::letters::{self, Letter};
 use crate::hmi::login::Login;
 use crate::hmi::theme;
+use crate::hmi::typing::{Heard, Typing};
 use crate::hmi::view::View;
 use crate::hmi::widget;
 use crate::link::Command;
 use crate::link::page_command::{Guard, PageCommand};
 use list::{List, Part};
 
-/// Characters that a value or a search may have.
+/// Characters that a search may have.
 const LONGEST: usize = 14;
 /// The tabs.
 const PARTS: [Part; 4] = [Part::All, Part::Bits, Part::Numbers, Part::Ports];
@@ -38,11 +39,7 @@ pub struct Params {
     /// Index of the chosen row.
     cursor: usize,
     /// The value being typed.
-    text: String,
-    /// Why the text was refused, until the next key.
-    pub refused: Option<Said>,
-    /// The numeric pad is open.
-    pad: bool,
+    pub typing: Typing,
     /// A value that waits for the password of its level.
     waiting: Option<(usize, f64)>,
 }
@@ -57,7 +54,7 @@ impl Params {
     /// Whether the numeric pad is wanted.
     #[must_use]
     pub const fn wants_pad(&self) -> bool {
-        self.pad && !self.searching
+        self.typing.pad && !self.searching
     }
 
     /// Draws the page; gives the commands of what was typed.
@@ -70,6 +67,10 @@ impl Params {
                 self.choose(self.list.first().unwrap_or(0));
             }
             self.reveal(self.cursor);
+        }
+        if let Heard::Refused(row) = self.typing.hear(&view.snapshot.edit) {
+            self.cursor = row;
+            self.reveal(row);
         }
         self.send_waiting(view, login, &mut out);
         if !login.is_open() {
@@ -86,8 +87,8 @@ impl Params {
             view,
             places.input,
             self.list.rows.get(self.cursor),
-            &self.text,
-            self.refused.as_ref(),
+            &self.typing.text,
+            self.typing.refused.as_ref(),
         );
         if self.searching
             && let Some(letter) = letters::ui(ui, view, places.letters, &letters::SEARCH)
@@ -103,8 +104,7 @@ impl Params {
         let Some(row) = self.list.rows.get(row) else { return };
         if row.level <= view.snapshot.access.level {
             out.push(Command::Page(PageCommand::EditParam(row.at, value)));
-            self.waiting = None;
-            self.text.clear();
+            self.typing.send(self.waiting.take().map_or(0, |(row, _)| row));
         } else if !login.is_open() {
             self.waiting = None;
         }
@@ -125,7 +125,7 @@ impl Params {
         match paint::search_field(ui, view, places.search, &self.search, self.searching) {
             Some(paint::SearchTouch::Field) => {
                 self.searching = !self.searching;
-                self.text.clear();
+                self.typing.text.clear();
             }
             Some(paint::SearchTouch::Clear) => self.search.clear(),
             None => {}
@@ -160,23 +160,22 @@ impl Params {
             let drawn = paint::Drawn {
                 list: &self.list,
                 cursor: self.cursor,
-                text: &self.text,
-                refused: self.refused.is_some(),
+                text: &self.typing.text,
+                refused: self.typing.refused.is_some(),
             };
             touched = paint::line(ui, view, (list, place), index, &drawn).or(touched);
         }
         self.scroll.bar(ui, view, list, paint::LINE, self.list.lines.len());
         if let Some(row) = touched {
             self.choose(row);
-            self.pad = true;
+            self.typing.pad = true;
             self.searching = false;
         }
     }
 
     fn choose(&mut self, row: usize) {
         if row != self.cursor {
-            self.text.clear();
-            self.refused = None;
+            self.typing.clear();
         }
         self.cursor = row;
     }
@@ -241,39 +240,23 @@ impl Params {
     }
 
     fn value(&mut self, edit: Edit, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        if self.refused.take().is_some() && !matches!(edit, Edit::Back | Edit::Sign) {
-            self.text.clear();
+        self.typing.next_key(edit);
+        if edit == Edit::Cancel && self.typing.text.is_empty() && !self.typing.pad {
+            return self.search.clear();
         }
-        match edit {
-            Edit::Char(sign) => {
-                let point_again = sign == '.' && self.text.contains('.');
-                if self.text.len() < LONGEST && !point_again {
-                    self.text.push(sign);
-                }
-            }
-            Edit::Sign => match self.text.strip_prefix('-') {
-                Some(rest) => self.text = rest.to_owned(),
-                None => self.text.insert(0, '-'),
-            },
-            Edit::Back => {
-                self.text.pop();
-            }
-            Edit::Enter => self.enter(view, login, out),
-            Edit::Cancel if self.text.is_empty() && self.pad => self.pad = false,
-            Edit::Cancel if self.text.is_empty() => self.search.clear(),
-            Edit::Cancel => self.text.clear(),
-            Edit::Up | Edit::Down | Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {}
+        if !self.typing.key(edit) && edit == Edit::Enter {
+            self.enter(view, login, out);
         }
     }
 
     /// Checks the value; asks for the password of its level if that is closed.
     fn enter(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let Some(row) = self.list.rows.get(self.cursor) else { return };
-        if self.text.is_empty() {
+        if self.typing.text.is_empty() {
             return;
         }
-        match check(row, &self.text) {
-            Err(reason) => self.refused = Some(reason),
+        match check(row, &self.typing.text) {
+            Err(reason) => self.typing.refused = Some(reason),
             Ok(value) => match Guard::of(row.level).filter(|_| row.level > view.snapshot.access.level) {
                 Some(guard) => {
                     self.waiting = Some((self.cursor, value));
@@ -281,7 +264,7 @@ impl Params {
                 }
                 None => {
                     out.push(Command::Page(PageCommand::EditParam(row.at, value)));
-                    self.text.clear();
+                    self.typing.send(self.cursor);
                 }
             },
         }
