@@ -142,7 +142,7 @@ fn k2_1_the_help_page_tells_the_physical_key_of_every_key_of_the_kind() {
             let texts = kt830::hmi::page_text(&machine, lang);
             let page = &texts[..];
             for key in panel_keys(kind) {
-                assert!(page.iter().any(|text| text == key.label().get(lang)), "{} on {kind:?}", key.id());
+                assert!(page.iter().any(|text| text == key.name_on(kind).get(lang)), "{} on {kind:?}", key.id());
             }
             assert!(page.iter().any(|text| text == "F10 Space") && page.iter().any(|text| text == "Alt+H"));
         }

@@ -317,15 +317,16 @@ impl Key {
         on_kind()
             .find(|key| key.id() == word)
             .or_else(|| only(|key, _| key.label()))
-            .or_else(|| only(Self::gauge_label))
+            .or_else(|| only(Self::name_on))
             .or_else(|| only(Self::face))
     }
 
-    /// K1: on surface and rotary-table grinders the gauges measure thickness and plane.
-    const fn gauge_label(self, kind: Kind) -> Text {
+    /// The full label on a kind. K1: on surface and rotary-table grinders the gauges measure thickness and plane.
+    #[must_use]
+    pub const fn name_on(self, kind: Kind) -> Text {
         match self {
             Self::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度量仪", "THICKNESS"),
-            Self::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面量仪", "PLANE GAUGE"),
+            Self::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面量仪", "PLANE"),
             _ => self.label(),
         }
     }

@@ -79,7 +79,7 @@ fn groups(view: &View<'_>) -> Vec<Vec<Line>> {
                     keys.push(' ');
                     keys.push_str(&written(shortcut));
                 }
-                _ => lines.push(Line::Entry(written(shortcut), shortcut.key.label())),
+                _ => lines.push(Line::Entry(written(shortcut), shortcut.key.name_on(view.snapshot.kind))),
             }
             last = Some(shortcut.key);
         }

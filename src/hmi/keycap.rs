@@ -7,8 +7,6 @@ use super::pictogram::{self, Mark};
 use super::theme::{self, Theme};
 use super::view::{View, card, fit};
 use crate::defs::key::{Group, Key, Lamp};
-use crate::defs::kind::Kind;
-use crate::defs::text::Text;
 use crate::link::snapshot::KeyView;
 
 /// What a key looks like now.
@@ -29,16 +27,6 @@ impl Face {
     #[must_use]
     pub const fn of(state: KeyView, pressed: bool) -> Self {
         Self { on: state.lamp, working: state.working, blocked: state.blocked.is_some(), pressed }
-    }
-}
-
-/// The label where no caption stands beside it; named by the kind as well.
-#[must_use]
-pub const fn whole_label(key: Key, kind: Kind) -> Text {
-    match key {
-        Key::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度量仪", "THICKNESS"),
-        Key::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面量仪", "PLANE"),
-        _ => key.label(),
     }
 }
 

@@ -10,7 +10,6 @@ use crate::defs::key::{Group, Key};
 use crate::defs::port;
 use crate::defs::signal::{Input, Output};
 use crate::hmi::entry::Edit;
-use crate::hmi::keycap;
 use crate::hmi::view::{View, card, fit};
 use crate::hmi::{panel, theme, widget};
 use crate::link::internal::Internal;
@@ -144,7 +143,7 @@ impl Diagnosis {
                 painter.rect_filled(place, 0.0, view.theme.surface);
             }
             let [name, id, why] = widget::columns(inner(place), SHARES);
-            let label = keycap::whole_label(*key, view.snapshot.kind).get(view.lang);
+            let label = key.name_on(view.snapshot.kind).get(view.lang);
             fit(&painter, name, Align2::LEFT_CENTER, label, theme::LABEL, view.theme.text);
             fit(&painter, id, Align2::LEFT_CENTER, key.id(), theme::LABEL, view.theme.quiet);
             fit(&painter, why, Align2::LEFT_CENTER, reason, theme::LABEL, view.theme.hold);
