@@ -5,7 +5,8 @@
 //! A hold in contact can withdraw the wheel by itself; the way back comes before anything else.
 //! Source: spec K2.2, K6.3, K5.18.
 
-use super::run::{Act, Doing, Forbidden, Item, PlannedMove, Run, Speed};
+use super::planned::Forbidden;
+use super::run::{Act, Doing, Item, PlannedMove, Run, Speed};
 use super::{Controller, Event, Phase};
 use crate::controller::axes::Owner;
 use crate::defs::mcode::Request;

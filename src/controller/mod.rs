@@ -4,6 +4,7 @@
 //! (acts, feeding, reading) → hand and homing → axes → outputs. Nothing in here knows a clock, a file or a thread; the
 //! same story gives the same outputs, bit for bit.
 
+mod acts;
 mod alarms;
 pub mod axes;
 mod by_hand;
@@ -25,6 +26,8 @@ mod offsets;
 mod oscillation;
 mod page_files;
 mod pages;
+mod planned;
+mod retract;
 mod run;
 mod settle;
 mod status;
@@ -151,6 +154,7 @@ pub struct Controller {
     oscillation: Option<Oscillation>,
     phase: Phase,
     run: Option<Box<Run>>,
+    retract: retract::Retract,
     mode: Mode,
     page: Page,
     switches: Switches,
@@ -215,6 +219,7 @@ impl Controller {
             oscillation: None,
             phase: Phase::Idle,
             run: None,
+            retract: retract::Retract::default(),
             mode: Mode::Manual,
             page: Page::Position,
             switches: Switches::default(),

@@ -120,7 +120,7 @@ impl Controller {
             }
             Lamp::Output(output) => (self.output_set.has(output), self.machine.is_working(output)),
             Lamp::OutputOff(output) => (!self.output_set.has(output), false),
-            Lamp::Control => (self.control_lamp(key), false),
+            Lamp::Control => (self.control_lamp(key), key == Key::WheelRetract && self.retract.is_working()),
         };
         KeyView { lamp, working, blocked: self.blocked(key) }
     }
@@ -136,6 +136,7 @@ impl Controller {
             Key::DryRun => self.switches.dry_run,
             Key::Oscillation => self.oscillation_lamp(),
             Key::DressReturn => self.dress.returning,
+            Key::WheelRetract => self.retract.is_lit(),
             Key::CycleStart => matches!(self.phase, Phase::Running),
             Key::FeedHold => matches!(self.phase, Phase::Holding | Phase::Held),
             Key::EmergencyStop => self.machine.is_e_stopped(),

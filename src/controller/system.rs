@@ -2,7 +2,7 @@
 //! Numbers follow FANUC's: #1000 inputs, #1100 outputs, #2001 wear, #3001 times, #3901 counts, #5001 positions.
 //! Source: spec B3, K4.3 (#438, #439).
 
-use super::run::Planned;
+use super::planned::Planned;
 use super::{Controller, Effect};
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
