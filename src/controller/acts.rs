@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use super::axes::MINUTE;
 use super::gauge::SIGNALS;
 use super::oscillation::Stroke;
 use super::run::{Act, Doing, MCall, Origin, PlannedMove, Run};
@@ -38,7 +37,14 @@ impl Controller {
                 Did::Done
             }
             Act::SetSystem(number, value) => {
-                self.write_system(*number, *value);
+                if self.write_system(run, *number, *value) {
+                    Did::Done
+                } else {
+                    Did::Wait
+                }
+            }
+            Act::SpeedLimit(rpm) => {
+                self.wheel_rpm_limit = Some(*rpm);
                 Did::Done
             }
             Act::Preset(values) => self.preset(run, values),
@@ -112,12 +118,7 @@ impl Controller {
 
     /// S: revolutions, or the speed of the wheel's rim by its diameter P77.
     fn set_wheel_speed(&mut self, value: f64, mode: SpeedMode) {
-        let girth_m = std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER) / 1_000.0;
-        self.wheel_rpm = match mode {
-            SpeedMode::Rpm => value,
-            SpeedMode::MetresPerSecond => value * MINUTE / girth_m,
-            SpeedMode::SurfaceSpeed => value / girth_m,
-        };
+        self.wheel_speed = (value, mode);
         if self.output_set.has(Output::Wheel) && self.wheel_rpm_given() < self.commanded_wheel_rpm() {
             self.refuse(Said::new(
                 "S 超过砂轮额定线速度，按额定转速运行 (P77 P79)",
@@ -312,5 +313,6 @@ impl Controller {
     pub(super) fn count_part(&mut self) {
         self.parts += 1;
         self.effects.push(Effect::Parts(self.parts));
+        self.count_since_dressing();
     }
 }

@@ -169,7 +169,9 @@ impl Controller {
                     run.next_tag += 1;
                 }
                 Item::End if self.switches.single_block && run.origin == Origin::Program => return,
-                Item::Do(Act::Set(..) | Act::Frames(_) | Act::Wheel(..)) | Item::Begin(_) | Item::End => {}
+                Item::Do(Act::Set(..) | Act::Frames(_) | Act::Wheel(..) | Act::SpeedLimit(_))
+                | Item::Begin(_)
+                | Item::End => {}
                 Item::Do(
                     Act::SetSystem(..)
                     | Act::Preset(_)

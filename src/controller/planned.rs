@@ -116,7 +116,7 @@ impl Planned {
                 Act::Machine(MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 })
             }
             Op::S { value, mode } => Act::Wheel(*value, *mode),
-            Op::SpeedLimit { .. } => return Ok(()),
+            Op::SpeedLimit { rpm } => Act::SpeedLimit(*rpm),
             Op::Dwell { s } => Act::Dwell(*s),
             Op::Set { variable, value } => Act::Set(*variable, *value),
             Op::SetSystem { number, value } => Act::SetSystem(*number, *value),

@@ -152,6 +152,8 @@ pub enum Act {
     Dwell(f64),
     /// Wheel speed.
     Wheel(f64, SpeedMode),
+    /// Most revolutions of the wheel under G96, rpm.
+    SpeedLimit(f64),
     /// Move until a signal comes: the move, and which gauge signal.
     Skip(Box<PlannedMove>, u8),
     /// Alarm of the program's own.

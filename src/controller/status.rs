@@ -44,7 +44,8 @@ impl Controller {
         out.rapid_override = self.overrides.rapid;
         out.spindle_override = self.overrides.spindle;
         out.feed_mm_min = self.path_speed_mm_s() * super::axes::MINUTE;
-        out.wheel_rpm = if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm } else { 0.0 };
+        out.wheel_rpm =
+            if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
         out.strokes_min = self.measured_strokes_min();
         out.parts = self.parts;
         let cycle = self.run.as_ref().map_or(self.cycle_time, |run| self.now.since(run.since));

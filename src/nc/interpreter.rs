@@ -17,6 +17,7 @@ use super::statement::{self, Content, Head};
 use super::words::Words;
 use super::world::World;
 use crate::defs::program_error::ProgramError as E;
+use crate::defs::variable::{self as system_variable, Access};
 
 /// How many blocks without an operation one call of `next` may read.
 pub const STATEMENTS_PER_CALL: usize = 1_000;
@@ -389,15 +390,19 @@ impl Interpreter {
                     Op::Message { number, text }
                 });
             }
-            1100..=1199 | 2000..=2999 | 3001..=3005 | 3901 | 3902 => {
-                block.ops.push(Op::SetSystem { number: variable, value });
-            }
-            0 | 434..=439 | 1000..=1099 | 4000..=5999 => return wrong1(at, E::ReadOnly, name()),
-            _ => match self.memory.set(variable, value) {
+            _ if Memory::has(variable) => match self.memory.set(variable, value) {
                 Ok(()) => block.ops.push(Op::Set { variable, value }),
                 Err(VariableError::Switch(_)) => return wrong1(at, E::SwitchVariable, name()),
                 Err(VariableError::Unknown(_)) => return wrong1(at, E::BadVariable, name()),
                 Err(VariableError::NotFinite(_)) => return wrong(at, E::Overflow),
+            },
+            0 => return wrong1(at, E::ReadOnly, name()),
+            _ => match system_variable::find(variable).map(|range| range.access) {
+                Some(Access::Read) => return wrong1(at, E::ReadOnly, name()),
+                Some(Access::ReadWrite | Access::Write) => {
+                    block.ops.push(Op::SetSystem { number: variable, value });
+                }
+                None => return wrong1(at, E::BadVariable, name()),
             },
         }
         Ok(())

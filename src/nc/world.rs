@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::frames::Frames;
 use super::op::{Feed, Op, Plane};
 use super::settings::Settings;
+use crate::defs::variable::{self, Access};
 use crate::units::{Axis, PerAxis};
 
 /// The answer to a question for a live value.
@@ -244,13 +245,16 @@ impl World for CheckWorld {
         let shown =
             |axis: Axis, mm: f64| Live::Value(Some(if self.diameter && axis == Axis::X { mm * 2.0 } else { mm }));
         match number {
-            434..=439 | 1000..=1199 | 2000..=2999 | 3001..=3004 | 3901..=3902 => Live::Value(Some(0.0)),
             5001..=5009 | 5041..=5049 | 5061..=5069 => {
                 axis(number % 20 - 1).map_or(Live::Unknown, |axis| shown(axis, self.position[axis]))
             }
             5021..=5029 => axis(number - 5021)
                 .map_or(Live::Unknown, |axis| shown(axis, self.position[axis] + self.frames.machine_minus_work(axis))),
-            _ => Live::Unknown,
+            // What only the machine knows counts as 0; a statement has no value.
+            _ => match variable::find(number).map(|range| range.access) {
+                Some(Access::Read | Access::ReadWrite) => Live::Value(Some(0.0)),
+                Some(Access::Write) | None => Live::Unknown,
+            },
         }
     }
 

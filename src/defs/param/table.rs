@@ -120,6 +120,10 @@ numbers! {
     DRESSING_LAST = 92, 0 => 9_999, 1_012, "", User, "修整程序末号", "last dressing program";
     JUMP_INPUT = 93, 0 => 64, 0, "", Builder, "M91/M92 默认输入口", "input port of M91/M92 without L, 0 none";
     CYLINDER_TIME = 94, 0 => 60_000, 3_000, "ms", Builder, "振荡气缸超时", "oscillation cylinder time-out";
+    DRESSING_INTERVAL = 95, 0 => 9_999, 0, "", User, "修整间隔件数 (0 无)", "dressing interval in parts, 0 none";
+    PARTS_SINCE_DRESSING = 96, 0 => 999_999, 0, "", User, "修整后件数", "parts since the last dressing";
+    DRESSINGS = 97, 0 => 999_999, 0, "", User, "换砂轮后修整次数", "dressings since the wheel was changed";
+    DRESSING_POINT_SIDE = 98, -1 => 1, -1, "", Builder, "修整器位置 -1:工件侧 0:修整点不变 1:对侧", "dresser: -1 on the part's side, 0 the point stays, 1 opposite";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
