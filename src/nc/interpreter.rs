@@ -56,7 +56,7 @@ pub enum Next {
     Block,
     /// A live value is wanted: ask again when motion has drained. Nothing was changed.
     Drain,
-    /// Many blocks were read and none had an operation: ask again in the next tick.
+    /// Many blocks were read and none had an operation, or a loop waits: ask again in the next tick.
     Busy,
     /// M30, M02, `%` or the end of the text.
     End,
@@ -74,6 +74,8 @@ pub struct Interpreter {
     pub(super) second_half: bool,
     /// The last block number read (#4114).
     last_n: Option<u32>,
+    /// Something that a condition could depend on has changed since somebody asked.
+    changed: bool,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
 }
@@ -105,6 +107,7 @@ impl Interpreter {
             ended: false,
             second_half: false,
             last_n: None,
+            changed: false,
             nulls: None,
         }
     }
@@ -157,9 +160,20 @@ impl Interpreter {
         if self.ended {
             return Ok(Next::End);
         }
+        // A loop that waits (`N10 IF[#438 EQ 0]GOTO 10`): within a tick nothing can come of reading it twice.
+        let mut idle = false;
         for _ in 0..STATEMENTS_PER_CALL {
+            let from = self.flow.at;
             match self.step(world, block) {
-                Ok(Stepped::Nothing) => {}
+                Ok(Stepped::Nothing) => {
+                    idle &= !std::mem::take(&mut self.changed);
+                    if self.flow.at <= from {
+                        if idle {
+                            return Ok(Next::Busy);
+                        }
+                        idle = true;
+                    }
+                }
                 Ok(Stepped::Block) => return Ok(Next::Block),
                 Ok(Stepped::End) => {
                     self.ended = true;
@@ -265,6 +279,7 @@ impl Interpreter {
         if self.flow.is_main() {
             return Ok(Stepped::End);
         }
+        self.changed = true;
         self.flow.return_to(None, at)?;
         Ok(Stepped::Nothing)
     }
@@ -326,6 +341,7 @@ impl Interpreter {
             }
             Step::Call(call) => {
                 let source = self.find(call.program, call.at)?;
+                self.changed = true;
                 self.pass(cursor);
                 self.flow.call(source, call, false)?;
             }
@@ -338,6 +354,7 @@ impl Interpreter {
             }
             Step::Return { target, at } => {
                 self.second_half = false;
+                self.changed = true;
                 self.flow.return_to(target, at)?;
             }
             Step::Assign { variable, value, at } => {
@@ -376,7 +393,10 @@ impl Interpreter {
     ) -> Outcome<()> {
         let name = || format!("#{variable}");
         match variable {
-            1..=33 => self.flow.set_local(variable, value),
+            1..=33 => {
+                self.flow.set_local(variable, value);
+                self.changed = true;
+            }
             3000 | 3006 => {
                 let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
                 let value = value.unwrap_or(0.0);
