@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::contour::ContourCycle;
 use super::dialect::{self, Running, Step};
 use super::expression::Value;
 use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1, wrong2};
@@ -68,16 +69,24 @@ pub struct Interpreter {
     library: Arc<dyn Library + Send + Sync>,
     pub(super) settings: Settings,
     memory: Memory,
-    modals: Modals,
+    pub(super) modals: Modals,
     pub(super) words: Words,
     pub(super) ended: bool,
     pub(super) second_half: bool,
     /// The last block number read (#4114).
-    last_n: Option<u32>,
+    pub(super) last_n: Option<u32>,
     /// Something that a condition could depend on has changed since somebody asked.
     changed: bool,
+    /// A cycle of the block just read, whose contour is still to be read.
+    pub(super) pending: Option<Pending>,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
+}
+
+/// A cycle whose contour is to be read, and where its own block begins.
+pub(super) struct Pending {
+    pub cycle: Box<ContourCycle>,
+    pub begin: (usize, u32, bool),
 }
 
 /// What one statement came to.
@@ -108,6 +117,7 @@ impl Interpreter {
             second_half: false,
             last_n: None,
             changed: false,
+            pending: None,
             nulls: None,
         }
     }
@@ -195,7 +205,17 @@ impl Interpreter {
         fault_in(&self.flow.source, self.words.n, wrong)
     }
 
+    /// One block, the contour of its cycle included.
     pub(super) fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
+        let stepped = self.read_block(world, block)?;
+        match self.pending.take() {
+            Some(pending) => self.contour(&pending, world, block),
+            None => Ok(stepped),
+        }
+    }
+
+    /// One block as it stands.
+    pub(super) fn read_block(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
         if self.ended {
             return Ok(Stepped::End);
         }
@@ -351,6 +371,11 @@ impl Interpreter {
                 }
                 self.flow.modal = modal.map(Arc::from);
                 self.pass(cursor);
+            }
+            Step::Contour(cycle) => {
+                let begin = (self.flow.at, self.flow.line, self.flow.mid_line);
+                self.pass(cursor);
+                self.pending = Some(Pending { cycle, begin });
             }
             Step::Return { target, at } => {
                 self.second_half = false;
