@@ -8,7 +8,7 @@ use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::PORTS;
 use crate::nc::frames::OFFSETS;
-use crate::nc::{Live, Settings, SpeedUnit, System, World};
+use crate::nc::{Live, Settings, SpeedUnit, World};
 use crate::units::{Axis, PerAxis};
 
 /// First numbers of the ranges.
@@ -62,7 +62,6 @@ impl World for RunWorld<'_> {
 pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
     let row = crate::machine::kind::find(kind);
     Settings {
-        system: if row.lathe_system { System::LatheA } else { System::Mill },
         diameter: !params.bit(param::RADIUS_PROGRAMMING),
         axes: row.fitted(params),
         least_increment_mm: params.bit(param::LEAST_INCREMENT).then_some(0.001),
@@ -74,6 +73,7 @@ pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
         tools: OFFSETS as u32,
         oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
         rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
+        ..Settings::of(row.system)
     }
 }
 

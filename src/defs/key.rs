@@ -124,7 +124,7 @@ pub enum Lamp {
 const ALL: &[Kind] = &Kind::ALL;
 const GC: &[Kind] = &[Kind::Gc];
 const GS: &[Kind] = &[Kind::Gs];
-const GA: &[Kind] = &[Kind::Ga];
+const TABLE: &[Kind] = &[Kind::Ga, Kind::Vertical];
 const GS_GA: &[Kind] = &[Kind::Gs, Kind::Ga];
 
 /// One row of the key table.
@@ -219,7 +219,7 @@ keys! {
     HeadstockLow = "headstock-low", "头架低速", "HEAD LOW", Workpiece, GC, false, Out(Output::HeadstockLow);
     HeadstockStop = "headstock-stop", "头架停止", "HEAD STOP", Workpiece, GC, false, Control;
     DresserRoll = "dresser-roll", "滚轮", "ROLL", Workpiece, GS, false, Out(Output::DresserRoll);
-    TableRotation = "table-rotation", "台面旋转", "TABLE", Workpiece, GA, false, Out(Output::TableRotation);
+    TableRotation = "table-rotation", "台面旋转", "TABLE", Workpiece, TABLE, false, Out(Output::TableRotation);
     TailstockAdvance = "tailstock-advance", "尾座进", "TAIL IN", Clamping, GC, false, Out(Output::Tailstock);
     TailstockRetract = "tailstock-retract", "尾座退", "TAIL OUT", Clamping, GC, false, OutputOff(Output::Tailstock);
     Magnetise = "magnetise", "充磁", "MAGNET", Clamping, GS_GA, false, Out(Output::Magnetise);
@@ -263,8 +263,8 @@ impl Key {
     pub const fn face(self, kind: Kind) -> Text {
         match self {
             // K1: on surface and rotary-table grinders the gauges measure thickness and plane.
-            Self::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度", "THICK"),
-            Self::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面", "PLANE"),
+            Self::RadialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("厚度", "THICK"),
+            Self::AxialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("平面", "PLANE"),
             Self::ModeHandwheel => Text::new("手轮", "MPG"),
             Self::OptionalStop => Text::new("选择停", "M01"),
             Self::MstLock => Text::new("辅助锁", "MST"),
@@ -325,8 +325,8 @@ impl Key {
     #[must_use]
     pub const fn name_on(self, kind: Kind) -> Text {
         match self {
-            Self::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度量仪", "THICKNESS"),
-            Self::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面量仪", "PLANE"),
+            Self::RadialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("厚度量仪", "THICKNESS"),
+            Self::AxialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("平面量仪", "PLANE"),
             _ => self.label(),
         }
     }

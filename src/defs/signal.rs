@@ -153,7 +153,7 @@ impl Output {
         match self {
             Self::HeadstockHigh | Self::HeadstockLow | Self::Tailstock => matches!(kind, Kind::Gc),
             Self::DresserRoll => matches!(kind, Kind::Gs),
-            Self::TableRotation => matches!(kind, Kind::Ga),
+            Self::TableRotation => matches!(kind, Kind::Ga | Kind::Vertical),
             _ => true,
         }
     }

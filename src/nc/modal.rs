@@ -1,7 +1,7 @@
 //! What stays in force from block to block. Source: spec B2, B3 (#4001…).
 
 use super::op::{Feed, PathMode, Plane, SpeedMode};
-use super::settings::{Settings, SpeedUnit};
+use super::settings::{Settings, SpeedUnit, System};
 
 /// The function of group 01 in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -112,7 +112,11 @@ impl Modals {
             feed: None,
             inch: settings.inch,
             frame: 54,
-            path: PathMode::Continuous { tolerance_mm: settings.tolerance_mm },
+            path: if settings.exact_stop {
+                PathMode::ExactStop
+            } else {
+                PathMode::Continuous { tolerance_mm: settings.tolerance_mm }
+            },
             speed_mode: rotation,
             speed: None,
             tool: 0,
@@ -135,15 +139,20 @@ impl Modals {
 
     /// The G codes in force, in the order in which the pages show them.
     #[must_use]
-    pub fn g_codes(&self, mill: bool) -> [u8; 8] {
+    pub fn g_codes(&self, system: System) -> [u8; 8] {
+        let modal_distance = system != System::LatheA;
+        let [per_minute, per_rev, inch, metric, exact] = match system {
+            System::LatheA | System::Mill => [98, 99, 20, 21, 61],
+            System::Sinumerik => [94, 95, 70, 71, 60],
+        };
         [
             self.motion.g(),
             self.plane.g(),
-            if mill && self.incremental { 91 } else { 90 },
-            if self.per_rev { 99 } else { 98 },
-            if self.inch { 20 } else { 21 },
+            if modal_distance && self.incremental { 91 } else { 90 },
+            if self.per_rev { per_rev } else { per_minute },
+            if self.inch { inch } else { metric },
             self.frame,
-            if self.path == PathMode::ExactStop { 61 } else { 64 },
+            if self.path == PathMode::ExactStop { exact } else { 64 },
             if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 },
         ]
     }

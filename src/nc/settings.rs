@@ -1,15 +1,7 @@
 //! What the machine kind and the parameters tell the interpreter. Source: spec K1, B1, B2.
 
+pub use crate::defs::kind::System;
 use crate::units::PerAxis;
-
-/// Which G-code system a machine kind speaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum System {
-    /// GC: U, V, W are incremental; G90 and G94 are cycles.
-    LatheA,
-    /// GS and GA: G90 and G91 are modal; U, V, W are incremental as well.
-    Mill,
-}
 
 /// What a plain S word means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +25,7 @@ pub struct Settings {
     pub least_increment_mm: Option<f64>,
     /// Start in inches (G20).
     pub inch: bool,
-    /// The tolerance of G64, millimetres; the path mode at the start is G64.
+    /// The tolerance of G64, millimetres; the path mode at the start is G64 unless `exact_stop` says otherwise.
     pub tolerance_mm: f64,
     /// How far the end of an arc may lie off its circle, millimetres.
     pub arc_tolerance_mm: f64,
@@ -43,6 +35,8 @@ pub struct Settings {
     pub jump_input: u32,
     /// Tools and offsets of a T word, 1 to this.
     pub tools: u32,
+    /// The path mode at the start is exact stop, not G64.
+    pub exact_stop: bool,
     /// P17.1: G35 moves a cylinder and takes no words.
     pub oscillation_by_cylinder: bool,
     /// Rapid speed of each axis for the time estimate of a check, mm/min.
@@ -64,6 +58,7 @@ impl Settings {
             speed_unit: SpeedUnit::Rpm,
             jump_input: 0,
             tools: 16,
+            exact_stop: false,
             oscillation_by_cylinder: false,
             rapid_mm_min: PerAxis([6_000.0; 3]),
         }
@@ -73,6 +68,22 @@ impl Settings {
     #[must_use]
     pub fn mill() -> Self {
         Self { system: System::Mill, diameter: false, axes: PerAxis([true; 3]), ..Self::lathe() }
+    }
+
+    /// The vertical lathe-grinder as it leaves the factory: X (diameter) and Z.
+    #[must_use]
+    pub fn sinumerik() -> Self {
+        Self { system: System::Sinumerik, exact_stop: true, ..Self::lathe() }
+    }
+
+    /// As a machine with programs of this language leaves the factory.
+    #[must_use]
+    pub fn of(system: System) -> Self {
+        match system {
+            System::LatheA => Self::lathe(),
+            System::Mill => Self::mill(),
+            System::Sinumerik => Self::sinumerik(),
+        }
     }
 
     #[inline]

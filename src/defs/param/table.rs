@@ -150,7 +150,19 @@ pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
     (Kind::Ga, WHEEL_WIDTH, 40.0),
     (Kind::Ga, WHEEL_RATED_SPEED, 30.0),
     (Kind::Ga, SOFT_MINUS_Z, -300.0),
+    (Kind::Vertical, SOFT_MINUS_X, -450.0),
+    (Kind::Vertical, SOFT_MINUS_Z, -600.0),
+    (Kind::Vertical, WHEEL_DIAMETER, 300.0),
+    (Kind::Vertical, WHEEL_WIDTH, 40.0),
+    (Kind::Vertical, WHEEL_RATED_SPEED, 35.0),
+    (Kind::Vertical, WHEEL_RPM_MAX, 2_500.0),
+    (Kind::Vertical, WHEEL_RPM, 1_500.0),
+    (Kind::Vertical, HEADSTOCK_RPM_HIGH, 60.0),
+    (Kind::Vertical, HEADSTOCK_RPM_LOW, 60.0),
 ];
+
+/// Factory bits of the kinds that have no column in the table of bits, where they differ from the column they begin with.
+pub(super) const FACTORY_BITS_OF_KIND: &[(Kind, Bit, bool)] = &[(Kind::Vertical, TAILSTOCK_ENABLED, false)];
 
 /// Factory port of an input (spec K3).
 pub(super) const fn factory_input_port(input: Input) -> u8 {

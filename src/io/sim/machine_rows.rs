@@ -24,6 +24,9 @@ pub struct LayoutFile {
     /// Draws the part past the wheel, where the part does not turn.
     #[serde(default)]
     pub stroke: Option<Axis>,
+    /// Work coordinates of the infeed name the wheel's centre; otherwise its reference point.
+    #[serde(default)]
+    pub centre: bool,
 }
 
 /// One axis. Positions are machine coordinates, slide travel (radius on X).
@@ -198,6 +201,9 @@ pub struct DresserFile {
     /// Where the stroke axis stands when the wheel is right over it, mm; on machines with such an axis.
     #[serde(default)]
     pub stroke_mm: f64,
+    /// It lies beyond the wheel: the infeed's plus direction brings the wheel's far rim to it.
+    #[serde(default)]
+    pub behind: bool,
     /// Depth that breaks it, mm.
     pub crash_mm: f64,
     /// Depth from which a pass sharpens, mm.

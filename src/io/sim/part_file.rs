@@ -283,7 +283,7 @@ impl PartFile {
         let file: Self = ron::from_str(text)?;
         for (i, surface) in file.surfaces.iter().enumerate() {
             surface.check(i + 1)?;
-            if surface.kind() != file.kind {
+            if !surface.kinds().contains(&file.kind) {
                 let what = format!("surface {}", i + 1);
                 return Err(SimFileError::Unfit { what, rule: "the part's kind of machine cannot grind it" });
             }
@@ -297,12 +297,12 @@ impl PartFile {
 }
 
 impl SurfaceFile {
-    /// The kind of machine that can grind it.
-    const fn kind(&self) -> Kind {
+    /// The kinds of machine that can grind it.
+    const fn kinds(&self) -> &'static [Kind] {
         match self {
-            Self::Diameter { .. } | Self::Face { .. } => Kind::Gc,
-            Self::Plane { .. } | Self::Wall { .. } => Kind::Gs,
-            Self::Disc { .. } => Kind::Ga,
+            Self::Diameter { .. } | Self::Face { .. } => &[Kind::Gc, Kind::Vertical],
+            Self::Plane { .. } | Self::Wall { .. } => &[Kind::Gs],
+            Self::Disc { .. } => &[Kind::Ga],
         }
     }
 

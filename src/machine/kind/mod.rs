@@ -4,8 +4,9 @@
 mod ga;
 mod gc;
 mod gs;
+mod vertical;
 
-use crate::defs::kind::Kind;
+use crate::defs::kind::{Kind, System};
 use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
@@ -17,8 +18,8 @@ pub struct KindRow {
     pub kind: Kind,
     /// The axes it always has; Y can be fitted to any kind (P6.6).
     pub axes: PerAxis<bool>,
-    /// Whether programs follow G-code system A of lathes (U, V, W incremental) or G90/G91.
-    pub lathe_system: bool,
+    /// The language of its programs.
+    pub system: System,
     /// The order of homing: the wheel axis first, away from the part (K5.16).
     pub home_order: &'static [Axis],
     /// What M63 drives.
@@ -56,5 +57,6 @@ pub const fn find(kind: Kind) -> &'static KindRow {
         Kind::Gc => &gc::ROW,
         Kind::Gs => &gs::ROW,
         Kind::Ga => &ga::ROW,
+        Kind::Vertical => &vertical::ROW,
     }
 }

@@ -51,13 +51,13 @@ pub(crate) enum Step {
 /// Executes a block of words in the dialect of the machine kind.
 pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     match running.settings.system {
-        System::LatheA | System::Mill => grinder::run(running),
+        System::LatheA | System::Mill | System::Sinumerik => grinder::run(running),
     }
 }
 
 /// Looks at a block of words that is not executed: whether its codes exist.
 pub(crate) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
     match settings.system {
-        System::LatheA | System::Mill => grinder::look(words, settings),
+        System::LatheA | System::Mill | System::Sinumerik => grinder::look(words, settings),
     }
 }
