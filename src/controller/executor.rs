@@ -43,9 +43,15 @@ impl Controller {
         let kept = self.mdi_modals.take().filter(|_| mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
         self.frames.activate(modals.frame);
+        if settings.zero_at_start && !mdi {
+            // L3: at the start, work zero, reference point and start point are one.
+            self.frames.preset(self.axes.set(), &PerAxis([Some(0.0), None, Some(0.0)]));
+        }
         let mut planned = Planned::new(self.frames.clone(), self.axes.set(), self.dress.points, modals.path);
         planned.oscillating = self.oscillating_axis();
-        planned.homed = self.axes.all_homed();
+        planned.bounded = self.axes.all_homed();
+        planned.homed = planned.bounded || self.row.turns_part;
+        planned.system = self.row.system;
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
@@ -59,7 +65,8 @@ impl Controller {
     /// One tick of the run.
     pub(super) fn step_run(&mut self) {
         let Some(mut run) = self.run.take() else { return };
-        if matches!(self.phase, Phase::Running) && !self.join_axes(&mut run) {
+        let homing = run.doing == Doing::Homing;
+        if matches!(self.phase, Phase::Running) && !homing && !self.join_axes(&mut run) {
             self.run = Some(run);
             return;
         }
@@ -169,6 +176,9 @@ impl Controller {
             Act::Gauge(asked) => self.gauge(run, asked),
             Act::Oscillate(stroke) => self.oscillate(run, *stroke),
             Act::Cylinder(on) => self.cylinder(*on),
+            Act::Thread(thread) => self.thread(run, thread),
+            Act::Home(axis) => self.home_by_program(run, *axis),
+            Act::Post(station) => self.post(run, *station),
             Act::Dwell(seconds) => self.dwell(run, *seconds),
             Act::Wheel(..) if self.switches.mst_lock => Did::Done,
             Act::Wheel(value, mode) => {
@@ -351,7 +361,12 @@ impl Controller {
         match run.doing {
             Doing::Dwell { until } if self.now >= until => Did::Done,
             Doing::Dwell { .. } => Did::Wait,
-            Doing::Nothing | Doing::Settling | Doing::AwaitInput(_) | Doing::Skipping { .. } => {
+            Doing::Nothing
+            | Doing::Settling
+            | Doing::AwaitInput(_)
+            | Doing::Threading
+            | Doing::Homing
+            | Doing::Skipping { .. } => {
                 if self.axes.is_at_rest() {
                     run.doing = Doing::Dwell { until: self.now + Micros::from_secs_f64(seconds) };
                 }
@@ -364,7 +379,12 @@ impl Controller {
     fn skip(&mut self, run: &mut Run, planned: &PlannedMove, signal: u8) -> Did {
         let input = SIGNALS[usize::from(signal.clamp(1, 6)) - 1];
         match run.doing {
-            Doing::Nothing | Doing::Settling | Doing::Dwell { .. } | Doing::AwaitInput(_) => {
+            Doing::Nothing
+            | Doing::Settling
+            | Doing::Dwell { .. }
+            | Doing::AwaitInput(_)
+            | Doing::Threading
+            | Doing::Homing => {
                 let tag = run.next_tag;
                 let most = self.params.get(param::SKIP_SPEED_MAX);
                 let Some(rate) = planned.speed.rate(self.drive_rpm(), most) else { return self.no_drive() };
@@ -437,6 +457,9 @@ impl Controller {
                     | Act::Gauge(_)
                     | Act::Oscillate(_)
                     | Act::Cylinder(_)
+                    | Act::Thread(_)
+                    | Act::Home(_)
+                    | Act::Post(_)
                     | Act::Dwell(_)
                     | Act::Skip(..)
                     | Act::Alarm(..)

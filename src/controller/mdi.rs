@@ -67,6 +67,7 @@ impl Controller {
         frames.activate(modals.frame);
         let mut planned = Planned::new(frames, self.axes.set(), self.dress.points, modals.path);
         planned.oscillating = self.oscillating_axis();
+        planned.system = self.row.system;
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);

@@ -75,6 +75,8 @@ pub struct Interpreter {
     last_n: Option<u32>,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
+    /// What a check remarks on, if somebody wants to know.
+    pub(crate) notes: Option<Vec<Wrong>>,
 }
 
 /// What one statement came to.
@@ -105,6 +107,7 @@ impl Interpreter {
             second_half: false,
             last_n: None,
             nulls: None,
+            notes: None,
         }
     }
 
@@ -203,6 +206,7 @@ impl Interpreter {
             n: self.last_n,
             nulls: &mut self.nulls,
             last_null: 0,
+            notes: &mut self.notes,
             source: &source,
             world,
         };
@@ -232,6 +236,14 @@ impl Interpreter {
                     Err(_) => self.modals = before,
                 }
                 done?
+            }
+            Content::Assign { at, .. }
+            | Content::Goto { at, .. }
+            | Content::While { at, .. }
+            | Content::EndLoop { at, .. }
+                if !dialect::has_macros(&self.settings) =>
+            {
+                return wrong(at, E::NoMacros);
             }
             content => self.statement(content, &cursor, block, text)?,
         };
@@ -323,6 +335,28 @@ impl Interpreter {
                 self.flow.go_to_block(n, at)?;
                 self.second_half = false;
             }
+            Step::Jump { n, at } => {
+                self.flow.jump(n, at)?;
+                self.second_half = false;
+            }
+            Step::Local { n, at } => {
+                let stood = self.flow.clone_place();
+                self.pass(cursor);
+                if let Err(stop) = self.flow.call_local(n, at) {
+                    self.flow.put_place(stood);
+                    return Err(stop);
+                }
+            }
+            Step::Loop { times, at } => {
+                if self.flow.begin_counted(times, at)? {
+                    self.pass(cursor);
+                }
+            }
+            Step::EndLoop { at } => {
+                if self.flow.end_counted(at)? {
+                    self.pass(cursor);
+                }
+            }
             Step::Call(call) => {
                 let source = self.find(call.program, call.at)?;
                 self.pass(cursor);
@@ -337,6 +371,9 @@ impl Interpreter {
             }
             Step::Return { target, at } => {
                 self.second_half = false;
+                if self.flow.is_main() && !dialect::has_macros(&self.settings) {
+                    return wrong(at, E::ReturnWithoutCall);
+                }
                 self.flow.return_to(target, at)?;
             }
             Step::Assign { variable, value, at } => {

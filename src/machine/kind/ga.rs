@@ -17,4 +17,5 @@ pub(super) static ROW: KindRow = KindRow {
     magnet: true,
     drive_needs_magnet: true,
     slow_axis: Axis::Z,
+    turns_part: false,
 };

@@ -17,4 +17,5 @@ pub(super) static ROW: KindRow = KindRow {
     magnet: true,
     drive_needs_magnet: false,
     slow_axis: Axis::Y,
+    turns_part: false,
 };

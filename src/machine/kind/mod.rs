@@ -4,6 +4,7 @@
 mod ga;
 mod gc;
 mod gs;
+mod lathe;
 mod vertical;
 
 use crate::defs::kind::{Kind, System};
@@ -34,6 +35,8 @@ pub struct KindRow {
     pub drive_needs_magnet: bool,
     /// The axis whose minus direction is slow while the wheel turns (K5.9).
     pub slow_axis: Axis,
+    /// Whether its main spindle turns the part and a tool post carries the tools (L7, L8).
+    pub turns_part: bool,
 }
 
 impl KindRow {
@@ -58,5 +61,6 @@ pub const fn find(kind: Kind) -> &'static KindRow {
         Kind::Gs => &gs::ROW,
         Kind::Ga => &ga::ROW,
         Kind::Vertical => &vertical::ROW,
+        Kind::Lathe => &lathe::ROW,
     }
 }

@@ -2,6 +2,7 @@
 //! the check are shared.
 
 mod grinder;
+mod superman;
 
 use super::expression::Value;
 use super::fault::Outcome;
@@ -36,6 +37,14 @@ pub(crate) enum Step {
     Again,
     /// Another block.
     Goto { n: u32, at: usize },
+    /// The one block of that number; it is an error if there are several, or if it is this block (L1, L7).
+    Jump { n: u32, at: usize },
+    /// A subprogram of the same text that begins at the one block of that number (L7).
+    Local { n: u32, at: usize },
+    /// A counted loop begins here: so often; 0 leaves it out (L4).
+    Loop { times: u32, at: usize },
+    /// A counted loop ends here.
+    EndLoop { at: usize },
     /// Another program.
     Call(Call),
     /// G66, or G67 with `None`.
@@ -52,6 +61,7 @@ pub(crate) enum Step {
 pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     match running.settings.system {
         System::LatheA | System::Mill | System::Sinumerik => grinder::run(running),
+        System::SuperMan => superman::run(running),
     }
 }
 
@@ -59,5 +69,11 @@ pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
 pub(crate) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
     match settings.system {
         System::LatheA | System::Mill | System::Sinumerik => grinder::look(words, settings),
+        System::SuperMan => superman::look(words),
     }
+}
+
+/// Whether a language has the macro statements (`#1=…`, IF, WHILE, GOTO).
+pub(crate) const fn has_macros(settings: &Settings) -> bool {
+    !matches!(settings.system, System::SuperMan)
 }
