@@ -128,7 +128,7 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     let home = PerAxis::from_fn(|axis| retained.params.of_axis(param::HOME_X, axis));
     let mut world = CheckWorld::new(&settings).with_home(home).with_frames(retained.frames.clone());
     let part = bench::part(shared, number)?;
-    if let Some(part) = &part {
+    if let Some(part) = part.as_ref().filter(|_| !settings.zero_at_start) {
         world = start(world, retained.frames.clone(), part);
         preset(&mut memory, part);
     }

@@ -18,4 +18,5 @@ pub(super) static ROW: KindRow = KindRow {
     drive_needs_magnet: true,
     slow_axis: Axis::Z,
     turns_part: false,
+    own_programs: None,
 };

@@ -18,4 +18,5 @@ pub(super) static ROW: KindRow = KindRow {
     drive_needs_magnet: false,
     slow_axis: Axis::Y,
     turns_part: false,
+    own_programs: None,
 };

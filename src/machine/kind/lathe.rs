@@ -19,4 +19,5 @@ pub(super) static ROW: KindRow = KindRow {
     drive_needs_magnet: false,
     slow_axis: Axis::X,
     turns_part: true,
+    own_programs: Some("lathe"),
 };

@@ -37,6 +37,8 @@ pub struct KindRow {
     pub slow_axis: Axis,
     /// Whether its main spindle turns the part and a tool post carries the tools (L7, L8).
     pub turns_part: bool,
+    /// Folder of its own programs below `programs`; they go by name there.
+    pub own_programs: Option<&'static str>,
 }
 
 impl KindRow {
