@@ -6,10 +6,15 @@
 use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Plane, Rate, Shape, Turn};
 use kt830::units::PerAxis;
 use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 const TICK_S: f64 = 0.001;
 /// Positions to 300 mm are rounded to 6e-14 mm; eight of those over (1 ms)³ are 5e-4 mm/s³, 1e-6 of 500 mm/s³.
 const SLACK: f64 = 1e-6;
+/// Places of an arc looked at for the nearest.
+const LOOKS: u32 = 48;
+/// An axis may go beyond where the program leads it by a thousandth of the finest increment, mm.
+const BEYOND: f64 = 1e-6;
 
 fn limits() -> Limits {
     let axis = |v, a, j| AxisLimits { velocity_mm_s: v, acceleration_mm_s2: a, jerk_mm_s3: j };
@@ -22,6 +27,7 @@ struct Witness {
     limits: Limits,
     past: [[f64; 3]; 4],
     contour: Vec<([f64; 3], Move)>,
+    extent: [(f64, f64); 3],
     tolerance_mm: f64,
 }
 
@@ -40,20 +46,76 @@ fn distance_to(from: [f64; 3], program: &Move, p: [f64; 3]) -> f64 {
             let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
             distance(p, [0, 1, 2].map(|x| from[x] + t * d[x]))
         }
-        Shape::Arc { center, turn, .. } => {
-            // All arcs here lie flat in ZX.
-            let polar = |q: [f64; 3]| {
-                let (z, x) = (q[2] - center.0[2], q[0] - center.0[0]);
-                (z.hypot(x), x.atan2(z))
-            };
-            let sense = if turn == Turn::Ccw { 1.0 } else { -1.0 };
-            let ((r, start), (_, end), (rp, at)) = (polar(from), polar(to), polar(p));
-            let sweep = (sense * (end - start)).rem_euclid(std::f64::consts::TAU);
-            let passed = (sense * (at - start)).rem_euclid(std::f64::consts::TAU);
-            let ends = distance(p, from).min(distance(p, to));
-            if passed <= sweep { ends.min((rp - r).hypot(p[1] - from[1])) } else { ends }
+        Shape::Arc { center, plane, turn } => {
+            let arc = Arc::new(from, to, center.0, plane, turn);
+            // Looked for everywhere, then closely around the best: on a steep helix the angle says little.
+            let off = |part: f64| distance(p, arc.at(part));
+            let best = (0..=LOOKS).map(|k| f64::from(k) / f64::from(LOOKS)).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+            let middle = best.unwrap_or_default();
+            let (mut low, mut high) = (middle - 1.0 / f64::from(LOOKS), middle + 1.0 / f64::from(LOOKS));
+            for _ in 0..40 {
+                let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+                if off(a) < off(b) { high = b } else { low = a }
+            }
+            off(low.clamp(0.0, 1.0)).min(off(0.0)).min(off(1.0))
         }
     }
+}
+
+/// An arc, perhaps a helix, from its definition.
+struct Arc {
+    center: [f64; 3],
+    axes: [usize; 3],
+    from: [f64; 3],
+    rise: f64,
+    radius: f64,
+    start: f64,
+    sweep: f64,
+}
+
+impl Arc {
+    fn new(from: [f64; 3], to: [f64; 3], center: [f64; 3], plane: Plane, turn: Turn) -> Self {
+        let (a, b, c) = plane.axes();
+        let axes = [a, b, c].map(|axis| axis as usize);
+        let polar = |q: [f64; 3]| (q[axes[1]] - center[axes[1]]).atan2(q[axes[0]] - center[axes[0]]);
+        let sense = if turn == Turn::Ccw { 1.0 } else { -1.0 };
+        let sweep = sense * (sense * (polar(to) - polar(from))).rem_euclid(TAU);
+        let radius = (from[axes[0]] - center[axes[0]]).hypot(from[axes[1]] - center[axes[1]]);
+        Self { center, axes, from, rise: to[axes[2]] - from[axes[2]], radius, start: polar(from), sweep }
+    }
+
+    fn at(&self, part: f64) -> [f64; 3] {
+        let (sin, cos) = (self.start + self.sweep * part).sin_cos();
+        let mut q = [0.0; 3];
+        q[self.axes[0]] = self.center[self.axes[0]] + self.radius * cos;
+        q[self.axes[1]] = self.center[self.axes[1]] + self.radius * sin;
+        q[self.axes[2]] = self.from[self.axes[2]] + self.rise * part;
+        q
+    }
+}
+
+/// The farthest that the contour goes in each axis, low and high.
+fn extent(contour: &[([f64; 3], Move)]) -> [(f64, f64); 3] {
+    let mut box_ = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+    let mut see = |q: [f64; 3]| {
+        for (bound, x) in box_.iter_mut().zip(q) {
+            *bound = (bound.0.min(x), bound.1.max(x));
+        }
+    };
+    for (from, m) in contour {
+        see(*from);
+        see(m.to.0);
+        if let Shape::Arc { center, plane, turn } = m.shape {
+            let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
+            for quarter in -8..=8 {
+                let part = (f64::from(quarter) * FRAC_PI_2 - arc.start) / arc.sweep;
+                if (0.0..=1.0).contains(&part) {
+                    see(arc.at(part));
+                }
+            }
+        }
+    }
+    box_
 }
 
 impl Witness {
@@ -71,13 +133,16 @@ impl Witness {
         }
         let off = self.contour.iter().map(|(from, m)| distance_to(*from, m, p)).fold(f64::INFINITY, f64::min);
         assert!(off <= self.tolerance_mm, "{off} mm off the contour");
+        for (x, (low, high)) in p.into_iter().zip(self.extent) {
+            assert!(x >= low - BEYOND && x <= high + BEYOND, "{x} is beyond {low} to {high}");
+        }
     }
 }
 
 #[derive(Clone, Debug)]
 struct Leg {
     by: [f64; 3],
-    arc: Option<(f64, bool)>,
+    arc: Option<(f64, bool, Plane, bool)>,
     rapid: bool,
     feed: f64,
     exact: bool,
@@ -93,7 +158,8 @@ fn length() -> impl Strategy<Value = f64> {
 }
 
 fn leg() -> impl Strategy<Value = Leg> {
-    let arc = prop_oneof![2 => Just(None), 1 => (-1.5..1.5_f64, any::<bool>()).prop_map(Some)];
+    let plane = prop_oneof![Just(Plane::Zx), Just(Plane::Xy), Just(Plane::Yz)];
+    let arc = prop_oneof![2 => Just(None), 1 => (-1.5..1.5_f64, any::<bool>(), plane, any::<bool>()).prop_map(Some)];
     let by = (length(), length(), length(), any::<bool>());
     (by, arc, 0..8_u8, 5.0..200.0_f64, 0..4_u8).prop_map(|((x, y, z, flat), arc, rapid, feed, exact)| Leg {
         by: if flat { [x, 0.0, z] } else { [x, y, z] },
@@ -132,13 +198,18 @@ fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
         .map(|(leg, tag)| {
             let mut to = [0, 1, 2].map(|x| from[x] + leg.by[x]);
             let mut shape = Shape::Line;
-            if let Some((bulge, ccw)) = leg.arc {
-                // A flat arc in ZX: the centre lies off the middle of the chord by `bulge` chords.
-                to[1] = from[1];
-                let (z, x) = (to[2] - from[2], to[0] - from[0]);
-                if z.hypot(x) > 1e-3 {
-                    let center = PerAxis([from[0] + x / 2.0 + bulge * z, 0.0, from[2] + z / 2.0 - bulge * x]);
-                    shape = Shape::Arc { center, plane: Plane::Zx, turn: if ccw { Turn::Ccw } else { Turn::Cw } };
+            if let Some((bulge, ccw, plane, flat)) = leg.arc {
+                // The centre lies off the middle of the chord by `bulge` chords; a helix unless flat.
+                let (a, b, c) = plane.axes();
+                let [a, b, c] = [a, b, c].map(|axis| axis as usize);
+                let (u, v) = (to[a] - from[a], to[b] - from[b]);
+                if u.hypot(v) > 1e-3 {
+                    to[c] = if flat { from[c] } else { to[c] };
+                    let mut center = [0.0; 3];
+                    center[a] = from[a] + u / 2.0 - bulge * v;
+                    center[b] = from[b] + v / 2.0 + bulge * u;
+                    let turn = if ccw { Turn::Ccw } else { Turn::Cw };
+                    shape = Shape::Arc { center: PerAxis(center), plane, turn };
                 }
             }
             let rate = if leg.rapid { Rate::Rapid } else { Rate::Feed { mm_s: leg.feed } };
@@ -160,7 +231,8 @@ fn run(legs: &[Leg], events: &[(u16, Event)], tolerance_mm: f64) {
     for (_, m) in &contour {
         assert_eq!(path.push(*m), Ok(()));
     }
-    let mut witness = Witness { limits: limits(), past: [[0.0; 3]; 4], contour, tolerance_mm };
+    let mut witness =
+        Witness { limits: limits(), past: [[0.0; 3]; 4], extent: extent(&contour), contour, tolerance_mm };
     let mut ov = Override::FULL;
     let mut seen = Vec::new();
     let mut step = |path: &mut Path, ov: Override, seen: &mut Vec<u32>| {

@@ -1,0 +1,310 @@
+//! The window: some seconds of a run taken as one smooth curve, from any state of motion to rest.
+//!
+//! Owns the planning of one window, in slices of counted work: a first timing along the contour, smoothing inside the
+//! tube, the quickest speed along the curve, both again with the better timing, and a run over the whole plan that
+//! compares every set-point with limits and tolerance. Knows nothing of the queue, nor which part of a plan is used:
+//! each ends at rest, so what is left of it may be followed when the next does not come.
+
+mod check;
+mod follow;
+mod timing;
+
+use super::Limits;
+use super::budget::Budget;
+use super::smooth::{POINTS, Smooth};
+use super::speed::{KnotLimits, Speed};
+use super::tube::Tube;
+use super::warp::{History, StepLimits};
+
+/// Moves in a window at most.
+pub const PIECES: usize = 320;
+/// Set-points of a plan at most.
+pub const PLAN_TICKS: usize = 8_192;
+/// Units of work that a control point costs from the first timing to the last check, found by trial: for guessing how
+/// long a plan will take.
+pub const COST_POINT: usize = 20_000;
+/// Knot spacing, s. A coarser one loses time in corners, a finer one gains none.
+pub const SPACING_S: f64 = 0.004;
+/// Part of the tolerance used while smoothing; the rest is for what lies between knots and for unfinished iterations.
+const TUBE_SHARE: f64 = 0.95;
+/// Part of the tolerance planned for: the rest is for what lies between set-points and is passed under an override.
+const TOLERANCE_SHARE: f64 = 0.99;
+/// Iterations of smoothing in each round.
+const ROUNDS: [u32; 3] = [15, 15, 25];
+const ROUNDS_HURRIED: [u32; 3] = [25, 0, 30];
+/// The first round makes do with knots so many times farther apart.
+const FIRST_COARSER: f64 = 1.4;
+const LAST: usize = ROUNDS.len() - 1;
+/// How often the tube is made narrower, and the iterations of smoothing after each time.
+const REPAIRS_MOST: u32 = 8;
+const REPAIR_ROUND: u32 = 20;
+/// How often a plan is tried with a lower share of the limits after the check.
+const SLOWER_MOST: u32 = 3;
+/// The share of the limits planned for: what lies between knots is not looked at, and a change of rate needs room.
+const LIMIT_SHARE: f64 = 0.98;
+
+/// Of the jerk a little less still: it bends most between knots, and to plan again costs more than it gains.
+const JERK_SHARE: f64 = 0.98;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Phase {
+    Idle,
+    Lay,
+    Smooth { round: usize, left: u32 },
+    Probe,
+    Speed { round: usize },
+    Total { round: usize },
+    Retime { round: usize },
+    Check,
+    Ready,
+    Failed,
+}
+
+/// Where on the plan: interval, part of it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Follow {
+    interval: usize,
+    part: f64,
+}
+
+/// One set-point of a plan.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanPoint {
+    /// Position, mm; velocity, mm/s; acceleration, mm/s².
+    pub at: [f64; 3],
+    /// Velocity, mm/s.
+    pub velocity: [f64; 3],
+    /// Acceleration, mm/s².
+    pub acceleration: [f64; 3],
+    /// Distance along the tube, mm.
+    pub along: f64,
+    /// The segment that it has come to: all before have ended.
+    pub segment: usize,
+}
+
+impl PlanPoint {
+    /// At rest.
+    #[must_use]
+    pub const fn at_rest(at: [f64; 3], along: f64, segment: usize) -> Self {
+        Self { at, velocity: [0.0; 3], acceleration: [0.0; 3], along, segment }
+    }
+
+    /// Whether it is not at rest.
+    #[must_use]
+    pub fn is_in_motion(&self) -> bool {
+        self.velocity.iter().chain(&self.acceleration).any(|x| x.abs() > 0.0)
+    }
+}
+
+/// Where and how a window begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// The state there.
+    pub point: PlanPoint,
+    /// The set-points up to there, the newest last.
+    pub past: History,
+    /// Part of every limit that is left for a change of rate, 0 to below 1.
+    pub spare: f64,
+    /// Whether it is to be ready soon rather than the quickest.
+    pub hurried: bool,
+}
+
+/// How far beyond what is allowed the curve comes in an interval, mm.
+#[derive(Clone, Copy, Debug, Default)]
+struct Excess {
+    off: f64,
+    room: [(f64, f64); 3],
+}
+
+/// Planning of one window.
+#[derive(Clone, Debug)]
+pub struct Window {
+    limits: Limits,
+    steps: StepLimits,
+    /// The contour; filled by the caller before `begin`.
+    pub tube: Tube,
+    start: Start,
+    smooth: Smooth,
+    speed: Speed,
+    fresh: Vec<([f64; 3], f64)>,
+    corner: Vec<f64>,
+    spacing_s: f64,
+    share: f64,
+    phase: Phase,
+    follow: Follow,
+    /// Progress of the first timing: distance along. Of the total: time in spacings.
+    sum: f64,
+    cursor: usize,
+    past: History,
+    worst: f64,
+    excess: Vec<Excess>,
+    is_off: bool,
+    repairs: u32,
+    slower: u32,
+    /// The intervals of the last set-points but one and but two.
+    seen: [usize; 2],
+    /// The segment nearest to the last place looked at.
+    nearest_before: usize,
+    /// The set-points, checked once the plan is ready.
+    pub plan: Vec<PlanPoint>,
+}
+
+impl Window {
+    /// Room for the longest.
+    pub fn new(limits: &Limits) -> Self {
+        let at_rest = PlanPoint::at_rest([0.0; 3], 0.0, 0);
+        Self {
+            limits: *limits,
+            steps: StepLimits::of(limits),
+            tube: Tube::with_capacity(PIECES),
+            start: Start { point: at_rest, past: [[0.0; 3]; 4], spare: 0.0, hurried: false },
+            smooth: Smooth::new(),
+            speed: Speed::new(),
+            fresh: Vec::with_capacity(POINTS),
+            corner: Vec::with_capacity(PIECES + 1),
+            spacing_s: SPACING_S,
+            share: LIMIT_SHARE,
+            phase: Phase::Idle,
+            follow: Follow::default(),
+            sum: 0.0,
+            cursor: 0,
+            past: [[0.0; 3]; 4],
+            worst: 0.0,
+            excess: Vec::with_capacity(POINTS),
+            is_off: false,
+            repairs: 0,
+            slower: 0,
+            seen: [0; 2],
+            nearest_before: 0,
+            plan: Vec::with_capacity(PLAN_TICKS),
+        }
+    }
+
+    /// Forget the plan.
+    pub fn clear(&mut self) {
+        self.phase = Phase::Idle;
+        self.tube.clear();
+    }
+
+    /// Begin to plan along the tube, which has been filled and closed.
+    pub fn begin(&mut self, start: Start, budget: &mut Budget) {
+        self.start = start;
+        self.repairs = 0;
+        self.slower = 0;
+        self.share = LIMIT_SHARE * (1.0 - start.spare);
+        self.spacing_s = SPACING_S * FIRST_COARSER;
+        self.guess_corners(budget);
+        self.begin_lay();
+        self.phase = Phase::Lay;
+    }
+
+    /// Whether the plan can be followed.
+    pub fn is_ready(&self) -> bool {
+        self.phase == Phase::Ready
+    }
+
+    /// Whether no plan was found that keeps limits and tolerance.
+    pub fn has_failed(&self) -> bool {
+        self.phase == Phase::Failed
+    }
+
+    /// Some work on the plan.
+    pub fn work(&mut self, budget: &mut Budget) {
+        while !budget.is_spent() {
+            match self.phase {
+                Phase::Idle | Phase::Ready | Phase::Failed => return,
+                Phase::Lay => {
+                    if self.lay_first(budget) {
+                        self.smooth.begin(TOLERANCE_SHARE * TUBE_SHARE);
+                        self.phase = self.round(0);
+                    }
+                }
+                Phase::Smooth { round: LAST, left: 0 } => self.begin_probe(),
+                Phase::Smooth { round, left: 0 } => self.begin_speed(round),
+                Phase::Smooth { round, left } => {
+                    if self.smooth.iterate(&self.tube, budget) {
+                        self.phase = Phase::Smooth { round, left: left - 1 };
+                    }
+                }
+                Phase::Probe => {
+                    if self.probe(budget) {
+                        self.after_probe();
+                    }
+                }
+                Phase::Speed { round } => {
+                    if self.speed.work(&self.smooth.points, budget) {
+                        self.after_speed(round);
+                    }
+                }
+                Phase::Total { round } => {
+                    if self.total(budget) {
+                        self.begin_retime();
+                        self.phase = if self.sum.is_finite() { Phase::Retime { round } } else { Phase::Failed };
+                    }
+                }
+                Phase::Retime { round } => {
+                    if self.retime(budget) {
+                        self.smooth.begin(TOLERANCE_SHARE * TUBE_SHARE);
+                        self.phase = self.round(round + 1);
+                    }
+                }
+                Phase::Check => {
+                    if self.check(budget) {
+                        self.judge();
+                    }
+                }
+            }
+        }
+    }
+
+    fn round(&self, round: usize) -> Phase {
+        if self.start.hurried {
+            let round = if round == 0 { 0 } else { LAST };
+            return Phase::Smooth { round, left: ROUNDS_HURRIED[round] };
+        }
+        Phase::Smooth { round, left: ROUNDS[round] }
+    }
+
+    fn intervals(&self) -> usize {
+        self.smooth.points.len() - 3
+    }
+
+    /// Whether the end point has been passed.
+    fn is_at_end(&self) -> bool {
+        self.follow.interval >= self.intervals()
+    }
+
+    fn begin_speed(&mut self, round: usize) {
+        let (d, share) = (self.spacing_s, self.share);
+        let axes = self.limits.axes.map(|l| {
+            [
+                l.velocity_mm_s * d * share,
+                l.acceleration_mm_s2 * d * d * share,
+                l.jerk_mm_s3 * d * d * d * share * JERK_SHARE,
+            ]
+        });
+        let limits = KnotLimits {
+            velocity: axes.0.map(|l| l[0]),
+            acceleration: axes.0.map(|l| l[1]),
+            jerk: axes.0.map(|l| l[2]),
+        };
+        self.speed.feed.clear();
+        for knot in &self.smooth.knots[1..self.smooth.points.len() - 1] {
+            self.speed.feed.push(self.tube.pieces[knot.near.1].feed * d);
+        }
+        self.speed.begin(limits, self.start.point.is_in_motion(), round < LAST);
+        self.phase = Phase::Speed { round };
+    }
+
+    fn after_speed(&mut self, round: usize) {
+        if round < LAST {
+            (self.sum, self.cursor) = (0.0, 0);
+            self.phase = Phase::Total { round };
+        } else if self.speed.is_good() {
+            self.begin_check();
+            self.phase = Phase::Check;
+        } else {
+            self.phase = Phase::Failed;
+        }
+    }
+}
