@@ -22,7 +22,7 @@ const ROOM_SPARE: f64 = 0.01;
 /// Units of work of one knot in each pass.
 const COST_BEGIN: usize = 60;
 const COST_FACTOR: usize = 30;
-const COST_SOLVE: usize = 26;
+const COST_SOLVE: usize = 16;
 const COST_PROJECT: usize = 50;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +59,8 @@ pub struct Smooth {
     /// The knots, as many as control points; the first and the last are none.
     pub knots: Vec<Knot>,
     factor: Vec<[f64; 4]>,
+    /// What the least-squares step draws each knot to: its target less its dual.
+    aim: Vec<[f64; 3]>,
     rhs: Vec<[f64; 3]>,
     pass: Pass,
     cursor: usize,
@@ -79,6 +81,7 @@ impl Smooth {
             along: Vec::with_capacity(POINTS),
             knots: Vec::with_capacity(POINTS),
             factor: Vec::with_capacity(POINTS),
+            aim: Vec::with_capacity(POINTS),
             rhs: Vec::with_capacity(POINTS),
             pass: Pass::Begin,
             cursor: 0,
@@ -152,6 +155,10 @@ impl Smooth {
         if self.rhs.len() <= k {
             self.rhs.push([0.0; 3]);
         }
+        match self.aim.get_mut(k) {
+            Some(aim) => *aim = target,
+            None => self.aim.push(target),
+        }
     }
 
     /// One row of the banded Cholesky factor of D3ᵀD3 + weight MᵀM over the free control points; the diagonal is kept
@@ -176,14 +183,11 @@ impl Smooth {
         self.kept_factor = row + 1;
     }
 
-    /// Right-hand side and forward substitution of one row.
+    /// Right-hand side and forward substitution of one row. The first rows have nothing before them: zeros.
     fn forward(&mut self, row: usize) {
         let n = self.points.len();
-        let [before, here, after] = [&self.knots[row - 1], &self.knots[row], &self.knots[row + 1]];
-        let mut sum = [0, 1, 2].map(|x| {
-            let aim = |knot: &Knot| knot.target[x] - knot.dual[x];
-            TUBE_WEIGHT * (aim(before) + 4.0 * aim(here) + aim(after)) / 6.0
-        });
+        let aim = [self.aim[row - 1], self.aim[row], self.aim[row + 1]];
+        let mut sum = [0, 1, 2].map(|x| (TUBE_WEIGHT / 6.0) * (aim[0][x] + 4.0 * aim[1][x] + aim[2][x]));
         // What the fixed control points add: D3 and M of them, taken to the right-hand side.
         if row < 2 * FIXED || row >= n - 2 * FIXED {
             for column in (row - 3..=row + 3).filter(|c| *c < FIXED || *c >= n - FIXED) {
@@ -192,21 +196,23 @@ impl Smooth {
             }
         }
         let line = self.factor[row];
-        for (lag, entry) in line.iter().enumerate().take(row - FIXED + 1).skip(1) {
-            let other = self.rhs[row - lag];
-            (0..3).for_each(|x| sum[x] -= entry * other[x]);
-        }
-        self.rhs[row] = sum.map(|x| x * line[0]);
+        let before = [self.rhs[row - 1], self.rhs[row - 2], self.rhs[row - 3]];
+        // The nearest last: it is the one just found.
+        self.rhs[row] = [0, 1, 2].map(|x| {
+            let far = sum[x] - line[3] * before[2][x] - line[2] * before[1][x];
+            (far - line[1] * before[0][x]) * line[0]
+        });
     }
 
     fn back(&mut self, row: usize) {
         let n = self.points.len();
-        let mut sum = self.rhs[row];
-        for lag in 1..4.min(n - FIXED - row) {
-            let (entry, other) = (self.factor[row + lag][lag], self.points[row + lag]);
-            (0..3).for_each(|x| sum[x] -= entry * other[x]);
-        }
-        self.points[row] = sum.map(|x| x * self.factor[row][0]);
+        let sum = self.rhs[row];
+        let after = |lag: usize| {
+            // The fixed points at the end are on the right-hand side already.
+            if row + lag < n - FIXED { (self.factor[row + lag][lag], self.points[row + lag]) } else { (0.0, [0.0; 3]) }
+        };
+        let ([(f1, p1), (f2, p2), (f3, p3)], inverse) = ([after(1), after(2), after(3)], self.factor[row][0]);
+        self.points[row] = [0, 1, 2].map(|x| (sum[x] - f3 * p3[x] - f2 * p2[x] - f1 * p1[x]) * inverse);
     }
 
     /// One knot back into the tube: to the place of the contour between its neighbours' places and on its own side of a
@@ -222,6 +228,7 @@ impl Smooth {
         let inside = [0, 1, 2].map(|x| (on[x] + part * (wish[x] - on[x])).max(this.room[x].0).min(this.room[x].1));
         this.target = inside;
         this.dual = [0, 1, 2].map(|x| wish[x] - inside[x]);
+        self.aim[k] = [0, 1, 2].map(|x| 2.0 * inside[x] - wish[x]);
     }
 
     /// Makes the tube narrower at the knots around interval `k`: by so much of the radius, and so much at either side of
