@@ -52,7 +52,7 @@ fn idle() -> Vec<u64> {
     let retained = Retained::factory(Kind::Gc);
     let mut machine = SimulatedMachine::new(MachineFile::builtin(Kind::Gc).unwrap(), None, &retained.params, 1);
     let image = machine.read(Micros::ZERO);
-    let mut controller = Controller::new(Kind::Gc, retained, image, Micros::ZERO).unwrap();
+    let mut controller = Controller::new(Kind::Gc, retained, image, Micros::ZERO);
     let mut taken: Vec<u64> = (1..=100_000_u64)
         .map(|tick| {
             let now = Micros(tick * 1_000);

@@ -1,5 +1,5 @@
-//! Draws the page pictures B0001.BMP and B0002.BMP: wheel, part, and each macro variable at the place that the page
-//! text names. 200 × 400, 24 bit, uncompressed: 240 054 bytes (K5.12). One drawing style for all (H10).
+//! Draws the page pictures B0001.BMP, B0002.BMP and B0100.BMP: wheel, part or diamond, and each macro variable at the
+//! place that the page text names. 200 × 400, 24 bit, uncompressed: 240 054 bytes (K5.12). One drawing style for all (H10).
 //!
 //! `cargo run --example draw_pictures [FOLDER]`, by default `screens`.
 
@@ -20,7 +20,7 @@ type Drawing = fn(&Sheet);
 
 fn main() -> ExitCode {
     let folder = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("screens"), PathBuf::from);
-    let pictures: [(&str, Drawing); 2] = [("B0001.BMP", snap_gauge), ("B0002.BMP", plunge)];
+    let pictures: [(&str, Drawing); 3] = [("B0001.BMP", snap_gauge), ("B0002.BMP", plunge), ("B0100.BMP", dressing)];
     for (name, drawing) in pictures {
         if let Err(cause) = std::fs::create_dir_all(&folder).and_then(|()| save(&folder.join(name), drawing)) {
             eprintln!("{name}: {cause}");
@@ -129,6 +129,14 @@ impl Sheet {
             self.painter.layout_no_wrap(format!("#{variable}"), theme::font(theme::SMALL), self.theme.paper_accent);
         let place = align.anchor_size(pos2(at.0, at.1), galley.size());
         self.painter.rect_filled(place.shrink2(vec2(-1.0, 3.0)), 0.0, self.theme.paper);
+        self.painter.galley(place.min, galley, self.theme.paper_accent);
+    }
+
+    /// An axis letter, with the paper under it free of lines.
+    fn letter(&self, at: (f32, f32), word: &str) {
+        let galley = self.painter.layout_no_wrap(word.into(), theme::font(theme::LABEL), self.theme.paper_accent);
+        let place = Align2::CENTER_CENTER.anchor_size(pos2(at.0, at.1), galley.size());
+        self.painter.rect_filled(place.shrink2(vec2(-2.0, 3.0)), 0.0, self.theme.paper);
         self.painter.galley(place.min, galley, self.theme.paper_accent);
     }
 
@@ -267,4 +275,46 @@ fn plunge(sheet: &Sheet) {
     // What is left before each stage.
     sheet.leader((198.0, 190.0), Align2::RIGHT_CENTER, 524, &[(163.0, 191.0), (126.0, 191.0), (126.0, axis - 63.0)]);
     sheet.leader((2.0, 212.0), Align2::LEFT_CENTER, 525, &[(37.0, 213.0), (74.0, 213.0), (74.0, axis - 49.0)]);
+}
+
+/// The dressing page: the wheel over the diamond, and the dressing point with its machine coordinates X and Z.
+fn dressing(sheet: &Sheet) {
+    sheet.axes((12.0, 40.0));
+    // The wheel on its rim, with its flanges and axis.
+    let wheel = [(82.0, 58.0), (142.0, 58.0), (142.0, 206.0), (82.0, 206.0)];
+    sheet.shape(&wheel, sheet.theme.paper);
+    sheet.painter.rect_filled(
+        Rect::from_center_size(pos2(112.0, 104.0), vec2(60.0, 28.0)),
+        0.0,
+        sheet.theme.paper_quiet,
+    );
+    sheet.dashed((62.0, 104.0), (162.0, 104.0), sheet.thin());
+    // What dressing takes off the rim.
+    sheet.hatch(Rect::from_min_max(pos2(83.0, 194.0), pos2(141.0, 205.0)), 6.0);
+    sheet.dashed((82.0, 194.0), (142.0, 194.0), sheet.thin());
+    // The diamond in its holder, the holder on its foot.
+    let tip = (82.0, 226.0);
+    sheet.shape(&[tip, (90.0, 242.0), (74.0, 242.0)], sheet.theme.paper_accent);
+    sheet.shape(&[(70.0, 242.0), (94.0, 242.0), (94.0, 318.0), (70.0, 318.0)], sheet.theme.paper);
+    let foot = Rect::from_min_max(pos2(46.0, 318.0), pos2(118.0, 348.0));
+    sheet.hatch(foot, 9.0);
+    sheet.painter.rect_stroke(foot, 0.0, sheet.outline(), egui::StrokeKind::Middle);
+    sheet.dashed((82.0, 232.0), (82.0, 348.0), sheet.thin());
+    // The wheel's corner goes down onto the diamond, then the diamond passes along the rim.
+    let ink = sheet.theme.paper_ink;
+    sheet.line(&[(160.0, 216.0), (104.0, 216.0)], Stroke::new(1.6, ink));
+    sheet.tip((98.0, 216.0), (-1.0, 0.0), ink);
+    sheet.tip((168.0, 216.0), (1.0, 0.0), ink);
+    sheet.line(&[(112.0, 126.0), (112.0, 168.0)], Stroke::new(1.6, ink));
+    sheet.tip((112.0, 178.0), (0.0, 1.0), ink);
+    // The dressing point: a target on the diamond, and its two coordinates.
+    sheet.painter.circle_stroke(pos2(tip.0, tip.1), 9.0, sheet.accent());
+    sheet.line(&[(20.0, tip.1), (tip.0 - 4.0, tip.1)], sheet.accent());
+    sheet.line(&[(tip.0, tip.1 + 6.0), (tip.0, 374.0)], sheet.accent());
+    sheet.measure((30.0, 72.0), (30.0, tip.1));
+    sheet.measure((14.0, 368.0), (tip.0, 368.0));
+    sheet.line(&[(24.0, 72.0), (36.0, 72.0)], sheet.accent());
+    sheet.line(&[(14.0, 362.0), (14.0, 374.0)], sheet.accent());
+    sheet.letter((30.0, 150.0), "X");
+    sheet.letter((46.0, 384.0), "Z");
 }

@@ -50,6 +50,21 @@ fn diameter(report: &Value) -> f64 {
 }
 
 #[test]
+fn k1_the_kind_set_on_the_machine_holds_where_none_is_asked_for() {
+    let data = tempfile::tempdir().unwrap();
+    std::fs::write(data.path().join("settings.ron"), "(kind: Some(Gs))").unwrap();
+    let folder = data.path().to_string_lossy().into_owned();
+    let (_story, path) = file("magnet.story", b"power on\nkey magnetise\nwait 0.5 s\nexpect output magnetise on\n");
+    let stored = kt830(&["play", &path, "--data", &folder]);
+    assert_eq!(status(&stored), 0, "{stored:?}");
+    let asked = kt830(&["play", &path, "--data", &folder, "--kind", "gc"]);
+    assert_ne!(status(&asked), 0, "the command line goes first: GC has no such key");
+    std::fs::write(data.path().join("settings.ron"), "(kind: Some(Gx))").unwrap();
+    let wrong = kt830(&["play", &path, "--data", &folder]);
+    assert!(status(&wrong) == 2 && errors(&wrong).contains("settings.ron line 1"), "{}", errors(&wrong));
+}
+
+#[test]
 fn t3_o1002_grinds_to_the_asked_diameter_within_2_um() {
     for asked in [40.0, 39.9, 40.1] {
         let set = format!("#521={asked}");
@@ -172,10 +187,32 @@ fn t5_a_story_that_cannot_be_read_is_a_wrong_call_and_one_that_fails_is_1() {
 
 #[test]
 fn t5_the_stories_that_come_along_play_to_their_end() {
-    for story in ["assets/stories/first_part.story", "assets/stories/pressure_lost.story"] {
-        let out = kt830(&["play", story]);
-        assert_eq!(status(&out), 0, "{story}: {}", errors(&out));
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/stories");
+    let mut played = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let story = entry.unwrap().path();
+        let out = kt830(&["play", &story.to_string_lossy()]);
+        assert_eq!(status(&out), 0, "{}: {}{}", story.display(), String::from_utf8_lossy(&out.stdout), errors(&out));
+        played += 1;
     }
+    assert!(played >= 6, "{played} stories");
+}
+
+#[test]
+fn t5_a_part_file_that_is_not_there_is_a_wrong_call() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\npart nowhere.ron\n");
+    let out = kt830(&["play", &path]);
+    assert!(status(&out) == 2 && errors(&out).contains("nowhere.ron"), "{}", errors(&out));
+}
+
+#[test]
+fn t5_a_refused_statement_tells_why_and_the_story_goes_on() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\nparam P270 99999\nexpect message \"P270\"\n");
+    let out = kt830(&["play", &path]);
+    let told = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert_eq!(status(&out), 0, "{told}");
+    let line = told.lines().find(|line| line.contains("99999")).unwrap();
+    assert!(line.contains("60000"), "the range is told: {line}");
 }
 
 #[test]

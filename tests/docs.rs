@@ -7,16 +7,19 @@ use std::path::Path;
 
 use kt830::defs::alarm::ALARMS;
 use kt830::defs::key::Key;
-use kt830::defs::mcode::MCODES;
+use kt830::defs::mcode::{MCODES, REQUESTS};
 use kt830::defs::param::{BITS, NUMBERS, Params};
 use kt830::defs::signal::{Input, Output};
+use kt830::defs::text::Text;
 use kt830::defs::{kind::Kind, program_error::ProgramError};
+use kt830::machine::{interlock::Outcome, rules::RULES};
 
 fn tables() -> String {
     let mut text = String::from("# 表 Tables\n\n本页由 `defs/` 生成，请勿手改。Generated from `defs/`; do not edit.\n");
     keys(&mut text);
     codes(&mut text);
     alarms(&mut text);
+    interlocks(&mut text);
     params(&mut text);
     signals(&mut text);
     text
@@ -34,6 +37,28 @@ fn codes(text: &mut String) {
     text.push_str("\n## M 代码 M codes\n\n| 代码 | 功能 | function | 依据 row |\n|---|---|---|---|\n");
     for row in MCODES {
         writeln!(text, "| M{:02} | {} | {} | {} |", row.code, row.name.zh, row.name.en, row.row).unwrap();
+    }
+}
+
+fn interlocks(text: &mut String) {
+    text.push_str(
+        "\n## 联锁 Interlocks\n\n从上到下，第一条成立的起作用。Read from the top; the first that applies answers. 拒绝：信息，程序在该段前等待；\
+         无效：信息，程序继续；报警：程序在该段前停止。deny: a message, a program waits before the block; no effect: a message, the program goes \
+         on; alarm: the program stops before the block.\n\n| 依据 row | 禁止 | forbids | 结果 outcome | 原因 | reason |\n|---|---|---|---|---|---|\n",
+    );
+    for rule in RULES {
+        let forbidden: Vec<_> = REQUESTS.iter().filter(|(request, _)| (rule.forbids)(*request)).collect();
+        assert!(!forbidden.is_empty(), "{} forbids nothing", rule.reason.en);
+        let names = |name: fn(&Text) -> &'static str, comma: &str| {
+            forbidden.iter().map(|(_, text)| name(text)).collect::<Vec<_>>().join(comma)
+        };
+        let (zh, en) = (names(|text| text.zh, "、"), names(|text| text.en, ", "));
+        let outcome = match rule.outcome {
+            Outcome::NoEffect => "无效 no effect".to_owned(),
+            Outcome::Deny => "拒绝 deny".to_owned(),
+            Outcome::Alarm(number) => format!("报警 alarm {number:03}"),
+        };
+        writeln!(text, "| {} | {zh} | {en} | {outcome} | {} | {} |", rule.row, rule.reason.zh, rule.reason.en).unwrap();
     }
 }
 
@@ -55,7 +80,9 @@ fn alarms(text: &mut String) {
 fn params(text: &mut String) {
     text.push_str("\n## 参数 Parameters\n\n| 参数 | 名称 | name | 范围 range | 出厂 factory | 单位 unit |\n|---|---|---|---|---|---|\n");
     for row in BITS {
-        let factory = u8::from(row.factory[Kind::Gc as usize]);
+        // GC / GS / GA where they differ.
+        let [gc, gs, ga] = row.factory.map(u8::from);
+        let factory = if gc == gs && gs == ga { gc.to_string() } else { format!("{gc} / {gs} / {ga}") };
         writeln!(text, "| P{}.{} | {} | {} | 0, 1 | {factory} | |", row.number, row.bit, row.name.zh, row.name.en)
             .unwrap();
     }

@@ -45,7 +45,7 @@ fn h6_by_touch_a_value_is_typed_stored_and_the_next_field_chosen() {
     for key in ["pad-0", "pad-point", "pad-0", "pad-3", "pad-5", "pad-back", "pad-sign"] {
         touch(&mut screen, key);
     }
-    assert_eq!(screen.state().hmi.entry().text, "-0.03");
+    assert_eq!(screen.state().hmi.entry().typing.text, "-0.03");
     assert!(sent(&mut screen).is_empty(), "nothing is stored before 输入");
     touch(&mut screen, "输入 input");
     assert_eq!(sent(&mut screen), ["TypeVariable(505, Some(-0.03))"]);
@@ -58,7 +58,7 @@ fn h6_cancel_restores_then_closes_the_pad() {
     touch(&mut screen, "卡尺X轴始磨位置 #500");
     touch(&mut screen, "pad-9");
     touch(&mut screen, "取消 cancel");
-    assert!(screen.state().hmi.entry().text.is_empty());
+    assert!(screen.state().hmi.entry().typing.text.is_empty());
     touch(&mut screen, "取消 cancel");
     assert!(screen.query_by_label("pad-9").is_none());
     assert!(sent(&mut screen).is_empty());
@@ -88,14 +88,14 @@ fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
     let text = screen::parse(&C0001.replace("#508", "#570")).map(Arc::new).expect("the sample is right");
     let picture = hmi_sample::picture("B0001.BMP");
     let files = ScreenFiles { text: Ok(text), picture: Ok(picture) };
-    machine.screens = Arc::new(Screens { pages: vec![(1_001, files)] });
+    machine.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: None });
     let mut screen = open(machine);
     touch(&mut screen, "精磨进给方式 #570");
     write(&mut screen, "2");
     press(&mut screen, egui::Key::Enter);
     assert!(sent(&mut screen).is_empty());
     assert_eq!(screen.state().hmi.entry().reason(Lang::Zh), Some("只能输入 0 或 1"));
-    assert_eq!(screen.state().hmi.entry().text, "2");
+    assert_eq!(screen.state().hmi.entry().typing.text, "2");
     write(&mut screen, "1");
     assert_eq!(screen.state().hmi.entry().reason(Lang::Zh), None);
     press(&mut screen, egui::Key::Enter);
@@ -120,7 +120,7 @@ fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
     screen.step();
     screen.step();
     assert_eq!(sent(&mut screen), ["Press(Step001)", "Release(Step001)"]);
-    assert_eq!(screen.state().hmi.entry().text, "");
+    assert_eq!(screen.state().hmi.entry().typing.text, "");
 }
 
 #[test]
@@ -128,11 +128,11 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
     let keys = [egui::Key::F1, egui::Key::F2, egui::Key::F3, egui::Key::F4, egui::Key::F5];
     let mut screen = open(snapshot(Page::Position));
     for row in SOFT_KEYS {
-        for (index, soft) in row.into_iter().enumerate() {
+        for (index, soft) in row.iter().enumerate() {
             let wanted = match soft.act {
                 SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
                 SoftAct::Position(_) => Some("OpenPage(Position)".to_owned()),
-                SoftAct::Blocked(_) | SoftAct::Help | SoftAct::Alarms => None,
+                SoftAct::Blocked(_) => None,
             };
             touch(&mut screen, &format!("{} f{}", soft.label.zh, index + 1));
             assert_eq!(sent(&mut screen), Vec::from_iter(wanted.clone()), "{}", soft.label.en);
@@ -178,11 +178,28 @@ fn h8_a_program_without_page_leads_to_the_directory() {
 }
 
 #[test]
-fn h7_a_touch_on_the_message_line_lists_every_alarm() {
+fn h7_chip_and_message_line_open_the_alarm_page() {
     let mut screen = open(hmi_sample::alarm(Page::Grinding));
     touch(&mut screen, "报警 alarm-list");
-    assert!(screen.query_by_label("关闭报警 close-alarms").is_some());
-    touch(&mut screen, "关闭报警 close-alarms");
-    assert!(screen.query_by_label("关闭报警 close-alarms").is_none());
+    assert_eq!(sent(&mut screen), ["OpenPage(Alarm)"]);
+    touch(&mut screen, "报警 alarm-chip");
+    assert_eq!(sent(&mut screen), ["OpenPage(Alarm)"]);
+    press(&mut screen, egui::Key::F7);
+    assert_eq!(sent(&mut screen), ["OpenPage(Alarm)"]);
+}
+
+#[test]
+fn k2_1_the_help_key_lays_the_keyboards_map_over_the_page() {
+    let mut screen = open(snapshot(Page::Grinding));
+    touch(&mut screen, "? help");
+    assert!(screen.query_by_label("关闭帮助 close-help").is_some());
+    touch(&mut screen, "关闭帮助 close-help");
+    assert!(screen.query_by_label("关闭帮助 close-help").is_none());
+    for closes in [egui::Key::F12, egui::Key::Escape] {
+        press(&mut screen, egui::Key::F12);
+        assert!(screen.query_by_label("关闭帮助 close-help").is_some());
+        press(&mut screen, closes);
+        assert!(screen.query_by_label("关闭帮助 close-help").is_none());
+    }
     assert!(sent(&mut screen).is_empty());
 }

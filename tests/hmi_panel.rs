@@ -134,6 +134,39 @@ fn k2_1_every_key_of_every_kind_is_on_the_keyboard() {
 }
 
 #[test]
+fn k2_1_the_help_page_tells_the_physical_key_of_every_key_of_the_kind() {
+    for kind in Kind::ALL {
+        let mut machine = snapshot(Page::Help);
+        machine.kind = kind;
+        for lang in [Lang::Zh, Lang::En] {
+            let texts = kt830::hmi::page_text(&machine, lang);
+            let page = &texts[..];
+            for key in panel_keys(kind) {
+                assert!(page.iter().any(|text| text == key.name_on(kind).get(lang)), "{} on {kind:?}", key.id());
+            }
+            assert!(page.iter().any(|text| text == "F10 Space") && page.iter().any(|text| text == "Alt+H"));
+        }
+    }
+}
+
+#[test]
+fn k2_1_direction_keys_lie_in_the_kinds_own_arrangement() {
+    use kt830::hmi::layout::jog_places;
+    let at = |kind, column, row| {
+        let places = jog_places(kind);
+        places.into_iter().find(|(_, x, y)| (*x, *y) == (column, row)).map(|(key, ..)| key)
+    };
+    // Left, right, up, down.
+    let cross = |kind| [at(kind, 0, 1), at(kind, 2, 1), at(kind, 1, 0), at(kind, 1, 2)].map(Option::unwrap);
+    assert_eq!(cross(Kind::Gc), [Key::ZMinus, Key::ZPlus, Key::XPlus, Key::XMinus]);
+    assert_eq!(cross(Kind::Gs), [Key::XMinus, Key::XPlus, Key::YPlus, Key::YMinus]);
+    assert_eq!(cross(Kind::Ga), [Key::XMinus, Key::XPlus, Key::ZPlus, Key::ZMinus]);
+    for kind in Kind::ALL {
+        assert_eq!(at(kind, 1, 1), Some(Key::Rapid));
+    }
+}
+
+#[test]
 fn k2_jog_holds_while_the_finger_stays_and_lets_go_when_it_leaves() {
     let mut screen = open(snapshot(Page::Position));
     let key = place(&screen, Key::XMinus);

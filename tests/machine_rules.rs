@@ -2,7 +2,10 @@
 
 mod told;
 
-use told::{ready, ready_with, story, tell};
+use kt830::defs::kind::Kind;
+use kt830::defs::signal::Output;
+use kt830::runtime::rig::Rig;
+use told::{ready, ready_with, story, story_on, tell};
 
 /// Hydraulics on, pressure there, its delay gone by, nothing homed.
 const HYDRAULICS: &str = "key hydraulic\nwait 4 s\nexpect no alarm\n";
@@ -339,4 +342,411 @@ fn k5_9_with_the_wheel_on_the_wheel_axis_takes_fine_steps_only() {
     let mut rig = story(HYDRAULICS);
     tell(&mut rig, "key wheel-start\nhandwheel X -5 x0.1\nexpect X 0 ±0.001\nexpect message \"0.01\"");
     tell(&mut rig, "handwheel X -5 x0.01\nexpect X -0.05 ±0.0015\nhandwheel Z -5 x0.1\nexpect Z -0.5 ±0.0015");
+}
+
+#[test]
+fn k5_13_an_open_guard_stops_every_start() {
+    let mut rig = ready_with("G04 X5\nM30");
+    tell(&mut rig, "param P332 60\ninput guard-closed off\nexpect no alarm\nmode jog");
+    for (key, output) in
+        [("wheel-start", "wheel"), ("headstock-high", "headstock-high"), ("second-spindle", "second-spindle")]
+    {
+        tell(&mut rig, &format!("key {key}\nexpect output {output} off\nexpect message \"防护门\""));
+    }
+    tell(&mut rig, "mode auto\nkey cycle-start\nexpect state idle\nexpect message \"防护门\"");
+    // Closed, all of them start.
+    tell(&mut rig, "input guard-closed on\nkey wheel-start\nexpect output wheel on\nkey cycle-start");
+    tell(&mut rig, "expect state running\nexpect no alarm");
+}
+
+#[test]
+fn k5_13_the_guard_opened_in_a_run_holds_it_and_stops_the_headstock() {
+    let mut rig = ready_with("M03\nM63\nG98 G01 X-200 F60\nM30");
+    tell(&mut rig, "param P332 60\ninput guard-closed on\nmode auto\nkey cycle-start\nwait 12 s\nexpect state running");
+    tell(&mut rig, "input guard-closed off\nwait 1 s\nexpect state held\nexpect alarm 191");
+    // The wheel coasts for a minute anyway; the headstock stops.
+    tell(&mut rig, "expect output headstock-high off\nexpect output wheel on");
+    tell(&mut rig, "key cycle-start\nexpect state held\ninput guard-closed on\nexpect no alarm");
+    // The workpiece stands: going on would grind a flat.
+    tell(&mut rig, "key cycle-start\nexpect state held\nexpect message \"头架\"\nkey headstock-high\nkey cycle-start");
+    tell(&mut rig, "expect state running");
+}
+
+#[test]
+fn k5_14_missing_coolant_flow_holds_the_program_and_its_return_lets_it_go_on() {
+    let mut rig = ready_with("M08\nG98 G01 X-200 F60\nM30");
+    // P83: 3 s of missing flow; without coolant on the switch does not matter.
+    tell(
+        &mut rig,
+        "param P333 60\ninput coolant-flow off\nwait 5 s\nexpect no alarm\nmode auto\nkey cycle-start\nwait 2.8 s\nexpect no alarm",
+    );
+    tell(&mut rig, "wait 0.4 s\nexpect alarm 192\nexpect state held\nexpect output coolant on");
+    tell(&mut rig, "key cycle-start\nexpect state held\ninput coolant-flow on\nexpect no alarm\nkey cycle-start");
+    tell(&mut rig, "expect state running");
+}
+
+#[test]
+fn k5_14_a_low_lubrication_level_is_an_alarm_after_its_delay() {
+    let mut rig = ready_with("G98 G01 X-200 F60\nM30");
+    tell(
+        &mut rig,
+        "param P334 61\ninput lubrication-level off\nwait 4.8 s\nexpect no alarm\nwait 0.4 s\nexpect alarm 193",
+    );
+    tell(&mut rig, "mode auto\nkey cycle-start\nexpect output wheel off\ninput lubrication-level on\nexpect no alarm");
+    tell(&mut rig, "key cycle-start\nexpect state running\ninput lubrication-level off\nwait 5.2 s\nexpect state held");
+}
+
+#[test]
+fn k5_14_lubrication_runs_by_interval_and_time() {
+    // Every minute for 10 s (P85, P86).
+    let mut rig = story("param P85 1\nparam P86 10\nwait 59 s\nexpect output lubrication off\nwait 2 s");
+    tell(&mut rig, "expect output lubrication on\nexpect lamp lubrication on\nwait 10 s");
+    tell(&mut rig, "expect output lubrication off\nwait 50 s\nexpect output lubrication on");
+    tell(&mut rig, "key lubrication\nexpect output lubrication off");
+}
+
+#[test]
+fn k5_15_the_tower_light_shows_the_state() {
+    let mut rig = ready_with("G98 G01 X-200 F60\nM30");
+    tell(&mut rig, "expect output tower-green off\nmode auto\nkey cycle-start\nexpect output tower-green on");
+    tell(&mut rig, "key feed-hold\nwait 0.5 s\nexpect output tower-yellow on\nexpect output tower-green off");
+    tell(&mut rig, "key emergency-stop\nwait 0.5 s\nexpect output tower-red on\nexpect output tower-yellow off");
+}
+
+#[test]
+fn k5_17_after_a_wheel_change_the_first_program_is_a_dressing_program() {
+    let mut rig = ready_with("G04 X5\nM30");
+    rig.add_program(kt830::runtime::disk::program(1_011, "O1011.NC", b"G04 X1\nM30".to_vec()));
+    tell(&mut rig, "param P6.7 1\nmode auto\nkey cycle-start\nexpect state idle\nexpect message \"修整\"");
+    tell(&mut rig, "load O1011\nkey cycle-start\nexpect state running\nwait until idle max 5 s");
+    tell(&mut rig, "load O7000\nkey cycle-start\nexpect state running");
+}
+
+#[test]
+fn k3_11_the_magnet_cases() {
+    for (kind, drive) in [(Kind::Gs, "dresser-roll"), (Kind::Ga, "table-rotation")] {
+        // From a cold start: hydraulics, then the wheel needs the magnet (P16.1), its second included (P81).
+        let mut rig =
+            story_on(kind, "key hydraulic\nwait 4 s\nkey wheel-start\nexpect alarm 187\nexpect output wheel off");
+        tell(&mut rig, "key reset\nexpect no alarm\nkey magnetise\nexpect output magnetise on\nkey wheel-start");
+        tell(&mut rig, "expect alarm 187\nkey reset\nwait 1.1 s\nkey wheel-start\nexpect output wheel on");
+        // The magnet stays as long as the wheel runs: neither demagnetised nor switched off.
+        tell(&mut rig, "key demagnetise\nexpect alarm 187\nexpect output magnetise on\nexpect output demagnetise off");
+        tell(&mut rig, "key reset\nkey magnetise\nexpect alarm 187\nexpect output magnetise on\nkey reset");
+        // The emergency stop takes the wheel, not the part.
+        tell(&mut rig, "key emergency-stop\nexpect output wheel off\nexpect output magnetise on");
+        tell(&mut rig, "key emergency-stop\nkey reset\nexpect no alarm");
+        tell(&mut rig, &format!("key {drive}\nexpect output {drive} on\nkey demagnetise"));
+        if kind == Kind::Ga {
+            tell(&mut rig, "expect alarm 187\nexpect output magnetise on\nkey reset\nkey demagnetise");
+        }
+        // Six seconds of reversals (P82), then both outputs are off.
+        tell(&mut rig, "expect output magnetise off\nwait 5.8 s\nexpect output demagnetise on\nwait 0.3 s");
+        tell(&mut rig, "expect output demagnetise off\nexpect no alarm");
+    }
+}
+
+#[test]
+fn k3_11_the_table_turns_magnetised_only() {
+    let mut rig = story_on(Kind::Ga, "key hydraulic\nwait 4 s\nkey table-rotation\nexpect alarm 187");
+    tell(&mut rig, "expect output table-rotation off\nkey reset\nkey magnetise\nwait 1.1 s\nkey table-rotation");
+    tell(&mut rig, "expect output table-rotation on\nexpect no alarm");
+}
+
+#[test]
+fn k4_5_a_gauge_arm_whose_switch_does_not_come_is_an_alarm() {
+    // Watched only where its switch is assigned (P337); P80 = 3 s.
+    let mut rig = story(&format!("{HYDRAULICS}key radial-gauge\nwait 5 s\nexpect no alarm\nkey radial-gauge"));
+    tell(
+        &mut rig,
+        "param P337 60\nwait 0.1 s\ninput radial-arm-out off\nkey radial-gauge\nwait 2.8 s\nexpect no alarm",
+    );
+    tell(&mut rig, "wait 0.4 s\nexpect alarm 189");
+}
+
+#[test]
+fn b4_gears_wait_for_their_switch_where_they_have_one() {
+    let mut rig = ready_with("M41\nM42\nM00\nM30");
+    tell(
+        &mut rig,
+        "param P350 60\nparam P351 61\ninput gear-1-in off\ninput gear-2-in off\nmode auto\nkey cycle-start",
+    );
+    tell(&mut rig, "wait 1 s\nexpect output gear-1 on\nexpect state running\ninput gear-1-in on\nwait 0.1 s");
+    tell(&mut rig, "expect output gear-1 off\nexpect output gear-2 on\nwait 2.1 s\nexpect alarm 194");
+}
+
+#[test]
+fn b4_the_second_spindle_pauses_before_it_reverses() {
+    let mut rig = ready_with("M26\nM27\nM00\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.5 s");
+    // P87: 1 s between the directions, never both.
+    tell(&mut rig, "expect output second-spindle off\nexpect output second-spindle-ccw off\nexpect state running");
+    tell(&mut rig, "wait 0.7 s\nexpect output second-spindle-ccw on\nexpect state stopped\nkey second-spindle");
+    tell(&mut rig, "expect output second-spindle-ccw off\nkey second-spindle\nexpect output second-spindle on");
+}
+
+#[test]
+fn b4_m20_pulses_a_free_port_for_its_milliseconds() {
+    let mut rig = ready_with("M20 P40 L500\nM00\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start");
+    let level = |rig: &Rig| rig.controller().outputs().terminals.level(40);
+    let mut lasted = 0;
+    for _ in 0..1_000 {
+        rig.step();
+        lasted += u32::from(level(&rig));
+    }
+    // Two to fifty ticks went by while the key was answered.
+    assert!((450..=500).contains(&lasted), "{lasted} ms");
+    tell(&mut rig, "expect state stopped");
+    assert!(!level(&rig));
+    // RESET ends a pulse.
+    let mut rig = ready_with("M20 P40 L5000\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.2 s");
+    assert!(level(&rig));
+    tell(&mut rig, "key reset");
+    assert!(!level(&rig));
+}
+
+#[test]
+fn k6_1_two_functions_on_one_port_do_nothing_and_say_so() {
+    let mut rig = ready();
+    tell(&mut rig, "mode jog\nparam P301 1\nkey coolant\nexpect message \"同一个输出口\"\nexpect output coolant off");
+    assert!(!rig.controller().outputs().terminals.level(1));
+    tell(&mut rig, "key wheel-start\nexpect message \"同一个输出口\"\nexpect output wheel off");
+    // The port of an output that is on is not taken from under it.
+    tell(&mut rig, "param P301 2\nkey coolant\nexpect output coolant on\nparam P300 2\nexpect message \"先关闭\"");
+    assert!(rig.snapshot().outputs.has(Output::Coolant) && !rig.snapshot().outputs.has(Output::Wheel));
+    tell(&mut rig, "param P301 9\nexpect message \"先关闭\"\nexpect output coolant on");
+}
+
+#[test]
+fn k6_1_a_port_out_of_range_is_refused() {
+    let mut rig = ready();
+    tell(&mut rig, "param P301 65\nexpect message \"P301\"\nmode jog\nkey coolant\nexpect output coolant on");
+    assert!(rig.controller().outputs().terminals.level(2));
+}
+
+#[test]
+fn b5_machine_lock_counts_the_positions_and_moves_nothing() {
+    let mut rig = ready_with("G98 G00 X-120 Z-40\nM30");
+    let before = rig.machine().slide_mm();
+    tell(
+        &mut rig,
+        "mode auto\nkey machine-lock\nexpect lamp machine-lock on\nkey cycle-start\nwait until idle max 30 s",
+    );
+    tell(&mut rig, "expect X -120 ±0.001\nexpect Z -40 ±0.001");
+    assert_eq!(rig.machine().slide_mm(), before);
+    tell(&mut rig, "key machine-lock\nexpect lamp machine-lock off\nwait 1 s\nexpect no alarm");
+    assert_eq!(rig.machine().slide_mm(), before);
+}
+
+#[test]
+fn b5_mst_lock_leaves_codes_out_and_keeps_the_flow() {
+    let mut rig = ready_with("M03\nM08\nM80\nM31\nM00\nM30");
+    tell(&mut rig, "mode auto\nkey mst-lock\nkey cycle-start\nwait until stopped max 2 s");
+    tell(&mut rig, "expect output wheel off\nexpect output coolant off");
+    assert_eq!(rig.snapshot().parts, 1);
+}
+
+#[test]
+fn b5_dry_run_moves_at_its_own_feed_with_the_wheel_off() {
+    // 60 mm of slide at 6 mm/min would take ten minutes; at P89 = 3000 mm/min 1.2 s and the ramps.
+    let mut rig = ready_with("M03\nG98 G01 W-60 F6\nM30");
+    tell(&mut rig, "mode auto\nkey dry-run\nkey cycle-start\nexpect output wheel off\nexpect message \"空运行\"");
+    tell(
+        &mut rig,
+        "wait until idle max 3 s\nexpect output wheel off\nkey dry-run\nmode jog\nkey wheel-start\nmode auto",
+    );
+    tell(&mut rig, "key dry-run\nkey cycle-start\nexpect state idle\nexpect message \"先停砂轮\"");
+}
+
+#[test]
+fn b5_external_start_and_hold_act_as_the_keys_do() {
+    let mut rig = ready_with("G98 G01 X-200 F60\nM30");
+    tell(&mut rig, "param P335 60\nparam P336 61\nmode auto\ninput external-start on\nexpect state running");
+    tell(&mut rig, "input external-start off\ninput external-hold on\nwait 0.3 s\nexpect state held");
+    tell(&mut rig, "key cycle-start\nexpect state held\nexpect message \"外接暂停\"\ninput external-hold off");
+    tell(&mut rig, "key cycle-start\nexpect state running");
+}
+
+#[test]
+fn p2_a_speed_above_the_wheels_rating_is_refused_at_the_start_and_not_reached_later() {
+    // 600 mm: 35 m/s are 35 × 60 / (π × 0.6) = 1114.1 rpm; 10 V are 1260 rpm, so 8.842 V.
+    let mut rig = ready_with("M03\nS1200\nM00\nM05\nS1200\nM03\nM30");
+    tell(&mut rig, "param P61 100\nparam P79 35\nmode auto\nkey cycle-start\nwait until stopped max 5 s");
+    tell(&mut rig, "expect message \"额定\"\nexpect output wheel on");
+    assert!((rig.controller().outputs().wheel_volts - 8.842).abs() < 0.001);
+    tell(&mut rig, "key cycle-start\nwait until alarm max 5 s\nexpect alarm 186\nexpect output wheel off");
+}
+
+#[test]
+fn b2_s_is_revolutions_or_metres_a_second_by_parameter() {
+    // 30 m/s at 600 mm are 954.93 rpm: 7.579 V of 10 V at 1260 rpm. G96 S in m/min: 1800 m/min are the same 30 m/s.
+    for (setup, text) in [("param P5.3 1\n", "S30\nM03\nM00\nM30"), ("", "G96 S1800\nM03\nM00\nM30")] {
+        let mut rig = ready_with(text);
+        tell(&mut rig, &format!("{setup}param P61 100\nmode auto\nkey cycle-start\nwait until stopped max 5 s"));
+        let volts = rig.controller().outputs().wheel_volts;
+        assert!((volts - 7.579).abs() < 0.001, "{volts}");
+    }
+}
+
+#[test]
+fn b5_the_emergency_stop_with_machine_lock_in_a_run_stops_and_shows_the_real_positions() {
+    let mut rig = ready_with("G98 G01 W-100 F3000\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey machine-lock\nkey cycle-start\nwait 1 s\nkey emergency-stop\nwait 0.5 s\nexpect alarm 0",
+    );
+    tell(
+        &mut rig,
+        "expect Z -150 ±0.001\nexpect lamp machine-lock off\nkey emergency-stop\nkey reset\nexpect no alarm",
+    );
+}
+
+#[test]
+fn b8_after_a_stop_of_everything_nothing_starts_before_reset() {
+    for cause in ["key emergency-stop\nkey emergency-stop", "fault drive-X", "fault bus-silent 5"] {
+        let mut rig = ready();
+        tell(&mut rig, &format!("mode jog\n{cause}\nwait 0.1 s\nexpect alarm any"));
+        for key in ["wheel-start", "headstock-high", "second-spindle", "coolant"] {
+            tell(&mut rig, &format!("key {key}\nexpect message \"复位\""));
+        }
+        tell(&mut rig, "expect output wheel off\nexpect output headstock-high off\nexpect output coolant off");
+    }
+}
+
+#[test]
+fn k6_1_a_tower_lamp_on_the_wheels_port_never_switches_the_wheel() {
+    let mut rig = ready();
+    tell(
+        &mut rig,
+        "param P312 1\nmode jog\nkey emergency-stop\nwait 0.1 s\nexpect alarm 0\nexpect output tower-red off",
+    );
+    assert!(!rig.controller().outputs().terminals.level(1));
+    let mut rig = ready();
+    tell(&mut rig, "param P302 1\nparam P85 1\nwait 61 s\nexpect output lubrication off");
+    assert!(!rig.controller().outputs().terminals.level(1));
+}
+
+#[test]
+fn k6_3_a_detent_and_cycle_start_in_one_tick_leave_nothing_to_move_later() {
+    use kt830::defs::key::Key;
+    use kt830::link::command::Command;
+    let mut rig = ready_with("G98 G01 W-10 F300\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s\nhandwheel X 1 x0.1");
+    rig.send(Command::Handwheel(-50));
+    rig.send(Command::Press(Key::CycleStart));
+    tell(&mut rig, "wait until idle max 10 s\nexpect X -79.9 ±0.001\nwait 2 s\nexpect X -79.9 ±0.001");
+}
+
+#[test]
+fn b5_a_program_begins_once_the_jogged_axis_stands() {
+    use kt830::defs::key::{Key, Mode};
+    use kt830::link::command::Command;
+    let mut rig = ready_with("G98 G00 W-5\nM30");
+    tell(&mut rig, "mode jog\nkey rapid\nhold Z- 0.5 s\npress z-minus\nwait 0.15 s");
+    rig.send(Command::Release(Key::ZMinus));
+    rig.send(Command::Press(Mode::Auto.key()));
+    rig.send(Command::Press(Key::CycleStart));
+    // 10 m/min are 0.167 mm a tick; at 800 mm/s² a tick changes that by 0.0008 mm, at full braking by four times as much.
+    let mut at = rig.controller().set_point();
+    let mut step = None;
+    for _ in 0..3_000 {
+        rig.step();
+        let now = rig.controller().set_point();
+        let moved = now.0[2] - at.0[2];
+        if let Some(before) = step.replace(moved) {
+            assert!((moved - before).abs() < 0.004, "from {before} to {moved} mm a tick");
+        }
+        at = now;
+    }
+    tell(&mut rig, "expect state idle\nexpect no alarm");
+}
+
+#[test]
+fn b5_homing_does_not_run_further_onto_a_pressed_limit_switch() {
+    let mut rig = story(
+        "mode home\ninput limit-x-plus on\nkey reset\nmode home\nkey x-plus\nwait 0.5 s\nexpect machine X 0 ±0.01",
+    );
+    tell(&mut rig, "expect message \"限位方向\"");
+}
+
+#[test]
+fn k5_14_an_alarm_that_holds_does_not_reach_into_the_next_program() {
+    let mut rig = ready_with("G98 G01 W-5 F600\nM30");
+    tell(
+        &mut rig,
+        "param P334 61\ninput lubrication-level off\nwait 6 s\nexpect alarm 193\ninput lubrication-level on",
+    );
+    tell(&mut rig, "expect no alarm\nmode auto\nkey cycle-start\nwait until idle max 5 s\nexpect Z -155 ±0.001");
+}
+
+#[test]
+fn k3_14_a_unit_switched_by_key_in_a_hold_is_asked_again() {
+    // The wheel is stopped while M03 waits: cycle start starts it again, the program does not go on without it.
+    let mut rig = ready_with("M03\nM00\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 2 s\nkey feed-hold\nkey wheel-stop\nkey cycle-start");
+    tell(&mut rig, "expect output wheel on\nwait until stopped max 12 s\nexpect output wheel on");
+    let mut rig = ready_with("M11\nM10\nM00\nM30");
+    tell(
+        &mut rig,
+        "mode auto\nkey cycle-start\nwait 1.3 s\nkey feed-hold\nkey tailstock-retract\nwait 2 s\nkey cycle-start",
+    );
+    tell(&mut rig, "wait until stopped max 12 s\nexpect output tailstock on");
+}
+
+#[test]
+fn k3_3_a_tailstock_that_loses_its_switch_stops_the_headstock_and_says_so() {
+    let mut rig = ready();
+    tell(
+        &mut rig,
+        "mode jog\nkey headstock-low\nwait 1 s\nfault stuck-off tailstock-advanced\nwait 0.1 s\nexpect alarm 201",
+    );
+    tell(
+        &mut rig,
+        "expect output headstock-low off\nkey reset\nkey headstock-low\nexpect output headstock-low off\nexpect alarm 184",
+    );
+}
+
+#[test]
+fn k5_17_only_a_real_dressing_run_counts() {
+    let mut rig = ready();
+    rig.add_program(kt830::runtime::disk::program(1_011, "O1011.NC", b"G04 X1\nM30".to_vec()));
+    tell(
+        &mut rig,
+        "load O1011\nparam P6.7 1\nmdi M30\nwait 0.5 s\nmode auto\nkey machine-lock\nkey cycle-start\nwait 2 s",
+    );
+    tell(&mut rig, "key machine-lock\nload O1002\nkey cycle-start\nexpect state idle\nexpect message \"修整\"");
+}
+
+#[test]
+fn k3_13_an_input_without_a_port_is_an_alarm() {
+    let mut rig = ready_with("M80\nM30");
+    tell(&mut rig, "param P279 0\nmode auto\nkey cycle-start\nwait until alarm max 1 s\nexpect alarm 202");
+}
+
+#[test]
+fn k2_4_a_function_without_a_port_lights_nothing() {
+    let mut rig = ready();
+    tell(&mut rig, "mode jog\nparam P301 0\nkey coolant\nexpect lamp coolant off\nexpect message \"没有分配\"");
+    let mut rig = ready_with("M08\nM03\nM00\nM30");
+    tell(
+        &mut rig,
+        "param P301 0\nparam P61 100\nmode auto\nkey cycle-start\nwait until stopped max 3 s\nexpect output wheel on",
+    );
+}
+
+#[test]
+fn b5_an_mdi_line_may_switch_before_homing_and_not_move() {
+    let mut rig = story(
+        "mdi M14\nwait 0.2 s\nexpect output hydraulic on\nexpect no alarm\nmdi G00 X1\nwait 0.2 s\nexpect alarm 100",
+    );
+    tell(&mut rig, "expect machine X 0 ±0.01");
+}
+
+#[test]
+fn k6_1_ports_are_whole_numbers_and_are_not_moved_under_a_turning_wheel() {
+    let mut rig = story(HYDRAULICS);
+    tell(&mut rig, "param P300 1.5\nexpect message \"整数\"\nkey wheel-start\nexpect output wheel on\nparam P320 0");
+    tell(&mut rig, "expect message \"先关闭\"\ninput emergency-stop on\nexpect output wheel off");
 }

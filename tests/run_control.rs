@@ -244,3 +244,24 @@ fn k6_3_a_held_run_survives_a_change_of_mode() {
     tell(&mut rig, "key cycle-start\nexpect state running\nwait until idle max 5 s\nwait 0.3 s");
     assert!((z - rig.snapshot().axes.0[2].work - 20.0).abs() < 0.0015);
 }
+
+#[test]
+fn k3_15_m91_and_m92_jump_on_a_real_input() {
+    let text = "M91 P13 L20\n#500=1\nGOTO 30\nN20 #500=2\nN30 M92 P14 L40\n#501=1\nM30\nN40 #501=2\nM30";
+    for (first, second, expected) in [("off", "off", [1.0, 2.0]), ("on", "on", [2.0, 1.0])] {
+        let mut rig = ready_with(text);
+        tell(&mut rig, &format!("input user-1 {first}\ninput user-2 {second}\nmode auto\nkey cycle-start\nwait 0.5 s"));
+        tell(&mut rig, &format!("expect state idle\nexpect #500 {}\nexpect #501 {}", expected[0], expected[1]));
+    }
+    // Without L: P is the block, P93 the input.
+    let mut rig = ready_with("M91 P20\n#500=1\nM30\nN20 #500=2\nM30");
+    tell(&mut rig, "param P93 13\ninput user-1 on\nmode auto\nkey cycle-start\nwait 0.5 s\nexpect #500 2");
+}
+
+#[test]
+fn damaged_data_are_told_at_every_power_on_and_nothing_moves_before_homing() {
+    let mut rig = rig();
+    rig.report_damage("retained.redb");
+    tell(&mut rig, "expect alarm 300\npower cut\npower on\nexpect alarm 300\nmode auto\nkey cycle-start");
+    tell(&mut rig, "expect state alarm\nkey reset\nexpect no alarm");
+}

@@ -27,8 +27,11 @@ pub struct Args {
 /// Options of every command.
 #[derive(Clone, Debug, ClapArgs)]
 pub struct Shared {
-    /// Kind of machine: gc (cylindrical grinder)
-    #[arg(long, global = true, default_value = "gc", value_parser = kind)]
+    /// Kind of machine: gc (cylindrical), gs (surface), ga (rotary table) [default: as set on the machine, else gc]
+    #[arg(long = "kind", global = true, value_name = "KIND", value_parser = kind)]
+    pub kind_asked: Option<Kind>,
+    /// The kind that holds: asked for, else stored, else gc.
+    #[arg(skip = Kind::Gc)]
     pub kind: Kind,
     /// Folder of retained data [default: the platform's data directory]
     #[arg(long, global = true, value_name = "DIR")]
@@ -39,8 +42,11 @@ pub struct Shared {
     /// Folder of programs [default: ./programs, else the data directory's]
     #[arg(long, global = true, value_name = "DIR")]
     pub programs: Option<PathBuf>,
-    /// Language
-    #[arg(long, global = true, default_value = "zh", value_parser = lang)]
+    /// Language: zh or en [default: as set on the machine, else zh]
+    #[arg(long = "lang", global = true, value_name = "LANG", value_parser = lang)]
+    pub lang_asked: Option<Lang>,
+    /// The language that holds: asked for, else stored, else Chinese.
+    #[arg(skip)]
     pub lang: Lang,
     /// Set a parameter, for example P270=0; may be repeated
     #[arg(long = "param", global = true, value_name = "P=VALUE", value_parser = param)]

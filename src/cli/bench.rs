@@ -5,16 +5,34 @@ use std::path::Path;
 use super::CallError;
 use super::args::Shared;
 use crate::controller::Retained;
+use crate::defs::kind::Kind;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::nc::Memory;
 use crate::runtime::disk::{Folders, program};
 use crate::runtime::keeper::Keeper;
 use crate::runtime::rig::{Rig, Setup};
-use crate::store::DataDir;
+use crate::store::{DataDir, Settings};
 
 /// Number that a file gets whose name has none.
 const UNNUMBERED: u32 = 9_999;
+
+/// Kind and language of the call: those asked for, else those set on the machine, else GC and Chinese. The machine's own
+/// data count where they are used: with `--data`, or where the control itself is opened.
+///
+/// # Errors
+/// The data directory or the settings in it cannot be read.
+pub fn settle(mut shared: Shared, opens_control: bool) -> Result<Shared, CallError> {
+    let stored = if shared.data.is_some() || opens_control {
+        let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+        Settings::read(data.root()).map_err(CallError::new)?
+    } else {
+        Settings::default()
+    };
+    shared.kind = shared.kind_asked.or(stored.kind).unwrap_or(Kind::Gc);
+    shared.lang = shared.lang_asked.or(stored.lang).unwrap_or_default();
+    Ok(shared)
+}
 
 /// The folders of the call: those named, those beside the caller, or the data directory's.
 ///

@@ -8,10 +8,10 @@ use serde_json::{Value, json};
 
 use super::args::{Check, Format, Run, Shared};
 use super::{CallError, FINE, WRONG_CALL, bench, out};
-use crate::controller::{Programs, Retained};
+use crate::controller::{Programs, Retained, nc_settings};
 use crate::defs::param;
 use crate::io::sim::PartFile;
-use crate::nc::{CheckWorld, Checked, Fault, Library, Memory, Op, Settings, check_with};
+use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, check_with};
 use crate::runtime::disk::{parse_page_text, parse_picture, program};
 use crate::units::{Axis, PerAxis};
 
@@ -119,15 +119,17 @@ fn tell_errors(file: &str, wrong: &[Wrong]) {
 fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> Result<bool, CallError> {
     let number = number_of(path);
     let retained = bench::begin(shared, Retained::factory(shared.kind))?;
-    let (settings, axes) = settings(&retained);
+    let settings = nc_settings(shared.kind, &retained.params);
+    let axes = settings.axes;
     let folders = bench::folders(shared)?;
     let (programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
     let mut memory = retained.variables.clone();
-    let mut world = CheckWorld::new(&settings);
+    let home = PerAxis::from_fn(|axis| retained.params.of_axis(param::HOME_X, axis));
+    let mut world = CheckWorld::new(&settings).with_home(home).with_frames(retained.frames.clone());
     let part = bench::part(shared, number)?;
     if let Some(part) = &part {
-        world = start(world, part);
+        world = start(world, retained.frames.clone(), part);
         preset(&mut memory, part);
     }
     let source = program(number, &path.display().to_string(), bytes).source;
@@ -163,26 +165,17 @@ fn number_of(path: &Path) -> u32 {
     crate::story::parse::program(&stem).unwrap_or(0)
 }
 
-/// How a machine with these parameters reads programs.
-fn settings(retained: &Retained) -> (Settings, PerAxis<bool>) {
-    let lathe = Settings::lathe();
-    let params = &retained.params;
-    let settings = Settings {
-        diameter: !params.bit(param::RADIUS_PROGRAMMING),
-        least_increment_mm: params.bit(param::LEAST_INCREMENT).then_some(0.001),
-        tolerance_mm: params.get(param::PATH_TOLERANCE),
-        rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
-        ..lathe
-    };
-    let axes = settings.axes;
-    (settings, axes)
-}
-
-/// Where a run of the part would begin.
-fn start(world: CheckWorld, part: &PartFile) -> CheckWorld {
-    let zero = PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z]);
-    let at = PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]);
-    world.at(PerAxis::from_fn(|axis| at[axis] - zero[axis])).with_machine_from_work(zero)
+/// Where a run of the part would begin: its zero as G54, its tool geometry.
+fn start(world: CheckWorld, mut frames: Frames, part: &PartFile) -> CheckWorld {
+    frames.work[0] = PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z]);
+    for offset in &part.offsets {
+        if let Some(place) = usize::from(offset.number).checked_sub(1).and_then(|index| frames.geometry.get_mut(index))
+        {
+            *place = PerAxis([offset.x / 2.0, 0.0, offset.z]);
+        }
+    }
+    let at = frames.work_from_machine(PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]));
+    world.at(at).with_frames(frames)
 }
 
 /// The part's values for variables that have none.

@@ -38,15 +38,22 @@ pub fn main() -> ExitCode {
             return ExitCode::from(if fine { FINE } else { WRONG_CALL });
         }
     };
+    let shared = match bench::settle(args.shared, args.verb.is_none()) {
+        Ok(shared) => shared,
+        Err(error) => {
+            eprintln!("kt830: {error}");
+            return ExitCode::from(WRONG_CALL);
+        }
+    };
     let done = match &args.verb {
-        Some(Verb::Run(call)) => run::run(&args.shared, call),
-        Some(Verb::Check(call)) => check::check(&args.shared, call),
-        Some(Verb::Play(call)) => play::play(&args.shared, call),
-        Some(Verb::Demo(call)) => demo::demo(&args.shared, call),
+        Some(Verb::Run(call)) => run::run(&shared, call),
+        Some(Verb::Check(call)) => check::check(&shared, call),
+        Some(Verb::Play(call)) => play::play(&shared, call),
+        Some(Verb::Demo(call)) => demo::demo(&shared, call),
         #[cfg(feature = "hmi")]
-        Some(Verb::Shot(call)) => shot::shot(&args.shared, call),
+        Some(Verb::Shot(call)) => shot::shot(&shared, call),
         #[cfg(feature = "hmi")]
-        None => window::open(&args.shared, !args.windowed),
+        None => window::open(&shared, !args.windowed),
         #[cfg(not(feature = "hmi"))]
         Some(Verb::Shot(_)) | None => Err(CallError::new(
             "this build has no screen: use `demo`, `run`, `play` or `check`, or build with the feature hmi",

@@ -8,7 +8,8 @@ use serde_json::json;
 use super::args::{Format, Play, Shared};
 use super::{CallError, FAILED, FINE, bench, out};
 use crate::defs::kind::Kind;
-use crate::story::{Line, Player, parse, play::around};
+use crate::link::snapshot::Tone;
+use crate::story::{Line, Player, parse, parse::Statement, play::around};
 
 /// A story file, read.
 pub struct Story {
@@ -42,11 +43,20 @@ pub fn play(shared: &Shared, call: &Play) -> Result<u8, CallError> {
     }
     let folder = call.story.parent().unwrap_or(Path::new("."));
     let eyes = super::eyes::eyes(shared.lang);
+    for line in &story.lines {
+        if let Statement::Part(file) = &line.statement {
+            bench::part_file(&folder.join(file))?;
+        }
+    }
     let mut player = Player::new(&mut rig, eyes, folder, shared.part.is_some());
     for line in &story.lines {
+        let before = player.rig().now();
         let done = player.play(line);
-        let seconds = player.rig().now().as_secs_f64();
-        tell(shared.format, line, &done, seconds);
+        let rig = player.rig();
+        let seconds = rig.now().as_secs_f64();
+        let message = &rig.snapshot().message;
+        let refused = (message.tone == Tone::Refused && message.since > before).then(|| message.text.get(shared.lang));
+        tell(shared.format, line, (&done, refused), seconds);
         if done.is_err() {
             eprintln!("{}", around(player.rig()));
             return Ok(FAILED);
@@ -55,15 +65,23 @@ pub fn play(shared: &Shared, call: &Play) -> Result<u8, CallError> {
     Ok(FINE)
 }
 
-fn tell(format: Format, line: &Line, done: &Result<(), String>, seconds: f64) {
+fn tell(format: Format, line: &Line, (done, refused): (&Result<(), String>, Option<&str>), seconds: f64) {
+    let text = &line.text;
     match (format, done) {
-        (Format::Json, Ok(())) => {
-            out(json!({"line": line.number, "statement": line.text, "ok": true, "seconds": seconds}))
+        (Format::Json, done) => {
+            let mut told = json!({"line": line.number, "statement": text, "ok": done.is_ok(), "seconds": seconds});
+            if let Err(why) = done {
+                told["why"] = json!(why);
+            }
+            if let Some(refused) = refused {
+                told["refused"] = json!(refused);
+            }
+            out(told);
         }
-        (Format::Json, Err(why)) => {
-            out(json!({"line": line.number, "statement": line.text, "ok": false, "seconds": seconds, "why": why}));
+        (Format::Text, Ok(())) => {
+            let refused = refused.map_or_else(String::new, |why| format!("   [{why}]"));
+            out(format!("{seconds:10.3}  ok    {text}{refused}"));
         }
-        (Format::Text, Ok(())) => out(format!("{seconds:10.3}  ok    {}", line.text)),
-        (Format::Text, Err(why)) => out(format!("{seconds:10.3}  FAIL  {}: {why} (line {})", line.text, line.number)),
+        (Format::Text, Err(why)) => out(format!("{seconds:10.3}  FAIL  {text}: {why} (line {})", line.number)),
     }
 }

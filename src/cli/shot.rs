@@ -6,6 +6,7 @@ use std::path::Path;
 use super::args::{Shared, Shot};
 use super::play::story;
 use super::{CallError, FAILED, FINE, bench};
+use crate::defs::kind::Kind;
 use crate::link::command::Command;
 use crate::story::{Player, play::around};
 
@@ -36,10 +37,16 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             }
         }
         None => {
-            bench::mount(&mut rig, &shared, SHOWN)?;
+            if kind == Kind::Gc {
+                bench::mount(&mut rig, &shared, SHOWN)?;
+            }
             rig.step();
             rig.make_ready();
-            bench::mount(&mut rig, &shared, SHOWN)?;
+            // The part of O1001 belongs into a cylindrical grinder.
+            match kind {
+                Kind::Gc => bench::mount(&mut rig, &shared, SHOWN)?,
+                Kind::Gs | Kind::Ga => rig.send(Command::LoadProgram(SHOWN)),
+            }
         }
     }
     rig.send(Command::OpenPage(call.page));

@@ -21,6 +21,13 @@ pub enum Owner {
     Path,
 }
 
+/// What machine lock keeps.
+#[derive(Clone, Copy, Debug)]
+struct Locked {
+    set: PerAxis<f64>,
+    minus: PerAxis<bool>,
+}
+
 /// All axes of the machine.
 #[derive(Debug)]
 pub struct Axes {
@@ -34,6 +41,8 @@ pub struct Axes {
     zero_mm: PerAxis<f64>,
     homed: PerAxis<bool>,
     /// Where the axes are, from the encoders.
+    encoder: PerAxis<f64>,
+    /// Where they are shown to be: the same, but for machine lock.
     actual: PerAxis<f64>,
     /// Where they are told to be.
     set: PerAxis<f64>,
@@ -41,6 +50,10 @@ pub struct Axes {
     /// The last move of each axis went in the minus direction: its screw's play lies on the other side.
     minus: PerAxis<bool>,
     drives_on: bool,
+    /// An axis that oscillates beside whoever owns the axes: its set-point and velocity.
+    oscillated: Option<(Axis, f64, f64)>,
+    /// Machine lock: where the axes really stand while the positions count on.
+    locked: Option<Locked>,
     /// Length of a tick: as it was at power-on (P58).
     tick_s: f64,
 }
@@ -56,15 +69,18 @@ impl Axes {
         Self {
             path: Path::new(limits, start),
             movers,
-            present: row.axes,
+            present: row.fitted(params),
             owner: Owner::Hand,
             zero_mm: PerAxis::default(),
             homed: PerAxis::default(),
+            encoder: start,
             actual: start,
             set: start,
             velocity_mm_s: PerAxis::default(),
             minus: PerAxis::default(),
             drives_on: true,
+            oscillated: None,
+            locked: None,
             tick_s,
         }
     }
@@ -92,6 +108,7 @@ impl Axes {
     pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64, params: &Params) {
         let shift = coordinate - edge;
         self.zero_mm[axis] += shift;
+        self.encoder[axis] += shift;
         self.actual[axis] += shift;
         self.set[axis] += shift;
         self.movers[axis].set_position(self.set[axis]);
@@ -115,7 +132,8 @@ impl Axes {
 
     /// Reads the encoders.
     pub fn read(&mut self, image: &InputImage) {
-        self.actual = PerAxis::from_fn(|axis| image.encoder_mm[axis] + self.zero_mm[axis]);
+        self.encoder = PerAxis::from_fn(|axis| image.encoder_mm[axis] + self.zero_mm[axis]);
+        self.actual = if self.locked.is_some() { self.set } else { self.encoder };
     }
 
     /// One tick of whoever owns the axes.
@@ -135,6 +153,10 @@ impl Axes {
                 }
             }
         }
+        if let Some((axis, position, velocity)) = self.oscillated {
+            self.set[axis] = position;
+            self.velocity_mm_s[axis] = velocity;
+        }
         for axis in Axis::ALL {
             let moved = self.set[axis] - before[axis];
             if moved.abs() > 0.0 {
@@ -143,14 +165,43 @@ impl Axes {
         }
     }
 
+    /// Where the oscillating axis is to be in this tick; none lets it go where it stands.
+    pub fn oscillate(&mut self, strokes: Option<(Axis, f64, f64)>) {
+        if let (Some((axis, position, _)), None) = (self.oscillated, strokes) {
+            self.movers[axis].set_position(position);
+            if self.owner == Owner::Path && self.path.is_done() {
+                self.path.clear_at(self.set);
+            }
+        }
+        self.oscillated = strokes;
+    }
+
     /// The set-point of each axis in the encoder's frame.
     #[must_use]
     pub fn set_points(&self, params: &Params) -> PerAxis<f64> {
+        let Locked { set, minus } = self.locked.unwrap_or(Locked { set: self.set, minus: self.minus });
         PerAxis::from_fn(|axis| {
             let play = params.of_axis(param::BACKLASH_X, axis);
-            let taken_up = if self.minus[axis] { -play } else { 0.0 };
-            self.set[axis] - self.zero_mm[axis] + taken_up
+            let taken_up = if minus[axis] { -play } else { 0.0 };
+            set[axis] - self.zero_mm[axis] + taken_up
         })
+    }
+
+    /// Machine lock on: from here the positions count without the axes. The axes must stand.
+    pub const fn lock(&mut self) {
+        if self.locked.is_none() {
+            self.locked = Some(Locked { set: self.set, minus: self.minus });
+        }
+    }
+
+    /// Machine lock off: the positions are the real ones again.
+    pub fn unlock(&mut self) {
+        let Some(Locked { set, minus }) = self.locked.take() else { return };
+        (self.set, self.minus, self.actual) = (set, minus, self.encoder);
+        self.path.clear_at(set);
+        for axis in Axis::ALL {
+            self.movers[axis].set_position(set[axis]);
+        }
     }
 
     /// The program takes the axes over where they stand.
@@ -201,15 +252,22 @@ impl Axes {
     /// Whether every axis stands within the in-position width of its set-point.
     #[must_use]
     pub fn is_in_position(&self, params: &Params) -> bool {
-        let width = params.get(param::IN_POSITION);
-        self.present().all(|axis| (self.set[axis] - self.actual[axis]).abs() <= width)
+        let oscillating = self.oscillated.map(|(axis, ..)| axis);
+        self.present().all(|axis| Some(axis) == oscillating || self.is_axis_in_position(axis, params))
+    }
+
+    /// Whether one axis stands within the in-position width of its set-point.
+    #[must_use]
+    pub fn is_axis_in_position(&self, axis: Axis, params: &Params) -> bool {
+        (self.set[axis] - self.actual[axis]).abs() <= params.get(param::IN_POSITION)
     }
 
     /// The first axis whose following error is beyond its limit.
     #[must_use]
     pub fn lost(&self, params: &Params) -> Option<Axis> {
         let limit = params.get(param::FOLLOWING_LIMIT);
-        self.present().find(|axis| self.drives_on && (self.set[*axis] - self.actual[*axis]).abs() > limit)
+        let set = self.locked.map_or(self.set, |locked| locked.set);
+        self.present().find(|axis| self.drives_on && (set[*axis] - self.encoder[*axis]).abs() > limit)
     }
 
     /// The drives were switched: off, the set-points follow the axes so that switching on does not jump.
@@ -228,7 +286,19 @@ impl Axes {
         }
     }
 
-    /// The axes that the machine has.
+    /// Which axes the machine has.
+    #[must_use]
+    pub const fn fitted(&self) -> PerAxis<bool> {
+        self.present
+    }
+
+    /// Whether the machine has an axis.
+    #[must_use]
+    pub fn is_present(&self, axis: Axis) -> bool {
+        self.present[axis]
+    }
+
+    /// The axes of the machine.
     pub fn present(&self) -> impl Iterator<Item = Axis> + use<> {
         let present = self.present;
         Axis::ALL.into_iter().filter(move |axis| present[*axis])
@@ -272,7 +342,7 @@ pub fn soft_limits(params: &Params, axis: Axis) -> (f64, f64) {
 }
 
 /// The planner's limits from the parameters.
-fn limits(params: &Params, tick_s: f64) -> Limits {
+pub fn limits(params: &Params, tick_s: f64) -> Limits {
     Limits {
         axes: PerAxis::from_fn(|axis| AxisLimits {
             velocity_mm_s: params.of_axis(param::RAPID_X, axis) / MINUTE,

@@ -2,7 +2,9 @@
 //! Source: style "effects to the disk", notes "acknowledge after commit".
 
 use crate::defs::param::ParamAddress;
-use crate::units::PerAxis;
+use crate::defs::signal::{Input, Output};
+use crate::link::page_command::PageWish;
+use crate::units::{Axis, PerAxis};
 
 /// One wish.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +24,24 @@ pub enum Effect {
     },
     /// Keep a work frame: index 0 is G54; origin in machine coordinates, radius mm.
     Frame(usize, PerAxis<f64>),
+    /// Keep the dressing point of an axis: machine coordinate, radius mm.
+    DressPoint(Axis, f64),
     /// Keep the number of the current program.
     CurrentProgram(u32),
     /// Keep the count of workpieces.
     Parts(u32),
+    /// What a page asks of the disk: passwords, settings. It is answered by a command.
+    Ask(PageWish),
+}
+
+impl Effect {
+    /// Whether it assigns a port to a function.
+    #[must_use]
+    pub fn assigns_port(&self) -> bool {
+        let is_port = |number| {
+            Input::ALL.iter().any(|input| input.port_param() == number)
+                || Output::ALL.iter().any(|output| output.port_param() == number)
+        };
+        matches!(self, Self::Param(at, _) if at.bit.is_none() && is_port(at.number))
+    }
 }

@@ -3,17 +3,20 @@
 
 use std::sync::Arc;
 
-use super::run::{Act, Doing, Forbidden, Item, MOST_ITEMS, PlannedMove, Reading, Run};
-use super::system::RunWorld;
-use super::{Controller, Cycle, Effect};
+use super::axes::MINUTE;
+use super::gauge::SIGNALS;
+use super::oscillation::Stroke;
+use super::run::{Act, Doing, Forbidden, Item, MCall, MOST_ITEMS, Planned, PlannedMove, Reading, Run, Speed};
+use super::system::{RunWorld, nc_settings};
+use super::{Controller, Effect, Event, Phase, Switches};
 use crate::defs::alarm;
-use crate::defs::mcode::{Action, MCode, Request};
+use crate::defs::mcode::{Action, Request};
 use crate::defs::param;
-use crate::defs::signal::Input;
+use crate::defs::signal::{Input, Output};
 use crate::defs::text::{Lang, Said};
 use crate::machine::Answer;
 use crate::motion::{End, Move, Override};
-use crate::nc::{Memory, Modals, Next, Source, SpeedMode, VariableError};
+use crate::nc::{self, Memory, Modals, Next, Source, SpeedMode, VariableError};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Most blocks read in a tick.
@@ -22,7 +25,7 @@ const BLOCKS_PER_TICK: usize = 16;
 const ACTS_PER_TICK: usize = 64;
 
 /// What an act has come to.
-enum Did {
+pub(super) enum Did {
     Done,
     /// Not yet; ask again next tick.
     Wait,
@@ -35,34 +38,40 @@ enum Did {
 impl Controller {
     /// Opens a run of the text and starts it.
     pub(super) fn open_run(&mut self, source: Arc<Source>, mdi: bool) {
-        let settings = self.nc_settings();
+        let settings = nc::Settings { axes: self.axes.fitted(), ..nc_settings(self.kind, &self.params) };
         // A program begins from the power-on state of the codes; MDI goes on from its last line.
         let kept = self.mdi_modals.take().filter(|_| mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
-        self.frames.active = usize::from(modals.frame.saturating_sub(54)).min(super::frames::WORK_FRAMES - 1);
-        let start = (self.memory.clone(), self.frames.clone(), self.axes.set());
+        self.frames.activate(modals.frame);
+        let mut planned = Planned::new(self.frames.clone(), self.axes.set(), self.dress.points, modals.path);
+        planned.oscillating = self.oscillating_axis();
+        planned.homed = self.axes.all_homed();
+        let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
         run.mdi = mdi;
         // The planner remembers what it has finished, runs gone by included.
         run.next_tag = self.axes.path.finished_tag().map_or(1, |tag| tag + 1);
-        self.axes.give_to_path();
         self.run = Some(Box::new(run));
-        self.cycle = Cycle::Running;
+        self.happen(Event::Start);
     }
 
     /// One tick of the run.
     pub(super) fn step_run(&mut self) {
         let Some(mut run) = self.run.take() else { return };
+        if matches!(self.phase, Phase::Running) && !self.join_axes(&mut run) {
+            self.run = Some(run);
+            return;
+        }
         self.stretch_dwell(&mut run);
         self.retire(&mut run);
         let mut close = false;
-        if matches!(self.cycle, Cycle::Running) {
+        if matches!(self.phase, Phase::Running) {
             close = self.carry_out(&mut run);
         }
-        if run.splitting && matches!(self.cycle, Cycle::Running) {
+        if run.splitting && matches!(self.phase, Phase::Running) {
             self.take_back_moves(&mut run);
-        } else if matches!(self.cycle, Cycle::Running) && !close {
+        } else if matches!(self.phase, Phase::Running) && !close {
             self.feed(&mut run);
             self.read_ahead(&mut run);
             self.feed(&mut run);
@@ -70,14 +79,14 @@ impl Controller {
         self.run = Some(run);
         if close {
             self.close_run();
-            self.cycle = Cycle::Idle;
+            self.happen(Event::Finish);
         }
     }
 
-    /// A dwell does not run on while the program is held.
+    /// A dwell does not run on while the program is held, or comes back from a hold.
     fn stretch_dwell(&self, run: &mut Run) {
         if let Doing::Dwell { until } = &mut run.doing
-            && !matches!(self.cycle, Cycle::Running)
+            && (!matches!(self.phase, Phase::Running) || matches!(run.items.front(), Some(Item::Move(_))))
         {
             *until = *until + self.tick;
         }
@@ -130,10 +139,10 @@ impl Controller {
                 }
             }
             if matches!(did, Did::Stop) {
-                self.cycle = Cycle::Stopped;
+                self.happen(Event::Stop);
                 return false;
             }
-            if !matches!(self.cycle, Cycle::Running) {
+            if !matches!(self.phase, Phase::Running) {
                 return false;
             }
         }
@@ -151,18 +160,19 @@ impl Controller {
                 self.write_system(*number, *value);
                 Did::Done
             }
+            Act::Preset(values) => self.preset(run, values),
             Act::Frames(frames) => {
                 self.put_frames(frames);
                 Did::Done
             }
-            Act::Machine(row, s) => self.m_code(run, row, *s),
+            Act::Machine(call) => self.m_code(run, *call),
+            Act::Gauge(asked) => self.gauge(run, asked),
+            Act::Oscillate(stroke) => self.oscillate(run, *stroke),
+            Act::Cylinder(on) => self.cylinder(*on),
             Act::Dwell(seconds) => self.dwell(run, *seconds),
+            Act::Wheel(..) if self.switches.mst_lock => Did::Done,
             Act::Wheel(value, mode) => {
-                if *mode == SpeedMode::Rpm {
-                    self.wheel_rpm = *value;
-                } else {
-                    self.refuse(Said::new("线速度 S 需要砂轮直径数据", "S in m/s or m/min needs the wheel's diameter"));
-                }
+                self.set_wheel_speed(*value, *mode);
                 Did::Done
             }
             Act::Skip(planned, signal) => self.skip(run, planned, *signal),
@@ -185,8 +195,58 @@ impl Controller {
         }
     }
 
+    fn oscillate(&mut self, run: &mut Run, stroke: Stroke) -> Did {
+        match self.is_settled(run) {
+            Some(true) => {
+                self.begin_oscillation(stroke);
+                Did::Done
+            }
+            Some(false) | None => Did::Wait,
+        }
+    }
+
+    /// G35 with a cylinder, and G36: the stroke ends at its starting end, then the next block runs (K4.3).
+    fn cylinder(&mut self, on: bool) -> Did {
+        let done = if on {
+            matches!(self.ask(Request::CylinderOn), Answer::Taken | Answer::NoEffect(_))
+        } else {
+            self.axes.is_at_rest() && self.end_oscillation()
+        };
+        if done { Did::Done } else { Did::Wait }
+    }
+
+    /// G50: what the present position is called, once the machine stands there.
+    fn preset(&mut self, run: &mut Run, values: &PerAxis<Option<f64>>) -> Did {
+        match self.is_settled(run) {
+            Some(true) => {
+                let mut frames = self.frames.clone();
+                frames.preset(self.axes.set(), values);
+                self.put_frames(&frames);
+                run.planned.frames = Arc::new(frames);
+                Did::Done
+            }
+            Some(false) | None => Did::Wait,
+        }
+    }
+
+    /// S: revolutions, or the speed of the wheel's rim by its diameter P77.
+    fn set_wheel_speed(&mut self, value: f64, mode: SpeedMode) {
+        let girth_m = std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER) / 1_000.0;
+        self.wheel_rpm = match mode {
+            SpeedMode::Rpm => value,
+            SpeedMode::MetresPerSecond => value * MINUTE / girth_m,
+            SpeedMode::SurfaceSpeed => value / girth_m,
+        };
+        if self.output_set.has(Output::Wheel) && self.wheel_rpm_given() < self.commanded_wheel_rpm() {
+            self.refuse(Said::new(
+                "S 超过砂轮额定线速度，按额定转速运行 (P77 P79)",
+                "S exceeds the wheel's rating: it runs at the rating (P77, P79)",
+            ));
+        }
+    }
+
     /// Whether all motion is over and the axes stand in position; `None` after the time-out, with the alarm raised.
-    fn is_settled(&mut self, run: &mut Run) -> Option<bool> {
+    pub(super) fn is_settled(&mut self, run: &mut Run) -> Option<bool> {
         if !self.axes.is_at_rest() {
             return Some(false);
         }
@@ -201,55 +261,69 @@ impl Controller {
         Some(false)
     }
 
-    fn m_code(&mut self, run: &mut Run, row: &'static MCode, s: Option<f64>) -> Did {
-        match row.action {
-            Action::Flow => Did::Done,
-            Action::Count => {
-                self.count_part();
-                Did::Done
-            }
+    fn m_code(&mut self, run: &mut Run, call: MCall) -> Did {
+        if let Some(request) = call.request() {
+            return self.m_request(run, call, request);
+        }
+        match call.row.action {
             Action::OptionalStop if !self.switches.optional_stop => Did::Done,
             Action::Pause | Action::OptionalStop => match self.is_settled(run) {
                 Some(true) => Did::Stop,
                 Some(false) | None => Did::Wait,
             },
+            Action::Count => {
+                self.count_part();
+                Did::Done
+            }
             Action::End => match self.is_settled(run) {
                 Some(true) => {
-                    self.machine.program_end(&self.params);
-                    if self.params.bit(param::COUNT_ON_M30) {
-                        self.count_part();
-                    }
+                    self.end_program(run.mdi);
                     Did::Close
                 }
                 Some(false) | None => Did::Wait,
             },
+            Action::AwaitInput(_) if self.switches.mst_lock => Did::Done,
             Action::AwaitInput(input) => self.await_input(run, input),
-            Action::Ask(request) if run.doing == Doing::Settling => {
-                if self.machine.is_settled(request) {
-                    Did::Done
-                } else {
-                    Did::Wait
-                }
+            Action::Flow | Action::Ask(_) | Action::Port(_) | Action::Pulse => Did::Done,
+        }
+    }
+
+    /// M30 (K3.14, K5.17).
+    fn end_program(&mut self, mdi: bool) {
+        self.machine.program_end(&self.params);
+        if self.params.bit(param::COUNT_ON_M30) {
+            self.count_part();
+        }
+        let Switches { machine_lock, mst_lock, dry_run, .. } = self.switches;
+        let really = !mdi && !machine_lock && !mst_lock && !dry_run;
+        if really && self.params.bit(param::WHEEL_UNDRESSED) && self.around().dressing {
+            self.keep_param(param::WHEEL_UNDRESSED.address(), 0.0);
+        }
+    }
+
+    fn m_request(&mut self, run: &mut Run, call: MCall, request: Request) -> Did {
+        if run.doing == Doing::Settling {
+            return if self.machine.is_settled(request) { Did::Done } else { Did::Wait };
+        }
+        if self.switches.mst_lock {
+            return Did::Done;
+        }
+        let answer = self.ask(request);
+        if let (Some(rpm), Answer::Taken, Request::DriveHigh | Request::DriveLow) = (call.s, answer, request) {
+            self.analog_2_rpm = rpm; // K3.4: M63 S
+        }
+        match answer {
+            Answer::Taken if call.row.waits => {
+                run.doing = Doing::Settling;
+                if self.machine.is_settled(request) { Did::Done } else { Did::Wait }
             }
-            Action::Ask(request) => {
-                let answer = self.ask(request);
-                if let (Some(rpm), Answer::Taken, Request::DriveHigh) = (s, answer, request) {
-                    self.analog_2_rpm = rpm; // K3.4: M63 S
-                }
-                match answer {
-                    Answer::Taken if row.waits => {
-                        run.doing = Doing::Settling;
-                        if self.machine.is_settled(request) { Did::Done } else { Did::Wait }
-                    }
-                    Answer::Taken | Answer::NoEffect(_) => Did::Done,
-                    // The block waits as in a feed hold; cycle start asks again.
-                    Answer::Denied(_) => {
-                        self.cycle = Cycle::Holding;
-                        Did::Wait
-                    }
-                    Answer::Refused(..) => Did::Wait,
-                }
+            Answer::Taken | Answer::NoEffect(_) => Did::Done,
+            // The block waits as in a feed hold; cycle start asks again.
+            Answer::Denied(_) => {
+                self.happen(Event::Hold);
+                Did::Wait
             }
+            Answer::Refused(..) => Did::Wait,
         }
     }
 
@@ -259,8 +333,12 @@ impl Controller {
             return Did::Done;
         }
         if run.doing == Doing::Nothing {
-            run.doing = Doing::AwaitInput(input);
             let (name, port) = (input.name(), self.params.input_port(input));
+            if port == 0 {
+                self.raise(alarm::INPUT_MISSING, Some(name.into()));
+                return Did::Wait;
+            }
+            run.doing = Doing::AwaitInput(input);
             let what =
                 Said::new(format!("等待{}，输入口 {port}", name.zh), format!("waiting for {}, port {port}", name.en));
             self.say(what.clone());
@@ -284,8 +362,6 @@ impl Controller {
 
     /// G31: the position is latched in the tick of the edge, then the axes brake.
     fn skip(&mut self, run: &mut Run, planned: &PlannedMove, signal: u8) -> Did {
-        const SIGNALS: [Input; 6] =
-            [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
         let input = SIGNALS[usize::from(signal.clamp(1, 6)) - 1];
         match run.doing {
             Doing::Nothing | Doing::Settling | Doing::Dwell { .. } | Doing::AwaitInput(_) => {
@@ -334,7 +410,10 @@ impl Controller {
                     if self.axes.path.room() == 0 {
                         return;
                     }
-                    let Some(rate) = planned.speed.rate(self.drive_rpm(), self.params.get(param::FEED_MAX)) else {
+                    let dry = self.switches.dry_run && planned.speed != Speed::Rapid;
+                    let speed =
+                        if dry { Speed::PerMinute(self.params.get(param::DRY_RUN_FEED)) } else { planned.speed };
+                    let Some(rate) = speed.rate(self.drive_rpm(), self.params.get(param::FEED_MAX)) else {
                         // The front of the queue only: what comes before it may start the drive.
                         if run.fed == 0 {
                             self.no_drive();
@@ -353,7 +432,11 @@ impl Controller {
                 Item::Do(Act::Set(..) | Act::Frames(_) | Act::Wheel(..)) | Item::Begin(_) | Item::End => {}
                 Item::Do(
                     Act::SetSystem(..)
+                    | Act::Preset(_)
                     | Act::Machine(..)
+                    | Act::Gauge(_)
+                    | Act::Oscillate(_)
+                    | Act::Cylinder(_)
                     | Act::Dwell(_)
                     | Act::Skip(..)
                     | Act::Alarm(..)
@@ -401,28 +484,47 @@ impl Controller {
         let at = run.block.at;
         let place =
             Said::new(format!("O{:04} 第{}行", at.program, at.line), format!("O{:04} line {}", at.program, at.line));
-        let (number, cause) = match *forbidden {
+        let number = match forbidden {
+            Forbidden::SoftLimit(..) => alarm::SOFT_LIMIT,
+            Forbidden::NotHomed => alarm::NOT_HOMED,
+            Forbidden::Oscillating(_) => alarm::OSCILLATING_AXIS,
+            Forbidden::NoStroke(_) => alarm::OSCILLATION,
+            Forbidden::NoDressPoint(_) => alarm::NO_DRESS_POINT,
+            Forbidden::NotYet(_) => alarm::M_NOT_YET,
+        };
+        let cause = self.forbidden(forbidden);
+        let said = Said::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
+        run.items.push_back(Item::Do(Act::Alarm(number, said, at)));
+    }
+
+    /// What may not be done, in words.
+    pub(super) fn forbidden(&self, forbidden: &Forbidden) -> Said {
+        match *forbidden {
             Forbidden::SoftLimit(axis, to, limit) => {
                 let factor = self.displayed_per_mm(axis);
                 let (to, limit) = (to * factor, limit * factor);
-                (
-                    alarm::SOFT_LIMIT,
-                    Said::new(
-                        format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
-                        format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
-                    ),
+                Said::new(
+                    format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
+                    format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
                 )
             }
-            Forbidden::NotYet(code) => (
-                alarm::M_NOT_YET,
-                Said::new(
-                    format!("M{code:02} 在本版本中还没有"),
-                    format!("M{code:02} is not available in this version"),
-                ),
+            Forbidden::NotHomed => Said::new("先回零", "home the axes first"),
+            Forbidden::Oscillating(axis) => Said::new(
+                format!("{axis} 轴在振荡中，先用 G36 关闭"),
+                format!("{axis} oscillates: end it with G36 first"),
             ),
-        };
-        let said = Said::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
-        run.items.push_back(Item::Do(Act::Alarm(number, said, at)));
+            Forbidden::NoStroke(axis) => Said::new(
+                format!("{axis} 轴没有振荡行程，或未回零"),
+                format!("{axis} has no stroke to oscillate, or is not homed"),
+            ),
+            Forbidden::NoDressPoint(axis) => {
+                Said::new(format!("{axis} 轴没有设置修整点"), format!("{axis} has no dressing point"))
+            }
+            Forbidden::NotYet(code) => Said::new(
+                format!("M{code:02} 在本版本中还没有"),
+                format!("M{code:02} is not available in this version"),
+            ),
+        }
     }
 
     /// Overrides as factors of this tick.
@@ -444,7 +546,7 @@ impl Controller {
     }
 
     fn put_frames(&mut self, frames: &super::Frames) {
-        for number in 1..=super::frames::OFFSETS {
+        for number in 1..=crate::nc::frames::OFFSETS {
             let (geometry, wear) = (frames.geometry[number - 1], frames.wear[number - 1]);
             if wear != self.frames.wear[number - 1] {
                 self.effects.push(Effect::Offset { number, geometry, wear });
@@ -459,7 +561,7 @@ impl Controller {
     }
 
     /// Once the axes stand, the moves handed over go back to the run, which then gives out one block at a time.
-    fn take_back_moves(&mut self, run: &mut Run) {
+    pub(super) fn take_back_moves(&mut self, run: &mut Run) {
         if !self.axes.path.is_at_rest() {
             return;
         }

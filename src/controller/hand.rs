@@ -19,8 +19,8 @@ pub struct Hand {
     pub axis: Axis,
     /// Step of a detent, mm as displayed.
     pub step_mm: f64,
-    /// Where each axis is being led by detents and steps.
-    target: PerAxis<Option<f64>>,
+    /// Where each axis is being led, and how fast at most, mm/s; detents and steps at P67.
+    target: PerAxis<Option<(f64, Option<f64>)>>,
 }
 
 /// What limits the hand in this tick.
@@ -61,6 +61,12 @@ impl Hand {
         self.jog[axis] = None;
     }
 
+    /// Whether an axis is led or a jog key is down: movement that may not have begun yet.
+    #[must_use]
+    pub fn is_leading(&self) -> bool {
+        self.jog.iter().any(|(_, jog)| jog.is_some()) || self.target.iter().any(|(_, target)| target.is_some())
+    }
+
     /// Lets go of everything.
     pub fn let_go(&mut self) {
         self.jog = PerAxis::default();
@@ -69,13 +75,18 @@ impl Hand {
 
     /// Leads an axis on by `distance` mm of slide travel.
     pub fn nudge(&mut self, axis: Axis, distance: f64, axes: &Axes, params: &Params) {
-        let from = self.target[axis].unwrap_or(axes.set()[axis]);
+        let from = self.target[axis].map_or(axes.set()[axis], |(target, _)| target);
         let mut to = from + distance;
         if axes.is_homed(axis) {
             let (low, high) = super::axes::soft_limits(params, axis);
             to = to.clamp(low, high);
         }
-        self.target[axis] = Some(to);
+        self.target[axis] = Some((to, None));
+    }
+
+    /// Leads an axis to a machine coordinate, mm/s at most. The soft limits hold it all the same.
+    pub fn lead(&mut self, axis: Axis, to: f64, speed_mm_s: f64) {
+        self.target[axis] = Some((to, Some(speed_mm_s)));
     }
 
     /// One tick: tells the movers where to go. Returns whether a jog key was let go for silence.
@@ -94,8 +105,13 @@ impl Hand {
                 (Some((direction, _)), _) if mode == Mode::Manual => {
                     mover.velocity_target(direction * self.speed(axis, direction, params, limits));
                 }
-                (_, Some(target)) => {
-                    mover.position_target(target, params.get(param::HANDWHEEL_SPEED) / MINUTE);
+                (_, Some((target, speed))) => {
+                    // A led axis follows the feed override as a jog does.
+                    let speed = speed.map(|speed| speed * limits.feed);
+                    let speed = speed.unwrap_or(params.get(param::HANDWHEEL_SPEED) / MINUTE);
+                    let slow = limits.slow == Some(axis) && target < mover.position();
+                    let most = if slow { params.get(param::WHEEL_ON_SPEED) / MINUTE } else { f64::INFINITY };
+                    mover.position_target(target, speed.min(most));
                     if mover.is_at_rest() {
                         self.target[axis] = None;
                     }

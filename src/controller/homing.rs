@@ -58,7 +58,7 @@ pub enum Progress {
 
 /// The homing of one axis.
 #[derive(Clone, Debug)]
-pub struct Homing {
+pub struct AxisHoming {
     /// The axis.
     pub axis: Axis,
     plan: HomingPlan,
@@ -69,7 +69,7 @@ pub struct Homing {
     quiet: u32,
 }
 
-impl Homing {
+impl AxisHoming {
     /// Begins with the next tick.
     #[must_use]
     pub const fn new(axis: Axis, plan: HomingPlan) -> Self {

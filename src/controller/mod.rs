@@ -6,26 +6,40 @@
 
 mod alarms;
 pub mod axes;
+mod by_hand;
+mod commands;
+mod cycle;
+mod dress;
+mod edits;
 mod effect;
 mod executor;
 mod filter;
-mod frames;
+mod gauge;
 mod hand;
+mod hold;
 mod homing;
 mod keys;
 mod library;
+mod mdi;
+mod offsets;
+mod oscillation;
+mod page_files;
+mod pages;
 mod run;
+mod settle;
 mod status;
+mod switches;
 mod system;
+mod watch;
+mod wheel_change;
 
 pub use alarms::Alarms;
 pub use effect::Effect;
-pub use frames::Frames;
 pub use library::{Program, Programs};
+pub use system::nc_settings;
 
 use std::sync::Arc;
 
-use crate::defs::alarm::{self, Reaction};
 use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
@@ -36,13 +50,17 @@ use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
 use crate::link::snapshot::{DirectoryRow, Message, Tone};
 use crate::machine::kind::KindRow;
-use crate::machine::{Around, Finding, Machine};
+use crate::machine::{Machine, phase};
+pub use crate::nc::Frames;
 use crate::nc::{Memory, Modals, Place};
 use crate::units::{Axis, Micros, PerAxis};
 use axes::Axes;
+use dress::Dress;
 use filter::Filter;
 use hand::Hand;
-use homing::Homing;
+use homing::AxisHoming;
+use oscillation::Oscillation;
+use pages::Pages;
 use run::Run;
 
 /// mm/min to mm/s.
@@ -52,25 +70,17 @@ const FULL_SCALE_VOLTS: f64 = 10.0;
 /// Most wishes to the disk kept between two calls of [`Controller::drain_effects`].
 const EFFECTS: usize = 256;
 
-/// Where the control stands in its work.
-#[derive(Debug)]
-enum Cycle {
-    Idle,
-    Running,
-    /// Feed hold, still braking.
-    Holding,
-    /// Feed hold, at rest.
-    Held,
-    /// M00, M01, a message or the end of a single block.
-    Stopped,
-    /// Reset or an alarm: braking, then the run is left.
-    Aborting,
-    /// Homing; the axes still to come after this one.
-    Homing {
-        now: Homing,
-        next: PerAxis<bool>,
-    },
+/// Homing under way: this axis, and those still to come.
+#[derive(Clone, Debug)]
+struct Homing {
+    now: AxisHoming,
+    next: PerAxis<bool>,
 }
+
+/// Where the control stands in its work.
+type Phase = phase::Phase<Homing>;
+/// What happens to it.
+type Event = phase::Event<Homing>;
 
 /// The switches of the panel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -78,6 +88,9 @@ struct Switches {
     single_block: bool,
     block_skip: bool,
     optional_stop: bool,
+    machine_lock: bool,
+    mst_lock: bool,
+    dry_run: bool,
 }
 
 /// Overrides in percent.
@@ -97,6 +110,8 @@ pub struct Retained {
     pub variables: Memory,
     /// Work frames and tool offsets.
     pub frames: Frames,
+    /// Dressing points that have been set, machine coordinates, radius mm (K4.2).
+    pub dress_points: PerAxis<Option<f64>>,
     /// Number of the current program, 0 none.
     pub current_program: u32,
     /// Workpieces counted.
@@ -111,6 +126,7 @@ impl Retained {
             params: Params::factory(kind),
             variables: Memory::default(),
             frames: Frames::default(),
+            dress_points: PerAxis::default(),
             current_program: 0,
             parts: 0,
         }
@@ -127,16 +143,20 @@ pub struct Controller {
     filter: Filter,
     inputs: InputSet,
     raw: InputSet,
+    /// Inputs of the tick before, for edges.
+    last_inputs: InputSet,
     machine: Machine,
     axes: Axes,
     hand: Hand,
-    cycle: Cycle,
+    oscillation: Option<Oscillation>,
+    phase: Phase,
     run: Option<Box<Run>>,
     mode: Mode,
     page: Page,
     switches: Switches,
     overrides: Overrides,
     frames: Frames,
+    dress: Dress,
     memory: Memory,
     programs: Arc<Programs>,
     current: u32,
@@ -149,6 +169,8 @@ pub struct Controller {
     effects: Vec<Effect>,
     outputs: OutputImage,
     output_set: OutputSet,
+    /// Outputs that share their port or have none.
+    dead_outputs: OutputSet,
     /// The mushroom on the screen is in.
     soft_e_stop: bool,
     drives_on: bool,
@@ -156,6 +178,7 @@ pub struct Controller {
     analog_2_rpm: f64,
     relative_zero: PerAxis<f64>,
     skip_position: PerAxis<f64>,
+    gauge_found: gauge::Found,
     parts: u32,
     cycle_time: Micros,
     /// Blocks executed since power-on.
@@ -167,15 +190,17 @@ pub struct Controller {
     limits: u8,
     /// What is modal in MDI, from line to line.
     mdi_modals: Option<Modals>,
+    pages: Pages,
+    edits: edits::Edits,
 }
 
 impl Controller {
-    /// A control at power-on. `None` if this version does not drive the kind.
+    /// A control at power-on.
     #[must_use]
-    pub fn new(kind: Kind, retained: Retained, image: InputImage, now: Micros) -> Option<Self> {
-        let row = crate::machine::kind::find(kind)?;
+    pub fn new(kind: Kind, retained: Retained, image: InputImage, now: Micros) -> Self {
+        let row = crate::machine::kind::find(kind);
         let params = retained.params;
-        Some(Self {
+        let mut control = Self {
             kind,
             row,
             now,
@@ -183,16 +208,19 @@ impl Controller {
             filter: Filter::new(&params, image.terminals),
             inputs: InputSet::NONE,
             raw: InputSet::NONE,
+            last_inputs: InputSet::NONE,
             machine: Machine::new(row, now),
             axes: Axes::new(&params, row, &image),
             hand: Hand::default(),
-            cycle: Cycle::Idle,
+            oscillation: None,
+            phase: Phase::Idle,
             run: None,
             mode: Mode::Manual,
             page: Page::Position,
             switches: Switches::default(),
             overrides: Overrides { feed: 100, rapid: 100, spindle: 100 },
             frames: retained.frames,
+            dress: Dress::new(retained.dress_points),
             memory: retained.variables,
             programs: Arc::default(),
             current: retained.current_program,
@@ -205,12 +233,14 @@ impl Controller {
             effects: Vec::with_capacity(EFFECTS),
             outputs: OutputImage::default(),
             output_set: OutputSet::NONE,
+            dead_outputs: OutputSet::NONE,
             soft_e_stop: false,
             drives_on: true,
             wheel_rpm: params.get(param::WHEEL_RPM),
             analog_2_rpm: 0.0,
             relative_zero: PerAxis::default(),
             skip_position: PerAxis::default(),
+            gauge_found: gauge::Found::default(),
             parts: retained.parts,
             cycle_time: Micros::ZERO,
             blocks: 0,
@@ -218,8 +248,12 @@ impl Controller {
             tick: Micros(params.get(param::TICK_TIME) as u64),
             limits: 0,
             mdi_modals: None,
+            pages: Pages::new(kind, &params),
+            edits: edits::Edits::default(),
             params,
-        })
+        };
+        control.find_dead_outputs();
+        control
     }
 
     /// Puts the control where a headless run begins (tools.md T3): homed with the encoders' zero at `encoder_zero_mm`
@@ -236,6 +270,7 @@ impl Controller {
     /// One tick. `now` grows by the tick time from call to call.
     pub fn tick(&mut self, now: Micros, image: &InputImage, commands: &[Command]) -> &OutputImage {
         self.now = now;
+        self.alarms.at(now);
         self.read_inputs(image);
         for command in commands {
             self.take(command);
@@ -243,6 +278,7 @@ impl Controller {
         self.watch();
         self.step_run();
         self.step_hand();
+        self.step_oscillation();
         let rate = self.rate();
         self.axes.tick(rate);
         self.settle();
@@ -254,187 +290,14 @@ impl Controller {
         self.image = *image;
         self.raw = self.filter.unfiltered(image.terminals);
         self.inputs = self.filter.tick(image.terminals);
-        if self.soft_e_stop {
+        // The emergency stop acts at its first edge; only letting it go is filtered.
+        if self.soft_e_stop || self.raw.has(Input::EmergencyStop) {
             self.inputs.set(Input::EmergencyStop, true);
         }
         self.axes.read(image);
         if image.handwheel_detents != 0 {
             self.turn_handwheel(image.handwheel_detents);
         }
-    }
-
-    /// Machine logic, and what the control watches itself.
-    fn watch(&mut self) {
-        let around = Around {
-            run_open: self.run.is_some(),
-            homed: self.axes.all_homed(),
-            alarm_blocks: self.alarms.block_start(),
-            drives_off: !self.drives_on,
-            oscillating: false,
-        };
-        for finding in self.machine.tick(self.now, self.inputs, &self.params, around).into_iter().flatten() {
-            match finding {
-                Finding::Alarm { number, stopped } => {
-                    self.raise(number, None);
-                    if stopped && alarm::reaction(number) == Reaction::BlockStart {
-                        self.abort_run();
-                    }
-                }
-                Finding::Gone(number) => self.alarms.clear(number),
-            }
-        }
-        self.watch_axes();
-        self.watch_screen();
-    }
-
-    fn watch_axes(&mut self) {
-        if !self.image.bus_alive {
-            self.raise(alarm::BUS_LOST, None);
-        }
-        let drives = [Input::DriveX, Input::DriveY, Input::DriveZ];
-        let limits = [
-            (Input::LimitXPlus, Input::LimitXMinus),
-            (Input::LimitYPlus, Input::LimitYMinus),
-            (Input::LimitZPlus, Input::LimitZMinus),
-        ];
-        for axis in self.axes.present() {
-            let name = || Some(Said::new(axis.to_string(), axis.to_string()));
-            if self.inputs.has(drives[axis as usize]) {
-                self.raise(alarm::DRIVE_FAULT, name());
-                self.axes.forget_zero();
-            }
-            let (plus, minus) = limits[axis as usize];
-            for (bit, switch) in [(0, plus), (1, minus)] {
-                let mask = 1 << (2 * axis as u8 + bit);
-                let pressed = self.inputs.has(switch);
-                // The edge counts: after RESET the axis must be able to leave the switch.
-                if pressed && self.limits & mask == 0 {
-                    self.alarms.clear(alarm::HARD_LIMIT);
-                    self.raise(alarm::HARD_LIMIT, name());
-                    self.axes.forget_zero();
-                }
-                if pressed { self.limits |= mask } else { self.limits &= !mask }
-            }
-        }
-        if let Some(axis) = self.axes.lost(&self.params)
-            && self.drives_on
-        {
-            self.raise(alarm::FOLLOWING_ERROR, Some(Said::new(axis.to_string(), axis.to_string())));
-            self.axes.forget_zero();
-        }
-    }
-
-    fn watch_screen(&mut self) {
-        let silence = Micros::from_millis_f64(self.params.get(param::HMI_KEEP_ALIVE));
-        if let Some(heard) = self.screen_heard
-            && self.now.since(heard) > silence
-        {
-            self.raise(alarm::HMI_LOST, None);
-            self.screen_heard = None;
-        }
-    }
-
-    /// Raises an alarm and carries out its reaction.
-    fn raise(&mut self, number: u16, detail: Option<Said>) {
-        if self.alarms.has(number) {
-            return;
-        }
-        let running = !matches!(self.cycle, Cycle::Idle | Cycle::Homing { .. });
-        let place = running.then_some((self.place.program, self.place.line));
-        self.alarms.raise(number, detail, self.now, place);
-        match alarm::reaction(number) {
-            Reaction::Show | Reaction::BlockStart => {}
-            Reaction::StopProgram => self.abort_run(),
-            Reaction::StopProgramAndWheel => {
-                self.machine.stop_wheel_and_drive();
-                self.abort_run();
-            }
-            Reaction::StopAll => {
-                self.machine.safe_stop();
-                self.abort_run();
-                self.drives_on = false;
-            }
-        }
-    }
-
-    /// Brakes whatever moves; the run is left once the axes stand.
-    fn abort_run(&mut self) {
-        self.hand.let_go();
-        self.waiting_for = None;
-        match self.cycle {
-            Cycle::Idle if self.axes.is_at_rest() => {}
-            Cycle::Aborting => {}
-            Cycle::Idle | Cycle::Running | Cycle::Holding | Cycle::Held | Cycle::Stopped | Cycle::Homing { .. } => {
-                self.axes.brake();
-                self.cycle = Cycle::Aborting;
-            }
-        }
-    }
-
-    /// Drives, and the end of braking.
-    fn settle(&mut self) {
-        let rest = self.axes.is_at_rest();
-        match self.cycle {
-            Cycle::Holding if rest => self.cycle = Cycle::Held,
-            Cycle::Aborting if rest => {
-                self.close_run();
-                self.cycle = Cycle::Idle;
-            }
-            Cycle::Idle
-            | Cycle::Running
-            | Cycle::Holding
-            | Cycle::Held
-            | Cycle::Stopped
-            | Cycle::Aborting
-            | Cycle::Homing { .. } => {}
-        }
-        self.axes.set_drives(self.drives_on);
-        if !self.drives_on && rest {
-            self.axes.follow_actual();
-        }
-    }
-
-    /// Leaves the run: what was read ahead and not executed is forgotten.
-    fn close_run(&mut self) {
-        if let Some(run) = self.run.take() {
-            self.cycle_time = self.now.since(run.since);
-            self.mdi_modals = run.mdi.then(|| *run.interpreter.modals());
-        }
-        self.waiting_for = None;
-        self.axes.give_to_hand();
-    }
-
-    fn write_outputs(&mut self) {
-        let mut on = self.machine.outputs();
-        on.set(Output::TowerRed, self.alarms.block_start());
-        on.set(Output::TowerGreen, matches!(self.cycle, Cycle::Running | Cycle::Homing { .. }));
-        let waits = matches!(self.cycle, Cycle::Holding | Cycle::Held | Cycle::Stopped);
-        on.set(Output::TowerYellow, waits);
-        self.output_set = on;
-        self.outputs.terminals = crate::defs::signal::Terminals::default();
-        for output in on.iter() {
-            self.outputs.terminals.set(self.params.output_port(output), true);
-        }
-        let volts = |rpm: f64, most: f64| (FULL_SCALE_VOLTS * rpm / most).clamp(0.0, FULL_SCALE_VOLTS);
-        let wheel = self.wheel_rpm * f64::from(self.overrides.spindle) / 100.0;
-        let wheel = if on.has(Output::Wheel) { wheel } else { 0.0 };
-        self.outputs.wheel_volts = volts(wheel, self.params.get(param::WHEEL_RPM_MAX));
-        let drive = if self.machine.drive_is_on() { self.analog_2_rpm } else { 0.0 };
-        self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));
-        // Braking needs the drives; nothing else moves without them.
-        self.outputs.drives_on = self.drives_on || matches!(self.cycle, Cycle::Aborting);
-        self.outputs.set_point_mm = self.axes.set_points(&self.params);
-    }
-
-    /// The terminals that stay as they are in the safe output image: what clamps, lubricates or shows. What turns or
-    /// flows is off (table after K3).
-    #[must_use]
-    pub fn kept_when_safe(&self) -> crate::defs::signal::Terminals {
-        let mut kept = crate::defs::signal::Terminals::default();
-        for output in crate::machine::KEPT_WHEN_SAFE {
-            kept.set(self.params.output_port(*output), true);
-        }
-        kept
     }
 
     /// Other programs are in the folder.
@@ -461,19 +324,57 @@ impl Controller {
         self.message = Message { text: text.into(), tone: Tone::Refused, since: self.now };
     }
 
+    /// A parameter that the control itself changes.
+    fn keep_param(&mut self, at: ParamAddress, value: f64) {
+        if self.params.write(at, value).is_ok() {
+            self.pages.show(&self.params);
+            self.effects.push(Effect::Param(at, value));
+        }
+    }
+
     fn set_param(&mut self, at: ParamAddress, value: f64) {
         if self.run.is_some() {
             return self.refuse(Said::new("运行中不能修改参数", "parameters are not changed while a program runs"));
         }
+        if self.is_in_use(at, value) {
+            return self.refuse(Said::new(
+                format!("{at}：该功能正在工作，先关闭再修改"),
+                format!("{at}: the function is on; switch it off before this is changed"),
+            ));
+        }
         match self.params.write(at, value) {
             Ok(()) => {
                 self.effects.push(Effect::Param(at, value));
+                self.pages.show(&self.params);
                 self.filter.configure(&self.params);
                 self.axes.configure(&self.params);
+                self.find_dead_outputs();
                 self.say(Said::new(format!("{at} = {value}"), format!("{at} = {value}")));
             }
-            Err(error) => self.refuse(Said::new(format!("{at} 超出范围或不存在：{error}"), error.to_string())),
+            Err(error) => self.refuse(Said::new(error.zh(), error.to_string())),
         }
+    }
+
+    /// Whether a change would drop an output that is on, raise another function's terminal, take a switch from under
+    /// something that turns, or leave a clamped part without its key.
+    fn is_in_use(&self, at: ParamAddress, value: f64) -> bool {
+        let on = |output: Output| self.output_set.has(output);
+        if at == param::TAILSTOCK_ENABLED.address() {
+            return on(Output::Tailstock);
+        }
+        if at == param::MAGNET_ENABLED.address() {
+            return on(Output::Magnetise) || on(Output::Demagnetise);
+        }
+        if at.bit.is_some() {
+            return false;
+        }
+        let turns = on(Output::Wheel) || on(Output::SecondSpindle) || on(Output::SecondSpindleCcw);
+        if Input::ALL.iter().any(|input| input.port_param() == at.number) {
+            return turns || self.machine.drive_is_on();
+        }
+        let of = |output: &Output| output.port_param() == at.number && output.is_of(self.kind);
+        let port = value as u8; // cut: the range is checked when it is written
+        Output::ALL.iter().any(|output| of(output) && (on(*output) || self.outputs.terminals.level(port)))
     }
 
     /// X is programmed and shown as a diameter.

@@ -9,12 +9,16 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::axes::{MINUTE, soft_limits};
-use super::frames::Frames;
-use crate::defs::mcode::{self, MCode};
+use super::gauge::GaugeRun;
+use super::hold::Parted;
+use super::oscillation::{LEAST_STROKE_MM, Stroke};
+use crate::defs::mcode::{self, Action, MCode, Request};
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
 use crate::motion::{End, Plane, Rate, Shape, Turn};
-use crate::nc::{self, AxisSet, Block, Feed, Interpreter, Library, Memory, Op, PathMode, Place, Source, SpeedMode};
+use crate::nc::{
+    self, AxisSet, Block, Feed, Frames, Gauging, Interpreter, Library, Memory, Op, PathMode, Place, Source, SpeedMode,
+};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Most items read ahead.
@@ -33,6 +37,41 @@ pub struct PlannedMove {
     pub end: End,
     /// Mark in the path planner, once it is there.
     pub tag: Option<u32>,
+    /// The axes that the block names.
+    pub words: AxisSet,
+    /// Those of them that it names as distances.
+    pub incremental: AxisSet,
+}
+
+impl PlannedMove {
+    /// A move that ends at rest, not yet handed to the planner.
+    #[must_use]
+    pub const fn new(to: PerAxis<f64>, shape: Shape, speed: Speed, (words, incremental): Named) -> Self {
+        Self { to, shape, speed, end: End::ExactStop, tag: None, words, incremental }
+    }
+
+    /// Whether it stays within the soft limits from a place on: its end, and an arc where it bulges.
+    ///
+    /// # Errors
+    /// The axis, its place and the limit.
+    pub fn check(&self, from: PerAxis<f64>, params: &Params) -> Result<(), Forbidden> {
+        for axis in Axis::ALL {
+            if (self.to[axis] - from[axis]).abs() > 0.0 {
+                within(axis, self.to[axis], params)?;
+            }
+        }
+        let Shape::Arc { center, plane, turn } = self.shape else { return Ok(()) };
+        let (first, second, _) = plane.axes();
+        let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
+        for (axis, sign) in [(first, 1.0), (first, -1.0), (second, 1.0), (second, -1.0)] {
+            let mut summit = center;
+            summit[axis] += sign * radius;
+            if passes(from, self.to, center, (first, second), turn == Turn::Ccw, summit) {
+                within(axis, summit[axis], params)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// The speed of a move.
@@ -60,6 +99,37 @@ impl Speed {
     }
 }
 
+/// An M code with its words.
+#[derive(Clone, Copy, Debug)]
+pub struct MCall {
+    /// The code.
+    pub row: &'static MCode,
+    /// Speed, rpm (M63).
+    pub s: Option<f64>,
+    /// Port (M20 to M22); the reader has checked it.
+    pub p: u8,
+    /// Length of a pulse, ms (M20).
+    pub l_ms: u32,
+}
+
+impl MCall {
+    /// The change of the machine that the code asks for, if it asks for one.
+    #[must_use]
+    pub const fn request(&self) -> Option<Request> {
+        match self.row.action {
+            Action::Ask(request) => Some(request),
+            Action::Port(on) => Some(Request::Port(self.p, on)),
+            Action::Pulse => Some(Request::Pulse(self.p, self.l_ms)),
+            Action::Pause
+            | Action::OptionalStop
+            | Action::End
+            | Action::Count
+            | Action::AwaitInput(_)
+            | Action::Flow => None,
+        }
+    }
+}
+
 /// Something other than a move.
 #[derive(Clone, Debug)]
 pub enum Act {
@@ -67,10 +137,18 @@ pub enum Act {
     Set(u32, Option<f64>),
     /// A system variable is written.
     SetSystem(u32, Option<f64>),
+    /// G50: the position where the machine then stands is called so.
+    Preset(PerAxis<Option<f64>>),
     /// Other frames or offsets are in force from here on.
     Frames(Arc<Frames>),
     /// An M code.
-    Machine(&'static MCode, Option<f64>),
+    Machine(MCall),
+    /// G78, its end as a machine coordinate.
+    Gauge(Gauging),
+    /// G35 by servo.
+    Oscillate(Stroke),
+    /// G35 by cylinder (true), and G36 of either.
+    Cylinder(bool),
     /// Stand still, seconds.
     Dwell(f64),
     /// Wheel speed.
@@ -150,6 +228,10 @@ pub struct Run {
     pub splitting: bool,
     /// In-position wait of the item at the front.
     pub settle_since: Option<Micros>,
+    /// G78 under way.
+    pub gauging: Option<GaugeRun>,
+    /// The hand has the axes, in a hold.
+    pub parted: Option<Parted>,
 }
 
 /// Frames and position at the end of what has been read.
@@ -159,14 +241,31 @@ pub struct Planned {
     pub frames: Arc<Frames>,
     /// Machine position there.
     pub machine: PerAxis<f64>,
+    /// The dressing points; they do not change in a run.
+    pub dress_points: PerAxis<Option<f64>>,
+    /// The axis that oscillates there.
+    pub oscillating: Option<Axis>,
+    /// Every axis is homed.
+    pub homed: bool,
     path: PathMode,
 }
+
+/// The axes that a block names, and those of them that it names as distances.
+type Named = (AxisSet, AxisSet);
 
 /// What a move may not do.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Forbidden {
     /// Leave the soft limits: axis, target, limit, all machine coordinates in radius mm.
     SoftLimit(Axis, f64, f64),
+    /// Move before homing.
+    NotHomed,
+    /// Move an axis that oscillates, or oscillate a second one.
+    Oscillating(Axis),
+    /// Oscillate over no length, or an axis that is not homed.
+    NoStroke(Axis),
+    /// Return to a dressing point that was never set.
+    NoDressPoint(Axis),
     /// A code that this version does not have.
     NotYet(u8),
 }
@@ -178,11 +277,9 @@ impl Run {
         source: Arc<Source>,
         library: Arc<dyn Library + Send + Sync>,
         (settings, modals): (nc::Settings, nc::Modals),
-        start: (Memory, Frames, PerAxis<f64>),
+        (memory, planned): (Memory, Planned),
         now: Micros,
     ) -> Self {
-        let (memory, frames, machine) = start;
-        let path = modals.path;
         let block = Block::new(&settings);
         Self {
             interpreter: Interpreter::new(source, library, settings, memory).with_modals(modals),
@@ -190,13 +287,15 @@ impl Run {
             items: VecDeque::with_capacity(MOST_ITEMS + 64),
             fed: 0,
             next_tag: 1,
-            planned: Planned { frames: Arc::new(frames), machine, path },
+            planned,
             reading: Reading::Open,
             doing: Doing::Nothing,
             mdi: false,
             since: now,
             splitting: false,
             settle_since: None,
+            gauging: None,
+            parted: None,
         }
     }
 
@@ -233,57 +332,64 @@ impl Run {
 }
 
 impl Planned {
+    /// The beginning of a run.
+    #[must_use]
+    pub fn new(frames: Frames, machine: PerAxis<f64>, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
+        Self { frames: Arc::new(frames), machine, dress_points, oscillating: None, homed: true, path }
+    }
+
     /// Turns one operation into items.
     fn take(&mut self, op: &Op, at: Place, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
         let act = match op {
-            Op::Rapid { to, words, .. } => {
-                return self.line(*to, Speed::Rapid, *words, items, params);
+            Op::Rapid { to, words, incremental } => {
+                return self.line(*to, Speed::Rapid, (*words, *incremental), items, params);
             }
-            Op::Feed { to, feed, words, .. } => {
-                return self.line(*to, speed(*feed), *words, items, params);
+            Op::Feed { to, feed, words, incremental } => {
+                return self.line(*to, speed(*feed), (*words, *incremental), items, params);
             }
             Op::Arc { .. } => return self.arc(op, items, params),
             Op::MachineMove { to, feed } => {
+                let mut named = AxisSet::NONE;
+                to.iter().filter(|(_, to)| to.is_some()).for_each(|(axis, _)| named.insert(axis));
                 let target = PerAxis::from_fn(|axis| to[axis].unwrap_or(self.machine[axis]));
-                return self.push(target, Shape::Line, feed.map_or(Speed::Rapid, speed), items, params);
+                let speed = feed.map_or(Speed::Rapid, speed);
+                return self.push(PlannedMove::new(target, Shape::Line, speed, (named, AxisSet::NONE)), items, params);
             }
-            Op::Reference { via, words, .. } => {
-                self.line(*via, Speed::Rapid, *words, items, params)?;
+            Op::Reference { via, words, incremental } => {
+                self.line(*via, Speed::Rapid, (*words, *incremental), items, params)?;
                 let home = |axis: Axis| params.of_axis(param::HOME_X, axis);
                 let to = PerAxis::from_fn(|axis| if words.contains(axis) { home(axis) } else { self.machine[axis] });
-                return self.push(to, Shape::Line, Speed::Rapid, items, params);
+                let named = (*words, AxisSet::NONE);
+                return self.push(PlannedMove::new(to, Shape::Line, Speed::Rapid, named), items, params);
             }
-            Op::Skip { to, feed, signal, words, .. } => {
-                self.line(*to, speed(*feed), *words, items, params)?;
+            Op::Skip { to, feed, signal, words, incremental } => {
+                self.line(*to, speed(*feed), (*words, *incremental), items, params)?;
                 match items.pop_back() {
                     Some(Item::Move(planned)) => Act::Skip(Box::new(planned), *signal),
                     _ => return Ok(()),
                 }
             }
+            Op::AddWear { .. }
+            | Op::DressReturn { .. }
+            | Op::OscillationOn { .. }
+            | Op::OscillationOff
+            | Op::Gauge(_) => return self.take_grinding(op, items, params),
             Op::Path(mode) => {
                 self.path = *mode;
                 return Ok(());
             }
             Op::Frame { g } => {
-                let active = usize::from(g.saturating_sub(54)).min(super::frames::WORK_FRAMES - 1);
-                Arc::make_mut(&mut self.frames).active = active;
+                Arc::make_mut(&mut self.frames).activate(*g);
                 Act::Frames(Arc::clone(&self.frames))
             }
-            Op::Preset { values } => {
-                Arc::make_mut(&mut self.frames).preset(self.machine, values);
-                Act::Frames(Arc::clone(&self.frames))
-            }
+            Op::Preset { values } => Act::Preset(*values),
             Op::T { tool, offset } => {
-                let frames = Arc::make_mut(&mut self.frames);
-                if *tool != 0 {
-                    frames.tool = u32::from(*tool);
-                }
-                frames.offset = usize::from(*offset).min(super::frames::OFFSETS);
+                Arc::make_mut(&mut self.frames).call_tool(*tool, *offset);
                 Act::Frames(Arc::clone(&self.frames))
             }
-            Op::M { code, s, .. } => {
+            Op::M { code, s, p, l } => {
                 let row = mcode::find(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
-                Act::Machine(row, *s)
+                Act::Machine(MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 })
             }
             Op::S { value, mode } => Act::Wheel(*value, *mode),
             Op::SpeedLimit { .. } => return Ok(()),
@@ -297,17 +403,57 @@ impl Planned {
         Ok(())
     }
 
+    /// The grinding functions (K4).
+    fn take_grinding(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
+        let act = match op {
+            Op::AddWear { number, by } => {
+                Arc::make_mut(&mut self.frames).add_wear(*number, *by);
+                Act::Frames(Arc::clone(&self.frames))
+            }
+            Op::Gauge(gauging) => {
+                let mut asked = *gauging;
+                asked.to += self.frames.machine_minus_work(asked.axis);
+                if self.oscillating == Some(asked.axis) {
+                    return Err(Forbidden::Oscillating(asked.axis));
+                }
+                within(asked.axis, asked.to, params)?;
+                Act::Gauge(asked)
+            }
+            Op::OscillationOn { stroke: None, .. } => Act::Cylinder(true),
+            Op::OscillationOn { stroke: Some((axis, to)), ramp_ms, strokes_min } => {
+                let to = to + self.frames.machine_minus_work(*axis);
+                if self.oscillating.is_some() {
+                    return Err(Forbidden::Oscillating(*axis));
+                }
+                if (to - self.machine[*axis]).abs() < LEAST_STROKE_MM {
+                    return Err(Forbidden::NoStroke(*axis));
+                }
+                within(*axis, to, params)?;
+                self.oscillating = Some(*axis);
+                Act::Oscillate(Stroke { axis: *axis, to, ramp_ms: *ramp_ms, strokes_min: *strokes_min })
+            }
+            Op::OscillationOff => {
+                self.oscillating = None;
+                Act::Cylinder(false)
+            }
+            Op::DressReturn { axes, feed } => return self.dress_return(*axes, *feed, items, params),
+            _ => return Ok(()),
+        };
+        items.push_back(Item::Do(act));
+        Ok(())
+    }
+
     /// A straight line to a work coordinate.
     fn line(
         &mut self,
         to: PerAxis<f64>,
         speed: Speed,
-        words: AxisSet,
+        named: Named,
         items: &mut VecDeque<Item>,
         params: &Params,
     ) -> Result<(), Forbidden> {
-        let target = self.target(to, words);
-        self.push(target, Shape::Line, speed, items, params)
+        let target = self.target(to, named.0);
+        self.push(PlannedMove::new(target, Shape::Line, speed, named), items, params)
     }
 
     /// Machine coordinates of a target; axes that the block does not name stay where they are.
@@ -316,8 +462,28 @@ impl Planned {
         PerAxis::from_fn(|axis| if words.contains(axis) { machine[axis] } else { self.machine[axis] })
     }
 
+    /// G27: machine coordinates, whatever offsets are in force.
+    fn dress_return(
+        &mut self,
+        axes: AxisSet,
+        feed: Option<f64>,
+        items: &mut VecDeque<Item>,
+        params: &Params,
+    ) -> Result<(), Forbidden> {
+        let mut target = self.machine;
+        for axis in axes.iter() {
+            target[axis] = self.dress_points[axis].ok_or(Forbidden::NoDressPoint(axis))?;
+        }
+        let speed = Speed::PerMinute(feed.unwrap_or_else(|| params.get(param::DRESS_RETURN_SPEED)));
+        let planned = PlannedMove::new(target, Shape::Line, speed, (axes, AxisSet::NONE));
+        let path = std::mem::replace(&mut self.path, PathMode::ExactStop);
+        let pushed = self.push(planned, items, params);
+        self.path = path;
+        pushed
+    }
+
     fn arc(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
-        let Op::Arc { to, center, plane, turn, feed, words, .. } = op else { return Ok(()) };
+        let Op::Arc { to, center, plane, turn, feed, words, incremental } = op else { return Ok(()) };
         let target = self.target(*to, *words);
         let center = self.frames.machine_from_work(*center);
         let plane = match plane {
@@ -325,39 +491,25 @@ impl Planned {
             nc::Plane::Zx => Plane::Zx,
             nc::Plane::Yz => Plane::Yz,
         };
-        let (first, second, _) = plane.axes();
-        let (from, ccw) = (self.machine, *turn > 0);
-        for (axis, sign) in [(first, 1.0), (first, -1.0), (second, 1.0), (second, -1.0)] {
-            let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
-            let mut summit = center;
-            summit[axis] += sign * radius;
-            if passes(from, target, center, (first, second), ccw, summit) {
-                within(axis, summit[axis], params)?;
-            }
-        }
-        let turn = if ccw { Turn::Ccw } else { Turn::Cw };
-        self.push(target, Shape::Arc { center, plane, turn }, speed(*feed), items, params)
+        let turn = if *turn > 0 { Turn::Ccw } else { Turn::Cw };
+        let shape = Shape::Arc { center, plane, turn };
+        self.push(PlannedMove::new(target, shape, speed(*feed), (*words, *incremental)), items, params)
     }
 
-    fn push(
-        &mut self,
-        to: PerAxis<f64>,
-        shape: Shape,
-        speed: Speed,
-        items: &mut VecDeque<Item>,
-        params: &Params,
-    ) -> Result<(), Forbidden> {
-        for axis in Axis::ALL {
-            if (to[axis] - self.machine[axis]).abs() > 0.0 {
-                within(axis, to[axis], params)?;
-            }
+    fn push(&mut self, mut planned: PlannedMove, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
+        if let Some(axis) = self.oscillating.filter(|axis| planned.words.contains(*axis)) {
+            return Err(Forbidden::Oscillating(axis)); // K4.3: before the block starts
         }
-        let end = match (speed, self.path) {
+        if !self.homed {
+            return Err(Forbidden::NotHomed);
+        }
+        planned.check(self.machine, params)?;
+        planned.end = match (planned.speed, self.path) {
             (Speed::Rapid, _) | (_, PathMode::ExactStop) => End::ExactStop,
             (_, PathMode::Continuous { tolerance_mm }) => End::Continuous { tolerance_mm },
         };
-        self.machine = to;
-        items.push_back(Item::Move(PlannedMove { to, shape, speed, end, tag: None }));
+        self.machine = planned.to;
+        items.push_back(Item::Move(planned));
         Ok(())
     }
 }
@@ -372,7 +524,7 @@ const fn speed(feed: Feed) -> Speed {
 /// Rounding slack of a limit, mm: far below the resolution.
 const LIMIT_SLACK_MM: f64 = 1e-6;
 
-fn within(axis: Axis, at: f64, params: &Params) -> Result<(), Forbidden> {
+pub(super) fn within(axis: Axis, at: f64, params: &Params) -> Result<(), Forbidden> {
     let (low, high) = soft_limits(params, axis);
     if at < low - LIMIT_SLACK_MM {
         return Err(Forbidden::SoftLimit(axis, at, low));

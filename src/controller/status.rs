@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use super::{Controller, Cycle};
+use super::{Controller, Phase};
 use crate::defs::key::{Key, Lamp, Mode};
-use crate::defs::signal::OutputSet;
+use crate::defs::signal::{Output, OutputSet};
 use crate::link::snapshot::{AxisView, KeyView, RunState, Snapshot, VARIABLES};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -16,14 +16,14 @@ impl Controller {
     /// The state in one word.
     #[must_use]
     pub fn state(&self) -> RunState {
-        match self.cycle {
-            Cycle::Homing { .. } => RunState::Homing,
-            Cycle::Running if self.is_waiting() => RunState::Waiting,
-            Cycle::Running => RunState::Running,
-            Cycle::Holding | Cycle::Held => RunState::Held,
-            Cycle::Stopped => RunState::Stopped,
-            Cycle::Idle | Cycle::Aborting if self.alarms.block_start() => RunState::Alarm,
-            Cycle::Idle | Cycle::Aborting => RunState::Idle,
+        match self.phase {
+            Phase::Homing(_) => RunState::Homing,
+            Phase::Running if self.is_waiting() => RunState::Waiting,
+            Phase::Running => RunState::Running,
+            Phase::Holding | Phase::Held => RunState::Held,
+            Phase::Stopped => RunState::Stopped,
+            Phase::Idle | Phase::Aborting if self.alarms.block_start() => RunState::Alarm,
+            Phase::Idle | Phase::Aborting => RunState::Idle,
         }
     }
 
@@ -45,6 +45,7 @@ impl Controller {
         out.spindle_override = self.overrides.spindle;
         out.feed_mm_min = self.path_speed_mm_s() * super::axes::MINUTE;
         out.wheel_rpm = if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm } else { 0.0 };
+        out.strokes_min = self.measured_strokes_min();
         out.parts = self.parts;
         let cycle = self.run.as_ref().map_or(self.cycle_time, |run| self.now.since(run.since));
         out.cycle_seconds = cycle.as_secs_f64();
@@ -56,6 +57,9 @@ impl Controller {
         for (number, place) in out.variables.iter_mut().enumerate().take(VARIABLES) {
             *place = self.memory.get(number as u32).ok().flatten();
         }
+        for number in 434..=439 {
+            out.variables[number] = self.system_value(number as u32);
+        }
         if out.alarms != self.alarms.present() {
             out.alarms = self.alarms.present().to_vec();
         }
@@ -65,6 +69,8 @@ impl Controller {
         if out.waiting_for != self.waiting_for {
             out.waiting_for.clone_from(&self.waiting_for);
         }
+        self.page_view(out);
+        self.edit_view(out);
         if !Arc::ptr_eq(&out.screens, &self.screens) {
             out.screens.clone_from(&self.screens);
         }
@@ -78,13 +84,13 @@ impl Controller {
         PerAxis::from_fn(|axis: Axis| {
             let factor = self.displayed_per_mm(axis);
             AxisView {
-                present: self.row.axes[axis],
+                present: self.axes.is_present(axis),
                 work: work[axis] * factor,
                 machine: machine[axis] * factor,
                 relative: (machine[axis] - self.relative_zero[axis]) * factor,
                 to_go: to_go[axis],
                 homed: self.axes.is_homed(axis),
-                moving: self.axes.velocity_mm_s()[axis].abs() > STANDING_MM_S,
+                moving: self.is_moving(axis),
             }
         })
     }
@@ -108,6 +114,10 @@ impl Controller {
     fn key_view(&self, key: Key) -> KeyView {
         let (lamp, working) = match key.row().lamp {
             Lamp::None => (false, false),
+            Lamp::Output(Output::SecondSpindle) => {
+                let both = [Output::SecondSpindle, Output::SecondSpindleCcw];
+                (both.iter().any(|output| self.output_set.has(*output)), self.machine.is_working(Output::SecondSpindle))
+            }
             Lamp::Output(output) => (self.output_set.has(output), self.machine.is_working(output)),
             Lamp::OutputOff(output) => (!self.output_set.has(output), false),
             Lamp::Control => (self.control_lamp(key), false),
@@ -121,8 +131,13 @@ impl Controller {
             Key::SingleBlock => self.switches.single_block,
             Key::BlockSkip => self.switches.block_skip,
             Key::OptionalStop => self.switches.optional_stop,
-            Key::CycleStart => matches!(self.cycle, Cycle::Running),
-            Key::FeedHold => matches!(self.cycle, Cycle::Holding | Cycle::Held),
+            Key::MachineLock => self.switches.machine_lock,
+            Key::MstLock => self.switches.mst_lock,
+            Key::DryRun => self.switches.dry_run,
+            Key::Oscillation => self.oscillation_lamp(),
+            Key::DressReturn => self.dress.returning,
+            Key::CycleStart => matches!(self.phase, Phase::Running),
+            Key::FeedHold => matches!(self.phase, Phase::Holding | Phase::Held),
             Key::EmergencyStop => self.machine.is_e_stopped(),
             Key::Rapid => self.hand.rapid,
             Key::RapidF0 => self.overrides.rapid == 0,
@@ -138,6 +153,10 @@ impl Controller {
             Key::HeadstockStop => !self.machine.drive_is_on(),
             _ => Mode::ALL.into_iter().any(|mode| mode.key() == key && mode == self.mode),
         }
+    }
+
+    pub(super) fn is_moving(&self, axis: Axis) -> bool {
+        self.axes.velocity_mm_s()[axis].abs() > STANDING_MM_S
     }
 
     fn path_speed_mm_s(&self) -> f64 {
@@ -163,6 +182,12 @@ impl Controller {
         &self.outputs
     }
 
+    /// The parameters in force.
+    #[must_use]
+    pub const fn params(&self) -> &crate::defs::param::Params {
+        &self.params
+    }
+
     /// The kind of machine.
     #[must_use]
     pub const fn kind(&self) -> crate::defs::kind::Kind {
@@ -184,7 +209,7 @@ impl Controller {
     /// Whether the axes are braking to a hold or a reset.
     #[must_use]
     pub const fn is_braking(&self) -> bool {
-        matches!(self.cycle, Cycle::Holding | Cycle::Aborting)
+        matches!(self.phase, Phase::Holding | Phase::Aborting)
     }
 
     /// Whether the axes stand in position.

@@ -2,11 +2,12 @@
 //! Numbers follow FANUC's: #1000 inputs, #1100 outputs, #2001 wear, #3001 times, #3901 counts, #5001 positions.
 //! Source: spec B3, K4.3 (#438, #439).
 
-use super::frames::OFFSETS;
 use super::run::Planned;
 use super::{Controller, Effect};
-use crate::defs::param;
+use crate::defs::kind::Kind;
+use crate::defs::param::{self, Params};
 use crate::defs::signal::PORTS;
+use crate::nc::frames::OFFSETS;
 use crate::nc::{Live, Settings, SpeedUnit, System, World};
 use crate::units::{Axis, PerAxis};
 
@@ -56,31 +57,40 @@ impl World for RunWorld<'_> {
     }
 }
 
+/// How a machine of a kind with these parameters reads its programs.
+#[must_use]
+pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
+    let row = crate::machine::kind::find(kind);
+    Settings {
+        system: if row.lathe_system { System::LatheA } else { System::Mill },
+        diameter: !params.bit(param::RADIUS_PROGRAMMING),
+        axes: row.fitted(params),
+        least_increment_mm: params.bit(param::LEAST_INCREMENT).then_some(0.001),
+        inch: false,
+        tolerance_mm: params.get(param::PATH_TOLERANCE),
+        arc_tolerance_mm: 0.01,
+        speed_unit: if params.bit(param::SPEED_AT_THE_RIM) { SpeedUnit::MetresPerSecond } else { SpeedUnit::Rpm },
+        jump_input: params.get(param::JUMP_INPUT) as u32,
+        tools: OFFSETS as u32,
+        oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
+        rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
+    }
+}
+
 impl Controller {
-    /// How this machine's programs are to be read.
-    pub(super) fn nc_settings(&self) -> Settings {
-        let params = &self.params;
-        Settings {
-            system: if self.row.lathe_system { System::LatheA } else { System::Mill },
-            diameter: self.is_diameter(),
-            axes: self.row.axes,
-            least_increment_mm: params.bit(param::LEAST_INCREMENT).then_some(0.001),
-            inch: false,
-            tolerance_mm: params.get(param::PATH_TOLERANCE),
-            arc_tolerance_mm: 0.01,
-            speed_unit: SpeedUnit::Rpm,
-            jump_input: 0,
-            tools: OFFSETS as u32,
-            rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
-        }
+    /// The value of a system variable, as a program reads it.
+    #[must_use]
+    pub fn system_value(&self, number: u32) -> Option<f64> {
+        self.read_system(number).flatten()
     }
 
     /// A system variable; `None` if there is no such, `Some(None)` for null.
-    fn read_system(&self, number: u32) -> Option<Option<f64>> {
+    pub(super) fn read_system(&self, number: u32) -> Option<Option<f64>> {
         let switched = |on: bool| Some(Some(f64::from(u8::from(on))));
         match number {
-            434..=437 => Some(None),
-            438 | 439 => switched(false),
+            434..=437 => Some(self.gauge_found[(number - 434) as usize]),
+            438 => switched(self.oscillation_flags().0),
+            439 => switched(self.oscillation_flags().1),
             INPUTS..OUTPUTS if number - INPUTS < u32::from(PORTS) => {
                 let port = (number - INPUTS + 1) as u8;
                 let level = self.image.terminals.level(port);

@@ -9,8 +9,10 @@ use super::text::Text;
 pub enum Reaction {
     /// Shown; nothing is stopped (a page file is wrong).
     Show,
-    /// Blocks cycle start and wheel start; whoever raises it decides whether a run has to end.
+    /// Blocks cycle start; whoever raises it decides whether a run has to end.
     BlockStart,
+    /// Holds the run as a feed hold does, and blocks cycle start; nothing else stops.
+    HoldProgram,
     /// Ends the run: motion brakes along its path, the program is left. Wheel and fluids stay.
     StopProgram,
     /// Ends the run and stops wheel and workpiece drive.
@@ -113,6 +115,48 @@ alarms! {
     M_NOT_YET = 188, StopProgram, Reset, "M 代码不可用", "M code not available",
         "本版本没有这个 M 代码", "this version does not drive the code",
         "修改程序；M 代码见手册", "mend the program; the manual lists the M codes";
+    GAUGE_ARM_TIMEOUT = 189, StopProgram, Reset, "量仪动作超时", "gauge arm time-out",
+        "量仪没有在 P80 时间内伸出或缩回到位", "the gauge arm did not arrive within P80",
+        "检查量仪、气压和到位开关", "check the arm, its air and its switches";
+    OTHER_KIND = 190, StopProgram, Reset, "本机型没有此 M 代码", "M code of another kind of machine",
+        "程序使用了其他机型的 M 代码", "the program uses an M code that this kind does not have",
+        "修改程序；各机型 M 代码见手册", "mend the program; the manual lists the codes of each kind";
+    GUARD_OPEN = 191, HoldProgram, SelfClearing, "防护门打开", "guard open",
+        "运行中防护门被打开", "the guard was opened while a program ran",
+        "关好防护门，重新启动头架，再按循环启动", "close the guard, start the headstock again, press cycle start";
+    COOLANT_FLOW = 192, HoldProgram, SelfClearing, "冷却液无流量", "no coolant flow",
+        "冷却打开后 P83 时间内没有流量信号", "coolant is on and its flow switch has been off for P83",
+        "检查水箱、水泵和流量开关", "check tank, pump and flow switch";
+    LUBRICATION_LEVEL = 193, HoldProgram, SelfClearing, "润滑油位低", "lubrication level low",
+        "润滑油位信号断开超过 P84", "the level switch has been off for P84",
+        "加润滑油", "fill up lubrication oil";
+    GEAR_TIMEOUT = 194, StopProgram, Reset, "换档超时", "gear change time-out",
+        "档位到位信号没有在 P88 时间内到来", "the gear's switch did not come within P88",
+        "检查换档机构和到位开关", "check the gear and its switch";
+    PORT_OWNED = 195, StopProgram, Reset, "输出口被功能占用", "output port belongs to a function",
+        "M20–M22 指定的输出口属于有联锁的功能", "the port of M20–M22 belongs to an interlocked function",
+        "改用未分配的输出口，或用该功能的 M 代码", "use a free port, or the function's own M code";
+    NO_DRESS_POINT = 196, StopProgram, Reset, "没有设置修整点", "no dressing point",
+        "该轴没有设置砂轮修整点", "the dressing point of the axis has not been set",
+        "手动方式，位置页面移到修整处，按轴名键，再按输入", "in JOG, on the position page, stand at the place, press the axis letter, then INPUT";
+    OSCILLATION = 197, StopProgram, Reset, "振荡不能开始", "oscillation may not begin",
+        "换向点与当前位置相同、超出软限位或轴未回零", "the reversal point is where the axis stands, beyond a soft limit, or the axis is not homed",
+        "检查 G35 的坐标和 P238 P239", "check the coordinate of G35, or P238 and P239";
+    OSCILLATING_AXIS = 198, StopProgram, Reset, "轴在振荡中", "the axis oscillates",
+        "程序对正在振荡的轴编写了移动", "the program moves an axis that oscillates",
+        "先用 G36 关闭振荡", "end it with G36 first";
+    CYLINDER_SWITCHES = 199, StopProgram, Reset, "振荡气缸到位信号异常", "switches of the oscillation cylinder",
+        "两个到位信号同时有效，或 P94 时间内没有到位", "both end switches at once, or none within P94",
+        "检查气压和到位开关 P228 P229", "check the air and the switches P228, P229";
+    GAUGE_BEFORE = 200, StopProgram, Reset, "G78 开始时量仪信号已有效", "gauge signal before G78",
+        "启动时量仪信号已经接通", "the signal was on before the axis moved",
+        "检查量仪位置和信号", "check the gauge's place and signal";
+    TAILSTOCK_LOST = 201, StopProgram, Reset, "尾座到位信号丢失", "tailstock end switch lost",
+        "夹紧后尾座到位信号断开，工件可能松动", "the end switch went while the part was clamped: it may be loose",
+        "检查工件、液压和到位开关，再按尾座进", "check part, pressure and switch, then advance the tailstock again";
+    INPUT_MISSING = 202, StopProgram, Reset, "没有分配输入口", "input has no port",
+        "M80–M89 等待的输入没有分配输入口", "the input that M80 to M89 waits for has no port",
+        "在参数中分配输入口", "assign its port in the parameters";
     DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
         "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; the copy is kept, factory values are in force",
         "从备份恢复数据，核对参数后再加工", "restore a backup and check the parameters before grinding";

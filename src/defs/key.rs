@@ -258,20 +258,77 @@ impl Key {
         self.row().label
     }
 
+    /// The label as drawn on a kind's panel: short where the caption of the group says the rest.
+    #[must_use]
+    pub const fn face(self, kind: Kind) -> Text {
+        match self {
+            // K1: on surface and rotary-table grinders the gauges measure thickness and plane.
+            Self::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度", "THICK"),
+            Self::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面", "PLANE"),
+            Self::ModeHandwheel => Text::new("手轮", "MPG"),
+            Self::OptionalStop => Text::new("选择停", "M01"),
+            Self::MstLock => Text::new("辅助锁", "MST"),
+            Self::MachineLock => Text::new("机床锁", "LOCK"),
+            Self::DryRun => Text::new("空运行", "DRY"),
+            Self::FeedOverrideUp | Self::SpindleOverrideUp | Self::FeedOverrideDown | Self::SpindleOverrideDown => {
+                Text::new("", "")
+            }
+            Self::RapidF0 => Text::new("F0", "F0"),
+            Self::Rapid25 => Text::new("25%", "25%"),
+            Self::Rapid50 => Text::new("50%", "50%"),
+            Self::Rapid100 => Text::new("100%", "100%"),
+            Self::HandwheelX => Text::new("X", "X"),
+            Self::HandwheelY => Text::new("Y", "Y"),
+            Self::HandwheelZ => Text::new("Z", "Z"),
+            Self::WheelStart => Text::new("启动", "START"),
+            Self::WheelStop => Text::new("停止", "STOP"),
+            Self::SecondSpindle => Text::new("第二主轴", "SPDL 2"),
+            Self::HeadstockHigh => Text::new("高速", "HIGH"),
+            Self::HeadstockLow => Text::new("低速", "LOW"),
+            Self::HeadstockStop => Text::new("停止", "STOP"),
+            Self::TailstockAdvance => Text::new("进", "IN"),
+            Self::TailstockRetract => Text::new("退", "OUT"),
+            Self::Coolant => Text::new("冷却", "COOL"),
+            Self::Lubrication => Text::new("润滑", "LUBE"),
+            Self::Hydraulic => Text::new("液压", "HYDR"),
+            Self::RadialGauge => Text::new("径向", "RADIAL"),
+            Self::AxialGauge => Text::new("轴向", "AXIAL"),
+            Self::TableRotation => Text::new("台面旋转", "ROTATE"),
+            Self::DressReturn => Text::new("回修整点", "POINT"),
+            Self::WheelRetract => Text::new("一键回退", "RETRACT"),
+            _ => self.label(),
+        }
+    }
+
     /// Whether a kind has the key.
     #[must_use]
     pub fn is_on(self, kind: Kind) -> bool {
         self.row().kinds.contains(&kind)
     }
 
-    /// The key of an id or of a Chinese label on a kind; a label that two keys share names none.
+    /// The key of an id or of a Chinese label on a kind, in full or as drawn; a label that two keys share names none.
     #[must_use]
     pub fn from_word(word: &str, kind: Kind) -> Option<Self> {
         let on_kind = || Self::ALL.iter().copied().filter(move |key| key.is_on(kind));
-        on_kind().find(|key| key.id() == word).or_else(|| {
-            let mut matches = on_kind().filter(|key| key.label().zh == word);
+        let only = |text: fn(Self, Kind) -> Text| {
+            let mut matches = on_kind().filter(|key| text(*key, kind).zh == word);
             matches.next().filter(|_| matches.next().is_none())
-        })
+        };
+        on_kind()
+            .find(|key| key.id() == word)
+            .or_else(|| only(|key, _| key.label()))
+            .or_else(|| only(Self::name_on))
+            .or_else(|| only(Self::face))
+    }
+
+    /// The full label on a kind. K1: on surface and rotary-table grinders the gauges measure thickness and plane.
+    #[must_use]
+    pub const fn name_on(self, kind: Kind) -> Text {
+        match self {
+            Self::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度量仪", "THICKNESS"),
+            Self::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面量仪", "PLANE"),
+            _ => self.label(),
+        }
     }
 
     /// Axis and sign of a jog key.
@@ -286,6 +343,17 @@ impl Key {
             Self::ZMinus => (Axis::Z, -1.0),
             _ => return None,
         })
+    }
+
+    /// The axis that a key names: jog, handwheel and address keys.
+    #[must_use]
+    pub const fn axis(self) -> Option<Axis> {
+        match self {
+            Self::XPlus | Self::XMinus | Self::HandwheelX | Self::AddressX => Some(Axis::X),
+            Self::YPlus | Self::YMinus | Self::HandwheelY | Self::AddressY => Some(Axis::Y),
+            Self::ZPlus | Self::ZMinus | Self::HandwheelZ | Self::AddressZ => Some(Axis::Z),
+            _ => None,
+        }
     }
 
     /// The jog key of an axis and a sign.
@@ -319,6 +387,18 @@ mod tests {
         assert_eq!(Key::from_word("尾座进", Kind::Gs), None);
         assert_eq!(Key::from_word("充磁", Kind::Gc), None);
         assert_eq!(Key::from_word("demagnetise", Kind::Ga), Some(Key::Demagnetise));
+        // As drawn, where one key only is drawn so.
+        for (word, kind, key) in [
+            ("厚度量仪", Kind::Gs, Key::RadialGauge),
+            ("平面", Kind::Ga, Key::AxialGauge),
+            ("径向", Kind::Gc, Key::RadialGauge),
+            ("高速", Kind::Gc, Key::HeadstockHigh),
+            ("25%", Kind::Gc, Key::Rapid25),
+            ("X", Kind::Gc, Key::AddressX),
+        ] {
+            assert_eq!(Key::from_word(word, kind), Some(key), "{word}");
+        }
+        assert_eq!(Key::from_word("停止", Kind::Gc), None);
     }
 
     #[test]

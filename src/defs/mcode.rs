@@ -17,6 +17,10 @@ pub enum Action {
     Count,
     /// Ask the machine for a change of one of its units.
     Ask(Request),
+    /// Switch the port of the P word on or off (M21, M22).
+    Port(bool),
+    /// Switch the port of the P word on for the milliseconds of the L word (M20).
+    Pulse,
     /// Wait until a user input is active.
     AwaitInput(Input),
     /// The reader of the program has dealt with it: jumps and calls.
@@ -46,16 +50,77 @@ pub enum Request {
     HydraulicOff,
     /// Clamp the part by the magnet.
     Magnetise,
-    /// Let the part go.
+    /// Let the part go by decaying reversals.
     Demagnetise,
+    /// Both outputs of the magnet off.
+    MagnetOff,
+    /// Second spindle on; true is counter-clockwise (M27).
+    SecondSpindleStart(bool),
+    /// Second spindle off.
+    SecondSpindleStop,
+    /// A gauge arm out (true) or in.
+    Gauge(Gauge, bool),
+    /// Change to gear 1 to 4, counted from 0.
+    Gear(u8),
     /// Switch an output that has no rule of its own.
     Switch(Output, bool),
-    /// Start or resume a program or an MDI line.
+    /// Switch a port by its number (M21, M22).
+    Port(u8, bool),
+    /// Switch a port on for so many milliseconds (M20).
+    Pulse(u8, u32),
+    /// The oscillation cylinder begins its cycle (P17.1=1).
+    CylinderOn,
+    /// Both valves of the cylinder off.
+    CylinderOff,
+    /// Start or resume a program.
     CycleStart,
+    /// Execute an MDI line.
+    MdiStart,
     /// Home axes.
     HomeAxes,
     /// Jog, step or handwheel.
     MoveByHand,
+}
+
+/// Every kind of request by an example, and its name: for tables and searches.
+pub const REQUESTS: &[(Request, Text)] = &[
+    (Request::WheelStart, Text::new("砂轮启动", "wheel start")),
+    (Request::WheelStop, Text::new("砂轮停止", "wheel stop")),
+    (Request::TailstockAdvance, Text::new("尾座进", "tailstock advance")),
+    (Request::TailstockRetract, Text::new("尾座退", "tailstock retract")),
+    (Request::DriveHigh, Text::new("头架高速/滚轮/台面", "headstock high, roll, table")),
+    (Request::DriveLow, Text::new("头架低速", "headstock low")),
+    (Request::DriveStop, Text::new("头架/滚轮/台面停止", "headstock, roll, table stop")),
+    (Request::HydraulicOn, Text::new("液压开", "hydraulics on")),
+    (Request::HydraulicOff, Text::new("液压关", "hydraulics off")),
+    (Request::Magnetise, Text::new("充磁", "magnetise")),
+    (Request::Demagnetise, Text::new("退磁", "demagnetise")),
+    (Request::MagnetOff, Text::new("断磁", "magnet off")),
+    (Request::SecondSpindleStart(false), Text::new("第二主轴启动", "second spindle start")),
+    (Request::SecondSpindleStop, Text::new("第二主轴停止", "second spindle stop")),
+    (Request::Gauge(Gauge::Radial, true), Text::new("量仪伸出", "gauge out")),
+    (Request::Gauge(Gauge::Radial, false), Text::new("量仪缩回", "gauge in")),
+    (Request::Gear(0), Text::new("换档", "gear change")),
+    (Request::Switch(Output::Coolant, true), Text::new("冷却开", "coolant on")),
+    (Request::Switch(Output::Coolant, false), Text::new("冷却关", "coolant off")),
+    (Request::Switch(Output::Lubrication, true), Text::new("润滑开", "lubrication on")),
+    (Request::Switch(Output::User1, true), Text::new("用户输出开", "user output on")),
+    (Request::Port(1, true), Text::new("输出口开/关 (M21 M22)", "port on or off (M21, M22)")),
+    (Request::Pulse(1, 1), Text::new("输出口脉冲 (M20)", "port pulse (M20)")),
+    (Request::CylinderOn, Text::new("振荡气缸启动", "oscillation cylinder on")),
+    (Request::CycleStart, Text::new("循环启动", "cycle start")),
+    (Request::MdiStart, Text::new("录入执行", "MDI line")),
+    (Request::HomeAxes, Text::new("回零", "homing")),
+    (Request::MoveByHand, Text::new("手动移动", "moving by hand")),
+];
+
+/// The two gauge arms.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Gauge {
+    /// 径向, on GS and GA 厚度.
+    Radial,
+    /// 轴向, on GS and GA 平面.
+    Axial,
 }
 
 /// One M code.
@@ -94,10 +159,22 @@ mcodes! {
     11, "K3.3", true, Action::Ask(Request::TailstockRetract), "尾座退", "tailstock retract";
     14, "K3.5", false, Action::Ask(Request::HydraulicOn), "液压开", "hydraulic on";
     15, "K3.5", false, Action::Ask(Request::HydraulicOff), "液压关", "hydraulic off";
+    20, "B4", true, Action::Pulse, "输出口脉冲", "pulse a port";
+    21, "B4", false, Action::Port(true), "输出口开", "port on";
+    22, "B4", false, Action::Port(false), "输出口关", "port off";
+    26, "B4", true, Action::Ask(Request::SecondSpindleStart(false)), "第二主轴正转", "second spindle clockwise";
+    27, "B4", true, Action::Ask(Request::SecondSpindleStart(true)), "第二主轴反转", "second spindle counter-clockwise";
+    28, "B4", false, Action::Ask(Request::SecondSpindleStop), "第二主轴停止", "second spindle stop";
     30, "K3.14", true, Action::End, "程序结束", "program end";
     31, "K3.14", false, Action::Count, "工件计数", "count a workpiece";
     32, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, true)), "润滑开", "lubrication on";
     33, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, false)), "润滑关", "lubrication off";
+    35, "K4.3", true, Action::Flow, "振荡开启 (G35)", "oscillation on (G35)";
+    36, "K4.3", true, Action::Flow, "振荡关闭 (G36)", "oscillation off (G36)";
+    41, "B4", true, Action::Ask(Request::Gear(0)), "1 档", "gear 1";
+    42, "B4", true, Action::Ask(Request::Gear(1)), "2 档", "gear 2";
+    43, "B4", true, Action::Ask(Request::Gear(2)), "3 档", "gear 3";
+    44, "B4", true, Action::Ask(Request::Gear(3)), "4 档", "gear 4";
     50, "K3.12", false, Action::Ask(Request::Switch(Output::User1, true)), "输出 1 开", "user output 1 on";
     51, "K3.12", false, Action::Ask(Request::Switch(Output::User1, false)), "输出 1 关", "user output 1 off";
     52, "K3.12", false, Action::Ask(Request::Switch(Output::User2, true)), "输出 2 开", "user output 2 on";
@@ -111,10 +188,10 @@ mcodes! {
     63, "K3.4", true, Action::Ask(Request::DriveHigh), "头架高速", "headstock high";
     64, "K3.4", true, Action::Ask(Request::DriveLow), "头架低速", "headstock low";
     65, "K3.4", false, Action::Ask(Request::DriveStop), "头架停止", "headstock stop";
-    70, "K3.9", false, Action::Ask(Request::Switch(Output::RadialGauge, true)), "径向量仪伸出", "radial gauge out";
-    75, "K3.9", false, Action::Ask(Request::Switch(Output::RadialGauge, false)), "径向量仪缩回", "radial gauge in";
-    78, "K3.10", false, Action::Ask(Request::Switch(Output::AxialGauge, true)), "轴向量仪伸出", "axial gauge out";
-    79, "K3.10", false, Action::Ask(Request::Switch(Output::AxialGauge, false)), "轴向量仪缩回", "axial gauge in";
+    70, "K3.9", true, Action::Ask(Request::Gauge(Gauge::Radial, true)), "径向量仪伸出", "radial gauge out";
+    75, "K3.9", true, Action::Ask(Request::Gauge(Gauge::Radial, false)), "径向量仪缩回", "radial gauge in";
+    78, "K3.10", true, Action::Ask(Request::Gauge(Gauge::Axial, true)), "轴向量仪伸出", "axial gauge out";
+    79, "K3.10", true, Action::Ask(Request::Gauge(Gauge::Axial, false)), "轴向量仪缩回", "axial gauge in";
     80, "K3.13", true, Action::AwaitInput(Input::User1), "等待输入 1", "wait for user input 1";
     81, "K3.13", true, Action::AwaitInput(Input::User2), "等待输入 2", "wait for user input 2";
     82, "K3.13", true, Action::AwaitInput(Input::User3), "等待输入 3", "wait for user input 3";
@@ -127,12 +204,14 @@ mcodes! {
     89, "K3.13", true, Action::AwaitInput(Input::User10), "等待输入 10", "wait for user input 10";
     91, "K3.15", false, Action::Flow, "输入有效跳转", "jump if input active";
     92, "K3.15", false, Action::Flow, "输入无效跳转", "jump if input not active";
+    94, "K3.11", true, Action::Ask(Request::Magnetise), "充磁", "magnetise";
+    95, "K3.11", true, Action::Ask(Request::Demagnetise), "退磁", "demagnetise";
     98, "K3.15", false, Action::Flow, "调用子程序", "call a subprogram";
     99, "K3.15", false, Action::Flow, "子程序返回", "return from a subprogram";
 }
 
 /// Codes of the control that this version reads but does not drive: a run stops before their block.
-pub const NOT_YET: &[u16] = &[20, 21, 22, 26, 27, 28, 35, 36, 41, 42, 43, 44, 94, 95];
+pub const NOT_YET: &[u16] = &[];
 
 /// Whether the control has the code at all.
 #[must_use]

@@ -9,6 +9,8 @@ pub mod kind;
 pub mod mcode;
 pub mod page;
 pub mod param;
+pub mod param_row;
+pub mod port;
 pub mod program_error;
 pub mod screen;
 pub mod signal;

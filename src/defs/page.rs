@@ -39,6 +39,17 @@ macro_rules! pages {
 pages! {
     Position = "position", "位置", "position";
     Grinding = "grinding", "磨削", "grinding";
+    Dressing = "dressing", "砂轮修整", "dressing";
     Program = "program", "程序", "program";
+    Mdi = "mdi", "录入", "MDI";
     Directory = "directory", "目录", "directory";
+    Offset = "offset", "刀补", "offsets";
+    Macro = "macro", "宏变量", "macro variables";
+    Wheel = "wheel", "换砂轮", "wheel change";
+    Params = "params", "参数", "parameters";
+    Diagnosis = "diagnosis", "诊断", "diagnosis";
+    Alarm = "alarm", "报警", "alarms";
+    Settings = "settings", "设置", "settings";
+    Panel = "panel", "面板", "panel";
+    Help = "help", "帮助", "help";
 }

@@ -179,6 +179,12 @@ program_errors! {
     /// G91 on GC.
     IncrementalG91 = 47, "g91-on-lathe", "外圆磨没有 G91 指令", "G91 does not exist on this machine",
         "增量编程请用 U、W", "write distances with U and W";
+    /// Bytes that are neither GBK nor UTF-8.
+    BadEncoding = 48, "bad-encoding", "字节 {} 不是 GBK 或 UTF-8 文字", "byte {} is neither GBK nor UTF-8",
+        "请把文件另存为 GBK 或 UTF-8 编码的文本", "save the file as plain text in GBK or UTF-8";
+    /// A number where none belongs.
+    TakesNoNumber = 49, "takes-no-number", "{} 的 {2} 后不带数值", "{} takes {2} without a number",
+        "只写轴名，例如 G27 X", "write the letter alone, as in G27 X";
     /// A block after `;` on the same line.
     BlockAfterSemicolon = 46, "block-after-semicolon", "';' 后的内容按程序段执行", "the text after ';' is read as a block",
         "注释请写在 ( ) 中", "write a comment in ( )";

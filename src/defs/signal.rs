@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::kind::Kind;
 use super::text::Text;
 
 /// Number of ports of a terminal block; ports are numbered from 1, 0 is "not connected".
@@ -140,6 +141,38 @@ signals! {
     }
 }
 
+impl Output {
+    /// The user outputs, M50 to M59.
+    pub const USER: [Self; 5] = [Self::User1, Self::User2, Self::User3, Self::User4, Self::User5];
+    /// The gear outputs, M41 to M44.
+    pub const GEARS: [Self; 4] = [Self::Gear1, Self::Gear2, Self::Gear3, Self::Gear4];
+
+    /// Whether a kind has the function; of functions that share a parameter each kind has one.
+    #[must_use]
+    pub const fn is_of(self, kind: Kind) -> bool {
+        match self {
+            Self::HeadstockHigh | Self::HeadstockLow | Self::Tailstock => matches!(kind, Kind::Gc),
+            Self::DresserRoll => matches!(kind, Kind::Gs),
+            Self::TableRotation => matches!(kind, Kind::Ga),
+            _ => true,
+        }
+    }
+
+    /// Whether it has no rule and no sequence: what a program may also switch by its port.
+    #[must_use]
+    pub const fn is_plain(self) -> bool {
+        matches!(
+            self,
+            Self::Coolant | Self::Lubrication | Self::User1 | Self::User2 | Self::User3 | Self::User4 | Self::User5
+        )
+    }
+}
+
+impl Input {
+    /// The switches of the gears, M41 to M44.
+    pub const GEARS: [Self; 4] = [Self::Gear1In, Self::Gear2In, Self::Gear3In, Self::Gear4In];
+}
+
 macro_rules! signal_set {
     ($(#[$meta:meta])* $set:ident of $signal:ident) => {
         $(#[$meta])*
@@ -149,6 +182,12 @@ macro_rules! signal_set {
         impl $set {
             /// None on.
             pub const NONE: Self = Self(0);
+
+            /// Those that are on here and not there.
+            #[must_use]
+            pub const fn without(self, other: Self) -> Self {
+                Self(self.0 & !other.0)
+            }
 
             /// Whether the signal is on.
             #[must_use]

@@ -3,36 +3,28 @@
 
 use std::sync::Arc;
 
-use egui::{ColorImage, TextureHandle, TextureId, TextureOptions, Ui};
+use egui::{ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui};
 
 use super::entry::{Edit, Entry};
+use super::frame::Touched;
 use super::keyboard::{self, Asked};
 use super::layout::{self, PanelLayout, Regions};
-use super::page::directory::Directory;
-use super::page::grinding;
-use super::page::position::{self, Shown};
-use super::page::program::Listing;
+use super::page::position::Shown;
+use super::page::{Pages, Typed};
 use super::panel::Panel;
 use super::press::Presses;
 use super::softkey::{self, Pressed, SoftAct};
 use super::theme::{self, Theme};
 use super::view::View;
-use super::{alarms, frame, help, pad};
-use crate::defs::key::Key;
+use super::{frame, help, pad};
 use crate::defs::page::Page;
 use crate::defs::text::{Lang, Text};
 use crate::link::command::Picture;
+use crate::link::page_command::PageCommand;
 use crate::link::{Command, Snapshot};
 
 /// Seconds that a local refusal stays in the message line.
 const HINT_SECONDS: f64 = 5.0;
-
-/// A sheet over the page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Over {
-    Help,
-    Alarms,
-}
 
 /// The face of the control. One value lives as long as the window.
 pub struct Hmi {
@@ -41,14 +33,14 @@ pub struct Hmi {
     clock: Option<String>,
     page: Option<Page>,
     program: u32,
-    shown: Shown,
     soft_row: usize,
-    entry: Entry,
-    listing: Listing,
-    directory: Directory,
+    pages: Pages,
+    /// Time of day at power-on in seconds, as the header's clock tells it.
+    power_on_s: i64,
     panel: Panel,
     presses: Presses,
-    over: Option<Over>,
+    /// The keyboard's map lies over the page.
+    help: bool,
     hint: Option<(Text, f64)>,
     picture: Option<(Arc<Picture>, TextureHandle)>,
 }
@@ -63,14 +55,12 @@ impl Hmi {
             clock: None,
             page: None,
             program: 0,
-            shown: Shown::default(),
             soft_row: 0,
-            entry: Entry::default(),
-            listing: Listing::default(),
-            directory: Directory::default(),
+            pages: Pages::default(),
+            power_on_s: 0,
             panel: Panel::default(),
             presses: Presses::default(),
-            over: None,
+            help: false,
             hint: None,
             picture: None,
         }
@@ -89,7 +79,19 @@ impl Hmi {
     /// What is being typed, for tests and stories.
     #[must_use]
     pub const fn entry(&self) -> &Entry {
-        &self.entry
+        &self.pages.entry
+    }
+
+    /// Why the value typed on the parameter page was refused, for tests.
+    #[must_use]
+    pub fn param_refusal(&self, lang: Lang) -> Option<String> {
+        self.pages.param_refusal(lang)
+    }
+
+    /// What was typed on the open page and refused there, by the page or by the core, and why; for tests.
+    #[must_use]
+    pub fn refusal(&self, lang: Lang) -> Option<(String, String)> {
+        self.pages.refusal(self.page?, lang)
     }
 
     /// Draws one frame over the whole `ui` and gives what the operator asked for in it.
@@ -101,7 +103,9 @@ impl Hmi {
         let theme = self.theme;
         // A phase of the machine's own time: the same snapshot is the same picture.
         let blink = (snapshot.now.0 / 500_000).is_multiple_of(2);
-        let view = View { snapshot, lang: self.lang, theme: &theme, clock: &clock, blink };
+        self.follow_clock(snapshot);
+        let power_on_s = self.power_on_s;
+        let view = View { snapshot, lang: self.lang, theme: &theme, clock: &clock, power_on_s, blink };
         let regions = Regions::new(ui.max_rect());
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
         ui.painter().rect_filled(ui.max_rect(), 0.0, theme.ground);
@@ -109,19 +113,16 @@ impl Hmi {
         self.physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
         self.draw_panel(ui, &panel, &view, &mut out);
-        if self.pad_is_open(&view) {
+        if self.pages.wants_pad(&view) {
             // After the panel, so that it lies on top; before the page, so that its touches count in this frame.
             pad::ui(ui, &view, panel.pad, &mut edits);
         }
-        self.draw_page(ui, &regions, &view, (&edits, asked.pages), &mut out);
+        let typed = Typed { edits: &edits, text: &asked.text, pages: asked.pages };
+        self.draw_page(ui, regions.content, &view, &typed, &mut out);
         self.draw_frame(ui, &regions, &view, &asked, &mut out);
-        let sheet = regions.content.shrink(theme::GAP);
-        let closed = match self.over {
-            Some(Over::Help) => help::ui(ui, &view, sheet),
-            Some(Over::Alarms) => alarms::ui(ui, &view, sheet),
-            None => false,
-        };
-        self.over = self.over.filter(|_| !closed);
+        if self.help && help::sheet(ui, &view, regions.content.shrink(theme::GAP)) {
+            self.help = false;
+        }
         self.presses.end_frame(ui, &mut out);
         out
     }
@@ -131,18 +132,20 @@ impl Hmi {
         if self.page != Some(snapshot.page) {
             self.page = Some(snapshot.page);
             self.soft_row = softkey::row_of(snapshot.page);
-            self.over = None;
-            self.entry.restart();
+            self.help = false;
             let theme = self.theme;
-            let view = View { snapshot, lang: self.lang, theme: &theme, clock: "", blink: false };
-            self.directory.open(&view);
+            let view = View { snapshot, lang: self.lang, theme: &theme, clock: "", power_on_s: 0, blink: false };
+            self.pages.open(&view);
         }
         if self.program != snapshot.program.number {
             self.program = snapshot.program.number;
-            self.entry.restart();
+            self.pages.restart_entry();
         }
         let files = snapshot.screens.find(snapshot.program.number);
-        let wanted = files.and_then(|files| files.picture.as_ref().ok());
+        let wanted = match snapshot.page {
+            Page::Dressing => snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().ok()),
+            _ => files.and_then(|files| files.picture.as_ref().ok()),
+        };
         match (wanted, &self.picture) {
             (Some(wanted), Some((shown, _))) if Arc::ptr_eq(wanted, shown) => {}
             (Some(wanted), _) => self.picture = load(ui.ctx(), wanted),
@@ -154,12 +157,6 @@ impl Hmi {
 
     fn texture(&self) -> Option<TextureId> {
         self.picture.as_ref().map(|(_, texture)| texture.id())
-    }
-
-    fn pad_is_open(&self, view: &View<'_>) -> bool {
-        let number = view.snapshot.program.number;
-        let has_fields = view.snapshot.screens.find(number).is_some_and(|files| files.text.is_ok());
-        self.entry.pad && frame::takes_numbers(view.snapshot.page) && has_fields
     }
 
     fn draw_panel(&mut self, ui: &mut Ui, layout: &PanelLayout, view: &View<'_>, out: &mut Vec<Command>) {
@@ -174,46 +171,45 @@ impl Hmi {
         ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(HINT_SECONDS + 0.05));
     }
 
-    fn draw_page(
-        &mut self,
-        ui: &Ui,
-        regions: &Regions,
-        view: &View<'_>,
-        typed: (&[Edit], i32),
-        out: &mut Vec<Command>,
-    ) {
-        let rect = regions.content;
-        let (edits, pages) = typed;
-        let commands = match view.snapshot.page {
-            Page::Position => {
-                answers(edits, out);
-                position::ui(ui, rect, view, self.shown, &mut self.listing)
+    fn draw_page(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, out: &mut Vec<Command>) {
+        if !typed.edits.is_empty() {
+            self.hint = None;
+        }
+        let texture = self.texture();
+        let commands = self.pages.ui(ui, rect, view, typed, texture);
+        for command in &commands {
+            if let Command::Page(PageCommand::KeepLang(lang)) = command {
+                self.lang = *lang;
             }
-            Page::Grinding => {
-                if !edits.is_empty() {
-                    self.hint = None;
-                }
-                let texture = self.texture();
-                grinding::ui(ui, rect, view, &mut self.entry, edits, texture)
-            }
-            Page::Program => self.listing.ui(ui, rect, view, pages),
-            Page::Directory => self.directory.ui(ui, rect, view, edits, pages),
-        };
+        }
         out.extend(commands);
     }
 
+    /// Where the day stood at power-on; seconds that two clocks cut at different moments do not move it.
+    fn follow_clock(&mut self, snapshot: &Snapshot) {
+        let Some(clock) = &self.clock else { return };
+        let mut parts = clock.split(':').map(|part| part.parse::<i64>().unwrap_or(0));
+        let [hours, minutes, seconds] = [0; 3].map(|none| parts.next().unwrap_or(none));
+        let told = hours * 3_600 + minutes * 60 + seconds - (snapshot.now.0 / 1_000_000) as i64;
+        if (told - self.power_on_s).abs() > 1 {
+            self.power_on_s = told;
+        }
+    }
+
     fn draw_frame(&mut self, ui: &Ui, regions: &Regions, view: &View<'_>, asked: &Asked, out: &mut Vec<Command>) {
-        frame::header(ui, view, regions.header);
+        let header = frame::header(ui, view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
-        if frame::message_line(ui, view, regions.message, hint) {
-            self.toggle(Over::Alarms);
+        match header.or(frame::message_line(ui, view, regions.message, hint)) {
+            Some(Touched::Help) => self.help = !self.help,
+            Some(Touched::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
+            None => {}
         }
         frame::status_line(ui, view, regions.status);
-        let (page, shown) = (view.snapshot.page, self.shown);
+        let (page, shown) = (view.snapshot.page, self.pages.shown);
         let chosen = |act: SoftAct| match act {
             SoftAct::Open(other) => other == page,
             SoftAct::Position(other) => page == Page::Position && other == shown,
-            SoftAct::Blocked(_) | SoftAct::Help | SoftAct::Alarms => false,
+            SoftAct::Blocked(_) => false,
         };
         let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
         let by_key = asked.soft.and_then(|index| softkey::ROWS.get(self.soft_row)?.get(index));
@@ -225,10 +221,6 @@ impl Hmi {
         }
     }
 
-    fn toggle(&mut self, over: Over) {
-        self.over = if self.over == Some(over) { None } else { Some(over) };
-    }
-
     fn next_row(&mut self) {
         self.soft_row = (self.soft_row + 1) % softkey::ROWS.len();
     }
@@ -237,12 +229,10 @@ impl Hmi {
         match act {
             SoftAct::Open(page) => out.push(Command::OpenPage(page)),
             SoftAct::Position(shown) => {
-                self.shown = shown;
+                self.pages.shown = shown;
                 out.push(Command::OpenPage(Page::Position));
             }
             SoftAct::Blocked(reason) => self.say(ui, reason),
-            SoftAct::Help => self.toggle(Over::Help),
-            SoftAct::Alarms => self.toggle(Over::Alarms),
         }
     }
 
@@ -255,27 +245,20 @@ impl Hmi {
             }
             self.presses.key_down(shortcut.physical, shortcut.modifiers, shortcut.key, now, out);
         }
-        let relative = view.snapshot.page == Page::Position && self.shown == Shown::Relative;
+        let relative = view.snapshot.page == Page::Position && self.pages.shown == Shown::Relative;
         for key in asked.addresses.iter().filter(|_| relative) {
             out.extend([Command::Press(*key), Command::Release(*key)]);
         }
         if asked.detents != 0 {
             out.push(Command::Handwheel(asked.detents));
         }
-        if asked.help {
-            self.toggle(Over::Help);
+        if asked.alarms {
+            out.push(Command::OpenPage(Page::Alarm));
         }
-    }
-}
-
-/// On a page without fields Enter and Esc are the panel's own keys 输入 and 取消.
-fn answers(edits: &[Edit], out: &mut Vec<Command>) {
-    for edit in edits {
-        match edit {
-            Edit::Enter => out.extend([Command::Press(Key::Input), Command::Release(Key::Input)]),
-            Edit::Cancel => out.extend([Command::Press(Key::Cancel), Command::Release(Key::Cancel)]),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Up | Edit::Down => {}
-            Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {}
+        if asked.help {
+            self.help = !self.help;
+        } else if self.help && asked.edits.contains(&Edit::Cancel) {
+            self.help = false;
         }
     }
 }

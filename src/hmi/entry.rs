@@ -1,13 +1,13 @@
 //! Typing a value for a macro variable: the cursor, the text, the check, the refusal.
 //! Source: spec H6, K7.5.
 
+use super::typing::{Heard, Typing};
 use crate::defs::text::{Lang, Said, Text};
 use crate::link::Command;
+use crate::link::edit::EditAnswer;
 
 /// Largest value that can be typed.
 pub const LARGEST: f64 = 99_999.999;
-/// Characters that an entry may have.
-const LONGEST: usize = 11;
 
 /// One key of the numeric pad or of the keyboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,12 +71,8 @@ pub const fn range(variable: u16) -> Text {
 pub struct Entry {
     /// Number of the chosen row in reading order.
     pub cursor: usize,
-    /// The text typed so far.
-    pub text: String,
-    /// Whether the numeric pad is open.
-    pub pad: bool,
-    /// Why the text was refused, until the next key.
-    pub refused: Option<Said>,
+    /// What is being typed there.
+    pub typing: Typing,
 }
 
 impl Entry {
@@ -88,11 +84,17 @@ impl Entry {
     /// Chooses a field by touch.
     pub fn choose(&mut self, row: usize) {
         if row != self.cursor {
-            self.text.clear();
-            self.refused = None;
+            self.typing.clear();
         }
         self.cursor = row;
-        self.pad = true;
+        self.typing.pad = true;
+    }
+
+    /// What the core refused is chosen again.
+    pub fn hear(&mut self, answer: &EditAnswer) {
+        if let Heard::Refused(row) = self.typing.hear(answer) {
+            self.cursor = row;
+        }
     }
 
     /// Does what a key asks; `columns` are the variables of the left and of the right column.
@@ -102,55 +104,41 @@ impl Entry {
             return None;
         }
         self.cursor = self.cursor.min(count - 1);
-        if self.refused.take().is_some() && !matches!(edit, Edit::Back | Edit::Sign) {
-            self.text.clear();
+        self.typing.next_key(edit);
+        if self.typing.key(edit) {
+            return None;
         }
         match edit {
-            Edit::Char(sign) => self.push(sign),
-            Edit::Sign => match self.text.strip_prefix('-') {
-                Some(rest) => self.text = rest.to_owned(),
-                None => self.text.insert(0, '-'),
-            },
-            Edit::Back => {
-                self.text.pop();
-            }
             Edit::Enter => return self.enter(columns),
-            Edit::Cancel if self.text.is_empty() => self.pad = false,
-            Edit::Cancel => self.text.clear(),
             Edit::Up | Edit::Previous => self.go((self.cursor + count - 1) % count),
             Edit::Down | Edit::Next => self.go((self.cursor + 1) % count),
             Edit::Left | Edit::Right => self.go(other_column(self.cursor, columns.0.len(), count)),
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel => {}
         }
         None
     }
 
-    fn push(&mut self, sign: char) {
-        let point_again = sign == '.' && self.text.contains('.');
-        if self.text.len() < LONGEST && !point_again {
-            self.text.push(sign);
-        }
-    }
-
     fn go(&mut self, row: usize) {
         self.cursor = row;
-        self.text.clear();
+        self.typing.text.clear();
     }
 
     fn enter(&mut self, columns: (&[u16], &[u16])) -> Option<Command> {
         let count = columns.0.len() + columns.1.len();
         let next = (self.cursor + 1) % count;
-        if self.text.is_empty() {
+        if self.typing.text.is_empty() {
             self.go(next);
             return None;
         }
         let variable = *columns.0.iter().chain(columns.1).nth(self.cursor)?;
-        match check(variable, &self.text) {
+        match check(variable, &self.typing.text) {
             Ok(value) => {
+                self.typing.send(self.cursor);
                 self.go(next);
                 Some(Command::TypeVariable(variable, Some(value)))
             }
             Err(reason) => {
-                self.refused = Some(reason);
+                self.typing.refused = Some(reason);
                 None
             }
         }
@@ -159,7 +147,7 @@ impl Entry {
     /// The reason of a refusal in a language.
     #[must_use]
     pub fn reason(&self, lang: Lang) -> Option<&str> {
-        self.refused.as_ref().map(|said| said.get(lang))
+        self.typing.reason(lang)
     }
 }
 
@@ -200,16 +188,16 @@ mod tests {
         let mut entry = Entry::default();
         let command = typed(&mut entry, "-40.25");
         assert!(matches!(command, Some(Command::TypeVariable(500, Some(value))) if (value + 40.25).abs() < 1e-12));
-        assert_eq!((entry.cursor, entry.text.as_str()), (1, ""));
+        assert_eq!((entry.cursor, entry.typing.text.as_str()), (1, ""));
     }
 
     #[test]
     fn k7_5_switches_take_zero_or_one_and_the_refused_text_stays() {
         let mut entry = Entry { cursor: 1, ..Entry::default() };
         assert!(typed(&mut entry, "2").is_none());
-        assert_eq!((entry.text.as_str(), entry.reason(Lang::En)), ("2", Some("only 0 or 1")));
+        assert_eq!((entry.typing.text.as_str(), entry.reason(Lang::En)), ("2", Some("only 0 or 1")));
         entry.edit(Edit::Char('1'), COLUMNS);
-        assert_eq!((entry.text.as_str(), entry.refused.is_none()), ("1", true));
+        assert_eq!((entry.typing.text.as_str(), entry.typing.refused.is_none()), ("1", true));
         assert!(matches!(entry.edit(Edit::Enter, COLUMNS), Some(Command::TypeVariable(570, Some(_)))));
     }
 

@@ -4,6 +4,7 @@
 use egui::accesskit::Role;
 use egui::{Align2, Color32, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
+use super::keycap;
 use super::theme;
 use super::view::{View, chip, fit, put};
 use crate::defs::page::Page;
@@ -13,17 +14,30 @@ use crate::units::Micros;
 /// How long a refusal stays in the message line.
 const FADES_AFTER: Micros = Micros::from_millis(5_000);
 
-/// Kind · page, program and block, mode, state, alarms, clock.
-pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) {
+/// What was touched in the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Touched {
+    /// The key `?`.
+    Help,
+    /// The alarm chip, or the message line while it shows an alarm.
+    Alarm,
+}
+
+/// Kind · page, program and block, mode, state, alarms, clock, help.
+pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) -> Option<Touched> {
     let painter = ui.painter();
     painter.rect_filled(rect, 0.0, view.theme.surface);
     painter.hline(rect.x_range(), rect.max.y - 0.5, egui::Stroke::new(theme::HAIR, view.theme.line));
-    let row = rect.shrink2(vec2(theme::PAD, 7.0));
-    let mut right = row.max.x;
+    let row = rect.shrink2(vec2(theme::PAD, 9.0));
+    let help = Rect::from_min_max(pos2(rect.max.x - theme::TARGET - 4.0, rect.min.y + 1.0), rect.max - vec2(4.0, 1.0));
+    let mut touched = help_key(ui, view, help).then_some(Touched::Help);
+    let mut right = help.min.x - theme::GAP;
     let clock = Rect::from_min_max(pos2(right - 66.0, row.min.y), pos2(right, row.max.y));
     put(painter, clock, Align2::RIGHT_CENTER, view.clock, theme::LABEL, view.theme.quiet);
     right = clock.min.x - theme::PAD;
-    right = alarm_chip(ui, view, right, row);
+    let (left, chip_touched) = alarm_chip(ui, view, right, row);
+    touched = touched.or(chip_touched.then_some(Touched::Alarm));
+    right = left;
     let (fill, ink) = state_colours(view);
     let state = chip(painter, right, row, view.snapshot.state.name().get(view.lang), fill, ink);
     let mode = chip(painter, state.min.x - theme::GAP, row, mode_word(view), view.theme.raised, view.theme.text);
@@ -35,6 +49,17 @@ pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) {
     let kind = view.snapshot.kind.name().get(view.lang).split(' ').next().unwrap_or_default();
     let word = format!("{kind} · {}", view.snapshot.page.title().get(view.lang));
     fit(painter, title, Align2::LEFT_CENTER, &word, theme::TITLE, view.theme.text);
+    touched
+}
+
+/// `?`: the keys of the panel on the keyboard.
+fn help_key(ui: &Ui, view: &View<'_>, rect: Rect) -> bool {
+    let response = ui.interact(rect, Id::unique("header-help"), Sense::CLICK);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "? help"));
+    let face = keycap::Face { pressed: response.is_pointer_button_down_on(), ..keycap::Face::default() };
+    keycap::plate(ui.painter(), view.theme, rect, face);
+    put(ui.painter(), rect, Align2::CENTER_CENTER, "?", theme::SECONDARY, view.theme.text);
+    response.clicked()
 }
 
 /// The mode in two characters, as on its key.
@@ -63,16 +88,20 @@ fn state_colours(view: &View<'_>) -> (Color32, Color32) {
     }
 }
 
-/// Number of the first alarm and how many there are; its place stays free while there is none.
-fn alarm_chip(ui: &Ui, view: &View<'_>, right: f32, row: Rect) -> f32 {
-    if let Some(first) = view.snapshot.alarms.first() {
-        let word = match view.snapshot.alarms.len() {
-            1 => format!("⚠ {:03}", first.number),
-            count => format!("⚠ {:03} ×{count}", first.number),
-        };
-        chip(ui.painter(), right, row, &word, view.theme.alarm, view.theme.ink);
-    }
-    right - 92.0
+/// Number of the first alarm and how many there are; its place stays free while there is none. Gives its left edge, and
+/// whether it was touched: the finger may land anywhere in the height of the header.
+fn alarm_chip(ui: &Ui, view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
+    let left = right - 92.0;
+    let Some(first) = view.snapshot.alarms.first() else { return (left, false) };
+    let word = match view.snapshot.alarms.len() {
+        1 => format!("⚠ {:03}", first.number),
+        count => format!("⚠ {:03} ×{count}", first.number),
+    };
+    chip(ui.painter(), right, row, &word, view.theme.alarm, view.theme.ink);
+    let place = Rect::from_min_max(pos2(left + 4.0, row.min.y - 8.0), pos2(right, row.max.y + 8.0));
+    let response = ui.interact(place, Id::unique("alarm-chip"), Sense::CLICK);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "报警 alarm-chip"));
+    (left, response.clicked())
 }
 
 /// What the message line says, and in which colour.
@@ -98,7 +127,7 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
 
 /// Alarm with remedy in red; a refusal in amber for 5 s; what the run waits for; a note. True when it was touched
 /// while there is an alarm.
-pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) -> bool {
+pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) -> Option<Touched> {
     let painter = ui.painter();
     painter.rect_filled(rect, 0.0, view.theme.surface);
     painter.hline(rect.x_range(), rect.min.y + 0.5, egui::Stroke::new(theme::HAIR, view.theme.line));
@@ -108,11 +137,11 @@ pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) ->
         fit(painter, rect.shrink2(vec2(theme::PAD, 2.0)), Align2::LEFT_CENTER, &words, theme::LABEL, colour);
     }
     if view.snapshot.alarms.is_empty() {
-        return false;
+        return None;
     }
     let response = ui.interact(rect, Id::unique("message"), Sense::CLICK);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "报警 alarm-list"));
-    response.clicked()
+    response.clicked().then_some(Touched::Alarm)
 }
 
 /// `手动方式 · 连续 · 停止 · F 100 % · 100 mm/min · S 1260 · 件数 12`

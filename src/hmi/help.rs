@@ -1,4 +1,5 @@
-//! The help overlay: the keyboard's keys for the panel, from the one table.
+//! The keyboard's keys for the panel, by group, from the one table: a page of its own, and a sheet over any other page.
+//! Source: spec K2.1 (same keys reachable from a keyboard).
 
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
@@ -6,18 +7,45 @@ use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 use super::keyboard::{SHORTCUTS, Shortcut};
 use super::theme;
 use super::view::{View, card, fit};
+use crate::defs::key::Group;
+use crate::defs::text::Text;
 
 /// Keys that are not panel keys.
-const FIXED: [(&str, &str, &str); 8] = [
-    ("F1–F5", "软键", "soft keys"),
-    ("F6", "软键翻页 ▶", "next row ▶"),
-    ("F12", "帮助", "help"),
-    ("Enter", "输入", "input"),
-    ("Esc", "取消", "cancel"),
-    ("Tab", "下一项", "next field"),
-    ("X Y Z", "地址键", "address keys"),
-    ("Alt+, .", "手轮 - +", "handwheel - +"),
+const SCREEN: [(&str, Text); 11] = [
+    ("F1–F5", Text::new("软键", "soft keys")),
+    ("F6", Text::new("软键翻页 ▶", "next row ▶")),
+    ("F7", Text::new("报警", "alarms")),
+    ("F12", Text::new("帮助 ?", "help ?")),
+    ("Enter", Text::new("输入", "input")),
+    ("Esc", Text::new("取消", "cancel")),
+    ("Tab ↑↓", Text::new("下一项", "next field")),
+    ("PgUp PgDn", Text::new("翻页", "scroll")),
+    ("X Y Z", Text::new("地址键", "address keys")),
+    ("/", Text::new("查找", "search")),
+    ("Alt+, .", Text::new("手轮 - +", "handwheel - +")),
 ];
+
+/// The groups in the order of the panel.
+const GROUPS: [(Group, Text); 12] = [
+    (Group::Mode, Text::new("方式", "MODES")),
+    (Group::Switch, Text::new("开关", "SWITCHES")),
+    (Group::Run, Text::new("运行", "RUN")),
+    (Group::Override, Text::new("倍率", "OVERRIDES")),
+    (Group::Jog, Text::new("方向", "DIRECTIONS")),
+    (Group::Handwheel, Text::new("手轮", "HANDWHEEL")),
+    (Group::Wheel, Text::new("砂轮", "WHEEL")),
+    (Group::Workpiece, Text::new("工件", "WORKPIECE")),
+    (Group::Clamping, Text::new("装夹", "CLAMPING")),
+    (Group::Fluids, Text::new("液体", "FLUIDS")),
+    (Group::Gauges, Text::new("量仪", "GAUGES")),
+    (Group::Dressing, Text::new("修整", "DRESSING")),
+];
+
+/// One line of the map.
+enum Line {
+    Caption(Text),
+    Entry(String, Text),
+}
 
 /// The written form of a shortcut.
 fn written(shortcut: &Shortcut) -> String {
@@ -34,30 +62,100 @@ fn written(shortcut: &Shortcut) -> String {
     format!("{prefix}{name}")
 }
 
-/// Draws the overlay over the page; true when it was touched and is to close.
-pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect) -> bool {
+/// Every key of the kind, a group at a time; two physical keys of one panel key share a line.
+fn groups(view: &View<'_>) -> Vec<Vec<Line>> {
+    let screen = SCREEN.iter().map(|(keys, name)| Line::Entry((*keys).to_owned(), *name));
+    let mut all = vec![vec![Line::Caption(Text::new("屏幕", "SCREEN"))]];
+    all[0].extend(screen);
+    for (group, caption) in GROUPS {
+        let mut lines = vec![Line::Caption(caption)];
+        let mut last = None;
+        let shown = SHORTCUTS
+            .iter()
+            .filter(|shortcut| shortcut.key.row().group == group && shortcut.key.is_on(view.snapshot.kind));
+        for shortcut in shown {
+            match lines.last_mut() {
+                Some(Line::Entry(keys, _)) if last == Some(shortcut.key) => {
+                    keys.push(' ');
+                    keys.push_str(&written(shortcut));
+                }
+                _ => lines.push(Line::Entry(written(shortcut), shortcut.key.name_on(view.snapshot.kind))),
+            }
+            last = Some(shortcut.key);
+        }
+        all.push(lines);
+    }
+    all
+}
+
+/// Draws the map over a page; true when it was touched and is to close.
+pub fn sheet(ui: &Ui, view: &View<'_>, rect: Rect) -> bool {
     let response = ui.interact(rect, Id::unique("help"), Sense::CLICK | Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "关闭帮助 close-help"));
-    let painter = ui.painter();
-    card(painter, rect, view.theme.surface, view.theme.focus);
-    let inside = rect.shrink(theme::PAD);
-    let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 30.0);
-    let words = view.say("键盘对照表（按 F12 或触摸关闭）", "keyboard (F12 or touch closes)");
-    fit(painter, title, Align2::LEFT_CENTER, words, theme::TITLE, view.theme.text);
-    let mut lines: Vec<(String, String)> =
-        FIXED.iter().map(|(keys, zh, en)| ((*keys).to_owned(), view.say(zh, en).to_owned())).collect();
-    let shown = SHORTCUTS.iter().filter(|shortcut| shortcut.key.is_on(view.snapshot.kind));
-    lines.extend(shown.map(|shortcut| (written(shortcut), shortcut.key.label().get(view.lang).to_owned())));
-    let columns = if rect.width() > rect.height() * 1.05 { 4 } else { 3 };
-    let rows = lines.len().div_ceil(columns);
-    let cell = vec2(rest.width() / columns as f32, (rest.height() / rows as f32).min(30.0));
-    for (index, (keys, name)) in lines.iter().enumerate() {
-        let corner = rest.min + vec2((index / rows) as f32 * cell.x, (index % rows) as f32 * cell.y);
-        let place = Rect::from_min_size(corner, cell - vec2(theme::PAD, 0.0));
-        let (left, right) = place.split_left_right_at_fraction(0.5);
-        fit(painter, left, Align2::LEFT_CENTER, keys, theme::LABEL, view.theme.info);
-        let right = Rect::from_min_max(pos2(right.min.x, right.min.y), right.max);
-        fit(painter, right, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.text);
-    }
+    card(ui.painter(), rect, view.theme.surface, view.theme.focus);
+    map(
+        ui,
+        view,
+        rect,
+        view.say("按键与键盘对照（触摸、F12 或 Esc 关闭）", "panel on the keyboard (touch, F12 or Esc closes)"),
+    );
     response.clicked()
+}
+
+/// Draws the map as the page 帮助.
+pub fn page(ui: &Ui, view: &View<'_>, rect: Rect) {
+    map(ui, view, rect, view.say("按键与键盘对照", "panel on the keyboard"));
+}
+
+fn map(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) {
+    let painter = ui.painter();
+    let inside = rect.shrink(theme::PAD);
+    let (head, rest) = inside.split_top_bottom_at_y(inside.min.y + 30.0);
+    fit(painter, head, Align2::LEFT_CENTER, title, theme::TITLE, view.theme.text);
+    let groups = groups(view);
+    let columns = if rect.width() > 640.0 { 4 } else { 3 };
+    let (rows, places) = flow(&groups, columns);
+    let cell = vec2(rest.width() / columns as f32, (rest.height() / rows as f32).min(30.0));
+    for (group, (column, top)) in groups.iter().zip(places) {
+        for (index, line) in group.iter().enumerate() {
+            let corner = rest.min + vec2(column as f32 * cell.x, (top + index) as f32 * cell.y);
+            let place = Rect::from_min_size(corner, cell - vec2(theme::PAD, 0.0));
+            match line {
+                Line::Caption(text) => {
+                    let under = pos2(place.min.x, place.max.y - 2.0);
+                    let stroke = egui::Stroke::new(theme::HAIR, view.theme.line);
+                    painter.hline(under.x..=place.max.x, under.y, stroke);
+                    fit(painter, place, Align2::LEFT_CENTER, text.get(view.lang), theme::SMALL, view.theme.quiet);
+                }
+                Line::Entry(keys, name) => {
+                    let (left, right) = place.split_left_right_at_fraction(0.48);
+                    let left = Rect::from_min_max(left.min, left.max - vec2(4.0, 0.0));
+                    fit(painter, left, Align2::LEFT_CENTER, keys, theme::LABEL, view.theme.info);
+                    fit(painter, right, Align2::LEFT_CENTER, name.get(view.lang), theme::LABEL, view.theme.text);
+                }
+            }
+        }
+    }
+}
+
+/// Puts whole groups into columns: as many lines a column as it takes for all to fit, and where each group begins.
+fn flow(groups: &[Vec<Line>], columns: usize) -> (usize, Vec<(usize, usize)>) {
+    let all: usize = groups.iter().map(Vec::len).sum();
+    let longest = groups.iter().map(Vec::len).max().unwrap_or(1);
+    let mut rows = all.div_ceil(columns).max(longest);
+    loop {
+        let (mut column, mut top) = (0, 0);
+        let mut places = Vec::with_capacity(groups.len());
+        for group in groups {
+            if top > 0 && top + group.len() > rows {
+                (column, top) = (column + 1, 0);
+            }
+            places.push((column, top));
+            top += group.len();
+        }
+        if column < columns {
+            return (rows, places);
+        }
+        rows += 1;
+    }
 }

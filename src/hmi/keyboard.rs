@@ -100,6 +100,8 @@ pub struct Asked {
     pub keys: Vec<Shortcut>,
     /// Typing and moving.
     pub edits: Vec<Edit>,
+    /// Every sign typed, for searches.
+    pub text: String,
     /// Address keys X Y Z.
     pub addresses: Vec<Key>,
     /// A soft key, 0–4.
@@ -108,6 +110,8 @@ pub struct Asked {
     pub next_row: bool,
     /// F12: the help overlay.
     pub help: bool,
+    /// F7: the alarm page.
+    pub alarms: bool,
     /// Lines to scroll: a page up is −1, a page down 1.
     pub pages: i32,
     /// Detents of the handwheel.
@@ -137,7 +141,10 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
                     None => {}
                 }
             }
-            Event::Text(text) if !alt => asked.edits.extend(text.chars().filter_map(typed)),
+            Event::Text(text) if !alt => {
+                asked.edits.extend(text.chars().filter_map(typed));
+                asked.text.push_str(text);
+            }
             _ => {}
         }
     }
@@ -170,6 +177,7 @@ impl Asked {
             egui::Key::F4 => self.soft = Some(3),
             egui::Key::F5 => self.soft = Some(4),
             egui::Key::F6 => self.next_row = true,
+            egui::Key::F7 => self.alarms = true,
             egui::Key::F12 => self.help = true,
             egui::Key::X => self.addresses.push(Key::AddressX),
             egui::Key::Y => self.addresses.push(Key::AddressY),

@@ -7,8 +7,6 @@ use super::pictogram::{self, Mark};
 use super::theme::{self, Theme};
 use super::view::{View, card, fit};
 use crate::defs::key::{Group, Key, Lamp};
-use crate::defs::kind::Kind;
-use crate::defs::text::Text;
 use crate::link::snapshot::KeyView;
 
 /// What a key looks like now.
@@ -29,47 +27,6 @@ impl Face {
     #[must_use]
     pub const fn of(state: KeyView, pressed: bool) -> Self {
         Self { on: state.lamp, working: state.working, blocked: state.blocked.is_some(), pressed }
-    }
-}
-
-/// The label on the key: short where the caption of the group says the rest.
-#[must_use]
-pub const fn label(key: Key, kind: Kind) -> Text {
-    match key {
-        // K1: on surface and rotary-table grinders the gauges measure thickness and plane.
-        Key::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度", "THICK"),
-        Key::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面", "PLANE"),
-        Key::ModeHandwheel => Text::new("手轮", "MPG"),
-        Key::OptionalStop => Text::new("选择停", "M01"),
-        Key::MstLock => Text::new("辅助锁", "MST"),
-        Key::MachineLock => Text::new("机床锁", "LOCK"),
-        Key::DryRun => Text::new("空运行", "DRY"),
-        Key::FeedOverrideUp | Key::SpindleOverrideUp | Key::FeedOverrideDown | Key::SpindleOverrideDown => {
-            Text::new("", "")
-        }
-        Key::RapidF0 => Text::new("F0", "F0"),
-        Key::Rapid25 => Text::new("25%", "25%"),
-        Key::Rapid50 => Text::new("50%", "50%"),
-        Key::Rapid100 => Text::new("100%", "100%"),
-        Key::HandwheelX => Text::new("X", "X"),
-        Key::HandwheelY => Text::new("Y", "Y"),
-        Key::HandwheelZ => Text::new("Z", "Z"),
-        Key::WheelStart => Text::new("启动", "START"),
-        Key::WheelStop => Text::new("停止", "STOP"),
-        Key::SecondSpindle => Text::new("第二主轴", "SPDL 2"),
-        Key::HeadstockHigh => Text::new("高速", "HIGH"),
-        Key::HeadstockLow => Text::new("低速", "LOW"),
-        Key::HeadstockStop => Text::new("停止", "STOP"),
-        Key::TailstockAdvance => Text::new("进", "IN"),
-        Key::TailstockRetract => Text::new("退", "OUT"),
-        Key::Coolant => Text::new("冷却", "COOL"),
-        Key::Lubrication => Text::new("润滑", "LUBE"),
-        Key::Hydraulic => Text::new("液压", "HYDR"),
-        Key::RadialGauge => Text::new("径向", "RADIAL"),
-        Key::AxialGauge => Text::new("轴向", "AXIAL"),
-        Key::DressReturn => Text::new("回修整点", "POINT"),
-        Key::WheelRetract => Text::new("一键回退", "RETRACT"),
-        _ => key.label(),
     }
 }
 
@@ -98,7 +55,7 @@ fn ordinary(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face
     if has_lamp {
         lamp(painter, view, rect, face, lamp_colour(theme, key));
     }
-    let text = label(key, view.snapshot.kind).get(view.lang);
+    let text = key.face(view.snapshot.kind).get(view.lang);
     let inner = body.shrink2(vec2(2.0, 0.0));
     if text.is_empty() {
         let square = Rect::from_center_size(body.center(), vec2(24.0, 24.0));

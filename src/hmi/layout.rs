@@ -78,6 +78,8 @@ const INNER: f32 = 3.0;
 const BETWEEN: f32 = 6.0;
 const CAPTION: f32 = 16.0;
 const MARGIN: f32 = 5.0;
+/// Rows of keys that the units of the machine take.
+const UNIT_ROWS: f32 = 3.0;
 
 /// Lays the panel out.
 #[must_use]
@@ -96,7 +98,7 @@ pub fn panel(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
         let width = (inside.width() - 2.0 * BETWEEN) / 3.0;
         let key = (inside.height() - 3.0 * INNER - 2.0 * BETWEEN) / 6.0;
         let column = |index: f32| pos2(inside.min.x + index * (width + BETWEEN), inside.min.y);
-        let mut build = Build { layout: &mut layout, kind, key, at: column(0.0), width };
+        let mut build = Build { layout: &mut layout, kind, key, at: column(0.0), width, wide: false };
         build.modes();
         build.overrides();
         build.at = column(1.0);
@@ -108,10 +110,12 @@ pub fn panel(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
         build.run_row();
         layout.pad = pad;
     } else {
-        // Fifteen rows of keys; captions, gaps within and between the groups.
-        let fixed = 2.0 * CAPTION + 7.0 * INNER + 7.0 * BETWEEN;
-        let key = ((inside.height() - fixed) / 15.0).min(64.0);
-        let mut build = Build { layout: &mut layout, kind, key, at: inside.min, width: inside.width() };
+        // Fifteen rows of keys, fourteen on the wide panel; captions, gaps within and between the groups.
+        let wide = rect.width() >= theme::PANEL.1;
+        let (rows, gaps) = if wide { (14.0, 6.0) } else { (15.0, 7.0) };
+        let fixed = 2.0 * CAPTION + 7.0 * INNER + gaps * BETWEEN;
+        let key = ((inside.height() - fixed) / rows).min(64.0);
+        let mut build = Build { layout: &mut layout, kind, key, at: inside.min, width: inside.width(), wide };
         build.modes();
         build.functions();
         let top = build.at.y;
@@ -124,38 +128,27 @@ pub fn panel(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
     layout
 }
 
-/// The directions of a kind's jog keys on a cross of three by three; the middle is rapid.
-/// GC: X− brings the wheel to the part, towards the operator. GS: Y, GA: Z is the wheel head's way down.
+/// The directions of a kind's jog keys on a cross of three by three; the middle is rapid, the third axis lies aslant.
+/// GC, seen from above: X− brings the wheel to the part, towards the operator. GS: the table goes left and right, Y is the
+/// wheel's way down, Z leads away from the operator. GA: X crosses the table, Z is the wheel's way down.
 #[must_use]
 pub const fn jog_places(kind: Kind) -> [(Key, u8, u8); 7] {
+    const fn cross(across: [Key; 2], upright: [Key; 2], aslant: [Key; 2]) -> [(Key, u8, u8); 7] {
+        [
+            (across[0], 0, 1),
+            (across[1], 2, 1),
+            (upright[0], 1, 0),
+            (upright[1], 1, 2),
+            (aslant[0], 2, 0),
+            (aslant[1], 0, 2),
+            (Key::Rapid, 1, 1),
+        ]
+    }
+    let (x, y, z) = ([Key::XMinus, Key::XPlus], [Key::YPlus, Key::YMinus], [Key::ZPlus, Key::ZMinus]);
     match kind {
-        Kind::Gc => [
-            (Key::XPlus, 1, 0),
-            (Key::XMinus, 1, 2),
-            (Key::ZMinus, 0, 1),
-            (Key::ZPlus, 2, 1),
-            (Key::YPlus, 2, 0),
-            (Key::YMinus, 2, 2),
-            (Key::Rapid, 1, 1),
-        ],
-        Kind::Gs => [
-            (Key::XMinus, 0, 1),
-            (Key::XPlus, 2, 1),
-            (Key::ZPlus, 0, 0),
-            (Key::ZMinus, 0, 2),
-            (Key::YPlus, 1, 0),
-            (Key::YMinus, 1, 2),
-            (Key::Rapid, 1, 1),
-        ],
-        Kind::Ga => [
-            (Key::XMinus, 0, 1),
-            (Key::XPlus, 2, 1),
-            (Key::ZPlus, 1, 0),
-            (Key::ZMinus, 1, 2),
-            (Key::YPlus, 0, 0),
-            (Key::YMinus, 0, 2),
-            (Key::Rapid, 1, 1),
-        ],
+        Kind::Gc => cross([Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], y),
+        Kind::Gs => cross(x, y, z),
+        Kind::Ga => cross(x, z, y),
     }
 }
 
@@ -170,20 +163,50 @@ const MODES: [Key; 8] = [
     Key::SingleBlock,
 ];
 const SWITCHES: [Key; 5] = [Key::BlockSkip, Key::OptionalStop, Key::MachineLock, Key::MstLock, Key::DryRun];
-const WHEEL: [Key; 3] = [Key::WheelStart, Key::WheelStop, Key::SecondSpindle];
-const FLUIDS: [Key; 3] = [Key::Coolant, Key::Lubrication, Key::Hydraulic];
-const DRESSING: [Key; 3] = [Key::Oscillation, Key::DressReturn, Key::WheelRetract];
-const GAUGES: [Key; 2] = [Key::RadialGauge, Key::AxialGauge];
+/// On the wide panel the switches of a run stand beside the modes, those for trying out have a column of their own.
+const MODES_WIDE: [Key; 10] = [
+    Key::ModeEdit,
+    Key::ModeAuto,
+    Key::ModeMdi,
+    Key::ModeHome,
+    Key::ModeHandwheel,
+    Key::ModeStep,
+    Key::ModeManual,
+    Key::SingleBlock,
+    Key::BlockSkip,
+    Key::OptionalStop,
+];
 const RAPIDS: [Key; 4] = [Key::RapidF0, Key::Rapid25, Key::Rapid50, Key::Rapid100];
 const HANDWHEEL: [[Key; 2]; 3] =
     [[Key::HandwheelX, Key::Step0001], [Key::HandwheelY, Key::Step001], [Key::HandwheelZ, Key::Step01]];
 
-/// The unit between wheel and fluids: workpiece drive, and on GS and GA the magnet below it.
-const fn workpiece(kind: Kind) -> (Text, [Key; 3]) {
-    match kind {
-        Kind::Gc => (Text::new("头架", "HEAD"), [Key::HeadstockHigh, Key::HeadstockLow, Key::HeadstockStop]),
-        Kind::Gs => (Text::new("工件", "WORK"), [Key::DresserRoll, Key::Magnetise, Key::Demagnetise]),
-        Kind::Ga => (Text::new("工件", "WORK"), [Key::TableRotation, Key::Magnetise, Key::Demagnetise]),
+/// One unit of the machine: caption, keys, columns of keys that it takes.
+struct Unit(Text, &'static [Key], usize);
+
+const WHEEL: Unit = Unit(Text::new("砂轮", "WHEEL"), &[Key::WheelStart, Key::WheelStop, Key::SecondSpindle], 1);
+const WHEEL_WIDE: Unit = Unit(Text::new("砂轮", "WHEEL"), &[Key::WheelStart, Key::WheelStop], 1);
+const SPINDLE: Unit = Unit(Text::new("主轴", "SPDL"), &[Key::SecondSpindle], 1);
+const FLUIDS: Unit = Unit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication, Key::Hydraulic], 1);
+const DRESSING: Unit = Unit(Text::new("修整", "DRESS"), &[Key::Oscillation, Key::DressReturn, Key::WheelRetract], 1);
+const TRIAL: Unit = Unit(Text::new("试运行", "TRIAL"), &[Key::MachineLock, Key::MstLock, Key::DryRun], 1);
+const HEADSTOCK: Unit =
+    Unit(Text::new("头架", "HEAD"), &[Key::HeadstockHigh, Key::HeadstockLow, Key::HeadstockStop], 1);
+const MAGNET: Unit = Unit(Text::new("磁力", "MAGNET"), &[Key::Magnetise, Key::Demagnetise], 1);
+const TAILSTOCK: Unit = Unit(Text::new("尾座", "TAILSTOCK"), &[Key::TailstockAdvance, Key::TailstockRetract], 2);
+const ROLL: Unit = Unit(Text::new("修整器", "DRESSER"), &[Key::DresserRoll], 2);
+const TABLE: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 2);
+const GAUGES: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 2);
+
+/// The units of a kind: those that stand side by side, three keys high, and the row of blocks below them.
+/// GC works with headstock and tailstock; GS with magnet and dresser roll; GA with magnet and rotary table (K1, K2.1).
+const fn units(kind: Kind, wide: bool) -> (&'static [Unit], &'static [Unit]) {
+    match (kind, wide) {
+        (Kind::Gc, false) => (&[WHEEL, HEADSTOCK, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),
+        (Kind::Gs, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[ROLL, GAUGES]),
+        (Kind::Ga, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[TABLE, GAUGES]),
+        (Kind::Gc, true) => (&[WHEEL_WIDE, HEADSTOCK, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TAILSTOCK, GAUGES]),
+        (Kind::Gs, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, ROLL, GAUGES]),
+        (Kind::Ga, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TABLE, GAUGES]),
     }
 }
 
@@ -194,6 +217,7 @@ struct Build<'a> {
     key: f32,
     at: Pos2,
     width: f32,
+    wide: bool,
 }
 
 impl Build<'_> {
@@ -228,43 +252,58 @@ impl Build<'_> {
     }
 
     fn modes(&mut self) {
+        if self.wide {
+            self.rows(5.0, &MODES_WIDE, None);
+            self.down(2.0, BETWEEN);
+            return;
+        }
         self.rows(4.0, &MODES, None);
         self.down(2.0, BETWEEN);
         self.rows(5.0, &SWITCHES, None);
         self.down(1.0, BETWEEN);
     }
 
-    /// Four columns of units with three keys each, then pairs below them.
+    /// The units of the machine side by side, then the row of blocks below them.
     fn functions(&mut self) {
+        let (beside, below) = units(self.kind, self.wide);
         self.at.y += CAPTION;
-        let (name, work) = workpiece(self.kind);
-        let units = [
-            (Text::new("砂轮", "WHEEL"), WHEEL),
-            (name, work),
-            (Text::new("液体", "FLUIDS"), FLUIDS),
-            (Text::new("修整", "DRESS"), DRESSING),
-        ];
-        for (column, (caption, keys)) in units.into_iter().enumerate() {
-            self.block(column, 1, &keys, caption);
+        for (column, Unit(caption, keys, _)) in beside.iter().enumerate() {
+            self.column(column, keys, *caption);
         }
-        self.down(3.0, BETWEEN);
+        self.down(UNIT_ROWS, BETWEEN);
         self.at.y += CAPTION;
-        let gauges = Text::new("量仪", "GAUGES");
-        if self.kind == Kind::Gc {
-            self.block(0, 2, &[Key::TailstockAdvance, Key::TailstockRetract], Text::new("尾座", "TAILSTOCK"));
-            self.block(2, 2, &GAUGES, gauges);
-        } else {
-            self.block(0, 2, &GAUGES, gauges);
+        let mut column = 0;
+        for Unit(caption, keys, columns) in below {
+            self.block(column, *columns, keys, *caption);
+            column += columns;
         }
         self.down(1.0, BETWEEN);
     }
 
-    fn block(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
-        let mut around = Rect::NOTHING;
+    fn columns(&self) -> f32 {
+        if self.wide { 5.0 } else { 4.0 }
+    }
+
+    /// Keys one under the other; two of them share the height of three.
+    fn column(&mut self, column: usize, keys: &[Key], caption: Text) {
+        let top = self.cell(self.columns(), column, 0);
+        let height = UNIT_ROWS * self.key + (UNIT_ROWS - 1.0) * INNER;
+        let each = (height - (keys.len() as f32 - 1.0) * INNER) / keys.len() as f32;
         for (index, key) in keys.iter().enumerate() {
-            let cell = self.cell(4.0, column + index % columns, index / columns);
-            around = around.union(cell);
-            self.layout.keys.push((*key, cell));
+            let corner = top.min + vec2(0.0, index as f32 * (each + INNER));
+            self.layout.keys.push((*key, Rect::from_min_size(corner, vec2(top.width(), each))));
+        }
+        self.group(Rect::from_min_size(top.min, vec2(top.width(), height)), Some(caption));
+    }
+
+    /// Keys side by side that share so many columns.
+    fn block(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
+        let first = self.cell(self.columns(), column, 0);
+        let around = first.union(self.cell(self.columns(), column + columns - 1, 0));
+        let each = (around.width() - (keys.len() as f32 - 1.0) * INNER) / keys.len() as f32;
+        for (index, key) in keys.iter().enumerate() {
+            let corner = around.min + vec2(index as f32 * (each + INNER), 0.0);
+            self.layout.keys.push((*key, Rect::from_min_size(corner, vec2(each, self.key))));
         }
         self.group(around, Some(caption));
     }

@@ -4,7 +4,6 @@
 //! windows. [`window::run`] is the shell that puts it on a display, [`shot`] and [`page_text`] draw without one.
 //! Source: spec H1–H10, K2, K7.
 
-mod alarms;
 pub mod app;
 pub mod entry;
 mod frame;
@@ -12,6 +11,8 @@ mod help;
 mod keyboard;
 mod keycap;
 pub mod layout;
+mod letters;
+mod login;
 mod pad;
 mod page;
 pub mod panel;
@@ -21,7 +22,9 @@ pub mod raster;
 pub mod shot;
 mod softkey;
 pub mod theme;
+pub mod typing;
 pub mod view;
+mod widget;
 pub mod window;
 
 pub use app::Hmi;

@@ -168,6 +168,8 @@ fn marks(view: &View<'_>, key: Key) -> &'static [Mark] {
     const DOWN: &[Mark] = &[Line(&[(12.0, 4.0), (12.0, 16.0)]), Head(12.0, 22.0, 90.0)];
     const LEFT: &[Mark] = &[Line(&[(20.0, 12.0), (8.0, 12.0)]), Head(2.0, 12.0, 180.0)];
     const RIGHT: &[Mark] = &[Line(&[(4.0, 12.0), (16.0, 12.0)]), Head(22.0, 12.0, 0.0)];
+    const AWAY: &[Mark] = &[Line(&[(5.0, 19.0), (15.0, 9.0)]), Head(20.0, 4.0, -45.0)];
+    const NEAR: &[Mark] = &[Line(&[(19.0, 5.0), (9.0, 15.0)]), Head(4.0, 20.0, 135.0)];
     if key.jog().is_none() {
         return match key {
             Key::RapidF0 | Key::Rapid25 | Key::Rapid50 | Key::Rapid100 => &[],
@@ -178,6 +180,8 @@ fn marks(view: &View<'_>, key: Key) -> &'static [Mark] {
     match place {
         Some((_, 0, 1)) => LEFT,
         Some((_, 2, 1)) => RIGHT,
+        Some((_, 2, 0)) => AWAY,
+        Some((_, 0, 2)) => NEAR,
         Some((_, _, 0)) => UP,
         _ => DOWN,
     }

@@ -1,4 +1,4 @@
-//! The soft keys F1–F5 and ▶: three rows, one table.
+//! The soft keys F1–F5 and ▶: four rows, one table.
 //! Source: spec K7.1, K7.2.
 
 use egui::accesskit::Role;
@@ -21,10 +21,6 @@ pub enum SoftAct {
     Position(Shown),
     /// Not there yet, and why.
     Blocked(Text),
-    /// Shows the keys of the keyboard.
-    Help,
-    /// Shows the alarms present.
-    Alarms,
 }
 
 /// One soft key.
@@ -45,22 +41,17 @@ const fn later(zh: &'static str, en: &'static str, reason_zh: &'static str, reas
 }
 
 /// The rows that ▶ turns through.
-pub const ROWS: [[SoftKey; 5]; 3] = [
-    [
+pub const ROWS: [&[SoftKey]; 4] = [
+    &[
         key("相对", "RELATIVE", SoftAct::Position(Shown::Relative)),
         key("综合", "ALL", SoftAct::Position(Shown::All)),
         key("机床", "MACHINE", SoftAct::Position(Shown::Machine)),
         key("磨削", "GRINDING", SoftAct::Open(Page::Grinding)),
-        later("砂轮修整", "DRESSING", "砂轮修整页面：本版本尚未提供", "the dressing page is not in this version yet"),
+        key("砂轮修整", "DRESSING", SoftAct::Open(Page::Dressing)),
     ],
-    [
-        later(
-            "参数",
-            "PARAMS",
-            "参数页面：本版本尚未提供，用 --param 设置",
-            "the parameter page is not in this version yet; use --param",
-        ),
-        later("诊断", "DIAGNOSIS", "诊断页面：本版本尚未提供", "the diagnosis page is not in this version yet"),
+    &[
+        key("参数", "PARAMS", SoftAct::Open(Page::Params)),
+        key("诊断", "DIAGNOSIS", SoftAct::Open(Page::Diagnosis)),
         later("图形", "GRAPHIC", "图形页面：本版本尚未提供", "the graphic page is not in this version yet"),
         later("U盘/通信", "USB/COMM", "U盘/通信：本版本尚未提供", "USB and communication are not in this version yet"),
         later(
@@ -70,12 +61,18 @@ pub const ROWS: [[SoftKey; 5]; 3] = [
             "screen print is not in this version yet; use kt830 shot",
         ),
     ],
-    [
+    &[
         key("程序", "PROGRAM", SoftAct::Open(Page::Program)),
+        key("录入", "MDI", SoftAct::Open(Page::Mdi)),
         key("目录", "DIRECTORY", SoftAct::Open(Page::Directory)),
-        key("报警", "ALARMS", SoftAct::Alarms),
-        later("设置", "SETTINGS", "设置页面：本版本尚未提供", "the settings page is not in this version yet"),
-        key("帮助", "HELP", SoftAct::Help),
+        key("刀补", "OFFSETS", SoftAct::Open(Page::Offset)),
+        key("宏变量", "MACRO", SoftAct::Open(Page::Macro)),
+    ],
+    &[
+        key("报警", "ALARMS", SoftAct::Open(Page::Alarm)),
+        key("换砂轮", "WHEEL", SoftAct::Open(Page::Wheel)),
+        key("设置", "SETTINGS", SoftAct::Open(Page::Settings)),
+        key("帮助", "HELP", SoftAct::Open(Page::Help)),
     ],
 ];
 
@@ -83,9 +80,10 @@ pub const ROWS: [[SoftKey; 5]; 3] = [
 #[must_use]
 pub const fn row_of(page: Page) -> usize {
     match page {
-        Page::Position => 0,
-        Page::Grinding => 1,
-        Page::Program | Page::Directory => 2,
+        Page::Position | Page::Panel | Page::Dressing => 0,
+        Page::Grinding | Page::Params | Page::Diagnosis => 1,
+        Page::Program | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
+        Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
     }
 }
 

@@ -9,8 +9,8 @@ use egui::{Color32, FontData, FontDefinitions, FontFamily, FontId, Vec2};
 static FONT: &[u8] = include_bytes!("../../assets/font/NotoSansSC-GBK.otf");
 const FONT_NAME: &str = "NotoSansSC-GBK";
 
-/// Height of the header.
-pub const HEADER: f32 = 40.0;
+/// Height of the header: its chips and the help key can be touched.
+pub const HEADER: f32 = 46.0;
 /// Height of the message line.
 pub const MESSAGE: f32 = 32.0;
 /// Height of the input line of pages that take numbers.
@@ -107,7 +107,7 @@ pub const DARK: Theme = Theme {
     line: rgb(0x2E3A45),
     text: rgb(0xE9EEF2),
     quiet: rgb(0x9AA8B4),
-    dim: rgb(0x66727D),
+    dim: rgb(0x7E8994),
     focus: rgb(0x3B8EEA),
     run: rgb(0x2EBD74),
     hold: rgb(0xF2B134),
@@ -133,6 +133,8 @@ impl Theme {
         pairs.extend(on_grounds("run", self.run).chain(on_grounds("alarm text", self.alarm_text)));
         let fills = [self.run, self.hold, self.alarm, self.info, self.focus, self.stop_ground];
         pairs.extend(fills.into_iter().map(|fill| ("ink", self.ink, fill)));
+        // Blocked keys lie flat on the surface; what they are called must still be read.
+        pairs.extend([self.ground, self.surface].into_iter().map(|ground| ("dim", self.dim, ground)));
         pairs.extend([self.paper_ink, self.paper_accent].into_iter().map(|ink| ("paper", ink, self.paper)));
         pairs
     }

@@ -8,6 +8,7 @@ use egui::{Align2, Color32, CornerRadius, Galley, Painter, Pos2, Rect, Stroke, S
 use super::theme::{self, Theme};
 use crate::defs::text::{Lang, Text};
 use crate::link::Snapshot;
+use crate::units::Micros;
 
 /// How far below the middle of its line the font draws its signs, of the line's height.
 const SAG: f32 = 0.045;
@@ -23,6 +24,8 @@ pub struct View<'a> {
     pub theme: &'a Theme,
     /// Time of day as shown.
     pub clock: &'a str,
+    /// Time of day at power-on, seconds.
+    pub power_on_s: i64,
     /// The lit half of the 1 Hz blink.
     pub blink: bool,
 }
@@ -32,6 +35,19 @@ impl View<'_> {
     #[must_use]
     pub const fn say(&self, zh: &'static str, en: &'static str) -> &'static str {
         Text::new(zh, en).get(self.lang)
+    }
+}
+
+impl View<'_> {
+    /// The time of day at a machine time; days before today in front.
+    #[must_use]
+    pub fn time(&self, at: Micros) -> String {
+        const DAY: i64 = 86_400;
+        let of_day = |time: Micros| self.power_on_s + (time.0 / 1_000_000) as i64;
+        let (then, days) = (of_day(at).rem_euclid(DAY), of_day(self.snapshot.now).div_euclid(DAY));
+        let days = days - of_day(at).div_euclid(DAY);
+        let time = format!("{:02}:{:02}:{:02}", then / 3_600, then / 60 % 60, then % 60);
+        if days > 0 { format!("-{days}d {time}") } else { time }
     }
 }
 

@@ -14,8 +14,10 @@ use egui::{ViewportBuilder, ViewportCommand, vec2};
 
 use super::app::Hmi;
 use super::theme;
+use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::link::{Command, Snapshot};
+use crate::units::PerAxis;
 
 /// How often the watcher looks.
 const LOOK: Duration = Duration::from_millis(33);
@@ -157,8 +159,29 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     }
     (&snapshot.message.text.zh, snapshot.message.since).hash(h);
     snapshot.waiting_for.as_ref().map(|said| &said.zh).hash(h);
+    if snapshot.page == Page::Diagnosis {
+        (snapshot.input_terminals, snapshot.output_terminals, snapshot.inputs, snapshot.outputs).hash(h);
+        (snapshot.internals, snapshot.analog_volts.map(|volts| (volts * 100.0).round() as i64)).hash(h);
+    }
+    typed(snapshot, h);
+    let access = snapshot.access;
+    (access.level as u8, access.asking, access.answers, snapshot.next_kind as u8).hash(h);
+    (Arc::as_ptr(&snapshot.params).addr(), Arc::as_ptr(&snapshot.alarm_history).addr()).hash(h);
     (Arc::as_ptr(&snapshot.screens).addr(), Arc::as_ptr(&snapshot.directory).addr()).hash(h);
     hasher.finish()
+}
+
+/// What the pages show of values: offsets, codes in force, the answer to what was typed.
+fn typed(snapshot: &Snapshot, h: &mut DefaultHasher) {
+    let bits = |values: &PerAxis<f64>| values.map(f64::to_bits).0;
+    for row in &snapshot.offsets {
+        (bits(&row.geometry), bits(&row.wear)).hash(h);
+    }
+    (snapshot.edit.count, snapshot.offset_in_force, &snapshot.mdi_ready).hash(h);
+    let modals = &snapshot.modals;
+    (modals.g, modals.feed.map(f64::to_bits), modals.speed.map(f64::to_bits), modals.tool, modals.m).hash(h);
+    snapshot.dressing_point.map(|at| at.map(f64::to_bits)).0.hash(h);
+    snapshot.strokes_min.map(|strokes| (strokes * 10.0).round() as i64).hash(h);
 }
 
 /// The shell around the face.

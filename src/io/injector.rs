@@ -5,6 +5,7 @@
 
 use super::random::SplitMix64;
 use super::{Backend, InputImage, OutputImage};
+use crate::defs::param::Params;
 use crate::defs::signal::PORTS;
 use crate::units::Micros;
 
@@ -113,6 +114,10 @@ impl<B: Backend> Backend for FaultInjector<B> {
         }
         self.last = image;
         image
+    }
+
+    fn rewire(&mut self, params: &Params) {
+        self.inner.rewire(params);
     }
 
     fn write(&mut self, now: Micros, outputs: &OutputImage) {

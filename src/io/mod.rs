@@ -8,6 +8,7 @@ mod random;
 pub mod sim;
 pub mod trace;
 
+use crate::defs::param::Params;
 use crate::defs::signal::Terminals;
 use crate::units::{Micros, PerAxis};
 
@@ -46,4 +47,6 @@ pub trait Backend {
     fn read(&mut self, now: Micros) -> InputImage;
     /// Hands over the outputs that hold from `now` on.
     fn write(&mut self, now: Micros, outputs: &OutputImage);
+    /// The ports of functions have been assigned anew. Real wires are moved by hand; a simulated machine moves its own.
+    fn rewire(&mut self, _params: &Params) {}
 }

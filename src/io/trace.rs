@@ -8,6 +8,7 @@ use std::collections::VecDeque;
 use std::fmt;
 
 use super::{Backend, InputImage, OutputImage};
+use crate::defs::param::Params;
 use crate::defs::signal::Terminals;
 use crate::units::{Micros, PerAxis};
 
@@ -164,6 +165,10 @@ impl<B: Backend> Backend for Tracer<B> {
     fn read(&mut self, now: Micros) -> InputImage {
         self.read = self.inner.read(now);
         self.read
+    }
+
+    fn rewire(&mut self, params: &Params) {
+        self.inner.rewire(params);
     }
 
     fn write(&mut self, now: Micros, outputs: &OutputImage) {

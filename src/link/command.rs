@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use super::edit::OffsetCommand;
+use super::page_command::PageCommand;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -29,9 +31,31 @@ pub enum Command {
     Mdi(String),
     /// A value typed on the open page for one of its macro variables; `None` empties it.
     TypeVariable(u16, Option<f64>),
+    /// What the offset and the dressing page ask.
+    Offset(OffsetCommand),
+    /// An increment to the wear of an offset, typed as U, V or W; G10 goes the same way (K4.1).
+    AddWear {
+        /// 1 to 16.
+        number: usize,
+        /// Axis.
+        axis: Axis,
+        /// mm as displayed.
+        by: f64,
+    },
+    /// The wheel has been changed (K5.17): its size and rating, and no cycle start before it is dressed.
+    ChangeWheel {
+        /// Diameter, mm.
+        diameter_mm: f64,
+        /// Width, mm.
+        width_mm: f64,
+        /// Rated peripheral speed, m/s.
+        rated_m_s: f64,
+    },
+    /// Puts a line of MDI text ready for cycle start; an empty one takes it back.
+    ReadyMdi(String),
     /// A value set past the pages (`--set`, `set` in a story, a restored backup).
     SetVariable(u16, Option<f64>),
-    /// A parameter set at the parameter page.
+    /// A parameter set past the pages (`--param`, `param` in a story): no password is asked.
     SetParam(ParamAddress, f64),
     /// The work zero of G54 (0) to G59 (5), machine coordinates, radius mm.
     SetFrame(usize, PerAxis<f64>),
@@ -45,6 +69,8 @@ pub enum Command {
     Stored(u64),
     /// The disk could not do what it was asked.
     DiskFailed(Said),
+    /// What the pages of parameters and settings ask.
+    Page(PageCommand),
     /// The screen is alive; without it the core stops after its keep-alive time.
     Alive,
 }
@@ -54,6 +80,8 @@ pub enum Command {
 pub struct Screens {
     /// One for each program O1001–O1020 of which a file was found, by program number.
     pub pages: Vec<(u32, ScreenFiles)>,
+    /// The picture of the dressing page, or what is wrong with it; none before the folder was read.
+    pub dressing: Option<Result<Arc<Picture>, FileFault>>,
 }
 
 impl Screens {

@@ -2,7 +2,11 @@
 //! It never runs back: a page cannot call the core, the core cannot call a page.
 
 pub mod command;
+pub mod edit;
+pub mod internal;
+pub mod page_command;
 pub mod snapshot;
 
 pub use command::Command;
+pub use page_command::PageCommand;
 pub use snapshot::Snapshot;

@@ -4,10 +4,13 @@
 use std::sync::Arc;
 
 use super::command::Screens;
+use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
+use super::internal::InternalSet;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
-use crate::defs::signal::{InputSet, OutputSet};
+use crate::defs::param::{Level, Params};
+use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -108,6 +111,34 @@ pub struct AlarmView {
     pub place: Option<(u32, u32)>,
 }
 
+/// One alarm of the history.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PastAlarm {
+    /// The alarm as it came.
+    pub alarm: Arc<AlarmView>,
+    /// When it went; none while it is present.
+    pub gone: Option<Micros>,
+}
+
+/// Who stands at the panel, and what came of the last password.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Access {
+    /// The level that is open.
+    pub level: Level,
+    /// A password is with the disk.
+    pub asking: bool,
+    /// Counts the answers, so that a page sees a new one.
+    pub answers: u32,
+    /// Why the last password was refused.
+    pub refused: Option<Text>,
+}
+
+impl Default for Access {
+    fn default() -> Self {
+        Self { level: Level::Operator, asking: false, answers: 0, refused: None }
+    }
+}
+
 /// How a message is meant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {
@@ -179,6 +210,8 @@ pub struct Snapshot {
     pub feed_mm_min: f64,
     /// Wheel speed commanded, rpm.
     pub wheel_rpm: f64,
+    /// Measured strokes a minute of the axis that oscillates (K4.3).
+    pub strokes_min: Option<f64>,
     /// Workpieces counted.
     pub parts: u32,
     /// Seconds of the running or last cycle.
@@ -197,6 +230,34 @@ pub struct Snapshot {
     pub message: Message,
     /// The program's own message (`MSG`), or what the run waits for.
     pub waiting_for: Option<Said>,
+    /// Level of the inputs' terminals as wired.
+    pub input_terminals: Terminals,
+    /// Level of the outputs' terminals.
+    pub output_terminals: Terminals,
+    /// The analog outputs: wheel speed, second output; volts.
+    pub analog_volts: [f64; 2],
+    /// States inside the control.
+    pub internals: InternalSet,
+    /// Alarms that came since power-on, the latest last; replaced only when one comes or goes.
+    pub alarm_history: Arc<Vec<PastAlarm>>,
+    /// The parameters; replaced only when one is changed.
+    pub params: Arc<Params>,
+    /// Which level of parameters is open.
+    pub access: Access,
+    /// The kind of machine of the next start.
+    pub next_kind: Kind,
+    /// The answer to what was last typed at a page.
+    pub edit: EditAnswer,
+    /// Tool offsets 1 to 16.
+    pub offsets: [OffsetView; OFFSETS],
+    /// The offset in force, 1 to 16; 0 none.
+    pub offset_in_force: usize,
+    /// The codes in force.
+    pub modals: ModalView,
+    /// The MDI line that waits for cycle start; empty if none does.
+    pub mdi_ready: Arc<str>,
+    /// Machine coordinates of the dressing point of each axis, where it is set (K4.2).
+    pub dressing_point: PerAxis<Option<f64>>,
     /// Grinding pages found on disk.
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
@@ -237,6 +298,7 @@ impl Snapshot {
             spindle_override: 100,
             feed_mm_min: 0.0,
             wheel_rpm: 0.0,
+            strokes_min: None,
             parts: 0,
             cycle_seconds: 0.0,
             inputs: InputSet::NONE,
@@ -246,8 +308,31 @@ impl Snapshot {
             alarms: Vec::new(),
             message: Message::default(),
             waiting_for: None,
+            input_terminals: Terminals::default(),
+            output_terminals: Terminals::default(),
+            analog_volts: [0.0; 2],
+            internals: InternalSet::default(),
+            alarm_history: Arc::default(),
+            params: Arc::new(Params::factory(kind)),
+            access: Access::default(),
+            next_kind: kind,
+            edit: EditAnswer::default(),
+            offsets: [OffsetView::default(); OFFSETS],
+            offset_in_force: 0,
+            modals: ModalView::default(),
+            mdi_ready: Arc::from(""),
+            dressing_point: PerAxis::default(),
             screens: Arc::default(),
             directory: Arc::default(),
+        }
+    }
+
+    /// Without power nothing is switched, seen or lit.
+    pub fn darken(&mut self) {
+        self.inputs = InputSet::NONE;
+        self.outputs = OutputSet::NONE;
+        for key in &mut self.keys {
+            (key.lamp, key.working) = (false, false);
         }
     }
 

@@ -73,6 +73,14 @@ impl Hydraulic {
         self.refused_start = true;
     }
 
+    /// Its state in a small number; `age` counts the ticks since a moment.
+    pub fn discrete(&self, age: impl Fn(Micros) -> u8) -> u8 {
+        let since = self.since.map_or(4, age);
+        let flags = [self.on, self.refused_start, self.acknowledged];
+        let flags = flags.iter().fold(0, |all, flag| all << 1 | u8::from(*flag));
+        (since * 4 + self.alarm as u8) * 8 + flags
+    }
+
     /// RESET: with the next look a latched alarm goes if its cause is gone.
     pub fn acknowledge(&mut self) {
         self.acknowledged = true;

@@ -5,7 +5,6 @@
 //! Source: spec K3, K5, "what stops what".
 
 use super::Around;
-use crate::defs::alarm;
 use crate::defs::mcode::Request;
 use crate::defs::text::Text;
 
@@ -16,12 +15,24 @@ pub struct Facts {
     pub e_stop: bool,
     /// The wheel's output is on.
     pub wheel_on: bool,
+    /// Diameter and commanded speed together exceed the wheel's rating (P77, P79).
+    pub wheel_too_fast: bool,
+    /// P6.7: changed and not dressed since (K5.17).
+    pub wheel_undressed: bool,
     /// Headstock, roll or table: an output is on.
     pub drive_on: bool,
+    /// The drive turns the part on its magnet (GA).
+    pub drive_carries_part: bool,
+    /// The guard has stopped the drive of a run that is still open.
+    pub drive_stopped_by_guard: bool,
+    /// The kind has a tailstock.
+    pub tailstock_on_kind: bool,
     /// P16.2, and the kind has a tailstock.
     pub tailstock_enabled: bool,
     /// The tailstock is on its way.
     pub tailstock_moving: bool,
+    /// Its end switch went or did not come while the valve is on.
+    pub tailstock_lost: bool,
     /// P6.5: the headstock needs the tailstock.
     pub tailstock_needed: bool,
     /// The part is clamped by the tailstock.
@@ -38,10 +49,26 @@ pub struct Facts {
     pub hydraulic_settled: bool,
     /// The pressure switch.
     pub pressure: bool,
+    /// The kind has a magnet, or P16.0 gives it one.
+    pub magnet_on_kind: bool,
+    /// P16.0.
+    pub magnet_enabled: bool,
     /// P16.1.
     pub magnet_needed: bool,
-    /// The magnet's output is on.
+    /// The magnet holds: on for P81.
     pub magnetised: bool,
+    /// The oscillation cylinder is in its cycle.
+    pub cylinder_on: bool,
+    /// P332 is assigned and the guard is not closed.
+    pub guard_open: bool,
+    /// The external hold is active.
+    pub external_hold: bool,
+    /// The port asked for belongs to a function with rules.
+    pub port_owned: bool,
+    /// The output asked for has no port.
+    pub port_missing: bool,
+    /// Another function has the port of the output asked for.
+    pub port_conflict: bool,
     /// What the controller tells.
     pub around: Around,
 }
@@ -72,157 +99,21 @@ pub struct Rule {
     pub reason: Text,
 }
 
-const fn wheel_start(request: Request) -> bool {
-    matches!(request, Request::WheelStart)
-}
-const fn cycle_start(request: Request) -> bool {
-    matches!(request, Request::CycleStart)
-}
-const fn tailstock(request: Request) -> bool {
-    matches!(request, Request::TailstockAdvance | Request::TailstockRetract)
-}
-const fn drive_start(request: Request) -> bool {
-    matches!(request, Request::DriveHigh | Request::DriveLow)
-}
-const fn hydraulic(request: Request) -> bool {
-    matches!(request, Request::HydraulicOn | Request::HydraulicOff)
-}
-const fn motion(request: Request) -> bool {
-    matches!(request, Request::CycleStart | Request::HomeAxes | Request::MoveByHand)
-}
-
-/// The table.
-pub const RULES: &[Rule] = &[
-    Rule {
-        row: "K3.1",
-        forbids: wheel_start,
-        when: |facts| facts.e_stop,
-        outcome: Outcome::Deny,
-        reason: Text::new("急停中，砂轮不能启动", "emergency stop: the wheel may not start"),
-    },
-    Rule {
-        row: "K3.4",
-        forbids: drive_start,
-        when: |facts| facts.e_stop,
-        outcome: Outcome::Deny,
-        reason: Text::new("急停中，头架不能启动", "emergency stop: the workpiece drive may not start"),
-    },
-    Rule {
-        row: "B5",
-        forbids: motion,
-        when: |facts| facts.e_stop,
-        outcome: Outcome::Deny,
-        reason: Text::new("急停中，松开急停并复位", "emergency stop: release it and press RESET"),
-    },
-    Rule {
-        row: "B5",
-        forbids: motion,
-        when: |facts| facts.around.drives_off,
-        outcome: Outcome::Deny,
-        reason: Text::new("驱动已断开，排除报警后按复位", "the drives are off: clear the alarm and press RESET"),
-    },
-    Rule {
-        row: "K3.7",
-        forbids: wheel_start,
-        when: |facts| facts.hydraulic_latched,
-        outcome: Outcome::Deny,
-        reason: Text::new("液压报警 180 未复位，砂轮不能启动", "alarm 180 waits for RESET: the wheel may not start"),
-    },
-    Rule {
-        row: "K3.7",
-        forbids: wheel_start,
-        when: |facts| facts.hydraulic_checked && !(facts.hydraulic_settled && facts.pressure),
-        outcome: Outcome::Alarm(alarm::HYDRAULIC),
-        reason: Text::new(
-            "液压未打开、延时未到或没有压力，砂轮不能启动",
-            "hydraulics off, too short on, or without pressure: the wheel may not start",
-        ),
-    },
-    Rule {
-        row: "K3.7",
-        forbids: wheel_start,
-        when: |facts| facts.hydraulic_needed && !facts.hydraulic_on,
-        outcome: Outcome::Deny,
-        reason: Text::new("液压未打开，砂轮不能启动", "hydraulics are off: the wheel may not start"),
-    },
-    Rule {
-        row: "K3.11",
-        forbids: wheel_start,
-        when: |facts| facts.magnet_needed && !facts.magnetised,
-        outcome: Outcome::Alarm(alarm::MAGNET),
-        reason: Text::new("工件未充磁，砂轮不能启动", "the part is not magnetised: the wheel may not start"),
-    },
-    Rule {
-        row: "K3.3",
-        forbids: tailstock,
-        when: |facts| !facts.tailstock_enabled,
-        outcome: Outcome::NoEffect,
-        reason: Text::new("尾座无效 (P16.2=0)", "the tailstock is disabled (P16.2=0)"),
-    },
-    Rule {
-        row: "K3.3",
-        forbids: tailstock,
-        when: |facts| facts.drive_on,
-        outcome: Outcome::Alarm(alarm::TAILSTOCK),
-        reason: Text::new("头架转动中，尾座不能动作", "the headstock turns: the tailstock may not move"),
-    },
-    Rule {
-        row: "K3.4",
-        forbids: drive_start,
-        when: |facts| facts.tailstock_moving,
-        outcome: Outcome::Alarm(alarm::TAILSTOCK),
-        reason: Text::new("尾座动作中，头架不能启动", "the tailstock moves: the headstock may not start"),
-    },
-    Rule {
-        row: "K3.4",
-        forbids: drive_start,
-        when: |facts| facts.tailstock_enabled && facts.tailstock_needed && !facts.tailstock_advanced,
-        outcome: Outcome::Alarm(alarm::DRIVE_BLOCKED),
-        reason: Text::new("尾座未顶紧，头架不能启动", "the tailstock is not advanced: the headstock may not start"),
-    },
-    Rule {
-        row: "K3.5",
-        forbids: hydraulic,
-        when: |facts| facts.wheel_on,
-        outcome: Outcome::NoEffect,
-        reason: Text::new("砂轮启动中，液压操作无效", "the wheel runs: hydraulics are not switched"),
-    },
-    Rule {
-        row: "K5.8",
-        forbids: cycle_start,
-        when: |facts| facts.around.oscillating,
-        outcome: Outcome::Alarm(alarm::OSCILLATING),
-        reason: Text::new("振荡中，不能启动程序", "an axis oscillates: no cycle start"),
-    },
-    Rule {
-        row: "B8",
-        forbids: cycle_start,
-        when: |facts| facts.around.alarm_blocks,
-        outcome: Outcome::Deny,
-        reason: Text::new("有报警，先排除并复位", "an alarm is present: clear it first"),
-    },
-    Rule {
-        row: "B5",
-        forbids: cycle_start,
-        when: |facts| !facts.around.homed,
-        outcome: Outcome::Alarm(alarm::NOT_HOMED),
-        reason: Text::new("先回零再循环启动", "home the axes before cycle start"),
-    },
-];
-
 /// The first rule that forbids a request, if any.
 #[must_use]
-pub fn forbidding(request: Request, facts: &Facts) -> Option<&'static Rule> {
-    RULES.iter().find(|rule| (rule.forbids)(request) && (rule.when)(facts))
+pub fn forbidding(rules: &'static [Rule], request: Request, facts: &Facts) -> Option<&'static Rule> {
+    rules.iter().find(|rule| (rule.forbids)(request) && (rule.when)(facts))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::rules::RULES;
     use super::*;
 
     /// A machine on which everything is allowed.
     fn ready() -> Facts {
         Facts {
+            tailstock_on_kind: true,
             tailstock_enabled: true,
             tailstock_advanced: true,
             hydraulic_needed: true,
@@ -236,7 +127,7 @@ mod tests {
     }
 
     fn outcome(request: Request, facts: Facts) -> Option<Outcome> {
-        forbidding(request, &facts).map(|rule| rule.outcome)
+        forbidding(RULES, request, &facts).map(|rule| rule.outcome)
     }
 
     #[test]

@@ -1,24 +1,43 @@
-//! The machine's units – wheel, workpiece drive, tailstock, hydraulics, fluids – and the rules between them.
+//! The machine's units – wheel, workpiece drive, clamping, hydraulics, fluids, gauges – and the rules between them.
 //!
 //! Owns what is switched on and what is under way; knows neither program nor axes. Whoever wants a change asks
-//! ([`Machine::ask`]); the interlock table answers.
+//! ([`Machine::ask`]); the interlock table answers. [`press`] tells what a key asks for, [`phase`] what becomes of a run.
 //! Source: spec K3, K5.
 
+mod cylinder;
+pub mod discrete;
+mod fluids;
+mod gauge;
 mod hydraulic;
 pub mod interlock;
 pub mod kind;
+mod magnet;
+pub mod phase;
+mod ports;
+pub mod press;
+pub mod rules;
+mod stroke;
 mod tailstock;
+mod units;
+mod wheel;
 
-use crate::defs::alarm;
+use crate::defs::alarm::{self, Reaction};
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
-use crate::defs::signal::{Input, InputSet, Output, OutputSet};
+use crate::defs::signal::{Input, InputSet, Output, OutputSet, Terminals};
 use crate::defs::text::Text;
 use crate::units::Micros;
+use cylinder::Cylinder;
+use fluids::Fluids;
+use gauge::{Arms, Gears};
 use hydraulic::Hydraulic;
-use interlock::{Facts, Outcome};
+use interlock::{Facts, Outcome, Rule};
 use kind::KindRow;
+use magnet::Magnet;
+use ports::{Owner, Ports};
+use rules::RULES;
 use tailstock::Tailstock;
+use wheel::{Drive, SecondSpindle, Wheel};
 
 /// What came of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,33 +52,8 @@ pub enum Answer {
     Refused(u16, Text),
 }
 
-/// The wheel contactor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Wheel {
-    Off,
-    RunUp { since: Micros },
-    Running,
-}
-
-/// Headstock, dresser roll or table, whichever the kind has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Drive {
-    Off,
-    RunUp { fast: bool, since: Micros },
-    Running { fast: bool },
-}
-
-impl Drive {
-    const fn speed(self) -> Option<bool> {
-        match self {
-            Self::Off => None,
-            Self::RunUp { fast, .. } | Self::Running { fast } => Some(fast),
-        }
-    }
-}
-
 /// What the controller tells the machine logic about itself each tick.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Around {
     /// A program or an MDI line is under way, held ones included.
     pub run_open: bool,
@@ -71,6 +65,14 @@ pub struct Around {
     pub drives_off: bool,
     /// An axis oscillates that the run did not start.
     pub oscillating: bool,
+    /// Machine lock is on.
+    pub machine_lock: bool,
+    /// Dry run is on.
+    pub dry_run: bool,
+    /// The current program is a dressing program (P91 to P92).
+    pub dressing: bool,
+    /// Commanded speed of the wheel, rpm.
+    pub wheel_rpm: f64,
 }
 
 /// Something that the machine logic found by itself.
@@ -85,64 +87,165 @@ pub enum Finding {
     },
     /// A self-clearing alarm's condition is gone.
     Gone(u16),
+    /// Something was switched without being asked for, and is no alarm: why.
+    Told(Text),
+}
+
+/// What a finding or a refusal does to the run and the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Consequence {
+    /// Nothing beyond the alarm.
+    Nothing,
+    /// The run is held.
+    Hold,
+    /// The run ends; what turns and flows stays.
+    Abort,
+    /// The run ends, wheel and workpiece drive stop.
+    AbortAndStop,
+    /// The run ends, safe outputs, drives off.
+    AbortAndMakeSafe,
+}
+
+impl Consequence {
+    /// Of an alarm. `stopped`: the machine logic has stopped a unit for it, so that the run ends too.
+    #[must_use]
+    pub fn of(number: u16, stopped: bool) -> Self {
+        match alarm::reaction(number) {
+            Reaction::BlockStart if stopped => Self::Abort,
+            Reaction::Show | Reaction::BlockStart => Self::Nothing,
+            Reaction::HoldProgram => Self::Hold,
+            Reaction::StopProgram => Self::Abort,
+            Reaction::StopProgramAndWheel => Self::AbortAndStop,
+            Reaction::StopAll => Self::AbortAndMakeSafe,
+        }
+    }
+}
+
+/// The guard door, as far as the machine has one (P332).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Guard {
+    open: bool,
+    /// Its alarm is present: it was opened in a run.
+    alarm: bool,
+    /// It has stopped the workpiece drive of a run that is still open.
+    stopped_drive: bool,
 }
 
 /// All units of one machine.
 #[derive(Clone, Debug)]
 pub struct Machine {
     row: &'static KindRow,
+    rules: &'static [Rule],
     wheel: Wheel,
     drive: Drive,
+    second_spindle: SecondSpindle,
     tailstock: Tailstock,
+    magnet: Magnet,
     hydraulic: Hydraulic,
-    /// Outputs without a sequence of their own: fluids, gauges, user outputs.
-    plain: OutputSet,
+    cylinder: Cylinder,
+    /// #438 and #439 of the cylinder.
+    cylinder_flags: (bool, bool),
+    fluids: Fluids,
+    /// When the lubrication pump last ran by its interval.
+    last_dose: Micros,
+    arms: Arms,
+    gears: Gears,
+    user: OutputSet,
+    ports: Ports,
+    guard: Guard,
     e_stop: bool,
     around: Around,
 }
 
-/// Outputs that an emergency stop, a panic, a lost screen or a lost bus leave as they are: a part must not fly while the
-/// wheel coasts (table after K3).
-pub const KEPT_WHEN_SAFE: &[Output] =
-    &[Output::Hydraulic, Output::Magnetise, Output::Tailstock, Output::Lubrication, Output::TowerRed];
+/// Outputs that an emergency stop, a panic, a lost screen or a lost bus switch off in that tick; all others stay as they
+/// are: a part must not fly while the wheel coasts (table after K3).
+pub const OFF_WHEN_SAFE: &[Output] = &[
+    Output::Wheel,
+    Output::SecondSpindle,
+    Output::SecondSpindleCcw,
+    Output::HeadstockHigh,
+    Output::HeadstockLow,
+    Output::DresserRoll,
+    Output::TableRotation,
+    Output::Coolant,
+    Output::OscillationForward,
+    Output::OscillationBackward,
+];
 
-/// Findings of one tick: at most the e-stop, the hydraulics and the tailstock.
-pub type Findings = [Option<Finding>; 3];
+const GUARD_STOPPED: Text =
+    Text::new("防护门打开，头架/滚轮/台面已停", "the guard is open: headstock, roll or table stopped");
+
+/// Most findings of one tick.
+pub const FINDINGS: usize = 10;
+/// Findings of one tick.
+pub type Findings = [Option<Finding>; FINDINGS];
 
 impl Machine {
     /// A machine at power-on: everything off.
     #[must_use]
     pub fn new(row: &'static KindRow, now: Micros) -> Self {
+        Self::governed_by(RULES, row, now)
+    }
+
+    /// The same under another table of rules: what a search for the use of each rule needs.
+    #[must_use]
+    pub fn governed_by(rules: &'static [Rule], row: &'static KindRow, now: Micros) -> Self {
         Self {
             row,
+            rules,
             wheel: Wheel::Off,
             drive: Drive::Off,
+            second_spindle: SecondSpindle::Off,
             tailstock: Tailstock::Resting,
+            magnet: Magnet::Off,
             hydraulic: Hydraulic::new(now),
-            plain: OutputSet::NONE,
+            cylinder: Cylinder::Off,
+            cylinder_flags: (false, false),
+            fluids: Fluids::default(),
+            last_dose: now,
+            arms: Arms::default(),
+            gears: Gears::default(),
+            user: OutputSet::NONE,
+            ports: Ports::default(),
+            guard: Guard::default(),
             e_stop: false,
             around: Around::default(),
         }
     }
 
-    /// Puts the machine where a headless run begins (tools.md T3): hydraulics on long enough, tailstock advanced.
+    /// Puts the machine where a headless run begins (tools.md T3): hydraulics on long enough, the part clamped.
     pub fn make_ready(&mut self, params: &Params) {
         self.hydraulic.make_ready();
-        if params.bit(param::TAILSTOCK_ENABLED) {
+        if params.bit(param::TAILSTOCK_ENABLED) && self.row.tailstock {
             self.tailstock = Tailstock::Holding;
         }
+        if params.bit(param::MAGNET_ENABLED) && self.row.magnet {
+            self.magnet = Magnet::Holding;
+        }
+    }
+
+    /// What has changed around the machine within this tick.
+    pub const fn inform(&mut self, around: Around) {
+        self.around = around;
     }
 
     /// The facts that the interlock rules read.
     #[must_use]
     pub fn facts(&self, now: Micros, inputs: InputSet, params: &Params) -> Facts {
         let supervised = !params.bit(param::NO_HYDRAULIC_CHECK);
+        let rim_m_s = std::f64::consts::PI * params.get(param::WHEEL_DIAMETER) * self.around.wheel_rpm / 60_000.0;
         Facts {
             e_stop: self.e_stop,
-            wheel_on: self.wheel != Wheel::Off,
-            drive_on: self.drive != Drive::Off,
+            wheel_on: self.wheel.is_on(),
+            wheel_too_fast: rim_m_s > params.get(param::WHEEL_RATED_SPEED),
+            wheel_undressed: params.bit(param::WHEEL_UNDRESSED),
+            drive_on: self.drive.is_on(),
+            drive_carries_part: self.row.drive_needs_magnet,
+            drive_stopped_by_guard: self.guard.stopped_drive,
+            tailstock_on_kind: self.row.tailstock,
             tailstock_enabled: params.bit(param::TAILSTOCK_ENABLED) && self.row.tailstock,
             tailstock_moving: self.tailstock.is_moving(),
+            tailstock_lost: self.tailstock.is_lost(),
             tailstock_needed: params.bit(param::TAILSTOCK_BEFORE_HEADSTOCK),
             tailstock_advanced: self.tailstock.is_advanced(),
             hydraulic_needed: supervised,
@@ -151,16 +254,42 @@ impl Machine {
             hydraulic_latched: self.hydraulic.is_latched(),
             hydraulic_settled: self.hydraulic.is_settled(now, params),
             pressure: inputs.has(Input::HydraulicPressure),
+            magnet_on_kind: self.row.magnet || params.bit(param::MAGNET_ENABLED),
+            magnet_enabled: params.bit(param::MAGNET_ENABLED),
             magnet_needed: params.bit(param::WHEEL_NEEDS_MAGNET),
-            magnetised: self.plain.has(Output::Magnetise),
+            magnetised: self.magnet.is_holding(),
+            cylinder_on: self.cylinder.is_on(),
+            guard_open: params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed),
+            external_hold: inputs.has(Input::ExternalHold),
+            port_owned: false,
+            port_missing: false,
+            port_conflict: false,
             around: self.around,
         }
     }
 
+    /// The first rule that forbids a request now, if any.
+    #[must_use]
+    pub fn forbidding(
+        &self,
+        request: Request,
+        now: Micros,
+        inputs: InputSet,
+        params: &Params,
+    ) -> Option<&'static Rule> {
+        let mut facts = self.facts(now, inputs, params);
+        let output = self.output_of(request);
+        facts.port_missing = output.is_some_and(|output| params.output_port(output) == 0);
+        facts.port_conflict = output.is_some_and(|output| params.output_conflict(self.row.kind, output).is_some());
+        if let Request::Port(port, _) | Request::Pulse(port, _) = request {
+            facts.port_owned = matches!(ports::owner(port, params, self.row.kind), Owner::Interlocked(_));
+        }
+        interlock::forbidding(self.rules, request, &facts)
+    }
+
     /// Asks for a change. The interlock table decides; a refused request changes nothing.
     pub fn ask(&mut self, request: Request, now: Micros, inputs: InputSet, params: &Params) -> Answer {
-        let facts = self.facts(now, inputs, params);
-        if let Some(rule) = interlock::forbidding(request, &facts) {
+        if let Some(rule) = self.forbidding(request, now, inputs, params) {
             return match rule.outcome {
                 Outcome::NoEffect => Answer::NoEffect(rule.reason),
                 Outcome::Deny => Answer::Denied(rule.reason),
@@ -172,50 +301,7 @@ impl Machine {
                 }
             };
         }
-        self.carry_out(request, now);
-        Answer::Taken
-    }
-
-    fn carry_out(&mut self, request: Request, now: Micros) {
-        match request {
-            Request::WheelStart if self.wheel == Wheel::Off => self.wheel = Wheel::RunUp { since: now },
-            Request::WheelStart | Request::CycleStart | Request::HomeAxes | Request::MoveByHand => {}
-            Request::WheelStop => self.wheel = Wheel::Off,
-            Request::DriveHigh | Request::DriveLow => {
-                let fast = request == Request::DriveHigh;
-                if self.drive.speed() != Some(fast) {
-                    self.drive = Drive::RunUp { fast, since: now };
-                }
-            }
-            Request::DriveStop => self.drive = Drive::Off,
-            Request::TailstockAdvance => self.tailstock.advance(now),
-            Request::TailstockRetract => self.tailstock.retract(now),
-            Request::HydraulicOn => self.hydraulic.switch_on(now),
-            Request::HydraulicOff => self.hydraulic.switch_off(),
-            Request::Magnetise => self.plain.set(Output::Magnetise, true),
-            Request::Demagnetise => self.plain.set(Output::Magnetise, false),
-            Request::Switch(output, on) => self.plain.set(output, on),
-        }
-    }
-
-    /// Whether the unit of a request has finished what it was asked.
-    #[must_use]
-    pub fn is_settled(&self, request: Request) -> bool {
-        match request {
-            Request::WheelStart => self.wheel == Wheel::Running,
-            Request::DriveHigh | Request::DriveLow => matches!(self.drive, Drive::Running { .. }),
-            Request::TailstockAdvance | Request::TailstockRetract => !self.tailstock.is_moving(),
-            Request::WheelStop
-            | Request::DriveStop
-            | Request::HydraulicOn
-            | Request::HydraulicOff
-            | Request::Magnetise
-            | Request::Demagnetise
-            | Request::Switch(..)
-            | Request::CycleStart
-            | Request::HomeAxes
-            | Request::MoveByHand => true,
-        }
+        self.carry_out(request, now, params)
     }
 
     /// One tick: delays run, feedback arrives, supervision looks.
@@ -227,48 +313,68 @@ impl Machine {
         if e_stop {
             self.safe_stop();
         }
-        self.run_up(now, params);
-        let hydraulic = self.hydraulic.supervise(now, inputs, params, self.wheel != Wheel::Off, around.run_open);
+        self.wheel.tick(now, params);
+        self.drive.tick(now, params);
+        self.second_spindle.tick(now, params);
+        self.magnet.tick(now, params);
+        self.ports.tick(now);
+        let hydraulic = self.hydraulic.supervise(now, inputs, params, self.wheel.is_on(), around.run_open);
         if let Some(Finding::Alarm { stopped: true, .. }) = hydraulic {
             self.wheel = Wheel::Off; // K3.7: in the tick of the filtered edge
         }
-        let tailstock =
-            self.tailstock.watch(now, inputs, params).map(|number| Finding::Alarm { number, stopped: true });
-        let pressed = pressed.then_some(Finding::Alarm { number: alarm::EMERGENCY_STOP, stopped: true });
-        [pressed, hydraulic, tailstock]
+        let alarm = |number| Finding::Alarm { number, stopped: true };
+        let pressed = pressed.then(|| alarm(alarm::EMERGENCY_STOP));
+        let tailstock = self.tailstock.watch(now, inputs, params);
+        if tailstock == Some(alarm::TAILSTOCK_LOST) {
+            self.drive = Drive::Off; // the part may come loose
+        }
+        let tailstock = tailstock.map(alarm);
+        let [radial, axial] = self.arms.watch(now, inputs, params).map(|late| late.map(alarm));
+        let gears = self.gears.watch(now, inputs, params).map(alarm);
+        let [flow, level] = self.fluids.tick(now, inputs, params, &mut self.last_dose);
+        let cylinder = self.cylinder.tick(now, inputs, params, &mut self.cylinder_flags).map(alarm);
+        let guard = self.watch_guard(inputs, params);
+        [pressed, hydraulic, tailstock, radial, axial, gears, cylinder, flow, level, guard]
     }
 
-    fn run_up(&mut self, now: Micros, params: &Params) {
-        if let Wheel::RunUp { since } = self.wheel
-            && now.since(since) >= Micros::from_millis_f64(params.get(param::WHEEL_RUN_UP))
-        {
-            self.wheel = Wheel::Running;
+    /// K5.13: with the guard open the workpiece drive stops; opened in a run it holds the program.
+    fn watch_guard(&mut self, inputs: InputSet, params: &Params) -> Option<Finding> {
+        let (was_open, mut stopped) = (self.guard.open, false);
+        self.guard.open = params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed);
+        if self.guard.open && self.drive.is_on() {
+            self.drive = Drive::Off;
+            self.guard.stopped_drive = self.around.run_open;
+            stopped = true;
         }
-        if let Drive::RunUp { fast, since } = self.drive
-            && now.since(since) >= Micros::from_millis_f64(params.get(param::HEADSTOCK_RUN_UP))
-        {
-            self.drive = Drive::Running { fast };
+        self.guard.stopped_drive &= self.around.run_open && !self.drive.is_on();
+        match (self.guard.open, self.guard.alarm) {
+            (true, false) if !was_open && self.around.run_open => {
+                self.guard.alarm = true;
+                Some(Finding::Alarm { number: alarm::GUARD_OPEN, stopped: false })
+            }
+            (false, true) => {
+                self.guard.alarm = false;
+                Some(Finding::Gone(alarm::GUARD_OPEN))
+            }
+            (true | false, true | false) => stopped.then_some(Finding::Told(GUARD_STOPPED)),
         }
     }
 
-    /// E-stop, panic, lost HMI or bus: what turns or flows is switched off, what clamps stays (table after K3).
+    /// E-stop, panic, lost HMI or bus: what turns or flows is switched off, the rest stays (table after K3).
     pub fn safe_stop(&mut self) {
         self.wheel = Wheel::Off;
         self.drive = Drive::Off;
-        for output in [
-            Output::Coolant,
-            Output::SecondSpindle,
-            Output::SecondSpindleCcw,
-            Output::OscillationForward,
-            Output::OscillationBackward,
-        ] {
-            self.plain.set(output, false);
-        }
+        self.second_spindle = SecondSpindle::Off;
+        self.fluids.coolant = false;
+        self.cylinder = Cylinder::Off;
+        self.ports.end_pulses();
     }
 
-    /// Reset: the workpiece drive stops; wheel, fluids, hydraulics and clamping stay (table after K3).
+    /// Reset: workpiece drive and oscillation stop; wheel, fluids, hydraulics and clamping stay (table after K3).
     pub fn reset(&mut self) {
         self.drive = Drive::Off;
+        self.cylinder = Cylinder::Off;
+        self.ports.end_pulses();
         self.hydraulic.acknowledge();
     }
 
@@ -278,50 +384,43 @@ impl Machine {
         self.drive = Drive::Off;
     }
 
-    /// M30 (K3.14): coolant and workpiece drive off, the wheel too unless P17.2 keeps it.
+    /// M30 (K3.14): coolant and workpiece drive off; the wheel and the second spindle too unless P17.2 keeps them.
     pub fn program_end(&mut self, params: &Params) {
-        self.plain.set(Output::Coolant, false);
+        self.fluids.coolant = false;
         self.drive = Drive::Off;
         if !params.bit(param::WHEEL_RUNS_AFTER_M30) {
             self.wheel = Wheel::Off;
+            self.second_spindle = SecondSpindle::Off;
         }
     }
 
-    /// The outputs by function.
+    /// Ports that programs have switched by number.
     #[must_use]
-    pub fn outputs(&self) -> OutputSet {
-        let mut on = self.plain;
-        on.set(Output::Wheel, self.wheel != Wheel::Off);
-        on.set(Output::Tailstock, self.tailstock.output());
-        on.set(Output::Hydraulic, self.hydraulic.is_on());
-        if let Some(fast) = self.drive.speed() {
-            on.set(self.row.drive_output(fast), true);
-        }
-        on
+    pub const fn port_terminals(&self) -> Terminals {
+        self.ports.terminals()
+    }
+
+    /// Whether the oscillation cylinder is in its cycle.
+    #[must_use]
+    pub fn cylinder_is_on(&self) -> bool {
+        self.cylinder.is_on()
+    }
+
+    /// #438 and #439 of the cylinder: forward, backward in position.
+    #[must_use]
+    pub const fn cylinder_flags(&self) -> (bool, bool) {
+        self.cylinder_flags
     }
 
     /// Whether headstock, roll or table is switched on.
     #[must_use]
     pub fn drive_is_on(&self) -> bool {
-        self.drive != Drive::Off
+        self.drive.is_on()
     }
 
     /// Whether the emergency stop is pressed.
     #[must_use]
     pub const fn is_e_stopped(&self) -> bool {
         self.e_stop
-    }
-
-    /// Whether the feedback of a switched-on output is still awaited; its lamp blinks.
-    #[must_use]
-    pub fn is_working(&self, output: Output) -> bool {
-        match output {
-            Output::Wheel => matches!(self.wheel, Wheel::RunUp { .. }),
-            Output::Tailstock => self.tailstock.is_moving(),
-            Output::HeadstockHigh | Output::HeadstockLow | Output::DresserRoll | Output::TableRotation => {
-                matches!(self.drive, Drive::RunUp { fast, .. } if self.row.drive_output(fast) == output)
-            }
-            _ => false,
-        }
     }
 }

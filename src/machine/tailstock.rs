@@ -46,6 +46,11 @@ impl Tailstock {
         matches!(self, Self::Holding)
     }
 
+    /// Its switch went or did not come while the valve is on: the part may be loose.
+    pub const fn is_lost(self) -> bool {
+        matches!(self, Self::Lost { valve: true })
+    }
+
     /// The valve.
     pub const fn output(self) -> bool {
         matches!(self, Self::Advancing { .. } | Self::Holding | Self::Lost { valve: true })
@@ -59,6 +64,7 @@ impl Tailstock {
             Self::Holding => {
                 if params.input_port(Input::TailstockAdvanced) != 0 && !inputs.has(Input::TailstockAdvanced) {
                     *self = Self::Lost { valve: true };
+                    return Some(alarm::TAILSTOCK_LOST);
                 }
                 return None;
             }

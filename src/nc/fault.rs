@@ -131,7 +131,13 @@ pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fau
     if wrong.error == ProgramError::ForeignCharacter
         && let Some((character, instead)) = source.foreign(wrong.at)
     {
-        wrong.details = [character.to_string(), instead];
+        if character == char::REPLACEMENT_CHARACTER {
+            wrong.error = ProgramError::BadEncoding;
+            wrong.details =
+                [source.bytes().get(wrong.at).map(|byte| format!("0x{byte:02X}")).unwrap_or_default(), instead];
+        } else {
+            wrong.details = [character.to_string(), instead];
+        }
     }
     let (place, column) = source.place(wrong.at, n);
     Fault::new(place, column, wrong)

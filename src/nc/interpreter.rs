@@ -389,10 +389,10 @@ impl Interpreter {
                     Op::Message { number, text }
                 });
             }
-            434..=439 | 1100..=1199 | 2000..=2999 | 3001..=3005 | 3901 | 3902 => {
+            1100..=1199 | 2000..=2999 | 3001..=3005 | 3901 | 3902 => {
                 block.ops.push(Op::SetSystem { number: variable, value });
             }
-            0 | 1000..=1099 | 4000..=5999 => return wrong1(at, E::ReadOnly, name()),
+            0 | 434..=439 | 1000..=1099 | 4000..=5999 => return wrong1(at, E::ReadOnly, name()),
             _ => match self.memory.set(variable, value) {
                 Ok(()) => block.ops.push(Op::Set { variable, value }),
                 Err(VariableError::Switch(_)) => return wrong1(at, E::SwitchVariable, name()),

@@ -121,6 +121,25 @@ pub enum SpeedMode {
     SurfaceSpeed,
 }
 
+/// G78: positioning by a gauge (K4.5). Work coordinates, radius mm, mm/min.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gauging {
+    /// Z, on GS also Y.
+    pub axis: Axis,
+    /// Where the axis goes at most.
+    pub to: f64,
+    /// Fast approach and retract.
+    pub fast_mm_min: f64,
+    /// Fine approach.
+    pub fine_mm_min: f64,
+    /// Gauge input 1–6 of the (first) contact.
+    pub first: u8,
+    /// Gauge input of the second stage: multi-point.
+    pub second: Option<u8>,
+    /// How far the axis goes back.
+    pub retract_mm: f64,
+}
+
 /// A canonical operation.
 ///
 /// In moves, `words` are the axes that the block names and `incremental` those of them that were named as distances.
@@ -159,6 +178,16 @@ pub enum Op {
     Reference { via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
     /// G31: feed until the signal (1–6) comes.
     Skip { to: PerAxis<f64>, feed: Feed, signal: u8, words: AxisSet, incremental: AxisSet },
+    /// G10: adds to the wear of an offset, radius mm (K4.1).
+    AddWear { number: u8, by: PerAxis<f64> },
+    /// G27: to the dressing point, machine coordinates that the control keeps; mm/min (K4.2).
+    DressReturn { axes: AxisSet, feed: Option<f64> },
+    /// G35: axis and other end (none with a cylinder), ms to reach 10 m/min, strokes a minute (K4.3, K4.4).
+    OscillationOn { stroke: Option<(Axis, f64)>, ramp_ms: Option<f64>, strokes_min: Option<f64> },
+    /// G36.
+    OscillationOff,
+    /// G78.
+    Gauge(Gauging),
     /// An M code with the words it takes.
     M { code: u8, s: Option<f64>, p: Option<f64>, l: Option<f64> },
     /// S.
@@ -181,11 +210,14 @@ impl Op {
     pub const fn is_barrier(&self) -> bool {
         match self {
             Self::Skip { .. } | Self::Reference { .. } | Self::SetSystem { .. } => true,
+            Self::Gauge(_) | Self::OscillationOn { .. } | Self::OscillationOff => true,
             Self::Alarm { .. } | Self::Message { .. } => true,
             Self::M { code, .. } => matches!(code, 0 | 1 | 2 | 30 | 80..=89),
             Self::Rapid { .. } | Self::Feed { .. } | Self::Arc { .. } | Self::Dwell { .. } | Self::Path(_) => false,
-            Self::Frame { .. } | Self::Preset { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
+            Self::Preset { .. } => true,
+            Self::Frame { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
             Self::S { .. } | Self::T { .. } | Self::Set { .. } => false,
+            Self::AddWear { .. } | Self::DressReturn { .. } => false,
         }
     }
 
@@ -200,6 +232,8 @@ impl Op {
                 | Self::MachineMove { .. }
                 | Self::Reference { .. }
                 | Self::Skip { .. }
+                | Self::DressReturn { .. }
+                | Self::Gauge(_)
         )
     }
 
@@ -250,6 +284,11 @@ impl Op {
                 feed_words(put, *feed);
                 put("signal", json!(signal));
             }
+            Self::AddWear { .. }
+            | Self::DressReturn { .. }
+            | Self::OscillationOn { .. }
+            | Self::OscillationOff
+            | Self::Gauge(_) => self.grinding_fields(axes, put),
             Self::M { code, s, p, l } => {
                 put("code", json!(code));
                 for (key, value) in [("s", s), ("p", p), ("l", l)] {
@@ -277,6 +316,45 @@ impl Op {
         }
     }
 
+    /// The fields of the grinding functions.
+    fn grinding_fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
+        match self {
+            Self::AddWear { number, by } => {
+                put("offset", json!(number));
+                points(put, "", axes, *by);
+            }
+            Self::DressReturn { axes, feed } => {
+                let names: String = axes.iter().map(|axis| axis.letter().to_ascii_lowercase()).collect();
+                put("axes", json!(names));
+                if let Some(feed) = feed {
+                    put("f", json!(feed));
+                }
+            }
+            Self::OscillationOn { stroke, ramp_ms, strokes_min } => {
+                if let Some((axis, to)) = stroke {
+                    put(&axis.letter().to_ascii_lowercase().to_string(), json!(to));
+                }
+                for (key, value) in [("ramp", ramp_ms), ("strokes", strokes_min)] {
+                    if let Some(value) = value {
+                        put(key, json!(value));
+                    }
+                }
+            }
+            Self::OscillationOff => {}
+            Self::Gauge(gauging) => {
+                put(&gauging.axis.letter().to_ascii_lowercase().to_string(), json!(gauging.to));
+                put("f", json!(gauging.fast_mm_min));
+                put("j", json!(gauging.fine_mm_min));
+                put("p", json!(gauging.first));
+                if let Some(second) = gauging.second {
+                    put("q", json!(second));
+                }
+                put("l", json!(gauging.retract_mm));
+            }
+            _ => {}
+        }
+    }
+
     const fn name(&self) -> &'static str {
         match self {
             Self::Rapid { .. } => "rapid",
@@ -290,6 +368,11 @@ impl Op {
             Self::MachineMove { .. } => "machine",
             Self::Reference { .. } => "reference",
             Self::Skip { .. } => "skip",
+            Self::AddWear { .. } => "add-wear",
+            Self::DressReturn { .. } => "dress-return",
+            Self::OscillationOn { .. } => "oscillation-on",
+            Self::OscillationOff => "oscillation-off",
+            Self::Gauge(_) => "gauge",
             Self::M { .. } => "m",
             Self::S { .. } => "s",
             Self::T { .. } => "t",

@@ -43,6 +43,8 @@ pub struct Settings {
     pub jump_input: u32,
     /// Tools and offsets of a T word, 1 to this.
     pub tools: u32,
+    /// P17.1: G35 moves a cylinder and takes no words.
+    pub oscillation_by_cylinder: bool,
     /// Rapid speed of each axis for the time estimate of a check, mm/min.
     pub rapid_mm_min: PerAxis<f64>,
 }
@@ -62,6 +64,7 @@ impl Settings {
             speed_unit: SpeedUnit::Rpm,
             jump_input: 0,
             tools: 16,
+            oscillation_by_cylinder: false,
             rapid_mm_min: PerAxis([6_000.0; 3]),
         }
     }

@@ -135,6 +135,11 @@ impl Words {
         self.mask & bit(letter) != 0
     }
 
+    /// Whether the letters without a value are all of these.
+    pub fn bare_only(&self, letters: &[u8]) -> bool {
+        self.list().iter().all(|word| word.kind != Kind::Bare || letters.contains(&word.letter))
+    }
+
     /// Whether any letter of a mask has a value.
     #[inline]
     pub fn has_any(&self, mask: u32) -> bool {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::frames::Frames;
 use super::op::{Feed, Op, Plane};
 use super::settings::Settings;
 use crate::units::{Axis, PerAxis};
@@ -34,7 +35,8 @@ pub struct CheckWorld {
     diameter: bool,
     rapid_mm_min: PerAxis<f64>,
     position: PerAxis<f64>,
-    machine_from_work: PerAxis<f64>,
+    frames: Frames,
+    home: PerAxis<f64>,
     system: BTreeMap<u32, Option<f64>>,
     skip: bool,
     rpm: f64,
@@ -55,7 +57,8 @@ impl CheckWorld {
             diameter: settings.diameter,
             rapid_mm_min: settings.rapid_mm_min,
             position: PerAxis::default(),
-            machine_from_work: PerAxis::default(),
+            frames: Frames::default(),
+            home: PerAxis::default(),
             system: BTreeMap::new(),
             skip: false,
             rpm: USUAL_RPM,
@@ -72,10 +75,17 @@ impl CheckWorld {
         self
     }
 
-    /// Where machine zero lies: machine = work + this, radius mm.
+    /// With these work frames and offsets; the work position stays as it is.
     #[must_use]
-    pub fn with_machine_from_work(mut self, machine_from_work: PerAxis<f64>) -> Self {
-        self.machine_from_work = machine_from_work;
+    pub fn with_frames(mut self, frames: Frames) -> Self {
+        self.frames = frames;
+        self
+    }
+
+    /// Where homing leaves the axes, machine coordinates, radius mm (P45 to P47): the end of G28.
+    #[must_use]
+    pub const fn with_home(mut self, home: PerAxis<f64>) -> Self {
+        self.home = home;
         self
     }
 
@@ -120,16 +130,23 @@ impl CheckWorld {
             Op::Arc { to, center, plane, turn, feed, .. } => self.arc(*to, *center, *plane, *turn, *feed),
             Op::Dwell { s } => self.seconds += s,
             Op::Preset { values } => {
-                for (axis, value) in values.iter() {
-                    if let Some(value) = value {
-                        self.machine_from_work[axis] += self.position[axis] - value;
-                        self.position[axis] = *value;
-                    }
-                }
+                let machine = self.frames.machine_from_work(self.position);
+                self.reframe(|frames| frames.preset(machine, values));
             }
+            Op::Frame { g } => self.reframe(|frames| frames.activate(*g)),
+            Op::AddWear { number, by } => self.reframe(|frames| frames.add_wear(*number, *by)),
+            Op::Gauge(gauging) => {
+                // A check meets no part: the axis goes all the way and comes back.
+                let (mut to, from) = (self.position, self.position[gauging.axis]);
+                to[gauging.axis] = gauging.to;
+                self.cut(to, distance(self.position, to), Feed::PerMinute(gauging.fast_mm_min));
+                to[gauging.axis] += gauging.retract_mm.copysign(from - gauging.to);
+                self.cut(to, gauging.retract_mm, Feed::PerMinute(gauging.fast_mm_min));
+            }
+            Op::T { tool, offset } => self.reframe(|frames| frames.call_tool(*tool, *offset)),
             Op::MachineMove { to, feed } => {
                 let to = PerAxis::from_fn(|axis| {
-                    to[axis].map_or(self.position[axis], |to| to - self.machine_from_work[axis])
+                    to[axis].map_or(self.position[axis], |to| to - self.frames.machine_minus_work(axis))
                 });
                 match feed {
                     Some(feed) => self.cut(to, distance(self.position, to), *feed),
@@ -138,14 +155,24 @@ impl CheckWorld {
             }
             Op::Reference { via, words, .. } => {
                 self.rapid(*via);
-                let home = |axis| if words.contains(axis) { -self.machine_from_work[axis] } else { via[axis] };
+                let home = self.frames.work_from_machine(self.home);
+                let home = |axis| if words.contains(axis) { home[axis] } else { via[axis] };
                 self.rapid(PerAxis::from_fn(home));
             }
             Op::S { value, mode: super::op::SpeedMode::Rpm } if *value > 0.0 => self.rpm = *value,
             Op::SetSystem { number, value } => self.set_system(*number, *value),
-            Op::S { .. } | Op::Path(_) | Op::Frame { .. } | Op::SpeedLimit { .. } | Op::M { .. } | Op::T { .. } => {}
+            Op::S { .. } | Op::Path(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
+            // Where the dressing point is, only the machine knows; an oscillating axis comes back to where it was.
+            Op::DressReturn { .. } | Op::OscillationOn { .. } | Op::OscillationOff => {}
             Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } => {}
         }
+    }
+
+    /// Another frame or offset: the machine stands, its coordinates change.
+    fn reframe(&mut self, change: impl FnOnce(&mut Frames)) {
+        let machine = self.frames.machine_from_work(self.position);
+        change(&mut self.frames);
+        self.position = self.frames.work_from_machine(machine);
     }
 
     fn rapid(&mut self, to: PerAxis<f64>) {
@@ -222,7 +249,7 @@ impl World for CheckWorld {
                 axis(number % 20 - 1).map_or(Live::Unknown, |axis| shown(axis, self.position[axis]))
             }
             5021..=5029 => axis(number - 5021)
-                .map_or(Live::Unknown, |axis| shown(axis, self.position[axis] + self.machine_from_work[axis])),
+                .map_or(Live::Unknown, |axis| shown(axis, self.position[axis] + self.frames.machine_minus_work(axis))),
             _ => Live::Unknown,
         }
     }

@@ -18,6 +18,8 @@ use crate::store::{DataDir, Entry, FileClass, Folder, FolderError, PAGE_TEXT, PI
 
 /// Programs with a grinding page: O1001 to O1020 go with C0001 and B0001 to C0020 and B0020.
 const PAGES: std::ops::RangeInclusive<u16> = 1..=20;
+/// Number of the dressing page's picture, B0100.BMP (K7.6).
+const DRESSING_PICTURE: u16 = 100;
 /// Size of a page picture, pixels.
 pub const PICTURE_SIZE: (u32, u32) = (200, 400);
 /// Bytes of a page picture: 54 of header, three a pixel (K5.12).
@@ -34,6 +36,7 @@ const SHIPPED: &[(&str, &[u8])] = &[
     ("screens/B0001.BMP", include_bytes!("../../screens/B0001.BMP")),
     ("screens/C0002.TXT", include_bytes!("../../screens/C0002.TXT")),
     ("screens/B0002.BMP", include_bytes!("../../screens/B0002.BMP")),
+    ("screens/B0100.BMP", include_bytes!("../../screens/B0100.BMP")),
 ];
 
 /// The folders of programs and of page files.
@@ -98,7 +101,8 @@ impl Folders {
                 (1_000 + u32::from(number), files)
             })
             .collect();
-        Ok(Screens { pages })
+        let dressing = Some(picture(&folder, DRESSING_PICTURE));
+        Ok(Screens { pages, dressing })
     }
 }
 

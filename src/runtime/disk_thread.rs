@@ -46,6 +46,11 @@ fn keep(end: &DiskEnd, keeper: Option<&mut Keeper>, first: Vec<Effect>) {
     let Some(keeper) = keeper else { return };
     let mut effects = first;
     effects.extend(end.wishes.try_iter().take(BATCHES).flatten());
+    for effect in &effects {
+        if let Effect::Ask(wish) = effect {
+            drop(end.commands.send(keeper.answer(wish)));
+        }
+    }
     let answer = match keeper.commit(&effects) {
         Ok(generation) => Command::Stored(generation),
         Err(error) => Command::DiskFailed(Said::new(error.to_string(), error.to_string())),

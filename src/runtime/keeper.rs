@@ -3,14 +3,18 @@
 
 use std::path::Path;
 
+use super::vault::Vault;
 use crate::controller::{Effect, Retained};
 use crate::defs::kind::Kind;
 use crate::defs::param::ParamAddress;
+use crate::link::command::Command;
+use crate::link::page_command::PageWish;
 use crate::store;
 use crate::units::PerAxis;
 
 const CURRENT_PROGRAM: &str = "current-program";
 const PARTS: &str = "parts";
+const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
 /// What opening the data has found, for people.
 #[derive(Debug)]
@@ -26,6 +30,7 @@ pub struct Found {
 /// The store of one control.
 pub struct Keeper {
     store: store::Retained,
+    vault: Vault,
 }
 
 impl Keeper {
@@ -38,7 +43,13 @@ impl Keeper {
         let loaded = opened.retained.load()?;
         let damaged = opened.damaged.map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
         let (retained, dropped) = restore(kind, &loaded);
-        Ok((Self { store: opened.retained }, Found { retained, damaged, dropped }))
+        let vault = Vault::new(&loaded, folder.to_path_buf());
+        Ok((Self { store: opened.retained, vault }, Found { retained, damaged, dropped }))
+    }
+
+    /// Answers what a page asks.
+    pub fn answer(&mut self, wish: &PageWish) -> Command {
+        self.vault.answer(wish, Some(&mut self.store))
     }
 
     /// Keeps what the core wishes; when it returns, it outlives a power cut.
@@ -46,13 +57,14 @@ impl Keeper {
     /// # Errors
     /// The disk refuses.
     pub fn commit(&mut self, effects: &[Effect]) -> Result<u64, store::RetainedError> {
-        let changes: Vec<store::Change> = effects.iter().map(change).collect();
+        let changes: Vec<store::Change> = effects.iter().filter_map(change).collect();
         self.store.commit(&changes).map(|generation| generation.0)
     }
 }
 
-fn change(effect: &Effect) -> store::Change {
-    match effect {
+/// What an effect changes in the store; a question changes nothing.
+fn change(effect: &Effect) -> Option<store::Change> {
+    Some(match effect {
         Effect::Variable(number, value) => store::Change::Variable { number: *number as u16, value: *value },
         Effect::Param(at, value) => store::Change::Param { key: at.to_string(), value: Some(*value) },
         Effect::Offset { number, geometry, wear } => store::Change::Offset {
@@ -60,11 +72,15 @@ fn change(effect: &Effect) -> store::Change {
             offset: store::ToolOffset { geometry: *geometry, wear: *wear },
         },
         Effect::Frame(index, origin) => store::Change::Frame { index: *index as u8, origin: *origin },
+        Effect::DressPoint(axis, at) => {
+            store::Change::Number { key: DRESS_POINTS[*axis as usize].into(), value: Some(*at) }
+        }
         Effect::CurrentProgram(number) => {
             store::Change::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
         }
         Effect::Parts(parts) => store::Change::Number { key: PARTS.into(), value: Some(f64::from(*parts)) },
-    }
+        Effect::Ask(_) => return None,
+    })
 }
 
 /// Applies one wish to data held in memory: what a control without a data directory begins with after a power cut.
@@ -83,8 +99,10 @@ pub fn remember(retained: &mut Retained, effect: &Effect) {
                 *frame = *origin;
             }
         }
+        Effect::DressPoint(axis, at) => retained.dress_points[*axis] = Some(*at),
         Effect::CurrentProgram(number) => retained.current_program = *number,
         Effect::Parts(parts) => retained.parts = *parts,
+        Effect::Ask(_) => {}
     }
 }
 
@@ -112,5 +130,6 @@ fn restore(kind: Kind, loaded: &store::Loaded) -> (Retained, Vec<String>) {
     let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);
     retained.current_program = number(CURRENT_PROGRAM);
     retained.parts = number(PARTS);
+    retained.dress_points = PerAxis::from_fn(|axis| loaded.numbers.get(DRESS_POINTS[axis as usize]).copied());
     (retained, dropped)
 }

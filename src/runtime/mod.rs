@@ -6,3 +6,4 @@ pub mod disk_thread;
 pub mod keeper;
 pub mod realtime;
 pub mod rig;
+pub mod vault;

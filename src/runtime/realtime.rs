@@ -220,6 +220,9 @@ impl<B: Backend> Core<B> {
         if self.effects.is_empty() {
             return;
         }
+        if self.effects.iter().any(Effect::assigns_port) {
+            self.backend.rewire(self.controller.params());
+        }
         match self.wish.try_send(std::mem::take(&mut self.effects)) {
             Ok(()) => {}
             Err(TrySendError::Full(wishes) | TrySendError::Disconnected(wishes)) => self.effects = wishes,

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use super::disk::Folders;
 use super::keeper::{Keeper, remember};
+use super::vault::Vault;
 use crate::controller::{Controller, Effect, Retained};
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
@@ -22,9 +23,6 @@ use crate::units::{Micros, PerAxis};
 /// Why a rig could not be set up.
 #[derive(Debug, thiserror::Error)]
 pub enum RigError {
-    /// The kind has no simulated machine or no control in this version.
-    #[error("kind {0} is not driven in this version; gc is")]
-    Kind(&'static str),
     /// A machine or part file.
     #[error(transparent)]
     File(#[from] SimFileError),
@@ -75,6 +73,8 @@ pub struct Rig {
     image: InputImage,
     retained: Retained,
     keeper: Option<Keeper>,
+    /// Passwords, where nothing keeps them.
+    vault: Vault,
     effects: Vec<Effect>,
     inbox: Vec<Command>,
     now: Micros,
@@ -97,14 +97,12 @@ impl Rig {
     /// The kind is not driven, or a file cannot be read.
     pub fn new(setup: Setup) -> Result<Self, RigError> {
         let Setup { kind, retained, keeper, folders, seed } = setup;
-        let refused = || RigError::Kind(kind.id());
-        crate::machine::kind::find(kind).ok_or_else(refused)?;
         let (programs, directory) = folders.read_programs()?;
         let screens = folders.read_screens()?;
         let mut machine = SimulatedMachine::new(MachineFile::builtin(kind)?, None, &retained.params, seed);
         let now = Micros::ZERO;
         let image = machine.read(now);
-        let controller = Controller::new(kind, retained.clone(), image, now).ok_or_else(refused)?;
+        let controller = Controller::new(kind, retained.clone(), image, now);
         let tick = Micros(retained.params.get(param::TICK_TIME) as u64);
         let mut rig = Self {
             kind,
@@ -113,6 +111,7 @@ impl Rig {
             image,
             retained,
             keeper,
+            vault: Vault::default(),
             effects: Vec::new(),
             inbox: Vec::new(),
             now,
@@ -166,9 +165,7 @@ impl Rig {
     pub fn make_ready(&mut self) {
         self.machine.start_ready();
         self.image = self.machine.read(self.now);
-        if let Some(controller) = Controller::new(self.kind, self.retained.clone(), self.image, self.now) {
-            self.controller = controller;
-        }
+        self.controller = Controller::new(self.kind, self.retained.clone(), self.image, self.now);
         self.controller.make_ready(self.machine.encoder_zero_mm());
         self.deliver();
     }
@@ -226,6 +223,15 @@ impl Rig {
         }
         for effect in &self.effects {
             remember(&mut self.retained, effect);
+            if let Effect::Ask(wish) = effect {
+                let vault = &mut self.vault;
+                let answer =
+                    self.keeper.as_mut().map_or_else(|| vault.answer(wish, None), |keeper| keeper.answer(wish));
+                self.inbox.push(answer);
+            }
+        }
+        if self.effects.iter().any(Effect::assigns_port) {
+            self.machine.rewire(&self.retained.params);
         }
         if let Some(keeper) = &mut self.keeper {
             self.inbox.push(match keeper.commit(&self.effects) {
@@ -245,10 +251,9 @@ impl Rig {
     /// The power comes (again): a cold start with the data so far.
     pub fn power_on(&mut self) {
         self.powered = true;
+        self.machine.power_on(&self.retained.params);
         self.image = self.machine.read(self.now);
-        if let Some(controller) = Controller::new(self.kind, self.retained.clone(), self.image, self.now) {
-            self.controller = controller;
-        }
+        self.controller = Controller::new(self.kind, self.retained.clone(), self.image, self.now);
         self.deliver();
     }
 
@@ -261,6 +266,9 @@ impl Rig {
     /// What a page would show now.
     pub fn snapshot(&mut self) -> &Snapshot {
         self.controller.snapshot(&mut self.snapshot);
+        if !self.powered {
+            self.snapshot.darken();
+        }
         &self.snapshot
     }
 

@@ -18,8 +18,10 @@ mod fault;
 mod file_class;
 mod folder;
 mod listing;
+pub mod password;
 mod retained;
 pub mod ron_file;
+mod settings;
 mod watch;
 mod whole_file;
 
@@ -34,4 +36,5 @@ pub use listing::{Entry, Ignored, LISTING_LIMIT, Listing};
 pub use retained::{
     Change, DamageReport, Generation, Loaded, Opened, Retained, RetainedError, StorageFault, ToolOffset,
 };
+pub use settings::Settings;
 pub use watch::{Changed, POLL_INTERVAL, Watch};

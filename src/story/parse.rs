@@ -14,6 +14,8 @@ use crate::units::Axis;
 pub const MOST_STATEMENTS: usize = 100_000;
 /// How long `wait until` waits where the story does not say, seconds.
 pub const USUAL_WAIT_S: f64 = 60.0;
+/// Longest time that a statement may take, seconds: about four months.
+pub const LONGEST_S: f64 = 1e7;
 /// How far a value may lie off where the story does not say: half a micrometre, less than the display shows.
 pub const USUAL_TOLERANCE: f64 = 0.000_5;
 
@@ -342,7 +344,8 @@ impl Words {
             unit => return Err(self.error(format!("'{unit}' is not a unit of time: ms, s, min"))),
         };
         match digits.parse::<f64>() {
-            Ok(value) if value.is_finite() && value >= 0.0 => Ok(value * factor),
+            Ok(value) if value >= 0.0 && value * factor <= LONGEST_S => Ok(value * factor),
+            Ok(value) if value > 0.0 => Err(self.error(format!("'{word}' is longer than {LONGEST_S} s"))),
             _ => Err(self.error(format!("'{word}' is not a time"))),
         }
     }
@@ -438,7 +441,9 @@ impl Words {
                 "event" => Some(Expectation::NoEvent),
                 _ => None,
             })?,
-            "event" => Expectation::Event(self.one_of("a kind of event: crash, burn, flat", EventKind::from_id)?),
+            "event" => {
+                Expectation::Event(self.one_of("a kind of event: crash, burn, flat, overspeed", EventKind::from_id)?)
+            }
             "state" => Expectation::State(self.one_of("a state", state)?),
             "message" => Expectation::Message(self.quoted()?),
             "page" => {

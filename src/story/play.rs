@@ -315,7 +315,7 @@ impl<'a> Player<'a> {
             Quantity::Wear(number, axis) => self.rig.controller().wear(number, axis),
             Quantity::PartDiameter(z) => self.rig.machine().diameter_at(z),
             Quantity::PartFace(x) => self.rig.machine().face_at(x, None),
-            Quantity::PartHeight(..) => None,
+            Quantity::PartHeight(x, z) => self.rig.machine().height_at(x, z),
         };
         match found {
             // The last digit of a tolerance is not lost to rounding in binary.

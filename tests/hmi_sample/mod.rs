@@ -4,15 +4,18 @@
 
 use std::sync::Arc;
 
+use kt830::defs::alarm::ALARMS;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
+use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::screen;
 use kt830::defs::text::{Said, Text};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
-use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
-use kt830::units::{Axis, Micros};
+use kt830::link::edit::ModalView;
+use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, PastAlarm, ProgramView, RunState, Tone};
+use kt830::units::{Axis, Micros, PerAxis};
 
 /// The customer's own page text (seed 000).
 pub const C0001: &str = "外卡磨削;\n卡尺X轴始磨位置 #500;\n卡尺X轴终点位置 #501;\n卡尺X轴安全位置 #503;\n\
@@ -82,8 +85,22 @@ pub fn snapshot(page: Page) -> Snapshot {
         said: fault.said,
     });
     let files = ScreenFiles { text, picture: Ok(picture("B0001.BMP")) };
-    snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)] });
+    snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: Some(Ok(picture("B0100.BMP"))) });
     snapshot.directory = Arc::new(directory());
+    for (index, row) in snapshot.offsets.iter_mut().enumerate() {
+        row.geometry = PerAxis([-9_999.999 + index as f64, 0.0, -20.0]);
+        row.wear = PerAxis([0.01 * index as f64, 0.0, -999.999]);
+    }
+    snapshot.offset_in_force = 4;
+    snapshot.dressing_point[Axis::X] = Some(-1_234.567);
+    snapshot.modals = ModalView {
+        g: [1, 18, 90, 98, 21, 54, 64, 97],
+        feed: Some(1_200.0),
+        speed: Some(1_260.0),
+        tool: (1, 4),
+        m: Some(8),
+    };
+    snapshot.mdi_ready = "G01 X120.5 Z-35 F300".into();
     snapshot
 }
 
@@ -152,6 +169,34 @@ pub fn alarm(page: Page) -> Snapshot {
             place: None,
         },
     ];
+    snapshot
+}
+
+/// Two functions on one port, both ways, and a history of alarms.
+pub fn troubled(page: Page) -> Snapshot {
+    let mut snapshot = alarm(page);
+    let mut params = Params::factory(snapshot.kind);
+    for (number, value) in [(301, 10.0), (302, 10.0), (332, 3.0), (333, 4.0), (352, 22.0)] {
+        let taken = params.write(ParamAddress { number, bit: None }, value);
+        assert!(taken.is_ok(), "P{number}");
+    }
+    // A new wheel that the usual speed is too much for, and the offsets open.
+    for (number, bit, value) in [(6, Some(7), 1.0), (22, Some(0), 1.0), (79, None, 30.0)] {
+        let taken = params.write(ParamAddress { number, bit }, value);
+        assert!(taken.is_ok(), "P{number}");
+    }
+    snapshot.params = Arc::new(params);
+    let past = |number: u16, minutes: u64, gone: Option<u64>| {
+        let row = ALARMS.iter().find(|row| row.number == number).unwrap_or(&ALARMS[0]);
+        let at = |minutes: u64| Micros(snapshot.now.0 - minutes * 60_000_000);
+        let place = number.is_multiple_of(2).then_some((1_001, 13));
+        let view = AlarmView { number, text: row.text.into(), remedy: row.remedy.into(), since: at(minutes), place };
+        PastAlarm { alarm: Arc::new(view), gone: gone.map(at) }
+    };
+    let mut history = vec![past(102, 800, Some(799)), past(0, 200, Some(199)), past(181, 60, Some(58))];
+    history.extend((1..40).rev().map(|minutes| past(184, minutes + 1, Some(minutes))));
+    history.push(past(180, 0, None));
+    snapshot.alarm_history = Arc::new(history);
     snapshot
 }
 

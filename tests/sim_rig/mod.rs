@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop here; clippy does not see that this is one")]
 
 use kt830::defs::kind::Kind;
-use kt830::defs::param::Params;
+use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::signal::{Input, Output};
 use kt830::io::sim::{EventKind, MachineFile, PartFile, SimulatedMachine};
 use kt830::io::{Backend, InputImage, OutputImage};
@@ -19,8 +19,9 @@ pub struct Rig {
     pub tick: Micros,
     pub seen: InputImage,
     pub out: OutputImage,
-    params: Params,
-    g54: (f64, f64),
+    pub params: Params,
+    g54: PerAxis<f64>,
+    diameters: bool,
 }
 
 /// The machine ready for a run with the part of a program.
@@ -30,33 +31,73 @@ pub fn ready(program: u32) -> Rig {
 
 /// The same after changes to machine and part.
 pub fn ready_with(program: u32, change: impl FnOnce(&mut MachineFile, &mut PartFile)) -> Rig {
-    let mut machine = MachineFile::builtin(Kind::Gc).unwrap();
+    ready_wired(program, |_| (), change)
+}
+
+/// The same with other parameters.
+pub fn ready_wired(
+    program: u32,
+    wire: impl FnOnce(&mut Params),
+    change: impl FnOnce(&mut MachineFile, &mut PartFile),
+) -> Rig {
     let mut part = PartFile::builtin(program).unwrap().unwrap();
+    let mut machine = MachineFile::builtin(part.kind).unwrap();
     change(&mut machine, &mut part);
-    let mut rig = rig(machine, Some(&part));
+    let mut params = Params::factory(part.kind);
+    wire(&mut params);
+    let mut rig = rig(machine, Some(&part), params);
     rig.sim.start_ready();
-    rig.step();
     rig.out.drives_on = true;
-    rig.switch(Output::Hydraulic, true);
-    rig.switch(Output::Tailstock, true);
+    for output in [Output::Hydraulic, Output::Tailstock, Output::Magnetise] {
+        rig.out.terminals.set(rig.params.output_port(output), true);
+    }
+    rig.sim.write(rig.now, &rig.out);
+    rig.step();
     rig
 }
 
 /// The machine whose power has just come, without a part.
 pub fn cold() -> Rig {
-    rig(MachineFile::builtin(Kind::Gc).unwrap(), None)
+    cold_of(Kind::Gc)
 }
 
-fn rig(machine: MachineFile, part: Option<&PartFile>) -> Rig {
-    let params = Params::factory(Kind::Gc);
+/// The same of any kind.
+pub fn cold_of(kind: Kind) -> Rig {
+    rig(MachineFile::builtin(kind).unwrap(), None, Params::factory(kind))
+}
+
+/// A cold machine with its drives on.
+pub fn driven_of(kind: Kind) -> Rig {
+    let mut rig = cold_of(kind);
+    rig.out.drives_on = true;
+    rig.step();
+    rig
+}
+
+/// The program whose part goes into a kind of machine.
+pub const fn program_of(kind: Kind) -> u32 {
+    match kind {
+        Kind::Gc => 1002,
+        Kind::Gs => 1007,
+        Kind::Ga => 1010,
+    }
+}
+
+/// Connects an input that has no port by factory.
+pub fn connect(params: &mut Params, input: Input, port: u8) {
+    params.write(ParamAddress { number: input.port_param(), bit: None }, f64::from(port)).unwrap();
+}
+
+fn rig(machine: MachineFile, part: Option<&PartFile>, params: Params) -> Rig {
     let mut rig = Rig {
+        diameters: machine.kind == Kind::Gc,
         sim: SimulatedMachine::new(machine, part, &params, 1),
         now: Micros::ZERO,
         tick: Micros(1_000),
         seen: InputImage::default(),
         out: OutputImage::default(),
         params,
-        g54: part.map_or((0.0, 0.0), |part| (part.g54_mm.x, part.g54_mm.z)),
+        g54: part.map_or(PerAxis([0.0; 3]), |part| PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z])),
     };
     rig.step();
     rig
@@ -89,19 +130,27 @@ impl Rig {
         self.seen.terminals.level(port) != (self.params.inverted_inputs() >> (port - 1) & 1 == 1)
     }
 
-    /// Wheel and workhead up to speed.
+    /// Wheel and workhead, table or roll up to speed.
     pub fn spin(&mut self) {
         self.switch(Output::Wheel, true);
-        self.switch(Output::HeadstockHigh, true);
+        self.switch(Output::HeadstockHigh, true); // on GA and GS the same port turns table and roll
         self.wait(9.0);
     }
 
-    /// A straight way to work coordinates, X as a diameter, at a feed of slide travel; ends when the set-point is there.
+    /// A straight way to work coordinates, X as a diameter on GC, at a feed of slide travel; ends when the set-point is
+    /// there.
     pub fn go(&mut self, x: f64, z: f64, feed_mm_min: f64) {
+        let y = self.out.set_point_mm[Axis::Y] + self.sim.encoder_zero_mm()[Axis::Y] - self.g54[Axis::Y];
+        self.go_xyz(x, y, z, feed_mm_min);
+    }
+
+    /// The same with three axes.
+    pub fn go_xyz(&mut self, x: f64, y: f64, z: f64, feed_mm_min: f64) {
         let zero = self.sim.encoder_zero_mm();
-        let to = PerAxis([x / 2.0 + self.g54.0 - zero[Axis::X], 0.0, z + self.g54.1 - zero[Axis::Z]]);
+        let part = PerAxis([if self.diameters { x / 2.0 } else { x }, y, z]);
+        let to = PerAxis::from_fn(|axis| part[axis] + self.g54[axis] - zero[axis]);
         let from = self.out.set_point_mm;
-        let way = (to[Axis::X] - from[Axis::X]).hypot(to[Axis::Z] - from[Axis::Z]);
+        let way = Axis::ALL.map(|axis| (to[axis] - from[axis]).powi(2)).iter().sum::<f64>().sqrt();
         let dt = self.tick.as_secs_f64();
         let (mut gone, mut speed) = (0.0_f64, 0.0_f64);
         while gone < way {

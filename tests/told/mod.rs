@@ -23,13 +23,22 @@ pub fn rig() -> Rig {
 
 /// The same with other folders.
 pub fn rig_in(folders: Folders) -> Rig {
-    let setup = Setup { kind: Kind::Gc, retained: Retained::factory(Kind::Gc), keeper: None, folders, seed: 1 };
-    Rig::new(setup).unwrap()
+    rig_of(Kind::Gc, folders)
+}
+
+/// A control of a kind at power-on.
+pub fn rig_of(kind: Kind, folders: Folders) -> Rig {
+    Rig::new(Setup { kind, retained: Retained::factory(kind), keeper: None, folders, seed: 1 }).unwrap()
 }
 
 /// A homed machine with hydraulics on and a wheel that is off, as `kt830 run` begins.
 pub fn ready() -> Rig {
-    let mut rig = rig();
+    ready_of(Kind::Gc)
+}
+
+/// The same of any kind.
+pub fn ready_of(kind: Kind) -> Rig {
+    let mut rig = rig_of(kind, folders());
     rig.make_ready();
     rig
 }
@@ -44,13 +53,20 @@ pub fn ready_with(text: &str) -> Rig {
 
 /// Plays a story; the first line that fails ends the test.
 pub fn tell(rig: &mut Rig, text: &str) {
-    let (_, lines) = parse(text, Kind::Gc).unwrap_or_else(|error| panic!("{error} in\n{text}"));
+    let (_, lines) = parse(text, rig.kind()).unwrap_or_else(|error| panic!("{error} in\n{text}"));
     let mut player = Player::new(rig, None, &PathBuf::from("."), true);
     for line in &lines {
         if let Err(why) = player.play(line) {
             panic!("{}: {why}\n{}", line.text, around(player.rig()));
         }
     }
+}
+
+/// A story from a cold start on a machine of a kind.
+pub fn story_on(kind: Kind, text: &str) -> Rig {
+    let mut rig = rig_of(kind, folders());
+    tell(&mut rig, text);
+    rig
 }
 
 /// A story from a cold start.

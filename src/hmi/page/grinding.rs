@@ -44,6 +44,7 @@ pub fn ui(
             let title = format!("{}{}", text.title, view.say("参数设置", " · parameters"));
             lines::title(ui, view, places.title, &title);
             let columns = (variables(&text.left), variables(&text.right));
+            entry.hear(&view.snapshot.edit);
             for edit in edits {
                 out.extend(entry.edit(*edit, (&columns.0, &columns.1)));
             }
@@ -162,13 +163,13 @@ fn field(ui: &Ui, place: Rect, view: &View<'_>, row: &Row, chosen: Option<&Entry
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.quiet };
     fit(painter, label, Align2::LEFT_CENTER, &row.label, theme::LABEL, ink);
     let (words, colour) = match chosen {
-        Some(entry) if entry.refused.is_some() => (entry.text.clone(), view.theme.alarm_text),
-        Some(entry) if !entry.text.is_empty() => (format!("{}_", entry.text), view.theme.info),
+        Some(entry) if entry.typing.refused.is_some() => (entry.typing.text.clone(), view.theme.alarm_text),
+        Some(entry) if !entry.typing.text.is_empty() => (format!("{}_", entry.typing.text), view.theme.info),
         _ => (shown(view, row.variable), view.theme.text),
     };
     fit(painter, value, Align2::RIGHT_CENTER, &words, theme::SECONDARY, colour);
     if let Some(entry) = chosen {
-        let colour = if entry.refused.is_some() { view.theme.alarm } else { view.theme.focus };
+        let colour = if entry.typing.refused.is_some() { view.theme.alarm } else { view.theme.focus };
         frame(painter, place, colour);
     }
 }
@@ -187,7 +188,7 @@ fn input_line(ui: &Ui, rect: Rect, view: &View<'_>, entry: &Entry, columns: [&[O
     let Some(row) = columns.into_iter().flatten().flatten().nth(entry.cursor) else { return };
     let line = rect.shrink2(vec2(theme::PAD, 2.0));
     let (left, rest) = line.split_left_right_at_fraction(0.34);
-    let words = format!("{} #{}={}", view.say("数据输入:", "INPUT:"), row.variable, entry.text);
+    let words = format!("{} #{}={}", view.say("数据输入:", "INPUT:"), row.variable, entry.typing.text);
     let (colour, right) = match entry.reason(view.lang) {
         Some(reason) => (view.theme.alarm_text, (reason.to_owned(), view.theme.alarm_text)),
         None => {

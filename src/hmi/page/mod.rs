@@ -1,8 +1,184 @@
 //! The pages. Each one draws from the view, and keeps nothing but its cursor and its edit text.
 
+pub mod alarm;
+pub mod diagnosis;
 pub mod directory;
+pub mod dressing;
 pub mod empty;
 pub mod grinding;
+pub mod input_line;
+pub mod mdi;
+pub mod offset;
+pub mod params;
 pub mod position;
 pub mod program;
 pub mod scroll;
+pub mod settings;
+pub mod variables;
+pub mod wheel;
+
+use egui::{Rect, TextureId, Ui};
+
+use super::entry::{Edit, Entry};
+use super::frame;
+use super::help;
+use super::login::Login;
+use super::view::View;
+use crate::defs::key::Key;
+use crate::defs::page::Page;
+use crate::defs::text::Lang;
+use crate::link::Command;
+use position::Shown;
+
+/// What was typed in this frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Typed<'a> {
+    /// Digits, moving, storing.
+    pub edits: &'a [Edit],
+    /// Every sign, for the pages that take words.
+    pub text: &'a str,
+    /// Pages to scroll.
+    pub pages: i32,
+}
+
+/// What all the pages keep.
+#[derive(Debug, Default)]
+pub struct Pages {
+    /// Coordinates of the position page.
+    pub shown: Shown,
+    /// Value typed on the grinding page.
+    pub entry: Entry,
+    listing: program::Listing,
+    directory: directory::Directory,
+    diagnosis: diagnosis::Diagnosis,
+    alarms: alarm::Alarms,
+    params: params::Params,
+    settings: settings::Settings,
+    offset: offset::Offset,
+    dressing: dressing::Dressing,
+    variables: variables::Variables,
+    mdi: mdi::Mdi,
+    wheel: wheel::WheelChange,
+    login: Login,
+}
+
+impl Pages {
+    /// Another page was opened.
+    pub fn open(&mut self, view: &View<'_>) {
+        self.entry.restart();
+        self.login.close();
+        self.directory.open(view);
+        self.alarms.open();
+        self.diagnosis = diagnosis::Diagnosis::default();
+        self.settings = settings::Settings::default();
+        self.params.open();
+        self.offset.table.open(view.snapshot.offset_in_force);
+        self.dressing.table.open(view.snapshot.offset_in_force);
+        self.variables.open();
+        self.mdi.open();
+        self.wheel = wheel::WheelChange::default();
+    }
+
+    /// Another program is current.
+    pub fn restart_entry(&mut self) {
+        self.entry.restart();
+    }
+
+    /// Why the value typed on the parameter page was refused.
+    #[must_use]
+    pub fn param_refusal(&self, lang: Lang) -> Option<String> {
+        self.params.typing.reason(lang).map(str::to_owned)
+    }
+
+    /// Why the value typed on the open page was refused, and what was typed.
+    #[must_use]
+    pub fn refusal(&self, page: Page, lang: Lang) -> Option<(String, String)> {
+        let typing = match page {
+            Page::Offset => &self.offset.table.typing,
+            Page::Dressing => &self.dressing.table.typing,
+            Page::Macro => &self.variables.typing,
+            Page::Mdi => &self.mdi.typing,
+            Page::Wheel => &self.wheel.typing,
+            Page::Params => &self.params.typing,
+            _ => &self.entry.typing,
+        };
+        Some((typing.text.clone(), typing.reason(lang)?.to_owned()))
+    }
+
+    /// Whether the numeric pad is to slide in.
+    #[must_use]
+    pub fn wants_pad(&self, view: &View<'_>) -> bool {
+        if self.login.is_open() {
+            return true;
+        }
+        match view.snapshot.page {
+            Page::Params => self.params.wants_pad(),
+            Page::Offset => self.offset.table.typing.pad,
+            Page::Dressing => self.dressing.table.typing.pad,
+            Page::Macro => self.variables.typing.pad,
+            Page::Wheel => self.wheel.wants_pad(),
+            page => {
+                let number = view.snapshot.program.number;
+                let has_fields = view.snapshot.screens.find(number).is_some_and(|files| files.text.is_ok());
+                self.entry.typing.pad && frame::takes_numbers(page) && has_fields
+            }
+        }
+    }
+
+    /// Draws the open page; gives what it asks for.
+    pub fn ui(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        view: &View<'_>,
+        typed: &Typed<'_>,
+        picture: Option<TextureId>,
+    ) -> Vec<Command> {
+        let mut out = match view.snapshot.page {
+            Page::Position | Page::Panel => {
+                let mut out = answers(typed.edits);
+                out.extend(position::ui(ui, rect, view, self.shown, &mut self.listing));
+                out
+            }
+            Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
+            Page::Program => self.listing.ui(ui, rect, view, typed.pages),
+            Page::Directory => self.directory.ui(ui, rect, view, typed.edits, typed.pages),
+            Page::Dressing => self.dressing.ui(ui, rect, view, typed, picture),
+            Page::Offset => self.offset.ui(ui, rect, view, typed),
+            Page::Macro => self.variables.ui(ui, rect, view, typed),
+            Page::Mdi => self.mdi.ui(ui, rect, view, typed),
+            Page::Wheel => self.wheel.ui(ui, rect, view, typed.edits),
+            Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
+            Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),
+            Page::Diagnosis => {
+                self.diagnosis.ui(ui, rect, view, typed);
+                Vec::new()
+            }
+            Page::Alarm => {
+                self.alarms.ui(ui, rect, view, typed);
+                Vec::new()
+            }
+            Page::Help => {
+                help::page(ui, view, rect);
+                Vec::new()
+            }
+        };
+        self.login.ui(ui, rect, view, typed.edits, &mut out);
+        out
+    }
+}
+
+/// On a page without fields Enter and Esc are the panel's own keys 输入 and 取消.
+fn answers(edits: &[Edit]) -> Vec<Command> {
+    let press = |key| [Command::Press(key), Command::Release(key)];
+    let mut out = Vec::new();
+    for edit in edits {
+        match edit {
+            Edit::Enter => out.extend(press(Key::Input)),
+            Edit::Cancel => out.extend(press(Key::Cancel)),
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Up | Edit::Down => {}
+            Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {}
+        }
+    }
+    out
+}

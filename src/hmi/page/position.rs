@@ -196,6 +196,11 @@ pub fn process(ui: &Ui, rect: Rect, view: &View<'_>) {
             "",
         ),
         (view.say("件数", "parts"), snapshot.parts.to_string(), ""),
+        (
+            view.say("振荡", "strokes"),
+            snapshot.strokes_min.map_or_else(|| "–".to_owned(), |n| format!("{n:.1}")),
+            "1/min",
+        ),
     ];
     let narrow = rect.width() < 190.0;
     let height = if narrow { 46.0 } else { 34.0 };

@@ -8,7 +8,7 @@
 //! The slide hangs on the motor with backlash, and stands off by the pitch error of its place (B7).
 
 use super::contact::Contact;
-use super::machine_file::{Along, AxisFile};
+use super::machine_rows::{Along, AxisFile};
 use crate::io::random::SplitMix64;
 
 /// What the control wants of an axis in this tick.

@@ -1,5 +1,6 @@
 //! What the simulated machine can suffer, by name (P8, tools.md "Faults").
 
+use super::SimulatedMachine;
 use crate::defs::signal::{Input, PORTS};
 use crate::units::{Axis, PerAxis};
 
@@ -60,11 +61,6 @@ pub(super) enum Fault {
     SupplyLoss,
 }
 
-/// The names of all faults.
-pub(super) const fn names() -> &'static [&'static str] {
-    NAMES
-}
-
 impl Fault {
     /// Reads a fault's name, in either case. `ticks_optional` lets the number be left out, for the end of a fault.
     pub(super) fn parse(text: &str, ticks_optional: bool) -> Result<Self, FaultError> {
@@ -110,7 +106,6 @@ pub(super) struct Ailing {
     pub pressure_loss: bool,
     pub drive: PerAxis<bool>,
     pub following: PerAxis<bool>,
-    /// Gauges come with P7; until then nothing reads it.
     pub gauge_dead: bool,
     pub coolant_missing: bool,
     pub lubrication_missing: bool,
@@ -143,13 +138,76 @@ impl InputName {
     }
 }
 
+impl SimulatedMachine {
+    /// Whether a text names a fault that this machine can suffer; for a story to be checked before it is played.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn check_fault(text: &str) -> Result<(), FaultError> {
+        Fault::parse(text, false).map(drop)
+    }
+
+    /// Makes the machine suffer a fault by name.
+    ///
+    /// # Errors
+    /// The name, its input or its number of ticks is wrong; nothing is changed then.
+    pub fn fault(&mut self, text: &str) -> Result<(), FaultError> {
+        self.suffer(Fault::parse(text, false)?, true);
+        Ok(())
+    }
+
+    /// Ends a fault by the same name; the number of ticks may be left out.
+    ///
+    /// # Errors
+    /// The name or its input is wrong.
+    pub fn clear_fault(&mut self, text: &str) -> Result<(), FaultError> {
+        self.suffer(Fault::parse(text, true)?, false);
+        Ok(())
+    }
+
+    /// The names of all faults; NAME stands for an input's id, N for a number of ticks.
+    #[must_use]
+    pub const fn fault_names() -> &'static [&'static str] {
+        NAMES
+    }
+
+    /// Forces an input, by id or port, logically on or off whatever its polarity; `None` lets it go.
+    ///
+    /// # Errors
+    /// Neither an input's id nor a port.
+    pub fn force_input(&mut self, name_or_port: &str, on: Option<bool>) -> Result<(), FaultError> {
+        match InputName::parse(name_or_port)? {
+            InputName::Input(input) => self.wiring.force(input, on),
+            InputName::Port(port) => self.wiring.force_port(port, on),
+        }
+        Ok(())
+    }
+
+    fn suffer(&mut self, fault: Fault, present: bool) {
+        match fault {
+            Fault::StuckOn(input) => self.wiring.stick(input, present.then_some(true)),
+            Fault::StuckOff(input) => self.wiring.stick(input, present.then_some(false)),
+            Fault::Bounce(input) => self.wiring.bounce(input, present),
+            Fault::PressureLoss => self.ailing.pressure_loss = present,
+            Fault::Drive(axis) => self.ailing.drive[axis] = present,
+            Fault::Following(axis) => self.ailing.following[axis] = present,
+            Fault::GaugeDead => self.ailing.gauge_dead = present,
+            Fault::CoolantMissing => self.ailing.coolant_missing = present,
+            Fault::LubricationMissing => self.ailing.lubrication_missing = present,
+            Fault::SupplyLoss => self.ailing.supply_loss = present,
+            Fault::BusLate(ticks) => self.ailing.late_ticks = if present { ticks } else { 0 },
+            Fault::BusSilent(ticks) => self.ailing.silent_ticks = if present { ticks } else { 0 },
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn p8_every_name_listed_can_be_said() {
-        for name in names() {
+        for name in NAMES {
             let text = name.replace("NAME", "home-x").replace(" N", " 3");
             assert!(Fault::parse(&text, false).is_ok(), "{text}");
         }

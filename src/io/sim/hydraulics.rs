@@ -2,7 +2,7 @@
 //! oscillation cylinder, coolant flow, gears (P3).
 
 use super::contact::Contact;
-use super::machine_file::HydraulicsFile;
+use super::machine_rows::HydraulicsFile;
 use crate::io::random::SplitMix64;
 
 /// A cylinder or arm between two ends, with a switch at each.
@@ -65,6 +65,11 @@ impl Travel {
         self.shown.1
     }
 
+    /// Really at the front end, whatever the switch shows.
+    pub(super) fn is_out(&self) -> bool {
+        self.place >= 1.0
+    }
+
     /// 0 at the back end, 1 at the front end.
     pub(super) const fn place(&self) -> f64 {
         self.place
@@ -98,7 +103,7 @@ pub(super) struct Hydraulics {
     pressure_mpa: f64,
     switch: bool,
     decay: (f64, f64),
-    pub(super) tailstock: Travel,
+    pub(super) tailstock: Option<Travel>,
     pub(super) radial_arm: Travel,
     pub(super) axial_arm: Travel,
     pub(super) oscillation: Travel,
@@ -113,7 +118,7 @@ impl Hydraulics {
             pressure_mpa: 0.0,
             switch: false,
             decay: (0.0, 1.0),
-            tailstock: Travel::new(file.tailstock_s),
+            tailstock: file.tailstock.as_ref().map(|quill| Travel::new(quill.travel_s)),
             radial_arm: Travel::new(file.gauge_arm_s),
             axial_arm: Travel::new(file.gauge_arm_s),
             oscillation: Travel::new(file.oscillation_mm / file.oscillation_mm_s),
@@ -127,12 +132,14 @@ impl Hydraulics {
     pub(super) fn make_ready(&mut self, tailstock_advanced: bool) {
         self.pressure_mpa = self.file.pressure_mpa;
         self.switch = true;
-        self.tailstock.place_at(tailstock_advanced);
+        self.place_tailstock(tailstock_advanced);
     }
 
     /// Puts the tailstock at an end.
     pub(super) fn place_tailstock(&mut self, advanced: bool) {
-        self.tailstock.place_at(advanced);
+        if let Some(tailstock) = &mut self.tailstock {
+            tailstock.place_at(advanced);
+        }
     }
 
     /// Moves everything through one tick; `leak` is the fault of lost pressure.
@@ -146,7 +153,9 @@ impl Hydraulics {
         self.switch = self.pressure_mpa >= edge;
         let moves = self.pressure_mpa >= self.file.moves_from_mpa;
         let two_way = |front: bool| if front { Push::Forward } else { Push::Backward };
-        self.tailstock.step(if moves { two_way(valves.tailstock) } else { Push::Not }, tick, chance);
+        if let Some(tailstock) = &mut self.tailstock {
+            tailstock.step(if moves { two_way(valves.tailstock) } else { Push::Not }, tick, chance);
+        }
         self.radial_arm.step(two_way(valves.radial_gauge), tick, chance);
         self.axial_arm.step(two_way(valves.axial_gauge), tick, chance);
         let oscillation = match (valves.oscillation_forward, valves.oscillation_backward) {
@@ -183,7 +192,8 @@ impl Hydraulics {
 
     /// How far the tailstock is drawn back from its advanced place, mm.
     pub(super) fn tailstock_back_mm(&self) -> f64 {
-        (1.0 - self.tailstock.place()) * self.file.tailstock_mm
+        let quill = self.tailstock.as_ref().zip(self.file.tailstock.as_ref());
+        quill.map_or(0.0, |(tailstock, file)| (1.0 - tailstock.place()) * file.travel_mm)
     }
 }
 
@@ -226,18 +236,26 @@ mod tests {
         assert!(!h.pressure_switch());
     }
 
+    fn front(h: &Hydraulics) -> bool {
+        h.tailstock.unwrap().front()
+    }
+
+    fn back(h: &Hydraulics) -> bool {
+        h.tailstock.unwrap().back()
+    }
+
     #[test]
     fn p3_the_tailstock_takes_a_second_and_needs_pressure() {
         let wish = Valves { tailstock: true, ..Valves::default() };
         let mut h = hydraulics();
         run(&mut h, wish, false, 3_000);
-        assert!(h.tailstock.back() && !h.tailstock.front(), "no pressure, no movement");
+        assert!(back(&h) && !front(&h), "no pressure, no movement");
         h.make_ready(false);
         let wish = Valves { pump: true, ..wish };
         run(&mut h, wish, false, 998);
-        assert!(!h.tailstock.front() && !h.tailstock.back());
+        assert!(!front(&h) && !back(&h));
         run(&mut h, wish, false, 10);
-        assert!(h.tailstock.front() && h.tailstock_back_mm() <= 0.0);
+        assert!(front(&h) && h.tailstock_back_mm() <= 0.0);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What the control sees of the machine in a tick: every switch by its function, then the terminals (P1, P3, P8).
+//! What the control sees of the machine in a tick: every switch by its function, then the terminals (P1, P3, P7, P8).
 
 use super::super::InputImage;
 use super::SimulatedMachine;
@@ -44,8 +44,8 @@ impl SimulatedMachine {
         }
         let h = &self.hydraulics;
         set.set(Input::HydraulicPressure, h.pressure_switch());
-        set.set(Input::TailstockAdvanced, h.tailstock.front());
-        set.set(Input::TailstockRetracted, h.tailstock.back());
+        set.set(Input::TailstockAdvanced, h.tailstock.is_some_and(|tailstock| tailstock.front()));
+        set.set(Input::TailstockRetracted, h.tailstock.is_some_and(|tailstock| tailstock.back()));
         set.set(Input::RadialArmOut, h.radial_arm.front());
         set.set(Input::RadialArmIn, h.radial_arm.back());
         set.set(Input::AxialArmOut, h.axial_arm.front());
@@ -57,6 +57,15 @@ impl SimulatedMachine {
         set.set(Input::GuardClosed, true);
         for (gear, input) in GEARS.into_iter().enumerate() {
             set.set(input, h.gear_in(gear));
+        }
+        if !self.ailing.gauge_dead {
+            let g = &self.gauges;
+            set.set(Input::Gauge1, g.stage(0));
+            set.set(Input::Gauge2, g.stage(1));
+            set.set(Input::Gauge3, g.stage(2));
+            // The radial gauge's last stage and the touch of the axial gauge come on the same signal (K4.5).
+            set.set(Input::Gauge4, g.stage(3) || g.touches());
+            set.set(Input::Gauge6, g.second());
         }
         set
     }

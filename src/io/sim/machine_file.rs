@@ -3,17 +3,17 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::machine_rows::{
+    AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile,
+    SecondSpindleFile, WheelFile,
+};
 use crate::defs::kind::Kind;
+use crate::units::PerAxis;
 
 /// The machine of kind GC as built.
 const GC: &str = include_str!("../../../assets/machines/gc.ron");
-
-/// Longest error table over position.
-const TABLE_LIMIT: usize = 1_000;
-
-/// A point of a table over position: machine position and value there, both mm.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Along(pub f64, pub f64);
+const GS: &str = include_str!("../../../assets/machines/gs.ron");
+const GA: &str = include_str!("../../../assets/machines/ga.ron");
 
 /// Why a machine or part file was not taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -31,9 +31,14 @@ pub enum SimFileError {
         /// What is wanted.
         rule: &'static str,
     },
-    /// No machine of this kind is built in.
-    #[error("there is no simulated machine of kind {0}")]
-    NoMachine(&'static str),
+    /// Two things do not go together.
+    #[error("{what}: {rule}")]
+    Unfit {
+        /// What does not fit.
+        what: String,
+        /// What is wanted.
+        rule: &'static str,
+    },
 }
 
 /// A whole machine.
@@ -42,187 +47,54 @@ pub enum SimFileError {
 pub struct MachineFile {
     /// Kind of machine.
     pub kind: Kind,
+    /// Which axis goes which way as the wheel sees it.
+    pub layout: LayoutFile,
     /// Axis X.
     pub x: AxisFile,
     /// Axis Y, where the machine has one.
     #[serde(default)]
     pub y: Option<AxisFile>,
+    /// Axis Y of a machine that can have one fitted (P6.6).
+    #[serde(default)]
+    pub y_optional: Option<AxisFile>,
     /// Axis Z.
     pub z: AxisFile,
     /// How long a contact bounces at every edge, s.
     pub bounce_s: f64,
     /// The wheel and its drive.
     pub wheel: WheelFile,
-    /// The workhead.
-    pub workhead: WorkheadFile,
+    /// The workhead, where the part turns between centres or in a chuck.
+    #[serde(default)]
+    pub workhead: Option<DriveFile>,
+    /// The drive of the table, where the table turns.
+    #[serde(default)]
+    pub table: Option<DriveFile>,
+    /// The second spindle.
+    pub second_spindle: SecondSpindleFile,
     /// Pump and what it moves.
     pub hydraulics: HydraulicsFile,
+    /// The magnet chuck, where the part lies on one.
+    #[serde(default)]
+    pub magnet: Option<MagnetFile>,
+    /// The gauges.
+    pub gauges: GaugesFile,
     /// How the wheel cuts.
     pub cutting: CuttingFile,
-    /// The dressing diamond, where there is one.
+    /// The dresser, where there is one.
     #[serde(default)]
     pub dresser: Option<DresserFile>,
-}
-
-/// One axis. Positions are machine coordinates, slide travel (radius on X).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisFile {
-    /// Where it stands when the power comes, mm.
-    pub power_on_mm: f64,
-    /// Natural frequency of the position loop, rad/s; the lag at constant speed is 2/ω.
-    pub following_rad_s: f64,
-    /// The drive's greatest acceleration, mm/s².
-    pub accel_mm_s2: f64,
-    /// The drive's greatest jerk, mm/s³.
-    pub jerk_mm_s3: f64,
-    /// Deceleration of the brake, mm/s².
-    pub brake_mm_s2: f64,
-    /// One encoder step, mm.
-    pub resolution_mm: f64,
-    /// Where the home switch changes, mm.
-    pub home_edge_mm: f64,
-    /// The home switch is active from its edge to the plus end; otherwise to the minus end.
-    pub home_at_plus: bool,
-    /// Limit switch towards plus, mm.
-    pub limit_plus_mm: f64,
-    /// Limit switch towards minus, mm.
-    pub limit_minus_mm: f64,
-    /// Hard stop towards plus, mm.
-    pub stop_plus_mm: f64,
-    /// Hard stop towards minus, mm.
-    pub stop_minus_mm: f64,
-    /// Play of the screw over motor position.
-    #[serde(default)]
-    pub backlash_mm: Vec<Along>,
-    /// What the slide stands off over position.
-    #[serde(default)]
-    pub pitch_error_mm: Vec<Along>,
-}
-
-/// The wheel and its drive.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WheelFile {
-    /// Diameter when new, mm.
-    pub diameter_mm: f64,
-    /// Width, mm.
-    pub width_mm: f64,
-    /// Speed at 10 V of the first analog output, rpm.
-    pub rpm_at_10_v: f64,
-    /// Speed without an analog voltage: the motor on the mains, rpm.
-    pub mains_rpm: f64,
-    /// From rest to `mains_rpm`, s.
-    pub run_up_s: f64,
-    /// From `mains_rpm` to rest, s.
-    pub coast_down_s: f64,
-    /// Power of the motor, W.
-    pub power_w: f64,
-    /// Load of the idling wheel, percent.
-    pub idle_load_percent: f64,
-    /// Volume of part removed for one volume of wheel.
-    pub grinding_ratio: f64,
-}
-
-/// The workhead.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WorkheadFile {
-    /// Speed of headstock-low without an analog voltage, rpm.
-    pub low_rpm: f64,
-    /// Speed of headstock-high without an analog voltage, rpm.
-    pub high_rpm: f64,
-    /// Least speed of the drive, rpm.
-    pub least_rpm: f64,
-    /// Greatest speed, at 10 V of the second analog output, rpm.
-    pub greatest_rpm: f64,
-    /// Time to reach a speed from rest, s.
-    pub run_up_s: f64,
-}
-
-/// Pump, switch, and what the pressure moves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct HydraulicsFile {
-    /// Pressure of the pump, MPa.
-    pub pressure_mpa: f64,
-    /// Time constant, s.
-    pub time_constant_s: f64,
-    /// The pressure switch closes, MPa.
-    pub switch_on_mpa: f64,
-    /// The pressure switch opens, MPa.
-    pub switch_off_mpa: f64,
-    /// Least pressure that moves a cylinder, MPa.
-    pub moves_from_mpa: f64,
-    /// Travel of the tailstock, mm.
-    pub tailstock_mm: f64,
-    /// Time of that travel, s.
-    pub tailstock_s: f64,
-    /// Time of a gauge arm out or in, s.
-    pub gauge_arm_s: f64,
-    /// Stroke of the oscillation cylinder, mm.
-    pub oscillation_mm: f64,
-    /// Its speed, mm/s.
-    pub oscillation_mm_s: f64,
-    /// From coolant on to flow, s.
-    pub coolant_s: f64,
-    /// From gear output to gear in, s.
-    pub gear_s: f64,
-}
-
-/// How the wheel cuts (P5, P6).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CuttingFile {
-    /// Time constant of the contact with a sharp wheel, s.
-    pub sharp_s: f64,
-    /// The same with a dull wheel, s.
-    pub dull_s: f64,
-    /// Removed volume that makes a sharp wheel dull, mm³.
-    pub dull_after_mm3: f64,
-    /// Length of traverse that counts as one time constant, sharp wheel, along a cylinder, mm.
-    pub traverse_cylinder_mm: f64,
-    /// The same across a face, mm.
-    pub traverse_face_mm: f64,
-    /// Energy to remove a volume, J/mm³.
-    pub energy_j_mm3: f64,
-    /// Specific removal rate that burns, mm³/(mm·s).
-    pub burn_mm2_s: f64,
-    /// Overlap that is a crash, mm.
-    pub crash_mm: f64,
-    /// Overlap that is a crash when the wheel stands or turns below half its speed, mm.
-    pub crash_standing_mm: f64,
-    /// Overlap that grinds a flat on a part that stands, mm.
-    pub flat_mm: f64,
-    /// Below this the workhead counts as standing, rpm.
-    pub part_stands_rpm: f64,
-    /// Speed from which running onto a hard stop is a crash, mm/s.
-    pub stop_crash_mm_s: f64,
-}
-
-/// The dressing diamond: a point, machine coordinates.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DresserFile {
-    /// Machine X at which a new wheel's front touches it, mm.
-    pub x_mm: f64,
-    /// Its machine Z, mm; the wheel lies from its reference point towards plus.
-    pub z_mm: f64,
-    /// Depth that breaks it, mm.
-    pub crash_mm: f64,
-    /// Depth from which a pass sharpens, mm.
-    pub sharpens_mm: f64,
 }
 
 impl MachineFile {
     /// The machine of a kind as built.
     ///
     /// # Errors
-    /// There is none of this kind.
+    /// The built-in text is wrong, which the tests rule out.
     pub fn builtin(kind: Kind) -> Result<Self, SimFileError> {
         match kind {
             Kind::Gc => Self::parse(GC),
-            Kind::Gs | Kind::Ga => Err(SimFileError::NoMachine(kind.id())),
+            Kind::Gs => Self::parse(GS),
+            Kind::Ga => Self::parse(GA),
         }
     }
 
@@ -236,59 +108,73 @@ impl MachineFile {
         Ok(file)
     }
 
+    /// The axes of this machine, with Y if it is always there or fitted.
+    pub(super) fn axes(&self, y_fitted: bool) -> PerAxis<Option<&AxisFile>> {
+        let fitted = if y_fitted { self.y_optional.as_ref() } else { None };
+        PerAxis([Some(&self.x), self.y.as_ref().or(fitted), Some(&self.z)])
+    }
+
     fn check(&self) -> Result<(), SimFileError> {
-        for (letter, axis) in [("x", Some(&self.x)), ("y", self.y.as_ref()), ("z", Some(&self.z))] {
-            axis.map_or(Ok(()), |axis| axis.check(letter))?;
+        for (axis, file) in self.axes(true).iter() {
+            file.map_or(Ok(()), |file| file.check(&axis.letter().to_ascii_lowercase().to_string()))?;
         }
-        let positive = [
+        let roll = self.dresser.as_ref().and_then(|dresser| dresser.roll.as_ref());
+        let roll_drive = roll.map(|roll| &roll.drive);
+        for (name, drive) in
+            [("workhead", self.workhead.as_ref()), ("table", self.table.as_ref()), ("dresser.roll.drive", roll_drive)]
+        {
+            drive.map_or(Ok(()), |drive| drive.check(name))?;
+        }
+        self.check_layout()?;
+        self.positive().into_iter().try_for_each(|(field, value)| above_zero(field, value))?;
+        if let Some(quill) = &self.hydraulics.tailstock {
+            above_zero("hydraulics.tailstock.travel_s", quill.travel_s)?;
+        }
+        self.magnet.iter().flat_map(MagnetFile::positive).try_for_each(|(field, value)| above_zero(field, value))
+    }
+
+    /// The wheel must be able to go where the layout says.
+    fn check_layout(&self) -> Result<(), SimFileError> {
+        let LayoutFile { infeed, across, stroke } = self.layout;
+        for axis in [Some(infeed), Some(across), stroke].into_iter().flatten() {
+            if self.axes(false)[axis].is_none() {
+                let what = format!("layout: axis {axis}");
+                return Err(SimFileError::Unfit { what, rule: "the machine has no such axis" });
+            }
+        }
+        if infeed == across || stroke == Some(infeed) || stroke == Some(across) {
+            let rule = "infeed, across and stroke are three different axes";
+            return Err(SimFileError::Unfit { what: "layout".to_owned(), rule });
+        }
+        Ok(())
+    }
+
+    fn positive(&self) -> [(&'static str, f64); 23] {
+        [
             ("wheel.diameter_mm", self.wheel.diameter_mm),
             ("wheel.width_mm", self.wheel.width_mm),
+            ("wheel.rated_m_s", self.wheel.rated_m_s),
             ("wheel.mains_rpm", self.wheel.mains_rpm),
             ("wheel.run_up_s", self.wheel.run_up_s),
             ("wheel.coast_down_s", self.wheel.coast_down_s),
             ("wheel.power_w", self.wheel.power_w),
             ("wheel.grinding_ratio", self.wheel.grinding_ratio),
-            ("workhead.run_up_s", self.workhead.run_up_s),
+            ("second_spindle.rpm", self.second_spindle.rpm),
+            ("second_spindle.run_up_s", self.second_spindle.run_up_s),
             ("hydraulics.time_constant_s", self.hydraulics.time_constant_s),
-            ("hydraulics.tailstock_s", self.hydraulics.tailstock_s),
             ("hydraulics.gauge_arm_s", self.hydraulics.gauge_arm_s),
             ("hydraulics.oscillation_mm", self.hydraulics.oscillation_mm),
+            ("hydraulics.oscillation_mm_s", self.hydraulics.oscillation_mm_s),
+            ("gauges.probe.second_mm", self.gauges.probe.second_mm),
+            ("gauges.probe.travel_mm", self.gauges.probe.travel_mm),
             ("cutting.sharp_s", self.cutting.sharp_s),
             ("cutting.dull_s", self.cutting.dull_s),
             ("cutting.dull_after_mm3", self.cutting.dull_after_mm3),
             ("cutting.traverse_cylinder_mm", self.cutting.traverse_cylinder_mm),
             ("cutting.traverse_face_mm", self.cutting.traverse_face_mm),
-        ];
-        positive.into_iter().try_for_each(|(field, value)| above_zero(field, value))
-    }
-}
-
-impl AxisFile {
-    fn check(&self, letter: &str) -> Result<(), SimFileError> {
-        let wrong = |field: &str, value: f64, rule: &'static str| {
-            Err(SimFileError::Value { field: format!("{letter}.{field}"), value, rule })
-        };
-        for (field, value) in [
-            ("following_rad_s", self.following_rad_s),
-            ("accel_mm_s2", self.accel_mm_s2),
-            ("jerk_mm_s3", self.jerk_mm_s3),
-            ("brake_mm_s2", self.brake_mm_s2),
-            ("resolution_mm", self.resolution_mm),
-        ] {
-            above_zero(&format!("{letter}.{field}"), value)?;
-        }
-        if !(self.stop_minus_mm..=self.stop_plus_mm).contains(&self.power_on_mm) {
-            return wrong("power_on_mm", self.power_on_mm, "must lie between the stops");
-        }
-        for (field, table) in [("backlash_mm", &self.backlash_mm), ("pitch_error_mm", &self.pitch_error_mm)] {
-            if table.len() > TABLE_LIMIT {
-                return wrong(field, table.len() as f64, "takes at most 1000 rows");
-            }
-            if let Some(pair) = table.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
-                return wrong(field, pair[1].0, "positions must rise");
-            }
-        }
-        Ok(())
+            ("cutting.traverse_plane_mm", self.cutting.traverse_plane_mm),
+            ("cutting.contact_mm", self.cutting.contact_mm),
+        ]
     }
 }
 
@@ -329,12 +215,59 @@ mod tests {
     }
 
     #[test]
+    fn p1_every_kind_has_its_own_axes_and_gear() {
+        let [gc, gs, ga] = Kind::ALL.map(|kind| MachineFile::builtin(kind).unwrap());
+        let there = |file: &MachineFile, fitted| file.axes(fitted).map(|axis| axis.is_some()).0;
+        assert_eq!((there(&gc, false), there(&gc, true)), ([true, false, true], [true; 3]));
+        assert_eq!((there(&gs, false), there(&gs, true)), ([true; 3], [true; 3]));
+        assert_eq!((there(&ga, false), there(&ga, true)), ([true, false, true], [true; 3]));
+        assert!(
+            gc.workhead.is_some() && gc.table.is_none() && gc.magnet.is_none() && gc.hydraulics.tailstock.is_some()
+        );
+        assert!(
+            gs.workhead.is_none() && gs.table.is_none() && gs.magnet.is_some() && gs.hydraulics.tailstock.is_none()
+        );
+        assert!(
+            ga.workhead.is_none() && ga.table.is_some() && ga.magnet.is_some() && ga.hydraulics.tailstock.is_none()
+        );
+        assert!(gs.dresser.unwrap().roll.is_some());
+    }
+
+    #[test]
+    fn p3_p7_every_kind_has_the_figures_of_the_specification() {
+        for file in Kind::ALL.map(|kind| MachineFile::builtin(kind).unwrap()) {
+            let (w, h, g) = (&file.wheel, &file.hydraulics, &file.gauges);
+            assert_eq!((w.run_up_s, w.coast_down_s, w.grinding_ratio), (8.0, 60.0, 40.0));
+            assert_eq!((h.gauge_arm_s, h.oscillation_mm_s), (1.0, 200.0));
+            assert_eq!((g.stages_um, g.noise_um, g.delay_s), ([100.0, 20.0, 5.0, 0.0], 0.5, 0.01));
+            if let Some(quill) = &h.tailstock {
+                assert_eq!((quill.travel_mm, quill.travel_s), (30.0, 1.0));
+            }
+            if let Some(magnet) = &file.magnet {
+                assert_eq!((magnet.magnetise_s, magnet.demagnetise_s), (1.0, 6.0));
+            }
+        }
+    }
+
+    #[test]
+    fn p1_a_layout_without_its_axis_is_refused() {
+        let wrong = GC.replacen("infeed: X", "infeed: Y", 1);
+        let said = MachineFile::parse(&wrong).unwrap_err().to_string();
+        assert_eq!(said, "layout: axis Y: the machine has no such axis");
+        let twice = GC.replacen("infeed: X", "infeed: Z", 1);
+        let said = MachineFile::parse(&twice).unwrap_err().to_string();
+        assert_eq!(said, "layout: infeed, across and stroke are three different axes");
+    }
+
+    #[test]
     fn p1_a_wrong_machine_file_is_refused_with_its_place() {
         let unknown = GC.replacen("bounce_s", "bounce", 1);
         assert!(matches!(MachineFile::parse(&unknown), Err(SimFileError::Form(_))));
         let zero = GC.replacen("grinding_ratio: 40.0", "grinding_ratio: 0.0", 1);
         let said = MachineFile::parse(&zero).unwrap_err().to_string();
         assert_eq!(said, "wheel.grinding_ratio is 0: must be above zero");
-        assert!(MachineFile::builtin(Kind::Gs).is_err());
+        for kind in Kind::ALL {
+            assert_eq!(MachineFile::builtin(kind).map(|file| file.kind), Ok(kind));
+        }
     }
 }

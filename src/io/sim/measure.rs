@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::SimulatedMachine;
 use super::axis::SimAxis;
+use super::magnet::Magnet;
 use super::part_file::Looks;
 use super::report::{Event, PartReport};
 use crate::units::PerAxis;
@@ -13,10 +14,14 @@ use crate::units::PerAxis;
 pub struct WheelState {
     /// Mean diameter, mm.
     pub diameter_mm: f64,
+    /// Width, mm.
+    pub width_mm: f64,
     /// Speed, rpm.
     pub rpm: f64,
     /// Peripheral speed, m/s.
     pub peripheral_m_s: f64,
+    /// Greatest peripheral speed that it is made for, m/s.
+    pub rated_m_s: f64,
     /// Load of its motor, percent.
     pub load_percent: f64,
     /// 0 sharp, 1 dull.
@@ -39,9 +44,11 @@ impl SimulatedMachine {
     /// The wheel as it is now.
     #[must_use]
     pub fn wheel(&self) -> WheelState {
-        let (diameter_mm, rpm) = (self.wheel.diameter_mm(), self.spindle.rpm());
+        let (diameter_mm, rpm) = (self.wheel.diameter_mm(), self.spindles.wheel.rpm());
         WheelState {
             diameter_mm,
+            width_mm: self.wheel.width_mm(),
+            rated_m_s: self.file.wheel.rated_m_s,
             rpm,
             peripheral_m_s: PI * diameter_mm / 1_000.0 * rpm / 60.0,
             load_percent: self.grinding.load_percent(),
@@ -54,10 +61,40 @@ impl SimulatedMachine {
         self.wheel.set_dull(dull);
     }
 
-    /// Speed of the workhead, rpm.
+    /// Speed of the workhead, rpm; zero where there is none.
     #[must_use]
-    pub const fn workhead_rpm(&self) -> f64 {
-        self.workhead.rpm()
+    pub fn workhead_rpm(&self) -> f64 {
+        self.spindles.workhead_rpm()
+    }
+
+    /// Speed of the table, rpm; zero where it does not turn.
+    #[must_use]
+    pub fn table_rpm(&self) -> f64 {
+        self.spindles.table_rpm()
+    }
+
+    /// Speed of the dressing roll, rpm; zero where there is none.
+    #[must_use]
+    pub fn roll_rpm(&self) -> f64 {
+        self.spindles.roll_rpm()
+    }
+
+    /// Speed of the second spindle, rpm, clockwise positive.
+    #[must_use]
+    pub const fn second_spindle_rpm(&self) -> f64 {
+        self.spindles.second_rpm()
+    }
+
+    /// Force of the magnet, 0 to 1 of its full force; zero where there is none.
+    #[must_use]
+    pub fn magnet_force(&self) -> f64 {
+        self.magnet.as_ref().map_or(0.0, Magnet::force)
+    }
+
+    /// The axes that are there.
+    #[must_use]
+    pub fn axes(&self) -> PerAxis<bool> {
+        PerAxis::from_fn(|axis| self.axes[axis].is_some())
     }
 
     /// Hydraulic pressure, MPa.
@@ -78,10 +115,17 @@ impl SimulatedMachine {
         self.grinding.surfaces().iter().find_map(|surface| surface.diameter_at(z))
     }
 
-    /// Z of a face at X (a diameter): the first face there, or the first that looks as asked.
+    /// Z of a face at X – on GC a diameter, on GA the radius, on GS (a wall) the place along X: the first face there, or
+    /// the first that looks as asked.
     #[must_use]
     pub fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
         self.grinding.surfaces().iter().find_map(|surface| surface.face_at(x, looks))
+    }
+
+    /// Height of the part: on GS Y at X and Z, on GA Z at the radius X, whatever `z`; `None` where nothing is.
+    #[must_use]
+    pub fn height_at(&self, x: f64, z: f64) -> Option<f64> {
+        self.grinding.surfaces().iter().find_map(|surface| surface.height_at(x, z))
     }
 
     /// What happened so far, oldest first; at most 256.

@@ -2,20 +2,26 @@
 //!
 //! One tick: [`Backend::read`] moves the machine from the last `now` to this one under the outputs last written –
 //! axes, spindles, hydraulics, contact of wheel and part – and shows its terminals and encoders.
-//! The files: `axis` drives and switches, `spindle` wheel drive and workhead, `hydraulics`, `wheel` shape and wear,
-//! `surface` the contact law, `grinding` who meets whom, `wiring` terminals, `inputs` what is shown, `fault` names, `measure`
-//! and `report` what can be asked afterwards.
-//! GS and GA get surfaces `y(x, z)`, a magnet and gauges (P3, P7) in the same places.
+//! The files: `axis` drives and switches, `spindle` all that turns, `hydraulics`, `magnet`, `gauge`, `wheel` shape and
+//! wear, `surface` the contact law, `profile` and `plane` the cells, `obstacle`, `grinding` who meets whom, `wiring`
+//! terminals, `inputs` what is shown, `fault` names, `measure` and `report` what can be asked afterwards.
+//! What a kind of machine is made of stands in its file alone: which axis takes the wheel to the part and what turns.
 
 mod axis;
 mod contact;
 mod fault;
+mod gauge;
 mod grinding;
 mod hydraulics;
 mod inputs;
 mod machine_file;
+mod machine_rows;
+mod magnet;
 mod measure;
+mod obstacle;
 mod part_file;
+mod plane;
+mod profile;
 mod report;
 mod spindle;
 mod surface;
@@ -23,25 +29,31 @@ mod wheel;
 mod wiring;
 
 use self::axis::{Drive, SimAxis};
-use self::fault::{Ailing, Fault, InputName};
+use self::fault::Ailing;
+use self::gauge::{Found, Gauges};
 use self::grinding::{Grinding, Scene};
 use self::hydraulics::{Hydraulics, Tick, Valves};
+use self::magnet::{Current, Magnet};
 use self::report::EventLog;
-use self::spindle::Spindle;
+use self::spindle::Spindles;
 use self::wheel::Wheel;
 use self::wiring::Wiring;
 use super::random::SplitMix64;
 use super::{Backend, InputImage, OutputImage};
-use crate::defs::param::Params;
+use crate::defs::param::{self, Params};
 use crate::defs::signal::{Output, OutputSet};
 use crate::units::{Axis, Micros, PerAxis};
 
 pub use self::fault::FaultError;
-pub use self::machine_file::{
-    Along, AxisFile, CuttingFile, DresserFile, HydraulicsFile, MachineFile, SimFileError, WheelFile, WorkheadFile,
+pub use self::machine_file::{MachineFile, SimFileError};
+pub use self::machine_rows::{
+    Along, AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile,
+    PlateFile, ProbeFile, QuillFile, RollFile, SecondSpindleFile, WheelFile,
 };
 pub use self::measure::WheelState;
-pub use self::part_file::{Body, BodyFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile, TailstockFile};
+pub use self::part_file::{
+    BlockFile, Body, BodyFile, GaugeFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile, TailstockFile,
+};
 pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartReport};
 
 /// Longest step of the physics, µs; a longer tick is cut into several.
@@ -54,9 +66,10 @@ const STEPS_LIMIT: u64 = 50;
 pub struct SimulatedMachine {
     file: MachineFile,
     axes: PerAxis<Option<SimAxis>>,
-    spindle: Spindle,
-    workhead: Spindle,
+    spindles: Spindles,
     hydraulics: Hydraulics,
+    magnet: Option<Magnet>,
+    gauges: Gauges,
     wheel: Wheel,
     grinding: Grinding,
     wiring: Wiring,
@@ -67,6 +80,8 @@ pub struct SimulatedMachine {
     tailstock_at_start: bool,
     /// A crash has tripped all drives; switching them off ends it once the axes stand.
     tripped: bool,
+    /// The wheel turns faster than it is made for.
+    overspeed: bool,
     now: Option<Micros>,
     seconds: f64,
     outputs: OutputImage,
@@ -83,18 +98,14 @@ impl SimulatedMachine {
     /// A machine whose power has just come, wired as the parameters say now, with a part in it or none.
     #[must_use]
     pub fn new(machine: MachineFile, part: Option<&PartFile>, wiring: &Params, seed: u64) -> Self {
-        let power_on = |axis: &Option<SimAxis>| axis.as_ref().map_or(0.0, SimAxis::zero_mm);
-        let axes = PerAxis([
-            Some(SimAxis::new(machine.x.clone())),
-            machine.y.clone().map(SimAxis::new),
-            Some(SimAxis::new(machine.z.clone())),
-        ]);
+        let axes = fitted(&machine, wiring);
         let mut sim = Self {
-            start_mm: PerAxis::from_fn(|axis| power_on(&axes[axis])),
+            start_mm: PerAxis::from_fn(|axis| axes[axis].as_ref().map_or(0.0, SimAxis::zero_mm)),
             axes,
-            spindle: Spindle::wheel(&machine.wheel),
-            workhead: Spindle::workhead(&machine.workhead),
+            spindles: Spindles::new(&machine),
             hydraulics: Hydraulics::new(machine.hydraulics.clone()),
+            magnet: machine.magnet.clone().map(Magnet::new),
+            gauges: Gauges::new(machine.gauges.clone()),
             wheel: Wheel::new(&machine.wheel, &machine.cutting),
             grinding: Grinding::new(&machine),
             wiring: Wiring::new(wiring),
@@ -103,6 +114,7 @@ impl SimulatedMachine {
             chance: SplitMix64::new(seed),
             tailstock_at_start: true,
             tripped: false,
+            overspeed: false,
             now: None,
             seconds: 0.0,
             outputs: OutputImage::default(),
@@ -117,13 +129,28 @@ impl SimulatedMachine {
         sim
     }
 
+    /// The power comes again, with the parameters of now: the terminals are wired as they say, and an axis Y that they fit
+    /// (P6.6) is there, or not. All else stays as it was.
+    pub fn power_on(&mut self, wiring: &Params) {
+        self.rewire(wiring);
+        let mut axes = fitted(&self.file, wiring);
+        for axis in Axis::ALL {
+            if let (Some(there), Some(kept)) = (&mut axes[axis], self.axes[axis].take()) {
+                *there = kept;
+            }
+        }
+        self.axes = axes;
+    }
+
     /// Begins the machine's chance anew: the next part, bounce and noise follow the seed.
     pub fn reseed(&mut self, seed: u64) {
         self.chance = SplitMix64::new(seed);
     }
 
-    /// Puts another part in, fresh from its file, or takes the part out. The axes stay where they are.
+    /// Puts another part in, fresh from its file, or takes the part out. The axes stay where they are. A part
+    /// for another kind of machine does not fit in.
     pub fn set_part(&mut self, part: Option<&PartFile>) {
+        let part = part.filter(|part| part.kind == self.file.kind);
         self.grinding.set_part(part, &mut self.chance);
         if let Some(part) = part {
             self.start_mm = PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]);
@@ -133,8 +160,9 @@ impl SimulatedMachine {
     }
 
     /// Makes the machine ready for a run without the way there (T3): axes at the part's start position with their
-    /// encoders at zero there, pressure present, tailstock as the part wants it (advanced without a part).
-    /// The control must switch hydraulic and tailstock on itself, and learn [`Self::encoder_zero_mm`].
+    /// encoders at zero there, pressure present, tailstock as the part wants it (advanced without a part), magnetised.
+    /// The control must switch hydraulic, tailstock and magnetise on itself in its first tick, and learn
+    /// [`Self::encoder_zero_mm`].
     pub fn start_ready(&mut self) {
         for axis in Axis::ALL {
             if let Some(sim) = &mut self.axes[axis] {
@@ -142,72 +170,14 @@ impl SimulatedMachine {
             }
         }
         self.hydraulics.make_ready(self.tailstock_at_start);
-    }
-
-    /// Whether a text names a fault that this machine can suffer; for a story to be checked before it is played.
-    ///
-    /// # Errors
-    /// What is wrong with the text.
-    pub fn check_fault(text: &str) -> Result<(), FaultError> {
-        self::fault::Fault::parse(text, false).map(drop)
-    }
-
-    /// Makes the machine suffer a fault by name.
-    ///
-    /// # Errors
-    /// The name, its input or its number of ticks is wrong; nothing is changed then.
-    pub fn fault(&mut self, text: &str) -> Result<(), FaultError> {
-        self.suffer(Fault::parse(text, false)?, true);
-        Ok(())
-    }
-
-    /// Ends a fault by the same name; the number of ticks may be left out.
-    ///
-    /// # Errors
-    /// The name or its input is wrong.
-    pub fn clear_fault(&mut self, text: &str) -> Result<(), FaultError> {
-        self.suffer(Fault::parse(text, true)?, false);
-        Ok(())
-    }
-
-    /// The names of all faults; NAME stands for an input's id, N for a number of ticks.
-    #[must_use]
-    pub const fn fault_names() -> &'static [&'static str] {
-        fault::names()
-    }
-
-    /// Forces an input, by id or port, logically on or off whatever its polarity; `None` lets it go.
-    ///
-    /// # Errors
-    /// Neither an input's id nor a port.
-    pub fn force_input(&mut self, name_or_port: &str, on: Option<bool>) -> Result<(), FaultError> {
-        match InputName::parse(name_or_port)? {
-            InputName::Input(input) => self.wiring.force(input, on),
-            InputName::Port(port) => self.wiring.force_port(port, on),
+        if let Some(magnet) = &mut self.magnet {
+            magnet.make_ready();
         }
-        Ok(())
     }
 
     /// Turns the machine's own handwheel, detents, positive clockwise.
     pub const fn turn_handwheel(&mut self, detents: i32) {
         self.detents = self.detents.saturating_add(detents);
-    }
-
-    fn suffer(&mut self, fault: Fault, present: bool) {
-        match fault {
-            Fault::StuckOn(input) => self.wiring.stick(input, present.then_some(true)),
-            Fault::StuckOff(input) => self.wiring.stick(input, present.then_some(false)),
-            Fault::Bounce(input) => self.wiring.bounce(input, present),
-            Fault::PressureLoss => self.ailing.pressure_loss = present,
-            Fault::Drive(axis) => self.ailing.drive[axis] = present,
-            Fault::Following(axis) => self.ailing.following[axis] = present,
-            Fault::GaugeDead => self.ailing.gauge_dead = present,
-            Fault::CoolantMissing => self.ailing.coolant_missing = present,
-            Fault::LubricationMissing => self.ailing.lubrication_missing = present,
-            Fault::SupplyLoss => self.ailing.supply_loss = present,
-            Fault::BusLate(ticks) => self.ailing.late_ticks = if present { ticks } else { 0 },
-            Fault::BusSilent(ticks) => self.ailing.silent_ticks = if present { ticks } else { 0 },
-        }
     }
 
     /// Moves the machine on by the span since the last read.
@@ -228,28 +198,48 @@ impl SimulatedMachine {
     fn step(&mut self, dt_s: f64) {
         let mut crashed = self.move_axes(dt_s);
         let on = self.on;
-        self.spindle
-            .step(spindle::wheel_target(&self.file.wheel, on.has(Output::Wheel), self.outputs.wheel_volts), dt_s);
-        let (high, low) = (on.has(Output::HeadstockHigh), on.has(Output::HeadstockLow));
-        self.workhead.step(spindle::workhead_target(&self.file.workhead, high, low, self.outputs.analog_2_volts), dt_s);
+        self.spindles.step(&self.file, on, (self.outputs.wheel_volts, self.outputs.analog_2_volts), dt_s);
         let tick = Tick { dt_s, bounce_s: self.file.bounce_s };
         self.hydraulics.step(&valves(on), self.ailing.pressure_loss, tick, &mut self.chance);
-        let axis = |axis: Axis| self.axes[axis].as_ref().map_or((0.0, 0.0), |a| (a.slide_mm(), a.velocity_mm_s()));
-        let ((x_mm, vx_mm_s), (z_mm, vz_mm_s)) = (axis(Axis::X), axis(Axis::Z));
-        let scene = Scene {
+        if let Some(magnet) = &mut self.magnet {
+            magnet.step(Current::of(on.has(Output::Magnetise), on.has(Output::Demagnetise)), dt_s);
+        }
+        let scene = self.scene(dt_s);
+        crashed |= self.grinding.step(&scene, &mut self.wheel, &mut self.log);
+        self.supervise_speed(&scene);
+        let found = Found {
+            over_um: if self.hydraulics.radial_arm.is_out() { self.grinding.over_um() } else { None },
+            pressed_mm: self.grinding.pressed_mm(&scene),
+        };
+        self.gauges.step(found, dt_s, &mut self.chance);
+        let standing = scene.speed_mm_s.0.iter().all(|v| v.abs() <= 0.0);
+        self.tripped = crashed || (self.tripped && (self.outputs.drives_on || !standing));
+    }
+
+    fn scene(&self, dt_s: f64) -> Scene {
+        let of = |axis: Axis, value: fn(&SimAxis) -> f64| self.axes[axis].as_ref().map_or(0.0, value);
+        Scene {
             seconds: self.seconds,
             dt_s,
-            x_mm,
-            z_mm,
-            vx_mm_s,
-            vz_mm_s,
-            wheel: self.spindle,
-            part_rpm: self.workhead.rpm(),
+            slide_mm: PerAxis::from_fn(|axis| of(axis, SimAxis::slide_mm)),
+            speed_mm_s: PerAxis::from_fn(|axis| of(axis, SimAxis::velocity_mm_s)),
+            wheel: self.spindles.wheel,
+            wheel_m_s: self.wheel().peripheral_m_s,
+            part_rpm: self.spindles.part_rpm(),
+            roll_rpm: self.spindles.roll_rpm(),
             tailstock_back_mm: self.hydraulics.tailstock_back_mm(),
-        };
-        crashed |= self.grinding.step(&scene, &mut self.wheel, &mut self.log);
-        let standing = vx_mm_s.abs() + vz_mm_s.abs() <= 0.0;
-        self.tripped = crashed || (self.tripped && (self.outputs.drives_on || !standing));
+            held: self.magnet.as_ref().is_none_or(Magnet::holds),
+            probe_out: self.hydraulics.axial_arm.is_out(),
+        }
+    }
+
+    /// Tells once that the wheel turns faster than it is made for.
+    fn supervise_speed(&mut self, scene: &Scene) {
+        let over = scene.wheel_m_s > self.file.wheel.rated_m_s;
+        if over && !self.overspeed {
+            self.log.push(self.grinding.event(EventKind::Overspeed, "wheel", scene));
+        }
+        self.overspeed = over;
     }
 
     /// True: an axis has run onto its stop at speed.
@@ -267,10 +257,8 @@ impl SimulatedMachine {
                 continue;
             }
             crashed = true;
-            let (x, z) = self.grinding.part_place(self.slide_mm());
-            let place = stop_name(axis, struck.plus);
-            let (kind, seconds, speed) = (EventKind::Crash, self.seconds, struck.speed_mm_s * 60.0);
-            self.log.push(Event { kind, seconds, place, x, z, speed });
+            let at = self.grinding.event(EventKind::Crash, stop_name(axis, struck.plus), &self.scene(dt_s));
+            self.log.push(Event { speed: struck.speed_mm_s * 60.0, ..at });
         }
         crashed
     }
@@ -313,6 +301,11 @@ impl Backend for SimulatedMachine {
         made
     }
 
+    fn rewire(&mut self, params: &Params) {
+        self.wiring.rewire(params);
+        self.on = self.wiring.outputs(self.outputs.terminals);
+    }
+
     fn write(&mut self, _now: Micros, outputs: &OutputImage) {
         if self.ailing.silent_ticks > 0 {
             return; // it never arrives
@@ -326,6 +319,11 @@ impl Backend for SimulatedMachine {
         self.outputs_late = None;
         self.take(outputs);
     }
+}
+
+/// The axes of a machine, as its file and the parameters say.
+fn fitted(machine: &MachineFile, params: &Params) -> PerAxis<Option<SimAxis>> {
+    machine.axes(params.bit(param::Y_FITTED)).map(|file| file.cloned().map(SimAxis::new))
 }
 
 const fn stop_name(axis: Axis, plus: bool) -> &'static str {

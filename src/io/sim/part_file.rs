@@ -1,17 +1,25 @@
 //! The workpiece and its set-up as data: `assets/parts/O1001.ron` and so on (P4, T3). Text in, structure out.
 //!
-//! Part coordinates are those of the work frame G54 with a new wheel: X as a diameter here (people read diameters),
-//! Z along the part. The wheel's reference point is its front corner towards −Z.
+//! Part coordinates are those of the work frame G54 with a new wheel. GC: X as a diameter (people read diameters), Z
+//! along the part. GS: X along the stroke, Y up, Z across. GA: X from the table's middle as a radius, Z up. The wheel's
+//! reference point is its front (lowest) point at its side towards minus.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use super::machine_file::{SimFileError, above_zero};
+use crate::defs::kind::Kind;
 
 /// The parts that come with the control.
-const BUILTIN: &[(u32, &str)] =
-    &[(1001, include_str!("../../../assets/parts/O1001.ron")), (1002, include_str!("../../../assets/parts/O1002.ron"))];
+const BUILTIN: &[(u32, &str)] = &[
+    (1001, include_str!("../../../assets/parts/O1001.ron")),
+    (1002, include_str!("../../../assets/parts/O1002.ron")),
+    (1007, include_str!("../../../assets/parts/O1007.ron")),
+    (1008, include_str!("../../../assets/parts/O1008.ron")),
+    (1009, include_str!("../../../assets/parts/O1009.ron")),
+    (1010, include_str!("../../../assets/parts/O1010.ron")),
+];
 
 /// Most cells of one surface.
 const CELL_LIMIT: f64 = 100_000.0;
@@ -22,6 +30,9 @@ const CELL_LIMIT: f64 = 100_000.0;
 pub struct PartFile {
     /// What it is, for people.
     pub name: String,
+    /// The kind of machine it goes into.
+    #[serde(default = "cylindrical")]
+    pub kind: Kind,
     /// Machine coordinates of the work zero, to preset in G54; X slide travel (radius).
     pub g54_mm: Place,
     /// Where the axes stand at the start of a run, machine coordinates; X slide travel (radius).
@@ -32,7 +43,8 @@ pub struct PartFile {
     /// Macro variables to preset.
     #[serde(default)]
     pub variables: BTreeMap<u16, f64>,
-    /// Whether the tailstock holds the part at the start.
+    /// Whether the tailstock holds the part at the start; nothing where there is none.
+    #[serde(default)]
     pub tailstock_advanced: bool,
     /// Where the tailstock stands when advanced.
     #[serde(default)]
@@ -40,8 +52,18 @@ pub struct PartFile {
     /// Bodies that the wheel must not touch: chuck, fixture.
     #[serde(default)]
     pub bodies: Vec<BodyFile>,
+    /// The same on a table: blocks, which are rings on a table that turns.
+    #[serde(default)]
+    pub blocks: Vec<BlockFile>,
+    /// What the radial (thickness) gauge is set to, and where it measures.
+    #[serde(default)]
+    pub gauge: Option<GaugeFile>,
     /// What is ground.
     pub surfaces: Vec<SurfaceFile>,
+}
+
+const fn cylindrical() -> Kind {
+    Kind::Gc
 }
 
 /// A place in the machine, mm of slide travel.
@@ -95,6 +117,35 @@ pub struct BodyFile {
     pub diameter: f64,
 }
 
+/// A block that the wheel must not touch, part coordinates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BlockFile {
+    /// What it is.
+    pub what: Body,
+    /// From and to along X; on a table that turns, radii.
+    pub x: (f64, f64),
+    /// From and to along Z; nothing on a table that turns.
+    #[serde(default)]
+    pub z: Option<(f64, f64)>,
+    /// Its height.
+    pub top: f64,
+}
+
+/// The set size of the radial (thickness) gauge.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GaugeFile {
+    /// Diameter, or height on a table.
+    pub set: f64,
+    /// Where: X of a height (the radius on a table that turns).
+    #[serde(default)]
+    pub x: f64,
+    /// Where: Z of a diameter or of a height.
+    #[serde(default)]
+    pub z: f64,
+}
+
 /// What stands in the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Body {
@@ -133,7 +184,7 @@ pub enum SurfaceFile {
         #[serde(default)]
         waviness: f64,
     },
-    /// A face z(x).
+    /// A face z(x), ground by the side of the wheel.
     Face {
         /// Which way it looks.
         looks: Looks,
@@ -156,6 +207,63 @@ pub enum SurfaceFile {
         #[serde(default)]
         waviness: f64,
     },
+    /// GS: a plane y(x, z), ground by the rim.
+    Plane {
+        /// From X.
+        x_from: f64,
+        /// To X.
+        x_to: f64,
+        /// From Z.
+        z_from: f64,
+        /// To Z.
+        z_to: f64,
+        /// Stock height, mean.
+        stock: f64,
+        /// Cell size along X and Z.
+        cell: f64,
+        /// Waviness, amplitude.
+        #[serde(default)]
+        waviness: f64,
+    },
+    /// GS: a wall z(y) of a slot or step along X, ground by the side of the wheel.
+    Wall {
+        /// Which way it looks.
+        looks: Looks,
+        /// From X.
+        x_from: f64,
+        /// To X.
+        x_to: f64,
+        /// From Y, its foot.
+        y_from: f64,
+        /// To Y, its edge.
+        y_to: f64,
+        /// Stock at Z, mean.
+        stock: f64,
+        /// Cell size along Y.
+        cell: f64,
+        /// How thick the material behind the wall is.
+        thickness: f64,
+        /// Waviness along Y, amplitude.
+        #[serde(default)]
+        waviness: f64,
+    },
+    /// GA: a face z(r) on the table that turns, ground by the rim.
+    Disc {
+        /// From radius.
+        x_from: f64,
+        /// To radius.
+        x_to: f64,
+        /// Stock height, mean.
+        stock: f64,
+        /// Cell size along the radius.
+        cell: f64,
+        /// Runout, peak to valley of the height over one turn.
+        #[serde(default)]
+        runout: f64,
+        /// Waviness along the radius, amplitude.
+        #[serde(default)]
+        waviness: f64,
+    },
 }
 
 impl PartFile {
@@ -175,6 +283,10 @@ impl PartFile {
         let file: Self = ron::from_str(text)?;
         for (i, surface) in file.surfaces.iter().enumerate() {
             surface.check(i + 1)?;
+            if surface.kind() != file.kind {
+                let what = format!("surface {}", i + 1);
+                return Err(SimFileError::Unfit { what, rule: "the part's kind of machine cannot grind it" });
+            }
         }
         if let Some(offset) = file.offsets.iter().find(|offset| !(1..=16).contains(&offset.number)) {
             let (field, value) = ("offsets.number".to_owned(), f64::from(offset.number));
@@ -185,26 +297,51 @@ impl PartFile {
 }
 
 impl SurfaceFile {
+    /// The kind of machine that can grind it.
+    const fn kind(&self) -> Kind {
+        match self {
+            Self::Diameter { .. } | Self::Face { .. } => Kind::Gc,
+            Self::Plane { .. } | Self::Wall { .. } => Kind::Gs,
+            Self::Disc { .. } => Kind::Ga,
+        }
+    }
+
     fn check(&self, number: usize) -> Result<(), SimFileError> {
-        let (from, to, cell, stock, scale) = match *self {
-            Self::Diameter { z_from, z_to, cell, stock, .. } => (z_from, z_to, cell, stock, 1.0),
-            Self::Face { x_from, x_to, cell, stock, .. } => (x_from, x_to, cell, stock, 0.5),
+        // How many cells go from the one end to the other, in each direction.
+        let (cell, stock, lengths) = match *self {
+            Self::Diameter { z_from, z_to, cell, stock, .. } => (cell, stock, [z_to - z_from, cell]),
+            Self::Face { x_from, x_to, cell, stock, .. } => (cell, stock, [(x_to - x_from) / 2.0, cell]),
+            Self::Plane { x_from, x_to, z_from, z_to, cell, stock, .. } => {
+                (cell, stock, [x_to - x_from, z_to - z_from])
+            }
+            Self::Wall { y_from, y_to, cell, stock, .. } => (cell, stock, [y_to - y_from, cell]),
+            Self::Disc { x_from, x_to, cell, stock, .. } => (cell, stock, [x_to - x_from, cell]),
         };
         let name = |field: &str| format!("surface {number}: {field}");
         above_zero(&name("cell"), cell)?;
         if !stock.is_finite() {
             return Err(SimFileError::Value { field: name("stock"), value: stock, rule: "must be a number" });
         }
-        let cells = (to - from) * scale / cell;
-        if !(1.0..=CELL_LIMIT).contains(&cells) {
+        let cells = lengths.map(|length| length / cell);
+        let many = cells[0].max(0.0) * cells[1].max(0.0);
+        if cells.iter().any(|cells| !(1.0..=CELL_LIMIT).contains(cells)) || many > CELL_LIMIT {
             let rule = "there must be 1 to 100000 cells from the one end to the other";
-            return Err(SimFileError::Value { field: name("cells"), value: cells, rule });
+            return Err(SimFileError::Value { field: name("cells"), value: many, rule });
         }
-        if let Self::Face { width, thickness, .. } = *self {
-            above_zero(&name("width"), width)?;
-            above_zero(&name("thickness"), thickness)?;
+        match *self {
+            Self::Face { width, thickness, .. } => {
+                above_zero(&name("width"), width)?;
+                above_zero(&name("thickness"), thickness)
+            }
+            Self::Wall { x_from, x_to, thickness, .. } => {
+                above_zero(&name("length"), x_to - x_from)?;
+                above_zero(&name("thickness"), thickness)
+            }
+            Self::Disc { x_from, .. } if x_from < 0.0 => {
+                Err(SimFileError::Value { field: name("x_from"), value: x_from, rule: "a radius is not below zero" })
+            }
+            Self::Diameter { .. } | Self::Plane { .. } | Self::Disc { .. } => Ok(()),
         }
-        Ok(())
     }
 }
 
@@ -219,6 +356,21 @@ mod tests {
             assert!(!part.surfaces.is_empty(), "O{program}");
         }
         assert_eq!(PartFile::builtin(1020), Ok(None));
+    }
+
+    #[test]
+    fn p4_a_surface_that_the_kind_of_machine_cannot_grind_is_refused() {
+        let part = BUILTIN[2].1.replacen("kind: Gs", "kind: Ga", 1);
+        let said = PartFile::parse(&part).unwrap_err().to_string();
+        assert_eq!(said, "surface 1: the part's kind of machine cannot grind it");
+    }
+
+    #[test]
+    fn p4_a_plane_has_no_more_cells_than_are_allowed() {
+        let part = BUILTIN[2].1.replacen("cell: 1.0", "cell: 0.01", 1);
+        let said = PartFile::parse(&part).unwrap_err().to_string();
+        // 200 · 60 mm at 0.01 mm.
+        assert!(said.starts_with("surface 1: cells is 120000000"), "{said}");
     }
 
     #[test]

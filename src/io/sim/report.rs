@@ -15,11 +15,13 @@ pub enum EventKind {
     Burn,
     /// The wheel cut into a part that did not turn: there is a flat on it.
     Flat,
+    /// The wheel turned faster than it is made for.
+    Overspeed,
 }
 
 impl EventKind {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Crash, Self::Burn, Self::Flat];
+    pub const ALL: [Self; 4] = [Self::Crash, Self::Burn, Self::Flat, Self::Overspeed];
 
     /// The kind of a word.
     #[must_use]
@@ -34,6 +36,7 @@ impl EventKind {
             Self::Crash => "crash",
             Self::Burn => "burn",
             Self::Flat => "flat",
+            Self::Overspeed => "overspeed",
         }
     }
 }
@@ -47,12 +50,17 @@ pub struct Event {
     pub seconds: f64,
     /// On what.
     pub place: &'static str,
-    /// Wheel's reference point at that moment, part coordinates, diameter.
+    /// Wheel's reference point at that moment, part coordinates; a diameter where X is the infeed.
     pub x: f64,
+    /// The same, Y, where the wheel's place depends on it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub y: Option<f64>,
     /// The same, Z.
     pub z: f64,
     /// Speed of the axes together, mm/min.
     pub speed: f64,
+    /// Peripheral speed of the wheel, m/s.
+    pub wheel_m_s: f64,
 }
 
 /// The course of events, of bounded length.
@@ -98,13 +106,13 @@ pub struct DiameterAt {
 /// A measured face.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FaceAt {
-    /// Where, diameter.
+    /// Where: a diameter on GC, on GA the radius, on GS (the wall of a slot) the place along X.
     pub x: f64,
-    /// Z of the face.
+    /// Z of the face; on GA that is the part's height.
     pub z: f64,
 }
 
-/// A measured height of a plane (GS, GA).
+/// A measured height of a plane (GS).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeightAt {
     /// Where, X.
@@ -120,8 +128,8 @@ pub struct HeightAt {
 pub struct PartReport {
     /// Diameters, five to a surface.
     pub diameters: Vec<DiameterAt>,
-    /// Faces, three places to a face.
+    /// Faces, three places to a face, one to a wall.
     pub faces: Vec<FaceAt>,
-    /// Heights of planes; none on GC.
+    /// Heights of planes, fifteen to a plane; none on GC and GA.
     pub heights: Vec<HeightAt>,
 }

@@ -1,6 +1,9 @@
-//! Wheel drive and workhead: a speed that climbs and falls at a steady rate (P2).
+//! All that turns: wheel, workhead or table, dressing roll, second spindle; speeds that climb and fall at a steady rate
+//! (P2).
 
-use super::machine_file::{WheelFile, WorkheadFile};
+use super::machine_file::MachineFile;
+use super::machine_rows::{DriveFile, RollFile, SecondSpindleFile, WheelFile};
+use crate::defs::signal::{Output, OutputSet};
 
 /// Below this an analog output carries no speed, V: the motor then runs at its fixed speed.
 const NO_VOLTS: f64 = 0.05;
@@ -28,8 +31,8 @@ impl Spindle {
         }
     }
 
-    /// The workhead: braked as fast as it starts.
-    pub(super) fn workhead(file: &WorkheadFile) -> Self {
+    /// Workhead, table or roll: braked as fast as it starts.
+    pub(super) fn driven(file: &DriveFile) -> Self {
         let rate = file.high_rpm / file.run_up_s;
         Self { rpm: 0.0, asked_rpm: file.high_rpm, rise_rpm_s: rate, fall_rpm_s: rate }
     }
@@ -67,8 +70,8 @@ pub(super) fn wheel_target(file: &WheelFile, on: bool, volts: f64) -> f64 {
     }
 }
 
-/// Speed asked of the workhead; high wins over low, a voltage over both fixed speeds.
-pub(super) fn workhead_target(file: &WorkheadFile, high: bool, low: bool, volts: f64) -> f64 {
+/// Speed asked of workhead, table or roll; high wins over low, a voltage over both fixed speeds.
+pub(super) fn drive_target(file: &DriveFile, high: bool, low: bool, volts: f64) -> f64 {
     match (high || low, volts > NO_VOLTS) {
         (false, _) => 0.0,
         (true, true) => (file.greatest_rpm * volts / FULL_VOLTS).clamp(file.least_rpm, file.greatest_rpm),
@@ -77,11 +80,99 @@ pub(super) fn workhead_target(file: &WorkheadFile, high: bool, low: bool, volts:
     }
 }
 
+/// A spindle with one speed and two ways.
+#[derive(Clone, Debug)]
+pub(super) struct SecondSpindle {
+    file: SecondSpindleFile,
+    /// Speed now, clockwise positive.
+    rpm: f64,
+}
+
+impl SecondSpindle {
+    /// DECISION: with both ways asked for it stops, as contactors that lock each other out would have it.
+    fn step(&mut self, clockwise: bool, counter: bool, dt_s: f64) {
+        let target = match (clockwise, counter) {
+            (true, false) => self.file.rpm,
+            (false, true) => -self.file.rpm,
+            (true, true) | (false, false) => 0.0,
+        };
+        let most = self.file.rpm / self.file.run_up_s * dt_s;
+        self.rpm += (target - self.rpm).clamp(-most, most);
+    }
+}
+
+/// All that turns on one machine.
+#[derive(Clone, Debug)]
+pub(super) struct Spindles {
+    pub(super) wheel: Spindle,
+    workhead: Option<Spindle>,
+    table: Option<Spindle>,
+    roll: Option<Spindle>,
+    second: SecondSpindle,
+}
+
+impl Spindles {
+    /// Everything at rest.
+    pub(super) fn new(file: &MachineFile) -> Self {
+        Self {
+            wheel: Spindle::wheel(&file.wheel),
+            workhead: file.workhead.as_ref().map(Spindle::driven),
+            table: file.table.as_ref().map(Spindle::driven),
+            roll: roll(file).map(|roll| Spindle::driven(&roll.drive)),
+            second: SecondSpindle { file: file.second_spindle.clone(), rpm: 0.0 },
+        }
+    }
+
+    /// One tick under the outputs; `volts` are those of the wheel and of the second analog output.
+    pub(super) fn step(&mut self, file: &MachineFile, on: OutputSet, volts: (f64, f64), dt_s: f64) {
+        self.wheel.step(wheel_target(&file.wheel, on.has(Output::Wheel), volts.0), dt_s);
+        if let (Some(spindle), Some(drive)) = (&mut self.workhead, &file.workhead) {
+            let (high, low) = (on.has(Output::HeadstockHigh), on.has(Output::HeadstockLow));
+            spindle.step(drive_target(drive, high, low, volts.1), dt_s);
+        }
+        if let (Some(spindle), Some(drive)) = (&mut self.table, &file.table) {
+            spindle.step(drive_target(drive, on.has(Output::TableRotation), false, volts.1), dt_s);
+        }
+        if let (Some(spindle), Some(roll)) = (&mut self.roll, roll(file)) {
+            spindle.step(drive_target(&roll.drive, on.has(Output::DresserRoll), false, volts.1), dt_s);
+        }
+        self.second.step(on.has(Output::SecondSpindle), on.has(Output::SecondSpindleCcw), dt_s);
+    }
+
+    /// Speed of the workhead, rpm; zero where there is none.
+    pub(super) fn workhead_rpm(&self) -> f64 {
+        self.workhead.map_or(0.0, |spindle| spindle.rpm())
+    }
+
+    /// Speed of the table, rpm; zero where it does not turn.
+    pub(super) fn table_rpm(&self) -> f64 {
+        self.table.map_or(0.0, |spindle| spindle.rpm())
+    }
+
+    /// Speed of the dressing roll, rpm; zero where there is none.
+    pub(super) fn roll_rpm(&self) -> f64 {
+        self.roll.map_or(0.0, |spindle| spindle.rpm())
+    }
+
+    /// Speed of the second spindle, rpm, clockwise positive.
+    pub(super) const fn second_rpm(&self) -> f64 {
+        self.second.rpm
+    }
+
+    /// Speed of the part, however it is turned.
+    pub(super) fn part_rpm(&self) -> f64 {
+        self.workhead_rpm().max(self.table_rpm())
+    }
+}
+
+fn roll(file: &MachineFile) -> Option<&RollFile> {
+    file.dresser.as_ref().and_then(|dresser| dresser.roll.as_ref())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::defs::kind::Kind;
-    use crate::io::sim::MachineFile;
 
     #[test]
     fn p2_the_wheel_runs_up_in_eight_seconds_and_coasts_for_sixty() {
@@ -111,7 +202,23 @@ mod tests {
         assert!((wheel_target(&file.wheel, true, 5.0) - 630.0).abs() < 1e-9);
         assert!((wheel_target(&file.wheel, true, 0.0) - 1_000.0).abs() < 1e-9);
         assert!(wheel_target(&file.wheel, false, 5.0) <= 0.0);
-        assert!((workhead_target(&file.workhead, false, true, 0.5) - 30.0).abs() < 1e-9, "15 rpm is below its least");
-        assert!((workhead_target(&file.workhead, true, false, 0.0) - 200.0).abs() < 1e-9);
+        let head = file.workhead.unwrap();
+        assert!((drive_target(&head, false, true, 0.5) - 30.0).abs() < 1e-9, "15 rpm is below its least");
+        assert!((drive_target(&head, true, false, 0.0) - 200.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn p2_the_second_spindle_turns_both_ways_and_neither_at_once() {
+        let file = SecondSpindleFile { rpm: 1_500.0, run_up_s: 1.0 };
+        let mut second = SecondSpindle { file, rpm: 0.0 };
+        (0..1_000).for_each(|_| second.step(true, false, 0.001));
+        assert!((second.rpm - 1_500.0).abs() < 1e-6);
+        // Down to rest and up the other way: 2 s.
+        (0..1_990).for_each(|_| second.step(false, true, 0.001));
+        assert!(second.rpm < 0.0 && second.rpm > -1_500.0);
+        (0..11).for_each(|_| second.step(false, true, 0.001));
+        assert!((second.rpm + 1_500.0).abs() < 1e-6);
+        (0..1_001).for_each(|_| second.step(true, true, 0.001));
+        assert!(second.rpm.abs() <= 1e-9);
     }
 }

@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use super::machine_file::{CuttingFile, WheelFile};
+use super::machine_rows::{CuttingFile, WheelFile};
 
 /// Slices along the width.
 const SLICES: usize = 20;
@@ -36,6 +36,8 @@ pub(super) struct Wheel {
     dull_per_mm3: f64,
     /// How far each slice of the rim has gone back, from −Z to +Z.
     rim_mm: [f64; SLICES],
+    /// The sum of these.
+    rims_mm: f64,
     side_mm: [f64; 2],
     rim_dull: f64,
     side_dull: [f64; 2],
@@ -55,6 +57,7 @@ impl Wheel {
             rim_mm_per_mm3: (file.grinding_ratio * PI * file.diameter_mm * slice_mm).recip(),
             dull_per_mm3: cutting.dull_after_mm3.recip(),
             rim_mm: [0.0; SLICES],
+            rims_mm: 0.0,
             side_mm: [0.0; 2],
             rim_dull: 0.0,
             side_dull: [0.0; 2],
@@ -68,15 +71,36 @@ impl Wheel {
         self.width_mm
     }
 
+    /// Radius when new, mm.
+    pub(super) const fn radius_mm(&self) -> f64 {
+        self.radius_mm
+    }
+
+    /// Half the length of the wheel in a plane so far above its lowest point.
+    pub(super) fn half_chord_mm(&self, up_mm: f64) -> f64 {
+        let up = up_mm.clamp(0.0, self.radius_mm);
+        (up * (2.0 * self.radius_mm - up)).sqrt()
+    }
+
     /// Mean diameter, mm.
     pub(super) fn diameter_mm(&self) -> f64 {
-        2.0 * (self.radius_mm - self.rim_mm.iter().sum::<f64>() / SLICES as f64)
+        2.0 * (self.radius_mm - self.rims_mm / SLICES as f64)
     }
 
     /// Slice of the rim at a distance from the left side, if the wheel is there.
     pub(super) fn slice_at(&self, from_left_mm: f64) -> Option<usize> {
         let slice = from_left_mm * self.slices_per_mm;
         (slice >= 0.0 && slice < SLICES as f64).then_some(slice as usize)
+    }
+
+    /// Slices of the rim over a piece that begins at a distance from the left side; a point if it has no width.
+    pub(super) fn slices_over(&self, from_left_mm: f64, width_mm: f64) -> std::ops::Range<usize> {
+        let first = (from_left_mm * self.slices_per_mm).floor();
+        let last = ((from_left_mm + width_mm) * self.slices_per_mm).floor();
+        if last < 0.0 || first >= SLICES as f64 {
+            return 0..0;
+        }
+        (first.max(0.0) as usize)..(last as usize + 1).min(SLICES)
     }
 
     /// How far the rim has gone back in a slice, mm.
@@ -120,6 +144,7 @@ impl Wheel {
     /// A slice of the rim has removed a volume.
     pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64) {
         self.rim_mm[slice] += volume_mm3 * self.rim_mm_per_mm3;
+        self.rims_mm += volume_mm3 * self.rim_mm_per_mm3;
         self.rim_dull = (self.rim_dull + volume_mm3 * self.dull_per_mm3).min(1.0);
     }
 
@@ -131,18 +156,19 @@ impl Wheel {
         *dull = (*dull + volume_mm3 * self.dull_per_mm3).min(1.0);
     }
 
-    /// The diamond cuts a slice back by a depth; a real cut sharpens its share of the rim, at an edge also the side.
-    pub(super) fn dress(&mut self, slice: usize, depth_mm: f64, sharpens: bool) {
+    /// The dresser cuts a slice back by a depth; a real cut sharpens its share of the rim, at an edge also the side.
+    /// `sharpened` is 0 for a mere touch to 1 for a cut as deep as it takes.
+    pub(super) fn dress(&mut self, slice: usize, depth_mm: f64, sharpened: f64) {
         self.rim_mm[slice] += depth_mm;
-        if !sharpens {
-            return;
-        }
-        self.rim_dull = (self.rim_dull - 1.0 / SLICES as f64).max(0.0);
-        if slice == 0 {
-            self.side_dull[Side::Left as usize] = 0.0;
-        } else if slice == SLICES - 1 {
-            self.side_dull[Side::Right as usize] = 0.0;
-        }
+        self.rims_mm += depth_mm;
+        self.rim_dull = (self.rim_dull - sharpened / SLICES as f64).max(0.0);
+        let side = match slice {
+            0 => Side::Left,
+            last if last == SLICES - 1 => Side::Right,
+            _ => return,
+        };
+        let dull = &mut self.side_dull[side as usize];
+        *dull = (*dull - sharpened).max(0.0);
     }
 
     /// Makes the wheel as dull as asked, 0 to 1, everywhere.
@@ -180,10 +206,10 @@ mod tests {
         wheel.set_dull(1.0);
         assert!((wheel.rim_s() - 2.0).abs() < 1e-12);
         for slice in 0..SLICES / 2 {
-            wheel.dress(slice, 0.02, true);
+            wheel.dress(slice, 0.02, 1.0);
         }
         assert!((wheel.rim_s() - 1.4).abs() < 1e-9, "half the rim is sharp");
-        wheel.dress(SLICES - 1, 0.001, false);
+        wheel.dress(SLICES - 1, 0.001, 0.0);
         assert!((wheel.side_s(Side::Right) - 2.0).abs() < 1e-12, "a touch does not sharpen");
         assert!((wheel.side_s(Side::Left) - 0.8).abs() < 1e-12);
     }

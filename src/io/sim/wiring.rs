@@ -39,11 +39,9 @@ pub(super) struct Wiring {
 impl Wiring {
     /// The wires as the parameters say.
     pub(super) fn new(params: &Params) -> Self {
-        let inputs = Input::ALL.iter().map(|input| (*input, params.input_port(*input)));
-        let outputs = Output::ALL.iter().map(|output| (*output, params.output_port(*output)));
-        Self {
-            inputs: inputs.filter(|(_, port)| *port != 0).collect(),
-            outputs: outputs.filter(|(_, port)| *port != 0).collect(),
+        let mut wiring = Self {
+            inputs: Vec::new(),
+            outputs: Vec::new(),
             inverted: params.inverted_inputs(),
             meddled: [Meddled::default(); Input::COUNT],
             any_meddled: false,
@@ -52,7 +50,21 @@ impl Wiring {
             port_level: 0,
             last: None,
             last_out: (Terminals::default(), OutputSet::NONE),
-        }
+        };
+        wiring.rewire(params);
+        wiring
+    }
+
+    /// Every function moves to the port that it has now; the contact at a port stays what it was, closed or open at rest.
+    pub(super) fn rewire(&mut self, params: &Params) {
+        self.inputs.clear();
+        self.inputs
+            .extend(Input::ALL.iter().map(|input| (*input, params.input_port(*input))).filter(|(_, port)| *port != 0));
+        self.outputs.clear();
+        let outputs = Output::ALL.iter().map(|output| (*output, params.output_port(*output)));
+        self.outputs.extend(outputs.filter(|(_, port)| *port != 0));
+        self.last = None;
+        self.last_out = (Terminals::default(), OutputSet::NONE);
     }
 
     /// The terminals that a logical state gives.
@@ -168,6 +180,18 @@ mod tests {
         assert!(!wiring.terminals(InputSet::NONE, &mut chance).level(4));
         wiring.force_port(4, None);
         assert!(wiring.terminals(InputSet::NONE, &mut chance).level(4));
+    }
+
+    #[test]
+    fn k6_1_a_function_moves_to_its_new_port() {
+        let (mut wiring, mut chance) = wired();
+        let mut params = Params::factory(Kind::Gc);
+        params.write(crate::defs::param::ParamAddress::parse("P332").unwrap(), 60.0).unwrap();
+        let mut closed = InputSet::NONE;
+        closed.set(Input::GuardClosed, true);
+        assert!(!wiring.terminals(closed, &mut chance).level(60));
+        wiring.rewire(&params);
+        assert!(wiring.terminals(closed, &mut chance).level(60));
     }
 
     #[test]

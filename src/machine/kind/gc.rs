@@ -1,16 +1,20 @@
-//! KT-830GC, cylindrical grinder: X infeed (diameter), Z table, headstock with two speeds, tailstock.
+//! KT-830GC, cylindrical grinder: X infeed (diameter), Z table, headstock with two speeds, tailstock. Y by parameter.
 //! Source: spec K1, column GC.
 
 use super::KindRow;
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
+    kind: Kind::Gc,
     axes: PerAxis([true, false, true]),
     lathe_system: true,
-    home_order: &[Axis::X, Axis::Z],
+    home_order: &[Axis::X, Axis::Z, Axis::Y],
     drive_high: Output::HeadstockHigh,
     drive_low: Output::HeadstockLow,
     tailstock: true,
+    magnet: false,
+    drive_needs_magnet: false,
     slow_axis: Axis::X,
 };

@@ -1,16 +1,21 @@
 //! What each kind of machine is made of: one file a kind. No other room asks which kind it is.
 //! Source: spec K1.
 
+mod ga;
 mod gc;
+mod gs;
 
 use crate::defs::kind::Kind;
+use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 /// One kind.
 #[derive(Debug)]
 pub struct KindRow {
-    /// The axes it has.
+    /// Which one.
+    pub kind: Kind,
+    /// The axes it always has; Y can be fitted to any kind (P6.6).
     pub axes: PerAxis<bool>,
     /// Whether programs follow G-code system A of lathes (U, V, W incremental) or G90/G91.
     pub lathe_system: bool,
@@ -22,11 +27,21 @@ pub struct KindRow {
     pub drive_low: Output,
     /// Whether it has a tailstock.
     pub tailstock: bool,
+    /// Whether it clamps by a magnet.
+    pub magnet: bool,
+    /// Whether what M63 drives carries the part on the magnet (K3.11: the table turns magnetised only).
+    pub drive_needs_magnet: bool,
     /// The axis whose minus direction is slow while the wheel turns (K5.9).
     pub slow_axis: Axis,
 }
 
 impl KindRow {
+    /// The axes of a machine of this kind with these parameters.
+    #[must_use]
+    pub fn fitted(&self, params: &Params) -> PerAxis<bool> {
+        PerAxis::from_fn(|axis| self.axes[axis] || axis == Axis::Y && params.bit(param::Y_FITTED))
+    }
+
     /// The output of a drive speed.
     #[must_use]
     pub const fn drive_output(&self, fast: bool) -> Output {
@@ -34,11 +49,12 @@ impl KindRow {
     }
 }
 
-/// The row of a kind, if this version drives it.
+/// The row of a kind.
 #[must_use]
-pub const fn find(kind: Kind) -> Option<&'static KindRow> {
+pub const fn find(kind: Kind) -> &'static KindRow {
     match kind {
-        Kind::Gc => Some(&gc::ROW),
-        Kind::Gs | Kind::Ga => None,
+        Kind::Gc => &gc::ROW,
+        Kind::Gs => &gs::ROW,
+        Kind::Ga => &ga::ROW,
     }
 }

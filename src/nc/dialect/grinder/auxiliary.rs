@@ -101,6 +101,9 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Step> {
             91 | 92 => flow = input_jump(running, *code)?,
             98 => flow = subprogram(running, *code)?,
             99 => flow = back(running, *code)?,
+            // K4.3: misprints of G35 and G36 in the customer's text.
+            35 => super::grinding::oscillation(running, code.at as usize)?,
+            36 => running.ops.push(Op::OscillationOff),
             number if !acts_after_motion(number) => hand_out(running, *code)?,
             _ => {}
         }

@@ -7,6 +7,7 @@ mod auxiliary;
 mod calls;
 mod codes;
 mod cycle;
+mod grinding;
 mod macro_a;
 mod motion;
 
@@ -34,7 +35,9 @@ const AXIS_WORDS: u32 = 1 << (b'X' - b'A')
 /// Executes a block of words.
 pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     let plan = codes::read(running)?;
-    if let Some(at) = running.words.bare {
+    if let Some(at) = running.words.bare
+        && !(plan.once_is(27) && running.words.bare_only(b"XYZ"))
+    {
         return missing_number(running, at);
     }
     if let Some(at) = running.words.double
@@ -103,7 +106,9 @@ pub(super) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
 /// Feed, units, path mode and frame.
 #[inline]
 fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
-    if let Some(feed) = running.words.take(b'F') {
+    // G27 and G78 have a speed of their own.
+    let own = plan.once_is(27) || plan.once_is(78);
+    if let Some(feed) = (!own).then(|| running.words.take(b'F')).flatten() {
         let unit = if running.modals.inch { MM_PER_INCH } else { 1.0 };
         if feed.value <= 0.0 || feed.value > LIMIT {
             return out_of_range("F", feed, "0–99999.999");
@@ -126,13 +131,23 @@ fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
 #[inline]
 fn changes_position(running: &Running<'_, '_>, plan: &Plan) -> bool {
     let moves = running.words.has_any(AXIS_WORDS) && !plan.once_is(4);
-    moves && (plan.frame || running.words.has(b'T'))
+    moves && !plan.once_is(10) && (plan.frame || running.words.has(b'T'))
 }
 
 fn once_or_move(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     match plan.once.map(|once| once.number) {
+        // M35 has taken the axis words.
+        None if running.words.m().iter().any(|code| code.number == 35) => Ok(()),
         None => motion::modal(running, plan),
         Some(4) => motion::dwell(running),
+        Some(10) => grinding::add_wear(running, motion::code_place(running, 10)),
+        Some(27) => grinding::dress_return(running),
+        Some(35) => grinding::oscillation(running, motion::code_place(running, 35)),
+        Some(36) => {
+            running.ops.push(Op::OscillationOff);
+            Ok(())
+        }
+        Some(78) => grinding::gauge(running, motion::code_place(running, 78)),
         Some(28) => motion::reference(running),
         Some(31) => motion::skip(running),
         Some(50) => motion::preset(running),

@@ -283,6 +283,6 @@ pub(super) fn machine(running: &mut Running<'_, '_>) -> Outcome<()> {
     Ok(())
 }
 
-fn code_place(running: &Running<'_, '_>, number: u32) -> usize {
+pub(super) fn code_place(running: &Running<'_, '_>, number: u32) -> usize {
     running.words.g().iter().find(|code| code.number == number).map_or(running.at, |code| code.at as usize)
 }

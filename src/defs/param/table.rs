@@ -1,60 +1,10 @@
-//! The parameters: number, bit, name, unit, range, factory value and access level, and a set of their values.
+//! The table of parameters: bits, numbers and the factory ports.
 //! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; the numbers from 30 to 99 are this project's.
 
-use serde::{Deserialize, Serialize};
-
-use super::kind::Kind;
-use super::signal::{Input, Output, PORTS};
-use super::text::Text;
-use crate::units::Axis;
-
-/// Highest parameter number + 1.
-pub const PARAM_LIMIT: usize = 400;
-
-/// Who may change a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Level {
-    /// Anyone at the panel.
-    Operator,
-    /// The user's password.
-    User,
-    /// The machine builder's password.
-    Builder,
-}
-
-/// A parameter with a number as its value.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Number {
-    /// P number.
-    pub number: u16,
-    /// Name shown.
-    pub name: Text,
-    /// Unit shown; empty for counts and ports.
-    pub unit: &'static str,
-    /// Least value allowed.
-    pub min: f64,
-    /// Greatest value allowed.
-    pub max: f64,
-    /// Factory value.
-    pub factory: f64,
-    /// Who may change it.
-    pub level: Level,
-}
-
-/// One bit of a bit parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bit {
-    /// P number.
-    pub number: u16,
-    /// Bit 0…7.
-    pub bit: u8,
-    /// What 1 means.
-    pub name: Text,
-    /// Factory value on GC, GS, GA.
-    pub factory: [bool; 3],
-    /// Who may change it.
-    pub level: Level,
-}
+use super::{Bit, Level, Number};
+use crate::defs::kind::Kind;
+use crate::defs::signal::{Input, Output};
+use crate::defs::text::Text;
 
 macro_rules! bits {
     ($($name:ident = $number:literal bit $bit:literal, $factory:expr, $level:ident, $zh:literal, $en:literal;)*) => {
@@ -85,12 +35,15 @@ bits! {
     HOME_MINUS_X = 5 bit 0, NO, Builder, "X 回零方向为负", "X homes in minus direction";
     HOME_MINUS_Y = 5 bit 1, NO, Builder, "Y 回零方向为负", "Y homes in minus direction";
     HOME_MINUS_Z = 5 bit 2, NO, Builder, "Z 回零方向为负", "Z homes in minus direction";
+    SPEED_AT_THE_RIM = 5 bit 3, NO, Builder, "S 为砂轮线速度 m/s", "S is the rim speed of the wheel, m/s";
     RADIUS_PROGRAMMING = 6 bit 0, [false, true, true], Builder, "半径编程", "radius programming";
     LEAST_INCREMENT = 6 bit 1, NO, Builder, "无小数点数值为最小单位", "numbers without a point are least increments";
     IN_POSITION_CHECK = 6 bit 2, NO, Builder, "准停时检测到位", "in-position check at every exact stop";
     EDIT_VALUES_IN_RUN = 6 bit 3, NO, User, "运行中允许修改磨削数据", "grinding values may be edited in a run";
     COUNT_ON_M30 = 6 bit 4, NO, User, "M30 工件计数", "M30 counts a workpiece";
     TAILSTOCK_BEFORE_HEADSTOCK = 6 bit 5, NO, User, "头架启动要求尾座顶紧", "headstock start needs the tailstock advanced";
+    Y_FITTED = 6 bit 6, [false, true, false], Builder, "装有 Y 轴", "axis Y is fitted";
+    WHEEL_UNDRESSED = 6 bit 7, NO, User, "换砂轮后未修整", "wheel changed and not dressed yet";
     MAGNET_ENABLED = 16 bit 0, [false, true, true], Builder, "充磁/退磁有效", "magnet codes and keys enabled";
     WHEEL_NEEDS_MAGNET = 16 bit 1, [false, true, true], Builder, "砂轮启动检测充磁", "wheel start needs the part magnetised";
     TAILSTOCK_ENABLED = 16 bit 2, [true, false, false], Builder, "尾座有效", "tailstock code and key enabled";
@@ -149,6 +102,24 @@ numbers! {
     HEADSTOCK_RPM_HIGH = 74, 1 => 2_000, 200, "rpm", Builder, "头架高速转速", "headstock high speed";
     HEADSTOCK_RPM_LOW = 75, 1 => 2_000, 60, "rpm", Builder, "头架低速转速", "headstock low speed";
     HMI_KEEP_ALIVE = 76, 200 => 10_000, 2_000, "ms", Builder, "界面保持时间", "HMI keep-alive";
+    WHEEL_DIAMETER = 77, 10 => 2_000, 600, "mm", User, "砂轮直径", "wheel diameter";
+    WHEEL_WIDTH = 78, 1 => 1_000, 20, "mm", User, "砂轮宽度", "wheel width";
+    WHEEL_RATED_SPEED = 79, 1 => 200, 35, "m/s", User, "砂轮额定线速度", "rated peripheral speed of the wheel";
+    GAUGE_ARM_TIME = 80, 0 => 60_000, 3_000, "ms", Builder, "量仪动作超时", "gauge arm time-out";
+    MAGNETISE_TIME = 81, 0 => 60_000, 1_000, "ms", Builder, "充磁时间", "time until the magnet holds";
+    DEMAGNETISE_TIME = 82, 0 => 60_000, 6_000, "ms", Builder, "退磁时间", "demagnetising time";
+    COOLANT_FLOW_DELAY = 83, 0 => 60_000, 3_000, "ms", Builder, "冷却液流量检测延时", "coolant flow check delay";
+    LUBRICATION_LEVEL_DELAY = 84, 0 => 60_000, 5_000, "ms", Builder, "润滑油位检测延时", "lubrication level check delay";
+    LUBRICATION_INTERVAL = 85, 0 => 1_440, 0, "min", Builder, "润滑间隔 (0 为手动)", "lubrication interval, 0 by hand";
+    LUBRICATION_TIME = 86, 1 => 600, 10, "s", Builder, "润滑时间", "lubrication time";
+    SECOND_SPINDLE_PAUSE = 87, 0 => 60_000, 1_000, "ms", Builder, "第二主轴换向停顿", "pause before the second spindle reverses";
+    GEAR_TIME = 88, 0 => 60_000, 2_000, "ms", Builder, "换档超时", "gear change time-out";
+    DRY_RUN_FEED = 89, 1 => 20_000, 3_000, "mm/min", User, "空运行速度", "dry-run feed";
+    HOLD_WITHDRAW = 90, 0 => 50, 0, "mm", User, "进给保持退砂轮距离", "wheel withdrawal in a feed hold, 0 none";
+    DRESSING_FIRST = 91, 0 => 9_999, 1_011, "", User, "修整程序起始号", "first dressing program";
+    DRESSING_LAST = 92, 0 => 9_999, 1_012, "", User, "修整程序末号", "last dressing program";
+    JUMP_INPUT = 93, 0 => 64, 0, "", Builder, "M91/M92 默认输入口", "input port of M91/M92 without L, 0 none";
+    CYLINDER_TIME = 94, 0 => 60_000, 3_000, "ms", Builder, "振荡气缸超时", "oscillation cylinder time-out";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
@@ -167,8 +138,22 @@ numbers! {
     INPUTS_INVERTED_4 = 357, 0 => 65_535, 0, "", Builder, "输入口 49-64 反相", "inputs 49-64 inverted";
 }
 
+/// Factory values of one kind that differ from the table: its travels and its wheel.
+pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
+    (Kind::Gs, SOFT_MINUS_X, -600.0),
+    (Kind::Gs, SOFT_MINUS_Z, -300.0),
+    (Kind::Gs, WHEEL_DIAMETER, 500.0),
+    (Kind::Gs, WHEEL_WIDTH, 40.0),
+    (Kind::Gs, WHEEL_RATED_SPEED, 30.0),
+    (Kind::Ga, SOFT_MINUS_X, -400.0),
+    (Kind::Ga, WHEEL_DIAMETER, 500.0),
+    (Kind::Ga, WHEEL_WIDTH, 40.0),
+    (Kind::Ga, WHEEL_RATED_SPEED, 30.0),
+    (Kind::Ga, SOFT_MINUS_Z, -300.0),
+];
+
 /// Factory port of an input (spec K3).
-const fn factory_input_port(input: Input) -> u8 {
+pub(super) const fn factory_input_port(input: Input) -> u8 {
     let number = input.port_param();
     match number {
         228 => 1,
@@ -185,7 +170,7 @@ const fn factory_input_port(input: Input) -> u8 {
 }
 
 /// Factory port of an output (spec K3).
-const fn factory_output_port(output: Output) -> u8 {
+pub(super) const fn factory_output_port(output: Output) -> u8 {
     match output.port_param() {
         number @ 300..=307 => (number - 300) as u8 + 1,
         226 => 11,
@@ -199,241 +184,5 @@ const fn factory_output_port(output: Output) -> u8 {
         number @ 274..=278 => (number - 274) as u8 + 21,
         number @ 312..=314 => (number - 312) as u8 + 26,
         _ => 0,
-    }
-}
-
-/// Why a value was not taken.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum ParamError {
-    /// No such parameter.
-    #[error("there is no parameter P{0}")]
-    Unknown(u16),
-    /// The value lies outside the range.
-    #[error("P{number} takes {min} to {max}, not {value}")]
-    Range {
-        /// P number.
-        number: u16,
-        /// Least value allowed.
-        min: f64,
-        /// Greatest value allowed.
-        max: f64,
-        /// What was given.
-        value: f64,
-    },
-    /// A bit takes 0 or 1.
-    #[error("P{number}.{bit} takes 0 or 1, not {value}")]
-    Bit {
-        /// P number.
-        number: u16,
-        /// Bit.
-        bit: u8,
-        /// What was given.
-        value: f64,
-    },
-}
-
-/// The address of a parameter as people write it: `P270` or `P16.0`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ParamAddress {
-    /// P number.
-    pub number: u16,
-    /// The bit, for bit parameters.
-    pub bit: Option<u8>,
-}
-
-impl ParamAddress {
-    /// Reads `P270`, `270`, `P16.0`.
-    #[must_use]
-    pub fn parse(text: &str) -> Option<Self> {
-        let digits = text.strip_prefix(['P', 'p']).unwrap_or(text);
-        let (number, bit) = match digits.split_once('.') {
-            Some((number, bit)) => (number, Some(bit.parse().ok()?)),
-            None => (digits, None),
-        };
-        Some(Self { number: number.parse().ok()?, bit })
-    }
-}
-
-impl std::fmt::Display for ParamAddress {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.bit {
-            Some(bit) => write!(f, "P{}.{bit}", self.number),
-            None => write!(f, "P{}", self.number),
-        }
-    }
-}
-
-/// The values of all parameters of one machine.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Params {
-    numbers: Box<[f64; PARAM_LIMIT]>,
-    bits: Box<[u8; PARAM_LIMIT]>,
-}
-
-impl Params {
-    /// The factory values of a kind.
-    #[must_use]
-    pub fn factory(kind: Kind) -> Self {
-        let mut params = Self { numbers: Box::new([0.0; PARAM_LIMIT]), bits: Box::new([0; PARAM_LIMIT]) };
-        for row in NUMBERS {
-            params.numbers[usize::from(row.number)] = row.factory;
-        }
-        for input in Input::ALL {
-            params.numbers[usize::from(input.port_param())] = f64::from(factory_input_port(*input));
-        }
-        for output in Output::ALL {
-            params.numbers[usize::from(output.port_param())] = f64::from(factory_output_port(*output));
-        }
-        for row in BITS {
-            params.put_bit(row.number, row.bit, row.factory[kind as usize]);
-        }
-        params
-    }
-
-    fn put_bit(&mut self, number: u16, bit: u8, on: bool) {
-        let byte = &mut self.bits[usize::from(number)];
-        if on { *byte |= 1 << bit } else { *byte &= !(1 << bit) }
-    }
-
-    /// The value of a number parameter.
-    #[must_use]
-    pub fn get(&self, row: Number) -> f64 {
-        self.numbers[usize::from(row.number)]
-    }
-
-    /// Whether a bit is 1.
-    #[must_use]
-    pub fn bit(&self, row: Bit) -> bool {
-        self.bits[usize::from(row.number)] >> row.bit & 1 == 1
-    }
-
-    /// The port of an input; 0 is none.
-    #[must_use]
-    pub fn input_port(&self, input: Input) -> u8 {
-        self.numbers[usize::from(input.port_param())] as u8
-    }
-
-    /// The port of an output; 0 is none.
-    #[must_use]
-    pub fn output_port(&self, output: Output) -> u8 {
-        self.numbers[usize::from(output.port_param())] as u8
-    }
-
-    /// The input ports whose level is inverted before use (normally-closed contacts).
-    #[must_use]
-    pub fn inverted_inputs(&self) -> u64 {
-        [INPUTS_INVERTED_1, INPUTS_INVERTED_2, INPUTS_INVERTED_3, INPUTS_INVERTED_4]
-            .into_iter()
-            .rev()
-            .fold(0, |mask, row| mask << 16 | (self.get(row) as u64 & 0xFFFF))
-    }
-
-    /// One of three consecutive parameters X, Y, Z.
-    #[must_use]
-    pub fn of_axis(&self, x: Number, axis: Axis) -> f64 {
-        self.numbers[usize::from(x.number) + axis as usize]
-    }
-
-    /// The value at an address, bits as 0 or 1.
-    ///
-    /// # Errors
-    /// The address is not in the table.
-    pub fn read(&self, at: ParamAddress) -> Result<f64, ParamError> {
-        match at.bit {
-            Some(bit) => BITS
-                .iter()
-                .find(|row| row.number == at.number && row.bit == bit)
-                .map(|row| f64::from(u8::from(self.bit(*row)))),
-            None => find_number(at.number).map(|_| self.numbers[usize::from(at.number)]),
-        }
-        .ok_or(ParamError::Unknown(at.number))
-    }
-
-    /// Stores a value at an address.
-    ///
-    /// # Errors
-    /// The address is not in the table, or the value is outside its range; nothing is changed then.
-    pub fn write(&mut self, at: ParamAddress, value: f64) -> Result<(), ParamError> {
-        if let Some(bit) = at.bit {
-            if !BITS.iter().any(|row| row.number == at.number && row.bit == bit) {
-                return Err(ParamError::Unknown(at.number));
-            }
-            let on = match value {
-                v if v.total_cmp(&0.0).is_eq() => false,
-                v if v.total_cmp(&1.0).is_eq() => true,
-                value => return Err(ParamError::Bit { number: at.number, bit, value }),
-            };
-            self.put_bit(at.number, bit, on);
-            return Ok(());
-        }
-        let (min, max) = find_number(at.number).ok_or(ParamError::Unknown(at.number))?;
-        if !(min..=max).contains(&value) {
-            return Err(ParamError::Range { number: at.number, min, max, value });
-        }
-        self.numbers[usize::from(at.number)] = value;
-        Ok(())
-    }
-}
-
-/// The range of a number parameter, ports included.
-fn find_number(number: u16) -> Option<(f64, f64)> {
-    if let Some(row) = NUMBERS.iter().find(|row| row.number == number) {
-        return Some((row.min, row.max));
-    }
-    let port = Input::ALL.iter().any(|input| input.port_param() == number)
-        || Output::ALL.iter().any(|output| output.port_param() == number);
-    port.then_some((0.0, f64::from(PORTS)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn k3_factory_ports_are_the_seeds() {
-        let params = Params::factory(Kind::Gc);
-        let outputs = [(Output::HeadstockHigh, 16), (Output::HeadstockLow, 15), (Output::Hydraulic, 10)];
-        for (output, port) in outputs {
-            assert_eq!(params.output_port(output), port);
-        }
-        assert_eq!(params.output_port(Output::RadialGauge), 13);
-        assert_eq!(params.output_port(Output::AxialGauge), 14);
-        assert_eq!(params.output_port(Output::User5), 25);
-        assert_eq!(params.output_port(Output::TowerGreen), 28);
-        assert_eq!(params.input_port(Input::HydraulicPressure), 3);
-        assert_eq!(params.input_port(Input::EmergencyStop), 4);
-        assert_eq!(params.input_port(Input::Gauge6), 12);
-        assert_eq!(params.input_port(Input::User10), 22);
-        assert_eq!(params.input_port(Input::HomeZ), 25);
-        assert_eq!(params.input_port(Input::LimitZMinus), 39);
-        assert_eq!(params.input_port(Input::GuardClosed), 0);
-    }
-
-    #[test]
-    fn k3_normally_closed_inputs_are_the_emergency_stop_drives_and_limits() {
-        let inverted = Params::factory(Kind::Gc).inverted_inputs();
-        // Ports 4, 31…33 and 34…39.
-        let expected: u64 = 1 << 3 | (30..39).map(|bit| 1_u64 << bit).sum::<u64>();
-        assert_eq!(inverted, expected);
-    }
-
-    #[test]
-    fn k1_factory_bits_differ_by_kind() {
-        let gc = Params::factory(Kind::Gc);
-        let gs = Params::factory(Kind::Gs);
-        assert!(!gc.bit(MAGNET_ENABLED) && !gc.bit(WHEEL_NEEDS_MAGNET) && gc.bit(TAILSTOCK_ENABLED));
-        assert!(gs.bit(MAGNET_ENABLED) && gs.bit(WHEEL_NEEDS_MAGNET) && !gs.bit(TAILSTOCK_ENABLED));
-    }
-
-    #[test]
-    fn b6_a_value_out_of_range_is_refused_and_changes_nothing() {
-        let mut params = Params::factory(Kind::Gc);
-        let at = ParamAddress::parse("P270").unwrap();
-        assert!(params.write(at, 60_001.0).is_err());
-        assert!(params.write(at, f64::NAN).is_err());
-        assert_eq!(params.read(at), Ok(3_000.0));
-        assert!(params.write(ParamAddress::parse("P16.0").unwrap(), 2.0).is_err());
-        assert!(params.write(ParamAddress::parse("P300").unwrap(), 65.0).is_err());
-        assert_eq!(params.write(ParamAddress::parse("P399").unwrap(), 1.0), Err(ParamError::Unknown(399)));
     }
 }

@@ -66,6 +66,26 @@ impl Frames {
         PerAxis::from_fn(|axis| work[axis] + self.machine_minus_work(axis))
     }
 
+    /// Makes G54 … G59 the active frame.
+    pub fn activate(&mut self, g: u8) {
+        self.active = usize::from(g.saturating_sub(54)).min(WORK_FRAMES - 1);
+    }
+
+    /// Puts tool and offset of a T word in force; tool 0 keeps the tool.
+    pub fn call_tool(&mut self, tool: u16, offset: u16) {
+        if tool != 0 {
+            self.tool = u32::from(tool);
+        }
+        self.offset = usize::from(offset).min(OFFSETS);
+    }
+
+    /// G10: adds to the wear of an offset, 1 to 16.
+    pub fn add_wear(&mut self, number: u8, by: PerAxis<f64>) {
+        if let Some(wear) = usize::from(number).checked_sub(1).and_then(|index| self.wear.get_mut(index)) {
+            *wear = PerAxis::from_fn(|axis| wear[axis] + by[axis]);
+        }
+    }
+
     /// G50: the present position is called `values`. K5.10: the wear of the tool in force is cleared.
     pub fn preset(&mut self, machine: PerAxis<f64>, values: &PerAxis<Option<f64>>) {
         if let Some(offset) = self.offset.checked_sub(1) {

@@ -1,0 +1,134 @@
+//! Commands: what a person, a story or the disk asks for, and why it is refused.
+//! Source: spec B6, K7.5, K7.7.
+
+use super::{Controller, Effect};
+use crate::defs::alarm;
+use crate::defs::key::Mode;
+use crate::defs::mcode::Request;
+use crate::defs::text::Said;
+use crate::link::PageCommand;
+use crate::link::command::Command;
+use crate::machine::Answer;
+use crate::machine::press::NOT_IN_RUN;
+use crate::nc::frames::OFFSETS;
+use crate::nc::{Source, VariableError};
+use crate::units::PerAxis;
+
+/// Most characters of an MDI line.
+pub(super) const MDI_MOST: usize = 500;
+
+impl Controller {
+    /// Takes one command.
+    pub(super) fn take(&mut self, command: &Command) {
+        match command {
+            Command::Press(key) => self.press(*key),
+            Command::Release(key) => {
+                if let Some((axis, _)) = key.jog() {
+                    self.hand.release(axis);
+                }
+            }
+            Command::Hold(key) => self.hand.keep(*key, self.now),
+            Command::Handwheel(detents) => self.turn_handwheel(*detents),
+            Command::OpenPage(page) => self.open_page(*page),
+            Command::LoadProgram(number) => self.load_program(*number),
+            Command::Mdi(line) => self.mdi(line),
+            Command::TypeVariable(..)
+            | Command::Offset(_)
+            | Command::AddWear { .. }
+            | Command::ChangeWheel { .. }
+            | Command::ReadyMdi(_)
+            | Command::Page(PageCommand::EditParam(..)) => self.take_edit(command),
+            Command::SetVariable(variable, value) => {
+                self.set_variable(*variable, *value);
+            }
+            Command::SetParam(at, value) => self.set_param(*at, *value),
+            Command::SetFrame(index, origin) => self.set_frame(*index, *origin),
+            Command::SetGeometry(number, geometry) => self.set_geometry(*number, *geometry),
+            Command::ClearRelative(axis) => self.relative_zero[*axis] = self.axes.actual()[*axis],
+            Command::Screens(screens) => {
+                self.screens.clone_from(screens);
+                self.check_page_files();
+            }
+            Command::Stored(_) => {}
+            Command::DiskFailed(why) => self.raise(alarm::STORE_FAILED, Some(why.clone())),
+            Command::Page(command) => self.take_page(command),
+            Command::Alive => self.screen_heard = Some(self.now),
+        }
+    }
+
+    fn set_frame(&mut self, index: usize, origin: PerAxis<f64>) {
+        match self.frames.work.get_mut(index) {
+            Some(_) if self.run.is_some() => self.refuse(NOT_IN_RUN),
+            Some(frame) => {
+                *frame = origin;
+                self.effects.push(Effect::Frame(index, origin));
+            }
+            None => self.refuse(Said::new("没有此工件坐标系", "there is no such work frame")),
+        }
+    }
+
+    fn set_geometry(&mut self, number: usize, geometry: PerAxis<f64>) {
+        match number.checked_sub(1).filter(|index| *index < OFFSETS) {
+            Some(_) if self.run.is_some() => self.refuse(NOT_IN_RUN),
+            Some(index) => {
+                self.frames.geometry[index] = geometry;
+                self.effects.push(Effect::Offset { number, geometry, wear: self.frames.wear[index] });
+            }
+            None => self.refuse(Said::new("刀补号应为 1-16", "offsets are numbered 1 to 16")),
+        }
+    }
+
+    /// False: refused, and said why.
+    pub(super) fn set_variable(&mut self, variable: u16, value: Option<f64>) -> bool {
+        let number = u32::from(variable);
+        if let Err(error) = self.store_variable(number, value) {
+            let zh = match error {
+                VariableError::Unknown(_) => format!("#{variable} 不存在或不能修改"),
+                VariableError::Switch(_) => format!("#{variable} 只能输入 0 或 1"),
+                VariableError::NotFinite(_) => format!("#{variable} 的值不是数字"),
+            };
+            self.refuse(Said::new(zh, error.to_string()));
+            return false;
+        }
+        if let Some(run) = &mut self.run
+            && run.interpreter.variable_edited(number, value).is_err()
+        {
+            self.refuse(Said::new("程序没有接受此值", "the running program did not take the value"));
+            return false;
+        }
+        true
+    }
+
+    fn load_program(&mut self, number: u32) {
+        if self.run.is_some() {
+            return self.refuse(NOT_IN_RUN);
+        }
+        if self.programs.get(number).is_none() {
+            return self.refuse(Said::new(
+                format!("程序目录中没有 O{number:04}"),
+                format!("the programs folder has no O{number:04}"),
+            ));
+        }
+        self.current = number;
+        self.place = crate::nc::Place::default();
+        self.effects.push(Effect::CurrentProgram(number));
+        self.check_page_files();
+        self.say(Said::new(format!("当前程序 O{number:04}"), format!("current program O{number:04}")));
+    }
+
+    pub(super) fn mdi(&mut self, line: &str) {
+        if self.mode != Mode::Mdi {
+            return self.refuse(Said::new("录入方式下才能执行", "MDI lines work in mode MDI"));
+        }
+        if !matches!(self.phase, super::Phase::Idle) {
+            return self.refuse(NOT_IN_RUN);
+        }
+        if line.chars().count() > MDI_MOST {
+            return self.refuse(Said::new("录入行太长", "the MDI line is too long"));
+        }
+        if matches!(self.ask(Request::MdiStart), Answer::Taken) {
+            let source = std::sync::Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
+            self.open_run(source, true);
+        }
+    }
+}

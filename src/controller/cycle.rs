@@ -1,0 +1,90 @@
+//! Cycle start, feed hold, reset: what begins, holds and leaves a run.
+//! Source: spec B5, K2.2, "what stops what".
+
+use std::sync::Arc;
+
+use super::{Controller, Phase};
+use crate::defs::alarm;
+use crate::defs::key::Mode;
+use crate::defs::mcode::Request;
+use crate::defs::signal::Input;
+use crate::defs::text::Said;
+use crate::machine::Answer;
+
+impl Controller {
+    pub(super) fn switch_single_block(&mut self) {
+        self.switches.single_block = !self.switches.single_block;
+        if self.switches.single_block
+            && matches!(self.phase, Phase::Running)
+            && let Some(run) = &mut self.run
+            && run.fed > 0
+        {
+            self.axes.path.hold();
+            run.splitting = true;
+        }
+    }
+
+    pub(super) fn cycle_start(&mut self) {
+        match self.phase {
+            Phase::Running => return self.refuse(Said::new("程序已在运行", "the program is running")),
+            Phase::Holding | Phase::Aborting | Phase::Homing(_) => {
+                return self.refuse(Said::new("轴还在运动，请稍候", "the axes still move"));
+            }
+            Phase::Idle if self.mode == Mode::Mdi => return self.start_mdi(),
+            Phase::Idle if self.mode != Mode::Auto => {
+                return self.refuse(Said::new("自动方式下才能循环启动", "cycle start works in mode AUTO"));
+            }
+            Phase::Idle | Phase::Held | Phase::Stopped => {}
+        }
+        if !matches!(self.ask(Request::CycleStart), Answer::Taken) {
+            return;
+        }
+        if matches!(self.phase, Phase::Idle) {
+            return self.start_program();
+        }
+        self.resume_run();
+    }
+
+    fn start_program(&mut self) {
+        let number = self.current;
+        match self.programs.get(number) {
+            Some(program) => {
+                let source = Arc::clone(&program.source);
+                self.open_run(source, false);
+            }
+            None => self.refuse(Said::new(
+                format!("没有程序 O{number:04}：先在目录中选择程序"),
+                format!("there is no program O{number:04}: choose one in the directory"),
+            )),
+        }
+    }
+
+    pub(super) fn feed_hold(&mut self) {
+        match self.phase {
+            Phase::Running => self.hold_run(),
+            Phase::Homing(_) => self.abort_run(),
+            Phase::Idle | Phase::Holding | Phase::Held | Phase::Stopped | Phase::Aborting => {}
+        }
+    }
+
+    pub(super) fn reset(&mut self) {
+        self.drop_mdi();
+        self.abort_run();
+        self.machine.reset();
+        self.dress.let_go();
+        self.stop_oscillation();
+        let e_stop = self.machine.is_e_stopped();
+        let bus = self.image.bus_alive;
+        let (inputs, limits) = (self.inputs, self.limits);
+        let drives = [Input::DriveX, Input::DriveY, Input::DriveZ].into_iter().any(|input| inputs.has(input));
+        self.alarms.reset(|number| match number {
+            alarm::EMERGENCY_STOP => e_stop,
+            alarm::BUS_LOST => !bus,
+            alarm::DRIVE_FAULT => drives,
+            alarm::HARD_LIMIT => limits != 0,
+            _ => false,
+        });
+        self.drives_on = !e_stop && bus && !drives;
+        self.message = Default::default();
+    }
+}

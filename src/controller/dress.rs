@@ -1,0 +1,116 @@
+//! The dressing point: setting it, and going back to it by hand. G27 goes there in a program.
+//!
+//! The lamp of 回修整点 is the state: lit, an axis key runs its axis to the point; dark, it jogs.
+//! Source: spec K4.2.
+
+use super::{Controller, Effect, MINUTE_HZ, Phase};
+use crate::defs::key::Mode;
+use crate::defs::mcode::Request;
+use crate::defs::page::Page;
+use crate::defs::param;
+use crate::defs::text::Said;
+use crate::machine::Answer;
+use crate::units::{Axis, PerAxis};
+
+/// The points, and what the operator is in the middle of.
+#[derive(Clone, Debug)]
+pub struct Dress {
+    /// Machine coordinates, radius mm; none where none was set.
+    pub points: PerAxis<Option<f64>>,
+    /// 回修整点 is lit.
+    pub returning: bool,
+    /// “是否设置…修整点” has been asked for this axis.
+    asked: Option<Axis>,
+}
+
+impl Dress {
+    /// The points as retained.
+    pub const fn new(points: PerAxis<Option<f64>>) -> Self {
+        Self { points, returning: false, asked: None }
+    }
+
+    /// A mode change or reset: the lamp goes dark, a question is withdrawn.
+    pub const fn let_go(&mut self) {
+        self.returning = false;
+        self.asked = None;
+    }
+}
+
+impl Controller {
+    /// X, Y or Z on the position page in manual mode asks whether to set the axis's point here.
+    pub(super) fn ask_dress_point(&mut self, axis: Axis) {
+        let refusal = if self.mode != Mode::Manual || self.page != Page::Position {
+            Some(Said::new("手动方式、位置页面下设置修整点", "the dressing point is set in JOG on the position page"))
+        } else if !self.axes.is_homed(axis) {
+            Some(Said::new(
+                format!("{axis} 轴未回零，不能设置修整点"),
+                format!("{axis} is not homed: no dressing point"),
+            ))
+        } else {
+            None
+        };
+        self.dress.asked = refusal.is_none().then_some(axis);
+        match refusal {
+            Some(said) => self.refuse(said),
+            None => self.say(Said::new(
+                format!("是否设置 {axis} 轴修整点？按输入设置，取消放弃"),
+                format!("set the dressing point of {axis} here? INPUT sets it, CANCEL leaves it"),
+            )),
+        }
+    }
+
+    /// 输入 answers the question: the present machine coordinate is stored.
+    pub(super) fn set_dress_point(&mut self) {
+        let Some(axis) = self.dress.asked.take() else {
+            return self.refuse(Said::new("没有要输入的内容", "there is nothing to enter"));
+        };
+        if !self.axes.is_at_rest() {
+            return self.refuse(Said::new("轴还在运动，请稍候", "the axes still move"));
+        }
+        let at = self.axes.actual()[axis];
+        self.dress.points[axis] = Some(at);
+        self.effects.push(Effect::DressPoint(axis, at));
+        let shown = at * self.displayed_per_mm(axis);
+        self.say(Said::new(
+            format!("{axis} 轴修整点设置成功：机床坐标 {shown:.3}"),
+            format!("dressing point of {axis} set: machine {shown:.3}"),
+        ));
+    }
+
+    /// 取消.
+    pub(super) fn cancel_dress_point(&mut self) {
+        if self.dress.asked.take().is_some() {
+            self.say(Said::new("修整点没有改变", "the dressing point is as it was"));
+        }
+    }
+
+    /// 回修整点 lights or darkens its lamp.
+    pub(super) fn switch_dress_return(&mut self) {
+        if self.mode != Mode::Manual {
+            return self.refuse(Said::new("手动方式下才能回修整点", "the return works in JOG"));
+        }
+        self.dress.returning = !self.dress.returning;
+        if !self.dress.returning {
+            self.hand.let_go();
+        }
+    }
+
+    /// An axis key with the lamp lit: one press, either sign, runs the axis to its point at P243.
+    pub(super) fn return_to_dress_point(&mut self, axis: Axis) {
+        let Some(point) = self.dress.points[axis] else {
+            return self.refuse(Said::new(format!("{axis} 轴没有设置修整点"), format!("{axis} has no dressing point")));
+        };
+        if !self.axes.is_homed(axis) {
+            return self.refuse(Said::new(
+                format!("{axis} 轴未回零，不能回修整点"),
+                format!("{axis} is not homed: no return"),
+            ));
+        }
+        let still = matches!(self.phase, Phase::Idle) || self.is_free_for_hand();
+        if !still || !matches!(self.ask(Request::MoveByHand), Answer::Taken) || !self.part_from_run() {
+            return;
+        }
+        let speed = self.params.get(param::DRESS_RETURN_SPEED) * MINUTE_HZ;
+        self.hand.lead(axis, point, speed);
+    }
+}

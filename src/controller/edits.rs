@@ -1,0 +1,130 @@
+//! Values typed at the pages: taken or refused with the reason, and the page is told which (H6).
+//! Source: spec K7.5, K7.7.
+
+use std::sync::Arc;
+
+use super::Controller;
+use crate::defs::page::Page;
+use crate::defs::param;
+use crate::defs::text::{Said, Text};
+use crate::link::PageCommand;
+use crate::link::command::Command;
+use crate::link::edit::{EditAnswer, OffsetView};
+use crate::link::snapshot::{Message, Snapshot, Tone};
+use crate::nc::Memory;
+use crate::units::PerAxis;
+
+const LOCKED: Text = Text::new("P22.0=0：不允许修改", "P22.0 is 0: locked");
+const NOT_IN_RUN: Text = Text::new("程序运行中不能修改 (P6.3)", "not while a program runs (P6.3)");
+
+/// What the core keeps of the pages' edits.
+#[derive(Clone, Debug)]
+pub struct Edits {
+    /// What came of the last one.
+    answer: EditAnswer,
+    /// The MDI line that waits for cycle start.
+    pub mdi_ready: Arc<str>,
+}
+
+impl Default for Edits {
+    fn default() -> Self {
+        Self { answer: EditAnswer::default(), mdi_ready: Arc::from("") }
+    }
+}
+
+impl Controller {
+    /// Takes what a page asks, and answers it.
+    pub(super) fn take_edit(&mut self, command: &Command) {
+        let done = match command {
+            Command::TypeVariable(variable, value) => self.type_variable(*variable, *value),
+            Command::Offset(command) => self.take_offset(*command),
+            Command::AddWear { number, axis, by } => self.type_wear_increment(*number, *axis, *by),
+            Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
+                self.change_wheel(*diameter_mm, *width_mm, *rated_m_s)
+            }
+            Command::ReadyMdi(line) => self.ready_mdi(line),
+            Command::Page(command) => self.type_param(command),
+            _ => return,
+        };
+        self.edits.answer.count = self.edits.answer.count.wrapping_add(1);
+        self.edits.answer.refused = done.as_ref().err().cloned();
+        match done {
+            Ok(said) => self.say(said),
+            Err(why) => self.refuse(why),
+        }
+    }
+
+    /// A value typed on the open page for one of its variables (K7.5, K7.7).
+    fn type_variable(&mut self, variable: u16, value: Option<f64>) -> Result<Said, Said> {
+        let shows = match self.page {
+            Page::Grinding => self.page_shows(variable),
+            Page::Macro => Memory::has(u32::from(variable)),
+            _ => false,
+        };
+        if !shows {
+            return Err(if self.page == Page::Macro {
+                Said::new(format!("#{variable} 是只读变量"), format!("#{variable} is read-only"))
+            } else {
+                Said::new(format!("当前页面没有 #{variable}"), format!("the open page does not show #{variable}"))
+            });
+        }
+        if self.page == Page::Macro {
+            self.check_unlocked()?;
+        }
+        self.check_run()?;
+        if !self.set_variable(variable, value) {
+            // It has said why.
+            return Err(self.message.text.clone());
+        }
+        let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
+        Ok(Said::new(format!("#{variable} = {shown}"), format!("#{variable} = {shown}")))
+    }
+
+    /// A parameter typed at its page: it has said what came of it.
+    fn type_param(&mut self, command: &PageCommand) -> Result<Said, Said> {
+        self.message = Message::default();
+        self.take_page(command);
+        let text = self.message.text.clone();
+        match self.message.tone {
+            Tone::Note => Ok(text),
+            Tone::Refused => Err(text),
+        }
+    }
+
+    fn page_shows(&self, variable: u16) -> bool {
+        self.screens
+            .find(self.current)
+            .and_then(|files| files.text.as_ref().ok())
+            .is_some_and(|page| page.rows().any(|row| row.variable == variable))
+    }
+
+    /// K7.7: wear and variables at the offset and the macro page.
+    pub(super) fn check_unlocked(&self) -> Result<(), Said> {
+        if self.params.bit(param::EDIT_OFFSETS) { Ok(()) } else { Err(LOCKED.into()) }
+    }
+
+    /// K7.7: no edit while a program runs, except by P6.3.
+    pub(super) fn check_run(&self) -> Result<(), Said> {
+        if self.run.is_none() || self.params.bit(param::EDIT_VALUES_IN_RUN) { Ok(()) } else { Err(NOT_IN_RUN.into()) }
+    }
+
+    /// Writes what the pages of offsets, variables and MDI show.
+    pub(super) fn edit_view(&self, out: &mut Snapshot) {
+        if out.edit != self.edits.answer {
+            out.edit.clone_from(&self.edits.answer);
+        }
+        if out.mdi_ready != self.edits.mdi_ready {
+            out.mdi_ready.clone_from(&self.edits.mdi_ready);
+        }
+        for (index, row) in out.offsets.iter_mut().enumerate() {
+            *row = OffsetView {
+                geometry: self.displayed(&self.frames.geometry[index]),
+                wear: self.displayed(&self.frames.wear[index]),
+            };
+        }
+        out.offset_in_force = self.frames.offset;
+        out.modals = self.modal_view();
+        let points = self.dress.points;
+        out.dressing_point = PerAxis::from_fn(|axis| points[axis].map(|at| at * self.displayed_per_mm(axis)));
+    }
+}

@@ -1,0 +1,295 @@
+//! Servo oscillation: one axis to and fro between two ends, beside the program, with limits of its own.
+//!
+//! Owns the strokes; the other axes belong to the program or the hand. The ends are exact: a stroke is over when the axis
+//! stands in position, then its dwell begins. #438 and #439 are set in that tick and keep their value until the other end.
+//! Source: spec K4.3.
+
+use super::axes::{MINUTE, limits};
+use super::run::Forbidden;
+use super::{Controller, Phase};
+use crate::defs::mcode::Request;
+use crate::defs::param::{self, Params};
+use crate::defs::signal::Output;
+use crate::defs::text::{Said, Text};
+use crate::machine::Answer;
+use crate::motion::{AxisLimits, AxisMover};
+use crate::units::{Axis, Micros};
+
+/// D counts to this speed, mm/min.
+const RAMP_SPEED_MM_MIN: f64 = 10_000.0;
+/// Fewest strokes a minute.
+const LEAST_STROKES: f64 = 1.0;
+/// Unit of P235 and P236, ms.
+const DWELL_UNIT_MS: f64 = 4.0;
+/// A stroke shorter than this, mm, has no length.
+pub const LEAST_STROKE_MM: f64 = 1e-6;
+
+const OSCILLATES: Text = Text::new("该轴在振荡中，先关闭振荡", "the axis oscillates: end the oscillation first");
+
+/// What G35 or the key asks for. Machine coordinates, radius mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stroke {
+    /// The axis.
+    pub axis: Axis,
+    /// The end that it does not stand at.
+    pub to: f64,
+    /// D: ms to reach 10 m/min; P240 if not given.
+    pub ramp_ms: Option<f64>,
+    /// Q: strokes there and back a minute; P241 if not given.
+    pub strokes_min: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Step {
+    Going {
+        forward: bool,
+    },
+    Dwelling {
+        forward: bool,
+        until: Micros,
+    },
+    /// Reset or e-stop: braking where it is.
+    Stopping,
+}
+
+/// An axis that oscillates.
+#[derive(Clone, Debug)]
+pub struct Oscillation {
+    axis: Axis,
+    from: f64,
+    to: f64,
+    speed_mm_s: f64,
+    mover: AxisMover,
+    step: Step,
+    /// G36: it ends when it next stands at its starting end.
+    ending: bool,
+    /// #438: in position forward; #439: backward.
+    flags: (bool, bool),
+    last_forward: Option<Micros>,
+    strokes_min: f64,
+}
+
+/// What has come of one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Came {
+    Goes,
+    /// The axis stands and is free again.
+    Over,
+}
+
+impl Oscillation {
+    /// Begins with the next tick. Returns what was clamped, in words.
+    fn new(stroke: Stroke, from: f64, params: &Params, tick_s: f64) -> (Self, Option<Said>) {
+        let axis = stroke.axis;
+        let own = limits(params, tick_s).axes[axis];
+        let length = (stroke.to - from).abs();
+        let mut said: Vec<(String, String)> = Vec::new();
+        let asked = stroke.strokes_min.unwrap_or_else(|| params.get(param::OSCILLATION_FREQUENCY));
+        let strokes = asked.max(LEAST_STROKES);
+        if strokes > asked {
+            said.push((format!("Q{asked} 按 1 次/分"), format!("Q{asked} is taken as 1")));
+        }
+        // K4.3: v = 2·L·Q.
+        let wanted = 2.0 * length * strokes;
+        let most = params.get(param::OSCILLATION_SPEED).min(own.velocity_mm_s * MINUTE);
+        if wanted > most {
+            said.push((
+                format!("速度 {wanted:.0} 限为 {most:.0} mm/min"),
+                format!("{wanted:.0} mm/min is held to {most:.0}"),
+            ));
+        }
+        let ramp_ms = stroke.ramp_ms.unwrap_or_else(|| params.get(param::OSCILLATION_TIME_CONSTANT));
+        let rapid_ms = 1_000.0 * RAMP_SPEED_MM_MIN / MINUTE / own.acceleration_mm_s2;
+        if ramp_ms < rapid_ms {
+            said.push((
+                format!("D{ramp_ms:.0} 按 {rapid_ms:.0} ms"),
+                format!("D{ramp_ms:.0} is taken as {rapid_ms:.0} ms"),
+            ));
+        }
+        let acceleration_mm_s2 = RAMP_SPEED_MM_MIN / MINUTE / (ramp_ms.max(rapid_ms) / 1_000.0);
+        let speed_mm_s = wanted.min(most) / MINUTE;
+        let bounds = AxisLimits { velocity_mm_s: speed_mm_s, acceleration_mm_s2, jerk_mm_s3: own.jerk_mm_s3 };
+        let oscillation = Self {
+            axis,
+            from,
+            to: stroke.to,
+            speed_mm_s,
+            mover: AxisMover::new(bounds, from, tick_s),
+            step: Step::Going { forward: true },
+            ending: false,
+            flags: (false, false),
+            last_forward: None,
+            strokes_min: 0.0,
+        };
+        let clamped = (!said.is_empty()).then(|| {
+            let join = |pick: fn(&(String, String)) -> &str| said.iter().map(pick).collect::<Vec<_>>().join("; ");
+            Said::new(join(|text| &text.0), join(|text| &text.1))
+        });
+        (oscillation, clamped)
+    }
+
+    fn tick(&mut self, now: Micros, in_position: bool, params: &Params) -> Came {
+        let rest = self.mover.is_at_rest();
+        match self.step {
+            Step::Stopping if rest => return Came::Over,
+            Step::Stopping => {}
+            Step::Going { forward } => {
+                let end = if forward { self.to } else { self.from };
+                let there = rest && (self.mover.position() - end).abs() < LEAST_STROKE_MM && in_position;
+                if there && !forward && self.ending {
+                    return Came::Over;
+                }
+                if there {
+                    self.arrive(forward, now, params);
+                } else {
+                    self.mover.position_target(end, self.speed_mm_s);
+                }
+            }
+            Step::Dwelling { forward: false, .. } if self.ending => return Came::Over,
+            Step::Dwelling { forward, until } if now >= until || self.ending => {
+                self.step = Step::Going { forward: !forward };
+                self.mover.position_target(if forward { self.from } else { self.to }, self.speed_mm_s);
+            }
+            Step::Dwelling { .. } => {}
+        }
+        self.mover.tick();
+        Came::Goes
+    }
+
+    fn arrive(&mut self, forward: bool, now: Micros, params: &Params) {
+        let dwell = if forward { param::OSCILLATION_DWELL_FORWARD } else { param::OSCILLATION_DWELL_BACKWARD };
+        self.flags = (forward, !forward);
+        let until = now + Micros::from_millis_f64(DWELL_UNIT_MS * params.get(dwell));
+        self.step = Step::Dwelling { forward, until };
+        if forward && let Some(last) = self.last_forward.replace(now) {
+            self.strokes_min = MINUTE / now.since(last).as_secs_f64();
+        }
+    }
+
+    /// G36 while it is on its way forward turns at once; it ends at the starting end all the same.
+    const fn end(&mut self) {
+        self.ending = true;
+        if let Step::Going { forward: true } = self.step {
+            self.step = Step::Going { forward: false };
+        }
+    }
+}
+
+impl Controller {
+    /// The axis that oscillates by its servo.
+    pub(super) fn oscillating_axis(&self) -> Option<Axis> {
+        self.oscillation.as_ref().map(|oscillation| oscillation.axis)
+    }
+
+    /// Whether an axis or the cylinder oscillates: the lamp.
+    pub(super) fn is_oscillating(&self) -> bool {
+        self.oscillation.is_some() || self.machine.cylinder_is_on()
+    }
+
+    /// #438 and #439.
+    #[must_use]
+    pub fn oscillation_flags(&self) -> (bool, bool) {
+        let servo = self.oscillation.as_ref().map(|oscillation| oscillation.flags);
+        let (forward, backward) = servo.unwrap_or_else(|| self.machine.cylinder_flags());
+        if self.params.bit(param::SWAP_OSCILLATION_FLAGS) { (backward, forward) } else { (forward, backward) }
+    }
+
+    /// Measured strokes a minute; none before the second.
+    pub(super) fn measured_strokes_min(&self) -> Option<f64> {
+        self.oscillation.as_ref().map(|oscillation| oscillation.strokes_min).filter(|strokes| *strokes > 0.0)
+    }
+
+    /// One tick of the strokes.
+    pub(super) fn step_oscillation(&mut self) {
+        let Some(mut oscillation) = self.oscillation.take() else { return };
+        let axis = oscillation.axis;
+        let in_position = self.axes.is_axis_in_position(axis, &self.params);
+        match oscillation.tick(self.now, in_position, &self.params) {
+            Came::Goes => {
+                self.axes.oscillate(Some((axis, oscillation.mover.position(), oscillation.mover.velocity_mm_s())));
+                self.oscillation = Some(oscillation);
+            }
+            Came::Over => self.axes.oscillate(None),
+        }
+    }
+
+    /// G35 and the key: begins strokes between where the axis stands and the given end.
+    pub(super) fn begin_oscillation(&mut self, stroke: Stroke) {
+        let from = self.axes.set()[stroke.axis];
+        let tick_s = self.tick.as_secs_f64();
+        let (oscillation, clamped) = Oscillation::new(stroke, from, &self.params, tick_s);
+        self.oscillation = Some(oscillation);
+        if let Some(said) = clamped {
+            self.refuse(said);
+        }
+    }
+
+    /// G36 and the key: it ends at its starting end. True when nothing oscillates any more.
+    pub(super) fn end_oscillation(&mut self) -> bool {
+        if self.machine.cylinder_is_on() {
+            self.ask(Request::CylinderOff);
+        }
+        if let Some(oscillation) = &mut self.oscillation
+            && !oscillation.ending
+        {
+            oscillation.end();
+        }
+        self.oscillation.is_none()
+    }
+
+    /// Reset and e-stop: it brakes where it is.
+    pub(super) fn stop_oscillation(&mut self) {
+        if let Some(oscillation) = &mut self.oscillation {
+            oscillation.step = Step::Stopping;
+            oscillation.mover.emergency_stop();
+        }
+    }
+
+    /// The key 振荡: G35 by P238 to P241, again G36.
+    pub(super) fn switch_oscillation(&mut self) {
+        if self.is_oscillating() {
+            self.end_oscillation();
+            return;
+        }
+        if self.params.bit(param::OSCILLATION_BY_CYLINDER) {
+            self.ask(Request::CylinderOn);
+            return;
+        }
+        let axis = if self.params.get(param::OSCILLATION_AXIS) < 0.5 { Axis::X } else { Axis::Z };
+        if !matches!(self.phase, Phase::Idle | Phase::Held | Phase::Stopped) || !self.axes.is_at_rest() {
+            return self.refuse(Said::new("轴还在运动，请稍候", "the axes still move"));
+        }
+        if !matches!(self.ask(Request::MoveByHand), Answer::Taken) {
+            return;
+        }
+        let work = self.params.get(param::OSCILLATION_POSITION) / self.displayed_per_mm(axis);
+        let to = work + self.frames.machine_minus_work(axis);
+        if let Err(forbidden) = self.check_stroke(axis, to) {
+            let said = self.forbidden(&forbidden);
+            return self.refuse(said);
+        }
+        self.begin_oscillation(Stroke { axis, to, ramp_ms: None, strokes_min: None });
+    }
+
+    fn check_stroke(&self, axis: Axis, to: f64) -> Result<(), Forbidden> {
+        if !self.axes.is_homed(axis) || (to - self.axes.set()[axis]).abs() < LEAST_STROKE_MM {
+            return Err(Forbidden::NoStroke(axis));
+        }
+        super::run::within(axis, to, &self.params)
+    }
+
+    /// Why the hand may not move an axis: it oscillates.
+    pub(super) fn refuse_oscillating(&mut self, axis: Axis) -> bool {
+        let oscillates = self.oscillating_axis() == Some(axis);
+        if oscillates {
+            self.refuse(OSCILLATES);
+        }
+        oscillates
+    }
+
+    /// The lamp and the outputs of the cylinder belong to one key.
+    pub(super) fn oscillation_lamp(&self) -> bool {
+        let cylinder = [Output::OscillationForward, Output::OscillationBackward];
+        self.is_oscillating() || cylinder.iter().any(|output| self.output_set.has(*output))
+    }
+}

@@ -1,0 +1,97 @@
+//! The end of a tick: what has come to rest, drives and outputs.
+//! Source: spec B5, K5.15, table "what stops what".
+
+use super::{Controller, Event, FULL_SCALE_VOLTS, Phase};
+use crate::defs::param;
+use crate::defs::signal::{Output, OutputSet, Terminals};
+
+impl Controller {
+    /// The one place where the phase changes.
+    pub(super) fn happen(&mut self, event: Event) {
+        self.phase = std::mem::take(&mut self.phase).after(event);
+    }
+
+    /// Brakes whatever moves; the run is left once the axes stand.
+    pub(super) fn abort_run(&mut self) {
+        self.hand.let_go();
+        self.waiting_for = None;
+        if matches!(self.phase, Phase::Aborting) || matches!(self.phase, Phase::Idle) && self.axes.is_at_rest() {
+            return;
+        }
+        self.axes.brake();
+        self.happen(Event::Abort);
+    }
+
+    /// Drives, and the end of braking.
+    pub(super) fn settle(&mut self) {
+        let rest = self.axes.is_at_rest();
+        if rest && matches!(self.phase, Phase::Holding | Phase::Aborting) {
+            if matches!(self.phase, Phase::Aborting) {
+                self.close_run();
+            }
+            let held = matches!(self.phase, Phase::Holding);
+            self.happen(Event::AtRest);
+            if held {
+                self.withdraw_wheel();
+            }
+        }
+        self.axes.set_drives(self.drives_on);
+        if !self.drives_on && rest {
+            self.release_machine_lock();
+            self.axes.follow_actual();
+        }
+    }
+
+    /// Leaves the run: what was read ahead and not executed is forgotten.
+    pub(super) fn close_run(&mut self) {
+        if let Some(run) = self.run.take() {
+            self.cycle_time = self.now.since(run.since);
+            self.mdi_modals = run.mdi.then(|| *run.interpreter.modals());
+        }
+        self.waiting_for = None;
+        self.axes.give_to_hand();
+    }
+
+    pub(super) fn write_outputs(&mut self) {
+        let mut on = self.machine.outputs(&self.params);
+        // K5.15: red for an alarm that stops or blocks, yellow for a program that waits, green for work.
+        on.set(Output::TowerRed, self.alarms.block_start());
+        on.set(Output::TowerGreen, matches!(self.phase, Phase::Running | Phase::Homing(_)));
+        on.set(Output::TowerYellow, matches!(self.phase, Phase::Holding | Phase::Held | Phase::Stopped));
+        // K6.1, K2.4: what shares its port or has none switches nothing, and its lamp says so.
+        let on = on.without(self.dead_outputs);
+        self.output_set = on;
+        self.outputs.terminals = self.machine.port_terminals();
+        for output in on.iter() {
+            self.outputs.terminals.set(self.params.output_port(output), true);
+        }
+        let volts = |rpm: f64, most: f64| (FULL_SCALE_VOLTS * rpm / most).clamp(0.0, FULL_SCALE_VOLTS);
+        let wheel = if on.has(Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
+        self.outputs.wheel_volts = volts(wheel, self.params.get(param::WHEEL_RPM_MAX));
+        let drive = if self.machine.drive_is_on() { self.analog_2_rpm } else { 0.0 };
+        self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));
+        // Braking needs the drives; nothing else moves without them.
+        self.outputs.drives_on = self.drives_on || matches!(self.phase, Phase::Aborting);
+        self.outputs.set_point_mm = self.axes.set_points(&self.params);
+    }
+
+    /// The outputs that can switch nothing with these parameters.
+    pub(super) fn find_dead_outputs(&mut self) {
+        let mut dead = OutputSet::NONE;
+        for output in Output::ALL {
+            let lost = self.params.output_port(*output) == 0;
+            dead.set(*output, lost || self.params.output_conflict(self.kind, *output).is_some());
+        }
+        self.dead_outputs = dead;
+    }
+
+    /// The terminals that stay as they are in the safe output image. What turns or flows is off (table after K3).
+    #[must_use]
+    pub fn kept_when_safe(&self) -> Terminals {
+        let mut kept = Terminals(u64::MAX);
+        for output in crate::machine::OFF_WHEN_SAFE {
+            kept.set(self.params.output_port(*output), false);
+        }
+        kept
+    }
+}

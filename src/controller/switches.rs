@@ -1,0 +1,45 @@
+//! The switches that change how a program runs: machine lock, M/S/T lock, dry run.
+//! Source: spec B5, K2.1.
+
+use super::Controller;
+use crate::defs::text::{Said, Text};
+
+const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is open: it is not switched now");
+
+impl Controller {
+    /// Positions count, axes do not move. Switching it off shows the real positions again.
+    pub(super) fn switch_machine_lock(&mut self) {
+        if self.run.is_some() || !self.axes.is_at_rest() || self.hand.is_leading() {
+            return self.refuse(WITH_RUN);
+        }
+        if self.switches.machine_lock {
+            self.release_machine_lock();
+        } else {
+            self.axes.give_to_hand();
+            self.axes.lock();
+            self.switches.machine_lock = true;
+        }
+    }
+
+    /// Also when the drives go off: nothing may stand between the axes and their encoders then.
+    pub(super) fn release_machine_lock(&mut self) {
+        self.axes.unlock();
+        self.switches.machine_lock = false;
+    }
+
+    /// M, S and T codes are read and not executed; M00, M01, M30, M98 and M99 are.
+    pub(super) fn switch_mst_lock(&mut self) {
+        self.switches.mst_lock = !self.switches.mst_lock;
+    }
+
+    /// Feeds run at P89.
+    pub(super) fn switch_dry_run(&mut self) {
+        if self.run.is_some() {
+            return self.refuse(WITH_RUN);
+        }
+        self.switches.dry_run = !self.switches.dry_run;
+        if self.switches.dry_run {
+            self.say(Said::new("空运行：进给按 P89 速度", "dry run: feeds run at P89"));
+        }
+    }
+}

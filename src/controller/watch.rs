@@ -1,0 +1,161 @@
+//! Watching: what the machine logic finds, and what the control looks at itself – drives, limits, bus, screen.
+//! Source: spec B5, B8, K3.7, table "what stops what".
+
+use super::{Controller, Event, Phase};
+use crate::defs::alarm;
+use crate::defs::key::Key;
+use crate::defs::param;
+use crate::defs::signal::Input;
+use crate::defs::text::Said;
+use crate::machine::{Around, Consequence, Finding};
+use crate::units::{Axis, Micros};
+
+impl Controller {
+    /// Machine logic, and what the control watches itself.
+    pub(super) fn watch(&mut self) {
+        let around = self.around();
+        for finding in self.machine.tick(self.now, self.inputs, &self.params, around).into_iter().flatten() {
+            match finding {
+                Finding::Alarm { number, stopped } => self.raise_for(number, None, stopped),
+                Finding::Gone(number) => self.alarms.clear(number),
+                Finding::Told(why) => self.refuse(why),
+            }
+        }
+        self.watch_external_keys();
+        self.watch_axes();
+        self.watch_screen();
+    }
+
+    /// What the machine logic has to know of the control.
+    pub(super) fn around(&self) -> Around {
+        let dressing = self.params.get(param::DRESSING_FIRST)..=self.params.get(param::DRESSING_LAST);
+        Around {
+            run_open: self.phase.is_run_open(),
+            homed: self.axes.all_homed(),
+            alarm_blocks: self.alarms.block_start(),
+            drives_off: !self.drives_on,
+            oscillating: self.oscillation.is_some() && !self.phase.is_run_open(),
+            dry_run: self.switches.dry_run,
+            machine_lock: self.switches.machine_lock,
+            dressing: dressing.contains(&f64::from(self.current)),
+            wheel_rpm: self.commanded_wheel_rpm(),
+        }
+    }
+
+    /// The speed asked of the wheel, rpm, at 10 V at most. Above the wheel's rating it is not started (P2).
+    pub(super) fn commanded_wheel_rpm(&self) -> f64 {
+        let wanted = self.wheel_rpm * f64::from(self.overrides.spindle) / 100.0;
+        wanted.min(self.params.get(param::WHEEL_RPM_MAX))
+    }
+
+    /// What the first analog output gives, rpm: a wheel that runs is not led beyond its rating either.
+    pub(super) fn wheel_rpm_given(&self) -> f64 {
+        let rim_mm_min = self.params.get(param::WHEEL_RATED_SPEED) * 60_000.0;
+        let rated = rim_mm_min / (std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER));
+        self.commanded_wheel_rpm().min(rated)
+    }
+
+    /// External cycle start and hold act at their edge, as the keys do (P335, P336).
+    fn watch_external_keys(&mut self) {
+        let before = std::mem::replace(&mut self.last_inputs, self.inputs);
+        for (input, key) in [(Input::ExternalHold, Key::FeedHold), (Input::ExternalStart, Key::CycleStart)] {
+            if self.inputs.has(input) && !before.has(input) {
+                self.press(key);
+            }
+        }
+    }
+
+    fn watch_axes(&mut self) {
+        if !self.image.bus_alive {
+            self.raise(alarm::BUS_LOST, None);
+        }
+        let drives = [Input::DriveX, Input::DriveY, Input::DriveZ];
+        let limits = [
+            (Input::LimitXPlus, Input::LimitXMinus),
+            (Input::LimitYPlus, Input::LimitYMinus),
+            (Input::LimitZPlus, Input::LimitZMinus),
+        ];
+        for axis in self.axes.present() {
+            let name = || Some(Said::new(axis.to_string(), axis.to_string()));
+            if self.inputs.has(drives[axis as usize]) {
+                self.raise(alarm::DRIVE_FAULT, name());
+                self.axes.forget_zero();
+            }
+            let (plus, minus) = limits[axis as usize];
+            for (bit, switch) in [(0, plus), (1, minus)] {
+                let mask = 1 << (2 * axis as u8 + bit);
+                let pressed = self.inputs.has(switch);
+                // The edge counts: after RESET the axis must be able to leave the switch.
+                if pressed && self.limits & mask == 0 {
+                    self.alarms.clear(alarm::HARD_LIMIT);
+                    self.raise(alarm::HARD_LIMIT, name());
+                    self.axes.forget_zero();
+                }
+                if pressed { self.limits |= mask } else { self.limits &= !mask }
+            }
+        }
+        if let Some(axis) = self.axes.lost(&self.params)
+            && self.drives_on
+        {
+            self.raise(alarm::FOLLOWING_ERROR, Some(Said::new(axis.to_string(), axis.to_string())));
+            self.axes.forget_zero();
+        }
+    }
+
+    /// Whether an axis is on a limit switch of this direction: it may only move the other way.
+    pub(super) fn runs_into_limit(&self, axis: Axis, direction: f64) -> bool {
+        let side = if direction > 0.0 { 0 } else { 1 };
+        self.limits >> (2 * axis as u8 + side) & 1 == 1
+    }
+
+    fn watch_screen(&mut self) {
+        let silence = Micros::from_millis_f64(self.params.get(param::HMI_KEEP_ALIVE));
+        if let Some(heard) = self.screen_heard
+            && self.now.since(heard) > silence
+        {
+            self.raise(alarm::HMI_LOST, None);
+            self.screen_heard = None;
+        }
+    }
+
+    /// Raises an alarm and carries out its reaction.
+    pub(super) fn raise(&mut self, number: u16, detail: Option<Said>) {
+        self.raise_for(number, detail, false);
+    }
+
+    fn raise_for(&mut self, number: u16, detail: Option<Said>, stopped: bool) {
+        if !self.alarms.has(number) {
+            let place = self.phase.is_run_open().then_some((self.place.program, self.place.line));
+            self.alarms.raise(number, detail, self.now, place);
+            if let Some(alarm) = self.alarms.present().last().filter(|_| self.message.since < self.now) {
+                let text = alarm.text.clone();
+                self.refuse(text);
+            }
+        } else if !stopped {
+            return;
+        }
+        match Consequence::of(number, stopped) {
+            Consequence::Nothing => {}
+            Consequence::Hold => self.hold_run(),
+            Consequence::Abort => self.abort_run(),
+            Consequence::AbortAndStop => {
+                self.machine.stop_wheel_and_drive();
+                self.abort_run();
+            }
+            Consequence::AbortAndMakeSafe => {
+                self.stop_oscillation();
+                self.machine.safe_stop();
+                self.abort_run();
+                self.drives_on = false;
+            }
+        }
+    }
+
+    /// Feed hold by a rule: a run that moves is held; nothing else is touched.
+    pub(super) fn hold_run(&mut self) {
+        if matches!(self.phase, Phase::Running) {
+            self.axes.path.hold();
+            self.happen(Event::Hold);
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! The wheel has been changed: size, rating, and no cycle start before it is dressed.
+//! Source: spec K5.17; seed 000 (the dressing point is set anew after the wheel was mounted).
+
+use super::{Controller, Effect};
+use crate::defs::page::Page;
+use crate::defs::param::{self, Number};
+use crate::defs::signal::Output;
+use crate::defs::text::{Said, Text};
+
+const WHEEL_RUNS: Text = Text::new("砂轮还在转，先停砂轮", "the wheel runs: stop it first");
+const OPEN_RUN: Text = Text::new("程序未结束，先复位", "a program is open: press RESET first");
+const NOT_HERE: Text = Text::new("请在换砂轮页面操作", "change the wheel on its page");
+
+impl Controller {
+    /// Sets P77–P79 and P6.7, all or nothing.
+    pub(super) fn change_wheel(&mut self, diameter_mm: f64, width_mm: f64, rated_m_s: f64) -> Result<Said, Said> {
+        if self.page != Page::Wheel {
+            return Err(NOT_HERE.into());
+        }
+        if self.output_set.has(Output::Wheel) {
+            return Err(WHEEL_RUNS.into());
+        }
+        if self.run.is_some() {
+            return Err(OPEN_RUN.into());
+        }
+        let values: [(Number, f64); 3] = [
+            (param::WHEEL_DIAMETER, diameter_mm),
+            (param::WHEEL_WIDTH, width_mm),
+            (param::WHEEL_RATED_SPEED, rated_m_s),
+        ];
+        for (row, value) in values {
+            if !(row.min..=row.max).contains(&value) {
+                let range = format!("{} … {} {}", row.min, row.max, row.unit);
+                return Err(Said::new(
+                    format!("P{} {} 超出范围 {range}", row.number, row.name.zh),
+                    format!("P{} {}: out of range {range}", row.number, row.name.en),
+                ));
+            }
+        }
+        let flag = (param::WHEEL_UNDRESSED.address(), 1.0);
+        for (at, value) in values.map(|(row, value)| (row.address(), value)).into_iter().chain([flag]) {
+            if self.params.write(at, value).is_ok() {
+                self.effects.push(Effect::Param(at, value));
+            }
+        }
+        self.pages.show(&self.params);
+        Ok(Said::new("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"))
+    }
+}

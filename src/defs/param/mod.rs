@@ -1,0 +1,357 @@
+//! The parameters: number, bit, name, unit, range, factory value and access level, and a set of their values.
+//! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; the numbers from 30 to 99 are this project's.
+
+mod table;
+
+pub use table::*;
+use table::{FACTORY_OF_KIND, factory_input_port, factory_output_port};
+
+use serde::{Deserialize, Serialize};
+
+use super::kind::Kind;
+use super::signal::{Input, Output, PORTS};
+use super::text::Text;
+use crate::units::{Axis, Micros};
+
+/// Highest parameter number + 1.
+pub const PARAM_LIMIT: usize = 400;
+
+/// Who may change a parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Level {
+    /// Anyone at the panel.
+    Operator,
+    /// The user's password.
+    User,
+    /// The machine builder's password.
+    Builder,
+}
+
+/// A parameter with a number as its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Number {
+    /// P number.
+    pub number: u16,
+    /// Name shown.
+    pub name: Text,
+    /// Unit shown; empty for counts and ports.
+    pub unit: &'static str,
+    /// Least value allowed.
+    pub min: f64,
+    /// Greatest value allowed.
+    pub max: f64,
+    /// Factory value.
+    pub factory: f64,
+    /// Who may change it.
+    pub level: Level,
+}
+
+/// One bit of a bit parameter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bit {
+    /// P number.
+    pub number: u16,
+    /// Bit 0…7.
+    pub bit: u8,
+    /// What 1 means.
+    pub name: Text,
+    /// Factory value on GC, GS, GA.
+    pub factory: [bool; 3],
+    /// Who may change it.
+    pub level: Level,
+}
+
+impl Bit {
+    /// Its address.
+    #[must_use]
+    pub const fn address(self) -> ParamAddress {
+        ParamAddress { number: self.number, bit: Some(self.bit) }
+    }
+}
+
+impl Number {
+    /// Its address.
+    #[must_use]
+    pub const fn address(self) -> ParamAddress {
+        ParamAddress { number: self.number, bit: None }
+    }
+}
+
+/// Why a value was not taken.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ParamError {
+    /// No such parameter.
+    #[error("there is no parameter P{0}")]
+    Unknown(u16),
+    /// The value lies outside the range.
+    #[error("P{number} takes {min} to {max}, not {value}")]
+    Range {
+        /// P number.
+        number: u16,
+        /// Least value allowed.
+        min: f64,
+        /// Greatest value allowed.
+        max: f64,
+        /// What was given.
+        value: f64,
+    },
+    /// Ports, counts and codes are whole numbers.
+    #[error("P{number} takes a whole number, not {value}")]
+    Whole {
+        /// P number.
+        number: u16,
+        /// What was given.
+        value: f64,
+    },
+    /// A bit takes 0 or 1.
+    #[error("P{number}.{bit} takes 0 or 1, not {value}")]
+    Bit {
+        /// P number.
+        number: u16,
+        /// Bit.
+        bit: u8,
+        /// What was given.
+        value: f64,
+    },
+}
+
+impl ParamError {
+    /// The same in Chinese.
+    #[must_use]
+    pub fn zh(self) -> String {
+        match self {
+            Self::Unknown(number) => format!("没有参数 P{number}"),
+            Self::Range { number, min, max, value } => format!("P{number} 范围 {min} 到 {max}，不能为 {value}"),
+            Self::Whole { number, value } => format!("P{number} 应为整数，不能为 {value}"),
+            Self::Bit { number, bit, value } => format!("P{number}.{bit} 只能为 0 或 1，不能为 {value}"),
+        }
+    }
+}
+
+/// The address of a parameter as people write it: `P270` or `P16.0`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ParamAddress {
+    /// P number.
+    pub number: u16,
+    /// The bit, for bit parameters.
+    pub bit: Option<u8>,
+}
+
+impl ParamAddress {
+    /// Reads `P270`, `270`, `P16.0`.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        let digits = text.strip_prefix(['P', 'p']).unwrap_or(text);
+        let (number, bit) = match digits.split_once('.') {
+            Some((number, bit)) => (number, Some(bit.parse().ok()?)),
+            None => (digits, None),
+        };
+        Some(Self { number: number.parse().ok()?, bit })
+    }
+}
+
+impl std::fmt::Display for ParamAddress {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.bit {
+            Some(bit) => write!(f, "P{}.{bit}", self.number),
+            None => write!(f, "P{}", self.number),
+        }
+    }
+}
+
+/// The values of all parameters of one machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Params {
+    numbers: Box<[f64; PARAM_LIMIT]>,
+    bits: Box<[u8; PARAM_LIMIT]>,
+}
+
+impl Params {
+    /// The factory values of a kind.
+    #[must_use]
+    pub fn factory(kind: Kind) -> Self {
+        let mut params = Self { numbers: Box::new([0.0; PARAM_LIMIT]), bits: Box::new([0; PARAM_LIMIT]) };
+        for row in NUMBERS {
+            params.numbers[usize::from(row.number)] = row.factory;
+        }
+        for (of, row, value) in FACTORY_OF_KIND {
+            if *of == kind {
+                params.numbers[usize::from(row.number)] = *value;
+            }
+        }
+        for input in Input::ALL {
+            params.numbers[usize::from(input.port_param())] = f64::from(factory_input_port(*input));
+        }
+        for output in Output::ALL {
+            params.numbers[usize::from(output.port_param())] = f64::from(factory_output_port(*output));
+        }
+        for row in BITS {
+            params.put_bit(row.number, row.bit, row.factory[kind as usize]);
+        }
+        params
+    }
+
+    fn put_bit(&mut self, number: u16, bit: u8, on: bool) {
+        let byte = &mut self.bits[usize::from(number)];
+        if on { *byte |= 1 << bit } else { *byte &= !(1 << bit) }
+    }
+
+    /// The value of a number parameter.
+    #[must_use]
+    pub fn get(&self, row: Number) -> f64 {
+        self.numbers[usize::from(row.number)]
+    }
+
+    /// Whether a bit is 1.
+    #[must_use]
+    pub fn bit(&self, row: Bit) -> bool {
+        self.bits[usize::from(row.number)] >> row.bit & 1 == 1
+    }
+
+    /// The port of an input; 0 is none.
+    #[must_use]
+    pub fn input_port(&self, input: Input) -> u8 {
+        self.numbers[usize::from(input.port_param())] as u8
+    }
+
+    /// The port of an output; 0 is none.
+    #[must_use]
+    pub fn output_port(&self, output: Output) -> u8 {
+        self.numbers[usize::from(output.port_param())] as u8
+    }
+
+    /// Another function of the kind on the port of this output (K6.1).
+    #[must_use]
+    pub fn output_conflict(&self, kind: Kind, output: Output) -> Option<Output> {
+        let port = self.output_port(output);
+        let others = Output::ALL.iter().copied().filter(|other| *other != output && other.is_of(kind));
+        others.into_iter().find(|other| port != 0 && output.is_of(kind) && self.output_port(*other) == port)
+    }
+
+    /// A number parameter in milliseconds, as a time.
+    #[must_use]
+    pub fn millis(&self, row: Number) -> Micros {
+        Micros::from_millis_f64(self.get(row))
+    }
+
+    /// The input ports whose level is inverted before use (normally-closed contacts).
+    #[must_use]
+    pub fn inverted_inputs(&self) -> u64 {
+        [INPUTS_INVERTED_1, INPUTS_INVERTED_2, INPUTS_INVERTED_3, INPUTS_INVERTED_4]
+            .into_iter()
+            .rev()
+            .fold(0, |mask, row| mask << 16 | (self.get(row) as u64 & 0xFFFF))
+    }
+
+    /// One of three consecutive parameters X, Y, Z.
+    #[must_use]
+    pub fn of_axis(&self, x: Number, axis: Axis) -> f64 {
+        self.numbers[usize::from(x.number) + axis as usize]
+    }
+
+    /// The value at an address, bits as 0 or 1.
+    ///
+    /// # Errors
+    /// The address is not in the table.
+    pub fn read(&self, at: ParamAddress) -> Result<f64, ParamError> {
+        match at.bit {
+            Some(bit) => BITS
+                .iter()
+                .find(|row| row.number == at.number && row.bit == bit)
+                .map(|row| f64::from(u8::from(self.bit(*row)))),
+            None => find_number(at.number).map(|_| self.numbers[usize::from(at.number)]),
+        }
+        .ok_or(ParamError::Unknown(at.number))
+    }
+
+    /// Stores a value at an address.
+    ///
+    /// # Errors
+    /// The address is not in the table, or the value is outside its range; nothing is changed then.
+    pub fn write(&mut self, at: ParamAddress, value: f64) -> Result<(), ParamError> {
+        if let Some(bit) = at.bit {
+            if !BITS.iter().any(|row| row.number == at.number && row.bit == bit) {
+                return Err(ParamError::Unknown(at.number));
+            }
+            let on = match value {
+                v if v.total_cmp(&0.0).is_eq() => false,
+                v if v.total_cmp(&1.0).is_eq() => true,
+                value => return Err(ParamError::Bit { number: at.number, bit, value }),
+            };
+            self.put_bit(at.number, bit, on);
+            return Ok(());
+        }
+        let (min, max, whole) = find_number(at.number).ok_or(ParamError::Unknown(at.number))?;
+        if !(min..=max).contains(&value) {
+            return Err(ParamError::Range { number: at.number, min, max, value });
+        }
+        if whole && value.fract().abs() > 0.0 {
+            return Err(ParamError::Whole { number: at.number, value });
+        }
+        self.numbers[usize::from(at.number)] = value;
+        Ok(())
+    }
+}
+
+/// The range of a number parameter, ports included, and whether it is a whole number: what has no unit is.
+fn find_number(number: u16) -> Option<(f64, f64, bool)> {
+    if let Some(row) = NUMBERS.iter().find(|row| row.number == number) {
+        return Some((row.min, row.max, row.unit.is_empty()));
+    }
+    let port = Input::ALL.iter().any(|input| input.port_param() == number)
+        || Output::ALL.iter().any(|output| output.port_param() == number);
+    port.then_some((0.0, f64::from(PORTS), true))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k3_factory_ports_are_the_seeds() {
+        let params = Params::factory(Kind::Gc);
+        let outputs = [(Output::HeadstockHigh, 16), (Output::HeadstockLow, 15), (Output::Hydraulic, 10)];
+        for (output, port) in outputs {
+            assert_eq!(params.output_port(output), port);
+        }
+        assert_eq!(params.output_port(Output::RadialGauge), 13);
+        assert_eq!(params.output_port(Output::AxialGauge), 14);
+        assert_eq!(params.output_port(Output::User5), 25);
+        assert_eq!(params.output_port(Output::TowerGreen), 28);
+        assert_eq!(params.input_port(Input::HydraulicPressure), 3);
+        assert_eq!(params.input_port(Input::EmergencyStop), 4);
+        assert_eq!(params.input_port(Input::Gauge6), 12);
+        assert_eq!(params.input_port(Input::User10), 22);
+        assert_eq!(params.input_port(Input::HomeZ), 25);
+        assert_eq!(params.input_port(Input::LimitZMinus), 39);
+        assert_eq!(params.input_port(Input::GuardClosed), 0);
+    }
+
+    #[test]
+    fn k3_normally_closed_inputs_are_the_emergency_stop_drives_and_limits() {
+        let inverted = Params::factory(Kind::Gc).inverted_inputs();
+        // Ports 4, 31…33 and 34…39.
+        let expected: u64 = 1 << 3 | (30..39).map(|bit| 1_u64 << bit).sum::<u64>();
+        assert_eq!(inverted, expected);
+    }
+
+    #[test]
+    fn k1_factory_bits_differ_by_kind() {
+        let gc = Params::factory(Kind::Gc);
+        let gs = Params::factory(Kind::Gs);
+        assert!(!gc.bit(MAGNET_ENABLED) && !gc.bit(WHEEL_NEEDS_MAGNET) && gc.bit(TAILSTOCK_ENABLED));
+        assert!(gs.bit(MAGNET_ENABLED) && gs.bit(WHEEL_NEEDS_MAGNET) && !gs.bit(TAILSTOCK_ENABLED));
+    }
+
+    #[test]
+    fn b6_a_value_out_of_range_is_refused_and_changes_nothing() {
+        let mut params = Params::factory(Kind::Gc);
+        let at = ParamAddress::parse("P270").unwrap();
+        assert!(params.write(at, 60_001.0).is_err());
+        assert!(params.write(at, f64::NAN).is_err());
+        assert_eq!(params.read(at), Ok(3_000.0));
+        assert!(params.write(ParamAddress::parse("P16.0").unwrap(), 2.0).is_err());
+        assert!(params.write(ParamAddress::parse("P300").unwrap(), 65.0).is_err());
+        assert_eq!(params.write(ParamAddress::parse("P399").unwrap(), 1.0), Err(ParamError::Unknown(399)));
+    }
+}

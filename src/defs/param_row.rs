@@ -1,0 +1,122 @@
+//! Every parameter of a kind as one list: bits, numbers and ports with name, unit, range, factory value and level.
+//! Source: spec B6, K6.1; the rows themselves stand in `param` and `signal`.
+
+use super::kind::Kind;
+use super::param::{BITS, Level, NUMBERS, ParamAddress, Params};
+use super::signal::{Input, Output, PORTS};
+use super::text::{Said, Text};
+
+/// What sort of value a parameter has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sort {
+    /// 0 or 1.
+    Bit,
+    /// A number.
+    Number,
+    /// The port of an input.
+    Input(Input),
+    /// The port of an output.
+    Output(Output),
+}
+
+/// One parameter as the page and its search see it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParamRow {
+    /// Where it stands.
+    pub at: ParamAddress,
+    /// Name shown.
+    pub name: Said,
+    /// Unit shown; empty for bits, counts and ports.
+    pub unit: &'static str,
+    /// Least value allowed.
+    pub min: f64,
+    /// Greatest value allowed.
+    pub max: f64,
+    /// Factory value of the kind.
+    pub factory: f64,
+    /// Who may change it.
+    pub level: Level,
+    /// What sort of value it has.
+    pub sort: Sort,
+}
+
+/// Every parameter of a kind: bits, then numbers, then ports, each by number.
+#[must_use]
+pub fn rows(kind: Kind) -> Vec<ParamRow> {
+    let factory = Params::factory(kind);
+    // Each address comes from the tables that `read` looks into.
+    let factory = |at| factory.read(at).unwrap_or(f64::NAN);
+    let mut rows: Vec<ParamRow> = BITS
+        .iter()
+        .map(|row| {
+            let at = ParamAddress { number: row.number, bit: Some(row.bit) };
+            let (name, level, sort) = (row.name.into(), row.level, Sort::Bit);
+            ParamRow { at, name, unit: "", min: 0.0, max: 1.0, factory: factory(at), level, sort }
+        })
+        .collect();
+    let numbers = NUMBERS.iter().map(|row| {
+        let at = ParamAddress { number: row.number, bit: None };
+        let (name, min, max, sort) = (row.name.into(), row.min, row.max, Sort::Number);
+        ParamRow { at, name, unit: row.unit, min, max, factory: factory(at), level: row.level, sort }
+    });
+    let port = |number, name: Text, way: Text, sort| {
+        let at = ParamAddress { number, bit: None };
+        let name = Said::new(format!("{}：{}", way.zh, name.zh), format!("{}: {}", way.en, name.en));
+        let (max, level) = (f64::from(PORTS), Level::Builder);
+        ParamRow { at, name, unit: "", min: 0.0, max, factory: factory(at), level, sort }
+    };
+    let (into, out_of) = (Text::new("输入口", "input port"), Text::new("输出口", "output port"));
+    let inputs = Input::ALL.iter().map(|input| port(input.port_param(), input.name(), into, Sort::Input(*input)));
+    let on_kind = Output::ALL.iter().filter(|output| output.is_of(kind));
+    let outputs = on_kind.map(|output| port(output.port_param(), output.name(), out_of, Sort::Output(*output)));
+    let mut numbers: Vec<ParamRow> = numbers.collect();
+    let mut ports: Vec<ParamRow> = inputs.chain(outputs).collect();
+    numbers.sort_by_key(|row| row.at);
+    ports.sort_by_key(|row| row.at);
+    rows.append(&mut numbers);
+    rows.append(&mut ports);
+    rows
+}
+
+/// Who may change a parameter; none if there is no such parameter.
+#[must_use]
+pub fn level(at: ParamAddress) -> Option<Level> {
+    match at.bit {
+        Some(bit) => BITS.iter().find(|row| (row.number, row.bit) == (at.number, bit)).map(|row| row.level),
+        None => NUMBERS.iter().find(|row| row.number == at.number).map(|row| row.level).or_else(|| {
+            let port = Input::ALL.iter().any(|input| input.port_param() == at.number)
+                || Output::ALL.iter().any(|output| output.port_param() == at.number);
+            port.then_some(Level::Builder)
+        }),
+    }
+}
+
+impl Level {
+    /// The name shown.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Operator => Text::new("操作", "operator"),
+            Self::User => Text::new("用户", "user"),
+            Self::Builder => Text::new("机床厂", "builder"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b6_every_parameter_stands_once_with_its_level_and_factory_value_in_range() {
+        for kind in Kind::ALL {
+            let rows = rows(kind);
+            for (index, row) in rows.iter().enumerate() {
+                assert!(rows[..index].iter().all(|other| other.at != row.at), "{} twice on {kind:?}", row.at);
+                assert_eq!(level(row.at), Some(row.level), "{}", row.at);
+                assert!((row.min..=row.max).contains(&row.factory), "{} {}", row.at, row.factory);
+            }
+        }
+        assert_eq!(level(ParamAddress { number: 399, bit: None }), None);
+    }
+}

@@ -1,0 +1,85 @@
+//! Ports that were given to more than one function: what the diagnosis page shows, and the interlock table refuses.
+//! Source: spec K6.1. Functions of which only one can exist on a kind share a port without a conflict (P153); port 0 is
+//! "not connected".
+
+use super::kind::Kind;
+use super::param::Params;
+use super::signal::{Input, Output, PORTS};
+
+/// One port that several functions were given.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Conflict<T> {
+    /// The port.
+    pub port: u8,
+    /// Its functions.
+    pub functions: Vec<T>,
+}
+
+/// Input ports with more than one function.
+#[must_use]
+pub fn input_conflicts(params: &Params) -> Vec<Conflict<Input>> {
+    conflicts(Input::ALL.iter().copied(), |input| params.input_port(input))
+}
+
+/// Output ports with more than one function.
+#[must_use]
+pub fn output_conflicts(kind: Kind, params: &Params) -> Vec<Conflict<Output>> {
+    let used = Output::ALL.iter().copied().filter(|output| output.is_of(kind));
+    conflicts(used, |output| params.output_port(output))
+}
+
+fn conflicts<T: Copy>(used: impl Iterator<Item = T>, port: impl Fn(T) -> u8) -> Vec<Conflict<T>> {
+    let mut ports: Vec<Conflict<T>> = (1..=PORTS).map(|port| Conflict { port, functions: Vec::new() }).collect();
+    for function in used {
+        if let Some(at) = port(function).checked_sub(1).and_then(|index| ports.get_mut(usize::from(index))) {
+            at.functions.push(function);
+        }
+    }
+    ports.retain(|conflict| conflict.functions.len() > 1);
+    ports
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::param::ParamAddress;
+
+    #[test]
+    fn k6_1_the_factory_ports_have_no_conflict_on_any_kind() {
+        for kind in Kind::ALL {
+            let params = Params::factory(kind);
+            assert_eq!(input_conflicts(&params), []);
+            assert_eq!(output_conflicts(kind, &params), []);
+        }
+    }
+
+    #[test]
+    fn k6_1_two_functions_on_a_port_are_a_conflict_and_port_zero_is_none() {
+        let mut params = Params::factory(Kind::Gc);
+        let port = |number| ParamAddress { number, bit: None };
+        params.write(port(301), 10.0).expect("a port");
+        let found = output_conflicts(Kind::Gc, &params);
+        assert_eq!(found, [Conflict { port: 10, functions: vec![Output::Coolant, Output::Hydraulic] }]);
+        params.write(port(301), 0.0).expect("a port");
+        params.write(port(302), 0.0).expect("a port");
+        assert_eq!(output_conflicts(Kind::Gc, &params), []);
+        params.write(port(332), 3.0).expect("a port");
+        let found = input_conflicts(&params);
+        assert_eq!(found, [Conflict { port: 3, functions: vec![Input::HydraulicPressure, Input::GuardClosed] }]);
+    }
+
+    #[test]
+    fn k6_1_the_page_names_the_conflicts_that_the_interlock_refuses() {
+        for kind in Kind::ALL {
+            let mut params = Params::factory(kind);
+            for (number, port) in [(301, 10.0), (303, 10.0), (323, 13.0)] {
+                params.write(ParamAddress { number, bit: None }, port).expect("a port");
+            }
+            let outputs = output_conflicts(kind, &params);
+            for output in Output::ALL.iter().filter(|output| output.is_of(kind)) {
+                let shown = outputs.iter().any(|conflict| conflict.functions.contains(output));
+                assert_eq!(shown, params.output_conflict(kind, *output).is_some(), "{}", output.id());
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The letter pads: words for a search, blocks of a program, typed by touch.
+//! Source: spec B6 (search by number or text, MDI), H6.
+
+use egui::{Id, Rect, Sense, Ui, vec2};
+
+use super::theme;
+use super::view::{View, card};
+use super::widget::{self, Look};
+use crate::defs::text::Text;
+
+/// A board of keys.
+#[derive(Clone, Copy, Debug)]
+pub struct Board {
+    /// Words, a touch each.
+    words: &'static [Text],
+    /// Signs, ten in a row; the last row leaves room for two keys.
+    rows: &'static [&'static str],
+    /// The key that ends.
+    done: Text,
+}
+
+/// For a search; what is searched most.
+pub const SEARCH: Board = Board {
+    words: &[
+        Text::new("速度", "speed"),
+        Text::new("延时", "delay"),
+        Text::new("限位", "limit"),
+        Text::new("零点", "home"),
+        Text::new("液压", "hydraulic"),
+        Text::new("振荡", "oscillation"),
+        Text::new("砂轮", "wheel"),
+        Text::new("尾座", "tailstock"),
+        Text::new("量仪", "gauge"),
+    ],
+    rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"],
+    done: Text::new("完成", "OK"),
+};
+/// For a block of a program.
+pub const BLOCK: Board = Board {
+    words: &[
+        Text::new("G00", "G00"),
+        Text::new("G01", "G01"),
+        Text::new("G04", "G04"),
+        Text::new("G50", "G50"),
+        Text::new("G54", "G54"),
+        Text::new("M03", "M03"),
+        Text::new("M05", "M05"),
+        Text::new("M08", "M08"),
+        Text::new("M09", "M09"),
+    ],
+    rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#[]()=+*/ ", "ZXCVBNM-"],
+    done: Text::new("输入", "INPUT"),
+};
+const ROW: f32 = 46.0;
+
+impl Board {
+    /// Height of the board: a row of words, and those of signs.
+    #[must_use]
+    pub const fn height(&self) -> f32 {
+        (self.rows.len() + 1) as f32 * ROW + 2.0 * theme::GAP
+    }
+}
+
+/// What was touched.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Letter {
+    /// One sign more.
+    Sign(char),
+    /// This word instead.
+    Word(&'static str),
+    /// One sign less.
+    Back,
+    /// Enough.
+    Done,
+}
+
+/// Draws the pad; gives what was touched.
+pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, board: &Board) -> Option<Letter> {
+    ui.interact(rect, Id::unique("letters"), Sense::CLICK | Sense::DRAG);
+    card(ui.painter(), rect, view.theme.surface, view.theme.focus);
+    let inside = rect.shrink(theme::GAP);
+    let mut touched = None;
+    let cell = |column: f32, row: f32, columns: f32, wide: f32| {
+        let width = (inside.width() + 3.0) / columns;
+        let corner = inside.min + vec2(column * width, row * ROW);
+        Rect::from_min_size(corner, vec2(wide * width - 3.0, ROW - 2.0))
+    };
+    for (index, word) in board.words.iter().enumerate() {
+        let name = format!("word-{}", word.en);
+        let place = cell(index as f32, 0.0, board.words.len() as f32, 1.0);
+        if widget::push(ui, view, place, &name, word.get(view.lang), Look::default()) {
+            touched = Some(Letter::Word(word.get(view.lang)));
+        }
+    }
+    for (line, signs) in board.rows.iter().enumerate() {
+        for (index, sign) in signs.chars().enumerate() {
+            let place = cell(index as f32, 1.0 + line as f32, 10.0, 1.0);
+            let mut label = [0; 4];
+            let label = if sign == ' ' { view.say("空格", "SPACE") } else { sign.encode_utf8(&mut label) };
+            if widget::push(ui, view, place, &format!("letter-{sign}"), label, Look::default()) {
+                touched = Some(Letter::Sign(sign));
+            }
+        }
+    }
+    let last = board.rows.len() as f32;
+    if widget::push(ui, view, cell(8.0, last, 10.0, 1.0), "letter-back", view.say("退格", "DEL"), Look::default()) {
+        touched = Some(Letter::Back);
+    }
+    if widget::push(ui, view, cell(9.0, last, 10.0, 1.0), "letter-done", board.done.get(view.lang), Look::default()) {
+        touched = Some(Letter::Done);
+    }
+    touched
+}

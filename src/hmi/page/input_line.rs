@@ -1,0 +1,44 @@
+//! The input line of the pages that take values: what is typed, what it is for, its range or why it was refused.
+//! Source: spec H6.
+
+use egui::{Align2, Rect, Stroke, Ui, pos2, vec2};
+
+use crate::hmi::theme;
+use crate::hmi::typing::Typing;
+use crate::hmi::view::{View, fit};
+
+/// What the line says beside the text.
+pub struct Told<'a> {
+    /// What the value is for, with its sign: `#500=`, `磨耗 04 X +=`.
+    pub what: &'a str,
+    /// Its name.
+    pub name: &'a str,
+    /// Range and old value.
+    pub range: &'a str,
+}
+
+/// The page above, the line at its foot.
+#[must_use]
+pub fn split(rect: Rect) -> (Rect, Rect) {
+    rect.split_top_bottom_at_y(rect.max.y - theme::INPUT)
+}
+
+/// Draws the line.
+pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, typing: &Typing, told: &Told<'_>) {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, view.theme.surface);
+    painter.hline(rect.x_range(), rect.min.y + 0.5, Stroke::new(theme::HAIR, view.theme.line));
+    let line = rect.shrink2(vec2(theme::PAD, 2.0));
+    let (left, rest) = line.split_left_right_at_fraction(0.38);
+    let left = Rect::from_min_max(left.min, left.max - vec2(theme::PAD, 0.0));
+    let words = format!("{} {}{}", view.say("数据输入:", "INPUT:"), told.what, typing.text);
+    if let Some(reason) = typing.reason(view.lang) {
+        fit(painter, left, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.alarm_text);
+        fit(painter, rest, Align2::RIGHT_CENTER, reason, theme::LABEL, view.theme.alarm_text);
+        return;
+    }
+    fit(painter, left, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.text);
+    let range = fit(painter, rest, Align2::RIGHT_CENTER, told.range, theme::LABEL, view.theme.quiet);
+    let name = Rect::from_min_max(rest.min, pos2(range.min.x - theme::PAD, rest.max.y));
+    fit(painter, name, Align2::LEFT_CENTER, told.name, theme::LABEL, view.theme.quiet);
+}

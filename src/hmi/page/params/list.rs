@@ -1,0 +1,183 @@
+//! The list of parameters: which lines there are, what a search finds, where the cursor goes. Nothing is drawn here.
+//! Source: spec B6.
+
+use crate::defs::kind::Kind;
+use crate::defs::param_row::{ParamRow, Sort, rows};
+
+/// What the tabs let through.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Part {
+    /// Everything.
+    #[default]
+    All,
+    /// Bits.
+    Bits,
+    /// Numbers.
+    Numbers,
+    /// Ports.
+    Ports,
+}
+
+/// One line of the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Line {
+    /// The bits of a parameter, bit 7 first; each one the index of its row.
+    Bits(u16, [Option<usize>; 8]),
+    /// One number or port: the index of its row.
+    One(usize),
+}
+
+impl Line {
+    /// Its rows, from the left.
+    pub fn rows(&self) -> impl Iterator<Item = usize> {
+        let (bits, one) = match self {
+            Self::Bits(_, bits) => (*bits, None),
+            Self::One(row) => ([None; 8], Some(*row)),
+        };
+        bits.into_iter().flatten().chain(one)
+    }
+}
+
+/// Rows of a kind and the lines that the search lets through.
+#[derive(Debug, Default)]
+pub struct List {
+    kind: Option<Kind>,
+    part: Part,
+    search: String,
+    /// Every parameter of the kind.
+    pub rows: Vec<ParamRow>,
+    /// What is shown.
+    pub lines: Vec<Line>,
+    /// Whether each row was found: the other bits of its line are only company.
+    pub found: Vec<bool>,
+}
+
+impl List {
+    /// Brings the lines up to date; true when they are others than before.
+    pub fn update(&mut self, kind: Kind, part: Part, search: &str) -> bool {
+        let same = self.kind == Some(kind) && self.part == part && self.search == search;
+        if same {
+            return false;
+        }
+        if self.kind != Some(kind) {
+            self.rows = rows(kind);
+        }
+        (self.kind, self.part) = (Some(kind), part);
+        search.clone_into(&mut self.search);
+        let wanted = search.trim().to_lowercase();
+        self.found = self.rows.iter().map(|row| is_in(row, part) && fits(row, &wanted)).collect();
+        self.lines.clear();
+        for (index, row) in self.rows.iter().enumerate() {
+            match (row.at.bit, self.lines.last_mut()) {
+                (Some(bit), Some(Line::Bits(number, bits))) if *number == row.at.number => {
+                    bits[7 - usize::from(bit)] = Some(index);
+                }
+                (Some(bit), _) => {
+                    let mut bits = [None; 8];
+                    bits[7 - usize::from(bit)] = Some(index);
+                    self.lines.push(Line::Bits(row.at.number, bits));
+                }
+                (None, _) => self.lines.push(Line::One(index)),
+            }
+        }
+        let found = &self.found;
+        self.lines.retain(|line| line.rows().any(|row| found[row]));
+        true
+    }
+
+    /// The first row that was found.
+    #[must_use]
+    pub fn first(&self) -> Option<usize> {
+        self.lines.iter().flat_map(Line::rows).find(|row| self.found[*row])
+    }
+
+    /// The line of a row.
+    #[must_use]
+    pub fn line_of(&self, row: usize) -> Option<usize> {
+        self.lines.iter().position(|line| line.rows().any(|other| other == row))
+    }
+
+    /// The row so many lines further, on the same bit or the nearest one.
+    #[must_use]
+    pub fn below(&self, row: usize, lines: isize) -> Option<usize> {
+        let here = self.line_of(row)?;
+        let there = here.saturating_add_signed(lines).min(self.lines.len().checked_sub(1)?);
+        let bit = self.rows[row].at.bit.unwrap_or(7);
+        let apart = |other: &usize| self.rows[*other].at.bit.map_or(0, |bit_there| bit_there.abs_diff(bit));
+        self.lines[there].rows().min_by_key(apart)
+    }
+
+    /// The row before or after, whatever its line.
+    #[must_use]
+    pub fn beside(&self, row: usize, forward: bool) -> Option<usize> {
+        let all: Vec<usize> = self.lines.iter().flat_map(Line::rows).collect();
+        let here = all.iter().position(|other| *other == row)?;
+        let there = if forward { (here + 1) % all.len() } else { (here + all.len() - 1) % all.len() };
+        all.get(there).copied()
+    }
+}
+
+fn is_in(row: &ParamRow, part: Part) -> bool {
+    match part {
+        Part::All => true,
+        Part::Bits => row.sort == Sort::Bit,
+        Part::Numbers => row.sort == Sort::Number,
+        Part::Ports => matches!(row.sort, Sort::Input(_) | Sort::Output(_)),
+    }
+}
+
+/// A number is looked for from its front, a word anywhere in the name of either language or in the id.
+fn fits(row: &ParamRow, wanted: &str) -> bool {
+    if wanted.is_empty() {
+        return true;
+    }
+    let number = wanted.strip_prefix('p').unwrap_or(wanted);
+    if number.starts_with(|sign: char| sign.is_ascii_digit()) {
+        return row.at.to_string()[1..].starts_with(number);
+    }
+    let id = match row.sort {
+        Sort::Input(input) => input.id(),
+        Sort::Output(output) => output.id(),
+        Sort::Bit | Sort::Number => "",
+    };
+    row.name.zh.contains(wanted) || row.name.en.to_lowercase().contains(wanted) || id.contains(wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(part: Part, search: &str) -> Vec<String> {
+        let mut list = List::default();
+        list.update(Kind::Gc, part, search);
+        let rows = list.rows.iter().zip(&list.found).filter(|(_, found)| **found);
+        rows.map(|(row, _)| row.at.to_string()).collect()
+    }
+
+    #[test]
+    fn b6_search_finds_numbers_and_words_of_both_languages() {
+        assert_eq!(found(Part::All, "P270"), ["P270"]);
+        assert_eq!(found(Part::All, "270"), ["P270"]);
+        assert_eq!(found(Part::All, "16."), ["P16.0", "P16.1", "P16.2"]);
+        assert_eq!(found(Part::All, "液压检测"), ["P270"]);
+        assert_eq!(found(Part::All, "hydraulic CHECK"), ["P270"]);
+        assert_eq!(found(Part::Ports, "hydraulic-pressure"), ["P269"]);
+        assert!(found(Part::Bits, "液压").contains(&"P17.0".to_owned()));
+        assert!(found(Part::All, "nothing of the kind").is_empty());
+    }
+
+    #[test]
+    fn b6_arrows_reach_every_parameter() {
+        let mut list = List::default();
+        list.update(Kind::Gc, Part::All, "");
+        let (mut row, mut seen) = (list.first().expect("a row"), 0);
+        for _ in 0..list.rows.len() {
+            row = list.beside(row, true).expect("a row");
+            seen += 1;
+        }
+        assert_eq!((Some(row), seen), (list.first(), list.rows.len()));
+        let below = list.below(row, 1).expect("a line below");
+        assert_eq!(list.line_of(below), Some(1));
+        assert_eq!(list.below(row, -1).and_then(|row| list.line_of(row)), Some(0));
+    }
+}

@@ -1,0 +1,167 @@
+//! The gauges (P7): the radial (thickness) gauge tells in four stages how far the part is from its set size; the axial
+//! (plane) gauge tells that its tip touches, and that it has been pressed in to its second stage.
+//!
+//! Every signal comes a delay after its cause. DECISION: a stage that was given is taken back only `hysteresis_um`
+//! above it, as gauge amplifiers do, so that noise gives one edge; a cause shorter than the delay gives no signal.
+
+use super::machine_rows::GaugesFile;
+use crate::io::random::SplitMix64;
+
+/// A signal that follows its cause after a delay.
+#[derive(Clone, Copy, Debug, Default)]
+struct Signal {
+    cause: bool,
+    shown: bool,
+    left_s: f64,
+}
+
+impl Signal {
+    fn step(&mut self, cause: bool, delay_s: f64, dt_s: f64) {
+        if cause != self.cause {
+            self.cause = cause;
+            self.left_s = delay_s;
+        }
+        if self.shown != self.cause {
+            self.left_s -= dt_s;
+            // Half a tick: the sum of many dt is not the delay to the last bit.
+            self.shown = if self.left_s <= 0.5 * dt_s { self.cause } else { self.shown };
+        }
+    }
+
+    const fn rests(self) -> bool {
+        !self.cause && !self.shown
+    }
+}
+
+/// What the gauges find in a tick.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Found {
+    /// Size of the part over its set size, µm; none with the arm in or nothing to measure.
+    pub over_um: Option<f64>,
+    /// How far the plane gauge's tip is pressed in, mm; none with the arm in or in the air.
+    pub pressed_mm: Option<f64>,
+}
+
+/// Both gauges.
+#[derive(Clone, Debug)]
+pub(super) struct Gauges {
+    file: GaugesFile,
+    stages: [Signal; 4],
+    touch: Signal,
+    second: Signal,
+}
+
+impl Gauges {
+    /// Gauges that show nothing.
+    pub(super) fn new(file: GaugesFile) -> Self {
+        Self { file, stages: [Signal::default(); 4], touch: Signal::default(), second: Signal::default() }
+    }
+
+    /// One tick.
+    pub(super) fn step(&mut self, found: Found, dt_s: f64, chance: &mut SplitMix64) {
+        let quiet = found.over_um.is_none() && found.pressed_mm.is_none();
+        if quiet && self.touch.rests() && self.second.rests() && self.stages[0].rests() {
+            return;
+        }
+        let delay_s = self.file.delay_s;
+        let over_um = found.over_um.map(|over| over + self.file.noise_um * (2.0 * chance.unit() - 1.0));
+        for (signal, stage_um) in self.stages.iter_mut().zip(self.file.stages_um) {
+            let edge = stage_um + if signal.cause { self.file.hysteresis_um } else { 0.0 };
+            signal.step(over_um.is_some_and(|over| over <= edge), delay_s, dt_s);
+        }
+        let pressed_mm = found.pressed_mm.unwrap_or(-1.0);
+        self.touch.step(pressed_mm >= 0.0, delay_s, dt_s);
+        self.second.step(pressed_mm >= self.file.probe.second_mm, delay_s, dt_s);
+    }
+
+    /// Stage 1 to 4 is the index 0 to 3.
+    pub(super) fn stage(&self, index: usize) -> bool {
+        self.stages[index].shown
+    }
+
+    /// The tip touches.
+    pub(super) const fn touches(&self) -> bool {
+        self.touch.shown
+    }
+
+    /// The tip is pressed in to the second stage.
+    pub(super) const fn second(&self) -> bool {
+        self.second.shown
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+    use crate::io::sim::MachineFile;
+
+    fn gauges() -> Gauges {
+        Gauges::new(MachineFile::builtin(Kind::Gc).unwrap().gauges)
+    }
+
+    fn size(over_um: f64) -> Found {
+        Found { over_um: Some(over_um), pressed_mm: None }
+    }
+
+    #[test]
+    fn p7_each_stage_comes_once_within_its_noise_and_ten_milliseconds_later() {
+        let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
+        let mut edges = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
+        let mut before = [false; 4];
+        for tick in 0..120_000 {
+            // 1 µm/s: 0.01 µm in the delay of 10 ms, and a second in the noise of a stage.
+            let over = 110.0 - 0.001 * f64::from(tick);
+            g.step(size(over), 0.001, &mut chance);
+            for stage in 0..4 {
+                if g.stage(stage) != before[stage] {
+                    edges[stage].push(over);
+                }
+                before[stage] = g.stage(stage);
+            }
+        }
+        for (edges, stage) in edges.iter().zip([100.0, 20.0, 5.0, 0.0]) {
+            assert_eq!(edges.len(), 1, "{stage}: {edges:?}");
+            // Noise up to 0.5 µm before or behind, and the delay's 0.01 µm.
+            assert!((edges[0] - stage).abs() <= 0.515, "{stage}: {edges:?}");
+        }
+    }
+
+    #[test]
+    fn p7_a_size_that_stands_at_a_stage_gives_one_edge_and_no_chatter() {
+        let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
+        let (mut edges, mut before) = (0, false);
+        for _ in 0..60_000 {
+            // Noise is over it or under it half of the time.
+            g.step(size(5.0), 0.001, &mut chance);
+            edges += u32::from(g.stage(2) != before);
+            before = g.stage(2);
+        }
+        assert_eq!((edges, before), (1, true));
+    }
+
+    #[test]
+    fn p7_the_signal_comes_ten_milliseconds_after_the_touch() {
+        let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
+        let pressed = |mm| Found { over_um: None, pressed_mm: Some(mm) };
+        for _ in 0..9 {
+            g.step(pressed(0.0), 0.001, &mut chance);
+            assert!(!g.touches());
+        }
+        g.step(pressed(0.0), 0.001, &mut chance);
+        assert!(g.touches() && !g.second());
+        (0..10).for_each(|_| g.step(pressed(0.5), 0.001, &mut chance));
+        assert!(g.second());
+        (0..10).for_each(|_| g.step(Found::default(), 0.001, &mut chance));
+        assert!(!g.touches() && !g.second());
+    }
+
+    #[test]
+    fn p7_an_arm_that_goes_in_takes_its_signals_with_it() {
+        let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
+        (0..20).for_each(|_| g.step(size(-1.0), 0.001, &mut chance));
+        assert!((0..4).all(|stage| g.stage(stage)));
+        (0..10).for_each(|_| g.step(Found::default(), 0.001, &mut chance));
+        assert!((0..4).all(|stage| !g.stage(stage)));
+    }
+}

@@ -1,0 +1,164 @@
+//! The magnet chuck: what holds the part on GS and GA (P3).
+//!
+//! With magnetise on, the force rises to its full value in `magnetise_s`. With both outputs off it falls to the
+//! remanence within `release_s`. Demagnetise sends reversals through the coil that decay to nothing in
+//! `demagnetise_s` and take the remanence with them; broken off before, they leave their share of it.
+//! DECISION: with both outputs on the coil has no current, as contactors that lock each other out would have it; a
+//! part is not held during reversals, as the force passes through zero twice in each.
+
+use std::f64::consts::PI;
+
+use super::machine_rows::MagnetFile;
+
+/// What the control switches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Current {
+    Magnetise,
+    Demagnetise,
+    Off,
+}
+
+impl Current {
+    /// From the two outputs.
+    pub(super) const fn of(magnetise: bool, demagnetise: bool) -> Self {
+        match (magnetise, demagnetise) {
+            (true, false) => Self::Magnetise,
+            (false, true) => Self::Demagnetise,
+            (true, true) | (false, false) => Self::Off,
+        }
+    }
+}
+
+/// Coil and iron.
+#[derive(Clone, Debug)]
+pub(super) struct Magnet {
+    file: MagnetFile,
+    /// Force of the coil, of the full force; negative in every other reversal.
+    coil: f64,
+    /// What the iron keeps without current, of the full force.
+    kept: f64,
+    /// How long it has been demagnetised without a break, s.
+    reversing_s: f64,
+}
+
+impl Magnet {
+    /// A magnet without current and without remanence.
+    pub(super) const fn new(file: MagnetFile) -> Self {
+        Self { file, coil: 0.0, kept: 0.0, reversing_s: 0.0 }
+    }
+
+    /// Full force at once.
+    pub(super) const fn make_ready(&mut self) {
+        self.coil = 1.0;
+        self.kept = self.file.remanence;
+        self.reversing_s = 0.0;
+    }
+
+    /// One tick.
+    pub(super) fn step(&mut self, current: Current, dt_s: f64) {
+        if current != Current::Demagnetise {
+            self.reversing_s = 0.0;
+        }
+        match current {
+            Current::Magnetise => {
+                self.coil = (self.coil.max(0.0) + dt_s / self.file.magnetise_s).min(1.0);
+                self.kept = self.kept.max(self.coil * self.file.remanence);
+            }
+            Current::Off => {
+                let drop = dt_s / self.file.release_s;
+                self.coil = if self.coil > 0.0 { (self.coil - drop).max(0.0) } else { (self.coil + drop).min(0.0) };
+            }
+            Current::Demagnetise => {
+                self.reversing_s += dt_s;
+                let amplitude = (1.0 - self.reversing_s / self.file.demagnetise_s).max(0.0);
+                self.coil = -amplitude * (PI * self.reversing_s / self.file.reversal_s).sin();
+                self.kept = self.kept.min(amplitude * self.file.remanence);
+            }
+        }
+    }
+
+    /// Force on the part, 0 to 1 of the full force.
+    pub(super) fn force(&self) -> f64 {
+        self.coil.abs().max(self.kept)
+    }
+
+    /// Whether the part stays where it is while it is ground or turned.
+    pub(super) fn holds(&self) -> bool {
+        self.reversing_s <= 0.0 && self.force() >= self.file.holds_from
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+    use crate::io::sim::MachineFile;
+
+    fn magnet() -> Magnet {
+        Magnet::new(MachineFile::builtin(Kind::Gs).unwrap().magnet.unwrap())
+    }
+
+    fn run(magnet: &mut Magnet, current: Current, ticks: u32) {
+        (0..ticks).for_each(|_| magnet.step(current, 0.001));
+    }
+
+    #[test]
+    fn p3_the_magnet_has_its_full_force_after_a_second() {
+        let mut m = magnet();
+        assert!(!m.holds() && m.force() <= 0.0);
+        run(&mut m, Current::Magnetise, 990);
+        assert!(m.force() < 1.0);
+        run(&mut m, Current::Magnetise, 11);
+        assert!(m.holds() && m.force() >= 1.0);
+    }
+
+    #[test]
+    fn p3_without_current_only_the_remanence_is_left_and_does_not_hold() {
+        let mut m = magnet();
+        run(&mut m, Current::Magnetise, 1_001);
+        // Release 0.2 s.
+        run(&mut m, Current::Off, 201);
+        assert!(!m.holds() && (m.force() - 0.15).abs() < 1e-9, "{}", m.force());
+        run(&mut m, Current::Off, 60_000);
+        assert!((m.force() - 0.15).abs() < 1e-9, "it stays");
+    }
+
+    #[test]
+    fn p3_six_seconds_of_decaying_reversals_take_the_remanence_away() {
+        let mut m = magnet();
+        run(&mut m, Current::Magnetise, 1_001);
+        let (mut reversals, mut before, mut crest) = (0, 0.0_f64, Vec::new());
+        for _ in 0..6_000 {
+            m.step(Current::Demagnetise, 0.001);
+            if m.coil * before < 0.0 {
+                reversals += 1;
+                crest.push(0.0_f64);
+            }
+            before = m.coil;
+            if let Some(last) = crest.last_mut() {
+                *last = last.max(m.coil.abs());
+            }
+            assert!(!m.holds());
+        }
+        // One reversal every 0.5 s.
+        assert!((10..=12).contains(&reversals), "{reversals}");
+        assert!(crest.windows(2).all(|pair| pair[1] < pair[0]), "each weaker than the one before: {crest:?}");
+        assert!(m.force() < 1e-6, "{}", m.force());
+    }
+
+    #[test]
+    fn p3_a_demagnetising_that_is_broken_off_leaves_its_share() {
+        let mut m = magnet();
+        run(&mut m, Current::Magnetise, 1_001);
+        run(&mut m, Current::Demagnetise, 3_000);
+        run(&mut m, Current::Off, 1_000);
+        // Half of the way: half of 0.15.
+        assert!((m.force() - 0.075).abs() < 1e-3, "{}", m.force());
+    }
+
+    #[test]
+    fn p3_both_outputs_at_once_give_no_current() {
+        assert_eq!(Current::of(true, true), Current::Off);
+        assert_eq!(Current::of(false, true), Current::Demagnetise);
+    }
+}

@@ -1,0 +1,82 @@
+//! What the wheel must not touch: chuck, tailstock, fixture, the magnet's plate (P8 crash). Any touch is a crash, told
+//! once until the wheel has come free.
+
+use super::machine_rows::PlateFile;
+use super::part_file::{BlockFile, Body, BodyFile, TailstockFile};
+use super::surface::Pass;
+use super::wheel::Wheel;
+
+/// A body in the way, part coordinates as the wheel sees them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Obstacle {
+    pub(super) name: &'static str,
+    across: (f64, f64),
+    /// From and to along the stroke; none if it turns, or on a machine without a stroke.
+    stroke: Option<(f64, f64)>,
+    /// How far it stands out along the infeed.
+    top: f64,
+    touched: bool,
+    /// It moves with the tailstock.
+    on_tailstock: bool,
+}
+
+const fn name(what: Body) -> &'static str {
+    match what {
+        Body::Chuck => "chuck",
+        Body::Fixture => "fixture",
+    }
+}
+
+impl Obstacle {
+    const fn new(name: &'static str, across: (f64, f64), stroke: Option<(f64, f64)>, top: f64) -> Self {
+        Self { name, across, stroke, top, touched: false, on_tailstock: false }
+    }
+
+    pub(super) const fn of_body(body: &BodyFile) -> Self {
+        Self::new(name(body.what), (body.z_from, body.z_to), None, body.diameter / 2.0)
+    }
+
+    pub(super) fn of_tailstock(file: &TailstockFile) -> Self {
+        let across = (file.z, file.z + file.length);
+        Self { on_tailstock: true, ..Self::new("tailstock", across, None, file.diameter / 2.0) }
+    }
+
+    /// On a table: X is the stroke where Z is given, otherwise the radius of a ring.
+    pub(super) fn of_block(block: &BlockFile) -> [Self; 2] {
+        let ring = |across| Self::new(name(block.what), across, None, block.top);
+        match block.z {
+            Some(z) => [Self::new(name(block.what), z, Some(block.x), block.top); 2],
+            None => [ring(block.x), ring((-block.x.1, -block.x.0))],
+        }
+    }
+
+    /// The magnet's plate; `zero` is the work zero as the wheel sees it.
+    pub(super) fn of_plate(plate: &PlateFile, zero: &Pass) -> Self {
+        let shifted = |(from, to): (f64, f64), by: f64| (from - by, to - by);
+        let stroke = plate.stroke_mm.map(|stroke| shifted(stroke, zero.stroke_mm));
+        Self::new("magnet", shifted(plate.across_mm, zero.left_mm), stroke, plate.top_mm - zero.front_mm)
+    }
+
+    /// How far it stands out along the infeed.
+    pub(super) const fn top_mm(&self) -> f64 {
+        self.top
+    }
+
+    /// The wheel is elsewhere.
+    pub(super) const fn come_free(&mut self) {
+        self.touched = false;
+    }
+
+    /// Whether the wheel has come into it in this tick.
+    pub(super) fn newly_hit(&mut self, pass: &Pass, wheel: &Wheel, tailstock_back_mm: f64) -> bool {
+        let back = if self.on_tailstock { tailstock_back_mm } else { 0.0 };
+        let half = || wheel.half_chord_mm(self.top - pass.front_mm);
+        let inside = pass.front_mm < self.top
+            && pass.left_mm < self.across.1 + back
+            && pass.left_mm + wheel.width_mm() > self.across.0 + back
+            && self.stroke.is_none_or(|(from, to)| pass.stroke_mm + half() > from && pass.stroke_mm - half() < to);
+        let newly = inside && !self.touched;
+        self.touched = inside;
+        newly
+    }
+}

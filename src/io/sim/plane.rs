@@ -1,0 +1,219 @@
+//! A plane y(x, z) on the magnet, ground by the rim of a wheel whose axis lies along Z while the table draws it past
+//! along X (P4, P5). The contact law stands in `surface`.
+//!
+//! Over a cell at the distance d along X the rim stands d²/2R higher than its lowest point (to the exact circle), but
+//! within half the length of contact, where wheel and part give way to each other, it lies flat. In a tick the wheel
+//! sweeps from where it was to where it is: a cell sees the nearest it came, and counts the way that lay within the
+//! contact. So a pass over the whole length of contact c leaves exp(−c/λ) of the overlap, whatever the speed and the tick.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use super::part_file::SurfaceFile;
+use super::report::{HeightAt, PartReport};
+use super::surface::{Cut, Pass, taken};
+use super::wheel::Wheel;
+use crate::io::random::SplitMix64;
+
+/// Wavelengths of the waviness, mm, along X and along Z.
+const WAVES_MM: (f64, f64) = (23.0, 17.0);
+
+/// A field of cells.
+#[derive(Clone, Debug)]
+pub(super) struct Plane {
+    x: Row,
+    z: Row,
+    /// Heights, columns along Z one after the other along X.
+    height_mm: Box<[f64]>,
+    /// No cell stands higher.
+    highest_mm: f64,
+    /// No cell of the column stands higher, so that the cells of those far below are not looked at.
+    column_mm: Box<[f64]>,
+    /// How far the rim stands back over each row, in this tick; only the rows under the wheel are up to date.
+    rim_mm: Box<[f64]>,
+    /// What each row has given in this tick, mm of depth.
+    gave_mm: Box<[f64]>,
+}
+
+/// Cells one after the other in one direction.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    from_mm: f64,
+    cell_mm: f64,
+    count: usize,
+}
+
+impl Row {
+    fn new(from: f64, to: f64, cell: f64) -> Self {
+        let count = ((to - from) / cell).round().max(1.0) as usize;
+        Self { from_mm: from, cell_mm: (to - from) / count as f64, count }
+    }
+
+    fn middle(self, cell: usize) -> f64 {
+        self.from_mm + (cell as f64 + 0.5) * self.cell_mm
+    }
+
+    fn length_mm(self) -> f64 {
+        self.cell_mm * self.count as f64
+    }
+
+    /// The cells whose middles lie from one place to below another.
+    fn cells(self, from_mm: f64, to_mm: f64) -> Range<usize> {
+        let cell =
+            |place: f64| (((place - self.from_mm) / self.cell_mm - 0.5).ceil().max(0.0) as usize).min(self.count);
+        cell(from_mm)..cell(to_mm)
+    }
+
+    /// The two cells around a place and the share of the second; `None` beside the row.
+    fn around(self, place_mm: f64) -> Option<(usize, usize, f64)> {
+        let cells = (place_mm - self.from_mm) / self.cell_mm;
+        if !(0.0..=self.count as f64).contains(&cells) {
+            return None;
+        }
+        let last = self.count - 1;
+        let along = (cells - 0.5).clamp(0.0, last as f64);
+        let first = along.floor() as usize;
+        Some((first, (first + 1).min(last), along - along.floor()))
+    }
+}
+
+impl Plane {
+    /// The plane before grinding; its waviness begins by chance. `None` if the file describes something else.
+    pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
+        let SurfaceFile::Plane { x_from, x_to, z_from, z_to, stock, cell, waviness } = *file else { return None };
+        let (x, z) = (Row::new(x_from, x_to, cell), Row::new(z_from, z_to, cell));
+        let phases = (chance.unit(), chance.unit());
+        let wave = |place: f64, length: f64, phase: f64| (2.0 * PI * (place / length + phase)).sin();
+        let height = |i: usize| {
+            let along_x = wave(x.middle(i / z.count), WAVES_MM.0, phases.0);
+            let along_z = wave(z.middle(i % z.count), WAVES_MM.1, phases.1);
+            stock + 0.5 * waviness * (along_x + along_z)
+        };
+        let height_mm: Box<[f64]> = (0..x.count * z.count).map(height).collect();
+        let highest_mm = height_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let column = |column: &[f64]| column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let column_mm = height_mm.chunks(z.count).map(column).collect();
+        let row = vec![0.0; z.count].into_boxed_slice();
+        Some(Self { x, z, height_mm, highest_mm, column_mm, rim_mm: row.clone(), gave_mm: row })
+    }
+
+    /// No cell stands higher, mm.
+    pub(super) const fn highest_mm(&self) -> f64 {
+        self.highest_mm
+    }
+
+    /// The cells that the wheel may touch in this tick, along X and along Z.
+    fn under(&self, pass: &Pass, wheel: &Wheel) -> (Range<usize>, Range<usize>) {
+        let half = 0.5 * pass.traverse.contact_mm + wheel.half_chord_mm(self.highest_mm - pass.front_mm);
+        let (least, most) = pass.sweep_mm();
+        let x = self.x.cells(least - half, most + half);
+        let z = self.z.cells(pass.left_mm, pass.left_mm + wheel.width_mm());
+        (x, z)
+    }
+
+    /// How much higher than at its lowest point the rim came over a column in this tick, and which way of the sweep lay
+    /// within the length of contact, both mm.
+    fn met(&self, x: usize, pass: &Pass, wheel: &Wheel) -> (f64, f64) {
+        let (middle, flat, (least, most)) = (self.x.middle(x), 0.5 * pass.traverse.contact_mm, pass.sweep_mm());
+        let off = ((least - middle).max(middle - most) - flat).max(0.0);
+        let radius = wheel.radius_mm();
+        let lift = radius - (radius * radius - off * off).max(0.0).sqrt();
+        let way = most.min(middle + flat) - least.max(middle - flat);
+        (lift, way.max(0.0))
+    }
+
+    /// Greatest overlap with the wheel, mm; zero or less is none.
+    pub(super) fn overlap_mm(&mut self, pass: &Pass, wheel: &Wheel) -> f64 {
+        if pass.front_mm >= self.highest_mm {
+            return 0.0;
+        }
+        let (xs, zs) = self.under(pass, wheel);
+        if xs.is_empty() || zs.is_empty() {
+            return 0.0;
+        }
+        for z in zs.clone() {
+            let slice = wheel.slice_at(self.z.middle(z) - pass.left_mm);
+            self.rim_mm[z] = slice.map_or(f64::INFINITY, |slice| wheel.rim_mm(slice));
+        }
+        let mut greatest = 0.0_f64;
+        for x in xs {
+            let surface = pass.front_mm + self.met(x, pass, wheel).0;
+            if surface < self.column_mm[x] {
+                let heights = &self.height_mm[x * self.z.count..][zs.clone()];
+                for (h, rim) in heights.iter().zip(&self.rim_mm[zs.clone()]) {
+                    greatest = greatest.max(h - surface - rim);
+                }
+            }
+        }
+        greatest
+    }
+
+    /// Grinds what overlaps for one tick; the overlap was asked for before.
+    pub(super) fn grind(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
+        let tau = wheel.rim_s();
+        let slower = wheel.slower(tau);
+        let across = pass.across_mm_s / (pass.traverse.across_mm * slower);
+        let (xs, zs) = self.under(pass, wheel);
+        self.gave_mm[zs.clone()].fill(0.0);
+        let mut widest = 0;
+        for x in xs {
+            let (lift, way) = self.met(x, pass, wheel);
+            let surface = pass.front_mm + lift;
+            if surface >= self.column_mm[x] {
+                continue;
+            }
+            let taken = taken(pass.dt_s, tau, across + way / (pass.traverse.plane_mm * slower * pass.dt_s));
+            widest = widest.max(self.grind_column(x, &zs, surface, taken));
+        }
+        let area = self.x.cell_mm * self.z.cell_mm;
+        let mut volume = 0.0;
+        for z in zs {
+            let gave = area * self.gave_mm[z];
+            if gave > 0.0
+                && let Some(slice) = wheel.slice_at(self.z.middle(z) - pass.left_mm)
+            {
+                wheel.wear_rim(slice, gave);
+                volume += gave;
+            }
+        }
+        let width = widest as f64 * self.z.cell_mm;
+        Cut { volume_mm3: volume, specific_mm2: if widest > 0 { volume / width } else { 0.0 } }
+    }
+
+    /// Takes a share of what stands above the wheel's surface in a column; tells how many cells that were.
+    fn grind_column(&mut self, x: usize, zs: &Range<usize>, surface: f64, taken: f64) -> usize {
+        let column = &mut self.height_mm[x * self.z.count..][..self.z.count];
+        let (rims, gave) = (&self.rim_mm[zs.clone()], &mut self.gave_mm[zs.clone()]);
+        let mut touched = 0;
+        for ((h, rim), gave) in column[zs.clone()].iter_mut().zip(rims).zip(gave) {
+            let overlap = (*h - surface - rim).max(0.0);
+            touched += usize::from(overlap > 0.0);
+            *h -= overlap * taken;
+            *gave += overlap * taken;
+        }
+        if touched > 0 {
+            self.column_mm[x] = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        }
+        touched
+    }
+
+    /// Height at a place, between the middles of the cells; `None` beside the plane.
+    pub(super) fn height_at(&self, x: f64, z: f64) -> Option<f64> {
+        let ((xa, xb, xs), (za, zb, zs)) = (self.x.around(x)?, self.z.around(z)?);
+        let across = |x: usize| {
+            let column = x * self.z.count;
+            self.height_mm[column + za] * (1.0 - zs) + self.height_mm[column + zb] * zs
+        };
+        Some(across(xa) * (1.0 - xs) + across(xb) * xs)
+    }
+
+    /// Adds what the report wants of this plane: five places along X by three along Z.
+    pub(super) fn report(&self, report: &mut PartReport) {
+        let place = |row: Row, tenths: f64| row.from_mm + row.length_mm() * tenths / 10.0;
+        for z in [1.0, 5.0, 9.0].map(|tenths| place(self.z, tenths)) {
+            for x in [1.0, 3.0, 5.0, 7.0, 9.0].map(|tenths| place(self.x, tenths)) {
+                report.heights.extend(self.height_at(x, z).map(|y| HeightAt { x, z, y }));
+            }
+        }
+    }
+}

@@ -1,0 +1,391 @@
+//! Surfaces that are a line of heights: a diameter r(z), a face z(r) that the wheel's side grinds, a wall of a slot, a
+//! face z(r) under the rim on a table that turns (P4, P5). The contact law stands in `surface`.
+//!
+//! Runout: h is the highest place over a turn, `floor` the lowest before grinding; between them only half the turn
+//! is touched. What is measured is the mean of h and min(h, floor).
+
+use std::f64::consts::PI;
+
+use super::part_file::{Looks, SurfaceFile};
+use super::report::{DiameterAt, FaceAt, PartReport};
+use super::surface::{Cut, Pass, taken};
+use super::wheel::{Side, Wheel};
+use crate::io::random::SplitMix64;
+
+/// Wavelength of the waviness, mm.
+const WAVE_MM: f64 = 7.0;
+
+/// One line of cells.
+#[derive(Clone, Debug)]
+pub(super) struct Profile {
+    shape: Shape,
+    /// Height along the normal: radius of a diameter, ±Z of a face, Z of a disc.
+    height_mm: Box<[f64]>,
+    floor_mm: Box<[f64]>,
+    /// No cell stands higher.
+    highest_mm: f64,
+    from_mm: f64,
+    cell_mm: f64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Shape {
+    /// Cells along the wheel's axis, around the part's.
+    Diameter,
+    /// Cells along the infeed, ground by a side of the wheel.
+    Face { side: Side, width_mm: f64, thickness_mm: f64, turns: bool, wall: Option<Wall> },
+    /// Cells along the radius of a table that turns under the rim.
+    Disc,
+}
+
+/// Where a face that does not turn lies along the stroke.
+#[derive(Clone, Copy, Debug)]
+struct Wall {
+    from_mm: f64,
+    to_mm: f64,
+}
+
+/// What the forms of a part file have in common.
+struct Line {
+    from: f64,
+    to: f64,
+    cell: f64,
+    /// +1 or −1: height = normal · stock.
+    normal: f64,
+    stock: f64,
+    waviness: f64,
+    runout: f64,
+    shape: Shape,
+}
+
+const fn side_of(looks: Looks) -> (Side, f64) {
+    match looks {
+        Looks::PlusZ => (Side::Left, 1.0),
+        Looks::MinusZ => (Side::Right, -1.0),
+    }
+}
+
+/// The line of cells of a surface; `None` for a plane, which is a field of them.
+fn line(file: &SurfaceFile) -> Option<Line> {
+    match *file {
+        SurfaceFile::Diameter { z_from, z_to, stock, cell, runout, waviness } => {
+            let (from, to, stock) = (z_from, z_to, stock / 2.0);
+            Some(Line { from, to, cell, normal: 1.0, stock, waviness, runout, shape: Shape::Diameter })
+        }
+        SurfaceFile::Face { looks, x_from, x_to, stock, cell, waviness, width, thickness, turns } => {
+            let (side, normal) = side_of(looks);
+            let shape = Shape::Face { side, width_mm: width, thickness_mm: thickness, turns, wall: None };
+            Some(Line { from: x_from / 2.0, to: x_to / 2.0, cell, normal, stock, waviness, runout: 0.0, shape })
+        }
+        SurfaceFile::Wall { looks, x_from, x_to, y_from, y_to, stock, cell, thickness, waviness } => {
+            let (side, normal) = side_of(looks);
+            let wall = Some(Wall { from_mm: x_from, to_mm: x_to });
+            let width_mm = x_to - x_from;
+            let shape = Shape::Face { side, width_mm, thickness_mm: thickness, turns: false, wall };
+            Some(Line { from: y_from, to: y_to, cell, normal, stock, waviness, runout: 0.0, shape })
+        }
+        SurfaceFile::Disc { x_from, x_to, stock, cell, runout, waviness } => {
+            let (from, to) = (x_from, x_to);
+            Some(Line { from, to, cell, normal: 1.0, stock, waviness, runout, shape: Shape::Disc })
+        }
+        SurfaceFile::Plane { .. } => None,
+    }
+}
+
+impl Profile {
+    /// The surface before grinding; its waviness begins by chance. `None` if the file describes a plane.
+    pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
+        let Line { from, to, cell, normal, stock, waviness, runout, shape } = line(file)?;
+        let count = ((to - from) / cell).round().max(1.0) as usize;
+        let phase = chance.unit();
+        let wave = |i: usize| waviness * (2.0 * PI * (i as f64 * cell / WAVE_MM + phase)).sin();
+        let mean: Vec<f64> = (0..count).map(|i| normal * stock + wave(i)).collect();
+        let height_mm: Box<[f64]> = mean.iter().map(|h| h + runout / 2.0).collect();
+        Some(Self {
+            shape,
+            highest_mm: height_mm.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            floor_mm: mean.iter().map(|h| h - runout / 2.0).collect(),
+            height_mm,
+            from_mm: from,
+            cell_mm: (to - from) / count as f64,
+        })
+    }
+
+    /// Whether the part must turn for this surface to be ground.
+    pub(super) const fn turns(&self) -> bool {
+        match self.shape {
+            Shape::Diameter | Shape::Disc => true,
+            Shape::Face { turns, .. } => turns,
+        }
+    }
+
+    /// What is told of a part that should turn and stands.
+    pub(super) const fn stands(&self) -> &'static str {
+        match self.shape {
+            Shape::Diameter | Shape::Face { .. } => "part, workhead standing",
+            Shape::Disc => "part, table standing",
+        }
+    }
+
+    /// Place along the infeed from which the wheel can touch it, mm.
+    pub(super) fn reach_mm(&self) -> f64 {
+        match self.shape {
+            Shape::Diameter | Shape::Disc => self.highest_mm,
+            Shape::Face { .. } => self.from_mm + self.length_mm(),
+        }
+    }
+
+    fn middle(&self, cell: usize) -> f64 {
+        self.from_mm + (cell as f64 + 0.5) * self.cell_mm
+    }
+
+    /// First cell whose middle lies at or beyond a place.
+    fn cell_from(&self, place_mm: f64) -> usize {
+        let cell = ((place_mm - self.from_mm) / self.cell_mm - 0.5).ceil();
+        // Negative places are the first cell, those beyond the end none.
+        (cell.max(0.0) as usize).min(self.height_mm.len())
+    }
+
+    /// The cells under the wheel and, for a face, the wheel's surface along the normal.
+    fn under(&self, pass: &Pass, wheel: &Wheel) -> (std::ops::Range<usize>, f64) {
+        match self.shape {
+            Shape::Diameter => {
+                let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
+                (cells, pass.front_mm)
+            }
+            Shape::Disc => {
+                // Beyond the table's middle the wheel covers the radii on its other side.
+                let right = pass.left_mm + wheel.width_mm();
+                let (from, to) = if pass.left_mm >= 0.0 {
+                    (pass.left_mm, right)
+                } else if right <= 0.0 {
+                    (-right, -pass.left_mm)
+                } else {
+                    (0.0, right.max(-pass.left_mm))
+                };
+                (self.cell_from(from)..self.cell_from(to), pass.front_mm)
+            }
+            Shape::Face { side, .. } => {
+                let from = self.cell_from(pass.front_mm + wheel.corner_mm(side));
+                let surface = match side {
+                    Side::Left => pass.left_mm + wheel.side_mm(side),
+                    Side::Right => wheel.side_mm(side) - pass.left_mm - wheel.width_mm(),
+                };
+                (from..self.height_mm.len(), surface)
+            }
+        }
+    }
+
+    /// The slice of the rim over a cell; of two, on both sides of the table's middle, the one that stands out more.
+    fn slice_over(&self, cell: usize, pass: &Pass, wheel: &Wheel) -> Option<usize> {
+        let middle = self.middle(cell);
+        let slice = wheel.slice_at(middle - pass.left_mm);
+        match self.shape {
+            Shape::Diameter | Shape::Face { .. } => slice,
+            Shape::Disc => match (slice, wheel.slice_at(-middle - pass.left_mm)) {
+                (Some(a), Some(b)) => Some(if wheel.rim_mm(a) <= wheel.rim_mm(b) { a } else { b }),
+                (a, b) => a.or(b),
+            },
+        }
+    }
+
+    /// Share of a wall's length that the wheel's side covers; 1 for all that is not a wall.
+    fn covered(&self, pass: &Pass, wheel: &Wheel) -> f64 {
+        let Shape::Face { wall: Some(wall), .. } = self.shape else { return 1.0 };
+        let half = wheel.half_chord_mm(self.reach_mm() - pass.front_mm);
+        let common = wall.to_mm.min(pass.stroke_mm + half) - wall.from_mm.max(pass.stroke_mm - half);
+        (common / (wall.to_mm - wall.from_mm)).max(0.0)
+    }
+
+    /// Greatest overlap with the wheel, mm; zero or less is none.
+    pub(super) fn overlap_mm(&self, pass: &Pass, wheel: &Wheel) -> f64 {
+        let quick = match self.shape {
+            Shape::Diameter | Shape::Disc => pass.front_mm,
+            Shape::Face { side: Side::Left, .. } => pass.left_mm,
+            Shape::Face { side: Side::Right, .. } => -pass.left_mm - wheel.width_mm(),
+        };
+        if quick >= self.highest_mm || self.covered(pass, wheel) <= 0.0 {
+            return 0.0;
+        }
+        let (cells, surface) = self.under(pass, wheel);
+        let mut greatest = 0.0_f64;
+        match self.shape {
+            Shape::Diameter | Shape::Disc => {
+                for cell in cells {
+                    let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
+                    greatest = greatest.max(self.height_mm[cell] - surface - wheel.rim_mm(slice));
+                }
+            }
+            Shape::Face { thickness_mm, .. } => {
+                for h in &self.height_mm[cells] {
+                    greatest = greatest.max(h - surface);
+                }
+                if greatest >= thickness_mm + wheel.width_mm() {
+                    return 0.0; // the whole wheel is behind the face's body
+                }
+            }
+        }
+        greatest
+    }
+
+    /// Grinds what overlaps for one tick.
+    pub(super) fn grind(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
+        match self.shape {
+            Shape::Diameter | Shape::Disc => self.grind_round(pass, wheel),
+            Shape::Face { side, width_mm, turns, .. } => self.grind_face(pass, wheel, side, (width_mm, turns)),
+        }
+    }
+
+    /// Under the rim, with the part turning.
+    fn grind_round(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
+        let tau = wheel.rim_s();
+        let lambda = pass.traverse.across_mm * wheel.slower(tau);
+        let taken = taken(pass.dt_s, tau, pass.across_mm_s / lambda);
+        let (cells, surface) = self.under(pass, wheel);
+        let (mut volume, mut touched) = (0.0, 0.0);
+        for cell in cells {
+            let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
+            let h = self.height_mm[cell];
+            let overlap = h - surface - wheel.rim_mm(slice);
+            if overlap <= 0.0 {
+                continue;
+            }
+            let depth = overlap * taken;
+            let share = if h > self.floor_mm[cell] { 0.5 } else { 1.0 };
+            let radius = if matches!(self.shape, Shape::Disc) { self.middle(cell) } else { h };
+            let cell_volume = share * 2.0 * PI * radius * self.cell_mm * depth;
+            self.height_mm[cell] = h - depth;
+            wheel.wear_rim(slice, cell_volume);
+            volume += cell_volume;
+            touched += self.cell_mm;
+        }
+        Cut { volume_mm3: volume, specific_mm2: if touched > 0.0 { volume / touched } else { 0.0 } }
+    }
+
+    /// Beside the wheel. A wall is passed over by the stroke as well as by the infeed.
+    fn grind_face(&mut self, pass: &Pass, wheel: &mut Wheel, side: Side, (width_mm, turns): (f64, bool)) -> Cut {
+        let tau = wheel.side_s(side);
+        let lambda = pass.traverse.face_mm * wheel.slower(tau);
+        let covered = self.covered(pass, wheel).min(1.0);
+        let along_mm_s = pass.infeed_mm_s + pass.stroke_mm_s;
+        let taken = taken(pass.dt_s * covered, tau, along_mm_s / lambda);
+        let (cells, surface) = self.under(pass, wheel);
+        let (mut volume, mut engaged) = (0.0, 0.0);
+        for cell in cells {
+            let overlap = self.height_mm[cell] - surface;
+            if overlap <= 0.0 {
+                continue;
+            }
+            let depth = overlap * taken;
+            let across = if turns { 2.0 * PI * self.middle(cell) } else { width_mm };
+            self.height_mm[cell] -= depth;
+            volume += across * self.cell_mm * depth;
+            engaged += self.cell_mm;
+        }
+        wheel.wear_side(side, engaged, volume);
+        let contact = if turns { engaged.max(self.cell_mm) } else { width_mm };
+        Cut { volume_mm3: volume, specific_mm2: volume / contact }
+    }
+
+    /// How far a point is inside the surface along its normal, mm; `None` beside or behind it.
+    pub(super) fn inside_mm(&self, at: &Pass) -> Option<f64> {
+        match self.shape {
+            Shape::Diameter => self.between(at.left_mm, |s, cell| s.height_mm[cell] - at.front_mm),
+            Shape::Disc => self.between(at.left_mm.abs(), |s, cell| s.height_mm[cell] - at.front_mm),
+            Shape::Face { side, thickness_mm, wall, .. } => {
+                if wall.is_some_and(|wall| !(wall.from_mm..=wall.to_mm).contains(&at.stroke_mm)) {
+                    return None;
+                }
+                let place = if side == Side::Left { at.left_mm } else { -at.left_mm };
+                self.between(at.front_mm, |s, cell| s.height_mm[cell] - place).filter(|inside| *inside < thickness_mm)
+            }
+        }
+    }
+
+    /// Mean height of a cell over a turn.
+    fn mean(&self, cell: usize) -> f64 {
+        0.5 * (self.height_mm[cell] + self.height_mm[cell].min(self.floor_mm[cell]))
+    }
+
+    /// Mean diameter at a place along Z, between the middles of the cells; `None` beside the surface.
+    pub(super) fn diameter_at(&self, z: f64) -> Option<f64> {
+        match self.shape {
+            Shape::Diameter => self.between(z, |s, cell| 2.0 * s.mean(cell)),
+            Shape::Face { .. } | Shape::Disc => None,
+        }
+    }
+
+    /// Z of the face at X – a diameter, on a disc the radius, on a wall the place along the stroke, half its height up –
+    /// for a face that looks as asked; `None` beside the surface.
+    pub(super) fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
+        let (side, wall) = match self.shape {
+            Shape::Diameter => return None,
+            Shape::Disc => return self.height_at(x),
+            Shape::Face { side, wall, .. } => (side, wall),
+        };
+        let (mine, normal) = match side {
+            Side::Left => (Looks::PlusZ, 1.0),
+            Side::Right => (Looks::MinusZ, -1.0),
+        };
+        if looks.is_some_and(|looks| looks != mine) {
+            return None;
+        }
+        let place = match wall {
+            None => x / 2.0,
+            Some(wall) if (wall.from_mm..=wall.to_mm).contains(&x) => self.from_mm + 0.5 * self.length_mm(),
+            Some(_) => return None,
+        };
+        self.between(place, |s, cell| normal * s.height_mm[cell])
+    }
+
+    /// Mean height of a disc at a radius, either side of the middle; `None` beside it.
+    pub(super) fn height_at(&self, x: f64) -> Option<f64> {
+        match self.shape {
+            Shape::Disc => self.between(x.abs(), Self::mean),
+            Shape::Diameter | Shape::Face { .. } => None,
+        }
+    }
+
+    fn length_mm(&self) -> f64 {
+        self.cell_mm * self.height_mm.len() as f64
+    }
+
+    fn between(&self, place_mm: f64, value: impl Fn(&Self, usize) -> f64) -> Option<f64> {
+        let last = self.height_mm.len() - 1;
+        let cells = (place_mm - self.from_mm) / self.cell_mm;
+        if !(0.0..=self.height_mm.len() as f64).contains(&cells) {
+            return None;
+        }
+        let along = (cells - 0.5).clamp(0.0, last as f64);
+        let (a, b) = (along.floor() as usize, (along.floor() as usize + 1).min(last));
+        let part = along - along.floor();
+        Some(value(self, a) * (1.0 - part) + value(self, b) * part)
+    }
+
+    /// Adds what the report wants of this surface.
+    pub(super) fn report(&self, report: &mut PartReport) {
+        let place = |tenths: f64| self.from_mm + self.length_mm() * tenths / 10.0;
+        let thirds = [1.0, 5.0, 9.0];
+        match self.shape {
+            Shape::Diameter => {
+                for z in [1.0, 3.0, 5.0, 7.0, 9.0].map(place) {
+                    report.diameters.extend(self.diameter_at(z).map(|d| DiameterAt { z, d }));
+                }
+            }
+            Shape::Disc => {
+                for x in thirds.map(place) {
+                    report.faces.extend(self.height_at(x).map(|z| FaceAt { x, z }));
+                }
+            }
+            Shape::Face { wall: None, .. } => {
+                for x in thirds.map(|tenths| 2.0 * place(tenths)) {
+                    report.faces.extend(self.face_at(x, None).map(|z| FaceAt { x, z }));
+                }
+            }
+            Shape::Face { wall: Some(wall), .. } => {
+                let x = 0.5 * (wall.from_mm + wall.to_mm);
+                report.faces.extend(self.face_at(x, None).map(|z| FaceAt { x, z }));
+            }
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! The oscillation cylinder: a valve each way, a switch at each end.
+//! Source: spec K4.4. Reset and e-stop switch both valves off.
+
+use crate::defs::alarm;
+use crate::defs::param::{self, Number, Params};
+use crate::defs::signal::{Input, InputSet, Output, OutputSet};
+use crate::units::Micros;
+
+/// Unit of P235 and P236, ms.
+const DWELL_UNIT_MS: f64 = 4.0;
+
+/// Where it is in its cycle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Cylinder {
+    #[default]
+    Off,
+    Forward {
+        since: Micros,
+    },
+    DwellForward {
+        since: Micros,
+    },
+    Backward {
+        since: Micros,
+    },
+    DwellBackward {
+        since: Micros,
+    },
+}
+
+impl Cylinder {
+    pub fn start(&mut self, now: Micros) {
+        if *self == Self::Off {
+            *self = Self::Forward { since: now };
+        }
+    }
+
+    pub fn is_on(self) -> bool {
+        self != Self::Off
+    }
+
+    pub fn show(self, on: &mut OutputSet) {
+        on.set(Output::OscillationForward, matches!(self, Self::Forward { .. }));
+        on.set(Output::OscillationBackward, matches!(self, Self::Backward { .. }));
+    }
+
+    /// One tick; `flags` are #438 and #439. An alarm ends the cycle.
+    pub fn tick(&mut self, now: Micros, inputs: InputSet, params: &Params, flags: &mut (bool, bool)) -> Option<u16> {
+        let (ahead, back) = (inputs.has(Input::OscillationForwardEnd), inputs.has(Input::OscillationBackwardEnd));
+        let late = |since: Micros| now.since(since) >= params.millis(param::CYLINDER_TIME);
+        let dwelt =
+            |since: Micros, row: Number| now.since(since) >= Micros::from_millis_f64(DWELL_UNIT_MS * params.get(row));
+        let next = match *self {
+            Self::Off => {
+                *flags = (false, false);
+                return None;
+            }
+            _ if ahead && back => None,
+            Self::Forward { .. } if ahead => {
+                *flags = (true, false);
+                Some(Self::DwellForward { since: now })
+            }
+            Self::Backward { .. } if back => {
+                *flags = (false, true);
+                Some(Self::DwellBackward { since: now })
+            }
+            Self::Forward { since } | Self::Backward { since } if late(since) => None,
+            Self::DwellForward { since } if dwelt(since, param::OSCILLATION_DWELL_FORWARD) => {
+                Some(Self::Backward { since: now })
+            }
+            Self::DwellBackward { since } if dwelt(since, param::OSCILLATION_DWELL_BACKWARD) => {
+                Some(Self::Forward { since: now })
+            }
+            same @ (Self::Forward { .. }
+            | Self::Backward { .. }
+            | Self::DwellForward { .. }
+            | Self::DwellBackward { .. }) => Some(same),
+        };
+        *self = next.unwrap_or(Self::Off);
+        next.is_none().then_some(alarm::CYLINDER_SWITCHES)
+    }
+}

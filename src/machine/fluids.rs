@@ -1,0 +1,97 @@
+//! Coolant and lubrication: their outputs, and the switches that watch them.
+//! Source: spec K3.2, K3.8, K5.14.
+
+use super::Finding;
+use crate::defs::alarm;
+use crate::defs::param::{self, Number, Params};
+use crate::defs::signal::{Input, InputSet};
+use crate::units::Micros;
+
+/// A switch that must be there while something is wanted; its alarm comes after a delay and goes by itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Watched {
+    #[default]
+    Fine,
+    Missing {
+        since: Micros,
+    },
+    Alarm,
+}
+
+impl Watched {
+    fn tick(&mut self, now: Micros, missing: bool, delay: Micros, number: u16) -> Option<Finding> {
+        let next = match *self {
+            _ if !missing => Self::Fine,
+            Self::Fine => Self::Missing { since: now },
+            Self::Missing { since } if now.since(since) >= delay => Self::Alarm,
+            same @ (Self::Missing { .. } | Self::Alarm) => same,
+        };
+        let before = std::mem::replace(self, next);
+        match (before, next) {
+            (Self::Fine | Self::Missing { .. }, Self::Alarm) => Some(Finding::Alarm { number, stopped: false }),
+            (Self::Alarm, Self::Fine) => Some(Finding::Gone(number)),
+            (Self::Fine | Self::Missing { .. } | Self::Alarm, Self::Fine | Self::Missing { .. } | Self::Alarm) => None,
+        }
+    }
+}
+
+/// Coolant pump, lubrication pump and their switches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fluids {
+    pub coolant: bool,
+    pub lubrication: Lubrication,
+    flow: Watched,
+    level: Watched,
+}
+
+/// The lubrication pump: by key or code, and by interval.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lubrication {
+    #[default]
+    Off,
+    On,
+    /// Switched on by the interval, for P86.
+    Dose {
+        since: Micros,
+    },
+}
+
+impl Lubrication {
+    pub fn is_on(self) -> bool {
+        self != Self::Off
+    }
+}
+
+impl Fluids {
+    /// One tick. `last_dose` is when the pump was last on by itself, or the power-on.
+    pub fn tick(
+        &mut self,
+        now: Micros,
+        inputs: InputSet,
+        params: &Params,
+        last_dose: &mut Micros,
+    ) -> [Option<Finding>; 2] {
+        let interval = Micros::from_secs_f64(60.0 * params.get(param::LUBRICATION_INTERVAL));
+        let time = Micros::from_secs_f64(params.get(param::LUBRICATION_TIME));
+        match self.lubrication {
+            Lubrication::Off if interval > Micros::ZERO && now.since(*last_dose) >= interval => {
+                self.lubrication = Lubrication::Dose { since: now };
+                *last_dose = now;
+            }
+            Lubrication::Dose { since } if now.since(since) >= time => self.lubrication = Lubrication::Off,
+            Lubrication::Off | Lubrication::On | Lubrication::Dose { .. } => {}
+        }
+        let absent = |input: Input| params.input_port(input) != 0 && !inputs.has(input);
+        let delay = |row: Number| params.millis(row);
+        let no_flow = self.coolant && absent(Input::CoolantFlow);
+        [
+            self.flow.tick(now, no_flow, delay(param::COOLANT_FLOW_DELAY), alarm::COOLANT_FLOW),
+            self.level.tick(
+                now,
+                absent(Input::LubricationLevel),
+                delay(param::LUBRICATION_LEVEL_DELAY),
+                alarm::LUBRICATION_LEVEL,
+            ),
+        ]
+    }
+}

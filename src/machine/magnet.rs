@@ -1,0 +1,64 @@
+//! The magnet chuck: magnetising holds the part, demagnetising lets it go by decaying reversals.
+//! Source: spec K3.11, P3. Not touched by reset or e-stop: the part must not fly while the wheel coasts.
+
+use crate::defs::param::{self, Params};
+use crate::units::Micros;
+
+/// The chuck and what is under way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Magnet {
+    /// Both outputs off.
+    #[default]
+    Off,
+    /// Magnetise output on; the force is not full yet.
+    Magnetising { since: Micros },
+    /// Magnetise output on, the part is held.
+    Holding,
+    /// Demagnetise output on.
+    Demagnetising { since: Micros },
+}
+
+impl Magnet {
+    pub fn magnetise(&mut self, now: Micros) {
+        *self = match *self {
+            Self::Off | Self::Demagnetising { .. } => Self::Magnetising { since: now },
+            busy @ (Self::Magnetising { .. } | Self::Holding) => busy,
+        };
+    }
+
+    pub fn demagnetise(&mut self, now: Micros) {
+        *self = match *self {
+            Self::Off | Self::Magnetising { .. } | Self::Holding => Self::Demagnetising { since: now },
+            busy @ Self::Demagnetising { .. } => busy,
+        };
+    }
+
+    /// The magnetise output.
+    pub const fn is_on(self) -> bool {
+        matches!(self, Self::Magnetising { .. } | Self::Holding)
+    }
+
+    /// The demagnetise output.
+    pub const fn is_demagnetising(self) -> bool {
+        matches!(self, Self::Demagnetising { .. })
+    }
+
+    /// The part is held.
+    pub const fn is_holding(self) -> bool {
+        matches!(self, Self::Holding)
+    }
+
+    /// On its way to one state or the other.
+    pub const fn is_busy(self) -> bool {
+        matches!(self, Self::Magnetising { .. } | Self::Demagnetising { .. })
+    }
+
+    pub fn tick(&mut self, now: Micros, params: &Params) {
+        let due = |since: Micros, row| now.since(since) >= params.millis(row);
+        match *self {
+            Self::Magnetising { since } if due(since, param::MAGNETISE_TIME) => *self = Self::Holding,
+            Self::Demagnetising { since } if due(since, param::DEMAGNETISE_TIME) => *self = Self::Off,
+            Self::Off | Self::Magnetising { .. } | Self::Holding | Self::Demagnetising { .. } => {}
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Ports that a program switches by number: M20 pulse, M21 on, M22 off.
+//! Source: spec B4. A port of an interlocked function is refused; one of a plain function is that function.
+
+use crate::defs::kind::Kind;
+use crate::defs::param::Params;
+use crate::defs::signal::{Output, PORTS, Terminals};
+use crate::units::Micros;
+
+/// Longest list of pulses under way.
+const PULSES: usize = 8;
+
+/// What a port number means to a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// No function has it.
+    Nobody,
+    /// A function without rules of its own: coolant, lubrication, a user output.
+    Plain(Output),
+    /// A function with rules or a sequence.
+    Interlocked(Output),
+}
+
+/// Who owns an output port.
+pub fn owner(port: u8, params: &Params, kind: Kind) -> Owner {
+    let mut found = Owner::Nobody;
+    for output in Output::ALL {
+        if port == 0 || !output.is_of(kind) || params.output_port(*output) != port {
+            continue;
+        }
+        if !output.is_plain() {
+            return Owner::Interlocked(*output);
+        }
+        found = Owner::Plain(*output);
+    }
+    found
+}
+
+/// The ports that programs have switched on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ports {
+    on: Terminals,
+    pulses: [Option<(u8, Micros)>; PULSES],
+}
+
+impl Ports {
+    pub fn switch(&mut self, port: u8, on: bool) {
+        self.end_pulse(port);
+        self.on.set(port, on);
+    }
+
+    /// Switches a port on until a moment; false when too many pulses are under way.
+    pub fn pulse(&mut self, port: u8, until: Micros) -> bool {
+        self.end_pulse(port);
+        let Some(free) = self.pulses.iter_mut().find(|place| place.is_none()) else { return false };
+        *free = Some((port, until));
+        self.on.set(port, true);
+        true
+    }
+
+    fn end_pulse(&mut self, port: u8) {
+        for place in &mut self.pulses {
+            if place.is_some_and(|(pulsed, _)| pulsed == port) {
+                *place = None;
+            }
+        }
+    }
+
+    pub fn is_pulsing(&self, port: u8) -> bool {
+        self.pulses.iter().flatten().any(|(pulsed, _)| *pulsed == port)
+    }
+
+    /// Ends the pulses that are over.
+    pub fn tick(&mut self, now: Micros) {
+        for index in 0..PULSES {
+            if let Some((port, until)) = self.pulses[index]
+                && now >= until
+            {
+                self.switch(port, false);
+            }
+        }
+    }
+
+    /// Reset and e-stop: a pulse does not outlive its program.
+    pub fn end_pulses(&mut self) {
+        for index in 0..PULSES {
+            if let Some((port, _)) = self.pulses[index] {
+                self.switch(port, false);
+            }
+        }
+    }
+
+    /// The ports that are on.
+    pub const fn terminals(&self) -> Terminals {
+        self.on
+    }
+}
+
+const _: () = assert!(PORTS == 64);

@@ -1,0 +1,62 @@
+//! The panel as the machine understands it: whether a key acts at all, and what it asks for.
+//! Source: spec K2.1–K2.4.
+
+use super::phase::Phase;
+use crate::defs::key::{Key, Mode};
+use crate::defs::kind::Kind;
+use crate::defs::mcode::{Gauge, Request};
+use crate::defs::signal::{Output, OutputSet};
+use crate::defs::text::Text;
+use crate::units::PerAxis;
+
+/// K2.2.
+pub const NOT_IN_RUN: Text = Text::new("程序运行中，按键无效", "dead while a program runs");
+/// K2.1.
+pub const NOT_ON_KIND: Text = Text::new("本机型没有此功能", "this kind of machine does not have it");
+
+/// Why a key is dead now whatever the interlocks say: another kind's key, an axis that is not there, a program that runs.
+#[must_use]
+pub fn dead(key: Key, kind: Kind, fitted: PerAxis<bool>, phase: Phase) -> Option<Text> {
+    let axis = key.axis();
+    if !key.is_on(kind) || axis.is_some_and(|axis| !fitted[axis]) {
+        return Some(NOT_ON_KIND);
+    }
+    (phase.is_automatic() && !key.row().in_run).then_some(NOT_IN_RUN)
+}
+
+/// The change of the machine that a key asks for, with these outputs on. Toggle keys switch on and off (K2.3).
+#[must_use]
+pub fn request(key: Key, mode: Mode, on: OutputSet) -> Option<Request> {
+    let toggle = |output: Output| Request::Switch(output, !on.has(output));
+    let either = |output: Output, stop: Request, start: Request| if on.has(output) { stop } else { start };
+    Some(match key {
+        Key::CycleStart if mode == Mode::Mdi => Request::MdiStart,
+        Key::CycleStart => Request::CycleStart,
+        Key::WheelStart => Request::WheelStart,
+        Key::WheelStop => Request::WheelStop,
+        Key::SecondSpindle if on.has(Output::SecondSpindleCcw) => Request::SecondSpindleStop,
+        Key::SecondSpindle => {
+            either(Output::SecondSpindle, Request::SecondSpindleStop, Request::SecondSpindleStart(false))
+        }
+        Key::HeadstockHigh => Request::DriveHigh,
+        Key::HeadstockLow => Request::DriveLow,
+        Key::HeadstockStop => Request::DriveStop,
+        Key::DresserRoll => either(Output::DresserRoll, Request::DriveStop, Request::DriveHigh),
+        Key::TableRotation => either(Output::TableRotation, Request::DriveStop, Request::DriveHigh),
+        Key::TailstockAdvance => Request::TailstockAdvance,
+        Key::TailstockRetract => Request::TailstockRetract,
+        Key::Magnetise => either(Output::Magnetise, Request::MagnetOff, Request::Magnetise),
+        Key::Demagnetise => either(Output::Demagnetise, Request::MagnetOff, Request::Demagnetise),
+        Key::Hydraulic => either(Output::Hydraulic, Request::HydraulicOff, Request::HydraulicOn),
+        Key::Coolant => toggle(Output::Coolant),
+        Key::Lubrication => toggle(Output::Lubrication),
+        Key::RadialGauge => Request::Gauge(Gauge::Radial, !on.has(Output::RadialGauge)),
+        Key::AxialGauge => Request::Gauge(Gauge::Axial, !on.has(Output::AxialGauge)),
+        Key::XPlus | Key::XMinus | Key::YPlus | Key::YMinus | Key::ZPlus | Key::ZMinus => match mode {
+            Mode::Home => Request::HomeAxes,
+            Mode::Edit | Mode::Auto | Mode::Mdi | Mode::Handwheel | Mode::Step | Mode::Manual => Request::MoveByHand,
+        },
+        // Modes, switches, overrides and keys of the screen change nothing of the machine.
+        _ => return None,
+    })
+}

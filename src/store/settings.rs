@@ -1,0 +1,66 @@
+//! What a machine is told before it starts: its kind and the language of its screen, in `settings.ron`.
+//! The command line goes before it. Source: spec K1 ("chosen at start and kept"), B6 (设置).
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::ron_file::{self, Care, RonError};
+use crate::defs::kind::Kind;
+use crate::defs::text::Lang;
+
+/// The file's name.
+const FILE: &str = "settings.ron";
+
+/// What was chosen; what was not is decided by the caller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Kind of machine.
+    pub kind: Option<Kind>,
+    /// Language of the screen.
+    pub lang: Option<Lang>,
+}
+
+impl Settings {
+    fn path(folder: &Path) -> PathBuf {
+        folder.join(FILE)
+    }
+
+    /// The settings of a data directory; none chosen where there is no file.
+    ///
+    /// # Errors
+    /// The file cannot be read or is not of the form; it names line and column.
+    pub fn read(folder: &Path) -> Result<Self, RonError> {
+        match ron_file::read(&Self::path(folder), Care::Person) {
+            Ok(found) => Ok(found.value),
+            Err(RonError::Missing { .. }) => Ok(Self::default()),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Keeps them; when it returns, they outlive a power cut.
+    ///
+    /// # Errors
+    /// The disk refuses; the old file stands.
+    pub fn write(&self, folder: &Path) -> Result<(), RonError> {
+        ron_file::write(&Self::path(folder), Care::Person, self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k1_the_kind_and_the_language_are_kept() {
+        let folder = tempfile::tempdir().expect("a folder");
+        assert_eq!(Settings::read(folder.path()).expect("no file"), Settings::default());
+        let chosen = Settings { kind: Some(Kind::Ga), lang: Some(Lang::En) };
+        chosen.write(folder.path()).expect("written");
+        assert_eq!(Settings::read(folder.path()).expect("a file"), chosen);
+        std::fs::write(folder.path().join(FILE), "(kind: Some(Gs))").expect("written");
+        let by_hand = Settings::read(folder.path()).expect("edited by hand");
+        assert_eq!(by_hand, Settings { kind: Some(Kind::Gs), lang: None });
+    }
+}
