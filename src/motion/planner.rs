@@ -16,7 +16,7 @@ use super::trail::{PLACES, Place, Spot, Trail};
 use super::tube::Tube;
 use super::window::{PIECES, PLAN_TICKS, PlanPoint, Window};
 use super::{LEAST_FEED_MM_S, Limits, MOVES, Rate};
-use look_ahead::Job;
+use look_ahead::{COST_POINT, Job};
 
 /// The planner keeps this part of every limit, so that the differences of set-points stay below it despite rounding.
 const LIMIT_SHARE: f64 = 0.999_99;
@@ -71,6 +71,8 @@ pub struct Planner {
     /// Part of the horizon that is tried: halved when no plan was found that keeps everything.
     part: f64,
     /// Moves in the queue at the last tick, for how many ticks that has been so, and for how many a run has waited.
+    /// Units of work that a control point has been found to cost.
+    cost_point: f64,
     seen: usize,
     quiet: u32,
     waited: u32,
@@ -106,6 +108,7 @@ impl Planner {
             window: Window::new(&limits),
             job: None,
             part: 1.0,
+            cost_point: COST_POINT,
             seen: 0,
             quiet: 0,
             waited: 0,
@@ -122,6 +125,7 @@ impl Planner {
         self.partial = None;
         self.cancel();
         self.part = 1.0;
+        self.cost_point = COST_POINT;
     }
 
     /// The first move of the queue has gone.

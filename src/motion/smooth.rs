@@ -15,8 +15,8 @@ pub const POINTS: usize = 640;
 const TUBE_WEIGHT: f64 = 0.03;
 /// Over-relaxation, 1 to 2.
 const RELAXATION: f64 = 1.7;
-/// Fixed control points at either end: position, velocity and acceleration there.
-const FIXED: usize = 3;
+/// Fixed control points at either end at least: position, velocity and acceleration there.
+pub const FIXED: usize = 3;
 /// The box of a knot is made narrower by this part of the radius, so that an unfinished iteration does not leave it.
 const ROOM_SPARE: f64 = 0.01;
 /// Units of work of one knot in each pass.
@@ -52,8 +52,10 @@ pub struct Knot {
 /// Control points and the state of their iteration.
 #[derive(Clone, Debug)]
 pub struct Smooth {
-    /// Control points; the first three and the last three are the ends.
+    /// Control points; the last three are the end.
     pub points: Vec<[f64; 3]>,
+    /// So many of the first are given: three at rest, in motion what is taken over from the curve before.
+    pub lead: usize,
     /// Where along the contour the timing has each knot; smoothing may move it to where its neighbours were.
     pub along: Vec<f64>,
     /// The knots, as many as control points; the first and the last are none.
@@ -78,6 +80,7 @@ impl Smooth {
     pub fn new() -> Self {
         Self {
             points: Vec::with_capacity(POINTS),
+            lead: FIXED,
             along: Vec::with_capacity(POINTS),
             knots: Vec::with_capacity(POINTS),
             factor: Vec::with_capacity(POINTS),
@@ -105,7 +108,7 @@ impl Smooth {
             let (end, cost) = match self.pass {
                 Pass::Begin => (n, COST_BEGIN),
                 Pass::Factor => (n, COST_FACTOR),
-                Pass::Forward | Pass::Back => (n - 2 * FIXED, COST_SOLVE),
+                Pass::Forward | Pass::Back => (n - self.lead - FIXED, COST_SOLVE),
                 Pass::Project => (n - 1, COST_PROJECT),
             };
             let from = self.cursor;
@@ -113,7 +116,7 @@ impl Smooth {
             match self.pass {
                 Pass::Begin => (from..until).for_each(|k| self.begin_knot(tube, k)),
                 Pass::Factor => (from..until).for_each(|k| self.factor_row(k)),
-                Pass::Forward => (from..until).for_each(|k| self.forward(k + FIXED)),
+                Pass::Forward => (from..until).for_each(|k| self.forward(k + self.lead)),
                 Pass::Back => (from..until).for_each(|k| self.back(n - FIXED - 1 - k)),
                 Pass::Project => (from..until).for_each(|k| self.project(tube, k)),
             }
@@ -125,7 +128,8 @@ impl Smooth {
                 Pass::Begin => (Pass::Factor, 0),
                 Pass::Factor => (Pass::Forward, 0),
                 Pass::Forward => (Pass::Back, 0),
-                Pass::Back => (Pass::Project, 1),
+                // Before that, knots are given as the points are.
+                Pass::Back => (Pass::Project, self.lead - 1),
                 Pass::Project => {
                     (self.pass, self.cursor) = (Pass::Forward, 0);
                     return true;
@@ -152,8 +156,9 @@ impl Smooth {
         if self.factor.len() <= k {
             self.factor.push([0.0; 4]);
         }
-        if self.rhs.len() <= k {
-            self.rhs.push([0.0; 3]);
+        match self.rhs.get_mut(k) {
+            Some(rhs) => *rhs = [0.0; 3],
+            None => self.rhs.push([0.0; 3]),
         }
         match self.aim.get_mut(k) {
             Some(aim) => *aim = target,
@@ -189,13 +194,14 @@ impl Smooth {
         let aim = [self.aim[row - 1], self.aim[row], self.aim[row + 1]];
         let mut sum = [0, 1, 2].map(|x| (TUBE_WEIGHT / 6.0) * (aim[0][x] + 4.0 * aim[1][x] + aim[2][x]));
         // What the fixed control points add: D3 and M of them, taken to the right-hand side.
-        if row < 2 * FIXED || row >= n - 2 * FIXED {
-            for column in (row - 3..=row + 3).filter(|c| *c < FIXED || *c >= n - FIXED) {
+        let lead = self.lead;
+        if row < lead + FIXED || row >= n - 2 * FIXED {
+            for column in (row - 3..=row + 3).filter(|c| *c < lead || *c >= n - FIXED) {
                 let entry = band(row.abs_diff(column));
                 (0..3).for_each(|x| sum[x] -= entry * self.points[column][x]);
             }
         }
-        let line = self.factor[row];
+        let line = self.factor[row - lead + FIXED];
         let before = [self.rhs[row - 1], self.rhs[row - 2], self.rhs[row - 3]];
         // The nearest last: it is the one just found.
         self.rhs[row] = [0, 1, 2].map(|x| {
@@ -209,9 +215,11 @@ impl Smooth {
         let sum = self.rhs[row];
         let after = |lag: usize| {
             // The fixed points at the end are on the right-hand side already.
-            if row + lag < n - FIXED { (self.factor[row + lag][lag], self.points[row + lag]) } else { (0.0, [0.0; 3]) }
+            let factor = row + lag - self.lead + FIXED;
+            if row + lag < n - FIXED { (self.factor[factor][lag], self.points[row + lag]) } else { (0.0, [0.0; 3]) }
         };
-        let ([(f1, p1), (f2, p2), (f3, p3)], inverse) = ([after(1), after(2), after(3)], self.factor[row][0]);
+        let inverse = self.factor[row - self.lead + FIXED][0];
+        let [(f1, p1), (f2, p2), (f3, p3)] = [after(1), after(2), after(3)];
         self.points[row] = [0, 1, 2].map(|x| (sum[x] - f3 * p3[x] - f2 * p2[x] - f1 * p1[x]) * inverse);
     }
 

@@ -16,7 +16,7 @@ use terms::Terms;
 /// The rate is never raised above this, so that a curve of no limits has an answer.
 const RATE_SQUARE_MOST: f64 = 400.0;
 /// Barrier: while slack is taken away; then from, factor, to.
-const BARRIER_SLACK: f64 = 0.2;
+const BARRIER_SLACK: f64 = 0.1;
 const BARRIER: (f64, f64, f64) = (0.05, 0.3, 0.000_2);
 /// A rough plan, for the timing only, stops at this barrier.
 const BARRIER_ROUGH: f64 = 0.012;
@@ -29,13 +29,20 @@ const STEPS_MOST: u32 = 40;
 const STEPS_ROUGH: u32 = 6;
 /// Slack left at the end that is still taken: the share of the limits planned for leaves more.
 const SLACK_TAKEN: f64 = 1.008;
-/// The slack is this much more than is needed, so that the next step has room, and gone when less than this is needed.
-const SLACK_SPARE: f64 = 1.08;
+/// The slack is more than is needed by this part of what is needed, at least and at most, so that the next step has room.
+const SLACK_SPARE: (f64, f64, f64) = (0.2, 0.01, 0.2);
+/// When more than this is needed at the beginning, it begins with an even rate.
+const SLACK_EVEN: f64 = 1.2;
+/// It is gone when less than this is needed.
 const SLACK_GONE: f64 = 0.998;
-/// Knots over which a given rate leads over to an even one.
-const LEAD_KNOTS: f64 = 20.0;
+/// Knots over which a rate taken over leads to the nominal one.
+const OVER_KNOTS: usize = 20;
+/// Knots of a start in motion around which the limits are wider.
+const LEAD_KNOTS: usize = 20;
 /// So much wider the limits are there in any case: a plan before has left that much, so that a way on can be found.
 const LEAD_SLACK: f64 = 1.016;
+/// Coefficients of one interval.
+const INTERVAL: usize = 3;
 /// Part of the greatest even rate that a plan from rest begins with.
 const EVEN_SHARE: f64 = 0.9;
 /// Units of work of one knot in each pass, and for each axis that moves.
@@ -80,12 +87,18 @@ pub struct Speed {
     terms: Terms,
     /// Coefficients at the start that are given.
     fixed: usize,
+    /// And those that are known, where the search begins.
+    given: usize,
+    /// Whether it begins with an even rate after them.
+    is_even: bool,
     rough: bool,
     barrier: f64,
-    /// Limits are widened by this factor.
-    slack: f64,
-    /// The widening that the coefficients need.
+    /// By what the limits around each knot are widened, and in any case at the start in motion.
+    slack: Vec<f64>,
+    lead_slack: f64,
+    /// The greatest of them, and what the first coefficients need.
     need: f64,
+    worst: f64,
     steps: u32,
     /// Part of the step that may be taken.
     part: f64,
@@ -94,6 +107,12 @@ pub struct Speed {
     gradient: Vec<f64>,
     hessian: Vec<[f64; 3]>,
     step: Vec<f64>,
+}
+
+/// The square of the rate so many knots after the last that is given: it leads over to another.
+pub fn over(last: f64, to: f64, knots: usize) -> f64 {
+    let part = (knots as f64 / OVER_KNOTS as f64).min(1.0);
+    last + (to - last) * part * part * (3.0 - 2.0 * part)
 }
 
 impl Speed {
@@ -105,10 +124,14 @@ impl Speed {
             limits: KnotLimits::default(),
             terms: Terms::new(),
             fixed: 0,
+            given: 0,
+            is_even: false,
             rough: false,
             barrier: 0.0,
-            slack: 1.0,
+            slack: Vec::with_capacity(POINTS),
+            lead_slack: 1.0,
             need: 0.0,
+            worst: 0.0,
             steps: 0,
             part: 1.0,
             pass: Pass::Over,
@@ -119,23 +142,32 @@ impl Speed {
         }
     }
 
-    /// Begin along a curve with the nominal rate; `feed` has been set for each knot. In motion, the rate at the start is
-    /// given. A rough plan serves for the timing only.
-    pub fn begin(&mut self, limits: KnotLimits, in_motion: bool, rough: bool) {
+    /// Begin along a curve with the nominal rate; `feed` has been set for each knot. In motion, the first coefficients
+    /// are `given`, found within limits `wider` than these: the first three stay, the others are where the search begins.
+    /// A rough plan serves for the timing only.
+    pub fn begin(&mut self, limits: KnotLimits, given: &[f64], wider: f64, rough: bool) {
         self.limits = limits;
-        self.fixed = if in_motion { 2 } else { 0 };
+        self.fixed = given.len().min(INTERVAL);
+        self.given = given.len();
+        self.is_even = false;
+        self.lead_slack = LEAD_SLACK * wider.max(1.0);
         self.rough = rough;
         self.barrier = BARRIER_SLACK;
         self.steps = 0;
-        (self.need, self.slack) = (0.0, f64::INFINITY);
+        (self.need, self.worst) = (0.0, 0.0);
+        self.slack.clear();
         self.rate_square.clear();
+        self.rate_square.extend_from_slice(given);
+        if let Some(last) = given.last() {
+            (1..OVER_KNOTS).for_each(|k| self.rate_square.push(over(*last, 1.0, k)));
+        }
         self.terms.clear();
         (self.pass, self.cursor) = (Pass::Terms, 0);
     }
 
     /// Whether the plan keeps all limits.
     pub fn is_good(&self) -> bool {
-        self.rough || self.slack <= SLACK_TAKEN
+        self.rough || self.need <= SLACK_TAKEN
     }
 
     /// Works on the plan along control points `p`; true when it is over.
@@ -182,7 +214,8 @@ impl Speed {
     fn next_pass(&mut self) -> Pass {
         match self.pass {
             Pass::Terms => {
-                self.rate_square.push(1.0);
+                self.rate_square.resize(self.terms.speed.len() + 1, 1.0);
+                self.slack.resize(self.rate_square.len(), f64::INFINITY);
                 while self.gradient.len() < self.rate_square.len() {
                     self.gradient.push(0.0);
                     self.hessian.push([0.0; 3]);
@@ -206,8 +239,8 @@ impl Speed {
             }
             Pass::Go => {
                 self.steps += 1;
-                self.need = 0.0;
-                if self.slack > 1.0 {
+                if self.need > 1.0 {
+                    self.need = 0.0;
                     return Pass::Measure;
                 }
                 if self.part >= LOWER_FROM {
@@ -219,41 +252,50 @@ impl Speed {
         }
     }
 
-    /// The slack that the coefficients need now, and a little more while it is more than nothing.
+    /// Goes on with less slack, or without.
     fn loosen(&mut self) -> Pass {
         if self.fixed == 0 && self.steps == 0 {
             // From rest any even rate is a beginning: one that keeps all limits. Jerk falls with its power of 3/2.
-            let rate = EVEN_SHARE / self.need.max(self.need.powf(2.0 / 3.0));
+            let rate = EVEN_SHARE / self.worst.max(self.worst.powf(2.0 / 3.0));
             self.rate_square.fill(rate.min(RATE_SQUARE_MOST * EVEN_SHARE));
-            self.need = 0.0;
+            self.slack.fill(1.0);
+            self.need = 1.0;
         }
-        if self.fixed > 0 && self.steps == 0 && self.slack.is_infinite() && self.need > SLACK_GONE {
-            // In motion the rate given at the start leads over to such an even one; what that needs is measured again.
-            let rate = EVEN_SHARE / self.need.max(self.need.powf(2.0 / 3.0));
-            for (k, c) in self.rate_square.iter_mut().enumerate().skip(self.fixed) {
-                let part = (k as f64 / LEAD_KNOTS).min(1.0);
-                *c = 1.0 - (1.0 - rate) * part * part * (3.0 - 2.0 * part);
+        if self.fixed > 0 && self.steps == 0 && !self.is_even && self.worst > SLACK_EVEN {
+            // In motion the rate given leads over to such an even one; what that needs is measured again.
+            let rate = (EVEN_SHARE / self.worst.max(self.worst.powf(2.0 / 3.0))).min(1.0);
+            let last = self.rate_square[self.given - 1];
+            for (count, c) in self.rate_square[self.given..].iter_mut().enumerate() {
+                *c = over(last, rate, count + 1);
             }
-            self.slack = f64::MAX;
-            self.need = 0.0;
+            self.is_even = true;
+            self.slack.fill(f64::INFINITY);
+            (self.need, self.worst) = (0.0, 0.0);
             return Pass::Measure;
         }
-        self.slack = self.need * SLACK_SPARE;
-        if self.need < if self.fixed > 0 { LEAD_SLACK * SLACK_GONE } else { SLACK_GONE } {
-            self.slack = 1.0;
+        if self.need <= 1.0 {
             self.barrier = BARRIER.0;
         }
         if self.is_over() { Pass::Over } else { Pass::Clear }
     }
 
-    /// The slack at a knot: what leads over from the start alone may need one.
-    fn slack_at(&self, k: usize) -> f64 {
-        let lead = if self.fixed > 0 { self.slack.max(LEAD_SLACK) } else { self.slack };
-        if (k as f64) < LEAD_KNOTS { lead } else { 1.0 }
+    /// By what the limits around a knot are widened in any case.
+    fn lead_slack(&self, k: usize) -> f64 {
+        if self.fixed > 0 && k < LEAD_KNOTS { self.lead_slack } else { 1.0 }
+    }
+
+    /// By what they are widened when the coefficients need so much: a little more while that is more than nothing, and
+    /// ever less so.
+    fn slack_for(&self, k: usize, need: f64) -> f64 {
+        let least = self.lead_slack(k);
+        if need < SLACK_GONE * least {
+            return least;
+        }
+        need * (1.0 + (SLACK_SPARE.0 * (need / least - 1.0)).clamp(SLACK_SPARE.1, SLACK_SPARE.2))
     }
 
     fn is_over(&self) -> bool {
         let (least, most) = if self.rough { (BARRIER_ROUGH, STEPS_ROUGH) } else { (BARRIER.2, STEPS_MOST) };
-        self.steps >= most || (self.slack <= 1.0 && self.barrier < least)
+        self.steps >= most + if self.fixed > 0 && self.rough { 6 } else { 0 } || (self.need <= 1.0 && self.barrier < least)
     }
 }

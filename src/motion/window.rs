@@ -20,9 +20,6 @@ use super::warp::{History, StepLimits};
 pub const PIECES: usize = 320;
 /// Set-points of a plan at most.
 pub const PLAN_TICKS: usize = 8_192;
-/// Units of work that a control point costs from the first timing to the last check, found by trial: for guessing how
-/// long a plan will take.
-pub const COST_POINT: usize = 20_000;
 /// Knot spacing, s. A coarser one loses time in corners, a finer one gains none.
 pub const SPACING_S: f64 = 0.004;
 /// Part of the tolerance used while smoothing; the rest is for what lies between knots and for unfinished iterations.
@@ -30,7 +27,7 @@ const TUBE_SHARE: f64 = 0.95;
 /// Part of the tolerance planned for: the rest is for what lies between set-points and is passed under an override.
 const TOLERANCE_SHARE: f64 = 0.99;
 /// Iterations of smoothing in each round.
-const ROUNDS: [u32; 3] = [15, 15, 25];
+const ROUNDS: [u32; 3] = [20, 0, 20];
 const ROUNDS_HURRIED: [u32; 3] = [25, 0, 30];
 /// The first round makes do with knots so many times farther apart.
 const FIRST_COARSER: f64 = 1.4;
@@ -53,7 +50,6 @@ enum Phase {
     Smooth { round: usize, left: u32 },
     Probe,
     Speed { round: usize },
-    Total { round: usize },
     Retime { round: usize },
     Check,
     Ready,
@@ -62,9 +58,11 @@ enum Phase {
 
 /// Where on the plan: interval, part of it.
 #[derive(Clone, Copy, Debug, Default)]
-struct Follow {
-    interval: usize,
-    part: f64,
+pub struct Follow {
+    /// Interval between two knots.
+    pub interval: usize,
+    /// Part of it, 0 to 1.
+    pub part: f64,
 }
 
 /// One set-point of a plan.
@@ -80,13 +78,16 @@ pub struct PlanPoint {
     pub along: f64,
     /// The segment that it has come to: all before have ended.
     pub segment: usize,
+    /// Where on the curve: interval, part of it.
+    pub follow: Follow,
 }
 
 impl PlanPoint {
     /// At rest.
     #[must_use]
     pub const fn at_rest(at: [f64; 3], along: f64, segment: usize) -> Self {
-        Self { at, velocity: [0.0; 3], acceleration: [0.0; 3], along, segment }
+        let follow = Follow { interval: 0, part: 0.0 };
+        Self { at, velocity: [0.0; 3], acceleration: [0.0; 3], along, segment, follow }
     }
 
     /// Whether it is not at rest.
@@ -103,6 +104,11 @@ pub struct Start {
     pub point: PlanPoint,
     /// The set-points up to there, the newest last.
     pub past: History,
+    /// The interval of the curve before up to whose end its course is taken over; none at rest, nor where that curve
+    /// already brakes.
+    pub until: Option<usize>,
+    /// What is to be taken off the distances along and the segments of the tube before.
+    pub shift: (f64, usize),
     /// Part of every limit that is left for a change of rate, 0 to below 1.
     pub spare: f64,
     /// Whether it is to be ready soon rather than the quickest.
@@ -116,6 +122,16 @@ struct Excess {
     room: [(f64, f64); 3],
 }
 
+/// The curve of the plan that is followed.
+#[derive(Clone, Debug)]
+struct Curve {
+    points: Vec<[f64; 3]>,
+    rate_square: Vec<f64>,
+    /// Where along its tube each knot lies, and on which segment.
+    near: Vec<(f64, usize)>,
+    share: f64,
+}
+
 /// Planning of one window.
 #[derive(Clone, Debug)]
 pub struct Window {
@@ -124,6 +140,7 @@ pub struct Window {
     /// The contour; filled by the caller before `begin`.
     pub tube: Tube,
     start: Start,
+    before: Curve,
     smooth: Smooth,
     speed: Speed,
     fresh: Vec<([f64; 3], f64)>,
@@ -132,7 +149,9 @@ pub struct Window {
     share: f64,
     phase: Phase,
     follow: Follow,
-    /// Progress of the first timing: distance along. Of the total: time in spacings.
+    /// Where the first timing begins, mm along.
+    first_from: f64,
+    /// Progress of the first timing: distance along. Then the time between new control points, in spacings.
     sum: f64,
     cursor: usize,
     past: History,
@@ -141,6 +160,8 @@ pub struct Window {
     is_off: bool,
     repairs: u32,
     slower: u32,
+    /// Whether the horizon was too far: the curve ends before.
+    is_cut: bool,
     /// The intervals of the last set-points but one and but two.
     seen: [usize; 2],
     /// The segment nearest to the last place looked at.
@@ -157,7 +178,13 @@ impl Window {
             limits: *limits,
             steps: StepLimits::of(limits),
             tube: Tube::with_capacity(PIECES),
-            start: Start { point: at_rest, past: [[0.0; 3]; 4], spare: 0.0, hurried: false },
+            start: Start { point: at_rest, past: [[0.0; 3]; 4], until: None, shift: (0.0, 0), spare: 0.0, hurried: false },
+            before: Curve {
+                points: Vec::with_capacity(POINTS),
+                rate_square: Vec::with_capacity(POINTS),
+                near: Vec::with_capacity(POINTS),
+                share: LIMIT_SHARE,
+            },
             smooth: Smooth::new(),
             speed: Speed::new(),
             fresh: Vec::with_capacity(POINTS),
@@ -166,6 +193,7 @@ impl Window {
             share: LIMIT_SHARE,
             phase: Phase::Idle,
             follow: Follow::default(),
+            first_from: 0.0,
             sum: 0.0,
             cursor: 0,
             past: [[0.0; 3]; 4],
@@ -174,6 +202,7 @@ impl Window {
             is_off: false,
             repairs: 0,
             slower: 0,
+            is_cut: false,
             seen: [0; 2],
             nearest_before: 0,
             plan: Vec::with_capacity(PLAN_TICKS),
@@ -192,7 +221,9 @@ impl Window {
         self.repairs = 0;
         self.slower = 0;
         self.share = LIMIT_SHARE * (1.0 - start.spare);
-        self.spacing_s = SPACING_S * FIRST_COARSER;
+        self.is_cut = false;
+        self.spacing_s = if start.point.is_in_motion() { SPACING_S } else { SPACING_S * FIRST_COARSER };
+        self.begin_points();
         self.guess_corners(budget);
         self.begin_lay();
         self.phase = Phase::Lay;
@@ -206,6 +237,20 @@ impl Window {
     /// Whether no plan was found that keeps limits and tolerance.
     pub fn has_failed(&self) -> bool {
         self.phase == Phase::Failed
+    }
+
+    /// Whether the curve ends before the end of the tube that was asked for.
+    pub fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
+    /// The plan is taken over: what follows from now on begins on its curve.
+    pub fn keep(&mut self) {
+        std::mem::swap(&mut self.before.points, &mut self.smooth.points);
+        std::mem::swap(&mut self.before.rate_square, &mut self.speed.rate_square);
+        self.before.near.clear();
+        self.before.near.extend(self.smooth.knots.iter().map(|knot| knot.near));
+        self.before.share = self.share;
     }
 
     /// Some work on the plan.
@@ -236,12 +281,6 @@ impl Window {
                         self.after_speed(round);
                     }
                 }
-                Phase::Total { round } => {
-                    if self.total(budget) {
-                        self.begin_retime();
-                        self.phase = if self.sum.is_finite() { Phase::Retime { round } } else { Phase::Failed };
-                    }
-                }
                 Phase::Retime { round } => {
                     if self.retime(budget) {
                         self.smooth.begin(TOLERANCE_SHARE * TUBE_SHARE);
@@ -258,9 +297,9 @@ impl Window {
     }
 
     fn round(&self, round: usize) -> Phase {
-        if self.start.hurried {
+        if self.start.hurried || ROUNDS[1] == 0 {
             let round = if round == 0 { 0 } else { LAST };
-            return Phase::Smooth { round, left: ROUNDS_HURRIED[round] };
+            return Phase::Smooth { round, left: if self.start.hurried { ROUNDS_HURRIED[round] } else { ROUNDS[round] } };
         }
         Phase::Smooth { round, left: ROUNDS[round] }
     }
@@ -292,14 +331,20 @@ impl Window {
         for knot in &self.smooth.knots[1..self.smooth.points.len() - 1] {
             self.speed.feed.push(self.tube.pieces[knot.near.1].feed * d);
         }
-        self.speed.begin(limits, self.start.point.is_in_motion(), round < LAST);
+        let from = self.start.point.follow.interval;
+        let given = match self.start.until {
+            Some(_) => &self.before.rate_square[from..from + self.smooth.lead - 1],
+            None if self.start.point.is_in_motion() => &[1.0; 2],
+            None => &[],
+        };
+        self.speed.begin(limits, given, self.before.share / share, round < LAST);
         self.phase = Phase::Speed { round };
     }
 
     fn after_speed(&mut self, round: usize) {
         if round < LAST {
-            (self.sum, self.cursor) = (0.0, 0);
-            self.phase = Phase::Total { round };
+            self.begin_retime();
+            self.phase = Phase::Retime { round };
         } else if self.speed.is_good() {
             self.begin_check();
             self.phase = Phase::Check;

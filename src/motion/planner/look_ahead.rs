@@ -9,14 +9,19 @@ use super::super::path::Queued;
 use super::super::run::{Filled, Filling, Then, after};
 use super::super::trail::{Spot, Trail};
 use super::super::tube::{SHARP_COSINE, cosine};
-use super::super::window::{COST_POINT, PlanPoint, SPACING_S, Start};
+use super::super::window::{PlanPoint, SPACING_S, Start};
 use super::super::{LEAST_FEED_MM_S, Rate};
-use super::{Ask, NEAREST, Planner, WORK_MOST, WORK_STEADY, stand};
+use super::{Ask, NEAREST, Planner, WORK_MOST, WORK_STEADY, stand, top_speed};
 
 /// Time a window looks ahead, s: the first, so that the axes start soon, the shortest and the longest.
-const FIRST_S: f64 = 0.2;
+const FIRST_S: f64 = 0.1;
+const FIRST_BRAKES: f64 = 1.0;
 const SHORTEST_S: f64 = 0.25;
 const LONGEST_S: f64 = 1.4;
+/// Units of work that a control point costs from the first timing to the last check, found by trial, and how fast less
+/// is learnt.
+pub const COST_POINT: f64 = 20_000.0;
+const COST_LEARNT: f64 = 0.2;
 /// Control points that braking at the end of a window takes, about.
 const BRAKE_POINTS: f64 = 30.0;
 /// Set-points before a handover that the next window still knows of.
@@ -26,9 +31,15 @@ const TICKS_SPARE: usize = 12;
 /// The end of a plan at rest has influence so many braking times before it, and so many ticks.
 const BRAKES_BEFORE: f64 = 1.3;
 const TICKS_BEFORE: f64 = 24.0;
-/// So many ticks a handover may be put off, and what part of the acceleration a tick must save.
-const CALM_TICKS: usize = 48;
-const CALM_TICK: f64 = 0.004;
+/// So many ticks of the course up to there are taken over, when there is time, so that the speed has room to meet what
+/// comes; and at most.
+const LEAD_TICKS: i64 = 64;
+const LEAD_MOST: usize = 160;
+/// With less the course is not taken over but only the state of motion.
+const LEAD_LEAST: usize = 0;
+const LEAD_SHORT: i64 = 24;
+/// Planning takes that many ticks at least.
+const SHORTEST_TICKS: i64 = 80;
 /// How much later the handover is tried after failures, at most.
 const OTHER_TICKS: f64 = 30.0;
 /// Part of the limits left for raising the rate.
@@ -46,6 +57,9 @@ pub struct Job {
     filled: Filled,
     /// Whether the window is as long as it should be.
     steady: bool,
+    /// How far it looks ahead, s, and units of work spent on it.
+    seconds: f64,
+    spent: usize,
 }
 
 /// What is chosen for the next window.
@@ -55,7 +69,9 @@ struct Choice {
     handover: usize,
     /// The first segment of the tube before that is taken over.
     first: usize,
-    /// How far it looks ahead, s.
+    /// The end of what is taken over of the course.
+    end: PlanPoint,
+    /// How far it looks ahead from there, s.
     seconds: f64,
     /// The number of the move to go on with when nothing is taken over.
     next: u64,
@@ -84,17 +100,19 @@ impl Planner {
         if self.partial.is_none() {
             self.tube.clear();
         }
-        let start = Start { point, past: [point.at; 4], spare: 0.0, hurried: true };
+        let start = Start { point, past: [point.at; 4], until: None, shift: (0.0, 0), spare: 0.0, hurried: true };
         let (first, next) = (point.segment, queued.number);
-        self.begin_job(start, Choice { handover: 0, first, seconds: FIRST_S, next, steady: false }, ask);
+        let brake = self.brake_s(top_speed(queued, &self.limits, ask.feed_override));
+        self.begin_job(start, Choice { handover: 0, first, end: point, seconds: FIRST_S + FIRST_BRAKES * brake, next, steady: false }, ask);
     }
 
     fn begin_job(&mut self, start: Start, choice: Choice, ask: Ask) {
-        let Choice { handover, first, seconds, next, steady } = choice;
+        let Choice { handover, first, seconds, next, steady, .. } = choice;
         self.window.clear();
         self.window.tube.continue_from(&self.tube, first);
         let mut start = start;
-        start.point.along -= self.tube.along.get(first).copied().unwrap_or(0.0);
+        start.shift = (self.tube.along.get(first).copied().unwrap_or(0.0), first);
+        start.point.along -= start.shift.0;
         start.point.segment -= first;
         start.spare = if ask.catching_up { SPARE } else { 0.0 };
         let in_motion = start.point.is_in_motion();
@@ -104,13 +122,13 @@ impl Planner {
             copied: first,
             next,
             seconds: seconds * self.part,
-            from: start.point.along,
-            speed: start.point.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
+            from: choice.end.along - start.shift.0,
+            speed: choice.end.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
             push: self.limits.axes.iter().map(|(_, l)| l.acceleration_mm_s2).fold(f64::INFINITY, f64::min) / 2.0,
             jerk: self.limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(f64::INFINITY, f64::min),
             feed_override: ask.feed_override.max(least),
         };
-        self.job = Some(Job { handover, in_motion, filling, start, filled: Filled::NotYet, steady });
+        self.job = Some(Job { handover, in_motion, filling, start, filled: Filled::NotYet, steady, seconds: seconds * self.part, spent: 0 });
     }
 
     /// Works on the next window, and begins one when it is time.
@@ -128,9 +146,12 @@ impl Planner {
         let Some(mut job) = self.job else { return };
         if job.in_motion && self.laid > job.handover + 1 {
             // Too late: what follows the handover has been laid.
+            job.spent += job.spent / 4;
+            self.learn_cost(&job);
             self.cancel();
             return;
         }
+        let before = budget.left();
         if job.filled == Filled::NotYet {
             job.filled = job.filling.fill(&mut self.window.tube, &self.tube, moves, &self.limits, budget);
             if job.filled != Filled::NotYet {
@@ -140,6 +161,8 @@ impl Planner {
             self.job = Some(job);
         }
         self.window.work(budget);
+        job.spent += before - budget.left();
+        self.job = Some(job);
         if self.window.has_failed() {
             self.part *= 0.5;
             self.cancel();
@@ -160,26 +183,30 @@ impl Planner {
         let best = self.best as i64;
         // As much as is known, as can be planned in time.
         let known = self.known_beyond(moves, (last.number - front) as usize, LONGEST_S);
-        let wanted = seconds_of((best - near) as f64, WORK_MOST).clamp(SHORTEST_S, LONGEST_S).min(known);
-        let steady = near + ticks_of(wanted, WORK_STEADY) <= best;
-        let ticks = ticks_of(wanted, if steady { WORK_STEADY } else { WORK_MOST });
+        let aim = (best - LEAD_TICKS).max(near + SHORTEST_TICKS.min(best - near - LEAD_SHORT));
+        let wanted = self.seconds_of((aim - near) as f64, WORK_MOST).clamp(SHORTEST_S, LONGEST_S).min(known);
+        let steady = near + self.ticks_of(wanted, WORK_STEADY) <= aim;
+        let ticks = self.ticks_of(wanted, if steady { WORK_STEADY } else { WORK_MOST });
         let raised = ask.feed_override > self.planned_override;
-        if !raised && wanted >= LONGEST_S && steady && near + ticks + self.ahead as i64 <= best {
+        if !raised && wanted >= LONGEST_S && steady && near + ticks + self.ahead as i64 <= aim {
             return;
         }
         let earliest = self.laid.max(usize::try_from(near + ticks).unwrap_or(0));
         // After a failure another state may be better.
         let other = ((1.0 - self.part) * OTHER_TICKS) as usize;
-        let handover = other + if raised { earliest } else { earliest.max(self.best) };
+        let handover = other + if raised { earliest } else { earliest.max(usize::try_from(aim).unwrap_or(0)) };
         if handover < BACK || handover + BACK >= self.plan.len() {
             return;
         }
-        let handover = self.calmest(handover);
         let point = self.plan[handover];
         let past = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
+        let end = self.plan[self.best.clamp(handover, handover + LEAD_MOST)];
+        let until = (handover + LEAD_LEAST <= self.best).then_some(end.follow.interval);
+        let start = Start {
+            point, past, until, shift: (0.0, 0), spare: 0.0, hurried: false
+        };
         let first = self.plan[handover - BACK].segment.saturating_sub(1);
-        let start = Start { point, past, spare: 0.0, hurried: false };
-        self.begin_job(start, Choice { handover, first, seconds: wanted, next: last.number, steady }, ask);
+        self.begin_job(start, Choice { handover, first, end, seconds: wanted, next: last.number, steady }, ask);
     }
 
     /// About how long the run is known beyond the place where the end of the plan takes influence, s, up to `most`.
@@ -208,39 +235,22 @@ impl Planner {
         seconds
     }
 
-    /// The set-point with the least acceleration soon after one: from there every way on is open, while a state at a limit
-    /// leaves hardly one.
-    fn calmest(&self, from: usize) -> usize {
-        let strain = |point: &PlanPoint| {
-            let part = |(axis, l): (crate::units::Axis, &super::super::AxisLimits)| {
-                point.acceleration[axis as usize].abs() / l.acceleration_mm_s2
-            };
-            self.limits.axes.iter().map(part).fold(0.0, f64::max)
-        };
-        let last = (from + CALM_TICKS).min(self.plan.len() - BACK - 1);
-        let mut best = (f64::INFINITY, from);
-        for (later, point) in self.plan[from..=last].iter().enumerate() {
-            let strain = strain(point) + later as f64 * CALM_TICK;
-            if strain < best.0 {
-                best = (strain, from + later);
-            }
-        }
-        best.1
-    }
-
     /// Changes over to the window when it is ready and the plan under way has been laid up to the handover.
     pub(super) fn adopt(&mut self, trail: &mut Trail) {
         let Some(job) = self.job else { return };
         if !self.window.is_ready() || (job.in_motion && self.laid != job.handover + 1) {
             return;
         }
-        if !job.in_motion {
+        if job.in_motion {
+            self.learn_cost(&job);
+        } else {
             stand(trail);
         }
         std::mem::swap(&mut self.plan, &mut self.window.plan);
         std::mem::swap(&mut self.tube, &mut self.window.tube);
         self.laid = 0;
-        self.open = job.filled == Filled::Open;
+        self.open = job.filled == Filled::Open || self.window.is_cut();
+        self.window.keep();
         self.planned_override = job.filling.feed_override;
         self.partial = None;
         self.part = (2.0 * self.part).min(1.0);
@@ -248,17 +258,38 @@ impl Planner {
         self.cancel();
     }
 
-    /// Up to where the end of the plan at rest has no influence.
-    fn best_handover(&self) -> usize {
+    /// Ticks that planning so much takes at so many units of work a tick, and back.
+    fn ticks_of(&self, seconds: f64, work: usize) -> i64 {
+        ((seconds / SPACING_S + BRAKE_POINTS) * self.cost_point / work as f64).ceil() as i64
+    }
+
+    fn seconds_of(&self, ticks: f64, work: usize) -> f64 {
+        (ticks * work as f64 / self.cost_point - BRAKE_POINTS) * SPACING_S
+    }
+
+    /// What a control point costs is learnt from each window: upward at once, downward slowly.
+    fn learn_cost(&mut self, job: &Job) {
+        let cost = job.spent as f64 / (job.seconds / SPACING_S + BRAKE_POINTS);
+        let learnt = cost.max(self.cost_point + COST_LEARNT * (cost - self.cost_point));
+        self.cost_point = learnt.clamp(0.5 * COST_POINT, 3.0 * COST_POINT);
+    }
+
+    /// Time of braking from a speed, s.
+    fn brake_s(&self, speed: f64) -> f64 {
         let (mut push, mut jerk) = (f64::INFINITY, f64::INFINITY);
         for (_, l) in self.limits.axes.iter() {
             (push, jerk) = (push.min(l.acceleration_mm_s2), jerk.min(l.jerk_mm_s3));
         }
+        // A low speed is left by √(v/j), a high one by v/a and a/j.
+        (speed / push + push / jerk).min(2.0 * (speed / jerk).sqrt())
+    }
+
+    /// Up to where the end of the plan at rest has no influence.
+    fn best_handover(&self) -> usize {
         let count = self.plan.len();
         for (left, point) in self.plan.iter().rev().enumerate() {
             let speed = point.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
-            // A low speed is left by √(v/j), a high one by v/a and a/j.
-            let brake = (speed / push + push / jerk).min(2.0 * (speed / jerk).sqrt()) / self.limits.tick_s;
+            let brake = self.brake_s(speed) / self.limits.tick_s;
             if left as f64 >= BRAKES_BEFORE * brake + TICKS_BEFORE && left > 2 * BACK {
                 return count - 1 - left;
             }
@@ -267,11 +298,3 @@ impl Planner {
     }
 }
 
-/// Ticks that planning so much takes at so many units of work a tick, and back.
-fn ticks_of(seconds: f64, work: usize) -> i64 {
-    ((seconds / SPACING_S + BRAKE_POINTS) * COST_POINT as f64 / work as f64).ceil() as i64
-}
-
-fn seconds_of(ticks: f64, work: usize) -> f64 {
-    (ticks * work as f64 / COST_POINT as f64 - BRAKE_POINTS) * SPACING_S
-}

@@ -20,18 +20,18 @@ impl Speed {
     /// The terms of one knot and its coefficient.
     pub(super) fn begin_knot(&mut self, p: &[[f64; 3]], k: usize) {
         self.terms.push(p, k, &self.limits, self.feed[k]);
-        self.rate_square.push(1.0);
     }
 
-    fn has_interval(&self, k: usize) -> bool {
-        k + 2 < self.rate_square.len()
+    /// Whether there is an interval after a knot and not all its coefficients are given.
+    fn is_free(&self, k: usize) -> bool {
+        k + 2 < self.rate_square.len() && k + 3 > self.fixed
     }
 
     /// How much wider the limits would have to be for the coefficients as they are.
     pub(super) fn measure(&mut self, k: usize) {
         let c = &self.rate_square;
         let b = f64::midpoint(c[k], c[k + 1]);
-        let mut need = self.need.max(b / RATE_SQUARE_MOST);
+        let mut need = b / RATE_SQUARE_MOST;
         if k + 2 > self.fixed {
             need = need.max(self.terms.speed[k] * b);
             for term in self.terms.at(k) {
@@ -39,7 +39,7 @@ impl Speed {
                 need = need.max(term.velocity * b).max(a.abs());
             }
         }
-        if self.has_interval(k) {
+        if self.is_free(k) {
             let c = [c[k], c[k + 1], c[k + 2]];
             let roots = WEIGHTS.map(|(wb, _)| dot(wb, c).max(0.0).sqrt());
             for term in self.terms.at(k) {
@@ -48,12 +48,14 @@ impl Speed {
                 }
             }
         }
-        self.need = need;
+        self.worst = self.worst.max(need);
+        self.slack[k] = self.slack_for(k, need).min(self.slack[k]);
+        self.need = self.need.max(self.slack[k] / self.lead_slack(k));
     }
 
     /// Adds time and barrier of one knot and the interval after it to gradient and Hessian.
     pub(super) fn assemble(&mut self, k: usize) {
-        let (mu, slack) = (self.barrier, self.slack_at(k));
+        let (mu, slack) = (self.barrier, self.slack[k]);
         let last = self.rate_square.len() - 1;
         for row in if k + 1 == last { k..last + 1 } else { k..k + 1 } {
             let c = self.rate_square[row];
@@ -96,7 +98,7 @@ impl Speed {
         h[0] += 0.25 * second;
         h[1] += 0.25 * second;
         h[2] += 0.25 * second;
-        if self.has_interval(k) {
+        if self.is_free(k) {
             self.assemble_jerk(k, &mut g, &mut h);
         }
         let rows = 3.min(self.rate_square.len() - k);
@@ -114,7 +116,7 @@ impl Speed {
         let c = [self.rate_square[k], self.rate_square[k + 1], self.rate_square[k + 2]];
         let places = WEIGHTS.map(|(wb, _)| {
             let b = dot(wb, c);
-            let most = self.slack_at(k) / b.sqrt();
+            let most = self.slack[k] / b.sqrt();
             // The limit itself falls with b.
             (most, wb.map(|w| -0.5 * most / b * w))
         });
@@ -180,7 +182,7 @@ impl Speed {
 
     /// Shortens the step as far as the limits of one knot and the interval after it ask for.
     pub(super) fn reach(&mut self, k: usize) {
-        let (c, d, slack) = (&self.rate_square, &self.step, self.slack_at(k));
+        let (c, d, slack) = (&self.rate_square, &self.step, self.slack[k]);
         let mut part = self.part;
         let mut within = |value: f64, change: f64, most: f64| {
             if value + part * change >= most && change > 0.0 {
@@ -202,7 +204,7 @@ impl Speed {
                 within(-value, -change, slack);
             }
         }
-        if self.has_interval(k) {
+        if self.is_free(k) {
             within(-c[k + 2], -d[k + 2], 0.0);
             let (c, d) = ([c[k], c[k + 1], c[k + 2]], [d[k], d[k + 1], d[k + 2]]);
             let rates = WEIGHTS.map(|(wb, _)| (dot(wb, c), dot(wb, d)));

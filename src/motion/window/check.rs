@@ -6,6 +6,7 @@
 
 use super::super::budget::Budget;
 use super::super::trail::spline;
+use super::super::smooth::FIXED;
 use super::super::warp::History;
 use super::{
     Excess, Follow, LAST, PLAN_TICKS, Phase, REPAIR_ROUND, REPAIRS_MOST, SLOWER_MOST, TOLERANCE_SHARE, Window,
@@ -21,9 +22,8 @@ const REPAIR_SPARE: f64 = 0.03;
 const REPAIR_MORE: f64 = 1.6;
 /// How far an axis may come beyond where it turns back, mm: rounding, a thousandth of the finest increment.
 const BEYOND_MM: f64 = 5e-7;
-/// Intervals after a start in motion that the plan before has a share in, and what they are allowed: a little more than
-/// that plan was, so that its last set-points are no hindrance.
-const JOINED: usize = 2;
+/// What is allowed where the plan before has a share: a little more than that plan was, so that what is taken over is no
+/// hindrance.
 const JOINED_SHARE: f64 = 0.9995;
 const JOINED_BEYOND_MM: f64 = 9e-7;
 /// Units of work of a look, and of a set-point without its looks.
@@ -33,7 +33,8 @@ const COST_CHECK: usize = 300;
 impl Window {
     pub(super) fn begin_probe(&mut self) {
         self.begin_excess();
-        self.cursor = 0;
+        // What is taken over has been looked at.
+        self.cursor = self.smooth.lead - FIXED;
         self.phase = Phase::Probe;
     }
 
@@ -91,7 +92,7 @@ impl Window {
         let low = if k == 0 { 0.0 } else { knots[k].near.0.min(along[k - 1]) };
         let high = if k + 4 > last { self.tube.end } else { knots[k + 3].near.0.max(along[k + 4]) };
         let near = self.tube.nearest(at, low, high, knots[k + 1].near.1);
-        let joined = k < JOINED && self.start.point.is_in_motion();
+        let joined = k < self.smooth.lead && self.start.point.is_in_motion();
         let share = if joined { JOINED_SHARE } else { TOLERANCE_SHARE };
         let over = near.off - share * self.tube.pieces[near.segment].tolerance;
         if over > 0.0 {
@@ -104,7 +105,7 @@ impl Window {
     /// Whether each axis stays where it may go at a set-point of interval `k`. The curve through set-points lies between
     /// them, at whatever rate it is followed.
     fn look_at_room(&mut self, k: usize, at: [f64; 3], along: f64) {
-        let most = if k < JOINED && self.start.point.is_in_motion() { JOINED_BEYOND_MM } else { BEYOND_MM };
+        let most = if k < self.smooth.lead && self.start.point.is_in_motion() { JOINED_BEYOND_MM } else { BEYOND_MM };
         for (x, (low, high)) in self.tube.room(along).into_iter().enumerate() {
             let beyond = (low - at[x], at[x] - high);
             if beyond.0 > most || beyond.1 > most {
@@ -136,7 +137,8 @@ impl Window {
     }
 
     pub(super) fn begin_check(&mut self) {
-        self.follow = Follow::default();
+        let part = self.start.until.map_or(0.0, |_| self.start.point.follow.part);
+        self.follow = Follow { interval: 0, part };
         self.past = self.start.past;
         self.worst = 0.0;
         self.nearest_before = self.tube.segment_at(self.start.point.along);
@@ -153,6 +155,10 @@ impl Window {
             self.advance(step);
             let point = self.plan_point();
             let over = self.is_at_end();
+            if point.at.iter().any(|x| !x.is_finite()) {
+                self.worst = f64::INFINITY;
+                return true;
+            }
             self.plan.push(point);
             self.look_at_room(self.follow.interval.min(self.intervals() - 1), point.at, point.along);
             self.see(point.at);

@@ -77,7 +77,7 @@ impl Window {
         }
         let last = self.smooth.points.len() - 1;
         let place = |k: usize| match k {
-            1 => self.start.point.along,
+            1 if self.start.until.is_none() => self.start.point.along,
             k if k >= last => self.tube.end,
             k => self.smooth.knots[k].near.0,
         };
@@ -96,6 +96,7 @@ impl Window {
         let (rate, d) = (b.sqrt() / self.spacing_s, self.spacing_s);
         let mut point =
             PlanPoint::at_rest(spline(p, part), self.along(), self.smooth.knots[interval + 1].near.1.min(last));
+        point.follow = self.follow;
         let second = [0, 1, 2].map(|x| (p[0][x] - 2.0 * p[1][x] + p[2][x], p[1][x] - 2.0 * p[2][x] + p[3][x]));
         let first = [0, 1, 2].map(|x| {
             let (left, right) = second[x];

@@ -6,21 +6,20 @@
 use super::super::AxisLimits;
 use super::super::budget::Budget;
 use super::super::contour::distance;
-use super::super::smooth::POINTS;
+use super::super::smooth::{FIXED, POINTS};
+use super::super::speed::over;
 use super::super::tube::corner_speed;
 use super::{Follow, SPACING_S, Window};
 
-/// By what the spacing grows when the points are too many.
-const COARSER: f64 = 1.3;
-/// Control points at least, and kept free at the end.
+/// Control points at least beyond those given, and kept free at the end.
 const POINTS_LEAST: usize = 24;
 const POINTS_SPARE: usize = 8;
+const POINTS_MOST: usize = POINTS - POINTS_LEAST - POINTS_SPARE;
 /// Part of the least acceleration of the axes that the first timing uses.
 const PUSH_SHARE: f64 = 0.5;
-/// Units of work of a corner, of a control point laid, of an interval timed.
+/// Units of work of a corner, of a control point laid, of one placed again.
 const COST_CORNER: usize = 80;
 const COST_LAY: usize = 130;
-const COST_TIME: usize = 60;
 const COST_RETIME: usize = 250;
 
 impl Window {
@@ -36,12 +35,13 @@ impl Window {
         budget.take(count * COST_CORNER);
         self.corner.clear();
         self.corner.resize(count + 1, 0.0);
-        let start = self.tube.segment_at(self.start.point.along);
         for k in 1..count {
             let bend = corner_speed(&pieces[k - 1], &pieces[k], jerk);
             self.corner[k] = bend.min(pieces[k - 1].top).min(pieces[k].top);
         }
-        self.corner[start] = distance(self.start.point.velocity, [0.0; 3]);
+        let (from, speed) = self.lead_end();
+        let start = self.tube.segment_at(from);
+        self.corner[start] = speed;
         for k in start + 1..=count {
             let reach = self.corner[k - 1].powi(2) + 2.0 * push * pieces[k - 1].segment.length();
             self.corner[k] = self.corner[k].min(reach.sqrt());
@@ -57,87 +57,114 @@ impl Window {
     /// The greatest speed at a distance along the contour of the first timing, mm/s.
     fn first_speed(&self, along: f64, push: f64) -> f64 {
         let k = self.tube.segment_at(along);
-        let from = along - self.tube.along[k].max(self.start.point.along.min(along));
+        let from = along - self.tube.along[k].max(self.first_from.min(along));
         let to = self.tube.along[k + 1].min(self.tube.end) - along;
         let rise = (self.corner[k].powi(2) + 2.0 * push * from.max(0.0)).sqrt();
         let fall = (self.corner[k + 1].powi(2) + 2.0 * push * to.max(0.0)).sqrt();
         rise.min(fall).min(self.tube.pieces[k].top)
     }
 
-    /// The first three control points: position, velocity and acceleration of the start at the nominal rate.
+    /// The first control points. At rest, three in the same place; in motion those of the curve before that are taken
+    /// over: the course up to `until` and how it is timed.
     pub(super) fn begin_points(&mut self) {
-        let (d, start) = (self.spacing_s, self.start.point);
-        let speed = distance(start.velocity, [0.0; 3]);
-        self.smooth.points.clear();
-        self.smooth.along.clear();
-        for step in [-1.0, 0.0, 1.0_f64] {
-            self.smooth.points.push([0, 1, 2].map(|x| {
-                let (d1, d2) = (start.velocity[x] * d, start.acceleration[x] * d * d);
-                start.at[x] - d2 / 6.0 + step * d1 + step.abs() * d2 / 2.0
-            }));
-            self.smooth.along.push((start.along + step * speed * d).clamp(0.0, self.tube.end));
+        let (start, smooth) = (&self.start, &mut self.smooth);
+        smooth.points.clear();
+        smooth.along.clear();
+        smooth.lead = FIXED;
+        let Some(until) = start.until else {
+            let (d, speed) = (self.spacing_s, distance(start.point.velocity, [0.0; 3]));
+            for step in [-1.0, 0.0, 1.0_f64] {
+                smooth.points.push([0, 1, 2].map(|x| {
+                    let (d1, d2) = (start.point.velocity[x] * d, start.point.acceleration[x] * d * d);
+                    start.point.at[x] - d2 / 6.0 + step * d1 + step.abs() * d2 / 2.0
+                }));
+                smooth.along.push((start.point.along + step * speed * d).clamp(0.0, self.tube.end));
+            }
+            return;
+        };
+        let from = start.point.follow.interval;
+        let last = self.before.points.len() - FIXED;
+        let until = until.max(from).min(last.max(from + 1) - 1);
+        smooth.lead = until - from + FIXED + 1;
+        for k in from..from + smooth.lead {
+            smooth.points.push(self.before.points[k]);
+            // The first point is no knot.
+            let along = self.before.near[k.max(1)].0.max(0.0) - start.shift.0;
+            let least = smooth.along.last().copied().unwrap_or(0.0);
+            smooth.along.push(along.max(least).min(self.tube.end));
         }
+    }
+
+    /// The distance along the contour and the speed with which the first timing begins.
+    fn lead_end(&self) -> (f64, f64) {
+        let (points, last) = (&self.smooth.points, self.smooth.lead - 1);
+        let step = distance(points[last], points[last - 2]) / 2.0;
+        (self.smooth.along[last], step * self.last_rate_square().sqrt() / self.spacing_s)
+    }
+
+    /// The last of the coefficients of the square of the rate that are given.
+    fn last_rate_square(&self) -> f64 {
+        let last = self.start.point.follow.interval + self.smooth.lead - 2;
+        if self.start.until.is_some() { self.before.rate_square[last] } else { 1.0 }
+    }
+
+    /// Time from the control point before to the next beyond those given, in spacings: the rate leads over from the one
+    /// given to the nominal.
+    fn step_after(&self, count: usize) -> f64 {
+        1.0 / over(self.last_rate_square(), 1.0, count).sqrt()
     }
 
     pub(super) fn begin_lay(&mut self) {
-        self.begin_points();
-        self.sum = self.start.point.along;
-        self.cursor = 1;
+        self.first_from = self.lead_end().0;
+        self.sum = self.first_from;
+        self.cursor = 0;
     }
 
-    /// Control points along the contour at even times of the guess; begins again with a coarser spacing when they are
-    /// too many. True when done.
+    /// Control points along the contour at even times of the guess, up to as many as there may be. True when done.
     pub(super) fn lay_first(&mut self, budget: &mut Budget) -> bool {
         let push = self.push();
-        let (spacing, end) = (self.spacing_s, self.tube.end);
-        let least = 0.5 * push * spacing;
+        let end = self.tube.end;
+        let least = 0.5 * push * self.spacing_s;
         while !budget.is_spent() {
             budget.take(COST_LAY);
+            let spacing = self.spacing_s * self.step_after(self.cursor + 1);
             let half = self.sum + self.first_speed(self.sum, push).max(least) * spacing / 2.0;
             self.sum += self.first_speed(half.min(end), push).max(least) * spacing;
             self.cursor += 1;
-            if self.sum >= end {
+            if self.smooth.points.len() >= POINTS_MOST && self.sum < end {
+                self.cut(self.sum);
+            }
+            if self.sum >= self.tube.end {
                 self.end_points();
                 return true;
             }
-            if self.cursor > 2 {
-                self.smooth.points.push(self.tube.at(self.sum));
-                self.smooth.along.push(self.sum);
-            }
-            if self.smooth.points.len() >= POINTS - POINTS_LEAST - POINTS_SPARE {
-                self.spacing_s *= COARSER;
-                self.begin_lay();
-                return false;
-            }
+            self.smooth.points.push(self.tube.at(self.sum));
+            self.smooth.along.push(self.sum);
         }
         false
+    }
+
+    /// The horizon was too far.
+    fn cut(&mut self, along: f64) {
+        self.tube.end = along;
+        self.is_cut = true;
     }
 
     /// The last control points, at rest.
     fn end_points(&mut self) {
         let end = self.tube.end_point();
-        for _ in 0..3.max(POINTS_LEAST.saturating_sub(self.smooth.points.len())) {
+        let least = self.smooth.lead + POINTS_LEAST;
+        for _ in 0..FIXED.max(least.saturating_sub(self.smooth.points.len())) {
             self.smooth.points.push(end);
             self.smooth.along.push(self.tube.end);
         }
     }
 
-    /// Time of the whole plan; true when done.
-    pub(super) fn total(&mut self, budget: &mut Budget) -> bool {
-        let end = self.intervals();
-        let until = budget.slice(self.cursor, end, COST_TIME);
-        for k in self.cursor..until {
-            self.sum += self.time_between(k, 0.0, 1.0);
-        }
-        self.cursor = until;
-        until == end
-    }
-
-    /// Prepares to place the control points again; the spacing grows if they would be too many.
+    /// Prepares to place the control points behind those given again.
     pub(super) fn begin_retime(&mut self) {
-        let most = (POINTS - POINTS_LEAST - 2 * POINTS_SPARE) as f64;
-        self.sum = (self.sum / most).max(SPACING_S / self.spacing_s);
-        self.follow = Follow::default();
+        self.sum = SPACING_S / self.spacing_s;
+        // The last point given belongs to the knot at which this interval begins.
+        self.follow = Follow { interval: self.smooth.lead - 2, part: 0.0 };
         self.fresh.clear();
         self.cursor = 0;
     }
@@ -146,10 +173,13 @@ impl Window {
     pub(super) fn retime(&mut self, budget: &mut Budget) -> bool {
         while !budget.is_spent() {
             budget.take(COST_RETIME);
-            // The first three stand for the times from -1 to 1.
-            self.advance(if self.cursor == 0 { 2.0 * self.sum } else { self.sum });
+            self.advance(self.sum * self.step_after(self.cursor + 1));
             self.cursor += 1;
-            if self.is_at_end() || self.fresh.len() >= POINTS - POINTS_LEAST - POINTS_SPARE {
+            let full = self.smooth.lead + self.fresh.len() >= POINTS_MOST;
+            if full && !self.is_at_end() {
+                self.cut(self.along());
+            }
+            if full || self.is_at_end() {
                 self.spacing_s *= self.sum;
                 self.begin_points();
                 for (at, along) in &self.fresh {
