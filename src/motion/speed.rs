@@ -35,8 +35,6 @@ const SLACK_SPARE: (f64, f64, f64) = (0.2, 0.01, 0.2);
 const SLACK_EVEN: f64 = 1.2;
 /// It is gone when less than this is needed.
 const SLACK_GONE: f64 = 0.998;
-/// Knots over which a rate taken over leads to the nominal one.
-const OVER_KNOTS: usize = 20;
 /// Knots of a start in motion around which the limits are wider.
 const LEAD_KNOTS: usize = 20;
 /// So much wider the limits are there in any case: a plan before has left that much, so that a way on can be found.
@@ -83,6 +81,8 @@ pub struct Speed {
     pub rate_square: Vec<f64>,
     /// Greatest speed at each knot, mm per spacing.
     pub feed: Vec<f64>,
+    /// Knots over which a rate taken over leads to another.
+    pub over_knots: usize,
     limits: KnotLimits,
     terms: Terms,
     /// Coefficients at the start that are given.
@@ -109,9 +109,9 @@ pub struct Speed {
     step: Vec<f64>,
 }
 
-/// The square of the rate so many knots after the last that is given: it leads over to another.
-pub fn over(last: f64, to: f64, knots: usize) -> f64 {
-    let part = (knots as f64 / OVER_KNOTS as f64).min(1.0);
+/// The square of the rate at a part of the way from the last that is given to another.
+pub fn over(last: f64, to: f64, part: f64) -> f64 {
+    let part = part.min(1.0);
     last + (to - last) * part * part * (3.0 - 2.0 * part)
 }
 
@@ -121,6 +121,7 @@ impl Speed {
         Self {
             rate_square: Vec::with_capacity(POINTS),
             feed: Vec::with_capacity(POINTS),
+            over_knots: 1,
             limits: KnotLimits::default(),
             terms: Terms::new(),
             fixed: 0,
@@ -159,7 +160,8 @@ impl Speed {
         self.rate_square.clear();
         self.rate_square.extend_from_slice(given);
         if let Some(last) = given.last() {
-            (1..OVER_KNOTS).for_each(|k| self.rate_square.push(over(*last, 1.0, k)));
+            let part = |k: usize| k as f64 / self.over_knots as f64;
+            (1..self.over_knots).for_each(|k| self.rate_square.push(over(*last, 1.0, part(k))));
         }
         self.terms.clear();
         (self.pass, self.cursor) = (Pass::Terms, 0);
@@ -266,7 +268,7 @@ impl Speed {
             let rate = (EVEN_SHARE / self.worst.max(self.worst.powf(2.0 / 3.0))).min(1.0);
             let last = self.rate_square[self.given - 1];
             for (count, c) in self.rate_square[self.given..].iter_mut().enumerate() {
-                *c = over(last, rate, count + 1);
+                *c = over(last, rate, (count + 1) as f64 / self.over_knots as f64);
             }
             self.is_even = true;
             self.slack.fill(f64::INFINITY);

@@ -13,9 +13,7 @@ use super::super::window::{PlanPoint, SPACING_S, Start};
 use super::super::{LEAST_FEED_MM_S, Rate};
 use super::{Ask, NEAREST, Planner, WORK_MOST, WORK_STEADY, stand, top_speed};
 
-/// Time a window looks ahead, s: the first, so that the axes start soon, the shortest and the longest.
-const FIRST_S: f64 = 0.1;
-const FIRST_BRAKES: f64 = 1.0;
+/// Time a window looks ahead, s: the shortest and the longest.
 const SHORTEST_S: f64 = 0.25;
 const LONGEST_S: f64 = 1.4;
 /// Units of work that a control point costs from the first timing to the last check, found by trial, and how fast less
@@ -103,7 +101,7 @@ impl Planner {
         let start = Start { point, past: [point.at; 4], until: None, shift: (0.0, 0), spare: 0.0, hurried: true };
         let (first, next) = (point.segment, queued.number);
         let brake = self.brake_s(top_speed(queued, &self.limits, ask.feed_override));
-        self.begin_job(start, Choice { handover: 0, first, end: point, seconds: FIRST_S + FIRST_BRAKES * brake, next, steady: false }, ask);
+        self.begin_job(start, Choice { handover: 0, first, end: point, seconds: self.first_s(brake), next, steady: false }, ask);
     }
 
     fn begin_job(&mut self, start: Start, choice: Choice, ask: Ask) {
@@ -241,9 +239,8 @@ impl Planner {
         if !self.window.is_ready() || (job.in_motion && self.laid != job.handover + 1) {
             return;
         }
-        if job.in_motion {
-            self.learn_cost(&job);
-        } else {
+        self.learn_cost(&job);
+        if !job.in_motion {
             stand(trail);
         }
         std::mem::swap(&mut self.plan, &mut self.window.plan);
@@ -272,6 +269,12 @@ impl Planner {
         let cost = job.spent as f64 / (job.seconds / SPACING_S + BRAKE_POINTS);
         let learnt = cost.max(self.cost_point + COST_LEARNT * (cost - self.cost_point));
         self.cost_point = learnt.clamp(0.5 * COST_POINT, 3.0 * COST_POINT);
+    }
+
+    /// How far the first window looks ahead, s: as far as the next one needs to be planned in time.
+    fn first_s(&self, brake: f64) -> f64 {
+        let ticks = self.ticks_of(SHORTEST_S, WORK_MOST) + NEAREST as i64 + TICKS_SPARE as i64 + LEAD_SHORT;
+        BRAKES_BEFORE * brake + (ticks as f64 + TICKS_BEFORE) * self.limits.tick_s
     }
 
     /// Time of braking from a speed, s.

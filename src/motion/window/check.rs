@@ -17,7 +17,7 @@ const LOOKS: u32 = 3;
 const LOOKS_SHARP: u32 = 10;
 /// Narrower than this part of the tolerance the tube is not made.
 const NARROWEST: f64 = 0.02;
-/// A repair aims this part of the tolerance inside, and this much farther than the excess.
+/// A repair aims this part of the tolerance inside, each one more, and this much farther than the excess.
 const REPAIR_SPARE: f64 = 0.03;
 const REPAIR_MORE: f64 = 1.6;
 /// How far an axis may come beyond where it turns back, mm: rounding, a thousandth of the finest increment.
@@ -129,7 +129,8 @@ impl Window {
         self.repairs += 1;
         for (k, excess) in self.excess.iter().enumerate().take(self.smooth.points.len() - 3) {
             let allowed = self.tube.pieces[self.smooth.knots[k + 1].near.1].tolerance * TOLERANCE_SHARE;
-            let by = |x: f64| if x > 0.0 { REPAIR_MORE * x + REPAIR_SPARE * allowed } else { 0.0 };
+            let spare = REPAIR_SPARE * f64::from(self.repairs) * allowed;
+            let by = |x: f64| if x > 0.0 { REPAIR_MORE * x + spare } else { 0.0 };
             let room = excess.room.map(|(low, high)| (by(low), by(high)));
             self.smooth.narrow(k, by(excess.off), allowed * NARROWEST, room);
         }
