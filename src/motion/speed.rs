@@ -25,7 +25,7 @@ const STEP_SHARE: f64 = 0.95;
 /// The barrier is lowered after a step of at least this part.
 const LOWER_FROM: f64 = 0.3;
 /// Steps of one plan at most.
-const STEPS_MOST: u32 = 40;
+const STEPS_MOST: u32 = 64;
 const STEPS_ROUGH: u32 = 6;
 /// Slack left at the end that is still taken: the share of the limits planned for leaves more.
 const SLACK_TAKEN: f64 = 1.008;

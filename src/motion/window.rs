@@ -28,13 +28,13 @@ const TUBE_SHARE: f64 = 0.95;
 const TOLERANCE_SHARE: f64 = 0.99;
 /// Iterations of smoothing in each round.
 const ROUNDS: [u32; 3] = [20, 0, 20];
-const ROUNDS_HURRIED: [u32; 3] = [25, 0, 30];
+const ROUNDS_HURRIED: [u32; 3] = [20, 0, 20];
 /// The first round makes do with knots so many times farther apart.
 const FIRST_COARSER: f64 = 1.4;
 const LAST: usize = ROUNDS.len() - 1;
 /// How often the tube is made narrower, and the iterations of smoothing after each time.
 const REPAIRS_MOST: u32 = 8;
-const REPAIR_ROUND: u32 = 20;
+const REPAIR_ROUND: u32 = 10;
 /// How often a plan is tried with a lower share of the limits after the check.
 const SLOWER_MOST: u32 = 3;
 /// The share of the limits planned for: what lies between knots is not looked at, and a change of rate needs room.
