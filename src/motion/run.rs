@@ -151,7 +151,8 @@ impl Filling {
         let fall = self.speed - slowed;
         let bends = 2.0 * (self.push / self.jerk).min((fall.max(0.0) / self.jerk).sqrt());
         let seconds = 2.0 * counted / (speed + slowed) + fall.max(0.0) / self.push * 0.5 + bends;
-        let cut = (self.speed + 0.5 * self.push * self.seconds).min(piece.top) * self.seconds;
+        let left = self.seconds.max(0.0);
+        let cut = (self.speed + 0.5 * self.push * left).min(piece.top) * left;
         self.speed = speed;
         tube.add(piece);
         if seconds > self.seconds && cut < WHOLE_FROM * counted {

@@ -140,7 +140,7 @@ impl Smooth {
 
     fn begin_knot(&mut self, tube: &Tube, k: usize) {
         let n = self.points.len();
-        let along = self.along[k].clamp(0.0, tube.end);
+        let along = self.along[k].max(0.0).min(tube.end);
         let segment = tube.segment_at(along);
         let (start, end) = tube.smooth_run(segment);
         let low = self.along[k.max(1) - 1].max(start).max(0.0);

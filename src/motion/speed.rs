@@ -36,9 +36,7 @@ const SLACK_EVEN: f64 = 1.2;
 /// It is gone when less than this is needed.
 const SLACK_GONE: f64 = 0.998;
 /// Knots of a start in motion around which the limits are wider.
-const LEAD_KNOTS: usize = 20;
-/// So much wider the limits are there in any case: a plan before has left that much, so that a way on can be found.
-const LEAD_SLACK: f64 = 1.016;
+pub const LEAD_KNOTS: usize = 20;
 /// Coefficients of one interval.
 const INTERVAL: usize = 3;
 /// Part of the greatest even rate that a plan from rest begins with.
@@ -144,14 +142,15 @@ impl Speed {
     }
 
     /// Begin along a curve with the nominal rate; `feed` has been set for each knot. In motion, the first coefficients
-    /// are `given`, found within limits `wider` than these: the first three stay, the others are where the search begins.
+    /// are `given`: the first three stay, the others are where the search begins. There limits may be wider by
+    /// `lead_slack`.
     /// A rough plan serves for the timing only.
-    pub fn begin(&mut self, limits: KnotLimits, given: &[f64], wider: f64, rough: bool) {
+    pub fn begin(&mut self, limits: KnotLimits, given: &[f64], lead_slack: f64, rough: bool) {
         self.limits = limits;
         self.fixed = given.len().min(INTERVAL);
         self.given = given.len();
         self.is_even = false;
-        self.lead_slack = LEAD_SLACK * wider.max(1.0);
+        self.lead_slack = lead_slack;
         self.rough = rough;
         self.barrier = BARRIER_SLACK;
         self.steps = 0;

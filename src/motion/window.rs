@@ -12,7 +12,7 @@ mod timing;
 use super::Limits;
 use super::budget::Budget;
 use super::smooth::{POINTS, Smooth};
-use super::speed::{KnotLimits, Speed};
+use super::speed::{KnotLimits, LEAD_KNOTS, Speed};
 use super::tube::Tube;
 use super::warp::{History, StepLimits};
 
@@ -40,6 +40,10 @@ const SLOWER_MOST: u32 = 3;
 /// The share of the limits planned for: what lies between knots is not looked at, and a change of rate needs room.
 const LIMIT_SHARE: f64 = 0.98;
 
+/// And of the acceleration where it changes within two knots.
+const BETWEEN: f64 = 0.03;
+/// So much wider the limits are at a start in motion: a plan before has left that much, so that a way on can be found.
+const LEAD_SLACK: f64 = 1.016;
 /// Of the jerk a little less still: it bends most between knots, and to plan again costs more than it gains.
 const JERK_SHARE: f64 = 0.98;
 
@@ -316,9 +320,10 @@ impl Window {
     fn begin_speed(&mut self, round: usize) {
         let (d, share) = (self.spacing_s, self.share);
         let axes = self.limits.axes.map(|l| {
+            let ramp_s = l.acceleration_mm_s2 / l.jerk_mm_s3;
             [
                 l.velocity_mm_s * d * share,
-                l.acceleration_mm_s2 * d * d * share,
+                l.acceleration_mm_s2 * d * d * share * (1.0 - BETWEEN * (2.0 * d / ramp_s).min(1.0).powi(2)),
                 l.jerk_mm_s3 * d * d * d * share * JERK_SHARE,
             ]
         });
@@ -337,7 +342,10 @@ impl Window {
             None if self.start.point.is_in_motion() => &[1.0; 2],
             None => &[],
         };
-        self.speed.begin(limits, given, self.before.share / share, round < LAST);
+        // Soon after a handover the plan before has used that much more itself.
+        let fresh = self.start.until.is_some() && from >= LEAD_KNOTS;
+        let slack = if fresh { 1.0 } else { LEAD_SLACK };
+        self.speed.begin(limits, given, slack * (self.before.share / share).max(1.0), round < LAST);
         self.phase = Phase::Speed { round };
     }
 

@@ -49,14 +49,14 @@ impl Window {
                 }
             }
             for _ in 0..NEWTON_STEPS {
-                to = to.clamp(part, 1.0);
+                to = to.max(part).min(1.0);
                 let off = time - self.time_between(interval, part, to);
                 to += off * self.rate_square(interval, to).0.sqrt();
                 if off.abs() < 1e-13 {
                     break;
                 }
             }
-            self.follow.part = to.clamp(part, 1.0);
+            self.follow.part = to.max(part).min(1.0);
             return;
         }
     }

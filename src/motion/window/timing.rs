@@ -81,7 +81,7 @@ impl Window {
                     let (d1, d2) = (start.point.velocity[x] * d, start.point.acceleration[x] * d * d);
                     start.point.at[x] - d2 / 6.0 + step * d1 + step.abs() * d2 / 2.0
                 }));
-                smooth.along.push((start.point.along + step * speed * d).clamp(0.0, self.tube.end));
+                smooth.along.push((start.point.along + step * speed * d).max(0.0).min(self.tube.end));
             }
             return;
         };
