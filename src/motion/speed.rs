@@ -28,7 +28,7 @@ const LOWER_FROM: f64 = 0.3;
 const STEPS_MOST: u32 = 64;
 const STEPS_ROUGH: u32 = 6;
 /// Slack left at the end that is still taken: the share of the limits planned for leaves more.
-const SLACK_TAKEN: f64 = 1.008;
+const SLACK_TAKEN: f64 = 1.011;
 /// The slack is more than is needed by this part of what is needed, at least and at most, so that the next step has room.
 const SLACK_SPARE: (f64, f64, f64) = (0.2, 0.01, 0.2);
 /// When more than this is needed at the beginning, it begins with an even rate.
@@ -240,7 +240,7 @@ impl Speed {
             }
             Pass::Go => {
                 self.steps += 1;
-                if self.need > 1.0 {
+                if self.need > SLACK_TAKEN {
                     self.need = 0.0;
                     return Pass::Measure;
                 }
@@ -274,7 +274,7 @@ impl Speed {
             (self.need, self.worst) = (0.0, 0.0);
             return Pass::Measure;
         }
-        if self.need <= 1.0 {
+        if self.need <= SLACK_TAKEN {
             self.barrier = BARRIER.0;
         }
         if self.is_over() { Pass::Over } else { Pass::Clear }
@@ -297,6 +297,6 @@ impl Speed {
 
     fn is_over(&self) -> bool {
         let (least, most) = if self.rough { (BARRIER_ROUGH, STEPS_ROUGH) } else { (BARRIER.2, STEPS_MOST) };
-        self.steps >= most + if self.fixed > 0 && self.rough { 6 } else { 0 } || (self.need <= 1.0 && self.barrier < least)
+        self.steps >= most + if self.fixed > 0 && self.rough { 6 } else { 0 } || (self.need <= SLACK_TAKEN && self.barrier < least)
     }
 }
