@@ -3,7 +3,7 @@
 //! Everything is measured on the emitted set-points by differences over ticks, and the distance to the programmed
 //! contour directly; nothing of the planner's own arithmetic is used. Source: spec, motion, the property test.
 
-use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Plane, Rate, Shape, Turn};
+use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Plane, Rate, Shape, Turn, WORK_MOST};
 use kt830::units::PerAxis;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -220,28 +220,79 @@ fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
         .collect()
 }
 
-/// Longest run: twelve moves of some 30 mm at the least feed here, 5 mm/s, and as long again.
-const MOST_TICKS: usize = 150_000;
+/// A move may be handed in this many ticks after the one before.
+const LONGEST_GAP: u16 = 400;
 
-fn run(legs: &[Leg], events: &[(u16, Event)], tolerance_mm: f64) {
+/// No stop and no planning costs more than this, s.
+const STOP_S: f64 = 0.5;
+
+/// Ticks within which a contour is done: every move from rest to rest at its feed, with as long a stop, twice over.
+fn most_ticks(contour: &[([f64; 3], Move)]) -> u64 {
+    let limits = limits();
+    let (mut a, mut j) = (f64::INFINITY, f64::INFINITY);
+    for (_, l) in limits.axes.iter() {
+        (a, j) = (a.min(l.acceleration_mm_s2), j.min(l.jerk_mm_s3));
+    }
+    let seconds = |(from, m): &([f64; 3], Move)| {
+        let feed = match m.rate {
+            Rate::Feed { mm_s } => mm_s.min(80.0),
+            Rate::Rapid => 80.0,
+        };
+        let length = match m.shape {
+            Shape::Line => distance(*from, m.to.0),
+            Shape::Arc { center, plane, turn } => {
+                let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
+                (arc.radius * arc.sweep).hypot(arc.rise)
+            }
+        };
+        // An arc is slower than its feed where its radius asks for it: v ≤ ∛(0.3 j r²) and √(0.7 a r).
+        let radius = match m.shape {
+            Shape::Line => f64::INFINITY,
+            Shape::Arc { center, plane, turn } => Arc::new(*from, m.to.0, center.0, plane, turn).radius.max(1e-3),
+        };
+        let feed = feed.min((0.3 * j * radius * radius).cbrt()).min((0.7 * a * radius).sqrt());
+        length / feed + 2.0 * (feed / a + a / j) + STOP_S
+    };
+    (contour.iter().map(seconds).sum::<f64>() * 2.0 / TICK_S) as u64
+}
+
+/// What happens to a contour: events, and the gaps after which its moves are handed in.
+#[derive(Clone, Debug, Default)]
+struct Play {
+    events: Vec<(u16, Event)>,
+    gaps: Vec<u16>,
+}
+
+/// Plays it; returns every set-point.
+fn run(legs: &[Leg], play: &Play, tolerance_mm: f64) -> Vec<[f64; 3]> {
     let contour = program(legs, tolerance_mm);
     let mut path = Path::new(limits(), PerAxis([0.0; 3]));
     let end = contour.last().map_or([0.0; 3], |(_, m)| m.to.0);
     let tags: Vec<u32> = contour.iter().map(|(_, m)| m.tag).collect();
-    for (_, m) in &contour {
-        assert_eq!(path.push(*m), Ok(()));
-    }
+    let moves: Vec<Move> = contour.iter().map(|(_, m)| *m).collect();
+    let (mut next, mut due, mut tick) = (0, 0_u64, 0_u64);
+    let most = most_ticks(&contour) + u64::from(LONGEST_GAP) * contour.len() as u64;
     let mut witness =
         Witness { limits: limits(), past: [[0.0; 3]; 4], extent: extent(&contour), contour, tolerance_mm };
     let mut ov = Override::FULL;
-    let mut seen = Vec::new();
-    let mut step = |path: &mut Path, ov: Override, seen: &mut Vec<u32>| {
-        witness.sees(path.tick(ov).position.0);
+    let (mut seen, mut trace) = (Vec::new(), Vec::new());
+    let mut step = |path: &mut Path, ov: Override| {
+        while next < moves.len() && due <= tick {
+            assert_eq!(path.push(moves[next]), Ok(()));
+            next += 1;
+            due += u64::from(play.gaps.get(next).copied().unwrap_or(0));
+        }
+        tick += 1;
+        let at = path.tick(ov).position.0;
+        witness.sees(at);
+        trace.push(at);
         seen.extend(std::iter::from_fn(|| path.pop_finished()));
+        assert!(path.work_of_last_tick() <= WORK_MOST);
+        next == moves.len()
     };
-    for (wait, event) in events {
+    for (wait, event) in &play.events {
         for _ in 0..*wait {
-            step(&mut path, ov, &mut seen);
+            step(&mut path, ov);
         }
         match *event {
             Event::Hold => path.hold(),
@@ -251,15 +302,36 @@ fn run(legs: &[Leg], events: &[(u16, Event)], tolerance_mm: f64) {
         }
     }
     path.resume();
-    for _ in 0..MOST_TICKS {
-        if path.is_done() {
+    for _ in 0..most {
+        if step(&mut path, Override::FULL) && path.is_done() {
             break;
         }
-        step(&mut path, Override::FULL, &mut seen);
     }
-    assert!(path.is_done(), "never done: {} moves left", path.remaining_moves());
+    assert!(path.is_done(), "never done: {} moves left after {most} ticks", path.remaining_moves());
     assert_eq!(seen, tags);
     assert!(distance(path.position().0, end) <= 1e-9, "ended at {:?}, not {end:?}", path.position());
+    trace
+}
+
+fn play() -> impl Strategy<Value = Play> {
+    let gap = prop_oneof![3 => Just(0_u16), 2 => 0..12_u16, 2 => 0..LONGEST_GAP];
+    let gaps = prop_oneof![1 => Just(Vec::new()), 1 => prop::collection::vec(gap, 12)];
+    (prop::collection::vec(event(), 0..12), gaps).prop_map(|(events, gaps)| Play { events, gaps })
+}
+
+/// A chain of short legs that bends little, with a corner or a reversal now and then: what a drawing program writes.
+fn chain() -> impl Strategy<Value = Vec<Leg>> {
+    let bend = prop_oneof![8 => -0.1..0.1_f64, 1 => -3.14..3.14_f64, 1 => 3.0..3.3_f64];
+    let step = (0.001..0.5_f64, bend, -0.05..0.05_f64);
+    (prop::collection::vec(step, 10..70), 5.0..200.0_f64).prop_map(|(steps, feed)| {
+        let mut way = 0.0_f64;
+        let leg = |(length, bend, rise): (f64, f64, f64)| {
+            way += bend;
+            let by = [length * way.cos(), length * rise, length * way.sin()];
+            Leg { by, arc: None, rapid: false, feed, exact: false }
+        };
+        steps.into_iter().map(leg).collect()
+    })
 }
 
 proptest! {
@@ -268,9 +340,27 @@ proptest! {
     #[test]
     fn every_limit_is_kept_in_every_tick(
         legs in prop::collection::vec(leg(), 1..12),
-        events in prop::collection::vec(event(), 0..12),
+        play in play(),
         tolerance_mm in prop_oneof![Just(0.01), 0.002..0.2_f64],
     ) {
-        run(&legs, &events, tolerance_mm);
+        run(&legs, &play, tolerance_mm);
+    }
+
+    #[test]
+    fn and_along_chains_of_short_moves(
+        legs in chain(),
+        play in play(),
+        tolerance_mm in prop_oneof![Just(0.01), 0.002..0.2_f64],
+    ) {
+        run(&legs, &play, tolerance_mm);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 50, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_same_play_gives_the_same_set_points(legs in chain(), play in play()) {
+        prop_assert_eq!(run(&legs, &play, 0.01), run(&legs, &play, 0.01));
     }
 }

@@ -140,7 +140,8 @@ impl Planner {
 
     /// Lay some more of the trail.
     pub fn tick(&mut self, moves: &mut VecDeque<Queued>, trail: &mut Trail, spot: Spot, ask: Ask) {
-        let units = if self.job.is_some_and(|job| job.is_steady()) { WORK_STEADY } else { WORK_MOST };
+        let calm = self.job.is_none_or(|job| job.is_steady() && !self.is_pressing(job, trail, spot));
+        let units = if calm { WORK_STEADY } else { WORK_MOST };
         let mut budget = Budget::new(units);
         self.quiet = if moves.len() == self.seen { self.quiet.saturating_add(1) } else { 0 };
         self.seen = moves.len();

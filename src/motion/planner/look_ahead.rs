@@ -36,6 +36,8 @@ const LEAD_MOST: usize = 160;
 /// With less the course is not taken over but only the state of motion.
 const LEAD_LEAST: usize = 0;
 const LEAD_SHORT: i64 = 24;
+/// So near to the handover no work is spared.
+const PRESSING: u64 = 48;
 /// Planning takes that many ticks at least.
 const SHORTEST_TICKS: i64 = 80;
 /// How much later the handover is tried after failures, at most.
@@ -269,6 +271,11 @@ impl Planner {
         let cost = job.spent as f64 / (job.seconds / SPACING_S + BRAKE_POINTS);
         let learnt = cost.max(self.cost_point + COST_LEARNT * (cost - self.cost_point));
         self.cost_point = learnt.clamp(0.5 * COST_POINT, 3.0 * COST_POINT);
+    }
+
+    /// Whether the axes come near to where a window takes over.
+    pub(super) fn is_pressing(&self, job: Job, trail: &Trail, spot: Spot) -> bool {
+        job.in_motion && spot.tick + self.laid as u64 + PRESSING > trail.end() + job.handover as u64
     }
 
     /// How far the first window looks ahead, s: as far as the next one needs to be planned in time.

@@ -15,6 +15,8 @@ use super::{
 /// Places looked at between two of them where the nearest segment changes, and where it does so at a sharp corner.
 const LOOKS: u32 = 3;
 const LOOKS_SHARP: u32 = 10;
+/// From this part of the tolerance on, one more place between two of them.
+const EDGE: f64 = 0.96;
 /// Narrower than this part of the tolerance the tube is not made.
 const NARROWEST: f64 = 0.02;
 /// A repair aims this part of the tolerance inside, each one more, and this much farther than the excess.
@@ -24,7 +26,7 @@ const REPAIR_MORE: f64 = 1.6;
 const BEYOND_MM: f64 = 5e-7;
 /// What is allowed where the plan before has a share: a little more than that plan was, so that what is taken over is no
 /// hindrance.
-const JOINED_SHARE: f64 = 0.9995;
+const JOINED_SHARE: f64 = 0.995;
 const JOINED_BEYOND_MM: f64 = 9e-7;
 /// Units of work of a look, and of a set-point without its looks.
 const COST_LOOK: usize = 100;
@@ -51,7 +53,7 @@ impl Window {
             let k = self.cursor;
             self.cursor += 1;
             let p = [0, 1, 2, 3].map(|i| self.smooth.points[k + i]);
-            let mut segment = self.look(k, spline(&p, 0.0), budget);
+            let (mut segment, _) = self.look(k, spline(&p, 0.0), budget);
             for quarter in 0..4 {
                 let from = f64::from(quarter) / 4.0;
                 let along = self.smooth.knots[k + 1].near.0;
@@ -72,8 +74,12 @@ impl Window {
         before: usize,
         budget: &mut Budget,
     ) -> usize {
-        let found = self.look(k, spline(p, to), budget);
-        if found != before {
+        let (found, near) = self.look(k, spline(p, to), budget);
+        if found == before {
+            if near {
+                self.look(k, spline(p, f64::midpoint(from, to)), budget);
+            }
+        } else {
             let sharp = self.tube.smooth_run(before) != self.tube.smooth_run(found);
             let looks = if sharp { LOOKS_SHARP } else { LOOKS };
             for fine in 1..looks {
@@ -83,8 +89,8 @@ impl Window {
         found
     }
 
-    /// Looks at one place of interval `k`; returns the segment it is nearest to.
-    fn look(&mut self, k: usize, at: [f64; 3], budget: &mut Budget) -> usize {
+    /// Looks at one place of interval `k`; returns the segment it is nearest to, and whether it is near the edge.
+    fn look(&mut self, k: usize, at: [f64; 3], budget: &mut Budget) -> (usize, bool) {
         budget.take(COST_LOOK);
         let knots = &self.smooth.knots;
         let last = knots.len() - 1;
@@ -94,12 +100,13 @@ impl Window {
         let near = self.tube.nearest(at, low, high, knots[k + 1].near.1);
         let joined = k < self.smooth.lead && self.start.point.is_in_motion();
         let share = if joined { JOINED_SHARE } else { TOLERANCE_SHARE };
-        let over = near.off - share * self.tube.pieces[near.segment].tolerance;
+        let tolerance = self.tube.pieces[near.segment].tolerance;
+        let over = near.off - share * tolerance;
         if over > 0.0 {
             self.is_off = true;
             self.excess[k].off = self.excess[k].off.max(over);
         }
-        near.segment
+        (near.segment, near.off > EDGE * tolerance)
     }
 
     /// Whether each axis stays where it may go at a set-point of interval `k`. The curve through set-points lies between
