@@ -33,6 +33,8 @@ const SLACK_TAKEN: f64 = 1.011;
 const SLACK_SPARE: (f64, f64, f64) = (0.2, 0.01, 0.2);
 /// When more than this is needed at the beginning, it begins with an even rate.
 const SLACK_EVEN: f64 = 1.2;
+/// Knots over which a rate taken over leads to the nominal one.
+pub const OVER_KNOTS: usize = 20;
 /// It is gone when less than this is needed.
 const SLACK_GONE: f64 = 0.998;
 /// Knots of a start in motion around which the limits are wider.
@@ -79,8 +81,8 @@ pub struct Speed {
     pub rate_square: Vec<f64>,
     /// Greatest speed at each knot, mm per spacing.
     pub feed: Vec<f64>,
-    /// Knots over which a rate taken over leads to another.
-    pub over_knots: usize,
+    /// Knots over which a rate taken over leads to an even one.
+    pub even_knots: usize,
     limits: KnotLimits,
     terms: Terms,
     /// Coefficients at the start that are given.
@@ -119,7 +121,7 @@ impl Speed {
         Self {
             rate_square: Vec::with_capacity(POINTS),
             feed: Vec::with_capacity(POINTS),
-            over_knots: 1,
+            even_knots: 1,
             limits: KnotLimits::default(),
             terms: Terms::new(),
             fixed: 0,
@@ -159,8 +161,8 @@ impl Speed {
         self.rate_square.clear();
         self.rate_square.extend_from_slice(given);
         if let Some(last) = given.last() {
-            let part = |k: usize| k as f64 / self.over_knots as f64;
-            (1..self.over_knots).for_each(|k| self.rate_square.push(over(*last, 1.0, part(k))));
+            let part = |k: usize| k as f64 / OVER_KNOTS as f64;
+            (1..OVER_KNOTS).for_each(|k| self.rate_square.push(over(*last, 1.0, part(k))));
         }
         self.terms.clear();
         (self.pass, self.cursor) = (Pass::Terms, 0);
@@ -267,7 +269,7 @@ impl Speed {
             let rate = (EVEN_SHARE / self.worst.max(self.worst.powf(2.0 / 3.0))).min(1.0);
             let last = self.rate_square[self.given - 1];
             for (count, c) in self.rate_square[self.given..].iter_mut().enumerate() {
-                *c = over(last, rate, (count + 1) as f64 / self.over_knots as f64);
+                *c = over(last, rate, (count + 1) as f64 / self.even_knots as f64);
             }
             self.is_even = true;
             self.slack.fill(f64::INFINITY);

@@ -184,6 +184,15 @@ impl Tube {
         }
     }
 
+    /// End at a distance along, and with the move that it lies in.
+    pub fn cut(&mut self, along: f64) {
+        let count = self.segment_at(along) + 1;
+        self.pieces.truncate(count);
+        self.smooth_run.truncate(count);
+        self.along.truncate(count + 1);
+        self.end = along.min(self.length());
+    }
+
     /// Length of all moves, mm.
     pub fn length(&self) -> f64 {
         self.along.last().copied().unwrap_or(0.0)

@@ -7,7 +7,7 @@ use super::super::AxisLimits;
 use super::super::budget::Budget;
 use super::super::contour::distance;
 use super::super::smooth::{FIXED, POINTS};
-use super::super::speed::over;
+use super::super::speed::{OVER_KNOTS, over};
 use super::super::tube::corner_speed;
 use super::{Follow, SPACING_S, Window};
 
@@ -17,9 +17,9 @@ const POINTS_SPARE: usize = 8;
 const POINTS_MOST: usize = POINTS - POINTS_LEAST - POINTS_SPARE;
 /// Part of the least acceleration of the axes that the first timing uses.
 const PUSH_SHARE: f64 = 0.5;
-/// Knots over which the rate taken over leads to the nominal one: so many braking times, at least, at most.
-const OVER_BRAKES: f64 = 1.2;
-const OVER_KNOTS: (usize, usize) = (20, 80);
+/// Knots over which the rate taken over leads to an even one: so many braking times, and at most.
+const EVEN_BRAKES: f64 = 1.2;
+const EVEN_KNOTS: usize = 80;
 /// Units of work of a corner, of a control point laid, of one placed again.
 const COST_CORNER: usize = 80;
 const COST_LAY: usize = 130;
@@ -114,7 +114,7 @@ impl Window {
     /// Time from the control point before to the next beyond those given, in spacings: the rate leads over from the one
     /// given to the nominal.
     fn step_after(&self, count: usize) -> f64 {
-        1.0 / over(self.last_rate_square(), 1.0, count as f64 / self.speed.over_knots as f64).sqrt()
+        1.0 / over(self.last_rate_square(), 1.0, count as f64 / OVER_KNOTS as f64).sqrt()
     }
 
     pub(super) fn begin_lay(&mut self) {
@@ -122,7 +122,7 @@ impl Window {
         self.first_from = from;
         let (push, jerk) = (2.0 * self.push(), least(self, |l| l.jerk_mm_s3));
         let brake = (speed / push + push / jerk).min(2.0 * (speed / jerk).sqrt());
-        self.speed.over_knots = ((OVER_BRAKES * brake / SPACING_S) as usize).clamp(OVER_KNOTS.0, OVER_KNOTS.1);
+        self.speed.even_knots = ((EVEN_BRAKES * brake / SPACING_S) as usize).clamp(OVER_KNOTS, EVEN_KNOTS);
         self.sum = self.first_from;
         self.cursor = 0;
     }
@@ -153,7 +153,7 @@ impl Window {
 
     /// The horizon was too far.
     fn cut(&mut self, along: f64) {
-        self.tube.end = along;
+        self.tube.cut(along);
         self.is_cut = true;
     }
 
