@@ -299,6 +299,7 @@ impl Speed {
 
     fn is_over(&self) -> bool {
         let (least, most) = if self.rough { (BARRIER_ROUGH, STEPS_ROUGH) } else { (BARRIER.2, STEPS_MOST) };
-        self.steps >= most + if self.fixed > 0 && self.rough { 6 } else { 0 } || (self.need <= SLACK_TAKEN && self.barrier < least)
+        self.steps >= most + if self.fixed > 0 && self.rough { 6 } else { 0 }
+            || (self.need <= SLACK_TAKEN && self.barrier < least)
     }
 }

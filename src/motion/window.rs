@@ -25,7 +25,7 @@ pub const SPACING_S: f64 = 0.004;
 /// Part of the tolerance used while smoothing; the rest is for what lies between knots and for unfinished iterations.
 const TUBE_SHARE: f64 = 0.95;
 /// Part of the tolerance planned for: the rest is for what lies between set-points and is passed under an override.
-const TOLERANCE_SHARE: f64 = 0.99;
+const TOLERANCE_SHARE: f64 = 0.98;
 /// Iterations of smoothing in each round.
 const ROUNDS: [u32; 3] = [20, 0, 20];
 const ROUNDS_HURRIED: [u32; 3] = [20, 0, 20];
@@ -182,7 +182,14 @@ impl Window {
             limits: *limits,
             steps: StepLimits::of(limits),
             tube: Tube::with_capacity(PIECES),
-            start: Start { point: at_rest, past: [[0.0; 3]; 4], until: None, shift: (0.0, 0), spare: 0.0, hurried: false },
+            start: Start {
+                point: at_rest,
+                past: [[0.0; 3]; 4],
+                until: None,
+                shift: (0.0, 0),
+                spare: 0.0,
+                hurried: false,
+            },
             before: Curve {
                 points: Vec::with_capacity(POINTS),
                 rate_square: Vec::with_capacity(POINTS),
@@ -303,7 +310,10 @@ impl Window {
     fn round(&self, round: usize) -> Phase {
         if self.start.hurried || ROUNDS[1] == 0 {
             let round = if round == 0 { 0 } else { LAST };
-            return Phase::Smooth { round, left: if self.start.hurried { ROUNDS_HURRIED[round] } else { ROUNDS[round] } };
+            return Phase::Smooth {
+                round,
+                left: if self.start.hurried { ROUNDS_HURRIED[round] } else { ROUNDS[round] },
+            };
         }
         Phase::Smooth { round, left: ROUNDS[round] }
     }

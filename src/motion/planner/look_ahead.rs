@@ -103,7 +103,11 @@ impl Planner {
         let start = Start { point, past: [point.at; 4], until: None, shift: (0.0, 0), spare: 0.0, hurried: true };
         let (first, next) = (point.segment, queued.number);
         let brake = self.brake_s(top_speed(queued, &self.limits, ask.feed_override));
-        self.begin_job(start, Choice { handover: 0, first, end: point, seconds: self.first_s(brake), next, steady: false }, ask);
+        self.begin_job(
+            start,
+            Choice { handover: 0, first, end: point, seconds: self.first_s(brake), next, steady: false },
+            ask,
+        );
     }
 
     fn begin_job(&mut self, start: Start, choice: Choice, ask: Ask) {
@@ -128,7 +132,16 @@ impl Planner {
             jerk: self.limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(f64::INFINITY, f64::min),
             feed_override: ask.feed_override.max(least),
         };
-        self.job = Some(Job { handover, in_motion, filling, start, filled: Filled::NotYet, steady, seconds: seconds * self.part, spent: 0 });
+        self.job = Some(Job {
+            handover,
+            in_motion,
+            filling,
+            start,
+            filled: Filled::NotYet,
+            steady,
+            seconds: seconds * self.part,
+            spent: 0,
+        });
     }
 
     /// Works on the next window, and begins one when it is time.
@@ -202,9 +215,7 @@ impl Planner {
         let past = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
         let end = self.plan[self.best.clamp(handover, handover + LEAD_MOST)];
         let until = (handover + LEAD_LEAST <= self.best).then_some(end.follow.interval);
-        let start = Start {
-            point, past, until, shift: (0.0, 0), spare: 0.0, hurried: false
-        };
+        let start = Start { point, past, until, shift: (0.0, 0), spare: 0.0, hurried: false };
         let first = self.plan[handover - BACK].segment.saturating_sub(1);
         self.begin_job(start, Choice { handover, first, end, seconds: wanted, next: last.number, steady }, ask);
     }
@@ -307,4 +318,3 @@ impl Planner {
         0
     }
 }
-

@@ -5,8 +5,8 @@
 //! is exceeded.
 
 use super::super::budget::Budget;
-use super::super::trail::spline;
 use super::super::smooth::FIXED;
+use super::super::trail::spline;
 use super::super::warp::History;
 use super::{
     Excess, Follow, LAST, PLAN_TICKS, Phase, REPAIR_ROUND, REPAIRS_MOST, SLOWER_MOST, TOLERANCE_SHARE, Window,
@@ -16,7 +16,7 @@ use super::{
 const LOOKS: u32 = 3;
 const LOOKS_SHARP: u32 = 10;
 /// From this part of the tolerance on, one more place between two of them.
-const EDGE: f64 = 0.96;
+const EDGE: f64 = 0.95;
 /// Narrower than this part of the tolerance the tube is not made.
 const NARROWEST: f64 = 0.02;
 /// A repair aims this part of the tolerance inside, each one more, and this much farther than the excess.
@@ -26,7 +26,7 @@ const REPAIR_MORE: f64 = 1.6;
 const BEYOND_MM: f64 = 5e-7;
 /// What is allowed where the plan before has a share: a little more than that plan was, so that what is taken over is no
 /// hindrance.
-const JOINED_SHARE: f64 = 0.995;
+const JOINED_SHARE: f64 = 0.987;
 const JOINED_BEYOND_MM: f64 = 9e-7;
 /// Units of work of a look, and of a set-point without its looks.
 const COST_LOOK: usize = 100;
