@@ -1,4 +1,4 @@
-//! Runs the benchmark paths and compares their time with the least possible.
+//! Runs the benchmark paths and compares their time with the least possible; then ten thousand short moves.
 //!
 //! Reads every `*.json` in the folder named by `KT830_BENCH_PATHS`; prints name, seconds and the ratio to the jerk-limited
 //! optimum. Fails when a limit or the tolerance is exceeded in any tick, or path a is slower than 1.20.
@@ -96,7 +96,50 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
     (seconds, ratio, kept)
 }
 
+/// Ten thousand chords of 0.3 mm along a wave, 40 mm/s, on axes as delivered (P30–P38): what a tick costs.
+fn many_moves() {
+    const MOVES: u32 = 10_000;
+    let axis = |v| AxisLimits { velocity_mm_s: v, acceleration_mm_s2: 800.0, jerk_mm_s3: 20_000.0 };
+    let limits = Limits { axes: PerAxis([axis(100.0), axis(100.0), axis(10_000.0 / 60.0)]), tick_s: 0.001 };
+    let mut costs: Vec<f64> = Vec::new();
+    for _ in 0..RUNS {
+        let mut path = Path::new(limits, PerAxis([0.0; 3]));
+        let (mut next, mut ticks, mut rests) = (0_u32, 0, 0);
+        while next < MOVES || !path.is_done() {
+            while path.room() > 0 && next < MOVES {
+                next += 1;
+                let z = 0.3 * f64::from(next);
+                let end = End::Continuous { tolerance_mm: 0.01 };
+                let to = PerAxis([5.0 * (z / 8.0).sin(), 0.0, z]);
+                path.push(Move { to, shape: Shape::Line, rate: Rate::Feed { mm_s: 40.0 }, end, tag: next }).unwrap();
+            }
+            let before = Instant::now();
+            path.tick(Override::FULL);
+            let spent = before.elapsed().as_secs_f64() * 1e6;
+            match costs.get_mut(ticks) {
+                Some(cost) => *cost = cost.min(spent),
+                None => costs.push(spent),
+            }
+            ticks += 1;
+            rests += u32::from(ticks > 200 && !path.is_done() && path.path_speed_mm_s() <= 0.0);
+        }
+        assert!(rests <= 8, "{rests} ticks at rest");
+    }
+    let seconds = costs.len() as f64 * 0.001;
+    let mean = costs.iter().sum::<f64>() / costs.len() as f64;
+    costs.sort_by(f64::total_cmp);
+    let part = |share: f64| costs[((costs.len() - 1) as f64 * share) as usize];
+    println!(
+        "{MOVES} moves {seconds:.3} s: tick mean {mean:.1} µs, p50 {:.1}, p99 {:.1}, p99.9 {:.1}, worst {:.1}",
+        part(0.5),
+        part(0.99),
+        part(0.999),
+        part(1.0)
+    );
+}
+
 fn main() {
+    many_moves();
     let folder = std::env::var("KT830_BENCH_PATHS")
         .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/bench").to_owned());
     let Ok(listing) = std::fs::read_dir(&folder) else {

@@ -23,7 +23,7 @@ const LIMIT_SHARE: f64 = 0.999_99;
 /// Units of planning in a tick at most: before the axes start and until the windows are as long as they should be, and
 /// after that.
 pub const WORK_MOST: usize = 26_000;
-const WORK_STEADY: usize = 8_000;
+const WORK_STEADY: usize = 5_000;
 /// Places laid in a tick at most.
 const PLACES_PER_TICK: usize = 24;
 /// Moves of no length passed in a tick at most.
