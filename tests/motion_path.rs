@@ -256,6 +256,32 @@ fn two_thousand_chords_never_rest_between_the_first_and_the_last() {
 }
 
 #[test]
+fn override_above_full_reaches_a_smooth_run_within_a_second() {
+    let mut path = path();
+    let end = End::Continuous { tolerance_mm: 0.01 };
+    let rate = Rate::Feed { mm_s: 40.0 };
+    let mut next = 0_u32;
+    let mut run = |path: &mut Path, count: u32, feed: f64| {
+        for _ in 0..count {
+            while path.room() > 0 {
+                next += 1;
+                let z = 0.5 * f64::from(next);
+                path.push(Move { end, rate, ..line(5.0 * (z / 12.0).sin(), z, next) }).unwrap();
+            }
+            path.tick(Override { feed, rapid: 1.0 });
+        }
+        path.path_speed_mm_s()
+    };
+    let speed = run(&mut path, 1_000, 1.0);
+    assert!((speed - 40.0).abs() < 1.0, "{speed} mm/s");
+    let speed = run(&mut path, 1_000, 1.5);
+    assert!((speed - 60.0).abs() < 1.5, "{speed} mm/s");
+    // Down it acts at once: 10 mm/s at half of 500 mm/s² are 40 ms.
+    let speed = run(&mut path, 150, 1.25);
+    assert!((speed - 50.0).abs() < 1.5, "{speed} mm/s");
+}
+
+#[test]
 fn planning_is_spread_over_ticks_and_the_start_does_not_wait_long() {
     let mut path = path();
     let (mut ticks, mut waited, mut most) = (0_u32, None, 0);

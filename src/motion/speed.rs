@@ -3,8 +3,9 @@
 //! Owns the square of the rate, b = σ̇², along a cubic B-spline over σ, itself a quadratic B-spline on the same knots. An
 //! axis then moves at x'√b, x''b + x'b'/2 and √b (x'''b + 3x''b'/2 + x'b''/2). Where the curve itself comes to rest at
 //! its ends, b stays finite, and rest is no special case. Knows nothing of contours.
-//! Source: time-optimal path parametrisation in b; an interior-point method. It begins with limits widened by a slack
-//! until the even rate keeps them, and takes the slack away. Every pass may be left and taken up at any knot.
+//! Source: time-optimal path parametrisation in b; an interior-point method. From rest it begins with an even rate that
+//! keeps all limits; in motion with the rate taken over, leading to such a one, and around each knot with limits widened
+//! by a slack, which is taken away. Every pass may be left and taken up at any knot.
 
 mod newton;
 mod terms;

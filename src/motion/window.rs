@@ -2,7 +2,9 @@
 //!
 //! Owns the planning of one window, in slices of counted work: a first timing along the contour, smoothing inside the
 //! tube, the quickest speed along the curve, both again with the better timing, and a run over the whole plan that
-//! compares every set-point with limits and tolerance. Knows nothing of the queue, nor which part of a plan is used:
+//! compares every set-point with limits and tolerance. In motion a window takes over the control points and the rate of
+//! the one before up to where that one's end has no influence: the course goes on as it was, and the speed has that much
+//! room to meet what comes. Knows nothing of the queue, nor which part of a plan is used:
 //! each ends at rest, so what is left of it may be followed when the next does not come.
 
 mod check;

@@ -153,6 +153,10 @@ impl Planner {
         ask: Ask,
         budget: &mut Budget,
     ) {
+        if self.job.is_some_and(|job| job.steady && job.in_motion && ask.feed_override > job.filling.feed_override) {
+            // There was time, so there is for a quicker one.
+            self.cancel();
+        }
         if self.job.is_none() && !ask.braking && self.open && !self.plan.is_empty() {
             self.begin_in_motion(moves, trail, spot, ask);
         }
@@ -198,9 +202,9 @@ impl Planner {
         let known = self.known_beyond(moves, (last.number - front) as usize, LONGEST_S);
         let aim = (best - LEAD_TICKS).max(near + SHORTEST_TICKS.min(best - near - LEAD_SHORT));
         let wanted = self.seconds_of((aim - near) as f64, WORK_MOST).clamp(SHORTEST_S, LONGEST_S).min(known);
-        let steady = near + self.ticks_of(wanted, WORK_STEADY) <= aim;
-        let ticks = self.ticks_of(wanted, if steady { WORK_STEADY } else { WORK_MOST });
         let raised = ask.feed_override > self.planned_override;
+        let steady = !raised && near + self.ticks_of(wanted, WORK_STEADY) <= aim;
+        let ticks = self.ticks_of(wanted, if steady { WORK_STEADY } else { WORK_MOST });
         if !raised && wanted >= LONGEST_S && steady && near + ticks + self.ahead as i64 <= aim {
             return;
         }
