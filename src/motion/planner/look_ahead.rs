@@ -25,7 +25,7 @@ const BRAKE_POINTS: f64 = 30.0;
 /// Set-points before a handover that the next window still knows of.
 const BACK: usize = 4;
 /// A plan needs so many ticks more than guessed.
-const TICKS_SPARE: usize = 12;
+const TICKS_SPARE: usize = 18;
 /// The end of a plan at rest has influence so many braking times before it, and so many ticks.
 const BRAKES_BEFORE: f64 = 1.3;
 const TICKS_BEFORE: f64 = 24.0;
