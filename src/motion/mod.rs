@@ -10,7 +10,7 @@
 //! an end at rest and handed over to the next before it brakes; `tick`
 //! goes along the trail, one place a tick at full rate and slower under an override or a hold ([`warp`]); a change of
 //! rate is only begun once it has been run ahead to its end and every limit found kept.
-//! [`AxisMover`] moves one axis by itself; both rest on the seven-segment [`profile`].
+//! [`ThreadMover`] leads Z in step with a spindle. [`AxisMover`] moves one axis by itself; both rest on the seven-segment [`profile`].
 
 mod budget;
 mod contour;
@@ -22,6 +22,7 @@ mod run;
 mod smooth;
 mod speed;
 mod stroke;
+mod thread;
 mod trail;
 mod tube;
 mod warp;
@@ -31,6 +32,7 @@ pub use mover::{AxisMover, EMERGENCY_JERK_FACTOR};
 pub use path::{FINISHED_KEPT, MOVES, Path};
 pub use planner::WORK_MOST;
 pub use profile::AxisLimits;
+pub use thread::{Thread, ThreadMover};
 
 use crate::units::{Axis, PerAxis};
 
