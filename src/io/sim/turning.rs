@@ -240,7 +240,8 @@ impl Bar {
             if depth <= 0.0 {
                 continue;
             }
-            let place = if height > tool.edge_mm && depth > crash_mm {
+            // Beyond its edge the tool is shank, behind the tip as beside it.
+            let place = if depth > tool.edge_mm || height > tool.edge_mm && depth > crash_mm {
                 Some("part, shank of the tool")
             } else if stands && depth > crash_mm {
                 Some("part, spindle standing")
