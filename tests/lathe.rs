@@ -265,3 +265,14 @@ fn l2_speeds_and_places_come_from_the_parameters() {
         "key cycle-start\nwait 0.6 s\nexpect state running\nwait 0.8 s\nexpect state idle\nexpect X -10 ±0.001",
     );
 }
+
+#[test]
+fn l9_loop_run_begins_again_as_often_as_the_parameter_says() {
+    let mut rig = params("N10G01U-10F600\nN20U10\nN30M02", &[("P386", 3.0)]);
+    let before = rig.controller().blocks();
+    tell(&mut rig, "key cycle-start\nwait 3 s\nexpect state running\nwait until idle max 30 s\nexpect X 0 ±0.001");
+    // Three blocks, three times.
+    assert_eq!(rig.controller().blocks() - before, 9);
+    // RESET ends it for good.
+    tell(&mut rig, "key cycle-start\nwait 1 s\nkey reset\nwait 3 s\nexpect state idle");
+}

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use super::axes::MINUTE;
 use super::gauge::SIGNALS;
-use super::oscillation::Stroke;
 use super::run::{Act, Doing, Forbidden, Item, MCall, MOST_ITEMS, Planned, PlannedMove, Reading, Run, Speed};
 use super::system::{RunWorld, nc_settings};
 use super::{Controller, Effect, Event, Phase, Switches};
@@ -50,7 +49,7 @@ impl Controller {
         let mut planned = Planned::new(self.frames.clone(), self.axes.set(), self.dress.points, modals.path);
         planned.oscillating = self.oscillating_axis();
         planned.bounded = self.axes.all_homed();
-        planned.homed = planned.bounded || self.row.turns_part;
+        planned.homed = planned.bounded || self.row.starts_unhomed();
         planned.system = self.row.system;
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
@@ -83,10 +82,14 @@ impl Controller {
             self.read_ahead(&mut run);
             self.feed(&mut run);
         }
+        let program = !run.mdi;
         self.run = Some(run);
         if close {
             self.close_run();
             self.happen(Event::Finish);
+            if program {
+                self.begin_again();
+            }
         }
     }
 
@@ -203,26 +206,6 @@ impl Controller {
                 _ => Did::Wait,
             },
         }
-    }
-
-    fn oscillate(&mut self, run: &mut Run, stroke: Stroke) -> Did {
-        match self.is_settled(run) {
-            Some(true) => {
-                self.begin_oscillation(stroke);
-                Did::Done
-            }
-            Some(false) | None => Did::Wait,
-        }
-    }
-
-    /// G35 with a cylinder, and G36: the stroke ends at its starting end, then the next block runs (K4.3).
-    fn cylinder(&mut self, on: bool) -> Did {
-        let done = if on {
-            matches!(self.ask(Request::CylinderOn), Answer::Taken | Answer::NoEffect(_))
-        } else {
-            self.axes.is_at_rest() && self.end_oscillation()
-        };
-        if done { Did::Done } else { Did::Wait }
     }
 
     /// G50: what the present position is called, once the machine stands there.

@@ -5,6 +5,7 @@
 //! same story gives the same outputs, bit for bit.
 
 mod alarms;
+mod arc;
 pub mod axes;
 mod by_hand;
 mod commands;
@@ -198,6 +199,8 @@ pub struct Controller {
     threads: Vec<ThreadCut>,
     /// An axis that a program sends to its switch.
     program_homing: Option<Homing>,
+    /// How often the program begins again by itself (P386).
+    runs_left: u32,
 }
 
 impl Controller {
@@ -260,6 +263,7 @@ impl Controller {
             measuring: None,
             threads: Vec::new(),
             program_homing: None,
+            runs_left: 0,
             params,
         };
         control.find_dead_outputs();

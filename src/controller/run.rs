@@ -8,6 +8,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::arc::passes;
 use super::axes::{MINUTE, soft_limits};
 use super::gauge::GaugeRun;
 use super::hold::Parted;
@@ -468,46 +469,6 @@ impl Planned {
         Ok(())
     }
 
-    /// The lathe's functions (L5, L6, L8).
-    fn take_turning(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
-        match op {
-            Op::Thread(threading) => {
-                let (out, to) =
-                    (self.frames.machine_from_work(threading.out), self.frames.machine_from_work(threading.to));
-                let (out, to) = (self.with_y(out), self.with_y(to));
-                for axis in [Axis::X, Axis::Z].into_iter().filter(|_| self.bounded) {
-                    within(axis, out[axis], params)?;
-                    within(axis, to[axis], params)?;
-                }
-                self.machine = to;
-                items.push_back(Item::Do(Act::Thread(Thread { out, to, lead_mm: threading.lead_mm })));
-            }
-            Op::HomeSwitch { axes } => {
-                for axis in axes.iter() {
-                    self.machine[axis] = params.of_axis(param::HOME_X, axis);
-                    items.push_back(Item::Do(Act::Home(axis)));
-                }
-            }
-            Op::Post { station, by } => {
-                Arc::make_mut(&mut self.frames).change_tool(*station, *by);
-                items.push_back(Item::Do(Act::Post(*station)));
-                items.push_back(Item::Do(Act::Frames(Arc::clone(&self.frames))));
-                let Some(by) = by else { return Ok(()) };
-                let to = PerAxis::from_fn(|axis| self.machine[axis] + by[axis]);
-                let both = AxisSet::of(Axis::X).with(AxisSet::of(Axis::Z));
-                return self.push(PlannedMove::new(to, Shape::Line, Speed::Rapid, (both, both)), items, params);
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// A place in X and Z; Y stays.
-    fn with_y(&self, mut at: PerAxis<f64>) -> PerAxis<f64> {
-        at[Axis::Y] = self.machine[Axis::Y];
-        at
-    }
-
     /// A straight line to a work coordinate.
     fn line(
         &mut self,
@@ -561,7 +522,12 @@ impl Planned {
         self.push(PlannedMove::new(target, shape, speed(*feed), (*words, *incremental)), items, params)
     }
 
-    fn push(&mut self, mut planned: PlannedMove, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
+    pub(super) fn push(
+        &mut self,
+        mut planned: PlannedMove,
+        items: &mut VecDeque<Item>,
+        params: &Params,
+    ) -> Result<(), Forbidden> {
         if let Some(axis) = self.oscillating.filter(|axis| planned.words.contains(*axis)) {
             return Err(Forbidden::Oscillating(axis)); // K4.3: before the block starts
         }
@@ -602,37 +568,9 @@ pub(super) fn within(axis: Axis, at: f64, params: &Params) -> Result<(), Forbidd
     Ok(())
 }
 
-/// Whether an arc passes a point of its circle.
-fn passes(
-    from: PerAxis<f64>,
-    to: PerAxis<f64>,
-    center: PerAxis<f64>,
-    (first, second): (Axis, Axis),
-    ccw: bool,
-    point: PerAxis<f64>,
-) -> bool {
-    let angle = |at: PerAxis<f64>| (at[second] - center[second]).atan2(at[first] - center[first]);
-    let sense = if ccw { 1.0 } else { -1.0 };
-    let swept = |to: f64| (sense * (to - angle(from))).rem_euclid(std::f64::consts::TAU);
-    let whole = swept(angle(to));
-    whole < 1e-9 || swept(angle(point)) < whole
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn b5_an_arc_is_checked_where_it_bulges() {
-        // From angle 0 (Z+) counter-clockwise to 180°: it passes the summit at X+, not the one at X−.
-        let center = PerAxis([0.0, 0.0, 0.0]);
-        let (from, to) = (PerAxis([0.0, 0.0, 10.0]), PerAxis([0.0, 0.0, -10.0]));
-        let plane = (Axis::Z, Axis::X);
-        let (up, down) = (PerAxis([10.0, 0.0, 0.0]), PerAxis([-10.0, 0.0, 0.0]));
-        assert!(passes(from, to, center, plane, true, up) && !passes(from, to, center, plane, true, down));
-        assert!(passes(from, to, center, plane, false, down) && !passes(from, to, center, plane, false, up));
-        assert!(passes(from, from, center, plane, true, down), "a full circle passes everything");
-    }
 
     #[test]
     fn b2_a_feed_per_revolution_needs_a_turning_workpiece() {

@@ -237,14 +237,6 @@ impl Interpreter {
                 }
                 done?
             }
-            Content::Assign { at, .. }
-            | Content::Goto { at, .. }
-            | Content::While { at, .. }
-            | Content::EndLoop { at, .. }
-                if !dialect::has_macros(&self.settings) =>
-            {
-                return wrong(at, E::NoMacros);
-            }
             content => self.statement(content, &cursor, block, text)?,
         };
         self.last_n = self.words.n.or(self.last_n);
@@ -271,6 +263,12 @@ impl Interpreter {
         self.flow.mid_line = false;
     }
 
+    fn pass_if(&mut self, passes: bool, cursor: &Cursor<'_>) {
+        if passes {
+            self.pass(cursor);
+        }
+    }
+
     fn text_over(&mut self, at: usize) -> Outcome<Stepped> {
         // DECISION: the end of a subprogram's text without M99 returns to the caller.
         if self.flow.is_main() {
@@ -282,6 +280,14 @@ impl Interpreter {
 
     fn statement(&mut self, content: Content, cursor: &Cursor<'_>, block: &mut Block, text: &[u8]) -> Outcome<Stepped> {
         match content {
+            Content::Assign { at, .. }
+            | Content::Goto { at, .. }
+            | Content::While { at, .. }
+            | Content::EndLoop { at, .. }
+                if !dialect::has_macros(&self.settings) =>
+            {
+                return wrong(at, E::NoMacros);
+            }
             Content::Nothing | Content::Words => {
                 self.pass(cursor);
             }
@@ -335,27 +341,8 @@ impl Interpreter {
                 self.flow.go_to_block(n, at)?;
                 self.second_half = false;
             }
-            Step::Jump { n, at } => {
-                self.flow.jump(n, at)?;
-                self.second_half = false;
-            }
-            Step::Local { n, at } => {
-                let stood = self.flow.clone_place();
-                self.pass(cursor);
-                if let Err(stop) = self.flow.call_local(n, at) {
-                    self.flow.put_place(stood);
-                    return Err(stop);
-                }
-            }
-            Step::Loop { times, at } => {
-                if self.flow.begin_counted(times, at)? {
-                    self.pass(cursor);
-                }
-            }
-            Step::EndLoop { at } => {
-                if self.flow.end_counted(at)? {
-                    self.pass(cursor);
-                }
+            Step::Jump { .. } | Step::Local { .. } | Step::Loop { .. } | Step::EndLoop { .. } => {
+                self.lead(step, cursor)?
             }
             Step::Call(call) => {
                 let source = self.find(call.program, call.at)?;
@@ -393,6 +380,34 @@ impl Interpreter {
         } else {
             Stepped::Block
         })
+    }
+
+    /// Jumps, calls and loops within the text (L4, L7).
+    fn lead(&mut self, step: Step, cursor: &Cursor<'_>) -> Outcome<()> {
+        match step {
+            Step::Jump { n, at } => {
+                self.flow.jump(n, at)?;
+                self.second_half = false;
+            }
+            Step::Local { n, at } => {
+                let stood = self.flow.clone_place();
+                self.pass(cursor);
+                if let Err(stop) = self.flow.call_local(n, at) {
+                    self.flow.put_place(stood);
+                    return Err(stop);
+                }
+            }
+            Step::Loop { times, at } => {
+                let enters = self.flow.begin_counted(times, at)?;
+                self.pass_if(enters, cursor);
+            }
+            Step::EndLoop { at } => {
+                let over = self.flow.end_counted(at)?;
+                self.pass_if(over, cursor);
+            }
+            _ => {}
+        }
+        Ok(())
     }
 
     fn find(&self, program: u32, at: usize) -> Outcome<Arc<Source>> {
