@@ -268,7 +268,7 @@ fn l2_speeds_and_places_come_from_the_parameters() {
 
 #[test]
 fn l9_loop_run_begins_again_as_often_as_the_parameter_says() {
-    let mut rig = params("N10G01U-10F600\nN20U10\nN30M02", &[("P386", 3.0)]);
+    let mut rig = params("N10G01U-10F600\nN20U10\nN30M02", &[("P390", 3.0)]);
     let before = rig.controller().blocks();
     tell(&mut rig, "key cycle-start\nwait 3 s\nexpect state running\nwait until idle max 30 s\nexpect X 0 ±0.001");
     // Three blocks, three times.

@@ -5,8 +5,7 @@
 //! Source: spec K4.3.
 
 use super::axes::{MINUTE, limits};
-use super::executor::Did;
-use super::run::{Forbidden, Run};
+use super::planned::Forbidden;
 use super::{Controller, Phase};
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
@@ -177,27 +176,6 @@ impl Oscillation {
 }
 
 impl Controller {
-    /// G35 by servo, once everything before it is done.
-    pub(super) fn oscillate(&mut self, run: &mut Run, stroke: Stroke) -> Did {
-        match self.is_settled(run) {
-            Some(true) => {
-                self.begin_oscillation(stroke);
-                Did::Done
-            }
-            Some(false) | None => Did::Wait,
-        }
-    }
-
-    /// G35 with a cylinder, and G36: the stroke ends at its starting end, then the next block runs (K4.3).
-    pub(super) fn cylinder(&mut self, on: bool) -> Did {
-        let done = if on {
-            matches!(self.ask(Request::CylinderOn), Answer::Taken | Answer::NoEffect(_))
-        } else {
-            self.axes.is_at_rest() && self.end_oscillation()
-        };
-        if done { Did::Done } else { Did::Wait }
-    }
-
     /// The axis that oscillates by its servo.
     pub(super) fn oscillating_axis(&self) -> Option<Axis> {
         self.oscillation.as_ref().map(|oscillation| oscillation.axis)

@@ -1,23 +1,19 @@
 //! What a lathe's program does besides moving along a path: threads, homing by a switch, the tool post.
 //! Source: spec L5, L6, L8.
 
-use std::collections::VecDeque;
-use std::sync::Arc;
-
+use super::acts::Did;
 use super::axes::MINUTE;
-use super::executor::Did;
 use super::homing::Progress;
-use super::run::{Act, Doing, Forbidden, Item, Planned, PlannedMove, Run, Speed, within};
+use super::run::{Doing, Run};
 use super::{Controller, Homing};
 use crate::defs::alarm;
 use crate::defs::mcode::Request;
-use crate::defs::param::{self, Params};
+use crate::defs::param;
 use crate::defs::text::Said;
 use crate::link::snapshot::ThreadCut;
 use crate::machine::Answer;
-use crate::motion::{Shape, Thread, ThreadMover};
-use crate::nc::{AxisSet, Op};
-use crate::units::{Axis, Micros, PerAxis};
+use crate::motion::{Thread, ThreadMover};
+use crate::units::{Axis, Micros};
 
 /// Most threads that are remembered.
 const THREADS: usize = 256;
@@ -190,52 +186,5 @@ impl Controller {
             self.happen(super::Event::Hold);
         }
         Did::Wait
-    }
-}
-
-impl Planned {
-    /// The lathe's functions (L5, L6, L8).
-    pub(super) fn take_turning(
-        &mut self,
-        op: &Op,
-        items: &mut VecDeque<Item>,
-        params: &Params,
-    ) -> Result<(), Forbidden> {
-        match op {
-            Op::Thread(threading) => {
-                let (out, to) =
-                    (self.frames.machine_from_work(threading.out), self.frames.machine_from_work(threading.to));
-                let (out, to) = (self.with_y(out), self.with_y(to));
-                for axis in [Axis::X, Axis::Z].into_iter().filter(|_| self.bounded) {
-                    within(axis, out[axis], params)?;
-                    within(axis, to[axis], params)?;
-                }
-                self.machine = to;
-                items.push_back(Item::Do(Act::Thread(Thread { out, to, lead_mm: threading.lead_mm })));
-            }
-            Op::HomeSwitch { axes } => {
-                for axis in axes.iter() {
-                    self.machine[axis] = params.of_axis(param::HOME_X, axis);
-                    items.push_back(Item::Do(Act::Home(axis)));
-                }
-            }
-            Op::Post { station, by } => {
-                Arc::make_mut(&mut self.frames).change_tool(*station, *by);
-                items.push_back(Item::Do(Act::Post(*station)));
-                items.push_back(Item::Do(Act::Frames(Arc::clone(&self.frames))));
-                let Some(by) = by else { return Ok(()) };
-                let to = PerAxis::from_fn(|axis| self.machine[axis] + by[axis]);
-                let both = AxisSet::of(Axis::X).with(AxisSet::of(Axis::Z));
-                return self.push(PlannedMove::new(to, Shape::Line, Speed::Rapid, (both, both)), items, params);
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// A place in X and Z; Y stays.
-    fn with_y(&self, mut at: PerAxis<f64>) -> PerAxis<f64> {
-        at[Axis::Y] = self.machine[Axis::Y];
-        at
     }
 }

@@ -157,8 +157,11 @@ alarms! {
     INPUT_MISSING = 202, StopProgram, Reset, "没有分配输入口", "input has no port",
         "M80–M89 等待的输入没有分配输入口", "the input that M80 to M89 waits for has no port",
         "在参数中分配输入口", "assign its port in the parameters";
+    WHEEL_SIZE = 203, StopProgram, Reset, "砂轮直径不能接受", "wheel diameter not accepted",
+        "程序写入的砂轮直径 #5801 大于现直径、小于最小直径，或没有刀补生效", "the diameter written to #5801 is greater than the present one or too small, or no offset is in force",
+        "新砂轮在换砂轮页面输入；修整程序先调用刀补 (T0101)", "enter a new wheel on its page; call the offset before (T0101)";
     TOOL_POST_TIMEOUT = 210, StopProgram, Reset, "刀架转位超时", "tool post time-out",
-        "P97 时间内没有检测到所选刀位的信号", "the switch of the station did not come within P97",
+        "P388 时间内没有检测到所选刀位的信号", "the switch of the station did not come within P388",
         "检查刀架电机、刀位信号 P365–P368", "check the post's motor and its switches P365 to P368";
     THREAD_SPEED = 211, StopProgram, Reset, "螺纹加工主轴转速过高", "spindle too fast for the thread",
         "主轴转速超过 1200/导程-80", "the spindle turns faster than 1200/lead − 80",

@@ -1,8 +1,8 @@
 //! Main spindle and tool post of a lathe.
 //!
-//! The spindle is started and stopped by pulses of P95 (0.4 s) on outputs of their own, as contactors that hold
+//! The spindle is started and stopped by pulses of P386 (0.4 s) on outputs of their own, as contactors that hold
 //! themselves want them. The tool post turns forward until the switch of the wanted station comes, then in reverse for
-//! P98, which clamps it. Source: spec L7, L8.
+//! P389, which clamps it. Source: spec L7, L8.
 
 use crate::defs::alarm;
 use crate::defs::param::{self, Params};

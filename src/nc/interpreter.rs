@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::contour::ContourCycle;
 use super::dialect::{self, Running, Step};
 use super::expression::Value;
 use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1, wrong2};
@@ -17,6 +18,7 @@ use super::statement::{self, Content, Head};
 use super::words::Words;
 use super::world::World;
 use crate::defs::program_error::ProgramError as E;
+use crate::defs::variable::{self as system_variable, Access};
 
 /// How many blocks without an operation one call of `next` may read.
 pub const STATEMENTS_PER_CALL: usize = 1_000;
@@ -55,7 +57,7 @@ pub enum Next {
     Block,
     /// A live value is wanted: ask again when motion has drained. Nothing was changed.
     Drain,
-    /// Many blocks were read and none had an operation: ask again in the next tick.
+    /// Many blocks were read and none had an operation, or a loop waits: ask again in the next tick.
     Busy,
     /// M30, M02, `%` or the end of the text.
     End,
@@ -67,16 +69,26 @@ pub struct Interpreter {
     library: Arc<dyn Library + Send + Sync>,
     pub(super) settings: Settings,
     memory: Memory,
-    modals: Modals,
+    pub(super) modals: Modals,
     pub(super) words: Words,
     pub(super) ended: bool,
     pub(super) second_half: bool,
     /// The last block number read (#4114).
-    last_n: Option<u32>,
+    pub(super) last_n: Option<u32>,
+    /// Something that a condition could depend on has changed since somebody asked.
+    changed: bool,
+    /// A cycle of the block just read, whose contour is still to be read.
+    pub(super) pending: Option<Pending>,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
     /// What a check remarks on, if somebody wants to know.
     pub(crate) notes: Option<Vec<Wrong>>,
+}
+
+/// A cycle whose contour is to be read, and where its own block begins.
+pub(super) struct Pending {
+    pub cycle: Box<ContourCycle>,
+    pub begin: (usize, u32, bool),
 }
 
 /// What one statement came to.
@@ -106,6 +118,8 @@ impl Interpreter {
             ended: false,
             second_half: false,
             last_n: None,
+            changed: false,
+            pending: None,
             nulls: None,
             notes: None,
         }
@@ -159,9 +173,20 @@ impl Interpreter {
         if self.ended {
             return Ok(Next::End);
         }
+        // A loop that waits (`N10 IF[#438 EQ 0]GOTO 10`): within a tick nothing can come of reading it twice.
+        let mut idle = false;
         for _ in 0..STATEMENTS_PER_CALL {
+            let from = self.flow.at;
             match self.step(world, block) {
-                Ok(Stepped::Nothing) => {}
+                Ok(Stepped::Nothing) => {
+                    idle &= !std::mem::take(&mut self.changed);
+                    if self.flow.at <= from {
+                        if idle {
+                            return Ok(Next::Busy);
+                        }
+                        idle = true;
+                    }
+                }
                 Ok(Stepped::Block) => return Ok(Next::Block),
                 Ok(Stepped::End) => {
                     self.ended = true;
@@ -183,13 +208,22 @@ impl Interpreter {
         fault_in(&self.flow.source, self.words.n, wrong)
     }
 
+    /// One block, the contour of its cycle included.
     pub(super) fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
+        let stepped = self.read_block(world, block)?;
+        match self.pending.take() {
+            Some(pending) => self.contour(&pending, world, block),
+            None => Ok(stepped),
+        }
+    }
+
+    /// One block as it stands.
+    pub(super) fn read_block(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
         if self.ended {
             return Ok(Stepped::End);
         }
         let source = Arc::clone(&self.flow.source);
-        let text = source.bytes();
-        let (at, line) = (self.flow.at, self.flow.line + 1);
+        let (text, at, line) = (source.bytes(), self.flow.at, self.flow.line + 1);
         let mut cursor = Cursor::window(text, at);
         if cursor.is_over() {
             return self.text_over(at);
@@ -237,6 +271,14 @@ impl Interpreter {
                 }
                 done?
             }
+            Content::Assign { at, .. }
+            | Content::Goto { at, .. }
+            | Content::While { at, .. }
+            | Content::EndLoop { at, .. }
+                if !dialect::has_macros(&self.settings) =>
+            {
+                return wrong(at, E::NoMacros);
+            }
             content => self.statement(content, &cursor, block, text)?,
         };
         self.last_n = self.words.n.or(self.last_n);
@@ -263,31 +305,18 @@ impl Interpreter {
         self.flow.mid_line = false;
     }
 
-    fn pass_if(&mut self, passes: bool, cursor: &Cursor<'_>) {
-        if passes {
-            self.pass(cursor);
-        }
-    }
-
     fn text_over(&mut self, at: usize) -> Outcome<Stepped> {
         // DECISION: the end of a subprogram's text without M99 returns to the caller.
         if self.flow.is_main() {
             return Ok(Stepped::End);
         }
+        self.changed = true;
         self.flow.return_to(None, at)?;
         Ok(Stepped::Nothing)
     }
 
     fn statement(&mut self, content: Content, cursor: &Cursor<'_>, block: &mut Block, text: &[u8]) -> Outcome<Stepped> {
         match content {
-            Content::Assign { at, .. }
-            | Content::Goto { at, .. }
-            | Content::While { at, .. }
-            | Content::EndLoop { at, .. }
-                if !dialect::has_macros(&self.settings) =>
-            {
-                return wrong(at, E::NoMacros);
-            }
             Content::Nothing | Content::Words => {
                 self.pass(cursor);
             }
@@ -337,18 +366,6 @@ impl Interpreter {
                 self.second_half = true;
                 block.complete = false;
             }
-            Step::Goto { n, at } => {
-                self.flow.go_to_block(n, at)?;
-                self.second_half = false;
-            }
-            Step::Jump { .. } | Step::Local { .. } | Step::Loop { .. } | Step::EndLoop { .. } => {
-                self.lead(step, cursor)?
-            }
-            Step::Call(call) => {
-                let source = self.find(call.program, call.at)?;
-                self.pass(cursor);
-                self.flow.call(source, call, false)?;
-            }
             Step::Modal(modal) => {
                 if let Some(modal) = &modal {
                     self.find(modal.program, self.flow.at)?;
@@ -356,12 +373,10 @@ impl Interpreter {
                 self.flow.modal = modal.map(Arc::from);
                 self.pass(cursor);
             }
-            Step::Return { target, at } => {
-                self.second_half = false;
-                if self.flow.is_main() && !dialect::has_macros(&self.settings) {
-                    return wrong(at, E::ReturnWithoutCall);
-                }
-                self.flow.return_to(target, at)?;
+            Step::Contour(cycle) => {
+                let begin = (self.flow.at, self.flow.line, self.flow.mid_line);
+                self.pass(cursor);
+                self.pending = Some(Pending { cycle, begin });
             }
             Step::Assign { variable, value, at } => {
                 self.assign(variable, value, at, None, block)?;
@@ -371,6 +386,7 @@ impl Interpreter {
                 self.pass(cursor);
                 self.ended = true;
             }
+            elsewhere => self.lead(elsewhere, cursor)?,
         }
         let over = self.ended && block.ops.is_empty();
         Ok(if over {
@@ -382,14 +398,19 @@ impl Interpreter {
         })
     }
 
-    /// Jumps, calls and loops within the text (L4, L7).
+    /// Jumps, loops, calls and returns.
     fn lead(&mut self, step: Step, cursor: &Cursor<'_>) -> Outcome<()> {
         match step {
+            Step::Goto { n, at } => {
+                self.flow.go_to_block(n, at)?;
+                self.second_half = false;
+            }
             Step::Jump { n, at } => {
                 self.flow.jump(n, at)?;
                 self.second_half = false;
             }
             Step::Local { n, at } => {
+                self.changed = true;
                 let stood = self.flow.clone_place();
                 self.pass(cursor);
                 if let Err(stop) = self.flow.call_local(n, at) {
@@ -398,14 +419,32 @@ impl Interpreter {
                 }
             }
             Step::Loop { times, at } => {
-                let enters = self.flow.begin_counted(times, at)?;
-                self.pass_if(enters, cursor);
+                self.changed = true;
+                if self.flow.begin_counted(times, at)? {
+                    self.pass(cursor);
+                }
             }
             Step::EndLoop { at } => {
-                let over = self.flow.end_counted(at)?;
-                self.pass_if(over, cursor);
+                self.changed = true;
+                if self.flow.end_counted(at)? {
+                    self.pass(cursor);
+                }
             }
-            _ => {}
+            Step::Call(call) => {
+                let source = self.find(call.program, call.at)?;
+                self.changed = true;
+                self.pass(cursor);
+                self.flow.call(source, call, false)?;
+            }
+            Step::Return { target, at } => {
+                self.second_half = false;
+                self.changed = true;
+                if self.flow.is_main() && !dialect::has_macros(&self.settings) {
+                    return wrong(at, E::ReturnWithoutCall);
+                }
+                self.flow.return_to(target, at)?;
+            }
+            Step::Next | Step::Again | Step::Modal(_) | Step::Contour(_) | Step::Assign { .. } | Step::End => {}
         }
         Ok(())
     }
@@ -427,7 +466,10 @@ impl Interpreter {
     ) -> Outcome<()> {
         let name = || format!("#{variable}");
         match variable {
-            1..=33 => self.flow.set_local(variable, value),
+            1..=33 => {
+                self.flow.set_local(variable, value);
+                self.changed = true;
+            }
             3000 | 3006 => {
                 let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
                 let value = value.unwrap_or(0.0);
@@ -441,15 +483,19 @@ impl Interpreter {
                     Op::Message { number, text }
                 });
             }
-            1100..=1199 | 2000..=2999 | 3001..=3005 | 3901 | 3902 => {
-                block.ops.push(Op::SetSystem { number: variable, value });
-            }
-            0 | 434..=439 | 1000..=1099 | 4000..=5999 => return wrong1(at, E::ReadOnly, name()),
-            _ => match self.memory.set(variable, value) {
+            _ if Memory::has(variable) => match self.memory.set(variable, value) {
                 Ok(()) => block.ops.push(Op::Set { variable, value }),
                 Err(VariableError::Switch(_)) => return wrong1(at, E::SwitchVariable, name()),
                 Err(VariableError::Unknown(_)) => return wrong1(at, E::BadVariable, name()),
                 Err(VariableError::NotFinite(_)) => return wrong(at, E::Overflow),
+            },
+            0 => return wrong1(at, E::ReadOnly, name()),
+            _ => match system_variable::find(variable).map(|range| range.access) {
+                Some(Access::Read) => return wrong1(at, E::ReadOnly, name()),
+                Some(Access::ReadWrite | Access::Write) => {
+                    block.ops.push(Op::SetSystem { number: variable, value });
+                }
+                None => return wrong1(at, E::BadVariable, name()),
             },
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! What stays in force from block to block. Source: spec B2, B3 (#4001…).
 
+use super::dialect::RepeatWords;
 use super::op::{Feed, PathMode, Plane, SpeedMode};
 use super::settings::{Settings, SpeedUnit, System};
 use crate::units::PerAxis;
@@ -100,6 +101,7 @@ pub struct Modals {
     pub modal_call: bool,
     pub(crate) rotation: SpeedMode,
     pub(crate) cycle: CycleWords,
+    pub(crate) repeat: RepeatWords,
     /// F of the last thread: its lead, mm (L5).
     pub(crate) lead: Option<f64>,
     /// The sense of the last move of X before a thread, 0 if none came (L5).
@@ -141,6 +143,7 @@ impl Modals {
             modal_call: false,
             rotation,
             cycle: CycleWords::default(),
+            repeat: RepeatWords::default(),
             lead: None,
             infeed: 0,
             start: PerAxis::default(),
