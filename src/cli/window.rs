@@ -9,15 +9,17 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 use super::args::Shared;
 use super::{CallError, FINE, bench};
 use crate::controller::{Controller, Retained};
+use crate::defs::param::Params;
 use crate::hmi::window::{Desk, Options, WindowError, run};
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::snapshot::RunState;
 use crate::link::{Command, Snapshot};
+use crate::nc::Source;
 use crate::runtime::keeper::Keeper;
 use crate::runtime::realtime::{Lateness, Link};
 use crate::runtime::rig::{Companion, set_up};
-use crate::runtime::{disk_thread, realtime};
+use crate::runtime::{bar, disk_thread, realtime};
 use crate::store::DataDir;
 use crate::units::Micros;
 
@@ -46,7 +48,7 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
     let backend = Workshop { machine, parts };
     let (link, disk) = realtime::start(controller, backend, Lateness::Counted).map_err(CallError::new)?;
     let disk = disk_thread::start(disk, Some(keeper), folders).map_err(CallError::new)?;
-    let desk = LinkDesk { newest: Arc::new(Snapshot::new(shared.kind)), link, bring };
+    let desk = LinkDesk { newest: Arc::new(Snapshot::new(shared.kind)), link, bring, bar_of: 0 };
     let closed = show(Box::new(desk), shared, fullscreen);
     drop(disk.join());
     closed
@@ -103,16 +105,35 @@ struct LinkDesk {
     link: Link,
     newest: Arc<Snapshot>,
     bring: Sender<PartFile>,
+    /// The program whose bar is in the lathe.
+    bar_of: u32,
 }
 
 impl LinkDesk {
     /// Another program was chosen: its part goes into the simulated machine, its set-up into the control.
     fn mount(&self, number: u32) {
         if let Ok(Some(part)) = PartFile::builtin(number) {
-            for command in set_up(&part, |variable| self.newest.variables[usize::from(variable)]) {
-                self.link.send(command);
-            }
-            drop(self.bring.try_send(part));
+            self.put_in(part);
+        }
+    }
+
+    fn put_in(&self, part: PartFile) {
+        for command in set_up(&part, |variable| self.newest.variables[usize::from(variable)]) {
+            self.link.send(command);
+        }
+        drop(self.bring.try_send(part));
+    }
+
+    /// A lathe's bar follows from the text of its program, once the control shows it.
+    fn put_bar_in(&mut self) {
+        let number = self.newest.program.number;
+        if number == self.bar_of || bar::own_programs(self.newest.kind).is_none() {
+            return;
+        }
+        self.bar_of = number;
+        let source = Arc::new(Source::new(number, "", self.newest.program.text.as_bytes().to_vec()));
+        if let Some(part) = bar::of_program(self.newest.kind, &Params::factory(self.newest.kind), &source) {
+            self.put_in(part);
         }
     }
 }
@@ -120,6 +141,7 @@ impl LinkDesk {
 impl Desk for LinkDesk {
     fn newest(&mut self) -> Arc<Snapshot> {
         self.link.newest(Arc::make_mut(&mut self.newest));
+        self.put_bar_in();
         Arc::clone(&self.newest)
     }
 
