@@ -174,7 +174,7 @@ fn h9_nothing_is_cut_or_overlaps() {
 }
 
 /// The keys that lead to what a page shows only when it is used.
-const USES: [(Page, &[&str]); 16] = [
+const USES: [(Page, &[&str]); 18] = [
     (Page::Diagnosis, &["→"]),
     (Page::Diagnosis, &["→", "→"]),
     (Page::Diagnosis, &["→", "→", "→"]),
@@ -190,6 +190,8 @@ const USES: [(Page, &[&str]); 16] = [
     (Page::Macro, &["#", "600", "⏎"]),
     (Page::Macro, &["#", "440", "⏎"]),
     (Page::Wheel, &["5", "⏎"]),
+    (Page::Program, &["/", "G01"]),
+    (Page::Program, &["/", "NOTHING OF THE KIND", "⏎"]),
     (Page::Wheel, &["550", "⏎", "⏎", "50", "⏎", "⏎"]),
 ];
 

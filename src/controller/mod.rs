@@ -13,6 +13,7 @@ mod dress;
 mod edits;
 mod effect;
 mod executor;
+pub mod files;
 mod filter;
 mod gauge;
 mod hand;
@@ -192,6 +193,7 @@ pub struct Controller {
     mdi_modals: Option<Modals>,
     pages: Pages,
     edits: edits::Edits,
+    files: files::Files,
 }
 
 impl Controller {
@@ -250,6 +252,7 @@ impl Controller {
             mdi_modals: None,
             pages: Pages::new(kind, &params),
             edits: edits::Edits::default(),
+            files: files::Files::default(),
             params,
         };
         control.find_dead_outputs();

@@ -94,6 +94,12 @@ impl Hmi {
         self.pages.refusal(self.page?, lang)
     }
 
+    /// The text on the program page, with what was typed there; for tests.
+    #[must_use]
+    pub const fn program_text(&self) -> &ropey::Rope {
+        self.pages.program_text()
+    }
+
     /// Draws one frame over the whole `ui` and gives what the operator asked for in it.
     /// Gather the commands of all passes of a frame and send them once.
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
@@ -117,7 +123,7 @@ impl Hmi {
             // After the panel, so that it lies on top; before the page, so that its touches count in this frame.
             pad::ui(ui, &view, panel.pad, &mut edits);
         }
-        let typed = Typed { edits: &edits, text: &asked.text, pages: asked.pages };
+        let typed = Typed { edits: &edits, text: &asked.text, controls: &asked.controls, pages: asked.pages };
         self.draw_page(ui, regions.content, &view, &typed, &mut out);
         self.draw_frame(ui, &regions, &view, &asked, &mut out);
         if self.help && help::sheet(ui, &view, regions.content.shrink(theme::GAP)) {

@@ -81,6 +81,8 @@ pub struct Theme {
     pub alarm_text: Color32,
     /// Chosen mode or switch.
     pub info: Color32,
+    /// Variables and conditions in the text of a program.
+    pub macros: Color32,
     /// Text and pictograms on a fill of an accent colour.
     pub ink: Color32,
     /// The ground of the emergency stop.
@@ -114,6 +116,7 @@ pub const DARK: Theme = Theme {
     alarm: rgb(0xE5484D),
     alarm_text: rgb(0xFF8589),
     info: rgb(0x53C3F3),
+    macros: rgb(0xC8A6F0),
     ink: rgb(0x0E1216),
     stop_ground: rgb(0xF5C518),
     paper: rgb(0x161C22),
@@ -131,6 +134,7 @@ impl Theme {
         let mut pairs: Vec<_> = on_grounds("text", self.text).chain(on_grounds("quiet", self.quiet)).collect();
         pairs.extend(on_grounds("hold", self.hold).chain(on_grounds("info", self.info)));
         pairs.extend(on_grounds("run", self.run).chain(on_grounds("alarm text", self.alarm_text)));
+        pairs.extend(on_grounds("macros", self.macros));
         let fills = [self.run, self.hold, self.alarm, self.info, self.focus, self.stop_ground];
         pairs.extend(fills.into_iter().map(|fill| ("ink", self.ink, fill)));
         // Blocked keys lie flat on the surface; what they are called must still be read.

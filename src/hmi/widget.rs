@@ -67,6 +67,11 @@ pub struct Walk {
 }
 
 impl Walk {
+    /// Chooses a key of so many.
+    pub const fn choose(&mut self, key: usize, count: usize) {
+        (self.cursor, self.drawn) = (Some(key), count);
+    }
+
     /// Begins a frame: what was typed moves the choice among the keys of the last frame, or acts.
     pub fn begin(&mut self, edits: &[Edit]) {
         let count = self.drawn.max(1);

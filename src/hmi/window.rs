@@ -144,7 +144,7 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
         (axis.present, axis.homed, axis.moving).hash(h);
     }
     let program = &snapshot.program;
-    (program.number, program.line, program.block, program.block_program, Arc::as_ptr(&program.text).addr()).hash(h);
+    (program.number, program.line, program.block, program.block_program, program.stamp).hash(h);
     (snapshot.single_block, snapshot.handwheel_axis, snapshot.step_mm.to_bits(), snapshot.diameter).hash(h);
     (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override, snapshot.parts).hash(h);
     (snapshot.feed_mm_min.round() as i64, snapshot.wheel_rpm.round() as i64, snapshot.cycle_seconds as u64).hash(h);
@@ -166,6 +166,7 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     typed(snapshot, h);
     let access = snapshot.access;
     (access.level as u8, access.asking, access.answers, snapshot.next_kind as u8).hash(h);
+    Arc::as_ptr(&snapshot.files).addr().hash(h);
     (Arc::as_ptr(&snapshot.params).addr(), Arc::as_ptr(&snapshot.alarm_history).addr()).hash(h);
     (Arc::as_ptr(&snapshot.screens).addr(), Arc::as_ptr(&snapshot.directory).addr()).hash(h);
     hasher.finish()

@@ -3,6 +3,7 @@
 
 pub mod command;
 pub mod edit;
+pub mod files;
 pub mod internal;
 pub mod page_command;
 pub mod snapshot;

@@ -80,6 +80,18 @@ pub fn check_with(
     found
 }
 
+/// Reads the lines of a text for their writing alone, as far as that can be judged without the rest of the program:
+/// where a jump leads is not looked at.
+#[must_use]
+pub fn look(source: &Arc<Source>, settings: &Settings) -> Vec<Fault> {
+    let visited = Visited::new(source.line_count());
+    let found = Checked::default();
+    let mut run = Run { source, settings, found, visited, told: HashSet::new(), text_end: None };
+    run.read_the_rest();
+    run.found.faults.retain(|fault| fault.error != E::MissingTarget);
+    run.found.faults
+}
+
 /// One bit a line.
 struct Visited(Vec<u64>);
 

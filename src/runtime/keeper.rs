@@ -79,7 +79,7 @@ fn change(effect: &Effect) -> Option<store::Change> {
             store::Change::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
         }
         Effect::Parts(parts) => store::Change::Number { key: PARTS.into(), value: Some(f64::from(*parts)) },
-        Effect::Ask(_) => return None,
+        Effect::Ask(_) | Effect::Job(_) => return None,
     })
 }
 
@@ -102,7 +102,7 @@ pub fn remember(retained: &mut Retained, effect: &Effect) {
         Effect::DressPoint(axis, at) => retained.dress_points[*axis] = Some(*at),
         Effect::CurrentProgram(number) => retained.current_program = *number,
         Effect::Parts(parts) => retained.parts = *parts,
-        Effect::Ask(_) => {}
+        Effect::Ask(_) | Effect::Job(_) => {}
     }
 }
 

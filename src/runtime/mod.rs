@@ -4,6 +4,7 @@
 pub mod disk;
 pub mod disk_thread;
 pub mod keeper;
+pub mod office;
 pub mod realtime;
 pub mod rig;
 pub mod vault;

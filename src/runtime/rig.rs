@@ -7,7 +7,9 @@ use std::time::Instant;
 
 use super::disk::Folders;
 use super::keeper::{Keeper, remember};
+use super::office::Office;
 use super::vault::Vault;
+use crate::controller::files::Job;
 use crate::controller::{Controller, Effect, Retained};
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
@@ -16,6 +18,7 @@ use crate::defs::text::Said;
 use crate::io::sim::{MachineFile, PartFile, SimFileError, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
+use crate::link::page_command::{PageAnswer, PageCommand};
 use crate::link::snapshot::{DirectoryRow, Snapshot};
 use crate::store::FolderError;
 use crate::units::{Micros, PerAxis};
@@ -75,6 +78,10 @@ pub struct Rig {
     keeper: Option<Keeper>,
     /// Passwords, where nothing keeps them.
     vault: Vault,
+    office: Office,
+    folders: Folders,
+    /// Programs that are in no folder.
+    added: Vec<crate::controller::Program>,
     effects: Vec<Effect>,
     inbox: Vec<Command>,
     now: Micros,
@@ -112,6 +119,9 @@ impl Rig {
             retained,
             keeper,
             vault: Vault::default(),
+            office: Office::new(folders.clone()),
+            folders,
+            added: Vec::new(),
             effects: Vec::new(),
             inbox: Vec::new(),
             now,
@@ -142,7 +152,8 @@ impl Rig {
     pub fn add_program(&mut self, program: crate::controller::Program) {
         let mut rows: Vec<_> = self.programs.iter().cloned().collect();
         rows.retain(|row| row.number != program.number);
-        rows.push(program);
+        rows.push(program.clone());
+        self.added.push(program);
         self.programs = Arc::new(crate::controller::Programs::new(rows));
         self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
     }
@@ -239,7 +250,29 @@ impl Rig {
                 Err(error) => Command::DiskFailed(Said::new(error.to_string(), error.to_string())),
             });
         }
-        self.effects.clear();
+        let effects = std::mem::take(&mut self.effects);
+        for effect in &effects {
+            if let Effect::Job(job) = effect {
+                self.work(job);
+            }
+        }
+    }
+
+    /// Does at once what the window's control has a thread for.
+    fn work(&mut self, job: &Job) {
+        let inbox = &mut self.inbox;
+        let changed = self
+            .office
+            .work(job, &mut |answer| inbox.push(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+        if changed.programs
+            && let Ok((programs, directory)) = self.folders.read_programs()
+        {
+            (self.programs, self.directory) = (Arc::new(programs), Arc::new(directory));
+            for program in std::mem::take(&mut self.added) {
+                self.add_program(program);
+            }
+            self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
+        }
     }
 
     /// The power goes at this tick.

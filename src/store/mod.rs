@@ -25,6 +25,7 @@ mod settings;
 mod watch;
 mod whole_file;
 
+pub use checksum::of as stamp;
 pub use data_dir::{DataDir, DataDirError};
 pub use decode::{DecodeError, Decoded, Encoding, decode};
 pub use fault::IoFault;

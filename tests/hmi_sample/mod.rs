@@ -54,8 +54,14 @@ pub fn snapshot(page: Page) -> Snapshot {
     };
     snapshot.axes[Axis::X] = axis(-743.080, -812.455, 12.340);
     snapshot.axes[Axis::Z] = axis(-139.080, -391.006, -0.005);
-    snapshot.program =
-        ProgramView { number: 1_001, text: O1001.into(), block_program: 1_001, line: 8, block: Some(40) };
+    snapshot.program = ProgramView {
+        number: 1_001,
+        text: O1001.into(),
+        block_program: 1_001,
+        line: 8,
+        block: Some(40),
+        ..ProgramView::default()
+    };
     snapshot.wheel_rpm = 1_260.0;
     snapshot.feed_mm_min = 0.0;
     snapshot.parts = 12;

@@ -37,6 +37,8 @@ pub struct Typed<'a> {
     pub edits: &'a [Edit],
     /// Every sign, for the pages that take words.
     pub text: &'a str,
+    /// Keys with Ctrl.
+    pub controls: &'a [egui::Key],
     /// Pages to scroll.
     pub pages: i32,
 }
@@ -48,7 +50,7 @@ pub struct Pages {
     pub shown: Shown,
     /// Value typed on the grinding page.
     pub entry: Entry,
-    listing: program::Listing,
+    program: program::Program,
     directory: directory::Directory,
     diagnosis: diagnosis::Diagnosis,
     alarms: alarm::Alarms,
@@ -68,6 +70,7 @@ impl Pages {
         self.entry.restart();
         self.login.close();
         self.directory.open(view);
+        self.program.open();
         self.alarms.open();
         self.diagnosis = diagnosis::Diagnosis::default();
         self.settings = settings::Settings::default();
@@ -100,9 +103,19 @@ impl Pages {
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
             Page::Params => &self.params.typing,
+            Page::Program => {
+                let (text, why) = (self.program.text().to_string(), self.program.refusal()?);
+                return Some((text, why.get(lang).to_owned()));
+            }
             _ => &self.entry.typing,
         };
         Some((typing.text.clone(), typing.reason(lang)?.to_owned()))
+    }
+
+    /// The text on the program page, with what was typed.
+    #[must_use]
+    pub const fn program_text(&self) -> &ropey::Rope {
+        self.program.text()
     }
 
     /// Whether the numeric pad is to slide in.
@@ -137,11 +150,11 @@ impl Pages {
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
                 let mut out = answers(typed.edits);
-                out.extend(position::ui(ui, rect, view, self.shown, &mut self.listing));
+                out.extend(position::ui(ui, rect, view, self.shown));
                 out
             }
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
-            Page::Program => self.listing.ui(ui, rect, view, typed.pages),
+            Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
             Page::Directory => self.directory.ui(ui, rect, view, typed.edits, typed.pages),
             Page::Dressing => self.dressing.ui(ui, rect, view, typed, picture),
             Page::Offset => self.offset.ui(ui, rect, view, typed),

@@ -1,0 +1,173 @@
+//! What the pages ask of folders and long calculations: whether it may be now, and what came of it. The work itself is
+//! done beside the tick; one request at a time, lines that are looked at go in between.
+//! Source: spec B6, K6.2, K7.8.
+
+use std::sync::Arc;
+
+use super::{Controller, Effect, Programs};
+use crate::defs::key::Mode;
+use crate::defs::param;
+use crate::defs::text::{Said, Text};
+use crate::link::files::{FileAnswer, FileRequest, FilesView, Refusal};
+use crate::link::snapshot::Snapshot;
+use crate::nc::Settings;
+
+/// Programs whose editing P23.5 guards.
+const GUARDED_SUBPROGRAMS: std::ops::RangeInclusive<u32> = 9_000..=9_999;
+
+const BUSY: Text = Text::new("上一项工作未完成，请稍候或取消", "the work before is not done: wait or cancel it");
+const EDIT_MODE: Text = Text::new("先按面板上的 编辑 键", "press EDIT on the panel first");
+const IN_RUN: Text = Text::new("程序运行中不能编辑程序", "programs are not edited while one runs");
+
+/// One piece of work for the thread beside the tick, with what it needs of the core.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// What is asked.
+    pub request: FileRequest,
+    /// How programs are read.
+    pub settings: Settings,
+    /// The programs.
+    pub programs: Arc<Programs>,
+}
+
+impl PartialEq for Job {
+    fn eq(&self, other: &Self) -> bool {
+        self.request == other.request
+    }
+}
+
+/// What the core keeps of the requests.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    view: Arc<FilesView>,
+    /// The request that is not answered yet.
+    pending: Option<Box<FileRequest>>,
+}
+
+impl Controller {
+    /// Takes one request of a page.
+    pub(super) fn take_file(&mut self, request: &FileRequest) {
+        match request {
+            FileRequest::Look { .. } => return self.order(request),
+            FileRequest::Cancel => {
+                if self.files.pending.is_some() {
+                    self.order(request);
+                }
+                return;
+            }
+            FileRequest::MayEdit(number) => {
+                let answer = match self.may_edit(*number) {
+                    Ok(()) => FileAnswer::Done(Said::new("可以编辑", "ready for editing")),
+                    Err(refusal) => FileAnswer::Refused(refusal),
+                };
+                return self.note_answer(&answer);
+            }
+            _ => {}
+        }
+        if let Err(refusal) = self.may(request) {
+            self.note_answer(&FileAnswer::Refused(refusal.clone()));
+            return self.refuse(refusal.said());
+        }
+        self.files.pending = Some(Box::new(request.clone()));
+        self.order(request);
+    }
+
+    fn order(&mut self, request: &FileRequest) {
+        let settings = super::nc_settings(self.kind, &self.params);
+        let job = Job { request: request.clone(), settings, programs: Arc::clone(&self.programs) };
+        self.effects.push(Effect::Job(Box::new(job)));
+    }
+
+    /// Whether a request may be carried out now.
+    fn may(&self, request: &FileRequest) -> Result<(), Refusal> {
+        if self.files.pending.is_some() {
+            return Err(Refusal::Because(BUSY.into()));
+        }
+        match request {
+            FileRequest::Save { number, .. } | FileRequest::New(number) | FileRequest::Delete(number) => {
+                self.may_edit(*number)
+            }
+            FileRequest::Copy { to, .. } => self.may_edit(*to),
+            FileRequest::Rename { from, to } => self.may_edit(*from).and_then(|()| self.may_edit(*to)),
+            FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Cancel => Ok(()),
+        }
+    }
+
+    /// Edit mode, nothing open, and the password once (K6.2).
+    fn may_edit(&self, number: u32) -> Result<(), Refusal> {
+        if self.run.is_some() {
+            return Err(Refusal::Because(IN_RUN.into()));
+        }
+        if self.mode != Mode::Edit {
+            return Err(Refusal::Because(EDIT_MODE.into()));
+        }
+        let asks = match GUARDED_SUBPROGRAMS.contains(&number) {
+            true => param::SUBPROGRAM_PASSWORD,
+            false => param::PROGRAM_PASSWORD,
+        };
+        if self.params.bit(asks) && !self.pages.may_edit_programs() { Err(Refusal::Password) } else { Ok(()) }
+    }
+
+    /// The answer of the work.
+    pub(super) fn hear_file(&mut self, answer: &FileAnswer) {
+        match answer {
+            FileAnswer::Done(said) => {
+                if let Some(request) = self.files.pending.take() {
+                    self.follow_up(&request);
+                }
+                self.say(said.clone());
+            }
+            FileAnswer::Saved { said, .. } => {
+                self.files.pending = None;
+                self.say(said.clone());
+            }
+            FileAnswer::Refused(refusal) => {
+                self.files.pending = None;
+                self.refuse(refusal.said());
+            }
+            FileAnswer::Looked(_) | FileAnswer::Progress(..) => {}
+        }
+        self.note_answer(answer);
+    }
+
+    /// A current program that has another number, or is no more.
+    fn follow_up(&mut self, request: &FileRequest) {
+        let current = match request {
+            FileRequest::Rename { from, to } if *from == self.current => *to,
+            FileRequest::Delete(number) if *number == self.current => 0,
+            _ => return,
+        };
+        self.current = current;
+        self.place = crate::nc::Place::default();
+        self.effects.push(Effect::CurrentProgram(current));
+    }
+
+    fn note_answer(&mut self, answer: &FileAnswer) {
+        let view = Arc::make_mut(&mut self.files.view);
+        match answer {
+            FileAnswer::Looked(looked) => {
+                view.looked = Arc::new(looked.clone());
+                return;
+            }
+            FileAnswer::Progress(what, thousandths) => {
+                view.busy = Some((*what, *thousandths));
+                return;
+            }
+            FileAnswer::Done(said) => (view.refused, view.done) = (None, said.clone()),
+            FileAnswer::Saved { said, number, stamp } => {
+                (view.refused, view.done) = (None, said.clone());
+                view.saved = (*number, *stamp);
+            }
+            FileAnswer::Refused(refusal) => view.refused = Some(refusal.clone()),
+        }
+        view.busy = None;
+        view.answers = view.answers.wrapping_add(1);
+    }
+
+    /// Writes what the pages see of the work.
+    pub(super) fn files_view(&self, out: &mut Snapshot) {
+        if !Arc::ptr_eq(&out.files, &self.files.view) {
+            out.files.clone_from(&self.files.view);
+        }
+    }
+}
