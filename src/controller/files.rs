@@ -10,7 +10,8 @@ use crate::defs::param;
 use crate::defs::text::{Said, Text};
 use crate::link::files::{FileAnswer, FileRequest, FilesView, Refusal};
 use crate::link::snapshot::Snapshot;
-use crate::nc::Settings;
+use crate::nc::{Frames, Memory, Settings};
+use crate::units::PerAxis;
 
 /// Programs whose editing P23.5 guards.
 const GUARDED_SUBPROGRAMS: std::ops::RangeInclusive<u32> = 9_000..=9_999;
@@ -28,6 +29,23 @@ pub struct Job {
     pub settings: Settings,
     /// The programs.
     pub programs: Arc<Programs>,
+    /// Where a check run begins; only for a drawing.
+    pub start: Option<Box<Start>>,
+}
+
+/// What a check run begins with.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Variables.
+    pub memory: Memory,
+    /// Work frames and offsets.
+    pub frames: Frames,
+    /// Work position, radius mm.
+    pub position: PerAxis<f64>,
+    /// Where homing leaves the axes, machine coordinates.
+    pub home: PerAxis<f64>,
+    /// 跳段 is on.
+    pub block_skip: bool,
 }
 
 impl PartialEq for Job {
@@ -74,7 +92,17 @@ impl Controller {
 
     fn order(&mut self, request: &FileRequest) {
         let settings = super::nc_settings(self.kind, &self.params);
-        let job = Job { request: request.clone(), settings, programs: Arc::clone(&self.programs) };
+        let start = matches!(request, FileRequest::Draw(_)).then(|| {
+            let (params, switches) = (&self.params, self.switches);
+            Box::new(Start {
+                memory: self.memory.clone(),
+                frames: self.frames.clone(),
+                position: self.work(),
+                home: PerAxis::from_fn(|axis| params.of_axis(param::HOME_X, axis)),
+                block_skip: switches.block_skip,
+            })
+        });
+        let job = Job { request: request.clone(), settings, programs: Arc::clone(&self.programs), start };
         self.effects.push(Effect::Job(Box::new(job)));
     }
 
@@ -89,7 +117,7 @@ impl Controller {
             }
             FileRequest::Copy { to, .. } => self.may_edit(*to),
             FileRequest::Rename { from, to } => self.may_edit(*from).and_then(|()| self.may_edit(*to)),
-            FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Cancel => Ok(()),
+            FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Draw(_) | FileRequest::Cancel => Ok(()),
         }
     }
 
@@ -121,6 +149,7 @@ impl Controller {
                 self.files.pending = None;
                 self.say(said.clone());
             }
+            FileAnswer::Drawn(_) => self.files.pending = None,
             FileAnswer::Refused(refusal) => {
                 self.files.pending = None;
                 self.refuse(refusal.said());
@@ -153,6 +182,7 @@ impl Controller {
                 view.busy = Some((*what, *thousandths));
                 return;
             }
+            FileAnswer::Drawn(drawing) => (view.refused, view.drawing) = (None, Some(Arc::clone(drawing))),
             FileAnswer::Done(said) => (view.refused, view.done) = (None, said.clone()),
             FileAnswer::Saved { said, number, stamp } => {
                 (view.refused, view.done) = (None, said.clone());

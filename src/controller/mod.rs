@@ -49,6 +49,7 @@ use crate::defs::signal::{Input, InputSet, Output, OutputSet};
 use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
+use crate::link::drawing::StockBox;
 use crate::link::snapshot::{DirectoryRow, Message, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
@@ -194,6 +195,7 @@ pub struct Controller {
     pages: Pages,
     edits: edits::Edits,
     files: files::Files,
+    stock: Arc<[StockBox]>,
 }
 
 impl Controller {
@@ -253,6 +255,7 @@ impl Controller {
             pages: Pages::new(kind, &params),
             edits: edits::Edits::default(),
             files: files::Files::default(),
+            stock: Arc::from([]),
             params,
         };
         control.find_dead_outputs();

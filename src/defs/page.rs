@@ -48,6 +48,7 @@ pages! {
     Wheel = "wheel", "换砂轮", "wheel change";
     Params = "params", "参数", "parameters";
     Diagnosis = "diagnosis", "诊断", "diagnosis";
+    Graphic = "graphic", "图形", "graphic";
     Alarm = "alarm", "报警", "alarms";
     Settings = "settings", "设置", "settings";
     Panel = "panel", "面板", "panel";

@@ -52,7 +52,7 @@ pub const ROWS: [&[SoftKey]; 4] = [
     &[
         key("参数", "PARAMS", SoftAct::Open(Page::Params)),
         key("诊断", "DIAGNOSIS", SoftAct::Open(Page::Diagnosis)),
-        later("图形", "GRAPHIC", "图形页面：本版本尚未提供", "the graphic page is not in this version yet"),
+        key("图形", "GRAPHIC", SoftAct::Open(Page::Graphic)),
         later("U盘/通信", "USB/COMM", "U盘/通信：本版本尚未提供", "USB and communication are not in this version yet"),
         later(
             "屏幕打印",
@@ -81,7 +81,7 @@ pub const ROWS: [&[SoftKey]; 4] = [
 pub const fn row_of(page: Page) -> usize {
     match page {
         Page::Position | Page::Panel | Page::Dressing => 0,
-        Page::Grinding | Page::Params | Page::Diagnosis => 1,
+        Page::Grinding | Page::Params | Page::Diagnosis | Page::Graphic => 1,
         Page::Program | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
         Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
     }

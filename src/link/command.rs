@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::drawing::StockBox;
 use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
 use crate::defs::key::Key;
@@ -61,6 +62,8 @@ pub enum Command {
     SetFrame(usize, PerAxis<f64>),
     /// Geometry of a tool offset, 1 to 16, radius mm.
     SetGeometry(usize, PerAxis<f64>),
+    /// What is to be ground and what holds it, for the drawing.
+    SetStock(Arc<[StockBox]>),
     /// Makes the relative position of an axis zero.
     ClearRelative(Axis),
     /// The disk has read the folder of page texts and pictures.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use ropey::Rope;
 
+use super::drawing::Drawing;
 use crate::defs::text::{Said, Text};
 
 /// Most lines that are looked at in one request, and most characters of a line that are.
@@ -58,6 +59,8 @@ pub enum FileRequest {
     },
     /// Deletes a program.
     Delete(u32),
+    /// The path of a program by a check run from where the machine stands.
+    Draw(u32),
     /// Ends the long work that is under way.
     Cancel,
 }
@@ -123,6 +126,8 @@ pub enum FileAnswer {
     Refused(Refusal),
     /// What was found in lines.
     Looked(Looked),
+    /// A path.
+    Drawn(Arc<Drawing>),
     /// So many thousandths are done; the words say of what.
     Progress(Text, u16),
 }
@@ -138,6 +143,8 @@ pub struct FilesView {
     pub done: Said,
     /// The program that was saved last, and its stamp.
     pub saved: (u32, u64),
+    /// The path that was computed last.
+    pub drawing: Option<Arc<Drawing>>,
     /// Long work under way: its name, thousandths done.
     pub busy: Option<(Text, u16)>,
     /// What was found in the lines that were looked at last.

@@ -2,6 +2,7 @@
 //! It never runs back: a page cannot call the core, the core cannot call a page.
 
 pub mod command;
+pub mod drawing;
 pub mod edit;
 pub mod files;
 pub mod internal;

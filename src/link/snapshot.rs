@@ -6,6 +6,7 @@ use std::sync::Arc;
 use ropey::Rope;
 
 use super::command::Screens;
+use super::drawing::StockBox;
 use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
 use super::files::FilesView;
 use super::internal::InternalSet;
@@ -251,6 +252,8 @@ pub struct Snapshot {
     pub alarm_history: Arc<Vec<PastAlarm>>,
     /// The parameters; replaced only when one is changed.
     pub params: Arc<Params>,
+    /// What is to be ground and what holds it, as far as it is known.
+    pub stock: Arc<[StockBox]>,
     /// What came of the requests to folders and long calculations; replaced only when it changes.
     pub files: Arc<FilesView>,
     /// Which level of parameters is open.
@@ -325,6 +328,7 @@ impl Snapshot {
             internals: InternalSet::default(),
             alarm_history: Arc::default(),
             params: Arc::new(Params::factory(kind)),
+            stock: Arc::from([]),
             files: Arc::default(),
             access: Access::default(),
             next_kind: kind,

@@ -3,6 +3,7 @@
 
 pub mod disk;
 pub mod disk_thread;
+pub mod draw;
 pub mod keeper;
 pub mod office;
 pub mod realtime;

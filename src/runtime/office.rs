@@ -9,10 +9,11 @@ use encoding_rs::GBK;
 use ropey::Rope;
 
 use super::disk::Folders;
+use super::draw;
 use crate::controller::files::Job;
-use crate::defs::text::Said;
+use crate::defs::text::{Lang, Said};
 use crate::link::files::{FileAnswer, FileRequest, LineFault, Looked, Refusal};
-use crate::nc::{Settings, Source, look};
+use crate::nc::{Fault, Settings, Source, look};
 use crate::store::{Encoding, Folder, FolderError, PROGRAM, decode, stamp};
 
 /// A flag that ends long work.
@@ -54,6 +55,11 @@ impl Office {
                 tell(FileAnswer::Looked(look_at(*number, *first, text, *token, &job.settings)));
                 return Changed::default();
             }
+            FileRequest::Draw(number) => {
+                let answer = self.draw(*number, job, tell).unwrap_or_else(FileAnswer::Refused);
+                tell(answer);
+                return Changed::default();
+            }
             FileRequest::Save { number, text, base, force } => save(&programs, *number, text, *base, *force),
             FileRequest::New(number) => new(&programs, *number),
             FileRequest::Copy { from, to } => copy(&programs, *from, *to),
@@ -64,6 +70,28 @@ impl Office {
         tell(done.unwrap_or_else(FileAnswer::Refused));
         changed
     }
+}
+
+impl Office {
+    fn draw(&self, number: u32, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
+        let missing =
+            || Refusal::Because(Said::new(format!("没有程序 O{number:04}"), format!("there is no O{number:04}")));
+        let program = job.programs.get(number).ok_or_else(missing)?;
+        let start = job.start.as_ref().ok_or_else(missing)?;
+        tell(FileAnswer::Progress(draw::NAME, 0));
+        let drawing = draw::draw(program, job, start, &self.cancelled, tell);
+        if self.cancelled.load(Ordering::Acquire) {
+            return Err(Refusal::Because(Said::new("已取消", "cancelled")));
+        }
+        Ok(FileAnswer::Drawn(Arc::new(drawing)))
+    }
+}
+
+/// A mistake as the pages show it.
+#[must_use]
+pub fn line_fault(fault: &Fault) -> LineFault {
+    let said = |lang| format!("{} – {}", fault.cause(lang), fault.remedy(lang));
+    LineFault { line: fault.place.line, column: fault.column, said: Said::new(said(Lang::Zh), said(Lang::En)) }
 }
 
 fn because(error: &dyn std::fmt::Display) -> Refusal {
@@ -166,13 +194,10 @@ fn delete(folder: &Folder, number: u32) -> Result<FileAnswer, Refusal> {
 /// The mistakes of writing in some lines; jumps out of them and loops across them are none.
 fn look_at(number: u32, first: u32, text: &str, token: u64, settings: &Settings) -> Looked {
     let source = Arc::new(Source::new(number, "", text.as_bytes().to_vec()));
-    let faults = look(&source, settings).into_iter().map(|fault| LineFault {
-        line: first + fault.place.line.saturating_sub(1),
-        column: fault.column,
-        said: Said::new(
-            format!("{} – {}", fault.cause(crate::defs::text::Lang::Zh), fault.remedy(crate::defs::text::Lang::Zh)),
-            format!("{} – {}", fault.cause(crate::defs::text::Lang::En), fault.remedy(crate::defs::text::Lang::En)),
-        ),
+    let found = look(&source, settings);
+    let faults = found.iter().map(line_fault).map(|fault| {
+        let line = first + fault.line.saturating_sub(1);
+        LineFault { line, ..fault }
     });
     Looked { token, faults: faults.collect() }
 }

@@ -15,9 +15,10 @@ use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::param;
 use crate::defs::text::Said;
-use crate::io::sim::{MachineFile, PartFile, SimFileError, SimulatedMachine};
+use crate::io::sim::{Looks, MachineFile, PartFile, SimFileError, SimulatedMachine, SurfaceFile};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
+use crate::link::drawing::StockBox;
 use crate::link::page_command::{PageAnswer, PageCommand};
 use crate::link::snapshot::{DirectoryRow, Snapshot};
 use crate::store::FolderError;
@@ -57,9 +58,39 @@ pub fn set_up(part: &PartFile, present: impl Fn(u16) -> Option<f64>) -> Vec<Comm
         let geometry = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         commands.push(Command::SetGeometry(usize::from(offset.number), geometry));
     }
+    commands.push(Command::SetStock(outline(part).into()));
     let missing = part.variables.iter().filter(|(number, _)| present(**number).is_none());
     commands.extend(missing.map(|(number, value)| Command::SetVariable(*number, Some(*value))));
     commands
+}
+
+/// The boxes of a part and of what holds it, for the drawing.
+fn outline(part: &PartFile) -> Vec<StockBox> {
+    let turned = |radius: f64, z: (f64, f64)| (PerAxis([-radius, 0.0, z.0]), PerAxis([radius, 0.0, z.1]));
+    let behind = |looks: Looks, at: f64, thick: f64| match looks {
+        Looks::PlusZ => (at - thick, at),
+        Looks::MinusZ => (at, at + thick),
+    };
+    let surface = |surface: &SurfaceFile| match *surface {
+        SurfaceFile::Diameter { z_from, z_to, stock, .. } => turned(stock / 2.0, (z_from, z_to)),
+        SurfaceFile::Face { looks, x_from, x_to, stock, thickness, turns, .. } => {
+            let z = behind(looks, stock, thickness);
+            let low = if turns { -x_to / 2.0 } else { x_from / 2.0 };
+            (PerAxis([low, 0.0, z.0]), PerAxis([x_to / 2.0, 0.0, z.1]))
+        }
+        SurfaceFile::Plane { x_from, x_to, z_from, z_to, stock, .. } => {
+            (PerAxis([x_from, 0.0, z_from]), PerAxis([x_to, stock, z_to]))
+        }
+        SurfaceFile::Wall { looks, x_from, x_to, y_from, y_to, stock, thickness, .. } => {
+            let z = behind(looks, stock, thickness);
+            (PerAxis([x_from, y_from, z.0]), PerAxis([x_to, y_to, z.1]))
+        }
+        SurfaceFile::Disc { x_from, x_to, stock, .. } => (PerAxis([x_from, 0.0, 0.0]), PerAxis([x_to, 0.0, stock])),
+    };
+    let holders = part.bodies.iter().map(|body| turned(body.diameter / 2.0, (body.z_from, body.z_to)));
+    let holders = holders.map(|(low, high)| StockBox { low, high, part: false });
+    let surfaces = part.surfaces.iter().map(surface).map(|(low, high)| StockBox { low, high, part: true });
+    holders.chain(surfaces).collect()
 }
 
 /// Somebody beside the rig: paces it, shows it, brings commands of a person.

@@ -5,6 +5,7 @@ pub mod diagnosis;
 pub mod directory;
 pub mod dressing;
 pub mod empty;
+pub mod graphic;
 pub mod grinding;
 pub mod input_line;
 pub mod mdi;
@@ -51,6 +52,7 @@ pub struct Pages {
     /// Value typed on the grinding page.
     pub entry: Entry,
     program: program::Program,
+    graphic: graphic::Graphic,
     directory: directory::Directory,
     diagnosis: diagnosis::Diagnosis,
     alarms: alarm::Alarms,
@@ -147,6 +149,7 @@ impl Pages {
         typed: &Typed<'_>,
         picture: Option<TextureId>,
     ) -> Vec<Command> {
+        self.graphic.follow(view);
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
                 let mut out = answers(typed.edits);
@@ -155,6 +158,7 @@ impl Pages {
             }
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
             Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
+            Page::Graphic => self.graphic.ui(ui, rect, view, typed),
             Page::Directory => self.directory.ui(ui, rect, view, typed.edits, typed.pages),
             Page::Dressing => self.dressing.ui(ui, rect, view, typed, picture),
             Page::Offset => self.offset.ui(ui, rect, view, typed),

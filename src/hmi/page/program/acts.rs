@@ -139,6 +139,8 @@ impl Program {
                 self.question = Some((About::Discard, Question::new(title, body, key)));
             }
             Act::Stop => self.work = None,
+            Act::AskDone => self.edit(Edit::Enter, out),
+            Act::AskEnd => self.edit(Edit::Cancel, out),
             Act::Undo
             | Act::Redo
             | Act::Mark

@@ -52,6 +52,8 @@ acts! {
     Skip = "replace-skip", "跳过", "SKIP";
     ReplaceAll = "replace-all", "全部", "ALL";
     EndReplace = "replace-end", "结束", "END";
+    AskDone = "ask-done", "确定", "OK";
+    AskEnd = "ask-end", "取消", "CANCEL";
     Stop = "work-stop", "停止", "STOP";
 }
 
@@ -78,9 +80,13 @@ impl Act {
 }
 
 use Act::{
-    Again, Board, CopyBlock, Cut, DeleteBlock, Discard, Down, Edit, End, EndReplace, Find, First, Go, Last, Left, Mark,
-    Paste, Redo, Renumber, Replace, ReplaceAll, ReplaceThis, Right, Save, Skip, Stop, Undo, Unmark, Up,
+    Again, AskDone, AskEnd, Board, CopyBlock, Cut, DeleteBlock, Discard, Down, Edit, End, EndReplace, Find, First, Go,
+    Last, Left, Mark, Paste, Redo, Renumber, Replace, ReplaceAll, ReplaceThis, Right, Save, Skip, Stop, Undo, Unmark,
+    Up,
 };
+
+/// The keys while something is typed for one of them.
+pub const ASK: [&[Act]; 2] = [&[AskDone, AskEnd], &[]];
 
 /// The rows of keys of a state of the page.
 pub const fn rows(editing: bool, board: bool, block: bool, replacing: bool, work: bool) -> [&'static [Act]; 2] {

@@ -127,7 +127,7 @@ impl Program {
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
         let board = if self.board { letters::BLOCK.height() } else { 0.0 };
-        let rows = if self.editing && !self.board { 2.0 } else { 1.0 };
+        let rows = if self.editing && !self.board && self.ask.is_none() { 2.0 } else { 1.0 };
         let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
         let (list, below) = rest.split_top_bottom_at_y(rest.max.y - rows * KEYS - TOLD);
         self.title(ui, title, view);
@@ -533,13 +533,10 @@ impl Program {
 
     /// The keys that stand below the listing now, a row after the other.
     fn rows(&self) -> [&'static [Act]; 2] {
-        keys::rows(
-            self.editing,
-            self.board && self.ask.is_none(),
-            self.document.mark.is_some(),
-            self.replacing,
-            self.work.is_some(),
-        )
+        if self.ask.is_some() {
+            return keys::ASK;
+        }
+        keys::rows(self.editing, self.board, self.document.mark.is_some(), self.replacing, self.work.is_some())
     }
 
     fn look_of(&self, act: Act) -> Look {
