@@ -54,6 +54,9 @@ pub struct Shared {
     /// Set a macro variable, for example '#500=40.2'; may be repeated
     #[arg(long = "set", global = true, value_name = "#N=VALUE", value_parser = variable, allow_hyphen_values = true)]
     pub sets: Vec<(u16, f64)>,
+    /// Folder that stands for the USB medium [default: what is plugged in]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub usb: Option<PathBuf>,
     /// Part file of the simulated machine
     #[arg(long, global = true, value_name = "FILE")]
     pub part: Option<PathBuf>,

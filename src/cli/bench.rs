@@ -87,6 +87,8 @@ pub fn rig(shared: &Shared) -> Result<Rig, CallError> {
         seed: shared.seed,
     };
     let mut rig = Rig::new(setup).map_err(CallError::new)?;
+    let prints = shared.data.is_some().then(|| DataDir::resolve(shared.data.as_deref()).map(|data| data.prints()));
+    rig.plug_in(prints.transpose().map_err(CallError::new)?, shared.usb.clone());
     if let Some(damaged) = damaged {
         eprintln!("kt830: the retained data were damaged; the copy is kept as {damaged}; factory values are in force");
         rig.report_damage(&damaged);

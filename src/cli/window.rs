@@ -15,6 +15,7 @@ use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::snapshot::RunState;
 use crate::link::{Command, Snapshot};
 use crate::runtime::keeper::Keeper;
+use crate::runtime::office::Office;
 use crate::runtime::realtime::{Lateness, Link};
 use crate::runtime::rig::{Companion, set_up};
 use crate::runtime::{disk_thread, realtime};
@@ -42,10 +43,11 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
         controller.report(crate::defs::alarm::DATA_DAMAGED, Some(said));
     }
     let folders = bench::folders(shared)?;
+    let office = Office::new(folders.clone()).with(Some(data.prints()), shared.usb.clone());
     let (bring, parts) = bounded(4);
     let backend = Workshop { machine, parts };
     let (link, disk) = realtime::start(controller, backend, Lateness::Counted).map_err(CallError::new)?;
-    let disk = disk_thread::start(disk, Some(keeper), folders).map_err(CallError::new)?;
+    let disk = disk_thread::start(disk, Some(keeper), folders, office).map_err(CallError::new)?;
     let desk = LinkDesk { newest: Arc::new(Snapshot::new(shared.kind)), link, bring };
     let closed = show(Box::new(desk), shared, fullscreen);
     drop(disk.join());

@@ -55,6 +55,11 @@ impl Pages {
         self.params = Arc::new(params.clone());
     }
 
+    /// The machine builder's password was given.
+    pub fn is_builder(&self) -> bool {
+        self.access.level >= Level::Builder
+    }
+
     /// The password for programs was given (K6.2).
     pub const fn may_edit_programs(&self) -> bool {
         self.access.program

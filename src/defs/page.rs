@@ -49,6 +49,7 @@ pages! {
     Params = "params", "参数", "parameters";
     Diagnosis = "diagnosis", "诊断", "diagnosis";
     Graphic = "graphic", "图形", "graphic";
+    Transfer = "transfer", "U盘/通信", "USB transfer";
     Alarm = "alarm", "报警", "alarms";
     Settings = "settings", "设置", "settings";
     Panel = "panel", "面板", "panel";

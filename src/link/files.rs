@@ -7,7 +7,10 @@ use std::sync::Arc;
 use ropey::Rope;
 
 use super::drawing::Drawing;
+use super::media::{MediaView, Print, Transfer};
+use crate::defs::param::ParamAddress;
 use crate::defs::text::{Said, Text};
+use crate::units::PerAxis;
 
 /// Most lines that are looked at in one request, and most characters of a line that are.
 pub const LOOKED_LINES: usize = 120;
@@ -61,6 +64,12 @@ pub enum FileRequest {
     Delete(u32),
     /// The path of a program by a check run from where the machine stands.
     Draw(u32),
+    /// What stands on both sides of a transfer.
+    Media,
+    /// Copies to or from a medium.
+    Transfer(Transfer),
+    /// Keeps a picture of the screen.
+    Print(Print),
     /// Ends the long work that is under way.
     Cancel,
 }
@@ -92,6 +101,10 @@ pub enum Refusal {
     Conflict,
     /// The password for programs is wanted (K6.2).
     Password,
+    /// The machine builder's password is wanted.
+    Builder,
+    /// These files are there already and differ.
+    Overwrite(Vec<String>),
     /// Anything else.
     Because(Said),
 }
@@ -103,9 +116,27 @@ impl Refusal {
         match self {
             Self::Conflict => Text::new("文件已被别处改动", "the file was changed elsewhere meanwhile").into(),
             Self::Password => Text::new("需要程序编辑密码", "the password for editing programs is needed").into(),
+            Self::Builder => Text::new("需要机床厂密码", "the machine builder's password is needed").into(),
+            Self::Overwrite(names) => Said::new(
+                format!("{} 个文件已存在且内容不同", names.len()),
+                format!("{} files are there already and differ", names.len()),
+            ),
             Self::Because(said) => said.clone(),
         }
     }
+}
+
+/// Values out of a file: every one of them is allowed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Restored {
+    /// Parameters.
+    pub params: Vec<(ParamAddress, f64)>,
+    /// Macro variables.
+    pub variables: Vec<(u16, f64)>,
+    /// Offsets 1 to 16: geometry and wear, radius mm.
+    pub offsets: Vec<(usize, PerAxis<f64>, PerAxis<f64>)>,
+    /// Work frames, 0 is G54; machine coordinates, radius mm.
+    pub frames: Vec<(usize, PerAxis<f64>)>,
 }
 
 /// What the work beside the tick answers.
@@ -126,6 +157,12 @@ pub enum FileAnswer {
     Refused(Refusal),
     /// What was found in lines.
     Looked(Looked),
+    /// What stands on both sides of a transfer.
+    Media(MediaView),
+    /// Where a picture of the screen is, or why it is not kept.
+    Printed(Result<Said, Refusal>),
+    /// Values of a file: the core takes them.
+    Restored(Box<Restored>),
     /// A path.
     Drawn(Arc<Drawing>),
     /// So many thousandths are done; the words say of what.
@@ -143,6 +180,8 @@ pub struct FilesView {
     pub done: Said,
     /// The program that was saved last, and its stamp.
     pub saved: (u32, u64),
+    /// What stands on both sides of a transfer, as it was looked at last.
+    pub media: Option<Arc<MediaView>>,
     /// The path that was computed last.
     pub drawing: Option<Arc<Drawing>>,
     /// Long work under way: its name, thousandths done.

@@ -6,6 +6,7 @@ pub mod drawing;
 pub mod edit;
 pub mod files;
 pub mod internal;
+pub mod media;
 pub mod page_command;
 pub mod snapshot;
 

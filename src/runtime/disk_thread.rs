@@ -30,9 +30,13 @@ const BATCHES: usize = 64;
 ///
 /// # Errors
 /// The system has no thread to give.
-pub fn start(end: DiskEnd, mut keeper: Option<Keeper>, folders: Folders) -> std::io::Result<JoinHandle<()>> {
+pub fn start(
+    end: DiskEnd,
+    mut keeper: Option<Keeper>,
+    folders: Folders,
+    office: Office,
+) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("kt830-disk".into()).spawn(move || {
-        let office = Office::new(folders.clone());
         let jobs = open_office(&end, &folders, office.clone());
         let mut watch = Watch::start(&folders.programs, &folders.screens);
         deliver(&end.commands, &end.deliveries, &folders, Changed::Programs);
@@ -61,6 +65,9 @@ fn open_office(end: &DiskEnd, folders: &Folders, office: Office) -> Sender<Job> 
             });
             if changed.programs {
                 deliver(&commands, &deliveries, &folders, Changed::Programs);
+            }
+            if changed.screens {
+                deliver(&commands, &deliveries, &folders, Changed::Screens);
             }
         }
     });

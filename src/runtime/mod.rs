@@ -8,4 +8,6 @@ pub mod keeper;
 pub mod office;
 pub mod realtime;
 pub mod rig;
+pub mod transfer;
+pub mod values;
 pub mod vault;

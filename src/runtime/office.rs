@@ -2,6 +2,7 @@
 //! runs on a thread of its own, so that a long one never keeps retained values from the disk; a rig does it at once.
 //! Source: spec B6, K6.2, H8.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,11 +11,13 @@ use ropey::Rope;
 
 use super::disk::Folders;
 use super::draw;
+use super::transfer::{self, Carrier};
 use crate::controller::files::Job;
 use crate::defs::text::{Lang, Said};
 use crate::link::files::{FileAnswer, FileRequest, LineFault, Looked, Refusal};
+use crate::link::media::{Direction, Set, Transfer};
 use crate::nc::{Fault, Settings, Source, look};
-use crate::store::{Encoding, Folder, FolderError, PROGRAM, decode, stamp};
+use crate::store::{Encoding, Folder, FolderError, PROGRAM, Stick, decode, stamp};
 
 /// A flag that ends long work.
 pub type Cancelled = Arc<AtomicBool>;
@@ -23,6 +26,10 @@ pub type Cancelled = Arc<AtomicBool>;
 #[derive(Clone, Debug)]
 pub struct Office {
     folders: Folders,
+    /// Pictures of the screen are kept here; none: only on a medium.
+    prints: Option<PathBuf>,
+    /// The medium, where one was named; otherwise what is plugged in.
+    stick: Option<Stick>,
     cancelled: Cancelled,
 }
 
@@ -31,13 +38,25 @@ pub struct Office {
 pub struct Changed {
     /// Files of the folder of programs.
     pub programs: bool,
+    /// Files of the folder of page files.
+    pub screens: bool,
 }
 
 impl Office {
     /// An office for two folders.
     #[must_use]
     pub fn new(folders: Folders) -> Self {
-        Self { folders, cancelled: Cancelled::default() }
+        Self { folders, prints: None, stick: None, cancelled: Cancelled::default() }
+    }
+
+    /// With a folder for pictures of the screen, and a folder that stands for the medium.
+    #[must_use]
+    pub fn with(self, prints: Option<PathBuf>, stick: Option<PathBuf>) -> Self {
+        Self { prints, stick: stick.map(Stick::at), ..self }
+    }
+
+    fn stick(&self) -> Option<Stick> {
+        self.stick.clone().or_else(Stick::find).filter(Stick::is_present)
     }
 
     /// Ends the long work that is under way.
@@ -60,19 +79,46 @@ impl Office {
                 tell(answer);
                 return Changed::default();
             }
+            FileRequest::Media => {
+                tell(FileAnswer::Media(transfer::media(&self.folders, self.stick().as_ref())));
+                return Changed::default();
+            }
+            FileRequest::Print(picture) => {
+                let done = transfer::print(picture, self.prints.as_deref(), self.stick().as_ref());
+                tell(FileAnswer::Printed(done));
+                return Changed::default();
+            }
+            FileRequest::Transfer(ask) => return self.carry(ask, job, tell),
             FileRequest::Save { number, text, base, force } => save(&programs, *number, text, *base, *force),
             FileRequest::New(number) => new(&programs, *number),
             FileRequest::Copy { from, to } => copy(&programs, *from, *to),
             FileRequest::Rename { from, to } => rename(&programs, *from, *to),
             FileRequest::Delete(number) => delete(&programs, *number),
         };
-        let changed = Changed { programs: done.is_ok() };
+        let changed = Changed { programs: done.is_ok(), screens: false };
         tell(done.unwrap_or_else(FileAnswer::Refused));
         changed
     }
 }
 
 impl Office {
+    fn carry(&self, ask: &Transfer, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
+        let Some(stick) = self.stick() else {
+            tell(FileAnswer::Refused(transfer::no_stick()));
+            return Changed::default();
+        };
+        let holdings = job.holdings.as_deref();
+        let carrier = Carrier { folders: &self.folders, stick: &stick, holdings, cancelled: &self.cancelled };
+        let done = carrier.carry(ask, tell).unwrap_or_else(FileAnswer::Refused);
+        tell(done);
+        // What is on both sides now is told as well.
+        let inward = ask.direction == Direction::In;
+        Changed {
+            programs: inward && matches!(ask.set, Set::Programs | Set::Backup),
+            screens: inward && matches!(ask.set, Set::Screens | Set::Backup),
+        }
+    }
+
     fn draw(&self, number: u32, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
         let missing =
             || Refusal::Because(Said::new(format!("没有程序 O{number:04}"), format!("there is no O{number:04}")));
@@ -94,12 +140,12 @@ pub fn line_fault(fault: &Fault) -> LineFault {
     LineFault { line: fault.place.line, column: fault.column, said: Said::new(said(Lang::Zh), said(Lang::En)) }
 }
 
-fn because(error: &dyn std::fmt::Display) -> Refusal {
+pub(super) fn because(error: &dyn std::fmt::Display) -> Refusal {
     Refusal::Because(Said::new(error.to_string(), error.to_string()))
 }
 
 /// The common refusals of a folder in both languages.
-fn refused(error: &FolderError) -> Refusal {
+pub(super) fn refused(error: &FolderError) -> Refusal {
     let zh = match error {
         FolderError::Missing { name, .. } => format!("{name} 不存在"),
         FolderError::Exists { path } => {

@@ -2,6 +2,7 @@
 //! demo, tests. Time is what has been stepped; nothing here waits.
 //! Source: spec tools.md T3, T5; simulator.md.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -304,6 +305,17 @@ impl Rig {
             }
             self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
         }
+        if changed.screens
+            && let Ok(screens) = self.folders.read_screens()
+        {
+            self.screens = Arc::new(screens);
+            self.inbox.push(Command::Screens(Arc::clone(&self.screens)));
+        }
+    }
+
+    /// Gives the rig a folder for pictures of the screen and one that stands for a medium.
+    pub fn plug_in(&mut self, prints: Option<PathBuf>, stick: Option<PathBuf>) {
+        self.office = Office::new(self.folders.clone()).with(prints, stick);
     }
 
     /// The power goes at this tick.

@@ -22,6 +22,8 @@ pub mod password;
 mod retained;
 pub mod ron_file;
 mod settings;
+mod stick;
+mod values;
 mod watch;
 mod whole_file;
 
@@ -38,4 +40,6 @@ pub use retained::{
     Change, DamageReport, Generation, Loaded, Opened, Retained, RetainedError, StorageFault, ToolOffset,
 };
 pub use settings::Settings;
+pub use stick::{Stick, StickFile, read_whole, write_whole};
+pub use values::Values;
 pub use watch::{Changed, POLL_INTERVAL, Watch};

@@ -15,6 +15,7 @@ pub mod position;
 pub mod program;
 pub mod scroll;
 pub mod settings;
+pub mod transfer;
 pub mod variables;
 pub mod wheel;
 
@@ -53,6 +54,7 @@ pub struct Pages {
     pub entry: Entry,
     program: program::Program,
     graphic: graphic::Graphic,
+    transfer: transfer::Transfer,
     directory: directory::Directory,
     diagnosis: diagnosis::Diagnosis,
     alarms: alarm::Alarms,
@@ -73,6 +75,7 @@ impl Pages {
         self.login.close();
         self.directory.open(view);
         self.program.open();
+        self.transfer.open();
         self.alarms.open();
         self.diagnosis = diagnosis::Diagnosis::default();
         self.settings = settings::Settings::default();
@@ -105,6 +108,7 @@ impl Pages {
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
             Page::Params => &self.params.typing,
+            Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
             Page::Program => {
                 let (text, why) = (self.program.text().to_string(), self.program.refusal()?);
                 return Some((text, why.get(lang).to_owned()));
@@ -159,6 +163,7 @@ impl Pages {
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
             Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
             Page::Graphic => self.graphic.ui(ui, rect, view, typed),
+            Page::Transfer => self.transfer.ui(ui, rect, view, typed, &mut self.login),
             Page::Directory => self.directory.ui(ui, rect, view, typed.edits, typed.pages),
             Page::Dressing => self.dressing.ui(ui, rect, view, typed, picture),
             Page::Offset => self.offset.ui(ui, rect, view, typed),
