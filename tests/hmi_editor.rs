@@ -249,3 +249,48 @@ fn h6_an_unsaved_text_outlives_page_and_program() {
     assert!(shop.text().starts_with("N1 O1234"));
     assert!(shop.bench.shows("未保存"));
 }
+
+#[test]
+fn b6_the_directory_makes_copies_renames_and_deletes() {
+    let mut shop = Shop::new(TEXT.as_bytes());
+    shop.tell("param P22.5 0\nmode edit");
+    shop.bench.rig.send(Command::OpenPage(Page::Directory));
+    shop.bench.turn();
+    let number = |shop: &mut Shop, key: &str, number: &str| {
+        shop.bench.touch(key);
+        for digit in number.chars() {
+            shop.bench.touch(&format!("pad-{digit}"));
+        }
+        shop.bench.touch("输入 input");
+    };
+    let there = |shop: &Shop, name: &str| shop.folder.path().join(name).exists();
+    number(&mut shop, "复制 program-copy", "77");
+    assert!(there(&shop, "O0077.NC") && shop.bench.rig.has_program(77), "{}", shop.bench.message());
+    // A number that is taken: the typed one stays with the reason, nothing is overwritten.
+    shop.bench.touch("新建 program-new");
+    shop.bench.write("1234");
+    shop.bench.press(egui::Key::Enter);
+    let (text, why) = shop.bench.screen.state().hmi.refusal(Lang::Zh).expect("refused");
+    assert!(text == "1234" && why.contains("已存在"), "{text}: {why}");
+    assert_eq!(shop.file(), TEXT);
+    shop.bench.press(egui::Key::Escape);
+    number(&mut shop, "新建 program-new", "5");
+    assert!(there(&shop, "O0005.NC"));
+    shop.bench.touch("O0077");
+    number(&mut shop, "改号 program-rename", "78");
+    assert!(there(&shop, "O0078.NC") && !there(&shop, "O0077.NC"));
+    shop.bench.touch("O0078");
+    shop.bench.touch("删除 program-delete");
+    assert!(shop.bench.shows("删除程序？"));
+    shop.bench.press(egui::Key::Enter);
+    assert!(there(&shop, "O0078.NC"), "Enter alone is 取消");
+    shop.bench.touch("删除 program-delete");
+    shop.bench.touch("删除 question-delete");
+    assert!(!there(&shop, "O0078.NC"));
+    // In another mode the core says no.
+    shop.tell("mode auto");
+    shop.bench.touch("O0005");
+    shop.bench.touch("删除 program-delete");
+    shop.bench.touch("删除 question-delete");
+    assert!(there(&shop, "O0005.NC"));
+}

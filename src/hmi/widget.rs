@@ -92,6 +92,13 @@ impl Walk {
         self.drawn = 0;
     }
 
+    /// Something else that the keyboard can choose: whether it is chosen, and entered.
+    pub const fn pass(&mut self) -> (bool, bool) {
+        let chosen = matches!(self.cursor, Some(at) if at == self.drawn);
+        self.drawn += 1;
+        (chosen, chosen && self.enter)
+    }
+
     /// A key of the page by its name and label, touched or chosen and entered.
     pub fn push(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, words: (&str, &str), look: Look) -> bool {
         let (name, label) = words;

@@ -107,6 +107,7 @@ impl Pages {
             Page::Macro => &self.variables.typing,
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
+            Page::Directory => &self.directory.typing,
             Page::Params => &self.params.typing,
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
             Page::Program => {
@@ -132,6 +133,7 @@ impl Pages {
         }
         match view.snapshot.page {
             Page::Params => self.params.wants_pad(),
+            Page::Directory => self.directory.wants_pad(),
             Page::Offset => self.offset.table.typing.pad,
             Page::Dressing => self.dressing.table.typing.pad,
             Page::Macro => self.variables.typing.pad,
@@ -164,7 +166,7 @@ impl Pages {
             Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
             Page::Graphic => self.graphic.ui(ui, rect, view, typed),
             Page::Transfer => self.transfer.ui(ui, rect, view, typed, &mut self.login),
-            Page::Directory => self.directory.ui(ui, rect, view, typed.edits, typed.pages),
+            Page::Directory => self.directory.ui(ui, rect, view, typed, &mut self.login),
             Page::Dressing => self.dressing.ui(ui, rect, view, typed, picture),
             Page::Offset => self.offset.ui(ui, rect, view, typed),
             Page::Macro => self.variables.ui(ui, rect, view, typed),

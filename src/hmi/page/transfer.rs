@@ -230,7 +230,11 @@ impl Transfer {
         let response = ui.interact(place.intersect(list), Id::unique(("media-file", side, &file.name)), Sense::CLICK);
         let word = format!("{} file-{side}", file.name);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &word));
-        if response.clicked() {
+        let (walked, entered) = self.walk.pass();
+        if walked {
+            frame(painter, place, view.theme.info);
+        }
+        if response.clicked() || entered {
             if chosen {
                 self.chosen[side].remove(&file.name)
             } else {
