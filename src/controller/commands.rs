@@ -129,7 +129,7 @@ impl Controller {
         }
         if matches!(self.ask(Request::MdiStart), Answer::Taken) {
             let source = std::sync::Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
-            self.open_run(source, true);
+            self.open_run(source, super::run::Origin::Mdi);
         }
     }
 }

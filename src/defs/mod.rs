@@ -15,3 +15,4 @@ pub mod program_error;
 pub mod screen;
 pub mod signal;
 pub mod text;
+pub mod variable;
