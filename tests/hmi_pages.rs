@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use egui::Rect;
-use hmi_sample::{alarm, refused, running, snapshot, troubled};
+use hmi_sample::{alarm, busy, refused, running, snapshot, troubled};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, Said};
@@ -159,7 +159,9 @@ fn h9_nothing_is_cut_or_overlaps() {
             let mut stage = Stage::new(Hmi::new(lang), size);
             for page in Page::ALL {
                 let what = |more: &str| format!("{more} {lang:?} {size:?}");
-                for machine in [snapshot(*page), running(*page), alarm(*page), refused(*page), troubled(*page)] {
+                for machine in
+                    [snapshot(*page), running(*page), alarm(*page), refused(*page), troubled(*page), busy(*page)]
+                {
                     wrong.extend(misfits(&mut stage, &machine, &what("Gc")));
                 }
                 for kind in [Kind::Gs, Kind::Ga] {
@@ -174,7 +176,7 @@ fn h9_nothing_is_cut_or_overlaps() {
 }
 
 /// The keys that lead to what a page shows only when it is used.
-const USES: [(Page, &[&str]); 18] = [
+const USES: [(Page, &[&str]); 24] = [
     (Page::Diagnosis, &["→"]),
     (Page::Diagnosis, &["→", "→"]),
     (Page::Diagnosis, &["→", "→", "→"]),
@@ -191,6 +193,12 @@ const USES: [(Page, &[&str]); 18] = [
     (Page::Macro, &["#", "440", "⏎"]),
     (Page::Wheel, &["5", "⏎"]),
     (Page::Program, &["/", "G01"]),
+    (Page::Graphic, &["+", "+"]),
+    (Page::Transfer, &["→", "→", "→", "⏎"]),
+    (Page::Transfer, &["→", "→", "→", "→", "→", "⏎"]),
+    (Page::Directory, &["→", "→", "⏎", "12345", "⏎"]),
+    (Page::Simulator, &["→", "→", "⏎"]),
+    (Page::Process, &["→", "⏎"]),
     (Page::Program, &["/", "NOTHING OF THE KIND", "⏎"]),
     (Page::Wheel, &["550", "⏎", "⏎", "50", "⏎", "⏎"]),
 ];
@@ -224,7 +232,7 @@ fn h9_what_is_shown_in_use_fits_as_well() {
         for size in SIZES {
             let mut stage = Stage::new(Hmi::new(lang), size);
             for (page, keys) in USES {
-                for machine in [troubled(page), of_kind(running(page), Kind::Gs)] {
+                for machine in [troubled(page), of_kind(running(page), Kind::Gs), busy(page)] {
                     // A page that is opened anew has forgotten what was typed on it.
                     stage.frame(&snapshot(Page::Help));
                     stage.frame(&machine);

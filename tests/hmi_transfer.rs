@@ -248,7 +248,7 @@ fn k7_8_the_screen_is_kept_as_a_picture() {
     let image = ColorImage::filled([40, 30], Color32::from_rgb(1, 2, 3));
     shop.bench.screen.state().hmi.prints().lock().unwrap().push(Arc::new(image));
     shop.bench.turn();
-    assert!(shop.bench.message().contains("屏幕已保存"), "{}", shop.bench.message());
+    assert!(shop.bench.message().contains("已保存"), "{}", shop.bench.message());
     let file = fs::read_dir(shop.path("usb")).unwrap().next().expect("on the medium").unwrap().path();
     let read = image::open(file).unwrap().to_rgb8();
     assert_eq!((read.dimensions(), read.get_pixel(39, 29).0), ((40, 30), [1, 2, 3]));

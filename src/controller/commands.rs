@@ -50,7 +50,7 @@ impl Controller {
                 self.screens.clone_from(screens);
                 self.check_page_files();
             }
-            Command::Stored(_) => {}
+            Command::Stored(_) | Command::Simulate(_) => {}
             Command::DiskFailed(why) => self.raise(alarm::STORE_FAILED, Some(why.clone())),
             Command::Page(command) => self.take_page(command),
             Command::Alive => self.screen_heard = Some(self.now),

@@ -12,7 +12,7 @@ use crate::defs::text::{Said, Text};
 use crate::link::files::{FileAnswer, FileRequest, FilesView, Refusal, Restored};
 use crate::link::media::{Direction, Set, Transfer};
 use crate::link::snapshot::{Snapshot, Tone};
-use crate::nc::{Frames, Memory, Settings};
+use crate::nc::{Frames, Memory, REFERENCES, Settings};
 use crate::units::PerAxis;
 
 /// Programs whose editing P23.5 guards.
@@ -61,8 +61,10 @@ pub struct Start {
     pub frames: Frames,
     /// Work position, radius mm.
     pub position: PerAxis<f64>,
-    /// Where homing leaves the axes, machine coordinates.
-    pub home: PerAxis<f64>,
+    /// The reference points, machine coordinates.
+    pub references: [PerAxis<f64>; REFERENCES],
+    /// System variables that stand in parameters.
+    pub system: Vec<(u32, f64)>,
     /// 跳段 is on.
     pub block_skip: bool,
 }
@@ -85,7 +87,9 @@ impl Controller {
     /// Takes one request of a page.
     pub(super) fn take_file(&mut self, request: &FileRequest) {
         match request {
-            FileRequest::Look { .. } | FileRequest::Media | FileRequest::Print(_) => return self.order(request),
+            FileRequest::Look { .. } | FileRequest::Media | FileRequest::Print(_) | FileRequest::Table(_) => {
+                return self.order(request);
+            }
             FileRequest::Cancel => {
                 if self.files.pending.is_some() {
                     self.order(request);
@@ -121,7 +125,8 @@ impl Controller {
                 memory: self.memory.clone(),
                 frames: self.frames.clone(),
                 position: self.work(),
-                home: PerAxis::from_fn(|axis| params.of_axis(param::HOME_X, axis)),
+                references: super::references(params),
+                system: super::PARAM_VARIABLES.iter().map(|(row, at)| (row.first, params.get(*at))).collect(),
                 block_skip: switches.block_skip,
             })
         });
@@ -142,7 +147,7 @@ impl Controller {
             FileRequest::Rename { from, to } => self.may_edit(*from).and_then(|()| self.may_edit(*to)),
             FileRequest::Transfer(transfer) => self.may_carry(transfer),
             FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Draw(_) => Ok(()),
-            FileRequest::Media | FileRequest::Print(_) | FileRequest::Cancel => Ok(()),
+            FileRequest::Media | FileRequest::Print(_) | FileRequest::Table(_) | FileRequest::Cancel => Ok(()),
         }
     }
 

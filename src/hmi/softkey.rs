@@ -1,4 +1,4 @@
-//! The soft keys F1–F5 and ▶: four rows, one table.
+//! The soft keys F1–F5 and ▶: five rows, one table.
 //! Source: spec K7.1, K7.2.
 
 use egui::accesskit::Role;
@@ -36,7 +36,7 @@ const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
 }
 
 /// The rows that ▶ turns through.
-pub const ROWS: [&[SoftKey]; 4] = [
+pub const ROWS: [&[SoftKey]; 5] = [
     &[
         key("相对", "RELATIVE", SoftAct::Position(Shown::Relative)),
         key("综合", "ALL", SoftAct::Position(Shown::All)),
@@ -59,11 +59,13 @@ pub const ROWS: [&[SoftKey]; 4] = [
         key("宏变量", "MACRO", SoftAct::Open(Page::Macro)),
     ],
     &[
+        key("过程", "PROCESS", SoftAct::Open(Page::Process)),
         key("报警", "ALARMS", SoftAct::Open(Page::Alarm)),
         key("换砂轮", "WHEEL", SoftAct::Open(Page::Wheel)),
         key("设置", "SETTINGS", SoftAct::Open(Page::Settings)),
         key("帮助", "HELP", SoftAct::Open(Page::Help)),
     ],
+    &[key("模拟", "SIMULATOR", SoftAct::Open(Page::Simulator))],
 ];
 
 /// The row that is turned to when a page opens.
@@ -73,7 +75,8 @@ pub const fn row_of(page: Page) -> usize {
         Page::Position | Page::Panel | Page::Dressing => 0,
         Page::Grinding | Page::Params | Page::Diagnosis | Page::Graphic | Page::Transfer => 1,
         Page::Program | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
-        Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
+        Page::Process | Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
+        Page::Simulator => 4,
     }
 }
 

@@ -159,6 +159,10 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     }
     (&snapshot.message.text.zh, snapshot.message.since).hash(h);
     snapshot.waiting_for.as_ref().map(|said| &said.zh).hash(h);
+    if matches!(snapshot.page, Page::Simulator | Page::Process) {
+        snapshot.simulated.as_ref().map(|sim| Arc::as_ptr(sim).addr()).hash(h);
+        snapshot.inputs.hash(h);
+    }
     if snapshot.page == Page::Diagnosis {
         (snapshot.input_terminals, snapshot.output_terminals, snapshot.inputs, snapshot.outputs).hash(h);
         (snapshot.internals, snapshot.analog_volts.map(|volts| (volts * 100.0).round() as i64)).hash(h);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::drawing::StockBox;
 use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
+use super::simulated::SimCommand;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -74,6 +75,8 @@ pub enum Command {
     DiskFailed(Said),
     /// What the pages of parameters and settings ask.
     Page(PageCommand),
+    /// What the simulator page asks of the simulated machine; a control never takes it.
+    Simulate(SimCommand),
     /// The screen is alive; without it the core stops after its keep-alive time.
     Alive,
 }

@@ -70,6 +70,8 @@ pub enum FileRequest {
     Transfer(Transfer),
     /// Keeps a picture of the screen.
     Print(Print),
+    /// Keeps a table of samples, CSV.
+    Table(String),
     /// Ends the long work that is under way.
     Cancel,
 }

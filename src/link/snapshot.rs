@@ -10,6 +10,7 @@ use super::drawing::StockBox;
 use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
 use super::files::FilesView;
 use super::internal::InternalSet;
+use super::simulated::SimView;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
@@ -252,6 +253,8 @@ pub struct Snapshot {
     pub alarm_history: Arc<Vec<PastAlarm>>,
     /// The parameters; replaced only when one is changed.
     pub params: Arc<Params>,
+    /// The simulated machine, where it is one.
+    pub simulated: Option<Arc<SimView>>,
     /// What is to be ground and what holds it, as far as it is known.
     pub stock: Arc<[StockBox]>,
     /// What came of the requests to folders and long calculations; replaced only when it changes.
@@ -328,6 +331,7 @@ impl Snapshot {
             internals: InternalSet::default(),
             alarm_history: Arc::default(),
             params: Arc::new(Params::factory(kind)),
+            simulated: None,
             stock: Arc::from([]),
             files: Arc::default(),
             access: Access::default(),

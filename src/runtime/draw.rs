@@ -32,10 +32,11 @@ pub fn draw(
     let programs: Arc<Programs> = Arc::clone(&job.programs);
     let library: Arc<dyn Library + Send + Sync> = programs;
     let mut world = CheckWorld::new(&job.settings)
-        .with_home(start.home)
+        .with_references(start.references)
         .with_block_skip(start.block_skip)
         .at(start.position)
         .with_frames(start.frames.clone());
+    start.system.iter().for_each(|(number, value)| world.set_system(*number, Some(*value)));
     let mut pen = Pen { world: world.clone(), points: Vec::new(), last: None };
     let (lines, mut blocks, mut furthest) = (program.source.line_count().max(1), 0_u64, 0);
     let memory = start.memory.clone();

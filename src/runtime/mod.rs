@@ -8,6 +8,7 @@ pub mod keeper;
 pub mod office;
 pub mod realtime;
 pub mod rig;
+pub mod simulator;
 pub mod transfer;
 pub mod values;
 pub mod vault;

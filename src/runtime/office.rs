@@ -88,6 +88,12 @@ impl Office {
                 tell(FileAnswer::Printed(done));
                 return Changed::default();
             }
+            FileRequest::Table(text) => {
+                let stick = self.stick();
+                let done = transfer::keep(text.as_bytes(), "CSV", self.prints.as_deref(), stick.as_ref());
+                tell(FileAnswer::Printed(done));
+                return Changed::default();
+            }
             FileRequest::Transfer(ask) => return self.carry(ask, job, tell),
             FileRequest::Save { number, text, base, force } => save(&programs, *number, text, *base, *force),
             FileRequest::New(number) => new(&programs, *number),

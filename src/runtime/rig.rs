@@ -9,6 +9,7 @@ use std::time::Instant;
 use super::disk::Folders;
 use super::keeper::{Keeper, remember};
 use super::office::Office;
+use super::simulator::Simulator;
 use super::vault::Vault;
 use crate::controller::files::Job;
 use crate::controller::{Controller, Effect, Retained};
@@ -111,6 +112,7 @@ pub struct Rig {
     /// Passwords, where nothing keeps them.
     vault: Vault,
     office: Office,
+    simulator: Simulator,
     folders: Folders,
     /// Programs that are in no folder.
     added: Vec<crate::controller::Program>,
@@ -152,6 +154,7 @@ impl Rig {
             keeper,
             vault: Vault::default(),
             office: Office::new(folders.clone()),
+            simulator: Simulator::default(),
             folders,
             added: Vec::new(),
             effects: Vec::new(),
@@ -194,6 +197,7 @@ impl Rig {
     /// value get the part's.
     pub fn mount(&mut self, part: &PartFile) {
         self.machine.set_part(Some(part));
+        self.simulator.part = Some(part.clone());
         let variables = &self.retained.variables;
         let present = |variable: u16| variables.get(u32::from(variable)).ok().flatten();
         self.inbox.extend(set_up(part, present));
@@ -215,7 +219,10 @@ impl Rig {
 
     /// Hands a command to the control; it is taken in the next tick.
     pub fn send(&mut self, command: Command) {
-        self.inbox.push(command);
+        match command {
+            Command::Simulate(asked) => self.simulator.act(&mut self.machine, asked),
+            other => self.inbox.push(other),
+        }
     }
 
     /// One tick of control and machine.
@@ -342,6 +349,7 @@ impl Rig {
     /// What a page would show now.
     pub fn snapshot(&mut self) -> &Snapshot {
         self.controller.snapshot(&mut self.snapshot);
+        self.snapshot.simulated = Some(Arc::new(self.simulator.view(&self.machine)));
         if !self.powered {
             self.snapshot.darken();
         }

@@ -373,15 +373,24 @@ pub fn print(picture: &Print, folder: Option<&Path>, stick: Option<&Stick>) -> R
     let colour = image::ExtendedColorType::Rgb8;
     image::ImageEncoder::write_image(encoder, &picture.rgb, picture.width, picture.height, colour)
         .map_err(|error| because(&error))?;
+    keep(&bytes, "PNG", folder, stick)
+}
+
+/// Keeps a file that people want to look at, on the medium if there is one; gives where it is.
+///
+/// # Errors
+/// There is no place, or the disk refuses.
+pub fn keep(bytes: &[u8], extension: &str, folder: Option<&Path>, stick: Option<&Stick>) -> Result<Said, Refusal> {
     let present = stick.filter(|stick| stick.is_present()).map(Stick::root);
     let Some(folder) = present.or(folder) else {
         return Err(say("没有保存位置：请插入 U 盘", "nowhere to keep it: plug a USB medium in"));
     };
     let stem = Local::now().format("KT830-%Y%m%d-%H%M%S").to_string();
-    let free = |count: u32| if count == 0 { format!("{stem}.PNG") } else { format!("{stem}-{count}.PNG") };
+    let free =
+        |count: u32| if count == 0 { format!("{stem}.{extension}") } else { format!("{stem}-{count}.{extension}") };
     let name = (0..100).map(free).find(|name| !folder.join(name).exists()).unwrap_or_else(|| free(100));
     std::fs::create_dir_all(folder).map_err(|error| because(&error))?;
-    write_whole(&folder.join(&name), &bytes).map_err(|error| because(&error))?;
+    write_whole(&folder.join(&name), bytes).map_err(|error| because(&error))?;
     let place = folder.join(&name);
-    Ok(Said::new(format!("屏幕已保存：{}", place.display()), format!("screen saved: {}", place.display())))
+    Ok(Said::new(format!("已保存：{}", place.display()), format!("saved: {}", place.display())))
 }

@@ -12,9 +12,11 @@ pub mod mdi;
 pub mod offset;
 pub mod params;
 pub mod position;
+pub mod process;
 pub mod program;
 pub mod scroll;
 pub mod settings;
+pub mod simulator;
 pub mod transfer;
 pub mod variables;
 pub mod wheel;
@@ -55,6 +57,9 @@ pub struct Pages {
     program: program::Program,
     graphic: graphic::Graphic,
     transfer: transfer::Transfer,
+    process: process::Process,
+    simulator: simulator::Simulator,
+    simulator_tab: usize,
     directory: directory::Directory,
     diagnosis: diagnosis::Diagnosis,
     alarms: alarm::Alarms,
@@ -156,6 +161,7 @@ impl Pages {
         picture: Option<TextureId>,
     ) -> Vec<Command> {
         self.graphic.follow(view);
+        self.process.follow(view);
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
                 let mut out = answers(typed.edits);
@@ -164,6 +170,8 @@ impl Pages {
             }
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
             Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
+            Page::Process => self.process.ui(ui, rect, view, typed),
+            Page::Simulator => self.simulator.ui(ui, rect, view, typed, &mut self.simulator_tab),
             Page::Graphic => self.graphic.ui(ui, rect, view, typed),
             Page::Transfer => self.transfer.ui(ui, rect, view, typed, &mut self.login),
             Page::Directory => self.directory.ui(ui, rect, view, typed, &mut self.login),
