@@ -125,6 +125,25 @@ fn k7_8_page_files_come_in_only_if_they_are_of_the_form() {
 }
 
 #[test]
+fn k5_12_a_picture_of_another_form_is_named_and_converted() {
+    let mut shop = Shop::new();
+    // A red PNG of twice the width: 200 × 100 of it fit, white above and below.
+    image::RgbImage::from_pixel(400, 200, image::Rgb([255, 0, 0])).save(shop.usb("B0003.PNG")).unwrap();
+    shop.bench.touch("页面文件 set-screens");
+    shop.bring();
+    assert!(shop.bench.shows("B0003.PNG") && shop.bench.shows("不是 BMP"), "{}", shop.refusal());
+    shop.bench.touch("取消 question-no");
+    assert!(!shop.path("screens/B0003.BMP").exists());
+    shop.bring();
+    shop.bench.touch("转换 question-convert");
+    let bytes = fs::read(shop.path("screens/B0003.BMP")).unwrap();
+    assert_eq!(bytes.len(), 240_054);
+    let picture = kt830::runtime::disk::parse_picture("B0003.BMP", &bytes).unwrap();
+    let pixel = |x: usize, y: usize| &picture.rgb[(y * 200 + x) * 3..][..3];
+    assert_eq!((pixel(100, 200), pixel(100, 10)), (&[255, 0, 0][..], &[255, 255, 255][..]));
+}
+
+#[test]
 fn k7_8_parameters_and_macro_values_go_both_ways() {
     let mut shop = Shop::new();
     told::tell(&mut shop.bench.rig, "param P71 42\nset #600 = 1.25");

@@ -48,6 +48,9 @@ pub struct Shared {
     /// The language that holds: asked for, else stored, else Chinese.
     #[arg(skip)]
     pub lang: Lang,
+    /// The light theme, as set on the machine.
+    #[arg(skip)]
+    pub light: bool,
     /// Set a parameter, for example P270=0; may be repeated
     #[arg(long = "param", global = true, value_name = "P=VALUE", value_parser = param)]
     pub params: Vec<(ParamAddress, f64)>,

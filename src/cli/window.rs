@@ -114,7 +114,7 @@ fn simulated(shared: &Shared, retained: &Retained) -> Result<SimulatedMachine, C
 /// # Errors
 /// There is no display.
 pub fn show(desk: Box<dyn Desk>, shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
-    match run(desk, Options { fullscreen, lang: shared.lang }) {
+    match run(desk, Options { fullscreen, lang: shared.lang, light: shared.light }) {
         Ok(()) => Ok(FINE),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(
             "{error}. Without a display use `kt830 demo` (a story to its end), `kt830 run PROGRAM` or `kt830 shot PAGE --out FILE.png`"

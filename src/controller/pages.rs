@@ -99,6 +99,7 @@ impl Controller {
                 self.effects.push(Effect::Ask(PageWish::KeepKind(*kind)));
             }
             PageCommand::KeepLang(lang) => self.effects.push(Effect::Ask(PageWish::KeepLang(*lang))),
+            PageCommand::KeepLight(light) => self.effects.push(Effect::Ask(PageWish::KeepLight(*light))),
             PageCommand::File(request) => self.take_file(request),
             PageCommand::Answered(answer) => self.hear(answer),
         }

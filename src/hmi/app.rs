@@ -81,6 +81,11 @@ impl Hmi {
         self.clock = Some(clock);
     }
 
+    /// The light theme for bright halls, or the dark one (H4).
+    pub const fn set_light(&mut self, light: bool) {
+        self.theme = if light { theme::LIGHT } else { theme::DARK };
+    }
+
     /// What is being typed, for tests and stories.
     #[must_use]
     pub const fn entry(&self) -> &Entry {
@@ -192,6 +197,9 @@ impl Hmi {
         for command in &commands {
             if let Command::Page(PageCommand::KeepLang(lang)) = command {
                 self.lang = *lang;
+            }
+            if let Command::Page(PageCommand::KeepLight(light)) = command {
+                self.set_light(*light);
             }
         }
         out.extend(commands);

@@ -87,6 +87,8 @@ pub struct Theme {
     pub ink: Color32,
     /// The ground of the emergency stop.
     pub stop_ground: Color32,
+    /// What is written on it.
+    pub stop_ink: Color32,
     /// Paper and lines of the page pictures.
     pub paper: Color32,
     /// Lines on the paper.
@@ -119,6 +121,32 @@ pub const DARK: Theme = Theme {
     macros: rgb(0xC8A6F0),
     ink: rgb(0x0E1216),
     stop_ground: rgb(0xF5C518),
+    stop_ink: rgb(0x0E1216),
+    paper: rgb(0x161C22),
+    paper_ink: rgb(0xE9EEF2),
+    paper_quiet: rgb(0x6F7F8D),
+    paper_accent: rgb(0x53C3F3),
+};
+
+/// The light theme of H4, for bright halls.
+pub const LIGHT: Theme = Theme {
+    ground: rgb(0xEDF0F3),
+    surface: rgb(0xFFFFFF),
+    raised: rgb(0xE1E6EB),
+    line: rgb(0xA9B4BE),
+    text: rgb(0x10161B),
+    quiet: rgb(0x44515C),
+    dim: rgb(0x56626D),
+    focus: rgb(0x0B5CC0),
+    run: rgb(0x0A6237),
+    hold: rgb(0x7A4700),
+    alarm: rgb(0xB3261E),
+    alarm_text: rgb(0xA31B14),
+    info: rgb(0x00567A),
+    macros: rgb(0x6233A0),
+    ink: rgb(0xFFFFFF),
+    stop_ground: rgb(0xF5C518),
+    stop_ink: rgb(0x0E1216),
     paper: rgb(0x161C22),
     paper_ink: rgb(0xE9EEF2),
     paper_quiet: rgb(0x6F7F8D),
@@ -135,8 +163,9 @@ impl Theme {
         pairs.extend(on_grounds("hold", self.hold).chain(on_grounds("info", self.info)));
         pairs.extend(on_grounds("run", self.run).chain(on_grounds("alarm text", self.alarm_text)));
         pairs.extend(on_grounds("macros", self.macros));
-        let fills = [self.run, self.hold, self.alarm, self.info, self.focus, self.stop_ground];
+        let fills = [self.run, self.hold, self.alarm, self.info, self.focus];
         pairs.extend(fills.into_iter().map(|fill| ("ink", self.ink, fill)));
+        pairs.push(("emergency stop", self.stop_ink, self.stop_ground));
         // Blocked keys lie flat on the surface; what they are called must still be read.
         pairs.extend([self.ground, self.surface].into_iter().map(|ground| ("dim", self.dim, ground)));
         pairs.extend([self.paper_ink, self.paper_accent].into_iter().map(|ink| ("paper", ink, self.paper)));

@@ -14,6 +14,7 @@ use egui::{ViewportBuilder, ViewportCommand, vec2};
 
 use super::app::Hmi;
 use super::theme;
+use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::link::{Command, Snapshot};
@@ -49,6 +50,8 @@ pub struct Options {
     pub fullscreen: bool,
     /// Language.
     pub lang: Lang,
+    /// The light theme.
+    pub light: bool,
 }
 
 /// Why there is no window.
@@ -92,7 +95,8 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
         "kt830",
         native,
         Box::new(move |context| {
-            let hmi = Hmi::new(options.lang);
+            let mut hmi = Hmi::new(options.lang);
+            hmi.set_light(options.light);
             hmi.install(&context.egui_ctx);
             watch(Arc::clone(&desk), context.egui_ctx.clone(), Arc::clone(&end));
             Ok(Box::new(Window { hmi, desk, fullscreen: options.fullscreen, alive: None, sized: false }))
@@ -154,7 +158,7 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     (snapshot.single_block, snapshot.handwheel_axis, snapshot.step_mm.to_bits(), snapshot.diameter).hash(h);
     (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override, snapshot.parts).hash(h);
     (snapshot.feed_mm_min.round() as i64, snapshot.wheel_rpm.round() as i64, snapshot.cycle_seconds as u64).hash(h);
-    if snapshot.keys.iter().any(|key| key.working) {
+    if snapshot.key(Key::EmergencyStop).lamp || snapshot.keys.iter().any(|key| key.working) {
         (snapshot.now.0 / 500_000).hash(h);
     }
     for key in &snapshot.keys {

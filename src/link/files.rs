@@ -107,6 +107,8 @@ pub enum Refusal {
     Builder,
     /// These files are there already and differ.
     Overwrite(Vec<String>),
+    /// These pictures are not 200×400 in 24 bits; each with what is wrong.
+    Convert(Vec<Said>),
     /// Anything else.
     Because(Said),
 }
@@ -123,6 +125,7 @@ impl Refusal {
                 format!("{} 个文件已存在且内容不同", names.len()),
                 format!("{} files are there already and differ", names.len()),
             ),
+            Self::Convert(faults) => faults.first().cloned().unwrap_or_default(),
             Self::Because(said) => said.clone(),
         }
     }

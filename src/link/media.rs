@@ -96,6 +96,8 @@ pub struct Transfer {
     pub names: Vec<String>,
     /// What is done with files that are there already and differ; not decided yet: it is asked.
     pub overwrite: Option<bool>,
+    /// Whether pictures that are not of the form are converted; not decided yet: it is asked.
+    pub convert: Option<bool>,
 }
 
 /// A picture of the screen.

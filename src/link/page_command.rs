@@ -104,6 +104,8 @@ pub enum PageCommand {
     KeepKind(Kind),
     /// The language of the screen, now and at the next start.
     KeepLang(Lang),
+    /// The light or the dark theme, now and at the next start.
+    KeepLight(bool),
     /// What concerns programs and folders, and the long calculations.
     File(FileRequest),
     /// The disk's answer to a wish.
@@ -128,6 +130,8 @@ pub enum PageWish {
     KeepKind(Kind),
     /// Keep the language for the next start.
     KeepLang(Lang),
+    /// Keep the theme for the next start.
+    KeepLight(bool),
 }
 
 /// What the disk answers.

@@ -14,7 +14,9 @@ use crate::controller::files::Holdings;
 use crate::defs::text::{Said, Text};
 use crate::link::files::{FileAnswer, Refusal, Restored};
 use crate::link::media::{Direction, MediaFile, MediaView, Print, Set, Transfer};
-use crate::store::{FileClass, Folder, PAGE_TEXT, PICTURE, PROGRAM, Stick, Values, read_whole, stamp, write_whole};
+use crate::store::{
+    CommentIs, FileClass, Folder, PAGE_TEXT, PICTURE, PROGRAM, Stick, Values, read_whole, stamp, write_whole,
+};
 
 /// Names of the files of values on a medium.
 const PARAMS: &str = "KT830-PARAM.RON";
@@ -30,6 +32,17 @@ const VALUES_LIMIT: u64 = 4 * 1024 * 1024;
 /// Most pixels of a picture of the screen.
 const PRINT_LIMIT: usize = 64 * 1024 * 1024;
 
+/// Pictures on a medium: what is no BMP can be converted (K5.12). Larger than a page picture, but bounded.
+const FOREIGN_PICTURE: FileClass = FileClass {
+    letter: 'B',
+    extensions: &["BMP", "PNG", "JPG", "JPEG"],
+    limit: 32 * 1024 * 1024,
+    comment: CommentIs::None,
+};
+/// Largest side of a picture that is converted, and most bytes that it may take in memory.
+const PICTURE_SIDE: u32 = 10_000;
+const PICTURE_MEMORY: u64 = 256 * 1024 * 1024;
+
 /// The classes of a set.
 const fn classes(set: Set) -> &'static [FileClass] {
     match set {
@@ -41,7 +54,7 @@ const fn classes(set: Set) -> &'static [FileClass] {
 
 /// The class and number of a name, whatever set it belongs to.
 fn classed(name: &str) -> Option<(&'static FileClass, u16)> {
-    static CLASSES: [FileClass; 3] = [PROGRAM, PAGE_TEXT, PICTURE];
+    static CLASSES: [FileClass; 4] = [PROGRAM, PAGE_TEXT, PICTURE, FOREIGN_PICTURE];
     CLASSES.iter().find_map(|class| class.parse(name).map(|(number, _)| (class, number)))
 }
 
@@ -126,7 +139,8 @@ impl Carrier<'_> {
                 Direction::Out => (own, stick.clone()),
                 Direction::In => (stick.clone(), own),
             };
-            let entries = from.list(class).map_err(|error| refused(&error))?.entries;
+            let read_as = self.read_as(class, ask.direction);
+            let entries = from.list(read_as).map_err(|error| refused(&error))?.entries;
             let wanted = |name: &String| ask.names.is_empty() || ask.names.contains(name);
             for entry in entries.into_iter().filter(|entry| wanted(&entry.name)) {
                 waiting.push((class, from.clone(), to.clone(), entry));
@@ -135,14 +149,18 @@ impl Carrier<'_> {
         if waiting.is_empty() {
             return Err(say("没有可复制的文件", "there is nothing to copy"));
         }
-        let mut clashing = Vec::new();
+        let (mut clashing, mut foreign) = (Vec::new(), Vec::new());
         for (class, from, to, entry) in &waiting {
-            if let Ok(old) = to.read(class, entry.number) {
-                let new = from.read(class, entry.number).map_err(|error| refused(&error))?;
-                if stamp(&old.bytes) != stamp(&new.bytes) {
-                    clashing.push(entry.name.clone());
-                }
+            let (new, fault) = self.fetch((class, ask.direction), entry.number, from)?;
+            foreign.extend(fault);
+            if let Ok(old) = to.read(class, entry.number)
+                && stamp(&old.bytes) != stamp(&new)
+            {
+                clashing.push(entry.name.clone());
             }
+        }
+        if ask.convert != Some(true) && !foreign.is_empty() {
+            return Err(Refusal::Convert(foreign));
         }
         if ask.overwrite.is_none() && !clashing.is_empty() {
             return Err(Refusal::Overwrite(clashing));
@@ -159,7 +177,8 @@ impl Carrier<'_> {
                 skipped += 1;
                 continue;
             }
-            self.copy(class, entry.number, (from, to))?;
+            let (bytes, _) = self.fetch((class, ask.direction), entry.number, from)?;
+            copy(class, entry.number, &bytes, to)?;
             copied += 1;
         }
         Ok(FileAnswer::Done(Said::new(
@@ -174,22 +193,33 @@ impl Carrier<'_> {
         )))
     }
 
-    /// One file, read back and compared.
-    fn copy(&self, class: &FileClass, number: u16, (from, to): (&Folder, &Folder)) -> Result<(), Refusal> {
-        let read = from.read(class, number).map_err(|error| refused(&error))?;
-        // What is taken for a page file has to be one when it comes in.
-        if class.letter == PICTURE.letter && Path::new(&self.folders.screens) == to.path() {
-            super::disk::parse_picture(&read.name, &read.bytes).map_err(|fault| Refusal::Because(fault.said()))?;
+    /// Pictures of other forms count as well when they come in.
+    const fn read_as<'c>(&self, class: &'c FileClass, direction: Direction) -> &'c FileClass {
+        match direction {
+            Direction::In if class.letter == PICTURE.letter => &FOREIGN_PICTURE,
+            Direction::In | Direction::Out => class,
         }
-        let name = to.write(class, number, &read.bytes).map_err(|error| refused(&error))?;
-        let back = to.read(class, number).map_err(|error| refused(&error))?;
-        if stamp(&back.bytes) != stamp(&read.bytes) {
-            return Err(say(
-                format!("{name} 校验不符，请换 U 盘"),
-                format!("{name} does not read back: take another medium"),
-            ));
+    }
+
+    /// The bytes of a file as they are to be written; a picture that was converted comes with what is wrong with it.
+    fn fetch(
+        &self,
+        (class, direction): (&FileClass, Direction),
+        number: u16,
+        from: &Folder,
+    ) -> Result<(Vec<u8>, Option<Said>), Refusal> {
+        let read = from.read(self.read_as(class, direction), number).map_err(|error| refused(&error))?;
+        if class.letter != PICTURE.letter || direction == Direction::Out {
+            return Ok((read.bytes, None));
         }
-        Ok(())
+        // What is taken for a page picture has to be one when it comes in.
+        match super::disk::parse_picture(&read.name, &read.bytes) {
+            Ok(_) => Ok((read.bytes, None)),
+            Err(fault) => match convert(&read.bytes) {
+                Ok(bytes) => Ok((bytes, Some(fault.said()))),
+                Err(_) => Err(Refusal::Because(fault.said())),
+            },
+        }
     }
 
     fn values_out(&self, ask: &Transfer) -> Result<FileAnswer, Refusal> {
@@ -297,6 +327,36 @@ impl Carrier<'_> {
         }
         Ok(FileAnswer::Restored(Box::new(restored)))
     }
+}
+
+/// One file, read back and compared.
+fn copy(class: &FileClass, number: u16, bytes: &[u8], to: &Folder) -> Result<(), Refusal> {
+    let name = to.write(class, number, bytes).map_err(|error| refused(&error))?;
+    let back = to.read(class, number).map_err(|error| refused(&error))?;
+    if stamp(&back.bytes) == stamp(bytes) {
+        return Ok(());
+    }
+    Err(say(format!("{name} 校验不符，请换 U 盘"), format!("{name} does not read back: take another medium")))
+}
+
+/// Any PNG, JPEG or BMP as a page picture: as large as fits on 200 × 400, on white, 24 bit (K5.12).
+///
+/// # Errors
+/// It is no such picture, or too large.
+pub fn convert(bytes: &[u8]) -> Result<Vec<u8>, image::ImageError> {
+    let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format()?;
+    let mut limits = image::Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(PICTURE_SIDE), Some(PICTURE_SIDE));
+    limits.max_alloc = Some(PICTURE_MEMORY);
+    reader.limits(limits);
+    let (width, height) = super::disk::PICTURE_SIZE;
+    let fitted = reader.decode()?.resize(width, height, image::imageops::FilterType::Triangle).to_rgba8();
+    let mut page = image::RgbaImage::from_pixel(width, height, image::Rgba([255; 4]));
+    let corner = (i64::from(width - fitted.width()) / 2, i64::from(height - fitted.height()) / 2);
+    image::imageops::overlay(&mut page, &fitted, corner.0, corner.1);
+    let mut bmp = std::io::Cursor::new(Vec::new());
+    image::DynamicImage::ImageRgba8(page).to_rgb8().write_to(&mut bmp, image::ImageFormat::Bmp)?;
+    Ok(bmp.into_inner())
 }
 
 /// One file into an archive, and into its list of checksums.

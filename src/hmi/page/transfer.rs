@@ -38,6 +38,8 @@ pub struct Transfer {
     /// The transfer waits for a password.
     waiting: Option<Guard>,
     question: Option<Question>,
+    /// The question is whether pictures are to be converted.
+    converting: bool,
     told: Option<(Said, bool)>,
     seen: u32,
     looked: f64,
@@ -86,8 +88,13 @@ impl Transfer {
         self.keys(ui, keys, view, media, &mut out);
         if let Some(mut question) = self.question.take() {
             match question.ui(ui, rect, view, typed.edits) {
+                Some(0) if self.converting => {
+                    self.asked.iter_mut().for_each(|ask| ask.convert = Some(true));
+                    let overwrite = self.asked.as_ref().and_then(|ask| ask.overwrite);
+                    self.again(overwrite, &mut out);
+                }
                 Some(0) => self.again(Some(true), &mut out),
-                Some(1) if self.set.has_list() => self.again(Some(false), &mut out),
+                Some(1) if self.set.has_list() && !self.converting => self.again(Some(false), &mut out),
                 Some(_) => self.asked = None,
                 None => self.question = Some(question),
             }
@@ -124,7 +131,8 @@ impl Transfer {
                 self.waiting = Some(guard);
                 login.unlock(view, guard);
             }
-            Some(Refusal::Overwrite(names)) => self.question = Some(self.overwrite(names)),
+            Some(Refusal::Overwrite(names)) => (self.question, self.converting) = (Some(self.overwrite(names)), false),
+            Some(Refusal::Convert(faults)) => (self.question, self.converting) = (Some(conversion(faults)), true),
             Some(refusal) => {
                 self.asked = None;
                 self.told = Some((refusal.said(), true));
@@ -163,7 +171,7 @@ impl Transfer {
         let side = usize::from(direction == Direction::In);
         let names = self.chosen[side].iter().cloned().collect();
         self.told = None;
-        self.asked = Some(Ask { set: self.set, direction, names, overwrite: None });
+        self.asked = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None });
         self.again(None, out);
     }
 
@@ -299,6 +307,20 @@ impl Transfer {
             out.push(request(FileRequest::Cancel));
         }
     }
+}
+
+/// K5.12: pictures that are not of the form are named with what is wrong, and can be converted.
+fn conversion(faults: &[Said]) -> Question {
+    let list = |zh: bool| {
+        let lines = faults.iter().take(3).map(|said| if zh { said.zh.as_str() } else { said.en.as_str() });
+        let mut text = lines.collect::<Vec<_>>().join("\n");
+        if faults.len() > 3 {
+            text.push_str("\n…");
+        }
+        text
+    };
+    let title = Text::new("转换为 200×400 24 位图片？", "convert to 200×400, 24 bit?");
+    Question::new(title, Said::new(list(true), list(false)), ("question-convert", Text::new("转换", "CONVERT")))
 }
 
 const fn request(request: FileRequest) -> Command {
