@@ -37,7 +37,7 @@ impl Shop {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join(name), text).unwrap();
         let screens = told::folders().screens;
-        let mut rig = told::rig_in(Folders { programs: folder.path().to_owned(), screens });
+        let mut rig = told::rig_in(Folders { programs: folder.path().to_owned(), screens, named: false });
         told::tell(&mut rig, &format!("load {}", name.trim_end_matches(".NC")));
         Self { folder, bench: Bench::new(rig, Page::Program) }
     }

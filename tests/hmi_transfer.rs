@@ -43,7 +43,7 @@ impl Shop {
         for name in ["C0001.TXT", "B0001.BMP"] {
             fs::copy(told::folders().screens.join(name), path("screens").join(name)).unwrap();
         }
-        let mut rig = told::rig_in(Folders { programs: path("programs"), screens: path("screens") });
+        let mut rig = told::rig_in(Folders { programs: path("programs"), screens: path("screens"), named: false });
         rig.plug_in(Some(path("prints")), Some(path("usb")));
         let mut bench = Bench::new(rig, Page::Transfer);
         bench.turn();

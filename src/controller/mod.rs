@@ -28,12 +28,14 @@ mod oscillation;
 mod page_files;
 mod pages;
 mod planned;
+mod restart;
 mod retract;
 mod run;
 mod settle;
 mod status;
 mod switches;
 mod system;
+mod turning;
 mod watch;
 mod wheel_change;
 mod wheel_size;
@@ -55,7 +57,7 @@ use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
 use crate::link::drawing::StockBox;
-use crate::link::snapshot::{DirectoryRow, Message, Tone};
+use crate::link::snapshot::{DirectoryRow, Message, ThreadCut, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
 pub use crate::nc::Frames;
@@ -123,6 +125,8 @@ pub struct Retained {
     pub current_program: u32,
     /// Workpieces counted.
     pub parts: u32,
+    /// Program and line (from 1) of a run that the power cut off.
+    pub interrupted: Option<(u32, u32)>,
 }
 
 impl Retained {
@@ -136,6 +140,7 @@ impl Retained {
             dress_points: PerAxis::default(),
             current_program: 0,
             parts: 0,
+            interrupted: None,
         }
     }
 }
@@ -159,6 +164,8 @@ pub struct Controller {
     phase: Phase,
     run: Option<Box<Run>>,
     retract: retract::Retract,
+    restart: Option<Box<restart::Restart>>,
+    kept: restart::Kept,
     mode: Mode,
     page: Page,
     switches: Switches,
@@ -207,6 +214,11 @@ pub struct Controller {
     edits: edits::Edits,
     files: files::Files,
     stock: Arc<[StockBox]>,
+    spindle: turning::SpindleSeen,
+    measuring: Option<turning::Measured>,
+    threads: Vec<ThreadCut>,
+    /// An axis that a program sends to its switch.
+    program_homing: Option<Homing>,
 }
 
 impl Controller {
@@ -231,6 +243,8 @@ impl Controller {
             phase: Phase::Idle,
             run: None,
             retract: retract::Retract::default(),
+            restart: None,
+            kept: restart::Kept::new(retained.interrupted),
             mode: Mode::Manual,
             page: Page::Position,
             switches: Switches::default(),
@@ -270,9 +284,16 @@ impl Controller {
             edits: edits::Edits::default(),
             files: files::Files::default(),
             stock: Arc::from([]),
+            spindle: turning::SpindleSeen::default(),
+            measuring: None,
+            threads: Vec::new(),
+            program_homing: None,
             params,
         };
         control.find_dead_outputs();
+        if let Some(said) = control.kept.said() {
+            control.say(said);
+        }
         control
     }
 
@@ -296,11 +317,13 @@ impl Controller {
             self.take(command);
         }
         self.watch();
+        self.step_restart();
         self.step_run();
+        self.keep_place();
         self.step_hand();
         self.step_oscillation();
         let rate = self.rate();
-        self.axes.tick(rate);
+        self.axes.tick(rate, self.spindle.turns);
         self.settle();
         self.write_outputs();
         &self.outputs
@@ -315,6 +338,8 @@ impl Controller {
             self.inputs.set(Input::EmergencyStop, true);
         }
         self.axes.read(image);
+        self.spindle.read(image.spindle_turns, self.now);
+        self.measure_thread();
         if image.handwheel_detents != 0 {
             self.turn_handwheel(image.handwheel_detents);
         }

@@ -76,6 +76,7 @@ pub fn check_until(
 ) -> Checked {
     let mut interpreter = Interpreter::new(Arc::clone(source), Arc::clone(library), settings.clone(), memory);
     interpreter.nulls = Some(Vec::new());
+    interpreter.notes = Some(Vec::new());
     let mut run = Run {
         source,
         settings,

@@ -68,6 +68,15 @@ impl Office {
     pub fn work(&self, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
         self.cancelled.store(false, Ordering::Release);
         let programs = Folder::new(&self.folders.programs);
+        if self.folders.named && writes_programs(&job.request) {
+            // Their files are not called by number: nothing may be written under a name that was counted.
+            let said = Said::new(
+                "按名称的程序请在电脑上修改后拷入",
+                "programs with names are changed on a computer and copied in",
+            );
+            tell(FileAnswer::Refused(Refusal::Because(said)));
+            return Changed::default();
+        }
         let done = match &job.request {
             FileRequest::MayEdit(_) | FileRequest::Cancel => return Changed::default(),
             FileRequest::Look { number, first, text, token } => {
@@ -104,6 +113,17 @@ impl Office {
         let changed = Changed { programs: done.is_ok(), screens: false };
         tell(done.unwrap_or_else(FileAnswer::Refused));
         changed
+    }
+}
+
+/// Whether a request changes files of the folder of programs by their numbers.
+fn writes_programs(request: &FileRequest) -> bool {
+    match request {
+        FileRequest::Save { .. } | FileRequest::New(_) | FileRequest::Copy { .. } => true,
+        FileRequest::Rename { .. } | FileRequest::Delete(_) => true,
+        FileRequest::Transfer(ask) => matches!(ask.set, Set::Programs | Set::Backup),
+        FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Draw(_) | FileRequest::Media => false,
+        FileRequest::Print(_) | FileRequest::Table(_) | FileRequest::Cancel => false,
     }
 }
 

@@ -55,9 +55,9 @@ pub struct Graphic {
 const fn planes(kind: Kind) -> &'static [PlaneOf] {
     match kind {
         // Seen from above: Z along the part, X to the wheel.
-        Kind::Gc => &[(Axis::Z, Axis::X)],
+        Kind::Gc | Kind::Lathe => &[(Axis::Z, Axis::X)],
         Kind::Gs => &[(Axis::X, Axis::Y), (Axis::Z, Axis::Y), (Axis::X, Axis::Z)],
-        Kind::Ga => &[(Axis::X, Axis::Z)],
+        Kind::Ga | Kind::Vertical => &[(Axis::X, Axis::Z)],
     }
 }
 

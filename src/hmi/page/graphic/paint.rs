@@ -282,12 +282,17 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     let params = &view.snapshot.params;
     let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);
     // The axis towards which the wheel's body lies, and the one along its spindle.
+    let here = scene.camera.place(rect, at[index(right)], at[index(up)]);
     let (body, spindle) = match view.snapshot.kind {
-        Kind::Gc => (Axis::X, Axis::Z),
+        Kind::Gc | Kind::Vertical => (Axis::X, Axis::Z),
         Kind::Gs => (Axis::Y, Axis::Z),
         Kind::Ga => (Axis::Z, Axis::X),
+        // A turning tool is its tip.
+        Kind::Lathe => {
+            painter.circle_filled(here, 3.5, view.theme.hold);
+            return;
+        }
     };
-    let here = scene.camera.place(rect, at[index(right)], at[index(up)]);
     let stroke = Stroke::new(theme::FRAME, view.theme.hold);
     let fill = view.theme.hold.gamma_multiply(0.18);
     if right != spindle && up != spindle {
