@@ -132,7 +132,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
             let wanted = match soft.act {
                 SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
                 SoftAct::Position(_) => Some("OpenPage(Position)".to_owned()),
-                SoftAct::Blocked(_) => None,
+                SoftAct::Print => None,
             };
             touch(&mut screen, &format!("{} f{}", soft.label.zh, index + 1));
             assert_eq!(sent(&mut screen), Vec::from_iter(wanted.clone()), "{}", soft.label.en);

@@ -8,12 +8,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use egui::Rect;
-use hmi_sample::{alarm, refused, running, snapshot, troubled};
+use hmi_sample::{alarm, busy, refused, running, snapshot, troubled};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, Said};
 use kt830::hmi::shot::Stage;
-use kt830::hmi::theme::{DARK, contrast, scale};
+use kt830::hmi::theme::{DARK, LIGHT, contrast, scale};
 use kt830::hmi::window::shown;
 use kt830::hmi::{Hmi, page_text, shot};
 use kt830::link::Snapshot;
@@ -159,7 +159,9 @@ fn h9_nothing_is_cut_or_overlaps() {
             let mut stage = Stage::new(Hmi::new(lang), size);
             for page in Page::ALL {
                 let what = |more: &str| format!("{more} {lang:?} {size:?}");
-                for machine in [snapshot(*page), running(*page), alarm(*page), refused(*page), troubled(*page)] {
+                for machine in
+                    [snapshot(*page), running(*page), alarm(*page), refused(*page), troubled(*page), busy(*page)]
+                {
                     wrong.extend(misfits(&mut stage, &machine, &what("Gc")));
                 }
                 for kind in [Kind::Gs, Kind::Ga] {
@@ -174,7 +176,7 @@ fn h9_nothing_is_cut_or_overlaps() {
 }
 
 /// The keys that lead to what a page shows only when it is used.
-const USES: [(Page, &[&str]); 16] = [
+const USES: [(Page, &[&str]); 24] = [
     (Page::Diagnosis, &["→"]),
     (Page::Diagnosis, &["→", "→"]),
     (Page::Diagnosis, &["→", "→", "→"]),
@@ -190,6 +192,14 @@ const USES: [(Page, &[&str]); 16] = [
     (Page::Macro, &["#", "600", "⏎"]),
     (Page::Macro, &["#", "440", "⏎"]),
     (Page::Wheel, &["5", "⏎"]),
+    (Page::Program, &["/", "G01"]),
+    (Page::Graphic, &["+", "+"]),
+    (Page::Transfer, &["→", "→", "→", "⏎"]),
+    (Page::Transfer, &["→", "→", "→", "→", "→", "⏎"]),
+    (Page::Directory, &["→", "→", "⏎", "12345", "⏎"]),
+    (Page::Simulator, &["→", "→", "⏎"]),
+    (Page::Process, &["→", "⏎"]),
+    (Page::Program, &["/", "NOTHING OF THE KIND", "⏎"]),
     (Page::Wheel, &["550", "⏎", "⏎", "50", "⏎", "⏎"]),
 ];
 
@@ -222,14 +232,14 @@ fn h9_what_is_shown_in_use_fits_as_well() {
         for size in SIZES {
             let mut stage = Stage::new(Hmi::new(lang), size);
             for (page, keys) in USES {
-                for machine in [troubled(page), of_kind(running(page), Kind::Gs)] {
+                for machine in [troubled(page), of_kind(running(page), Kind::Gs), busy(page)] {
                     // A page that is opened anew has forgotten what was typed on it.
                     stage.frame(&snapshot(Page::Help));
                     stage.frame(&machine);
                     use_page(&mut stage, &machine, keys);
                     let found = misfits(&mut stage, &machine, &format!("{keys:?} {lang:?} {size:?}"));
                     // The dialog and the pad lie over what stands beneath them.
-                    let sheet = keys.contains(&"123");
+                    let sheet = keys.contains(&"123") || keys.contains(&"12345");
                     wrong.extend(found.into_iter().filter(|what| !sheet || !what.contains(" lies on ")));
                 }
             }
@@ -264,7 +274,7 @@ fn k1_the_gauge_keys_are_named_by_the_kind() {
 
 #[test]
 fn h4_text_has_contrast() {
-    for (name, ink, ground) in DARK.text_pairs() {
+    for (name, ink, ground) in DARK.text_pairs().into_iter().chain(LIGHT.text_pairs()) {
         let ratio = contrast(ink, ground);
         assert!(ratio >= 4.5, "{name} {ink:?} on {ground:?}: {ratio:.2}");
     }

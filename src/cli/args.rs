@@ -48,12 +48,18 @@ pub struct Shared {
     /// The language that holds: asked for, else stored, else Chinese.
     #[arg(skip)]
     pub lang: Lang,
+    /// The light theme, as set on the machine.
+    #[arg(skip)]
+    pub light: bool,
     /// Set a parameter, for example P270=0; may be repeated
     #[arg(long = "param", global = true, value_name = "P=VALUE", value_parser = param)]
     pub params: Vec<(ParamAddress, f64)>,
     /// Set a macro variable, for example '#500=40.2'; may be repeated
     #[arg(long = "set", global = true, value_name = "#N=VALUE", value_parser = variable, allow_hyphen_values = true)]
     pub sets: Vec<(u16, f64)>,
+    /// Folder that stands for the USB medium [default: what is plugged in]
+    #[arg(long, global = true, value_name = "DIR")]
+    pub usb: Option<PathBuf>,
     /// Part file of the simulated machine
     #[arg(long, global = true, value_name = "FILE")]
     pub part: Option<PathBuf>,

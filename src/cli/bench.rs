@@ -32,6 +32,7 @@ pub fn settle(mut shared: Shared, opens_control: bool) -> Result<Shared, CallErr
     };
     shared.kind = shared.kind_asked.or(stored.kind).unwrap_or(Kind::Gc);
     shared.lang = shared.lang_asked.or(stored.lang).unwrap_or_default();
+    shared.light = stored.light.unwrap_or_default();
     Ok(shared)
 }
 
@@ -92,6 +93,8 @@ pub fn rig(shared: &Shared) -> Result<Rig, CallError> {
         seed: shared.seed,
     };
     let mut rig = Rig::new(setup).map_err(CallError::new)?;
+    let prints = shared.data.is_some().then(|| DataDir::resolve(shared.data.as_deref()).map(|data| data.prints()));
+    rig.plug_in(prints.transpose().map_err(CallError::new)?, shared.usb.clone());
     if let Some(damaged) = damaged {
         eprintln!("kt830: the retained data were damaged; the copy is kept as {damaged}; factory values are in force");
         rig.report_damage(&damaged);

@@ -7,6 +7,8 @@ use super::args::{Shared, Shot};
 use super::play::story;
 use super::{CallError, FAILED, FINE, bench};
 use crate::defs::kind::Kind;
+use crate::hmi::Hmi;
+use crate::hmi::shot::Stage;
 use crate::link::command::Command;
 use crate::story::{Player, play::around};
 
@@ -53,7 +55,15 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
     for _ in 0..TICKS {
         rig.step();
     }
-    let picture = crate::hmi::shot(rig.snapshot(), shared.lang, call.size);
+    // A page may ask for something when it opens: the drawing its path, the transfer page its media.
+    let mut stage = Stage::new(Hmi::new(shared.lang), call.size);
+    for _ in 0..TICKS {
+        let wishes = stage.frame(rig.snapshot());
+        wishes.into_iter().for_each(|wish| rig.send(wish));
+        (0..TICKS).for_each(|_| rig.step());
+    }
+    stage.frame(rig.snapshot());
+    let picture = stage.picture();
     let out = &call.out;
     picture.save(out).map_err(|error| CallError::new(format!("--out {}: {error}", out.display())))?;
     Ok(FINE)

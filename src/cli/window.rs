@@ -13,18 +13,23 @@ use crate::defs::param::Params;
 use crate::hmi::window::{Desk, Options, WindowError, run};
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
+use crate::link::simulated::{SimCommand, SimView};
 use crate::link::snapshot::RunState;
 use crate::link::{Command, Snapshot};
 use crate::nc::Source;
 use crate::runtime::keeper::Keeper;
+use crate::runtime::office::Office;
 use crate::runtime::realtime::{Lateness, Link};
 use crate::runtime::rig::{Companion, set_up};
+use crate::runtime::simulator::Simulator;
 use crate::runtime::{bar, disk_thread, realtime};
 use crate::store::DataDir;
 use crate::units::Micros;
 
 /// Commands on their way from the window to a story.
 const COMMANDS: usize = 256;
+/// How often the simulator page is shown the machine anew.
+const SIMULATED_EVERY: Micros = Micros::from_millis(250);
 /// Snapshots a second in a demo.
 const SNAPSHOT_EVERY: u64 = 16;
 
@@ -36,6 +41,7 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
     let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
     let (keeper, found) = Keeper::open(data.root(), shared.kind).map_err(CallError::new)?;
     let retained = bench::begin(shared, found.retained)?;
+    let program = retained.current_program;
     let mut machine = simulated(shared, &retained)?;
     let image = machine.read(Micros::ZERO);
     let mut controller = Controller::new(shared.kind, retained, image, Micros::ZERO);
@@ -44,11 +50,18 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
         controller.report(crate::defs::alarm::DATA_DAMAGED, Some(said));
     }
     let folders = bench::folders(shared)?;
+    let office = Office::new(folders.clone()).with(Some(data.prints()), shared.usb.clone());
     let (bring, parts) = bounded(4);
-    let backend = Workshop { machine, parts };
+    let (ask, asked) = bounded(16);
+    let shown = Arc::new(Mutex::new(Arc::new(SimView::default())));
+    let mut simulator = Simulator::default();
+    simulator.part = bench::part(shared, program)?;
+    let looked = Micros::ZERO;
+    let backend = Workshop { machine, parts, asked, simulator, shown: Arc::clone(&shown), looked };
     let (link, disk) = realtime::start(controller, backend, Lateness::Counted).map_err(CallError::new)?;
-    let disk = disk_thread::start(disk, Some(keeper), folders).map_err(CallError::new)?;
-    let desk = LinkDesk { newest: Arc::new(Snapshot::new(shared.kind)), link, bring, bar_of: 0 };
+    let disk = disk_thread::start(disk, Some(keeper), folders, office).map_err(CallError::new)?;
+    let newest = Arc::new(Snapshot::new(shared.kind));
+    let desk = LinkDesk { newest, link, bring, bar_of: 0, ask, simulated: shown };
     let closed = show(Box::new(desk), shared, fullscreen);
     drop(disk.join());
     closed
@@ -58,12 +71,32 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
 struct Workshop {
     machine: SimulatedMachine,
     parts: Receiver<PartFile>,
+    asked: Receiver<SimCommand>,
+    simulator: Simulator,
+    /// What the simulator page is shown, and when it was last.
+    shown: Arc<Mutex<Arc<SimView>>>,
+    looked: Micros,
 }
 
 impl Backend for Workshop {
     fn read(&mut self, now: Micros) -> InputImage {
         if let Ok(part) = self.parts.try_recv() {
             self.machine.set_part(Some(&part));
+            self.simulator.part = Some(part);
+        }
+        while let Ok(asked) = self.asked.try_recv() {
+            self.simulator.act(&mut self.machine, asked);
+            self.looked = Micros::ZERO;
+        }
+        if now.since(self.looked) >= SIMULATED_EVERY {
+            self.looked = now;
+            // Whoever is just reading gets the next one.
+            if let Ok(mut shown) = self.shown.try_lock() {
+                let view = self.simulator.view(&self.machine);
+                if **shown != view {
+                    *shown = Arc::new(view);
+                }
+            }
         }
         self.machine.read(now)
     }
@@ -84,7 +117,7 @@ fn simulated(shared: &Shared, retained: &Retained) -> Result<SimulatedMachine, C
 /// # Errors
 /// There is no display.
 pub fn show(desk: Box<dyn Desk>, shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
-    match run(desk, Options { fullscreen, lang: shared.lang }) {
+    match run(desk, Options { fullscreen, lang: shared.lang, light: shared.light }) {
         Ok(()) => Ok(FINE),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(
             "{error}. Without a display use `kt830 demo` (a story to its end), `kt830 run PROGRAM` or `kt830 shot PAGE --out FILE.png`"
@@ -107,6 +140,8 @@ struct LinkDesk {
     bring: Sender<PartFile>,
     /// The program whose bar is in the lathe.
     bar_of: u32,
+    ask: Sender<SimCommand>,
+    simulated: Arc<Mutex<Arc<SimView>>>,
 }
 
 impl LinkDesk {
@@ -131,7 +166,7 @@ impl LinkDesk {
             return;
         }
         self.bar_of = number;
-        let source = Arc::new(Source::new(number, "", self.newest.program.text.as_bytes().to_vec()));
+        let source = Arc::new(Source::new(number, "", self.newest.program.text.bytes().collect::<Vec<u8>>()));
         if let Some(part) = bar::of_program(self.newest.kind, &Params::factory(self.newest.kind), &source) {
             self.put_in(part);
         }
@@ -140,12 +175,19 @@ impl LinkDesk {
 
 impl Desk for LinkDesk {
     fn newest(&mut self) -> Arc<Snapshot> {
-        self.link.newest(Arc::make_mut(&mut self.newest));
+        let newest = Arc::make_mut(&mut self.newest);
+        self.link.newest(newest);
+        newest.simulated = Some(Arc::clone(&self.simulated.lock().unwrap_or_else(PoisonError::into_inner)));
         self.put_bar_in();
         Arc::clone(&self.newest)
     }
 
     fn send(&mut self, command: Command) {
+        if let Command::Simulate(asked) = command {
+            // A page that asks faster than the machine answers asks in vain.
+            let _ = self.ask.try_send(asked);
+            return;
+        }
         let chosen = match command {
             Command::LoadProgram(number) if self.newest.state != RunState::Running => Some(number),
             _ => None,

@@ -46,12 +46,13 @@ impl Controller {
             Command::SetParam(at, value) => self.set_param(*at, *value),
             Command::SetFrame(index, origin) => self.set_frame(*index, *origin),
             Command::SetGeometry(number, geometry) => self.set_geometry(*number, *geometry),
+            Command::SetStock(stock) => self.stock.clone_from(stock),
             Command::ClearRelative(axis) => self.relative_zero[*axis] = self.axes.actual()[*axis],
             Command::Screens(screens) => {
                 self.screens.clone_from(screens);
                 self.check_page_files();
             }
-            Command::Stored(_) => {}
+            Command::Stored(_) | Command::Simulate(_) => {}
             Command::DiskFailed(why) => self.raise(alarm::STORE_FAILED, Some(why.clone())),
             Command::Page(command) => self.take_page(command),
             Command::Alive => self.screen_heard = Some(self.now),

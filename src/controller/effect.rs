@@ -1,6 +1,7 @@
 //! What the core asks the disk to do. It never waits for it: the answer comes back as a command.
 //! Source: style "effects to the disk", notes "acknowledge after commit".
 
+use super::files::Job;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output};
 use crate::link::page_command::PageWish;
@@ -32,6 +33,8 @@ pub enum Effect {
     RunningAt(Option<(u32, u32)>),
     /// Keep the count of workpieces.
     Parts(u32),
+    /// Work for the thread beside the tick: folders, long calculations. It is answered by commands.
+    Job(Box<Job>),
     /// What a page asks of the disk: passwords, settings. It is answered by a command.
     Ask(PageWish),
 }

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use ropey::Rope;
+
 use crate::nc::{Library, Source};
 
 /// All programs at one moment; replaced as a whole when the folder changes.
@@ -18,7 +20,11 @@ pub struct Program {
     /// For the interpreter.
     pub source: Arc<Source>,
     /// For people.
-    pub text: Arc<str>,
+    pub text: Rope,
+    /// Checksum of the file.
+    pub stamp: u64,
+    /// Some bytes are no characters: it is shown, not edited.
+    pub mistaken: bool,
 }
 
 impl Programs {

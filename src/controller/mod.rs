@@ -14,6 +14,7 @@ mod dress;
 mod edits;
 mod effect;
 mod executor;
+pub mod files;
 mod filter;
 mod gauge;
 mod hand;
@@ -55,6 +56,7 @@ use crate::defs::signal::{Input, InputSet, Output, OutputSet};
 use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
+use crate::link::drawing::StockBox;
 use crate::link::snapshot::{DirectoryRow, Message, ThreadCut, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
@@ -210,6 +212,8 @@ pub struct Controller {
     mdi_modals: Option<Modals>,
     pages: Pages,
     edits: edits::Edits,
+    files: files::Files,
+    stock: Arc<[StockBox]>,
     spindle: turning::SpindleSeen,
     measuring: Option<turning::Measured>,
     threads: Vec<ThreadCut>,
@@ -280,6 +284,8 @@ impl Controller {
             mdi_modals: None,
             pages: Pages::new(kind, &params),
             edits: edits::Edits::default(),
+            files: files::Files::default(),
+            stock: Arc::from([]),
             spindle: turning::SpindleSeen::default(),
             measuring: None,
             threads: Vec::new(),

@@ -55,6 +55,16 @@ impl Pages {
         self.params = Arc::new(params.clone());
     }
 
+    /// The machine builder's password was given.
+    pub fn is_builder(&self) -> bool {
+        self.access.level >= Level::Builder
+    }
+
+    /// The password for programs was given (K6.2).
+    pub const fn may_edit_programs(&self) -> bool {
+        self.access.program
+    }
+
     /// An answer for the page that asked.
     const fn answer(&mut self, refused: Option<Text>) {
         self.access.asking = false;
@@ -71,6 +81,7 @@ impl Controller {
             PageCommand::Unlock(guard, secret) => self.ask_disk(PageWish::Check(*guard, secret.clone())),
             PageCommand::Lock => {
                 self.pages.access.level = Level::Operator;
+                self.pages.access.program = false;
                 self.say(Said::new("参数已锁定", "parameters are locked"));
             }
             PageCommand::ChangePassword { of, old, new } => {
@@ -88,6 +99,8 @@ impl Controller {
                 self.effects.push(Effect::Ask(PageWish::KeepKind(*kind)));
             }
             PageCommand::KeepLang(lang) => self.effects.push(Effect::Ask(PageWish::KeepLang(*lang))),
+            PageCommand::KeepLight(light) => self.effects.push(Effect::Ask(PageWish::KeepLight(*light))),
+            PageCommand::File(request) => self.take_file(request),
             PageCommand::Answered(answer) => self.hear(answer),
         }
     }
@@ -121,6 +134,7 @@ impl Controller {
             PageAnswer::Checked(guard, true) => {
                 self.pages.wrong = 0;
                 self.pages.access.level = self.pages.access.level.max(guard.level());
+                self.pages.access.program |= *guard == Guard::Program;
                 self.pages.answer(None);
                 let name = guard.name();
                 self.say(Said::new(
@@ -149,6 +163,7 @@ impl Controller {
                 self.say(Said::new(format!("下次启动为 {}", name.zh), format!("from the next start: {}", name.en)));
             }
             PageAnswer::LangKept => {}
+            PageAnswer::File(answer) => self.hear_file(answer),
             PageAnswer::Failed(why) => {
                 self.pages.answer(Some(Text::new("保存失败", "could not be stored")));
                 self.refuse(why.clone());
@@ -163,6 +178,7 @@ impl Controller {
         out.analog_volts = [self.outputs.wheel_volts, self.outputs.analog_2_volts];
         out.internals = self.internals();
         out.access = self.pages.access;
+        self.files_view(out);
         out.next_kind = self.pages.next_kind;
         if !Arc::ptr_eq(&out.params, &self.pages.params) {
             out.params.clone_from(&self.pages.params);

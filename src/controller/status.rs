@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{Controller, Phase};
 use crate::defs::key::{Key, Lamp, Mode};
 use crate::defs::signal::{Output, OutputSet};
-use crate::link::snapshot::{AxisView, KeyView, RunState, Snapshot, VARIABLES};
+use crate::link::snapshot::{AxisView, KeyView, ProgramView, RunState, Snapshot, VARIABLES};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Slower than this an axis is shown as standing, mm/s.
@@ -73,6 +73,9 @@ impl Controller {
             out.waiting_for.clone_from(&self.waiting_for);
         }
         self.page_view(out);
+        if !Arc::ptr_eq(&out.stock, &self.stock) {
+            out.stock.clone_from(&self.stock);
+        }
         self.edit_view(out);
         if !Arc::ptr_eq(&out.screens, &self.screens) {
             out.screens.clone_from(&self.screens);
@@ -100,15 +103,15 @@ impl Controller {
 
     fn program_view(&self, out: &mut Snapshot) {
         let program = self.programs.get(self.current);
-        out.program.number = self.current;
         match program {
-            Some(program) if !Arc::ptr_eq(&out.program.text, &program.text) => {
+            Some(program) if !out.program.text.is_instance(&program.text) => {
                 out.program.text.clone_from(&program.text);
+                (out.program.stamp, out.program.mistaken) = (program.stamp, program.mistaken);
             }
             Some(_) => {}
-            None if out.program.text.is_empty() => {}
-            None => out.program.text = Arc::from(""),
+            None => out.program = ProgramView::default(),
         }
+        out.program.number = self.current;
         out.program.block_program = self.place.program;
         out.program.line = self.place.line;
         out.program.block = self.place.n;

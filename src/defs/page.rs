@@ -48,8 +48,12 @@ pages! {
     Wheel = "wheel", "换砂轮", "wheel change";
     Params = "params", "参数", "parameters";
     Diagnosis = "diagnosis", "诊断", "diagnosis";
+    Graphic = "graphic", "图形", "graphic";
+    Transfer = "transfer", "U盘/通信", "USB transfer";
+    Process = "process", "过程", "process";
     Alarm = "alarm", "报警", "alarms";
     Settings = "settings", "设置", "settings";
+    Simulator = "simulator", "模拟", "simulator";
     Panel = "panel", "面板", "panel";
     Help = "help", "帮助", "help";
 }

@@ -1,7 +1,7 @@
 //! One frame of the screen: layout, frame, page, panel, entry. It keeps only what a face may keep – cursor, edit text,
 //! scroll places – and knows the machine from the snapshot alone.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui};
 
@@ -20,6 +20,8 @@ use super::{frame, help, pad};
 use crate::defs::page::Page;
 use crate::defs::text::{Lang, Text};
 use crate::link::command::Picture;
+use crate::link::files::FileRequest;
+use crate::link::media::Print;
 use crate::link::page_command::PageCommand;
 use crate::link::{Command, Snapshot};
 
@@ -43,6 +45,8 @@ pub struct Hmi {
     help: bool,
     hint: Option<(Text, f64)>,
     picture: Option<(Arc<Picture>, TextureHandle)>,
+    /// Pictures of the screen on their way to the disk.
+    prints: Arc<Mutex<Vec<Arc<ColorImage>>>>,
 }
 
 impl Hmi {
@@ -63,6 +67,7 @@ impl Hmi {
             help: false,
             hint: None,
             picture: None,
+            prints: Arc::default(),
         }
     }
 
@@ -74,6 +79,11 @@ impl Hmi {
     /// The time of day for the header; without it the time since power-on is shown.
     pub fn set_clock(&mut self, clock: String) {
         self.clock = Some(clock);
+    }
+
+    /// The light theme for bright halls, or the dark one (H4).
+    pub const fn set_light(&mut self, light: bool) {
+        self.theme = if light { theme::LIGHT } else { theme::DARK };
     }
 
     /// What is being typed, for tests and stories.
@@ -94,6 +104,12 @@ impl Hmi {
         self.pages.refusal(self.page?, lang)
     }
 
+    /// The text on the program page, with what was typed there; for tests.
+    #[must_use]
+    pub const fn program_text(&self) -> &ropey::Rope {
+        self.pages.program_text()
+    }
+
     /// Draws one frame over the whole `ui` and gives what the operator asked for in it.
     /// Gather the commands of all passes of a frame and send them once.
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
@@ -110,6 +126,7 @@ impl Hmi {
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
         ui.painter().rect_filled(ui.max_rect(), 0.0, theme.ground);
         let asked = keyboard::read(ui, snapshot.kind);
+        out.extend(self.printed());
         self.physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
         self.draw_panel(ui, &panel, &view, &mut out);
@@ -117,7 +134,7 @@ impl Hmi {
             // After the panel, so that it lies on top; before the page, so that its touches count in this frame.
             pad::ui(ui, &view, panel.pad, &mut edits);
         }
-        let typed = Typed { edits: &edits, text: &asked.text, pages: asked.pages };
+        let typed = Typed { edits: &edits, text: &asked.text, controls: &asked.controls, pages: asked.pages };
         self.draw_page(ui, regions.content, &view, &typed, &mut out);
         self.draw_frame(ui, &regions, &view, &asked, &mut out);
         if self.help && help::sheet(ui, &view, regions.content.shrink(theme::GAP)) {
@@ -181,6 +198,9 @@ impl Hmi {
             if let Command::Page(PageCommand::KeepLang(lang)) = command {
                 self.lang = *lang;
             }
+            if let Command::Page(PageCommand::KeepLight(light)) = command {
+                self.set_light(*light);
+            }
         }
         out.extend(commands);
     }
@@ -209,7 +229,7 @@ impl Hmi {
         let chosen = |act: SoftAct| match act {
             SoftAct::Open(other) => other == page,
             SoftAct::Position(other) => page == Page::Position && other == shown,
-            SoftAct::Blocked(_) => false,
+            SoftAct::Print => false,
         };
         let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
         let by_key = asked.soft.and_then(|index| softkey::ROWS.get(self.soft_row)?.get(index));
@@ -232,8 +252,34 @@ impl Hmi {
                 self.pages.shown = shown;
                 out.push(Command::OpenPage(Page::Position));
             }
-            SoftAct::Blocked(reason) => self.say(ui, reason),
+            SoftAct::Print => self.print(ui),
         }
+    }
+
+    /// Asks for a picture of the screen; it comes when the frame has been painted.
+    fn print(&self, ui: &Ui) {
+        let (prints, ctx) = (Arc::clone(&self.prints), ui.ctx().clone());
+        ui.ctx().request_screenshot(move |image| {
+            prints.lock().unwrap_or_else(PoisonError::into_inner).push(image);
+            ctx.request_repaint();
+        });
+    }
+
+    /// Where pictures of the screen that were asked for arrive.
+    #[must_use]
+    pub const fn prints(&self) -> &Arc<Mutex<Vec<Arc<ColorImage>>>> {
+        &self.prints
+    }
+
+    /// The pictures that have come since the last frame go to the disk.
+    fn printed(&self) -> Vec<Command> {
+        let pictures = std::mem::take(&mut *self.prints.lock().unwrap_or_else(PoisonError::into_inner));
+        let print = |image: Arc<ColorImage>| {
+            let rgb: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
+            let print = Print { width: image.width() as u32, height: image.height() as u32, rgb: rgb.into() };
+            Command::Page(PageCommand::File(FileRequest::Print(print)))
+        };
+        pictures.into_iter().map(print).collect()
     }
 
     fn physical_keys(&mut self, ui: &Ui, view: &View<'_>, asked: &Asked, out: &mut Vec<Command>) {

@@ -108,6 +108,8 @@ pub struct Asked {
     pub text: String,
     /// Address keys X Y Z.
     pub addresses: Vec<Key>,
+    /// Keys with Ctrl that are no panel keys: a page may have a use for them.
+    pub controls: Vec<egui::Key>,
     /// A soft key, 0–4.
     pub soft: Option<usize>,
     /// F6: the next row of soft keys.
@@ -140,11 +142,16 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
                 match found {
                     Some(shortcut) if !repeat => asked.keys.push(*shortcut),
                     Some(_) => {}
+                    None if modifiers.ctrl && !modifiers.alt => asked.controls.push(*key),
                     None if modifiers.alt => asked.detents += detent(*key),
                     None if !modified => asked.plain(*key, modifiers.shift),
                     None => {}
                 }
             }
+            // The toolkit makes these three of its own accord.
+            Event::Copy => asked.controls.push(egui::Key::C),
+            Event::Cut => asked.controls.push(egui::Key::X),
+            Event::Paste(_) => asked.controls.push(egui::Key::V),
             Event::Text(text) if !alt => {
                 asked.edits.extend(text.chars().filter_map(typed));
                 asked.text.push_str(text);

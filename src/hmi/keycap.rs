@@ -158,12 +158,16 @@ fn mushroom(painter: &Painter, view: &View<'_>, rect: Rect, face: Face) {
     let centre = pos2(rect.center().x, rect.min.y + rect.height() * 0.41);
     let pushed = face.pressed || face.on;
     let outer = (rect.height() * 0.34).min(rect.width() * 0.42);
-    painter.circle_filled(centre, outer, theme.ink);
+    painter.circle_filled(centre, outer, theme.stop_ink);
     painter.circle_filled(centre, if pushed { outer - 6.0 } else { outer - 1.5 }, theme.alarm);
-    painter.circle_stroke(centre, (outer - 9.0).max(3.0), Stroke::new(theme::FRAME, theme.ink.gamma_multiply(0.35)));
+    painter.circle_stroke(
+        centre,
+        (outer - 9.0).max(3.0),
+        Stroke::new(theme::FRAME, theme.stop_ink.gamma_multiply(0.35)),
+    );
     if face.on && view.blink {
         painter.circle_stroke(centre, outer + 2.5, Stroke::new(3.0, theme.alarm));
     }
     let below = Rect::from_min_max(pos2(rect.min.x + 2.0, centre.y + outer), rect.max - vec2(2.0, 1.0));
-    fit(painter, below, Align2::CENTER_CENTER, Key::EmergencyStop.label().get(view.lang), theme::LABEL, theme.ink);
+    fit(painter, below, Align2::CENTER_CENTER, Key::EmergencyStop.label().get(view.lang), theme::LABEL, theme.stop_ink);
 }

@@ -18,6 +18,7 @@ mod page;
 pub mod panel;
 pub mod pictogram;
 mod press;
+mod question;
 pub mod raster;
 pub mod shot;
 mod softkey;

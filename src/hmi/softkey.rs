@@ -1,4 +1,4 @@
-//! The soft keys F1–F5 and ▶: four rows, one table.
+//! The soft keys F1–F5 and ▶: five rows, one table.
 //! Source: spec K7.1, K7.2.
 
 use egui::accesskit::Role;
@@ -6,7 +6,6 @@ use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::keycap::{self, Face};
 use super::page::position::Shown;
-use super::pictogram;
 use super::theme;
 use super::view::{View, fit, put};
 use crate::defs::page::Page;
@@ -19,8 +18,8 @@ pub enum SoftAct {
     Open(Page),
     /// Opens the position page with these coordinates.
     Position(Shown),
-    /// Not there yet, and why.
-    Blocked(Text),
+    /// Keeps a picture of the screen.
+    Print,
 }
 
 /// One soft key.
@@ -36,12 +35,8 @@ const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
     SoftKey { label: Text::new(zh, en), act }
 }
 
-const fn later(zh: &'static str, en: &'static str, reason_zh: &'static str, reason_en: &'static str) -> SoftKey {
-    key(zh, en, SoftAct::Blocked(Text::new(reason_zh, reason_en)))
-}
-
 /// The rows that ▶ turns through.
-pub const ROWS: [&[SoftKey]; 4] = [
+pub const ROWS: [&[SoftKey]; 5] = [
     &[
         key("相对", "RELATIVE", SoftAct::Position(Shown::Relative)),
         key("综合", "ALL", SoftAct::Position(Shown::All)),
@@ -52,14 +47,9 @@ pub const ROWS: [&[SoftKey]; 4] = [
     &[
         key("参数", "PARAMS", SoftAct::Open(Page::Params)),
         key("诊断", "DIAGNOSIS", SoftAct::Open(Page::Diagnosis)),
-        later("图形", "GRAPHIC", "图形页面：本版本尚未提供", "the graphic page is not in this version yet"),
-        later("U盘/通信", "USB/COMM", "U盘/通信：本版本尚未提供", "USB and communication are not in this version yet"),
-        later(
-            "屏幕打印",
-            "PRINT",
-            "屏幕打印：本版本尚未提供，用 kt830 shot",
-            "screen print is not in this version yet; use kt830 shot",
-        ),
+        key("图形", "GRAPHIC", SoftAct::Open(Page::Graphic)),
+        key("U盘/通信", "USB/COMM", SoftAct::Open(Page::Transfer)),
+        key("屏幕打印", "PRINT", SoftAct::Print),
     ],
     &[
         key("程序", "PROGRAM", SoftAct::Open(Page::Program)),
@@ -69,11 +59,13 @@ pub const ROWS: [&[SoftKey]; 4] = [
         key("宏变量", "MACRO", SoftAct::Open(Page::Macro)),
     ],
     &[
+        key("过程", "PROCESS", SoftAct::Open(Page::Process)),
         key("报警", "ALARMS", SoftAct::Open(Page::Alarm)),
         key("换砂轮", "WHEEL", SoftAct::Open(Page::Wheel)),
         key("设置", "SETTINGS", SoftAct::Open(Page::Settings)),
         key("帮助", "HELP", SoftAct::Open(Page::Help)),
     ],
+    &[key("模拟", "SIMULATOR", SoftAct::Open(Page::Simulator))],
 ];
 
 /// The row that is turned to when a page opens.
@@ -81,9 +73,10 @@ pub const ROWS: [&[SoftKey]; 4] = [
 pub const fn row_of(page: Page) -> usize {
     match page {
         Page::Position | Page::Panel | Page::Dressing => 0,
-        Page::Grinding | Page::Params | Page::Diagnosis => 1,
+        Page::Grinding | Page::Params | Page::Diagnosis | Page::Graphic | Page::Transfer => 1,
         Page::Program | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
-        Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
+        Page::Process | Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
+        Page::Simulator => 4,
     }
 }
 
@@ -123,17 +116,12 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
 
 fn one(ui: &Ui, view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chosen: bool) -> bool {
     let response = ui.interact(place, Id::unique(("soft", index)), Sense::CLICK);
-    let blocked = matches!(soft.act, SoftAct::Blocked(_));
     let name = format!("{} f{}", soft.label.get(view.lang), index + 1);
-    response.widget_info(|| WidgetInfo::selected(Role::Button, !blocked, chosen, &name));
-    let face = Face { pressed: response.is_pointer_button_down_on(), blocked, ..Face::default() };
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
+    let face = Face { pressed: response.is_pointer_button_down_on(), ..Face::default() };
     let painter = ui.painter();
     keycap::plate(painter, view.theme, place, face);
-    let ink = match (blocked, chosen) {
-        (true, _) => view.theme.dim,
-        (false, true) => view.theme.info,
-        (false, false) => view.theme.text,
-    };
+    let ink = if chosen { view.theme.info } else { view.theme.text };
     let tag = Rect::from_min_size(place.min + vec2(7.0, 3.0), vec2(30.0, 16.0));
     put(painter, tag, Align2::LEFT_CENTER, &format!("F{}", index + 1), theme::SMALL, view.theme.quiet);
     let words = Rect::from_min_max(pos2(place.min.x + 4.0, place.min.y + 16.0), place.max - vec2(4.0, 2.0));
@@ -141,10 +129,6 @@ fn one(ui: &Ui, view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chos
     if chosen {
         let bar = Rect::from_min_size(pos2(place.min.x + 6.0, place.max.y - 4.0), vec2(place.width() - 12.0, 3.0));
         painter.rect_filled(bar, 1.0, view.theme.info);
-    }
-    if blocked {
-        let corner = Rect::from_min_size(pos2(place.max.x - 18.0, place.min.y + 5.0), vec2(11.0, 11.0));
-        pictogram::draw(painter, corner, pictogram::LOCK, view.theme.quiet);
     }
     response.clicked()
 }

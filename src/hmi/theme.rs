@@ -81,10 +81,14 @@ pub struct Theme {
     pub alarm_text: Color32,
     /// Chosen mode or switch.
     pub info: Color32,
+    /// Variables and conditions in the text of a program.
+    pub macros: Color32,
     /// Text and pictograms on a fill of an accent colour.
     pub ink: Color32,
     /// The ground of the emergency stop.
     pub stop_ground: Color32,
+    /// What is written on it.
+    pub stop_ink: Color32,
     /// Paper and lines of the page pictures.
     pub paper: Color32,
     /// Lines on the paper.
@@ -114,8 +118,35 @@ pub const DARK: Theme = Theme {
     alarm: rgb(0xE5484D),
     alarm_text: rgb(0xFF8589),
     info: rgb(0x53C3F3),
+    macros: rgb(0xC8A6F0),
     ink: rgb(0x0E1216),
     stop_ground: rgb(0xF5C518),
+    stop_ink: rgb(0x0E1216),
+    paper: rgb(0x161C22),
+    paper_ink: rgb(0xE9EEF2),
+    paper_quiet: rgb(0x6F7F8D),
+    paper_accent: rgb(0x53C3F3),
+};
+
+/// The light theme of H4, for bright halls.
+pub const LIGHT: Theme = Theme {
+    ground: rgb(0xEDF0F3),
+    surface: rgb(0xFFFFFF),
+    raised: rgb(0xE1E6EB),
+    line: rgb(0xA9B4BE),
+    text: rgb(0x10161B),
+    quiet: rgb(0x44515C),
+    dim: rgb(0x56626D),
+    focus: rgb(0x0B5CC0),
+    run: rgb(0x0A6237),
+    hold: rgb(0x7A4700),
+    alarm: rgb(0xB3261E),
+    alarm_text: rgb(0xA31B14),
+    info: rgb(0x00567A),
+    macros: rgb(0x6233A0),
+    ink: rgb(0xFFFFFF),
+    stop_ground: rgb(0xF5C518),
+    stop_ink: rgb(0x0E1216),
     paper: rgb(0x161C22),
     paper_ink: rgb(0xE9EEF2),
     paper_quiet: rgb(0x6F7F8D),
@@ -131,8 +162,10 @@ impl Theme {
         let mut pairs: Vec<_> = on_grounds("text", self.text).chain(on_grounds("quiet", self.quiet)).collect();
         pairs.extend(on_grounds("hold", self.hold).chain(on_grounds("info", self.info)));
         pairs.extend(on_grounds("run", self.run).chain(on_grounds("alarm text", self.alarm_text)));
-        let fills = [self.run, self.hold, self.alarm, self.info, self.focus, self.stop_ground];
+        pairs.extend(on_grounds("macros", self.macros));
+        let fills = [self.run, self.hold, self.alarm, self.info, self.focus];
         pairs.extend(fills.into_iter().map(|fill| ("ink", self.ink, fill)));
+        pairs.push(("emergency stop", self.stop_ink, self.stop_ground));
         // Blocked keys lie flat on the surface; what they are called must still be read.
         pairs.extend([self.ground, self.surface].into_iter().map(|ground| ("dim", self.dim, ground)));
         pairs.extend([self.paper_ink, self.paper_accent].into_iter().map(|ink| ("paper", ink, self.paper)));

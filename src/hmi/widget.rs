@@ -67,6 +67,11 @@ pub struct Walk {
 }
 
 impl Walk {
+    /// Chooses a key of so many.
+    pub const fn choose(&mut self, key: usize, count: usize) {
+        (self.cursor, self.drawn) = (Some(key), count);
+    }
+
     /// Begins a frame: what was typed moves the choice among the keys of the last frame, or acts.
     pub fn begin(&mut self, edits: &[Edit]) {
         let count = self.drawn.max(1);
@@ -85,6 +90,13 @@ impl Walk {
             }
         }
         self.drawn = 0;
+    }
+
+    /// Something else that the keyboard can choose: whether it is chosen, and entered.
+    pub const fn pass(&mut self) -> (bool, bool) {
+        let chosen = matches!(self.cursor, Some(at) if at == self.drawn);
+        self.drawn += 1;
+        (chosen, chosen && self.enter)
     }
 
     /// A key of the page by its name and label, touched or chosen and entered.

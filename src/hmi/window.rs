@@ -1,7 +1,7 @@
 //! The window: puts the face on a display, feeds it the newest snapshot and sends its commands.
 //!
-//! A watcher looks at the newest snapshot 30 times a second and asks for a frame only when something shown has changed;
-//! without a change a frame comes twice a second, for the clock, the blink and `Alive`.
+//! A watcher looks at the newest snapshot 30 times a second and asks for a frame only when something shown has changed:
+//! the clock once a second, the blink while a lamp does. `Alive` goes with every frame, in half of its time at the latest.
 
 use std::fmt;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -14,6 +14,7 @@ use egui::{ViewportBuilder, ViewportCommand, vec2};
 
 use super::app::Hmi;
 use super::theme;
+use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::link::{Command, Snapshot};
@@ -21,8 +22,8 @@ use crate::units::PerAxis;
 
 /// How often the watcher looks.
 const LOOK: Duration = Duration::from_millis(33);
-/// A frame comes at least this often.
-const QUIET: Duration = Duration::from_millis(500);
+/// A frame comes at least this often, more often where P76 wants to hear of the screen sooner.
+const QUIET: Duration = Duration::from_millis(1_000);
 /// `Alive` is sent at most this often.
 const ALIVE: Duration = Duration::from_millis(100);
 
@@ -49,6 +50,8 @@ pub struct Options {
     pub fullscreen: bool,
     /// Language.
     pub lang: Lang,
+    /// The light theme.
+    pub light: bool,
 }
 
 /// Why there is no window.
@@ -92,7 +95,8 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
         "kt830",
         native,
         Box::new(move |context| {
-            let hmi = Hmi::new(options.lang);
+            let mut hmi = Hmi::new(options.lang);
+            hmi.set_light(options.light);
             hmi.install(&context.egui_ctx);
             watch(Arc::clone(&desk), context.egui_ctx.clone(), Arc::clone(&end));
             Ok(Box::new(Window { hmi, desk, fullscreen: options.fullscreen, alive: None, sized: false }))
@@ -108,21 +112,21 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
 /// Asks for a frame when something shown has changed, and at least twice a second.
 fn watch(desk: Shared, ctx: egui::Context, over: Arc<AtomicBool>) {
     thread::spawn(move || {
-        let mut last = 0;
+        let mut last = (0, None);
         let mut asked = Instant::now();
         while !over.load(Ordering::Relaxed) {
             thread::sleep(LOOK);
-            let (snapshot, closing) = {
+            let (snapshot, clock, closing) = {
                 let mut desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
-                (desk.newest(), desk.is_over())
+                (desk.newest(), desk.clock(), desk.is_over())
             };
             if closing {
                 ctx.send_viewport_cmd(ViewportCommand::Close);
                 ctx.request_repaint();
                 return;
             }
-            let now = shown(&snapshot);
-            if now != last || asked.elapsed() >= QUIET {
+            let now = (shown(&snapshot), clock);
+            if now != last || asked.elapsed() >= quiet(&snapshot) {
                 last = now;
                 asked = Instant::now();
                 // A repaint asked for with a delay is painted once, `request_repaint` twice.
@@ -130,6 +134,12 @@ fn watch(desk: Shared, ctx: egui::Context, over: Arc<AtomicBool>) {
             }
         }
     });
+}
+
+/// How long a frame may be waited for.
+fn quiet(snapshot: &Snapshot) -> Duration {
+    let heard_within = snapshot.params.get(crate::defs::param::HMI_KEEP_ALIVE) / 2_000.0;
+    QUIET.min(Duration::from_secs_f64(heard_within.clamp(0.05, 10.0)))
 }
 
 /// A number that changes when something that a page shows has changed.
@@ -144,10 +154,13 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
         (axis.present, axis.homed, axis.moving).hash(h);
     }
     let program = &snapshot.program;
-    (program.number, program.line, program.block, program.block_program, Arc::as_ptr(&program.text).addr()).hash(h);
+    (program.number, program.line, program.block, program.block_program, program.stamp).hash(h);
     (snapshot.single_block, snapshot.handwheel_axis, snapshot.step_mm.to_bits(), snapshot.diameter).hash(h);
     (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override, snapshot.parts).hash(h);
     (snapshot.feed_mm_min.round() as i64, snapshot.wheel_rpm.round() as i64, snapshot.cycle_seconds as u64).hash(h);
+    if snapshot.key(Key::EmergencyStop).lamp || snapshot.keys.iter().any(|key| key.working) {
+        (snapshot.now.0 / 500_000).hash(h);
+    }
     for key in &snapshot.keys {
         (key.lamp, key.working, key.blocked.map(|text| text.zh)).hash(h);
     }
@@ -159,6 +172,10 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     }
     (&snapshot.message.text.zh, snapshot.message.since).hash(h);
     snapshot.waiting_for.as_ref().map(|said| &said.zh).hash(h);
+    if matches!(snapshot.page, Page::Simulator | Page::Process) {
+        snapshot.simulated.as_ref().map(|sim| Arc::as_ptr(sim).addr()).hash(h);
+        snapshot.inputs.hash(h);
+    }
     if snapshot.page == Page::Diagnosis {
         (snapshot.input_terminals, snapshot.output_terminals, snapshot.inputs, snapshot.outputs).hash(h);
         (snapshot.internals, snapshot.analog_volts.map(|volts| (volts * 100.0).round() as i64)).hash(h);
@@ -166,6 +183,7 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     typed(snapshot, h);
     let access = snapshot.access;
     (access.level as u8, access.asking, access.answers, snapshot.next_kind as u8).hash(h);
+    Arc::as_ptr(&snapshot.files).addr().hash(h);
     (Arc::as_ptr(&snapshot.params).addr(), Arc::as_ptr(&snapshot.alarm_history).addr()).hash(h);
     (Arc::as_ptr(&snapshot.screens).addr(), Arc::as_ptr(&snapshot.directory).addr()).hash(h);
     hasher.finish()

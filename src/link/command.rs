@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use super::drawing::StockBox;
 use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
+use super::simulated::SimCommand;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -65,6 +67,8 @@ pub enum Command {
     SetFrame(usize, PerAxis<f64>),
     /// Geometry of a tool offset, 1 to 16, radius mm.
     SetGeometry(usize, PerAxis<f64>),
+    /// What is to be ground and what holds it, for the drawing.
+    SetStock(Arc<[StockBox]>),
     /// Makes the relative position of an axis zero.
     ClearRelative(Axis),
     /// The disk has read the folder of page texts and pictures.
@@ -75,6 +79,8 @@ pub enum Command {
     DiskFailed(Said),
     /// What the pages of parameters and settings ask.
     Page(PageCommand),
+    /// What the simulator page asks of the simulated machine; a control never takes it.
+    Simulate(SimCommand),
     /// The screen is alive; without it the core stops after its keep-alive time.
     Alive,
 }

@@ -2,9 +2,13 @@
 //! It never runs back: a page cannot call the core, the core cannot call a page.
 
 pub mod command;
+pub mod drawing;
 pub mod edit;
+pub mod files;
 pub mod internal;
+pub mod media;
 pub mod page_command;
+pub mod simulated;
 pub mod snapshot;
 
 pub use command::Command;

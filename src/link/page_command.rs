@@ -4,6 +4,7 @@
 
 use std::fmt;
 
+use super::files::{FileAnswer, FileRequest};
 use crate::defs::kind::Kind;
 use crate::defs::param::{Level, ParamAddress};
 use crate::defs::text::{Lang, Said, Text};
@@ -103,6 +104,10 @@ pub enum PageCommand {
     KeepKind(Kind),
     /// The language of the screen, now and at the next start.
     KeepLang(Lang),
+    /// The light or the dark theme, now and at the next start.
+    KeepLight(bool),
+    /// What concerns programs and folders, and the long calculations.
+    File(FileRequest),
     /// The disk's answer to a wish.
     Answered(PageAnswer),
 }
@@ -125,6 +130,8 @@ pub enum PageWish {
     KeepKind(Kind),
     /// Keep the language for the next start.
     KeepLang(Lang),
+    /// Keep the theme for the next start.
+    KeepLight(bool),
 }
 
 /// What the disk answers.
@@ -138,6 +145,8 @@ pub enum PageAnswer {
     KindKept(Kind),
     /// The language is kept.
     LangKept,
+    /// An answer of the work beside the tick.
+    File(FileAnswer),
     /// The disk refused.
     Failed(Said),
 }

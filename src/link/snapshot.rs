@@ -3,9 +3,14 @@
 
 use std::sync::Arc;
 
+use ropey::Rope;
+
 use super::command::Screens;
+use super::drawing::StockBox;
 use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
+use super::files::FilesView;
 use super::internal::InternalSet;
+use super::simulated::SimView;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
@@ -138,6 +143,8 @@ pub struct PastAlarm {
 pub struct Access {
     /// The level that is open.
     pub level: Level,
+    /// Programs may be edited: their password was given (K6.2).
+    pub program: bool,
     /// A password is with the disk.
     pub asking: bool,
     /// Counts the answers, so that a page sees a new one.
@@ -148,7 +155,7 @@ pub struct Access {
 
 impl Default for Access {
     fn default() -> Self {
-        Self { level: Level::Operator, asking: false, answers: 0, refused: None }
+        Self { level: Level::Operator, program: false, asking: false, answers: 0, refused: None }
     }
 }
 
@@ -178,8 +185,12 @@ pub struct Message {
 pub struct ProgramView {
     /// O number, 0 when there is none.
     pub number: u32,
-    /// Its text, as the reader sees it.
-    pub text: Arc<str>,
+    /// Its text, as the reader sees it. A copy shares its pieces.
+    pub text: Rope,
+    /// Checksum of the file: another one is another text.
+    pub stamp: u64,
+    /// Bytes of the file are characters neither in UTF-8 nor in GBK.
+    pub mistaken: bool,
     /// Program of the running block: a subprogram's number while one runs.
     pub block_program: u32,
     /// Line of the running block, from 1; 0 before the first.
@@ -259,6 +270,12 @@ pub struct Snapshot {
     pub alarm_history: Arc<Vec<PastAlarm>>,
     /// The parameters; replaced only when one is changed.
     pub params: Arc<Params>,
+    /// The simulated machine, where it is one.
+    pub simulated: Option<Arc<SimView>>,
+    /// What is to be ground and what holds it, as far as it is known.
+    pub stock: Arc<[StockBox]>,
+    /// What came of the requests to folders and long calculations; replaced only when it changes.
+    pub files: Arc<FilesView>,
     /// Which level of parameters is open.
     pub access: Access,
     /// The kind of machine of the next start.
@@ -378,6 +395,9 @@ impl Snapshot {
             internals: InternalSet::default(),
             alarm_history: Arc::default(),
             params: Arc::new(Params::factory(kind)),
+            simulated: None,
+            stock: Arc::from([]),
+            files: Arc::default(),
             access: Access::default(),
             next_kind: kind,
             edit: EditAnswer::default(),

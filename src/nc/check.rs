@@ -59,6 +59,21 @@ pub fn check_with(
     world: &mut CheckWorld,
     sink: &mut dyn FnMut(&Block),
 ) -> Checked {
+    check_until(source, library, settings, memory, world, &mut |block| {
+        sink(block);
+        true
+    })
+}
+
+/// As [`check_with`], until `sink` says false: then the check is not finished.
+pub fn check_until(
+    source: &Arc<Source>,
+    library: &Arc<dyn Library + Send + Sync>,
+    settings: &Settings,
+    memory: Memory,
+    world: &mut CheckWorld,
+    sink: &mut dyn FnMut(&Block) -> bool,
+) -> Checked {
     let mut interpreter = Interpreter::new(Arc::clone(source), Arc::clone(library), settings.clone(), memory);
     interpreter.nulls = Some(Vec::new());
     interpreter.notes = Some(Vec::new());
@@ -70,8 +85,9 @@ pub fn check_with(
         told: HashSet::new(),
         text_end: None,
     };
-    run.follow(&mut interpreter, world, sink);
-    run.read_the_rest();
+    if run.follow(&mut interpreter, world, sink) {
+        run.read_the_rest();
+    }
     let mut found = run.found;
     found.faults.sort_by_key(|fault| (fault.place.program != source.number(), fault.place.program, fault.place.line));
     found.length_mm = world.length_mm();
@@ -79,6 +95,18 @@ pub fn check_with(
     found.extents = world.extents();
     found.lines = source.line_count();
     found
+}
+
+/// Reads the lines of a text for their writing alone, as far as that can be judged without the rest of the program:
+/// where a jump leads is not looked at.
+#[must_use]
+pub fn look(source: &Arc<Source>, settings: &Settings) -> Vec<Fault> {
+    let visited = Visited::new(source.line_count());
+    let found = Checked::default();
+    let mut run = Run { source, settings, found, visited, told: HashSet::new(), text_end: None };
+    run.read_the_rest();
+    run.found.faults.retain(|fault| fault.error != E::MissingTarget);
+    run.found.faults
 }
 
 /// One bit a line.
@@ -111,7 +139,13 @@ struct Run<'r> {
 }
 
 impl Run<'_> {
-    fn follow(&mut self, interpreter: &mut Interpreter, world: &mut CheckWorld, sink: &mut dyn FnMut(&Block)) {
+    /// Runs the program; false when the sink had enough.
+    fn follow(
+        &mut self,
+        interpreter: &mut Interpreter,
+        world: &mut CheckWorld,
+        sink: &mut dyn FnMut(&Block) -> bool,
+    ) -> bool {
         let mut block = Block::new(self.settings);
         let (mut standstill, mut left) = (0, 0);
         // A word was left out somewhere: what is in force may differ from what it will be in the run.
@@ -125,7 +159,7 @@ impl Run<'_> {
                 self.warn(Fault::new(place, 1, Wrong { at: 0, error: E::Endless, details: Default::default() }));
                 left += 1;
                 if left > LEFT_LOOPS || !interpreter.leave_loop() {
-                    return;
+                    return true;
                 }
                 standstill = 0;
             }
@@ -135,7 +169,9 @@ impl Run<'_> {
                     if !block.ops.is_empty() {
                         self.found.blocks += 1;
                         block.ops.iter().for_each(|op| world.apply(op));
-                        sink(&block);
+                        if !sink(&block) {
+                            return false;
+                        }
                     }
                     if !more && main {
                         self.text_end = Some(line);
@@ -155,6 +191,7 @@ impl Run<'_> {
             }
         }
         self.found.finished = true;
+        true
     }
 
     /// Lines that the run did not come to are read for their writing.

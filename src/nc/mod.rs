@@ -29,7 +29,7 @@ mod statement;
 mod words;
 pub mod world;
 
-pub use check::{Checked, check, check_with};
+pub use check::{Checked, check, check_until, check_with, look};
 pub use fault::{Fault, Place};
 pub use follow::ADVANCE_PER_CALL;
 pub use frames::Frames;

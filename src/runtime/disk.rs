@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use chrono::{DateTime, Local};
 use image::ImageReader;
+use ropey::Rope;
 
 use crate::controller::{Program, Programs};
 use crate::defs::screen;
@@ -14,7 +15,7 @@ use crate::defs::text::Said;
 use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
 use crate::nc::Source;
-use crate::store::{DataDir, Entry, FileClass, Folder, FolderError, PAGE_TEXT, PICTURE, PROGRAM, decode};
+use crate::store::{DataDir, Entry, FileClass, Folder, FolderError, PAGE_TEXT, PICTURE, PROGRAM, decode, stamp};
 
 /// Programs with a grinding page: O1001 to O1020 go with C0001 and B0001 to C0020 and B0020.
 const PAGES: std::ops::RangeInclusive<u16> = 1..=20;
@@ -139,11 +140,12 @@ impl Folders {
 /// A program from its bytes.
 #[must_use]
 pub fn program(number: u32, name: &str, bytes: Vec<u8>) -> Program {
-    let text: Arc<str> = match decode(&bytes) {
-        Ok(decoded) => decoded.text.into(),
-        Err(_) => String::from_utf8_lossy(&bytes).into(),
+    let (text, mistaken) = match decode(&bytes) {
+        Ok(decoded) => (Rope::from_str(&decoded.text), false),
+        Err(_) => (Rope::from_str(&String::from_utf8_lossy(&bytes)), true),
     };
-    Program { number, source: Arc::new(Source::new(number, name, bytes)), text }
+    let stamp = stamp(&bytes);
+    Program { number, source: Arc::new(Source::new(number, name, bytes)), text, stamp, mistaken }
 }
 
 fn ship(name: &str, own: &Path) -> std::io::Result<()> {

@@ -5,18 +5,24 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::RecvTimeoutError;
+use crossbeam_channel::{RecvTimeoutError, Sender, bounded};
 
 use super::disk::Folders;
 use super::keeper::Keeper;
+use super::office::Office;
 use super::realtime::{Delivery, DiskEnd};
 use crate::controller::Effect;
+use crate::controller::files::Job;
 use crate::defs::text::Said;
 use crate::link::command::Command;
+use crate::link::files::{FileAnswer, FileRequest, Refusal};
+use crate::link::page_command::{PageAnswer, PageCommand};
 use crate::store::{Changed, Watch};
 
 /// How long the thread waits for wishes before it looks at the folders again.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
+/// Jobs that wait for the office.
+const JOBS: usize = 8;
 /// Most batches of wishes in one commit.
 const BATCHES: usize = 64;
 
@@ -24,32 +30,69 @@ const BATCHES: usize = 64;
 ///
 /// # Errors
 /// The system has no thread to give.
-pub fn start(end: DiskEnd, mut keeper: Option<Keeper>, folders: Folders) -> std::io::Result<JoinHandle<()>> {
+pub fn start(
+    end: DiskEnd,
+    mut keeper: Option<Keeper>,
+    folders: Folders,
+    office: Office,
+) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("kt830-disk".into()).spawn(move || {
+        let jobs = open_office(&end, &folders, office.clone());
         let mut watch = Watch::start(&folders.programs, &folders.screens);
-        deliver(&end, &folders, Changed::Programs);
-        deliver(&end, &folders, Changed::Screens);
+        deliver(&end.commands, &end.deliveries, &folders, Changed::Programs);
+        deliver(&end.commands, &end.deliveries, &folders, Changed::Screens);
         loop {
             match end.wishes.recv_timeout(LOOK_EVERY) {
-                Ok(first) => keep(&end, keeper.as_mut(), first),
+                Ok(first) => keep(&end, keeper.as_mut(), (&office, &jobs), first),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
             while let Some(changed) = watch.try_recv(Instant::now()) {
-                deliver(&end, &folders, changed);
+                deliver(&end.commands, &end.deliveries, &folders, changed);
             }
         }
     })
 }
 
-fn keep(end: &DiskEnd, keeper: Option<&mut Keeper>, first: Vec<Effect>) {
+/// The thread of the long work; it ends when nobody can give it work any more.
+fn open_office(end: &DiskEnd, folders: &Folders, office: Office) -> Sender<Job> {
+    let (jobs, waiting) = bounded::<Job>(JOBS);
+    let (commands, deliveries, folders) = (end.commands.clone(), end.deliveries.clone(), folders.clone());
+    let spawned = std::thread::Builder::new().name("kt830-office".into()).spawn(move || {
+        for job in waiting {
+            let changed = office.work(&job, &mut |answer| {
+                drop(commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+            });
+            if changed.programs {
+                deliver(&commands, &deliveries, &folders, Changed::Programs);
+            }
+            if changed.screens {
+                deliver(&commands, &deliveries, &folders, Changed::Screens);
+            }
+        }
+    });
+    if let Err(error) = spawned {
+        let said = Said::new(error.to_string(), error.to_string());
+        drop(end.commands.send(Command::DiskFailed(said)));
+    }
+    jobs
+}
+
+fn keep(end: &DiskEnd, keeper: Option<&mut Keeper>, office: (&Office, &Sender<Job>), first: Vec<Effect>) {
     let Some(keeper) = keeper else { return };
     let mut effects = first;
     effects.extend(end.wishes.try_iter().take(BATCHES).flatten());
     for effect in &effects {
-        if let Effect::Ask(wish) = effect {
-            drop(end.commands.send(keeper.answer(wish)));
+        match effect {
+            Effect::Ask(wish) => drop(end.commands.send(keeper.answer(wish))),
+            Effect::Job(job) if job.request == FileRequest::Cancel => office.0.cancel(),
+            Effect::Job(job) => hand_on(end, office.1, job),
+            _ => {}
         }
+    }
+    effects.retain(|effect| !matches!(effect, Effect::Ask(_) | Effect::Job(_)));
+    if effects.is_empty() {
+        return;
     }
     let answer = match keeper.commit(&effects) {
         Ok(generation) => Command::Stored(generation),
@@ -58,20 +101,29 @@ fn keep(end: &DiskEnd, keeper: Option<&mut Keeper>, first: Vec<Effect>) {
     drop(end.commands.send(answer));
 }
 
-fn deliver(end: &DiskEnd, folders: &Folders, changed: Changed) {
+/// The office takes a job, or says that it has too many: the disk thread never waits for it.
+fn hand_on(end: &DiskEnd, jobs: &Sender<Job>, job: &Job) {
+    if jobs.try_send(job.clone()).is_err() && !matches!(job.request, FileRequest::Look { .. }) {
+        let busy = Said::new("上一项工作未完成，请稍候", "the work before is not done: wait");
+        let answer = FileAnswer::Refused(Refusal::Because(busy));
+        drop(end.commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+    }
+}
+
+fn deliver(commands: &Sender<Command>, deliveries: &Sender<Delivery>, folders: &Folders, changed: Changed) {
     let failed = |error: &dyn std::fmt::Display| {
-        drop(end.commands.send(Command::DiskFailed(Said::new(error.to_string(), error.to_string()))));
+        drop(commands.send(Command::DiskFailed(Said::new(error.to_string(), error.to_string()))));
     };
     match changed {
         Changed::Programs => match folders.read_programs() {
             Ok((programs, directory)) => {
                 let delivery = Delivery { programs: Arc::new(programs), directory: Arc::new(directory) };
-                drop(end.deliveries.send(delivery));
+                drop(deliveries.send(delivery));
             }
             Err(error) => failed(&error),
         },
         Changed::Screens => match folders.read_screens() {
-            Ok(screens) => drop(end.commands.send(Command::Screens(Arc::new(screens)))),
+            Ok(screens) => drop(commands.send(Command::Screens(Arc::new(screens)))),
             Err(error) => failed(&error),
         },
     }

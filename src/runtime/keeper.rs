@@ -87,7 +87,7 @@ fn change(effect: &Effect) -> Option<store::Change> {
             // One number, so that program and line are never of two moments.
             value: place.map(|(program, line)| f64::from(program) * LINES + f64::from(line)),
         },
-        Effect::Ask(_) => return None,
+        Effect::Ask(_) | Effect::Job(_) => return None,
     })
 }
 
@@ -111,7 +111,7 @@ pub fn remember(retained: &mut Retained, effect: &Effect) {
         Effect::CurrentProgram(number) => retained.current_program = *number,
         Effect::Parts(parts) => retained.parts = *parts,
         Effect::RunningAt(place) => retained.interrupted = *place,
-        Effect::Ask(_) => {}
+        Effect::Ask(_) | Effect::Job(_) => {}
     }
 }
 

@@ -4,7 +4,12 @@
 pub mod bar;
 pub mod disk;
 pub mod disk_thread;
+pub mod draw;
 pub mod keeper;
+pub mod office;
 pub mod realtime;
 pub mod rig;
+pub mod simulator;
+pub mod transfer;
+pub mod values;
 pub mod vault;

@@ -2,20 +2,26 @@
 //! demo, tests. Time is what has been stepped; nothing here waits.
 //! Source: spec tools.md T3, T5; simulator.md.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use super::disk::Folders;
 use super::keeper::{Keeper, remember};
+use super::office::Office;
+use super::simulator::Simulator;
 use super::vault::Vault;
+use crate::controller::files::Job;
 use crate::controller::{Controller, Effect, Retained};
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::param;
 use crate::defs::text::Said;
-use crate::io::sim::{MachineFile, PartFile, SimFileError, SimulatedMachine};
+use crate::io::sim::{Looks, MachineFile, PartFile, SimFileError, SimulatedMachine, SurfaceFile};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
+use crate::link::drawing::StockBox;
+use crate::link::page_command::{PageAnswer, PageCommand};
 use crate::link::snapshot::{DirectoryRow, Snapshot};
 use crate::store::FolderError;
 use crate::units::{Micros, PerAxis};
@@ -54,9 +60,39 @@ pub fn set_up(part: &PartFile, present: impl Fn(u16) -> Option<f64>) -> Vec<Comm
         let geometry = PerAxis([offset.x / 2.0, 0.0, offset.z]);
         commands.push(Command::SetGeometry(usize::from(offset.number), geometry));
     }
+    commands.push(Command::SetStock(outline(part).into()));
     let missing = part.variables.iter().filter(|(number, _)| present(**number).is_none());
     commands.extend(missing.map(|(number, value)| Command::SetVariable(*number, Some(*value))));
     commands
+}
+
+/// The boxes of a part and of what holds it, for the drawing.
+fn outline(part: &PartFile) -> Vec<StockBox> {
+    let turned = |radius: f64, z: (f64, f64)| (PerAxis([-radius, 0.0, z.0]), PerAxis([radius, 0.0, z.1]));
+    let behind = |looks: Looks, at: f64, thick: f64| match looks {
+        Looks::PlusZ => (at - thick, at),
+        Looks::MinusZ => (at, at + thick),
+    };
+    let surface = |surface: &SurfaceFile| match *surface {
+        SurfaceFile::Diameter { z_from, z_to, stock, .. } => turned(stock / 2.0, (z_from, z_to)),
+        SurfaceFile::Face { looks, x_from, x_to, stock, thickness, turns, .. } => {
+            let z = behind(looks, stock, thickness);
+            let low = if turns { -x_to / 2.0 } else { x_from / 2.0 };
+            (PerAxis([low, 0.0, z.0]), PerAxis([x_to / 2.0, 0.0, z.1]))
+        }
+        SurfaceFile::Plane { x_from, x_to, z_from, z_to, stock, .. } => {
+            (PerAxis([x_from, 0.0, z_from]), PerAxis([x_to, stock, z_to]))
+        }
+        SurfaceFile::Wall { looks, x_from, x_to, y_from, y_to, stock, thickness, .. } => {
+            let z = behind(looks, stock, thickness);
+            (PerAxis([x_from, y_from, z.0]), PerAxis([x_to, y_to, z.1]))
+        }
+        SurfaceFile::Disc { x_from, x_to, stock, .. } => (PerAxis([x_from, 0.0, 0.0]), PerAxis([x_to, 0.0, stock])),
+    };
+    let holders = part.bodies.iter().map(|body| turned(body.diameter / 2.0, (body.z_from, body.z_to)));
+    let holders = holders.map(|(low, high)| StockBox { low, high, part: false });
+    let surfaces = part.surfaces.iter().map(surface).map(|(low, high)| StockBox { low, high, part: true });
+    holders.chain(surfaces).collect()
 }
 
 /// Somebody beside the rig: paces it, shows it, brings commands of a person.
@@ -75,6 +111,11 @@ pub struct Rig {
     keeper: Option<Keeper>,
     /// Passwords, where nothing keeps them.
     vault: Vault,
+    office: Office,
+    simulator: Simulator,
+    folders: Folders,
+    /// Programs that are in no folder.
+    added: Vec<crate::controller::Program>,
     effects: Vec<Effect>,
     inbox: Vec<Command>,
     now: Micros,
@@ -112,6 +153,10 @@ impl Rig {
             retained,
             keeper,
             vault: Vault::default(),
+            office: Office::new(folders.clone()),
+            simulator: Simulator::default(),
+            folders,
+            added: Vec::new(),
             effects: Vec::new(),
             inbox: Vec::new(),
             now,
@@ -142,7 +187,8 @@ impl Rig {
     pub fn add_program(&mut self, program: crate::controller::Program) {
         let mut rows: Vec<_> = self.programs.iter().cloned().collect();
         rows.retain(|row| row.number != program.number);
-        rows.push(program);
+        rows.push(program.clone());
+        self.added.push(program);
         self.programs = Arc::new(crate::controller::Programs::new(rows));
         self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
     }
@@ -151,6 +197,7 @@ impl Rig {
     /// value get the part's.
     pub fn mount(&mut self, part: &PartFile) {
         self.machine.set_part(Some(part));
+        self.simulator.part = Some(part.clone());
         let variables = &self.retained.variables;
         let present = |variable: u16| variables.get(u32::from(variable)).ok().flatten();
         self.inbox.extend(set_up(part, present));
@@ -172,7 +219,10 @@ impl Rig {
 
     /// Hands a command to the control; it is taken in the next tick.
     pub fn send(&mut self, command: Command) {
-        self.inbox.push(command);
+        match command {
+            Command::Simulate(asked) => self.simulator.act(&mut self.machine, asked),
+            other => self.inbox.push(other),
+        }
     }
 
     /// One tick of control and machine.
@@ -239,7 +289,40 @@ impl Rig {
                 Err(error) => Command::DiskFailed(Said::new(error.to_string(), error.to_string())),
             });
         }
-        self.effects.clear();
+        let effects = std::mem::take(&mut self.effects);
+        for effect in &effects {
+            if let Effect::Job(job) = effect {
+                self.work(job);
+            }
+        }
+    }
+
+    /// Does at once what the window's control has a thread for.
+    fn work(&mut self, job: &Job) {
+        let inbox = &mut self.inbox;
+        let changed = self
+            .office
+            .work(job, &mut |answer| inbox.push(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+        if changed.programs
+            && let Ok((programs, directory)) = self.folders.read_programs()
+        {
+            (self.programs, self.directory) = (Arc::new(programs), Arc::new(directory));
+            for program in std::mem::take(&mut self.added) {
+                self.add_program(program);
+            }
+            self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
+        }
+        if changed.screens
+            && let Ok(screens) = self.folders.read_screens()
+        {
+            self.screens = Arc::new(screens);
+            self.inbox.push(Command::Screens(Arc::clone(&self.screens)));
+        }
+    }
+
+    /// Gives the rig a folder for pictures of the screen and one that stands for a medium.
+    pub fn plug_in(&mut self, prints: Option<PathBuf>, stick: Option<PathBuf>) {
+        self.office = Office::new(self.folders.clone()).with(prints, stick);
     }
 
     /// The power goes at this tick.
@@ -266,6 +349,7 @@ impl Rig {
     /// What a page would show now.
     pub fn snapshot(&mut self) -> &Snapshot {
         self.controller.snapshot(&mut self.snapshot);
+        self.snapshot.simulated = Some(Arc::new(self.simulator.view(&self.machine)));
         if !self.powered {
             self.snapshot.darken();
         }

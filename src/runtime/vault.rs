@@ -55,6 +55,10 @@ impl Vault {
                 Ok(()) => PageAnswer::KindKept(*kind),
                 Err(why) => PageAnswer::Failed(why),
             },
+            PageWish::KeepLight(light) => match self.settings(|settings| settings.light = Some(*light)) {
+                Ok(()) => PageAnswer::LangKept,
+                Err(why) => PageAnswer::Failed(why),
+            },
             PageWish::KeepLang(lang) => match self.settings(|settings| settings.lang = Some(*lang)) {
                 Ok(()) => PageAnswer::LangKept,
                 Err(why) => PageAnswer::Failed(why),

@@ -33,7 +33,8 @@ impl Checksum {
 }
 
 /// The checksum of one piece of bytes.
-pub(super) fn of(bytes: &[u8]) -> u64 {
+#[must_use]
+pub fn of(bytes: &[u8]) -> u64 {
     Checksum::new().add(bytes).finish()
 }
 

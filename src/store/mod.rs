@@ -22,9 +22,12 @@ pub mod password;
 mod retained;
 pub mod ron_file;
 mod settings;
+mod stick;
+mod values;
 mod watch;
 mod whole_file;
 
+pub use checksum::of as stamp;
 pub use data_dir::{DataDir, DataDirError};
 pub use decode::{DecodeError, Decoded, Encoding, decode};
 pub use fault::IoFault;
@@ -37,4 +40,6 @@ pub use retained::{
     Change, DamageReport, Generation, Loaded, Opened, Retained, RetainedError, StorageFault, ToolOffset,
 };
 pub use settings::Settings;
+pub use stick::{Stick, StickFile, read_whole, write_whole};
+pub use values::Values;
 pub use watch::{Changed, POLL_INTERVAL, Watch};

@@ -20,6 +20,8 @@ pub struct Settings {
     pub kind: Option<Kind>,
     /// Language of the screen.
     pub lang: Option<Lang>,
+    /// The light theme instead of the dark one.
+    pub light: Option<bool>,
 }
 
 impl Settings {
@@ -56,11 +58,11 @@ mod tests {
     fn k1_the_kind_and_the_language_are_kept() {
         let folder = tempfile::tempdir().expect("a folder");
         assert_eq!(Settings::read(folder.path()).expect("no file"), Settings::default());
-        let chosen = Settings { kind: Some(Kind::Ga), lang: Some(Lang::En) };
+        let chosen = Settings { kind: Some(Kind::Ga), lang: Some(Lang::En), light: Some(true) };
         chosen.write(folder.path()).expect("written");
         assert_eq!(Settings::read(folder.path()).expect("a file"), chosen);
         std::fs::write(folder.path().join(FILE), "(kind: Some(Gs))").expect("written");
         let by_hand = Settings::read(folder.path()).expect("edited by hand");
-        assert_eq!(by_hand, Settings { kind: Some(Kind::Gs), lang: None });
+        assert_eq!(by_hand, Settings { kind: Some(Kind::Gs), lang: None, light: None });
     }
 }

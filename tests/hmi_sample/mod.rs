@@ -10,10 +10,15 @@ use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::screen;
+use kt830::defs::signal::Input;
 use kt830::defs::text::{Said, Text};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
+use kt830::link::drawing::{Drawing, Point, StockBox, Way};
 use kt830::link::edit::ModalView;
+use kt830::link::files::FilesView;
+use kt830::link::media::{MediaFile, MediaView};
+use kt830::link::simulated::SimView;
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, PastAlarm, ProgramView, RunState, Tone};
 use kt830::units::{Axis, Micros, PerAxis};
 
@@ -54,8 +59,14 @@ pub fn snapshot(page: Page) -> Snapshot {
     };
     snapshot.axes[Axis::X] = axis(-743.080, -812.455, 12.340);
     snapshot.axes[Axis::Z] = axis(-139.080, -391.006, -0.005);
-    snapshot.program =
-        ProgramView { number: 1_001, text: O1001.into(), block_program: 1_001, line: 8, block: Some(40) };
+    snapshot.program = ProgramView {
+        number: 1_001,
+        text: O1001.into(),
+        block_program: 1_001,
+        line: 8,
+        block: Some(40),
+        ..ProgramView::default()
+    };
     snapshot.wheel_rpm = 1_260.0;
     snapshot.feed_mm_min = 0.0;
     snapshot.parts = 12;
@@ -145,6 +156,50 @@ pub fn running(page: Page) -> Snapshot {
         snapshot.keys[key as usize].lamp = true;
     }
     snapshot.keys[Key::HeadstockStop as usize].lamp = false;
+    snapshot
+}
+
+/// A simulated machine, a medium with files, a path: what the pages of work beside the tick show.
+pub fn busy(page: Page) -> Snapshot {
+    let mut snapshot = running(page);
+    let said = |zh: &str, en: &str| Said::new(zh, en);
+    snapshot.simulated = Some(Arc::new(SimView {
+        forced: vec![(Input::HydraulicPressure, true)],
+        faults: vec!["drive-x"],
+        wheel_diameter_mm: 599.987,
+        wheel_dull: 0.4,
+        wheel_load_percent: 63.0,
+        sizes: (0..12).map(|row| (said(&format!("直径 Z{row}0.0"), &format!("diameter Z{row}0.0")), 40.012)).collect(),
+        events: vec![said("12.3 s burn", "12.3 s burn")],
+    }));
+    let files =
+        |names: &[&str]| names.iter().map(|name| MediaFile { name: (*name).into(), size: 123_456_789 }).collect();
+    let names = ["O1001.NC", "O1002.NC", "C0001.TXT", "B0001.BMP", "KT830-20261121-101112.TAR"];
+    let media = MediaView {
+        stick: Some("/media/usb".into()),
+        free: Some(7_987_654_321),
+        there: files(&names),
+        here: files(&names[..4]),
+    };
+    let mut drawing = Drawing {
+        number: snapshot.program.number,
+        length_mm: 123_456.7,
+        seconds: 36_061.0,
+        lines: 1_000_000,
+        extents: Some((PerAxis([-371.54, -1.0, -139.08]), PerAxis([371.54, 1_000.0, 139.08]))),
+        finished: true,
+        ..Drawing::default()
+    };
+    let at = |x: f32, z: f32, way: Way| Point { at: [x, 0.0, z], way };
+    drawing.take_path(vec![at(0.0, 0.0, Way::Lift), at(-371.54, -139.08, Way::Rapid), at(371.54, 139.08, Way::Feed)]);
+    snapshot.files = Arc::new(FilesView {
+        media: Some(Arc::new(media)),
+        drawing: Some(Arc::new(drawing)),
+        busy: Some((Text::new("正在复制", "copying"), 437)),
+        ..FilesView::default()
+    });
+    let corner = |x, y, z| PerAxis([x, y, z]);
+    snapshot.stock = Arc::from([StockBox { low: corner(-20.0, 0.0, 0.0), high: corner(20.0, 10.0, 60.0), part: true }]);
     snapshot
 }
 

@@ -6,26 +6,227 @@ use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::empty;
 use super::scroll::Scroll;
+use crate::defs::key::Mode;
+use crate::defs::text::{Said, Text};
 use crate::hmi::entry::Edit;
 use crate::hmi::keycap::{self, Face};
+use crate::hmi::login::Login;
+use crate::hmi::page::Typed;
+use crate::hmi::page::input_line::{self, Told};
+use crate::hmi::question::Question;
+use crate::hmi::typing::Typing;
 use crate::hmi::view::{View, card, fit, frame, put};
+use crate::hmi::widget::{Look, Walk, whole_lines};
 use crate::hmi::{frame as lines, pictogram, theme};
 use crate::link::Command;
+use crate::link::files::{FileRequest, Refusal};
+use crate::link::page_command::{Guard, PageCommand};
 use crate::link::snapshot::{DirectoryRow, RunState};
 
 /// Height of a row.
 const ROW: f32 = 50.0;
+
+/// Height of the keys below.
+const KEYS: f32 = 46.0;
+
+/// What is done to a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Deed {
+    New,
+    Copy,
+    Rename,
+    Delete,
+}
 
 /// What the page keeps.
 #[derive(Debug, Default)]
 pub struct Directory {
     scroll: Scroll,
     cursor: usize,
+    /// The number being typed for a deed.
+    deed: Option<Deed>,
+    /// What is typed.
+    pub typing: Typing,
+    question: Option<Question>,
+    /// A request that waits for its answer, or for the password.
+    asked: Option<FileRequest>,
+    waiting: bool,
+    walk: Walk,
+    on_keys: bool,
+    seen: u32,
 }
 
 impl Directory {
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], pages: i32) -> Vec<Command> {
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
+        let mut out = Vec::new();
+        self.hear(view, login, &mut out);
+        let free = self.question.is_none() && !login.is_open();
+        let edits = if free { typed.edits } else { &[] };
+        let (body, below) = rect.split_top_bottom_at_y(rect.max.y - KEYS - theme::GAP);
+        let edits = if self.deed.is_some() {
+            edits.iter().for_each(|edit| self.edit(*edit, view, &mut out));
+            &[]
+        } else {
+            edits
+        };
+        out.extend(self.list(ui, body, view, edits, typed.pages));
+        self.keys(ui, below.shrink2(vec2(theme::PAD, 0.0)), view, edits);
+        if let Some(mut question) = self.question.take() {
+            match question.ui(ui, rect, view, typed.edits) {
+                Some(0) => self.send(&mut out),
+                Some(_) => self.asked = None,
+                None => self.question = Some(question),
+            }
+        }
+        out
+    }
+
+    /// Whether the numeric pad is to slide in.
+    #[must_use]
+    pub const fn wants_pad(&self) -> bool {
+        self.deed.is_some() && self.typing.pad
+    }
+
+    fn send(&mut self, out: &mut Vec<Command>) {
+        if let Some(request) = &self.asked {
+            out.push(Command::Page(PageCommand::File(request.clone())));
+        }
+    }
+
+    /// The answer: done, the password first, or why not.
+    fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        if self.waiting && !login.is_open() {
+            self.waiting = false;
+            if view.snapshot.access.program { self.send(out) } else { self.asked = None }
+        }
+        let files = &view.snapshot.files;
+        if std::mem::replace(&mut self.seen, files.answers) == files.answers || self.asked.is_none() {
+            return;
+        }
+        match &files.refused {
+            Some(Refusal::Password) => {
+                self.waiting = true;
+                login.unlock(view, Guard::Program);
+                return;
+            }
+            Some(refusal) => {
+                // The number stays, with the reason, to be mended.
+                self.deed = match self.asked {
+                    Some(FileRequest::New(_)) => Some(Deed::New),
+                    Some(FileRequest::Copy { .. }) => Some(Deed::Copy),
+                    Some(FileRequest::Rename { .. }) => Some(Deed::Rename),
+                    _ => Some(Deed::Delete),
+                };
+                self.typing.refused = Some(refusal.said());
+            }
+            None => (self.deed, self.typing) = (None, Typing::default()),
+        }
+        self.asked = None;
+    }
+
+    fn edit(&mut self, edit: Edit, view: &View<'_>, out: &mut Vec<Command>) {
+        match edit {
+            Edit::Cancel => (self.deed, self.typing) = (None, Typing::default()),
+            Edit::Enter => self.enter(view, out),
+            _ => {
+                self.typing.next_key(edit);
+                self.typing.key(edit);
+            }
+        }
+    }
+
+    /// The number is enough: what is asked of the core.
+    fn enter(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
+        let Some(deed) = self.deed.filter(|deed| *deed != Deed::Delete) else {
+            (self.deed, self.typing) = (None, Typing::default());
+            return;
+        };
+        let from = view.snapshot.directory.get(self.cursor).map_or(0, |row| row.number);
+        let to = match self.typing.text.parse::<u32>() {
+            Ok(number) if (1..=9_999).contains(&number) => number,
+            _ => {
+                self.typing.refused = Some(Said::new("程序号应为 1-9999", "program numbers are 1 to 9999"));
+                return;
+            }
+        };
+        self.asked = Some(match deed {
+            Deed::New | Deed::Delete => FileRequest::New(to),
+            Deed::Copy => FileRequest::Copy { from, to },
+            Deed::Rename => FileRequest::Rename { from, to },
+        });
+        self.send(out);
+    }
+
+    fn begin(&mut self, deed: Deed, view: &View<'_>) {
+        let Some(row) = view.snapshot.directory.get(self.cursor) else {
+            self.deed = (deed == Deed::New).then_some(deed);
+            self.typing = Typing::default();
+            self.typing.pad = true;
+            return;
+        };
+        if deed == Deed::Delete {
+            let (number, comment) = (row.number, &row.comment);
+            let body = Said::new(
+                format!("O{number:04} {comment}\n删除后不能恢复，除非有备份。"),
+                format!("O{number:04} {comment}\nOnly a backup brings it back."),
+            );
+            self.asked = Some(FileRequest::Delete(number));
+            let key = ("question-delete", Text::new("删除", "DELETE"));
+            self.question = Some(Question::new(Text::new("删除程序？", "delete the program?"), body, key));
+            return;
+        }
+        self.deed = Some(deed);
+        self.typing = Typing::default();
+        self.typing.pad = true;
+    }
+
+    /// The keys below, or the line of the number being typed.
+    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) {
+        if edits.iter().any(|edit| matches!(edit, Edit::Right | Edit::Left)) {
+            self.on_keys = true;
+        } else if edits.iter().any(|edit| matches!(edit, Edit::Up | Edit::Down | Edit::Cancel)) {
+            self.on_keys = false;
+        }
+        if let Some(deed) = self.deed {
+            let what = match deed {
+                Deed::New => view.say("新程序号 O", "new program O"),
+                Deed::Copy => view.say("复制为 O", "copy to O"),
+                Deed::Rename => view.say("改为 O", "rename to O"),
+                Deed::Delete => view.say("删除", "delete"),
+            };
+            let name =
+                view.snapshot.directory.get(self.cursor).map_or_else(String::new, |row| format!("O{:04}", row.number));
+            let told = Told { what, name: &name, range: "1 … 9999" };
+            input_line::ui(
+                ui,
+                view,
+                Rect::from_min_size(rect.min, vec2(rect.width(), theme::INPUT)),
+                &self.typing,
+                &told,
+            );
+            return;
+        }
+        self.walk.begin(if self.on_keys { edits } else { &[] });
+        let keys = [
+            (Deed::New, "program-new", Text::new("新建", "NEW")),
+            (Deed::Copy, "program-copy", Text::new("复制", "COPY")),
+            (Deed::Rename, "program-rename", Text::new("改号", "RENAME")),
+            (Deed::Delete, "program-delete", Text::new("删除", "DELETE")),
+        ];
+        let width = (rect.width() + theme::GAP) / keys.len() as f32;
+        for (index, (deed, name, label)) in keys.into_iter().enumerate() {
+            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
+            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP));
+            let locked = view.snapshot.mode != Mode::Edit;
+            if self.walk.push(ui, view, place, (name, label.get(view.lang)), Look { on: false, locked }) {
+                self.begin(deed, view);
+            }
+        }
+    }
+
+    fn list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], pages: i32) -> Vec<Command> {
+        let edits = if self.on_keys { &[] } else { edits };
         let rows = view.snapshot.directory.as_slice();
         if rows.is_empty() {
             let remedy = view.say(
@@ -40,7 +241,7 @@ impl Directory {
         lines::title(ui, view, title, view.say("程序目录", "programs"));
         put(ui.painter(), title, Align2::RIGHT_CENTER, &rows.len().to_string(), theme::LABEL, view.theme.quiet);
         card(ui.painter(), list, view.theme.surface, view.theme.line);
-        let list = list.shrink(4.0);
+        let list = whole_lines(list.shrink(4.0), ROW);
         let mut load = false;
         for edit in edits {
             match edit {
@@ -88,7 +289,14 @@ impl Directory {
         let (rest, action) = rest.split_left_right_at_x(rest.max.x - 96.0);
         let (comment, facts) = rest.split_left_right_at_x(rest.max.x - 210.0);
         let comment = Rect::from_min_max(comment.min, comment.max - vec2(theme::PAD, 0.0));
-        fit(painter, comment, Align2::LEFT_CENTER, &row.comment, theme::LABEL, view.theme.text);
+        fit(
+            painter,
+            comment,
+            Align2::LEFT_CENTER,
+            &row.comment.replace('\u{FFFD}', "?"),
+            theme::LABEL,
+            view.theme.text,
+        );
         let (size, date) = facts.split_left_right_at_fraction(0.34);
         put(painter, size, Align2::RIGHT_CENTER, &kilobytes(row.size), theme::LABEL, view.theme.quiet);
         let date = Rect::from_min_max(date.min, date.max - vec2(theme::PAD, 0.0));
@@ -104,6 +312,8 @@ impl Directory {
     pub fn open(&mut self, view: &View<'_>) {
         let number = view.snapshot.program.number;
         self.cursor = view.snapshot.directory.iter().position(|row| row.number == number).unwrap_or(0);
+        (self.deed, self.question, self.asked, self.on_keys) = (None, None, None, false);
+        self.typing = Typing::default();
     }
 }
 

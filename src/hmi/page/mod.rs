@@ -5,15 +5,19 @@ pub mod diagnosis;
 pub mod directory;
 pub mod dressing;
 pub mod empty;
+pub mod graphic;
 pub mod grinding;
 pub mod input_line;
 pub mod mdi;
 pub mod offset;
 pub mod params;
 pub mod position;
+pub mod process;
 pub mod program;
 pub mod scroll;
 pub mod settings;
+pub mod simulator;
+pub mod transfer;
 pub mod variables;
 pub mod wheel;
 
@@ -37,6 +41,8 @@ pub struct Typed<'a> {
     pub edits: &'a [Edit],
     /// Every sign, for the pages that take words.
     pub text: &'a str,
+    /// Keys with Ctrl.
+    pub controls: &'a [egui::Key],
     /// Pages to scroll.
     pub pages: i32,
 }
@@ -48,7 +54,12 @@ pub struct Pages {
     pub shown: Shown,
     /// Value typed on the grinding page.
     pub entry: Entry,
-    listing: program::Listing,
+    program: program::Program,
+    graphic: graphic::Graphic,
+    transfer: transfer::Transfer,
+    process: process::Process,
+    simulator: simulator::Simulator,
+    simulator_tab: usize,
     directory: directory::Directory,
     diagnosis: diagnosis::Diagnosis,
     alarms: alarm::Alarms,
@@ -68,6 +79,8 @@ impl Pages {
         self.entry.restart();
         self.login.close();
         self.directory.open(view);
+        self.program.open();
+        self.transfer.open();
         self.alarms.open();
         self.diagnosis = diagnosis::Diagnosis::default();
         self.settings = settings::Settings::default();
@@ -99,10 +112,22 @@ impl Pages {
             Page::Macro => &self.variables.typing,
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
+            Page::Directory => &self.directory.typing,
             Page::Params => &self.params.typing,
+            Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
+            Page::Program => {
+                let (text, why) = (self.program.text().to_string(), self.program.refusal()?);
+                return Some((text, why.get(lang).to_owned()));
+            }
             _ => &self.entry.typing,
         };
         Some((typing.text.clone(), typing.reason(lang)?.to_owned()))
+    }
+
+    /// The text on the program page, with what was typed.
+    #[must_use]
+    pub const fn program_text(&self) -> &ropey::Rope {
+        self.program.text()
     }
 
     /// Whether the numeric pad is to slide in.
@@ -113,6 +138,7 @@ impl Pages {
         }
         match view.snapshot.page {
             Page::Params => self.params.wants_pad(),
+            Page::Directory => self.directory.wants_pad(),
             Page::Offset => self.offset.table.typing.pad,
             Page::Dressing => self.dressing.table.typing.pad,
             Page::Macro => self.variables.typing.pad,
@@ -134,15 +160,21 @@ impl Pages {
         typed: &Typed<'_>,
         picture: Option<TextureId>,
     ) -> Vec<Command> {
+        self.graphic.follow(view);
+        self.process.follow(view);
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
                 let mut out = answers(typed.edits);
-                out.extend(position::ui(ui, rect, view, self.shown, &mut self.listing));
+                out.extend(position::ui(ui, rect, view, self.shown));
                 out
             }
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
-            Page::Program => self.listing.ui(ui, rect, view, typed.pages),
-            Page::Directory => self.directory.ui(ui, rect, view, typed.edits, typed.pages),
+            Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
+            Page::Process => self.process.ui(ui, rect, view, typed),
+            Page::Simulator => self.simulator.ui(ui, rect, view, typed, &mut self.simulator_tab),
+            Page::Graphic => self.graphic.ui(ui, rect, view, typed),
+            Page::Transfer => self.transfer.ui(ui, rect, view, typed, &mut self.login),
+            Page::Directory => self.directory.ui(ui, rect, view, typed, &mut self.login),
             Page::Dressing => self.dressing.ui(ui, rect, view, typed, picture),
             Page::Offset => self.offset.ui(ui, rect, view, typed),
             Page::Macro => self.variables.ui(ui, rect, view, typed),

@@ -4,7 +4,7 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::program::Listing;
+use super::program::listing;
 use crate::defs::key::Key;
 use crate::hmi::keycap::{self, Face};
 use crate::hmi::view::{View, card, fit, length, put};
@@ -26,7 +26,7 @@ pub enum Shown {
 }
 
 /// Draws the page.
-pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>, shown: Shown, listing: &mut Listing) -> Vec<Command> {
+pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>, shown: Shown) -> Vec<Command> {
     let mut out = Vec::new();
     let inside = rect.shrink(theme::PAD);
     let side = if inside.width() > 900.0 { 250.0 } else { 190.0 };
@@ -52,7 +52,7 @@ pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>, shown: Shown, listing: &mut List
         axis_card(ui, card, view, axis, shown, &mut out);
     }
     let rest = Rect::from_min_size(axes.min + vec2(0.0, used), vec2(axes.width(), room - used));
-    listing.strip(ui, rest, view);
+    listing::strip(ui, rest, view);
     if keys {
         answer_keys(ui, axes, view, &mut out);
     }

@@ -99,7 +99,7 @@ fn group(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) -> Rect {
 }
 
 fn language(ui: &Ui, rect: Rect, view: &View<'_>, walk: &mut Walk, out: &mut Vec<Command>) {
-    let body = group(ui, view, rect, view.say("语言 Language", "Language 语言"));
+    let body = group(ui, view, rect, view.say("语言、颜色 Language", "Language 语言, colours"));
     let row = Rect::from_min_size(body.min, vec2(body.width(), KEY));
     for (index, (lang, id, name)) in
         [(Lang::Zh, "lang-zh", "中文"), (Lang::En, "lang-en", "English")].into_iter().enumerate()
@@ -107,6 +107,16 @@ fn language(ui: &Ui, rect: Rect, view: &View<'_>, walk: &mut Walk, out: &mut Vec
         let look = Look { on: lang == view.lang, locked: false };
         if walk.push(ui, view, cell(row, index, 2), (id, name), look) {
             out.push(Command::Page(PageCommand::KeepLang(lang)));
+        }
+    }
+    // Which theme is in force is known by its ground.
+    let light = *view.theme == theme::LIGHT;
+    let row = row.translate(vec2(0.0, KEY + theme::GAP));
+    let themes = [(false, "theme-dark", view.say("深色", "DARK")), (true, "theme-light", view.say("浅色", "LIGHT"))];
+    for (index, (wanted, id, name)) in themes.into_iter().enumerate() {
+        let look = Look { on: light == wanted, locked: false };
+        if walk.push(ui, view, cell(row, index, 2), (id, name), look) {
+            out.push(Command::Page(PageCommand::KeepLight(wanted)));
         }
     }
     let note = view.say("立即生效并保存", "at once, and kept");

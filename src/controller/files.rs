@@ -1,0 +1,302 @@
+//! What the pages ask of folders and long calculations: whether it may be now, and what came of it. The work itself is
+//! done beside the tick; one request at a time, lines that are looked at go in between.
+//! Source: spec B6, K6.2, K7.8.
+
+use std::sync::Arc;
+
+use super::{Controller, Effect, Programs};
+use crate::defs::key::Mode;
+use crate::defs::kind::Kind;
+use crate::defs::param::{self, Params};
+use crate::defs::text::{Said, Text};
+use crate::link::files::{FileAnswer, FileRequest, FilesView, Refusal, Restored};
+use crate::link::media::{Direction, Set, Transfer};
+use crate::link::snapshot::{Snapshot, Tone};
+use crate::nc::{Frames, Memory, REFERENCES, Settings};
+use crate::units::PerAxis;
+
+/// Programs whose editing P23.5 guards.
+const GUARDED_SUBPROGRAMS: std::ops::RangeInclusive<u32> = 9_000..=9_999;
+
+const BUSY: Text = Text::new("上一项工作未完成，请稍候或取消", "the work before is not done: wait or cancel it");
+const EDIT_MODE: Text = Text::new("先按面板上的 编辑 键", "press EDIT on the panel first");
+const IN_RUN: Text = Text::new("程序运行中不能编辑程序", "programs are not edited while one runs");
+
+const CARRY_IN_RUN: Text = Text::new("程序运行中不能读入", "nothing is taken in while a program runs");
+
+/// One piece of work for the thread beside the tick, with what it needs of the core.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// What is asked.
+    pub request: FileRequest,
+    /// How programs are read.
+    pub settings: Settings,
+    /// The programs.
+    pub programs: Arc<Programs>,
+    /// The values that the core holds; only for a transfer.
+    pub holdings: Option<Box<Holdings>>,
+    /// Where a check run begins; only for a drawing.
+    pub start: Option<Box<Start>>,
+}
+
+/// The values that the core holds.
+#[derive(Clone, Debug)]
+pub struct Holdings {
+    /// The kind of machine.
+    pub kind: Kind,
+    /// Parameters.
+    pub params: Params,
+    /// Variables.
+    pub memory: Memory,
+    /// Work frames and offsets.
+    pub frames: Frames,
+}
+
+/// What a check run begins with.
+#[derive(Clone, Debug)]
+pub struct Start {
+    /// Variables.
+    pub memory: Memory,
+    /// Work frames and offsets.
+    pub frames: Frames,
+    /// Work position, radius mm.
+    pub position: PerAxis<f64>,
+    /// The reference points, machine coordinates.
+    pub references: [PerAxis<f64>; REFERENCES],
+    /// System variables that stand in parameters.
+    pub system: Vec<(u32, f64)>,
+    /// 跳段 is on.
+    pub block_skip: bool,
+}
+
+impl PartialEq for Job {
+    fn eq(&self, other: &Self) -> bool {
+        self.request == other.request
+    }
+}
+
+/// What the core keeps of the requests.
+#[derive(Clone, Debug, Default)]
+pub struct Files {
+    view: Arc<FilesView>,
+    /// The request that is not answered yet.
+    pending: Option<Box<FileRequest>>,
+}
+
+impl Controller {
+    /// Takes one request of a page.
+    pub(super) fn take_file(&mut self, request: &FileRequest) {
+        match request {
+            FileRequest::Look { .. } | FileRequest::Media | FileRequest::Print(_) | FileRequest::Table(_) => {
+                return self.order(request);
+            }
+            FileRequest::Cancel => {
+                if self.files.pending.is_some() {
+                    self.order(request);
+                }
+                return;
+            }
+            FileRequest::MayEdit(number) => {
+                let answer = match self.may_edit(*number) {
+                    Ok(()) => FileAnswer::Done(Said::new("可以编辑", "ready for editing")),
+                    Err(refusal) => FileAnswer::Refused(refusal),
+                };
+                return self.note_answer(&answer);
+            }
+            _ => {}
+        }
+        if let Err(refusal) = self.may(request) {
+            self.note_answer(&FileAnswer::Refused(refusal.clone()));
+            return self.refuse(refusal.said());
+        }
+        self.files.pending = Some(Box::new(request.clone()));
+        self.order(request);
+    }
+
+    fn order(&mut self, request: &FileRequest) {
+        let settings = super::nc_settings(self.kind, &self.params);
+        let holdings = matches!(request, FileRequest::Transfer(_)).then(|| {
+            let (params, memory, frames) = (self.params.clone(), self.memory.clone(), self.frames.clone());
+            Box::new(Holdings { kind: self.kind, params, memory, frames })
+        });
+        let start = matches!(request, FileRequest::Draw(_)).then(|| {
+            let (params, switches) = (&self.params, self.switches);
+            Box::new(Start {
+                memory: self.memory.clone(),
+                frames: self.frames.clone(),
+                position: self.work(),
+                references: super::references(params),
+                system: super::PARAM_VARIABLES.iter().map(|(row, at)| (row.first, params.get(*at))).collect(),
+                block_skip: switches.block_skip,
+            })
+        });
+        let job = Job { request: request.clone(), settings, programs: Arc::clone(&self.programs), holdings, start };
+        self.effects.push(Effect::Job(Box::new(job)));
+    }
+
+    /// Whether a request may be carried out now.
+    fn may(&self, request: &FileRequest) -> Result<(), Refusal> {
+        if self.files.pending.is_some() {
+            return Err(Refusal::Because(BUSY.into()));
+        }
+        match request {
+            FileRequest::Save { number, .. } | FileRequest::New(number) | FileRequest::Delete(number) => {
+                self.may_edit(*number)
+            }
+            FileRequest::Copy { to, .. } => self.may_edit(*to),
+            FileRequest::Rename { from, to } => self.may_edit(*from).and_then(|()| self.may_edit(*to)),
+            FileRequest::Transfer(transfer) => self.may_carry(transfer),
+            FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Draw(_) => Ok(()),
+            FileRequest::Media | FileRequest::Print(_) | FileRequest::Table(_) | FileRequest::Cancel => Ok(()),
+        }
+    }
+
+    /// Out of the control anything may go. Into it: nothing in a run; programs ask for their password, parameters and a
+    /// whole backup for the machine builder's.
+    fn may_carry(&self, transfer: &Transfer) -> Result<(), Refusal> {
+        if transfer.direction == Direction::Out {
+            return Ok(());
+        }
+        if self.run.is_some() {
+            return Err(Refusal::Because(CARRY_IN_RUN.into()));
+        }
+        match transfer.set {
+            Set::Params | Set::Backup if !self.pages.is_builder() => Err(Refusal::Builder),
+            Set::Programs if self.params.bit(param::PROGRAM_PASSWORD) && !self.pages.may_edit_programs() => {
+                Err(Refusal::Password)
+            }
+            Set::Programs | Set::Screens | Set::Params | Set::Variables | Set::Backup => Ok(()),
+        }
+    }
+
+    /// Takes the values of a file. They were checked; what is in use now is said and left as it is.
+    fn restore(&mut self, restored: &Restored) -> Said {
+        let mut kept = Vec::new();
+        for (at, value) in &restored.params {
+            let same = self.params.read(*at).is_ok_and(|old| old.to_bits() == value.to_bits());
+            if same {
+                continue;
+            }
+            self.set_param(*at, *value);
+            if self.message.tone == Tone::Refused {
+                kept.push(at.to_string());
+            }
+        }
+        for (number, value) in &restored.variables {
+            self.set_variable(*number, Some(*value));
+        }
+        for (number, geometry, wear) in &restored.offsets {
+            (self.frames.geometry[number - 1], self.frames.wear[number - 1]) = (*geometry, *wear);
+            self.effects.push(Effect::Offset { number: *number, geometry: *geometry, wear: *wear });
+        }
+        for (index, origin) in &restored.frames {
+            self.frames.work[*index] = *origin;
+            self.effects.push(Effect::Frame(*index, *origin));
+        }
+        let (params, variables) = (restored.params.len(), restored.variables.len());
+        if kept.is_empty() {
+            return Said::new(
+                format!("已读入：参数 {params} 个，变量 {variables} 个"),
+                format!("taken: {params} parameters, {variables} variables"),
+            );
+        }
+        let kept = kept.join(" ");
+        Said::new(format!("已读入，正在使用而未改的：{kept}"), format!("taken; in use and left as they are: {kept}"))
+    }
+
+    /// Edit mode, nothing open, and the password once (K6.2).
+    fn may_edit(&self, number: u32) -> Result<(), Refusal> {
+        if self.run.is_some() {
+            return Err(Refusal::Because(IN_RUN.into()));
+        }
+        if self.mode != Mode::Edit {
+            return Err(Refusal::Because(EDIT_MODE.into()));
+        }
+        let asks = match GUARDED_SUBPROGRAMS.contains(&number) {
+            true => param::SUBPROGRAM_PASSWORD,
+            false => param::PROGRAM_PASSWORD,
+        };
+        if self.params.bit(asks) && !self.pages.may_edit_programs() { Err(Refusal::Password) } else { Ok(()) }
+    }
+
+    /// The answer of the work.
+    pub(super) fn hear_file(&mut self, answer: &FileAnswer) {
+        match answer {
+            FileAnswer::Done(said) => {
+                if let Some(request) = self.files.pending.take() {
+                    self.follow_up(&request);
+                }
+                self.say(said.clone());
+            }
+            FileAnswer::Saved { said, .. } => {
+                self.files.pending = None;
+                self.say(said.clone());
+            }
+            FileAnswer::Restored(_) if self.run.is_some() => {
+                return self.hear_file(&FileAnswer::Refused(Refusal::Because(CARRY_IN_RUN.into())));
+            }
+            FileAnswer::Restored(restored) => {
+                let said = self.restore(restored);
+                return self.hear_file(&FileAnswer::Done(said));
+            }
+            FileAnswer::Printed(Ok(said)) => self.say(said.clone()),
+            FileAnswer::Printed(Err(refusal)) => self.refuse(refusal.said()),
+            FileAnswer::Drawn(_) => self.files.pending = None,
+            FileAnswer::Refused(refusal) => {
+                self.files.pending = None;
+                self.refuse(refusal.said());
+            }
+            FileAnswer::Media(_) | FileAnswer::Looked(_) | FileAnswer::Progress(..) => {}
+        }
+        self.note_answer(answer);
+    }
+
+    /// A current program that has another number, or is no more.
+    fn follow_up(&mut self, request: &FileRequest) {
+        let current = match request {
+            FileRequest::Rename { from, to } if *from == self.current => *to,
+            FileRequest::Delete(number) if *number == self.current => 0,
+            _ => return,
+        };
+        self.current = current;
+        self.place = crate::nc::Place::default();
+        self.effects.push(Effect::CurrentProgram(current));
+    }
+
+    fn note_answer(&mut self, answer: &FileAnswer) {
+        let view = Arc::make_mut(&mut self.files.view);
+        match answer {
+            FileAnswer::Looked(looked) => {
+                view.looked = Arc::new(looked.clone());
+                return;
+            }
+            FileAnswer::Progress(what, thousandths) => {
+                view.busy = Some((*what, *thousandths));
+                return;
+            }
+            FileAnswer::Media(media) => {
+                if view.media.as_deref() != Some(media) {
+                    view.media = Some(Arc::new(media.clone()));
+                }
+                return;
+            }
+            FileAnswer::Restored(_) | FileAnswer::Printed(_) => return,
+            FileAnswer::Drawn(drawing) => (view.refused, view.drawing) = (None, Some(Arc::clone(drawing))),
+            FileAnswer::Done(said) => (view.refused, view.done) = (None, said.clone()),
+            FileAnswer::Saved { said, number, stamp } => {
+                (view.refused, view.done) = (None, said.clone());
+                view.saved = (*number, *stamp);
+            }
+            FileAnswer::Refused(refusal) => view.refused = Some(refusal.clone()),
+        }
+        view.busy = None;
+        view.answers = view.answers.wrapping_add(1);
+    }
+
+    /// Writes what the pages see of the work.
+    pub(super) fn files_view(&self, out: &mut Snapshot) {
+        if !Arc::ptr_eq(&out.files, &self.files.view) {
+            out.files.clone_from(&self.files.view);
+        }
+    }
+}

@@ -1,0 +1,312 @@
+//! The drawing: tool path from a check run, part, wheel and the way really gone; zoomed by fingers, wheel or keys. Extents
+//! and time are told before the first cycle start.
+//! Source: spec B6 (图形), H8, H9.
+
+mod paint;
+
+use std::sync::Arc;
+
+use egui::{Align2, Id, Rect, Sense, Ui, Vec2, pos2, vec2};
+
+use super::{Typed, empty};
+use crate::defs::kind::Kind;
+use crate::defs::text::Text;
+use crate::hmi::entry::Edit;
+use crate::hmi::view::{View, card, fit, length, paragraph};
+use crate::hmi::widget::{Look, Walk};
+use crate::hmi::{frame as lines, pictogram, theme};
+use crate::link::Command;
+use crate::link::drawing::{Around, Drawing};
+use crate::link::files::FileRequest;
+use crate::link::page_command::PageCommand;
+use crate::units::Axis;
+use paint::{Camera, Canvas};
+
+/// Height of the keys below.
+const KEYS: f32 = 46.0;
+/// Width of the figures beside the drawing.
+const FIGURES: f32 = 196.0;
+/// Most points of the way really gone; then every second one is left out.
+const TRAIL: usize = 8_000;
+/// Seconds after which a request without an answer is made again.
+const AGAIN: f64 = 1.0;
+/// A step of zoom by key.
+const ZOOM: f32 = 1.5;
+/// A step of moving by key, share of the canvas.
+const MOVE: f32 = 0.15;
+
+/// The plane that is looked at: the axis to the right and the one upwards.
+pub type PlaneOf = (Axis, Axis);
+
+/// What the page keeps.
+#[derive(Debug, Default)]
+pub struct Graphic {
+    camera: Option<Camera>,
+    plane: usize,
+    canvas: Canvas,
+    /// Program and text for which a path was asked, when, and how many answers there were then.
+    asked: Option<((u32, u64), f64, u32)>,
+    /// The way really gone, X Y Z.
+    trail: Vec<[f32; 3]>,
+    walk: Walk,
+}
+
+/// The planes of a kind, the usual one first.
+const fn planes(kind: Kind) -> &'static [PlaneOf] {
+    match kind {
+        // Seen from above: Z along the part, X to the wheel.
+        Kind::Gc | Kind::Lathe => &[(Axis::Z, Axis::X)],
+        Kind::Gs => &[(Axis::X, Axis::Y), (Axis::Z, Axis::Y), (Axis::X, Axis::Z)],
+        Kind::Ga | Kind::Vertical => &[(Axis::X, Axis::Z)],
+    }
+}
+
+const fn index(axis: Axis) -> usize {
+    axis as usize
+}
+
+impl Graphic {
+    /// Notes where the machine is; called in every frame, whichever page is open.
+    pub fn follow(&mut self, view: &View<'_>) {
+        let at = position(view);
+        let running = view.snapshot.state == crate::link::snapshot::RunState::Running;
+        let moved = self.trail.last().is_none_or(|last| (0..3).any(|axis| (last[axis] - at[axis]).abs() > 5e-4));
+        if !running || !moved {
+            return;
+        }
+        if self.trail.len() >= TRAIL {
+            let mut keep = false;
+            self.trail.retain(|_| {
+                keep = !keep;
+                keep
+            });
+        }
+        self.trail.push(at);
+    }
+
+    /// Draws the page.
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
+        let mut out = Vec::new();
+        let program = &view.snapshot.program;
+        if program.number == 0 {
+            let remedy = view.say("按“目录”选择一个程序并装入。", "Choose a program in the directory and load it.");
+            empty::show(ui, view, rect, pictogram::NO_PAGE, view.say("没有装入程序", "no program is loaded"), remedy);
+            return out;
+        }
+        let drawing = view.snapshot.files.drawing.as_ref().filter(|drawing| drawing.number == program.number);
+        let fresh = drawing.is_some_and(|drawing| drawing.stamp == program.stamp);
+        let wanted = (program.number, program.stamp);
+        let (now, answers) = (ui.input(|input| input.time), view.snapshot.files.answers);
+        // A request that nobody answered is made again; one that was refused or cancelled is not.
+        let due = self.asked.is_none_or(|(of, when, before)| of != wanted || before == answers && now - when > AGAIN);
+        if !fresh && due && view.snapshot.files.busy.is_none() {
+            self.redraw(wanted, view, now, &mut out);
+        }
+        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
+        let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
+        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - KEYS);
+        let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
+        let (canvas, figures) = body.split_left_right_at_x(body.max.x - FIGURES);
+        let canvas = Rect::from_min_max(canvas.min, canvas.max - vec2(theme::GAP, 0.0));
+        let planes = planes(view.snapshot.kind);
+        let plane = planes[self.plane % planes.len()];
+        let words = format!("O{:04} · {}{}", program.number, plane.0.letter(), plane.1.letter());
+        lines::title(ui, view, title, &words);
+        self.canvas(ui, canvas, view, (drawing, plane), typed);
+        figures_of(ui, figures, view, drawing, fresh);
+        self.keys(ui, keys, view, (drawing, plane), typed.edits, &mut out);
+        if let Some((what, share)) = view.snapshot.files.busy {
+            progress(ui, canvas, view, what, share);
+        }
+        out
+    }
+
+    fn redraw(&mut self, wanted: (u32, u64), view: &View<'_>, now: f64, out: &mut Vec<Command>) {
+        self.asked = Some((wanted, now, view.snapshot.files.answers));
+        out.push(Command::Page(PageCommand::File(FileRequest::Draw(wanted.0))));
+    }
+
+    fn canvas(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        view: &View<'_>,
+        (drawing, plane): (Option<&Arc<Drawing>>, PlaneOf),
+        typed: &Typed<'_>,
+    ) {
+        card(ui.painter(), rect, view.theme.surface, view.theme.line);
+        let inside = rect.shrink(2.0);
+        let whole = paint::whole(view, drawing, &self.trail);
+        let camera = *self.camera.get_or_insert_with(|| Camera::fit(whole, plane, inside));
+        let mut camera = if camera.fitted { Camera::fit(whole, plane, inside) } else { camera };
+        let response = ui.interact(inside, Id::unique("graphic-canvas"), Sense::DRAG | Sense::HOVER);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "图形 graphic-canvas"));
+        let (pinch, scroll, at) = ui.input(|input| {
+            let touch = input.multi_touch();
+            let zoom = touch.map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta);
+            (zoom, input.smooth_scroll_delta().y, input.pointer.hover_pos())
+        });
+        let at = at.filter(|at| inside.contains(*at));
+        if response.dragged() {
+            camera.shift(response.drag_delta());
+        }
+        if let Some(at) = at {
+            camera.zoom(pinch * (scroll / 240.0).exp(), at - inside.center());
+        }
+        for edit in typed.edits {
+            match edit {
+                Edit::Left => camera.shift(vec2(MOVE * inside.width(), 0.0)),
+                Edit::Right => camera.shift(vec2(-MOVE * inside.width(), 0.0)),
+                Edit::Up => camera.shift(vec2(0.0, MOVE * inside.height())),
+                Edit::Down => camera.shift(vec2(0.0, -MOVE * inside.height())),
+                Edit::Sign => camera.zoom(1.0 / ZOOM, Vec2::ZERO),
+                _ => {}
+            }
+        }
+        for sign in typed.text.chars() {
+            match sign {
+                '+' | '=' => camera.zoom(ZOOM, Vec2::ZERO),
+                'f' | 'F' => camera = Camera::fit(whole, plane, inside),
+                _ => {}
+            }
+        }
+        camera.zoom(ZOOM.powi(-typed.pages), Vec2::ZERO);
+        self.camera = Some(camera);
+        let painter = ui.painter().with_clip_rect(inside);
+        self.canvas.paint(&painter, inside, view, &paint::Scene { drawing, plane, camera, trail: &self.trail });
+    }
+
+    fn keys(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        view: &View<'_>,
+        (drawing, _plane): (Option<&Arc<Drawing>>, PlaneOf),
+        edits: &[Edit],
+        out: &mut Vec<Command>,
+    ) {
+        // The arrows move the drawing: the keys are walked by Tab.
+        let walked: Vec<Edit> =
+            edits.iter().copied().filter(|edit| matches!(edit, Edit::Next | Edit::Previous | Edit::Enter)).collect();
+        self.walk.begin(&walked);
+        let several = planes(view.snapshot.kind).len() > 1;
+        let busy = view.snapshot.files.busy.is_some();
+        let keys = [
+            ("graphic-fit", Text::new("适合", "FIT"), true),
+            ("graphic-in", Text::new("放大 +", "ZOOM +"), true),
+            ("graphic-out", Text::new("缩小 -", "ZOOM -"), true),
+            ("graphic-plane", Text::new("平面", "PLANE"), several),
+            ("graphic-clear", Text::new("清轨迹", "CLEAR"), true),
+            ("graphic-redraw", Text::new("重算", "REDRAW"), !busy),
+            ("graphic-stop", Text::new("取消", "CANCEL"), busy),
+        ];
+        let shown: Vec<_> = keys.into_iter().filter(|(.., shown)| *shown).collect();
+        let width = (rect.width() + theme::GAP) / shown.len() as f32;
+        for (index, (name, label, _)) in shown.into_iter().enumerate() {
+            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
+            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height()));
+            if !self.walk.push(ui, view, place, (name, label.get(view.lang)), Look::default()) {
+                continue;
+            }
+            match name {
+                "graphic-fit" => self.camera = None,
+                "graphic-in" | "graphic-out" => {
+                    let factor = if name == "graphic-in" { ZOOM } else { 1.0 / ZOOM };
+                    self.camera.iter_mut().for_each(|camera| camera.zoom(factor, Vec2::ZERO));
+                }
+                "graphic-plane" => {
+                    self.plane += 1;
+                    self.camera = None;
+                }
+                "graphic-clear" => self.trail.clear(),
+                "graphic-redraw" => {
+                    let wanted = (view.snapshot.program.number, view.snapshot.program.stamp);
+                    self.redraw(wanted, view, ui.input(|input| input.time), out);
+                }
+                _ => out.push(Command::Page(PageCommand::File(FileRequest::Cancel))),
+            }
+            ui.ctx().request_repaint();
+        }
+        let _ = drawing;
+    }
+}
+
+/// Where the wheel's reference point is: X Y Z, mm, radius, work coordinates.
+fn position(view: &View<'_>) -> [f32; 3] {
+    Axis::ALL.map(|axis| {
+        let halved = if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
+        (view.snapshot.axes[axis].work / halved) as f32
+    })
+}
+
+/// Hours, minutes and seconds.
+fn duration(seconds: f64) -> String {
+    let whole = seconds.round().max(0.0) as u64;
+    format!("{:02}:{:02}:{:02}", whole / 3_600, whole / 60 % 60, whole % 60)
+}
+
+/// Time, way, extents; what is wrong.
+fn figures_of(ui: &Ui, rect: Rect, view: &View<'_>, drawing: Option<&Arc<Drawing>>, fresh: bool) {
+    card(ui.painter(), rect, view.theme.surface, view.theme.line);
+    let inside = rect.shrink2(vec2(10.0, 8.0));
+    let Some(drawing) = drawing else {
+        let words = view.say("还没有轨迹", "no path yet");
+        paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.quiet);
+        return;
+    };
+    let mut rows = vec![
+        (view.say("时间", "time").to_owned(), duration(drawing.seconds)),
+        (view.say("行程 m", "way m").to_owned(), format!("{:.2}", drawing.length_mm / 1_000.0)),
+        (view.say("行数", "lines").to_owned(), drawing.lines.to_string()),
+    ];
+    if let Some((low, high)) = drawing.extents {
+        for axis in Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present) {
+            let factor = if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
+            rows.push((format!("{} {}", axis.letter(), view.say("最小", "min")), length(low[axis] * factor)));
+            rows.push((format!("{} {}", axis.letter(), view.say("最大", "max")), length(high[axis] * factor)));
+        }
+    }
+    let mut top = inside.min.y;
+    for (name, value) in rows {
+        let line = Rect::from_min_size(pos2(inside.min.x, top), vec2(inside.width(), 25.0));
+        let (left, right) = line.split_left_right_at_fraction(0.42);
+        fit(ui.painter(), left, Align2::LEFT_CENTER, &name, theme::LABEL, view.theme.quiet);
+        fit(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::LABEL, view.theme.text);
+        top += 25.0;
+    }
+    let below = Rect::from_min_max(pos2(inside.min.x, top + 6.0), inside.max);
+    let (words, ink) = if let Some(fault) = drawing.faults.first() {
+        let more = drawing.faults.len() - 1;
+        let more = if more > 0 { format!(" (+{more})") } else { String::new() };
+        let line = view.say("行", "line");
+        (format!("{line} {}: {}{more}", fault.line, fault.said.get(view.lang)), view.theme.alarm_text)
+    } else if !fresh {
+        let words = view.say("程序已改动，请重算", "the program was changed: redraw");
+        (words.to_owned(), view.theme.hold)
+    } else if !drawing.finished {
+        let words = view.say("未到程序结束：太长或循环等待", "not followed to its end: too long, or a loop that waits");
+        (words.to_owned(), view.theme.hold)
+    } else {
+        (view.say("检查无错误", "checked: no mistakes").to_owned(), view.theme.run)
+    };
+    paragraph(ui.painter(), below, &words, theme::LABEL, ink);
+}
+
+/// A bar over the drawing while a path is computed.
+fn progress(ui: &Ui, rect: Rect, view: &View<'_>, what: Text, share: u16) {
+    let place = Rect::from_center_size(rect.center(), vec2(340.0_f32.min(rect.width() - 24.0), 74.0));
+    card(ui.painter(), place, view.theme.raised, view.theme.focus);
+    let inside = place.shrink(theme::PAD);
+    let words = format!("{} {} %", what.get(view.lang), share / 10);
+    let (line, bar) = inside.split_top_bottom_at_y(inside.min.y + 28.0);
+    fit(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
+    let bar = Rect::from_min_max(pos2(bar.min.x, bar.max.y - 12.0), bar.max);
+    ui.painter().rect_filled(bar, theme::RADIUS, view.theme.line);
+    let done = Rect::from_min_size(bar.min, vec2(bar.width() * f32::from(share) / 1_000.0, bar.height()));
+    ui.painter().rect_filled(done, theme::RADIUS, view.theme.focus);
+}
+
+/// The box that holds everything, or a hand's breadth around the machine's place.
+fn or_here(around: Option<Around>, here: [f32; 3]) -> Around {
+    around.unwrap_or(Around { low: here.map(|at| at - 50.0), high: here.map(|at| at + 50.0) })
+}

@@ -1,0 +1,363 @@
+//! What is painted of the scene: grid, part, path, the way gone, the wheel. The path is one mesh, made anew only when
+//! drawing, plane or camera change; outside the canvas nothing is made.
+//! Source: spec B6, H8 (16 ms a frame), H9.
+
+use std::sync::Arc;
+
+use egui::epaint::{Mesh, Vertex, WHITE_UV};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+
+use super::{PlaneOf, index, or_here, position};
+use crate::defs::kind::Kind;
+use crate::defs::param;
+use crate::hmi::theme;
+use crate::hmi::view::{View, put};
+use crate::link::drawing::{Around, Drawing, PIECE, Way};
+use crate::units::Axis;
+
+/// Most lines of the path in a frame; above that a coarser degree of detail is taken.
+const MOST_LINES: usize = 24_000;
+/// Share of a pixel that may be missing.
+const MISSING: f32 = 0.6;
+/// Limits of the scale, pixels a mm.
+const SCALES: std::ops::RangeInclusive<f32> = 0.01..=20_000.0;
+/// Pixels between two lines of the grid, at least.
+const GRID: f32 = 70.0;
+
+/// Where one looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// mm in the middle of the canvas: to the right, upwards.
+    middle: (f32, f32),
+    /// Pixels a mm.
+    scale: f32,
+    /// Everything is to be seen; it stays so until it is moved.
+    pub fitted: bool,
+}
+
+impl Camera {
+    /// Everything in sight.
+    pub fn fit(whole: Around, (right, up): PlaneOf, rect: Rect) -> Self {
+        let (right, up) = (index(right), index(up));
+        let size = |axis: usize| (whole.high[axis] - whole.low[axis]).max(1.0);
+        let scale = (rect.width() * 0.88 / size(right)).min(rect.height() * 0.88 / size(up));
+        let middle = |axis: usize| f32::midpoint(whole.low[axis], whole.high[axis]);
+        Self { middle: (middle(right), middle(up)), scale: scale.clamp(*SCALES.start(), *SCALES.end()), fitted: true }
+    }
+
+    /// Moves by pixels.
+    pub fn shift(&mut self, by: Vec2) {
+        if by != Vec2::ZERO {
+            self.middle.0 -= by.x / self.scale;
+            self.middle.1 += by.y / self.scale;
+            self.fitted = false;
+        }
+    }
+
+    /// Zooms around a place, pixels from the middle.
+    pub fn zoom(&mut self, factor: f32, about: Vec2) {
+        let scale = (self.scale * factor).clamp(*SCALES.start(), *SCALES.end());
+        if !scale.is_finite() || (scale / self.scale - 1.0).abs() < 1e-4 {
+            return;
+        }
+        self.middle.0 += about.x / self.scale - about.x / scale;
+        self.middle.1 -= about.y / self.scale - about.y / scale;
+        (self.scale, self.fitted) = (scale, false);
+    }
+
+    fn place(&self, rect: Rect, right: f32, up: f32) -> Pos2 {
+        let centre = rect.center();
+        pos2(centre.x + (right - self.middle.0) * self.scale, centre.y - (up - self.middle.1) * self.scale)
+    }
+
+    /// What is in sight, mm: least and greatest to the right, least and greatest upwards.
+    fn sight(&self, rect: Rect) -> [f32; 4] {
+        let (wide, high) = (rect.width() / 2.0 / self.scale, rect.height() / 2.0 / self.scale);
+        [self.middle.0 - wide, self.middle.0 + wide, self.middle.1 - high, self.middle.1 + high]
+    }
+}
+
+/// What is to be painted.
+pub struct Scene<'a> {
+    pub drawing: Option<&'a Arc<Drawing>>,
+    pub plane: PlaneOf,
+    pub camera: Camera,
+    pub trail: &'a [[f32; 3]],
+}
+
+/// The mesh of the path, as it was painted last.
+#[derive(Debug, Default)]
+pub struct Canvas {
+    of: Option<(Arc<Drawing>, PlaneOf, Camera, Rect)>,
+    mesh: Arc<Mesh>,
+}
+
+/// The box around path, part and the way gone.
+pub fn whole(view: &View<'_>, drawing: Option<&Arc<Drawing>>, trail: &[[f32; 3]]) -> Around {
+    let mut all: Option<Around> = drawing.and_then(|drawing| drawing.around());
+    let mut take = |low: [f32; 3], high: [f32; 3]| {
+        let around = all.get_or_insert(Around { low, high });
+        for axis in 0..3 {
+            around.low[axis] = around.low[axis].min(low[axis]);
+            around.high[axis] = around.high[axis].max(high[axis]);
+        }
+    };
+    for stock in view.snapshot.stock.iter().filter(|stock| stock.part) {
+        take(stock.low.0.map(|at| at as f32), stock.high.0.map(|at| at as f32));
+    }
+    if drawing.is_none() {
+        trail.iter().for_each(|at| take(*at, *at));
+    }
+    or_here(all, position(view))
+}
+
+impl Canvas {
+    /// Paints everything into a clipped painter.
+    pub fn paint(&mut self, painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+        grid(painter, rect, view, scene);
+        stock(painter, rect, view, scene);
+        if let Some(drawing) = scene.drawing {
+            let wanted = (Arc::clone(drawing), scene.plane, scene.camera, rect);
+            let same = self.of.as_ref().is_some_and(|(drawn, plane, camera, place)| {
+                Arc::ptr_eq(drawn, drawing) && (*plane, *camera, *place) == (scene.plane, scene.camera, rect)
+            });
+            if !same {
+                self.mesh = Arc::new(path(drawing, scene, rect, view));
+                self.of = Some(wanted);
+            }
+            painter.add(Shape::Mesh(Arc::clone(&self.mesh)));
+        }
+        trail(painter, rect, view, scene);
+        wheel(painter, rect, view, scene);
+    }
+}
+
+/// The least round number of mm that is not below a length.
+fn round_up(length: f32) -> f32 {
+    let power = 10.0_f32.powf(length.max(1e-6).log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|step| step * power).find(|step| *step >= length).unwrap_or(10.0 * power)
+}
+
+fn grid(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+    let step = round_up(GRID / scene.camera.scale);
+    let [left, right, low, high] = scene.camera.sight(rect);
+    let diameter = |axis: Axis| if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
+    let digits = if step >= 1.0 { 0 } else { (-step.log10()).ceil() as usize };
+    let label = |axis: Axis, value: f32| format!("{:.*}", digits, value * diameter(axis));
+    let stroke = |value: f32| {
+        let zero = value.abs() < step * 0.01;
+        Stroke::new(theme::HAIR, if zero { view.theme.quiet } else { view.theme.line })
+    };
+    for number in (left / step).ceil() as i64..=(right / step).floor() as i64 {
+        let value = number as f32 * step;
+        let x = scene.camera.place(rect, value, 0.0).x;
+        painter.vline(x, rect.y_range(), stroke(value));
+        let place = Rect::from_min_size(pos2(x + 3.0, rect.max.y - 18.0), vec2(GRID - 8.0, 16.0));
+        if place.max.x < rect.max.x {
+            put(painter, place, Align2::LEFT_CENTER, &label(scene.plane.0, value), theme::SMALL, view.theme.quiet);
+        }
+    }
+    for number in (low / step).ceil() as i64..=(high / step).floor() as i64 {
+        let value = number as f32 * step;
+        let y = scene.camera.place(rect, 0.0, value).y;
+        painter.hline(rect.x_range(), y, stroke(value));
+        let place = Rect::from_min_size(pos2(rect.min.x + 4.0, y - 17.0), vec2(GRID - 8.0, 16.0));
+        if place.min.y > rect.min.y && place.max.y < rect.max.y - 20.0 {
+            put(painter, place, Align2::LEFT_CENTER, &label(scene.plane.1, value), theme::SMALL, view.theme.quiet);
+        }
+    }
+}
+
+fn stock(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+    let (right, up) = scene.plane;
+    for stock in view.snapshot.stock.iter() {
+        let at =
+            |corner: &crate::units::PerAxis<f64>| scene.camera.place(rect, corner[right] as f32, corner[up] as f32);
+        let place = Rect::from_two_pos(at(&stock.low), at(&stock.high));
+        let (fill, line) = if stock.part {
+            (view.theme.quiet.gamma_multiply(0.30), view.theme.quiet)
+        } else {
+            (view.theme.line.gamma_multiply(0.5), view.theme.line)
+        };
+        painter.rect_filled(place, 0.0, fill);
+        painter.rect_stroke(place, 0.0, Stroke::new(theme::HAIR, line), egui::StrokeKind::Inside);
+    }
+}
+
+/// The path as one mesh: the coarsest degree of detail that shows no difference, or one that is few enough.
+fn path(drawing: &Drawing, scene: &Scene<'_>, rect: Rect, view: &View<'_>) -> Mesh {
+    let (right, up) = (index(scene.plane.0), index(scene.plane.1));
+    let sight = scene.camera.sight(rect);
+    let seen = |piece: &Around| {
+        piece.high[right] >= sight[0]
+            && piece.low[right] <= sight[1]
+            && piece.high[up] >= sight[2]
+            && piece.low[up] <= sight[3]
+    };
+    let fine = drawing.levels.iter().rposition(|level| level.tolerance_mm * scene.camera.scale <= MISSING).unwrap_or(0);
+    let count = |level: usize| drawing.levels[level].pieces.iter().filter(|piece| seen(piece)).count() * PIECE;
+    let chosen = (fine..drawing.levels.len()).find(|level| count(*level) <= MOST_LINES);
+    let Some(level) = drawing.levels.get(chosen.unwrap_or(drawing.levels.len().saturating_sub(1))) else {
+        return Mesh::default();
+    };
+    let mut mesh = Mesh::default();
+    let colours = [view.theme.quiet, view.theme.info];
+    // A path that is denser than any degree of detail: every so many pieces keep a frame short.
+    let visible: Vec<usize> = (0..level.pieces.len()).filter(|piece| seen(&level.pieces[*piece])).collect();
+    let every = (visible.len() * PIECE / (2 * MOST_LINES)).max(1);
+    for piece in visible.into_iter().step_by(every) {
+        let first = piece * PIECE;
+        for at in first..(first + PIECE).min(level.points.len()) {
+            let point = level.points[at];
+            let colour = match point.way {
+                Way::Lift => continue,
+                Way::Rapid => colours[0],
+                Way::Feed => colours[1],
+            };
+            let Some(before) = at.checked_sub(1).map(|before| level.points[before].at) else { continue };
+            let from = scene.camera.place(rect, before[right], before[up]);
+            let to = scene.camera.place(rect, point.at[right], point.at[up]);
+            let width = if point.way == Way::Feed { 1.6 } else { 1.0 };
+            if let Some((from, to)) = clipped(from, to, rect) {
+                segment(&mut mesh, from, to, width, colour);
+            }
+        }
+    }
+    mesh
+}
+
+/// The part of a line inside a rectangle: a corner far outside would lose its pixels to rounding.
+fn clipped(from: Pos2, to: Pos2, rect: Rect) -> Option<(Pos2, Pos2)> {
+    let (way, mut begin, mut end) = (to - from, 0.0_f32, 1.0_f32);
+    let sides = [
+        (-way.x, from.x - rect.min.x),
+        (way.x, rect.max.x - from.x),
+        (-way.y, from.y - rect.min.y),
+        (way.y, rect.max.y - from.y),
+    ];
+    for (slope, room) in sides {
+        if slope.abs() < 1e-9 {
+            if room < 0.0 {
+                return None;
+            }
+        } else if slope < 0.0 {
+            begin = begin.max(room / slope);
+        } else {
+            end = end.min(room / slope);
+        }
+    }
+    (begin <= end).then(|| (from + way * begin, from + way * end))
+}
+
+/// A line as two triangles.
+fn segment(mesh: &mut Mesh, from: Pos2, to: Pos2, width: f32, colour: Color32) {
+    let way = to - from;
+    let along = if way.length() < 0.01 { vec2(1.0, 0.0) } else { way.normalized() };
+    let side = along.rot90() * (width / 2.0);
+    let (from, to) = (from - along * 0.3, to + along * 0.3);
+    let first = mesh.vertices.len() as u32;
+    for pos in [from + side, to + side, to - side, from - side] {
+        mesh.vertices.push(Vertex { pos, uv: WHITE_UV, color: colour });
+    }
+    mesh.indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
+}
+
+/// The way that the machine has really gone.
+fn trail(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+    let (right, up) = (index(scene.plane.0), index(scene.plane.1));
+    let mut mesh = Mesh::default();
+    let place = |at: &[f32; 3]| scene.camera.place(rect, at[right], at[up]);
+    for pair in scene.trail.windows(2) {
+        if let Some((from, to)) = clipped(place(&pair[0]), place(&pair[1]), rect) {
+            segment(&mut mesh, from, to, 2.0, view.theme.run);
+        }
+    }
+    painter.add(Shape::mesh(mesh));
+}
+
+/// The wheel where it is now; its reference point is its lowest or foremost point at the side towards minus.
+fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+    let at = position(view);
+    let (right, up) = scene.plane;
+    let params = &view.snapshot.params;
+    let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);
+    // The axis towards which the wheel's body lies, and the one along its spindle.
+    let here = scene.camera.place(rect, at[index(right)], at[index(up)]);
+    let (body, spindle) = match view.snapshot.kind {
+        Kind::Gc | Kind::Vertical => (Axis::X, Axis::Z),
+        Kind::Gs => (Axis::Y, Axis::Z),
+        Kind::Ga => (Axis::Z, Axis::X),
+        // A turning tool is its tip.
+        Kind::Lathe => {
+            painter.circle_filled(here, 3.5, view.theme.hold);
+            return;
+        }
+    };
+    let stroke = Stroke::new(theme::FRAME, view.theme.hold);
+    let fill = view.theme.hold.gamma_multiply(0.18);
+    if right != spindle && up != spindle {
+        // Seen along the spindle: a circle that stands on its lowest point.
+        let radius = diameter / 2.0 * scene.camera.scale;
+        if radius < 4_000.0 {
+            let centre = if up == body { here - vec2(0.0, radius) } else { here + vec2(radius, 0.0) };
+            painter.circle(centre, radius, fill, stroke);
+        }
+    } else {
+        let mut far = at;
+        far[index(spindle)] += width;
+        if body == right || body == up {
+            far[index(body)] += diameter;
+        } else {
+            // Seen against the wheel's way down: the length that stands over the part.
+            let across = if spindle == right { up } else { right };
+            far[index(across)] += diameter / 2.0;
+        }
+        let corner = scene.camera.place(rect, far[index(right)], far[index(up)]);
+        let place = Rect::from_two_pos(here, corner).intersect(rect.expand(8.0));
+        if place.is_positive() {
+            painter.rect(place, 0.0, fill, stroke, egui::StrokeKind::Outside);
+        }
+    }
+    if rect.contains(here) {
+        painter.circle_filled(here, 3.5, view.theme.hold);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn h9_zoom_keeps_the_place_under_the_finger() {
+        let rect = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 400.0));
+        let around = Around { low: [0.0; 3], high: [100.0; 3] };
+        let mut camera = Camera::fit(around, (Axis::Z, Axis::X), rect);
+        let finger = vec2(80.0, -50.0);
+        let under =
+            |camera: &Camera| (camera.middle.0 + finger.x / camera.scale, camera.middle.1 - finger.y / camera.scale);
+        let before = under(&camera);
+        camera.zoom(3.0, finger);
+        let after = under(&camera);
+        assert!((before.0 - after.0).abs() < 1e-3 && (before.1 - after.1).abs() < 1e-3);
+        // No zoom leads out of what can be drawn.
+        (0..200).for_each(|_| camera.zoom(10.0, finger));
+        assert!(camera.scale <= *SCALES.end() && camera.middle.0.is_finite());
+        camera.zoom(f32::NAN, finger);
+        assert!(camera.scale.is_finite());
+    }
+
+    #[test]
+    fn b6_lines_are_cut_at_the_canvas() {
+        let rect = Rect::from_min_size(Pos2::ZERO, vec2(10.0, 10.0));
+        assert_eq!(clipped(pos2(-5.0, 5.0), pos2(15.0, 5.0), rect), Some((pos2(0.0, 5.0), pos2(10.0, 5.0))));
+        assert_eq!(clipped(pos2(-5.0, -5.0), pos2(15.0, -5.0), rect), None);
+        assert_eq!(clipped(pos2(2.0, 2.0), pos2(3.0, 3.0), rect), Some((pos2(2.0, 2.0), pos2(3.0, 3.0))));
+    }
+
+    #[test]
+    fn b6_the_grid_has_round_steps() {
+        for (length, step) in [(0.7, 1.0), (1.2, 2.0), (3.0, 5.0), (60.0, 100.0), (0.013, 0.02)] {
+            assert!((round_up(length) - step).abs() < step * 1e-4, "{length}: {}", round_up(length));
+        }
+    }
+}

@@ -1,0 +1,319 @@
+//! The text being edited: cursor, block of lines, undo. Its states share their pieces, so a million lines are held once
+//! however many steps can be taken back.
+//! Source: spec B6 (程序: edit, copy, undo).
+
+use ropey::{Rope, RopeSlice};
+
+/// Steps that can be taken back.
+const STEPS: usize = 500;
+
+/// What a change was, so that typing on is one step with what was typed before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Typing,
+    Deleting,
+    Other,
+}
+
+/// A state that can be gone back to.
+#[derive(Clone, Debug)]
+struct Past {
+    rope: Rope,
+    cursor: usize,
+}
+
+/// A text with its cursor.
+#[derive(Clone, Debug, Default)]
+pub struct Document {
+    /// O number; 0: nothing is open.
+    pub number: u32,
+    /// Stamp of the file that the text was made from.
+    pub base: u64,
+    /// It differs from the file.
+    pub changed: bool,
+    /// The text.
+    pub rope: Rope,
+    /// Place of the cursor, in characters from the beginning.
+    pub cursor: usize,
+    /// The line where the block begins or ends, while one is marked; the cursor's line is the other.
+    pub mark: Option<usize>,
+    /// Counts the changes.
+    pub version: u64,
+    undo: Vec<Past>,
+    redo: Vec<Past>,
+    last: Option<(Kind, usize)>,
+}
+
+/// The characters of a line without its end.
+pub fn trimmed(line: RopeSlice<'_>) -> usize {
+    let mut length = line.len_chars();
+    while length > 0 && matches!(line.char(length - 1), '\n' | '\r') {
+        length -= 1;
+    }
+    length
+}
+
+impl Document {
+    /// Opens a text.
+    #[must_use]
+    pub fn open(number: u32, base: u64, rope: &Rope) -> Self {
+        Self { number, base, rope: rope.clone(), ..Self::default() }
+    }
+
+    /// Lines that are shown: an end of line at the end of the text begins none.
+    #[must_use]
+    pub fn lines(&self) -> usize {
+        let lines = self.rope.len_lines();
+        if lines > 1 && self.rope.line(lines - 1).len_chars() == 0 { lines - 1 } else { lines }
+    }
+
+    /// Line and column of the cursor, from 0.
+    #[must_use]
+    pub fn place(&self) -> (usize, usize) {
+        let line = self.rope.char_to_line(self.cursor.min(self.rope.len_chars()));
+        (line, self.cursor - self.rope.line_to_char(line))
+    }
+
+    /// The lines of the block, first and one past the last.
+    #[must_use]
+    pub fn block(&self) -> Option<(usize, usize)> {
+        let (mark, here) = (self.mark?, self.place().0);
+        Some((mark.min(here), (mark.max(here) + 1).min(self.rope.len_lines())))
+    }
+
+    /// Puts the cursor on a line and column, as near as the text has them.
+    pub fn go(&mut self, line: usize, column: usize) {
+        let line = line.min(self.lines().saturating_sub(1));
+        let length = trimmed(self.rope.line(line));
+        self.cursor = self.rope.line_to_char(line) + column.min(length);
+        self.last = None;
+    }
+
+    /// Moves the cursor by characters; a line end counts as one.
+    pub fn step(&mut self, by: isize) {
+        let (line, column) = self.place();
+        let length = trimmed(self.rope.line(line));
+        match by {
+            1.. if column < length => self.cursor += 1,
+            1.. if line + 1 < self.rope.len_lines() => self.go(line + 1, 0),
+            ..=-1 if column > 0 => self.cursor -= 1,
+            ..=-1 if line > 0 => self.go(line - 1, usize::MAX),
+            _ => {}
+        }
+        self.last = None;
+    }
+
+    /// Moves the cursor by lines.
+    pub fn step_lines(&mut self, by: isize) {
+        let (line, column) = self.place();
+        self.go(line.saturating_add_signed(by), column);
+    }
+
+    /// Types a sign at the cursor.
+    pub fn type_sign(&mut self, sign: char) {
+        self.keep(Kind::Typing);
+        self.rope.insert_char(self.cursor, sign);
+        self.cursor += 1;
+        self.last = Some((Kind::Typing, self.cursor));
+    }
+
+    /// A new line at the cursor, ended as the file's lines are.
+    pub fn new_line(&mut self) {
+        self.keep(Kind::Other);
+        let end = self.line_end();
+        self.rope.insert(self.cursor, end);
+        self.cursor += end.len();
+    }
+
+    /// Takes the sign before the cursor away; at the beginning of a line the line end.
+    pub fn back(&mut self) {
+        if self.cursor == 0 {
+            return;
+        }
+        self.keep(Kind::Deleting);
+        let pair =
+            self.cursor >= 2 && self.rope.char(self.cursor - 1) == '\n' && self.rope.char(self.cursor - 2) == '\r';
+        let from = self.cursor - if pair { 2 } else { 1 };
+        self.rope.remove(from..self.cursor);
+        self.cursor = from;
+        self.last = Some((Kind::Deleting, self.cursor));
+    }
+
+    /// Replaces characters by a text and puts the cursor behind it.
+    pub fn replace(&mut self, from: usize, to: usize, text: &str) {
+        self.keep(Kind::Other);
+        self.rope.remove(from..to);
+        self.rope.insert(from, text);
+        self.cursor = from + text.chars().count();
+    }
+
+    /// Replaces the whole text, as one step.
+    pub fn replace_all(&mut self, rope: Rope) {
+        self.keep(Kind::Other);
+        let (line, column) = self.place();
+        self.rope = rope;
+        self.go(line, column);
+        self.mark = None;
+    }
+
+    /// The text of the block, whole lines.
+    #[must_use]
+    pub fn copied(&self) -> Option<Rope> {
+        let (first, end) = self.block()?;
+        let mut copy = Rope::from(self.rope.slice(self.rope.line_to_char(first)..self.rope.line_to_char(end)));
+        if copy.len_chars() > 0 && !matches!(copy.char(copy.len_chars() - 1), '\n' | '\r') {
+            copy.insert(copy.len_chars(), self.line_end());
+        }
+        Some(copy)
+    }
+
+    /// Takes the block's lines out.
+    pub fn delete_block(&mut self) {
+        let Some((first, end)) = self.block() else { return };
+        self.keep(Kind::Other);
+        self.rope.remove(self.rope.line_to_char(first)..self.rope.line_to_char(end));
+        self.mark = None;
+        self.go(first, 0);
+    }
+
+    /// Puts lines in before the cursor's line; the cursor stands behind them.
+    pub fn paste(&mut self, lines: &Rope) {
+        self.keep(Kind::Other);
+        let at = self.rope.line_to_char(self.place().0);
+        let rest = self.rope.split_off(at);
+        self.rope.append(lines.clone());
+        self.rope.append(rest);
+        self.mark = None;
+        self.cursor = at + lines.len_chars();
+    }
+
+    /// Takes the last change back; false if there is none.
+    pub fn undo(&mut self) -> bool {
+        let Some(past) = self.undo.pop() else { return false };
+        self.redo.push(Past { rope: self.rope.clone(), cursor: self.cursor });
+        self.restore(past);
+        true
+    }
+
+    /// Makes a change that was taken back again; false if there is none.
+    pub fn redo(&mut self) -> bool {
+        let Some(past) = self.redo.pop() else { return false };
+        self.undo.push(Past { rope: self.rope.clone(), cursor: self.cursor });
+        self.restore(past);
+        true
+    }
+
+    /// Whether a change can be taken back, and one be made again.
+    #[must_use]
+    pub const fn can(&self) -> (bool, bool) {
+        (!self.undo.is_empty(), !self.redo.is_empty())
+    }
+
+    /// The text of this version is in the file.
+    pub const fn saved(&mut self, stamp: u64) {
+        (self.base, self.changed) = (stamp, false);
+    }
+
+    fn restore(&mut self, past: Past) {
+        self.rope = past.rope;
+        self.cursor = past.cursor.min(self.rope.len_chars());
+        (self.mark, self.last, self.changed) = (None, None, true);
+        self.version += 1;
+    }
+
+    /// Keeps the present state for undo, unless the change goes on from the last one.
+    fn keep(&mut self, kind: Kind) {
+        if self.last != Some((kind, self.cursor)) || kind == Kind::Other {
+            self.undo.push(Past { rope: self.rope.clone(), cursor: self.cursor });
+            if self.undo.len() > STEPS {
+                self.undo.remove(0);
+            }
+        }
+        self.redo.clear();
+        (self.last, self.changed) = (None, true);
+        self.version += 1;
+    }
+
+    /// How the first line of the text is ended.
+    fn line_end(&self) -> &'static str {
+        let first = self.rope.line(0);
+        let length = first.len_chars();
+        match length.checked_sub(1).map(|last| first.char(last)) {
+            Some('\r') => "\r",
+            Some('\n') if length > 1 && first.char(length - 2) == '\r' => "\r\n",
+            Some(_) | None => "\n",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn document(text: &str) -> Document {
+        Document::open(1, 0, &Rope::from_str(text))
+    }
+
+    #[test]
+    fn b6_typing_is_one_step_back() {
+        let mut text = document("G00\r\nM30\r\n");
+        text.go(0, 3);
+        " X10".chars().for_each(|sign| text.type_sign(sign));
+        text.new_line();
+        assert_eq!(text.rope.to_string(), "G00 X10\r\n\r\nM30\r\n", "a new line ends as the others do");
+        assert!(text.undo() && text.undo());
+        assert_eq!(text.rope.to_string(), "G00\r\nM30\r\n");
+        assert!(!text.undo() && text.redo());
+        assert_eq!(text.rope.to_string(), "G00 X10\r\nM30\r\n");
+    }
+
+    #[test]
+    fn b6_back_takes_a_line_end_whole_and_stops_at_the_beginning() {
+        let mut text = document("A\r\nB");
+        text.go(1, 0);
+        text.back();
+        assert_eq!((text.rope.to_string().as_str(), text.cursor), ("AB", 1));
+        text.back();
+        text.back();
+        assert_eq!(text.rope.to_string(), "B");
+    }
+
+    #[test]
+    fn b6_a_block_is_copied_and_moved_by_lines() {
+        let mut text = document("1\n2\n3\n4");
+        text.go(1, 0);
+        text.mark = Some(1);
+        text.go(2, 0);
+        let copy = text.copied().expect("a block");
+        assert_eq!(copy.to_string(), "2\n3\n");
+        text.delete_block();
+        assert_eq!(text.rope.to_string(), "1\n4");
+        text.go(0, 0);
+        text.paste(&copy);
+        assert_eq!((text.rope.to_string().as_str(), text.place()), ("2\n3\n1\n4", (2, 0)));
+        // The last line has no end; as a block it gets one.
+        text.mark = Some(3);
+        text.go(3, 0);
+        assert_eq!(text.copied().expect("a block").to_string(), "4\n");
+    }
+
+    #[test]
+    fn b6_the_cursor_keeps_inside_the_text() {
+        let mut text = document("AB\nC\n");
+        text.step(-1);
+        text.step_lines(-3);
+        assert_eq!(text.place(), (0, 0));
+        text.go(99, 99);
+        assert_eq!((text.place(), text.lines()), ((1, 1), 2));
+        text.step(1);
+        text.step(1);
+        assert!(text.cursor <= text.rope.len_chars());
+        let mut none = document("");
+        none.back();
+        none.step(1);
+        none.step(-1);
+        none.mark = Some(0);
+        none.delete_block();
+        assert_eq!(none.lines(), 1);
+    }
+}

@@ -1,0 +1,94 @@
+//! The colours of a line of a program: what acts stands out, what is for people stays quiet.
+//! Source: spec B6, H4.
+
+use egui::Color32;
+use egui::text::{LayoutJob, TextFormat};
+
+use crate::hmi::theme::{self, Theme};
+
+/// What a piece of a line is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Piece {
+    /// Block number, comment, `%`.
+    Quiet,
+    /// G and M words.
+    Code,
+    /// Variables, brackets, WHILE and the like.
+    Macro,
+    /// Coordinates and the rest.
+    Plain,
+}
+
+/// A line as it is laid out; a piece after the other.
+#[must_use]
+pub fn job(text: &str, size: f32, theme: &Theme) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let (piece, length) = piece(rest, job.text.trim_start().is_empty());
+        let (head, tail) = rest.split_at(length);
+        job.append(head, 0.0, TextFormat::simple(theme::font(size), ink(piece, theme)));
+        rest = tail;
+    }
+    job.wrap.max_rows = 1;
+    job
+}
+
+const fn ink(piece: Piece, theme: &Theme) -> Color32 {
+    match piece {
+        Piece::Quiet => theme.quiet,
+        Piece::Code => theme.info,
+        Piece::Macro => theme.macros,
+        Piece::Plain => theme.text,
+    }
+}
+
+/// The first piece of a text and its length in bytes.
+fn piece(text: &str, first: bool) -> (Piece, usize) {
+    let Some(sign) = text.chars().next() else { return (Piece::Plain, 0) };
+    if text.starts_with("//") || matches!(sign, ';' | '%') {
+        return (Piece::Quiet, text.len());
+    }
+    if sign == '(' {
+        return (Piece::Quiet, text.find(')').map_or(text.len(), |close| close + 1));
+    }
+    if matches!(sign, '#' | '[' | ']' | '=' | '+' | '*') {
+        let digits = text[1..].bytes().take_while(|byte| sign == '#' && byte.is_ascii_digit()).count();
+        return (Piece::Macro, 1 + digits);
+    }
+    if !sign.is_ascii_alphabetic() {
+        let letter = |sign: char| sign.is_ascii_alphabetic() || ";%(#[]=+*".contains(sign);
+        let length = text.char_indices().skip(1).find(|(_, sign)| letter(*sign)).map_or(text.len(), |(at, _)| at);
+        // A slash that begins a comment ends the piece too.
+        let comment = text[sign.len_utf8()..].find("//").map_or(text.len(), |at| at + sign.len_utf8());
+        return (Piece::Plain, length.min(comment));
+    }
+    let letters = text.bytes().take_while(u8::is_ascii_alphabetic).count();
+    if letters > 1 {
+        return (Piece::Macro, letters);
+    }
+    let number = text[1..].bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
+    let kind = match sign.to_ascii_uppercase() {
+        'G' | 'M' => Piece::Code,
+        'N' | 'O' if first => Piece::Quiet,
+        _ => Piece::Plain,
+    };
+    (kind, 1 + number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b6_every_byte_of_a_line_is_painted_once() {
+        for text in
+            ["N10 G01 X-1.5 (到位) M03", "WHILE[#1 LT 5]DO1", "#100=#101+2*[3]", "// 注", "；全角", "", "X1//y", "/G00"]
+        {
+            assert_eq!(job(text, 15.0, &theme::DARK).text, text);
+        }
+        assert_eq!(piece("G01X1", true), (Piece::Code, 3));
+        assert_eq!(piece("(a)b", false), (Piece::Quiet, 3));
+        assert_eq!(piece("#100=1", true), (Piece::Macro, 4));
+    }
+}

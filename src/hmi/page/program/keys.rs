@@ -1,0 +1,153 @@
+//! The keys of the program page: one table of what they do, how they are called and which keyboard key they have.
+//! Source: spec B6.
+
+use egui::{Rect, Ui, pos2, vec2};
+
+use super::Program;
+use crate::defs::text::Text;
+use crate::hmi::theme;
+use crate::hmi::view::View;
+
+macro_rules! acts {
+    ($($variant:ident = $name:literal, $zh:literal, $en:literal;)*) => {
+        /// What a key does.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Act { $($variant,)* }
+
+        impl Act {
+            /// Accessible name and label.
+            const fn words(self) -> (&'static str, Text) {
+                match self { $(Self::$variant => ($name, Text::new($zh, $en)),)* }
+            }
+        }
+    };
+}
+
+acts! {
+    Edit = "edit-begin", "编辑", "EDIT";
+    End = "edit-end", "结束", "END";
+    Board = "edit-board", "键盘", "KEYS";
+    Find = "edit-find", "查找", "FIND";
+    Again = "edit-again", "下一个", "NEXT";
+    Replace = "edit-replace", "替换", "REPLACE";
+    Go = "edit-go", "定位", "GO TO";
+    Renumber = "edit-renumber", "重排 N", "RENUM";
+    First = "edit-first", "首行", "FIRST";
+    Last = "edit-last", "末行", "LAST";
+    Left = "edit-left", "←", "←";
+    Right = "edit-right", "→", "→";
+    Up = "edit-up", "↑", "↑";
+    Down = "edit-down", "↓", "↓";
+    Undo = "edit-undo", "撤销", "UNDO";
+    Redo = "edit-redo", "重做", "REDO";
+    Save = "edit-save", "保存", "SAVE";
+    Discard = "edit-discard", "放弃", "DISCARD";
+    Mark = "edit-mark", "块首", "BLOCK";
+    Unmark = "edit-unmark", "取消块", "UNMARK";
+    CopyBlock = "edit-copy", "复制", "COPY";
+    Cut = "edit-cut", "剪切", "CUT";
+    DeleteBlock = "edit-delete", "删除", "DELETE";
+    Paste = "edit-paste", "粘贴", "PASTE";
+    ReplaceThis = "replace-this", "替换", "REPLACE";
+    Skip = "replace-skip", "跳过", "SKIP";
+    ReplaceAll = "replace-all", "全部", "ALL";
+    EndReplace = "replace-end", "结束", "END";
+    AskDone = "ask-done", "确定", "OK";
+    AskEnd = "ask-end", "取消", "CANCEL";
+    Stop = "work-stop", "停止", "STOP";
+}
+
+impl Act {
+    /// Whether it needs the editor.
+    pub const fn changes(self) -> bool {
+        matches!(
+            self,
+            Self::Replace
+                | Self::Renumber
+                | Self::Undo
+                | Self::Redo
+                | Self::Save
+                | Self::Mark
+                | Self::Unmark
+                | Self::CopyBlock
+                | Self::Cut
+                | Self::DeleteBlock
+                | Self::Paste
+                | Self::ReplaceThis
+                | Self::ReplaceAll
+        )
+    }
+}
+
+use Act::{
+    Again, AskDone, AskEnd, Board, CopyBlock, Cut, DeleteBlock, Discard, Down, Edit, End, EndReplace, Find, First, Go,
+    Last, Left, Mark, Paste, Redo, Renumber, Replace, ReplaceAll, ReplaceThis, Right, Save, Skip, Stop, Undo, Unmark,
+    Up,
+};
+
+/// The keys while something is typed for one of them.
+pub const ASK: [&[Act]; 2] = [&[AskDone, AskEnd], &[]];
+
+/// The rows of keys of a state of the page.
+pub const fn rows(editing: bool, board: bool, block: bool, replacing: bool, work: bool) -> [&'static [Act]; 2] {
+    match (editing, board, block, replacing, work) {
+        (.., true) => [&[Stop], &[]],
+        (false, ..) => [&[Edit, Find, Again, Go, First, Last], &[]],
+        (.., true, false) => [&[ReplaceThis, Skip, ReplaceAll, EndReplace], &[]],
+        (true, true, ..) => [&[Board, Left, Right, Up, Down, Undo, Redo, Save], &[]],
+        (true, false, true, ..) => {
+            [&[Board, Find, Replace, Go, Unmark, Undo, Redo, Save], &[CopyBlock, Cut, DeleteBlock, Paste, End]]
+        }
+        (true, false, false, ..) => {
+            [&[Board, Find, Replace, Go, Mark, Undo, Redo, Save], &[Paste, Again, Renumber, First, Last, Discard, End]]
+        }
+    }
+}
+
+/// The keyboard's key with Ctrl.
+pub const fn of_control(key: egui::Key) -> Option<Act> {
+    Some(match key {
+        egui::Key::S => Save,
+        egui::Key::Z => Undo,
+        egui::Key::Y => Redo,
+        egui::Key::F => Find,
+        egui::Key::H => Replace,
+        egui::Key::G => Go,
+        egui::Key::M => Mark,
+        egui::Key::C => CopyBlock,
+        egui::Key::X => Cut,
+        egui::Key::V => Paste,
+        egui::Key::R => Renumber,
+        egui::Key::E => Edit,
+        _ => return None,
+    })
+}
+
+/// Draws the keys; gives the one that was pressed.
+pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut Program) -> Option<Act> {
+    let mut pressed = None;
+    let on_keys = page.on_keys || !page.editing;
+    for (row, acts) in page.rows().into_iter().enumerate() {
+        if acts.is_empty() {
+            continue;
+        }
+        let count = acts.len().max(6) as f32;
+        let width = (rect.width() + theme::GAP) / count;
+        for (index, act) in acts.iter().enumerate() {
+            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y + row as f32 * super::KEYS);
+            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, super::KEYS - 2.0));
+            let (name, label) = act.words();
+            let look = page.look_of(*act);
+            let words = (name, label.get(view.lang));
+            let touched = if on_keys {
+                page.walk.push(ui, view, place, words, look)
+            } else {
+                crate::hmi::widget::push(ui, view, place, name, words.1, look)
+            };
+            if touched {
+                pressed = Some(*act);
+            }
+        }
+    }
+    pressed
+}

@@ -1,0 +1,116 @@
+//! The lines of a program as they are painted: the visible ones alone, however many there are.
+//! Source: spec B6, K7.
+
+use egui::{Align2, Painter, Rect, Ui, pos2, vec2};
+use ropey::Rope;
+
+use super::document::trimmed;
+use super::ink;
+use crate::hmi::page::scroll::Scroll;
+use crate::hmi::theme;
+use crate::hmi::view::{View, card, fit};
+use crate::link::snapshot::ProgramView;
+
+/// Height of a line.
+pub const LINE: f32 = 28.0;
+/// Room for the line number.
+pub const NUMBER: f32 = 76.0;
+/// Most characters of a line that are laid out.
+const WIDEST: usize = 200;
+
+/// What a line is beside its text.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mark {
+    /// It is being executed.
+    pub running: bool,
+    /// It belongs to the marked block.
+    pub block: bool,
+    /// It has a mistake.
+    pub wrong: bool,
+    /// Column of the cursor.
+    pub cursor: Option<usize>,
+}
+
+/// The visible part of a line, from a column on.
+#[must_use]
+pub fn shown(rope: &Rope, line: usize, left: usize) -> String {
+    let slice = rope.line(line);
+    let length = trimmed(slice);
+    let from = left.min(length);
+    let text: String = slice.slice(from..length.min(from + WIDEST)).into();
+    // The font has no sign for what is no character.
+    text.replace('\t', " ").replace('\u{FFFD}', "?")
+}
+
+/// Paints a line.
+pub fn row(painter: &Painter, place: Rect, view: &View<'_>, rope: &Rope, (line, left): (usize, usize), mark: Mark) {
+    if mark.running || mark.block || mark.cursor.is_some() {
+        let fill = if mark.block { view.theme.focus.gamma_multiply(0.35) } else { view.theme.raised };
+        painter.rect_filled(place, theme::RADIUS, fill);
+    }
+    let bar = Rect::from_min_size(place.min, vec2(4.0, place.height()));
+    if mark.wrong {
+        painter.rect_filled(bar, 0.0, view.theme.alarm);
+    } else if mark.running {
+        painter.rect_filled(bar, 0.0, view.theme.run);
+    }
+    let (number, words) = place.split_left_right_at_x(place.min.x + NUMBER);
+    let number = Rect::from_min_max(number.min + vec2(6.0, 0.0), number.max - vec2(theme::PAD, 0.0));
+    let ink = if mark.wrong { view.theme.alarm_text } else { view.theme.quiet };
+    fit(painter, number, Align2::RIGHT_CENTER, &(line + 1).to_string(), theme::SMALL, ink);
+    let text = shown(rope, line, left);
+    let galley = painter.layout_job(ink::job(&text, theme::TITLE - 1.0, view.theme));
+    let top = (words.center().y - galley.size().y / 2.0).round();
+    if let Some(column) = mark.cursor {
+        let column = column.saturating_sub(left).min(text.chars().count());
+        let at = galley.pos_from_cursor(egui::text::CCursor::new(column)).min.x + words.min.x;
+        let caret = Rect::from_min_size(pos2(at - 1.0, place.min.y + 3.0), vec2(2.0, place.height() - 6.0));
+        painter.rect_filled(caret, 0.0, view.theme.focus);
+    }
+    painter.with_clip_rect(words.intersect(painter.clip_rect())).galley(
+        pos2(words.min.x, top),
+        galley,
+        view.theme.text,
+    );
+}
+
+/// The column of a line that a finger touched.
+#[must_use]
+pub fn column_at(painter: &Painter, view: &View<'_>, rope: &Rope, (line, left): (usize, usize), x: f32) -> usize {
+    let galley = painter.layout_job(ink::job(&shown(rope, line, left), theme::TITLE - 1.0, view.theme));
+    left + galley.cursor_from_pos(vec2(x, galley.size().y / 2.0)).index.0
+}
+
+/// The running block and its neighbours, in as many lines as there is room for.
+pub fn strip(ui: &Ui, rect: Rect, view: &View<'_>) {
+    let program = &view.snapshot.program;
+    let count = ((rect.height() - 8.0) / LINE).floor().max(0.0) as usize;
+    if count < 2 || program.number == 0 || in_subprogram(program) {
+        return;
+    }
+    card(ui.painter(), rect, view.theme.surface, view.theme.line);
+    let first = (program.line as usize).saturating_sub(1 + count / 3);
+    for (index, line) in (first..program.text.len_lines().min(first + count)).enumerate() {
+        let corner = pos2(rect.min.x + 2.0, rect.min.y + 4.0 + index as f32 * LINE);
+        let place = Rect::from_min_size(corner, vec2(rect.width() - 4.0, LINE));
+        let mark = Mark { running: line + 1 == program.line as usize, ..Mark::default() };
+        row(&ui.painter().with_clip_rect(rect), place, view, &program.text, (line, 0), mark);
+    }
+}
+
+/// Whether a subprogram is being executed: its lines are not those that are shown.
+#[must_use]
+pub const fn in_subprogram(program: &ProgramView) -> bool {
+    program.block_program != 0 && program.block_program != program.number
+}
+
+/// Where the listing stands.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Place {
+    /// Lines above the first visible one.
+    pub scroll: Scroll,
+    /// The running line that was followed last.
+    pub line: u32,
+    /// Columns left of the first visible one.
+    pub left: usize,
+}

@@ -1,0 +1,366 @@
+//! Work over a whole text, done in slices so that no frame waits for it: search, replace all, renumber.
+//! Source: spec B6 (search O/N/word), H8 (nothing blocks the frame for more than 16 ms).
+
+use std::collections::BTreeMap;
+
+use ropey::{Rope, RopeBuilder};
+
+use super::document::{Document, trimmed};
+use crate::defs::text::{Said, Text};
+
+/// Lines of one slice: a few milliseconds.
+const SLICE: usize = 4_000;
+/// Characters of a line that are searched; a program's lines are far shorter.
+const SEARCHED: usize = 20_000;
+/// The largest block number that is given.
+const LARGEST_N: u64 = 99_999_999;
+
+/// What a slice came to.
+#[derive(Debug)]
+pub enum Step {
+    /// So many thousandths are done.
+    Going(u16),
+    /// Found: characters from and to.
+    Found(usize, usize),
+    /// Nothing of the kind in the text.
+    Nothing,
+    /// A new text, and how many places were changed.
+    Changed(Rope, usize),
+    /// Not possible, and why.
+    Refused(Said),
+}
+
+/// Work under way.
+#[derive(Debug)]
+pub enum Work {
+    /// Looks for a word from a place on, once around.
+    Find { what: String, from: usize, done: usize },
+    /// Replaces a word everywhere.
+    Replace { what: String, with: String, line: usize, count: usize, built: Option<RopeBuilder> },
+    /// Gives the blocks new numbers: first reads which there are, then writes.
+    Renumber {
+        first: u64,
+        by: u64,
+        line: usize,
+        map: BTreeMap<u64, u64>,
+        twice: Vec<u64>,
+        blocks: u64,
+        built: Option<RopeBuilder>,
+    },
+}
+
+impl Work {
+    /// Looks for a word behind the cursor.
+    #[must_use]
+    pub fn find(what: &str, document: &Document) -> Self {
+        Self::Find { what: what.to_owned(), from: document.cursor, done: 0 }
+    }
+
+    /// Replaces a word everywhere.
+    #[must_use]
+    pub fn replace(what: &str, with: &str) -> Self {
+        Self::Replace {
+            what: what.to_owned(),
+            with: with.to_owned(),
+            line: 0,
+            count: 0,
+            built: Some(RopeBuilder::new()),
+        }
+    }
+
+    /// Numbers the blocks anew.
+    #[must_use]
+    pub const fn renumber(first: u64, by: u64) -> Self {
+        let built = None;
+        Self::Renumber { first, by, line: 0, map: BTreeMap::new(), twice: Vec::new(), blocks: 0, built }
+    }
+
+    /// What is being done.
+    #[must_use]
+    pub const fn name(&self) -> Text {
+        match self {
+            Self::Find { .. } => Text::new("正在查找", "searching"),
+            Self::Replace { .. } => Text::new("正在替换", "replacing"),
+            Self::Renumber { .. } => Text::new("正在重排段号", "renumbering"),
+        }
+    }
+
+    /// Does one slice.
+    pub fn step(&mut self, text: &Rope) -> Step {
+        match self {
+            Self::Find { what, from, done } => find(text, what, *from, done),
+            Self::Replace { what, with, line, count, built } => {
+                let Some(builder) = built else { return Step::Nothing };
+                let end = (*line + SLICE).min(text.len_lines());
+                for index in *line..end {
+                    let whole = text.line(index);
+                    *count += replace_in(&whole.to_string(), what, with, builder);
+                }
+                *line = end;
+                if end < text.len_lines() {
+                    return Step::Going(share(end, text.len_lines()));
+                }
+                match (built.take(), *count) {
+                    (Some(built), 1..) => Step::Changed(built.finish(), *count),
+                    (Some(_) | None, _) => Step::Nothing,
+                }
+            }
+            Self::Renumber { first, by, line, map, twice, blocks, built } => match built {
+                None => match read_numbers(text, (*first, *by), line, (map, twice, blocks)) {
+                    Ok(true) => {
+                        (*line, *built) = (0, Some(RopeBuilder::new()));
+                        Step::Going(500)
+                    }
+                    Ok(false) => Step::Going(share(*line, text.len_lines()) / 2),
+                    Err(why) => Step::Refused(why),
+                },
+                Some(builder) => {
+                    let all = map.is_empty();
+                    let end = (*line + SLICE).min(text.len_lines());
+                    if *line == 0 {
+                        *blocks = 0;
+                    }
+                    for index in *line..end {
+                        write_numbered(&text.line(index).to_string(), (*first, *by, all), map, blocks, builder);
+                    }
+                    *line = end;
+                    if end < text.len_lines() {
+                        return Step::Going(500 + share(end, text.len_lines()) / 2);
+                    }
+                    match built.take() {
+                        Some(built) => Step::Changed(built.finish(), *blocks as usize),
+                        None => Step::Nothing,
+                    }
+                }
+            },
+        }
+    }
+}
+
+fn share(done: usize, all: usize) -> u16 {
+    (done * 1_000 / all.max(1)).min(1_000) as u16
+}
+
+/// The first place of a word in a text, letters of either case.
+fn position(text: &str, what: &str, from: usize) -> Option<usize> {
+    let (text, what) = (text.as_bytes(), what.as_bytes());
+    if what.is_empty() {
+        return None;
+    }
+    (from..=text.len().checked_sub(what.len())?).find(|at| text[*at..*at + what.len()].eq_ignore_ascii_case(what))
+}
+
+fn find(text: &Rope, what: &str, from: usize, done: &mut usize) -> Step {
+    let lines = text.len_lines();
+    let (start, column) = {
+        let line = text.char_to_line(from.min(text.len_chars()));
+        (line, from - text.line_to_char(line))
+    };
+    // Once around: the line of the cursor comes first from the cursor on, last from its beginning.
+    for _ in 0..SLICE {
+        if *done > lines {
+            return Step::Nothing;
+        }
+        let line = (start + *done) % lines;
+        let slice = text.line(line);
+        let part: String = slice.slice(..trimmed(slice).min(SEARCHED)).into();
+        let begin = if *done == 0 { part.char_indices().nth(column).map_or(part.len(), |(at, _)| at) } else { 0 };
+        *done += 1;
+        if let Some(at) = position(&part, what, begin) {
+            let from = text.line_to_char(line) + part[..at].chars().count();
+            return Step::Found(from, from + what.chars().count());
+        }
+    }
+    Step::Going(share(*done, lines))
+}
+
+/// Appends a line with the word replaced; how often it was.
+fn replace_in(line: &str, what: &str, with: &str, builder: &mut RopeBuilder) -> usize {
+    let (mut at, mut count) = (0, 0);
+    while let Some(found) = position(line, what, at) {
+        builder.append(&line[at..found]);
+        builder.append(with);
+        at = found + what.len();
+        count += 1;
+    }
+    builder.append(&line[at..]);
+    count
+}
+
+/// What a line is before its words: blanks and `/`, the block number if there is one, the rest.
+fn head(line: &str) -> (&str, Option<u64>, &str) {
+    let begin = line.len() - line.trim_start_matches([' ', '\t', '/']).len();
+    let (lead, rest) = line.split_at(begin);
+    let Some(after) = rest.strip_prefix(['N', 'n']) else { return (lead, None, rest) };
+    let digits = after.bytes().take_while(u8::is_ascii_digit).count();
+    match after[..digits].parse() {
+        Ok(number) => (lead, Some(number), &after[digits..]),
+        Err(_) => (lead, None, rest),
+    }
+}
+
+/// A block that is given a number where no block has one.
+fn is_block(rest: &str) -> bool {
+    rest.trim_end().chars().next().is_some_and(|sign| !matches!(sign, '%' | 'O' | 'o' | '(' | ';'))
+}
+
+/// First time through: which numbers there are, and whether the jumps can follow. True when all lines are read.
+fn read_numbers(
+    text: &Rope,
+    (first, by): (u64, u64),
+    line: &mut usize,
+    (map, twice, blocks): (&mut BTreeMap<u64, u64>, &mut Vec<u64>, &mut u64),
+) -> Result<bool, Said> {
+    let end = (*line + SLICE).min(text.len_lines());
+    for index in *line..end {
+        let line = text.line(index).to_string();
+        let (lead, number, rest) = head(&line);
+        if lead.ends_with("//") {
+            continue;
+        }
+        if let Some(number) = number {
+            if map.insert(number, first + *blocks * by).is_some() {
+                twice.push(number);
+            }
+            *blocks += 1;
+        }
+        let upper = without_comments(rest).to_ascii_uppercase();
+        let jumps = [("M99", 'P'), ("M01", 'L'), ("M1", 'L'), ("M91", 'P'), ("M92", 'P'), ("G65", 'H')];
+        let by_code = jumps.iter().any(|(code, word)| upper.contains(code) && upper.contains(*word));
+        let target = upper.split("GOTO").nth(1).map(str::trim_start);
+        if by_code || target.is_some_and(|target| target.starts_with(['#', '['])) {
+            let line = index + 1;
+            return Err(Said::new(
+                format!("第{line}行的跳转目标不能自动更改，请手工改段号"),
+                format!("line {line} jumps in a way that cannot follow: renumber by hand"),
+            ));
+        }
+    }
+    *line = end;
+    if end < text.len_lines() {
+        return Ok(false);
+    }
+    if let Some(number) = twice.first() {
+        return Err(Said::new(
+            format!("段号 N{number} 出现两次，请先改正"),
+            format!("N{number} stands twice: mend that first"),
+        ));
+    }
+    if first + by * text.len_lines() as u64 > LARGEST_N {
+        return Err(Said::new("段号太大，请减小步长", "the numbers grow too large: take a smaller step"));
+    }
+    Ok(true)
+}
+
+fn without_comments(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    let mut depth = 0;
+    for sign in text.chars() {
+        match sign {
+            '(' => depth += 1,
+            ')' => depth = 0,
+            ';' if depth == 0 => break,
+            _ if depth == 0 => plain.push(sign),
+            _ => {}
+        }
+    }
+    plain
+}
+
+fn write_numbered(
+    line: &str,
+    (first, by, all): (u64, u64, bool),
+    map: &BTreeMap<u64, u64>,
+    blocks: &mut u64,
+    builder: &mut RopeBuilder,
+) {
+    let (lead, number, rest) = head(line);
+    builder.append(lead);
+    let comment = lead.ends_with("//");
+    if !comment && (number.is_some() || (all && is_block(rest))) {
+        builder.append(&format!("N{:04}", first + *blocks * by));
+        if number.is_none() {
+            builder.append(" ");
+        }
+        *blocks += 1;
+    } else if let Some(number) = number {
+        builder.append(&format!("N{number}"));
+    }
+    let target = position(rest, "GOTO", 0).map(|at| at + 4).filter(|_| !comment);
+    let Some(at) = target else { return builder.append(rest) };
+    let digits_at = at + (rest[at..].len() - rest[at..].trim_start_matches([' ', 'N', 'n']).len());
+    let digits = rest[digits_at..].bytes().take_while(u8::is_ascii_digit).count();
+    let old = rest[digits_at..digits_at + digits].parse::<u64>().ok();
+    match old.and_then(|old| map.get(&old)) {
+        Some(new) => {
+            builder.append(&rest[..digits_at]);
+            builder.append(&format!("{new}"));
+            builder.append(&rest[digits_at + digits..]);
+        }
+        None => builder.append(rest),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(mut work: Work, text: &str) -> Step {
+        let rope = Rope::from_str(text);
+        for _ in 0..10_000 {
+            match work.step(&rope) {
+                Step::Going(_) => {}
+                done => return done,
+            }
+        }
+        panic!("it does not end")
+    }
+
+    fn changed(work: Work, text: &str) -> String {
+        match run(work, text) {
+            Step::Changed(rope, _) => rope.to_string(),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn b6_a_word_is_found_once_around_in_any_case() {
+        let text = "N10 G00 X1\nN20 g01 X2 (磨)\nN30 M30\n";
+        let mut document = Document::open(1, 0, &Rope::from_str(text));
+        let found = |document: &Document, what: &str| match run(Work::find(what, document), text) {
+            Step::Found(from, to) => Some((from, to)),
+            _ => None,
+        };
+        assert_eq!(found(&document, "G01"), Some((15, 18)));
+        document.cursor = 18;
+        assert_eq!(found(&document, "g01"), Some((15, 18)), "around the end");
+        assert_eq!(
+            (found(&document, "磨"), found(&document, "G02"), found(&document, "")),
+            (Some((23, 24)), None, None)
+        );
+    }
+
+    #[test]
+    fn b6_replace_all_counts() {
+        assert_eq!(changed(Work::replace("x1", "X20"), "X1 X1.\nY\nX10"), "X20 X20.\nY\nX200");
+        assert!(matches!(run(Work::replace("Q", "R"), "X1"), Step::Nothing));
+    }
+
+    #[test]
+    fn b6_renumbering_takes_the_jumps_along() {
+        let text = "O1001\nN5 G00 X1\n/N7 IF[#1 EQ 0] GOTO 5\nG01 X2\nN9 GOTO N7\nM30\n%";
+        assert_eq!(
+            changed(Work::renumber(10, 10), text),
+            "O1001\nN0010 G00 X1\n/N0020 IF[#1 EQ 0] GOTO 10\nG01 X2\nN0030 GOTO N20\nM30\n%"
+        );
+        // Where no block has a number all get one.
+        assert_eq!(changed(Work::renumber(1, 1), "O1\nG00\n(a)\nM30\n%"), "O1\nN0001 G00\n(a)\nN0002 M30\n%");
+    }
+
+    #[test]
+    fn b6_renumbering_refuses_what_it_cannot_follow() {
+        for text in ["N1 GOTO #1", "N1 M99 P1", "N1 G65 H80 P1", "N1 G0\nN1 G1", "N1 M01 L5"] {
+            assert!(matches!(run(Work::renumber(10, 10), text), Step::Refused(_)), "{text}");
+        }
+    }
+}

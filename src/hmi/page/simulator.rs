@@ -1,0 +1,155 @@
+//! The simulator: inputs forced, faults, part and wheel, for learning at a laptop. A real machine has no such page.
+//! Source: spec P1–P8.
+
+use egui::{Align2, Rect, Ui, pos2, vec2};
+
+use super::{Typed, empty};
+use crate::defs::signal::Input;
+use crate::defs::text::Text;
+use crate::hmi::view::{View, card, fit, length, put};
+use crate::hmi::widget::{self, Look, Walk, whole_lines};
+use crate::hmi::{pictogram, theme};
+use crate::link::Command;
+use crate::link::simulated::{FAULTS, SimCommand, SimView};
+
+/// Height of a key.
+const ROW: f32 = 46.0;
+
+/// What the page keeps.
+#[derive(Debug, Default)]
+pub struct Simulator {
+    page: usize,
+    walk: Walk,
+}
+
+/// The tabs.
+const TABS: [(&str, Text); 3] = [
+    ("sim-inputs", Text::new("输入", "INPUTS")),
+    ("sim-faults", Text::new("故障", "FAULTS")),
+    ("sim-part", Text::new("工件与砂轮", "PART, WHEEL")),
+];
+
+impl Simulator {
+    /// Draws the page.
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, tab: &mut usize) -> Vec<Command> {
+        let Some(sim) = view.snapshot.simulated.as_deref() else {
+            let remedy = view.say("控制器接的是真实的机床。", "A real machine is wired to the control.");
+            empty::show(ui, view, rect, pictogram::NO_PAGE, view.say("没有模拟机床", "no simulated machine"), remedy);
+            return Vec::new();
+        };
+        self.walk.begin(typed.edits);
+        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
+        let (tabs, body) = inside.split_top_bottom_at_y(inside.min.y + ROW + theme::GAP);
+        let width = (tabs.width() + theme::GAP) / TABS.len() as f32;
+        for (index, (name, label)) in TABS.into_iter().enumerate() {
+            let corner = pos2(tabs.min.x + index as f32 * width, tabs.min.y);
+            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, ROW));
+            let look = Look { on: *tab == index, locked: false };
+            if self.walk.push(ui, view, place, (name, label.get(view.lang)), look) {
+                (*tab, self.page) = (index, 0);
+            }
+        }
+        let done = match *tab {
+            0 => self.inputs(ui, body, view, sim, typed.pages),
+            1 => self.faults(ui, body, view, sim),
+            _ => self.part(ui, body, view, sim),
+        };
+        done.map(Command::Simulate).into_iter().collect()
+    }
+
+    /// Two columns of inputs; a touch goes on from free to on to off.
+    fn inputs(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, sim: &SimView, pages: i32) -> Option<SimCommand> {
+        let (list, keys) = rect.split_top_bottom_at_y(rect.max.y - ROW);
+        let list = whole_lines(list, ROW);
+        let each = (list.height() / ROW) as usize * 2;
+        let count = Input::ALL.len().div_ceil(each.max(1));
+        self.page = (self.page as i32 + pages).rem_euclid(count as i32) as usize;
+        let half = (list.width() + theme::GAP) / 2.0;
+        let mut done = None;
+        for (index, input) in Input::ALL.iter().skip(self.page * each).take(each).enumerate() {
+            let corner = list.min + vec2((index % 2) as f32 * half, (index / 2) as f32 * ROW);
+            let place = Rect::from_min_size(corner, vec2(half - theme::GAP, ROW - 3.0));
+            let forced = sim.forced.iter().find(|(other, _)| other == input).map(|(_, on)| *on);
+            let on = view.snapshot.inputs.has(*input);
+            card(ui.painter(), place, view.theme.surface, view.theme.line);
+            let (lamp, rest) = place.shrink2(vec2(8.0, 0.0)).split_left_right_at_x(place.min.x + 48.0);
+            widget::lamp(ui.painter(), view, lamp, on);
+            let (name, key) = rest.split_left_right_at_x(rest.max.x - 96.0);
+            let name = Rect::from_min_max(name.min, name.max - vec2(6.0, 0.0));
+            fit(ui.painter(), name, Align2::LEFT_CENTER, input.name().get(view.lang), theme::LABEL, view.theme.text);
+            let label = match forced {
+                None => view.say("自由", "FREE"),
+                Some(true) => view.say("强制 1", "FORCED 1"),
+                Some(false) => view.say("强制 0", "FORCED 0"),
+            };
+            let look = Look { on: forced.is_some(), locked: false };
+            if self.walk.push(ui, view, key, (input.id(), label), look) {
+                let next = match forced {
+                    None => Some(!on),
+                    Some(was) if was != on => None,
+                    Some(was) => Some(!was).filter(|_| was),
+                };
+                done = Some(SimCommand::Force(*input, next));
+            }
+        }
+        let words = format!("{} {}/{count}", view.say("下一页", "MORE"), self.page + 1);
+        let place = Rect::from_min_size(pos2(keys.max.x - 180.0, keys.min.y + 2.0), vec2(180.0, ROW - 2.0));
+        if self.walk.push(ui, view, place, ("sim-more", &words), Look::default()) {
+            self.page = (self.page + 1) % count;
+        }
+        let hint = Rect::from_min_max(keys.min, pos2(place.min.x - theme::PAD, keys.max.y));
+        let words = view.say("触摸：强制 → 释放", "touch: force, then free");
+        fit(ui.painter(), hint, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
+        done
+    }
+
+    fn faults(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, sim: &SimView) -> Option<SimCommand> {
+        let mut done = None;
+        let half = (rect.width() + theme::GAP) / 2.0;
+        for (index, (name, zh, en)) in FAULTS.into_iter().enumerate() {
+            let corner = rect.min + vec2((index % 2) as f32 * half, (index / 2) as f32 * (ROW + 8.0));
+            let place = Rect::from_min_size(corner, vec2(half - theme::GAP, ROW));
+            let on = sim.faults.contains(&name);
+            if self.walk.push(ui, view, place, (name, view.say(zh, en)), Look { on, locked: false }) {
+                done = Some(SimCommand::Fault(name, !on));
+            }
+        }
+        done
+    }
+
+    fn part(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, sim: &SimView) -> Option<SimCommand> {
+        let (keys, body) = rect.split_top_bottom_at_y(rect.min.y + ROW + theme::GAP);
+        let half = (keys.width() + theme::GAP) / 2.0;
+        let cell = |index: f32| {
+            let corner = keys.min + vec2(index * half, 0.0);
+            Rect::from_min_size(corner, vec2(half - theme::GAP, ROW))
+        };
+        let mut done = None;
+        let part = ("sim-new-part", view.say("换上新毛坯", "NEW PART"));
+        if self.walk.push(ui, view, cell(0.0), part, Look::default()) {
+            done = Some(SimCommand::NewPart);
+        }
+        let sharp = ("sim-sharpen", view.say("砂轮变锋利", "SHARP WHEEL"));
+        if self.walk.push(ui, view, cell(1.0), sharp, Look::default()) {
+            done = Some(SimCommand::Sharpen);
+        }
+        card(ui.painter(), body, view.theme.surface, view.theme.line);
+        let inside = body.shrink2(vec2(theme::PAD, 6.0));
+        let mut lines = vec![
+            (view.say("砂轮直径 mm", "wheel diameter mm").to_owned(), length(sim.wheel_diameter_mm)),
+            (view.say("砂轮钝化 %", "wheel dullness %").to_owned(), format!("{:.0}", sim.wheel_dull * 100.0)),
+            (view.say("砂轮负载 %", "wheel load %").to_owned(), format!("{:.0}", sim.wheel_load_percent)),
+        ];
+        lines.extend(sim.sizes.iter().map(|(what, size)| (what.get(view.lang).to_owned(), length(*size))));
+        lines.extend(sim.events.iter().map(|event| (event.get(view.lang).to_owned(), String::new())));
+        let rows = (inside.height() / 27.0).floor().max(1.0) as usize;
+        for (index, (name, value)) in lines.iter().enumerate().take(rows * 2) {
+            let corner = inside.min + vec2((index / rows) as f32 * inside.width() / 2.0, (index % rows) as f32 * 27.0);
+            let line = Rect::from_min_size(corner, vec2(inside.width() / 2.0 - theme::PAD, 27.0));
+            let (left, right) = line.split_left_right_at_fraction(0.62);
+            fit(ui.painter(), left, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+            put(ui.painter(), right, Align2::RIGHT_CENTER, value, theme::LABEL, view.theme.text);
+        }
+        done
+    }
+}

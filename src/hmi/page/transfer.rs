@@ -1,0 +1,367 @@
+//! U盘/通信: programs, page files, parameters and macro values both ways, everything as one archive.
+//! Source: spec K7.8, H8 (no U盘, progress, cancel), H9.
+
+use std::collections::BTreeSet;
+
+use egui::accesskit::Role;
+use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::Typed;
+use super::scroll::Scroll;
+use crate::defs::text::{Said, Text};
+use crate::hmi::login::Login;
+use crate::hmi::question::Question;
+use crate::hmi::view::{View, card, fit, frame, paragraph, put};
+use crate::hmi::widget::{Look, Walk, whole_lines};
+use crate::hmi::{frame as lines, theme};
+use crate::link::Command;
+use crate::link::files::{FileRequest, Refusal};
+use crate::link::media::{Direction, MediaFile, MediaView, Set, Transfer as Ask};
+use crate::link::page_command::{Guard, PageCommand};
+
+/// Height of a file's row.
+const ROW: f32 = 46.0;
+/// Height of the keys below.
+const KEYS: f32 = 52.0;
+/// Seconds between two looks at the medium while the page is open.
+const LOOK_EVERY: f64 = 2.0;
+
+/// What the page keeps.
+#[derive(Debug, Default)]
+pub struct Transfer {
+    set: Set,
+    /// Chosen files of the control and of the medium.
+    chosen: [BTreeSet<String>; 2],
+    scroll: [Scroll; 2],
+    walk: Walk,
+    asked: Option<Ask>,
+    /// The transfer waits for a password.
+    waiting: Option<Guard>,
+    question: Option<Question>,
+    /// The question is whether pictures are to be converted.
+    converting: bool,
+    told: Option<(Said, bool)>,
+    seen: u32,
+    looked: f64,
+}
+
+impl Transfer {
+    /// The page was opened anew.
+    pub fn open(&mut self) {
+        *self = Self { set: self.set, looked: f64::NEG_INFINITY, ..Self::default() };
+    }
+
+    /// Why the last transfer was refused.
+    #[must_use]
+    pub fn refusal(&self) -> Option<&Said> {
+        self.told.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
+    }
+
+    /// Draws the page.
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
+        let mut out = Vec::new();
+        self.hear(view, login, &mut out);
+        let now = ui.input(|input| input.time);
+        let busy = view.snapshot.files.busy;
+        if busy.is_none() && self.asked.is_none() && now - self.looked > LOOK_EVERY {
+            self.looked = now;
+            out.push(request(FileRequest::Media));
+        }
+        ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(LOOK_EVERY));
+        let free = self.question.is_none() && !login.is_open();
+        self.walk.begin(if free { typed.edits } else { &[] });
+        let none = MediaView::default();
+        let media = view.snapshot.files.media.as_deref().unwrap_or(&none);
+        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
+        let (tabs, rest) = inside.split_top_bottom_at_y(inside.min.y + KEYS);
+        self.tabs(ui, tabs, view);
+        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - KEYS);
+        let (body, told) = body.split_top_bottom_at_y(body.max.y - 30.0);
+        let half = (body.width() - theme::PAD) / 2.0;
+        let side = |index: f32| {
+            let corner = pos2(body.min.x + index * (half + theme::PAD), body.min.y);
+            Rect::from_min_size(corner, vec2(half, body.height()))
+        };
+        self.side(ui, side(0.0), view, (0, media), typed.pages);
+        self.side(ui, side(1.0), view, (1, media), typed.pages);
+        self.told(ui, told, view);
+        self.keys(ui, keys, view, media, &mut out);
+        if let Some(mut question) = self.question.take() {
+            match question.ui(ui, rect, view, typed.edits) {
+                Some(0) if self.converting => {
+                    self.asked.iter_mut().for_each(|ask| ask.convert = Some(true));
+                    let overwrite = self.asked.as_ref().and_then(|ask| ask.overwrite);
+                    self.again(overwrite, &mut out);
+                }
+                Some(0) => self.again(Some(true), &mut out),
+                Some(1) if self.set.has_list() && !self.converting => self.again(Some(false), &mut out),
+                Some(_) => self.asked = None,
+                None => self.question = Some(question),
+            }
+        }
+        out
+    }
+
+    fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        let files = &view.snapshot.files;
+        let access = view.snapshot.access;
+        if let Some(guard) = self.waiting.filter(|_| !login.is_open()) {
+            self.waiting = None;
+            let open = if guard == Guard::Program { access.program } else { access.level >= guard.level() };
+            if open {
+                let overwrite = self.asked.as_ref().and_then(|ask| ask.overwrite);
+                self.again(overwrite, out);
+            } else {
+                self.asked = None;
+            }
+        }
+        if std::mem::replace(&mut self.seen, files.answers) == files.answers || self.asked.is_none() {
+            return;
+        }
+        self.looked = f64::NEG_INFINITY;
+        match &files.refused {
+            None => {
+                self.asked = None;
+                self.chosen = Default::default();
+                self.told = Some((files.done.clone(), false));
+            }
+            Some(Refusal::Password | Refusal::Builder) => {
+                let builder = files.refused == Some(Refusal::Builder);
+                let guard = if builder { Guard::Builder } else { Guard::Program };
+                self.waiting = Some(guard);
+                login.unlock(view, guard);
+            }
+            Some(Refusal::Overwrite(names)) => (self.question, self.converting) = (Some(self.overwrite(names)), false),
+            Some(Refusal::Convert(faults)) => (self.question, self.converting) = (Some(conversion(faults)), true),
+            Some(refusal) => {
+                self.asked = None;
+                self.told = Some((refusal.said(), true));
+            }
+        }
+    }
+
+    /// What is there already: overwrite, skip, or nothing at all.
+    fn overwrite(&self, names: &[String]) -> Question {
+        let list = names.iter().take(6).cloned().collect::<Vec<_>>().join("  ");
+        let more = if names.len() > 6 { "  …" } else { "" };
+        let yes = ("question-overwrite", Text::new("覆盖", "OVERWRITE"));
+        let skip = ("question-skip", Text::new("跳过", "SKIP"));
+        if self.set == Set::Backup {
+            let body = Said::new(
+                format!("{list}：程序、页面文件、参数、变量和刀补将被备份中的内容替换。"),
+                format!(
+                    "{list}: programs, page files, parameters, variables and offsets are replaced by those of the backup."
+                ),
+            );
+            return Question::new(Text::new("恢复备份？", "restore the backup?"), body, yes);
+        }
+        let title = Text::new("文件已存在且内容不同", "there already, with other contents");
+        let body = Said::new(format!("{list}{more}"), format!("{list}{more}"));
+        if self.set.has_list() { Question::of(title, body, &[yes, skip]) } else { Question::new(title, body, yes) }
+    }
+
+    fn again(&mut self, overwrite: Option<bool>, out: &mut Vec<Command>) {
+        if let Some(ask) = &mut self.asked {
+            ask.overwrite = overwrite;
+            out.push(request(FileRequest::Transfer(ask.clone())));
+        }
+    }
+
+    fn begin(&mut self, direction: Direction, out: &mut Vec<Command>) {
+        let side = usize::from(direction == Direction::In);
+        let names = self.chosen[side].iter().cloned().collect();
+        self.told = None;
+        self.asked = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None });
+        self.again(None, out);
+    }
+
+    fn tabs(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
+        let width = (rect.width() + theme::GAP) / Set::ALL.len() as f32;
+        for (index, set) in Set::ALL.into_iter().enumerate() {
+            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
+            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP));
+            let look = Look { on: set == self.set, locked: false };
+            if self.walk.push(ui, view, place, (set.id(), set.name().get(view.lang)), look) && self.asked.is_none() {
+                *self = Self { set, seen: self.seen, looked: self.looked, walk: self.walk, ..Self::default() };
+            }
+        }
+    }
+
+    /// One side: its name, what is free, its files.
+    fn side(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, (side, media): (usize, &MediaView), pages: i32) {
+        let (head, body) = rect.split_top_bottom_at_y(rect.min.y + 34.0);
+        let name = if side == 0 { view.say("本机", "this control") } else { view.say("U 盘", "USB medium") };
+        lines::title(ui, view, head, name);
+        if let Some(free) = media.free.filter(|_| side == 1 && media.stick.is_some()) {
+            let words = format!("{} {}", view.say("剩余", "free"), size(free));
+            put(ui.painter(), head, Align2::RIGHT_CENTER, &words, theme::LABEL, view.theme.quiet);
+        }
+        card(ui.painter(), body, view.theme.surface, view.theme.line);
+        let inside = body.shrink(theme::PAD);
+        if side == 1 && media.stick.is_none() {
+            let words = view.say(
+                "没有 U 盘。请插入 U 盘（FAT32 或 exFAT），几秒后自动识别。",
+                "No USB medium. Plug one in (FAT32 or exFAT); it is found within seconds.",
+            );
+            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.hold);
+            return;
+        }
+        let files: Vec<&MediaFile> =
+            if side == 0 { &media.here } else { &media.there }.iter().filter(|file| belongs(self.set, file)).collect();
+        if side == 0 && !self.set.has_list() {
+            let words = about(self.set, view);
+            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.quiet);
+            return;
+        }
+        if files.is_empty() {
+            let words = view.say("没有此类文件", "no files of this sort");
+            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.quiet);
+            return;
+        }
+        let list = whole_lines(body.shrink(4.0), ROW);
+        if pages != 0 {
+            self.scroll[side].page(pages, list, ROW);
+        }
+        let id = if side == 0 { "files-here" } else { "files-there" };
+        let (first, last) = self.scroll[side].follow(ui, id, list, ROW, files.len());
+        for (index, file) in files.iter().enumerate().take(last).skip(first) {
+            let top = list.min.y + ((index as f64 - self.scroll[side].top) * f64::from(ROW)) as f32;
+            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, ROW - 2.0));
+            self.file(ui, list, place, view, (side, file));
+        }
+        self.scroll[side].bar(ui, view, list, ROW, files.len());
+    }
+
+    fn file(&mut self, ui: &Ui, list: Rect, place: Rect, view: &View<'_>, (side, file): (usize, &MediaFile)) {
+        let painter = &ui.painter().with_clip_rect(list);
+        let chosen = self.chosen[side].contains(&file.name);
+        let response = ui.interact(place.intersect(list), Id::unique(("media-file", side, &file.name)), Sense::CLICK);
+        let word = format!("{} file-{side}", file.name);
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &word));
+        let (walked, entered) = self.walk.pass();
+        if walked {
+            frame(painter, place, view.theme.info);
+        }
+        if response.clicked() || entered {
+            if chosen {
+                self.chosen[side].remove(&file.name)
+            } else {
+                self.chosen[side].insert(file.name.clone())
+            };
+        }
+        if chosen {
+            painter.rect_filled(place, theme::RADIUS, view.theme.raised);
+            frame(painter, place, view.theme.focus);
+        }
+        let inside = place.shrink2(vec2(theme::PAD, 0.0));
+        let (name, bytes) = inside.split_left_right_at_x(inside.max.x - 86.0);
+        fit(painter, name, Align2::LEFT_CENTER, &file.name, theme::TITLE, view.theme.text);
+        put(painter, bytes, Align2::RIGHT_CENTER, &size(file.size), theme::LABEL, view.theme.quiet);
+    }
+
+    fn told(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+        if let Some((what, share)) = view.snapshot.files.busy {
+            let bar = Rect::from_min_max(pos2(rect.min.x, rect.max.y - 8.0), pos2(rect.max.x, rect.max.y - 2.0));
+            ui.painter().rect_filled(bar, theme::RADIUS, view.theme.line);
+            let done = Rect::from_min_size(bar.min, vec2(bar.width() * f32::from(share) / 1_000.0, bar.height()));
+            ui.painter().rect_filled(done, theme::RADIUS, view.theme.focus);
+            let line = Rect::from_min_max(rect.min, pos2(rect.max.x, bar.min.y));
+            let words = format!("{} {} %", what.get(view.lang), share / 10);
+            fit(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
+            return;
+        }
+        if let Some((said, refused)) = &self.told {
+            let ink = if *refused { view.theme.alarm_text } else { view.theme.run };
+            fit(ui.painter(), rect, Align2::LEFT_CENTER, said.get(view.lang), theme::LABEL, ink);
+        } else if self.set.has_list() {
+            let words = view.say("触摸选择文件；不选为全部", "touch to choose files; none chosen: all");
+            fit(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
+        }
+    }
+
+    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, media: &MediaView, out: &mut Vec<Command>) {
+        let busy = view.snapshot.files.busy.is_some() || self.asked.is_some();
+        let locked = busy || media.stick.is_none();
+        let width = (rect.width() + theme::GAP) / 3.0;
+        let cell = |index: f32| {
+            let corner = pos2(rect.min.x + index * width, rect.min.y + 2.0);
+            Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - 2.0))
+        };
+        let to_stick = ("transfer-out", view.say("本机 → U 盘", "TO USB →"));
+        let from_stick = ("transfer-in", view.say("U 盘 → 本机", "← FROM USB"));
+        let touched = [(to_stick, Direction::Out), (from_stick, Direction::In)].into_iter().enumerate().find_map(
+            |(index, (words, direction))| {
+                let look = Look { on: false, locked };
+                self.walk.push(ui, view, cell(index as f32), words, look).then_some(direction)
+            },
+        );
+        match touched {
+            Some(_) if media.stick.is_none() => {
+                self.told = Some((Said::new("没有 U 盘", "no USB medium"), true));
+            }
+            Some(direction) if !busy => self.begin(direction, out),
+            Some(_) | None => {}
+        }
+        let look = Look { on: false, locked: !busy };
+        if self.walk.push(ui, view, cell(2.0), ("transfer-cancel", view.say("取消", "CANCEL")), look) && busy {
+            out.push(request(FileRequest::Cancel));
+        }
+    }
+}
+
+/// K5.12: pictures that are not of the form are named with what is wrong, and can be converted.
+fn conversion(faults: &[Said]) -> Question {
+    let list = |zh: bool| {
+        let lines = faults.iter().take(3).map(|said| if zh { said.zh.as_str() } else { said.en.as_str() });
+        let mut text = lines.collect::<Vec<_>>().join("\n");
+        if faults.len() > 3 {
+            text.push_str("\n…");
+        }
+        text
+    };
+    let title = Text::new("转换为 200×400 24 位图片？", "convert to 200×400, 24 bit?");
+    Question::new(title, Said::new(list(true), list(false)), ("question-convert", Text::new("转换", "CONVERT")))
+}
+
+const fn request(request: FileRequest) -> Command {
+    Command::Page(PageCommand::File(request))
+}
+
+/// Whether a file is of a set, by its name.
+fn belongs(set: Set, file: &MediaFile) -> bool {
+    let first = file.name.chars().next().map(|first| first.to_ascii_uppercase());
+    let known = |ends: &str| file.name.to_ascii_uppercase().ends_with(ends);
+    match set {
+        Set::Programs => first == Some('O'),
+        Set::Screens => matches!(first, Some('B' | 'C')),
+        Set::Params => known("PARAM.RON"),
+        Set::Variables => known("MACRO.RON"),
+        Set::Backup => known(".TAR"),
+    }
+}
+
+const fn about(set: Set, view: &View<'_>) -> &'static str {
+    match set {
+        Set::Params => view.say(
+            "全部参数写到 KT830-PARAM.RON，或从该文件读入。读入需要机床厂密码；文件中任何一个值不允许则全部不读入。",
+            "All parameters go to KT830-PARAM.RON, or come from it. Taking them in asks for the machine builder's password; one value that is not allowed refuses the whole file.",
+        ),
+        Set::Variables => view.say(
+            "宏变量 #200-#433、#500-#999 写到 KT830-MACRO.RON，或从该文件读入。",
+            "The macro variables #200-#433 and #500-#999 go to KT830-MACRO.RON, or come from it.",
+        ),
+        Set::Backup | Set::Programs | Set::Screens => view.say(
+            "程序、页面文件、参数、变量、刀补和坐标系写成一个带校验的文件 KT830-日期-时间.TAR，或从所选（最新）备份恢复。恢复需要机床厂密码。",
+            "Programs, page files, parameters, variables, offsets and work frames go into one file with checksums, KT830-DATE-TIME.TAR, or come back from the chosen (newest) one. Restoring asks for the machine builder's password.",
+        ),
+    }
+}
+
+fn size(bytes: u64) -> String {
+    match bytes {
+        0..1_024 => format!("{bytes} B"),
+        1_024..1_048_576 => format!("{:.1} kB", bytes as f64 / 1_024.0),
+        1_048_576..1_073_741_824 => format!("{:.1} MB", bytes as f64 / 1_048_576.0),
+        _ => format!("{:.1} GB", bytes as f64 / 1_073_741_824.0),
+    }
+}

@@ -1,0 +1,70 @@
+//! A question that lies over a page until it is answered: what, and what each key does. Nothing beneath takes a touch.
+//! Source: spec H8, B6 (delete and overwrite ask first).
+
+use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
+
+use super::entry::Edit;
+use super::theme;
+use super::view::{View, card, fit, paragraph};
+use super::widget::{Look, Walk};
+use crate::defs::text::{Said, Text};
+
+/// A question.
+#[derive(Clone, Debug)]
+pub struct Question {
+    /// What is asked.
+    title: Text,
+    /// What it is about.
+    body: Said,
+    /// The keys: accessible name and label; the last one does nothing but close.
+    keys: Vec<(&'static str, Text)>,
+    walk: Walk,
+}
+
+impl Question {
+    /// A question with one key that acts, and 取消.
+    #[must_use]
+    pub fn new(title: Text, body: Said, yes: (&'static str, Text)) -> Self {
+        Self::of(title, body, &[yes])
+    }
+
+    /// A question with several keys that act, and 取消.
+    #[must_use]
+    pub fn of(title: Text, body: Said, keys: &[(&'static str, Text)]) -> Self {
+        let mut keys = keys.to_vec();
+        keys.push(("question-no", Text::new("取消", "CANCEL")));
+        let mut walk = Walk::default();
+        // Enter at once does nothing: the key that acts has to be chosen.
+        walk.choose(keys.len() - 1, keys.len());
+        Self { title, body, keys, walk }
+    }
+
+    /// Draws it; gives the number of the key that was chosen, the last one is 取消.
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> Option<usize> {
+        ui.interact(rect, Id::unique("question-veil"), Sense::CLICK | Sense::DRAG);
+        let painter = ui.painter();
+        painter.rect_filled(rect, 0.0, view.theme.ground.gamma_multiply(0.86));
+        let size = vec2(520.0_f32.min(rect.width() - 24.0), 230.0_f32.min(rect.height() - 12.0));
+        let place = Rect::from_center_size(rect.center(), size);
+        card(painter, place, view.theme.surface, view.theme.hold);
+        let inside = place.shrink2(vec2(20.0, 14.0));
+        let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
+        fit(painter, title, Align2::LEFT_CENTER, self.title.get(view.lang), theme::SECONDARY, view.theme.text);
+        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - 56.0);
+        let body = Rect::from_min_max(body.min + vec2(0.0, 6.0), body.max);
+        paragraph(painter, body, self.body.get(view.lang), theme::LABEL, view.theme.text);
+        self.walk.begin(edits);
+        let last = self.keys.len() - 1;
+        let width = ((keys.width() + theme::GAP) / self.keys.len() as f32).min(170.0);
+        let left = keys.max.x + theme::GAP - width * self.keys.len() as f32;
+        let mut chosen = edits.contains(&Edit::Cancel).then_some(last);
+        for (index, (name, label)) in self.keys.iter().enumerate() {
+            let corner = pos2(left + index as f32 * width, keys.min.y + 4.0);
+            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, 52.0));
+            if self.walk.push(ui, view, place, (name, label.get(view.lang)), Look::default()) {
+                chosen = Some(index);
+            }
+        }
+        chosen
+    }
+}

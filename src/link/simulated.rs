@@ -1,0 +1,52 @@
+//! What the simulator page asks of the simulated machine and sees of it. Where a real machine is wired there is none.
+//! Source: spec P1–P8; tools.md (faults).
+
+use crate::defs::signal::Input;
+use crate::defs::text::Said;
+
+/// One request to the simulated machine; the control never sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SimCommand {
+    /// Forces an input, logically on or off; none lets it go.
+    Force(Input, Option<bool>),
+    /// Makes the machine suffer a fault by its name, or ends it.
+    Fault(&'static str, bool),
+    /// The part as it was before grinding.
+    NewPart,
+    /// The wheel as it comes from the dresser.
+    Sharpen,
+}
+
+/// The simulated machine as the page shows it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SimView {
+    /// Inputs that are forced.
+    pub forced: Vec<(Input, bool)>,
+    /// Faults that are suffered.
+    pub faults: Vec<&'static str>,
+    /// Wheel: mean diameter, mm.
+    pub wheel_diameter_mm: f64,
+    /// 0 sharp, 1 dull.
+    pub wheel_dull: f64,
+    /// Load of its motor, percent.
+    pub wheel_load_percent: f64,
+    /// Sizes of the part, mm: what is measured, and its size.
+    pub sizes: Vec<(Said, f64)>,
+    /// What happened to it, the latest last.
+    pub events: Vec<Said>,
+}
+
+/// The faults that need no further word.
+pub const FAULTS: [(&str, &str, &str); 11] = [
+    ("pressure-loss", "液压压力丢失", "hydraulic pressure lost"),
+    ("drive-x", "X 驱动故障", "X drive fault"),
+    ("drive-y", "Y 驱动故障", "Y drive fault"),
+    ("drive-z", "Z 驱动故障", "Z drive fault"),
+    ("following-x", "X 跟随误差", "X following error"),
+    ("following-y", "Y 跟随误差", "Y following error"),
+    ("following-z", "Z 跟随误差", "Z following error"),
+    ("gauge-dead", "量仪无信号", "gauge dead"),
+    ("coolant-missing", "冷却无流量", "no coolant flow"),
+    ("lubrication-missing", "润滑液位低", "lubrication low"),
+    ("supply-loss", "电源丢失", "supply lost"),
+];

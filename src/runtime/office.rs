@@ -1,0 +1,275 @@
+//! The work beside the tick that the pages ask for: saving and copying programs, reading lines for their writing. It
+//! runs on a thread of its own, so that a long one never keeps retained values from the disk; a rig does it at once.
+//! Source: spec B6, K6.2, H8.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use encoding_rs::GBK;
+use ropey::Rope;
+
+use super::disk::Folders;
+use super::draw;
+use super::transfer::{self, Carrier};
+use crate::controller::files::Job;
+use crate::defs::text::{Lang, Said};
+use crate::link::files::{FileAnswer, FileRequest, LineFault, Looked, Refusal};
+use crate::link::media::{Direction, Set, Transfer};
+use crate::nc::{Fault, Settings, Source, look};
+use crate::store::{Encoding, Folder, FolderError, PROGRAM, Stick, decode, stamp};
+
+/// A flag that ends long work.
+pub type Cancelled = Arc<AtomicBool>;
+
+/// The one that does the work.
+#[derive(Clone, Debug)]
+pub struct Office {
+    folders: Folders,
+    /// Pictures of the screen are kept here; none: only on a medium.
+    prints: Option<PathBuf>,
+    /// The medium, where one was named; otherwise what is plugged in.
+    stick: Option<Stick>,
+    cancelled: Cancelled,
+}
+
+/// What came of a job beside its answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Changed {
+    /// Files of the folder of programs.
+    pub programs: bool,
+    /// Files of the folder of page files.
+    pub screens: bool,
+}
+
+impl Office {
+    /// An office for two folders.
+    #[must_use]
+    pub fn new(folders: Folders) -> Self {
+        Self { folders, prints: None, stick: None, cancelled: Cancelled::default() }
+    }
+
+    /// With a folder for pictures of the screen, and a folder that stands for the medium.
+    #[must_use]
+    pub fn with(self, prints: Option<PathBuf>, stick: Option<PathBuf>) -> Self {
+        Self { prints, stick: stick.map(Stick::at), ..self }
+    }
+
+    fn stick(&self) -> Option<Stick> {
+        self.stick.clone().or_else(Stick::find).filter(Stick::is_present)
+    }
+
+    /// Ends the long work that is under way.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Release);
+    }
+
+    /// Does a job; `tell` hears the answers, the last one ends it.
+    pub fn work(&self, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
+        self.cancelled.store(false, Ordering::Release);
+        let programs = Folder::new(&self.folders.programs);
+        if self.folders.named && writes_programs(&job.request) {
+            // Their files are not called by number: nothing may be written under a name that was counted.
+            let said = Said::new(
+                "按名称的程序请在电脑上修改后拷入",
+                "programs with names are changed on a computer and copied in",
+            );
+            tell(FileAnswer::Refused(Refusal::Because(said)));
+            return Changed::default();
+        }
+        let done = match &job.request {
+            FileRequest::MayEdit(_) | FileRequest::Cancel => return Changed::default(),
+            FileRequest::Look { number, first, text, token } => {
+                tell(FileAnswer::Looked(look_at(*number, *first, text, *token, &job.settings)));
+                return Changed::default();
+            }
+            FileRequest::Draw(number) => {
+                let answer = self.draw(*number, job, tell).unwrap_or_else(FileAnswer::Refused);
+                tell(answer);
+                return Changed::default();
+            }
+            FileRequest::Media => {
+                tell(FileAnswer::Media(transfer::media(&self.folders, self.stick().as_ref())));
+                return Changed::default();
+            }
+            FileRequest::Print(picture) => {
+                let done = transfer::print(picture, self.prints.as_deref(), self.stick().as_ref());
+                tell(FileAnswer::Printed(done));
+                return Changed::default();
+            }
+            FileRequest::Table(text) => {
+                let stick = self.stick();
+                let done = transfer::keep(text.as_bytes(), "CSV", self.prints.as_deref(), stick.as_ref());
+                tell(FileAnswer::Printed(done));
+                return Changed::default();
+            }
+            FileRequest::Transfer(ask) => return self.carry(ask, job, tell),
+            FileRequest::Save { number, text, base, force } => save(&programs, *number, text, *base, *force),
+            FileRequest::New(number) => new(&programs, *number),
+            FileRequest::Copy { from, to } => copy(&programs, *from, *to),
+            FileRequest::Rename { from, to } => rename(&programs, *from, *to),
+            FileRequest::Delete(number) => delete(&programs, *number),
+        };
+        let changed = Changed { programs: done.is_ok(), screens: false };
+        tell(done.unwrap_or_else(FileAnswer::Refused));
+        changed
+    }
+}
+
+/// Whether a request changes files of the folder of programs by their numbers.
+fn writes_programs(request: &FileRequest) -> bool {
+    match request {
+        FileRequest::Save { .. } | FileRequest::New(_) | FileRequest::Copy { .. } => true,
+        FileRequest::Rename { .. } | FileRequest::Delete(_) => true,
+        FileRequest::Transfer(ask) => matches!(ask.set, Set::Programs | Set::Backup),
+        FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Draw(_) | FileRequest::Media => false,
+        FileRequest::Print(_) | FileRequest::Table(_) | FileRequest::Cancel => false,
+    }
+}
+
+impl Office {
+    fn carry(&self, ask: &Transfer, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
+        let Some(stick) = self.stick() else {
+            tell(FileAnswer::Refused(transfer::no_stick()));
+            return Changed::default();
+        };
+        let holdings = job.holdings.as_deref();
+        let carrier = Carrier { folders: &self.folders, stick: &stick, holdings, cancelled: &self.cancelled };
+        let done = carrier.carry(ask, tell).unwrap_or_else(FileAnswer::Refused);
+        tell(done);
+        // What is on both sides now is told as well.
+        let inward = ask.direction == Direction::In;
+        Changed {
+            programs: inward && matches!(ask.set, Set::Programs | Set::Backup),
+            screens: inward && matches!(ask.set, Set::Screens | Set::Backup),
+        }
+    }
+
+    fn draw(&self, number: u32, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
+        let missing =
+            || Refusal::Because(Said::new(format!("没有程序 O{number:04}"), format!("there is no O{number:04}")));
+        let program = job.programs.get(number).ok_or_else(missing)?;
+        let start = job.start.as_ref().ok_or_else(missing)?;
+        tell(FileAnswer::Progress(draw::NAME, 0));
+        let drawing = draw::draw(program, job, start, &self.cancelled, tell);
+        if self.cancelled.load(Ordering::Acquire) {
+            return Err(Refusal::Because(Said::new("已取消", "cancelled")));
+        }
+        Ok(FileAnswer::Drawn(Arc::new(drawing)))
+    }
+}
+
+/// A mistake as the pages show it.
+#[must_use]
+pub fn line_fault(fault: &Fault) -> LineFault {
+    let said = |lang| format!("{} – {}", fault.cause(lang), fault.remedy(lang));
+    LineFault { line: fault.place.line, column: fault.column, said: Said::new(said(Lang::Zh), said(Lang::En)) }
+}
+
+pub(super) fn because(error: &dyn std::fmt::Display) -> Refusal {
+    Refusal::Because(Said::new(error.to_string(), error.to_string()))
+}
+
+/// The common refusals of a folder in both languages.
+pub(super) fn refused(error: &FolderError) -> Refusal {
+    let zh = match error {
+        FolderError::Missing { name, .. } => format!("{name} 不存在"),
+        FolderError::Exists { path } => {
+            format!("{} 已存在，请换一个号", path.file_name().unwrap_or_default().display())
+        }
+        FolderError::TooLarge { .. } => "文件太大".to_owned(),
+        FolderError::NotPlain { path } => format!("{} 是链接或目录，不能使用", path.display()),
+        FolderError::Changing { .. } => "文件正在被写入，请稍后再试".to_owned(),
+        FolderError::BadName { name, .. } => format!("{name} 不是有效的文件名"),
+        FolderError::BadNumber { number } => format!("{number} 不是有效的程序号，应为 1-9999"),
+        FolderError::Io(fault) => return because(fault),
+    };
+    Refusal::Because(Said::new(zh, error.to_string()))
+}
+
+fn file_number(number: u32) -> Result<u16, Refusal> {
+    u16::try_from(number)
+        .ok()
+        .filter(|number| (1..=9_999).contains(number))
+        .ok_or_else(|| Refusal::Because(Said::new("程序号应为 1-9999", "program numbers are 1 to 9999")))
+}
+
+/// Replaces a program, unless somebody else has changed it since. It keeps its encoding; a sign that GBK lacks makes it UTF-8.
+fn save(folder: &Folder, number: u32, text: &Rope, base: u64, force: bool) -> Result<FileAnswer, Refusal> {
+    let file = file_number(number)?;
+    let encoding = match folder.read(&PROGRAM, file) {
+        Ok(read) if !force && stamp(&read.bytes) != base => return Err(Refusal::Conflict),
+        Ok(read) => decode(&read.bytes).map_or(Encoding::Utf8, |decoded| decoded.encoding),
+        // Deleted meanwhile: writing it again loses nothing.
+        Err(FolderError::Missing { .. }) => Encoding::Utf8,
+        Err(error) => return Err(refused(&error)),
+    };
+    let (bytes, kept) = encode(text, encoding);
+    folder.write(&PROGRAM, file, &bytes).map_err(|error| refused(&error))?;
+    let said = if kept {
+        Said::new(format!("O{number:04} 已保存"), format!("O{number:04} saved"))
+    } else {
+        Said::new(
+            format!("O{number:04} 已保存；含 GBK 以外的字，改用 UTF-8 编码"),
+            format!("O{number:04} saved as UTF-8: it holds signs that GBK lacks"),
+        )
+    };
+    Ok(FileAnswer::Saved { said, number, stamp: stamp(&bytes) })
+}
+
+/// The bytes of a text; false: they are UTF-8 because GBK lacks a sign of it.
+fn encode(text: &Rope, encoding: Encoding) -> (Vec<u8>, bool) {
+    if encoding == Encoding::Gbk {
+        let whole = String::from(text);
+        let (bytes, _, lacking) = GBK.encode(&whole);
+        if !lacking {
+            return (bytes.into_owned(), true);
+        }
+    }
+    let mut bytes = Vec::with_capacity(text.len_bytes());
+    text.chunks().for_each(|chunk| bytes.extend_from_slice(chunk.as_bytes()));
+    (bytes, encoding == Encoding::Utf8)
+}
+
+fn new(folder: &Folder, number: u32) -> Result<FileAnswer, Refusal> {
+    let file = file_number(number)?;
+    match folder.find(&PROGRAM, file) {
+        Err(FolderError::Missing { .. }) => {}
+        Err(error) => return Err(refused(&error)),
+        Ok(found) => {
+            return Err(Refusal::Because(Said::new(
+                format!("{} 已存在，请换一个号", found.name),
+                format!("{} is there already: choose another number", found.name),
+            )));
+        }
+    }
+    let text = format!("O{number:04}\r\n\r\nM30\r\n");
+    folder.write(&PROGRAM, file, text.as_bytes()).map_err(|error| refused(&error))?;
+    Ok(FileAnswer::Done(Said::new(format!("O{number:04} 已新建"), format!("O{number:04} is new"))))
+}
+
+fn copy(folder: &Folder, from: u32, to: u32) -> Result<FileAnswer, Refusal> {
+    folder.copy(&PROGRAM, file_number(from)?, file_number(to)?).map_err(|error| refused(&error))?;
+    Ok(FileAnswer::Done(Said::new(format!("O{from:04} 已复制为 O{to:04}"), format!("O{from:04} copied to O{to:04}"))))
+}
+
+fn rename(folder: &Folder, from: u32, to: u32) -> Result<FileAnswer, Refusal> {
+    folder.rename(&PROGRAM, file_number(from)?, file_number(to)?).map_err(|error| refused(&error))?;
+    Ok(FileAnswer::Done(Said::new(format!("O{from:04} 已改为 O{to:04}"), format!("O{from:04} is now O{to:04}"))))
+}
+
+fn delete(folder: &Folder, number: u32) -> Result<FileAnswer, Refusal> {
+    folder.delete(&PROGRAM, file_number(number)?).map_err(|error| refused(&error))?;
+    Ok(FileAnswer::Done(Said::new(format!("O{number:04} 已删除"), format!("O{number:04} deleted"))))
+}
+
+/// The mistakes of writing in some lines; jumps out of them and loops across them are none.
+fn look_at(number: u32, first: u32, text: &str, token: u64, settings: &Settings) -> Looked {
+    let source = Arc::new(Source::new(number, "", text.as_bytes().to_vec()));
+    let found = look(&source, settings);
+    let faults = found.iter().map(line_fault).map(|fault| {
+        let line = first + fault.line.saturating_sub(1);
+        LineFault { line, ..fault }
+    });
+    Looked { token, faults: faults.collect() }
+}

@@ -1,0 +1,76 @@
+//! What the simulator page does to the simulated machine, and what it is shown of it.
+//! Source: spec P1–P8.
+
+use crate::defs::signal::Input;
+use crate::defs::text::Said;
+use crate::io::sim::{PartFile, SimulatedMachine};
+use crate::link::simulated::{SimCommand, SimView};
+
+/// Most events shown.
+const EVENTS: usize = 6;
+/// Most sizes shown.
+const SIZES: usize = 12;
+
+/// What was done to the machine so far.
+#[derive(Clone, Debug, Default)]
+pub struct Simulator {
+    /// The part as it was put in.
+    pub part: Option<PartFile>,
+    forced: Vec<(Input, bool)>,
+    faults: Vec<&'static str>,
+}
+
+impl Simulator {
+    /// Does what the page asks.
+    pub fn act(&mut self, machine: &mut SimulatedMachine, command: SimCommand) {
+        match command {
+            SimCommand::Force(input, on) => {
+                // The ids are those of the table: they are known.
+                if machine.force_input(input.id(), on).is_ok() {
+                    self.forced.retain(|(other, _)| *other != input);
+                    self.forced.extend(on.map(|on| (input, on)));
+                }
+            }
+            SimCommand::Fault(name, present) => {
+                let done = if present { machine.fault(name) } else { machine.clear_fault(name) };
+                if done.is_ok() {
+                    self.faults.retain(|other| *other != name);
+                    self.faults.extend(present.then_some(name));
+                }
+            }
+            SimCommand::NewPart => machine.set_part(self.part.as_ref()),
+            SimCommand::Sharpen => machine.set_wheel_dull(0.0),
+        }
+    }
+
+    /// The machine as the page shows it.
+    #[must_use]
+    pub fn view(&self, machine: &SimulatedMachine) -> SimView {
+        let wheel = machine.wheel();
+        let report = machine.measure();
+        let diameters = report
+            .diameters
+            .iter()
+            .map(|at| (Said::new(format!("直径 Z{:.1}", at.z), format!("diameter Z{:.1}", at.z)), at.d));
+        let faces =
+            report.faces.iter().map(|at| (Said::new(format!("端面 X{:.1}", at.x), format!("face X{:.1}", at.x)), at.z));
+        let heights = report.heights.iter().map(|at| {
+            let (x, z) = (at.x, at.z);
+            (Said::new(format!("高度 X{x:.0} Z{z:.0}"), format!("height X{x:.0} Z{z:.0}")), at.y)
+        });
+        let events = machine.events().iter().rev().take(EVENTS).rev();
+        let events = events.map(|event| {
+            let words = format!("{:.1} s {}", event.seconds, event.kind.id());
+            Said::new(words.clone(), words)
+        });
+        SimView {
+            forced: self.forced.clone(),
+            faults: self.faults.clone(),
+            wheel_diameter_mm: wheel.diameter_mm,
+            wheel_dull: wheel.dull,
+            wheel_load_percent: wheel.load_percent,
+            sizes: diameters.chain(faces).chain(heights).take(SIZES).collect(),
+            events: events.collect(),
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Parameters, macro variables, offsets and work frames as a file that people can carry and read.
+//! Source: spec K7.8.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::ron_file::{self, Care, RonError};
+use crate::defs::kind::Kind;
+use crate::units::PerAxis;
+
+/// Values of a control; what a file does not name stays as it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Values {
+    /// The kind of machine that the parameters belong to.
+    pub kind: Option<Kind>,
+    /// Parameters by address, such as `P16.0`.
+    pub params: BTreeMap<String, f64>,
+    /// Macro variables by number.
+    pub variables: BTreeMap<u16, f64>,
+    /// Geometry and wear of the tool offsets 1 to 16, radius mm.
+    pub offsets: BTreeMap<u8, (PerAxis<f64>, PerAxis<f64>)>,
+    /// Work frames, 0 is G54; machine coordinates, radius mm.
+    pub frames: BTreeMap<u8, PerAxis<f64>>,
+}
+
+impl Values {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// The file is not there or not of the form; it names line and column.
+    pub fn read(path: &Path) -> Result<Self, RonError> {
+        Ok(ron_file::read(path, Care::Person)?.value)
+    }
+
+    /// Writes a file.
+    ///
+    /// # Errors
+    /// The disk refuses; an old file stands.
+    pub fn write(&self, path: &Path) -> Result<(), RonError> {
+        ron_file::write(path, Care::Person, self)
+    }
+
+    /// As text, for an archive.
+    ///
+    /// # Errors
+    /// A value that the form cannot express.
+    pub fn to_text(&self) -> Result<String, ron::Error> {
+        ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::new().new_line("\n"))
+    }
+
+    /// From text, of an archive.
+    ///
+    /// # Errors
+    /// What is wrong, with line and column.
+    pub fn of_text(text: &str) -> Result<Self, ron::error::SpannedError> {
+        ron::from_str(text)
+    }
+}
