@@ -41,6 +41,8 @@ pub struct CheckWorld {
     system: BTreeMap<u32, Option<f64>>,
     skip: bool,
     rpm: f64,
+    /// #438 and #439 change with every look: a wait for an end of the stroke ends.
+    stroke_end: bool,
     length_mm: f64,
     seconds: f64,
     extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
@@ -63,6 +65,7 @@ impl CheckWorld {
             system: BTreeMap::new(),
             skip: false,
             rpm: USUAL_RPM,
+            stroke_end: false,
             length_mm: 0.0,
             seconds: 0.0,
             extents: None,
@@ -244,12 +247,18 @@ impl World for CheckWorld {
         let axis = |index: u32| Axis::ALL.into_iter().filter(|axis| self.axes[*axis]).nth(index as usize);
         let shown =
             |axis: Axis, mm: f64| Live::Value(Some(if self.diameter && axis == Axis::X { mm * 2.0 } else { mm }));
+        // An axis that the machine does not have is null.
+        let none = Live::Value(None);
         match number {
-            5001..=5009 | 5041..=5049 | 5061..=5069 => {
-                axis(number % 20 - 1).map_or(Live::Unknown, |axis| shown(axis, self.position[axis]))
+            5001..=5003 | 5041..=5043 | 5061..=5063 => {
+                axis(number % 20 - 1).map_or(none, |axis| shown(axis, self.position[axis]))
             }
-            5021..=5029 => axis(number - 5021)
-                .map_or(Live::Unknown, |axis| shown(axis, self.position[axis] + self.frames.machine_minus_work(axis))),
+            5021..=5023 => axis(number - 5021)
+                .map_or(none, |axis| shown(axis, self.position[axis] + self.frames.machine_minus_work(axis))),
+            438 | 439 => {
+                self.stroke_end = !self.stroke_end;
+                Live::Value(Some(f64::from(u8::from(self.stroke_end))))
+            }
             // What only the machine knows counts as 0; a statement has no value.
             _ => match variable::find(number).map(|range| range.access) {
                 Some(Access::Read | Access::ReadWrite) => Live::Value(Some(0.0)),
