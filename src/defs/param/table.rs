@@ -149,10 +149,14 @@ pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
     (Kind::Gs, WHEEL_DIAMETER, 500.0),
     (Kind::Gs, WHEEL_WIDTH, 40.0),
     (Kind::Gs, WHEEL_RATED_SPEED, 30.0),
+    (Kind::Gs, DRESSING_FIRST, 1_013.0),
+    (Kind::Gs, DRESSING_LAST, 1_013.0),
     (Kind::Ga, SOFT_MINUS_X, -400.0),
     (Kind::Ga, WHEEL_DIAMETER, 500.0),
     (Kind::Ga, WHEEL_WIDTH, 40.0),
     (Kind::Ga, WHEEL_RATED_SPEED, 30.0),
+    (Kind::Ga, DRESSING_FIRST, 1_014.0),
+    (Kind::Ga, DRESSING_LAST, 1_014.0),
     (Kind::Ga, SOFT_MINUS_Z, -300.0),
 ];
 
