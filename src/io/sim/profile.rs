@@ -81,7 +81,17 @@ fn line(file: &SurfaceFile) -> Option<Line> {
         SurfaceFile::Face { looks, x_from, x_to, stock, cell, waviness, width, thickness, turns } => {
             let (side, normal) = side_of(looks);
             let shape = Shape::Face { side, width_mm: width, thickness_mm: thickness, turns, wall: None };
-            Some(Line { from: x_from / 2.0, to: x_to / 2.0, cell, normal, stock, rise: 0.0, waviness, runout: 0.0, shape })
+            Some(Line {
+                from: x_from / 2.0,
+                to: x_to / 2.0,
+                cell,
+                normal,
+                stock,
+                rise: 0.0,
+                waviness,
+                runout: 0.0,
+                shape,
+            })
         }
         SurfaceFile::Wall { looks, x_from, x_to, y_from, y_to, stock, cell, thickness, waviness } => {
             let (side, normal) = side_of(looks);
