@@ -31,6 +31,7 @@ wait until Z<25.03 max 400 s
 expect output table-rotation on
 key 进给保持
 wait until held max 3 s
+wait 1 s
 key 循环启动
 wait until idle max 600 s
 expect no alarm
@@ -47,5 +48,5 @@ load O1014
 key 循环启动
 wait until idle max 120 s
 expect no event
-expect #5801 499.95 ±0.001
+expect #828 0.025 ±0.0001
 expect wear 1 Z -0.025

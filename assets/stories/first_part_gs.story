@@ -51,6 +51,7 @@ expect state running
 wait until Y<20.05 max 200 s
 key 进给保持
 wait until held max 3 s
+wait 1 s
 key 循环启动
 wait until idle max 600 s
 expect no alarm
@@ -67,7 +68,7 @@ load O1013
 key 循环启动
 wait until idle max 120 s
 expect no event
-expect #5801 499.94 ±0.001
+expect #806 0.030 ±0.0001
 expect wear 1 Y -0.030
 key 退磁
 wait 7 s

@@ -12,10 +12,9 @@ page grinding
 expect no alarm                  #! page text and picture are there
 mode auto
 key 循环启动
-wait until running max 2 s
-expect output wheel on
 wait until X<40.35 max 90 s
 expect output radial-gauge on
+expect output wheel on
 expect lamp oscillation on
 expect input gauge-1 off
 wait until X<40.05 max 60 s
