@@ -77,6 +77,23 @@ fn t3_o1002_grinds_to_the_asked_diameter_within_2_um() {
 }
 
 #[test]
+fn t3_a_batch_runs_the_program_for_every_part() {
+    let report = json(&["run", "O1002", "--parts", "3", "--format", "json"]);
+    assert_eq!((&report["end"], &report["parts"]), (&"finished".into(), &3.into()));
+    let batch = report["batch"].as_array().unwrap();
+    assert_eq!(batch.len(), 3);
+    for part in batch {
+        assert_eq!(part["diameters"].as_array().unwrap().len(), 5);
+        assert!((diameter(&serde_json::json!({"part": part})) - 40.0).abs() < 0.002);
+    }
+    // An alarm ends the batch with the part that it came with.
+    let out = kt830(&["run", "O1002", "--parts", "3", "--set", "#521=40.5", "--format", "json"]);
+    assert_eq!(status(&out), 1);
+    assert!(serde_json::from_slice::<Value>(&out.stdout).unwrap()["batch"].is_null());
+    assert_eq!(status(&kt830(&["run", "O1002", "--parts", "0"])), 2);
+}
+
+#[test]
 fn p5_without_spark_out_the_part_stays_larger() {
     let report = json(&["run", "O1002", "--set", "#528=0", "--format", "json"]);
     // Fine feed 0.3 mm/min = 5 µm/s; τ = 0.8 s leaves about 4 µm of radius, 8 µm of diameter.
