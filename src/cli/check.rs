@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 
 use super::args::{Check, Format, Run, Shared};
 use super::{CallError, FINE, WRONG_CALL, bench, out};
-use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings};
-use crate::defs::param;
+use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings, references};
 use crate::io::sim::PartFile;
 use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, check_with};
 use crate::runtime::disk::{parse_page_text, parse_picture, program};
@@ -125,8 +124,8 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     let (programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
     let mut memory = retained.variables.clone();
-    let home = PerAxis::from_fn(|axis| retained.params.of_axis(param::HOME_X, axis));
-    let mut world = CheckWorld::new(&settings).with_home(home).with_frames(retained.frames.clone());
+    let mut world =
+        CheckWorld::new(&settings).with_references(references(&retained.params)).with_frames(retained.frames.clone());
     for (variable, row) in PARAM_VARIABLES {
         world.set_system(variable.first, Some(retained.params.get(row)));
     }

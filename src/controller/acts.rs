@@ -196,6 +196,13 @@ impl Controller {
         let answer = self.ask(request);
         if let (Some(rpm), Answer::Taken, Request::DriveHigh | Request::DriveLow) = (call.s, answer, request) {
             self.analog_2_rpm = rpm; // K3.4: M63 S
+            let most = self.params.get(param::ANALOG_2_RPM_MAX);
+            if rpm > most {
+                self.refuse(Said::new(
+                    format!("S{rpm} 超过第二模拟量最高转速，按 {most} 运行 (P65)"),
+                    format!("S{rpm} is above the second analog output: it gives {most} (P65)"),
+                ));
+            }
         }
         match answer {
             Answer::Taken if call.row.waits => {

@@ -46,6 +46,9 @@ impl Controller {
         if matches!(self.phase, Phase::Idle) {
             return self.start_program();
         }
+        if let Some(why) = self.stopped_in_pause() {
+            return self.refuse(why);
+        }
         self.resume_run();
     }
 

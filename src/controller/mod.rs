@@ -40,6 +40,7 @@ mod wheel_size;
 pub use alarms::Alarms;
 pub use effect::Effect;
 pub use library::{Program, Programs};
+pub use planned::references;
 pub use system::{PARAM_VARIABLES, nc_settings};
 
 use std::sync::Arc;

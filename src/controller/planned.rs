@@ -10,7 +10,7 @@ use crate::defs::mcode;
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
 use crate::motion::{End, Plane, Shape, Turn};
-use crate::nc::{self, AxisSet, Feed, Frames, Op, PathMode, Place};
+use crate::nc::{self, AxisSet, Feed, Frames, Op, PathMode, Place, REFERENCES};
 use crate::units::{Axis, PerAxis};
 
 /// Frames and position at the end of what has been read.
@@ -79,10 +79,10 @@ impl Planned {
                 let speed = feed.map_or(Speed::Rapid, speed);
                 return self.push(PlannedMove::new(target, Shape::Line, speed, (named, AxisSet::NONE)), items, params);
             }
-            Op::Reference { via, words, incremental } => {
+            Op::Reference { number, via, words, incremental } => {
                 self.line(*via, Speed::Rapid, (*words, *incremental), items, params)?;
-                let home = |axis: Axis| params.of_axis(param::HOME_X, axis);
-                let to = PerAxis::from_fn(|axis| if words.contains(axis) { home(axis) } else { self.machine[axis] });
+                let at = references(params)[usize::from(*number).clamp(1, REFERENCES) - 1];
+                let to = PerAxis::from_fn(|axis| if words.contains(axis) { at[axis] } else { self.machine[axis] });
                 let named = (*words, AxisSet::NONE);
                 return self.push(PlannedMove::new(to, Shape::Line, Speed::Rapid, named), items, params);
             }
@@ -236,6 +236,13 @@ impl Planned {
         items.push_back(Item::Move(planned));
         Ok(())
     }
+}
+
+/// The reference points of G28 and G30, machine coordinates, radius mm.
+#[must_use]
+pub fn references(params: &Params) -> [PerAxis<f64>; REFERENCES] {
+    [param::HOME_X, param::REFERENCE_2_X, param::REFERENCE_3_X, param::REFERENCE_4_X]
+        .map(|x| PerAxis::from_fn(|axis| params.of_axis(x, axis)))
 }
 
 const fn speed(feed: Feed) -> Speed {

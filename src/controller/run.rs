@@ -244,6 +244,8 @@ pub struct Run {
     pub gauging: Option<GaugeRun>,
     /// The hand has the axes, in a hold.
     pub parted: Option<Parted>,
+    /// What turned when the run was paused: wheel, headstock (table, roll).
+    pub turned: [bool; 2],
 }
 
 impl Run {
@@ -272,6 +274,7 @@ impl Run {
             settle_since: None,
             gauging: None,
             parted: None,
+            turned: [false; 2],
         }
     }
 

@@ -9,7 +9,11 @@ use crate::defs::signal::{Output, OutputSet, Terminals};
 impl Controller {
     /// The one place where the phase changes.
     pub(super) fn happen(&mut self, event: Event) {
+        let before = self.phase.is_pause();
         self.phase = std::mem::take(&mut self.phase).after(event);
+        if self.phase.is_pause() && !before {
+            self.remember_what_turns();
+        }
     }
 
     /// Brakes whatever moves; the run is left once the axes stand.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::contour::ContourCycle;
 use super::dialect::{self, Running, Step};
 use super::expression::Value;
 use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1, wrong2};
@@ -56,7 +57,7 @@ pub enum Next {
     Block,
     /// A live value is wanted: ask again when motion has drained. Nothing was changed.
     Drain,
-    /// Many blocks were read and none had an operation: ask again in the next tick.
+    /// Many blocks were read and none had an operation, or a loop waits: ask again in the next tick.
     Busy,
     /// M30, M02, `%` or the end of the text.
     End,
@@ -68,14 +69,24 @@ pub struct Interpreter {
     library: Arc<dyn Library + Send + Sync>,
     pub(super) settings: Settings,
     memory: Memory,
-    modals: Modals,
+    pub(super) modals: Modals,
     pub(super) words: Words,
     pub(super) ended: bool,
     pub(super) second_half: bool,
     /// The last block number read (#4114).
-    last_n: Option<u32>,
+    pub(super) last_n: Option<u32>,
+    /// Something that a condition could depend on has changed since somebody asked.
+    changed: bool,
+    /// A cycle of the block just read, whose contour is still to be read.
+    pub(super) pending: Option<Pending>,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
+}
+
+/// A cycle whose contour is to be read, and where its own block begins.
+pub(super) struct Pending {
+    pub cycle: Box<ContourCycle>,
+    pub begin: (usize, u32, bool),
 }
 
 /// What one statement came to.
@@ -105,6 +116,8 @@ impl Interpreter {
             ended: false,
             second_half: false,
             last_n: None,
+            changed: false,
+            pending: None,
             nulls: None,
         }
     }
@@ -157,9 +170,20 @@ impl Interpreter {
         if self.ended {
             return Ok(Next::End);
         }
+        // A loop that waits (`N10 IF[#438 EQ 0]GOTO 10`): within a tick nothing can come of reading it twice.
+        let mut idle = false;
         for _ in 0..STATEMENTS_PER_CALL {
+            let from = self.flow.at;
             match self.step(world, block) {
-                Ok(Stepped::Nothing) => {}
+                Ok(Stepped::Nothing) => {
+                    idle &= !std::mem::take(&mut self.changed);
+                    if self.flow.at <= from {
+                        if idle {
+                            return Ok(Next::Busy);
+                        }
+                        idle = true;
+                    }
+                }
                 Ok(Stepped::Block) => return Ok(Next::Block),
                 Ok(Stepped::End) => {
                     self.ended = true;
@@ -181,7 +205,17 @@ impl Interpreter {
         fault_in(&self.flow.source, self.words.n, wrong)
     }
 
+    /// One block, the contour of its cycle included.
     pub(super) fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
+        let stepped = self.read_block(world, block)?;
+        match self.pending.take() {
+            Some(pending) => self.contour(&pending, world, block),
+            None => Ok(stepped),
+        }
+    }
+
+    /// One block as it stands.
+    pub(super) fn read_block(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
         if self.ended {
             return Ok(Stepped::End);
         }
@@ -265,6 +299,7 @@ impl Interpreter {
         if self.flow.is_main() {
             return Ok(Stepped::End);
         }
+        self.changed = true;
         self.flow.return_to(None, at)?;
         Ok(Stepped::Nothing)
     }
@@ -326,6 +361,7 @@ impl Interpreter {
             }
             Step::Call(call) => {
                 let source = self.find(call.program, call.at)?;
+                self.changed = true;
                 self.pass(cursor);
                 self.flow.call(source, call, false)?;
             }
@@ -336,8 +372,14 @@ impl Interpreter {
                 self.flow.modal = modal.map(Arc::from);
                 self.pass(cursor);
             }
+            Step::Contour(cycle) => {
+                let begin = (self.flow.at, self.flow.line, self.flow.mid_line);
+                self.pass(cursor);
+                self.pending = Some(Pending { cycle, begin });
+            }
             Step::Return { target, at } => {
                 self.second_half = false;
+                self.changed = true;
                 self.flow.return_to(target, at)?;
             }
             Step::Assign { variable, value, at } => {
@@ -376,7 +418,10 @@ impl Interpreter {
     ) -> Outcome<()> {
         let name = || format!("#{variable}");
         match variable {
-            1..=33 => self.flow.set_local(variable, value),
+            1..=33 => {
+                self.flow.set_local(variable, value);
+                self.changed = true;
+            }
             3000 | 3006 => {
                 let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
                 let value = value.unwrap_or(0.0);

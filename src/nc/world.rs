@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::frames::Frames;
-use super::op::{Feed, Op, Plane};
+use super::op::{Feed, Op, Plane, REFERENCES};
 use super::settings::Settings;
 use crate::defs::variable::{self, Access};
 use crate::units::{Axis, PerAxis};
@@ -37,7 +37,7 @@ pub struct CheckWorld {
     rapid_mm_min: PerAxis<f64>,
     position: PerAxis<f64>,
     frames: Frames,
-    home: PerAxis<f64>,
+    references: [PerAxis<f64>; REFERENCES],
     system: BTreeMap<u32, Option<f64>>,
     skip: bool,
     rpm: f64,
@@ -61,7 +61,7 @@ impl CheckWorld {
             rapid_mm_min: settings.rapid_mm_min,
             position: PerAxis::default(),
             frames: Frames::default(),
-            home: PerAxis::default(),
+            references: [PerAxis::default(); REFERENCES],
             system: BTreeMap::new(),
             skip: false,
             rpm: USUAL_RPM,
@@ -86,10 +86,10 @@ impl CheckWorld {
         self
     }
 
-    /// Where homing leaves the axes, machine coordinates, radius mm (P45 to P47): the end of G28.
+    /// The reference points of G28 and G30, machine coordinates, radius mm; the first is where homing leaves the axes.
     #[must_use]
-    pub const fn with_home(mut self, home: PerAxis<f64>) -> Self {
-        self.home = home;
+    pub const fn with_references(mut self, references: [PerAxis<f64>; REFERENCES]) -> Self {
+        self.references = references;
         self
     }
 
@@ -157,9 +157,10 @@ impl CheckWorld {
                     None => self.rapid(to),
                 }
             }
-            Op::Reference { via, words, .. } => {
+            Op::Reference { number, via, words, .. } => {
                 self.rapid(*via);
-                let home = self.frames.work_from_machine(self.home);
+                let at = self.references[usize::from(*number).clamp(1, REFERENCES) - 1];
+                let home = self.frames.work_from_machine(at);
                 let home = |axis| if words.contains(axis) { home[axis] } else { via[axis] };
                 self.rapid(PerAxis::from_fn(home));
             }

@@ -124,6 +124,15 @@ numbers! {
     PARTS_SINCE_DRESSING = 96, 0 => 999_999, 0, "", User, "修整后件数", "parts since the last dressing";
     DRESSINGS = 97, 0 => 999_999, 0, "", User, "换砂轮后修整次数", "dressings since the wheel was changed";
     DRESSING_POINT_SIDE = 98, -1 => 1, -1, "", Builder, "修整器位置 -1:工件侧 0:修整点不变 1:对侧", "dresser: -1 on the part's side, 0 the point stays, 1 opposite";
+    REFERENCE_2_X = 161, -9_999 => 9_999, 0, "mm", Builder, "第 2 参考点 X", "reference point 2 X";
+    REFERENCE_2_Y = 162, -9_999 => 9_999, 0, "mm", Builder, "第 2 参考点 Y", "reference point 2 Y";
+    REFERENCE_2_Z = 163, -9_999 => 9_999, 0, "mm", Builder, "第 2 参考点 Z", "reference point 2 Z";
+    REFERENCE_3_X = 164, -9_999 => 9_999, 0, "mm", Builder, "第 3 参考点 X", "reference point 3 X";
+    REFERENCE_3_Y = 165, -9_999 => 9_999, 0, "mm", Builder, "第 3 参考点 Y", "reference point 3 Y";
+    REFERENCE_3_Z = 166, -9_999 => 9_999, 0, "mm", Builder, "第 3 参考点 Z", "reference point 3 Z";
+    REFERENCE_4_X = 167, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 X", "reference point 4 X";
+    REFERENCE_4_Y = 168, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Y", "reference point 4 Y";
+    REFERENCE_4_Z = 169, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Z", "reference point 4 Z";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
