@@ -196,14 +196,15 @@ impl Report {
 /// A part of a batch in one line: from the least to the greatest of what was measured of it.
 fn spread(number: usize, part: &PartReport) -> String {
     let range = |name: &str, values: Vec<f64>| {
-        let (least, greatest) =
-            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), value| (a.min(*value), b.max(*value)));
-        (!values.is_empty()).then(|| format!("  {name} {least:.4} … {greatest:.4}")).unwrap_or_default()
+        let least = values.iter().copied().min_by(f64::total_cmp)?;
+        let greatest = values.iter().copied().max_by(f64::total_cmp)?;
+        Some(format!("  {name} {least:.4} … {greatest:.4}"))
     };
     let diameters = range("diameter", part.diameters.iter().map(|at| at.d).collect());
     let faces = range("face", part.faces.iter().map(|at| at.z).collect());
     let heights = range("height", part.heights.iter().map(|at| at.y).collect());
-    format!("part {number}{diameters}{faces}{heights}")
+    let told = [diameters, faces, heights].into_iter().flatten().collect::<String>();
+    format!("part {number}{told}")
 }
 
 fn positions(snapshot: &Snapshot, of: impl Fn(&crate::link::snapshot::AxisView) -> f64) -> Value {

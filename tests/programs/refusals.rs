@@ -104,7 +104,9 @@ fn p8_a_dead_gauge_is_an_alarm_and_the_wheel_is_off_the_part() {
 
 #[test]
 fn k4_5_no_reference_face_is_alarm_183() {
-    let mut shop = crate::shop::shop_with(1005, 1, |part| drop(part.surfaces.remove(0)));
+    let mut shop = crate::shop::shop_with(1005, 1, |part| {
+        part.surfaces.remove(0);
+    });
     assert!(matches!(shop.run(), End::Alarm(183, _)));
     assert_eq!(shop.events(), []);
 }
