@@ -139,6 +139,40 @@ fn t2_the_demo_grinds_a_part_without_a_display() {
 }
 
 #[test]
+fn t4_what_comes_along_has_no_mistake() {
+    let gc = ["1001", "1002", "1003", "1004", "1005", "1006", "1011", "1012", "9000", "9001", "9010", "9011", "9012"];
+    let kinds: [(&str, &[&str]); 3] = [
+        ("gc", &gc),
+        ("gs", &["1007", "1008", "1009", "1013", "9000", "9001", "9020"]),
+        ("ga", &["1010", "1014", "9000", "9001"]),
+    ];
+    let mut seen = std::collections::BTreeSet::new();
+    for (kind, numbers) in kinds {
+        let files: Vec<String> = numbers.iter().map(|number| format!("programs/O{number}.NC")).collect();
+        let mut words = vec!["check", "--kind", kind];
+        words.extend(files.iter().map(String::as_str));
+        let out = kt830(&words);
+        assert_eq!(status(&out), 0, "{}", String::from_utf8_lossy(&out.stdout));
+        // A subprogram by itself has no arguments; a program with its page's values gives no warning.
+        let warned = errors(&out).lines().filter(|line| line.starts_with("programs/O1")).count();
+        assert_eq!(warned, 0, "{}", errors(&out));
+        seen.extend(numbers.iter().map(|number| format!("O{number}.NC")));
+    }
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for entry in std::fs::read_dir(here.join("programs")).unwrap() {
+        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        assert!(seen.contains(&name), "{name} is checked on no kind");
+    }
+    let mut pages: Vec<String> = std::fs::read_dir(here.join("screens"))
+        .unwrap()
+        .map(|entry| format!("screens/{}", entry.unwrap().file_name().to_string_lossy()))
+        .collect();
+    pages.insert(0, "check".to_owned());
+    let words: Vec<&str> = pages.iter().map(String::as_str).collect();
+    assert_eq!(status(&kt830(&words)), 0);
+}
+
+#[test]
 fn t4_every_error_of_a_file_is_told_with_line_and_column() {
     let (_folder, path) = file("O2001.NC", b"G00 X1\nG01 X1..5 F10\nG777\n#1=[1+\nM30\n");
     let report = json(&["check", &path, "--format", "json"]);

@@ -41,8 +41,8 @@ pub struct CheckWorld {
     system: BTreeMap<u32, Option<f64>>,
     skip: bool,
     rpm: f64,
-    /// #438 and #439 change with every look: a wait for an end of the stroke ends.
-    stroke_end: bool,
+    /// While an axis oscillates #438 and #439 change with every look: a wait for an end of the stroke ends.
+    stroke_end: Option<bool>,
     length_mm: f64,
     seconds: f64,
     extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
@@ -65,7 +65,7 @@ impl CheckWorld {
             system: BTreeMap::new(),
             skip: false,
             rpm: USUAL_RPM,
-            stroke_end: false,
+            stroke_end: None,
             length_mm: 0.0,
             seconds: 0.0,
             extents: None,
@@ -167,8 +167,11 @@ impl CheckWorld {
             Op::S { value, mode: super::op::SpeedMode::Rpm } if *value > 0.0 => self.rpm = *value,
             Op::SetSystem { number, value } => self.set_system(*number, *value),
             Op::S { .. } | Op::Path(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
-            // Where the dressing point is, only the machine knows; an oscillating axis comes back to where it was.
-            Op::DressReturn { .. } | Op::OscillationOn { .. } | Op::OscillationOff => {}
+            // Where the dressing point is, only the machine knows.
+            Op::DressReturn { .. } => {}
+            // An oscillating axis comes back to where it was.
+            Op::OscillationOn { .. } => self.stroke_end = Some(false),
+            Op::OscillationOff => self.stroke_end = None,
             Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } => {}
         }
     }
@@ -257,8 +260,8 @@ impl World for CheckWorld {
             5021..=5023 => axis(number - 5021)
                 .map_or(none, |axis| shown(axis, self.position[axis] + self.frames.machine_minus_work(axis))),
             438 | 439 => {
-                self.stroke_end = !self.stroke_end;
-                Live::Value(Some(f64::from(u8::from(self.stroke_end))))
+                self.stroke_end = self.stroke_end.map(|end| !end);
+                Live::Value(Some(f64::from(u8::from(self.stroke_end == Some(true)))))
             }
             // What only the machine knows counts as 0; a statement has no value.
             _ => match variable::find(number).map(|range| range.access) {

@@ -11,5 +11,6 @@ mod batch;
 mod dressing;
 mod pages;
 mod refusals;
+mod retract;
 mod shop;
 mod sizes;
