@@ -14,7 +14,7 @@ use kt830::runtime::disk::program;
 use kt830::runtime::rig::Rig;
 use told::{ready_of, tell};
 
-const ALL: &[Kind] = &Kind::ALL;
+const ALL: &[Kind] = &Kind::KT830;
 const GC: &[Kind] = &[Kind::Gc];
 const GS: &[Kind] = &[Kind::Gs];
 const GA: &[Kind] = &[Kind::Ga];
@@ -282,7 +282,7 @@ fn by_key(row: &Row, kind: Kind, held: bool) {
 fn k3_every_code_has_its_row_on_every_kind() {
     let rows = table();
     for code in MCODES.iter().filter(|code| !ELSEWHERE.contains(&code.code)) {
-        for kind in Kind::ALL {
+        for kind in Kind::KT830 {
             let name = format!("M{:02}", code.code);
             let there = |row: &Row| row.code.split(' ').next() == Some(&name) && row.kinds.contains(&kind);
             assert!(rows.iter().any(there), "{name} has no row on {}", kind.id());
@@ -328,7 +328,7 @@ fn k3_13_each_of_m80_to_m89_waits_for_its_own_input_on_every_kind() {
         Input::User9,
         Input::User10,
     ];
-    for kind in Kind::ALL {
+    for kind in Kind::KT830 {
         for (index, input) in USERS.iter().enumerate() {
             let mut rig = ready_of(kind);
             load(&mut rig, &format!("M{}\nM00\nM30", 80 + index));

@@ -27,7 +27,7 @@ pub struct Args {
 /// Options of every command.
 #[derive(Clone, Debug, ClapArgs)]
 pub struct Shared {
-    /// Kind of machine: gc (cylindrical), gs (surface), ga (rotary table) [default: as set on the machine, else gc]
+    /// Kind of machine: gc (cylindrical), gs (surface), ga (rotary table), vertical (lathe-grinder, 802D), lathe (超人) [default: as set on the machine, else gc]
     #[arg(long = "kind", global = true, value_name = "KIND", value_parser = kind)]
     pub kind_asked: Option<Kind>,
     /// The kind that holds: asked for, else stored, else gc.
@@ -154,7 +154,10 @@ pub struct Shot {
 }
 
 fn kind(word: &str) -> Result<Kind, String> {
-    Kind::from_id(word).ok_or_else(|| "the kinds are gc, gs, ga".to_owned())
+    Kind::from_id(word).ok_or_else(|| {
+        let kinds: Vec<_> = Kind::ALL.iter().map(|kind| kind.id()).collect();
+        format!("the kinds are {}", kinds.join(", "))
+    })
 }
 
 fn lang(word: &str) -> Result<Lang, String> {

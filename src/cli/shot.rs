@@ -45,7 +45,7 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             // The part of O1001 belongs into a cylindrical grinder.
             match kind {
                 Kind::Gc => bench::mount(&mut rig, &shared, SHOWN)?,
-                Kind::Gs | Kind::Ga => rig.send(Command::LoadProgram(SHOWN)),
+                Kind::Gs | Kind::Ga | Kind::Vertical | Kind::Lathe => rig.send(Command::LoadProgram(SHOWN)),
             }
         }
     }

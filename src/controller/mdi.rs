@@ -68,6 +68,7 @@ impl Controller {
         frames.activate(modals.frame);
         let mut planned = Planned::new(frames, self.axes.set(), self.dress.points, modals.path);
         planned.oscillating = self.oscillating_axis();
+        planned.system = self.row.system;
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
@@ -88,7 +89,7 @@ impl Controller {
             (None, None) => Modals::new(&settings),
         };
         ModalView {
-            g: modals.g_codes(!self.row.lathe_system),
+            g: modals.g_codes(self.row.system),
             feed: modals.feed,
             speed: modals.speed,
             tool: (modals.tool, modals.offset),

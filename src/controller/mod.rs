@@ -33,6 +33,7 @@ mod settle;
 mod status;
 mod switches;
 mod system;
+mod turning;
 mod watch;
 mod wheel_change;
 mod wheel_size;
@@ -53,7 +54,7 @@ use crate::defs::signal::{Input, InputSet, Output, OutputSet};
 use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
-use crate::link::snapshot::{DirectoryRow, Message, Tone};
+use crate::link::snapshot::{DirectoryRow, Message, ThreadCut, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
 pub use crate::nc::Frames;
@@ -203,6 +204,11 @@ pub struct Controller {
     mdi_modals: Option<Modals>,
     pages: Pages,
     edits: edits::Edits,
+    spindle: turning::SpindleSeen,
+    measuring: Option<turning::Measured>,
+    threads: Vec<ThreadCut>,
+    /// An axis that a program sends to its switch.
+    program_homing: Option<Homing>,
 }
 
 impl Controller {
@@ -264,6 +270,10 @@ impl Controller {
             mdi_modals: None,
             pages: Pages::new(kind, &params),
             edits: edits::Edits::default(),
+            spindle: turning::SpindleSeen::default(),
+            measuring: None,
+            threads: Vec::new(),
+            program_homing: None,
             params,
         };
         control.find_dead_outputs();
@@ -294,7 +304,7 @@ impl Controller {
         self.step_hand();
         self.step_oscillation();
         let rate = self.rate();
-        self.axes.tick(rate);
+        self.axes.tick(rate, self.spindle.turns);
         self.settle();
         self.write_outputs();
         &self.outputs
@@ -309,6 +319,8 @@ impl Controller {
             self.inputs.set(Input::EmergencyStop, true);
         }
         self.axes.read(image);
+        self.spindle.read(image.spindle_turns, self.now);
+        self.measure_thread();
         if image.handwheel_detents != 0 {
             self.turn_handwheel(image.handwheel_detents);
         }

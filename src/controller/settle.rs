@@ -55,6 +55,7 @@ impl Controller {
             self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
         }
         self.waiting_for = None;
+        self.program_homing = None;
         self.axes.give_to_hand();
     }
 
@@ -72,7 +73,11 @@ impl Controller {
             self.outputs.terminals.set(self.params.output_port(output), true);
         }
         let volts = |rpm: f64, most: f64| (FULL_SCALE_VOLTS * rpm / most).clamp(0.0, FULL_SCALE_VOLTS);
-        let wheel = if on.has(Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
+        let wheel = if on.has(Output::Wheel) || self.machine.spindle_direction().is_some() {
+            self.wheel_rpm_given()
+        } else {
+            0.0
+        };
         self.outputs.wheel_volts = volts(wheel, self.params.get(param::WHEEL_RPM_MAX));
         let drive = if self.machine.drive_is_on() { self.analog_2_rpm } else { 0.0 };
         self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));

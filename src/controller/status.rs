@@ -153,6 +153,10 @@ impl Controller {
             Key::Step001 => step(0.01),
             Key::Step01 => step(0.1),
             Key::HeadstockStop => !self.machine.drive_is_on(),
+            Key::SpindleForward => self.machine.spindle_direction() == Some(false),
+            Key::SpindleReverse => self.machine.spindle_direction() == Some(true),
+            Key::SpindleStop => self.machine.spindle_direction().is_none(),
+            Key::ToolPost => self.machine.post_is_moving(),
             _ => Mode::ALL.into_iter().any(|mode| mode.key() == key && mode == self.mode),
         }
     }

@@ -124,7 +124,9 @@ pub enum Lamp {
 const ALL: &[Kind] = &Kind::ALL;
 const GC: &[Kind] = &[Kind::Gc];
 const GS: &[Kind] = &[Kind::Gs];
-const GA: &[Kind] = &[Kind::Ga];
+const TABLE: &[Kind] = &[Kind::Ga, Kind::Vertical];
+const LATHE: &[Kind] = &[Kind::Lathe];
+const GRIND: &[Kind] = &[Kind::Gc, Kind::Gs, Kind::Ga, Kind::Vertical];
 const GS_GA: &[Kind] = &[Kind::Gs, Kind::Ga];
 
 /// One row of the key table.
@@ -212,26 +214,30 @@ keys! {
     Step0001 = "step-0.001", "×0.001", "×0.001", Handwheel, ALL, false, Control;
     Step001 = "step-0.01", "×0.01", "×0.01", Handwheel, ALL, false, Control;
     Step01 = "step-0.1", "×0.1", "×0.1", Handwheel, ALL, false, Control;
-    WheelStart = "wheel-start", "砂轮启动", "WHEEL ON", Wheel, ALL, false, Out(Output::Wheel);
-    WheelStop = "wheel-stop", "砂轮停止", "WHEEL OFF", Wheel, ALL, false, OutputOff(Output::Wheel);
-    SecondSpindle = "second-spindle", "第二主轴", "SPINDLE 2", Wheel, ALL, false, Out(Output::SecondSpindle);
+    WheelStart = "wheel-start", "砂轮启动", "WHEEL ON", Wheel, GRIND, false, Out(Output::Wheel);
+    WheelStop = "wheel-stop", "砂轮停止", "WHEEL OFF", Wheel, GRIND, false, OutputOff(Output::Wheel);
+    SecondSpindle = "second-spindle", "第二主轴", "SPINDLE 2", Wheel, GRIND, false, Out(Output::SecondSpindle);
+    SpindleForward = "spindle-forward", "主轴正转", "SPDL CW", Workpiece, LATHE, false, Control;
+    SpindleReverse = "spindle-reverse", "主轴反转", "SPDL CCW", Workpiece, LATHE, false, Control;
+    SpindleStop = "spindle-stop", "主轴停止", "SPDL STOP", Workpiece, LATHE, false, Control;
+    ToolPost = "tool-post", "换刀", "TOOL", Clamping, LATHE, false, Control;
     HeadstockHigh = "headstock-high", "头架高速", "HEAD HIGH", Workpiece, GC, false, Out(Output::HeadstockHigh);
     HeadstockLow = "headstock-low", "头架低速", "HEAD LOW", Workpiece, GC, false, Out(Output::HeadstockLow);
     HeadstockStop = "headstock-stop", "头架停止", "HEAD STOP", Workpiece, GC, false, Control;
     DresserRoll = "dresser-roll", "滚轮", "ROLL", Workpiece, GS, false, Out(Output::DresserRoll);
-    TableRotation = "table-rotation", "台面旋转", "TABLE", Workpiece, GA, false, Out(Output::TableRotation);
+    TableRotation = "table-rotation", "台面旋转", "TABLE", Workpiece, TABLE, false, Out(Output::TableRotation);
     TailstockAdvance = "tailstock-advance", "尾座进", "TAIL IN", Clamping, GC, false, Out(Output::Tailstock);
     TailstockRetract = "tailstock-retract", "尾座退", "TAIL OUT", Clamping, GC, false, OutputOff(Output::Tailstock);
     Magnetise = "magnetise", "充磁", "MAGNET", Clamping, GS_GA, false, Out(Output::Magnetise);
     Demagnetise = "demagnetise", "退磁", "DEMAG", Clamping, GS_GA, false, Out(Output::Demagnetise);
     Coolant = "coolant", "冷却", "COOLANT", Fluids, ALL, true, Out(Output::Coolant);
     Lubrication = "lubrication", "润滑", "LUBE", Fluids, ALL, true, Out(Output::Lubrication);
-    Hydraulic = "hydraulic", "液压", "HYDRAUL", Fluids, ALL, false, Out(Output::Hydraulic);
-    RadialGauge = "radial-gauge", "径向量仪", "RADIAL", Gauges, ALL, false, Out(Output::RadialGauge);
-    AxialGauge = "axial-gauge", "轴向量仪", "AXIAL", Gauges, ALL, false, Out(Output::AxialGauge);
-    Oscillation = "oscillation", "振荡", "OSCILL", Dressing, ALL, false, Control;
-    DressReturn = "dress-return", "回修整点", "DRESS PT", Dressing, ALL, false, Control;
-    WheelRetract = "wheel-retract", "一键回退", "RETRACT", Dressing, ALL, true, Control;
+    Hydraulic = "hydraulic", "液压", "HYDRAUL", Fluids, GRIND, false, Out(Output::Hydraulic);
+    RadialGauge = "radial-gauge", "径向量仪", "RADIAL", Gauges, GRIND, false, Out(Output::RadialGauge);
+    AxialGauge = "axial-gauge", "轴向量仪", "AXIAL", Gauges, GRIND, false, Out(Output::AxialGauge);
+    Oscillation = "oscillation", "振荡", "OSCILL", Dressing, GRIND, false, Control;
+    DressReturn = "dress-return", "回修整点", "DRESS PT", Dressing, GRIND, false, Control;
+    WheelRetract = "wheel-retract", "一键回退", "RETRACT", Dressing, GRIND, true, Control;
     AddressX = "address-x", "X", "X", Screen, ALL, true, Dark;
     AddressY = "address-y", "Y", "Y", Screen, ALL, true, Dark;
     AddressZ = "address-z", "Z", "Z", Screen, ALL, true, Dark;
@@ -263,8 +269,8 @@ impl Key {
     pub const fn face(self, kind: Kind) -> Text {
         match self {
             // K1: on surface and rotary-table grinders the gauges measure thickness and plane.
-            Self::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度", "THICK"),
-            Self::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面", "PLANE"),
+            Self::RadialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("厚度", "THICK"),
+            Self::AxialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("平面", "PLANE"),
             Self::ModeHandwheel => Text::new("手轮", "MPG"),
             Self::OptionalStop => Text::new("选择停", "M01"),
             Self::MstLock => Text::new("辅助锁", "MST"),
@@ -283,6 +289,9 @@ impl Key {
             Self::WheelStart => Text::new("启动", "START"),
             Self::WheelStop => Text::new("停止", "STOP"),
             Self::SecondSpindle => Text::new("第二主轴", "SPDL 2"),
+            Self::SpindleForward => Text::new("正转", "CW"),
+            Self::SpindleReverse => Text::new("反转", "CCW"),
+            Self::SpindleStop => Text::new("停止", "STOP"),
             Self::HeadstockHigh => Text::new("高速", "HIGH"),
             Self::HeadstockLow => Text::new("低速", "LOW"),
             Self::HeadstockStop => Text::new("停止", "STOP"),
@@ -325,8 +334,8 @@ impl Key {
     #[must_use]
     pub const fn name_on(self, kind: Kind) -> Text {
         match self {
-            Self::RadialGauge if !matches!(kind, Kind::Gc) => Text::new("厚度量仪", "THICKNESS"),
-            Self::AxialGauge if !matches!(kind, Kind::Gc) => Text::new("平面量仪", "PLANE"),
+            Self::RadialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("厚度量仪", "THICKNESS"),
+            Self::AxialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("平面量仪", "PLANE"),
             _ => self.label(),
         }
     }

@@ -1,5 +1,5 @@
-//! The kinds of machine. What a kind is made of stands in `machine::kind`.
-//! Source: spec K1.
+//! The kinds of machine, and the language that their programs are written in. What a kind is made of stands in
+//! `machine::kind`. Source: spec K1, S1.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,11 +14,30 @@ pub enum Kind {
     Gs,
     /// KT-830GA, rotary-table grinder.
     Ga,
+    /// Vertical lathe-grinder with programs of the SINUMERIK 802D.
+    Vertical,
+    /// Lathe with a four-station tool post and programs of the 超人 (SuperMan) CNC, also as a training simulator.
+    Lathe,
+}
+
+/// Which language the programs of a machine are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum System {
+    /// GC: U, V, W are incremental; G90 and G94 are cycles.
+    LatheA,
+    /// GS and GA: G90 and G91 are modal; U, V, W are incremental as well.
+    Mill,
+    /// SINUMERIK 802D: R parameters, `X=R20`, labels, G90 and G91 modal (S1).
+    Sinumerik,
+    /// 超人 (SuperMan) lathe: X, Z absolute, U, W incremental, all X words diameters, arcs in the opposite sense (L1–L8).
+    SuperMan,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Gc, Self::Gs, Self::Ga];
+    pub const ALL: [Self; 5] = [Self::Gc, Self::Gs, Self::Ga, Self::Vertical, Self::Lathe];
+    /// The kinds of the KT-830: the customer's codes, keys and pages (K1).
+    pub const KT830: [Self; 3] = [Self::Gc, Self::Gs, Self::Ga];
 
     /// The word of the command line and of stories.
     #[must_use]
@@ -27,6 +46,8 @@ impl Kind {
             Self::Gc => "gc",
             Self::Gs => "gs",
             Self::Ga => "ga",
+            Self::Vertical => "vertical",
+            Self::Lathe => "lathe",
         }
     }
 
@@ -43,6 +64,8 @@ impl Kind {
             Self::Gc => Text::new("KT-830GC 外圆磨床", "KT-830GC cylindrical grinder"),
             Self::Gs => Text::new("KT-830GS 平面磨床", "KT-830GS surface grinder"),
             Self::Ga => Text::new("KT-830GA 圆台磨床", "KT-830GA rotary table grinder"),
+            Self::Vertical => Text::new("立式车磨床 802D", "vertical lathe-grinder 802D"),
+            Self::Lathe => Text::new("超人车床", "SuperMan lathe"),
         }
     }
 }

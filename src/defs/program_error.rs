@@ -200,6 +200,51 @@ program_errors! {
     /// Far too many strokes.
     ContourStrokes = 89, "contour-strokes", "循环行程次数太多", "the cycle has too many strokes",
         "增大每次切深", "take more at a stroke";
+    /// A rectangle cycle without one of its sides.
+    RectangleSide = 70, "rectangle-side", "矩形循环 {} 方向边长为零", "the side of the rectangle along {} has no length",
+        "对角点在 X、Z 两个方向都必须离开起点", "the corner must lie off the start in both X and Z";
+    /// An arc that is too small.
+    ArcTooSmall = 71, "arc-too-small", "圆弧半径 {} mm 应大于 {2} mm", "the arc's radius of {} mm has to be above {2} mm",
+        "加大半径，或改用直线", "make it larger, or write a line";
+    /// A full circle by radius.
+    FullCircleByRadius = 72, "full-circle-by-radius", "整圆不能用 R 编程", "a full circle cannot be written with R",
+        "请用 I、K 给出圆心", "give the centre by I and K";
+    /// A thread with nothing that tells where to draw back.
+    NoInfeed = 73, "no-infeed", "螺纹前没有 X 向进给段，退尾方向不定", "no move of X before the thread: the direction of its run-out is not known",
+        "在螺纹段之前写一段 G00 或 G01 的 X 向进给", "write a move of X with G00 or G01 before the thread";
+    /// A thread by places.
+    IncrementalOnly = 74, "incremental-only", "螺纹必须用增量 U、W 编程，不能用 {}", "a thread is written with U and W, not with {}",
+        "把 {} 改为增量", "write {} as a distance";
+    /// The way before a thread is short.
+    ApproachShort = 75, "approach-short", "螺纹起刀点距工件只有 {} mm，少于 3 倍导程 {2} mm", "the thread begins {} mm before the part, less than three leads ({2} mm)",
+        "起刀点离工件 3–5 倍导程", "begin three to five leads before the part";
+    /// The spindle is faster than a thread allows.
+    SpindleTooFast = 76, "spindle-too-fast", "主轴转速 {} 超过螺纹允许的 {2} r/min", "the spindle's {} rpm exceed the {2} rpm that the thread allows",
+        "转速不超过 1200/导程-80", "keep it at 1200/lead − 80 or less";
+    /// A number that several blocks have is a target.
+    SeveralTargets = 77, "several-targets", "程序段 {} 不唯一", "there are several blocks {}",
+        "循环、跳转、调用的目标段号必须唯一", "the target of a loop, jump or call must have a number of its own";
+    /// A jump to its own block.
+    JumpToItself = 78, "jump-to-itself", "{} 跳转到本段", "{} jumps to itself",
+        "请指定其他程序段", "name another block";
+    /// G92 with distances.
+    PresetByDistance = 79, "preset-by-distance", "{} 不能用 {2}", "{} takes no {2}",
+        "用 X、Z 给出坐标", "give the coordinates by X and Z";
+    /// A subprogram before the main program.
+    SubBeforeMain = 80, "sub-before-main", "子程序 {} 必须在主程序之后", "subprogram {} has to stand behind the main program",
+        "把子程序移到主程序之后", "move it behind the main program";
+    /// M99 where nothing was called.
+    ReturnWithoutCall = 81, "return-without-call", "M99 没有对应的 M98", "M99 without M98",
+        "主程序用 M02 结束", "end the main program with M02";
+    /// G22 without G80, or the other way round.
+    LoopUnpaired = 82, "loop-unpaired", "{} 没有配对的 {2}", "{} has no {2}",
+        "G22 与 G80 必须成对，并写在段号之后", "G22 and G80 go in pairs, each first in its block";
+    /// A statement of the macro language in a program of another one.
+    NoMacros = 83, "no-macros", "本系统没有宏语句", "this language has no macro statements",
+        "只能使用指令字", "write words only";
+    /// A thread shorter than its run-out.
+    ThreadTooShort = 84, "thread-too-short", "螺纹长度 {} mm 不足纵向退尾 {2} mm", "the thread's length of {} mm is not more than its run-out of {2} mm",
+        "加大 W", "make W longer";
     /// A block after `;` on the same line.
     BlockAfterSemicolon = 46, "block-after-semicolon", "';' 后的内容按程序段执行", "the text after ';' is read as a block",
         "注释请写在 ( ) 中", "write a comment in ( )";

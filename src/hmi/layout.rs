@@ -130,7 +130,8 @@ pub fn panel(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
 
 /// The directions of a kind's jog keys on a cross of three by three; the middle is rapid, the third axis lies aslant.
 /// GC, seen from above: X− brings the wheel to the part, towards the operator. GS: the table goes left and right, Y is the
-/// wheel's way down, Z leads away from the operator. GA: X crosses the table, Z is the wheel's way down.
+/// wheel's way down, Z leads away from the operator. GA and the vertical grinder: X
+/// crosses the table, Z is the wheel's way down.
 #[must_use]
 pub const fn jog_places(kind: Kind) -> [(Key, u8, u8); 7] {
     const fn cross(across: [Key; 2], upright: [Key; 2], aslant: [Key; 2]) -> [(Key, u8, u8); 7] {
@@ -146,9 +147,9 @@ pub const fn jog_places(kind: Kind) -> [(Key, u8, u8); 7] {
     }
     let (x, y, z) = ([Key::XMinus, Key::XPlus], [Key::YPlus, Key::YMinus], [Key::ZPlus, Key::ZMinus]);
     match kind {
-        Kind::Gc => cross([Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], y),
+        Kind::Gc | Kind::Lathe => cross([Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], y),
         Kind::Gs => cross(x, y, z),
-        Kind::Ga => cross(x, z, y),
+        Kind::Ga | Kind::Vertical => cross(x, z, y),
     }
 }
 
@@ -195,6 +196,14 @@ const MAGNET: Unit = Unit(Text::new("磁力", "MAGNET"), &[Key::Magnetise, Key::
 const TAILSTOCK: Unit = Unit(Text::new("尾座", "TAILSTOCK"), &[Key::TailstockAdvance, Key::TailstockRetract], 2);
 const ROLL: Unit = Unit(Text::new("修整器", "DRESSER"), &[Key::DresserRoll], 2);
 const TABLE: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 2);
+/// The table of a machine that clamps the part by jaws.
+const CLAMPED: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 1);
+/// Main spindle, fluids and tool post of a lathe.
+const SPINDLE_DRIVE: Unit =
+    Unit(Text::new("主轴", "SPDL"), &[Key::SpindleForward, Key::SpindleReverse, Key::SpindleStop], 1);
+const FLUIDS_LATHE: Unit = Unit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication], 1);
+const POST: Unit = Unit(Text::new("刀架", "POST"), &[Key::ToolPost], 4);
+const GAUGES_WIDE: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 4);
 const GAUGES: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 2);
 
 /// The units of a kind: those that stand side by side, three keys high, and the row of blocks below them.
@@ -204,9 +213,12 @@ const fn units(kind: Kind, wide: bool) -> (&'static [Unit], &'static [Unit]) {
         (Kind::Gc, false) => (&[WHEEL, HEADSTOCK, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),
         (Kind::Gs, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[ROLL, GAUGES]),
         (Kind::Ga, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[TABLE, GAUGES]),
+        (Kind::Vertical, false) => (&[WHEEL, CLAMPED, FLUIDS, DRESSING], &[GAUGES_WIDE]),
+        (Kind::Lathe, _) => (&[SPINDLE_DRIVE, FLUIDS_LATHE, TRIAL], &[POST]),
         (Kind::Gc, true) => (&[WHEEL_WIDE, HEADSTOCK, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TAILSTOCK, GAUGES]),
         (Kind::Gs, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, ROLL, GAUGES]),
         (Kind::Ga, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TABLE, GAUGES]),
+        (Kind::Vertical, true) => (&[WHEEL_WIDE, CLAMPED, FLUIDS, DRESSING, TRIAL], &[SPINDLE, GAUGES_WIDE]),
     }
 }
 

@@ -14,6 +14,19 @@ use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, Micros, PerAxis};
 
+/// A thread that was cut (L5).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThreadCut {
+    /// Line of the program, from 1.
+    pub line: u32,
+    /// Lead, mm.
+    pub lead_mm: f64,
+    /// Way from the start to the run-out, mm.
+    pub length_mm: f64,
+    /// Greatest less least deviation of Z from its place beside the spindle, mm.
+    pub error_mm: f64,
+}
+
 /// Macro variables shown: #0 to #999.
 pub const VARIABLES: usize = 1_000;
 

@@ -8,7 +8,7 @@
 //! *nominal* set-points, one for each tick at 100 % override, which end at rest and are laid on the [`trail`]; `tick`
 //! goes along the trail, one place a tick at full rate and slower under an override or a hold ([`warp`]); a change of
 //! rate is only begun once it has been run ahead to its end and every limit found kept.
-//! [`AxisMover`] moves one axis by itself; both rest on the seven-segment [`profile`].
+//! [`ThreadMover`] leads Z in step with a spindle. [`AxisMover`] moves one axis by itself; both rest on the seven-segment [`profile`].
 
 mod contour;
 mod mover;
@@ -19,12 +19,14 @@ mod smooth;
 mod span;
 mod speed;
 mod stroke;
+mod thread;
 mod trail;
 mod warp;
 
 pub use mover::{AxisMover, EMERGENCY_JERK_FACTOR};
 pub use path::{FINISHED_KEPT, MOVES, Path};
 pub use profile::AxisLimits;
+pub use thread::{Thread, ThreadMover};
 
 use crate::units::{Axis, PerAxis};
 

@@ -56,7 +56,9 @@ impl Interpreter {
     /// Whether there is anything to remark on the last block.
     #[inline]
     pub(crate) fn has_remarks(&self) -> bool {
-        self.flow.mid_line || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
+        self.flow.mid_line
+            || self.notes.as_ref().is_some_and(|notes| !notes.is_empty())
+            || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
     }
 
     /// Whether a variable without a value counted in the last block.
@@ -72,6 +74,9 @@ impl Interpreter {
         for (source, at, variable) in self.nulls.iter_mut().flat_map(|nulls| nulls.drain(..)) {
             let details = [format!("#{variable}"), String::new()];
             remarks.push(fault_in(&source, None, Wrong { at, error: E::NullUsed, details }));
+        }
+        for wrong in self.notes.iter_mut().flat_map(|notes| notes.drain(..)) {
+            remarks.push(fault_in(&source, None, wrong));
         }
         if self.flow.mid_line {
             let wrong = Wrong { at: self.flow.at, error: E::BlockAfterSemicolon, details: Default::default() };

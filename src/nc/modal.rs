@@ -2,7 +2,8 @@
 
 use super::dialect::RepeatWords;
 use super::op::{Feed, PathMode, Plane, SpeedMode};
-use super::settings::{Settings, SpeedUnit};
+use super::settings::{Settings, SpeedUnit, System};
+use crate::units::PerAxis;
 
 /// The function of group 01 in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +21,12 @@ pub enum Motion {
     LongitudinalCycle,
     /// G94 on GC.
     FaceCycle,
+    /// G23 of the 超人 lathe.
+    RectangleCycle,
+    /// G32 of the 超人 lathe.
+    InchThread,
+    /// G33 of the 超人 lathe.
+    MetricThread,
 }
 
 impl Motion {
@@ -33,6 +40,9 @@ impl Motion {
             Self::ArcCounterClockwise => 3,
             Self::LongitudinalCycle => 90,
             Self::FaceCycle => 94,
+            Self::RectangleCycle => 23,
+            Self::InchThread => 32,
+            Self::MetricThread => 33,
         }
     }
 
@@ -92,6 +102,12 @@ pub struct Modals {
     pub(crate) rotation: SpeedMode,
     pub(crate) cycle: CycleWords,
     pub(crate) repeat: RepeatWords,
+    /// F of the last thread: its lead, mm (L5).
+    pub(crate) lead: Option<f64>,
+    /// The sense of the last move of X before a thread, 0 if none came (L5).
+    pub(crate) infeed: i8,
+    /// Where the program began, in today's work coordinates: the tool-change point (L3).
+    pub(crate) start: PerAxis<f64>,
     /// K5.11: a second tool was called.
     pub(crate) several_tools: bool,
     /// K5.11: G50 was used.
@@ -114,7 +130,11 @@ impl Modals {
             feed: None,
             inch: settings.inch,
             frame: 54,
-            path: PathMode::Continuous { tolerance_mm: settings.tolerance_mm },
+            path: if settings.exact_stop {
+                PathMode::ExactStop
+            } else {
+                PathMode::Continuous { tolerance_mm: settings.tolerance_mm }
+            },
             speed_mode: rotation,
             speed: None,
             tool: 0,
@@ -124,6 +144,9 @@ impl Modals {
             rotation,
             cycle: CycleWords::default(),
             repeat: RepeatWords::default(),
+            lead: None,
+            infeed: 0,
+            start: PerAxis::default(),
             several_tools: false,
             preset: false,
         }
@@ -138,15 +161,20 @@ impl Modals {
 
     /// The G codes in force, in the order in which the pages show them.
     #[must_use]
-    pub fn g_codes(&self, mill: bool) -> [u8; 8] {
+    pub fn g_codes(&self, system: System) -> [u8; 8] {
+        let modal_distance = !matches!(system, System::LatheA | System::SuperMan);
+        let [per_minute, per_rev, inch, metric, exact] = match system {
+            System::LatheA | System::Mill | System::SuperMan => [98, 99, 20, 21, 61],
+            System::Sinumerik => [94, 95, 70, 71, 60],
+        };
         [
             self.motion.g(),
             self.plane.g(),
-            if mill && self.incremental { 91 } else { 90 },
-            if self.per_rev { 99 } else { 98 },
-            if self.inch { 20 } else { 21 },
+            if modal_distance && self.incremental { 91 } else { 90 },
+            if self.per_rev { per_rev } else { per_minute },
+            if self.inch { inch } else { metric },
             self.frame,
-            if self.path == PathMode::ExactStop { 61 } else { 64 },
+            if self.path == PathMode::ExactStop { exact } else { 64 },
             if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 },
         ]
     }

@@ -1,15 +1,7 @@
 //! What the machine kind and the parameters tell the interpreter. Source: spec K1, B1, B2.
 
+pub use crate::defs::kind::System;
 use crate::units::PerAxis;
-
-/// Which G-code system a machine kind speaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum System {
-    /// GC: U, V, W are incremental; G90 and G94 are cycles.
-    LatheA,
-    /// GS and GA: G90 and G91 are modal; U, V, W are incremental as well.
-    Mill,
-}
 
 /// What a plain S word means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +10,39 @@ pub enum SpeedUnit {
     Rpm,
     /// Metres a second at the wheel's rim.
     MetresPerSecond,
+}
+
+/// What the parameters tell programs of the 超人 lathe (L2, L5, L6).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turning {
+    /// Feed of a straight line without an F, mm/min on Z.
+    pub line_feed: f64,
+    /// Feed of an arc without an F, mm/min.
+    pub arc_feed: f64,
+    /// How far Z goes for a millimetre of slide on X while both run in G00.
+    pub rapid_z_per_x: f64,
+    /// The least increment of a coordinate as written, mm (X a diameter): arcs end less than five of them off.
+    pub pulse_mm: f64,
+    /// Coordinates of the machine origin that G36, G37, G39 set, radius mm.
+    pub origin: PerAxis<f64>,
+    /// G02 and G03 turn the other way than ISO has it, as the manual warns.
+    pub arcs_opposite: bool,
+    /// Speed of the spindle without an S, rpm.
+    pub spindle_rpm: f64,
+}
+
+impl Default for Turning {
+    fn default() -> Self {
+        Self {
+            line_feed: 300.0,
+            arc_feed: 300.0,
+            rapid_z_per_x: 2.0,
+            pulse_mm: 0.01,
+            origin: PerAxis([0.0; 3]),
+            arcs_opposite: true,
+            spindle_rpm: 200.0,
+        }
+    }
 }
 
 /// Everything outside the text that changes how it is read.
@@ -33,7 +58,7 @@ pub struct Settings {
     pub least_increment_mm: Option<f64>,
     /// Start in inches (G20).
     pub inch: bool,
-    /// The tolerance of G64, millimetres; the path mode at the start is G64.
+    /// The tolerance of G64, millimetres; the path mode at the start is G64 unless `exact_stop` says otherwise.
     pub tolerance_mm: f64,
     /// How far the end of an arc may lie off its circle, millimetres.
     pub arc_tolerance_mm: f64,
@@ -43,6 +68,12 @@ pub struct Settings {
     pub jump_input: u32,
     /// Tools and offsets of a T word, 1 to this.
     pub tools: u32,
+    /// The path mode at the start is exact stop, not G64.
+    pub exact_stop: bool,
+    /// Where a program begins is its work zero until it says otherwise (L3).
+    pub zero_at_start: bool,
+    /// Speeds and places of the 超人 lathe.
+    pub turning: Turning,
     /// P17.1: G35 moves a cylinder and takes no words.
     pub oscillation_by_cylinder: bool,
     /// Rapid speed of each axis for the time estimate of a check, mm/min.
@@ -64,6 +95,9 @@ impl Settings {
             speed_unit: SpeedUnit::Rpm,
             jump_input: 0,
             tools: 16,
+            exact_stop: false,
+            zero_at_start: false,
+            turning: Turning::default(),
             oscillation_by_cylinder: false,
             rapid_mm_min: PerAxis([6_000.0; 3]),
         }
@@ -73,6 +107,30 @@ impl Settings {
     #[must_use]
     pub fn mill() -> Self {
         Self { system: System::Mill, diameter: false, axes: PerAxis([true; 3]), ..Self::lathe() }
+    }
+
+    /// The vertical lathe-grinder as it leaves the factory: X (diameter) and Z.
+    #[must_use]
+    pub fn sinumerik() -> Self {
+        Self { system: System::Sinumerik, exact_stop: true, ..Self::lathe() }
+    }
+
+    /// The 超人 lathe as it leaves the factory: X (diameter) and Z.
+    #[must_use]
+    pub fn superman() -> Self {
+        let tools = 4;
+        Self { system: System::SuperMan, exact_stop: true, zero_at_start: true, tools, ..Self::lathe() }
+    }
+
+    /// As a machine with programs of this language leaves the factory.
+    #[must_use]
+    pub fn of(system: System) -> Self {
+        match system {
+            System::LatheA => Self::lathe(),
+            System::Mill => Self::mill(),
+            System::Sinumerik => Self::sinumerik(),
+            System::SuperMan => Self::superman(),
+        }
     }
 
     #[inline]

@@ -4,7 +4,7 @@
 mod table;
 
 pub use table::*;
-use table::{FACTORY_OF_KIND, factory_input_port, factory_output_port};
+use table::{FACTORY_BITS_OF_KIND, FACTORY_OF_KIND, factory_input_port, factory_output_port};
 
 use serde::{Deserialize, Serialize};
 
@@ -12,6 +12,9 @@ use super::kind::Kind;
 use super::signal::{Input, Output, PORTS};
 use super::text::Text;
 use crate::units::{Axis, Micros};
+
+/// The column of the bit table that a kind begins with.
+const KT830_COLUMN: [usize; Kind::ALL.len()] = [0, 1, 2, 0, 0];
 
 /// Highest parameter number + 1.
 pub const PARAM_LIMIT: usize = 400;
@@ -55,7 +58,7 @@ pub struct Bit {
     pub bit: u8,
     /// What 1 means.
     pub name: Text,
-    /// Factory value on GC, GS, GA.
+    /// Factory value on GC, GS, GA; the other kinds begin as GC, but for `FACTORY_BITS_OF_KIND`.
     pub factory: [bool; 3],
     /// Who may change it.
     pub level: Level,
@@ -66,6 +69,16 @@ impl Bit {
     #[must_use]
     pub const fn address(self) -> ParamAddress {
         ParamAddress { number: self.number, bit: Some(self.bit) }
+    }
+}
+
+impl Bit {
+    /// Its value on a new machine of a kind.
+    #[must_use]
+    pub fn factory_of(&self, kind: Kind) -> bool {
+        let own = FACTORY_BITS_OF_KIND.iter().find(|(of, row, _)| *of == kind && row == self);
+        let like = KT830_COLUMN[kind as usize];
+        own.map_or(self.factory[like], |(.., value)| *value)
     }
 }
 
@@ -186,7 +199,7 @@ impl Params {
             params.numbers[usize::from(output.port_param())] = f64::from(factory_output_port(*output));
         }
         for row in BITS {
-            params.put_bit(row.number, row.bit, row.factory[kind as usize]);
+            params.put_bit(row.number, row.bit, row.factory_of(kind));
         }
         params
     }

@@ -73,6 +73,20 @@ struct Fixed {
     traverse: Traverse,
     idle_percent: f64,
     power_w: f64,
+    wheel_radius_mm: f64,
+}
+
+impl Fixed {
+    /// Where the reference point of a new wheel is over the part's zero.
+    const fn zero_of(&self, mut work: Place) -> Place {
+        let radius_mm = if self.layout.centre { self.wheel_radius_mm } else { 0.0 };
+        match self.layout.infeed {
+            Axis::X => work.x += radius_mm,
+            Axis::Y => work.y += radius_mm,
+            Axis::Z => work.z += radius_mm,
+        }
+        work
+    }
 }
 
 impl Grinding {
@@ -93,6 +107,7 @@ impl Grinding {
             traverse,
             idle_percent: file.wheel.idle_load_percent,
             power_w: file.wheel.power_w,
+            wheel_radius_mm: file.wheel.diameter_mm / 2.0,
         };
         Self {
             machine,
@@ -117,7 +132,7 @@ impl Grinding {
         self.gauge = None;
         self.gone = false;
         if let Some(part) = part {
-            self.zero = part.g54_mm;
+            self.zero = self.machine.zero_of(part.g54_mm);
             self.gauge = part.gauge;
             self.surfaces.extend(part.surfaces.iter().filter_map(|file| Surface::new(file, chance)));
             self.obstacles.extend(part.bodies.iter().map(Obstacle::of_body));
@@ -288,7 +303,8 @@ impl Grinding {
         // Two circles over each other: off by d along the stroke the one stands lower.
         let (both, off) = (wheel.radius_mm() + roll_mm, at.stroke_mm - dresser.stroke_mm);
         let lift = both - (both * both - off * off).max(0.0).sqrt();
-        let reach = dresser.infeed_mm - lift - at.front_mm;
+        let towards = if dresser.behind { -1.0 } else { 1.0 };
+        let reach = towards * (dresser.infeed_mm - at.front_mm) - lift;
         let slices = wheel.slices_over(dresser.across_mm - at.left_mm, width_mm);
         if reach <= 0.0 || off.abs() >= both || slices.is_empty() {
             self.broke_dresser = false;

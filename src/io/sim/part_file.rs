@@ -66,8 +66,26 @@ pub struct PartFile {
     /// What the radial (thickness) gauge is set to, and where it measures.
     #[serde(default)]
     pub gauge: Option<GaugeFile>,
+    /// The bar of a lathe.
+    #[serde(default)]
+    pub bar: Option<BarFile>,
     /// What is ground.
+    #[serde(default)]
     pub surfaces: Vec<SurfaceFile>,
+}
+
+/// A bar to be turned, part coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarFile {
+    /// Its diameter.
+    pub diameter: f64,
+    /// Where it leaves the chuck.
+    pub z_from: f64,
+    /// Its face.
+    pub z_to: f64,
+    /// Cell size along Z.
+    pub cell: f64,
 }
 
 const fn cylindrical() -> Kind {
@@ -310,9 +328,18 @@ impl PartFile {
         let file: Self = ron::from_str(text)?;
         for (i, surface) in file.surfaces.iter().enumerate() {
             surface.check(i + 1)?;
-            if surface.kind() != file.kind {
+            if !surface.kinds().contains(&file.kind) {
                 let what = format!("surface {}", i + 1);
                 return Err(SimFileError::Unfit { what, rule: "the part's kind of machine cannot grind it" });
+            }
+        }
+        if let Some(bar) = file.bar {
+            above_zero("bar.diameter", bar.diameter)?;
+            above_zero("bar.cell", bar.cell)?;
+            let cells = (bar.z_to - bar.z_from) / bar.cell;
+            if !(1.0..=CELL_LIMIT).contains(&cells) {
+                let rule = "there must be 1 to 100000 cells from the one end to the other";
+                return Err(SimFileError::Value { field: "bar: cells".to_owned(), value: cells, rule });
             }
         }
         if let Some(offset) = file.offsets.iter().find(|offset| !(1..=16).contains(&offset.number)) {
@@ -324,12 +351,12 @@ impl PartFile {
 }
 
 impl SurfaceFile {
-    /// The kind of machine that can grind it.
-    const fn kind(&self) -> Kind {
+    /// The kinds of machine that can grind it.
+    const fn kinds(&self) -> &'static [Kind] {
         match self {
-            Self::Diameter { .. } | Self::Cone { .. } | Self::Face { .. } => Kind::Gc,
-            Self::Plane { .. } | Self::Wall { .. } => Kind::Gs,
-            Self::Disc { .. } => Kind::Ga,
+            Self::Diameter { .. } | Self::Cone { .. } | Self::Face { .. } => &[Kind::Gc, Kind::Vertical],
+            Self::Plane { .. } | Self::Wall { .. } => &[Kind::Gs],
+            Self::Disc { .. } => &[Kind::Ga],
         }
     }
 

@@ -2,14 +2,14 @@
 //! Source: spec K1, column GA.
 
 use super::KindRow;
-use crate::defs::kind::Kind;
+use crate::defs::kind::{Kind, System};
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Ga,
     axes: PerAxis([true, false, true]),
-    lathe_system: false,
+    system: System::Mill,
     home_order: &[Axis::Z, Axis::X, Axis::Y],
     drive_high: Output::TableRotation,
     drive_low: Output::TableRotation,
@@ -17,4 +17,6 @@ pub(super) static ROW: KindRow = KindRow {
     magnet: true,
     drive_needs_magnet: true,
     slow_axis: Axis::Z,
+    turns_part: false,
+    own_programs: None,
 };

@@ -2,14 +2,14 @@
 //! Source: spec K1, column GS.
 
 use super::KindRow;
-use crate::defs::kind::Kind;
+use crate::defs::kind::{Kind, System};
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Gs,
     axes: PerAxis([true, true, true]),
-    lathe_system: false,
+    system: System::Mill,
     home_order: &[Axis::Y, Axis::Z, Axis::X],
     drive_high: Output::DresserRoll,
     drive_low: Output::DresserRoll,
@@ -17,4 +17,6 @@ pub(super) static ROW: KindRow = KindRow {
     magnet: true,
     drive_needs_magnet: false,
     slow_axis: Axis::Y,
+    turns_part: false,
+    own_programs: None,
 };

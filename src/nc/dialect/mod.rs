@@ -2,6 +2,7 @@
 //! the check are shared.
 
 mod grinder;
+mod superman;
 
 pub(crate) use grinder::RepeatWords;
 
@@ -39,6 +40,14 @@ pub(crate) enum Step {
     Again,
     /// Another block.
     Goto { n: u32, at: usize },
+    /// The one block of that number; it is an error if there are several, or if it is this block (L1, L7).
+    Jump { n: u32, at: usize },
+    /// A subprogram of the same text that begins at the one block of that number (L7).
+    Local { n: u32, at: usize },
+    /// A counted loop begins here: so often; 0 leaves it out (L4).
+    Loop { times: u32, at: usize },
+    /// A counted loop ends here.
+    EndLoop { at: usize },
     /// Another program.
     Call(Call),
     /// G66, or G67 with `None`.
@@ -56,13 +65,20 @@ pub(crate) enum Step {
 /// Executes a block of words in the dialect of the machine kind.
 pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     match running.settings.system {
-        System::LatheA | System::Mill => grinder::run(running),
+        System::LatheA | System::Mill | System::Sinumerik => grinder::run(running),
+        System::SuperMan => superman::run(running),
     }
 }
 
 /// Looks at a block of words that is not executed: whether its codes exist.
 pub(crate) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
     match settings.system {
-        System::LatheA | System::Mill => grinder::look(words, settings),
+        System::LatheA | System::Mill | System::Sinumerik => grinder::look(words, settings),
+        System::SuperMan => superman::look(words),
     }
+}
+
+/// Whether a language has the macro statements (`#1=…`, IF, WHILE, GOTO).
+pub(crate) const fn has_macros(settings: &Settings) -> bool {
+    !matches!(settings.system, System::SuperMan)
 }
