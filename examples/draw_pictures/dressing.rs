@@ -1,6 +1,6 @@
 //! The pictures of the dressing programs and of the dressing page.
 
-use egui::{Align2, Color32, Rect, Stroke, StrokeKind, pos2, vec2};
+use egui::{Align2, Rect, Stroke, StrokeKind, pos2, vec2};
 
 use crate::sheet::Sheet;
 
