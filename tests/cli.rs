@@ -174,6 +174,28 @@ fn t4_what_comes_along_has_no_mistake() {
 }
 
 #[test]
+fn k7_3_a_control_that_is_set_up_anew_has_every_program_and_page() {
+    let (data, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let out = Command::new(env!("CARGO_BIN_EXE_kt830"))
+        .args(["run", "O1011", "--format", "json", "--data"])
+        .arg(data.path())
+        .current_dir(elsewhere.path())
+        .output()
+        .unwrap();
+    // O1011 calls O9011.
+    assert_eq!(serde_json::from_slice::<Value>(&out.stdout).unwrap()["end"], "finished", "{out:?}");
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for folder in ["programs", "screens"] {
+        for entry in std::fs::read_dir(here.join(folder)).unwrap() {
+            let entry = entry.unwrap();
+            let there = data.path().join(folder).join(entry.file_name());
+            let whole = entry.path().is_dir() || std::fs::read(&there).unwrap() == std::fs::read(entry.path()).unwrap();
+            assert!(whole, "{}", there.display());
+        }
+    }
+}
+
+#[test]
 fn t4_every_error_of_a_file_is_told_with_line_and_column() {
     let (_folder, path) = file("O2001.NC", b"G00 X1\nG01 X1..5 F10\nG777\n#1=[1+\nM30\n");
     let report = json(&["check", &path, "--format", "json"]);

@@ -7,4 +7,5 @@ pub mod disk_thread;
 pub mod keeper;
 pub mod realtime;
 pub mod rig;
+mod shipped;
 pub mod vault;
