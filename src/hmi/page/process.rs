@@ -10,7 +10,6 @@ use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Ui, pos2, vec2};
 use super::Typed;
 use crate::defs::param;
 use crate::defs::signal::Input;
-use crate::hmi::entry::Edit;
 use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit, length, put};
 use crate::hmi::widget::{Look, Walk};
@@ -39,6 +38,13 @@ struct Sample {
     feed_mm_min: f64,
     load_percent: f64,
     gauges: u8,
+}
+
+/// One curve: its name, its colour, and what it takes of a sample.
+struct Curve {
+    name: String,
+    colour: Color32,
+    value: Box<dyn Fn(&Sample) -> f64>,
 }
 
 /// What the page keeps.
@@ -93,29 +99,32 @@ impl Process {
         let (parts, wheel) = below.split_left_right_at_fraction(0.56);
         self.cycles(ui, Rect::from_min_max(parts.min, parts.max - vec2(theme::GAP, 0.0)), view);
         wheel_of(ui, wheel, view);
-        self.keys(ui, keys, view, typed.edits)
+        self.keys(ui, keys, view)
     }
 
     fn curves(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let span = SPANS[self.span % SPANS.len()];
         let snapshot = view.snapshot;
         let colours = [view.theme.info, view.theme.run, view.theme.macros];
-        let mut rows: Vec<(String, Color32, Box<dyn Fn(&Sample) -> f64>)> = Vec::new();
+        let mut rows: Vec<Curve> = Vec::new();
+        let mut add = |name: String, colour: Color32, value: Box<dyn Fn(&Sample) -> f64>| {
+            rows.push(Curve { name, colour, value });
+        };
         for axis in Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present) {
             let index = axis as usize;
-            rows.push((format!("{} mm", axis.letter()), colours[index], Box::new(move |sample| sample.axes[index])));
+            add(format!("{} mm", axis.letter()), colours[index], Box::new(move |sample| sample.axes[index]));
         }
-        rows.push(("F mm/min".to_owned(), view.theme.hold, Box::new(|sample| sample.feed_mm_min)));
+        add("F mm/min".to_owned(), view.theme.hold, Box::new(|sample| sample.feed_mm_min));
         if snapshot.simulated.is_some() {
             let name = view.say("砂轮负载 %", "wheel load %");
-            rows.push((name.to_owned(), view.theme.alarm_text, Box::new(|sample| sample.load_percent)));
+            add(name.to_owned(), view.theme.alarm_text, Box::new(|sample| sample.load_percent));
         }
         let gauge = 26.0;
         let height = (rect.height() - gauge) / rows.len() as f32;
-        for (index, (name, colour, value)) in rows.iter().enumerate() {
+        for (index, curve) in rows.iter().enumerate() {
             let corner = rect.min + vec2(0.0, index as f32 * height);
             let place = Rect::from_min_size(corner, vec2(rect.width(), height - 4.0));
-            self.curve(ui.painter(), place, view, (name, *colour), span, value.as_ref());
+            self.curve(ui.painter(), place, view, curve, span);
         }
         let strip = Rect::from_min_max(pos2(rect.min.x, rect.max.y - gauge + 2.0), rect.max);
         self.gauges(ui.painter(), strip, view, span);
@@ -126,15 +135,8 @@ impl Process {
         self.samples.iter().skip(self.samples.partition_point(|sample| sample.at.0 < from))
     }
 
-    fn curve(
-        &self,
-        painter: &Painter,
-        rect: Rect,
-        view: &View<'_>,
-        (name, colour): (&str, Color32),
-        span: f64,
-        value: &dyn Fn(&Sample) -> f64,
-    ) {
+    fn curve(&self, painter: &Painter, rect: Rect, view: &View<'_>, curve: &Curve, span: f64) {
+        let (colour, value) = (curve.colour, curve.value.as_ref());
         card(painter, rect, view.theme.surface, view.theme.line);
         let now = view.snapshot.now;
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -149,7 +151,7 @@ impl Process {
         let row =
             |index: f32| Rect::from_min_size(words.min + vec2(0.0, index * line), vec2(words.width() - 8.0, line));
         let last = self.samples.back().map_or(0.0, value);
-        put(painter, row(0.0), Align2::LEFT_CENTER, name, theme::SMALL, colour);
+        put(painter, row(0.0), Align2::LEFT_CENTER, &curve.name, theme::SMALL, colour);
         put(painter, row(1.0), Align2::LEFT_CENTER, &length(last), theme::TITLE, view.theme.text);
         let range = format!("{low:.3} … {high:.3}");
         fit(painter, row(2.0), Align2::LEFT_CENTER, &range, theme::SMALL, view.theme.quiet);
@@ -222,7 +224,7 @@ impl Process {
         }
     }
 
-    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, _edits: &[Edit]) -> Vec<Command> {
+    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) -> Vec<Command> {
         let span = SPANS[self.span % SPANS.len()];
         let words = format!("{} {span:.0} s", view.say("时间", "SPAN"));
         let clear = view.say("清除", "CLEAR").to_owned();

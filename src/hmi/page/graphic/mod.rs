@@ -114,7 +114,7 @@ impl Graphic {
         lines::title(ui, view, title, &words);
         self.canvas(ui, canvas, view, (drawing, plane), typed);
         figures_of(ui, figures, view, drawing, fresh);
-        self.keys(ui, keys, view, (drawing, plane), typed.edits, &mut out);
+        self.keys(ui, keys, view, typed.edits, &mut out);
         if let Some((what, share)) = view.snapshot.files.busy {
             progress(ui, canvas, view, what, share);
         }
@@ -176,15 +176,7 @@ impl Graphic {
         self.canvas.paint(&painter, inside, view, &paint::Scene { drawing, plane, camera, trail: &self.trail });
     }
 
-    fn keys(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        view: &View<'_>,
-        (drawing, _plane): (Option<&Arc<Drawing>>, PlaneOf),
-        edits: &[Edit],
-        out: &mut Vec<Command>,
-    ) {
+    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], out: &mut Vec<Command>) {
         // The arrows move the drawing: the keys are walked by Tab.
         let walked: Vec<Edit> =
             edits.iter().copied().filter(|edit| matches!(edit, Edit::Next | Edit::Previous | Edit::Enter)).collect();
@@ -227,7 +219,6 @@ impl Graphic {
             }
             ui.ctx().request_repaint();
         }
-        let _ = drawing;
     }
 }
 

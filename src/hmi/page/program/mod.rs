@@ -140,10 +140,10 @@ impl Program {
         if self.board
             && let Some(letter) = letters::ui(ui, view, pad, &letters::BLOCK)
         {
-            self.letter(&letter, view, &mut out);
+            self.letter(&letter, &mut out);
         }
         self.go_on(ui);
-        self.look(ui, view, list, &mut out);
+        self.look(ui, list, &mut out);
         if let Some((about, mut question)) = self.question.take() {
             match question.ui(ui, rect, view, typed.edits) {
                 Some(0) => self.answer(about, view, &mut out),
@@ -299,7 +299,7 @@ impl Program {
         }
     }
 
-    fn letter(&mut self, letter: &Letter, _view: &View<'_>, out: &mut Vec<Command>) {
+    fn letter(&mut self, letter: &Letter, out: &mut Vec<Command>) {
         match letter {
             Letter::Sign(sign) => self.sign(*sign),
             Letter::Word(word) => word.chars().for_each(|sign| self.sign(sign)),
@@ -500,7 +500,7 @@ impl Program {
     }
 
     /// Asks for the visible lines to be read for their writing, once nothing was typed for a moment.
-    fn look(&mut self, ui: &Ui, view: &View<'_>, list: Rect, out: &mut Vec<Command>) {
+    fn look(&mut self, ui: &Ui, list: Rect, out: &mut Vec<Command>) {
         if !self.editing || self.work.is_some() {
             return;
         }
@@ -526,7 +526,6 @@ impl Program {
             text.push('\n');
         }
         let (number, token) = (self.document.number, self.token());
-        let _ = view;
         let request = FileRequest::Look { number, first: first as u32 + 1, text, token };
         out.push(Command::Page(PageCommand::File(request)));
     }
