@@ -12,6 +12,7 @@ use kt830::defs::param::ParamAddress;
 use kt830::io::sim::EventKind;
 use kt830::link::command::Command;
 use kt830::nc::{CheckWorld, Library, Memory, NoLibrary, Settings, Source, check, check_with};
+use kt830::runtime::bar;
 use kt830::runtime::disk::{Folders, program};
 use kt830::runtime::rig::Rig;
 use kt830::units::{Axis, PerAxis};
@@ -22,11 +23,14 @@ fn folders() -> Folders {
     Folders { programs: root.join("programs/lathe"), screens: root.join("screens"), named: true }
 }
 
-/// A ready lathe with a program of this text and its bar.
+/// A ready lathe with a program of this text and a bar of 45 mm.
 fn lathe(text: &str) -> Rig {
     let mut rig = rig_of(Kind::Lathe, folders());
     rig.add_program(program(7_000, "PART.NC", text.as_bytes().to_vec()));
-    if let Some(bar) = rig.bar(7_000) {
+    let mut params = rig.retained().params.clone();
+    params.write(ParamAddress::parse("P384").unwrap(), 45.0).unwrap();
+    let source = rig.program_source(7_000).unwrap();
+    if let Some(bar) = bar::of_program(Kind::Lathe, &params, &source) {
         rig.mount(&bar);
         rig.step();
         rig.make_ready();

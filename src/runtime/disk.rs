@@ -42,6 +42,12 @@ const SHIPPED: &[(&str, &[u8])] = &[
     ("screens/B0100.BMP", include_bytes!("../../screens/B0100.BMP")),
 ];
 
+/// The same of programs by name.
+const SHIPPED_BY_NAME: &[(&str, &[u8])] = &[
+    ("SHAFT.NC", include_bytes!("../../programs/lathe/SHAFT.NC")),
+    ("TEST.NC", include_bytes!("../../programs/lathe/TEST.NC")),
+];
+
 /// The folders of programs and of page files.
 #[derive(Clone, Debug)]
 pub struct Folders {
@@ -70,6 +76,22 @@ impl Folders {
             screens: choose(screens, "screens", data.screens())?,
             named: false,
         })
+    }
+
+    /// The folder of this name below that of the programs, whose programs go by name; made with what the control brings
+    /// along where there is none.
+    ///
+    /// # Errors
+    /// The folder or a file in it cannot be made.
+    pub fn by_name(self, name: &str) -> std::io::Result<Self> {
+        let programs = self.programs.join(name);
+        if !programs.is_dir() {
+            std::fs::create_dir_all(&programs)?;
+            for (file, bytes) in SHIPPED_BY_NAME {
+                std::fs::write(programs.join(file), bytes)?;
+            }
+        }
+        Ok(Self { programs, named: true, ..self })
     }
 
     /// Reads every program.
