@@ -280,3 +280,16 @@ fn l9_loop_run_begins_again_as_often_as_the_parameter_says() {
     // RESET ends it for good.
     tell(&mut rig, "key cycle-start\nwait 1 s\nkey reset\nwait 3 s\nexpect state idle");
 }
+
+#[test]
+fn l1_every_example_of_the_manual_runs_to_its_end() {
+    let programs = std::fs::read_dir(folders().programs).unwrap();
+    for path in programs.map(|entry| entry.unwrap().path()) {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let mut rig = rig_of(Kind::Lathe, folders());
+        rig.make_ready();
+        rig.step();
+        tell(&mut rig, &format!("load {name}\nmode auto\nkey cycle-start\nwait until idle max 600 s"));
+        tell(&mut rig, "expect no alarm\nexpect no event");
+    }
+}
