@@ -293,3 +293,20 @@ fn l1_every_example_of_the_manual_runs_to_its_end() {
         tell(&mut rig, "expect no alarm\nexpect no event");
     }
 }
+
+#[test]
+fn l5_k6_3_a_thread_begins_where_the_hand_has_left_the_tool() {
+    let mut rig = lathe("N10G92X100Z20\nN20M03\nN30G01U-2F300\nN35M00\nN40G33W-30F3\nN50M00\nN60M02");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 60 s\nhandwheel X -5 x0.1\nhandwheel Z 10 x0.1");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until stopped max 60 s");
+    // X 98 − 0.5 + 8, Z 20 + 1 − 30.
+    tell(&mut rig, "expect X 105.5 ±0.001\nexpect Z -9 ±0.001");
+}
+
+#[test]
+fn l7_a_spindle_stopped_in_a_pause_must_turn_again_before_the_run_goes_on() {
+    let mut rig = lathe("N10M03\nN20M00\nN30G04F1\nN40M02");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nkey spindle-stop\nwait 1 s\nkey cycle-start");
+    tell(&mut rig, "wait 0.2 s\nexpect state stopped\nkey spindle-forward\nwait 3 s\nkey cycle-start");
+    tell(&mut rig, "wait until idle max 20 s\nexpect no alarm");
+}
