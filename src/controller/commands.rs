@@ -31,6 +31,8 @@ impl Controller {
             Command::Handwheel(detents) => self.turn_handwheel(*detents),
             Command::OpenPage(page) => self.open_page(*page),
             Command::LoadProgram(number) => self.load_program(*number),
+            Command::RestartAt(line) => self.restart_at(*line),
+            Command::ResumeInterrupted => self.resume_interrupted(),
             Command::Mdi(line) => self.mdi(line),
             Command::TypeVariable(..)
             | Command::Offset(_)
@@ -99,7 +101,7 @@ impl Controller {
         true
     }
 
-    fn load_program(&mut self, number: u32) {
+    pub(super) fn load_program(&mut self, number: u32) {
         if self.run.is_some() {
             return self.refuse(NOT_IN_RUN);
         }
@@ -110,6 +112,7 @@ impl Controller {
             ));
         }
         self.current = number;
+        self.restart = None;
         self.place = crate::nc::Place::default();
         self.effects.push(Effect::CurrentProgram(number));
         self.check_page_files();

@@ -44,6 +44,9 @@ impl Controller {
         if !matches!(self.ask(Request::CycleStart), Answer::Taken) {
             return;
         }
+        if matches!(self.phase, Phase::Idle) && self.start_restart() {
+            return;
+        }
         if matches!(self.phase, Phase::Idle) {
             self.runs_left = self.params.get(param::LOOP_RUN) as u32 - 1;
             return self.start_program();
@@ -92,6 +95,7 @@ impl Controller {
         self.machine.reset();
         self.dress.let_go();
         self.retract.let_go();
+        self.restart = None;
         self.stop_oscillation();
         let e_stop = self.machine.is_e_stopped();
         let bus = self.image.bus_alive;

@@ -83,11 +83,19 @@ impl Controller {
     /// The codes in force: of the run as it is read, of the last MDI line, or those of power-on.
     pub(super) fn modal_view(&self) -> ModalView {
         let settings = nc_settings(self.kind, &self.params);
+        if let Some(chosen) = self.restart_modals() {
+            return chosen;
+        }
         let modals = match (&self.run, &self.mdi_modals) {
             (Some(run), _) => run.block.modals,
             (None, Some(kept)) => *kept,
             (None, None) => Modals::new(&settings),
         };
+        self.view_of(&modals)
+    }
+
+    /// Codes as the pages show them.
+    pub(super) fn view_of(&self, modals: &Modals) -> ModalView {
         ModalView {
             g: modals.g_codes(self.row.system),
             feed: modals.feed,

@@ -27,6 +27,7 @@ mod oscillation;
 mod page_files;
 mod pages;
 mod planned;
+mod restart;
 mod retract;
 mod run;
 mod settle;
@@ -122,6 +123,8 @@ pub struct Retained {
     pub current_program: u32,
     /// Workpieces counted.
     pub parts: u32,
+    /// Program and line (from 1) of a run that the power cut off.
+    pub interrupted: Option<(u32, u32)>,
 }
 
 impl Retained {
@@ -135,6 +138,7 @@ impl Retained {
             dress_points: PerAxis::default(),
             current_program: 0,
             parts: 0,
+            interrupted: None,
         }
     }
 }
@@ -158,6 +162,8 @@ pub struct Controller {
     phase: Phase,
     run: Option<Box<Run>>,
     retract: retract::Retract,
+    restart: Option<Box<restart::Restart>>,
+    kept: restart::Kept,
     mode: Mode,
     page: Page,
     switches: Switches,
@@ -235,6 +241,8 @@ impl Controller {
             phase: Phase::Idle,
             run: None,
             retract: retract::Retract::default(),
+            restart: None,
+            kept: restart::Kept::new(retained.interrupted),
             mode: Mode::Manual,
             page: Page::Position,
             switches: Switches::default(),
@@ -280,6 +288,7 @@ impl Controller {
             params,
         };
         control.find_dead_outputs();
+        control.tell_interrupted();
         control
     }
 
@@ -303,7 +312,9 @@ impl Controller {
             self.take(command);
         }
         self.watch();
+        self.step_restart();
         self.step_run();
+        self.keep_place();
         self.step_hand();
         self.step_oscillation();
         let rate = self.rate();

@@ -52,6 +52,9 @@ impl Controller {
     /// Leaves the run: what was read ahead and not executed is forgotten.
     pub(super) fn close_run(&mut self) {
         if let Some(run) = self.run.take().filter(|run| run.origin != Origin::Retract) {
+            if run.origin == Origin::Program {
+                self.forget_place();
+            }
             self.cycle_time = self.now.since(run.since);
             self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
         }

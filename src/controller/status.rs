@@ -48,6 +48,8 @@ impl Controller {
             if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
         out.strokes_min = self.measured_strokes_min();
         out.parts = self.parts;
+        out.restart = self.restart_view().map(Box::new);
+        out.interrupted = self.kept.interrupted;
         let cycle = self.run.as_ref().map_or(self.cycle_time, |run| self.now.since(run.since));
         out.cycle_seconds = cycle.as_secs_f64();
         out.inputs = self.inputs;

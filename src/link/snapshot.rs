@@ -237,6 +237,10 @@ pub struct Snapshot {
     pub keys: [KeyView; Key::COUNT],
     /// Macro variables as executed.
     pub variables: Box<[Option<f64>; VARIABLES]>,
+    /// The block from which cycle start would run the program, with what is in force there (B5).
+    pub restart: Option<Box<RestartView>>,
+    /// Program and line of a run that the last power cut ended; offered once the axes are homed (B5).
+    pub interrupted: Option<(u32, u32)>,
     /// Alarms present, the one that stopped the machine first.
     pub alarms: Vec<AlarmView>,
     /// The message line.
@@ -275,6 +279,51 @@ pub struct Snapshot {
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
     pub directory: Arc<Vec<DirectoryRow>>,
+}
+
+/// A block of the current program from which cycle start would run it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RestartView {
+    /// Program.
+    pub program: u32,
+    /// Line, from 1.
+    pub line: u32,
+    /// The codes in force there.
+    pub modals: ModalView,
+    /// Where the axes go first, work coordinates as displayed; none where there is no axis.
+    pub start: PerAxis<Option<f64>>,
+    /// The wheel turns there.
+    pub wheel: bool,
+    /// The workpiece turns there.
+    pub drive: bool,
+    /// Coolant flows there.
+    pub coolant: bool,
+}
+
+impl RestartView {
+    /// In one line, for the message.
+    #[must_use]
+    pub fn said(&self) -> Said {
+        let codes: String = self.modals.g.iter().map(|g| format!("G{g:02} ")).collect();
+        let place: String = self.start.iter().filter_map(|(axis, at)| at.map(|at| format!("{axis}{at:.3} "))).collect();
+        let (tool, offset) = self.modals.tool;
+        let turning =
+            [(self.wheel, "砂轮", "wheel"), (self.drive, "工件", "workpiece"), (self.coolant, "冷却", "coolant")];
+        let list = |pick: fn(&(bool, &'static str, &'static str)) -> &'static str| {
+            turning.iter().filter(|row| row.0).map(pick).collect::<Vec<_>>().join(" ")
+        };
+        let (zh, en) = (list(|row| row.1), list(|row| row.2));
+        let (program, line) = (self.program, self.line);
+        let (first_zh, first_en) = if zh.is_empty() {
+            (String::new(), String::new())
+        } else {
+            (format!("先启动 {zh}；"), format!("start {en} first; "))
+        };
+        Said::new(
+            format!("O{program:04} 第{line}行：{codes}T{tool:02}{offset:02}，起点 {place}；{first_zh}循环启动"),
+            format!("O{program:04} line {line}: {codes}T{tool:02}{offset:02}, from {place}; {first_en}cycle start"),
+        )
+    }
 }
 
 /// One program of the folder.
@@ -318,6 +367,8 @@ impl Snapshot {
             outputs: OutputSet::NONE,
             keys: [KeyView::default(); Key::COUNT],
             variables: Box::new([None; VARIABLES]),
+            restart: None,
+            interrupted: None,
             alarms: Vec::new(),
             message: Message::default(),
             waiting_for: None,

@@ -110,6 +110,18 @@ impl CheckWorld {
         self.system.insert(number, value);
     }
 
+    /// The frames in force.
+    #[must_use]
+    pub const fn frames(&self) -> &Frames {
+        &self.frames
+    }
+
+    /// The work position, radius mm.
+    #[must_use]
+    pub const fn place(&self) -> PerAxis<f64> {
+        self.position
+    }
+
     /// The way gone, mm.
     #[must_use]
     pub const fn length_mm(&self) -> f64 {

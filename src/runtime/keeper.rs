@@ -14,6 +14,9 @@ use crate::units::PerAxis;
 
 const CURRENT_PROGRAM: &str = "current-program";
 const PARTS: &str = "parts";
+const RUNNING_AT: &str = "running-at";
+/// More lines than a program has: what program and line are put together by.
+const LINES: f64 = 1e8;
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
 /// What opening the data has found, for people.
@@ -79,6 +82,11 @@ fn change(effect: &Effect) -> Option<store::Change> {
             store::Change::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
         }
         Effect::Parts(parts) => store::Change::Number { key: PARTS.into(), value: Some(f64::from(*parts)) },
+        Effect::RunningAt(place) => store::Change::Number {
+            key: RUNNING_AT.into(),
+            // One number, so that program and line are never of two moments.
+            value: place.map(|(program, line)| f64::from(program) * LINES + f64::from(line)),
+        },
         Effect::Ask(_) => return None,
     })
 }
@@ -102,6 +110,7 @@ pub fn remember(retained: &mut Retained, effect: &Effect) {
         Effect::DressPoint(axis, at) => retained.dress_points[*axis] = Some(*at),
         Effect::CurrentProgram(number) => retained.current_program = *number,
         Effect::Parts(parts) => retained.parts = *parts,
+        Effect::RunningAt(place) => retained.interrupted = *place,
         Effect::Ask(_) => {}
     }
 }
@@ -130,6 +139,7 @@ fn restore(kind: Kind, loaded: &store::Loaded) -> (Retained, Vec<String>) {
     let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);
     retained.current_program = number(CURRENT_PROGRAM);
     retained.parts = number(PARTS);
+    retained.interrupted = loaded.numbers.get(RUNNING_AT).map(|at| ((at / LINES) as u32, (at % LINES) as u32));
     retained.dress_points = PerAxis::from_fn(|axis| loaded.numbers.get(DRESS_POINTS[axis as usize]).copied());
     (retained, dropped)
 }

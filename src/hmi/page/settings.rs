@@ -80,9 +80,12 @@ impl Settings {
         };
         let below = Rect::from_min_max(pos2(body.min.x, second.max.y + 10.0), body.max);
         let taken = paragraph(ui.painter(), below, &words, theme::LABEL, view.theme.text);
-        let note = view.say("需要机床厂密码，下次启动生效", "builder's password; takes effect at the next start");
-        let below = Rect::from_min_max(pos2(body.min.x, taken.max.y + 4.0), body.max);
-        paragraph(ui.painter(), below, note, theme::LABEL, view.theme.quiet);
+        // The line of the next start says the rest.
+        if next == view.snapshot.kind {
+            let note = view.say("需要机床厂密码，下次启动生效", "builder's password; takes effect at the next start");
+            let below = Rect::from_min_max(pos2(body.min.x, taken.max.y + 4.0), body.max);
+            paragraph(ui.painter(), below, note, theme::LABEL, view.theme.quiet);
+        }
     }
 }
 
