@@ -181,6 +181,10 @@ impl Controller {
                 self.raise(*number, Some(text.clone()));
                 Did::Wait
             }
+            Act::Note(text) => {
+                self.note = (!text.zh.is_empty()).then(|| text.clone());
+                Did::Done
+            }
             Act::Message(text) => match self.is_settled(run) {
                 Some(true) => {
                     self.say(text.clone());
@@ -429,7 +433,7 @@ impl Controller {
                     run.next_tag += 1;
                 }
                 Item::End if self.switches.single_block && !run.mdi => return,
-                Item::Do(Act::Set(..) | Act::Frames(_) | Act::Wheel(..)) | Item::Begin(_) | Item::End => {}
+                Item::Do(Act::Set(..) | Act::Note(_) | Act::Frames(_) | Act::Wheel(..)) | Item::Begin(_) | Item::End => {}
                 Item::Do(
                     Act::SetSystem(..)
                     | Act::Preset(_)

@@ -87,7 +87,7 @@ impl Controller {
             (None, None) => Modals::new(&settings),
         };
         ModalView {
-            g: modals.g_codes(self.row.system),
+            g: modals.g_codes(self.kind.system()),
             feed: modals.feed,
             speed: modals.speed,
             tool: (modals.tool, modals.offset),

@@ -164,6 +164,8 @@ pub struct Controller {
     alarms: Alarms,
     message: Message,
     waiting_for: Option<Said>,
+    /// What the program tells until it tells something else (MSG).
+    note: Option<Said>,
     screens: Arc<Screens>,
     directory: Arc<Vec<DirectoryRow>>,
     effects: Vec<Effect>,
@@ -228,6 +230,7 @@ impl Controller {
             alarms: Alarms::default(),
             message: Message::default(),
             waiting_for: None,
+            note: None,
             screens: Arc::default(),
             directory: Arc::default(),
             effects: Vec::with_capacity(EFFECTS),

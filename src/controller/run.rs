@@ -157,6 +157,8 @@ pub enum Act {
     Skip(Box<PlannedMove>, u8),
     /// Alarm of the program's own.
     Alarm(u16, Said, Place),
+    /// Text that is shown until another one; empty ends it.
+    Note(Said),
     /// Message of the program's own; waits for cycle start.
     Message(Said),
     /// The program is over without M30.
@@ -388,7 +390,7 @@ impl Planned {
                 Act::Frames(Arc::clone(&self.frames))
             }
             Op::M { code, s, p, l } => {
-                let row = mcode::find(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
+                let row = mcode::find_in_any(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
                 Act::Machine(MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 })
             }
             Op::S { value, mode } => Act::Wheel(*value, *mode),
@@ -397,6 +399,7 @@ impl Planned {
             Op::Set { variable, value } => Act::Set(*variable, *value),
             Op::SetSystem { number, value } => Act::SetSystem(*number, *value),
             Op::Alarm { number, text } => Act::Alarm(*number as u16, Said::new(&**text, &**text), at),
+            Op::Note { text } => Act::Note(Said::new(&**text, &**text)),
             Op::Message { text, .. } => Act::Message(Said::new(&**text, &**text)),
         };
         items.push_back(Item::Do(act));

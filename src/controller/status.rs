@@ -66,8 +66,9 @@ impl Controller {
         if out.message != self.message {
             out.message.clone_from(&self.message);
         }
-        if out.waiting_for != self.waiting_for {
-            out.waiting_for.clone_from(&self.waiting_for);
+        let told = self.waiting_for.as_ref().or(self.note.as_ref());
+        if out.waiting_for.as_ref() != told {
+            out.waiting_for = told.cloned();
         }
         self.page_view(out);
         self.edit_view(out);

@@ -73,7 +73,7 @@ pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
         tools: OFFSETS as u32,
         oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
         rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
-        ..Settings::of(row.system)
+        ..Settings::of(kind.system())
     }
 }
 

@@ -46,6 +46,16 @@ impl Kind {
         }
     }
 
+    /// The language of its programs.
+    #[must_use]
+    pub const fn system(self) -> System {
+        match self {
+            Self::Gc => System::LatheA,
+            Self::Gs | Self::Ga => System::Mill,
+            Self::Vertical => System::Sinumerik,
+        }
+    }
+
     /// The kind of a word.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {

@@ -219,6 +219,24 @@ pub fn is_known(code: u32) -> bool {
     u16::try_from(code).is_ok_and(|code| find(code).is_some() || NOT_YET.contains(&code))
 }
 
+/// Codes that only some languages have.
+const OTHERS: &[MCode] = &[
+    // The grinding head turns one way; M4 starts it as M3 does.
+    MCode {
+        code: 4,
+        action: Action::Ask(Request::WheelStart),
+        waits: true,
+        name: Text::new("砂轮启动", "wheel start"),
+        row: "S1",
+    },
+];
+
+/// The row of a code in any language.
+#[must_use]
+pub fn find_in_any(code: u16) -> Option<&'static MCode> {
+    find(code).or_else(|| OTHERS.iter().find(|row| row.code == code))
+}
+
 /// The row of a code.
 #[must_use]
 pub fn find(code: u16) -> Option<&'static MCode> {

@@ -16,6 +16,7 @@ use super::source::{Library, Source, at_head};
 use super::statement::{self, Content, Head};
 use super::words::Words;
 use super::world::World;
+use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 
 /// How many blocks without an operation one call of `next` may read.
@@ -198,7 +199,7 @@ impl Interpreter {
             locals: self.flow.locals(),
             memory: &self.memory,
             modals: &before,
-            mill: self.settings.is_mill(),
+            settings: &self.settings,
             program: source.number(),
             n: self.last_n,
             nulls: &mut self.nulls,
@@ -206,7 +207,7 @@ impl Interpreter {
             source: &source,
             world,
         };
-        let read = statement::read(&mut cursor, &mut scope, &mut self.words, head);
+        let read = dialect::read(self.settings.system, &mut cursor, &mut scope, &mut self.words, head);
         if cursor.is_cut(text) {
             return wrong(at, E::BlockTooLong);
         }
@@ -221,6 +222,7 @@ impl Interpreter {
                     scope: &mut scope,
                     text,
                     at,
+                    main: self.flow.is_main(),
                     second_half: self.second_half,
                 };
                 if self.words.has(b'O') && !at_head(text, at) {
@@ -278,6 +280,15 @@ impl Interpreter {
                 self.pass(cursor);
             }
             Content::Goto { n, at } => self.flow.go_to_block(n, at)?,
+            Content::Jump { label, forward, holds } => {
+                let line = self.flow.label_line(label, forward)?;
+                if holds { self.flow.go_to_line(line) } else { self.pass(cursor) }
+            }
+            Content::Note { text: said } => {
+                let text = self.flow.source.decode(text.get(said).unwrap_or_default()).into_boxed_str();
+                block.ops.push(Op::Note { text });
+                self.pass(cursor);
+            }
             Content::While { holds, number, at } => {
                 self.flow.begin_loop(holds, number, at)?;
                 if holds {
@@ -299,6 +310,9 @@ impl Interpreter {
     /// Acts on what a block of words asked for besides its operations.
     #[inline]
     fn prepare(&mut self, step: Step, cursor: &Cursor<'_>, block: &mut Block) -> Outcome<Stepped> {
+        if !matches!(step, Step::Again) {
+            self.set_variables(block)?;
+        }
         let moves = self.flow.modal.is_some() && block.ops.iter().any(Op::is_motion);
         match step {
             Step::Goto { at, .. } | Step::Call(Call { at, .. }) | Step::Return { at, .. } if moves => {
@@ -358,10 +372,22 @@ impl Interpreter {
         })
     }
 
+    /// The variables that a block of words sets; they have their values before anything else of the block is done.
+    #[inline]
+    fn set_variables(&mut self, block: &mut Block) -> Outcome<()> {
+        for index in 0..self.words.sets().len() {
+            let Some(set) = self.words.sets().get(index).copied() else { break };
+            self.assign(set.variable, Some(set.value), set.at as usize, None, block)?;
+            // `assign` adds the operation at the end.
+            block.ops[index..].rotate_right(1);
+        }
+        Ok(())
+    }
+
     fn find(&self, program: u32, at: usize) -> Outcome<Arc<Source>> {
         match self.library.find(program) {
             Some(source) => Ok(source),
-            None => wrong1(at, E::MissingProgram, format!("O{program:04}")),
+            None => wrong1(at, E::MissingProgram, program::title(program)),
         }
     }
 

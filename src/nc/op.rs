@@ -200,6 +200,8 @@ pub enum Op {
     SetSystem { number: u32, value: Option<f64> },
     /// `#3000=n(text)`: alarm 3000–3999 and stop.
     Alarm { number: u32, text: Box<str> },
+    /// MSG: shown until another one; empty ends it.
+    Note { text: Box<str> },
     /// `#3006=n(text)`: stop with a message, go on at cycle start.
     Message { number: u32, text: Box<str> },
 }
@@ -216,7 +218,7 @@ impl Op {
             Self::Rapid { .. } | Self::Feed { .. } | Self::Arc { .. } | Self::Dwell { .. } | Self::Path(_) => false,
             Self::Preset { .. } => true,
             Self::Frame { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
-            Self::S { .. } | Self::T { .. } | Self::Set { .. } => false,
+            Self::S { .. } | Self::T { .. } | Self::Set { .. } | Self::Note { .. } => false,
             Self::AddWear { .. } | Self::DressReturn { .. } => false,
         }
     }
@@ -309,6 +311,7 @@ impl Op {
                 put("variable", json!(number));
                 put("value", json!(value));
             }
+            Self::Note { text } => put("text", json!(text)),
             Self::Alarm { number, text } | Self::Message { number, text } => {
                 put("number", json!(number));
                 put("text", json!(text));
@@ -380,6 +383,7 @@ impl Op {
             Self::SetSystem { .. } => "set-system",
             Self::Alarm { .. } => "alarm",
             Self::Message { .. } => "message",
+            Self::Note { .. } => "note",
         }
     }
 }

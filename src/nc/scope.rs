@@ -2,15 +2,20 @@
 
 use std::sync::Arc;
 
-use super::expression::{Scope, Value};
+use super::expression::{Frame, Scope, Value};
 use super::fault::{Outcome, Stop, wrong1};
 use super::flow::Locals;
 use super::memory::Memory;
 use super::modal::Modals;
+use super::settings::Settings;
 use super::source::Source;
 use super::world::{Live, World};
 use crate::defs::program_error::ProgramError as E;
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
+
+/// System variables of the axes' positions, first of the axes that the machine has.
+const MACHINE_POSITION: u32 = 5_021;
+const WORK_POSITION: u32 = 5_041;
 
 /// Where null was taken as 0, and the variable that was null.
 pub(crate) type NullUse = (Arc<Source>, usize, u32);
@@ -20,7 +25,7 @@ pub(crate) struct LiveScope<'w> {
     pub locals: &'w Locals,
     pub memory: &'w Memory,
     pub modals: &'w Modals,
-    pub mill: bool,
+    pub settings: &'w Settings,
     pub program: u32,
     pub n: Option<u32>,
     pub nulls: &'w mut Option<Vec<NullUse>>,
@@ -48,6 +53,19 @@ impl Scope for LiveScope<'_> {
         Ok(value)
     }
 
+    fn axis_position(&mut self, axis: Axis, frame: Frame, at: usize) -> Outcome<Value> {
+        let present = |axis: &Axis| self.settings.axes[*axis];
+        if !present(&axis) {
+            return wrong1(at, E::NoAxis, axis.letter());
+        }
+        let index = Axis::ALL.into_iter().filter(present).take_while(|other| *other != axis).count() as u32;
+        let first = match frame {
+            Frame::Machine => MACHINE_POSITION,
+            Frame::Work => WORK_POSITION,
+        };
+        self.look_up(first + index, at)
+    }
+
     fn null_used(&mut self, at: usize) {
         if let Some(nulls) = self.nulls {
             nulls.push((Arc::clone(self.source), at, self.last_null));
@@ -64,7 +82,7 @@ impl LiveScope<'_> {
             4115 => Ok(Some(f64::from(self.program))),
             4000..=4200 => self
                 .modals
-                .variable(number, self.mill)
+                .variable(number, self.settings.is_mill())
                 .map_or_else(|| wrong1(at, E::BadVariable, format!("#{number}")), Ok),
             434..=439 | 1000.. => match self.world.system(number) {
                 Live::Value(value) => Ok(value),

@@ -164,7 +164,7 @@ impl CheckWorld {
             Op::S { .. } | Op::Path(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
             // Where the dressing point is, only the machine knows; an oscillating axis comes back to where it was.
             Op::DressReturn { .. } | Op::OscillationOn { .. } | Op::OscillationOff => {}
-            Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } => {}
+            Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } | Op::Note { .. } => {}
         }
     }
 

@@ -2,14 +2,13 @@
 //! Source: spec K1, column GA.
 
 use super::KindRow;
-use crate::defs::kind::{Kind, System};
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Ga,
     axes: PerAxis([true, false, true]),
-    system: System::Mill,
     home_order: &[Axis::Z, Axis::X, Axis::Y],
     drive_high: Output::TableRotation,
     drive_low: Output::TableRotation,

@@ -2,14 +2,13 @@
 //! Source: spec K1, column GS.
 
 use super::KindRow;
-use crate::defs::kind::{Kind, System};
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Gs,
     axes: PerAxis([true, true, true]),
-    system: System::Mill,
     home_order: &[Axis::Y, Axis::Z, Axis::X],
     drive_high: Output::DresserRoll,
     drive_low: Output::DresserRoll,

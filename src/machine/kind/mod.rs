@@ -6,7 +6,7 @@ mod gc;
 mod gs;
 mod vertical;
 
-use crate::defs::kind::{Kind, System};
+use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
@@ -18,8 +18,6 @@ pub struct KindRow {
     pub kind: Kind,
     /// The axes it always has; Y can be fitted to any kind (P6.6).
     pub axes: PerAxis<bool>,
-    /// The language of its programs.
-    pub system: System,
     /// The order of homing: the wheel axis first, away from the part (K5.16).
     pub home_order: &'static [Axis],
     /// What M63 drives.

@@ -3,14 +3,13 @@
 //! Source: spec sinumerik-802d.md, seed 002.
 
 use super::KindRow;
-use crate::defs::kind::{Kind, System};
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Vertical,
     axes: PerAxis([true, false, true]),
-    system: System::Sinumerik,
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     drive_high: Output::TableRotation,
     drive_low: Output::TableRotation,
