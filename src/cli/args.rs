@@ -188,7 +188,7 @@ fn param(word: &str) -> Result<(ParamAddress, f64), String> {
 }
 
 fn variable(word: &str) -> Result<(u16, f64), String> {
-    let wrong = || "a variable reads '#500=40.2'".to_owned();
+    let wrong = || "a variable reads '#500=40.2' or R18=200".to_owned();
     let (name, value) = word.split_once('=').ok_or_else(wrong)?;
     let number = crate::story::parse::variable(name.trim()).ok_or_else(wrong)?;
     let value: f64 = value.trim().parse().map_err(|_| wrong())?;

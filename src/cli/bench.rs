@@ -9,7 +9,7 @@ use crate::defs::kind::Kind;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::nc::Memory;
-use crate::runtime::disk::{Folders, program};
+use crate::runtime::disk::{Folders, beside, program};
 use crate::runtime::keeper::Keeper;
 use crate::runtime::rig::{Rig, Setup};
 use crate::store::{DataDir, Settings};
@@ -40,7 +40,7 @@ pub fn settle(mut shared: Shared, opens_control: bool) -> Result<Shared, CallErr
 /// A folder cannot be made.
 pub fn folders(shared: &Shared) -> Result<Folders, CallError> {
     let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
-    Folders::resolve(shared.programs.clone(), shared.screens.clone(), &data).map_err(CallError::new)
+    Folders::resolve(shared.programs.clone(), shared.screens.clone(), &data, shared.kind).map_err(CallError::new)
 }
 
 /// What the control begins with: `--param` and `--set` applied to factory or retained values.
@@ -141,6 +141,7 @@ pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
     }
     let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
     let number = named.unwrap_or(UNNUMBERED);
+    rig.add_programs(beside(path));
     rig.add_program(program(number, word, bytes));
     Ok(number)
 }

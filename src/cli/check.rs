@@ -12,7 +12,7 @@ use crate::controller::{Programs, Retained, nc_settings};
 use crate::defs::param;
 use crate::io::sim::PartFile;
 use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, check_with};
-use crate::runtime::disk::{parse_page_text, parse_picture, program};
+use crate::runtime::disk::{beside, parse_page_text, parse_picture, program};
 use crate::units::{Axis, PerAxis};
 
 /// What a file is.
@@ -84,7 +84,7 @@ fn wrong_file(shared: &Shared, fault: &crate::link::command::FileFault) -> Wrong
 
 fn wrong_program(shared: &Shared, number: u32, fault: &Fault) -> Wrong {
     // A mistake in a subprogram is told with its program.
-    let sub = if fault.place.program == number { String::new() } else { format!("O{:04}: ", fault.place.program) };
+    let sub = if fault.place.program == number { String::new() } else { format!("{}: ", fault.program()) };
     let message = format!("{sub}{} – {}", fault.cause(shared.lang), fault.remedy(shared.lang));
     Wrong { line: fault.place.line, column: fault.column, message }
 }
@@ -122,7 +122,8 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     let settings = nc_settings(shared.kind, &retained.params);
     let axes = settings.axes;
     let folders = bench::folders(shared)?;
-    let (programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
+    let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
+    programs.put(beside(path));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
     let mut memory = retained.variables.clone();
     let home = PerAxis::from_fn(|axis| retained.params.of_axis(param::HOME_X, axis));

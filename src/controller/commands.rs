@@ -5,6 +5,7 @@ use super::{Controller, Effect};
 use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
+use crate::defs::program;
 use crate::defs::text::Said;
 use crate::link::PageCommand;
 use crate::link::command::Command;
@@ -105,15 +106,21 @@ impl Controller {
         }
         if self.programs.get(number).is_none() {
             return self.refuse(Said::new(
-                format!("程序目录中没有 O{number:04}"),
-                format!("the programs folder has no O{number:04}"),
+                format!("程序目录中没有 {}", program::title(number)),
+                format!("the programs folder has no {}", program::title(number)),
             ));
         }
         self.current = number;
         self.place = crate::nc::Place::default();
         self.effects.push(Effect::CurrentProgram(number));
         self.check_page_files();
-        self.say(Said::new(format!("当前程序 O{number:04}"), format!("current program O{number:04}")));
+        let title = self.title(number);
+        self.say(Said::new(format!("当前程序 {title}"), format!("current program {title}")));
+    }
+
+    /// What a program is called.
+    pub(super) fn title(&self, number: u32) -> String {
+        self.programs.get(number).map_or_else(|| program::title(number), |program| program.source.title())
     }
 
     pub(super) fn mdi(&mut self, line: &str) {

@@ -433,7 +433,9 @@ impl Controller {
                     run.next_tag += 1;
                 }
                 Item::End if self.switches.single_block && !run.mdi => return,
-                Item::Do(Act::Set(..) | Act::Note(_) | Act::Frames(_) | Act::Wheel(..)) | Item::Begin(_) | Item::End => {}
+                Item::Do(Act::Set(..) | Act::Note(_) | Act::Frames(_) | Act::Wheel(..))
+                | Item::Begin(_)
+                | Item::End => {}
                 Item::Do(
                     Act::SetSystem(..)
                     | Act::Preset(_)
@@ -486,8 +488,8 @@ impl Controller {
     /// A block that may not be done: the alarm comes when everything before it is done, nothing of it is.
     fn forbid(&self, run: &mut Run, forbidden: &Forbidden) {
         let at = run.block.at;
-        let place =
-            Said::new(format!("O{:04} 第{}行", at.program, at.line), format!("O{:04} line {}", at.program, at.line));
+        let (title, line) = (self.title(at.program), at.line);
+        let place = Said::new(format!("{title} 第{line}行"), format!("{title} line {line}"));
         let number = match forbidden {
             Forbidden::SoftLimit(..) => alarm::SOFT_LIMIT,
             Forbidden::NotHomed => alarm::NOT_HOMED,

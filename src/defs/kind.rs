@@ -46,6 +46,15 @@ impl Kind {
         }
     }
 
+    /// The folder of its programs, below that of all programs; empty where it is that folder itself.
+    #[must_use]
+    pub const fn folder(self) -> &'static str {
+        match self {
+            Self::Gc | Self::Gs | Self::Ga => "",
+            Self::Vertical => "802d",
+        }
+    }
+
     /// The language of its programs.
     #[must_use]
     pub const fn system(self) -> System {

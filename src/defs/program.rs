@@ -36,6 +36,16 @@ pub fn number(name: &str) -> u32 {
     NAMED | hash
 }
 
+/// Whether a word can be the name of a program: two letters or `_`, or L, then digits.
+#[must_use]
+pub fn is_name(word: &str) -> bool {
+    let bytes = word.as_bytes();
+    let letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
+    let l = matches!(bytes.first(), Some(b'L' | b'l')) && bytes.get(1).is_some_and(u8::is_ascii_digit);
+    (l || bytes.len() >= 2 && bytes.iter().take(2).all(letter))
+        && bytes.iter().all(|byte| letter(byte) || byte.is_ascii_digit())
+}
+
 /// What a number is called: `O1001`, `L10`; of a named program only that it is one.
 #[must_use]
 pub fn title(number: u32) -> String {

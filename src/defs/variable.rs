@@ -35,7 +35,9 @@ pub fn parse(word: &str) -> Option<u16> {
     let digits = |rest: &str| rest.parse::<u16>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
     match word.strip_prefix('#') {
         Some(rest) => digits(rest),
-        None => word.strip_prefix(['R', 'r']).and_then(digits).and_then(|n| of_r(u32::from(n))).map(|number| number as u16),
+        None => {
+            word.strip_prefix(['R', 'r']).and_then(digits).and_then(|n| of_r(u32::from(n))).map(|number| number as u16)
+        }
     }
 }
 
@@ -45,7 +47,10 @@ mod tests {
 
     #[test]
     fn s1_r_parameters_have_names_of_their_own() {
-        assert_eq!((parse("R18"), parse("r0"), parse("R299"), parse("R300"), parse("#618")), (Some(618), Some(600), Some(899), None, Some(618)));
+        assert_eq!(
+            (parse("R18"), parse("r0"), parse("R299"), parse("R300"), parse("#618")),
+            (Some(618), Some(600), Some(899), None, Some(618))
+        );
         assert_eq!((name(618, System::Sinumerik), name(618, System::Mill)), ("R18".to_owned(), "#618".to_owned()));
         assert_eq!(name(500, System::Sinumerik), "#500");
         assert!(parse("R").is_none() && parse("R-1").is_none() && parse("18").is_none());

@@ -10,6 +10,7 @@ use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::{Level, Params};
+use crate::defs::program;
 use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, Micros, PerAxis};
@@ -267,8 +268,10 @@ pub struct Snapshot {
 /// One program of the folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DirectoryRow {
-    /// O number.
+    /// Its number inside the control.
     pub number: u32,
+    /// What it is called: `O1001`, or its name.
+    pub name: String,
     /// Bytes.
     pub size: u64,
     /// Comment of its first line, or the title of its page text.
@@ -334,6 +337,13 @@ impl Snapshot {
         for key in &mut self.keys {
             (key.lamp, key.working) = (false, false);
         }
+    }
+
+    /// What a program is called.
+    #[must_use]
+    pub fn title(&self, program: u32) -> String {
+        let row = self.directory.iter().find(|row| row.number == program);
+        row.map_or_else(|| program::title(program), |row| row.name.clone())
     }
 
     /// The state of a key.

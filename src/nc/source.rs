@@ -65,7 +65,16 @@ impl Source {
         assert!(bytes.len() < u32::MAX as usize, "program of {} bytes", bytes.len());
         let lines = line_starts(&bytes);
         let utf8 = std::str::from_utf8(&bytes).is_ok();
-        let mut source = Self { number, name: name.into(), bytes, utf8, lines, labels: Vec::new(), names: Vec::new(), loops: Vec::new() };
+        let mut source = Self {
+            number,
+            name: name.into(),
+            bytes,
+            utf8,
+            lines,
+            labels: Vec::new(),
+            names: Vec::new(),
+            loops: Vec::new(),
+        };
         source.index();
         source
     }

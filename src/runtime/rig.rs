@@ -138,12 +138,14 @@ impl Rig {
         }
     }
 
-    /// Adds programs that are not in the folder (a file named on the command line).
+    /// Adds a program that is not in the folder (a file named on the command line).
     pub fn add_program(&mut self, program: crate::controller::Program) {
-        let mut rows: Vec<_> = self.programs.iter().cloned().collect();
-        rows.retain(|row| row.number != program.number);
-        rows.push(program);
-        self.programs = Arc::new(crate::controller::Programs::new(rows));
+        self.add_programs(vec![program]);
+    }
+
+    /// Adds programs that are not in the folder.
+    pub fn add_programs(&mut self, programs: Vec<crate::controller::Program>) {
+        Arc::make_mut(&mut self.programs).put(programs);
         self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
     }
 

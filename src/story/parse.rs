@@ -1,6 +1,7 @@
 //! Reading a story: text to statements. Strict: an unknown word is an error with line and column.
 //! Source: spec tools.md, "Story language".
 
+use crate::defs;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
@@ -517,13 +518,14 @@ fn on_off(word: &str) -> Option<bool> {
 /// `O1001`, `o1001`, `1001`.
 #[must_use]
 pub fn program(word: &str) -> Option<u32> {
-    word.trim_start_matches(['O', 'o']).parse().ok().filter(|number| (1..=9_999).contains(number))
+    let number = word.trim_start_matches(['O', 'o']).parse().ok().filter(|number| (1..=9_999).contains(number));
+    number.or_else(|| defs::program::is_name(word).then(|| defs::program::number(word)))
 }
 
-/// `#500`.
+/// `#500`, `R18`.
 #[must_use]
 pub fn variable(word: &str) -> Option<u16> {
-    word.strip_prefix('#')?.parse().ok()
+    defs::variable::parse(word)
 }
 
 fn axis(word: &str) -> Option<Axis> {

@@ -358,11 +358,11 @@ pub fn around(rig: &mut Rig) -> String {
     let outputs: Vec<_> = snapshot.outputs.iter().map(|output| output.id()).collect();
     let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh)).collect();
     format!(
-        "  at {now:.3} s: state {}, mode {}, page {}, O{:04} line {}\n  {}\n  outputs: {}\n  alarms: {}\n  message: {}",
+        "  at {now:.3} s: state {}, mode {}, page {}, {} line {}\n  {}\n  outputs: {}\n  alarms: {}\n  message: {}",
         snapshot.state.id(),
         snapshot.mode.name().en,
         snapshot.page.id(),
-        snapshot.program.number,
+        snapshot.title(snapshot.program.number),
         snapshot.program.line,
         axes.join(", "),
         outputs.join(" "),

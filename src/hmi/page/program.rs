@@ -36,7 +36,7 @@ impl Listing {
         self.read(&program.text);
         let inside = rect.shrink(theme::PAD);
         let (title, list) = inside.split_top_bottom_at_y(inside.min.y + 34.0);
-        lines::title(ui, view, title, &format!("O{:04}", program.number));
+        lines::title(ui, view, title, &view.snapshot.title(program.number));
         let place = format!("{} {} / {}", view.say("行", "line"), program.line, self.starts.len());
         put(ui.painter(), title, Align2::RIGHT_CENTER, &place, theme::LABEL, view.theme.quiet);
         card(ui.painter(), list, view.theme.surface, view.theme.line);
@@ -61,7 +61,11 @@ impl Listing {
         }
         self.scroll.bar(ui, view, list, LINE, self.starts.len());
         if in_subprogram {
-            let words = format!("{} O{:04}", view.say("正在执行子程序", "running subprogram"), program.block_program);
+            let words = format!(
+                "{} {}",
+                view.say("正在执行子程序", "running subprogram"),
+                view.snapshot.title(program.block_program)
+            );
             put(ui.painter(), title, Align2::CENTER_CENTER, &words, theme::LABEL, view.theme.info);
         }
         Vec::new()

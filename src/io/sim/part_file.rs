@@ -10,15 +10,16 @@ use serde::{Deserialize, Serialize};
 
 use super::machine_file::{SimFileError, above_zero};
 use crate::defs::kind::Kind;
+use crate::defs::program;
 
 /// The parts that come with the control.
-const BUILTIN: &[(u32, &str)] = &[
-    (1001, include_str!("../../../assets/parts/O1001.ron")),
-    (1002, include_str!("../../../assets/parts/O1002.ron")),
-    (1007, include_str!("../../../assets/parts/O1007.ron")),
-    (1008, include_str!("../../../assets/parts/O1008.ron")),
-    (1009, include_str!("../../../assets/parts/O1009.ron")),
-    (1010, include_str!("../../../assets/parts/O1010.ron")),
+const BUILTIN: &[(&str, &str)] = &[
+    ("O1001", include_str!("../../../assets/parts/O1001.ron")),
+    ("O1002", include_str!("../../../assets/parts/O1002.ron")),
+    ("O1007", include_str!("../../../assets/parts/O1007.ron")),
+    ("O1008", include_str!("../../../assets/parts/O1008.ron")),
+    ("O1009", include_str!("../../../assets/parts/O1009.ron")),
+    ("O1010", include_str!("../../../assets/parts/O1010.ron")),
 ];
 
 /// Most cells of one surface.
@@ -271,8 +272,8 @@ impl PartFile {
     ///
     /// # Errors
     /// The file built in is wrong, which a test excludes.
-    pub fn builtin(program: u32) -> Result<Option<Self>, SimFileError> {
-        BUILTIN.iter().find(|(number, _)| *number == program).map(|(_, text)| Self::parse(text)).transpose()
+    pub fn builtin(number: u32) -> Result<Option<Self>, SimFileError> {
+        BUILTIN.iter().find(|(name, _)| program::number(name) == number).map(|(_, text)| Self::parse(text)).transpose()
     }
 
     /// Reads a part file.
@@ -352,8 +353,8 @@ mod tests {
     #[test]
     fn p4_the_parts_built_in_can_be_read() {
         for (program, _) in BUILTIN {
-            let part = PartFile::builtin(*program).unwrap().unwrap();
-            assert!(!part.surfaces.is_empty(), "O{program}");
+            let part = PartFile::builtin(program::number(program)).unwrap().unwrap();
+            assert!(!part.surfaces.is_empty(), "{program}");
         }
         assert_eq!(PartFile::builtin(1020), Ok(None));
     }

@@ -32,7 +32,11 @@ pub(super) fn centre_by_radius(
 }
 
 /// The radius of an arc about a centre, and how far its end lies off the circle, mm.
-pub(super) fn radius_and_miss((from, to): (PerAxis<f64>, PerAxis<f64>), center: PerAxis<f64>, plane: Plane) -> (f64, f64) {
+pub(super) fn radius_and_miss(
+    (from, to): (PerAxis<f64>, PerAxis<f64>),
+    center: PerAxis<f64>,
+    plane: Plane,
+) -> (f64, f64) {
     let (first, second) = plane.axes();
     let radius = |point: PerAxis<f64>| (point[first] - center[first]).hypot(point[second] - center[second]);
     let (start, end) = (radius(from), radius(to));
