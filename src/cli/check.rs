@@ -7,11 +7,12 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::args::{Check, Format, Run, Shared};
+use super::rehearse::{Passed, Rehearsal};
 use super::{CallError, FINE, WRONG_CALL, bench, out};
 use crate::controller::{Programs, Retained, nc_settings};
-use crate::defs::param;
+use crate::defs::{param, variable};
 use crate::io::sim::PartFile;
-use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, check_with};
+use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, Source, World, check_with};
 use crate::runtime::disk::{beside, parse_page_text, parse_picture, program};
 use crate::units::{Axis, PerAxis};
 
@@ -24,6 +25,7 @@ enum Class {
 }
 
 /// An error of a file.
+#[derive(Clone, Debug)]
 struct Wrong {
     line: u32,
     column: u32,
@@ -138,13 +140,33 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
         Format::Json => out(with_frame(op, op.json(axes), part.as_ref(), axes)),
         Format::Text => out(op),
     };
+    let finished = part.as_ref().and_then(|part| part.finished).filter(|_| call.simulate);
+    let mut rehearsal = finished.map(|finished| {
+        let width_mm = retained.params.get(param::WHEEL_WIDTH);
+        Rehearsal::new(finished, width_mm, settings.system, (world.position(), memory.clone()))
+    });
     let checked = check_with(&source, &library, &settings, memory, &mut world, &mut |block| {
+        if let Some(rehearsal) = &mut rehearsal {
+            rehearsal.see(block);
+        }
         if call.ops {
             block.ops.iter().for_each(&mut show);
         }
     });
-    tell_program(shared, call, path, &checked, &settings);
-    Ok(!checked.faults.is_empty())
+    let passed = rehearsal.and_then(Rehearsal::passed).map(|passed| wrong_move(shared, &source, &library, &passed));
+    tell_program(shared, call, path, (&checked, passed.as_ref()), &settings);
+    Ok(!checked.faults.is_empty() || passed.is_some())
+}
+
+/// A move that the rehearsal found, at the block that leads to it.
+fn wrong_move(shared: &Shared, source: &Source, library: &Arc<dyn Library + Send + Sync>, passed: &Passed) -> Wrong {
+    let sub = (passed.at.program != source.number()).then(|| library.find(passed.at.program)).flatten();
+    let line = sub.as_deref().unwrap_or(source).line(passed.at.line).unwrap_or_default();
+    let name = passed.variable.map(|number| variable::name_on(number, shared.kind)).unwrap_or_default();
+    let column = line.find(&name).map_or(1, |at| line[..at].chars().count() as u32 + 1);
+    let program = sub.map_or_else(String::new, |sub| format!("{}: ", sub.title()));
+    let block = passed.at.n.map_or_else(String::new, |n| format!("N{n} "));
+    Wrong { line: passed.at.line, column, message: format!("{program}{block}{}", passed.said.get(shared.lang)) }
 }
 
 /// A change of the work frame tells where the frame lies: G54 where the part's set-up puts it, the others at zero.
@@ -189,10 +211,17 @@ fn preset(memory: &mut Memory, part: &PartFile) {
     }
 }
 
-fn tell_program(shared: &Shared, call: &Check, path: &Path, checked: &Checked, settings: &Settings) {
+fn tell_program(
+    shared: &Shared,
+    call: &Check,
+    path: &Path,
+    (checked, passed): (&Checked, Option<&Wrong>),
+    settings: &Settings,
+) {
     let number = number_of(path);
     let file = path.display().to_string();
-    let wrong: Vec<_> = checked.faults.iter().map(|fault| wrong_program(shared, number, fault)).collect();
+    let faults = checked.faults.iter().map(|fault| wrong_program(shared, number, fault));
+    let wrong: Vec<_> = faults.chain(passed.cloned()).collect();
     let warnings: Vec<_> = checked.warnings.iter().map(|fault| wrong_program(shared, number, fault)).collect();
     let shown = |axis: Axis, value: f64| if axis == Axis::X && settings.diameter { value * 2.0 } else { value };
     let extents: Vec<(Axis, f64, f64)> = checked.extents.map_or_else(Vec::new, |(low, high)| {

@@ -7,6 +7,7 @@ mod check;
 mod demo;
 mod eyes;
 mod play;
+mod rehearse;
 mod run;
 #[cfg(feature = "hmi")]
 mod shot;

@@ -11,6 +11,7 @@ use super::args::{Format, Run, Shared};
 use super::{CallError, FAILED, FINE, bench, out};
 use crate::defs::key::Key;
 use crate::defs::text::Lang;
+use crate::defs::variable;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot, VARIABLES};
 use crate::runtime::rig::Rig;
@@ -61,7 +62,9 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
             RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
         }
     };
-    tell_why(&mut rig, shared.lang, started);
+    if end == "stopped" {
+        tell_why(&mut rig, shared.lang, started);
+    }
     let seconds = rig.now().since(started).as_secs_f64();
     for _ in 0..SETTLE_TICKS {
         rig.step();
@@ -104,7 +107,7 @@ impl Report {
             .collect();
         let mut variables = Map::new();
         for (number, value) in self.changed(&snapshot) {
-            variables.insert(format!("#{number}"), json!(value));
+            variables.insert(variable::name_on(number as u32, rig.kind()), json!(value));
         }
         json!({
             "end": self.end,
@@ -113,6 +116,7 @@ impl Report {
             "blocks": self.blocks,
             "work": positions(&snapshot, |axis| axis.work),
             "machine": positions(&snapshot, |axis| axis.machine),
+            "message": snapshot.waiting_for.as_ref().map(|told| told.get(lang)),
             "parts": snapshot.parts,
             "variables": variables,
             "part": rig.machine().measure(),
@@ -137,13 +141,16 @@ impl Report {
         if self.end != "finished" && !snapshot.message.text.get(lang).is_empty() {
             lines.push(snapshot.message.text.get(lang).to_owned());
         }
+        if let Some(told) = &snapshot.waiting_for {
+            lines.push(told.get(lang).to_owned());
+        }
         for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {
             lines.push(format!("{axis}  work {:10.3}  machine {:10.3}", view.work, view.machine));
         }
         for (number, value) in self.changed(&snapshot) {
             lines.push(match value {
-                Some(value) => format!("#{number} = {value}"),
-                None => format!("#{number} = "),
+                Some(value) => format!("{} = {value}", variable::name_on(number as u32, rig.kind())),
+                None => format!("{} = ", variable::name_on(number as u32, rig.kind())),
             });
         }
         let part = rig.machine().measure();

@@ -40,6 +40,7 @@ impl Controller {
     pub(super) fn open_run(&mut self, source: Arc<Source>, mdi: bool) {
         let settings = nc::Settings { axes: self.axes.fitted(), ..nc_settings(self.kind, &self.params) };
         // A program begins from the power-on state of the codes; MDI goes on from its last line.
+        self.forget_note(mdi);
         let kept = self.mdi_modals.take().filter(|_| mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
         self.frames.activate(modals.frame);
@@ -181,10 +182,7 @@ impl Controller {
                 self.raise(*number, Some(text.clone()));
                 Did::Wait
             }
-            Act::Note(text) => {
-                self.note = (!text.zh.is_empty()).then(|| text.clone());
-                Did::Done
-            }
+            Act::Note(text) => self.tell_note(text),
             Act::Message(text) => match self.is_settled(run) {
                 Some(true) => {
                     self.say(text.clone());

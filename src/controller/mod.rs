@@ -122,9 +122,13 @@ impl Retained {
     /// A new machine of a kind.
     #[must_use]
     pub fn factory(kind: Kind) -> Self {
+        let mut variables = Memory::default();
+        for (number, value) in crate::machine::kind::find(kind).variables {
+            let _ = variables.set(u32::from(*number), Some(*value)); // the rows name common variables only
+        }
         Self {
             params: Params::factory(kind),
-            variables: Memory::default(),
+            variables,
             frames: Frames::default(),
             dress_points: PerAxis::default(),
             current_program: 0,

@@ -1,9 +1,11 @@
 //! The end of a tick: what has come to rest, drives and outputs.
 //! Source: spec B5, K5.15, table "what stops what".
 
+use super::executor::Did;
 use super::{Controller, Event, FULL_SCALE_VOLTS, Phase};
 use crate::defs::param;
 use crate::defs::signal::{Output, OutputSet, Terminals};
+use crate::defs::text::Said;
 
 impl Controller {
     /// The one place where the phase changes.
@@ -40,6 +42,20 @@ impl Controller {
             self.release_machine_lock();
             self.axes.follow_actual();
         }
+    }
+
+    /// MSG: shown until another one; an empty one ends it.
+    pub(super) fn tell_note(&mut self, text: &Said) -> Did {
+        self.note = (!text.zh.is_empty()).then(|| text.clone());
+        if self.note.is_some() {
+            self.say(text.clone());
+        }
+        Did::Done
+    }
+
+    /// A program begins without the message of the last one; an MDI line leaves it.
+    pub(super) fn forget_note(&mut self, mdi: bool) {
+        self.note = self.note.take().filter(|_| mdi);
     }
 
     /// Leaves the run: what was read ahead and not executed is forgotten.

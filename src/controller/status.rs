@@ -171,6 +171,12 @@ impl Controller {
         self.output_set
     }
 
+    /// The value of a common variable as executed.
+    #[must_use]
+    pub fn variable(&self, number: u32) -> Option<f64> {
+        self.memory.get(number).ok().flatten()
+    }
+
     /// The block under way: program, line, N.
     #[must_use]
     pub const fn place(&self) -> crate::nc::Place {

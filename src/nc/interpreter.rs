@@ -34,17 +34,26 @@ pub struct Block {
     /// Whether the block is done with this: single block stops here. A block that both changes the frame or tool and
     /// moves comes in two parts.
     pub complete: bool,
+    /// The variables that its words were calculated with; a check fills it.
+    pub used: Vec<u32>,
 }
 
 impl Block {
     /// An empty block, to be filled again and again.
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
-        Self { at: Place::default(), ops: Vec::with_capacity(8), modals: Modals::new(settings), complete: true }
+        Self {
+            at: Place::default(),
+            ops: Vec::with_capacity(8),
+            modals: Modals::new(settings),
+            complete: true,
+            used: Vec::new(),
+        }
     }
 
     pub(super) fn clear(&mut self) {
         self.ops.clear();
+        self.used.clear();
         self.complete = true;
     }
 }
@@ -202,6 +211,7 @@ impl Interpreter {
             settings: &self.settings,
             program: source.number(),
             n: self.last_n,
+            used: self.nulls.is_some().then_some(&mut block.used),
             nulls: &mut self.nulls,
             last_null: 0,
             source: &source,

@@ -28,6 +28,8 @@ pub(crate) struct LiveScope<'w> {
     pub settings: &'w Settings,
     pub program: u32,
     pub n: Option<u32>,
+    /// Collects the variables that are read, if somebody wants to know.
+    pub used: Option<&'w mut Vec<u32>>,
     pub nulls: &'w mut Option<Vec<NullUse>>,
     pub last_null: u32,
     pub source: &'w Arc<Source>,
@@ -47,6 +49,9 @@ impl Scope for LiveScope<'_> {
 
     fn read(&mut self, number: u32, at: usize) -> Outcome<Value> {
         let value = self.look_up(number, at)?;
+        if let Some(used) = &mut self.used {
+            used.push(number);
+        }
         if value.is_none() {
             self.last_null = number;
         }

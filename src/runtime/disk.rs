@@ -37,6 +37,12 @@ const COMPRESSION_AT: usize = 30;
 const SHIPPED: &[(&str, &[u8])] = &[
     ("programs/O1001.NC", include_bytes!("../../programs/O1001.NC")),
     ("programs/O1002.NC", include_bytes!("../../programs/O1002.NC")),
+    ("programs/802d/VGRIND.MPF", include_bytes!("../../programs/802d/VGRIND.MPF")),
+    ("programs/802d/L1.SPF", include_bytes!("../../programs/802d/L1.SPF")),
+    ("programs/802d/L3.SPF", include_bytes!("../../programs/802d/L3.SPF")),
+    ("programs/802d/L10.SPF", include_bytes!("../../programs/802d/L10.SPF")),
+    ("programs/802d/L20.SPF", include_bytes!("../../programs/802d/L20.SPF")),
+    ("programs/802d/L30.SPF", include_bytes!("../../programs/802d/L30.SPF")),
     ("screens/C0001.TXT", include_bytes!("../../screens/C0001.TXT")),
     ("screens/B0001.BMP", include_bytes!("../../screens/B0001.BMP")),
     ("screens/C0002.TXT", include_bytes!("../../screens/C0002.TXT")),
@@ -172,10 +178,10 @@ fn ship(name: &str, own: &Path) -> std::io::Result<()> {
         return Ok(());
     }
     for (path, bytes) in SHIPPED {
-        if let Some(file) = path.strip_prefix(name).and_then(|rest| rest.strip_prefix('/')) {
-            let path = own.join(file);
-            path.parent().map_or(Ok(()), std::fs::create_dir_all)?;
-            std::fs::write(path, bytes)?;
+        // A kind's own folder is filled when that kind is started.
+        let own_file = |file: &&str| !file.contains('/');
+        if let Some(file) = path.strip_prefix(name).and_then(|rest| rest.strip_prefix('/')).filter(own_file) {
+            std::fs::write(own.join(file), bytes)?;
         }
     }
     Ok(())

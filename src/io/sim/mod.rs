@@ -52,7 +52,8 @@ pub use self::machine_rows::{
 };
 pub use self::measure::WheelState;
 pub use self::part_file::{
-    BlockFile, Body, BodyFile, GaugeFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile, TailstockFile,
+    BlockFile, Body, BodyFile, FinishedFile, GaugeFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile,
+    TailstockFile,
 };
 pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartReport};
 

@@ -20,6 +20,8 @@ const BUILTIN: &[(&str, &str)] = &[
     ("O1008", include_str!("../../../assets/parts/O1008.ron")),
     ("O1009", include_str!("../../../assets/parts/O1009.ron")),
     ("O1010", include_str!("../../../assets/parts/O1010.ron")),
+    ("VGRIND", include_str!("../../../assets/parts/VGRIND.ron")),
+    ("PRINTED", include_str!("../../../assets/parts/VGRIND.ron")),
 ];
 
 /// Most cells of one surface.
@@ -61,6 +63,24 @@ pub struct PartFile {
     pub gauge: Option<GaugeFile>,
     /// What is ground.
     pub surfaces: Vec<SurfaceFile>,
+    /// How far it may be ground, where the program's own variables say so.
+    #[serde(default)]
+    pub finished: Option<FinishedFile>,
+}
+
+/// The finished diameter, as variables of the program name it. X programs the wheel's centre: the wheel's rim stands at
+/// X − wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FinishedFile {
+    /// The variable of the finished diameter.
+    pub size: u16,
+    /// The variable of the wheel's diameter.
+    pub wheel: u16,
+    /// From Z.
+    pub z_from: f64,
+    /// To Z.
+    pub z_to: f64,
 }
 
 const fn cylindrical() -> Kind {

@@ -15,5 +15,6 @@ pub(super) static ROW: KindRow = KindRow {
     tailstock: true,
     magnet: false,
     drive_needs_magnet: false,
+    variables: &[],
     slow_axis: Axis::X,
 };

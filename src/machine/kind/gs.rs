@@ -15,5 +15,6 @@ pub(super) static ROW: KindRow = KindRow {
     tailstock: false,
     magnet: true,
     drive_needs_magnet: false,
+    variables: &[],
     slow_axis: Axis::Y,
 };

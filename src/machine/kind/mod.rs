@@ -30,6 +30,8 @@ pub struct KindRow {
     pub magnet: bool,
     /// Whether what M63 drives carries the part on the magnet (K3.11: the table turns magnetised only).
     pub drive_needs_magnet: bool,
+    /// Values that common variables have on a new machine, by number.
+    pub variables: &'static [(u16, f64)],
     /// The axis whose minus direction is slow while the wheel turns (K5.9).
     pub slow_axis: Axis,
 }

@@ -1,0 +1,217 @@
+//! The vertical lathe-grinder: its program grinds the part to size and follows the wheel, and the printed version is
+//! stopped before it runs (rows S1–S5).
+
+mod told;
+
+use std::process::{Command as Process, Output};
+
+use kt830::defs::key::Key;
+use kt830::defs::kind::Kind;
+use kt830::defs::program;
+use kt830::io::sim::PartFile;
+use kt830::link::command::Command;
+use kt830::link::snapshot::RunState;
+use kt830::runtime::disk;
+use kt830::runtime::rig::Rig;
+use kt830::units::{Axis, Micros};
+use told::{ready_of, tell};
+
+/// The variable of R0.
+const R0: u32 = 600;
+
+fn r(rig: &Rig, number: u32) -> f64 {
+    rig.controller().variable(R0 + number).unwrap_or_default()
+}
+
+/// A ready machine with the shipped program and its part.
+fn vgrind(seed: u64, values: &str) -> Rig {
+    let mut rig = ready_of(Kind::Vertical);
+    rig.reseed(seed);
+    rig.mount(&PartFile::builtin(program::number("VGRIND")).unwrap().unwrap());
+    rig.step();
+    rig.make_ready();
+    tell(&mut rig, &format!("load VGRIND\nseed {seed}\nmode auto\n{values}"));
+    rig
+}
+
+/// Runs to the end; looks at the rig in every tick.
+fn run(rig: &mut Rig, mut look: impl FnMut(&Rig)) {
+    rig.send(Command::Press(Key::CycleStart));
+    let end = rig.now() + Micros::from_secs_f64(3_600.0);
+    rig.step();
+    rig.step();
+    while rig.controller().state() == RunState::Running {
+        assert!(rig.now() < end, "the program does not end");
+        rig.step();
+        look(rig);
+    }
+}
+
+/// The set of S5; what is not given is as delivered.
+const S5: &str = "set R18 = 200\nset R20 = 200.5\nset R25 = 0.05\nset R42 = 0.1";
+
+#[test]
+fn s5_the_corrected_program_ends_at_200_000_on_ten_seeds_and_r3_follows_every_dressing() {
+    for seed in 1..=10 {
+        let mut rig = vgrind(seed, S5);
+        let (mut before, mut dressings) = (r(&rig, 3), 0);
+        run(&mut rig, |rig| {
+            let now = r(rig, 3);
+            // L30 N180 puts the position into R3 for the length of a block: it is no diameter of a wheel.
+            if now.total_cmp(&before).is_ne() && now < 400.0 {
+                dressings += 1;
+                let wheel = rig.machine().wheel().diameter_mm;
+                assert!((now - wheel).abs() < 0.002, "seed {seed}: R3 {now}, wheel {wheel}");
+                assert!((before - now - 0.03).abs() < 1e-9, "R36 off the diameter: {before} {now}");
+                before = now;
+            }
+        });
+        // At the start, before finishing, and after every R24 = 4 of the ten finishing strokes of 0.005.
+        assert_eq!(dressings, 4, "seed {seed}");
+        tell(&mut rig, "expect no alarm\nexpect no event\nexpect output wheel off\nexpect output table-rotation off");
+        let diameters = rig.machine().measure().diameters;
+        assert_eq!(diameters.len(), 5);
+        for at in diameters {
+            assert!((at.d - 200.0).abs() <= 0.002, "seed {seed}: {at:?}");
+        }
+    }
+}
+
+#[test]
+fn s4_an_even_division_of_the_dressing_still_updates_r3_and_comes_back() {
+    // R39 + R36 = 0.1 + 0.02 = 6 · R37.
+    let mut rig = vgrind(1, "set R36 = 0.02\nset R37 = 0.02\nset R20 = 200.06\nset R24 = 50");
+    let part = rig.machine().measure();
+    assert!(!part.diameters.is_empty());
+    let (mut seen, mut away) = (Vec::new(), false);
+    run(&mut rig, |rig| {
+        let now = r(rig, 3);
+        if now < 400.0 && seen.last().is_none_or(|last: &f64| last.total_cmp(&now).is_ne()) {
+            seen.push(now);
+        }
+        away |= seen.len() == 2 && rig.controller().actual()[Axis::X] < -190.0;
+    });
+    // 300, then 0.02 less after each of the two dressings.
+    assert_eq!(seen.len(), 3, "{seen:?}");
+    assert!((seen[1] - 299.98).abs() < 1e-9 && (seen[2] - 299.96).abs() < 1e-9, "{seen:?}");
+    assert!(away, "the wheel came back to the part after the first dressing");
+    tell(&mut rig, "expect no alarm");
+}
+
+#[test]
+fn s4_every_wrong_value_is_named_and_every_exit_stops_the_wheel() {
+    for (values, message, flag) in [
+        ("set R7 = 36", "错误01:转速过高", 1.0),   // above the wheel's 35 m/s
+        ("set R6 = 1900", "错误01:转速过高", 1.0), // 60000 · 30 / (π · 300) = 1910
+        ("set R5 = 1920", "错误02:转速过低", 2.0),
+        ("set R43 = 0", "错误03:安全让刀参数错误", 3.0),
+        ("set R37 = 0", "错误04:砂轮参数错误", 4.0),
+        ("set R3 = 210", "错误05:砂轮直径超出范围", 5.0),
+        ("set R20 = 200", "错误10:粗磨参数错误", 10.0),
+        ("set R22 = 0", "错误11:精磨参数错误", 11.0),
+    ] {
+        let mut rig = vgrind(1, values);
+        run(&mut rig, |_| ());
+        tell(
+            &mut rig,
+            &format!("expect message \"{message}\"\nexpect R62 {flag}\nexpect output wheel off\nexpect no alarm"),
+        );
+        assert_eq!(rig.snapshot().waiting_for.as_ref().map(|said| said.zh.as_str()), Some(message), "{values}");
+        tell(&mut rig, "mode mdi\nmdi MSG()");
+        assert!(rig.snapshot().waiting_for.is_none());
+    }
+}
+
+/// L10 grinds a cone along R14: 2 · 70 · tan 1° = 2.4437 mm of diameter between R21 and R19.
+#[test]
+fn s6_the_stroke_follows_the_cone() {
+    let mut rig = vgrind(1, "");
+    let text = "N10 G90 G94\nN20 R14=1 R50=0.02 R51=1200 R15=0 R21=105 R19=35\nN30 G0 X700 Z105\nN40 L10\nN50 M2";
+    rig.add_program(disk::program(program::number("CONE"), "CONE.MPF", text.as_bytes().to_vec()));
+    tell(&mut rig, "load CONE\nmode auto");
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    rig.send(Command::Press(Key::CycleStart));
+    for _ in 0..30_000 {
+        rig.step();
+        let at = rig.snapshot().axes;
+        if rig.controller().place().program == program::of_l(10) {
+            low = low.min(at[Axis::X].work);
+            high = high.max(at[Axis::X].work);
+        }
+    }
+    let rise = 2.0 * 70.0 * 1.0_f64.to_radians().tan();
+    // The encoder reads in steps of 1 µm, 2 µm on a diameter.
+    assert!((low - 699.98).abs() < 0.003 && (high - 699.98 - rise).abs() < 0.003, "{low} {high}");
+    tell(&mut rig, "expect X 699.98 ±0.001\nexpect Z 105 ±0.001");
+}
+
+/// Field problem 2: a loop of 30 blocks is read ahead, and R1 shows what is executed all the same.
+#[test]
+fn s2_r_parameters_are_shown_as_executed_in_every_tick() {
+    let mut rig = vgrind(1, "");
+    let text = "N10 R1=0\nN15 G90 G94 F600 G0 X690\nAA1:R1=R1+1\nN30 G1 G91 X-0.2\nN40 IF R1<30 GOTOB AA1\nN50 M2";
+    rig.add_program(disk::program(program::number("LOOP"), "LOOP.MPF", text.as_bytes().to_vec()));
+    tell(&mut rig, "load LOOP\nmode auto");
+    let mut before = None;
+    let mut seen = 0;
+    run(&mut rig, |rig| {
+        let now = r(rig, 1);
+        if before.is_some_and(|before: f64| before.total_cmp(&now).is_ne()) {
+            assert!((now - f64::from(seen) - 1.0).abs() < 1e-12, "one after the other: {now}");
+            // R1 = k is executed when k − 1 moves of 0.1 mm of slide are done: X 690 is machine −105.
+            let stands = rig.controller().set_point()[Axis::X];
+            assert!((stands - (-105.0 - 0.1 * f64::from(seen))).abs() < 0.1, "R1 {now} at {stands}");
+            seen += 1;
+        }
+        before = Some(now);
+    });
+    assert_eq!(seen, 30);
+}
+
+fn kt830(words: &[&str]) -> Output {
+    let data = tempfile::tempdir().unwrap();
+    Process::new(env!("CARGO_BIN_EXE_kt830"))
+        .args(words)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .env("XDG_DATA_HOME", data.path())
+        .env("HOME", data.path())
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap()
+}
+
+const SETS: [&str; 8] = ["--set", "R18=200", "--set", "R20=200.5", "--set", "R25=0.05", "--set", "R42=0.1"];
+
+#[test]
+fn s5_the_printed_program_is_stopped_by_the_check_at_n340_and_not_run() {
+    let words = ["check", "--kind", "vertical", "--simulate", "--lang", "en", "programs/802d/as-printed/PRINTED.MPF"];
+    let out = kt830(&[&words[..], &SETS[..]].concat());
+    assert_eq!(out.status.code(), Some(2), "{out:?}");
+    let said = String::from_utf8_lossy(&out.stdout).into_owned();
+    // R60 = 200.06 after 22 strokes of 0.02; 200.06 − 200 + 0.05 = 0.11.
+    let reason = "N340 infeed passes R18: R50=0.110 leads to the diameter 199.950, below R18=200.000; it was not run";
+    assert!(said.contains(&format!("PRINTED.MPF:35:10: {reason}")), "{said}");
+    assert!(!said.contains("part diameter"), "it has not run: {said}");
+}
+
+#[test]
+fn s5_the_corrected_program_passes_the_same_check_and_runs() {
+    let words = ["check", "--kind", "vertical", "--simulate", "--lang", "en", "programs/802d/VGRIND.MPF"];
+    let out = kt830(&[&words[..], &SETS[..]].concat());
+    let said = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert_eq!(out.status.code(), Some(0), "{said}");
+    assert!(said.contains("finished") && said.contains("R60 = 200\n"), "{said}");
+}
+
+#[test]
+fn s1_a_subprogram_is_looked_for_beside_the_file_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let main = folder.path().join("test.mpf");
+    std::fs::write(&main, "L10 P2\nL77\nM2\n").unwrap();
+    std::fs::write(folder.path().join("l10.spf"), "G91 G0 X1\nRET\n").unwrap();
+    let out = kt830(&["check", "--kind", "vertical", "--ops", "--lang", "en", main.to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert!(said.starts_with("rapid x=0.5 y=0 z=0 [X+]\nrapid x=1 y=0 z=0 [X+]\n"), "{said}");
+    assert!(said.contains("test.mpf:2:1: there is no program L77"), "{said}");
+}
