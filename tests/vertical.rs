@@ -8,7 +8,8 @@ use std::process::{Command as Process, Output};
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::program;
-use kt830::io::sim::PartFile;
+use kt830::defs::screw::ScrewTable;
+use kt830::io::sim::{Along, MachineFile, PartFile, SurfaceFile};
 use kt830::link::command::Command;
 use kt830::link::snapshot::RunState;
 use kt830::runtime::disk;
@@ -214,4 +215,149 @@ fn s1_a_subprogram_is_looked_for_beside_the_file_first() {
     let said = String::from_utf8_lossy(&out.stdout).into_owned();
     assert!(said.starts_with("rapid x=0.5 y=0 z=0 [X+]\nrapid x=1 y=0 z=0 [X+]\n"), "{said}");
     assert!(said.contains("test.mpf:2:1: there is no program L77"), "{said}");
+}
+
+/// What each line of a program took off the part, as the sum of diameters at every millimetre.
+fn removed_by_line(rig: &mut Rig, lines: [u32; 2]) -> [Vec<f64>; 2] {
+    let sum = |rig: &Rig| (62..118).filter_map(|z| rig.machine().diameter_at(f64::from(z))).sum::<f64>();
+    let (mut line, mut before) = (0, sum(rig));
+    let mut removed = [Vec::new(), Vec::new()];
+    run(rig, |rig| {
+        let now = rig.controller().place().line;
+        if now != line {
+            let after = sum(rig);
+            if let Some(index) = lines.iter().position(|of| *of == line) {
+                removed[index].push(before - after);
+            }
+            (line, before) = (now, after);
+        }
+    });
+    removed
+}
+
+/// A cone of 2 · 70 · 0.02 = 2.8 mm between Z 105 and 35, ready for strokes: the part is a stair of its steps.
+fn cone(screw: &[(f64, f64)], table: &str) -> Rig {
+    let mut machine = MachineFile::builtin(Kind::Vertical).unwrap();
+    machine.x.backlash_mm = screw.iter().map(|(at, play)| Along(*at, *play)).collect();
+    let mut part = PartFile::builtin(program::number("VGRIND")).unwrap().unwrap();
+    part.finished = None;
+    // A slim wheel grinds the cone true enough; its lower edge stands at Z. On the cone X is 499.32 at Z 122.
+    machine.wheel.width_mm = 4.0;
+    part.surfaces = (60..120)
+        .map(|z| {
+            let stock = 200.0 + 0.04 * (105.0 - f64::from(z));
+            SurfaceFile::Diameter {
+                z_from: f64::from(z),
+                z_to: f64::from(z) + 1.0,
+                stock,
+                cell: 1.0,
+                runout: 0.0,
+                waviness: 0.0,
+            }
+        })
+        .collect();
+    let mut rig = ready_of(Kind::Vertical);
+    rig.swap_machine(machine, 1);
+    rig.mount(&part);
+    rig.step();
+    if !table.is_empty() {
+        rig.send(Command::SetScrew(Axis::X, ScrewTable::parse(table).unwrap()));
+        rig.step();
+    }
+    rig.make_ready();
+    let text = "N10 G90 G94 M63 M3\nN20 R1=40\nN30 G0 X499.4 Z122\nAA1:G91 G1 X=-0.01 F600\nG1 X=0.04*70 Z=-70\nG4 F0.5\n\
+                G1 X=-0.01\nG1 X=-0.04*70 Z=70\nG4 F0.5\nR1=R1-1\nIF R1>0 GOTOB AA1\nG90 G0 X700\nM5 M65\nM2";
+    rig.add_program(disk::program(program::number("TAPER"), "TAPER.MPF", text.as_bytes().to_vec()));
+    tell(&mut rig, "load TAPER\nmode auto");
+    rig.mount(&part);
+    rig.step();
+    rig
+}
+
+/// Field problem 1: with a play of 0.02 to 0.03 mm one direction of a taper stroke does not reach the part; with the
+/// table of that play in the control both directions take their share.
+#[test]
+fn s6_the_backlash_table_makes_both_directions_of_a_taper_stroke_cut() {
+    let screw = [(-300.0, 0.04), (-200.0, 0.02), (-100.0, 0.0)];
+    let table: String = screw.iter().map(|(at, play)| format!("{at},{play}\n")).collect();
+    let shares = |rig: &mut Rig| {
+        // Lines 5 (X plus, Z minus) and 8 (X minus, Z plus); the last ten strokes, when the cone is under way.
+        let [down, up] = removed_by_line(rig, [5, 8]);
+        assert_eq!((down.len(), up.len()), (40, 40));
+        (down[30..].iter().sum::<f64>(), up[30..].iter().sum::<f64>())
+    };
+    let (down, up) = shares(&mut cone(&screw, ""));
+    assert!(down > 5.0 && up < 0.02 * down, "before: down {down}, up {up}");
+    let (down, up) = shares(&mut cone(&screw, &table));
+    assert!(up > 0.5 * down && down > 0.5 * up, "after: down {down}, up {up}");
+    let (true_down, true_up) = shares(&mut cone(&[], ""));
+    assert!((down / true_down - 1.0).abs() < 0.1 && (up / true_up - 1.0).abs() < 0.1, "as a true screw: {down} {up}");
+}
+
+/// Field problem 3: 0.005 is 0.005 and not 0.004, in the position and in the distance to go.
+#[test]
+fn b7_a_diameter_of_0_005_is_shown_as_0_005() {
+    let shown = |value: f64| format!("{value:.3}");
+    let mut rig = vgrind(1, "");
+    let text = "G90 G94 F30\nG0 X700\nG91 G1 X-0.005\nG1 X-0.001\nM2";
+    rig.add_program(disk::program(program::number("FINE"), "FINE.MPF", text.as_bytes().to_vec()));
+    tell(&mut rig, "load FINE\nmode auto\nkey single-block\nkey cycle-start\nwait until stopped");
+    rig.send(Command::Press(Key::CycleStart));
+    let mut to_go = Vec::new();
+    for _ in 0..1_000 {
+        rig.step();
+        to_go.push(shown(rig.snapshot().axes[Axis::X].to_go.abs()));
+    }
+    assert!(to_go.contains(&"0.005".to_owned()));
+    assert_eq!(shown(rig.snapshot().axes[Axis::X].work), "699.995");
+    tell(&mut rig, "key cycle-start\nwait until stopped\nwait 0.5 s");
+    assert_eq!(shown(rig.snapshot().axes[Axis::X].work), "699.994");
+}
+
+/// A worn screw and its table, by story: the slide stands where it should, whichever way it came.
+#[test]
+fn b7_a_worn_screw_is_put_right_by_its_table_in_both_directions() {
+    let folder = tempfile::tempdir().unwrap();
+    // 0.05 mm at the stop −458, none at the stop 8.
+    std::fs::write(folder.path().join("x.csv"), "位置,间隙\n-458,0.05\n8,0\n").unwrap();
+    let off = |rig: &Rig| rig.machine().slide_mm()[Axis::X] - rig.controller().actual()[Axis::X];
+    let mut rig = vgrind(1, "fault worn-screw-x\nmode mdi\nmdi G90 G0 X600\nwait 0.5 s");
+    // Machine −150 from above: the motor is there, the slide hangs back by 0.05 · 158/466 = 0.01695 mm.
+    assert!((off(&rig) - 0.016_95).abs() < 0.000_1, "{}", off(&rig));
+    rig.send(Command::SetScrew(
+        Axis::X,
+        ScrewTable::parse(&std::fs::read_to_string(folder.path().join("x.csv")).unwrap()).unwrap(),
+    ));
+    tell(&mut rig, "wait 0.5 s\nexpect X 600 ±0.001");
+    assert!(off(&rig).abs() < 0.000_1, "{}", off(&rig));
+    tell(&mut rig, "mdi G0 X610\nwait 0.5 s\nexpect X 610 ±0.001");
+    assert!(off(&rig).abs() < 0.000_1, "from below: {}", off(&rig));
+    tell(&mut rig, "mdi G0 X500\nwait 0.5 s");
+    assert!(off(&rig).abs() < 0.000_1, "elsewhere: {}", off(&rig));
+    tell(&mut rig, "power cut\nwait 1 s\npower on\nkey hydraulic\nhome all\nmode mdi\nmdi G90 G0 X600\nwait 0.5 s");
+    assert!(off(&rig).abs() < 0.000_5, "retained, and homed with it: {}", off(&rig));
+    tell(&mut rig, "expect no alarm");
+}
+
+#[test]
+fn b7_a_screw_table_is_imported_from_csv_and_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let data = folder.path().join("data").to_string_lossy().into_owned();
+    let file = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_string_lossy().into_owned()
+    };
+    let (good, bad) = (file("good.csv", "-300,0.04,0.002\n-100,0\n"), file("bad.csv", "-300,0.04\n-400,0\n"));
+    let at = ["--data", &data, "--kind", "vertical", "--lang", "en"];
+    let call = |words: &[&str]| kt830(&[words, &at].concat());
+    assert_eq!(call(&["screw", "x", &good]).status.code(), Some(0));
+    let refused = call(&["screw", "X", &bad]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(said.contains("bad.csv:2: positions must rise from line to line"), "{said}");
+    let shown = String::from_utf8_lossy(&call(&["screw", "x"]).stdout).into_owned();
+    assert!(shown.ends_with("mm\n-300,0.04,0.002\n-100,0,0\n"), "{shown}");
+    assert_eq!(call(&["screw", "x", "--clear"]).status.code(), Some(0));
+    assert!(String::from_utf8_lossy(&call(&["screw", "x"]).stdout).ends_with("mm\n\n"));
 }

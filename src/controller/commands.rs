@@ -6,14 +6,16 @@ use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::program;
+use crate::defs::screw::ScrewTable;
 use crate::defs::text::Said;
+use crate::defs::variable;
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::machine::Answer;
 use crate::machine::press::NOT_IN_RUN;
 use crate::nc::frames::OFFSETS;
 use crate::nc::{Source, VariableError};
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// Most characters of an MDI line.
 pub(super) const MDI_MOST: usize = 500;
@@ -45,6 +47,7 @@ impl Controller {
             Command::SetParam(at, value) => self.set_param(*at, *value),
             Command::SetFrame(index, origin) => self.set_frame(*index, *origin),
             Command::SetGeometry(number, geometry) => self.set_geometry(*number, *geometry),
+            Command::SetScrew(axis, table) => self.set_screw(*axis, table),
             Command::ClearRelative(axis) => self.relative_zero[*axis] = self.axes.actual()[*axis],
             Command::Screens(screens) => {
                 self.screens.clone_from(screens);
@@ -68,6 +71,20 @@ impl Controller {
         }
     }
 
+    /// The axis is led to its new place slowly; not while a program runs.
+    fn set_screw(&mut self, axis: Axis, table: &ScrewTable) {
+        if self.run.is_some() {
+            return self.refuse(NOT_IN_RUN);
+        }
+        self.axes.set_screw(axis, table.clone());
+        self.effects.push(Effect::Screw(axis, table.clone()));
+        let points = table.points().len();
+        self.say(Said::new(
+            format!("{axis} 轴丝杠补偿表：{points} 点"),
+            format!("screw table of axis {axis}: {points} points"),
+        ));
+    }
+
     fn set_geometry(&mut self, number: usize, geometry: PerAxis<f64>) {
         match number.checked_sub(1).filter(|index| *index < OFFSETS) {
             Some(_) if self.run.is_some() => self.refuse(NOT_IN_RUN),
@@ -83,10 +100,11 @@ impl Controller {
     pub(super) fn set_variable(&mut self, variable: u16, value: Option<f64>) -> bool {
         let number = u32::from(variable);
         if let Err(error) = self.store_variable(number, value) {
+            let name = variable::name_on(number, self.kind);
             let zh = match error {
-                VariableError::Unknown(_) => format!("#{variable} 不存在或不能修改"),
-                VariableError::Switch(_) => format!("#{variable} 只能输入 0 或 1"),
-                VariableError::NotFinite(_) => format!("#{variable} 的值不是数字"),
+                VariableError::Unknown(_) => format!("{name} 不存在或不能修改"),
+                VariableError::Switch(_) => format!("{name} 只能输入 0 或 1"),
+                VariableError::NotFinite(_) => format!("{name} 的值不是数字"),
             };
             self.refuse(Said::new(zh, error.to_string()));
             return false;

@@ -2,6 +2,7 @@
 //! Source: style "effects to the disk", notes "acknowledge after commit".
 
 use crate::defs::param::ParamAddress;
+use crate::defs::screw::ScrewTable;
 use crate::defs::signal::{Input, Output};
 use crate::link::page_command::PageWish;
 use crate::units::{Axis, PerAxis};
@@ -26,6 +27,8 @@ pub enum Effect {
     Frame(usize, PerAxis<f64>),
     /// Keep the dressing point of an axis: machine coordinate, radius mm.
     DressPoint(Axis, f64),
+    /// Keep the table of an axis' screw.
+    Screw(Axis, ScrewTable),
     /// Keep the number of the current program.
     CurrentProgram(u32),
     /// Keep the count of workpieces.

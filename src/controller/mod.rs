@@ -26,6 +26,7 @@ mod oscillation;
 mod page_files;
 mod pages;
 mod run;
+mod screw;
 mod settle;
 mod status;
 mod switches;
@@ -44,6 +45,7 @@ use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::{self, ParamAddress, Params};
+use crate::defs::screw::ScrewTable;
 use crate::defs::signal::{Input, InputSet, Output, OutputSet};
 use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
@@ -112,6 +114,8 @@ pub struct Retained {
     pub frames: Frames,
     /// Dressing points that have been set, machine coordinates, radius mm (K4.2).
     pub dress_points: PerAxis<Option<f64>>,
+    /// Tables of the axes' screws (B7).
+    pub screws: PerAxis<ScrewTable>,
     /// Number of the current program, 0 none.
     pub current_program: u32,
     /// Workpieces counted.
@@ -131,6 +135,7 @@ impl Retained {
             variables,
             frames: Frames::default(),
             dress_points: PerAxis::default(),
+            screws: PerAxis::default(),
             current_program: 0,
             parts: 0,
         }
@@ -216,7 +221,7 @@ impl Controller {
             raw: InputSet::NONE,
             last_inputs: InputSet::NONE,
             machine: Machine::new(row, now),
-            axes: Axes::new(&params, row, &image),
+            axes: Axes::new(&params, row, &image, retained.screws),
             hand: Hand::default(),
             oscillation: None,
             phase: Phase::Idle,

@@ -88,7 +88,7 @@ impl Controller {
         self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));
         // Braking needs the drives; nothing else moves without them.
         self.outputs.drives_on = self.drives_on || matches!(self.phase, Phase::Aborting);
-        self.outputs.set_point_mm = self.axes.set_points(&self.params);
+        self.outputs.set_point_mm = self.axes.set_points();
     }
 
     /// The outputs that can switch nothing with these parameters.

@@ -14,6 +14,7 @@ pub mod port;
 pub mod program;
 pub mod program_error;
 pub mod screen;
+pub mod screw;
 pub mod signal;
 pub mod text;
 pub mod variable;

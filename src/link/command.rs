@@ -8,6 +8,7 @@ use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::screen::PageText;
+use crate::defs::screw::ScrewTable;
 use crate::defs::text::Said;
 use crate::units::{Axis, PerAxis};
 
@@ -61,6 +62,8 @@ pub enum Command {
     SetFrame(usize, PerAxis<f64>),
     /// Geometry of a tool offset, 1 to 16, radius mm.
     SetGeometry(usize, PerAxis<f64>),
+    /// Another table for the screw of an axis (B7).
+    SetScrew(Axis, ScrewTable),
     /// Makes the relative position of an axis zero.
     ClearRelative(Axis),
     /// The disk has read the folder of page texts and pictures.

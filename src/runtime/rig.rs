@@ -158,6 +158,14 @@ impl Rig {
         self.inbox.extend(set_up(part, present));
     }
 
+    /// Puts another machine of the same kind behind the control, its power just come: another screw, another wheel.
+    pub fn swap_machine(&mut self, machine: MachineFile, seed: u64) {
+        self.machine = SimulatedMachine::new(machine, None, &self.retained.params, seed);
+        self.image = self.machine.read(self.now);
+        self.controller = Controller::new(self.kind, self.retained.clone(), self.image, self.now);
+        self.deliver();
+    }
+
     /// Begins the machine's chance anew.
     pub fn reseed(&mut self, seed: u64) {
         self.machine.reseed(seed);

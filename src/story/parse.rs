@@ -165,6 +165,8 @@ pub enum Statement {
     Seed(u64),
     /// `part FILE`
     Part(String),
+    /// `screw X FILE`
+    Screw(Axis, String),
     /// `expect …`
     Expect(Expectation),
 }
@@ -300,6 +302,9 @@ impl Words {
             "wait" => self.wait()?,
             "seed" => Statement::Seed(self.one_of("a whole number", |word| word.parse().ok())?),
             "part" => Statement::Part(self.word("a file")?.trim_start_matches('"').to_owned()),
+            "screw" => {
+                Statement::Screw(self.one_of("an axis", axis)?, self.word("a file")?.trim_start_matches('"').to_owned())
+            }
             "expect" => Statement::Expect(self.expect(kind)?),
             verb => return Err(self.error(format!("'{verb}' is not a statement"))),
         };

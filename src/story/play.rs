@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::parse::{Expectation, Force, Line, Quantity, Statement, Until};
 use crate::defs::key::{Key, Mode};
 use crate::defs::page::Page;
+use crate::defs::screw::ScrewTable;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot};
@@ -109,6 +110,7 @@ impl<'a> Player<'a> {
                 Ok(())
             }
             Statement::Part(file) => self.part(file),
+            Statement::Screw(axis, file) => self.screw(*axis, file),
             Statement::Expect(expectation) => self.expect(expectation),
         }
     }
@@ -184,6 +186,13 @@ impl<'a> Player<'a> {
         self.rig.mount(&part);
         self.part_given = true;
         self.answer()
+    }
+
+    fn screw(&mut self, axis: Axis, file: &str) -> Result<(), String> {
+        let path = self.folder.join(file);
+        let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let table = ScrewTable::parse(&text).map_err(|fault| format!("{} {fault}", path.display()))?;
+        self.send(Command::SetScrew(axis, table))
     }
 
     /// What the operator does: mode home, one axis key after the other.

@@ -120,6 +120,7 @@ numbers! {
     DRESSING_LAST = 92, 0 => 9_999, 1_012, "", User, "修整程序末号", "last dressing program";
     JUMP_INPUT = 93, 0 => 64, 0, "", Builder, "M91/M92 默认输入口", "input port of M91/M92 without L, 0 none";
     CYLINDER_TIME = 94, 0 => 60_000, 3_000, "ms", Builder, "振荡气缸超时", "oscillation cylinder time-out";
+    COMPENSATION_SPEED = 95, 6 => 6_000, 600, "mm/min", Builder, "螺距/间隙补偿最大速度", "greatest speed of screw compensation";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
