@@ -11,6 +11,7 @@ use kt830::defs::mcode::{MCODES, REQUESTS};
 use kt830::defs::param::{BITS, NUMBERS, Params};
 use kt830::defs::signal::{Input, Output};
 use kt830::defs::text::Text;
+use kt830::defs::variable::{Access, SYSTEM_VARIABLES};
 use kt830::defs::{kind::Kind, program_error::ProgramError};
 use kt830::machine::{interlock::Outcome, rules::RULES};
 
@@ -18,6 +19,7 @@ fn tables() -> String {
     let mut text = String::from("# 表 Tables\n\n本页由 `defs/` 生成，请勿手改。Generated from `defs/`; do not edit.\n");
     keys(&mut text);
     codes(&mut text);
+    variables(&mut text);
     alarms(&mut text);
     interlocks(&mut text);
     params(&mut text);
@@ -37,6 +39,20 @@ fn codes(text: &mut String) {
     text.push_str("\n## M 代码 M codes\n\n| 代码 | 功能 | function | 依据 row |\n|---|---|---|---|\n");
     for row in MCODES {
         writeln!(text, "| M{:02} | {} | {} | {} |", row.code, row.name.zh, row.name.en, row.row).unwrap();
+    }
+}
+
+fn variables(text: &mut String) {
+    text.push_str("\n## 系统变量 System variables\n\n| 变量 | 含义 | meaning | 程序可 |\n|---|---|---|---|\n");
+    for row in SYSTEM_VARIABLES {
+        let access = match row.access {
+            Access::Read => "读 read",
+            Access::ReadWrite => "读写 read, write",
+            Access::Write => "写 write",
+        };
+        let last = row.first + row.count - 1;
+        let numbers = if row.count == 1 { format!("#{}", row.first) } else { format!("#{}–#{last}", row.first) };
+        writeln!(text, "| {numbers} | {} | {} | {access} |", row.name.zh, row.name.en).unwrap();
     }
 }
 

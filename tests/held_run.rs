@@ -130,3 +130,26 @@ fn k6_3_an_arc_that_would_bulge_over_a_soft_limit_is_refused() {
     );
     tell(&mut rig, "wait 1 s\nkey cycle-start\nwait 0.2 s\nexpect state held\nexpect message \"软限位\"");
 }
+
+#[test]
+fn k6_3_what_was_stopped_in_a_pause_must_turn_again_before_the_run_goes_on() {
+    let mut rig = ready_with("M03\nM63\nG98 G01 W-10 F300\nM00\nM05\nM65\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until Z<-151 max 30 s\nkey feed-hold\nwait until held");
+    tell(&mut rig, "key wheel-stop\nkey cycle-start\nexpect state held\nexpect message \"砂轮已停\"\nkey wheel-start");
+    tell(
+        &mut rig,
+        "key headstock-stop\nkey cycle-start\nexpect state held\nexpect message \"停转\"\nkey headstock-high",
+    );
+    tell(&mut rig, "wait 2 s\nkey cycle-start\nwait until stopped max 20 s\nexpect output wheel on");
+    // M00 is a pause as well; what the program itself has stopped is not asked for.
+    tell(
+        &mut rig,
+        "key wheel-stop\nkey cycle-start\nexpect state stopped\nkey wheel-start\nkey cycle-start\nwait until idle max 20 s",
+    );
+}
+
+#[test]
+fn k3_4_m63_s_above_the_second_analog_output_is_said() {
+    let mut rig = ready_with("M63 S1000\nG04 X1\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.2 s\nexpect message \"S1000\"\nexpect output headstock-high on");
+}

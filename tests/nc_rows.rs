@@ -167,6 +167,39 @@ fn b3_a_live_value_waits_for_motion_and_the_block_is_read_again() {
     assert_eq!(block.ops, [Op::Set { variable: 501, value: None }]);
 }
 
+/// Counts how often the machine is asked.
+struct Counting(CheckWorld, u32);
+
+impl World for Counting {
+    fn position(&self) -> PerAxis<f64> {
+        self.0.position()
+    }
+
+    fn system(&mut self, number: u32) -> Live {
+        self.1 += 1;
+        self.0.system(number)
+    }
+
+    fn block_skip(&self) -> bool {
+        self.0.block_skip()
+    }
+}
+
+#[test]
+fn b3_a_loop_that_waits_for_the_machine_asks_it_twice_a_tick_at_most() {
+    for text in ["N10 IF[#438 EQ 0]GOTO 10\nG04 P1", "WHILE[#1000 EQ 0]DO1\nEND1\nG04 P1"] {
+        let (mut interpreter, world, mut block) = start(text, Settings::lathe());
+        let mut world = Counting(world, 0);
+        for tick in 1..=5 {
+            assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Busy), "{text}");
+            assert!(world.1 <= 2 * tick, "{text}: asked {} times in {tick} ticks", world.1);
+        }
+        let number = if text.contains("#438") { 438 } else { 1_000 };
+        world.0.set_system(number, Some(1.0));
+        assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block), "{text}");
+    }
+}
+
 #[test]
 fn b3_loops_without_operations_do_not_hold_up_the_tick() {
     for text in ["WHILE[1]DO1\n#1=1\nEND1", "N1 GOTO 1", "M99", "N1 M99 P1", "N1 G65 H80 P1"] {

@@ -265,3 +265,28 @@ fn damaged_data_are_told_at_every_power_on_and_nothing_moves_before_homing() {
     tell(&mut rig, "expect alarm 300\npower cut\npower on\nexpect alarm 300\nmode auto\nkey cycle-start");
     tell(&mut rig, "expect state alarm\nkey reset\nexpect no alarm");
 }
+
+#[test]
+fn b2_a_roughing_cycle_and_its_finish_run_to_their_start() {
+    // From X -80 the contour lies at X -100: radius 10 mm in strokes of 4, then once along; a live value in it is read late.
+    let text = "G98 G00 X-80 Z-150\nG71 U4 R1\nG71 P10 Q30 U0.4 F600\nN10 G00 X-100\nN20 G01 W-10\nN30 X[#5041+20] W-10\n\
+                G70 P10 Q30\n#100=#5041\nM30";
+    let mut rig = ready_with(text);
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 120 s\nexpect no alarm\nexpect #100 -80 ±0.001");
+    tell(&mut rig, "expect X -80 ±0.001\nexpect Z -150 ±0.001");
+}
+
+#[test]
+fn b2_g30_goes_over_the_via_point_to_a_reference_point_of_the_parameters() {
+    // P161 is slide travel: machine X -35 is shown as -70.
+    let mut rig = ready_with("G30 P2 U2 W0\nM00\nG30 P3 X-90\nM30");
+    tell(
+        &mut rig,
+        "param P161 -35\nparam P163 -120\nparam P164 -45\nmode auto\nkey cycle-start\nwait until stopped max 60 s",
+    );
+    tell(&mut rig, "expect machine X -70 ±0.001\nexpect machine Z -120 ±0.001");
+    tell(
+        &mut rig,
+        "key cycle-start\nwait until idle max 60 s\nexpect machine X -90 ±0.001\nexpect machine Z -120 ±0.001",
+    );
+}

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use super::args::{Check, Format, Run, Shared};
 use super::rehearse::{Passed, Rehearsal};
 use super::{CallError, FINE, WRONG_CALL, bench, out};
-use crate::controller::{Programs, Retained, nc_settings};
-use crate::defs::{param, variable};
+use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings, references};
+use crate::defs::{param, r_parameter};
 use crate::io::sim::PartFile;
 use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, Source, World, check_with};
 use crate::runtime::disk::{beside, parse_page_text, parse_picture, program};
@@ -128,8 +128,11 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     programs.put(beside(path));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
     let mut memory = retained.variables.clone();
-    let home = PerAxis::from_fn(|axis| retained.params.of_axis(param::HOME_X, axis));
-    let mut world = CheckWorld::new(&settings).with_home(home).with_frames(retained.frames.clone());
+    let mut world =
+        CheckWorld::new(&settings).with_references(references(&retained.params)).with_frames(retained.frames.clone());
+    for (variable, row) in PARAM_VARIABLES {
+        world.set_system(variable.first, Some(retained.params.get(row)));
+    }
     let part = bench::part(shared, number)?;
     if let Some(part) = &part {
         world = start(world, retained.frames.clone(), part);
@@ -162,7 +165,7 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
 fn wrong_move(shared: &Shared, source: &Source, library: &Arc<dyn Library + Send + Sync>, passed: &Passed) -> Wrong {
     let sub = (passed.at.program != source.number()).then(|| library.find(passed.at.program)).flatten();
     let line = sub.as_deref().unwrap_or(source).line(passed.at.line).unwrap_or_default();
-    let name = passed.variable.map(|number| variable::name_on(number, shared.kind)).unwrap_or_default();
+    let name = passed.variable.map(|number| r_parameter::name_on(number, shared.kind)).unwrap_or_default();
     let column = line.find(&name).map_or(1, |at| line[..at].chars().count() as u32 + 1);
     let program = sub.map_or_else(String::new, |sub| format!("{}: ", sub.title()));
     let block = passed.at.n.map_or_else(String::new, |n| format!("N{n} "));

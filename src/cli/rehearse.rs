@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 
 use crate::defs::kind::System;
+use crate::defs::r_parameter;
 use crate::defs::text::Said;
-use crate::defs::variable;
 use crate::io::sim::FinishedFile;
 use crate::nc::{Block, Memory, Op, Place};
 use crate::units::{Axis, PerAxis};
@@ -88,10 +88,10 @@ impl Rehearsal {
         let latest =
             block.used.iter().filter_map(|used| self.set_at.get(used).map(|at| (at, *used))).max_by_key(|at| at.0.0);
         let at = latest.map_or(block.at, |((_, at), _)| *at);
-        let name = variable::name(u32::from(self.finished.size), self.system);
+        let name = r_parameter::name(u32::from(self.finished.size), self.system);
         let by = latest.map(|(_, used)| {
             let value = self.values.get(used).ok().flatten().unwrap_or_default();
-            format!("{}={value:.3} ", variable::name(used, self.system))
+            format!("{}={value:.3} ", r_parameter::name(used, self.system))
         });
         let by = by.unwrap_or_default();
         let said = Said::new(

@@ -10,8 +10,8 @@ use serde_json::{Map, Value, json};
 use super::args::{Format, Run, Shared};
 use super::{CallError, FAILED, FINE, bench, out};
 use crate::defs::key::Key;
+use crate::defs::r_parameter;
 use crate::defs::text::Lang;
-use crate::defs::variable;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot, VARIABLES};
 use crate::runtime::rig::Rig;
@@ -107,7 +107,7 @@ impl Report {
             .collect();
         let mut variables = Map::new();
         for (number, value) in self.changed(&snapshot) {
-            variables.insert(variable::name_on(number as u32, rig.kind()), json!(value));
+            variables.insert(r_parameter::name_on(number as u32, rig.kind()), json!(value));
         }
         json!({
             "end": self.end,
@@ -149,8 +149,8 @@ impl Report {
         }
         for (number, value) in self.changed(&snapshot) {
             lines.push(match value {
-                Some(value) => format!("{} = {value}", variable::name_on(number as u32, rig.kind())),
-                None => format!("{} = ", variable::name_on(number as u32, rig.kind())),
+                Some(value) => format!("{} = {value}", r_parameter::name_on(number as u32, rig.kind())),
+                None => format!("{} = ", r_parameter::name_on(number as u32, rig.kind())),
             });
         }
         let part = rig.machine().measure();

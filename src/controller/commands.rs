@@ -6,9 +6,9 @@ use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::program;
+use crate::defs::r_parameter;
 use crate::defs::screw::ScrewTable;
 use crate::defs::text::Said;
-use crate::defs::variable;
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::machine::Answer;
@@ -100,7 +100,7 @@ impl Controller {
     pub(super) fn set_variable(&mut self, variable: u16, value: Option<f64>) -> bool {
         let number = u32::from(variable);
         if let Err(error) = self.store_variable(number, value) {
-            let name = variable::name_on(number, self.kind);
+            let name = r_parameter::name_on(number, self.kind);
             let zh = match error {
                 VariableError::Unknown(_) => format!("{name} 不存在或不能修改"),
                 VariableError::Switch(_) => format!("{name} 只能输入 0 或 1"),
@@ -153,7 +153,7 @@ impl Controller {
         }
         if matches!(self.ask(Request::MdiStart), Answer::Taken) {
             let source = std::sync::Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
-            self.open_run(source, true);
+            self.open_run(source, super::run::Origin::Mdi);
         }
     }
 }

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::run::Origin;
 use super::{Controller, Phase};
 use crate::defs::alarm;
 use crate::defs::key::Mode;
@@ -36,11 +37,17 @@ impl Controller {
             }
             Phase::Idle | Phase::Held | Phase::Stopped => {}
         }
+        if let Some(why) = self.retract_forbids_start() {
+            return self.refuse(why);
+        }
         if !matches!(self.ask(Request::CycleStart), Answer::Taken) {
             return;
         }
         if matches!(self.phase, Phase::Idle) {
             return self.start_program();
+        }
+        if let Some(why) = self.stopped_in_pause() {
+            return self.refuse(why);
         }
         self.resume_run();
     }
@@ -50,7 +57,7 @@ impl Controller {
         match self.programs.get(number) {
             Some(program) => {
                 let source = Arc::clone(&program.source);
-                self.open_run(source, false);
+                self.open_run(source, Origin::Program);
             }
             None => {
                 let title = self.title(number);
@@ -75,6 +82,7 @@ impl Controller {
         self.abort_run();
         self.machine.reset();
         self.dress.let_go();
+        self.retract.let_go();
         self.stop_oscillation();
         let e_stop = self.machine.is_e_stopped();
         let bus = self.image.bus_alive;

@@ -56,7 +56,7 @@ impl Controller {
 
     /// A value typed on the open page for one of its variables (K7.5, K7.7).
     fn type_variable(&mut self, variable: u16, value: Option<f64>) -> Result<Said, Said> {
-        let name = crate::defs::variable::name_on(u32::from(variable), self.kind);
+        let name = crate::defs::r_parameter::name_on(u32::from(variable), self.kind);
         let shows = match self.page {
             Page::Grinding => self.page_shows(variable),
             Page::Macro => Memory::has(u32::from(variable)),

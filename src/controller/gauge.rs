@@ -4,8 +4,8 @@
 //! servo nor the braking counts. Source: spec K4.5.
 
 use super::Controller;
+use super::acts::Did;
 use super::axes::MINUTE;
-use super::executor::Did;
 use super::run::Run;
 use crate::defs::alarm;
 use crate::defs::mcode::{Gauge, Request};

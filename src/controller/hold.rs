@@ -5,11 +5,14 @@
 //! A hold in contact can withdraw the wheel by itself; the way back comes before anything else.
 //! Source: spec K2.2, K6.3, K5.18.
 
-use super::run::{Act, Doing, Forbidden, Item, PlannedMove, Run, Speed};
+use super::planned::Forbidden;
+use super::run::{Act, Doing, Item, PlannedMove, Run, Speed};
 use super::{Controller, Event, Phase};
 use crate::controller::axes::Owner;
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
+use crate::defs::signal::Output;
+use crate::defs::text::Text;
 use crate::motion::Shape;
 use crate::nc::AxisSet;
 use crate::units::{Axis, PerAxis};
@@ -22,6 +25,15 @@ pub struct Parted {
     /// The axis that the hold has withdrawn, and how far.
     withdrawn: Option<(Axis, f64)>,
 }
+
+const WHEEL_STOPPED: Text = Text::new(
+    "暂停中砂轮已停：先启动砂轮，再循环启动",
+    "the wheel was stopped in the pause: start it before cycle start",
+);
+const DRIVE_STOPPED: Text = Text::new(
+    "暂停中工件已停转：先启动，再循环启动",
+    "the workpiece was stopped in the pause: start it before cycle start",
+);
 
 /// Less than this, mm, nobody has moved an axis: rounding of a stop.
 const MOVED_MM: f64 = 1e-9;
@@ -56,8 +68,7 @@ impl Controller {
     /// K5.18: a hold while the wheel grinds draws it back by P90.
     pub(super) fn withdraw_wheel(&mut self) {
         let distance = self.params.get(param::HOLD_WITHDRAW);
-        let grinds = self.output_set.has(crate::defs::signal::Output::Wheel)
-            && self.run.as_ref().is_some_and(|run| run.is_in_contact());
+        let grinds = self.output_set.has(Output::Wheel) && self.run.as_ref().is_some_and(|run| run.is_in_contact());
         if distance <= 0.0 || !grinds || !self.part_from_run() {
             return;
         }
@@ -97,6 +108,31 @@ impl Controller {
         true
     }
 
+    /// A pause begins: a wheel or a workpiece that turned must turn again before the run goes on.
+    pub(super) fn remember_what_turns(&mut self) {
+        let turned = self.what_turns();
+        if let Some(run) = &mut self.run {
+            run.turned = turned;
+        }
+    }
+
+    fn what_turns(&self) -> [bool; 2] {
+        [self.output_set.has(Output::Wheel), self.machine.drive_is_on()]
+    }
+
+    /// What was switched off in the pause and must be started before cycle start.
+    pub(super) fn stopped_in_pause(&self) -> Option<Text> {
+        let run = self.run.as_ref().filter(|_| !self.switches.dry_run && !self.switches.mst_lock)?;
+        let [wheel, drive] = self.what_turns();
+        // The M code under way is asked again.
+        let asked = run.front_request();
+        if run.turned[0] && !wheel && asked != Some(Request::WheelStart) {
+            return Some(WHEEL_STOPPED);
+        }
+        let again = matches!(asked, Some(Request::DriveHigh | Request::DriveLow));
+        (run.turned[1] && !drive && !again).then_some(DRIVE_STOPPED)
+    }
+
     /// Cycle start after a hold.
     pub(super) fn resume_run(&mut self) {
         if let Some(run) = &mut self.run
@@ -115,8 +151,13 @@ impl Controller {
 impl Run {
     /// M20 at the front: asked again it would pulse twice.
     fn is_pulsing(&self) -> bool {
-        let Some(Item::Do(Act::Machine(call))) = self.items.front() else { return false };
-        matches!(call.request(), Some(Request::Pulse(..)))
+        matches!(self.front_request(), Some(Request::Pulse(..)))
+    }
+
+    /// What the M code at the front asks of the machine.
+    fn front_request(&self) -> Option<Request> {
+        let Some(Item::Do(Act::Machine(call))) = self.items.front() else { return None };
+        call.request()
     }
 
     /// The block under way is a feed or a dwell: the wheel may touch the part.

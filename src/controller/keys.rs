@@ -1,11 +1,12 @@
 //! Keys: what a press does, or why it does nothing.
 //! Source: spec K2, K2.2, K2.4.
 
-use super::{Controller, Phase};
+use super::{Controller, Phase, retract};
 use crate::defs::alarm;
 use crate::defs::key::{Key, Mode};
 use crate::defs::mcode::Request;
 use crate::defs::page::Page;
+use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{Said, Text};
 use crate::machine::{Answer, press};
@@ -26,6 +27,9 @@ impl Controller {
         }
         if !is_in_this_version(key) {
             return Some(NOT_YET);
+        }
+        if key == Key::WheelRetract && !self.params.bit(param::WHEEL_RETRACT) {
+            return Some(retract::DISABLED);
         }
         let request = press::request(key, self.mode, self.output_set)?;
         self.machine.forbidding(request, self.now, self.inputs, &self.params).map(|rule| rule.reason)
@@ -71,6 +75,7 @@ impl Controller {
             Key::XPlus | Key::XMinus | Key::YPlus | Key::YMinus | Key::ZPlus | Key::ZMinus => self.axis_key(key),
             Key::Oscillation => self.switch_oscillation(),
             Key::DressReturn => self.switch_dress_return(),
+            Key::WheelRetract => self.press_retract(),
             Key::AddressX => self.ask_dress_point(Axis::X),
             Key::AddressY => self.ask_dress_point(Axis::Y),
             Key::AddressZ => self.ask_dress_point(Axis::Z),
@@ -143,5 +148,5 @@ impl Controller {
 
 /// Keys that this version draws but does not drive yet.
 const fn is_in_this_version(key: Key) -> bool {
-    !matches!(key, Key::WheelRetract | Key::F2 | Key::F3 | Key::NextRow)
+    !matches!(key, Key::F2 | Key::F3 | Key::NextRow)
 }

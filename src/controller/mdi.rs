@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use super::commands::MDI_MOST;
-use super::run::{Planned, Run};
+use super::planned::Planned;
+use super::run::Run;
 use super::system::{RunWorld, nc_settings};
 use super::{Controller, Phase};
 use crate::defs::key::Mode;

@@ -4,6 +4,7 @@
 //! (acts, feeding, reading) → hand and homing → axes → outputs. Nothing in here knows a clock, a file or a thread; the
 //! same story gives the same outputs, bit for bit.
 
+mod acts;
 mod alarms;
 pub mod axes;
 mod by_hand;
@@ -25,6 +26,8 @@ mod offsets;
 mod oscillation;
 mod page_files;
 mod pages;
+mod planned;
+mod retract;
 mod run;
 mod screw;
 mod settle;
@@ -33,11 +36,13 @@ mod switches;
 mod system;
 mod watch;
 mod wheel_change;
+mod wheel_size;
 
 pub use alarms::Alarms;
 pub use effect::Effect;
 pub use library::{Program, Programs};
-pub use system::nc_settings;
+pub use planned::references;
+pub use system::{PARAM_VARIABLES, nc_settings};
 
 use std::sync::Arc;
 
@@ -54,7 +59,7 @@ use crate::link::snapshot::{DirectoryRow, Message, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
 pub use crate::nc::Frames;
-use crate::nc::{Memory, Modals, Place};
+use crate::nc::{Memory, Modals, Place, SpeedMode};
 use crate::units::{Axis, Micros, PerAxis};
 use axes::Axes;
 use dress::Dress;
@@ -160,6 +165,7 @@ pub struct Controller {
     oscillation: Option<Oscillation>,
     phase: Phase,
     run: Option<Box<Run>>,
+    retract: retract::Retract,
     mode: Mode,
     page: Page,
     switches: Switches,
@@ -185,7 +191,12 @@ pub struct Controller {
     /// The mushroom on the screen is in.
     soft_e_stop: bool,
     drives_on: bool,
-    wheel_rpm: f64,
+    /// S as it was written.
+    wheel_speed: (f64, SpeedMode),
+    /// G50 S: the most that G96 may ask for, rpm.
+    wheel_rpm_limit: Option<f64>,
+    /// What is added to the time since power-on in #3001 (ms) and #3002 (h).
+    timer_offset: [f64; 2],
     analog_2_rpm: f64,
     relative_zero: PerAxis<f64>,
     skip_position: PerAxis<f64>,
@@ -226,6 +237,7 @@ impl Controller {
             oscillation: None,
             phase: Phase::Idle,
             run: None,
+            retract: retract::Retract::default(),
             mode: Mode::Manual,
             page: Page::Position,
             switches: Switches::default(),
@@ -248,7 +260,9 @@ impl Controller {
             dead_outputs: OutputSet::NONE,
             soft_e_stop: false,
             drives_on: true,
-            wheel_rpm: params.get(param::WHEEL_RPM),
+            wheel_speed: (params.get(param::WHEEL_RPM), SpeedMode::Rpm),
+            wheel_rpm_limit: None,
+            timer_offset: [0.0; 2],
             analog_2_rpm: 0.0,
             relative_zero: PerAxis::default(),
             skip_position: PerAxis::default(),

@@ -5,7 +5,7 @@
 //! Source: spec K4.3.
 
 use super::axes::{MINUTE, limits};
-use super::run::Forbidden;
+use super::planned::Forbidden;
 use super::{Controller, Phase};
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};

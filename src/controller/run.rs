@@ -11,14 +11,13 @@ use std::sync::Arc;
 use super::axes::{MINUTE, soft_limits};
 use super::gauge::GaugeRun;
 use super::hold::Parted;
-use super::oscillation::{LEAST_STROKE_MM, Stroke};
-use crate::defs::mcode::{self, Action, MCode, Request};
-use crate::defs::param::{self, Params};
+use super::oscillation::Stroke;
+use super::planned::{Forbidden, Named, Planned};
+use crate::defs::mcode::{Action, MCode, Request};
+use crate::defs::param::Params;
 use crate::defs::text::Said;
-use crate::motion::{End, Plane, Rate, Shape, Turn};
-use crate::nc::{
-    self, AxisSet, Block, Feed, Frames, Gauging, Interpreter, Library, Memory, Op, PathMode, Place, Source, SpeedMode,
-};
+use crate::motion::{End, Rate, Shape, Turn};
+use crate::nc::{self, AxisSet, Block, Frames, Gauging, Interpreter, Library, Memory, Place, Source, SpeedMode};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Most items read ahead.
@@ -153,6 +152,8 @@ pub enum Act {
     Dwell(f64),
     /// Wheel speed.
     Wheel(f64, SpeedMode),
+    /// Most revolutions of the wheel under G96, rpm.
+    SpeedLimit(f64),
     /// Move until a signal comes: the move, and which gauge signal.
     Skip(Box<PlannedMove>, u8),
     /// Alarm of the program's own.
@@ -204,6 +205,17 @@ pub enum Reading {
     Over,
 }
 
+/// What a run was opened for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The current program: stops after each block in single block, counts parts, ends the day's work with M30.
+    Program,
+    /// An MDI line.
+    Mdi,
+    /// O9000 or O9001 of the one-key retract.
+    Retract,
+}
+
 /// One run of a program or an MDI line.
 pub struct Run {
     /// The reader of the text.
@@ -222,8 +234,8 @@ pub struct Run {
     pub reading: Reading,
     /// What the executor is in the middle of.
     pub doing: Doing,
-    /// An MDI line, not a program.
-    pub mdi: bool,
+    /// What asked for it.
+    pub origin: Origin,
     /// When it began.
     pub since: Micros,
     /// Single block was switched on with moves already handed over: the axes stop, and the moves are taken back.
@@ -234,42 +246,8 @@ pub struct Run {
     pub gauging: Option<GaugeRun>,
     /// The hand has the axes, in a hold.
     pub parted: Option<Parted>,
-}
-
-/// Frames and position at the end of what has been read.
-#[derive(Clone, Debug)]
-pub struct Planned {
-    /// Frames in force there; shared until one changes.
-    pub frames: Arc<Frames>,
-    /// Machine position there.
-    pub machine: PerAxis<f64>,
-    /// The dressing points; they do not change in a run.
-    pub dress_points: PerAxis<Option<f64>>,
-    /// The axis that oscillates there.
-    pub oscillating: Option<Axis>,
-    /// Every axis is homed.
-    pub homed: bool,
-    path: PathMode,
-}
-
-/// The axes that a block names, and those of them that it names as distances.
-type Named = (AxisSet, AxisSet);
-
-/// What a move may not do.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Forbidden {
-    /// Leave the soft limits: axis, target, limit, all machine coordinates in radius mm.
-    SoftLimit(Axis, f64, f64),
-    /// Move before homing.
-    NotHomed,
-    /// Move an axis that oscillates, or oscillate a second one.
-    Oscillating(Axis),
-    /// Oscillate over no length, or an axis that is not homed.
-    NoStroke(Axis),
-    /// Return to a dressing point that was never set.
-    NoDressPoint(Axis),
-    /// A code that this version does not have.
-    NotYet(u8),
+    /// What turned when the run was paused: wheel, headstock (table, roll).
+    pub turned: [bool; 2],
 }
 
 impl Run {
@@ -292,12 +270,13 @@ impl Run {
             planned,
             reading: Reading::Open,
             doing: Doing::Nothing,
-            mdi: false,
+            origin: Origin::Program,
             since: now,
             splitting: false,
             settle_since: None,
             gauging: None,
             parted: None,
+            turned: [false; 2],
         }
     }
 
@@ -330,197 +309,6 @@ impl Run {
             }
         }
         result
-    }
-}
-
-impl Planned {
-    /// The beginning of a run.
-    #[must_use]
-    pub fn new(frames: Frames, machine: PerAxis<f64>, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
-        Self { frames: Arc::new(frames), machine, dress_points, oscillating: None, homed: true, path }
-    }
-
-    /// Turns one operation into items.
-    fn take(&mut self, op: &Op, at: Place, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
-        let act = match op {
-            Op::Rapid { to, words, incremental } => {
-                return self.line(*to, Speed::Rapid, (*words, *incremental), items, params);
-            }
-            Op::Feed { to, feed, words, incremental } => {
-                return self.line(*to, speed(*feed), (*words, *incremental), items, params);
-            }
-            Op::Arc { .. } => return self.arc(op, items, params),
-            Op::MachineMove { to, feed } => {
-                let mut named = AxisSet::NONE;
-                to.iter().filter(|(_, to)| to.is_some()).for_each(|(axis, _)| named.insert(axis));
-                let target = PerAxis::from_fn(|axis| to[axis].unwrap_or(self.machine[axis]));
-                let speed = feed.map_or(Speed::Rapid, speed);
-                return self.push(PlannedMove::new(target, Shape::Line, speed, (named, AxisSet::NONE)), items, params);
-            }
-            Op::Reference { via, words, incremental } => {
-                self.line(*via, Speed::Rapid, (*words, *incremental), items, params)?;
-                let home = |axis: Axis| params.of_axis(param::HOME_X, axis);
-                let to = PerAxis::from_fn(|axis| if words.contains(axis) { home(axis) } else { self.machine[axis] });
-                let named = (*words, AxisSet::NONE);
-                return self.push(PlannedMove::new(to, Shape::Line, Speed::Rapid, named), items, params);
-            }
-            Op::Skip { to, feed, signal, words, incremental } => {
-                self.line(*to, speed(*feed), (*words, *incremental), items, params)?;
-                match items.pop_back() {
-                    Some(Item::Move(planned)) => Act::Skip(Box::new(planned), *signal),
-                    _ => return Ok(()),
-                }
-            }
-            Op::AddWear { .. }
-            | Op::DressReturn { .. }
-            | Op::OscillationOn { .. }
-            | Op::OscillationOff
-            | Op::Gauge(_) => return self.take_grinding(op, items, params),
-            Op::Path(mode) => {
-                self.path = *mode;
-                return Ok(());
-            }
-            Op::Frame { g } => {
-                Arc::make_mut(&mut self.frames).activate(*g);
-                Act::Frames(Arc::clone(&self.frames))
-            }
-            Op::Preset { values } => Act::Preset(*values),
-            Op::T { tool, offset } => {
-                Arc::make_mut(&mut self.frames).call_tool(*tool, *offset);
-                Act::Frames(Arc::clone(&self.frames))
-            }
-            Op::M { code, s, p, l } => {
-                let row = mcode::find_in_any(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
-                Act::Machine(MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 })
-            }
-            Op::S { value, mode } => Act::Wheel(*value, *mode),
-            Op::SpeedLimit { .. } => return Ok(()),
-            Op::Dwell { s } => Act::Dwell(*s),
-            Op::Set { variable, value } => Act::Set(*variable, *value),
-            Op::SetSystem { number, value } => Act::SetSystem(*number, *value),
-            Op::Alarm { number, text } => Act::Alarm(*number as u16, Said::new(&**text, &**text), at),
-            Op::Note { text } => Act::Note(Said::new(&**text, &**text)),
-            Op::Message { text, .. } => Act::Message(Said::new(&**text, &**text)),
-        };
-        items.push_back(Item::Do(act));
-        Ok(())
-    }
-
-    /// The grinding functions (K4).
-    fn take_grinding(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
-        let act = match op {
-            Op::AddWear { number, by } => {
-                Arc::make_mut(&mut self.frames).add_wear(*number, *by);
-                Act::Frames(Arc::clone(&self.frames))
-            }
-            Op::Gauge(gauging) => {
-                let mut asked = *gauging;
-                asked.to += self.frames.machine_minus_work(asked.axis);
-                if self.oscillating == Some(asked.axis) {
-                    return Err(Forbidden::Oscillating(asked.axis));
-                }
-                within(asked.axis, asked.to, params)?;
-                Act::Gauge(asked)
-            }
-            Op::OscillationOn { stroke: None, .. } => Act::Cylinder(true),
-            Op::OscillationOn { stroke: Some((axis, to)), ramp_ms, strokes_min } => {
-                let to = to + self.frames.machine_minus_work(*axis);
-                if self.oscillating.is_some() {
-                    return Err(Forbidden::Oscillating(*axis));
-                }
-                if (to - self.machine[*axis]).abs() < LEAST_STROKE_MM {
-                    return Err(Forbidden::NoStroke(*axis));
-                }
-                within(*axis, to, params)?;
-                self.oscillating = Some(*axis);
-                Act::Oscillate(Stroke { axis: *axis, to, ramp_ms: *ramp_ms, strokes_min: *strokes_min })
-            }
-            Op::OscillationOff => {
-                self.oscillating = None;
-                Act::Cylinder(false)
-            }
-            Op::DressReturn { axes, feed } => return self.dress_return(*axes, *feed, items, params),
-            _ => return Ok(()),
-        };
-        items.push_back(Item::Do(act));
-        Ok(())
-    }
-
-    /// A straight line to a work coordinate.
-    fn line(
-        &mut self,
-        to: PerAxis<f64>,
-        speed: Speed,
-        named: Named,
-        items: &mut VecDeque<Item>,
-        params: &Params,
-    ) -> Result<(), Forbidden> {
-        let target = self.target(to, named.0);
-        self.push(PlannedMove::new(target, Shape::Line, speed, named), items, params)
-    }
-
-    /// Machine coordinates of a target; axes that the block does not name stay where they are.
-    fn target(&self, to: PerAxis<f64>, words: AxisSet) -> PerAxis<f64> {
-        let machine = self.frames.machine_from_work(to);
-        PerAxis::from_fn(|axis| if words.contains(axis) { machine[axis] } else { self.machine[axis] })
-    }
-
-    /// G27: machine coordinates, whatever offsets are in force.
-    fn dress_return(
-        &mut self,
-        axes: AxisSet,
-        feed: Option<f64>,
-        items: &mut VecDeque<Item>,
-        params: &Params,
-    ) -> Result<(), Forbidden> {
-        let mut target = self.machine;
-        for axis in axes.iter() {
-            target[axis] = self.dress_points[axis].ok_or(Forbidden::NoDressPoint(axis))?;
-        }
-        let speed = Speed::PerMinute(feed.unwrap_or_else(|| params.get(param::DRESS_RETURN_SPEED)));
-        let planned = PlannedMove::new(target, Shape::Line, speed, (axes, AxisSet::NONE));
-        let path = std::mem::replace(&mut self.path, PathMode::ExactStop);
-        let pushed = self.push(planned, items, params);
-        self.path = path;
-        pushed
-    }
-
-    fn arc(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
-        let Op::Arc { to, center, plane, turn, feed, words, incremental } = op else { return Ok(()) };
-        let target = self.target(*to, *words);
-        let center = self.frames.machine_from_work(*center);
-        let plane = match plane {
-            nc::Plane::Xy => Plane::Xy,
-            nc::Plane::Zx => Plane::Zx,
-            nc::Plane::Yz => Plane::Yz,
-        };
-        let turn = if *turn > 0 { Turn::Ccw } else { Turn::Cw };
-        let shape = Shape::Arc { center, plane, turn };
-        self.push(PlannedMove::new(target, shape, speed(*feed), (*words, *incremental)), items, params)
-    }
-
-    fn push(&mut self, mut planned: PlannedMove, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
-        if let Some(axis) = self.oscillating.filter(|axis| planned.words.contains(*axis)) {
-            return Err(Forbidden::Oscillating(axis)); // K4.3: before the block starts
-        }
-        if !self.homed {
-            return Err(Forbidden::NotHomed);
-        }
-        planned.check(self.machine, params)?;
-        planned.end = match (planned.speed, self.path) {
-            (Speed::Rapid, _) | (_, PathMode::ExactStop) => End::ExactStop,
-            (_, PathMode::Continuous { tolerance_mm }) => End::Continuous { tolerance_mm },
-        };
-        self.machine = planned.to;
-        items.push_back(Item::Move(planned));
-        Ok(())
-    }
-}
-
-const fn speed(feed: Feed) -> Speed {
-    match feed {
-        Feed::PerMinute(mm_min) => Speed::PerMinute(mm_min),
-        Feed::PerRev(mm) => Speed::PerRev(mm),
     }
 }
 

@@ -1,7 +1,8 @@
 //! The end of a tick: what has come to rest, drives and outputs.
 //! Source: spec B5, K5.15, table "what stops what".
 
-use super::executor::Did;
+use super::acts::Did;
+use super::run::Origin;
 use super::{Controller, Event, FULL_SCALE_VOLTS, Phase};
 use crate::defs::param;
 use crate::defs::signal::{Output, OutputSet, Terminals};
@@ -10,7 +11,11 @@ use crate::defs::text::Said;
 impl Controller {
     /// The one place where the phase changes.
     pub(super) fn happen(&mut self, event: Event) {
+        let before = self.phase.is_pause();
         self.phase = std::mem::take(&mut self.phase).after(event);
+        if self.phase.is_pause() && !before {
+            self.remember_what_turns();
+        }
     }
 
     /// Brakes whatever moves; the run is left once the axes stand.
@@ -30,10 +35,11 @@ impl Controller {
         if rest && matches!(self.phase, Phase::Holding | Phase::Aborting) {
             if matches!(self.phase, Phase::Aborting) {
                 self.close_run();
+                self.retract.let_go();
             }
             let held = matches!(self.phase, Phase::Holding);
             self.happen(Event::AtRest);
-            if held {
+            if held && !self.withdraw_if_asked() {
                 self.withdraw_wheel();
             }
         }
@@ -60,9 +66,9 @@ impl Controller {
 
     /// Leaves the run: what was read ahead and not executed is forgotten.
     pub(super) fn close_run(&mut self) {
-        if let Some(run) = self.run.take() {
+        if let Some(run) = self.run.take().filter(|run| run.origin != Origin::Retract) {
             self.cycle_time = self.now.since(run.since);
-            self.mdi_modals = run.mdi.then(|| *run.interpreter.modals());
+            self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
         }
         self.waiting_for = None;
         self.axes.give_to_hand();

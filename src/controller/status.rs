@@ -44,7 +44,8 @@ impl Controller {
         out.rapid_override = self.overrides.rapid;
         out.spindle_override = self.overrides.spindle;
         out.feed_mm_min = self.path_speed_mm_s() * super::axes::MINUTE;
-        out.wheel_rpm = if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm } else { 0.0 };
+        out.wheel_rpm =
+            if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
         out.strokes_min = self.measured_strokes_min();
         out.parts = self.parts;
         let cycle = self.run.as_ref().map_or(self.cycle_time, |run| self.now.since(run.since));
@@ -121,7 +122,7 @@ impl Controller {
             }
             Lamp::Output(output) => (self.output_set.has(output), self.machine.is_working(output)),
             Lamp::OutputOff(output) => (!self.output_set.has(output), false),
-            Lamp::Control => (self.control_lamp(key), false),
+            Lamp::Control => (self.control_lamp(key), key == Key::WheelRetract && self.retract.is_working()),
         };
         KeyView { lamp, working, blocked: self.blocked(key) }
     }
@@ -137,6 +138,7 @@ impl Controller {
             Key::DryRun => self.switches.dry_run,
             Key::Oscillation => self.oscillation_lamp(),
             Key::DressReturn => self.dress.returning,
+            Key::WheelRetract => self.retract.is_lit(),
             Key::CycleStart => matches!(self.phase, Phase::Running),
             Key::FeedHold => matches!(self.phase, Phase::Holding | Phase::Held),
             Key::EmergencyStop => self.machine.is_e_stopped(),

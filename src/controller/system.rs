@@ -2,28 +2,37 @@
 //! Numbers follow FANUC's: #1000 inputs, #1100 outputs, #2001 wear, #3001 times, #3901 counts, #5001 positions.
 //! Source: spec B3, K4.3 (#438, #439).
 
-use super::run::Planned;
+use std::sync::Arc;
+
+use super::planned::Planned;
+use super::run::Run;
 use super::{Controller, Effect};
 use crate::defs::kind::Kind;
-use crate::defs::param::{self, Params};
-use crate::defs::signal::PORTS;
+use crate::defs::mcode::Request;
+use crate::defs::param::{self, Number, Params};
+use crate::defs::variable::{self, SystemVariables};
+use crate::machine::Answer;
 use crate::nc::frames::OFFSETS;
 use crate::nc::{Live, Settings, SpeedUnit, World};
 use crate::units::{Axis, PerAxis};
 
-/// First numbers of the ranges.
-const INPUTS: u32 = 1_000;
-const OUTPUTS: u32 = 1_100;
-const WEAR: [(u32, Axis); 3] = [(2_001, Axis::X), (2_101, Axis::Z), (2_401, Axis::Y)];
-const GEOMETRY: [(u32, Axis); 3] = [(2_701, Axis::X), (2_801, Axis::Z), (2_451, Axis::Y)];
-const MILLISECONDS: u32 = 3_001;
-const HOURS: u32 = 3_002;
-const PARTS_DONE: u32 = 3_901;
-const PARTS_WANTED: u32 = 3_902;
-const BLOCK_END: u32 = 5_001;
-const MACHINE: u32 = 5_021;
-const WORK: u32 = 5_041;
-const SKIP: u32 = 5_061;
+/// Variables that stand for a parameter.
+pub const PARAM_VARIABLES: [(SystemVariables, Number); 6] = [
+    (variable::PARTS_WANTED, param::PARTS_WANTED),
+    (variable::WHEEL_DIAMETER, param::WHEEL_DIAMETER),
+    (variable::WHEEL_WIDTH, param::WHEEL_WIDTH),
+    (variable::PARTS_SINCE_DRESSING, param::PARTS_SINCE_DRESSING),
+    (variable::DRESSING_INTERVAL, param::DRESSING_INTERVAL),
+    (variable::DRESSINGS, param::DRESSINGS),
+];
+const SECONDS_OF_AN_HOUR: f64 = 3_600.0;
+/// An output is switched on by 1, off by 0; what stands nearer to which counts.
+const HALF: f64 = 0.5;
+/// The tables of offsets: their variables and the axis.
+const WEAR: [(SystemVariables, Axis); 3] =
+    [(variable::WEAR_X, Axis::X), (variable::WEAR_Z, Axis::Z), (variable::WEAR_Y, Axis::Y)];
+const GEOMETRY: [(SystemVariables, Axis); 3] =
+    [(variable::GEOMETRY_X, Axis::X), (variable::GEOMETRY_Z, Axis::Z), (variable::GEOMETRY_Y, Axis::Y)];
 
 /// The world as a running program sees it.
 pub struct RunWorld<'a> {
@@ -86,29 +95,47 @@ impl Controller {
 
     /// A system variable; `None` if there is no such, `Some(None)` for null.
     pub(super) fn read_system(&self, number: u32) -> Option<Option<f64>> {
-        let switched = |on: bool| Some(Some(f64::from(u8::from(on))));
-        match number {
-            434..=437 => Some(self.gauge_found[(number - 434) as usize]),
-            438 => switched(self.oscillation_flags().0),
-            439 => switched(self.oscillation_flags().1),
-            INPUTS..OUTPUTS if number - INPUTS < u32::from(PORTS) => {
-                let port = (number - INPUTS + 1) as u8;
-                let level = self.image.terminals.level(port);
-                switched(level ^ (self.params.inverted_inputs() >> (port - 1) & 1 == 1))
-            }
-            OUTPUTS..1_200 if number - OUTPUTS < u32::from(PORTS) => {
-                switched(self.outputs.terminals.level((number - OUTPUTS + 1) as u8))
-            }
-            MILLISECONDS => Some(Some((self.now.0 / 1_000) as f64)),
-            HOURS => Some(Some(self.now.as_secs_f64() / 3_600.0)),
-            PARTS_DONE => Some(Some(f64::from(self.parts))),
-            PARTS_WANTED => Some(Some(self.params.get(param::PARTS_WANTED))),
-            _ => self.read_offset(number).or_else(|| self.read_position(number)).map(Some),
+        let switched = |on: bool| Some(f64::from(u8::from(on)));
+        let of = |range: SystemVariables| range.index(number);
+        if let Some(index) = of(variable::INPUTS) {
+            let inverted = self.params.inverted_inputs() >> index & 1 == 1;
+            return Some(switched(self.image.terminals.level(index as u8 + 1) ^ inverted));
         }
+        if let Some(index) = of(variable::OUTPUTS) {
+            return Some(switched(self.outputs.terminals.level(index as u8 + 1)));
+        }
+        if let Some(index) = of(variable::GAUGE_FOUND) {
+            return Some(self.gauge_found[index]);
+        }
+        if let Some(value) = self.read_offset(number).or_else(|| self.read_position(number)) {
+            return Some(Some(value));
+        }
+        Some(match *variable::find(number)? {
+            variable::OSCILLATION => {
+                let (forward, backward) = self.oscillation_flags();
+                switched(if number == variable::OSCILLATION.first { forward } else { backward })
+            }
+            variable::MILLISECONDS => Some(self.milliseconds() + self.timer_offset[0]),
+            variable::HOURS => Some(self.hours() + self.timer_offset[1]),
+            variable::PARTS_DONE => Some(f64::from(self.parts)),
+            range => {
+                let (_, row) = PARAM_VARIABLES.iter().find(|(of, _)| *of == range)?;
+                Some(self.params.get(*row))
+            }
+        })
+    }
+
+    /// Whole milliseconds since power-on.
+    const fn milliseconds(&self) -> f64 {
+        (self.now.0 / 1_000) as f64
+    }
+
+    fn hours(&self) -> f64 {
+        self.now.as_secs_f64() / SECONDS_OF_AN_HOUR
     }
 
     fn read_offset(&self, number: u32) -> Option<f64> {
-        let of = |table: &[(u32, Axis)], values: &[PerAxis<f64>; OFFSETS]| {
+        let of = |table: &[(SystemVariables, Axis)], values: &[PerAxis<f64>; OFFSETS]| {
             let (index, axis) = offset_of(table, number)?;
             Some(values[index][axis] * self.displayed_per_mm(axis))
         };
@@ -116,44 +143,59 @@ impl Controller {
     }
 
     fn read_position(&self, number: u32) -> Option<f64> {
-        let first = [BLOCK_END, MACHINE, WORK, SKIP].into_iter().rev().find(|first| number >= *first)?;
-        let axis = self.axes.present().nth((number - first) as usize)?;
-        let place = match first {
-            BLOCK_END => self.frames.work_from_machine(self.axes.set()),
-            MACHINE => self.axes.actual(),
-            WORK => self.work(),
+        let ranges = [variable::BLOCK_END, variable::MACHINE, variable::WORK, variable::SKIP];
+        let (which, index) = ranges.iter().enumerate().find_map(|(at, range)| Some((at, range.index(number)?)))?;
+        let axis = self.axes.present().nth(index)?;
+        let place = match which {
+            0 => self.frames.work_from_machine(self.axes.set()),
+            1 => self.axes.actual(),
+            2 => self.work(),
             _ => self.skip_position,
         };
         Some(place[axis] * self.displayed_per_mm(axis))
     }
 
-    /// Writes the few system variables that a program may write: wear, geometry and counts.
-    pub(super) fn write_system(&mut self, number: u32, value: Option<f64>) {
+    /// A program writes a system variable. False: refused, with the alarm raised.
+    pub(super) fn write_system(&mut self, run: &mut Run, number: u32, value: Option<f64>) -> bool {
         let value = value.unwrap_or(0.0);
-        if number == PARTS_DONE {
-            self.parts = value.max(0.0) as u32;
-            self.effects.push(Effect::Parts(self.parts));
-            return;
+        if let Some(index) = variable::OUTPUTS.index(number) {
+            let request = Request::Port(index as u8 + 1, value.abs() >= HALF);
+            return matches!(self.ask(request), Answer::Taken | Answer::NoEffect(_));
         }
+        match variable::find(number) {
+            Some(&variable::WHEEL_DIAMETER) => return self.book_dressing(run, value),
+            Some(&variable::MILLISECONDS) => self.timer_offset[0] = value - self.milliseconds(),
+            Some(&variable::HOURS) => self.timer_offset[1] = value - self.hours(),
+            Some(&variable::PARTS_DONE) => {
+                self.parts = value.max(0.0) as u32;
+                self.effects.push(Effect::Parts(self.parts));
+            }
+            Some(&variable::PARTS_WANTED) => self.keep_param(param::PARTS_WANTED.address(), value),
+            Some(_) | None => self.write_offset(run, number, value),
+        }
+        true
+    }
+
+    fn write_offset(&mut self, run: &mut Run, number: u32, value: f64) {
         for (table, wear) in [(&WEAR, true), (&GEOMETRY, false)] {
             if let Some((index, axis)) = offset_of(table, number) {
                 let value = value / self.displayed_per_mm(axis);
                 let place = if wear { &mut self.frames.wear } else { &mut self.frames.geometry };
                 place[index][axis] = value;
-                let (geometry, wear) = (self.frames.geometry[index], self.frames.wear[index]);
-                self.effects.push(Effect::Offset { number: index + 1, geometry, wear });
-                if let Some(run) = &mut self.run {
-                    run.planned.frames = std::sync::Arc::new(self.frames.clone());
-                }
+                self.keep_offset(index);
+                run.planned.frames = Arc::new(self.frames.clone());
             }
         }
+    }
+
+    /// An offset (from 0) has changed: the disk is to keep it.
+    pub(super) fn keep_offset(&mut self, index: usize) {
+        let (geometry, wear) = (self.frames.geometry[index], self.frames.wear[index]);
+        self.effects.push(Effect::Offset { number: index + 1, geometry, wear });
     }
 }
 
 /// Which offset and axis a number of a table names.
-fn offset_of(table: &[(u32, Axis)], number: u32) -> Option<(usize, Axis)> {
-    table.iter().find_map(|(first, axis)| {
-        let index = number.checked_sub(*first)? as usize;
-        (index < OFFSETS).then_some((index, *axis))
-    })
+fn offset_of(table: &[(SystemVariables, Axis)], number: u32) -> Option<(usize, Axis)> {
+    table.iter().find_map(|(range, axis)| Some((range.index(number)?, *axis)))
 }

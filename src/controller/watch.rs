@@ -44,7 +44,7 @@ impl Controller {
 
     /// The speed asked of the wheel, rpm, at 10 V at most. Above the wheel's rating it is not started (P2).
     pub(super) fn commanded_wheel_rpm(&self) -> f64 {
-        let wanted = self.wheel_rpm * f64::from(self.overrides.spindle) / 100.0;
+        let wanted = self.wheel_rpm() * f64::from(self.overrides.spindle) / 100.0;
         wanted.min(self.params.get(param::WHEEL_RPM_MAX))
     }
 

@@ -43,6 +43,7 @@ impl Controller {
                 self.effects.push(Effect::Param(at, value));
             }
         }
+        self.forget_dressings();
         self.pages.show(&self.params);
         Ok(Said::new("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"))
     }

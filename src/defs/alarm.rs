@@ -157,6 +157,9 @@ alarms! {
     INPUT_MISSING = 202, StopProgram, Reset, "没有分配输入口", "input has no port",
         "M80–M89 等待的输入没有分配输入口", "the input that M80 to M89 waits for has no port",
         "在参数中分配输入口", "assign its port in the parameters";
+    WHEEL_SIZE = 203, StopProgram, Reset, "砂轮直径不能接受", "wheel diameter not accepted",
+        "程序写入的砂轮直径 #5801 大于现直径、小于最小直径，或没有刀补生效", "the diameter written to #5801 is greater than the present one or too small, or no offset is in force",
+        "新砂轮在换砂轮页面输入；修整程序先调用刀补 (T0101)", "enter a new wheel on its page; call the offset before (T0101)";
     DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
         "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; the copy is kept, factory values are in force",
         "从备份恢复数据，核对参数后再加工", "restore a backup and check the parameters before grinding";

@@ -86,7 +86,7 @@ g_codes! {
     21 "millimetre" Units Yes Yes "公制" "millimetre";
     27 "dressing-point" Once Yes Yes "回砂轮修整点" "return to the dressing point";
     28 "reference" Once Yes Yes "回机械零点" "return to the machine zero";
-    30 "second-reference" Once Later Later "回第二参考点" "return to the second reference point";
+    30 "other-reference" Once Yes Yes "回第 2–4 参考点" "return to reference point 2, 3 or 4";
     31 "skip" Once Yes Yes "跳转插补" "feed until a signal";
     32 "thread" Motion Later No "螺纹切削" "thread";
     33 "tapping" Motion Later No "攻丝" "tapping with Z";
@@ -109,12 +109,12 @@ g_codes! {
     65 "macro-call" Once Yes Yes "宏程序调用" "macro call";
     66 "modal-call" Call Yes Yes "宏程序模态调用" "modal macro call";
     67 "modal-call-off" Call Yes Yes "取消模态调用" "modal macro call off";
-    70 "finishing" Once Later No "精加工循环" "finishing cycle";
-    71 "rough-turning" Once Later No "轴向粗车循环" "roughing along Z";
-    72 "rough-facing" Once Later No "径向粗车循环" "roughing along X";
-    73 "rough-contour" Once Later No "封闭切削循环" "roughing along the contour";
-    74 "face-grooving" Once Later No "轴向切槽循环" "grooving along Z";
-    75 "grooving" Once Later No "径向切槽循环" "grooving along X";
+    70 "finishing" Once Yes No "精加工循环" "finishing cycle";
+    71 "rough-turning" Once Yes No "轴向粗车循环" "roughing along Z";
+    72 "rough-facing" Once Yes No "径向粗车循环" "roughing along X";
+    73 "rough-contour" Once Yes No "封闭切削循环" "roughing along the contour";
+    74 "face-grooving" Once Yes No "轴向切槽循环" "grooving along Z";
+    75 "grooving" Once Yes No "径向切槽循环" "grooving along X";
     76 "threading-cycle" Once Later No "复合螺纹循环" "threading cycle";
     78 "gauge-positioning" Once Yes Yes "量仪对刀" "gauge positioning";
     90 "longitudinal-cycle" Motion Yes Yes "轴向切削循环（平磨、圆台磨：绝对编程）" "longitudinal cycle (GS, GA: absolute)";

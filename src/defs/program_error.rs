@@ -209,6 +209,21 @@ program_errors! {
     /// A condition that is not written as it must be.
     BadCondition = 77, "bad-condition", "条件写法错误：{}", "condition not understood: {}",
         "请按 IF a<b GOTOF 标号 书写，比较用 == <> > < >= <=", "write IF a<b GOTOF label; comparisons are == <> > < >= <=";
+    /// A contour cycle whose contour has no way.
+    ContourEmpty = 85, "contour-empty", "循环的轮廓段没有移动", "the cycle's contour has no moves",
+        "P 到 Q 之间至少要有两段移动", "write at least two moves between P and Q";
+    /// Something else than moves in a contour.
+    ContourCode = 86, "contour-code", "轮廓段中只能用 G00–G03、F、S", "only G00 to G03, F and S stand in a contour",
+        "把其他指令移到 P–Q 段以外", "move everything else outside P to Q";
+    /// The first move of a contour.
+    ContourStart = 87, "contour-start", "轮廓首段只能移动进刀轴 (G71: X，G72: Z)，轮廓两轴都要有进程", "the contour's first move is the infeed axis alone (G71 X, G72 Z), and both axes must have a way",
+        "首段只写 X 或 Z", "write X or Z alone in its first block";
+    /// A contour that goes back.
+    ContourNotMonotone = 88, "contour-not-monotone", "粗车轮廓在 X、Z 方向必须单调", "the contour of a roughing cycle goes one way in X and in Z",
+        "有凹槽的轮廓请用 G73 或分开加工", "use G73 for a contour with hollows, or divide it";
+    /// Far too many strokes.
+    ContourStrokes = 89, "contour-strokes", "循环行程次数太多", "the cycle has too many strokes",
+        "增大每次切深", "take more at a stroke";
     /// A block after `;` on the same line.
     BlockAfterSemicolon = 46, "block-after-semicolon", "';' 后的内容按程序段执行", "the text after ';' is read as a block",
         "注释请写在 ( ) 中", "write a comment in ( )";

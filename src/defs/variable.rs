@@ -1,44 +1,87 @@
-//! What variables are called. There is one memory of common variables; the R parameters of the SINUMERIK are the part of
-//! it from #600 on, so that they are kept, shown and edited as all others. Source: spec B3, S1, S2.
+//! The table of system variables: what a program can read of the machine, and what it can write.
+//! Numbers follow FANUC's; #434–#439 are the customer's, #5801–#5805 this control's own.
+//! Source: spec B3, K4.3, K4.5; docs/decisions.md "Grinding functions".
 
-use super::kind::{Kind, System};
+use super::text::Text;
 
-/// The common variable of R0.
-const R_FIRST: u32 = 600;
-/// How many R parameters there are.
-pub const R_COUNT: u32 = 300;
-
-/// The common variable of the parameter R n.
-#[must_use]
-pub const fn of_r(n: u32) -> Option<u32> {
-    if n < R_COUNT { Some(R_FIRST + n) } else { None }
+/// A range of system variables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SystemVariables {
+    /// The first number.
+    pub first: u32,
+    /// How many there are.
+    pub count: u32,
+    /// What a program may do with them.
+    pub access: Access,
+    /// What they mean.
+    pub name: Text,
 }
 
-/// What a variable is called where programs are written in this language.
-#[must_use]
-pub fn name(number: u32, system: System) -> String {
-    match system {
-        System::Sinumerik if (R_FIRST..R_FIRST + R_COUNT).contains(&number) => format!("R{}", number - R_FIRST),
-        System::LatheA | System::Mill | System::Sinumerik => format!("#{number}"),
-    }
+/// What a program may do with a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// Read it.
+    Read,
+    /// Read it and give it a value.
+    ReadWrite,
+    /// Give it a value: a statement.
+    Write,
 }
 
-/// What a variable is called on a kind of machine.
-#[must_use]
-pub fn name_on(number: u32, kind: Kind) -> String {
-    name(number, kind.system())
-}
-
-/// The variable of a word: `#500`, `R18`.
-#[must_use]
-pub fn parse(word: &str) -> Option<u16> {
-    let digits = |rest: &str| rest.parse::<u16>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
-    match word.strip_prefix('#') {
-        Some(rest) => digits(rest),
-        None => {
-            word.strip_prefix(['R', 'r']).and_then(digits).and_then(|n| of_r(u32::from(n))).map(|number| number as u16)
+impl SystemVariables {
+    /// Which of the range a number is, from 0.
+    #[must_use]
+    pub const fn index(&self, number: u32) -> Option<usize> {
+        if number >= self.first && number - self.first < self.count {
+            return Some((number - self.first) as usize);
         }
+        None
     }
+}
+
+macro_rules! ranges {
+    ($($name:ident = $first:literal, $count:literal, $access:ident, $zh:literal, $en:literal;)*) => {
+        $(#[doc = $en] pub const $name: SystemVariables = SystemVariables {
+            first: $first, count: $count, access: Access::$access, name: Text::new($zh, $en),
+        };)*
+        /// Every range, by number.
+        pub const SYSTEM_VARIABLES: &[SystemVariables] = &[$($name,)*];
+    };
+}
+
+ranges! {
+    GAUGE_FOUND = 434, 4, Read, "G78：X、快速 Z、慢速 Z、两者之差", "G78: X, fast Z, fine Z, their difference";
+    OSCILLATION = 438, 2, Read, "振荡：前进到位、后退到位", "oscillation: forward end, backward end";
+    INPUTS = 1_000, 64, Read, "输入口 1-64，有效为 1", "inputs by port, 1 active";
+    OUTPUTS = 1_100, 64, ReadWrite, "输出口 1-64；赋值同 M21/M22", "outputs by port; a value acts as M21, M22";
+    WEAR_X = 2_001, 16, ReadWrite, "X 磨耗 1-16", "wear of X, 1 to 16";
+    WEAR_Z = 2_101, 16, ReadWrite, "Z 磨耗 1-16", "wear of Z, 1 to 16";
+    WEAR_Y = 2_401, 16, ReadWrite, "Y 磨耗 1-16", "wear of Y, 1 to 16";
+    GEOMETRY_Y = 2_451, 16, ReadWrite, "Y 几何 1-16", "geometry of Y, 1 to 16";
+    GEOMETRY_X = 2_701, 16, ReadWrite, "X 几何 1-16", "geometry of X, 1 to 16";
+    GEOMETRY_Z = 2_801, 16, ReadWrite, "Z 几何 1-16", "geometry of Z, 1 to 16";
+    ALARM = 3_000, 1, Write, "报警 3000+数值 (注释为文字)", "alarm 3000 + value, text in the comment";
+    MILLISECONDS = 3_001, 1, ReadWrite, "计时 ms，通电为 0", "timer, ms, 0 at power-on";
+    HOURS = 3_002, 1, ReadWrite, "计时 h，通电为 0", "timer, hours, 0 at power-on";
+    MESSAGE = 3_006, 1, Write, "信息并停止 (注释为文字)", "stop with a message, text in the comment";
+    PARTS_DONE = 3_901, 1, ReadWrite, "已加工件数", "parts done";
+    PARTS_WANTED = 3_902, 1, ReadWrite, "需加工件数", "parts wanted";
+    MODALS = 4_001, 130, Read, "模态：#4001-#4016 G 代码组，#4109 F #4113 M #4114 N #4115 O #4119 S #4120 T", "modal: G groups, F, M, N, O, S, T";
+    BLOCK_END = 5_001, 3, Read, "段终点 (工件坐标)", "end of the block, work coordinates";
+    MACHINE = 5_021, 3, Read, "机床坐标", "machine position";
+    WORK = 5_041, 3, Read, "工件坐标", "work position";
+    SKIP = 5_061, 3, Read, "G31 锁存位置", "position latched by G31";
+    WHEEL_DIAMETER = 5_801, 1, ReadWrite, "砂轮直径 mm (P77)；赋值表示已修整", "wheel diameter (P77); a value says that it was dressed";
+    WHEEL_WIDTH = 5_802, 1, Read, "砂轮宽度 mm (P78)", "wheel width (P78)";
+    PARTS_SINCE_DRESSING = 5_803, 1, Read, "修整后件数 (P96)", "parts since the last dressing (P96)";
+    DRESSING_INTERVAL = 5_804, 1, Read, "修整间隔件数 (P95)", "dressing interval in parts (P95)";
+    DRESSINGS = 5_805, 1, Read, "换砂轮后修整次数 (P97)", "dressings since the wheel was changed (P97)";
+}
+
+/// The range of a number.
+#[must_use]
+pub fn find(number: u32) -> Option<&'static SystemVariables> {
+    SYSTEM_VARIABLES.iter().find(|range| range.index(number).is_some())
 }
 
 #[cfg(test)]
@@ -46,13 +89,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn s1_r_parameters_have_names_of_their_own() {
-        assert_eq!(
-            (parse("R18"), parse("r0"), parse("R299"), parse("R300"), parse("#618")),
-            (Some(618), Some(600), Some(899), None, Some(618))
-        );
-        assert_eq!((name(618, System::Sinumerik), name(618, System::Mill)), ("R18".to_owned(), "#618".to_owned()));
-        assert_eq!(name(500, System::Sinumerik), "#500");
-        assert!(parse("R").is_none() && parse("R-1").is_none() && parse("18").is_none());
+    fn b3_ranges_do_not_overlap_and_stand_in_order() {
+        for pair in SYSTEM_VARIABLES.windows(2) {
+            assert!(pair[0].first + pair[0].count <= pair[1].first, "{:?}", pair);
+        }
+        assert_eq!(find(2_016).map(|range| range.first), Some(2_001));
+        assert!(find(2_017).is_none() && find(3_003).is_none());
     }
 }

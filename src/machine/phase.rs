@@ -76,6 +76,12 @@ impl<H> Phase<H> {
         matches!(self, Self::Running | Self::Aborting)
     }
 
+    /// A run is open and waits for cycle start.
+    #[must_use]
+    pub const fn is_pause(&self) -> bool {
+        matches!(self, Self::Held | Self::Stopped)
+    }
+
     /// Axes are homing.
     #[must_use]
     pub const fn is_homing(&self) -> bool {

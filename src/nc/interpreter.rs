@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::contour::ContourCycle;
 use super::dialect::{self, Running, Step};
 use super::expression::Value;
 use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1, wrong2};
@@ -18,6 +19,7 @@ use super::words::Words;
 use super::world::World;
 use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
+use crate::defs::variable::{self as system_variable, Access};
 
 /// How many blocks without an operation one call of `next` may read.
 pub const STATEMENTS_PER_CALL: usize = 1_000;
@@ -65,7 +67,7 @@ pub enum Next {
     Block,
     /// A live value is wanted: ask again when motion has drained. Nothing was changed.
     Drain,
-    /// Many blocks were read and none had an operation: ask again in the next tick.
+    /// Many blocks were read and none had an operation, or a loop waits: ask again in the next tick.
     Busy,
     /// M30, M02, `%` or the end of the text.
     End,
@@ -77,14 +79,24 @@ pub struct Interpreter {
     library: Arc<dyn Library + Send + Sync>,
     pub(super) settings: Settings,
     memory: Memory,
-    modals: Modals,
+    pub(super) modals: Modals,
     pub(super) words: Words,
     pub(super) ended: bool,
     pub(super) second_half: bool,
     /// The last block number read (#4114).
-    last_n: Option<u32>,
+    pub(super) last_n: Option<u32>,
+    /// Something that a condition could depend on has changed since somebody asked.
+    changed: bool,
+    /// A cycle of the block just read, whose contour is still to be read.
+    pub(super) pending: Option<Pending>,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
+}
+
+/// A cycle whose contour is to be read, and where its own block begins.
+pub(super) struct Pending {
+    pub cycle: Box<ContourCycle>,
+    pub begin: (usize, u32, bool),
 }
 
 /// What one statement came to.
@@ -114,6 +126,8 @@ impl Interpreter {
             ended: false,
             second_half: false,
             last_n: None,
+            changed: false,
+            pending: None,
             nulls: None,
         }
     }
@@ -166,9 +180,20 @@ impl Interpreter {
         if self.ended {
             return Ok(Next::End);
         }
+        // A loop that waits (`N10 IF[#438 EQ 0]GOTO 10`): within a tick nothing can come of reading it twice.
+        let mut idle = false;
         for _ in 0..STATEMENTS_PER_CALL {
+            let from = self.flow.at;
             match self.step(world, block) {
-                Ok(Stepped::Nothing) => {}
+                Ok(Stepped::Nothing) => {
+                    idle &= !std::mem::take(&mut self.changed);
+                    if self.flow.at <= from {
+                        if idle {
+                            return Ok(Next::Busy);
+                        }
+                        idle = true;
+                    }
+                }
                 Ok(Stepped::Block) => return Ok(Next::Block),
                 Ok(Stepped::End) => {
                     self.ended = true;
@@ -190,7 +215,17 @@ impl Interpreter {
         fault_in(&self.flow.source, self.words.n, wrong)
     }
 
+    /// One block, the contour of its cycle included.
     pub(super) fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
+        let stepped = self.read_block(world, block)?;
+        match self.pending.take() {
+            Some(pending) => self.contour(&pending, world, block),
+            None => Ok(stepped),
+        }
+    }
+
+    /// One block as it stands.
+    pub(super) fn read_block(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
         if self.ended {
             return Ok(Stepped::End);
         }
@@ -276,6 +311,7 @@ impl Interpreter {
         if self.flow.is_main() {
             return Ok(Stepped::End);
         }
+        self.changed = true;
         self.flow.return_to(None, at)?;
         Ok(Stepped::Nothing)
     }
@@ -349,6 +385,7 @@ impl Interpreter {
             }
             Step::Call(call) => {
                 let source = self.find(call.program, call.at)?;
+                self.changed = true;
                 self.pass(cursor);
                 self.flow.call(source, call, false)?;
             }
@@ -359,8 +396,14 @@ impl Interpreter {
                 self.flow.modal = modal.map(Arc::from);
                 self.pass(cursor);
             }
+            Step::Contour(cycle) => {
+                let begin = (self.flow.at, self.flow.line, self.flow.mid_line);
+                self.pass(cursor);
+                self.pending = Some(Pending { cycle, begin });
+            }
             Step::Return { target, at } => {
                 self.second_half = false;
+                self.changed = true;
                 self.flow.return_to(target, at)?;
             }
             Step::Assign { variable, value, at } => {
@@ -411,7 +454,10 @@ impl Interpreter {
     ) -> Outcome<()> {
         let name = || format!("#{variable}");
         match variable {
-            1..=33 => self.flow.set_local(variable, value),
+            1..=33 => {
+                self.flow.set_local(variable, value);
+                self.changed = true;
+            }
             3000 | 3006 => {
                 let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
                 let value = value.unwrap_or(0.0);
@@ -425,15 +471,19 @@ impl Interpreter {
                     Op::Message { number, text }
                 });
             }
-            1100..=1199 | 2000..=2999 | 3001..=3005 | 3901 | 3902 => {
-                block.ops.push(Op::SetSystem { number: variable, value });
-            }
-            0 | 434..=439 | 1000..=1099 | 4000..=5999 => return wrong1(at, E::ReadOnly, name()),
-            _ => match self.memory.set(variable, value) {
+            _ if Memory::has(variable) => match self.memory.set(variable, value) {
                 Ok(()) => block.ops.push(Op::Set { variable, value }),
                 Err(VariableError::Switch(_)) => return wrong1(at, E::SwitchVariable, name()),
                 Err(VariableError::Unknown(_)) => return wrong1(at, E::BadVariable, name()),
                 Err(VariableError::NotFinite(_)) => return wrong(at, E::Overflow),
+            },
+            0 => return wrong1(at, E::ReadOnly, name()),
+            _ => match system_variable::find(variable).map(|range| range.access) {
+                Some(Access::Read) => return wrong1(at, E::ReadOnly, name()),
+                Some(Access::ReadWrite | Access::Write) => {
+                    block.ops.push(Op::SetSystem { number: variable, value });
+                }
+                None => return wrong1(at, E::BadVariable, name()),
             },
         }
         Ok(())

@@ -8,6 +8,8 @@
 //! its beginning; lengths leave this room as radius millimetres.
 
 pub mod check;
+mod collect;
+mod contour;
 mod dialect;
 mod expression;
 pub mod fault;
@@ -34,7 +36,7 @@ pub use frames::Frames;
 pub use interpreter::{Block, Interpreter, Next};
 pub use memory::{Memory, VariableError};
 pub use modal::{Modals, Motion};
-pub use op::{AxisSet, Feed, Gauging, Op, PathMode, Plane, SpeedMode};
+pub use op::{AxisSet, Feed, Gauging, Op, PathMode, Plane, REFERENCES, SpeedMode};
 pub use settings::{Settings, SpeedUnit, System};
 pub use source::{Library, NoLibrary, Source};
 pub use world::{CheckWorld, Live, World};

@@ -1,5 +1,6 @@
 //! What stays in force from block to block. Source: spec B2, B3 (#4001…).
 
+use super::dialect::RepeatWords;
 use super::op::{Feed, PathMode, Plane, SpeedMode};
 use super::settings::{Settings, SpeedUnit, System};
 
@@ -90,6 +91,7 @@ pub struct Modals {
     pub modal_call: bool,
     pub(crate) rotation: SpeedMode,
     pub(crate) cycle: CycleWords,
+    pub(crate) repeat: RepeatWords,
     /// K5.11: a second tool was called.
     pub(crate) several_tools: bool,
     /// K5.11: G50 was used.
@@ -125,6 +127,7 @@ impl Modals {
             modal_call: false,
             rotation,
             cycle: CycleWords::default(),
+            repeat: RepeatWords::default(),
             several_tools: false,
             preset: false,
         }

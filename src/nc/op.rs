@@ -140,6 +140,9 @@ pub struct Gauging {
     pub retract_mm: f64,
 }
 
+/// Reference points: the machine zero (G28) and three more (G30 P2 to P4).
+pub const REFERENCES: usize = 4;
+
 /// A canonical operation.
 ///
 /// In moves, `words` are the axes that the block names and `incremental` those of them that were named as distances.
@@ -174,8 +177,8 @@ pub enum Op {
     SpeedLimit { rpm: f64 },
     /// G53: machine coordinates, radius mm; at rapid speed without a feed.
     MachineMove { to: PerAxis<Option<f64>>, feed: Option<Feed> },
-    /// G28: over the via point to the machine zero, the named axes only.
-    Reference { via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
+    /// G28 (1) and G30 (2 to 4): over the via point to a reference point, the named axes only; 1 is the machine zero.
+    Reference { number: u8, via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
     /// G31: feed until the signal (1–6) comes.
     Skip { to: PerAxis<f64>, feed: Feed, signal: u8, words: AxisSet, incremental: AxisSet },
     /// G10: adds to the wear of an offset, radius mm (K4.1).
@@ -276,11 +279,14 @@ impl Op {
             Self::SpeedLimit { rpm } => put("rpm", json!(rpm)),
             Self::MachineMove { to, feed } => {
                 some_points(put, *to);
-                if let Some(feed) = feed {
-                    feed_words(put, *feed);
+                feed.iter().for_each(|feed| feed_words(put, *feed));
+            }
+            Self::Reference { number, via, words, .. } => {
+                points(put, "", PerAxis::from_fn(|axis| words.contains(axis)), *via);
+                if *number > 1 {
+                    put("p", json!(number));
                 }
             }
-            Self::Reference { via, words, .. } => points(put, "", PerAxis::from_fn(|axis| words.contains(axis)), *via),
             Self::Skip { to, feed, signal, .. } => {
                 points(put, "", axes, *to);
                 feed_words(put, *feed);

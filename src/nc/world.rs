@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::frames::Frames;
-use super::op::{Feed, Op, Plane};
+use super::op::{Feed, Op, Plane, REFERENCES};
 use super::settings::Settings;
+use crate::defs::variable::{self, Access};
 use crate::units::{Axis, PerAxis};
 
 /// The answer to a question for a live value.
@@ -36,7 +37,7 @@ pub struct CheckWorld {
     rapid_mm_min: PerAxis<f64>,
     position: PerAxis<f64>,
     frames: Frames,
-    home: PerAxis<f64>,
+    references: [PerAxis<f64>; REFERENCES],
     system: BTreeMap<u32, Option<f64>>,
     skip: bool,
     rpm: f64,
@@ -58,7 +59,7 @@ impl CheckWorld {
             rapid_mm_min: settings.rapid_mm_min,
             position: PerAxis::default(),
             frames: Frames::default(),
-            home: PerAxis::default(),
+            references: [PerAxis::default(); REFERENCES],
             system: BTreeMap::new(),
             skip: false,
             rpm: USUAL_RPM,
@@ -82,10 +83,10 @@ impl CheckWorld {
         self
     }
 
-    /// Where homing leaves the axes, machine coordinates, radius mm (P45 to P47): the end of G28.
+    /// The reference points of G28 and G30, machine coordinates, radius mm; the first is where homing leaves the axes.
     #[must_use]
-    pub const fn with_home(mut self, home: PerAxis<f64>) -> Self {
-        self.home = home;
+    pub const fn with_references(mut self, references: [PerAxis<f64>; REFERENCES]) -> Self {
+        self.references = references;
         self
     }
 
@@ -153,9 +154,10 @@ impl CheckWorld {
                     None => self.rapid(to),
                 }
             }
-            Op::Reference { via, words, .. } => {
+            Op::Reference { number, via, words, .. } => {
                 self.rapid(*via);
-                let home = self.frames.work_from_machine(self.home);
+                let at = self.references[usize::from(*number).clamp(1, REFERENCES) - 1];
+                let home = self.frames.work_from_machine(at);
                 let home = |axis| if words.contains(axis) { home[axis] } else { via[axis] };
                 self.rapid(PerAxis::from_fn(home));
             }
@@ -244,13 +246,16 @@ impl World for CheckWorld {
         let shown =
             |axis: Axis, mm: f64| Live::Value(Some(if self.diameter && axis == Axis::X { mm * 2.0 } else { mm }));
         match number {
-            434..=439 | 1000..=1199 | 2000..=2999 | 3001..=3004 | 3901..=3902 => Live::Value(Some(0.0)),
             5001..=5009 | 5041..=5049 | 5061..=5069 => {
                 axis(number % 20 - 1).map_or(Live::Unknown, |axis| shown(axis, self.position[axis]))
             }
             5021..=5029 => axis(number - 5021)
                 .map_or(Live::Unknown, |axis| shown(axis, self.position[axis] + self.frames.machine_minus_work(axis))),
-            _ => Live::Unknown,
+            // What only the machine knows counts as 0; a statement has no value.
+            _ => match variable::find(number).map(|range| range.access) {
+                Some(Access::Read | Access::ReadWrite) => Live::Value(Some(0.0)),
+                Some(Access::Write) | None => Live::Unknown,
+            },
         }
     }
 

@@ -530,7 +530,7 @@ pub fn program(word: &str) -> Option<u32> {
 /// `#500`, `R18`.
 #[must_use]
 pub fn variable(word: &str) -> Option<u16> {
-    defs::variable::parse(word)
+    defs::r_parameter::parse(word)
 }
 
 fn axis(word: &str) -> Option<Axis> {

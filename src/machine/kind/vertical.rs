@@ -4,12 +4,12 @@
 
 use super::KindRow;
 use crate::defs::kind::Kind;
+use crate::defs::r_parameter;
 use crate::defs::signal::Output;
-use crate::defs::variable;
 use crate::units::{Axis, PerAxis};
 
 /// The variable of R0.
-const R0: u16 = match variable::of_r(0) {
+const R0: u16 = match r_parameter::of_r(0) {
     Some(number) => number as u16,
     None => 0,
 };

@@ -5,6 +5,9 @@ mod arc;
 mod grinder;
 mod sinumerik;
 
+pub(crate) use grinder::RepeatWords;
+
+use super::contour::ContourCycle;
 use super::expression::{Scope, Value};
 use super::fault::Outcome;
 use super::flow::{Call, ModalCall};
@@ -48,6 +51,8 @@ pub(crate) enum Step {
     Modal(Option<Box<ModalCall>>),
     /// M99.
     Return { target: Option<u32>, at: usize },
+    /// A cycle over a contour of the program (G70–G73).
+    Contour(Box<ContourCycle>),
     /// A variable gets a value.
     Assign { variable: u32, value: Value, at: usize },
     /// M02, M30.

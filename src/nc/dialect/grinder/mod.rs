@@ -10,8 +10,10 @@ mod cycle;
 mod grinding;
 mod macro_a;
 mod motion;
+mod repetitive;
 
 use self::codes::Plan;
+pub(crate) use self::repetitive::RepeatWords;
 use super::{Running, Step};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::fault::{Outcome, Stop, wrong1, wrong2};
@@ -77,8 +79,15 @@ fn starts_elsewhere(stop: &Stop) -> bool {
 /// Everything behind the modes, the frame and the tool.
 fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
     auxiliary::speed(running, plan)?;
-    let flow = auxiliary::before_motion(running)?;
-    once_or_move(running, plan)?;
+    let mut flow = auxiliary::before_motion(running)?;
+    match plan.once.map(|once| once.number) {
+        Some(code) if repetitive::is_contour_cycle(code) => {
+            if let Some(cycle) = repetitive::contour(running, code)? {
+                flow = Step::Contour(cycle);
+            }
+        }
+        _ => once_or_move(running, plan)?,
+    }
     auxiliary::after_motion(running)?;
     if let Some(unused) = running.words.unused() {
         return unknown_word(running, plan, unused);
@@ -147,8 +156,9 @@ fn once_or_move(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
             running.ops.push(Op::OscillationOff);
             Ok(())
         }
+        Some(code @ (74 | 75)) => repetitive::groove(running, code),
         Some(78) => grinding::gauge(running, motion::code_place(running, 78)),
-        Some(28) => motion::reference(running),
+        Some(code @ (28 | 30)) => motion::reference(running, code),
         Some(31) => motion::skip(running),
         Some(50) => motion::preset(running),
         Some(53) => motion::machine(running),

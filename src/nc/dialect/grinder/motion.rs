@@ -6,7 +6,7 @@ use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::{Running, arc};
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::Motion;
-use crate::nc::op::{AxisSet, Feed, Op};
+use crate::nc::op::{AxisSet, Feed, Op, REFERENCES};
 use crate::nc::words::{Kind, Word};
 use crate::units::{Axis, PerAxis};
 
@@ -207,13 +207,18 @@ pub(super) fn dwell(running: &mut Running<'_, '_>) -> Outcome<()> {
     Ok(())
 }
 
-/// G28: over the via point to the machine zero.
-pub(super) fn reference(running: &mut Running<'_, '_>) -> Outcome<()> {
+/// G28: over the via point to the machine zero; G30 P2 to P4 to another reference point.
+pub(super) fn reference(running: &mut Running<'_, '_>, code: u32) -> Outcome<()> {
     let Target { to, words, incremental } = target(running, running.scope.position())?;
     if words.is_empty() {
-        return wrong2(code_place(running, 28), E::MissingWord, "G28", "X / Z");
+        return wrong2(code_place(running, code), E::MissingWord, format!("G{code}"), "X / Z");
     }
-    running.ops.push(Op::Reference { via: to, words, incremental });
+    let number = match running.words.take(b'P').filter(|_| code == 30) {
+        Some(word) => integer(word, 2, REFERENCES as u32)? as u8,
+        None if code == 30 => 2,
+        None => 1,
+    };
+    running.ops.push(Op::Reference { number, via: to, words, incremental });
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 
 use super::read::unexpected;
 use crate::defs::program_error::ProgramError as E;
-use crate::defs::variable;
+use crate::defs::r_parameter;
 use crate::nc::expression::{Frame, Scope, whole};
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::functions::FUNCTIONS;
@@ -189,7 +189,7 @@ impl<S: Scope> Reader<'_, '_, S> {
             }
             _ => return wrong1(at, E::MissingNumber, "R"),
         };
-        let number = whole(index).and_then(|index| u32::try_from(index).ok()).and_then(variable::of_r);
+        let number = whole(index).and_then(|index| u32::try_from(index).ok()).and_then(r_parameter::of_r);
         number.map_or_else(|| wrong1(at, E::BadR, format!("R{index}")), Ok)
     }
 

@@ -1,0 +1,82 @@
+//! The wheel's size: every dressing makes it smaller, and everything that depends on it follows.
+//!
+//! A dressing program writes the new diameter to #5801. What the radius has lost goes into the wear of the offset in force,
+//! along the wheel axis, so that the face of the wheel keeps its work coordinate; the dressing point follows; constant
+//! surface speed and the wheel's rating are reckoned with the new diameter from this tick on.
+//! Source: spec K4.2, K5.17, B2 (G96); docs/decisions.md "Grinding functions".
+
+use std::sync::Arc;
+
+use super::run::Run;
+use super::{Controller, Effect};
+use crate::defs::alarm;
+use crate::defs::param::{self, Number};
+use crate::defs::text::Said;
+use crate::nc::SpeedMode;
+
+use super::axes::MINUTE;
+
+impl Controller {
+    /// A program says that the wheel now has this diameter, mm. False: refused, with the alarm raised.
+    pub(super) fn book_dressing(&mut self, run: &mut Run, diameter_mm: f64) -> bool {
+        let before = self.params.get(param::WHEEL_DIAMETER);
+        let refusal = if diameter_mm > before || diameter_mm < param::WHEEL_DIAMETER.min {
+            Some(Said::new(
+                format!("#5801={diameter_mm:.4}，现直径 {before:.4}"),
+                format!("#5801={diameter_mm:.4}, the wheel has {before:.4}"),
+            ))
+        } else if self.frames.offset == 0 {
+            Some(Said::new("没有刀补生效", "no offset is in force"))
+        } else {
+            None
+        };
+        if let Some(why) = refusal {
+            self.raise(alarm::WHEEL_SIZE, Some(why));
+            return false;
+        }
+        let lost_mm = (before - diameter_mm) / 2.0;
+        let (axis, index) = (self.row.slow_axis, self.frames.offset - 1);
+        self.frames.wear[index][axis] -= lost_mm;
+        self.keep_offset(index);
+        run.planned.frames = Arc::new(self.frames.clone());
+        if let Some(point) = &mut self.dress.points[axis] {
+            *point += lost_mm * self.params.get(param::DRESSING_POINT_SIDE);
+            self.effects.push(Effect::DressPoint(axis, *point));
+        }
+        run.planned.dress_points = self.dress.points;
+        self.keep_param(param::WHEEL_DIAMETER.address(), diameter_mm);
+        self.keep_param(param::DRESSINGS.address(), self.params.get(param::DRESSINGS) + 1.0);
+        self.keep_param(param::PARTS_SINCE_DRESSING.address(), 0.0);
+        true
+    }
+
+    /// A part is ground: one more since the last dressing.
+    pub(super) fn count_since_dressing(&mut self) {
+        let parts = self.params.get(param::PARTS_SINCE_DRESSING) + 1.0;
+        self.keep_param(param::PARTS_SINCE_DRESSING.address(), parts);
+        let interval = self.params.get(param::DRESSING_INTERVAL);
+        if interval > 0.0 && parts >= interval {
+            self.say(Said::new(
+                format!("已磨 {parts:.0} 件，应修整砂轮 (P95)"),
+                format!("{parts:.0} parts ground: the wheel is due for dressing (P95)"),
+            ));
+        }
+    }
+
+    /// Another wheel: nothing has been ground or dressed with it.
+    pub(super) fn forget_dressings(&mut self) {
+        let none: [Number; 2] = [param::PARTS_SINCE_DRESSING, param::DRESSINGS];
+        none.into_iter().for_each(|row| self.keep_param(row.address(), 0.0));
+    }
+
+    /// The speed that the program asks of the wheel, rpm: S in the unit it was written in, with the wheel as it is now.
+    pub(super) fn wheel_rpm(&self) -> f64 {
+        let (value, mode) = self.wheel_speed;
+        let girth_m = std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER) / 1_000.0;
+        match mode {
+            SpeedMode::Rpm => value,
+            SpeedMode::MetresPerSecond => value * MINUTE / girth_m,
+            SpeedMode::SurfaceSpeed => (value / girth_m).min(self.wheel_rpm_limit.unwrap_or(f64::INFINITY)),
+        }
+    }
+}

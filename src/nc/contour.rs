@@ -1,0 +1,288 @@
+//! Cycles over a contour that stands in the program: roughing it out stroke by stroke, repeating it, finishing it.
+//! Works on the operations of the contour's blocks, work coordinates, radius mm; knows nothing of text.
+//! Source: spec B2 (G70–G73).
+
+use super::op::{AxisSet, Feed, Op};
+use crate::defs::program_error::ProgramError as E;
+use crate::units::{Axis, PerAxis};
+
+/// Most strokes of one cycle.
+const STROKES: usize = 2_000;
+/// What is shorter is no way, mm: far below the resolution.
+const NO_WAY_MM: f64 = 1e-7;
+
+/// A cycle as its block asks for it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ContourCycle {
+    /// N of the contour's first and last block.
+    pub first: u32,
+    pub last: u32,
+    /// Where the cycle's code stands in the text, for what is wrong with its contour.
+    pub at: usize,
+    /// What is left for finishing: the contour is shifted by so much.
+    pub allowance: PerAxis<f64>,
+    pub form: Form,
+}
+
+/// What is done with the contour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Form {
+    /// G70: once, with the feeds of its own blocks.
+    Finish,
+    /// G71 (infeed X), G72 (infeed Z): strokes of `depth` along the other axis, then once along the contour.
+    Rough { infeed: Axis, depth: f64, escape: f64, feed: Feed },
+    /// G73: the contour `passes` times, the first shifted by `shift` and the last by nothing.
+    Pattern { shift: PerAxis<f64>, passes: u32, feed: Feed },
+}
+
+/// One line or arc of the contour.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    from: PerAxis<f64>,
+    to: PerAxis<f64>,
+    /// Centre and turn of an arc.
+    arc: Option<(PerAxis<f64>, i8)>,
+    rapid: bool,
+}
+
+/// What the cycle does from a starting point: its operations, or what is wrong with the contour.
+pub(crate) fn expand(cycle: &ContourCycle, start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<Op>, E> {
+    let segments = segments(start, contour)?;
+    let Some(first) = segments.first() else { return Err(E::ContourEmpty) };
+    // The axis that goes to the contour first comes back first.
+    let across = if (first.to[Axis::X] - start[Axis::X]).abs() > NO_WAY_MM { Axis::X } else { Axis::Z };
+    match cycle.form {
+        Form::Finish => {
+            let mut ops = contour.to_vec();
+            back(&mut ops, start, across);
+            Ok(ops)
+        }
+        Form::Rough { infeed, depth, escape, feed } => {
+            Rough { infeed, depth, escape, feed, start, allowance: cycle.allowance }.run(&segments)
+        }
+        Form::Pattern { shift, passes, feed } => {
+            let mut ops = Vec::new();
+            for pass in 0..passes {
+                let part = if passes > 1 { f64::from(passes - 1 - pass) / f64::from(passes - 1) } else { 0.0 };
+                let by = PerAxis::from_fn(|axis| cycle.allowance[axis] + part * shift[axis]);
+                let begin = plus(start, by);
+                ops.push(rapid(begin, &[Axis::X, Axis::Z]));
+                segments.iter().for_each(|segment| ops.push(segment.op(by, feed)));
+                back(&mut ops, begin, across);
+            }
+            ops.push(rapid(start, &[Axis::X, Axis::Z]));
+            Ok(ops)
+        }
+    }
+}
+
+fn plus(a: PerAxis<f64>, b: PerAxis<f64>) -> PerAxis<f64> {
+    PerAxis::from_fn(|axis| a[axis] + b[axis])
+}
+
+fn words(axes: &[Axis]) -> AxisSet {
+    let mut set = AxisSet::NONE;
+    axes.iter().for_each(|axis| set.insert(*axis));
+    set
+}
+
+fn rapid(to: PerAxis<f64>, axes: &[Axis]) -> Op {
+    Op::Rapid { to, words: words(axes), incremental: AxisSet::NONE }
+}
+
+fn feed_to(to: PerAxis<f64>, feed: Feed, axes: &[Axis]) -> Op {
+    Op::Feed { to, feed, words: words(axes), incremental: AxisSet::NONE }
+}
+
+const fn other(axis: Axis) -> Axis {
+    match axis {
+        Axis::X => Axis::Z,
+        Axis::Y | Axis::Z => Axis::X,
+    }
+}
+
+/// From wherever the contour has ended back to its start: away from the part, then along it.
+fn back(ops: &mut Vec<Op>, start: PerAxis<f64>, across: Axis) {
+    let Some(end) = ops.iter().rev().find_map(end_of) else { return };
+    let mut out = end;
+    out[across] = start[across];
+    ops.push(rapid(out, &[across]));
+    ops.push(rapid(start, &[other(across)]));
+}
+
+const fn end_of(op: &Op) -> Option<PerAxis<f64>> {
+    match op {
+        Op::Rapid { to, .. } | Op::Feed { to, .. } | Op::Arc { to, .. } => Some(*to),
+        _ => None,
+    }
+}
+
+fn segments(start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<Segment>, E> {
+    let mut from = start;
+    let mut segments = Vec::with_capacity(contour.len());
+    for op in contour {
+        let segment = match op {
+            Op::Rapid { to, .. } => Segment { from, to: *to, arc: None, rapid: true },
+            Op::Feed { to, .. } => Segment { from, to: *to, arc: None, rapid: false },
+            Op::Arc { to, center, turn, .. } => Segment { from, to: *to, arc: Some((*center, *turn)), rapid: false },
+            // Speed and path mode count when the contour is finished.
+            Op::S { .. } | Op::Path(_) => continue,
+            _ => return Err(E::ContourCode),
+        };
+        from = segment.to;
+        segments.push(segment);
+    }
+    Ok(segments)
+}
+
+impl Segment {
+    /// The same elsewhere.
+    fn shifted(&self, by: PerAxis<f64>) -> Self {
+        let arc = self.arc.map(|(center, turn)| (plus(center, by), turn));
+        Self { from: plus(self.from, by), to: plus(self.to, by), arc, rapid: self.rapid }
+    }
+
+    /// The segment shifted, at a feed of the cycle's.
+    fn op(&self, by: PerAxis<f64>, feed: Feed) -> Op {
+        let (to, both) = (plus(self.to, by), [Axis::X, Axis::Z]);
+        match self.arc {
+            None if self.rapid => rapid(to, &both),
+            None => feed_to(to, feed, &both),
+            Some((center, turn)) => Op::Arc {
+                to,
+                center: plus(center, by),
+                plane: super::op::Plane::Zx,
+                turn,
+                feed,
+                words: words(&both),
+                incremental: AxisSet::NONE,
+            },
+        }
+    }
+
+    /// Whether it goes one way only in both axes, the way of `way`.
+    fn is_monotone(&self, way: PerAxis<f64>) -> bool {
+        let goes = |axis: Axis| (self.to[axis] - self.from[axis]) * way[axis] >= -NO_WAY_MM;
+        goes(Axis::X) && goes(Axis::Z) && !self.turns_back()
+    }
+
+    /// An arc that passes an extreme of an axis between its ends.
+    fn turns_back(&self) -> bool {
+        let Some((center, turn)) = self.arc else { return false };
+        // Angles with Z to the right and X up; counter-clockwise is positive.
+        let angle = |at: PerAxis<f64>| (at[Axis::X] - center[Axis::X]).atan2(at[Axis::Z] - center[Axis::Z]);
+        let sense = f64::from(turn);
+        let swept = |to: f64| (sense * (to - angle(self.from))).rem_euclid(std::f64::consts::TAU);
+        let whole = swept(angle(self.to));
+        (0..4).any(|quarter| {
+            let at = swept(f64::from(quarter) * std::f64::consts::FRAC_PI_2);
+            at > 1e-6 && at < whole - 1e-6
+        })
+    }
+
+    /// Where the segment is at `level` of an axis: the place on the other axis.
+    fn at_level(&self, axis: Axis, level: f64) -> Option<f64> {
+        let (low, high) = (self.from[axis].min(self.to[axis]), self.from[axis].max(self.to[axis]));
+        if level < low - NO_WAY_MM || level > high + NO_WAY_MM {
+            return None;
+        }
+        let along = other(axis);
+        let Some((center, _)) = self.arc else {
+            let way = self.to[axis] - self.from[axis];
+            let part = if way.abs() > NO_WAY_MM { (level - self.from[axis]) / way } else { 0.0 };
+            return Some(self.from[along] + part * (self.to[along] - self.from[along]));
+        };
+        let radius = (self.from[axis] - center[axis]).hypot(self.from[along] - center[along]);
+        let half = (radius * radius - (level - center[axis]).powi(2)).max(0.0).sqrt();
+        let (first, second) = (self.from[along].min(self.to[along]), self.from[along].max(self.to[along]));
+        // One way only: of the two places one lies between the ends.
+        let outside = |place: f64| (first - place).max(place - second).max(0.0);
+        let [near, far] = [center[along] - half, center[along] + half];
+        Some(if outside(near) <= outside(far) { near } else { far })
+    }
+}
+
+/// G71 and G72.
+struct Rough {
+    infeed: Axis,
+    depth: f64,
+    escape: f64,
+    feed: Feed,
+    start: PerAxis<f64>,
+    allowance: PerAxis<f64>,
+}
+
+impl Rough {
+    fn run(&self, segments: &[Segment]) -> Result<Vec<Op>, E> {
+        let (a, b) = (self.infeed, other(self.infeed));
+        let [first, rest @ ..] = segments else { return Err(E::ContourEmpty) };
+        let (Some(last), at) = (rest.last(), first.to) else { return Err(E::ContourEmpty) };
+        if (at[b] - self.start[b]).abs() > NO_WAY_MM {
+            return Err(E::ContourStart);
+        }
+        let way = |from: PerAxis<f64>, to: PerAxis<f64>, axis: Axis| {
+            let way = to[axis] - from[axis];
+            if way.abs() > NO_WAY_MM { way.signum() } else { 0.0 }
+        };
+        let (down, along) = (way(self.start, at, a), way(at, last.to, b));
+        if down == 0.0 || along == 0.0 {
+            return Err(E::ContourStart);
+        }
+        let mut allowed = PerAxis::default();
+        allowed[a] = -down;
+        allowed[b] = along;
+        if !rest.iter().all(|segment| segment.is_monotone(allowed)) {
+            return Err(E::ContourNotMonotone);
+        }
+        let shifted: Vec<Segment> = rest.iter().map(|segment| segment.shifted(self.allowance)).collect();
+        let bottom = at[a] + self.allowance[a];
+        let mut ops = Vec::new();
+        for stroke in 1..=STROKES {
+            let level = self.start[a] + down * self.depth * stroke as f64;
+            if (bottom - level) * down <= NO_WAY_MM {
+                break;
+            }
+            if stroke == STROKES {
+                return Err(E::ContourStrokes);
+            }
+            let meets = shifted.iter().find_map(|segment| segment.at_level(a, level));
+            let end = meets.unwrap_or(last.to[b] + self.allowance[b]);
+            self.stroke(&mut ops, first.rapid, level, end, (down, along));
+        }
+        self.once_along(&mut ops, first.rapid, bottom, rest);
+        Ok(ops)
+    }
+
+    /// Down to a level, along it, away at 45°, back.
+    fn stroke(&self, ops: &mut Vec<Op>, quick: bool, level: f64, end: f64, (down, along): (f64, f64)) {
+        let (a, b) = (self.infeed, other(self.infeed));
+        if (end - self.start[b]) * along <= NO_WAY_MM {
+            return;
+        }
+        let mut at = self.start;
+        at[a] = level;
+        ops.push(if quick { rapid(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
+        at[b] = end;
+        ops.push(feed_to(at, self.feed, &[b]));
+        // Not beyond the start in either axis.
+        let room = ((level - self.start[a]) * down).min((end - self.start[b]) * along);
+        let escape = self.escape.min(room.max(0.0));
+        at[a] -= down * escape;
+        at[b] -= along * escape;
+        ops.push(feed_to(at, self.feed, &[a, b]));
+        at[b] = self.start[b];
+        ops.push(rapid(at, &[b]));
+    }
+
+    /// The contour with its allowance, and back to the start.
+    fn once_along(&self, ops: &mut Vec<Op>, quick: bool, bottom: f64, rest: &[Segment]) {
+        let (a, b) = (self.infeed, other(self.infeed));
+        let mut at = self.start;
+        at[b] += self.allowance[b];
+        ops.push(rapid(at, &[a, b]));
+        at[a] = bottom;
+        ops.push(if quick { rapid(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
+        rest.iter().for_each(|segment| ops.push(segment.op(self.allowance, self.feed)));
+        back(ops, self.start, a);
+    }
+}

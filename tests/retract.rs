@@ -1,0 +1,116 @@
+//! One-key retract: the key holds the run and executes O9000, pressed again O9001 brings the wheel back (K6.4).
+
+mod told;
+
+use kt830::runtime::disk::{Folders, program};
+use kt830::runtime::rig::Rig;
+use told::{ready_with, tell};
+
+/// X -80 (diameter), Z -150 at the start of a ready machine.
+const GRIND: &str = "G98 G01 W-10 F300\nU-1 F60\nW10 F300\nM00\nG00 X-70\nM30";
+
+/// A ready machine in automatic mode with the retract enabled, and the two programs as given.
+fn retractable(away: &str, back: &str) -> Rig {
+    let mut rig = ready_with(GRIND);
+    rig.add_program(program(9_000, "O9000.NC", away.as_bytes().to_vec()));
+    rig.add_program(program(9_001, "O9001.NC", back.as_bytes().to_vec()));
+    tell(&mut rig, "param P4.4 1\nmode auto");
+    rig
+}
+
+fn plain() -> Rig {
+    retractable("G00 U40\nM99", "G98 G01 U-40 F2000\nM99")
+}
+
+#[test]
+fn k6_4_the_key_stops_the_run_withdraws_and_brings_back_and_the_run_goes_on() {
+    let mut rig = plain();
+    tell(&mut rig, "key cycle-start\nwait 1 s\nkey wheel-retract\nexpect lamp wheel-retract on");
+    tell(&mut rig, "wait until held max 10 s\nwait 0.1 s\nexpect X -40 ±0.001\nexpect state held");
+    tell(&mut rig, "key cycle-start\nexpect state held\nexpect message \"一键回退\"\nexpect X -40 ±0.001");
+    tell(&mut rig, "key wheel-retract\nwait 0.1 s\nwait until held max 10 s\nwait 0.1 s\nexpect X -80 ±0.001");
+    tell(&mut rig, "expect lamp wheel-retract off\nkey cycle-start\nwait until stopped max 20 s");
+    tell(&mut rig, "expect X -81 ±0.001\nexpect Z -150 ±0.001\nexpect no alarm");
+    tell(&mut rig, "key cycle-start\nwait until idle max 20 s\nexpect X -70 ±0.001");
+}
+
+#[test]
+fn k6_4_the_block_shown_is_that_of_the_held_program_again() {
+    let mut rig = plain();
+    tell(&mut rig, "key cycle-start\nwait 1 s\nkey wheel-retract\nwait 0.1 s\nwait until held max 10 s");
+    assert_eq!((rig.controller().place().program, rig.controller().place().line), (7_000, 1));
+}
+
+#[test]
+fn k6_4_in_a_hold_at_m00_and_with_nothing_running_it_works_too() {
+    let mut rig = plain();
+    tell(&mut rig, "key wheel-retract\nwait until idle max 10 s\nwait 0.1 s\nexpect X -40 ±0.001");
+    tell(&mut rig, "key cycle-start\nexpect state idle\nexpect message \"一键回退\"");
+    tell(&mut rig, "key wheel-retract\nwait 0.1 s\nwait until idle max 10 s\nwait 0.1 s\nexpect X -80 ±0.001");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nkey wheel-retract\nwait 0.1 s\nwait until held");
+    tell(&mut rig, "wait 0.1 s\nexpect X -41 ±0.001\nkey wheel-retract\nwait 0.1 s\nwait until held\nwait 0.1 s");
+    tell(&mut rig, "key cycle-start\nwait until idle max 20 s\nexpect X -70 ±0.001\nexpect no alarm");
+}
+
+#[test]
+fn k6_4_without_p4_4_the_key_is_dead_and_the_run_goes_on() {
+    let mut rig = plain();
+    tell(&mut rig, "param P4.4 0\nkey wheel-retract\nexpect message \"P4.4\"\nexpect state idle");
+    tell(&mut rig, "key cycle-start\nwait 1 s\nkey wheel-retract\nwait 0.5 s\nexpect state running");
+    tell(&mut rig, "wait until stopped max 20 s\nexpect X -81 ±0.001");
+}
+
+#[test]
+fn k6_4_without_its_program_the_run_is_held_and_the_wheel_stays() {
+    // A folder without programs.
+    let Folders { screens, .. } = told::folders();
+    let mut rig = told::rig_in(Folders { programs: screens.clone(), screens });
+    rig.make_ready();
+    rig.add_program(program(7_000, "O7000.NC", GRIND.as_bytes().to_vec()));
+    tell(&mut rig, "load O7000\nparam P4.4 1\nmode auto");
+    tell(&mut rig, "key cycle-start\nwait 3 s\nkey wheel-retract\nwait 0.5 s");
+    tell(&mut rig, "expect state held\nexpect message \"O9000\"\nexpect lamp wheel-retract off");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nexpect X -81 ±0.001");
+}
+
+#[test]
+fn k6_4_a_way_back_that_ends_elsewhere_keeps_the_run_held_until_the_hand_has_mended_it() {
+    let mut rig = retractable("G00 U40\nM99", "G98 G01 U-40.1 F2000\nM99");
+    tell(&mut rig, "key cycle-start\nwait 1 s\nkey wheel-retract\nwait 0.1 s\nwait until held\nwait 0.1 s");
+    tell(&mut rig, "key wheel-retract\nwait 0.1 s\nwait until held\nwait 0.1 s\nexpect X -80.1 ±0.001");
+    tell(&mut rig, "expect message \"-0.100\"\nkey cycle-start\nexpect state held\nexpect message \"-0.100\"");
+    tell(&mut rig, "key wheel-retract\nwait 0.3 s\nexpect X -80.1 ±0.001\nexpect state held");
+    tell(&mut rig, "handwheel X 10 x0.01\nmode auto\nkey cycle-start\nwait until stopped max 20 s");
+    tell(&mut rig, "expect X -81 ±0.001\nexpect no alarm");
+}
+
+#[test]
+fn k6_4_hand_moves_before_the_key_still_count_and_m30_does_not_end_the_run() {
+    let mut rig = retractable("#150=#150+1\nG00 U40\nM30", "G98 G01 U-40 F2000\nM30");
+    tell(&mut rig, "set #150 = 4\nkey coolant\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s");
+    tell(&mut rig, "handwheel X -5 x0.01\nmode auto\nkey wheel-retract\nwait 0.1 s\nwait until held\nwait 0.1 s");
+    tell(&mut rig, "expect X -40.05 ±0.001\nexpect output coolant on\nexpect #150 5 ±0");
+    tell(&mut rig, "key wheel-retract\nwait 0.1 s\nwait until held\nwait 0.1 s\nkey cycle-start");
+    tell(&mut rig, "wait until stopped max 20 s\nexpect X -81.05 ±0.001");
+}
+
+#[test]
+fn k6_4_reset_ends_the_held_run_and_darkens_the_lamp() {
+    let mut rig = plain();
+    tell(&mut rig, "key cycle-start\nwait 1 s\nkey wheel-retract\nwait 0.1 s\nwait until held\nkey reset\nwait 0.5 s");
+    tell(&mut rig, "expect lamp wheel-retract off\nexpect state idle\nkey wheel-retract\nwait 0.05 s\nkey reset");
+    tell(&mut rig, "wait 1 s\nexpect lamp wheel-retract off\nexpect state idle\nexpect no alarm");
+    // From wherever RESET has stopped it the program runs anew: 1 mm of diameter, whole.
+    tell(&mut rig, "mode mdi\nmdi G00 X-60 Z-150\nwait 1 s\nmode auto\nkey cycle-start\nwait until stopped max 20 s");
+    tell(&mut rig, "expect X -61 ±0.001");
+}
+
+#[test]
+fn k6_4_a_hold_during_the_retract_and_an_unhomed_machine() {
+    let mut rig = retractable("G98 G01 U40 F600\nM99", "G98 G01 U-40 F600\nM99");
+    tell(&mut rig, "key cycle-start\nwait 1 s\nkey wheel-retract\nwait 0.5 s\nkey feed-hold\nwait 0.5 s");
+    tell(&mut rig, "expect state held\nkey wheel-retract\nexpect message \"正在执行\"\nkey cycle-start");
+    tell(&mut rig, "wait 0.1 s\nwait until held max 10 s\nwait 0.1 s\nexpect X -40 ±0.001");
+    let mut cold = told::story("power on\nparam P4.4 1\nkey wheel-retract\nexpect message \"回零\"");
+    tell(&mut cold, "expect state idle\nexpect lamp wheel-retract off");
+}
