@@ -361,3 +361,46 @@ fn b7_a_screw_table_is_imported_from_csv_and_kept() {
     assert_eq!(call(&["screw", "x", "--clear"]).status.code(), Some(0));
     assert!(String::from_utf8_lossy(&call(&["screw", "x"]).stdout).ends_with("mm\n\n"));
 }
+
+/// The seed's table stands on three sheets, edited like the grinding page; a value that no sheet shows is refused.
+#[test]
+fn s3_the_r_page_shows_the_table_of_the_seed_and_takes_values() {
+    let mut rig = vgrind(1, "page grinding\nexpect no alarm");
+    for (number, sheet) in [(1_801, 0), (1_802, 1), (1_803, 2)] {
+        rig.send(Command::TurnSheet(sheet));
+        rig.step();
+        let shown = rig.snapshot().clone();
+        assert_eq!((shown.grinding_page, shown.grinding_pages), (Some(number), (sheet, 3)));
+        let files = shown.page_files().unwrap();
+        assert!(files.text.is_ok() && files.picture.is_ok(), "{number}");
+    }
+    let screens = rig.snapshot().screens.clone();
+    let rows = |number| screens.find(number).unwrap().text.clone().unwrap();
+    let mut shown: Vec<u16> = [1_801, 1_802, 1_803]
+        .into_iter()
+        .flat_map(|n| rows(n).rows().map(|row| row.variable).collect::<Vec<_>>())
+        .collect();
+    shown.sort_unstable();
+    // R1–R15, R18–R25, R28–R30, R32, R33, R36–R39, R42–R44, R46, R47, R50–R54, R56–R58, R60–R62 of the seed; R16, R59 and
+    // R80 are this program's.
+    let of_seed = [1..=16, 18..=25, 28..=30, 32..=33, 36..=39, 42..=44, 46..=47, 50..=54, 56..=62, 80..=80];
+    let expected: Vec<u16> = of_seed.into_iter().flatten().map(|n| 600 + n).collect();
+    assert_eq!(shown, expected);
+    tell(
+        &mut rig,
+        "type R18 199.5\nexpect R18 199.5\nexpect message \"R18 = 199.500\"\nsheet 2\ntype R3 298\nexpect R3 298",
+    );
+    tell(&mut rig, "type R100 1\nexpect message \"当前页面没有 R100\"");
+    tell(&mut rig, "power cut\nwait 1 s\npower on\nexpect R18 199.5\nexpect R3 298");
+}
+
+/// A page text names R parameters as well as variables.
+#[test]
+fn s3_page_texts_name_r_parameters() {
+    let left = ";".repeat(8);
+    let text = kt830::defs::screen::parse(&format!("题;\nR1 砂轮 R18;\n余量 #500;\n{left}\n%")).unwrap();
+    let rows: Vec<_> = text.rows().map(|row| (row.label.as_str(), row.variable)).collect();
+    assert_eq!(rows, [("R1 砂轮", 618), ("余量", 500)]);
+    let wrong = kt830::defs::screen::parse(&format!("题;\n砂轮 R300;\n{}\n%", ";".repeat(9))).unwrap_err();
+    assert_eq!((wrong.line, wrong.column), (2, 1));
+}

@@ -33,6 +33,7 @@ impl Controller {
             Command::Hold(key) => self.hand.keep(*key, self.now),
             Command::Handwheel(detents) => self.turn_handwheel(*detents),
             Command::OpenPage(page) => self.open_page(*page),
+            Command::TurnSheet(sheet) => self.turn_sheet(*sheet),
             Command::LoadProgram(number) => self.load_program(*number),
             Command::Mdi(line) => self.mdi(line),
             Command::TypeVariable(..)

@@ -92,13 +92,6 @@ impl Controller {
         }
     }
 
-    fn page_shows(&self, variable: u16) -> bool {
-        self.screens
-            .find(self.current)
-            .and_then(|files| files.text.as_ref().ok())
-            .is_some_and(|page| page.rows().any(|row| row.variable == variable))
-    }
-
     /// K7.7: wear and variables at the offset and the macro page.
     pub(super) fn check_unlocked(&self) -> Result<(), Said> {
         if self.params.bit(param::EDIT_OFFSETS) { Ok(()) } else { Err(LOCKED.into()) }

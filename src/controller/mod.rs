@@ -168,6 +168,8 @@ pub struct Controller {
     retract: retract::Retract,
     mode: Mode,
     page: Page,
+    /// Which sheet of the grinding page is shown.
+    sheet: usize,
     switches: Switches,
     overrides: Overrides,
     frames: Frames,
@@ -240,6 +242,7 @@ impl Controller {
             retract: retract::Retract::default(),
             mode: Mode::Manual,
             page: Page::Position,
+            sheet: 0,
             switches: Switches::default(),
             overrides: Overrides { feed: 100, rapid: 100, spindle: 100 },
             frames: retained.frames,

@@ -65,6 +65,17 @@ impl Kind {
         }
     }
 
+    /// The name on a key.
+    #[must_use]
+    pub const fn short(self) -> &'static str {
+        match self {
+            Self::Gc => "GC",
+            Self::Gs => "GS",
+            Self::Ga => "GA",
+            Self::Vertical => "802D",
+        }
+    }
+
     /// The kind of a word.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {

@@ -26,6 +26,8 @@ pub enum Command {
     Handwheel(i32),
     /// Another page was opened.
     OpenPage(Page),
+    /// The grinding page turns to one of its sheets, from 0, where it has several.
+    TurnSheet(usize),
     /// Make a program of the folder the current one.
     LoadProgram(u32),
     /// Execute a line of MDI text.
@@ -81,7 +83,8 @@ pub enum Command {
 /// The grinding pages as the disk found them.
 #[derive(Clone, Debug, Default)]
 pub struct Screens {
-    /// One for each program O1001–O1020 of which a file was found, by program number.
+    /// One for each program O1001–O1020 of which a file was found, by program number; a kind's own pages by 1000 and
+    /// the number of their files.
     pub pages: Vec<(u32, ScreenFiles)>,
     /// The picture of the dressing page, or what is wrong with it; none before the folder was read.
     pub dressing: Option<Result<Arc<Picture>, FileFault>>,

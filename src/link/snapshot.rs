@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::command::Screens;
+use super::command::{ScreenFiles, Screens};
 use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
 use super::internal::InternalSet;
 use crate::defs::key::{Key, Mode};
@@ -259,6 +259,10 @@ pub struct Snapshot {
     pub mdi_ready: Arc<str>,
     /// Machine coordinates of the dressing point of each axis, where it is set (K4.2).
     pub dressing_point: PerAxis<Option<f64>>,
+    /// Which page files the grinding page shows; none where the current program has no page.
+    pub grinding_page: Option<u32>,
+    /// Which of how many grinding pages that is, from 0.
+    pub grinding_pages: (usize, usize),
     /// Grinding pages found on disk.
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
@@ -325,6 +329,8 @@ impl Snapshot {
             modals: ModalView::default(),
             mdi_ready: Arc::from(""),
             dressing_point: PerAxis::default(),
+            grinding_page: None,
+            grinding_pages: (0, 1),
             screens: Arc::default(),
             directory: Arc::default(),
         }
@@ -337,6 +343,12 @@ impl Snapshot {
         for key in &mut self.keys {
             (key.lamp, key.working) = (false, false);
         }
+    }
+
+    /// The files of the grinding page.
+    #[must_use]
+    pub fn page_files(&self) -> Option<&ScreenFiles> {
+        self.screens.find(self.grinding_page?)
     }
 
     /// What a program is called.

@@ -23,6 +23,8 @@ use crate::store::{
 
 /// Programs with a grinding page: O1001 to O1020 go with C0001 and B0001 to C0020 and B0020.
 const PAGES: std::ops::RangeInclusive<u16> = 1..=20;
+/// The R pages of the vertical grinder (S3).
+const R_PAGES: std::ops::RangeInclusive<u16> = 801..=803;
 /// Number of the dressing page's picture, B0100.BMP (K7.6).
 const DRESSING_PICTURE: u16 = 100;
 /// Size of a page picture, pixels.
@@ -47,6 +49,12 @@ const SHIPPED: &[(&str, &[u8])] = &[
     ("screens/B0001.BMP", include_bytes!("../../screens/B0001.BMP")),
     ("screens/C0002.TXT", include_bytes!("../../screens/C0002.TXT")),
     ("screens/B0002.BMP", include_bytes!("../../screens/B0002.BMP")),
+    ("screens/C0801.TXT", include_bytes!("../../screens/C0801.TXT")),
+    ("screens/B0801.BMP", include_bytes!("../../screens/B0801.BMP")),
+    ("screens/C0802.TXT", include_bytes!("../../screens/C0802.TXT")),
+    ("screens/B0802.BMP", include_bytes!("../../screens/B0802.BMP")),
+    ("screens/C0803.TXT", include_bytes!("../../screens/C0803.TXT")),
+    ("screens/B0803.BMP", include_bytes!("../../screens/B0803.BMP")),
     ("screens/B0100.BMP", include_bytes!("../../screens/B0100.BMP")),
 ];
 
@@ -119,6 +127,7 @@ impl Folders {
         };
         let (texts, pictures) = (listed(&PAGE_TEXT)?, listed(&PICTURE)?);
         let pages = PAGES
+            .chain(R_PAGES)
             .filter(|number| texts.contains(number) || pictures.contains(number))
             .map(|number| {
                 let files = ScreenFiles { text: page_text(&folder, number), picture: picture(&folder, number) };

@@ -163,6 +163,8 @@ pub enum Statement {
     WaitUntil(Until, f64),
     /// `seed 7`
     Seed(u64),
+    /// `sheet 2` of the grinding page, where it has several; the first is 1
+    Sheet(usize),
     /// `part FILE`
     Part(String),
     /// `screw X FILE`
@@ -297,6 +299,7 @@ impl Words {
                 Statement::Mdi(self.text.trim_start_matches("mdi").trim().to_owned())
             }
             "page" => Statement::Page(self.one_of("a page", Page::from_id)?),
+            "sheet" => Statement::Sheet(self.one_of("a sheet from 1", |word| word.parse().ok().filter(|n| *n > 0))?),
             "input" => self.input()?,
             "fault" => self.fault()?,
             "wait" => self.wait()?,

@@ -86,6 +86,7 @@ impl<'a> Player<'a> {
                 Ok(())
             }
             Statement::Page(page) => self.send(Command::OpenPage(*page)),
+            Statement::Sheet(number) => self.send(Command::TurnSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::TypeVariable(*number, *value)),
             Statement::Input(name, force) => {
                 let level = match force {

@@ -59,7 +59,7 @@ impl Settings {
         for (index, kind) in Kind::ALL.into_iter().enumerate() {
             let look = Look { on: kind == next, locked: view.snapshot.access.level < Level::Builder };
             let place = cell(row, index, Kind::ALL.len());
-            if !self.walk.push(ui, view, place, (kind.id(), &kind.id().to_uppercase()), look) {
+            if !self.walk.push(ui, view, place, (kind.id(), kind.short()), look) {
                 continue;
             }
             if view.snapshot.access.level >= Level::Builder {

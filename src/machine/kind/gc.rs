@@ -15,6 +15,7 @@ pub(super) static ROW: KindRow = KindRow {
     tailstock: true,
     magnet: false,
     drive_needs_magnet: false,
+    page_files: &[],
     variables: &[],
     slow_axis: Axis::X,
 };

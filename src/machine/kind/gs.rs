@@ -15,6 +15,7 @@ pub(super) static ROW: KindRow = KindRow {
     tailstock: false,
     magnet: true,
     drive_needs_magnet: false,
+    page_files: &[],
     variables: &[],
     slow_axis: Axis::Y,
 };

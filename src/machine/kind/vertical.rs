@@ -66,6 +66,7 @@ pub(super) static ROW: KindRow = KindRow {
     tailstock: false,
     magnet: false,
     drive_needs_magnet: false,
+    page_files: &[801, 802, 803],
     variables: R,
     slow_axis: Axis::X,
 };
