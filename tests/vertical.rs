@@ -370,7 +370,7 @@ fn s3_the_r_page_shows_the_table_of_the_seed_and_takes_values() {
         rig.send(Command::TurnSheet(sheet));
         rig.step();
         let shown = rig.snapshot().clone();
-        assert_eq!((shown.grinding_page, shown.grinding_pages), (Some(number), (sheet, 3)));
+        assert_eq!((shown.grinding_page(), shown.grinding_pages), (Some(number), (sheet, 3)));
         let files = shown.page_files().unwrap();
         assert!(files.text.is_ok() && files.picture.is_ok(), "{number}");
     }

@@ -7,11 +7,14 @@ use std::path::Path;
 use super::args::{Demo, Shared};
 use super::play::{Story, story};
 use super::{CallError, FAILED, FINE, bench, out};
+use crate::defs::kind::Kind;
 use crate::runtime::rig::Rig;
 use crate::story::{Player, Statement, parse, play::around};
 
 /// The story that comes along.
 const USUAL: &str = include_str!("../../assets/stories/first_part.story");
+/// Those of kinds that have one of their own, where the kind is asked for.
+const OF_KIND: &[(Kind, &str)] = &[(Kind::Vertical, include_str!("../../assets/stories/vertical.story"))];
 
 /// Plays the story.
 ///
@@ -21,7 +24,8 @@ pub fn demo(shared: &Shared, call: &Demo) -> Result<u8, CallError> {
     let told = match &call.story {
         Some(path) => story(path, shared.kind)?,
         None => {
-            let (kind, lines) = parse(USUAL, shared.kind).map_err(CallError::new)?;
+            let own = OF_KIND.iter().find(|(kind, _)| shared.kind_asked == Some(*kind));
+            let (kind, lines) = parse(own.map_or(USUAL, |(_, text)| text), shared.kind).map_err(CallError::new)?;
             Story { kind, lines }
         }
     };

@@ -6,9 +6,8 @@ use crate::defs::alarm;
 use crate::defs::page::Page;
 use crate::defs::text::Said;
 use crate::link::command::FileFault;
+use crate::link::snapshot::PAGED_PROGRAMS;
 
-/// Programs with a grinding page.
-const PAGED_PROGRAMS: std::ops::RangeInclusive<u32> = 1_001..=1_020;
 /// What the number of a page's files is counted from.
 const PAGE_FILES: u32 = 1_000;
 
@@ -26,9 +25,11 @@ impl Controller {
 
     /// Which page files the grinding page shows: the kind's own, or those of the program (K7.2).
     pub(super) fn grinding_page(&self) -> Option<u32> {
-        if self.row.page_files.is_empty() {
-            return PAGED_PROGRAMS.contains(&self.current).then_some(self.current);
-        }
+        self.own_page().or_else(|| PAGED_PROGRAMS.contains(&self.current).then_some(self.current))
+    }
+
+    /// The sheet of the kind's own grinding page.
+    pub(super) fn own_page(&self) -> Option<u32> {
         self.row.page_files.get(self.sheet).map(|number| PAGE_FILES + number)
     }
 

@@ -34,7 +34,7 @@ impl Controller {
         out.mode = self.mode;
         out.state = self.state();
         out.page = self.page;
-        out.grinding_page = self.grinding_page();
+        out.own_page = self.own_page();
         out.grinding_pages = self.grinding_pages();
         out.diameter = self.is_diameter();
         out.axes = self.axis_views();

@@ -45,17 +45,18 @@ pub struct ScrewFault {
 
 impl ScrewTable {
     /// Reads a table: a line a point, `position, backlash[, pitch error]` in mm, positions rising; `#` begins a comment, a
-    /// first line without numbers is a heading.
+    /// first row without numbers is a heading.
     ///
     /// # Errors
     /// The first line that is not of the form.
     pub fn parse(text: &str) -> Result<Self, ScrewFault> {
-        let mut points: Vec<Point> = Vec::new();
+        let (mut points, mut rows): (Vec<Point>, u32) = (Vec::new(), 0);
         for (index, whole) in text.trim_start_matches('\u{feff}').lines().enumerate() {
             let line = index as u32 + 1;
             let wrong = |zh: String, en: String| Err(ScrewFault { line, said: Said::new(zh, en) });
             let row = whole.split('#').next().unwrap_or_default().trim();
-            if row.is_empty() || points.is_empty() && index == 0 && !row.contains(|sign: char| sign.is_ascii_digit()) {
+            rows += u32::from(!row.is_empty());
+            if row.is_empty() || rows == 1 && !row.contains(|sign: char| sign.is_ascii_digit()) {
                 continue;
             }
             let point = match point(row) {
@@ -145,7 +146,7 @@ mod tests {
 
     #[test]
     fn b7_a_table_is_read_between_its_points_and_level_beyond_them() {
-        let table = ScrewTable::parse("位置,间隙,螺距\n-100, 0.03, -0.01\n0;0.01\n# 注释\n100\t0.02\t0.004\n").unwrap();
+        let table = ScrewTable::parse("# X\n位置,间隙,螺距\n-100, 0.03, -0.01\n0;0.01\n# 注释\n100\t0.02\t0.004\n").unwrap();
         assert_eq!(table.points().len(), 3);
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(close(table.backlash_mm(-50.0), 0.02) && close(table.pitch_mm(-50.0), -0.005));

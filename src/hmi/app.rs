@@ -137,7 +137,7 @@ impl Hmi {
             let view = View { snapshot, lang: self.lang, theme: &theme, clock: "", power_on_s: 0, blink: false };
             self.pages.open(&view);
         }
-        let shown = (snapshot.program.number, snapshot.grinding_page);
+        let shown = (snapshot.program.number, snapshot.grinding_page());
         if self.program != shown {
             self.program = shown;
             self.pages.restart_entry();

@@ -15,6 +15,9 @@ use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, Micros, PerAxis};
 
+/// Programs with a grinding page of their own (K7.2).
+pub const PAGED_PROGRAMS: std::ops::RangeInclusive<u32> = 1_001..=1_020;
+
 /// Macro variables shown: #0 to #999.
 pub const VARIABLES: usize = 1_000;
 
@@ -259,8 +262,8 @@ pub struct Snapshot {
     pub mdi_ready: Arc<str>,
     /// Machine coordinates of the dressing point of each axis, where it is set (K4.2).
     pub dressing_point: PerAxis<Option<f64>>,
-    /// Which page files the grinding page shows; none where the current program has no page.
-    pub grinding_page: Option<u32>,
+    /// The page files of a kind whose grinding page is its own; none where each program has a page.
+    pub own_page: Option<u32>,
     /// Which of how many grinding pages that is, from 0.
     pub grinding_pages: (usize, usize),
     /// Grinding pages found on disk.
@@ -329,7 +332,7 @@ impl Snapshot {
             modals: ModalView::default(),
             mdi_ready: Arc::from(""),
             dressing_point: PerAxis::default(),
-            grinding_page: None,
+            own_page: None,
             grinding_pages: (0, 1),
             screens: Arc::default(),
             directory: Arc::default(),
@@ -345,10 +348,16 @@ impl Snapshot {
         }
     }
 
+    /// Which page files the grinding page shows; none where the current program has no page (K7.2).
+    #[must_use]
+    pub fn grinding_page(&self) -> Option<u32> {
+        self.own_page.or_else(|| PAGED_PROGRAMS.contains(&self.program.number).then_some(self.program.number))
+    }
+
     /// The files of the grinding page.
     #[must_use]
     pub fn page_files(&self) -> Option<&ScreenFiles> {
-        self.screens.find(self.grinding_page?)
+        self.screens.find(self.grinding_page()?)
     }
 
     /// What a program is called.

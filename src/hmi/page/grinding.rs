@@ -30,7 +30,7 @@ pub fn ui(
 ) -> Vec<Command> {
     let mut out = Vec::new();
     let number = view.snapshot.program.number;
-    let Some(shown) = view.snapshot.grinding_page else {
+    let Some(shown) = view.snapshot.grinding_page() else {
         no_page(ui, rect, view, number, &mut out);
         return out;
     };
@@ -220,7 +220,7 @@ fn show_picture(ui: &Ui, rect: Rect, view: &View<'_>, files: Option<&ScreenFiles
     if let Some(texture) = texture {
         painter.image(texture, place.shrink(1.0), full, theme::UNTINTED);
     } else {
-        let number = view.snapshot.grinding_page.unwrap_or_default();
+        let number = view.snapshot.grinding_page().unwrap_or_default();
         let words = match files.map(|files| &files.picture) {
             Some(Err(fault)) => fault.said().get(view.lang).to_owned(),
             _ => format!("B{:04}.BMP：{}", number % 1_000, view.say("应为 200×400、24 位", "200×400, 24 bit")),

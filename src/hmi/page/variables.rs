@@ -277,7 +277,7 @@ impl Variables {
 /// Whose labels stand beside the numbers, and whether they may be edited.
 fn head(ui: &Ui, rect: Rect, view: &View<'_>) {
     let painter = ui.painter();
-    let number = view.snapshot.grinding_page.unwrap_or_default();
+    let number = view.snapshot.grinding_page().unwrap_or_default();
     let title = view.snapshot.page_files().and_then(|files| files.text.as_ref().ok());
     let words = title.map_or_else(
         || view.say("当前程序没有页面文字", "the current program has no page text").to_owned(),
