@@ -146,7 +146,8 @@ mod tests {
 
     #[test]
     fn b7_a_table_is_read_between_its_points_and_level_beyond_them() {
-        let table = ScrewTable::parse("# X\n位置,间隙,螺距\n-100, 0.03, -0.01\n0;0.01\n# 注释\n100\t0.02\t0.004\n").unwrap();
+        let table =
+            ScrewTable::parse("# X\n位置,间隙,螺距\n-100, 0.03, -0.01\n0;0.01\n# 注释\n100\t0.02\t0.004\n").unwrap();
         assert_eq!(table.points().len(), 3);
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(close(table.backlash_mm(-50.0), 0.02) && close(table.pitch_mm(-50.0), -0.005));

@@ -80,7 +80,7 @@ fn feed(running: &Running<'_, '_>) -> Outcome<Feed> {
 pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     let centre = [b'I', b'J', b'K'].into_iter().any(|letter| running.words.has(letter));
     let is_arc = matches!(running.modals.motion, Motion::ArcClockwise | Motion::ArcCounterClockwise);
-    if !names_axes(running) && !(is_arc && centre) {
+    if !(names_axes(running) || is_arc && centre) {
         return match running.words.look(RADIUS) {
             // An arc by radius has no end of its own.
             Some(word) if is_arc && plan.motion.is_some() => {
