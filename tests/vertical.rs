@@ -406,3 +406,42 @@ fn s3_page_texts_name_r_parameters() {
     let wrong = kt830::defs::screen::parse(&format!("题;\n砂轮 R300;\n{}\n%", ";".repeat(9))).unwrap_err();
     assert_eq!((wrong.line, wrong.column), (2, 1));
 }
+
+/// A block that is wrong is an alarm with program, line and column when the machine gets there; nothing of it is done.
+#[test]
+fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
+    for (block, said) in [
+        ("R1=5 G0 X=R300", "WRONG 第3行 第11列：没有参数 R300"),
+        ("R1=5 G0 X600 GOTOF AA1", "WRONG 第3行 第14列：无法识别的字 'GOTOF'"),
+        ("IF R1<5 GOTOF AA9", "WRONG 第3行 第15列：找不到标号 AA9"),
+        ("IF R1<5 GOTOB AA1", "WRONG 第3行 第15列：标号 AA1 不在跳转方向上"),
+        ("MSG(\"abc)", "WRONG 第3行 第5列：引号不匹配"),
+        ("G0 X600 L10", "WRONG 第3行 第1列：L10 与 G0 不能同段"),
+        ("L99", "WRONG 第3行 第1列：找不到程序 L99"),
+    ] {
+        let mut rig = vgrind(1, "");
+        let text = format!("; 错误\nG90 G0 X690\n{block}\nG0 X600\nAA1:M2\n");
+        rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", text.into_bytes()));
+        tell(&mut rig, "load WRONG\nmode auto\nset R1 = 1\nkey cycle-start\nwait 3 s\nexpect alarm any\nexpect R1 1");
+        let alarms = rig.snapshot().alarms.clone();
+        assert!(alarms[0].text.zh.contains(said), "{block}: {}", alarms[0].text.zh);
+        tell(&mut rig, "expect X 690 ±0.001\nexpect output wheel off");
+    }
+}
+
+/// Jumps and conditions in a run as in the check; a message stays until MSG().
+#[test]
+fn s1_a_message_stays_until_the_next_and_repeats_are_counted() {
+    let mut rig = vgrind(1, "");
+    let text = "R1=0\nMSG(“粗磨”)\nG4 F1\nMSG()\nG4 F1\nMSG(\"精磨\")\nM2";
+    rig.add_program(disk::program(program::number("TELL"), "TELL.MPF", text.as_bytes().to_vec()));
+    tell(&mut rig, "load TELL\nmode auto\nkey cycle-start\nwait 0.5 s");
+    let told = |rig: &mut Rig| rig.snapshot().waiting_for.as_ref().map(|said| said.zh.clone());
+    assert_eq!(told(&mut rig).as_deref(), Some("粗磨"));
+    tell(&mut rig, "wait 1 s");
+    assert_eq!(told(&mut rig), None);
+    tell(&mut rig, "wait until idle");
+    assert_eq!(told(&mut rig).as_deref(), Some("精磨"));
+    tell(&mut rig, "key reset");
+    assert_eq!(told(&mut rig).as_deref(), Some("精磨"));
+}
