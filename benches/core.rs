@@ -19,7 +19,7 @@ use kt830::units::Micros;
 
 fn rig(program: u32) -> Rig {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = Folders { programs: root.join("programs"), screens: root.join("screens") };
+    let folders = Folders { programs: root.join("programs"), screens: root.join("screens"), named: false };
     let setup = Setup { kind: Kind::Gc, retained: Retained::factory(Kind::Gc), keeper: None, folders, seed: 1 };
     let mut rig = Rig::new(setup).unwrap();
     let part = PartFile::builtin(program).unwrap().unwrap();

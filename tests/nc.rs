@@ -31,9 +31,13 @@ fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
 }
 
 fn run(path: &Path) -> (String, Checked) {
+    run_as(path, None)
+}
+
+fn run_as(path: &Path, settings: Option<Settings>) -> (String, Checked) {
     let bytes = std::fs::read(path).unwrap();
     let text = String::from_utf8_lossy(&bytes).into_owned();
-    let settings = settings_for(&text);
+    let settings = settings.unwrap_or_else(|| settings_for(&text));
     let library: HashMap<_, _> = files("tests/nc/sub", "NC")
         .iter()
         .filter_map(|path| {
@@ -79,6 +83,40 @@ fn b1_wrong_programs_name_every_error_with_line_and_column() {
             .iter()
             .map(|fault| format!("{}:{} {}", fault.place.line, fault.column, fault.cause(Lang::En)))
             .collect();
+        assert_eq!(found.join(" | "), expected, "{}", path.display());
+    }
+}
+
+/// The manual's own examples and a shaft: operations worked out from its text stand beside the tests.
+#[test]
+fn l1_to_l8_the_manuals_examples_give_their_operations() {
+    let programs = files("programs/lathe", "NC");
+    assert!(programs.len() >= 12);
+    for path in programs {
+        let (ops, checked) = run_as(&path, Some(Settings::superman()));
+        let faults: Vec<_> = checked.faults.iter().map(|fault| fault.text(Lang::En)).collect();
+        assert!(faults.is_empty() && checked.finished, "{}: {faults:#?}", path.display());
+        let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/nc/lathe");
+        let golden = golden.join(path.file_name().unwrap()).with_extension("ops");
+        let expected = std::fs::read_to_string(&golden).unwrap_or_default();
+        assert_eq!(ops, expected, "{}\n{ops}", path.display());
+    }
+}
+
+/// The first line says what is wrong: `(line:column cause)`, warnings behind a `?`, several parted by ` | `.
+#[test]
+fn l1_to_l8_wrong_programs_name_every_error_with_line_and_column() {
+    let programs = files("tests/nc/lathe/bad", "NC");
+    assert!(programs.len() >= 10);
+    for path in programs {
+        let (_, checked) = run_as(&path, Some(Settings::superman()));
+        let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
+        let expected = text.lines().next().unwrap().trim_start_matches("; ");
+        let told =
+            |fault: &kt830::nc::Fault| format!("{}:{} {}", fault.place.line, fault.column, fault.cause(Lang::En));
+        let found: Vec<_> = checked.faults.iter().map(told).collect();
+        let remarks = checked.warnings.iter().map(|fault| format!("?{}", told(fault)));
+        let found: Vec<_> = found.into_iter().chain(remarks).collect();
         assert_eq!(found.join(" | "), expected, "{}", path.display());
     }
 }

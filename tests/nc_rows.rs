@@ -240,15 +240,15 @@ fn b2_a_frame_and_a_move_in_one_block_come_in_two_parts() {
 fn b5_a_run_from_a_chosen_block_knows_what_is_in_force_there() {
     let text = "G99 G1 X20 F0.2\nT0202\nG56\nU2\nN70 G0 Z9\nM30";
     let (mut interpreter, mut world, mut block) = start(text, Settings::lathe());
-    assert_eq!(interpreter.advance_to(5, &mut world), Ok(Next::Block));
+    assert_eq!(interpreter.advance_to(5, &mut world, &mut |_| {}), Ok(Next::Block));
     let modals = *interpreter.modals();
     assert_eq!((modals.frame, modals.tool, modals.feed(), modals.motion.g()), (56, 2, Some(Feed::PerRev(0.2)), 1));
     assert_eq!(world.position(), PerAxis([11.0, 0.0, 0.0]));
     assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
     assert_eq!((block.at.line, block.at.n), (5, Some(70)));
-    assert_eq!(interpreter.advance_to(99, &mut world), Ok(Next::End));
+    assert_eq!(interpreter.advance_to(99, &mut world, &mut |_| {}), Ok(Next::End));
     let (mut interpreter, mut world, _) = start("N1 GOTO 1\nM30", Settings::lathe());
-    assert_eq!(interpreter.advance_to(2, &mut world), Ok(Next::Busy));
+    assert_eq!(interpreter.advance_to(2, &mut world, &mut |_| {}), Ok(Next::Busy));
 }
 
 #[test]

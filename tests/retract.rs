@@ -63,8 +63,8 @@ fn k6_4_without_p4_4_the_key_is_dead_and_the_run_goes_on() {
 #[test]
 fn k6_4_without_its_program_the_run_is_held_and_the_wheel_stays() {
     // A folder without programs.
-    let Folders { screens, .. } = told::folders();
-    let mut rig = told::rig_in(Folders { programs: screens.clone(), screens });
+    let Folders { screens, named, .. } = told::folders();
+    let mut rig = told::rig_in(Folders { programs: screens.clone(), screens, named });
     rig.make_ready();
     rig.add_program(program(7_000, "O7000.NC", GRIND.as_bytes().to_vec()));
     tell(&mut rig, "load O7000\nparam P4.4 1\nmode auto");

@@ -28,7 +28,7 @@ pub struct Args {
 /// Options of every command.
 #[derive(Clone, Debug, ClapArgs)]
 pub struct Shared {
-    /// Kind of machine: gc (cylindrical), gs (surface), ga (rotary table), vertical (lathe-grinder, 802D) [default: as set on the machine, else gc]
+    /// Kind of machine: gc (cylindrical), gs (surface), ga (rotary table), vertical (lathe-grinder, 802D), lathe (超人) [default: as set on the machine, else gc]
     #[arg(long = "kind", global = true, value_name = "KIND", value_parser = kind)]
     pub kind_asked: Option<Kind>,
     /// The kind that holds: asked for, else stored, else gc.

@@ -9,6 +9,7 @@ use crate::defs::kind::Kind;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::nc::Memory;
+use crate::runtime::bar::{self, own_programs};
 use crate::runtime::disk::{Folders, beside, program};
 use crate::runtime::keeper::Keeper;
 use crate::runtime::rig::{Rig, Setup};
@@ -40,7 +41,11 @@ pub fn settle(mut shared: Shared, opens_control: bool) -> Result<Shared, CallErr
 /// A folder cannot be made.
 pub fn folders(shared: &Shared) -> Result<Folders, CallError> {
     let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
-    Folders::resolve(shared.programs.clone(), shared.screens.clone(), &data, shared.kind).map_err(CallError::new)
+    let own = own_programs(shared.kind);
+    let found = own.map(|name| Path::new("programs").join(name)).filter(|path| path.is_dir());
+    let programs = shared.programs.clone().or(found);
+    let folders = Folders::resolve(programs, shared.screens.clone(), &data, shared.kind).map_err(CallError::new)?;
+    Ok(Folders { named: own.is_some(), ..folders })
 }
 
 /// What the control begins with: `--param` and `--set` applied to factory or retained values.
@@ -125,6 +130,9 @@ pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
     {
         return Ok(number);
     }
+    if let Some(number) = rig.program_named(word) {
+        return Ok(number);
+    }
     let path = Path::new(word);
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let named = crate::story::parse::program(&stem);
@@ -151,7 +159,11 @@ pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
 /// # Errors
 /// The part file cannot be read.
 pub fn mount(rig: &mut Rig, shared: &Shared, number: u32) -> Result<(), CallError> {
-    if let Some(part) = part(shared, number)? {
+    let given = match rig.program_source(number) {
+        Some(source) if shared.part.is_none() => bar::of_program(shared.kind, &rig.retained().params, &source),
+        Some(_) | None => None,
+    };
+    if let Some(part) = given.map_or_else(|| part(shared, number), |bar| Ok(Some(bar)))? {
         rig.mount(&part);
     }
     rig.send(Command::LoadProgram(number));

@@ -134,7 +134,7 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
         world.set_system(variable.first, Some(retained.params.get(row)));
     }
     let part = bench::part(shared, number)?;
-    if let Some(part) = &part {
+    if let Some(part) = part.as_ref().filter(|_| !settings.zero_at_start) {
         world = start(world, retained.frames.clone(), part);
         preset(&mut memory, part);
     }

@@ -121,6 +121,7 @@ impl Report {
             "variables": variables,
             "part": rig.machine().measure(),
             "wheel": {"diameter": rig.machine().wheel().diameter_mm},
+            "threads": threads(rig),
             "events": rig.machine().events(),
         })
     }
@@ -157,6 +158,15 @@ impl Report {
         lines.extend(part.diameters.iter().map(|at| format!("part diameter at Z{:.3}  {:.4}", at.z, at.d)));
         lines.extend(part.faces.iter().map(|at| format!("part face at X{:.3}  Z {:.4}", at.x, at.z)));
         lines.extend(part.heights.iter().map(|at| format!("part height at X{:.3} Z{:.3}  {:.4}", at.x, at.z, at.y)));
+        for cut in rig.controller().threads() {
+            lines.push(format!(
+                "thread line {} lead {:.4} over {:.3} mm: lead error {:.1} µm",
+                cut.line,
+                cut.lead_mm,
+                cut.length_mm,
+                cut.error_mm * 1_000.0
+            ));
+        }
         for event in rig.machine().events() {
             lines.push(format!(
                 "event {} at {:.3} s: {} X{:.3} Z{:.3}",
@@ -170,6 +180,12 @@ impl Report {
         lines.push(format!("wheel diameter {:.4}", rig.machine().wheel().diameter_mm));
         lines.join("\n")
     }
+}
+
+/// The threads cut, with the error of their lead.
+fn threads(rig: &Rig) -> Vec<Value> {
+    let row = |cut: &crate::link::snapshot::ThreadCut| json!({"line": cut.line, "lead": cut.lead_mm, "length": cut.length_mm, "error": cut.error_mm});
+    rig.controller().threads().iter().map(row).collect()
 }
 
 fn positions(snapshot: &Snapshot, of: impl Fn(&crate::link::snapshot::AxisView) -> f64) -> Value {

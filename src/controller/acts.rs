@@ -56,6 +56,9 @@ impl Controller {
             Act::Gauge(asked) => self.gauge(run, asked),
             Act::Oscillate(stroke) => self.oscillate(run, *stroke),
             Act::Cylinder(on) => self.cylinder(*on),
+            Act::Thread(thread) => self.thread(run, thread),
+            Act::Home(axis) => self.home_by_program(run, *axis),
+            Act::Post(station) => self.post(run, *station),
             Act::Dwell(seconds) => self.dwell(run, *seconds),
             Act::Wheel(..) if self.switches.mst_lock => Did::Done,
             Act::Wheel(value, mode) => {
@@ -244,7 +247,12 @@ impl Controller {
         match run.doing {
             Doing::Dwell { until } if self.now >= until => Did::Done,
             Doing::Dwell { .. } => Did::Wait,
-            Doing::Nothing | Doing::Settling | Doing::AwaitInput(_) | Doing::Skipping { .. } => {
+            Doing::Nothing
+            | Doing::Settling
+            | Doing::AwaitInput(_)
+            | Doing::Threading
+            | Doing::Homing
+            | Doing::Skipping { .. } => {
                 if self.axes.is_at_rest() {
                     run.doing = Doing::Dwell { until: self.now + Micros::from_secs_f64(seconds) };
                 }
@@ -257,7 +265,12 @@ impl Controller {
     fn skip(&mut self, run: &mut Run, planned: &PlannedMove, signal: u8) -> Did {
         let input = SIGNALS[usize::from(signal.clamp(1, 6)) - 1];
         match run.doing {
-            Doing::Nothing | Doing::Settling | Doing::Dwell { .. } | Doing::AwaitInput(_) => {
+            Doing::Nothing
+            | Doing::Settling
+            | Doing::Dwell { .. }
+            | Doing::AwaitInput(_)
+            | Doing::Threading
+            | Doing::Homing => {
                 let tag = run.next_tag;
                 let most = self.params.get(param::SKIP_SPEED_MAX);
                 let Some(rate) = planned.speed.rate(self.drive_rpm(), most) else { return self.no_drive() };

@@ -8,7 +8,7 @@ use crate::defs::param::{self, Params};
 use crate::defs::screw::ScrewTable;
 use crate::io::InputImage;
 use crate::machine::kind::KindRow;
-use crate::motion::{AxisLimits, AxisMover, Limits, Override, Path};
+use crate::motion::{AxisLimits, AxisMover, Limits, Override, Path, ThreadMover};
 use crate::units::{Axis, PerAxis};
 
 /// Seconds in a minute: parameters are per minute, motion per second.
@@ -56,6 +56,8 @@ pub struct Axes {
     oscillated: Option<(Axis, f64, f64)>,
     /// What the screws need beside the set-points.
     screws: Compensation,
+    /// A thread under way.
+    thread: Option<ThreadMover>,
     /// Machine lock: where the axes really stand while the positions count on.
     locked: Option<Locked>,
     /// Length of a tick: as it was at power-on (P58).
@@ -85,6 +87,7 @@ impl Axes {
             drives_on: true,
             oscillated: None,
             screws: Compensation::new(screws, params, tick_s),
+            thread: None,
             locked: None,
             tick_s,
         }
@@ -145,8 +148,8 @@ impl Axes {
         self.actual = if self.locked.is_some() { self.set } else { self.encoder };
     }
 
-    /// One tick of whoever owns the axes.
-    pub fn tick(&mut self, rate: Override) {
+    /// One tick of whoever owns the axes; `spindle_turns` is what a thread follows.
+    pub fn tick(&mut self, rate: Override, spindle_turns: f64) {
         let before = self.set;
         match self.owner {
             Owner::Path => {
@@ -166,6 +169,17 @@ impl Axes {
             self.set[axis] = position;
             self.velocity_mm_s[axis] = velocity;
         }
+        if let Some(thread) = &mut self.thread {
+            let point = thread.tick(spindle_turns);
+            for axis in [Axis::X, Axis::Z] {
+                self.set[axis] = point.position[axis];
+                self.velocity_mm_s[axis] = point.velocity_mm_s[axis];
+            }
+            if thread.is_over() {
+                self.thread = None;
+                self.path.clear_at(self.set);
+            }
+        }
         for axis in Axis::ALL {
             let moved = self.set[axis] - before[axis];
             if moved.abs() > 0.0 {
@@ -176,6 +190,23 @@ impl Axes {
         for axis in Axis::ALL {
             self.screws.step(axis, set[axis], minus[axis], self.homed[axis]);
         }
+    }
+
+    /// A thread takes X and Z; the path must be at rest.
+    pub fn begin_thread(&mut self, mover: ThreadMover) {
+        self.thread = Some(mover);
+    }
+
+    /// The thread under way.
+    #[must_use]
+    pub const fn thread(&self) -> Option<&ThreadMover> {
+        self.thread.as_ref()
+    }
+
+    /// The limits that a move of the program keeps.
+    #[must_use]
+    pub fn path_limits(&self, params: &Params) -> Limits {
+        limits(params, self.tick_s)
     }
 
     /// Where the oscillating axis is to be in this tick; none lets it go where it stands.
@@ -256,6 +287,9 @@ impl Axes {
 
     /// Brakes everything: the path along itself, the movers at full deceleration.
     pub fn brake(&mut self) {
+        if let Some(thread) = &mut self.thread {
+            thread.abort();
+        }
         match self.owner {
             Owner::Path => self.path.abort(),
             Owner::Hand => {
@@ -269,6 +303,9 @@ impl Axes {
     /// Whether no set-point moves.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
+        if self.thread.is_some() {
+            return false;
+        }
         match self.owner {
             Owner::Path => self.path.is_at_rest(),
             Owner::Hand => self.movers.iter().all(|(_, mover)| mover.is_at_rest()),

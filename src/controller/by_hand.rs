@@ -130,12 +130,24 @@ impl Controller {
             return self.happen(Event::Homed);
         };
         wanted[axis] = false;
-        let minus: Bit = [param::HOME_MINUS_X, param::HOME_MINUS_Y, param::HOME_MINUS_Z][axis as usize];
-        let direction = if self.params.bit(minus) { -1.0 } else { 1.0 };
-        if self.runs_into_limit(axis, direction) {
+        if self.runs_into_limit(axis, self.home_direction(axis)) {
             self.refuse(INTO_LIMIT);
             return self.happen(Event::Homed);
         }
+        let now = self.plan_homing(axis);
+        self.axes.give_to_hand();
+        self.axes.unbound(axis);
+        self.happen(Event::Home(Homing { now, next: wanted }));
+    }
+
+    fn home_direction(&self, axis: Axis) -> f64 {
+        let minus: Bit = [param::HOME_MINUS_X, param::HOME_MINUS_Y, param::HOME_MINUS_Z][axis as usize];
+        if self.params.bit(minus) { -1.0 } else { 1.0 }
+    }
+
+    /// Speeds and way of an axis to its switch.
+    pub(super) fn plan_homing(&self, axis: Axis) -> AxisHoming {
+        let direction = self.home_direction(axis);
         // K5.9: a turning wheel keeps its slow direction.
         let slow = axis == self.row.slow_axis && direction < 0.0 && self.output_set.has(Output::Wheel);
         let most = if slow { self.params.get(param::WHEEL_ON_SPEED) } else { f64::INFINITY };
@@ -147,20 +159,26 @@ impl Controller {
             coordinate: self.params.of_axis(param::HOME_X, axis),
             width_mm: self.params.get(param::IN_POSITION),
         };
-        self.axes.give_to_hand();
-        self.axes.unbound(axis);
-        self.happen(Event::Home(Homing { now: AxisHoming::new(axis, plan), next: wanted }));
+        AxisHoming::new(axis, plan)
+    }
+
+    /// One tick of an axis on its way to its switch.
+    pub(super) fn tick_homing(&mut self, homing: &mut AxisHoming) -> Progress {
+        const SWITCHES: [Input; 3] = [Input::HomeX, Input::HomeY, Input::HomeZ];
+        let (axis, switch) = (homing.axis, SWITCHES[homing.axis as usize]);
+        let at = self.axes.actual()[axis];
+        homing.tick(&mut self.axes.movers[axis], self.inputs.has(switch), self.raw.has(switch), at)
     }
 
     /// Jog, handwheel or homing, one tick.
     pub(super) fn step_hand(&mut self) {
-        const SWITCHES: [Input; 3] = [Input::HomeX, Input::HomeY, Input::HomeZ];
-        if let Phase::Homing(Homing { now, next }) = &mut self.phase {
-            let (axis, next) = (now.axis, *next);
-            let switch = SWITCHES[axis as usize];
-            let at = self.axes.actual()[axis];
-            let mover = &mut self.axes.movers[axis];
-            match now.tick(mover, self.inputs.has(switch), self.raw.has(switch), at) {
+        if let Phase::Homing(Homing { now, next }) = self.phase.clone() {
+            let (axis, mut homing) = (now.axis, now);
+            let progress = self.tick_homing(&mut homing);
+            if let Phase::Homing(Homing { now, .. }) = &mut self.phase {
+                *now = homing;
+            }
+            match progress {
                 Progress::Going => {}
                 Progress::SetZero { edge } => {
                     let coordinate = self.params.of_axis(param::HOME_X, axis);

@@ -35,6 +35,8 @@ impl Controller {
             Command::OpenPage(page) => self.open_page(*page),
             Command::TurnSheet(sheet) => self.turn_sheet(*sheet),
             Command::LoadProgram(number) => self.load_program(*number),
+            Command::RestartAt(line) => self.restart_at(*line),
+            Command::ResumeInterrupted => self.resume_interrupted(),
             Command::Mdi(line) => self.mdi(line),
             Command::TypeVariable(..)
             | Command::Offset(_)
@@ -119,7 +121,7 @@ impl Controller {
         true
     }
 
-    fn load_program(&mut self, number: u32) {
+    pub(super) fn load_program(&mut self, number: u32) {
         if self.run.is_some() {
             return self.refuse(NOT_IN_RUN);
         }
@@ -130,6 +132,7 @@ impl Controller {
             ));
         }
         self.current = number;
+        self.restart = None;
         self.place = crate::nc::Place::default();
         self.effects.push(Effect::CurrentProgram(number));
         self.check_page_files();

@@ -43,6 +43,9 @@ impl Controller {
         if !matches!(self.ask(Request::CycleStart), Answer::Taken) {
             return;
         }
+        if matches!(self.phase, Phase::Idle) && self.start_restart() {
+            return;
+        }
         if matches!(self.phase, Phase::Idle) {
             return self.start_program();
         }
@@ -83,6 +86,7 @@ impl Controller {
         self.machine.reset();
         self.dress.let_go();
         self.retract.let_go();
+        self.restart = None;
         self.stop_oscillation();
         let e_stop = self.machine.is_e_stopped();
         let bus = self.image.bus_alive;

@@ -31,6 +31,8 @@ pub enum Effect {
     Screw(Axis, ScrewTable),
     /// Keep the number of the current program.
     CurrentProgram(u32),
+    /// Keep where the running program is, for a power cut: program and line from 1; none when it is over.
+    RunningAt(Option<(u32, u32)>),
     /// Keep the count of workpieces.
     Parts(u32),
     /// What a page asks of the disk: passwords, settings. It is answered by a command.

@@ -29,9 +29,15 @@ impl Controller {
         let kept = self.mdi_modals.take().filter(|_| origin == Origin::Mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
         self.frames.activate(modals.frame);
+        if settings.zero_at_start && origin == Origin::Program {
+            // L3: at the start, work zero, reference point and start point are one.
+            self.frames.preset(self.axes.set(), &PerAxis([Some(0.0), None, Some(0.0)]));
+        }
         let mut planned = Planned::new(self.frames.clone(), self.axes.set(), self.dress.points, modals.path);
         planned.oscillating = self.oscillating_axis();
-        planned.homed = self.axes.all_homed();
+        planned.bounded = self.axes.all_homed();
+        planned.homed = planned.bounded || self.row.turns_part;
+        planned.system = self.row.system;
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
@@ -45,7 +51,8 @@ impl Controller {
     /// One tick of the run.
     pub(super) fn step_run(&mut self) {
         let Some(mut run) = self.run.take() else { return };
-        if matches!(self.phase, Phase::Running) && !self.join_axes(&mut run) {
+        let homing = run.doing == Doing::Homing;
+        if matches!(self.phase, Phase::Running) && !homing && !self.join_axes(&mut run) {
             self.run = Some(run);
             return;
         }
@@ -180,6 +187,9 @@ impl Controller {
                     | Act::Gauge(_)
                     | Act::Oscillate(_)
                     | Act::Cylinder(_)
+                    | Act::Thread(_)
+                    | Act::Home(_)
+                    | Act::Post(_)
                     | Act::Dwell(_)
                     | Act::Skip(..)
                     | Act::Alarm(..)

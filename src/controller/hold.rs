@@ -101,6 +101,8 @@ impl Controller {
                     return false;
                 }
             }
+            // A run from a chosen block knows already where its first moves lead.
+            None if !run.items.is_empty() => {}
             None => run.planned.machine = self.axes.set(),
         }
         self.axes.give_to_path();
@@ -116,7 +118,7 @@ impl Controller {
         }
     }
 
-    fn what_turns(&self) -> [bool; 2] {
+    pub(super) fn what_turns(&self) -> [bool; 2] {
         [self.output_set.has(Output::Wheel), self.machine.drive_is_on()]
     }
 

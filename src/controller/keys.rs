@@ -140,6 +140,7 @@ impl Controller {
         self.hand.let_go();
         self.drop_mdi();
         if mode != self.mode {
+            self.restart = None;
             self.dress.let_go();
         }
         self.mode = mode;

@@ -68,6 +68,7 @@ impl Controller {
         frames.activate(modals.frame);
         let mut planned = Planned::new(frames, self.axes.set(), self.dress.points, modals.path);
         planned.oscillating = self.oscillating_axis();
+        planned.system = self.row.system;
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
@@ -82,11 +83,19 @@ impl Controller {
     /// The codes in force: of the run as it is read, of the last MDI line, or those of power-on.
     pub(super) fn modal_view(&self) -> ModalView {
         let settings = nc_settings(self.kind, &self.params);
+        if let Some(chosen) = self.restart_modals() {
+            return chosen;
+        }
         let modals = match (&self.run, &self.mdi_modals) {
             (Some(run), _) => run.block.modals,
             (None, Some(kept)) => *kept,
             (None, None) => Modals::new(&settings),
         };
+        self.view_of(&modals)
+    }
+
+    /// Codes as the pages show them.
+    pub(super) fn view_of(&self, modals: &Modals) -> ModalView {
         ModalView {
             g: modals.g_codes(self.kind.system()),
             feed: modals.feed,

@@ -27,6 +27,7 @@ mod oscillation;
 mod page_files;
 mod pages;
 mod planned;
+mod restart;
 mod retract;
 mod run;
 mod screw;
@@ -34,6 +35,7 @@ mod settle;
 mod status;
 mod switches;
 mod system;
+mod turning;
 mod watch;
 mod wheel_change;
 mod wheel_size;
@@ -55,7 +57,7 @@ use crate::defs::signal::{Input, InputSet, Output, OutputSet};
 use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
-use crate::link::snapshot::{DirectoryRow, Message, Tone};
+use crate::link::snapshot::{DirectoryRow, Message, ThreadCut, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
 pub use crate::nc::Frames;
@@ -125,6 +127,8 @@ pub struct Retained {
     pub current_program: u32,
     /// Workpieces counted.
     pub parts: u32,
+    /// Program and line (from 1) of a run that the power cut off.
+    pub interrupted: Option<(u32, u32)>,
 }
 
 impl Retained {
@@ -143,6 +147,7 @@ impl Retained {
             screws: PerAxis::default(),
             current_program: 0,
             parts: 0,
+            interrupted: None,
         }
     }
 }
@@ -166,10 +171,10 @@ pub struct Controller {
     phase: Phase,
     run: Option<Box<Run>>,
     retract: retract::Retract,
+    restart: Option<Box<restart::Restart>>,
+    kept: restart::Kept,
     mode: Mode,
     page: Page,
-    /// Which sheet of the grinding page is shown.
-    sheet: usize,
     switches: Switches,
     overrides: Overrides,
     frames: Frames,
@@ -181,8 +186,6 @@ pub struct Controller {
     alarms: Alarms,
     message: Message,
     waiting_for: Option<Said>,
-    /// What the program tells until it tells something else (MSG).
-    note: Option<Said>,
     screens: Arc<Screens>,
     directory: Arc<Vec<DirectoryRow>>,
     effects: Vec<Effect>,
@@ -216,6 +219,11 @@ pub struct Controller {
     mdi_modals: Option<Modals>,
     pages: Pages,
     edits: edits::Edits,
+    spindle: turning::SpindleSeen,
+    measuring: Option<turning::Measured>,
+    threads: Vec<ThreadCut>,
+    /// An axis that a program sends to its switch.
+    program_homing: Option<Homing>,
 }
 
 impl Controller {
@@ -240,9 +248,10 @@ impl Controller {
             phase: Phase::Idle,
             run: None,
             retract: retract::Retract::default(),
+            restart: None,
+            kept: restart::Kept::new(retained.interrupted),
             mode: Mode::Manual,
             page: Page::Position,
-            sheet: 0,
             switches: Switches::default(),
             overrides: Overrides { feed: 100, rapid: 100, spindle: 100 },
             frames: retained.frames,
@@ -254,7 +263,6 @@ impl Controller {
             alarms: Alarms::default(),
             message: Message::default(),
             waiting_for: None,
-            note: None,
             screens: Arc::default(),
             directory: Arc::default(),
             effects: Vec::with_capacity(EFFECTS),
@@ -279,9 +287,16 @@ impl Controller {
             mdi_modals: None,
             pages: Pages::new(kind, &params),
             edits: edits::Edits::default(),
+            spindle: turning::SpindleSeen::default(),
+            measuring: None,
+            threads: Vec::new(),
+            program_homing: None,
             params,
         };
         control.find_dead_outputs();
+        if let Some(said) = control.kept.said() {
+            control.say(said);
+        }
         control
     }
 
@@ -305,11 +320,13 @@ impl Controller {
             self.take(command);
         }
         self.watch();
+        self.step_restart();
         self.step_run();
+        self.keep_place();
         self.step_hand();
         self.step_oscillation();
         let rate = self.rate();
-        self.axes.tick(rate);
+        self.axes.tick(rate, self.spindle.turns);
         self.settle();
         self.write_outputs();
         &self.outputs
@@ -324,6 +341,8 @@ impl Controller {
             self.inputs.set(Input::EmergencyStop, true);
         }
         self.axes.read(image);
+        self.spindle.read(image.spindle_turns, self.now);
+        self.measure_thread();
         if image.handwheel_detents != 0 {
             self.turn_handwheel(image.handwheel_detents);
         }

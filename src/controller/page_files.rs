@@ -19,7 +19,7 @@ impl Controller {
 
     /// Another sheet of the grinding page; beyond the last comes the first.
     pub(super) fn turn_sheet(&mut self, sheet: usize) {
-        self.sheet = sheet % self.row.page_files.len().max(1);
+        self.pages.sheet = sheet % self.row.page_files.len().max(1);
         self.check_page_files();
     }
 
@@ -30,12 +30,12 @@ impl Controller {
 
     /// The sheet of the kind's own grinding page.
     pub(super) fn own_page(&self) -> Option<u32> {
-        self.row.page_files.get(self.sheet).map(|number| PAGE_FILES + number)
+        self.row.page_files.get(self.pages.sheet).map(|number| PAGE_FILES + number)
     }
 
     /// Which of how many.
     pub(super) fn grinding_pages(&self) -> (usize, usize) {
-        (self.sheet, self.row.page_files.len().max(1))
+        (self.pages.sheet, self.row.page_files.len().max(1))
     }
 
     /// Whether one of the pages that the grinding page shows has a field for a variable.

@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use super::oscillation::{LEAST_STROKE_MM, Stroke};
 use super::run::{Act, Item, MCall, PlannedMove, Speed, within};
+use crate::defs::kind::System;
 use crate::defs::mcode;
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
-use crate::motion::{End, Plane, Shape, Turn};
+use crate::motion::{End, Plane, Shape, Thread, Turn};
 use crate::nc::{self, AxisSet, Feed, Frames, Op, PathMode, Place, REFERENCES};
 use crate::units::{Axis, PerAxis};
 
@@ -24,8 +25,12 @@ pub struct Planned {
     pub dress_points: PerAxis<Option<f64>>,
     /// The axis that oscillates there.
     pub oscillating: Option<Axis>,
-    /// Every axis is homed.
+    /// Every axis is homed, or need not be.
     pub homed: bool,
+    /// The soft limits hold: every axis is homed.
+    pub bounded: bool,
+    /// The language of the program.
+    pub system: System,
     path: PathMode,
 }
 
@@ -53,7 +58,16 @@ impl Planned {
     /// The beginning of a run.
     #[must_use]
     pub fn new(frames: Frames, machine: PerAxis<f64>, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
-        Self { frames: Arc::new(frames), machine, dress_points, oscillating: None, homed: true, path }
+        Self {
+            frames: Arc::new(frames),
+            machine,
+            dress_points,
+            oscillating: None,
+            homed: true,
+            bounded: true,
+            system: System::LatheA,
+            path,
+        }
     }
 
     /// Turns one operation into items.
@@ -88,16 +102,15 @@ impl Planned {
             }
             Op::Skip { to, feed, signal, words, incremental } => {
                 self.line(*to, speed(*feed), (*words, *incremental), items, params)?;
-                match items.pop_back() {
-                    Some(Item::Move(planned)) => Act::Skip(Box::new(planned), *signal),
-                    _ => return Ok(()),
-                }
+                let Some(Item::Move(planned)) = items.pop_back() else { return Ok(()) };
+                Act::Skip(Box::new(planned), *signal)
             }
             Op::AddWear { .. }
             | Op::DressReturn { .. }
             | Op::OscillationOn { .. }
             | Op::OscillationOff
             | Op::Gauge(_) => return self.take_grinding(op, items, params),
+            Op::Thread(_) | Op::HomeSwitch { .. } | Op::Post { .. } => return self.take_turning(op, items, params),
             Op::Path(mode) => {
                 self.path = *mode;
                 return Ok(());
@@ -112,7 +125,7 @@ impl Planned {
                 Act::Frames(Arc::clone(&self.frames))
             }
             Op::M { code, s, p, l } => {
-                let row = mcode::find_in_any(u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
+                let row = mcode::find_in(self.system, u16::from(*code)).ok_or(Forbidden::NotYet(*code))?;
                 Act::Machine(MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 })
             }
             Op::S { value, mode } => Act::Wheel(*value, *mode),
@@ -166,6 +179,46 @@ impl Planned {
         };
         items.push_back(Item::Do(act));
         Ok(())
+    }
+
+    /// The lathe's functions (L5, L6, L8).
+    fn take_turning(&mut self, op: &Op, items: &mut VecDeque<Item>, params: &Params) -> Result<(), Forbidden> {
+        match op {
+            Op::Thread(threading) => {
+                let (out, to) =
+                    (self.frames.machine_from_work(threading.out), self.frames.machine_from_work(threading.to));
+                let (out, to) = (self.with_y(out), self.with_y(to));
+                for axis in [Axis::X, Axis::Z].into_iter().filter(|_| self.bounded) {
+                    within(axis, out[axis], params)?;
+                    within(axis, to[axis], params)?;
+                }
+                self.machine = to;
+                items.push_back(Item::Do(Act::Thread(Thread { out, to, lead_mm: threading.lead_mm })));
+            }
+            Op::HomeSwitch { axes } => {
+                for axis in axes.iter() {
+                    self.machine[axis] = params.of_axis(param::HOME_X, axis);
+                    items.push_back(Item::Do(Act::Home(axis)));
+                }
+            }
+            Op::Post { station, by } => {
+                Arc::make_mut(&mut self.frames).change_tool(*station, *by);
+                items.push_back(Item::Do(Act::Post(*station)));
+                items.push_back(Item::Do(Act::Frames(Arc::clone(&self.frames))));
+                let Some(by) = by else { return Ok(()) };
+                let to = PerAxis::from_fn(|axis| self.machine[axis] + by[axis]);
+                let both = AxisSet::of(Axis::X).with(AxisSet::of(Axis::Z));
+                return self.push(PlannedMove::new(to, Shape::Line, Speed::Rapid, (both, both)), items, params);
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// A place in X and Z; Y stays.
+    fn with_y(&self, mut at: PerAxis<f64>) -> PerAxis<f64> {
+        at[Axis::Y] = self.machine[Axis::Y];
+        at
     }
 
     /// A straight line to a work coordinate.
@@ -228,7 +281,9 @@ impl Planned {
         if !self.homed {
             return Err(Forbidden::NotHomed);
         }
-        planned.check(self.machine, params)?;
+        if self.bounded {
+            planned.check(self.machine, params)?;
+        }
         planned.end = match (planned.speed, self.path) {
             (Speed::Rapid, _) | (_, PathMode::ExactStop) => End::ExactStop,
             (_, PathMode::Continuous { tolerance_mm }) => End::Continuous { tolerance_mm },

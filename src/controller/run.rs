@@ -16,7 +16,7 @@ use super::planned::{Forbidden, Named, Planned};
 use crate::defs::mcode::{Action, MCode, Request};
 use crate::defs::param::Params;
 use crate::defs::text::Said;
-use crate::motion::{End, Rate, Shape, Turn};
+use crate::motion::{End, Rate, Shape, Thread, Turn};
 use crate::nc::{self, AxisSet, Block, Frames, Gauging, Interpreter, Library, Memory, Place, Source, SpeedMode};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -148,6 +148,12 @@ pub enum Act {
     Oscillate(Stroke),
     /// G35 by cylinder (true), and G36 of either.
     Cylinder(bool),
+    /// A thread and its run-out, machine frame.
+    Thread(Thread),
+    /// An axis to its machine origin by its switch (G36).
+    Home(Axis),
+    /// The tool post to a station.
+    Post(u8),
     /// Stand still, seconds.
     Dwell(f64),
     /// Wheel speed.
@@ -190,6 +196,10 @@ pub enum Doing {
     Settling,
     /// M80–M89.
     AwaitInput(crate::defs::signal::Input),
+    /// A thread is being cut.
+    Threading,
+    /// An axis looks for its switch.
+    Homing,
     /// G31 is on its way.
     Skipping { tag: u32, latched: bool },
 }

@@ -52,8 +52,8 @@ impl Controller {
 
     /// MSG: shown until another one; an empty one ends it.
     pub(super) fn tell_note(&mut self, text: &Said) -> Did {
-        self.note = (!text.zh.is_empty()).then(|| text.clone());
-        if self.note.is_some() {
+        self.pages.note = (!text.zh.is_empty()).then(|| text.clone());
+        if self.pages.note.is_some() {
             self.say(text.clone());
         }
         Did::Done
@@ -61,16 +61,20 @@ impl Controller {
 
     /// A program begins without the message of the last one; an MDI line leaves it.
     pub(super) fn forget_note(&mut self, mdi: bool) {
-        self.note = self.note.take().filter(|_| mdi);
+        self.pages.note = self.pages.note.take().filter(|_| mdi);
     }
 
     /// Leaves the run: what was read ahead and not executed is forgotten.
     pub(super) fn close_run(&mut self) {
         if let Some(run) = self.run.take().filter(|run| run.origin != Origin::Retract) {
+            if run.origin == Origin::Program {
+                self.forget_place();
+            }
             self.cycle_time = self.now.since(run.since);
             self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
         }
         self.waiting_for = None;
+        self.program_homing = None;
         self.axes.give_to_hand();
     }
 
@@ -88,7 +92,11 @@ impl Controller {
             self.outputs.terminals.set(self.params.output_port(output), true);
         }
         let volts = |rpm: f64, most: f64| (FULL_SCALE_VOLTS * rpm / most).clamp(0.0, FULL_SCALE_VOLTS);
-        let wheel = if on.has(Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
+        let wheel = if on.has(Output::Wheel) || self.machine.spindle_direction().is_some() {
+            self.wheel_rpm_given()
+        } else {
+            0.0
+        };
         self.outputs.wheel_volts = volts(wheel, self.params.get(param::WHEEL_RPM_MAX));
         let drive = if self.machine.drive_is_on() { self.analog_2_rpm } else { 0.0 };
         self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));

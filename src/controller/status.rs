@@ -50,6 +50,8 @@ impl Controller {
             if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
         out.strokes_min = self.measured_strokes_min();
         out.parts = self.parts;
+        out.restart = self.restart_view().map(Box::new);
+        out.interrupted = self.kept.interrupted;
         let cycle = self.run.as_ref().map_or(self.cycle_time, |run| self.now.since(run.since));
         out.cycle_seconds = cycle.as_secs_f64();
         out.inputs = self.inputs;
@@ -69,7 +71,7 @@ impl Controller {
         if out.message != self.message {
             out.message.clone_from(&self.message);
         }
-        let told = self.waiting_for.as_ref().or(self.note.as_ref());
+        let told = self.waiting_for.as_ref().or(self.pages.note.as_ref());
         if out.waiting_for.as_ref() != told {
             out.waiting_for = told.cloned();
         }
@@ -156,6 +158,10 @@ impl Controller {
             Key::Step001 => step(0.01),
             Key::Step01 => step(0.1),
             Key::HeadstockStop => !self.machine.drive_is_on(),
+            Key::SpindleForward => self.machine.spindle_direction() == Some(false),
+            Key::SpindleReverse => self.machine.spindle_direction() == Some(true),
+            Key::SpindleStop => self.machine.spindle_direction().is_none(),
+            Key::ToolPost => self.machine.post_is_moving(),
             _ => Mode::ALL.into_iter().any(|mode| mode.key() == key && mode == self.mode),
         }
     }

@@ -13,7 +13,7 @@ use crate::defs::param::{self, Number, Params};
 use crate::defs::variable::{self, SystemVariables};
 use crate::machine::Answer;
 use crate::nc::frames::OFFSETS;
-use crate::nc::{Live, Settings, SpeedUnit, World};
+use crate::nc::{Live, Settings, SpeedUnit, Turning, World};
 use crate::units::{Axis, PerAxis};
 
 /// Variables that stand for a parameter.
@@ -61,6 +61,14 @@ impl World for RunWorld<'_> {
         }
     }
 
+    fn compensation(&self, tool: u32) -> PerAxis<f64> {
+        self.planned.frames.compensation(tool)
+    }
+
+    fn tool(&self) -> u32 {
+        self.planned.frames.tool
+    }
+
     fn block_skip(&self) -> bool {
         self.controller.switches.block_skip
     }
@@ -82,7 +90,16 @@ pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
         tools: OFFSETS as u32,
         oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
         rapid_mm_min: PerAxis::from_fn(|axis| params.of_axis(param::RAPID_X, axis)),
-        ..Settings::of(kind.system())
+        turning: Turning {
+            line_feed: params.get(param::LINE_FEED),
+            arc_feed: params.get(param::ARC_FEED),
+            rapid_z_per_x: params.get(param::RAPID_Z_PER_X),
+            pulse_mm: params.get(param::PULSE),
+            origin: PerAxis::from_fn(|axis| params.of_axis(param::HOME_X, axis)),
+            arcs_opposite: !params.bit(param::ARCS_AS_ISO),
+            spindle_rpm: params.get(param::WHEEL_RPM),
+        },
+        ..Settings::of(row.system)
     }
 }
 

@@ -31,7 +31,7 @@ impl Controller {
         let dressing = self.params.get(param::DRESSING_FIRST)..=self.params.get(param::DRESSING_LAST);
         Around {
             run_open: self.phase.is_run_open(),
-            homed: self.axes.all_homed(),
+            homed: self.axes.all_homed() || self.row.turns_part,
             alarm_blocks: self.alarms.block_start(),
             drives_off: !self.drives_on,
             oscillating: self.oscillation.is_some() && !self.phase.is_run_open(),
@@ -153,6 +153,9 @@ impl Controller {
 
     /// Feed hold by a rule: a run that moves is held; nothing else is touched.
     pub(super) fn hold_run(&mut self) {
+        if self.program_homing.is_some() {
+            return self.abort_run(); // an axis on its way to a switch is not left there
+        }
         if matches!(self.phase, Phase::Running) {
             self.axes.path.hold();
             self.happen(Event::Hold);

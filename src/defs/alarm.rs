@@ -160,6 +160,15 @@ alarms! {
     WHEEL_SIZE = 203, StopProgram, Reset, "砂轮直径不能接受", "wheel diameter not accepted",
         "程序写入的砂轮直径 #5801 大于现直径、小于最小直径，或没有刀补生效", "the diameter written to #5801 is greater than the present one or too small, or no offset is in force",
         "新砂轮在换砂轮页面输入；修整程序先调用刀补 (T0101)", "enter a new wheel on its page; call the offset before (T0101)";
+    TOOL_POST_TIMEOUT = 210, StopProgram, Reset, "刀架转位超时", "tool post time-out",
+        "P388 时间内没有检测到所选刀位的信号", "the switch of the station did not come within P388",
+        "检查刀架电机、刀位信号 P365–P368", "check the post's motor and its switches P365 to P368";
+    THREAD_SPEED = 211, StopProgram, Reset, "螺纹加工主轴转速过高", "spindle too fast for the thread",
+        "主轴转速超过 1200/导程-80", "the spindle turns faster than 1200/lead − 80",
+        "降低主轴转速或减小导程", "lower the speed or the lead";
+    SPINDLE_STANDS = 212, StopProgram, Reset, "主轴未转动", "the spindle stands",
+        "螺纹加工时主轴没有转动", "a thread was begun with the spindle standing",
+        "先用 M03 或 M04 启动主轴", "start it with M03 or M04 first";
     DATA_DAMAGED = 300, Show, Reset, "保存数据损坏", "retained data damaged",
         "保存数据不能读出，已保留副本，以出厂值启动", "the stored data could not be read; the copy is kept, factory values are in force",
         "从备份恢复数据，核对参数后再加工", "restore a backup and check the parameters before grinding";

@@ -125,6 +125,8 @@ const ALL: &[Kind] = &Kind::ALL;
 const GC: &[Kind] = &[Kind::Gc];
 const GS: &[Kind] = &[Kind::Gs];
 const TABLE: &[Kind] = &[Kind::Ga, Kind::Vertical];
+const LATHE: &[Kind] = &[Kind::Lathe];
+const GRIND: &[Kind] = &[Kind::Gc, Kind::Gs, Kind::Ga, Kind::Vertical];
 const GS_GA: &[Kind] = &[Kind::Gs, Kind::Ga];
 
 /// One row of the key table.
@@ -212,9 +214,13 @@ keys! {
     Step0001 = "step-0.001", "×0.001", "×0.001", Handwheel, ALL, false, Control;
     Step001 = "step-0.01", "×0.01", "×0.01", Handwheel, ALL, false, Control;
     Step01 = "step-0.1", "×0.1", "×0.1", Handwheel, ALL, false, Control;
-    WheelStart = "wheel-start", "砂轮启动", "WHEEL ON", Wheel, ALL, false, Out(Output::Wheel);
-    WheelStop = "wheel-stop", "砂轮停止", "WHEEL OFF", Wheel, ALL, false, OutputOff(Output::Wheel);
-    SecondSpindle = "second-spindle", "第二主轴", "SPINDLE 2", Wheel, ALL, false, Out(Output::SecondSpindle);
+    WheelStart = "wheel-start", "砂轮启动", "WHEEL ON", Wheel, GRIND, false, Out(Output::Wheel);
+    WheelStop = "wheel-stop", "砂轮停止", "WHEEL OFF", Wheel, GRIND, false, OutputOff(Output::Wheel);
+    SecondSpindle = "second-spindle", "第二主轴", "SPINDLE 2", Wheel, GRIND, false, Out(Output::SecondSpindle);
+    SpindleForward = "spindle-forward", "主轴正转", "SPDL CW", Workpiece, LATHE, false, Control;
+    SpindleReverse = "spindle-reverse", "主轴反转", "SPDL CCW", Workpiece, LATHE, false, Control;
+    SpindleStop = "spindle-stop", "主轴停止", "SPDL STOP", Workpiece, LATHE, false, Control;
+    ToolPost = "tool-post", "换刀", "TOOL", Clamping, LATHE, false, Control;
     HeadstockHigh = "headstock-high", "头架高速", "HEAD HIGH", Workpiece, GC, false, Out(Output::HeadstockHigh);
     HeadstockLow = "headstock-low", "头架低速", "HEAD LOW", Workpiece, GC, false, Out(Output::HeadstockLow);
     HeadstockStop = "headstock-stop", "头架停止", "HEAD STOP", Workpiece, GC, false, Control;
@@ -226,12 +232,12 @@ keys! {
     Demagnetise = "demagnetise", "退磁", "DEMAG", Clamping, GS_GA, false, Out(Output::Demagnetise);
     Coolant = "coolant", "冷却", "COOLANT", Fluids, ALL, true, Out(Output::Coolant);
     Lubrication = "lubrication", "润滑", "LUBE", Fluids, ALL, true, Out(Output::Lubrication);
-    Hydraulic = "hydraulic", "液压", "HYDRAUL", Fluids, ALL, false, Out(Output::Hydraulic);
-    RadialGauge = "radial-gauge", "径向量仪", "RADIAL", Gauges, ALL, false, Out(Output::RadialGauge);
-    AxialGauge = "axial-gauge", "轴向量仪", "AXIAL", Gauges, ALL, false, Out(Output::AxialGauge);
-    Oscillation = "oscillation", "振荡", "OSCILL", Dressing, ALL, false, Control;
-    DressReturn = "dress-return", "回修整点", "DRESS PT", Dressing, ALL, false, Control;
-    WheelRetract = "wheel-retract", "一键回退", "RETRACT", Dressing, ALL, true, Control;
+    Hydraulic = "hydraulic", "液压", "HYDRAUL", Fluids, GRIND, false, Out(Output::Hydraulic);
+    RadialGauge = "radial-gauge", "径向量仪", "RADIAL", Gauges, GRIND, false, Out(Output::RadialGauge);
+    AxialGauge = "axial-gauge", "轴向量仪", "AXIAL", Gauges, GRIND, false, Out(Output::AxialGauge);
+    Oscillation = "oscillation", "振荡", "OSCILL", Dressing, GRIND, false, Control;
+    DressReturn = "dress-return", "回修整点", "DRESS PT", Dressing, GRIND, false, Control;
+    WheelRetract = "wheel-retract", "一键回退", "RETRACT", Dressing, GRIND, true, Control;
     AddressX = "address-x", "X", "X", Screen, ALL, true, Dark;
     AddressY = "address-y", "Y", "Y", Screen, ALL, true, Dark;
     AddressZ = "address-z", "Z", "Z", Screen, ALL, true, Dark;
@@ -283,6 +289,9 @@ impl Key {
             Self::WheelStart => Text::new("启动", "START"),
             Self::WheelStop => Text::new("停止", "STOP"),
             Self::SecondSpindle => Text::new("第二主轴", "SPDL 2"),
+            Self::SpindleForward => Text::new("正转", "CW"),
+            Self::SpindleReverse => Text::new("反转", "CCW"),
+            Self::SpindleStop => Text::new("停止", "STOP"),
             Self::HeadstockHigh => Text::new("高速", "HIGH"),
             Self::HeadstockLow => Text::new("低速", "LOW"),
             Self::HeadstockStop => Text::new("停止", "STOP"),

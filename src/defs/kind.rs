@@ -16,6 +16,8 @@ pub enum Kind {
     Ga,
     /// Vertical lathe-grinder with programs of the SINUMERIK 802D.
     Vertical,
+    /// Lathe with a four-station tool post and programs of the 超人 (SuperMan) CNC, also as a training simulator.
+    Lathe,
 }
 
 /// Which language the programs of a machine are written in.
@@ -27,11 +29,13 @@ pub enum System {
     Mill,
     /// SINUMERIK 802D: R parameters, `X=R20`, labels, G90 and G91 modal (S1).
     Sinumerik,
+    /// 超人 (SuperMan) lathe: X, Z absolute, U, W incremental, all X words diameters, arcs in the opposite sense (L1–L8).
+    SuperMan,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 4] = [Self::Gc, Self::Gs, Self::Ga, Self::Vertical];
+    pub const ALL: [Self; 5] = [Self::Gc, Self::Gs, Self::Ga, Self::Vertical, Self::Lathe];
     /// The kinds of the KT-830: the customer's codes, keys and pages (K1).
     pub const KT830: [Self; 3] = [Self::Gc, Self::Gs, Self::Ga];
 
@@ -43,6 +47,7 @@ impl Kind {
             Self::Gs => "gs",
             Self::Ga => "ga",
             Self::Vertical => "vertical",
+            Self::Lathe => "lathe",
         }
     }
 
@@ -50,7 +55,7 @@ impl Kind {
     #[must_use]
     pub const fn folder(self) -> &'static str {
         match self {
-            Self::Gc | Self::Gs | Self::Ga => "",
+            Self::Gc | Self::Gs | Self::Ga | Self::Lathe => "",
             Self::Vertical => "802d",
         }
     }
@@ -62,6 +67,7 @@ impl Kind {
             Self::Gc => System::LatheA,
             Self::Gs | Self::Ga => System::Mill,
             Self::Vertical => System::Sinumerik,
+            Self::Lathe => System::SuperMan,
         }
     }
 
@@ -73,6 +79,7 @@ impl Kind {
             Self::Gs => "GS",
             Self::Ga => "GA",
             Self::Vertical => "802D",
+            Self::Lathe => "LATHE",
         }
     }
 
@@ -90,6 +97,7 @@ impl Kind {
             Self::Gs => Text::new("KT-830GS 平面磨床", "KT-830GS surface grinder"),
             Self::Ga => Text::new("KT-830GA 圆台磨床", "KT-830GA rotary table grinder"),
             Self::Vertical => Text::new("立式车磨床 802D", "vertical lathe-grinder 802D"),
+            Self::Lathe => Text::new("超人车床", "SuperMan lathe"),
         }
     }
 }

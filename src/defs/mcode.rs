@@ -1,6 +1,7 @@
 //! The M codes: what each one does and where it is written.
 //! Source: spec K3, B4.
 
+use super::kind::System;
 use super::signal::{Input, Output};
 use super::text::Text;
 
@@ -72,6 +73,12 @@ pub enum Request {
     CylinderOn,
     /// Both valves of the cylinder off.
     CylinderOff,
+    /// The main spindle of a lathe on; true is counter-clockwise (M04).
+    SpindleStart(bool),
+    /// The main spindle of a lathe off.
+    SpindleStop,
+    /// The tool post to a station, 1 to 4; 0 is the next one.
+    Post(u8),
     /// Start or resume a program.
     CycleStart,
     /// Execute an MDI line.
@@ -108,6 +115,9 @@ pub const REQUESTS: &[(Request, Text)] = &[
     (Request::Port(1, true), Text::new("输出口开/关 (M21 M22)", "port on or off (M21, M22)")),
     (Request::Pulse(1, 1), Text::new("输出口脉冲 (M20)", "port pulse (M20)")),
     (Request::CylinderOn, Text::new("振荡气缸启动", "oscillation cylinder on")),
+    (Request::SpindleStart(false), Text::new("主轴启动", "main spindle start")),
+    (Request::SpindleStop, Text::new("主轴停止", "main spindle stop")),
+    (Request::Post(1), Text::new("换刀", "tool post")),
     (Request::CycleStart, Text::new("循环启动", "cycle start")),
     (Request::MdiStart, Text::new("录入执行", "MDI line")),
     (Request::HomeAxes, Text::new("回零", "homing")),
@@ -139,15 +149,16 @@ pub struct MCode {
 }
 
 macro_rules! mcodes {
-    ($($code:literal, $row:literal, $waits:literal, $action:expr, $zh:literal, $en:literal;)*) => {
-        /// Every M code, by number.
-        pub const MCODES: &[MCode] = &[$(MCode {
+    ($table:ident: $($code:literal, $row:literal, $waits:literal, $action:expr, $zh:literal, $en:literal;)*) => {
+        /// Every M code of these machines, by number.
+        pub const $table: &[MCode] = &[$(MCode {
             code: $code, action: $action, waits: $waits, name: Text::new($zh, $en), row: $row,
         },)*];
     };
 }
 
 mcodes! {
+    MCODES:
     0, "K3.14", true, Action::Pause, "程序暂停", "program stop";
     1, "B4", true, Action::OptionalStop, "选择停/跳转", "optional stop, jump";
     2, "K3.14", true, Action::End, "程序结束", "program end";
@@ -210,17 +221,22 @@ mcodes! {
     99, "K3.15", false, Action::Flow, "子程序返回", "return from a subprogram";
 }
 
-/// Codes of the control that this version reads but does not drive: a run stops before their block.
-pub const NOT_YET: &[u16] = &[];
-
-/// Whether the control has the code at all.
-#[must_use]
-pub fn is_known(code: u32) -> bool {
-    u16::try_from(code).is_ok_and(|code| find(code).is_some() || NOT_YET.contains(&code))
+mcodes! {
+    LATHE_MCODES:
+    0, "L7", true, Action::Pause, "程序暂停", "program stop";
+    2, "L7", true, Action::End, "程序结束", "program end";
+    3, "L7", true, Action::Ask(Request::SpindleStart(false)), "主轴正转", "spindle forward";
+    4, "L7", true, Action::Ask(Request::SpindleStart(true)), "主轴反转", "spindle reverse";
+    5, "L7", true, Action::Ask(Request::SpindleStop), "主轴停止", "spindle stop";
+    7, "L7", false, Action::Ask(Request::Switch(Output::Coolant, true)), "冷却开", "coolant on";
+    8, "L7", false, Action::Ask(Request::Switch(Output::Coolant, false)), "冷却关", "coolant off";
+    97, "L7", false, Action::Flow, "程序跳转", "jump";
+    98, "L7", false, Action::Flow, "子程序调用", "call a subprogram";
+    99, "L7", false, Action::Flow, "子程序返回", "return from a subprogram";
 }
 
-/// Codes that only some languages have.
-const OTHERS: &[MCode] = &[
+/// What the SINUMERIK has beside the family's codes.
+const MORE_802D: &[MCode] = &[
     // The grinding head turns one way; M4 starts it as M3 does.
     MCode {
         code: 4,
@@ -231,10 +247,29 @@ const OTHERS: &[MCode] = &[
     },
 ];
 
-/// The row of a code in any language.
+/// The M codes of a language.
 #[must_use]
-pub fn find_in_any(code: u16) -> Option<&'static MCode> {
-    find(code).or_else(|| OTHERS.iter().find(|row| row.code == code))
+pub const fn table(system: System) -> &'static [MCode] {
+    match system {
+        System::LatheA | System::Mill | System::Sinumerik => MCODES,
+        System::SuperMan => LATHE_MCODES,
+    }
+}
+
+/// The row of a code in a language.
+#[must_use]
+pub fn find_in(system: System, code: u16) -> Option<&'static MCode> {
+    let more = if matches!(system, System::Sinumerik) { MORE_802D } else { &[] };
+    table(system).iter().chain(more).find(|row| row.code == code)
+}
+
+/// Codes of the control that this version reads but does not drive: a run stops before their block.
+pub const NOT_YET: &[u16] = &[];
+
+/// Whether the control has the code at all.
+#[must_use]
+pub fn is_known(code: u32) -> bool {
+    u16::try_from(code).is_ok_and(|code| find(code).is_some() || NOT_YET.contains(&code))
 }
 
 /// The row of a code.

@@ -186,28 +186,28 @@ program_errors! {
     TakesNoNumber = 49, "takes-no-number", "{} 的 {2} 后不带数值", "{} takes {2} without a number",
         "只写轴名，例如 G27 X", "write the letter alone, as in G27 X";
     /// No such R parameter.
-    BadR = 70, "bad-r", "没有参数 {}", "there is no parameter {}",
+    BadR = 90, "bad-r", "没有参数 {}", "there is no parameter {}",
         "可用 R0–R299", "use R0 to R299";
     /// A label that is nowhere.
-    MissingLabel = 71, "missing-label", "找不到标号 {}", "there is no label {}",
+    MissingLabel = 91, "missing-label", "找不到标号 {}", "there is no label {}",
         "请检查标号的写法（AA1:）", "check how the label is written (AA1:)";
     /// A label that lies on the other side of the jump.
-    LabelElsewhere = 72, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} does not lie that way",
+    LabelElsewhere = 92, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} does not lie that way",
         "GOTOF 只向后找，GOTOB 只向前找；请改用 {2}", "GOTOF looks onwards only, GOTOB back only: use {2}";
     /// A quote without its partner.
-    UnbalancedQuote = 73, "unbalanced-quote", "引号不匹配", "the quotes do not match",
+    UnbalancedQuote = 93, "unbalanced-quote", "引号不匹配", "the quotes do not match",
         "MSG(\"文字\")：同一行内成对使用同一种引号", "MSG(\"text\"): a pair of the same quotes on one line";
     /// An address that takes digits only.
-    DigitsOnly = 74, "digits-only", "{} 后只能写数字", "{} takes digits only",
+    DigitsOnly = 94, "digits-only", "{} 后只能写数字", "{} takes digits only",
         "N、G、L 不能用 = 赋值", "N, G and L take no = expression";
     /// A system variable that the control does not have.
-    UnknownSystemVariable = 75, "unknown-system-variable", "没有系统变量 {}", "there is no system variable {}",
+    UnknownSystemVariable = 95, "unknown-system-variable", "没有系统变量 {}", "there is no system variable {}",
         "可用 $AA_IW[轴] 和 $AA_IM[轴]", "use $AA_IW[axis] or $AA_IM[axis]";
     /// Round brackets do not match.
-    UnbalancedRound = 76, "unbalanced-round", "圆括号不匹配", "round brackets do not match",
+    UnbalancedRound = 96, "unbalanced-round", "圆括号不匹配", "round brackets do not match",
         "每个 ( 都要有对应的 )", "give every ( its )";
     /// A condition that is not written as it must be.
-    BadCondition = 77, "bad-condition", "条件写法错误：{}", "condition not understood: {}",
+    BadCondition = 97, "bad-condition", "条件写法错误：{}", "condition not understood: {}",
         "请按 IF a<b GOTOF 标号 书写，比较用 == <> > < >= <=", "write IF a<b GOTOF label; comparisons are == <> > < >= <=";
     /// A contour cycle whose contour has no way.
     ContourEmpty = 85, "contour-empty", "循环的轮廓段没有移动", "the cycle's contour has no moves",
@@ -224,6 +224,51 @@ program_errors! {
     /// Far too many strokes.
     ContourStrokes = 89, "contour-strokes", "循环行程次数太多", "the cycle has too many strokes",
         "增大每次切深", "take more at a stroke";
+    /// A rectangle cycle without one of its sides.
+    RectangleSide = 70, "rectangle-side", "矩形循环 {} 方向边长为零", "the side of the rectangle along {} has no length",
+        "对角点在 X、Z 两个方向都必须离开起点", "the corner must lie off the start in both X and Z";
+    /// An arc that is too small.
+    ArcTooSmall = 71, "arc-too-small", "圆弧半径 {} mm 应大于 {2} mm", "the arc's radius of {} mm has to be above {2} mm",
+        "加大半径，或改用直线", "make it larger, or write a line";
+    /// A full circle by radius.
+    FullCircleByRadius = 72, "full-circle-by-radius", "整圆不能用 R 编程", "a full circle cannot be written with R",
+        "请用 I、K 给出圆心", "give the centre by I and K";
+    /// A thread with nothing that tells where to draw back.
+    NoInfeed = 73, "no-infeed", "螺纹前没有 X 向进给段，退尾方向不定", "no move of X before the thread: the direction of its run-out is not known",
+        "在螺纹段之前写一段 G00 或 G01 的 X 向进给", "write a move of X with G00 or G01 before the thread";
+    /// A thread by places.
+    IncrementalOnly = 74, "incremental-only", "螺纹必须用增量 U、W 编程，不能用 {}", "a thread is written with U and W, not with {}",
+        "把 {} 改为增量", "write {} as a distance";
+    /// The way before a thread is short.
+    ApproachShort = 75, "approach-short", "螺纹起刀点距工件只有 {} mm，少于 3 倍导程 {2} mm", "the thread begins {} mm before the part, less than three leads ({2} mm)",
+        "起刀点离工件 3–5 倍导程", "begin three to five leads before the part";
+    /// The spindle is faster than a thread allows.
+    SpindleTooFast = 76, "spindle-too-fast", "主轴转速 {} 超过螺纹允许的 {2} r/min", "the spindle's {} rpm exceed the {2} rpm that the thread allows",
+        "转速不超过 1200/导程-80", "keep it at 1200/lead − 80 or less";
+    /// A number that several blocks have is a target.
+    SeveralTargets = 77, "several-targets", "程序段 {} 不唯一", "there are several blocks {}",
+        "循环、跳转、调用的目标段号必须唯一", "the target of a loop, jump or call must have a number of its own";
+    /// A jump to its own block.
+    JumpToItself = 78, "jump-to-itself", "{} 跳转到本段", "{} jumps to itself",
+        "请指定其他程序段", "name another block";
+    /// G92 with distances.
+    PresetByDistance = 79, "preset-by-distance", "{} 不能用 {2}", "{} takes no {2}",
+        "用 X、Z 给出坐标", "give the coordinates by X and Z";
+    /// A subprogram before the main program.
+    SubBeforeMain = 80, "sub-before-main", "子程序 {} 必须在主程序之后", "subprogram {} has to stand behind the main program",
+        "把子程序移到主程序之后", "move it behind the main program";
+    /// M99 where nothing was called.
+    ReturnWithoutCall = 81, "return-without-call", "M99 没有对应的 M98", "M99 without M98",
+        "主程序用 M02 结束", "end the main program with M02";
+    /// G22 without G80, or the other way round.
+    LoopUnpaired = 82, "loop-unpaired", "{} 没有配对的 {2}", "{} has no {2}",
+        "G22 与 G80 必须成对，并写在段号之后", "G22 and G80 go in pairs, each first in its block";
+    /// A statement of the macro language in a program of another one.
+    NoMacros = 83, "no-macros", "本系统没有宏语句", "this language has no macro statements",
+        "只能使用指令字", "write words only";
+    /// A thread shorter than its run-out.
+    ThreadTooShort = 84, "thread-too-short", "螺纹长度 {} mm 不足纵向退尾 {2} mm", "the thread's length of {} mm is not more than its run-out of {2} mm",
+        "加大 W", "make W longer";
     /// A block after `;` on the same line.
     BlockAfterSemicolon = 46, "block-after-semicolon", "';' 后的内容按程序段执行", "the text after ';' is read as a block",
         "注释请写在 ( ) 中", "write a comment in ( )";

@@ -19,7 +19,7 @@ pub const fn of_r(n: u32) -> Option<u32> {
 pub fn name(number: u32, system: System) -> String {
     match system {
         System::Sinumerik if (R_FIRST..R_FIRST + R_COUNT).contains(&number) => format!("R{}", number - R_FIRST),
-        System::LatheA | System::Mill | System::Sinumerik => format!("#{number}"),
+        System::LatheA | System::Mill | System::Sinumerik | System::SuperMan => format!("#{number}"),
     }
 }
 

@@ -103,6 +103,10 @@ signals! {
         Gear2In = "gear-2-in", 351, "2 档到位", "gear 2 in";
         Gear3In = "gear-3-in", 352, "3 档到位", "gear 3 in";
         Gear4In = "gear-4-in", 353, "4 档到位", "gear 4 in";
+        Station1 = "station-1", 365, "1 号刀位", "tool post station 1";
+        Station2 = "station-2", 366, "2 号刀位", "tool post station 2";
+        Station3 = "station-3", 367, "3 号刀位", "tool post station 3";
+        Station4 = "station-4", 368, "4 号刀位", "tool post station 4";
     }
 }
 
@@ -138,6 +142,11 @@ signals! {
         TowerRed = "tower-red", 312, "三色灯红", "tower light red";
         TowerYellow = "tower-yellow", 313, "三色灯黄", "tower light yellow";
         TowerGreen = "tower-green", 314, "三色灯绿", "tower light green";
+        SpindleForward = "spindle-forward", 360, "主轴正转", "spindle forward";
+        SpindleReverse = "spindle-reverse", 361, "主轴反转", "spindle reverse";
+        SpindleStop = "spindle-stop", 362, "主轴停止", "spindle stop";
+        PostForward = "post-forward", 363, "刀架正转", "tool post forward";
+        PostReverse = "post-reverse", 364, "刀架反转锁紧", "tool post reverse, clamps";
     }
 }
 
@@ -154,6 +163,17 @@ impl Output {
             Self::HeadstockHigh | Self::HeadstockLow | Self::Tailstock => matches!(kind, Kind::Gc),
             Self::DresserRoll => matches!(kind, Kind::Gs),
             Self::TableRotation => matches!(kind, Kind::Ga | Kind::Vertical),
+            Self::SpindleForward | Self::SpindleReverse | Self::SpindleStop | Self::PostForward | Self::PostReverse => {
+                matches!(kind, Kind::Lathe)
+            }
+            Self::Wheel
+            | Self::SecondSpindle
+            | Self::SecondSpindleCcw
+            | Self::OscillationForward
+            | Self::OscillationBackward
+            | Self::Hydraulic
+            | Self::RadialGauge
+            | Self::AxialGauge => !matches!(kind, Kind::Lathe),
             _ => true,
         }
     }
@@ -171,6 +191,8 @@ impl Output {
 impl Input {
     /// The switches of the gears, M41 to M44.
     pub const GEARS: [Self; 4] = [Self::Gear1In, Self::Gear2In, Self::Gear3In, Self::Gear4In];
+    /// The switches of the tool post's stations (L8).
+    pub const STATIONS: [Self; 4] = [Self::Station1, Self::Station2, Self::Station3, Self::Station4];
 }
 
 macro_rules! signal_set {

@@ -147,7 +147,7 @@ pub const fn jog_places(kind: Kind) -> [(Key, u8, u8); 7] {
     }
     let (x, y, z) = ([Key::XMinus, Key::XPlus], [Key::YPlus, Key::YMinus], [Key::ZPlus, Key::ZMinus]);
     match kind {
-        Kind::Gc => cross([Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], y),
+        Kind::Gc | Kind::Lathe => cross([Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], y),
         Kind::Gs => cross(x, y, z),
         Kind::Ga | Kind::Vertical => cross(x, z, y),
     }
@@ -198,6 +198,11 @@ const ROLL: Unit = Unit(Text::new("修整器", "DRESSER"), &[Key::DresserRoll], 
 const TABLE: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 2);
 /// The table of a machine that clamps the part by jaws.
 const CLAMPED: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 1);
+/// Main spindle, fluids and tool post of a lathe.
+const SPINDLE_DRIVE: Unit =
+    Unit(Text::new("主轴", "SPDL"), &[Key::SpindleForward, Key::SpindleReverse, Key::SpindleStop], 1);
+const FLUIDS_LATHE: Unit = Unit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication], 1);
+const POST: Unit = Unit(Text::new("刀架", "POST"), &[Key::ToolPost], 4);
 const GAUGES_WIDE: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 4);
 const GAUGES: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 2);
 
@@ -209,6 +214,7 @@ const fn units(kind: Kind, wide: bool) -> (&'static [Unit], &'static [Unit]) {
         (Kind::Gs, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[ROLL, GAUGES]),
         (Kind::Ga, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[TABLE, GAUGES]),
         (Kind::Vertical, false) => (&[WHEEL, CLAMPED, FLUIDS, DRESSING], &[GAUGES_WIDE]),
+        (Kind::Lathe, _) => (&[SPINDLE_DRIVE, FLUIDS_LATHE, TRIAL], &[POST]),
         (Kind::Gc, true) => (&[WHEEL_WIDE, HEADSTOCK, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TAILSTOCK, GAUGES]),
         (Kind::Gs, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, ROLL, GAUGES]),
         (Kind::Ga, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TABLE, GAUGES]),

@@ -20,6 +20,8 @@ pub struct InputImage {
     /// Encoder position of each axis, machine frame of the encoder, mm of slide travel (radius on X).
     /// Its zero is where the drive was switched on; homing finds the machine's zero.
     pub encoder_mm: PerAxis<f64>,
+    /// Turns of the main spindle since power-on by its encoder, forward (M03) positive; 0 where there is none.
+    pub spindle_turns: f64,
     /// Handwheel detents since the last tick, positive clockwise.
     pub handwheel_detents: i32,
     /// Whether the bus answered in this tick; the rest of the image is the last one known if it did not.

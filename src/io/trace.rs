@@ -24,10 +24,10 @@ pub struct TraceRow {
 }
 
 /// Columns of a row.
-const COLUMNS: usize = 14;
+const COLUMNS: usize = 15;
 
 /// The names of the columns, the first line of a trace. Terminals are hexadecimal, bit 0 is port 1.
-pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,detents,bus_alive,\
+pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,spindle_turns,detents,bus_alive,\
 outputs,set_x,set_y,set_z,drives_on,wheel_volts,analog_2_volts";
 
 impl fmt::Display for TraceRow {
@@ -35,7 +35,7 @@ impl fmt::Display for TraceRow {
         let (i, o) = (&self.inputs, &self.outputs);
         let [ex, ey, ez] = i.encoder_mm.0;
         let [sx, sy, sz] = o.set_point_mm.0;
-        write!(f, "{},{:x},{ex},{ey},{ez},", self.now.0, i.terminals.0)?;
+        write!(f, "{},{:x},{ex},{ey},{ez},{},", self.now.0, i.terminals.0, i.spindle_turns)?;
         write!(f, "{},{},{:x},", i.handwheel_detents, u8::from(i.bus_alive), o.terminals.0)?;
         write!(f, "{sx},{sy},{sz},{},{},{}", u8::from(o.drives_on), o.wheel_volts, o.analog_2_volts)
     }
@@ -111,6 +111,7 @@ impl TraceRow {
             inputs: InputImage {
                 terminals: c.terminals()?,
                 encoder_mm: PerAxis([c.float()?, c.float()?, c.float()?]),
+                spindle_turns: c.float()?,
                 handwheel_detents: c.next(|text| text.parse().ok())?,
                 bus_alive: c.flag()?,
             },
@@ -299,7 +300,7 @@ mod tests {
     #[test]
     fn p8_a_broken_trace_is_refused_with_its_place() {
         let said = |text: &str| Replay::parse(text).unwrap_err().to_string();
-        assert_eq!(said("1,2"), "line 1: 2 columns instead of 14");
-        assert_eq!(said("1,0,0,0,0,0,2,0,0,0,0,0,0,0"), "line 1, column 7: '2' is not a number");
+        assert_eq!(said("1,2"), "line 1: 2 columns instead of 15");
+        assert_eq!(said("1,0,0,0,0,0,0,2,0,0,0,0,0,0,0"), "line 1, column 8: '2' is not a number");
     }
 }

@@ -30,6 +30,10 @@ pub enum Command {
     TurnSheet(usize),
     /// Make a program of the folder the current one.
     LoadProgram(u32),
+    /// Read the current program up to a line (from 1), to run it from there at cycle start (B5).
+    RestartAt(u32),
+    /// Offer the run that a power cut has ended once more, from the block it stood at (B5).
+    ResumeInterrupted,
     /// Execute a line of MDI text.
     Mdi(String),
     /// A value typed on the open page for one of its macro variables; `None` empties it.

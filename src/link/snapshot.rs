@@ -18,6 +18,19 @@ use crate::units::{Axis, Micros, PerAxis};
 /// Programs with a grinding page of their own (K7.2).
 pub const PAGED_PROGRAMS: std::ops::RangeInclusive<u32> = 1_001..=1_020;
 
+/// A thread that was cut (L5).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThreadCut {
+    /// Line of the program, from 1.
+    pub line: u32,
+    /// Lead, mm.
+    pub lead_mm: f64,
+    /// Way from the start to the run-out, mm.
+    pub length_mm: f64,
+    /// Greatest less least deviation of Z from its place beside the spindle, mm.
+    pub error_mm: f64,
+}
+
 /// Macro variables shown: #0 to #999.
 pub const VARIABLES: usize = 1_000;
 
@@ -228,6 +241,10 @@ pub struct Snapshot {
     pub keys: [KeyView; Key::COUNT],
     /// Macro variables as executed.
     pub variables: Box<[Option<f64>; VARIABLES]>,
+    /// The block from which cycle start would run the program, with what is in force there (B5).
+    pub restart: Option<Box<RestartView>>,
+    /// Program and line of a run that the last power cut ended; offered once the axes are homed (B5).
+    pub interrupted: Option<(u32, u32)>,
     /// Alarms present, the one that stopped the machine first.
     pub alarms: Vec<AlarmView>,
     /// The message line.
@@ -270,6 +287,51 @@ pub struct Snapshot {
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
     pub directory: Arc<Vec<DirectoryRow>>,
+}
+
+/// A block of the current program from which cycle start would run it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RestartView {
+    /// Program.
+    pub program: u32,
+    /// Line, from 1.
+    pub line: u32,
+    /// The codes in force there.
+    pub modals: ModalView,
+    /// Where the axes go first, work coordinates as displayed; none where there is no axis.
+    pub start: PerAxis<Option<f64>>,
+    /// The wheel turns there.
+    pub wheel: bool,
+    /// The workpiece turns there.
+    pub drive: bool,
+    /// Coolant flows there.
+    pub coolant: bool,
+}
+
+impl RestartView {
+    /// In one line, for the message.
+    #[must_use]
+    pub fn said(&self) -> Said {
+        let codes: String = self.modals.g.iter().map(|g| format!("G{g:02} ")).collect();
+        let place: String = self.start.iter().filter_map(|(axis, at)| at.map(|at| format!("{axis}{at:.3} "))).collect();
+        let (tool, offset) = self.modals.tool;
+        let turning =
+            [(self.wheel, "砂轮", "wheel"), (self.drive, "工件", "workpiece"), (self.coolant, "冷却", "coolant")];
+        let list = |pick: fn(&(bool, &'static str, &'static str)) -> &'static str| {
+            turning.iter().filter(|row| row.0).map(pick).collect::<Vec<_>>().join(" ")
+        };
+        let (zh, en) = (list(|row| row.1), list(|row| row.2));
+        let (program, line) = (self.program, self.line);
+        let (first_zh, first_en) = if zh.is_empty() {
+            (String::new(), String::new())
+        } else {
+            (format!("先启动 {zh}；"), format!("start {en} first; "))
+        };
+        Said::new(
+            format!("O{program:04} 第{line}行：{codes}T{tool:02}{offset:02}，起点 {place}；{first_zh}循环启动"),
+            format!("O{program:04} line {line}: {codes}T{tool:02}{offset:02}, from {place}; {first_en}cycle start"),
+        )
+    }
 }
 
 /// One program of the folder.
@@ -315,6 +377,8 @@ impl Snapshot {
             outputs: OutputSet::NONE,
             keys: [KeyView::default(); Key::COUNT],
             variables: Box::new([None; VARIABLES]),
+            restart: None,
+            interrupted: None,
             alarms: Vec::new(),
             message: Message::default(),
             waiting_for: None,

@@ -14,7 +14,7 @@ pub const AGE_MOST: u64 = 3;
 
 /// The units that the interlocks connect, one number each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Discrete(pub [u8; 7]);
+pub struct Discrete(pub [u8; 9]);
 
 impl Machine {
     /// The discrete state at a moment, for ticks of this length.
@@ -52,6 +52,7 @@ impl Machine {
         let guard = &self.guard;
         let flags = [self.e_stop, guard.open, guard.alarm, guard.stopped_drive, self.fluids.coolant];
         let flags = flags.iter().fold(0, |all, flag| all << 1 | u8::from(*flag));
-        Discrete([wheel, drive, second, tailstock, magnet, flags, self.hydraulic.discrete(age)])
+        let (spindle, post) = (self.spindle.discrete(age), self.post.discrete(age));
+        Discrete([wheel, drive, second, tailstock, magnet, flags, self.hydraulic.discrete(age), spindle, post])
     }
 }

@@ -23,6 +23,10 @@ pub struct Facts {
     pub drive_on: bool,
     /// The drive turns the part on its magnet (GA).
     pub drive_carries_part: bool,
+    /// The kind has a main spindle and a tool post.
+    pub turns_part: bool,
+    /// The tool post is on its way.
+    pub post_moving: bool,
     /// The guard has stopped the drive of a run that is still open.
     pub drive_stopped_by_guard: bool,
     /// The kind has a tailstock.

@@ -18,6 +18,7 @@ pub mod press;
 pub mod rules;
 mod stroke;
 mod tailstock;
+pub(crate) mod turning;
 mod units;
 mod wheel;
 
@@ -37,6 +38,7 @@ use magnet::Magnet;
 use ports::{Owner, Ports};
 use rules::RULES;
 use tailstock::Tailstock;
+use turning::{MainSpindle, Post};
 use wheel::{Drive, SecondSpindle, Wheel};
 
 /// What came of a request.
@@ -150,6 +152,10 @@ pub struct Machine {
     last_dose: Micros,
     arms: Arms,
     gears: Gears,
+    spindle: MainSpindle,
+    post: Post,
+    /// The last tick, for pulses.
+    now: Micros,
     user: OutputSet,
     ports: Ports,
     guard: Guard,
@@ -170,13 +176,17 @@ pub const OFF_WHEN_SAFE: &[Output] = &[
     Output::Coolant,
     Output::OscillationForward,
     Output::OscillationBackward,
+    Output::SpindleForward,
+    Output::SpindleReverse,
+    Output::PostForward,
+    Output::PostReverse,
 ];
 
 const GUARD_STOPPED: Text =
     Text::new("防护门打开，头架/滚轮/台面已停", "the guard is open: headstock, roll or table stopped");
 
 /// Most findings of one tick.
-pub const FINDINGS: usize = 10;
+pub const FINDINGS: usize = 11;
 /// Findings of one tick.
 pub type Findings = [Option<Finding>; FINDINGS];
 
@@ -205,6 +215,9 @@ impl Machine {
             last_dose: now,
             arms: Arms::default(),
             gears: Gears::default(),
+            spindle: MainSpindle::Off,
+            post: Post::Standing,
+            now,
             user: OutputSet::NONE,
             ports: Ports::default(),
             guard: Guard::default(),
@@ -259,6 +272,8 @@ impl Machine {
             magnet_needed: params.bit(param::WHEEL_NEEDS_MAGNET),
             magnetised: self.magnet.is_holding(),
             cylinder_on: self.cylinder.is_on(),
+            turns_part: self.row.turns_part,
+            post_moving: self.post.is_moving(),
             guard_open: params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed),
             external_hold: inputs.has(Input::ExternalHold),
             port_owned: false,
@@ -301,12 +316,13 @@ impl Machine {
                 }
             };
         }
-        self.carry_out(request, now, params)
+        self.carry_out(request, now, inputs, params)
     }
 
     /// One tick: delays run, feedback arrives, supervision looks.
     pub fn tick(&mut self, now: Micros, inputs: InputSet, params: &Params, around: Around) -> Findings {
         self.around = around;
+        self.now = now;
         let e_stop = inputs.has(Input::EmergencyStop);
         let pressed = e_stop && !self.e_stop;
         self.e_stop = e_stop;
@@ -316,6 +332,7 @@ impl Machine {
         self.wheel.tick(now, params);
         self.drive.tick(now, params);
         self.second_spindle.tick(now, params);
+        self.spindle.tick(now, params);
         self.magnet.tick(now, params);
         self.ports.tick(now);
         let hydraulic = self.hydraulic.supervise(now, inputs, params, self.wheel.is_on(), around.run_open);
@@ -334,7 +351,8 @@ impl Machine {
         let [flow, level] = self.fluids.tick(now, inputs, params, &mut self.last_dose);
         let cylinder = self.cylinder.tick(now, inputs, params, &mut self.cylinder_flags).map(alarm);
         let guard = self.watch_guard(inputs, params);
-        [pressed, hydraulic, tailstock, radial, axial, gears, cylinder, flow, level, guard]
+        let post = self.post.watch(now, inputs, params).map(alarm);
+        [pressed, hydraulic, tailstock, radial, axial, gears, cylinder, flow, level, guard, post]
     }
 
     /// K5.13: with the guard open the workpiece drive stops; opened in a run it holds the program.
@@ -365,6 +383,7 @@ impl Machine {
         self.wheel = Wheel::Off;
         self.drive = Drive::Off;
         self.second_spindle = SecondSpindle::Off;
+        self.stop_turning();
         self.fluids.coolant = false;
         self.cylinder = Cylinder::Off;
         self.ports.end_pulses();
@@ -374,6 +393,7 @@ impl Machine {
     pub fn reset(&mut self) {
         self.drive = Drive::Off;
         self.cylinder = Cylinder::Off;
+        self.stop_turning();
         self.ports.end_pulses();
         self.hydraulic.acknowledge();
     }
@@ -382,16 +402,38 @@ impl Machine {
     pub fn stop_wheel_and_drive(&mut self) {
         self.wheel = Wheel::Off;
         self.drive = Drive::Off;
+        self.stop_turning();
     }
 
     /// M30 (K3.14): coolant and workpiece drive off; the wheel and the second spindle too unless P17.2 keeps them.
     pub fn program_end(&mut self, params: &Params) {
         self.fluids.coolant = false;
         self.drive = Drive::Off;
+        self.stop_turning();
         if !params.bit(param::WHEEL_RUNS_AFTER_M30) {
             self.wheel = Wheel::Off;
             self.second_spindle = SecondSpindle::Off;
         }
+    }
+
+    /// The main spindle stops with a pulse, a tool post that turns stands.
+    fn stop_turning(&mut self) {
+        if self.spindle.direction().is_some() {
+            self.spindle.stop(self.now);
+        }
+        self.post = Post::Standing;
+    }
+
+    /// Which way the main spindle has been started, true counter-clockwise.
+    #[must_use]
+    pub const fn spindle_direction(&self) -> Option<bool> {
+        self.spindle.direction()
+    }
+
+    /// Whether the tool post is on its way.
+    #[must_use]
+    pub const fn post_is_moving(&self) -> bool {
+        self.post.is_moving()
     }
 
     /// Ports that programs have switched by number.

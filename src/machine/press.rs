@@ -38,6 +38,10 @@ pub fn request(key: Key, mode: Mode, on: OutputSet) -> Option<Request> {
         Key::SecondSpindle => {
             either(Output::SecondSpindle, Request::SecondSpindleStop, Request::SecondSpindleStart(false))
         }
+        Key::SpindleForward => Request::SpindleStart(false),
+        Key::SpindleReverse => Request::SpindleStart(true),
+        Key::SpindleStop => Request::SpindleStop,
+        Key::ToolPost => Request::Post(0),
         Key::HeadstockHigh => Request::DriveHigh,
         Key::HeadstockLow => Request::DriveLow,
         Key::HeadstockStop => Request::DriveStop,

@@ -13,6 +13,12 @@ const fn wheel_start(request: Request) -> bool {
 const fn spindle_start(request: Request) -> bool {
     matches!(request, Request::WheelStart | Request::SecondSpindleStart(_))
 }
+const fn turning(request: Request) -> bool {
+    matches!(request, Request::SpindleStart(_) | Request::SpindleStop | Request::Post(_))
+}
+const fn main_spindle_start(request: Request) -> bool {
+    matches!(request, Request::SpindleStart(_))
+}
 const fn cycle_start(request: Request) -> bool {
     matches!(request, Request::CycleStart | Request::MdiStart)
 }
@@ -37,10 +43,11 @@ const fn motion(request: Request) -> bool {
 const fn starts_or_flows(request: Request) -> bool {
     drive_start(request)
         || spindle_start(request)
-        || matches!(request, Request::Switch(Output::Coolant, true) | Request::CylinderOn)
+        || main_spindle_start(request)
+        || matches!(request, Request::Switch(Output::Coolant, true) | Request::CylinderOn | Request::Post(_))
 }
 const fn needs_guard(request: Request) -> bool {
-    drive_start(request) || spindle_start(request) || cycle_start(request)
+    drive_start(request) || spindle_start(request) || main_spindle_start(request) || cycle_start(request)
 }
 const fn by_number(request: Request) -> bool {
     matches!(request, Request::Port(..) | Request::Pulse(..))
@@ -69,6 +76,20 @@ const fn needs_its_port(request: Request) -> bool {
 
 /// The table.
 pub const RULES: &[Rule] = &[
+    Rule {
+        row: "L7",
+        forbids: turning,
+        when: |facts| !facts.turns_part,
+        outcome: Outcome::Alarm(alarm::OTHER_KIND),
+        reason: Text::new("本机型没有车床主轴和刀架", "this kind of machine has no turning spindle and no tool post"),
+    },
+    Rule {
+        row: "L8",
+        forbids: main_spindle_start,
+        when: |facts| facts.post_moving,
+        outcome: Outcome::Deny,
+        reason: Text::new("刀架转位中，主轴不能启动", "the tool post turns: the spindle is not started"),
+    },
     Rule {
         row: "K3.1",
         forbids: starts_or_flows,

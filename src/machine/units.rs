@@ -9,7 +9,7 @@ use super::wheel::{Drive, SecondSpindle, Wheel};
 use super::{Answer, Machine};
 use crate::defs::mcode::{Gauge, Request};
 use crate::defs::param::Params;
-use crate::defs::signal::{Output, OutputSet};
+use crate::defs::signal::{InputSet, Output, OutputSet};
 use crate::defs::text::Text;
 use crate::units::Micros;
 
@@ -17,7 +17,7 @@ const TOO_MANY_PULSES: Text = Text::new("同时输出的脉冲太多", "too many
 
 impl Machine {
     /// Does what the interlock table has granted.
-    pub(super) fn carry_out(&mut self, request: Request, now: Micros, params: &Params) -> Answer {
+    pub(super) fn carry_out(&mut self, request: Request, now: Micros, inputs: InputSet, params: &Params) -> Answer {
         match request {
             Request::WheelStart => self.wheel.start(now),
             Request::CycleStart | Request::MdiStart | Request::HomeAxes | Request::MoveByHand => {}
@@ -32,6 +32,9 @@ impl Machine {
             Request::DriveStop => self.drive = Drive::Off,
             Request::SecondSpindleStart(ccw) => self.second_spindle.start(ccw, now),
             Request::SecondSpindleStop => self.second_spindle = SecondSpindle::Off,
+            Request::SpindleStart(ccw) => self.spindle.start(ccw, now),
+            Request::SpindleStop => self.spindle.stop(now),
+            Request::Post(station) => self.post.send(station, inputs, now),
             Request::TailstockAdvance => self.tailstock.advance(now),
             Request::TailstockRetract => self.tailstock.retract(now),
             Request::HydraulicOn => self.hydraulic.switch_on(now),
@@ -63,6 +66,10 @@ impl Machine {
             Request::DriveLow => self.row.drive_low,
             Request::SecondSpindleStart(false) => Output::SecondSpindle,
             Request::SecondSpindleStart(true) => Output::SecondSpindleCcw,
+            Request::SpindleStart(false) => Output::SpindleForward,
+            Request::SpindleStart(true) => Output::SpindleReverse,
+            Request::SpindleStop => Output::SpindleStop,
+            Request::Post(_) => Output::PostForward,
             Request::TailstockAdvance => Output::Tailstock,
             Request::HydraulicOn => Output::Hydraulic,
             Request::CylinderOn => Output::OscillationForward,
@@ -108,6 +115,8 @@ impl Machine {
             Request::WheelStart => self.wheel == Wheel::Running,
             Request::DriveHigh | Request::DriveLow => matches!(self.drive, Drive::Running { .. }),
             Request::SecondSpindleStart(_) => !self.second_spindle.is_reversing(),
+            Request::SpindleStart(_) | Request::SpindleStop => self.spindle.is_settled(),
+            Request::Post(_) => !self.post.is_moving(),
             Request::TailstockAdvance | Request::TailstockRetract => !self.tailstock.is_moving(),
             Request::Magnetise | Request::Demagnetise => !self.magnet.is_busy(),
             Request::Gauge(gauge, _) => !self.arms.is_going(gauge),
@@ -146,6 +155,8 @@ impl Machine {
         self.cylinder.show(&mut on);
         self.arms.show(&mut on);
         self.gears.show(&mut on);
+        self.spindle.show(self.now, params, &mut on);
+        self.post.show(&mut on);
         if let Some(fast) = self.drive.speed() {
             on.set(self.row.drive_output(fast), true);
         }
@@ -185,7 +196,12 @@ impl Machine {
             | Output::User5
             | Output::TowerRed
             | Output::TowerYellow
-            | Output::TowerGreen => false,
+            | Output::TowerGreen
+            | Output::SpindleForward
+            | Output::SpindleReverse
+            | Output::SpindleStop
+            | Output::PostForward
+            | Output::PostReverse => false,
         }
     }
 }

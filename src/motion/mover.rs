@@ -55,6 +55,12 @@ impl AxisMover {
         self.plan(Demand::Rest);
     }
 
+    /// Take the axis over in motion; it brakes until told otherwise.
+    pub fn set_state(&mut self, state: State) {
+        self.state = state;
+        self.plan(Demand::Stop);
+    }
+
     /// Software limits in mm, low then high. A motion under way is planned again: it lands at or before the limit, or
     /// comes back to it when it was too near to brake. From outside, the axis only moves inward.
     pub fn set_bounds(&mut self, bounds: Option<(f64, f64)>) {

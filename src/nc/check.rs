@@ -61,6 +61,7 @@ pub fn check_with(
 ) -> Checked {
     let mut interpreter = Interpreter::new(Arc::clone(source), Arc::clone(library), settings.clone(), memory);
     interpreter.nulls = Some(Vec::new());
+    interpreter.notes = Some(Vec::new());
     let mut run = Run {
         source,
         settings,

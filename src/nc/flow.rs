@@ -13,6 +13,9 @@ pub(crate) const SUB_DEPTH: usize = 4;
 /// The deepest nesting of G65 and G66.
 pub(crate) const MACRO_DEPTH: usize = 4;
 
+/// The deepest nesting of counted loops (G22) and of subprograms of the same text.
+pub(crate) const COUNTED_DEPTH: usize = 255;
+
 /// #1–#33 of one level; index 0 is #1.
 pub(crate) type Locals = [Value; 33];
 
@@ -47,6 +50,14 @@ struct Open {
     end_line: u32,
 }
 
+/// A counted loop under way, lines from 0.
+#[derive(Clone, Copy, Debug)]
+struct Counted {
+    line: u32,
+    end_line: u32,
+    left: u32,
+}
+
 /// A place in a program to which a return leads.
 #[derive(Clone, Debug)]
 struct Level {
@@ -59,6 +70,8 @@ struct Level {
     left: u32,
     callee: Callee,
     modal: Option<Arc<ModalCall>>,
+    /// Counted loops open below this level.
+    base: usize,
 }
 
 /// The place in the running program and the way back.
@@ -79,6 +92,9 @@ pub(crate) struct Flow {
     depth: usize,
     levels: Vec<Level>,
     locals: Vec<Locals>,
+    counted: Vec<Counted>,
+    /// Of them, those that belong to callers.
+    base: usize,
 }
 
 impl Flow {
@@ -94,6 +110,8 @@ impl Flow {
             depth: 0,
             levels: Vec::new(),
             locals: vec![[None; 33]],
+            counted: Vec::new(),
+            base: 0,
         }
     }
 
@@ -115,6 +133,16 @@ impl Flow {
     #[inline]
     pub fn is_main(&self) -> bool {
         self.levels.is_empty()
+    }
+
+    /// The next block to read, to come back to.
+    pub const fn clone_place(&self) -> (usize, u32, bool) {
+        (self.at, self.line, self.mid_line)
+    }
+
+    /// Back to a block that was next before.
+    pub const fn put_place(&mut self, place: (usize, u32, bool)) {
+        (self.at, self.line, self.mid_line) = place;
     }
 
     /// Goes to a line, from 0.
@@ -210,10 +238,97 @@ impl Flow {
             left: call.times - 1,
             callee: call.callee,
             modal: if modal { restored } else { None },
+            base: self.base,
         });
         self.depth = 0;
+        self.base = self.counted.len();
         self.go_to_line(0);
         Ok(())
+    }
+
+    /// Goes to the one block of a number; counted loops that it lies outside are left.
+    pub fn jump(&mut self, n: u32, at: usize) -> Outcome<()> {
+        let line = self.only_block(n, at)?;
+        if line == self.line {
+            return wrong1(at, E::JumpToItself, format!("N{n:04}"));
+        }
+        let stays = |open: &Counted| open.line < line && line <= open.end_line;
+        let kept = self.counted[self.base..].iter().take_while(|open| stays(open)).count();
+        self.counted.truncate(self.base + kept);
+        self.go_to_line(line);
+        Ok(())
+    }
+
+    fn only_block(&self, n: u32, at: usize) -> Outcome<u32> {
+        match self.source.only_block(n) {
+            Ok(Some(line)) => Ok(line),
+            Ok(None) => wrong1(at, E::MissingTarget, format!("N{n:04}")),
+            Err(()) => wrong1(at, E::SeveralTargets, format!("N{n:04}")),
+        }
+    }
+
+    /// Opens a subprogram of the same text; the flow still stands at the calling block, which ends at `behind`.
+    pub fn call_local(&mut self, n: u32, at: usize) -> Outcome<()> {
+        let line = self.only_block(n, at)?;
+        if self.is_main() && line <= self.line.saturating_sub(1) {
+            return wrong1(at, E::SubBeforeMain, format!("N{n:04}"));
+        }
+        if self.levels.len() >= COUNTED_DEPTH {
+            return wrong2(at, E::TooDeep, "M98", COUNTED_DEPTH.to_string());
+        }
+        let (source, depth) = (Arc::clone(&self.source), self.depth);
+        self.levels.push(Level {
+            source,
+            at: self.at,
+            line: self.line,
+            mid_line: self.mid_line,
+            loops: self.loops,
+            depth,
+            left: 0,
+            callee: Callee::Sub,
+            modal: None,
+            base: self.base,
+        });
+        self.depth = 0;
+        self.base = self.counted.len();
+        self.go_to_line(line);
+        Ok(())
+    }
+
+    /// G22 in the present line: into the loop, or behind its G80. True: the loop was entered.
+    pub fn begin_counted(&mut self, times: u32, at: usize) -> Outcome<bool> {
+        let found = self.source.counted_at(self.line);
+        let Some((line, end_line)) = found.and_then(|found| Some((found.line, found.end_line?))) else {
+            return wrong2(at, E::LoopUnpaired, "G22", "G80");
+        };
+        if times == 0 {
+            self.go_to_line(end_line + 1);
+            return Ok(false);
+        }
+        if self.counted.len() - self.base >= COUNTED_DEPTH {
+            return wrong2(at, E::TooDeep, "G22", COUNTED_DEPTH.to_string());
+        }
+        self.counted.push(Counted { line, end_line, left: times - 1 });
+        Ok(true)
+    }
+
+    /// G80 in the present line: back behind its G22, or out of the loop. True: the loop is over.
+    pub fn end_counted(&mut self, at: usize) -> Outcome<bool> {
+        let line = self.line;
+        let open = &mut self.counted[self.base..];
+        match open.last_mut() {
+            Some(top) if top.end_line == line && top.left > 0 => {
+                top.left -= 1;
+                let first = top.line + 1;
+                self.go_to_line(first);
+                Ok(false)
+            }
+            Some(top) if top.end_line == line => {
+                self.counted.pop();
+                Ok(true)
+            }
+            Some(_) | None => wrong2(at, E::LoopUnpaired, "G80", "G22"),
+        }
     }
 
     /// M99: to the next repetition, to the caller (to its block `target`, if given), or to the head of the main program.
@@ -249,6 +364,8 @@ impl Flow {
         if matches!(level.callee, Callee::Macro(_)) {
             self.locals.pop();
         }
+        self.counted.truncate(self.base);
+        self.base = level.base;
         self.source = level.source;
         (self.at, self.line, self.mid_line) = (level.at, level.line, level.mid_line);
         (self.loops, self.depth) = (level.loops, level.depth);

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::fault::{Fault, Stop, Wrong, fault_in};
 use super::interpreter::{Block, Interpreter, Next, Stepped};
+use super::op::Op;
 use super::source::Source;
 use super::world::{CheckWorld, World};
 use crate::defs::program_error::ProgramError as E;
@@ -13,21 +14,25 @@ pub const ADVANCE_PER_CALL: usize = 2_000;
 
 impl Interpreter {
     /// Reads on, as fast as it goes and without a machine, until a line (from 1) of the started program is next: what
-    /// is in force there is then in [`Self::modals`], the position in `world`. At most [`ADVANCE_PER_CALL`] blocks;
+    /// is in force there is then in [`Self::modals`], the position in `world`; `sink` sees what was passed. At most [`ADVANCE_PER_CALL`] blocks;
     /// `Next::Block` when the line is reached, `Next::Busy` to be asked again, `Next::End` if the program ends before.
     ///
     /// # Errors
     /// A mistake on the way.
-    pub fn advance_to(&mut self, line: u32, world: &mut CheckWorld) -> Result<Next, Fault> {
+    pub fn advance_to(&mut self, line: u32, world: &mut CheckWorld, sink: &mut dyn FnMut(&Op)) -> Result<Next, Fault> {
         let mut block = Block::new(&self.settings);
         for _ in 0..ADVANCE_PER_CALL {
-            if self.flow.is_main() && self.flow.line + 1 == line && !self.flow.mid_line && !self.second_half {
+            let there = self.flow.line + 1 == line && !self.flow.mid_line && !self.second_half;
+            if there && self.flow.is_main() && !self.ended {
                 return Ok(Next::Block);
             }
             if self.ended || !self.single(world, &mut block)? {
                 return Ok(Next::End);
             }
-            block.ops.iter().for_each(|op| world.apply(op));
+            for op in &block.ops {
+                world.apply(op);
+                sink(op);
+            }
         }
         Ok(Next::Busy)
     }
@@ -56,7 +61,9 @@ impl Interpreter {
     /// Whether there is anything to remark on the last block.
     #[inline]
     pub(crate) fn has_remarks(&self) -> bool {
-        self.flow.mid_line || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
+        self.flow.mid_line
+            || self.notes.as_ref().is_some_and(|notes| !notes.is_empty())
+            || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
     }
 
     /// Whether a variable without a value counted in the last block.
@@ -72,6 +79,9 @@ impl Interpreter {
         for (source, at, variable) in self.nulls.iter_mut().flat_map(|nulls| nulls.drain(..)) {
             let details = [format!("#{variable}"), String::new()];
             remarks.push(fault_in(&source, None, Wrong { at, error: E::NullUsed, details }));
+        }
+        for wrong in self.notes.iter_mut().flat_map(|notes| notes.drain(..)) {
+            remarks.push(fault_in(&source, None, wrong));
         }
         if self.flow.mid_line {
             let wrong = Wrong { at: self.flow.at, error: E::BlockAfterSemicolon, details: Default::default() };

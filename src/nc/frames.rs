@@ -79,6 +79,21 @@ impl Frames {
         self.offset = usize::from(offset).min(OFFSETS);
     }
 
+    /// The tool post has another station in front. With compensation the machine moves by `by` and the work coordinates
+    /// stay; without it nothing moves (L8).
+    pub fn change_tool(&mut self, station: u8, by: Option<PerAxis<f64>>) {
+        self.tool = u32::from(station);
+        if let Some(by) = by {
+            self.shift = PerAxis::from_fn(|axis| self.shift[axis] + by[axis]);
+        }
+    }
+
+    /// How far the tip of a tool stands out, slide travel: its geometry (L8).
+    #[must_use]
+    pub fn compensation(&self, tool: u32) -> PerAxis<f64> {
+        (tool as usize).checked_sub(1).and_then(|index| self.geometry.get(index)).copied().unwrap_or_default()
+    }
+
     /// G10: adds to the wear of an offset, 1 to 16.
     pub fn add_wear(&mut self, number: u8, by: PerAxis<f64>) {
         if let Some(wear) = usize::from(number).checked_sub(1).and_then(|index| self.wear.get_mut(index)) {

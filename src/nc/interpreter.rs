@@ -91,6 +91,8 @@ pub struct Interpreter {
     pub(super) pending: Option<Pending>,
     /// Where null was taken as 0, if somebody wants to know.
     pub(crate) nulls: Option<Vec<NullUse>>,
+    /// What a check remarks on, if somebody wants to know.
+    pub(crate) notes: Option<Vec<Wrong>>,
 }
 
 /// A cycle whose contour is to be read, and where its own block begins.
@@ -129,6 +131,7 @@ impl Interpreter {
             changed: false,
             pending: None,
             nulls: None,
+            notes: None,
         }
     }
 
@@ -230,15 +233,13 @@ impl Interpreter {
             return Ok(Stepped::End);
         }
         let source = Arc::clone(&self.flow.source);
-        let text = source.bytes();
-        let (at, line) = (self.flow.at, self.flow.line + 1);
+        let (text, at, line) = (source.bytes(), self.flow.at, self.flow.line + 1);
         let mut cursor = Cursor::window(text, at);
         if cursor.is_over() {
             return self.text_over(at);
         }
         // A refused block must leave what is in force as it was.
-        let before = self.modals;
-        let head = Head { mid_line: self.flow.mid_line, block_skip: world.block_skip() };
+        let (before, head) = (self.modals, Head { mid_line: self.flow.mid_line, block_skip: world.block_skip() });
         let mut scope = LiveScope {
             locals: self.flow.locals(),
             memory: &self.memory,
@@ -249,6 +250,7 @@ impl Interpreter {
             used: self.nulls.is_some().then_some(&mut block.used),
             nulls: &mut self.nulls,
             last_null: 0,
+            notes: &mut self.notes,
             source: &source,
             world,
         };
@@ -256,8 +258,7 @@ impl Interpreter {
         if cursor.is_cut(text) {
             return wrong(at, E::BlockTooLong);
         }
-        let content = read?;
-        let step = match content {
+        let step = match read? {
             Content::Words => {
                 let mut running = Running {
                     words: &self.words,
@@ -279,6 +280,14 @@ impl Interpreter {
                     Err(_) => self.modals = before,
                 }
                 done?
+            }
+            Content::Assign { at, .. }
+            | Content::Goto { at, .. }
+            | Content::While { at, .. }
+            | Content::EndLoop { at, .. }
+                if !dialect::has_macros(&self.settings) =>
+            {
+                return wrong(at, E::NoMacros);
             }
             content => self.statement(content, &cursor, block, text)?,
         };
@@ -379,16 +388,6 @@ impl Interpreter {
                 self.second_half = true;
                 block.complete = false;
             }
-            Step::Goto { n, at } => {
-                self.flow.go_to_block(n, at)?;
-                self.second_half = false;
-            }
-            Step::Call(call) => {
-                let source = self.find(call.program, call.at)?;
-                self.changed = true;
-                self.pass(cursor);
-                self.flow.call(source, call, false)?;
-            }
             Step::Modal(modal) => {
                 if let Some(modal) = &modal {
                     self.find(modal.program, self.flow.at)?;
@@ -401,11 +400,6 @@ impl Interpreter {
                 self.pass(cursor);
                 self.pending = Some(Pending { cycle, begin });
             }
-            Step::Return { target, at } => {
-                self.second_half = false;
-                self.changed = true;
-                self.flow.return_to(target, at)?;
-            }
             Step::Assign { variable, value, at } => {
                 self.assign(variable, value, at, None, block)?;
                 self.pass(cursor);
@@ -414,6 +408,7 @@ impl Interpreter {
                 self.pass(cursor);
                 self.ended = true;
             }
+            elsewhere => self.lead(elsewhere, cursor)?,
         }
         let over = self.ended && block.ops.is_empty();
         Ok(if over {
@@ -423,6 +418,57 @@ impl Interpreter {
         } else {
             Stepped::Block
         })
+    }
+
+    /// Jumps, loops, calls and returns.
+    fn lead(&mut self, step: Step, cursor: &Cursor<'_>) -> Outcome<()> {
+        match step {
+            Step::Goto { n, at } => {
+                self.flow.go_to_block(n, at)?;
+                self.second_half = false;
+            }
+            Step::Jump { n, at } => {
+                self.flow.jump(n, at)?;
+                self.second_half = false;
+            }
+            Step::Local { n, at } => {
+                self.changed = true;
+                let stood = self.flow.clone_place();
+                self.pass(cursor);
+                if let Err(stop) = self.flow.call_local(n, at) {
+                    self.flow.put_place(stood);
+                    return Err(stop);
+                }
+            }
+            Step::Loop { times, at } => {
+                self.changed = true;
+                if self.flow.begin_counted(times, at)? {
+                    self.pass(cursor);
+                }
+            }
+            Step::EndLoop { at } => {
+                self.changed = true;
+                if self.flow.end_counted(at)? {
+                    self.pass(cursor);
+                }
+            }
+            Step::Call(call) => {
+                let source = self.find(call.program, call.at)?;
+                self.changed = true;
+                self.pass(cursor);
+                self.flow.call(source, call, false)?;
+            }
+            Step::Return { target, at } => {
+                self.second_half = false;
+                self.changed = true;
+                if self.flow.is_main() && !dialect::has_macros(&self.settings) {
+                    return wrong(at, E::ReturnWithoutCall);
+                }
+                self.flow.return_to(target, at)?;
+            }
+            Step::Next | Step::Again | Step::Modal(_) | Step::Contour(_) | Step::Assign { .. } | Step::End => {}
+        }
+        Ok(())
     }
 
     /// The variables that a block of words sets; they have their values before anything else of the block is done.

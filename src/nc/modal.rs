@@ -3,6 +3,7 @@
 use super::dialect::RepeatWords;
 use super::op::{Feed, PathMode, Plane, SpeedMode};
 use super::settings::{Settings, SpeedUnit, System};
+use crate::units::PerAxis;
 
 /// The function of group 01 in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +21,12 @@ pub enum Motion {
     LongitudinalCycle,
     /// G94 on GC.
     FaceCycle,
+    /// G23 of the 超人 lathe.
+    RectangleCycle,
+    /// G32 of the 超人 lathe.
+    InchThread,
+    /// G33 of the 超人 lathe.
+    MetricThread,
 }
 
 impl Motion {
@@ -33,6 +40,9 @@ impl Motion {
             Self::ArcCounterClockwise => 3,
             Self::LongitudinalCycle => 90,
             Self::FaceCycle => 94,
+            Self::RectangleCycle => 23,
+            Self::InchThread => 32,
+            Self::MetricThread => 33,
         }
     }
 
@@ -92,6 +102,12 @@ pub struct Modals {
     pub(crate) rotation: SpeedMode,
     pub(crate) cycle: CycleWords,
     pub(crate) repeat: RepeatWords,
+    /// F of the last thread: its lead, mm (L5).
+    pub(crate) lead: Option<f64>,
+    /// The sense of the last move of X before a thread, 0 if none came (L5).
+    pub(crate) infeed: i8,
+    /// Where the program began, in today's work coordinates: the tool-change point (L3).
+    pub(crate) start: PerAxis<f64>,
     /// K5.11: a second tool was called.
     pub(crate) several_tools: bool,
     /// K5.11: G50 was used.
@@ -128,6 +144,9 @@ impl Modals {
             rotation,
             cycle: CycleWords::default(),
             repeat: RepeatWords::default(),
+            lead: None,
+            infeed: 0,
+            start: PerAxis::default(),
             several_tools: false,
             preset: false,
         }
@@ -143,9 +162,9 @@ impl Modals {
     /// The G codes in force, in the order in which the pages show them.
     #[must_use]
     pub fn g_codes(&self, system: System) -> [u8; 8] {
-        let modal_distance = system != System::LatheA;
+        let modal_distance = !matches!(system, System::LatheA | System::SuperMan);
         let [per_minute, per_rev, inch, metric, exact] = match system {
-            System::LatheA | System::Mill => [98, 99, 20, 21, 61],
+            System::LatheA | System::Mill | System::SuperMan => [98, 99, 20, 21, 61],
             System::Sinumerik => [94, 95, 70, 71, 60],
         };
         [

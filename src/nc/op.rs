@@ -143,6 +143,17 @@ pub struct Gauging {
 /// Reference points: the machine zero (G28) and three more (G30 P2 to P4).
 pub const REFERENCES: usize = 4;
 
+/// A thread in step with the spindle, and its run-out. Work coordinates, radius mm (L5).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Threading {
+    /// Where the block ends: at the end of the thread along Z, drawn back in X.
+    pub to: PerAxis<f64>,
+    /// Where the run-out begins.
+    pub out: PerAxis<f64>,
+    /// Lead along Z, mm.
+    pub lead_mm: f64,
+}
+
 /// A canonical operation.
 ///
 /// In moves, `words` are the axes that the block names and `incremental` those of them that were named as distances.
@@ -191,6 +202,13 @@ pub enum Op {
     OscillationOff,
     /// G78.
     Gauge(Gauging),
+    /// G32, G33 of the 超人 lathe.
+    Thread(Threading),
+    /// G36, G37, G39: these axes, X first, to their machine origin by its switch (L6).
+    HomeSwitch { axes: AxisSet },
+    /// The tool post to a station; with compensation the slides move by so much, so that the new tip stands where the old
+    /// one stood (L8). The work coordinates stay.
+    Post { station: u8, by: Option<PerAxis<f64>> },
     /// An M code with the words it takes.
     M { code: u8, s: Option<f64>, p: Option<f64>, l: Option<f64> },
     /// S.
@@ -219,7 +237,8 @@ impl Op {
             Self::Alarm { .. } | Self::Message { .. } => true,
             Self::M { code, .. } => matches!(code, 0 | 1 | 2 | 30 | 80..=89),
             Self::Rapid { .. } | Self::Feed { .. } | Self::Arc { .. } | Self::Dwell { .. } | Self::Path(_) => false,
-            Self::Preset { .. } => true,
+            Self::Preset { .. } | Self::HomeSwitch { .. } => true,
+            Self::Thread(_) | Self::Post { .. } => false,
             Self::Frame { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
             Self::S { .. } | Self::T { .. } | Self::Set { .. } | Self::Note { .. } => false,
             Self::AddWear { .. } | Self::DressReturn { .. } => false,
@@ -239,6 +258,9 @@ impl Op {
                 | Self::Skip { .. }
                 | Self::DressReturn { .. }
                 | Self::Gauge(_)
+                | Self::Thread(_)
+                | Self::HomeSwitch { .. }
+                | Self::Post { by: Some(_), .. }
         )
     }
 
@@ -297,6 +319,7 @@ impl Op {
             | Self::OscillationOn { .. }
             | Self::OscillationOff
             | Self::Gauge(_) => self.grinding_fields(axes, put),
+            Self::Thread(_) | Self::HomeSwitch { .. } | Self::Post { .. } => self.turning_fields(axes, put),
             Self::M { code, s, p, l } => {
                 put("code", json!(code));
                 for (key, value) in [("s", s), ("p", p), ("l", l)] {
@@ -305,14 +328,8 @@ impl Op {
                     }
                 }
             }
-            Self::S { value, mode } => {
-                put("value", json!(value));
-                put("unit", json!(mode.unit()));
-            }
-            Self::T { tool, offset } => {
-                put("tool", json!(tool));
-                put("offset", json!(offset));
-            }
+            Self::S { value, mode } => put_both(put, ("value", json!(value)), ("unit", json!(mode.unit()))),
+            Self::T { tool, offset } => put_both(put, ("tool", json!(tool)), ("offset", json!(offset))),
             Self::Set { variable: number, value } | Self::SetSystem { number, value } => {
                 put("variable", json!(number));
                 put("value", json!(value));
@@ -364,6 +381,29 @@ impl Op {
         }
     }
 
+    /// The fields of the lathe's functions.
+    fn turning_fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
+        match self {
+            Self::Thread(Threading { to, out, lead_mm }) => {
+                points(put, "", axes, *to);
+                points(put, "out", axes, *out);
+                put("lead", json!(lead_mm));
+            }
+            Self::HomeSwitch { axes } => {
+                let names: String = axes.iter().map(|axis| axis.letter().to_ascii_lowercase()).collect();
+                put("axes", json!(names));
+            }
+            Self::Post { station, by } => {
+                put("tool", json!(station));
+                put("offset", json!(if by.is_some() { *station } else { 0 }));
+                if let Some(by) = by {
+                    points(put, "d", axes, *by);
+                }
+            }
+            _ => {}
+        }
+    }
+
     const fn name(&self) -> &'static str {
         match self {
             Self::Rapid { .. } => "rapid",
@@ -382,6 +422,9 @@ impl Op {
             Self::OscillationOn { .. } => "oscillation-on",
             Self::OscillationOff => "oscillation-off",
             Self::Gauge(_) => "gauge",
+            Self::Thread(_) => "thread",
+            Self::HomeSwitch { .. } => "home",
+            Self::Post { .. } => "t",
             Self::M { .. } => "m",
             Self::S { .. } => "s",
             Self::T { .. } => "t",
@@ -418,6 +461,11 @@ fn some_points_named(put: &mut dyn FnMut(&str, Value), prefix: &str, to: PerAxis
             put(&format!("{prefix}{}", axis.letter().to_ascii_lowercase()), json!(value));
         }
     }
+}
+
+fn put_both(put: &mut dyn FnMut(&str, Value), first: (&str, Value), second: (&str, Value)) {
+    put(first.0, first.1);
+    put(second.0, second.1);
 }
 
 fn feed_words(put: &mut dyn FnMut(&str, Value), feed: Feed) {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::expression::{Frame, Scope, Value};
-use super::fault::{Outcome, Stop, wrong1};
+use super::fault::{Outcome, Stop, Wrong, wrong1};
 use super::flow::Locals;
 use super::memory::Memory;
 use super::modal::Modals;
@@ -32,6 +32,7 @@ pub(crate) struct LiveScope<'w> {
     pub used: Option<&'w mut Vec<u32>>,
     pub nulls: &'w mut Option<Vec<NullUse>>,
     pub last_null: u32,
+    pub notes: &'w mut Option<Vec<Wrong>>,
     pub source: &'w Arc<Source>,
     pub world: &'w mut dyn World,
 }
@@ -41,6 +42,13 @@ impl LiveScope<'_> {
     #[inline]
     pub fn position(&self) -> PerAxis<f64> {
         self.world.position()
+    }
+
+    /// Remarks on something that is allowed and seldom meant.
+    pub fn note(&mut self, at: usize, error: E, details: [String; 2]) {
+        if let Some(notes) = self.notes {
+            notes.push(Wrong { at, error, details });
+        }
     }
 }
 

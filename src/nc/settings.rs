@@ -12,6 +12,39 @@ pub enum SpeedUnit {
     MetresPerSecond,
 }
 
+/// What the parameters tell programs of the 超人 lathe (L2, L5, L6).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turning {
+    /// Feed of a straight line without an F, mm/min on Z.
+    pub line_feed: f64,
+    /// Feed of an arc without an F, mm/min.
+    pub arc_feed: f64,
+    /// How far Z goes for a millimetre of slide on X while both run in G00.
+    pub rapid_z_per_x: f64,
+    /// The least increment of a coordinate as written, mm (X a diameter): arcs end less than five of them off.
+    pub pulse_mm: f64,
+    /// Coordinates of the machine origin that G36, G37, G39 set, radius mm.
+    pub origin: PerAxis<f64>,
+    /// G02 and G03 turn the other way than ISO has it, as the manual warns.
+    pub arcs_opposite: bool,
+    /// Speed of the spindle without an S, rpm.
+    pub spindle_rpm: f64,
+}
+
+impl Default for Turning {
+    fn default() -> Self {
+        Self {
+            line_feed: 300.0,
+            arc_feed: 300.0,
+            rapid_z_per_x: 2.0,
+            pulse_mm: 0.01,
+            origin: PerAxis([0.0; 3]),
+            arcs_opposite: true,
+            spindle_rpm: 200.0,
+        }
+    }
+}
+
 /// Everything outside the text that changes how it is read.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -37,6 +70,10 @@ pub struct Settings {
     pub tools: u32,
     /// The path mode at the start is exact stop, not G64.
     pub exact_stop: bool,
+    /// Where a program begins is its work zero until it says otherwise (L3).
+    pub zero_at_start: bool,
+    /// Speeds and places of the 超人 lathe.
+    pub turning: Turning,
     /// P17.1: G35 moves a cylinder and takes no words.
     pub oscillation_by_cylinder: bool,
     /// Rapid speed of each axis for the time estimate of a check, mm/min.
@@ -59,6 +96,8 @@ impl Settings {
             jump_input: 0,
             tools: 16,
             exact_stop: false,
+            zero_at_start: false,
+            turning: Turning::default(),
             oscillation_by_cylinder: false,
             rapid_mm_min: PerAxis([6_000.0; 3]),
         }
@@ -76,6 +115,13 @@ impl Settings {
         Self { system: System::Sinumerik, exact_stop: true, ..Self::lathe() }
     }
 
+    /// The 超人 lathe as it leaves the factory: X (diameter) and Z.
+    #[must_use]
+    pub fn superman() -> Self {
+        let tools = 4;
+        Self { system: System::SuperMan, exact_stop: true, zero_at_start: true, tools, ..Self::lathe() }
+    }
+
     /// As a machine with programs of this language leaves the factory.
     #[must_use]
     pub fn of(system: System) -> Self {
@@ -83,6 +129,7 @@ impl Settings {
             System::LatheA => Self::lathe(),
             System::Mill => Self::mill(),
             System::Sinumerik => Self::sinumerik(),
+            System::SuperMan => Self::superman(),
         }
     }
 

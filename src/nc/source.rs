@@ -44,6 +44,15 @@ pub struct Source {
     /// (label in upper case, line from 0), sorted.
     names: Vec<(Box<[u8]>, u32)>,
     loops: Vec<Loop>,
+    /// Counted loops (G22 … G80), by their first line.
+    counted: Vec<CountedLoop>,
+}
+
+/// G22 and its G80, lines from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CountedLoop {
+    pub line: u32,
+    pub end_line: Option<u32>,
 }
 
 /// WHILE and its END, lines from 0.
@@ -74,6 +83,7 @@ impl Source {
             labels: Vec::new(),
             names: Vec::new(),
             loops: Vec::new(),
+            counted: Vec::new(),
         };
         source.index();
         source
@@ -171,6 +181,19 @@ impl Source {
         }
     }
 
+    /// The line (from 0) of the one block of that number: none if it is missing, an error if there are several.
+    pub(crate) fn only_block(&self, n: u32) -> Result<Option<u32>, ()> {
+        let first = self.labels.partition_point(|label| *label < (n, 0));
+        let is = |index: usize| self.labels.get(index).filter(|label| label.0 == n).map(|label| label.1);
+        if is(first + 1).is_some() { Err(()) } else { Ok(is(first)) }
+    }
+
+    /// The counted loop that opens in a line (from 0).
+    pub(crate) fn counted_at(&self, line: u32) -> Option<CountedLoop> {
+        let index = self.counted.binary_search_by_key(&line, |found| found.line).ok()?;
+        self.counted.get(index).copied()
+    }
+
     /// The loop that opens in a line (from 0).
     pub(crate) fn loop_at(&self, line: u32) -> Option<Loop> {
         let index = self.loops.binary_search_by_key(&line, |found| found.while_line).ok()?;
@@ -203,6 +226,7 @@ impl Source {
     fn index(&mut self) {
         let mut open = [0_usize; LOOP_DEPTH];
         let mut depth = 0;
+        let mut open_counted = Vec::new();
         for line in 0..self.lines.len() as u32 {
             let text = &self.bytes[self.start(line)..];
             let (n, rest) = head(text);
@@ -213,6 +237,15 @@ impl Source {
                 self.names.push((name.to_ascii_uppercase().into_boxed_slice(), line));
             }
             match rest.first() {
+                Some(b'G' | b'g') if is_code(rest, b"G22") => {
+                    open_counted.push(self.counted.len());
+                    self.counted.push(CountedLoop { line, end_line: None });
+                }
+                Some(b'G' | b'g') if is_code(rest, b"G80") => {
+                    if let Some(place) = open_counted.pop().and_then(|index| self.counted.get_mut(index)) {
+                        place.end_line = Some(line);
+                    }
+                }
                 Some(b'W' | b'w') if starts(rest, b"WHILE") => {
                     let number = do_number(rest);
                     if let Some(place) = open.get_mut(depth) {
@@ -287,6 +320,11 @@ fn blank(mut bytes: &[u8]) -> &[u8] {
 
 fn starts(bytes: &[u8], word: &[u8]) -> bool {
     bytes.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word))
+}
+
+/// Whether a line begins with a code and no further digit.
+fn is_code(bytes: &[u8], word: &[u8]) -> bool {
+    starts(bytes, word) && !bytes.get(word.len()).is_some_and(u8::is_ascii_digit)
 }
 
 fn digits(bytes: &[u8]) -> Option<u32> {

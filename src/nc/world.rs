@@ -25,6 +25,14 @@ pub trait World {
     fn position(&self) -> PerAxis<f64>;
     /// #434–#439 and #1000 and up, but for #4001–#4130; positions with X as a diameter where X words are. `#1000` + port − 1 is input `port`: 1 when it is active (low).
     fn system(&mut self, number: u32) -> Live;
+    /// Compensation of a tool, 1 to 4, slide travel, radius mm (L8).
+    fn compensation(&self, _tool: u32) -> PerAxis<f64> {
+        PerAxis::default()
+    }
+    /// The tool in force, 0 none.
+    fn tool(&self) -> u32 {
+        0
+    }
     /// The 跳段 switch: blocks with `/` are left out.
     fn block_skip(&self) -> bool;
 }
@@ -62,7 +70,7 @@ impl CheckWorld {
             references: [PerAxis::default(); REFERENCES],
             system: BTreeMap::new(),
             skip: false,
-            rpm: USUAL_RPM,
+            rpm: if settings.zero_at_start { settings.turning.spindle_rpm } else { USUAL_RPM },
             length_mm: 0.0,
             seconds: 0.0,
             extents: None,
@@ -100,6 +108,18 @@ impl CheckWorld {
     /// Gives a system variable a value.
     pub fn set_system(&mut self, number: u32, value: Option<f64>) {
         self.system.insert(number, value);
+    }
+
+    /// The frames in force.
+    #[must_use]
+    pub const fn frames(&self) -> &Frames {
+        &self.frames
+    }
+
+    /// The work position, radius mm.
+    #[must_use]
+    pub const fn place(&self) -> PerAxis<f64> {
+        self.position
     }
 
     /// The way gone, mm.
@@ -163,6 +183,20 @@ impl CheckWorld {
             }
             Op::S { value, mode: super::op::SpeedMode::Rpm } if *value > 0.0 => self.rpm = *value,
             Op::SetSystem { number, value } => self.set_system(*number, *value),
+            Op::Thread(threading) => {
+                // The run-out is left to the axes: its time is that of the thread's last millimetres.
+                let minutes = (threading.to[Axis::Z] - self.position[Axis::Z]).abs() / threading.lead_mm / self.rpm;
+                self.seconds += 60.0 * minutes;
+                self.length_mm += distance(self.position, threading.out) + distance(threading.out, threading.to);
+                self.reach(threading.out);
+                self.reach(threading.to);
+            }
+            Op::HomeSwitch { axes } => {
+                let home = self.frames.work_from_machine(self.references[0]);
+                let (axes, from) = (*axes, self.position);
+                self.rapid(PerAxis::from_fn(|axis| if axes.contains(axis) { home[axis] } else { from[axis] }));
+            }
+            Op::Post { station, by } => self.frames.change_tool(*station, *by),
             Op::S { .. } | Op::Path(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
             // Where the dressing point is, only the machine knows; an oscillating axis comes back to where it was.
             Op::DressReturn { .. } | Op::OscillationOn { .. } | Op::OscillationOff => {}
@@ -257,6 +291,14 @@ impl World for CheckWorld {
                 Some(Access::Write) | None => Live::Unknown,
             },
         }
+    }
+
+    fn compensation(&self, tool: u32) -> PerAxis<f64> {
+        self.frames.compensation(tool)
+    }
+
+    fn tool(&self) -> u32 {
+        self.frames.tool
     }
 
     fn block_skip(&self) -> bool {

@@ -27,6 +27,9 @@ const PAGES: std::ops::RangeInclusive<u16> = 1..=20;
 const R_PAGES: std::ops::RangeInclusive<u16> = 801..=803;
 /// Number of the dressing page's picture, B0100.BMP (K7.6).
 const DRESSING_PICTURE: u16 = 100;
+/// Numbers of programs that have names.
+const FIRST_NAMED: u32 = 8_001;
+const LAST_NAMED: u32 = 8_999;
 /// Size of a page picture, pixels.
 pub const PICTURE_SIZE: (u32, u32) = (200, 400);
 /// Bytes of a page picture: 54 of header, three a pixel (K5.12).
@@ -65,6 +68,8 @@ pub struct Folders {
     pub programs: PathBuf,
     /// Page texts and pictures.
     pub screens: PathBuf,
+    /// Programs have names (`SHAFT.NC`) instead of O numbers; the control counts them from 8001 by name.
+    pub named: bool,
 }
 
 impl Folders {
@@ -88,7 +93,11 @@ impl Folders {
             "" => ("programs".to_owned(), data.programs()),
             folder => (format!("programs/{folder}"), data.programs().join(folder)),
         };
-        Ok(Self { programs: choose(programs, &name, own)?, screens: choose(screens, "screens", data.screens())? })
+        Ok(Self {
+            programs: choose(programs, &name, own)?,
+            screens: choose(screens, "screens", data.screens())?,
+            named: false,
+        })
     }
 
     /// Reads every program.
@@ -96,6 +105,9 @@ impl Folders {
     /// # Errors
     /// The folder cannot be listed.
     pub fn read_programs(&self) -> Result<(Programs, Vec<DirectoryRow>), FolderError> {
+        if self.named {
+            return Ok(self.read_named());
+        }
         let folder = Folder::new(&self.programs);
         let listing = folder.list(&PROGRAM)?;
         let mut rows = Vec::new();
@@ -114,6 +126,28 @@ impl Folders {
             }
         }
         Ok((Programs::new(rows), directory))
+    }
+
+    /// Programs by name, in the order of the alphabet (L1). A file that cannot be read is left out, as one that is not there.
+    fn read_named(&self) -> (Programs, Vec<DirectoryRow>) {
+        let mut names: Vec<PathBuf> = std::fs::read_dir(&self.programs)
+            .map(|entries| entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect())
+            .unwrap_or_default();
+        names.retain(|path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("nc")));
+        names.sort();
+        let (mut rows, mut directory) = (Vec::new(), Vec::new());
+        for (path, number) in names.iter().zip(FIRST_NAMED..=LAST_NAMED) {
+            let Ok(bytes) = std::fs::read(path) else { continue };
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let size = bytes.len() as u64;
+            let program = program(number, &name, bytes);
+            let title = program.source.comment_title().unwrap_or_default();
+            let comment = format!("{name} {title}").trim_end().to_owned();
+            let called = defs::program::title(number);
+            directory.push(DirectoryRow { number, name: called, size, comment, modified: String::new() });
+            rows.push(program);
+        }
+        (Programs::new(rows), directory)
     }
 
     /// Reads every page text and picture.

@@ -16,6 +16,9 @@ use crate::units::{Axis, PerAxis};
 const CURRENT_PROGRAM: &str = "current-program";
 const PARTS: &str = "parts";
 const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
+const RUNNING_AT: &str = "running-at";
+/// More lines than a program has: what program and line are put together by.
+const LINES: f64 = 1e8;
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
 /// What opening the data has found, for people.
@@ -84,6 +87,11 @@ fn change(effect: &Effect) -> Option<store::Change> {
             store::Change::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
         }
         Effect::Parts(parts) => store::Change::Number { key: PARTS.into(), value: Some(f64::from(*parts)) },
+        Effect::RunningAt(place) => store::Change::Number {
+            key: RUNNING_AT.into(),
+            // One number, so that program and line are never of two moments.
+            value: place.map(|(program, line)| f64::from(program) * LINES + f64::from(line)),
+        },
         Effect::Ask(_) => return None,
     })
 }
@@ -108,6 +116,7 @@ pub fn remember(retained: &mut Retained, effect: &Effect) {
         Effect::Screw(axis, table) => retained.screws[*axis] = table.clone(),
         Effect::CurrentProgram(number) => retained.current_program = *number,
         Effect::Parts(parts) => retained.parts = *parts,
+        Effect::RunningAt(place) => retained.interrupted = *place,
         Effect::Ask(_) => {}
     }
 }
@@ -143,6 +152,7 @@ fn restore(kind: Kind, loaded: &store::Loaded) -> (Retained, Vec<String>) {
     let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);
     retained.current_program = number(CURRENT_PROGRAM);
     retained.parts = number(PARTS);
+    retained.interrupted = loaded.numbers.get(RUNNING_AT).map(|at| ((at / LINES) as u32, (at % LINES) as u32));
     retained.dress_points = PerAxis::from_fn(|axis| loaded.numbers.get(DRESS_POINTS[axis as usize]).copied());
     (retained, dropped)
 }

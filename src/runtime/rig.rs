@@ -329,6 +329,27 @@ impl Rig {
         self.programs.get(number).is_some()
     }
 
+    /// The text of a program.
+    #[must_use]
+    pub fn program_source(&self, number: u32) -> Option<Arc<crate::nc::Source>> {
+        self.programs.get(number).map(|program| Arc::clone(&program.source))
+    }
+
+    /// The program whose file has this name, with or without its extension.
+    #[must_use]
+    pub fn program_named(&self, word: &str) -> Option<u32> {
+        let stem = |name: &str| name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_ascii_uppercase();
+        let wanted = stem(word);
+        let named = |program: &&crate::controller::Program| stem(program.source.name()) == wanted;
+        self.programs.iter().find(named).map(|program| program.number)
+    }
+
+    /// The bar of a lathe's program.
+    #[must_use]
+    pub fn bar(&self, number: u32) -> Option<PartFile> {
+        super::bar::of_program(self.kind, &self.retained.params, &self.program_source(number)?)
+    }
+
     /// What the control remembers.
     #[must_use]
     pub const fn retained(&self) -> &Retained {

@@ -9,6 +9,7 @@ use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output, PORTS};
 use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::snapshot::RunState;
+use crate::runtime::bar::own_programs;
 use crate::units::Axis;
 
 /// Most statements of a story.
@@ -133,6 +134,8 @@ pub enum Statement {
     Set(u16, Option<f64>),
     /// `load O1001`
     Load(u32),
+    /// `load SHAFT`: the program of a name.
+    LoadNamed(String),
     /// `mode auto`
     Mode(Mode),
     /// `home all`
@@ -275,7 +278,7 @@ impl Words {
     fn statement(mut self, kind: Kind) -> Result<Statement, StoryError> {
         let verb = self.word("a statement")?;
         let statement = match verb.as_str() {
-            "kind" => Statement::Kind(self.one_of("a kind: gc, gs, ga, vertical", Kind::from_id)?),
+            "kind" => Statement::Kind(self.one_of("a kind: gc, gs, ga, vertical, lathe", Kind::from_id)?),
             "power" => self.one_of("`on` or `cut`", |word| match word {
                 "on" => Some(Statement::PowerOn),
                 "cut" => Some(Statement::PowerCut),
@@ -286,6 +289,9 @@ impl Words {
             }
             "set" => self.set()?,
             "type" => Statement::Type(self.variable()?, self.value_or_nothing()?),
+            "load" if own_programs(kind).is_some() => {
+                Statement::LoadNamed(self.word("the name of a program, such as SHAFT")?)
+            }
             "load" => Statement::Load(self.one_of("a program such as O1001", program)?),
             "mode" => Statement::Mode(self.one_of("edit, auto, mdi, home, handwheel, step or jog", Mode::from_id)?),
             "home" => self.one_of("`all`", |word| (word == "all").then_some(Statement::HomeAll))?,

@@ -72,6 +72,10 @@ impl<'a> Player<'a> {
             Statement::Param(at, value) => self.send(Command::SetParam(*at, *value)),
             Statement::Set(number, value) => self.send(Command::SetVariable(*number, *value)),
             Statement::Load(number) => self.load(*number),
+            Statement::LoadNamed(name) => match self.rig.program_named(name) {
+                Some(number) => self.load(number),
+                None => Err(format!("there is no program {name}")),
+            },
             Statement::Mode(mode) => self.press(mode.key()),
             Statement::HomeAll => self.home_all(),
             Statement::Key(key) => self.press(*key),
@@ -172,7 +176,7 @@ impl<'a> Player<'a> {
             return Ok(()); // refused, and the message says why
         }
         if !self.part_given
-            && let Ok(Some(part)) = PartFile::builtin(number)
+            && let Some(part) = self.rig.bar(number).or_else(|| PartFile::builtin(number).ok().flatten())
         {
             self.rig.mount(&part);
             self.ticks(ANSWER_TICKS);

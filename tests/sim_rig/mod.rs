@@ -77,7 +77,7 @@ pub fn driven_of(kind: Kind) -> Rig {
 /// The program whose part goes into a kind of machine.
 pub const fn program_of(kind: Kind) -> u32 {
     match kind {
-        Kind::Gc | Kind::Vertical => 1002,
+        Kind::Gc | Kind::Vertical | Kind::Lathe => 1002,
         Kind::Gs => 1007,
         Kind::Ga => 1010,
     }

@@ -13,7 +13,7 @@ use kt830::story::{Player, parse, play::around};
 /// The folders of the repository.
 pub fn folders() -> Folders {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    Folders { programs: root.join("programs"), screens: root.join("screens") }
+    Folders { programs: root.join("programs"), screens: root.join("screens"), named: false }
 }
 
 /// The folders of a kind.

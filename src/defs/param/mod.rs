@@ -14,7 +14,7 @@ use super::text::Text;
 use crate::units::{Axis, Micros};
 
 /// The column of the bit table that a kind begins with.
-const KT830_COLUMN: [usize; Kind::ALL.len()] = [0, 1, 2, 0];
+const KT830_COLUMN: [usize; Kind::ALL.len()] = [0, 1, 2, 0, 0];
 
 /// Highest parameter number + 1.
 pub const PARAM_LIMIT: usize = 400;

@@ -36,6 +36,7 @@ bits! {
     HOME_MINUS_Y = 5 bit 1, NO, Builder, "Y 回零方向为负", "Y homes in minus direction";
     HOME_MINUS_Z = 5 bit 2, NO, Builder, "Z 回零方向为负", "Z homes in minus direction";
     SPEED_AT_THE_RIM = 5 bit 3, NO, Builder, "S 为砂轮线速度 m/s", "S is the rim speed of the wheel, m/s";
+    ARCS_AS_ISO = 5 bit 4, NO, Builder, "超人：G02/G03 方向按 ISO", "SuperMan: G02 and G03 turn as in ISO";
     RADIUS_PROGRAMMING = 6 bit 0, [false, true, true], Builder, "半径编程", "radius programming";
     LEAST_INCREMENT = 6 bit 1, NO, Builder, "无小数点数值为最小单位", "numbers without a point are least increments";
     IN_POSITION_CHECK = 6 bit 2, NO, Builder, "准停时检测到位", "in-position check at every exact stop";
@@ -134,6 +135,16 @@ numbers! {
     REFERENCE_4_Y = 168, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Y", "reference point 4 Y";
     REFERENCE_4_Z = 169, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Z", "reference point 4 Z";
     COMPENSATION_SPEED = 99, 6 => 6_000, 600, "mm/min", Builder, "螺距/间隙补偿最大速度", "greatest speed of screw compensation";
+    SPINDLE_PULSE = 386, 10 => 5_000, 400, "ms", Builder, "主轴 M03 M04 M05 脉冲时间", "length of the spindle's pulses";
+    SPINDLE_RUN_UP = 387, 0 => 60_000, 2_000, "ms", Builder, "主轴启动延时", "spindle run-up delay";
+    POST_TIME = 388, 0 => 60_000, 5_000, "ms", Builder, "刀架转位超时", "tool post time-out";
+    POST_CLAMP_TIME = 389, 0 => 10_000, 500, "ms", Builder, "刀架反转锁紧时间", "time of the tool post's clamping";
+    LINE_FEED = 380, 6 => 2_000, 300, "mm/min", User, "G01 默认速度", "feed of G01 without F";
+    ARC_FEED = 381, 6 => 600, 300, "mm/min", User, "G02/G03 默认速度", "feed of G02 and G03 without F";
+    RAPID_Z_PER_X = 382, 0.1 => 10, 2, "mm/mm", Builder, "G00 联动时 Z 与 X 位移比", "Z to X travel while both run in G00";
+    PULSE = 383, 0.0001 => 0.1, 0.01, "mm", Builder, "编程最小增量", "least increment of a programmed coordinate";
+    BAR_DIAMETER = 384, 1 => 1_000, 45, "mm", User, "棒料直径", "bar diameter";
+    BAR_LENGTH = 385, 1 => 2_000, 120, "mm", User, "棒料伸出长度", "bar length out of the chuck";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
@@ -173,10 +184,20 @@ pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
     (Kind::Vertical, WHEEL_RPM, 1_500.0),
     (Kind::Vertical, HEADSTOCK_RPM_HIGH, 60.0),
     (Kind::Vertical, HEADSTOCK_RPM_LOW, 60.0),
+    (Kind::Lathe, RAPID_X, 2_000.0),
+    (Kind::Lathe, RAPID_Z, 4_000.0),
+    (Kind::Lathe, WHEEL_RPM_MAX, 5_000.0),
+    (Kind::Lathe, WHEEL_RPM, 200.0),
+    (Kind::Lathe, WHEEL_DIAMETER, 10.0),
+    (Kind::Lathe, HYDRAULIC_DELAY, 0.0),
 ];
 
 /// Factory bits of the kinds that have no column in the table of bits, where they differ from the column they begin with.
-pub(super) const FACTORY_BITS_OF_KIND: &[(Kind, Bit, bool)] = &[(Kind::Vertical, TAILSTOCK_ENABLED, false)];
+pub(super) const FACTORY_BITS_OF_KIND: &[(Kind, Bit, bool)] = &[
+    (Kind::Vertical, TAILSTOCK_ENABLED, false),
+    (Kind::Lathe, TAILSTOCK_ENABLED, false),
+    (Kind::Lathe, NO_HYDRAULIC_CHECK, true),
+];
 
 /// Factory port of an input (spec K3).
 pub(super) const fn factory_input_port(input: Input) -> u8 {
@@ -191,6 +212,7 @@ pub(super) const fn factory_input_port(input: Input) -> u8 {
             _ => (number - 329) as u8 + 23,
         },
         341..=349 => (number - 341) as u8 + 31,
+        365..=368 => (number - 365) as u8 + 26,
         _ => 0,
     }
 }
@@ -209,6 +231,7 @@ pub(super) const fn factory_output_port(output: Output) -> u8 {
         number @ 308..=311 => (number - 308) as u8 + 17,
         number @ 274..=278 => (number - 274) as u8 + 21,
         number @ 312..=314 => (number - 312) as u8 + 26,
+        number @ 360..=364 => (number - 360) as u8 + 29,
         _ => 0,
     }
 }

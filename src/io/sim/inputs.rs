@@ -3,6 +3,7 @@
 use super::super::InputImage;
 use super::SimulatedMachine;
 use super::axis::{SimAxis, Switches};
+use super::turning::Turning;
 use crate::defs::signal::{Input, InputSet, Terminals};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -27,6 +28,7 @@ impl SimulatedMachine {
         InputImage {
             terminals,
             encoder_mm: PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::encoder_mm)),
+            spindle_turns: self.turning.as_ref().map_or(0.0, Turning::encoder_turns),
             handwheel_detents: 0,
             bus_alive: true,
         }
@@ -57,6 +59,11 @@ impl SimulatedMachine {
         set.set(Input::GuardClosed, true);
         for (gear, input) in GEARS.into_iter().enumerate() {
             set.set(input, h.gear_in(gear));
+        }
+        if let Some(turning) = &self.turning {
+            for (station, input) in Input::STATIONS.into_iter().enumerate() {
+                set.set(input, turning.at_station(station));
+            }
         }
         if !self.ailing.gauge_dead {
             let g = &self.gauges;

@@ -4,8 +4,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::machine_rows::{
-    AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile,
-    SecondSpindleFile, WheelFile,
+    AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
+    SecondSpindleFile, ToolPostFile, WheelFile,
 };
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
@@ -14,6 +14,7 @@ use crate::units::PerAxis;
 const GC: &str = include_str!("../../../assets/machines/gc.ron");
 const GS: &str = include_str!("../../../assets/machines/gs.ron");
 const GA: &str = include_str!("../../../assets/machines/ga.ron");
+const LATHE: &str = include_str!("../../../assets/machines/lathe.ron");
 const VERTICAL: &str = include_str!("../../../assets/machines/vertical.ron");
 
 /// Why a machine or part file was not taken.
@@ -70,6 +71,12 @@ pub struct MachineFile {
     /// The drive of the table, where the table turns.
     #[serde(default)]
     pub table: Option<DriveFile>,
+    /// The spindle of a lathe.
+    #[serde(default)]
+    pub main_spindle: Option<MainSpindleFile>,
+    /// The tool post of a lathe.
+    #[serde(default)]
+    pub tool_post: Option<ToolPostFile>,
     /// The second spindle.
     pub second_spindle: SecondSpindleFile,
     /// Pump and what it moves.
@@ -97,6 +104,7 @@ impl MachineFile {
             Kind::Gs => Self::parse(GS),
             Kind::Ga => Self::parse(GA),
             Kind::Vertical => Self::parse(VERTICAL),
+            Kind::Lathe => Self::parse(LATHE),
         }
     }
 
@@ -119,6 +127,13 @@ impl MachineFile {
     fn check(&self) -> Result<(), SimFileError> {
         for (axis, file) in self.axes(true).iter() {
             file.map_or(Ok(()), |file| file.check(&axis.letter().to_ascii_lowercase().to_string()))?;
+        }
+        if let Some(spindle) = &self.main_spindle {
+            above_zero("main_spindle.run_up_s", spindle.run_up_s)?;
+            above_zero("main_spindle.encoder_steps", spindle.encoder_steps)?;
+        }
+        if let Some(post) = &self.tool_post {
+            above_zero("tool_post.step_s", post.step_s)?;
         }
         let roll = self.dresser.as_ref().and_then(|dresser| dresser.roll.as_ref());
         let roll_drive = roll.map(|roll| &roll.drive);

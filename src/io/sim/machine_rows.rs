@@ -107,6 +107,46 @@ pub struct DriveFile {
     pub run_up_s: f64,
 }
 
+/// The spindle of a lathe, which turns the part, and its encoder (L5, L7).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MainSpindleFile {
+    /// Speed at 10 V of the first analog output, rpm.
+    pub rpm_at_10_v: f64,
+    /// Speed without an analog voltage, rpm.
+    pub mains_rpm: f64,
+    /// From rest to `mains_rpm`, s; braked as fast.
+    pub run_up_s: f64,
+    /// Encoder steps a turn.
+    pub encoder_steps: f64,
+    /// How much its speed sways, once a turn, of the speed.
+    pub unevenness: f64,
+}
+
+/// The tool post of a lathe (L8).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolPostFile {
+    /// From one station to the next, s.
+    pub step_s: f64,
+    /// The tools of stations 1 to 4.
+    pub tools: [ToolFile; 4],
+    /// Overlap of tool and part in rapid traverse, or with the spindle standing, that is a crash, mm.
+    pub crash_mm: f64,
+}
+
+/// One tool.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ToolFile {
+    /// Where its tip stands off the post's reference point: X as slide travel, Z.
+    pub tip_mm: (f64, f64),
+    /// The outline cuts up to this height over the tip; above it is the shank, mm.
+    pub edge_mm: f64,
+    /// Height of the outline over the tip along X, at places along Z from the tip, in rising order.
+    pub outline_mm: Vec<Along>,
+}
+
 /// The second spindle: one speed, two ways.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

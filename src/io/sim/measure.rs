@@ -7,6 +7,7 @@ use super::axis::SimAxis;
 use super::magnet::Magnet;
 use super::part_file::Looks;
 use super::report::{Event, PartReport};
+use super::turning::Turning;
 use crate::units::PerAxis;
 
 /// The wheel as it is now.
@@ -106,13 +107,30 @@ impl SimulatedMachine {
     /// The workpiece measured.
     #[must_use]
     pub fn measure(&self) -> PartReport {
-        self.grinding.report()
+        let mut report = self.grinding.report();
+        if let Some(turning) = &self.turning {
+            turning.report(&mut report);
+        }
+        report
     }
 
     /// Diameter of the part at Z; `None` where no diameter is.
     #[must_use]
     pub fn diameter_at(&self, z: f64) -> Option<f64> {
-        self.grinding.surfaces().iter().find_map(|surface| surface.diameter_at(z))
+        let turned = || self.turning.as_ref().and_then(|turning| turning.diameter_at(z));
+        self.grinding.surfaces().iter().find_map(|surface| surface.diameter_at(z)).or_else(turned)
+    }
+
+    /// The bar of a lathe: where it begins, the size of a cell, the radius of each cell, mm.
+    #[must_use]
+    pub fn bar_profile(&self) -> Option<(f64, f64, &[f64])> {
+        self.turning.as_ref().and_then(Turning::profile)
+    }
+
+    /// Speed of a lathe's spindle, rpm, forward positive.
+    #[must_use]
+    pub fn main_spindle_rpm(&self) -> f64 {
+        self.turning.as_ref().map_or(0.0, Turning::rpm)
     }
 
     /// Z of a face at X – on GC a diameter, on GA the radius, on GS (a wall) the place along X: the first face there, or

@@ -4,7 +4,7 @@
 //! axes, spindles, hydraulics, contact of wheel and part – and shows its terminals and encoders.
 //! The files: `axis` drives and switches, `spindle` all that turns, `hydraulics`, `magnet`, `gauge`, `wheel` shape and
 //! wear, `surface` the contact law, `profile` and `plane` the cells, `obstacle`, `grinding` who meets whom, `wiring`
-//! terminals, `inputs` what is shown, `fault` names, `measure` and `report` what can be asked afterwards.
+//! terminals, `turning` a lathe's spindle, post and bar, `inputs` what is shown, `fault` names, `measure` and `report` what can be asked afterwards.
 //! What a kind of machine is made of stands in its file alone: which axis takes the wheel to the part and what turns.
 
 mod axis;
@@ -25,6 +25,7 @@ mod profile;
 mod report;
 mod spindle;
 mod surface;
+mod turning;
 mod wheel;
 mod wiring;
 
@@ -36,6 +37,7 @@ use self::hydraulics::{Hydraulics, Tick, Valves};
 use self::magnet::{Current, Magnet};
 use self::report::EventLog;
 use self::spindle::Spindles;
+use self::turning::Turning;
 use self::wheel::Wheel;
 use self::wiring::Wiring;
 use super::random::SplitMix64;
@@ -48,11 +50,11 @@ pub use self::fault::FaultError;
 pub use self::machine_file::{MachineFile, SimFileError};
 pub use self::machine_rows::{
     Along, AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile,
-    PlateFile, ProbeFile, QuillFile, RollFile, SecondSpindleFile, WheelFile,
+    MainSpindleFile, PlateFile, ProbeFile, QuillFile, RollFile, SecondSpindleFile, ToolFile, ToolPostFile, WheelFile,
 };
 pub use self::measure::WheelState;
 pub use self::part_file::{
-    BlockFile, Body, BodyFile, FinishedFile, GaugeFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile,
+    BarFile, BlockFile, Body, BodyFile, FinishedFile, GaugeFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile,
     TailstockFile,
 };
 pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartReport};
@@ -73,6 +75,8 @@ pub struct SimulatedMachine {
     gauges: Gauges,
     wheel: Wheel,
     grinding: Grinding,
+    /// Spindle, tool post and bar of a lathe.
+    turning: Option<Turning>,
     wiring: Wiring,
     ailing: Ailing,
     log: EventLog,
@@ -109,6 +113,7 @@ impl SimulatedMachine {
             gauges: Gauges::new(machine.gauges.clone()),
             wheel: Wheel::new(&machine.wheel, &machine.cutting),
             grinding: Grinding::new(&machine),
+            turning: machine.main_spindle.clone().zip(machine.tool_post.clone()).map(|(s, p)| Turning::new(s, p)),
             wiring: Wiring::new(wiring),
             ailing: Ailing::default(),
             log: EventLog::new(),
@@ -153,6 +158,9 @@ impl SimulatedMachine {
     pub fn set_part(&mut self, part: Option<&PartFile>) {
         let part = part.filter(|part| part.kind == self.file.kind);
         self.grinding.set_part(part, &mut self.chance);
+        if let Some(turning) = &mut self.turning {
+            turning.set_part(part);
+        }
         if let Some(part) = part {
             self.start_mm = PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]);
             self.tailstock_at_start = part.tailstock_advanced;
@@ -205,8 +213,17 @@ impl SimulatedMachine {
         if let Some(magnet) = &mut self.magnet {
             magnet.step(Current::of(on.has(Output::Magnetise), on.has(Output::Demagnetise)), dt_s);
         }
+        if let Some(turning) = &mut self.turning {
+            turning.drive(on, self.outputs.wheel_volts, dt_s);
+        }
         let scene = self.scene(dt_s);
-        crashed |= self.grinding.step(&scene, &mut self.wheel, &mut self.log);
+        crashed |= match &mut self.turning {
+            Some(turning) => turning.cut(&scene).is_some_and(|place| {
+                self.log.push(self.grinding.event(EventKind::Crash, place, &scene));
+                true
+            }),
+            None => self.grinding.step(&scene, &mut self.wheel, &mut self.log),
+        };
         self.supervise_speed(&scene);
         let found = Found {
             over_um: if self.hydraulics.radial_arm.is_out() { self.grinding.over_um() } else { None },

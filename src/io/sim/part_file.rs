@@ -61,7 +61,11 @@ pub struct PartFile {
     /// What the radial (thickness) gauge is set to, and where it measures.
     #[serde(default)]
     pub gauge: Option<GaugeFile>,
+    /// The bar of a lathe.
+    #[serde(default)]
+    pub bar: Option<BarFile>,
     /// What is ground.
+    #[serde(default)]
     pub surfaces: Vec<SurfaceFile>,
     /// How far it may be ground, where the program's own variables say so.
     #[serde(default)]
@@ -81,6 +85,20 @@ pub struct FinishedFile {
     pub z_from: f64,
     /// To Z.
     pub z_to: f64,
+}
+
+/// A bar to be turned, part coordinates.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BarFile {
+    /// Its diameter.
+    pub diameter: f64,
+    /// Where it leaves the chuck.
+    pub z_from: f64,
+    /// Its face.
+    pub z_to: f64,
+    /// Cell size along Z.
+    pub cell: f64,
 }
 
 const fn cylindrical() -> Kind {
@@ -307,6 +325,15 @@ impl PartFile {
             if !surface.kinds().contains(&file.kind) {
                 let what = format!("surface {}", i + 1);
                 return Err(SimFileError::Unfit { what, rule: "the part's kind of machine cannot grind it" });
+            }
+        }
+        if let Some(bar) = file.bar {
+            above_zero("bar.diameter", bar.diameter)?;
+            above_zero("bar.cell", bar.cell)?;
+            let cells = (bar.z_to - bar.z_from) / bar.cell;
+            if !(1.0..=CELL_LIMIT).contains(&cells) {
+                let rule = "there must be 1 to 100000 cells from the one end to the other";
+                return Err(SimFileError::Value { field: "bar: cells".to_owned(), value: cells, rule });
             }
         }
         if let Some(offset) = file.offsets.iter().find(|offset| !(1..=16).contains(&offset.number)) {

@@ -9,6 +9,7 @@ use crate::units::{Axis, PerAxis};
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Ga,
     axes: PerAxis([true, false, true]),
+    system: Kind::Ga.system(),
     home_order: &[Axis::Z, Axis::X, Axis::Y],
     drive_high: Output::TableRotation,
     drive_low: Output::TableRotation,
@@ -18,4 +19,6 @@ pub(super) static ROW: KindRow = KindRow {
     page_files: &[],
     variables: &[],
     slow_axis: Axis::Z,
+    turns_part: false,
+    own_programs: None,
 };

@@ -9,6 +9,7 @@ use crate::units::{Axis, PerAxis};
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Gc,
     axes: PerAxis([true, false, true]),
+    system: Kind::Gc.system(),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     drive_high: Output::HeadstockHigh,
     drive_low: Output::HeadstockLow,
@@ -18,4 +19,6 @@ pub(super) static ROW: KindRow = KindRow {
     page_files: &[],
     variables: &[],
     slow_axis: Axis::X,
+    turns_part: false,
+    own_programs: None,
 };

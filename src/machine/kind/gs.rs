@@ -9,6 +9,7 @@ use crate::units::{Axis, PerAxis};
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Gs,
     axes: PerAxis([true, true, true]),
+    system: Kind::Gs.system(),
     home_order: &[Axis::Y, Axis::Z, Axis::X],
     drive_high: Output::DresserRoll,
     drive_low: Output::DresserRoll,
@@ -18,4 +19,6 @@ pub(super) static ROW: KindRow = KindRow {
     page_files: &[],
     variables: &[],
     slow_axis: Axis::Y,
+    turns_part: false,
+    own_programs: None,
 };

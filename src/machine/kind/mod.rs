@@ -4,9 +4,10 @@
 mod ga;
 mod gc;
 mod gs;
+mod lathe;
 mod vertical;
 
-use crate::defs::kind::Kind;
+use crate::defs::kind::{Kind, System};
 use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
@@ -18,6 +19,8 @@ pub struct KindRow {
     pub kind: Kind,
     /// The axes it always has; Y can be fitted to any kind (P6.6).
     pub axes: PerAxis<bool>,
+    /// The language of its programs.
+    pub system: System,
     /// The order of homing: the wheel axis first, away from the part (K5.16).
     pub home_order: &'static [Axis],
     /// What M63 drives.
@@ -36,6 +39,10 @@ pub struct KindRow {
     pub variables: &'static [(u16, f64)],
     /// The axis whose minus direction is slow while the wheel turns (K5.9).
     pub slow_axis: Axis,
+    /// Whether its main spindle turns the part and a tool post carries the tools (L7, L8).
+    pub turns_part: bool,
+    /// Folder of its own programs below `programs`; they go by name there.
+    pub own_programs: Option<&'static str>,
 }
 
 impl KindRow {
@@ -60,5 +67,6 @@ pub const fn find(kind: Kind) -> &'static KindRow {
         Kind::Gs => &gs::ROW,
         Kind::Ga => &ga::ROW,
         Kind::Vertical => &vertical::ROW,
+        Kind::Lathe => &lathe::ROW,
     }
 }

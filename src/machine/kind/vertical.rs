@@ -60,6 +60,7 @@ const R: &[(u16, f64)] = &[
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Vertical,
     axes: PerAxis([true, false, true]),
+    system: Kind::Vertical.system(),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     drive_high: Output::TableRotation,
     drive_low: Output::TableRotation,
@@ -69,4 +70,6 @@ pub(super) static ROW: KindRow = KindRow {
     page_files: &[801, 802, 803],
     variables: R,
     slow_axis: Axis::X,
+    turns_part: false,
+    own_programs: None,
 };

@@ -4,6 +4,7 @@
 mod arc;
 mod grinder;
 mod sinumerik;
+mod superman;
 
 pub(crate) use grinder::RepeatWords;
 
@@ -45,6 +46,14 @@ pub(crate) enum Step {
     Again,
     /// Another block.
     Goto { n: u32, at: usize },
+    /// The one block of that number; it is an error if there are several, or if it is this block (L1, L7).
+    Jump { n: u32, at: usize },
+    /// A subprogram of the same text that begins at the one block of that number (L7).
+    Local { n: u32, at: usize },
+    /// A counted loop begins here: so often; 0 leaves it out (L4).
+    Loop { times: u32, at: usize },
+    /// A counted loop ends here.
+    EndLoop { at: usize },
     /// Another program.
     Call(Call),
     /// G66, or G67 with `None`.
@@ -70,7 +79,7 @@ pub(crate) fn read<S: Scope>(
     head: Head,
 ) -> Outcome<Content> {
     match system {
-        System::LatheA | System::Mill => statement::read(cursor, scope, words, head),
+        System::LatheA | System::Mill | System::SuperMan => statement::read(cursor, scope, words, head),
         System::Sinumerik => sinumerik::read(cursor, scope, words, head),
     }
 }
@@ -80,6 +89,7 @@ pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     match running.settings.system {
         System::LatheA | System::Mill => grinder::run(running),
         System::Sinumerik => sinumerik::run(running),
+        System::SuperMan => superman::run(running),
     }
 }
 
@@ -88,5 +98,11 @@ pub(crate) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
     match settings.system {
         System::LatheA | System::Mill => grinder::look(words, settings),
         System::Sinumerik => sinumerik::look(words),
+        System::SuperMan => superman::look(words),
     }
+}
+
+/// Whether a language has the macro statements (`#1=…`, IF, WHILE, GOTO).
+pub(crate) const fn has_macros(settings: &Settings) -> bool {
+    !matches!(settings.system, System::SuperMan)
 }

@@ -107,6 +107,8 @@ pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
         Motion::ArcCounterClockwise => along_arc(running, 1)?,
         Motion::LongitudinalCycle => cycle::longitudinal(running)?,
         Motion::FaceCycle => cycle::face(running)?,
+        // Of another language; no code of this one leads there.
+        Motion::RectangleCycle | Motion::InchThread | Motion::MetricThread => {}
     }
     Ok(())
 }

@@ -15,6 +15,7 @@ pub(super) use self::read::read;
 
 use self::codes::Plan;
 use super::{Running, Step};
+use crate::defs::kind::System;
 use crate::defs::mcode;
 use crate::defs::program::{self, L_LAST};
 use crate::defs::program_error::ProgramError as E;
@@ -171,7 +172,7 @@ fn hand_out(running: &mut Running<'_, '_>, code: Code) {
 /// M codes of the machine that need no words, and M17.
 fn is_known(code: u32) -> bool {
     let flow = matches!(code, 20..=22 | 35 | 36 | 91 | 92 | 98 | 99);
-    code == RETURN || !flow && u16::try_from(code).is_ok_and(|code| mcode::find_in_any(code).is_some())
+    code == RETURN || !flow && u16::try_from(code).is_ok_and(|code| mcode::find_in(System::Sinumerik, code).is_some())
 }
 
 /// A word that must be a whole number in a range.

@@ -96,7 +96,8 @@ pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
         }
         Motion::ArcClockwise => along_arc(running, -1)?,
         Motion::ArcCounterClockwise => along_arc(running, 1)?,
-        Motion::Rapid | Motion::LongitudinalCycle | Motion::FaceCycle => {
+        // G0; what the other languages have beside it never comes into force here.
+        _ => {
             let Target { to, words, incremental } = target(running)?;
             Op::Rapid { to, words, incremental }
         }

@@ -1,0 +1,190 @@
+//! What a lathe's program does besides moving along a path: threads, homing by a switch, the tool post.
+//! Source: spec L5, L6, L8.
+
+use super::acts::Did;
+use super::axes::MINUTE;
+use super::homing::Progress;
+use super::run::{Doing, Run};
+use super::{Controller, Homing};
+use crate::defs::alarm;
+use crate::defs::mcode::Request;
+use crate::defs::param;
+use crate::defs::text::Said;
+use crate::link::snapshot::ThreadCut;
+use crate::machine::Answer;
+use crate::motion::{Thread, ThreadMover};
+use crate::units::{Axis, Micros};
+
+/// Most threads that are remembered.
+const THREADS: usize = 256;
+/// The way after which the lead is measured, in leads: the approach that the manual asks for.
+const APPROACH_LEADS: f64 = 3.0;
+/// Ticks over which the speed of the spindle is taken.
+const SPEED_WINDOW: u64 = 100_000;
+
+/// The main spindle as its encoder shows it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SpindleSeen {
+    /// Turns since power-on, forward positive.
+    pub turns: f64,
+    since: Micros,
+    before: f64,
+    /// Speed, rpm, forward positive.
+    pub rpm: f64,
+}
+
+impl SpindleSeen {
+    /// The encoder in this tick.
+    pub fn read(&mut self, turns: f64, now: Micros) {
+        self.turns = turns;
+        let span = now.since(self.since);
+        if span.0 >= SPEED_WINDOW {
+            self.rpm = (turns - self.before) / span.as_secs_f64() * MINUTE;
+            (self.before, self.since) = (turns, now);
+        }
+    }
+}
+
+/// The deviation of Z from its place in the thread under way, mm.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured {
+    line: u32,
+    lead_mm: f64,
+    begun_mm: f64,
+    least: f64,
+    most: f64,
+    ended_mm: f64,
+}
+
+impl Controller {
+    /// The highest spindle speed for a lead, rpm.
+    fn thread_limit(lead_mm: f64) -> f64 {
+        1_200.0 / lead_mm - 80.0
+    }
+
+    /// One tick of a thread.
+    pub(super) fn thread(&mut self, run: &mut Run, thread: &Thread) -> Did {
+        if run.doing == Doing::Threading {
+            return if self.axes.thread().is_some() { Did::Wait } else { Did::Done };
+        }
+        if self.is_settled(run) != Some(true) {
+            return Did::Wait;
+        }
+        if self.machine.spindle_direction().is_none() || self.spindle.rpm.abs() < 1.0 {
+            self.raise(alarm::SPINDLE_STANDS, None);
+            return Did::Wait;
+        }
+        let (rpm, limit) = (self.spindle.rpm.abs(), Self::thread_limit(thread.lead_mm));
+        // The speed is measured: a turn or two a minute above are no fault of the program.
+        if rpm > limit * 1.01 + 1.0 {
+            let said = Said::new(
+                format!("主轴 {rpm:.0} r/min，导程 {:.3} mm 最高 {limit:.0} r/min", thread.lead_mm),
+                format!("{rpm:.0} rpm, a lead of {:.3} mm allows {limit:.0} rpm", thread.lead_mm),
+            );
+            self.raise(alarm::THREAD_SPEED, Some(said));
+            return Did::Wait;
+        }
+        let from = self.axes.set();
+        self.axes.begin_thread(ThreadMover::new(
+            *thread,
+            from,
+            self.axes.path_limits(&self.params),
+            self.spindle.turns,
+        ));
+        self.measuring = Some(Measured {
+            line: self.place.line,
+            lead_mm: thread.lead_mm,
+            begun_mm: from[Axis::Z],
+            least: f64::INFINITY,
+            most: f64::NEG_INFINITY,
+            ended_mm: from[Axis::Z],
+        });
+        run.doing = Doing::Threading;
+        Did::Wait
+    }
+
+    /// Measures the thread under way, by the encoders of Z and spindle in the same tick.
+    pub(super) fn measure_thread(&mut self) {
+        let Some(mut measured) = self.measuring else { return };
+        let actual = self.axes.actual()[Axis::Z];
+        match self.axes.thread() {
+            Some(mover) => {
+                let far = (actual - measured.begun_mm).abs() >= APPROACH_LEADS * measured.lead_mm;
+                if let Some(belongs) = mover.belongs_mm(self.spindle.turns).filter(|_| mover.is_in_step() && far) {
+                    let off = actual - belongs;
+                    measured.least = measured.least.min(off);
+                    measured.most = measured.most.max(off);
+                    measured.ended_mm = actual;
+                }
+                self.measuring = Some(measured);
+            }
+            None => {
+                self.measuring = None;
+                if measured.most >= measured.least && self.threads.len() < THREADS {
+                    self.threads.push(ThreadCut {
+                        line: measured.line,
+                        lead_mm: measured.lead_mm,
+                        length_mm: (measured.ended_mm - measured.begun_mm).abs(),
+                        error_mm: measured.most - measured.least,
+                    });
+                }
+            }
+        }
+    }
+
+    /// The threads cut since power-on, with the error of their lead; at most 256.
+    #[must_use]
+    pub fn threads(&self) -> &[ThreadCut] {
+        &self.threads
+    }
+
+    /// One tick of homing an axis by a program.
+    pub(super) fn home_by_program(&mut self, run: &mut Run, axis: Axis) -> Did {
+        if run.doing != Doing::Homing {
+            if self.is_settled(run) != Some(true) {
+                return Did::Wait;
+            }
+            self.axes.give_to_hand();
+            self.axes.unbound(axis);
+            self.program_homing = Some(Homing { now: self.plan_homing(axis), next: Default::default() });
+            run.doing = Doing::Homing;
+            return Did::Wait;
+        }
+        let Some(mut homing) = self.program_homing.take() else {
+            self.axes.give_to_path();
+            return Did::Done;
+        };
+        let progress = self.tick_homing(&mut homing.now);
+        match progress {
+            Progress::Going => self.program_homing = Some(homing),
+            Progress::SetZero { edge } => {
+                let coordinate = self.params.of_axis(param::HOME_X, axis);
+                self.axes.set_zero(axis, edge, coordinate, &self.params);
+                self.program_homing = Some(homing);
+            }
+            Progress::Done => {}
+            Progress::Failed => self.raise(alarm::HOMING_FAILED, Some(Said::new(axis.to_string(), axis.to_string()))),
+        }
+        Did::Wait
+    }
+
+    /// One tick of the tool post.
+    pub(super) fn post(&mut self, run: &mut Run, station: u8) -> Did {
+        let request = Request::Post(station);
+        if run.doing == Doing::Settling {
+            return if self.machine.is_settled(request) { Did::Done } else { Did::Wait };
+        }
+        if self.switches.mst_lock {
+            return Did::Done;
+        }
+        if self.is_settled(run) != Some(true) {
+            return Did::Wait;
+        }
+        if matches!(self.ask(request), Answer::Taken) {
+            run.doing = Doing::Settling;
+        } else {
+            self.happen(super::Event::Hold);
+        }
+        Did::Wait
+    }
+}

@@ -1,0 +1,305 @@
+//! A lathe: the spindle with its encoder, the tool post with its switches, and the bar that a tool cuts (L7, L8, L10).
+//!
+//! The bar is a radius over Z in cells. The tool's outline stands over its tip; where it is deeper than the bar its edge
+//! cuts, its shank crashes. DECISION: a thread leaves the envelope of its root; chips, force and deflection are not reckoned.
+
+use super::grinding::Scene;
+use super::machine_rows::{MainSpindleFile, ToolFile, ToolPostFile};
+use super::part_file::{BarFile, BodyFile, PartFile, Place};
+use super::report::{DiameterAt, PartReport};
+use crate::defs::signal::{Output, OutputSet};
+use crate::units::Axis;
+
+/// Below this an analog output carries no speed, V.
+const NO_VOLTS: f64 = 0.05;
+const FULL_VOLTS: f64 = 10.0;
+/// How far from its place a station's switch still is on, in steps.
+const SWITCH_WIDTH: f64 = 0.08;
+/// Slower than this the part stands, rpm.
+const STANDS_RPM: f64 = 5.0;
+/// Faster than any feed (2000 mm/min and some): rapid traverse, mm/s.
+const RAPID_MM_S: f64 = 35.0;
+/// Distance of the places that a report measures, mm.
+const REPORT_MM: f64 = 5.0;
+/// Most of them.
+const REPORT_MOST: usize = 100;
+/// A tip that is found farther off than this was put there, mm.
+const STEP_MOST_MM: f64 = 5.0;
+const STATIONS: f64 = 4.0;
+
+/// The bar as it is now, part coordinates.
+#[derive(Clone, Debug)]
+struct Bar {
+    z_from: f64,
+    cell: f64,
+    /// Radius of each cell, mm.
+    radius: Vec<f64>,
+    stock: f64,
+}
+
+/// Spindle, tool post and bar.
+#[derive(Clone, Debug)]
+pub(super) struct Turning {
+    spindle: MainSpindleFile,
+    post: ToolPostFile,
+    /// The contactor that holds itself: +1 forward, −1 reverse, 0 off.
+    asked: f64,
+    rpm: f64,
+    turns: f64,
+    /// Which station is in front, counted from 0, and how far on the way to the next.
+    station: f64,
+    zero: Place,
+    bar: Option<Bar>,
+    bodies: Vec<BodyFile>,
+    /// Where the tip was a step ago, part coordinates.
+    before: Option<(f64, f64)>,
+    /// What the tool is in contact with and has been told.
+    crashed: Option<&'static str>,
+}
+
+impl Turning {
+    /// Everything at rest, station 1 in front, no bar.
+    pub(super) const fn new(spindle: MainSpindleFile, post: ToolPostFile) -> Self {
+        Self {
+            spindle,
+            post,
+            asked: 0.0,
+            rpm: 0.0,
+            turns: 0.0,
+            station: 0.0,
+            zero: Place { x: 0.0, y: 0.0, z: 0.0 },
+            bar: None,
+            bodies: Vec::new(),
+            before: None,
+            crashed: None,
+        }
+    }
+
+    /// Puts a bar in, or takes it out.
+    pub(super) fn set_part(&mut self, part: Option<&PartFile>) {
+        self.bar = part.and_then(|part| part.bar.as_ref()).map(Bar::new);
+        self.bodies = part.map_or_else(Vec::new, |part| part.bodies.clone());
+        self.zero = part.map_or_else(Place::default, |part| part.g54_mm);
+        self.before = None;
+        self.crashed = None;
+    }
+
+    /// One step of spindle and tool post.
+    pub(super) fn drive(&mut self, on: OutputSet, volts: f64, dt_s: f64) {
+        if on.has(Output::SpindleStop) {
+            self.asked = 0.0;
+        } else if on.has(Output::SpindleForward) {
+            self.asked = 1.0;
+        } else if on.has(Output::SpindleReverse) {
+            self.asked = -1.0;
+        }
+        let file = &self.spindle;
+        let speed =
+            if volts > NO_VOLTS { file.rpm_at_10_v * volts.min(FULL_VOLTS) / FULL_VOLTS } else { file.mains_rpm };
+        let most = file.mains_rpm.max(speed) / file.run_up_s * dt_s;
+        self.rpm += (self.asked * speed - self.rpm).clamp(-most, most);
+        let sway = 1.0 + file.unevenness * (std::f64::consts::TAU * self.turns).sin();
+        self.turns += self.rpm * sway / 60.0 * dt_s;
+        if on.has(Output::PostForward) {
+            self.station = (self.station + dt_s / self.post.step_s).rem_euclid(STATIONS);
+        } else if on.has(Output::PostReverse) {
+            self.station = self.station.round().rem_euclid(STATIONS);
+        }
+    }
+
+    /// Speed of the spindle, rpm, forward positive.
+    pub(super) const fn rpm(&self) -> f64 {
+        self.rpm
+    }
+
+    /// What the encoder shows: turns since power-on.
+    pub(super) fn encoder_turns(&self) -> f64 {
+        (self.turns * self.spindle.encoder_steps).floor() / self.spindle.encoder_steps
+    }
+
+    /// Whether the switch of a station is on, stations from 0.
+    pub(super) fn at_station(&self, station: usize) -> bool {
+        let off = (self.station - station as f64).rem_euclid(STATIONS);
+        off.min(STATIONS - off) <= SWITCH_WIDTH
+    }
+
+    /// The tool in front.
+    fn tool(&self) -> &ToolFile {
+        &self.post.tools[self.station.round() as usize % self.post.tools.len()]
+    }
+
+    /// One tick of contact: what the tool has newly crashed into.
+    pub(super) fn cut(&mut self, scene: &Scene) -> Option<&'static str> {
+        let tool = self.tool().clone();
+        let x = scene.slide_mm[Axis::X] + tool.tip_mm.0 - self.zero.x;
+        let z = scene.slide_mm[Axis::Z] + tool.tip_mm.1 - self.zero.z;
+        let speed = scene.speed_mm_s[Axis::X].hypot(scene.speed_mm_s[Axis::Z]);
+        let rapid = speed > RAPID_MM_S;
+        let stands = self.rpm.abs() < STANDS_RPM;
+        let mut met = self.bodies.iter().any(|body| tool.reaches(x, z, body)).then_some("chuck");
+        if let Some(bar) = &mut self.bar {
+            let from = self.before.filter(|before| (before.1 - z).abs() < STEP_MOST_MM).unwrap_or((x, z));
+            met = met.or(bar.cut(&tool, (from, (x, z)), self.post.crash_mm, (rapid, stands)));
+        }
+        self.before = Some((x, z));
+        let newly = met.filter(|_| self.crashed.is_none());
+        self.crashed = met;
+        newly
+    }
+
+    /// Diameter of the bar at Z.
+    pub(super) fn diameter_at(&self, z: f64) -> Option<f64> {
+        self.bar.as_ref()?.diameter_at(z)
+    }
+
+    /// Radius of each cell from the chuck to the face: first Z, cell size, radii. For the picture.
+    pub(super) fn profile(&self) -> Option<(f64, f64, &[f64])> {
+        self.bar.as_ref().map(|bar| (bar.z_from, bar.cell, bar.radius.as_slice()))
+    }
+
+    /// The measured bar.
+    pub(super) fn report(&self, report: &mut PartReport) {
+        let Some(bar) = &self.bar else { return };
+        let length = bar.radius.len() as f64 * bar.cell;
+        let places = ((length / REPORT_MM) as usize).min(REPORT_MOST);
+        for place in 0..places {
+            let z = bar.z_from + length - REPORT_MM * (place as f64 + 0.5);
+            if let Some(d) = bar.diameter_at(z) {
+                report.diameters.push(DiameterAt { z, d });
+            }
+        }
+    }
+}
+
+impl ToolFile {
+    /// Height of the outline at a place along Z from the tip; none beside the tool.
+    fn height(&self, dz: f64) -> Option<f64> {
+        let after = self.outline_mm.partition_point(|point| point.0 < dz);
+        let b = self.outline_mm.get(after)?;
+        if b.0 <= dz {
+            return Some(b.1);
+        }
+        let a = self.outline_mm.get(after.checked_sub(1)?)?;
+        Some(a.1 + (b.1 - a.1) * (dz - a.0) / (b.0 - a.0))
+    }
+
+    fn span(&self) -> (f64, f64) {
+        (self.outline_mm.first().map_or(0.0, |point| point.0), self.outline_mm.last().map_or(0.0, |point| point.0))
+    }
+
+    /// Whether any point of the outline lies within a body.
+    fn reaches(&self, x: f64, z: f64, body: &BodyFile) -> bool {
+        let (from, to) = self.span();
+        let (low, high) = ((body.z_from - z).max(from), (body.z_to - z).min(to));
+        let inside = |dz: f64| self.height(dz).is_some_and(|height| x + height < body.diameter / 2.0);
+        let corners = self.outline_mm.iter().map(|point| point.0).filter(|dz| (low..=high).contains(dz));
+        low <= high && (inside(low) || inside(high) || corners.into_iter().any(inside))
+    }
+}
+
+impl Bar {
+    fn new(file: &BarFile) -> Self {
+        let cells = ((file.z_to - file.z_from) / file.cell).round().max(1.0) as usize;
+        let stock = file.diameter / 2.0;
+        Self { z_from: file.z_from, cell: file.cell, radius: vec![stock; cells], stock }
+    }
+
+    fn diameter_at(&self, z: f64) -> Option<f64> {
+        let index = (z - self.z_from) / self.cell;
+        if index < 0.0 { None } else { self.radius.get(index as usize).map(|radius| 2.0 * radius) }
+    }
+
+    /// Cuts with the edge; the first thing that is a crash.
+    fn cut(
+        &mut self,
+        tool: &ToolFile,
+        (from, (x, z)): ((f64, f64), (f64, f64)),
+        crash_mm: f64,
+        (rapid, stands): (bool, bool),
+    ) -> Option<&'static str> {
+        if x.min(from.0) >= self.stock {
+            return None;
+        }
+        let (low, high) = tool.span();
+        let (back, ahead) = (z.min(from.1), z.max(from.1));
+        let first = ((back + low - self.z_from) / self.cell).floor().max(0.0) as usize;
+        let end = ((ahead + high - self.z_from) / self.cell).ceil().clamp(0.0, self.radius.len() as f64) as usize;
+        let mut met = None;
+        for index in first..end {
+            let middle = self.z_from + (index as f64 + 0.5) * self.cell;
+            // What the tip has passed since the last step it has cut itself.
+            let passed = (back..=ahead).contains(&middle) && ahead > back;
+            let (height, edge) = if passed {
+                (0.0, x + (from.0 - x) * (middle - z) / (from.1 - z))
+            } else {
+                let Some(height) = tool.height(middle - z) else { continue };
+                (height, x + height)
+            };
+            let edge = edge.max(0.0);
+            let depth = self.radius[index] - edge;
+            if depth <= 0.0 {
+                continue;
+            }
+            let place = if height > tool.edge_mm && depth > crash_mm {
+                Some("part, shank of the tool")
+            } else if stands && depth > crash_mm {
+                Some("part, spindle standing")
+            } else if rapid && depth > crash_mm {
+                Some("part, rapid traverse")
+            } else {
+                None
+            };
+            met = met.or(place);
+            if !stands && place.is_none() {
+                self.radius[index] = edge;
+            }
+        }
+        met
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::io::sim::Along;
+
+    fn tool() -> ToolFile {
+        let outline_mm = vec![Along(0.0, 0.0), Along(8.0, 1.5), Along(8.1, 8.1), Along(25.0, 8.1)];
+        ToolFile { tip_mm: (0.0, 0.0), edge_mm: 8.0, outline_mm }
+    }
+
+    fn bar() -> Bar {
+        Bar::new(&BarFile { diameter: 45.0, z_from: -100.0, z_to: 0.0, cell: 0.1 })
+    }
+
+    #[test]
+    fn l10_a_tool_that_goes_along_leaves_its_diameter() {
+        let mut bar = bar();
+        // Radius 20 from the face to Z −30, a tenth of a millimetre at a time.
+        for step in 0..=320 {
+            let z = 2.0 - 0.1 * f64::from(step);
+            assert_eq!(bar.cut(&tool(), ((20.0, z + 0.1), (20.0, z)), 0.05, (false, false)), None);
+        }
+        assert_eq!(bar.diameter_at(-20.0), Some(40.0));
+        assert_eq!(bar.diameter_at(-40.0), Some(45.0));
+        assert_eq!(bar.diameter_at(1.0), None);
+    }
+
+    #[test]
+    fn l9_rapid_a_standing_spindle_and_the_shank_are_interference() {
+        let at = |x: f64, z: f64, how: (bool, bool)| bar().cut(&tool(), ((x, z), (x, z)), 0.05, how);
+        assert_eq!(at(20.0, -10.0, (true, false)), Some("part, rapid traverse"));
+        assert_eq!(at(20.0, -10.0, (false, true)), Some("part, spindle standing"));
+        // 12 mm deep: the shank stands 8.1 mm over the tip.
+        assert_eq!(at(10.0, -30.0, (false, false)), Some("part, shank of the tool"));
+        assert_eq!(at(23.0, -10.0, (true, true)), None);
+    }
+
+    #[test]
+    fn l9_the_outline_meets_the_chuck() {
+        let chuck = BodyFile { what: super::super::Body::Chuck, z_from: -200.0, z_to: -100.0, diameter: 120.0 };
+        assert!(tool().reaches(55.0, -105.0, &chuck) && !tool().reaches(55.0, -99.0, &chuck));
+        // The shank alone: 25 mm towards plus from the tip.
+        assert!(tool().reaches(50.0, -120.0, &chuck) && !tool().reaches(61.0, -120.0, &chuck));
+    }
+}

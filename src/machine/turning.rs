@@ -1,0 +1,142 @@
+//! Main spindle and tool post of a lathe.
+//!
+//! The spindle is started and stopped by pulses of P386 (0.4 s) on outputs of their own, as contactors that hold
+//! themselves want them. The tool post turns forward until the switch of the wanted station comes, then in reverse for
+//! P389, which clamps it. Source: spec L7, L8.
+
+use crate::defs::alarm;
+use crate::defs::param::{self, Params};
+use crate::defs::signal::{Input, InputSet, Output, OutputSet};
+use crate::units::Micros;
+
+/// The main spindle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MainSpindle {
+    /// Never asked for, or long off.
+    #[default]
+    Off,
+    /// The pulse that stops it is on.
+    Stopping { since: Micros },
+    /// The pulse that starts it is on, or it runs up.
+    Starting { ccw: bool, since: Micros },
+    /// It turns.
+    Turning { ccw: bool },
+}
+
+impl MainSpindle {
+    pub fn start(&mut self, ccw: bool, now: Micros) {
+        if self.direction() != Some(ccw) {
+            *self = Self::Starting { ccw, since: now };
+        }
+    }
+
+    /// Every wish to stop gives a pulse: what turns without the control's knowledge stops, too.
+    pub const fn stop(&mut self, now: Micros) {
+        *self = Self::Stopping { since: now };
+    }
+
+    /// Which way it turns, true counter-clockwise; none while it stands.
+    pub const fn direction(self) -> Option<bool> {
+        match self {
+            Self::Off | Self::Stopping { .. } => None,
+            Self::Starting { ccw, .. } | Self::Turning { ccw } => Some(ccw),
+        }
+    }
+
+    /// Nothing is awaited.
+    pub const fn is_settled(self) -> bool {
+        matches!(self, Self::Off | Self::Turning { .. })
+    }
+
+    pub fn tick(&mut self, now: Micros, params: &Params) {
+        let pulse = params.millis(param::SPINDLE_PULSE);
+        *self = match *self {
+            Self::Stopping { since } if now.since(since) >= pulse => Self::Off,
+            Self::Starting { ccw, since } if now.since(since) >= params.millis(param::SPINDLE_RUN_UP).max(pulse) => {
+                Self::Turning { ccw }
+            }
+            state => state,
+        };
+    }
+
+    pub fn show(self, now: Micros, params: &Params, on: &mut OutputSet) {
+        let pulses = |since: Micros| now.since(since) < params.millis(param::SPINDLE_PULSE);
+        match self {
+            Self::Stopping { since } => on.set(Output::SpindleStop, pulses(since)),
+            Self::Starting { ccw, since } => {
+                let output = if ccw { Output::SpindleReverse } else { Output::SpindleForward };
+                on.set(output, pulses(since));
+            }
+            Self::Off | Self::Turning { .. } => {}
+        }
+    }
+
+    pub fn discrete(self, age: impl Fn(Micros) -> u8) -> u8 {
+        match self {
+            Self::Off => 0,
+            Self::Turning { ccw } => 1 + u8::from(ccw),
+            Self::Stopping { since } => 4 + age(since),
+            Self::Starting { ccw, since } => 8 + 4 * u8::from(ccw) + age(since),
+        }
+    }
+}
+
+/// The tool post; stations count from 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Post {
+    /// It stands, clamped.
+    #[default]
+    Standing,
+    /// It turns forward towards a station.
+    Seeking { station: u8, since: Micros },
+    /// It turns in reverse, which clamps it.
+    Clamping { since: Micros },
+}
+
+impl Post {
+    pub fn send(&mut self, station: u8, inputs: InputSet, now: Micros) {
+        let station = if station == 0 { found(inputs).map_or(1, |there| there % 4 + 1) } else { station };
+        *self = if found(inputs) == Some(station) { Self::Standing } else { Self::Seeking { station, since: now } };
+    }
+
+    pub const fn is_moving(self) -> bool {
+        !matches!(self, Self::Standing)
+    }
+
+    /// The alarm of a station that did not come in time.
+    pub fn watch(&mut self, now: Micros, inputs: InputSet, params: &Params) -> Option<u16> {
+        match *self {
+            Self::Standing => {}
+            Self::Seeking { station, .. } if found(inputs) == Some(station) => *self = Self::Clamping { since: now },
+            Self::Seeking { since, .. } if now.since(since) >= params.millis(param::POST_TIME) => {
+                *self = Self::Standing;
+                return Some(alarm::TOOL_POST_TIMEOUT);
+            }
+            Self::Clamping { since } if now.since(since) >= params.millis(param::POST_CLAMP_TIME) => {
+                *self = Self::Standing;
+            }
+            Self::Seeking { .. } | Self::Clamping { .. } => {}
+        }
+        None
+    }
+
+    pub const fn show(self, on: &mut OutputSet) {
+        on.set(Output::PostForward, matches!(self, Self::Seeking { .. }));
+        on.set(Output::PostReverse, matches!(self, Self::Clamping { .. }));
+    }
+
+    pub fn discrete(self, age: impl Fn(Micros) -> u8) -> u8 {
+        match self {
+            Self::Standing => 0,
+            Self::Clamping { since } => 4 + age(since),
+            Self::Seeking { station, since } => 8 + 4 * station + age(since),
+        }
+    }
+}
+
+/// The station whose switch alone is on.
+pub fn found(inputs: InputSet) -> Option<u8> {
+    let mut on = (1..=4).zip(Input::STATIONS).filter(|(_, input)| inputs.has(*input));
+    let (station, _) = on.next()?;
+    on.next().is_none().then_some(station)
+}

@@ -1,0 +1,303 @@
+//! A thread: Z in step with the turning spindle, X along with it on a taper, and the run-out at the end.
+//!
+//! Owns the set-points of X and Z from the index of the spindle to the end of the run-out. Knows nothing of programs and of
+//! who turns the spindle. Z is to stand at `from + lead · turns since the index`; from rest it comes into step by a
+//! jerk-limited profile *in the moving frame of the spindle*, so that the phase is the same in every pass. A filter of
+//! the encoder takes the grain of its steps off. Where the run-out begins, Z brakes to its end and X draws back, each by
+//! itself. Source: spec L5.
+
+use super::mover::AxisMover;
+use super::profile::{AxisLimits, Profile, State};
+use super::{Limits, SetPoint};
+use crate::units::{Axis, PerAxis};
+
+/// What is to be cut, machine frame, radius mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thread {
+    /// Where the run-out begins.
+    pub out: PerAxis<f64>,
+    /// Where it ends.
+    pub to: PerAxis<f64>,
+    /// Lead along Z, mm.
+    pub lead_mm: f64,
+}
+
+/// Follows the encoder: position and speed without lag at a steady speed.
+#[derive(Clone, Copy, Debug)]
+struct Follower {
+    turns: f64,
+    turns_per_tick: f64,
+}
+
+/// Shares of a deviation that correct the followed position and speed at once: a time constant of about 20 ticks.
+const FOLLOW_POSITION: f64 = 0.1;
+const FOLLOW_SPEED: f64 = 0.005;
+/// Ticks that the follower watches the spindle before a thread begins: ten of its time constants.
+const WATCHED: u32 = 200;
+/// Slower than this, turns a second, the spindle stands.
+const STANDS_HZ: f64 = 0.02;
+/// How much of the axis' speed is left for coming into step.
+const CATCH_UP: f64 = 0.5;
+
+impl Follower {
+    fn step(&mut self, turns: f64) {
+        self.turns += self.turns_per_tick;
+        let off = turns - self.turns;
+        self.turns += FOLLOW_POSITION * off;
+        self.turns_per_tick += FOLLOW_SPEED * off;
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    /// Watching the spindle.
+    Watching { ticks: u32 },
+    /// Waiting for the next index.
+    Waiting { index: f64 },
+    /// Coming into step, and in step.
+    Following { index: f64, profile: Profile, ticks: u32 },
+    /// Z to its end, X away.
+    RunningOut,
+    /// Reset: braking where it is.
+    Braking,
+}
+
+/// Cuts one thread.
+#[derive(Clone, Debug)]
+pub struct ThreadMover {
+    thread: Thread,
+    from: PerAxis<f64>,
+    limits: Limits,
+    follower: Follower,
+    stage: Stage,
+    set: SetPoint,
+    x: AxisMover,
+    z: AxisMover,
+}
+
+impl ThreadMover {
+    /// A thread from where the axes stand, with the spindle at so many turns.
+    #[must_use]
+    pub fn new(thread: Thread, from: PerAxis<f64>, limits: Limits, turns: f64) -> Self {
+        let mover = |axis: Axis| AxisMover::new(limits.axes[axis], from[axis], limits.tick_s);
+        Self {
+            thread,
+            from,
+            limits,
+            follower: Follower { turns, turns_per_tick: 0.0 },
+            stage: Stage::Watching { ticks: 0 },
+            set: SetPoint { position: from, velocity_mm_s: PerAxis::default() },
+            x: mover(Axis::X),
+            z: mover(Axis::Z),
+        }
+    }
+
+    /// One tick, with the spindle at so many turns, positive forward: the set-points of X and Z.
+    pub fn tick(&mut self, turns: f64) -> SetPoint {
+        self.follower.step(turns);
+        let sense = self.follower.turns_per_tick.signum();
+        match self.stage {
+            Stage::Watching { ticks } if ticks < WATCHED => self.stage = Stage::Watching { ticks: ticks + 1 },
+            Stage::Watching { .. } if !self.is_turning() => {}
+            Stage::Watching { .. } => self.stage = Stage::Waiting { index: (sense * self.follower.turns).ceil() },
+            Stage::Waiting { index } if sense * self.follower.turns < index => {}
+            Stage::Waiting { index } => {
+                let begun = self.in_step(index) - self.from[Axis::Z];
+                let start = State { position: -begun, velocity: -self.speed_mm_s(), acceleration: 0.0 };
+                let limits = self.limits.axes[Axis::Z];
+                let velocity_mm_s = limits.velocity_mm_s * CATCH_UP;
+                let profile = Profile::to_position(start, 0.0, AxisLimits { velocity_mm_s, ..limits });
+                self.stage = Stage::Following { index, profile, ticks: 0 };
+            }
+            Stage::Following { index, profile, ticks } => self.follow(index, profile, ticks + 1),
+            Stage::RunningOut | Stage::Braking => self.move_freely(),
+        }
+        self.set
+    }
+
+    /// The spindle turns.
+    #[must_use]
+    pub fn is_turning(&self) -> bool {
+        self.follower.turns_per_tick.abs() / self.limits.tick_s > STANDS_HZ
+    }
+
+    /// Z is in step with the spindle.
+    #[must_use]
+    pub fn is_in_step(&self) -> bool {
+        match &self.stage {
+            Stage::Following { profile, ticks, .. } => f64::from(*ticks) * self.limits.tick_s >= profile.seconds(),
+            Stage::Watching { .. } | Stage::Waiting { .. } | Stage::RunningOut | Stage::Braking => false,
+        }
+    }
+
+    /// Where Z belongs while the spindle stands at so many turns; none before the index and in the run-out.
+    #[must_use]
+    pub fn belongs_mm(&self, turns: f64) -> Option<f64> {
+        let Stage::Following { index, .. } = self.stage else { return None };
+        Some(self.from[Axis::Z] + self.way() * self.thread.lead_mm * (turns.abs().max(index) - index))
+    }
+
+    /// The thread and its run-out are over, or braking is.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        matches!(self.stage, Stage::RunningOut | Stage::Braking) && self.x.is_at_rest() && self.z.is_at_rest()
+    }
+
+    /// Brakes both axes at full deceleration.
+    pub fn abort(&mut self) {
+        self.release();
+        self.x.emergency_stop();
+        self.z.emergency_stop();
+        self.stage = Stage::Braking;
+    }
+
+    /// +1 or −1: where Z goes.
+    fn way(&self) -> f64 {
+        (self.thread.to[Axis::Z] - self.from[Axis::Z]).signum()
+    }
+
+    /// Speed of Z in step, mm/s.
+    fn speed_mm_s(&self) -> f64 {
+        self.way() * self.thread.lead_mm * self.follower.turns_per_tick.abs() / self.limits.tick_s
+    }
+
+    /// Where Z stands in step with the followed spindle.
+    fn in_step(&self, index: f64) -> f64 {
+        self.from[Axis::Z] + self.way() * self.thread.lead_mm * (self.follower.turns.abs() - index)
+    }
+
+    fn follow(&mut self, index: f64, profile: Profile, ticks: u32) {
+        self.stage = Stage::Following { index, profile, ticks };
+        let off = profile.at(f64::from(ticks) * self.limits.tick_s);
+        let before = self.set.position;
+        let z = self.in_step(index) + off.position;
+        let whole = self.thread.out[Axis::Z] - self.from[Axis::Z];
+        let share = ((z - self.from[Axis::Z]) / whole).clamp(0.0, 1.0);
+        let x = self.from[Axis::X] + share * (self.thread.out[Axis::X] - self.from[Axis::X]);
+        self.set.position[Axis::X] = x;
+        self.set.position[Axis::Z] = z;
+        let velocity = |axis: Axis| (self.set.position[axis] - before[axis]) / self.limits.tick_s;
+        self.set.velocity_mm_s = PerAxis::from_fn(velocity);
+        if (z - self.thread.out[Axis::Z]) * self.way() >= 0.0 {
+            self.release();
+            let limits = self.limits.axes;
+            self.x.position_target(self.thread.to[Axis::X], limits[Axis::X].velocity_mm_s);
+            self.z.position_target(self.thread.to[Axis::Z], limits[Axis::Z].velocity_mm_s.min(self.speed_mm_s().abs()));
+            self.stage = Stage::RunningOut;
+        }
+    }
+
+    /// Each axis goes on by itself from its state of now.
+    fn release(&mut self) {
+        let state = |axis: Axis| State {
+            position: self.set.position[axis],
+            velocity: self.set.velocity_mm_s[axis],
+            acceleration: 0.0,
+        };
+        let (x, z) = (state(Axis::X), state(Axis::Z));
+        self.x.set_state(x);
+        self.z.set_state(z);
+    }
+
+    fn move_freely(&mut self) {
+        for (axis, mover) in [(Axis::X, &mut self.x), (Axis::Z, &mut self.z)] {
+            (self.set.position[axis], self.set.velocity_mm_s[axis]) = mover.tick();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TICK_S: f64 = 0.001;
+
+    fn limits() -> Limits {
+        let axis = AxisLimits { velocity_mm_s: 66.0, acceleration_mm_s2: 800.0, jerk_mm_s3: 20_000.0 };
+        Limits { axes: PerAxis([axis; 3]), tick_s: TICK_S }
+    }
+
+    /// Cuts from Z 0 to −50 with a spindle that begins at `phase` turns; the set-points after each tick.
+    fn cut(lead_mm: f64, rpm: f64, phase: f64) -> (Vec<SetPoint>, f64) {
+        let to = PerAxis([lead_mm + 1.0, 0.0, -50.0]);
+        let thread = Thread { out: PerAxis([0.0, 0.0, -48.8]), to, lead_mm };
+        let mut mover = ThreadMover::new(thread, PerAxis::default(), limits(), phase);
+        let (mut points, mut worst, mut turns) = (Vec::new(), 0.0_f64, phase);
+        while !mover.is_over() {
+            turns += rpm / 60.0 * TICK_S;
+            // An encoder of 4800 steps a turn.
+            let seen = (turns * 4_800.0).floor() / 4_800.0;
+            let point = mover.tick(seen);
+            if let Some(z) = mover.belongs_mm(turns).filter(|_| mover.is_in_step()) {
+                worst = worst.max((point.position[Axis::Z] - z).abs());
+            }
+            points.push(point);
+            assert!(points.len() < 60_000, "the thread does not end");
+        }
+        (points, worst)
+    }
+
+    #[test]
+    fn l5_z_keeps_its_lead_within_a_micrometre_at_the_limit_speed() {
+        // N = 1200/T − 80: 720 rpm at 1.5 mm, 220 at 4 mm, 20 at 12 mm, 4720 at 0.25 mm.
+        for (lead, rpm) in [(1.5, 720.0), (4.0, 220.0), (12.0, 20.0), (0.25, 4_720.0)] {
+            let (_, worst) = cut(lead, rpm, 0.3);
+            assert!(worst < 0.002, "lead {lead}: {worst} mm");
+        }
+    }
+
+    #[test]
+    fn l5_the_run_out_ends_at_z_with_two_leads_and_two_millimetres_of_diameter() {
+        let (points, _) = cut(3.0, 320.0, 0.0);
+        let end = points.last().unwrap().position;
+        assert!((end[Axis::Z] + 50.0).abs() < 1e-9 && (end[Axis::X] - 4.0).abs() < 1e-9, "{end:?}");
+        // X stays until the last 1.2 mm.
+        assert!(points.iter().all(|point| point.position[Axis::Z] > -48.8 || point.position[Axis::Z] >= -50.0 - 1e-9));
+        let early = points.iter().filter(|point| point.position[Axis::Z] > -48.79);
+        assert!(early.clone().all(|point| point.position[Axis::X] < 1e-9 || point.velocity_mm_s[Axis::Z] > -1e-9));
+    }
+
+    #[test]
+    fn l5_every_pass_finds_the_same_phase() {
+        // The spindle turns on between two passes: the groove must be met again.
+        let lead = 1.5;
+        let at = |phase: f64| {
+            let (points, _) = cut(lead, 720.0, phase);
+            let ticks = points.iter().position(|point| point.position[Axis::Z] < -30.0).unwrap();
+            let turns = phase + 720.0 / 60.0 * TICK_S * (ticks + 1) as f64;
+            (points[ticks].position[Axis::Z] + lead * turns).rem_euclid(lead)
+        };
+        let (first, second) = (at(0.1), at(17.73));
+        let apart = (first - second).abs().min(lead - (first - second).abs());
+        assert!(apart < 0.002, "{apart}");
+    }
+
+    #[test]
+    fn l5_the_axes_keep_their_limits() {
+        let (points, _) = cut(1.5, 720.0, 0.0);
+        for pair in points.windows(2) {
+            for axis in [Axis::X, Axis::Z] {
+                let velocity = (pair[1].position[axis] - pair[0].position[axis]) / TICK_S;
+                assert!(velocity.abs() < 66.0, "{axis} {velocity}");
+            }
+        }
+    }
+
+    #[test]
+    fn l5_reset_brakes_within_a_millimetre() {
+        let thread = Thread { out: PerAxis([0.0, 0.0, -48.8]), to: PerAxis([2.5, 0.0, -50.0]), lead_mm: 1.5 };
+        let mut mover = ThreadMover::new(thread, PerAxis::default(), limits(), 0.0);
+        let mut turns = 0.0;
+        while !mover.is_in_step() {
+            turns += 0.012;
+            mover.tick(turns);
+        }
+        let from = mover.tick(turns + 0.012).position[Axis::Z];
+        mover.abort();
+        while !mover.is_over() {
+            mover.tick(turns);
+        }
+        // v²/2a = 18²/1600 = 0.2 mm and the jerk's share.
+        assert!((mover.set.position[Axis::Z] - from).abs() < 1.0);
+    }
+}

@@ -1,0 +1,106 @@
+//! S, T, M and the counted loop. Source: spec L4, L7, L8.
+
+use super::{NUMBERS, integer, m_row, out_of_range};
+use crate::defs::mcode::MCode;
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::{Running, Step};
+use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::op::{Op, SpeedMode};
+use crate::nc::words::Code;
+use crate::units::{Axis, PerAxis};
+
+/// The highest speed that can be written, rpm.
+const SPEEDS: f64 = 9_999.0;
+/// How often a loop can run.
+const REPEATS: u32 = 9_999;
+
+/// The row of an M code.
+pub(super) fn row(code: Code) -> Option<&'static MCode> {
+    m_row(code)
+}
+
+/// S: revolutions a minute (D: the manual leaves it to the customer).
+pub(super) fn speed(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let Some(word) = running.words.take(b'S') else { return Ok(()) };
+    if !(0.0..=SPEEDS).contains(&word.value) {
+        return out_of_range(word, "0–9999");
+    }
+    running.modals.speed = Some(word.value);
+    running.ops.push(Op::S { value: word.value, mode: SpeedMode::Rpm });
+    Ok(())
+}
+
+/// `T b`, `T 0 b`: station b; `T a 0`: station a with compensation: the slides move by what the tips differ.
+pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let Some(word) = running.words.take(b'T') else { return Ok(()) };
+    let (station, with) = match integer(word, 0, 99)? {
+        station @ 1..=4 => (station, false),
+        both if both % 10 == 0 && (1..=4).contains(&(both / 10)) => (both / 10, true),
+        _ => return out_of_range(word, "T1–T4 T01–T04 T10 T20 T30 T40"),
+    };
+    let world = &running.scope.world;
+    let before = if running.modals.tool == 0 { world.tool() } else { u32::from(running.modals.tool) };
+    let by = with.then(|| {
+        let (old, new) = (world.compensation(before), world.compensation(station));
+        PerAxis::from_fn(|axis: Axis| old[axis] - new[axis])
+    });
+    running.modals.tool = station as u16;
+    running.modals.offset = if with { station as u16 } else { 0 };
+    running.ops.push(Op::Post { station: station as u8, by });
+    Ok(())
+}
+
+/// Codes that act when the axes have arrived, or lead elsewhere: alone in their block.
+const fn stands_alone(code: u32) -> bool {
+    matches!(code, 0 | 2 | 97..=99)
+}
+
+/// Checks the M codes, hands out those that act before the move, and says where the program goes on.
+pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Code, Step)>> {
+    let words = running.words;
+    let mut flow = None;
+    for code in words.m() {
+        let name = format!("M{:02}", code.number);
+        if row(*code).is_none() {
+            return wrong1(code.at as usize, E::UnknownM, name);
+        }
+        if stands_alone(code.number)
+            && let Some(other) = words.m().iter().find(|other| other.at != code.at)
+        {
+            return wrong2(code.at as usize, E::NotTogether, name, format!("M{:02}", other.number));
+        }
+        running.modals.m = Some(code.number as u8);
+        let target = || match words.take(b'L') {
+            Some(word) => Ok((integer(word, 0, NUMBERS)?, word.at as usize)),
+            None => wrong2(code.at as usize, E::MissingWord, name.clone(), "L"),
+        };
+        let step = match code.number {
+            0 => continue,
+            2 => Step::End,
+            97 => target().map(|(n, at)| Step::Jump { n, at })?,
+            98 => target().map(|(n, at)| Step::Local { n, at })?,
+            99 => Step::Return { target: None, at: code.at as usize },
+            number => {
+                running.ops.push(Op::M { code: number as u8, s: None, p: None, l: None });
+                continue;
+            }
+        };
+        flow = Some((*code, step));
+    }
+    Ok(flow)
+}
+
+/// Hands out the M codes that act after the move.
+pub(super) fn after_motion(running: &mut Running<'_, '_>) {
+    for code in running.words.m().iter().filter(|code| matches!(code.number, 0 | 2)) {
+        running.ops.push(Op::M { code: code.number as u8, s: None, p: None, l: None });
+    }
+}
+
+/// `G22 L n`: n times up to G80, L0000 leaves it out.
+pub(super) fn begin_loop(running: &Running<'_, '_>, at: usize) -> Outcome<Step> {
+    match running.words.take(b'L') {
+        Some(word) => Ok(Step::Loop { times: integer(word, 0, REPEATS)?, at }),
+        None => wrong2(at, E::MissingWord, "G22", "L"),
+    }
+}

@@ -1,0 +1,202 @@
+//! The 超人 (SuperMan) lathe: X, Z absolute, U, W incremental in any mix, all X, U, I diameters; one G code a block.
+//!
+//! Order within a block: S, T, M03–M08, the G function, then M00, M02 and the M codes that lead elsewhere.
+//! Source: spec superman-lathe.md L1–L8, seed 001.
+
+mod auxiliary;
+mod motion;
+mod thread;
+
+use super::{Running, Step};
+use crate::defs::kind::System;
+use crate::defs::mcode;
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::nc::modal::Motion;
+use crate::nc::words::{Code, Kind, Word, Words};
+
+/// The greatest coordinate that can be written, mm.
+const LIMIT: f64 = 9_999.99;
+/// The highest block number.
+const NUMBERS: u32 = 9_999;
+
+/// The letters X Z U W.
+const AXIS_WORDS: u32 = bit(b'X') | bit(b'Z') | bit(b'U') | bit(b'W');
+
+const fn bit(letter: u8) -> u32 {
+    1 << (letter - b'A')
+}
+
+/// The G codes, none ignored.
+const G_CODES: &[u32] = &[0, 1, 2, 3, 4, 22, 23, 26, 27, 29, 32, 33, 36, 37, 39, 80, 92];
+
+/// Executes a block of words.
+pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
+    check_writing(running)?;
+    let code = g_code(running.words)?;
+    auxiliary::speed(running)?;
+    auxiliary::tool(running)?;
+    let flow = auxiliary::before_motion(running)?;
+    let step = function(running, code)?;
+    auxiliary::after_motion(running);
+    if let Some(unused) = running.words.unused() {
+        return unknown_word(running, unused);
+    }
+    match (flow, step) {
+        (Some((m, _)), Some(_)) => {
+            let (first, second) = (name(code), format!("M{:02}", m.number));
+            wrong2(m.at as usize, E::NotTogether, first, second)
+        }
+        (Some((_, flow)), None) => Ok(flow),
+        (None, Some(step)) => Ok(step),
+        (None, None) => Ok(Step::Next),
+    }
+}
+
+/// Looks at the codes of a block that is not executed.
+pub(super) fn look(words: &Words) -> Outcome<()> {
+    g_code(words)?;
+    match words.m().iter().find(|code| auxiliary::row(**code).is_none()) {
+        Some(code) => wrong1(code.at as usize, E::UnknownM, format!("M{:02}", code.number)),
+        None => Ok(()),
+    }
+}
+
+/// What holds for every block: plain numbers, each address once, block numbers of four digits (L1).
+fn check_writing(running: &Running<'_, '_>) -> Outcome<()> {
+    let words = running.words;
+    let line = running.text.get(running.at..).unwrap_or_default();
+    let end = line.iter().position(|byte| matches!(byte, b'\r' | b'\n' | b';' | b'(')).unwrap_or(line.len());
+    if let Some(at) = line[..end].iter().position(|byte| matches!(byte, b'#' | b'[')) {
+        return wrong(running.at + at, E::NoMacros);
+    }
+    if let Some(at) = words.bare {
+        return wrong1(at as usize, E::MissingNumber, letter(running, at));
+    }
+    if let Some(at) = words.double {
+        return wrong1(at as usize, E::DoubleWord, letter(running, at));
+    }
+    match words.n {
+        Some(n) if n > NUMBERS => wrong2(running.at, E::OutOfRange, format!("N{n}"), format!("0–{NUMBERS}")),
+        Some(_) | None => Ok(()),
+    }
+}
+
+fn letter(running: &Running<'_, '_>, at: u32) -> char {
+    char::from(running.text.get(at as usize).copied().unwrap_or(b'?')).to_ascii_uppercase()
+}
+
+/// The one G code of a block.
+fn g_code(words: &Words) -> Outcome<Option<Code>> {
+    if let Some(code) = words.g().iter().find(|code| !G_CODES.contains(&code.number)) {
+        return wrong1(code.at as usize, E::UnknownG, format!("G{:02}", code.number));
+    }
+    match *words.g() {
+        [] => Ok(None),
+        [code] => Ok(Some(code)),
+        [first, second, ..] if first.number == second.number => {
+            wrong1(second.at as usize, E::DoubleWord, format!("G{:02}", second.number))
+        }
+        [first, second, ..] => {
+            let names = [first, second].map(|code| format!("G{:02}", code.number));
+            let [first, other] = names;
+            wrong2(second.at as usize, E::NotTogether, first, other)
+        }
+    }
+}
+
+/// The name of a code, or nothing.
+fn name(code: Option<Code>) -> String {
+    code.map_or_else(String::new, |code| format!("G{:02}", code.number))
+}
+
+/// The G function of the block, or the modal one if there are coordinates.
+fn function(running: &mut Running<'_, '_>, code: Option<Code>) -> Outcome<Option<Step>> {
+    let place = code.map_or(running.at, |code| code.at as usize);
+    if let Some(code) = code {
+        match code.number {
+            4 => motion::dwell(running, place)?,
+            22 => return auxiliary::begin_loop(running, place).map(Some),
+            26 => motion::return_to_start(running, place, true, true)?,
+            27 => motion::return_to_start(running, place, true, false)?,
+            29 => motion::return_to_start(running, place, false, true)?,
+            36 => motion::home(running, place, true, true)?,
+            37 => motion::home(running, place, true, false)?,
+            39 => motion::home(running, place, false, true)?,
+            80 => return Ok(Some(Step::EndLoop { at: place })),
+            92 => motion::preset(running, place)?,
+            number => {
+                running.modals.motion = match number {
+                    0 => Motion::Rapid,
+                    1 => Motion::Feed,
+                    2 => Motion::ArcClockwise,
+                    3 => Motion::ArcCounterClockwise,
+                    23 => Motion::RectangleCycle,
+                    32 => Motion::InchThread,
+                    _ => Motion::MetricThread,
+                };
+                modal(running, place, true)?;
+            }
+        }
+        return Ok(None);
+    }
+    modal(running, place, false).map(|()| None)
+}
+
+/// The modal function with the words of this block; `named`: its G code stands in the block.
+fn modal(running: &mut Running<'_, '_>, place: usize, named: bool) -> Outcome<()> {
+    let arc = bit(b'I') | bit(b'K') | bit(b'R');
+    let by_arc = matches!(running.modals.motion, Motion::ArcClockwise | Motion::ArcCounterClockwise)
+        && running.words.has_any(arc);
+    let moves = running.words.has_any(AXIS_WORDS) || by_arc;
+    let threads = matches!(running.modals.motion, Motion::InchThread | Motion::MetricThread);
+    if threads {
+        return if moves || named { thread::run(running, place) } else { Ok(()) };
+    }
+    let feed = motion::take_feed(running)?;
+    if !moves {
+        return match running.modals.motion {
+            Motion::RectangleCycle if named => wrong2(place, E::MissingWord, "G23", "X / U, Z / W"),
+            _ => Ok(()),
+        };
+    }
+    match running.modals.motion {
+        Motion::Feed => motion::line(running),
+        Motion::ArcClockwise => motion::arc(running, place, 1),
+        Motion::ArcCounterClockwise => motion::arc(running, place, -1),
+        Motion::RectangleCycle => motion::rectangle(running, place),
+        _ => motion::rapid(running, feed),
+    }
+}
+
+/// A word that must be a whole number in a range.
+fn integer(word: Word, low: u32, high: u32) -> Outcome<u32> {
+    let name = char::from(word.letter);
+    if word.kind != Kind::Digits {
+        return wrong1(word.at as usize, E::NotWhole, name);
+    }
+    match crate::nc::expression::whole(word.value) {
+        Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
+        Some(_) | None => out_of_range(word, &format!("{low}–{high}")),
+    }
+}
+
+#[cold]
+fn out_of_range<T>(word: Word, range: &str) -> Outcome<T> {
+    wrong2(word.at as usize, E::OutOfRange, format!("{}{}", char::from(word.letter), word.value), range)
+}
+
+/// The word as written, up to the next letter or blank.
+#[cold]
+fn unknown_word<T>(running: &Running<'_, '_>, word: Word) -> Outcome<T> {
+    let at = word.at as usize;
+    let rest = running.text.get(at..).unwrap_or_default();
+    let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+');
+    let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
+    wrong1(at, E::UnknownWord, String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase())
+}
+
+/// The rows of M codes of this language.
+fn m_row(code: Code) -> Option<&'static mcode::MCode> {
+    mcode::find_in(System::SuperMan, u16::try_from(code.number).ok()?)
+}

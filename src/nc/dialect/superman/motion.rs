@@ -1,0 +1,332 @@
+//! Rapids, lines, arcs, the rectangle cycle, dwell and the moves to fixed places. Source: spec L2–L4, L6.
+
+use super::{LIMIT, out_of_range};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::Running;
+use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::nc::modal::Motion;
+use crate::nc::op::{AxisSet, Feed, Op, Plane};
+use crate::nc::words::Word;
+use crate::units::{Axis, PerAxis};
+
+/// Ranges of F, mm/min on Z: G00, G01 and G23, G02 and G03.
+const RAPIDS: (f64, f64) = (2_000.0, 6_000.0);
+const LINES: (f64, f64) = (6.0, 2_000.0);
+const ARCS: (f64, f64) = (6.0, 600.0);
+/// Range of G04, seconds: the text says 9999.99, the table 99.99; the text holds (D).
+const DWELLS: (f64, f64) = (0.01, 9_999.99);
+/// An arc's radius lies above this, mm.
+const LEAST_RADIUS_MM: f64 = 0.2;
+/// An arc ends less than so many increments off.
+const INCREMENTS_OFF: f64 = 5.0;
+/// No length, mm.
+const NOTHING_MM: f64 = 1e-9;
+
+/// The end of a move.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Target {
+    pub to: PerAxis<f64>,
+    pub words: AxisSet,
+    pub incremental: AxisSet,
+}
+
+/// Where the axis words of the block lead.
+pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<Target> {
+    let mut target = Target { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
+    for (axis, absolute, distance) in [(Axis::X, b'X', b'U'), (Axis::Z, b'Z', b'W')] {
+        let (word, by) = match (running.words.take(absolute), running.words.take(distance)) {
+            (None, None) => continue,
+            (Some(word), None) => (word, false),
+            (None, Some(word)) => (word, true),
+            (Some(first), Some(second)) => {
+                let (first, second) = if first.at < second.at { (first, second) } else { (second, first) };
+                let [a, b] = [first, second].map(|word| char::from(word.letter).to_string());
+                return wrong2(second.at as usize, E::AbsoluteAndIncremental, a, b);
+            }
+        };
+        let value = coordinate(axis, word)?;
+        target.words.insert(axis);
+        if by {
+            target.incremental.insert(axis);
+        }
+        target.to[axis] = if by { from[axis] + value } else { value };
+    }
+    Ok(target)
+}
+
+/// The value of an axis word, radius mm.
+pub(super) fn coordinate(axis: Axis, word: Word) -> Outcome<f64> {
+    if word.value.abs() > LIMIT {
+        return out_of_range(word, "±9999.99");
+    }
+    Ok(if axis == Axis::X { word.value / 2.0 } else { word.value })
+}
+
+const fn range(motion: Motion) -> (f64, f64) {
+    match motion {
+        Motion::Rapid => RAPIDS,
+        Motion::ArcClockwise | Motion::ArcCounterClockwise => ARCS,
+        _ => LINES,
+    }
+}
+
+/// F of the block: checked against the range of the function in force; that of G00 holds for its block alone.
+pub(super) fn take_feed(running: &mut Running<'_, '_>) -> Outcome<Option<f64>> {
+    let Some(word) = running.words.take(b'F') else { return Ok(None) };
+    let (low, high) = range(running.modals.motion);
+    if !(low..=high).contains(&word.value) {
+        return out_of_range(word, &format!("{low}–{high} mm/min"));
+    }
+    if running.modals.motion != Motion::Rapid {
+        running.modals.feed = Some(word.value);
+    }
+    Ok(Some(word.value))
+}
+
+/// The feed of lines in force, else the parameter's.
+fn line_feed(running: &Running<'_, '_>) -> f64 {
+    running.modals.feed.unwrap_or(running.settings.turning.line_feed)
+}
+
+/// Speed along a straight way: F where it goes along Z; X goes at half of F at most.
+fn along(feed: f64, from: PerAxis<f64>, to: PerAxis<f64>) -> Feed {
+    let (x, z) = ((to[Axis::X] - from[Axis::X]).abs(), to[Axis::Z] - from[Axis::Z]);
+    let length = x.hypot(z);
+    let most = if x > NOTHING_MM { feed / 2.0 * length / x } else { feed };
+    Feed::PerMinute(feed.min(most))
+}
+
+/// Notes which way X moved, for the run-out of a thread.
+fn note_infeed(running: &mut Running<'_, '_>, from: PerAxis<f64>, to: PerAxis<f64>) {
+    let by = to[Axis::X] - from[Axis::X];
+    if by.abs() > NOTHING_MM {
+        running.modals.infeed = if by > 0.0 { 1 } else { -1 };
+    }
+}
+
+/// G00: both axes in the ratio of their steps, then the rest on one of them.
+pub(super) fn rapid(running: &mut Running<'_, '_>, feed: Option<f64>) -> Outcome<()> {
+    let from = running.scope.position();
+    let Target { to, words, incremental } = target(running, from)?;
+    note_infeed(running, from, to);
+    let (x, z) = (to[Axis::X] - from[Axis::X], to[Axis::Z] - from[Axis::Z]);
+    let ratio = running.settings.turning.rapid_z_per_x;
+    let both = x.abs().min(z.abs() / ratio);
+    let (over_x, over_z) = (x.abs() - both, z.abs() - both * ratio);
+    let mut corner = from;
+    corner[Axis::X] += both.copysign(x);
+    corner[Axis::Z] += (both * ratio).copysign(z);
+    if both <= NOTHING_MM || over_x.max(over_z) <= NOTHING_MM {
+        push_rapid(running, from, Target { to, words, incremental }, feed);
+        return Ok(());
+    }
+    push_rapid(running, from, Target { to: corner, words, incremental }, feed);
+    // The axis that has arrived is not named again.
+    let left = AxisSet::of(if over_x > over_z { Axis::X } else { Axis::Z });
+    push_rapid(running, corner, Target { to, words: left, incremental: within(incremental, left) }, feed);
+    Ok(())
+}
+
+fn within(set: AxisSet, of: AxisSet) -> AxisSet {
+    let mut both = AxisSet::NONE;
+    set.iter().filter(|axis| of.contains(*axis)).for_each(|axis| both.insert(axis));
+    both
+}
+
+/// A rapid; with an F of its own a feed at that speed.
+fn push_rapid(running: &mut Running<'_, '_>, from: PerAxis<f64>, target: Target, feed: Option<f64>) {
+    let Target { to, words, incremental } = target;
+    running.ops.push(match feed {
+        Some(feed) => Op::Feed { to, feed: along(feed, from, to), words, incremental },
+        None => Op::Rapid { to, words, incremental },
+    });
+}
+
+/// G01.
+pub(super) fn line(running: &mut Running<'_, '_>) -> Outcome<()> {
+    let from = running.scope.position();
+    let Target { to, words, incremental } = target(running, from)?;
+    note_infeed(running, from, to);
+    let feed = along(line_feed(running), from, to);
+    running.ops.push(Op::Feed { to, feed, words, incremental });
+    Ok(())
+}
+
+/// G02 (`iso_opposite` 1) and G03 (−1): I (a diameter) and K from the start, or R, negative for the major arc.
+pub(super) fn arc(running: &mut Running<'_, '_>, place: usize, iso_opposite: i8) -> Outcome<()> {
+    let from = running.scope.position();
+    let turn = if running.settings.turning.arcs_opposite { iso_opposite } else { -iso_opposite };
+    let Target { to, words, incremental } = target(running, from)?;
+    let offsets = [running.words.take(b'I'), running.words.take(b'K')];
+    let center = match (offsets, running.words.take(b'R')) {
+        ([None, None], None) => return wrong(place, E::ArcWithoutCentre),
+        ([None, None], Some(radius)) => by_radius(from, to, radius, turn)?,
+        ([i, k], None) => by_offsets(running, place, (from, to), [i, k])?,
+        ([i, k], Some(radius)) => {
+            let other = i.or(k).map_or('I', |word| char::from(word.letter));
+            return wrong2(radius.at as usize, E::NotTogether, "R", other);
+        }
+    };
+    // A feed that lines left in force may be too fast for an arc: then the parameter's holds.
+    let turning = &running.settings.turning;
+    let feed = running.modals.feed.filter(|feed| *feed <= ARCS.1).unwrap_or(turning.arc_feed);
+    let feed = Feed::PerMinute(feed);
+    running.ops.push(Op::Arc { to, center, plane: Plane::Zx, turn, feed, words, incremental });
+    Ok(())
+}
+
+fn large_enough(at: usize, radius: f64) -> Outcome<()> {
+    if radius > LEAST_RADIUS_MM {
+        return Ok(());
+    }
+    wrong2(at, E::ArcTooSmall, format!("{radius:.3}"), LEAST_RADIUS_MM.to_string())
+}
+
+fn by_offsets(
+    running: &Running<'_, '_>,
+    place: usize,
+    (from, to): (PerAxis<f64>, PerAxis<f64>),
+    offsets: [Option<Word>; 2],
+) -> Outcome<PerAxis<f64>> {
+    let mut center = from;
+    for (axis, word) in [Axis::X, Axis::Z].into_iter().zip(offsets) {
+        if let Some(word) = word {
+            center[axis] += coordinate(axis, word)?;
+        }
+    }
+    let at = offsets.into_iter().flatten().next().map_or(place, |word| word.at as usize);
+    let arm = |point: PerAxis<f64>| (point[Axis::X] - center[Axis::X], point[Axis::Z] - center[Axis::Z]);
+    let ((start_x, start_z), (end_x, end_z)) = (arm(from), arm(to));
+    let (radius, reached) = (start_x.hypot(start_z), end_x.hypot(end_z));
+    large_enough(at, radius)?;
+    // How far the end stands off the circle in each coordinate as written.
+    let off = (reached - radius).abs();
+    let share = if reached > NOTHING_MM { (2.0 * end_x.abs() / reached).max(end_z.abs() / reached) } else { 2.0 };
+    // A rounding error of the sum is no increment.
+    if off * share + NOTHING_MM >= INCREMENTS_OFF * running.settings.turning.pulse_mm {
+        return wrong1(at, E::ArcEndOff, format!("{off:.3}"));
+    }
+    Ok(center)
+}
+
+fn by_radius(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> Outcome<PerAxis<f64>> {
+    let (radius, at) = (word.value, word.at as usize);
+    let (a, b) = (to[Axis::Z] - from[Axis::Z], to[Axis::X] - from[Axis::X]);
+    let chord = a.hypot(b);
+    if chord <= NOTHING_MM {
+        return wrong(at, E::FullCircleByRadius);
+    }
+    large_enough(at, radius.abs())?;
+    let half = chord / 2.0;
+    // A half circle may miss its radius by the rounding of the text.
+    if radius.abs() + 0.01 < half {
+        return wrong1(at, E::ArcRadius, format!("R{radius}"));
+    }
+    let height = (radius * radius - half * half).max(0.0).sqrt();
+    let side = f64::from(turn) * radius.signum();
+    let mut center = from;
+    center[Axis::Z] = f64::midpoint(from[Axis::Z], to[Axis::Z]) - side * height * b / chord;
+    center[Axis::X] = f64::midpoint(from[Axis::X], to[Axis::X]) + side * height * a / chord;
+    Ok(center)
+}
+
+/// G23: from A over B (X, rapid), C (Z at F), D (X at F) back to A (Z, rapid).
+pub(super) fn rectangle(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
+    let from = running.scope.position();
+    let Target { to, words, incremental } = target(running, from)?;
+    let kept = running.modals.cycle;
+    let x = if words.contains(Axis::X) { Some(to[Axis::X]) } else { kept.x };
+    let z = if words.contains(Axis::Z) { Some(to[Axis::Z]) } else { kept.z };
+    let (Some(x), Some(z)) = (x, z) else {
+        return wrong2(place, E::MissingWord, "G23", if x.is_none() { "X / U" } else { "Z / W" });
+    };
+    for (axis, corner) in [(Axis::X, x), (Axis::Z, z)] {
+        if (corner - from[axis]).abs() <= NOTHING_MM {
+            let letters: &[u8] = if axis == Axis::X { b"XU" } else { b"ZW" };
+            let word = letters.iter().find_map(|letter| running.words.look(*letter));
+            return wrong1(word.map_or(place, |word| word.at as usize), E::RectangleSide, axis.letter());
+        }
+    }
+    (running.modals.cycle.x, running.modals.cycle.z) = (Some(x), Some(z));
+    let feed = line_feed(running);
+    let with = |mut point: PerAxis<f64>, axis: Axis, value: f64| {
+        point[axis] = value;
+        point
+    };
+    let corner_b = with(from, Axis::X, x);
+    let corner_c = with(corner_b, Axis::Z, z);
+    let corner_d = with(corner_c, Axis::X, from[Axis::X]);
+    let (on_x, on_z) = (AxisSet::of(Axis::X), AxisSet::of(Axis::Z));
+    let (by_x, by_z) = (within(incremental, on_x), within(incremental, on_z));
+    running.ops.push(Op::Rapid { to: corner_b, words: on_x, incremental: by_x });
+    let along_z = along(feed, corner_b, corner_c);
+    running.ops.push(Op::Feed { to: corner_c, feed: along_z, words: on_z, incremental: by_z });
+    let along_x = along(feed, corner_c, corner_d);
+    running.ops.push(Op::Feed { to: corner_d, feed: along_x, words: on_x, incremental: by_x });
+    running.ops.push(Op::Rapid { to: from, words: on_z, incremental: by_z });
+    Ok(())
+}
+
+/// G04 F, seconds.
+pub(super) fn dwell(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
+    let Some(word) = running.words.take(b'F') else { return wrong2(place, E::MissingWord, "G04", "F") };
+    if !(DWELLS.0..=DWELLS.1).contains(&word.value) {
+        return out_of_range(word, &format!("{}–{} s", DWELLS.0, DWELLS.1));
+    }
+    running.ops.push(Op::Dwell { s: word.value });
+    Ok(())
+}
+
+/// G92: the present position is called X Z; nothing moves.
+pub(super) fn preset(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
+    if let Some(word) = [b'U', b'W'].into_iter().find_map(|letter| running.words.look(letter)) {
+        return wrong2(word.at as usize, E::PresetByDistance, "G92", "U W");
+    }
+    for letter in [b'X', b'Z'] {
+        if running.words.look(letter).is_none() {
+            return wrong2(place, E::MissingWord, "G92", char::from(letter));
+        }
+    }
+    let from = running.scope.position();
+    let Target { to, .. } = target(running, from)?;
+    rename(running, from, to);
+    running.ops.push(Op::Preset { values: PerAxis([Some(to[Axis::X]), None, Some(to[Axis::Z])]) });
+    Ok(())
+}
+
+/// The present position gets another name: so does the tool-change point.
+fn rename(running: &mut Running<'_, '_>, from: PerAxis<f64>, to: PerAxis<f64>) {
+    let start = running.modals.start;
+    running.modals.start = PerAxis::from_fn(|axis| start[axis] + to[axis] - from[axis]);
+}
+
+/// A function that takes no coordinates.
+fn no_coordinates(running: &Running<'_, '_>, place: usize) -> Outcome<()> {
+    let found = [b'X', b'Z', b'U', b'W'].into_iter().find_map(|letter| running.words.look(letter));
+    let code = running.words.g().iter().find(|code| code.at as usize == place).map_or(0, |code| code.number);
+    found.map_or(Ok(()), |word| wrong1(word.at as usize, E::AxisUnused, format!("G{code:02}")))
+}
+
+/// G26, G27, G29: to the tool-change point, X before Z.
+pub(super) fn return_to_start(running: &mut Running<'_, '_>, place: usize, x: bool, z: bool) -> Outcome<()> {
+    no_coordinates(running, place)?;
+    let (mut at, start) = (running.scope.position(), running.modals.start);
+    for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
+        at[axis] = start[axis];
+        running.ops.push(Op::Rapid { to: at, words: AxisSet::of(axis), incremental: AxisSet::NONE });
+    }
+    Ok(())
+}
+
+/// G36, G37, G39: to the machine origin by its switch; the coordinate there is the parameter's.
+pub(super) fn home(running: &mut Running<'_, '_>, place: usize, x: bool, z: bool) -> Outcome<()> {
+    no_coordinates(running, place)?;
+    let (mut axes, mut values) = (AxisSet::NONE, PerAxis::default());
+    for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
+        axes.insert(axis);
+        values[axis] = Some(running.settings.turning.origin[axis]);
+    }
+    running.ops.push(Op::HomeSwitch { axes });
+    running.ops.push(Op::Preset { values });
+    Ok(())
+}

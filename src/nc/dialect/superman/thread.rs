@@ -1,0 +1,103 @@
+//! G32 and G33: a thread along Z by W, tapered by U, with its own run-out. Source: spec L5, seed 5.1.6.
+
+use super::motion::coordinate;
+use super::out_of_range;
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::Running;
+use crate::nc::fault::{Outcome, wrong, wrong2};
+use crate::nc::modal::Motion;
+use crate::nc::op::{Op, Threading};
+use crate::nc::words::Word;
+use crate::units::Axis;
+
+/// Leads of G33, mm.
+const LEADS: (f64, f64) = (0.25, 12.0);
+/// Turns an inch of G32.
+const TURNS: (f64, f64) = (3.0, 33.5);
+const MM_PER_INCH: f64 = 25.4;
+/// The last millimetres of Z, in which the tool is drawn back.
+const RUN_OUT_MM: f64 = 1.2;
+/// The way before the part that the axes need, in leads.
+const APPROACH_LEADS: f64 = 3.0;
+
+/// The highest spindle speed for a lead, rpm.
+#[must_use]
+fn speed_limit(lead_mm: f64) -> f64 {
+    1_200.0 / lead_mm - 80.0
+}
+
+/// A thread from where the tool stands.
+pub(super) fn run(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
+    let words = running.words;
+    if let Some(word) = [b'X', b'Z'].into_iter().find_map(|letter| words.look(letter)) {
+        return wrong2(word.at as usize, E::IncrementalOnly, char::from(word.letter), "");
+    }
+    let code = if running.modals.motion == Motion::InchThread { "G32" } else { "G33" };
+    let Some(length) = words.take(b'W') else { return wrong2(place, E::MissingWord, code, "W") };
+    let lead = match words.take(b'F') {
+        Some(word) if code == "G32" => MM_PER_INCH / turns_an_inch(running, word)?,
+        Some(word) if (LEADS.0..=LEADS.1).contains(&word.value) => word.value,
+        Some(word) => return out_of_range(word, &format!("{}–{} mm", LEADS.0, LEADS.1)),
+        None => match running.modals.lead {
+            Some(lead) => lead,
+            None => return wrong2(place, E::MissingWord, code, "F"),
+        },
+    };
+    let along = coordinate(Axis::Z, length)?;
+    if along.abs() <= RUN_OUT_MM {
+        let details = (format!("{}", along.abs()), RUN_OUT_MM.to_string());
+        return wrong2(length.at as usize, E::ThreadTooShort, details.0, details.1);
+    }
+    let taper = words.take(b'U').map_or(Ok(0.0), |word| coordinate(Axis::X, word))?;
+    if running.modals.infeed == 0 {
+        return wrong(place, E::NoInfeed);
+    }
+    remark(running, place, lead, along);
+    let from = running.scope.position();
+    let (mut out, mut to) = (from, from);
+    let share = 1.0 - RUN_OUT_MM / along.abs();
+    out[Axis::X] += taper * share;
+    out[Axis::Z] += along * share;
+    // 2 · lead + 2 mm on the diameter, against the last infeed.
+    to[Axis::X] += taper - f64::from(running.modals.infeed) * (lead + 1.0);
+    to[Axis::Z] += along;
+    running.modals.lead = Some(lead);
+    running.ops.push(Op::Thread(Threading { to, out, lead_mm: lead }));
+    Ok(())
+}
+
+/// Turns an inch: the digits after the point are the denominator of a fraction, 33.2 is 33½.
+fn turns_an_inch(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
+    let refused = || out_of_range(word, "3–33.2 (33½)");
+    let written = running.text.get(word.at as usize + 1..).unwrap_or_default();
+    let digits = |bytes: &[u8]| -> usize { bytes.iter().take_while(|byte| byte.is_ascii_digit()).count() };
+    let blanks = written.iter().take_while(|byte| matches!(byte, b' ' | b'\t' | b'+')).count();
+    let written = &written[blanks..];
+    let whole = digits(written);
+    let after = written.get(whole..).filter(|rest| rest.first() == Some(&b'.')).map_or(&[][..], |rest| &rest[1..]);
+    let number = |bytes: &[u8]| bytes.iter().fold(0.0, |sum, digit| sum * 10.0 + f64::from(digit - b'0'));
+    let denominator = number(&after[..digits(after)]);
+    let fraction = match denominator {
+        none if none < 1.0 => 0.0,
+        denominator if denominator >= 2.0 => 1.0 / denominator,
+        _ => return refused(),
+    };
+    let turns = number(&written[..whole]) + fraction;
+    if word.value < 0.0 || !(TURNS.0..=TURNS.1).contains(&turns) { refused() } else { Ok(turns) }
+}
+
+/// What the check says about the way before the part and the speed of the spindle; the run looks at the spindle itself.
+fn remark(running: &mut Running<'_, '_>, place: usize, lead: f64, along: f64) {
+    let z = running.scope.position()[Axis::Z];
+    // The part's face lies at Z 0 where the thread comes in over it.
+    let enters = if along < 0.0 { z >= 0.0 && z + along < 0.0 } else { z <= 0.0 && z + along > 0.0 };
+    if enters && z.abs() < APPROACH_LEADS * lead {
+        let details = [format!("{:.3}", z.abs()), format!("{:.3}", APPROACH_LEADS * lead)];
+        running.scope.note(place, E::ApproachShort, details);
+    }
+    let speed = running.modals.speed.unwrap_or(running.settings.turning.spindle_rpm);
+    let limit = speed_limit(lead);
+    if speed > limit {
+        running.scope.note(place, E::SpindleTooFast, [format!("{speed}"), format!("{limit:.0}")]);
+    }
+}

@@ -1,0 +1,74 @@
+//! The bar of a lathe: where it lies follows from the program, because a program begins where the operator has put the
+//! tool and says by its first G92 where that is. Source: spec L3, L9, L10.
+
+use std::sync::Arc;
+
+use crate::controller::nc_settings;
+use crate::defs::kind::Kind;
+use crate::defs::param::{self, Params};
+use crate::io::sim::{BarFile, Body, BodyFile, PartFile, Place};
+use crate::nc::{CheckWorld, Library, Memory, NoLibrary, Op, Source, check_with};
+use crate::units::Axis;
+
+/// Machine coordinates of the middle of the bar's face, radius mm.
+const FACE_MM: Place = Place { x: -200.0, y: 0.0, z: -450.0 };
+/// The chuck, mm.
+const CHUCK_LENGTH_MM: f64 = 80.0;
+const CHUCK_DIAMETER_MM: f64 = 125.0;
+/// Cell size of the bar, mm.
+const CELL_MM: f64 = 0.1;
+
+/// The folder of a kind's own programs, which go by name.
+#[must_use]
+pub const fn own_programs(kind: Kind) -> Option<&'static str> {
+    crate::machine::kind::find(kind).own_programs
+}
+
+/// The bar of a program: its face at X0 Z0, the tool at the place that the first G92 names. None on other kinds, for a
+/// program without G92 before its first move, and where the axes do not reach.
+#[must_use]
+pub fn of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Option<PartFile> {
+    if !crate::machine::kind::find(kind).turns_part {
+        return None;
+    }
+    let settings = nc_settings(kind, params);
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let (mut start, mut moved) = (None, false);
+    let mut world = CheckWorld::new(&settings);
+    check_with(source, &library, &settings, Memory::default(), &mut world, &mut |block| {
+        for op in &block.ops {
+            if let (Op::Preset { values }, false, None) = (op, moved, start) {
+                start = values[Axis::X].zip(values[Axis::Z]);
+            }
+            moved |= op.is_motion();
+        }
+    });
+    let (x, z) = start?;
+    let start_mm = Place { x: FACE_MM.x + x, y: 0.0, z: FACE_MM.z + z };
+    let reached = |axis: Axis, at: f64| {
+        (params.of_axis(param::SOFT_MINUS_X, axis)..=params.of_axis(param::SOFT_PLUS_X, axis)).contains(&at)
+    };
+    if !reached(Axis::X, start_mm.x) || !reached(Axis::Z, start_mm.z) {
+        return None;
+    }
+    let length = params.get(param::BAR_LENGTH);
+    let chuck =
+        BodyFile { what: Body::Chuck, z_from: -length - CHUCK_LENGTH_MM, z_to: -length, diameter: CHUCK_DIAMETER_MM };
+    let bar = BarFile { diameter: params.get(param::BAR_DIAMETER), z_from: -length, z_to: 0.0, cell: CELL_MM };
+    Some(PartFile {
+        name: "棒料".to_owned(),
+        kind,
+        g54_mm: FACE_MM,
+        start_mm,
+        offsets: Vec::new(),
+        variables: Default::default(),
+        tailstock_advanced: false,
+        tailstock: None,
+        bodies: vec![chuck],
+        blocks: Vec::new(),
+        gauge: None,
+        bar: Some(bar),
+        surfaces: Vec::new(),
+        finished: None,
+    })
+}
