@@ -16,9 +16,12 @@ const SIZE: (u32, u32) = (200, 400);
 /// 54 of header, three a pixel.
 const BYTES: usize = 54 + 3 * 200 * 400;
 
+/// Puts one picture on its sheet.
+type Drawing = fn(&Sheet);
+
 fn main() -> ExitCode {
     let folder = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("screens"), PathBuf::from);
-    let pictures: [(&str, fn(&Sheet)); 3] = [("B0801.BMP", dressing), ("B0802.BMP", sizes), ("B0803.BMP", course)];
+    let pictures: [(&str, Drawing); 3] = [("B0801.BMP", dressing), ("B0802.BMP", sizes), ("B0803.BMP", course)];
     for (name, drawing) in pictures {
         if let Err(cause) = std::fs::write(folder.join(name), bitmap(&draw(drawing))) {
             eprintln!("{name}: {cause}");
@@ -28,7 +31,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-fn draw(drawing: fn(&Sheet)) -> RgbaImage {
+fn draw(drawing: Drawing) -> RgbaImage {
     let ctx = Context::default();
     theme::install(&ctx, &DARK);
     let area = Rect::from_min_size(Pos2::ZERO, vec2(SIZE.0 as f32, SIZE.1 as f32));

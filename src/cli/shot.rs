@@ -41,7 +41,7 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             let of_kind = match kind {
                 Kind::Gc => Some(SHOWN),
                 Kind::Vertical => Some(program::number("VGRIND")),
-                Kind::Gs | Kind::Ga => None,
+                Kind::Gs | Kind::Ga | Kind::Lathe => None,
             };
             if let Some(number) = of_kind {
                 bench::mount(&mut rig, &shared, number)?;
