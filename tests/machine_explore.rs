@@ -499,6 +499,11 @@ fn k3_every_state_of_ga_keeps_the_invariants() {
 }
 
 #[test]
+fn s5_every_state_of_the_vertical_grinder_keeps_the_invariants() {
+    holds(Kind::Vertical, &[]);
+}
+
+#[test]
 fn k3_7_every_state_keeps_the_invariants_without_supervision() {
     holds(Kind::Gc, &[("P270", 0.0)]);
     holds(Kind::Gs, &[("P17.0", 1.0)]);

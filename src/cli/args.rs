@@ -8,6 +8,7 @@ use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::text::Lang;
+use crate::units::Axis;
 
 /// KT-830: a CNC control for grinding machines. Without a command it opens the control full-screen.
 #[derive(Debug, Parser)]
@@ -91,6 +92,8 @@ pub enum Verb {
     Check(Check),
     /// Play a story and print what came of each line
     Play(Play),
+    /// Show, import or clear the table of a ball screw (backlash and pitch error over position)
+    Screw(Screw),
     /// Paint a page to a PNG file
     Shot(Shot),
 }
@@ -135,6 +138,19 @@ pub struct Check {
     pub ops: bool,
 }
 
+/// `kt830 screw`
+#[derive(Debug, ClapArgs)]
+pub struct Screw {
+    /// The axis: X, Y or Z
+    #[arg(value_parser = axis)]
+    pub axis: Axis,
+    /// A table to import: a line a point, `position, backlash[, pitch error]`, mm, machine coordinates of the slide
+    pub file: Option<PathBuf>,
+    /// Take the table out
+    #[arg(long, conflicts_with = "file")]
+    pub clear: bool,
+}
+
 /// `kt830 play`
 #[derive(Debug, ClapArgs)]
 pub struct Play {
@@ -164,6 +180,12 @@ fn kind(word: &str) -> Result<Kind, String> {
         let kinds: Vec<_> = Kind::ALL.iter().map(|kind| kind.id()).collect();
         format!("the kinds are {}", kinds.join(", "))
     })
+}
+
+fn axis(word: &str) -> Result<Axis, String> {
+    let mut letters = word.chars();
+    let axis = letters.next().and_then(Axis::from_letter).filter(|_| letters.next().is_none());
+    axis.ok_or_else(|| "the axes are X, Y, Z".to_owned())
 }
 
 fn lang(word: &str) -> Result<Lang, String> {
@@ -197,7 +219,7 @@ fn param(word: &str) -> Result<(ParamAddress, f64), String> {
 }
 
 fn variable(word: &str) -> Result<(u16, f64), String> {
-    let wrong = || "a variable reads '#500=40.2'".to_owned();
+    let wrong = || "a variable reads '#500=40.2' or R18=200".to_owned();
     let (name, value) = word.split_once('=').ok_or_else(wrong)?;
     let number = crate::story::parse::variable(name.trim()).ok_or_else(wrong)?;
     let value: f64 = value.trim().parse().map_err(|_| wrong())?;

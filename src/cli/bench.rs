@@ -10,7 +10,7 @@ use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::nc::Memory;
 use crate::runtime::bar::{self, own_programs};
-use crate::runtime::disk::{Folders, program};
+use crate::runtime::disk::{Folders, beside, program};
 use crate::runtime::keeper::Keeper;
 use crate::runtime::rig::{Rig, Setup};
 use crate::store::{DataDir, Settings};
@@ -42,7 +42,8 @@ pub fn settle(mut shared: Shared, opens_control: bool) -> Result<Shared, CallErr
 /// A folder cannot be made.
 pub fn folders(shared: &Shared) -> Result<Folders, CallError> {
     let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
-    let folders = Folders::resolve(shared.programs.clone(), shared.screens.clone(), &data).map_err(CallError::new)?;
+    let (programs, screens) = (shared.programs.clone(), shared.screens.clone());
+    let folders = Folders::resolve(programs, screens, &data, shared.kind).map_err(CallError::new)?;
     match own_programs(shared.kind) {
         None => Ok(folders),
         Some(_) if shared.programs.is_some() => Ok(Folders { named: true, ..folders }),
@@ -153,6 +154,7 @@ pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
     }
     let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
     let number = named.unwrap_or(UNNUMBERED);
+    rig.add_programs(beside(path));
     rig.add_program(program(number, word, bytes));
     Ok(number)
 }

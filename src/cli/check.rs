@@ -7,11 +7,13 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::args::{Check, Format, Run, Shared};
+use super::rehearse::{Passed, Rehearsal};
 use super::{CallError, FINE, WRONG_CALL, bench, out};
 use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings, references};
+use crate::defs::{param, r_parameter};
 use crate::io::sim::PartFile;
-use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, check_with};
-use crate::runtime::disk::{parse_page_text, parse_picture, program};
+use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, Source, World, check_with};
+use crate::runtime::disk::{beside, parse_page_text, parse_picture, program};
 use crate::units::{Axis, PerAxis};
 
 /// What a file is.
@@ -23,6 +25,7 @@ enum Class {
 }
 
 /// An error of a file.
+#[derive(Clone, Debug)]
 struct Wrong {
     line: u32,
     column: u32,
@@ -83,7 +86,7 @@ fn wrong_file(shared: &Shared, fault: &crate::link::command::FileFault) -> Wrong
 
 fn wrong_program(shared: &Shared, number: u32, fault: &Fault) -> Wrong {
     // A mistake in a subprogram is told with its program.
-    let sub = if fault.place.program == number { String::new() } else { format!("O{:04}: ", fault.place.program) };
+    let sub = if fault.place.program == number { String::new() } else { format!("{}: ", fault.program()) };
     let message = format!("{sub}{} – {}", fault.cause(shared.lang), fault.remedy(shared.lang));
     Wrong { line: fault.place.line, column: fault.column, message }
 }
@@ -121,7 +124,8 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     let settings = nc_settings(shared.kind, &retained.params);
     let axes = settings.axes;
     let folders = bench::folders(shared)?;
-    let (programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
+    let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
+    programs.put(beside(path));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
     let mut memory = retained.variables.clone();
     let mut world =
@@ -139,13 +143,33 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
         Format::Json => out(with_frame(op, op.json(axes), part.as_ref(), axes)),
         Format::Text => out(op),
     };
+    let finished = part.as_ref().and_then(|part| part.finished).filter(|_| call.simulate);
+    let mut rehearsal = finished.map(|finished| {
+        let width_mm = retained.params.get(param::WHEEL_WIDTH);
+        Rehearsal::new(finished, width_mm, settings.system, (world.position(), memory.clone()))
+    });
     let checked = check_with(&source, &library, &settings, memory, &mut world, &mut |block| {
+        if let Some(rehearsal) = &mut rehearsal {
+            rehearsal.see(block);
+        }
         if call.ops {
             block.ops.iter().for_each(&mut show);
         }
     });
-    tell_program(shared, call, path, &checked, &settings);
-    Ok(!checked.faults.is_empty())
+    let passed = rehearsal.and_then(Rehearsal::passed).map(|passed| wrong_move(shared, &source, &library, &passed));
+    tell_program(shared, call, path, (&checked, passed.as_ref()), &settings);
+    Ok(!checked.faults.is_empty() || passed.is_some())
+}
+
+/// A move that the rehearsal found, at the block that leads to it.
+fn wrong_move(shared: &Shared, source: &Source, library: &Arc<dyn Library + Send + Sync>, passed: &Passed) -> Wrong {
+    let sub = (passed.at.program != source.number()).then(|| library.find(passed.at.program)).flatten();
+    let line = sub.as_deref().unwrap_or(source).line(passed.at.line).unwrap_or_default();
+    let name = passed.variable.map(|number| r_parameter::name_on(number, shared.kind)).unwrap_or_default();
+    let column = line.find(&name).map_or(1, |at| line[..at].chars().count() as u32 + 1);
+    let program = sub.map_or_else(String::new, |sub| format!("{}: ", sub.title()));
+    let block = passed.at.n.map_or_else(String::new, |n| format!("N{n} "));
+    Wrong { line: passed.at.line, column, message: format!("{program}{block}{}", passed.said.get(shared.lang)) }
 }
 
 /// A change of the work frame tells where the frame lies: G54 where the part's set-up puts it, the others at zero.
@@ -190,10 +214,17 @@ fn preset(memory: &mut Memory, part: &PartFile) {
     }
 }
 
-fn tell_program(shared: &Shared, call: &Check, path: &Path, checked: &Checked, settings: &Settings) {
+fn tell_program(
+    shared: &Shared,
+    call: &Check,
+    path: &Path,
+    (checked, passed): (&Checked, Option<&Wrong>),
+    settings: &Settings,
+) {
     let number = number_of(path);
     let file = path.display().to_string();
-    let wrong: Vec<_> = checked.faults.iter().map(|fault| wrong_program(shared, number, fault)).collect();
+    let faults = checked.faults.iter().map(|fault| wrong_program(shared, number, fault));
+    let wrong: Vec<_> = faults.chain(passed.cloned()).collect();
     let warnings: Vec<_> = checked.warnings.iter().map(|fault| wrong_program(shared, number, fault)).collect();
     let shown = |axis: Axis, value: f64| if axis == Axis::X && settings.diameter { value * 2.0 } else { value };
     let extents: Vec<(Axis, f64, f64)> = checked.extents.map_or_else(Vec::new, |(low, high)| {

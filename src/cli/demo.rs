@@ -7,15 +7,19 @@ use std::path::Path;
 use super::args::{Demo, Shared};
 use super::play::{Story, story};
 use super::{CallError, FAILED, FINE, bench, out};
-use crate::runtime::bar::own_programs;
+use crate::defs::kind::Kind;
 use crate::runtime::rig::Rig;
 use crate::story::{Player, Statement, parse, play::around};
 
 /// The story that comes along.
 const USUAL: &str = include_str!("../../assets/stories/first_part.story");
-
-/// The one of a machine with programs of its own: the lathe turns a shaft.
-const TURNING: &str = include_str!("../../assets/stories/shaft.story");
+/// Those of kinds that have one of their own, where the kind is asked for.
+const OF_KIND: &[(Kind, &str)] = &[
+    (Kind::Gs, include_str!("../../assets/stories/first_part_gs.story")),
+    (Kind::Ga, include_str!("../../assets/stories/first_part_ga.story")),
+    (Kind::Vertical, include_str!("../../assets/stories/vertical.story")),
+    (Kind::Lathe, include_str!("../../assets/stories/shaft.story")),
+];
 
 /// Plays the story.
 ///
@@ -25,8 +29,8 @@ pub fn demo(shared: &Shared, call: &Demo) -> Result<u8, CallError> {
     let told = match &call.story {
         Some(path) => story(path, shared.kind)?,
         None => {
-            let usual = if own_programs(shared.kind).is_some() { TURNING } else { USUAL };
-            let (kind, lines) = parse(usual, shared.kind).map_err(CallError::new)?;
+            let own = OF_KIND.iter().find(|(kind, _)| shared.kind_asked == Some(*kind));
+            let (kind, lines) = parse(own.map_or(USUAL, |(_, text)| text), shared.kind).map_err(CallError::new)?;
             Story { kind, lines }
         }
     };

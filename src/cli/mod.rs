@@ -7,7 +7,9 @@ mod check;
 mod demo;
 mod eyes;
 mod play;
+mod rehearse;
 mod run;
+mod screw;
 #[cfg(feature = "hmi")]
 mod shot;
 #[cfg(feature = "hmi")]
@@ -48,6 +50,7 @@ pub fn main() -> ExitCode {
     let done = match &args.verb {
         Some(Verb::Run(call)) => run::run(&shared, call),
         Some(Verb::Check(call)) => check::check(&shared, call),
+        Some(Verb::Screw(call)) => screw::screw(&shared, call),
         Some(Verb::Play(call)) => play::play(&shared, call),
         Some(Verb::Demo(call)) => demo::demo(&shared, call),
         #[cfg(feature = "hmi")]

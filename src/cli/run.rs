@@ -10,6 +10,7 @@ use serde_json::{Map, Value, json};
 use super::args::{Format, Run, Shared};
 use super::{CallError, FAILED, FINE, bench, out};
 use crate::defs::key::Key;
+use crate::defs::r_parameter;
 use crate::defs::text::Lang;
 use crate::io::sim::PartReport;
 use crate::link::command::Command;
@@ -125,7 +126,7 @@ impl Report {
             .collect();
         let mut variables = Map::new();
         for (number, value) in self.changed(&snapshot) {
-            variables.insert(format!("#{number}"), json!(value));
+            variables.insert(r_parameter::name_on(number as u32, rig.kind()), json!(value));
         }
         let mut told = json!({
             "end": self.end,
@@ -134,6 +135,7 @@ impl Report {
             "blocks": self.blocks,
             "work": positions(&snapshot, |axis| axis.work),
             "machine": positions(&snapshot, |axis| axis.machine),
+            "message": snapshot.waiting_for.as_ref().map(|told| told.get(lang)),
             "parts": snapshot.parts,
             "variables": variables,
             "part": rig.machine().measure(),
@@ -163,13 +165,16 @@ impl Report {
         if self.end != "finished" && !snapshot.message.text.get(lang).is_empty() {
             lines.push(snapshot.message.text.get(lang).to_owned());
         }
+        if let Some(told) = &snapshot.waiting_for {
+            lines.push(told.get(lang).to_owned());
+        }
         for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {
             lines.push(format!("{axis}  work {:10.3}  machine {:10.3}", view.work, view.machine));
         }
         for (number, value) in self.changed(&snapshot) {
             lines.push(match value {
-                Some(value) => format!("#{number} = {value}"),
-                None => format!("#{number} = "),
+                Some(value) => format!("{} = {value}", r_parameter::name_on(number as u32, rig.kind())),
+                None => format!("{} = ", r_parameter::name_on(number as u32, rig.kind())),
             });
         }
         if self.batch.len() > 1 {

@@ -7,6 +7,7 @@ use super::args::{Shared, Shot};
 use super::play::story;
 use super::{CallError, FAILED, FINE, bench};
 use crate::defs::kind::Kind;
+use crate::defs::program;
 use crate::hmi::Hmi;
 use crate::hmi::shot::Stage;
 use crate::link::command::Command;
@@ -39,15 +40,20 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             }
         }
         None => {
-            if kind == Kind::Gc {
-                bench::mount(&mut rig, &shared, SHOWN)?;
+            let of_kind = match kind {
+                Kind::Gc => Some(SHOWN),
+                Kind::Vertical => Some(program::number("VGRIND")),
+                Kind::Gs | Kind::Ga | Kind::Lathe => None,
+            };
+            if let Some(number) = of_kind {
+                bench::mount(&mut rig, &shared, number)?;
             }
             rig.step();
             rig.make_ready();
             // The part of O1001 belongs into a cylindrical grinder.
-            match kind {
-                Kind::Gc => bench::mount(&mut rig, &shared, SHOWN)?,
-                Kind::Gs | Kind::Ga | Kind::Vertical | Kind::Lathe => rig.send(Command::LoadProgram(SHOWN)),
+            match of_kind {
+                Some(number) => bench::mount(&mut rig, &shared, number)?,
+                None => rig.send(Command::LoadProgram(SHOWN)),
             }
         }
     }

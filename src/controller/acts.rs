@@ -71,6 +71,7 @@ impl Controller {
                 self.raise(*number, Some(text.clone()));
                 Did::Wait
             }
+            Act::Note(text) => self.tell_note(text),
             Act::Message(text) => match self.is_settled(run) {
                 Some(true) => {
                     self.say(text.clone());

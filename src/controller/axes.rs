@@ -3,7 +3,9 @@
 //! Owns the path planner, one mover an axis, and the machine zero that homing finds. Machine frame, radius millimetres.
 //! Source: spec B5, B7.
 
+use super::screw::Compensation;
 use crate::defs::param::{self, Params};
+use crate::defs::screw::ScrewTable;
 use crate::io::InputImage;
 use crate::machine::kind::KindRow;
 use crate::motion::{AxisLimits, AxisMover, Limits, Override, Path, ThreadMover};
@@ -52,6 +54,8 @@ pub struct Axes {
     drives_on: bool,
     /// An axis that oscillates beside whoever owns the axes: its set-point and velocity.
     oscillated: Option<(Axis, f64, f64)>,
+    /// What the screws need beside the set-points.
+    screws: Compensation,
     /// A thread under way.
     thread: Option<ThreadMover>,
     /// Machine lock: where the axes really stand while the positions count on.
@@ -63,7 +67,7 @@ pub struct Axes {
 impl Axes {
     /// Axes at rest where the encoders find them; not homed.
     #[must_use]
-    pub fn new(params: &Params, row: &KindRow, image: &InputImage) -> Self {
+    pub fn new(params: &Params, row: &KindRow, image: &InputImage, screws: PerAxis<ScrewTable>) -> Self {
         let tick_s = params.get(param::TICK_TIME) / 1e6;
         let limits = limits(params, tick_s);
         let start = image.encoder_mm;
@@ -82,6 +86,7 @@ impl Axes {
             minus: PerAxis::default(),
             drives_on: true,
             oscillated: None,
+            screws: Compensation::new(screws, params, tick_s),
             thread: None,
             locked: None,
             tick_s,
@@ -98,6 +103,7 @@ impl Axes {
             self.movers[axis].set_limits(limits.axes[axis]);
             self.bound(axis, params);
         }
+        self.screws.configure(params);
     }
 
     /// Soft limits hold from homing on (B5).
@@ -117,6 +123,8 @@ impl Axes {
         self.movers[axis].set_position(self.set[axis]);
         self.homed[axis] = true;
         self.bound(axis, params);
+        // From here on the table counts; the axis does not move for it, its zero does.
+        self.zero_mm[axis] += self.screws.settle(axis, self.set[axis], self.minus[axis]);
     }
 
     /// Homing looks for the switch beyond any limit.
@@ -135,7 +143,8 @@ impl Axes {
 
     /// Reads the encoders.
     pub fn read(&mut self, image: &InputImage) {
-        self.encoder = PerAxis::from_fn(|axis| image.encoder_mm[axis] + self.zero_mm[axis]);
+        let applied = self.screws.applied_mm();
+        self.encoder = PerAxis::from_fn(|axis| image.encoder_mm[axis] + self.zero_mm[axis] - applied[axis]);
         self.actual = if self.locked.is_some() { self.set } else { self.encoder };
     }
 
@@ -177,6 +186,10 @@ impl Axes {
                 self.minus[axis] = moved < 0.0;
             }
         }
+        let Locked { set, minus } = self.standing();
+        for axis in Axis::ALL {
+            self.screws.step(axis, set[axis], minus[axis], self.homed[axis]);
+        }
     }
 
     /// A thread takes X and Z; the path must be at rest.
@@ -209,13 +222,26 @@ impl Axes {
 
     /// The set-point of each axis in the encoder's frame.
     #[must_use]
-    pub fn set_points(&self, params: &Params) -> PerAxis<f64> {
-        let Locked { set, minus } = self.locked.unwrap_or(Locked { set: self.set, minus: self.minus });
-        PerAxis::from_fn(|axis| {
-            let play = params.of_axis(param::BACKLASH_X, axis);
-            let taken_up = if minus[axis] { -play } else { 0.0 };
-            set[axis] - self.zero_mm[axis] + taken_up
-        })
+    pub fn set_points(&self) -> PerAxis<f64> {
+        let Locked { set, .. } = self.standing();
+        let applied = self.screws.applied_mm();
+        PerAxis::from_fn(|axis| set[axis] - self.zero_mm[axis] + applied[axis])
+    }
+
+    /// Where the axes really stand and how they came there, machine lock or not.
+    fn standing(&self) -> Locked {
+        self.locked.unwrap_or(Locked { set: self.set, minus: self.minus })
+    }
+
+    /// Another table for the screw of an axis; its slide is put right slowly.
+    pub fn set_screw(&mut self, axis: Axis, table: ScrewTable) {
+        self.screws.set_table(axis, table);
+    }
+
+    /// The table of an axis' screw.
+    #[must_use]
+    pub fn screw(&self, axis: Axis) -> &ScrewTable {
+        self.screws.table(axis)
     }
 
     /// Machine lock on: from here the positions count without the axes. The axes must stand.

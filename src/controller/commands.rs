@@ -5,6 +5,9 @@ use super::{Controller, Effect};
 use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
+use crate::defs::program;
+use crate::defs::r_parameter;
+use crate::defs::screw::ScrewTable;
 use crate::defs::text::Said;
 use crate::link::PageCommand;
 use crate::link::command::Command;
@@ -12,7 +15,7 @@ use crate::machine::Answer;
 use crate::machine::press::NOT_IN_RUN;
 use crate::nc::frames::OFFSETS;
 use crate::nc::{Source, VariableError};
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// Most characters of an MDI line.
 pub(super) const MDI_MOST: usize = 500;
@@ -30,6 +33,7 @@ impl Controller {
             Command::Hold(key) => self.hand.keep(*key, self.now),
             Command::Handwheel(detents) => self.turn_handwheel(*detents),
             Command::OpenPage(page) => self.open_page(*page),
+            Command::TurnSheet(sheet) => self.turn_sheet(*sheet),
             Command::LoadProgram(number) => self.load_program(*number),
             Command::RestartAt(line) => self.restart_at(*line),
             Command::ResumeInterrupted => self.resume_interrupted(),
@@ -47,6 +51,7 @@ impl Controller {
             Command::SetFrame(index, origin) => self.set_frame(*index, *origin),
             Command::SetGeometry(number, geometry) => self.set_geometry(*number, *geometry),
             Command::SetStock(stock) => self.stock.clone_from(stock),
+            Command::SetScrew(axis, table) => self.set_screw(*axis, table),
             Command::ClearRelative(axis) => self.relative_zero[*axis] = self.axes.actual()[*axis],
             Command::Screens(screens) => {
                 self.screens.clone_from(screens);
@@ -70,6 +75,20 @@ impl Controller {
         }
     }
 
+    /// The axis is led to its new place slowly; not while a program runs.
+    fn set_screw(&mut self, axis: Axis, table: &ScrewTable) {
+        if self.run.is_some() {
+            return self.refuse(NOT_IN_RUN);
+        }
+        self.axes.set_screw(axis, table.clone());
+        self.effects.push(Effect::Screw(axis, table.clone()));
+        let points = table.points().len();
+        self.say(Said::new(
+            format!("{axis} 轴丝杠补偿表：{points} 点"),
+            format!("screw table of axis {axis}: {points} points"),
+        ));
+    }
+
     fn set_geometry(&mut self, number: usize, geometry: PerAxis<f64>) {
         match number.checked_sub(1).filter(|index| *index < OFFSETS) {
             Some(_) if self.run.is_some() => self.refuse(NOT_IN_RUN),
@@ -85,10 +104,11 @@ impl Controller {
     pub(super) fn set_variable(&mut self, variable: u16, value: Option<f64>) -> bool {
         let number = u32::from(variable);
         if let Err(error) = self.store_variable(number, value) {
+            let name = r_parameter::name_on(number, self.kind);
             let zh = match error {
-                VariableError::Unknown(_) => format!("#{variable} 不存在或不能修改"),
-                VariableError::Switch(_) => format!("#{variable} 只能输入 0 或 1"),
-                VariableError::NotFinite(_) => format!("#{variable} 的值不是数字"),
+                VariableError::Unknown(_) => format!("{name} 不存在或不能修改"),
+                VariableError::Switch(_) => format!("{name} 只能输入 0 或 1"),
+                VariableError::NotFinite(_) => format!("{name} 的值不是数字"),
             };
             self.refuse(Said::new(zh, error.to_string()));
             return false;
@@ -108,8 +128,8 @@ impl Controller {
         }
         if self.programs.get(number).is_none() {
             return self.refuse(Said::new(
-                format!("程序目录中没有 O{number:04}"),
-                format!("the programs folder has no O{number:04}"),
+                format!("程序目录中没有 {}", program::title(number)),
+                format!("the programs folder has no {}", program::title(number)),
             ));
         }
         self.current = number;
@@ -117,7 +137,13 @@ impl Controller {
         self.place = crate::nc::Place::default();
         self.effects.push(Effect::CurrentProgram(number));
         self.check_page_files();
-        self.say(Said::new(format!("当前程序 O{number:04}"), format!("current program O{number:04}")));
+        let title = self.title(number);
+        self.say(Said::new(format!("当前程序 {title}"), format!("current program {title}")));
+    }
+
+    /// What a program is called.
+    pub(super) fn title(&self, number: u32) -> String {
+        self.programs.get(number).map_or_else(|| program::title(number), |program| program.source.title())
     }
 
     pub(super) fn mdi(&mut self, line: &str) {

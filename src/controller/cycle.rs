@@ -74,10 +74,13 @@ impl Controller {
                 let source = Arc::clone(&program.source);
                 self.open_run(source, Origin::Program);
             }
-            None => self.refuse(Said::new(
-                format!("没有程序 O{number:04}：先在目录中选择程序"),
-                format!("there is no program O{number:04}: choose one in the directory"),
-            )),
+            None => {
+                let title = self.title(number);
+                self.refuse(Said::new(
+                    format!("没有程序 {title}：先在目录中选择程序"),
+                    format!("there is no program {title}: choose one in the directory"),
+                ));
+            }
         }
     }
 

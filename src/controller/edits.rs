@@ -56,6 +56,7 @@ impl Controller {
 
     /// A value typed on the open page for one of its variables (K7.5, K7.7).
     fn type_variable(&mut self, variable: u16, value: Option<f64>) -> Result<Said, Said> {
+        let name = crate::defs::r_parameter::name_on(u32::from(variable), self.kind);
         let shows = match self.page {
             Page::Grinding => self.page_shows(variable),
             Page::Macro => Memory::has(u32::from(variable)),
@@ -63,9 +64,9 @@ impl Controller {
         };
         if !shows {
             return Err(if self.page == Page::Macro {
-                Said::new(format!("#{variable} 是只读变量"), format!("#{variable} is read-only"))
+                Said::new(format!("{name} 是只读变量"), format!("{name} is read-only"))
             } else {
-                Said::new(format!("当前页面没有 #{variable}"), format!("the open page does not show #{variable}"))
+                Said::new(format!("当前页面没有 {name}"), format!("the open page does not show {name}"))
             });
         }
         if self.page == Page::Macro {
@@ -77,7 +78,7 @@ impl Controller {
             return Err(self.message.text.clone());
         }
         let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
-        Ok(Said::new(format!("#{variable} = {shown}"), format!("#{variable} = {shown}")))
+        Ok(Said::new(format!("{name} = {shown}"), format!("{name} = {shown}")))
     }
 
     /// A parameter typed at its page: it has said what came of it.
@@ -89,13 +90,6 @@ impl Controller {
             Tone::Note => Ok(text),
             Tone::Refused => Err(text),
         }
-    }
-
-    fn page_shows(&self, variable: u16) -> bool {
-        self.screens
-            .find(self.current)
-            .and_then(|files| files.text.as_ref().ok())
-            .is_some_and(|page| page.rows().any(|row| row.variable == variable))
     }
 
     /// K7.7: wear and variables at the offset and the macro page.

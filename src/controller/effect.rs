@@ -3,6 +3,7 @@
 
 use super::files::Job;
 use crate::defs::param::ParamAddress;
+use crate::defs::screw::ScrewTable;
 use crate::defs::signal::{Input, Output};
 use crate::link::page_command::PageWish;
 use crate::units::{Axis, PerAxis};
@@ -27,6 +28,8 @@ pub enum Effect {
     Frame(usize, PerAxis<f64>),
     /// Keep the dressing point of an axis: machine coordinate, radius mm.
     DressPoint(Axis, f64),
+    /// Keep the table of an axis' screw.
+    Screw(Axis, ScrewTable),
     /// Keep the number of the current program.
     CurrentProgram(u32),
     /// Keep where the running program is, for a power cut: program and line from 1; none when it is over.

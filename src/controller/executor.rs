@@ -25,6 +25,7 @@ impl Controller {
     pub(super) fn open_run(&mut self, source: Arc<Source>, origin: Origin) {
         let settings = nc::Settings { axes: self.axes.fitted(), ..nc_settings(self.kind, &self.params) };
         // A program begins from the power-on state of the codes; MDI goes on from its last line.
+        self.forget_note(origin == Origin::Mdi);
         let kept = self.mdi_modals.take().filter(|_| origin == Origin::Mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
         self.frames.activate(modals.frame);
@@ -184,7 +185,7 @@ impl Controller {
                     run.next_tag += 1;
                 }
                 Item::End if self.switches.single_block && run.origin == Origin::Program => return,
-                Item::Do(Act::Set(..) | Act::Frames(_) | Act::Wheel(..) | Act::SpeedLimit(_))
+                Item::Do(Act::Set(..) | Act::Note(_) | Act::Frames(_) | Act::Wheel(..) | Act::SpeedLimit(_))
                 | Item::Begin(_)
                 | Item::End => {}
                 Item::Do(
@@ -242,8 +243,8 @@ impl Controller {
     /// A block that may not be done: the alarm comes when everything before it is done, nothing of it is.
     fn forbid(&self, run: &mut Run, forbidden: &Forbidden) {
         let at = run.block.at;
-        let place =
-            Said::new(format!("O{:04} 第{}行", at.program, at.line), format!("O{:04} line {}", at.program, at.line));
+        let (title, line) = (self.title(at.program), at.line);
+        let place = Said::new(format!("{title} 第{line}行"), format!("{title} line {line}"));
         let number = match forbidden {
             Forbidden::SoftLimit(..) => alarm::SOFT_LIMIT,
             Forbidden::NotHomed => alarm::NOT_HOMED,

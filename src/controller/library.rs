@@ -36,6 +36,13 @@ impl Programs {
         Self { rows }
     }
 
+    /// Adds programs; one that has the number of another takes its place.
+    pub fn put(&mut self, programs: Vec<Program>) {
+        self.rows.retain(|row| programs.iter().all(|program| program.number != row.number));
+        self.rows.extend(programs);
+        self.rows.sort_by_key(|row| row.number);
+    }
+
     /// All of them, by number.
     pub fn iter(&self) -> impl Iterator<Item = &Program> {
         self.rows.iter()

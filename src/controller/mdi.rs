@@ -97,7 +97,7 @@ impl Controller {
     /// Codes as the pages show them.
     pub(super) fn view_of(&self, modals: &Modals) -> ModalView {
         ModalView {
-            g: modals.g_codes(self.row.system),
+            g: modals.g_codes(self.kind.system()),
             feed: modals.feed,
             speed: modals.speed,
             tool: (modals.tool, modals.offset),

@@ -31,6 +31,7 @@ mod planned;
 mod restart;
 mod retract;
 mod run;
+mod screw;
 mod settle;
 mod status;
 mod switches;
@@ -52,6 +53,7 @@ use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::{self, ParamAddress, Params};
+use crate::defs::screw::ScrewTable;
 use crate::defs::signal::{Input, InputSet, Output, OutputSet};
 use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
@@ -121,6 +123,8 @@ pub struct Retained {
     pub frames: Frames,
     /// Dressing points that have been set, machine coordinates, radius mm (K4.2).
     pub dress_points: PerAxis<Option<f64>>,
+    /// Tables of the axes' screws (B7).
+    pub screws: PerAxis<ScrewTable>,
     /// Number of the current program, 0 none.
     pub current_program: u32,
     /// Workpieces counted.
@@ -133,11 +137,16 @@ impl Retained {
     /// A new machine of a kind.
     #[must_use]
     pub fn factory(kind: Kind) -> Self {
+        let mut variables = Memory::default();
+        for (number, value) in crate::machine::kind::find(kind).variables {
+            let _ = variables.set(u32::from(*number), Some(*value)); // the rows name common variables only
+        }
         Self {
             params: Params::factory(kind),
-            variables: Memory::default(),
+            variables,
             frames: Frames::default(),
             dress_points: PerAxis::default(),
+            screws: PerAxis::default(),
             current_program: 0,
             parts: 0,
             interrupted: None,
@@ -239,7 +248,7 @@ impl Controller {
             raw: InputSet::NONE,
             last_inputs: InputSet::NONE,
             machine: Machine::new(row, now),
-            axes: Axes::new(&params, row, &image),
+            axes: Axes::new(&params, row, &image, retained.screws),
             hand: Hand::default(),
             oscillation: None,
             phase: Phase::Idle,

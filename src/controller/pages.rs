@@ -30,6 +30,10 @@ const FORM: Text = Text::new("新密码为 4 到 16 位数字", "a new password 
 /// What the core keeps for the pages.
 #[derive(Clone, Debug)]
 pub struct Pages {
+    /// Which sheet of the grinding page is shown.
+    pub sheet: usize,
+    /// What the program tells until it tells something else (MSG).
+    pub note: Option<Said>,
     /// The parameters as shown: replaced when one is changed.
     params: Arc<Params>,
     access: Access,
@@ -42,6 +46,8 @@ impl Pages {
     /// At power-on every level is closed.
     pub fn new(kind: Kind, params: &Params) -> Self {
         Self {
+            sheet: 0,
+            note: None,
             params: Arc::new(params.clone()),
             access: Access::default(),
             next_kind: kind,

@@ -102,10 +102,8 @@ impl Planned {
             }
             Op::Skip { to, feed, signal, words, incremental } => {
                 self.line(*to, speed(*feed), (*words, *incremental), items, params)?;
-                match items.pop_back() {
-                    Some(Item::Move(planned)) => Act::Skip(Box::new(planned), *signal),
-                    _ => return Ok(()),
-                }
+                let Some(Item::Move(planned)) = items.pop_back() else { return Ok(()) };
+                Act::Skip(Box::new(planned), *signal)
             }
             Op::AddWear { .. }
             | Op::DressReturn { .. }
@@ -136,6 +134,7 @@ impl Planned {
             Op::Set { variable, value } => Act::Set(*variable, *value),
             Op::SetSystem { number, value } => Act::SetSystem(*number, *value),
             Op::Alarm { number, text } => Act::Alarm(*number as u16, Said::new(&**text, &**text), at),
+            Op::Note { text } => Act::Note(Said::new(&**text, &**text)),
             Op::Message { text, .. } => Act::Message(Said::new(&**text, &**text)),
         };
         items.push_back(Item::Do(act));

@@ -164,6 +164,8 @@ pub enum Act {
     Skip(Box<PlannedMove>, u8),
     /// Alarm of the program's own.
     Alarm(u16, Said, Place),
+    /// Text that is shown until another one; empty ends it.
+    Note(Said),
     /// Message of the program's own; waits for cycle start.
     Message(Said),
     /// The program is over without M30.

@@ -1,10 +1,12 @@
 //! The end of a tick: what has come to rest, drives and outputs.
 //! Source: spec B5, K5.15, table "what stops what".
 
+use super::acts::Did;
 use super::run::Origin;
 use super::{Controller, Event, FULL_SCALE_VOLTS, Phase};
 use crate::defs::param;
 use crate::defs::signal::{Output, OutputSet, Terminals};
+use crate::defs::text::Said;
 
 impl Controller {
     /// The one place where the phase changes.
@@ -49,6 +51,20 @@ impl Controller {
         }
     }
 
+    /// MSG: shown until another one; an empty one ends it.
+    pub(super) fn tell_note(&mut self, text: &Said) -> Did {
+        self.pages.note = (!text.zh.is_empty()).then(|| text.clone());
+        if self.pages.note.is_some() {
+            self.say(text.clone());
+        }
+        Did::Done
+    }
+
+    /// A program begins without the message of the last one; an MDI line leaves it.
+    pub(super) fn forget_note(&mut self, mdi: bool) {
+        self.pages.note = self.pages.note.take().filter(|_| mdi);
+    }
+
     /// Leaves the run: what was read ahead and not executed is forgotten.
     pub(super) fn close_run(&mut self) {
         if let Some(run) = self.run.take().filter(|run| run.origin != Origin::Retract) {
@@ -87,7 +103,7 @@ impl Controller {
         self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));
         // Braking needs the drives; nothing else moves without them.
         self.outputs.drives_on = self.drives_on || matches!(self.phase, Phase::Aborting);
-        self.outputs.set_point_mm = self.axes.set_points(&self.params);
+        self.outputs.set_point_mm = self.axes.set_points();
     }
 
     /// The outputs that can switch nothing with these parameters.

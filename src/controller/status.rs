@@ -34,6 +34,8 @@ impl Controller {
         out.mode = self.mode;
         out.state = self.state();
         out.page = self.page;
+        out.own_page = self.own_page();
+        out.grinding_pages = self.grinding_pages();
         out.diameter = self.is_diameter();
         out.axes = self.axis_views();
         self.program_view(out);
@@ -69,8 +71,9 @@ impl Controller {
         if out.message != self.message {
             out.message.clone_from(&self.message);
         }
-        if out.waiting_for != self.waiting_for {
-            out.waiting_for.clone_from(&self.waiting_for);
+        let told = self.waiting_for.as_ref().or(self.pages.note.as_ref());
+        if out.waiting_for.as_ref() != told {
+            out.waiting_for = told.cloned();
         }
         self.page_view(out);
         if !Arc::ptr_eq(&out.stock, &self.stock) {
@@ -179,6 +182,12 @@ impl Controller {
     #[must_use]
     pub const fn output_set(&self) -> OutputSet {
         self.output_set
+    }
+
+    /// The value of a common variable as executed.
+    #[must_use]
+    pub fn variable(&self, number: u32) -> Option<f64> {
+        self.memory.get(number).ok().flatten()
     }
 
     /// The block under way: program, line, N.

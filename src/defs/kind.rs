@@ -51,6 +51,38 @@ impl Kind {
         }
     }
 
+    /// The folder of its programs, below that of all programs; empty where it is that folder itself.
+    #[must_use]
+    pub const fn folder(self) -> &'static str {
+        match self {
+            Self::Gc | Self::Gs | Self::Ga | Self::Lathe => "",
+            Self::Vertical => "802d",
+        }
+    }
+
+    /// The language of its programs.
+    #[must_use]
+    pub const fn system(self) -> System {
+        match self {
+            Self::Gc => System::LatheA,
+            Self::Gs | Self::Ga => System::Mill,
+            Self::Vertical => System::Sinumerik,
+            Self::Lathe => System::SuperMan,
+        }
+    }
+
+    /// The name on a key.
+    #[must_use]
+    pub const fn short(self) -> &'static str {
+        match self {
+            Self::Gc => "GC",
+            Self::Gs => "GS",
+            Self::Ga => "GA",
+            Self::Vertical => "802D",
+            Self::Lathe => "LATHE",
+        }
+    }
+
     /// The kind of a word.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {

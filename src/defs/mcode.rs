@@ -235,6 +235,18 @@ mcodes! {
     99, "L7", false, Action::Flow, "子程序返回", "return from a subprogram";
 }
 
+/// What the SINUMERIK has beside the family's codes.
+const MORE_802D: &[MCode] = &[
+    // The grinding head turns one way; M4 starts it as M3 does.
+    MCode {
+        code: 4,
+        action: Action::Ask(Request::WheelStart),
+        waits: true,
+        name: Text::new("砂轮启动", "wheel start"),
+        row: "S1",
+    },
+];
+
 /// The M codes of a language.
 #[must_use]
 pub const fn table(system: System) -> &'static [MCode] {
@@ -247,7 +259,8 @@ pub const fn table(system: System) -> &'static [MCode] {
 /// The row of a code in a language.
 #[must_use]
 pub fn find_in(system: System, code: u16) -> Option<&'static MCode> {
-    table(system).iter().find(|row| row.code == code)
+    let more = if matches!(system, System::Sinumerik) { MORE_802D } else { &[] };
+    table(system).iter().chain(more).find(|row| row.code == code)
 }
 
 /// Codes of the control that this version reads but does not drive: a run stops before their block.

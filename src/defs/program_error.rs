@@ -185,6 +185,30 @@ program_errors! {
     /// A number where none belongs.
     TakesNoNumber = 49, "takes-no-number", "{} 的 {2} 后不带数值", "{} takes {2} without a number",
         "只写轴名，例如 G27 X", "write the letter alone, as in G27 X";
+    /// No such R parameter.
+    BadR = 90, "bad-r", "没有参数 {}", "there is no parameter {}",
+        "可用 R0–R299", "use R0 to R299";
+    /// A label that is nowhere.
+    MissingLabel = 91, "missing-label", "找不到标号 {}", "there is no label {}",
+        "请检查标号的写法（AA1:）", "check how the label is written (AA1:)";
+    /// A label that lies on the other side of the jump.
+    LabelElsewhere = 92, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} does not lie that way",
+        "GOTOF 只向后找，GOTOB 只向前找；请改用 {2}", "GOTOF looks onwards only, GOTOB back only: use {2}";
+    /// A quote without its partner.
+    UnbalancedQuote = 93, "unbalanced-quote", "引号不匹配", "the quotes do not match",
+        "MSG(\"文字\")：同一行内成对使用同一种引号", "MSG(\"text\"): a pair of the same quotes on one line";
+    /// An address that takes digits only.
+    DigitsOnly = 94, "digits-only", "{} 后只能写数字", "{} takes digits only",
+        "N、G、L 不能用 = 赋值", "N, G and L take no = expression";
+    /// A system variable that the control does not have.
+    UnknownSystemVariable = 95, "unknown-system-variable", "没有系统变量 {}", "there is no system variable {}",
+        "可用 $AA_IW[轴] 和 $AA_IM[轴]", "use $AA_IW[axis] or $AA_IM[axis]";
+    /// Round brackets do not match.
+    UnbalancedRound = 96, "unbalanced-round", "圆括号不匹配", "round brackets do not match",
+        "每个 ( 都要有对应的 )", "give every ( its )";
+    /// A condition that is not written as it must be.
+    BadCondition = 97, "bad-condition", "条件写法错误：{}", "condition not understood: {}",
+        "请按 IF a<b GOTOF 标号 书写，比较用 == <> > < >= <=", "write IF a<b GOTOF label; comparisons are == <> > < >= <=";
     /// A contour cycle whose contour has no way.
     ContourEmpty = 85, "contour-empty", "循环的轮廓段没有移动", "the cycle's contour has no moves",
         "P 到 Q 之间至少要有两段移动", "write at least two moves between P and Q";

@@ -1,6 +1,7 @@
 //! The page text of a grinding program (C00nn.TXT): its form and its reader.
 //! Source: spec K7.2–K7.4. Pure text to rows; the folder is the store's business.
 
+use super::r_parameter;
 use super::text::Said;
 
 /// Rows of one column.
@@ -164,6 +165,9 @@ fn row(entry: &Entry<'_>) -> Result<Option<Row>, TextFault> {
     if entry.text.is_empty() {
         return Ok(None);
     }
+    if let Some((label, variable)) = r_row(entry.text) {
+        return named(entry, label, variable);
+    }
     let Some((label, number)) = entry.text.rsplit_once('#') else {
         return Err(fault(
             entry.line,
@@ -193,10 +197,20 @@ fn row(entry: &Entry<'_>) -> Result<Option<Row>, TextFault> {
             &format!("#{variable} cannot stand on a page: use #100-#433 or #500-#999"),
         ));
     }
+    named(entry, label, variable)
+}
+
+fn named(entry: &Entry<'_>, label: &str, variable: u16) -> Result<Option<Row>, TextFault> {
     if label.trim().is_empty() {
         return Err(fault(entry.line, entry.column, "缺少名称", "the label is missing"));
     }
     Ok(Some(Row { label: label.trim().to_owned(), variable }))
+}
+
+/// `名称 R18`: an R parameter stands behind the last blank (S3).
+fn r_row(text: &str) -> Option<(&str, u16)> {
+    let (label, word) = text.rsplit_once([' ', '\t']).unwrap_or(("", text));
+    Some((label, r_parameter::parse(word).filter(|_| word.starts_with(['R', 'r']))?))
 }
 
 fn fault(line: u32, column: u32, zh: &str, en: &str) -> TextFault {

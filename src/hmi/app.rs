@@ -34,7 +34,7 @@ pub struct Hmi {
     theme: Theme,
     clock: Option<String>,
     page: Option<Page>,
-    program: u32,
+    program: (u32, Option<u32>),
     soft_row: usize,
     pages: Pages,
     /// Time of day at power-on in seconds, as the header's clock tells it.
@@ -58,7 +58,7 @@ impl Hmi {
             theme: theme::DARK,
             clock: None,
             page: None,
-            program: 0,
+            program: (0, None),
             soft_row: 0,
             pages: Pages::default(),
             power_on_s: 0,
@@ -154,11 +154,12 @@ impl Hmi {
             let view = View { snapshot, lang: self.lang, theme: &theme, clock: "", power_on_s: 0, blink: false };
             self.pages.open(&view);
         }
-        if self.program != snapshot.program.number {
-            self.program = snapshot.program.number;
+        let shown = (snapshot.program.number, snapshot.grinding_page());
+        if self.program != shown {
+            self.program = shown;
             self.pages.restart_entry();
         }
-        let files = snapshot.screens.find(snapshot.program.number);
+        let files = snapshot.page_files();
         let wanted = match snapshot.page {
             Page::Dressing => snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().ok()),
             _ => files.and_then(|files| files.picture.as_ref().ok()),

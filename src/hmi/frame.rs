@@ -74,7 +74,7 @@ pub fn program_word(view: &View<'_>) -> String {
     if program.number == 0 {
         return view.say("没有程序", "no program").to_owned();
     }
-    format!("O{:04} N{:04}", program.number, program.block.unwrap_or(0))
+    format!("{} N{:04}", view.snapshot.title(program.number), program.block.unwrap_or(0))
 }
 
 /// One accent at a time: only a state that matters now is coloured.

@@ -10,6 +10,7 @@ use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::screen::PageText;
+use crate::defs::screw::ScrewTable;
 use crate::defs::text::Said;
 use crate::units::{Axis, PerAxis};
 
@@ -27,6 +28,8 @@ pub enum Command {
     Handwheel(i32),
     /// Another page was opened.
     OpenPage(Page),
+    /// The grinding page turns to one of its sheets, from 0, where it has several.
+    TurnSheet(usize),
     /// Make a program of the folder the current one.
     LoadProgram(u32),
     /// Read the current program up to a line (from 1), to run it from there at cycle start (B5).
@@ -69,6 +72,8 @@ pub enum Command {
     SetGeometry(usize, PerAxis<f64>),
     /// What is to be ground and what holds it, for the drawing.
     SetStock(Arc<[StockBox]>),
+    /// Another table for the screw of an axis (B7).
+    SetScrew(Axis, ScrewTable),
     /// Makes the relative position of an axis zero.
     ClearRelative(Axis),
     /// The disk has read the folder of page texts and pictures.
@@ -88,7 +93,8 @@ pub enum Command {
 /// The grinding pages as the disk found them.
 #[derive(Clone, Debug, Default)]
 pub struct Screens {
-    /// One for each program O1001–O1020 of which a file was found, by program number.
+    /// One for each program O1001–O1020 of which a file was found, by program number; a kind's own pages by 1000 and
+    /// the number of their files.
     pub pages: Vec<(u32, ScreenFiles)>,
     /// The picture of the dressing page, or what is wrong with it; none before the folder was read.
     pub dressing: Option<Result<Arc<Picture>, FileFault>>,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use ropey::Rope;
 
-use super::command::Screens;
+use super::command::{ScreenFiles, Screens};
 use super::drawing::StockBox;
 use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
 use super::files::FilesView;
@@ -15,9 +15,13 @@ use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::{Level, Params};
+use crate::defs::program;
 use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, Micros, PerAxis};
+
+/// Programs with a grinding page of their own (K7.2).
+pub const PAGED_PROGRAMS: std::ops::RangeInclusive<u32> = 1_001..=1_020;
 
 /// A thread that was cut (L5).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -292,6 +296,10 @@ pub struct Snapshot {
     pub mdi_ready: Arc<str>,
     /// Machine coordinates of the dressing point of each axis, where it is set (K4.2).
     pub dressing_point: PerAxis<Option<f64>>,
+    /// The page files of a kind whose grinding page is its own; none where each program has a page.
+    pub own_page: Option<u32>,
+    /// Which of how many grinding pages that is, from 0.
+    pub grinding_pages: (usize, usize),
     /// Grinding pages found on disk.
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
@@ -346,8 +354,10 @@ impl RestartView {
 /// One program of the folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DirectoryRow {
-    /// O number.
+    /// Its number inside the control.
     pub number: u32,
+    /// What it is called: `O1001`, or its name.
+    pub name: String,
     /// Bytes.
     pub size: u64,
     /// Comment of its first line, or the title of its page text.
@@ -406,6 +416,8 @@ impl Snapshot {
             modals: ModalView::default(),
             mdi_ready: Arc::from(""),
             dressing_point: PerAxis::default(),
+            own_page: None,
+            grinding_pages: (0, 1),
             screens: Arc::default(),
             directory: Arc::default(),
         }
@@ -418,6 +430,25 @@ impl Snapshot {
         for key in &mut self.keys {
             (key.lamp, key.working) = (false, false);
         }
+    }
+
+    /// Which page files the grinding page shows; none where the current program has no page (K7.2).
+    #[must_use]
+    pub fn grinding_page(&self) -> Option<u32> {
+        self.own_page.or_else(|| PAGED_PROGRAMS.contains(&self.program.number).then_some(self.program.number))
+    }
+
+    /// The files of the grinding page.
+    #[must_use]
+    pub fn page_files(&self) -> Option<&ScreenFiles> {
+        self.screens.find(self.grinding_page()?)
+    }
+
+    /// What a program is called.
+    #[must_use]
+    pub fn title(&self, program: u32) -> String {
+        let row = self.directory.iter().find(|row| row.number == program);
+        row.map_or_else(|| program::title(program), |row| row.name.clone())
     }
 
     /// The state of a key.

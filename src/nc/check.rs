@@ -156,7 +156,8 @@ impl Run<'_> {
             standstill = if main && self.visited.mark(line) { 0 } else { standstill + 1 };
             if standstill > STANDSTILL_LIMIT {
                 let place = interpreter.place();
-                self.warn(Fault::new(place, 1, Wrong { at: 0, error: E::Endless, details: Default::default() }));
+                let title = interpreter.at_line().0.title();
+                self.warn(Fault::new(title, place, 1, Wrong { at: 0, error: E::Endless, details: Default::default() }));
                 left += 1;
                 if left > LEFT_LOOPS || !interpreter.leave_loop() {
                     return true;
@@ -210,7 +211,7 @@ impl Run<'_> {
             let mut head = Head { mid_line: false, block_skip: false };
             loop {
                 let at = cursor.at;
-                let read = statement::read(&mut cursor, &mut Blank, &mut words, head);
+                let read = dialect::read(self.settings.system, &mut cursor, &mut Blank, &mut words, head);
                 let cut = cursor.is_cut(text);
                 let read = read.and_then(|content| match content {
                     _ if cut => super::fault::wrong(at, E::BlockTooLong),
@@ -222,6 +223,7 @@ impl Run<'_> {
                     Content::Goto { n, at } if n > 0 && source.find_block(n, line).is_none() => {
                         super::fault::wrong1(at, E::MissingTarget, format!("N{n}"))
                     }
+                    Content::Jump { label, forward, .. } => source.find_label(label, line, forward).map(drop),
                     _ => Ok(()),
                 });
                 if let Err(stop) = read {

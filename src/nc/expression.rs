@@ -5,6 +5,7 @@ use super::fault::{Outcome, wrong, wrong1, wrong2};
 use super::functions::FUNCTIONS;
 use super::lexer::Cursor;
 use crate::defs::program_error::ProgramError as E;
+use crate::units::Axis;
 
 /// How deep brackets, signs and indices may nest.
 const DEPTH: usize = 32;
@@ -14,12 +15,23 @@ const WHOLE_LIMIT: f64 = 9_007_199_254_740_992.0;
 /// A value; `None` is null.
 pub(crate) type Value = Option<f64>;
 
+/// Which coordinates of an axis are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Frame {
+    /// Of the machine.
+    Machine,
+    /// Of the workpiece.
+    Work,
+}
+
 /// Where variables are looked up.
 pub(crate) trait Scope {
     /// Whether values are real: without them only the writing is checked.
     const STRICT: bool;
     /// The value of a variable that is named at a byte of the text.
     fn read(&mut self, number: u32, at: usize) -> Outcome<Value>;
+    /// Where an axis is now, as displayed: the machine has come to rest there.
+    fn axis_position(&mut self, axis: Axis, frame: Frame, at: usize) -> Outcome<Value>;
     /// Null was taken as 0.
     fn null_used(&mut self, at: usize);
 }

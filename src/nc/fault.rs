@@ -28,11 +28,19 @@ pub struct Fault {
     /// Which row of the table.
     pub error: ProgramError,
     details: [String; 2],
+    /// What the control calls the program.
+    program: Box<str>,
 }
 
 impl Fault {
-    pub(crate) fn new(place: Place, column: u32, wrong: Wrong) -> Self {
-        Self { place, column, error: wrong.error, details: wrong.details }
+    pub(crate) fn new(program: impl Into<Box<str>>, place: Place, column: u32, wrong: Wrong) -> Self {
+        Self { place, column, error: wrong.error, details: wrong.details, program: program.into() }
+    }
+
+    /// What the control calls the program.
+    #[must_use]
+    pub fn program(&self) -> &str {
+        &self.program
     }
 
     pub(crate) fn detail(&self) -> &str {
@@ -67,11 +75,11 @@ impl Fault {
     /// Program, line, column, cause and remedy in one line.
     #[must_use]
     pub fn text(&self, lang: Lang) -> String {
-        let (program, line, column) = (self.place.program, self.place.line, self.column);
+        let (program, line, column) = (&self.program, self.place.line, self.column);
         let (cause, remedy) = (self.cause(lang), self.remedy(lang));
         match lang {
-            Lang::Zh => format!("O{program:04} 第{line}行 第{column}列：{cause} – {remedy}"),
-            Lang::En => format!("O{program:04} line {line}, column {column}: {cause} – {remedy}"),
+            Lang::Zh => format!("{program} 第{line}行 第{column}列：{cause} – {remedy}"),
+            Lang::En => format!("{program} line {line}, column {column}: {cause} – {remedy}"),
         }
     }
 }
@@ -140,7 +148,7 @@ pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fau
         }
     }
     let (place, column) = source.place(wrong.at, n);
-    Fault::new(place, column, wrong)
+    Fault::new(source.title(), place, column, wrong)
 }
 
 #[cfg(test)]
@@ -150,7 +158,7 @@ mod tests {
     #[test]
     fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
         let wrong = Wrong { at: 0, error: ProgramError::UnknownWord, details: ["Q9".into(), String::new()] };
-        let fault = Fault::new(Place { program: 1001, line: 7, n: None }, 12, wrong);
+        let fault = Fault::new("O1001", Place { program: 1001, line: 7, n: None }, 12, wrong);
         assert!(fault.text(Lang::En).starts_with("O1001 line 7, column 12: unknown word 'Q9' – "));
         assert!(fault.text(Lang::Zh).starts_with("O1001 第7行 第12列：无法识别的字 'Q9' – "));
         assert_eq!(fault.alarm(), 1);

@@ -1,5 +1,6 @@
 //! Where the program is: jumps, loops, calls and returns. Source: spec B3.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::expression::Value;
@@ -160,6 +161,11 @@ impl Flow {
         self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
         self.go_to_line(line);
         Ok(())
+    }
+
+    /// The line of a label, by its bytes in the text, in one direction from the present line.
+    pub fn label_line(&self, label: Range<usize>, forward: bool) -> Outcome<u32> {
+        self.source.find_label(label, self.line, forward)
     }
 
     /// WHILE in the present line: into the loop, or behind its END.
@@ -341,7 +347,7 @@ impl Flow {
         if let Some(n) = target
             && level.source.find_block(n, level.line).is_none()
         {
-            return wrong1(at, E::MissingTarget, format!("O{:04} N{n}", level.source.number()));
+            return wrong1(at, E::MissingTarget, format!("{} N{n}", level.source.title()));
         }
         if level.left > 0 && target.is_none() {
             level.left -= 1;

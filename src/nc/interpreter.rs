@@ -17,6 +17,7 @@ use super::source::{Library, Source, at_head};
 use super::statement::{self, Content, Head};
 use super::words::Words;
 use super::world::World;
+use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::variable::{self as system_variable, Access};
 
@@ -35,17 +36,26 @@ pub struct Block {
     /// Whether the block is done with this: single block stops here. A block that both changes the frame or tool and
     /// moves comes in two parts.
     pub complete: bool,
+    /// The variables that its words were calculated with; a check fills it.
+    pub used: Vec<u32>,
 }
 
 impl Block {
     /// An empty block, to be filled again and again.
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
-        Self { at: Place::default(), ops: Vec::with_capacity(8), modals: Modals::new(settings), complete: true }
+        Self {
+            at: Place::default(),
+            ops: Vec::with_capacity(8),
+            modals: Modals::new(settings),
+            complete: true,
+            used: Vec::new(),
+        }
     }
 
     pub(super) fn clear(&mut self) {
         self.ops.clear();
+        self.used.clear();
         self.complete = true;
     }
 }
@@ -229,27 +239,26 @@ impl Interpreter {
             return self.text_over(at);
         }
         // A refused block must leave what is in force as it was.
-        let before = self.modals;
-        let head = Head { mid_line: self.flow.mid_line, block_skip: world.block_skip() };
+        let (before, head) = (self.modals, Head { mid_line: self.flow.mid_line, block_skip: world.block_skip() });
         let mut scope = LiveScope {
             locals: self.flow.locals(),
             memory: &self.memory,
             modals: &before,
-            mill: self.settings.is_mill(),
+            settings: &self.settings,
             program: source.number(),
             n: self.last_n,
+            used: self.nulls.is_some().then_some(&mut block.used),
             nulls: &mut self.nulls,
             last_null: 0,
             notes: &mut self.notes,
             source: &source,
             world,
         };
-        let read = statement::read(&mut cursor, &mut scope, &mut self.words, head);
+        let read = dialect::read(self.settings.system, &mut cursor, &mut scope, &mut self.words, head);
         if cursor.is_cut(text) {
             return wrong(at, E::BlockTooLong);
         }
-        let content = read?;
-        let step = match content {
+        let step = match read? {
             Content::Words => {
                 let mut running = Running {
                     words: &self.words,
@@ -259,6 +268,7 @@ impl Interpreter {
                     scope: &mut scope,
                     text,
                     at,
+                    main: self.flow.is_main(),
                     second_half: self.second_half,
                 };
                 if self.words.has(b'O') && !at_head(text, at) {
@@ -325,6 +335,15 @@ impl Interpreter {
                 self.pass(cursor);
             }
             Content::Goto { n, at } => self.flow.go_to_block(n, at)?,
+            Content::Jump { label, forward, holds } => {
+                let line = self.flow.label_line(label, forward)?;
+                if holds { self.flow.go_to_line(line) } else { self.pass(cursor) }
+            }
+            Content::Note { text: said } => {
+                let text = self.flow.source.decode(text.get(said).unwrap_or_default()).into_boxed_str();
+                block.ops.push(Op::Note { text });
+                self.pass(cursor);
+            }
             Content::While { holds, number, at } => {
                 self.flow.begin_loop(holds, number, at)?;
                 if holds {
@@ -346,6 +365,9 @@ impl Interpreter {
     /// Acts on what a block of words asked for besides its operations.
     #[inline]
     fn prepare(&mut self, step: Step, cursor: &Cursor<'_>, block: &mut Block) -> Outcome<Stepped> {
+        if !matches!(step, Step::Again) {
+            self.set_variables(block)?;
+        }
         let moves = self.flow.modal.is_some() && block.ops.iter().any(Op::is_motion);
         match step {
             Step::Goto { at, .. } | Step::Call(Call { at, .. }) | Step::Return { at, .. } if moves => {
@@ -449,10 +471,22 @@ impl Interpreter {
         Ok(())
     }
 
+    /// The variables that a block of words sets; they have their values before anything else of the block is done.
+    #[inline]
+    fn set_variables(&mut self, block: &mut Block) -> Outcome<()> {
+        for index in 0..self.words.sets().len() {
+            let Some(set) = self.words.sets().get(index).copied() else { break };
+            self.assign(set.variable, Some(set.value), set.at as usize, None, block)?;
+            // `assign` adds the operation at the end.
+            block.ops[index..].rotate_right(1);
+        }
+        Ok(())
+    }
+
     fn find(&self, program: u32, at: usize) -> Outcome<Arc<Source>> {
         match self.library.find(program) {
             Some(source) => Ok(source),
-            None => wrong1(at, E::MissingProgram, format!("O{program:04}")),
+            None => wrong1(at, E::MissingProgram, program::title(program)),
         }
     }
 

@@ -221,6 +221,8 @@ pub enum Op {
     SetSystem { number: u32, value: Option<f64> },
     /// `#3000=n(text)`: alarm 3000–3999 and stop.
     Alarm { number: u32, text: Box<str> },
+    /// MSG: shown until another one; empty ends it.
+    Note { text: Box<str> },
     /// `#3006=n(text)`: stop with a message, go on at cycle start.
     Message { number: u32, text: Box<str> },
 }
@@ -238,7 +240,7 @@ impl Op {
             Self::Preset { .. } | Self::HomeSwitch { .. } => true,
             Self::Thread(_) | Self::Post { .. } => false,
             Self::Frame { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
-            Self::S { .. } | Self::T { .. } | Self::Set { .. } => false,
+            Self::S { .. } | Self::T { .. } | Self::Set { .. } | Self::Note { .. } => false,
             Self::AddWear { .. } | Self::DressReturn { .. } => false,
         }
     }
@@ -326,18 +328,13 @@ impl Op {
                     }
                 }
             }
-            Self::S { value, mode } => {
-                put("value", json!(value));
-                put("unit", json!(mode.unit()));
-            }
-            Self::T { tool, offset } => {
-                put("tool", json!(tool));
-                put("offset", json!(offset));
-            }
+            Self::S { value, mode } => put_both(put, ("value", json!(value)), ("unit", json!(mode.unit()))),
+            Self::T { tool, offset } => put_both(put, ("tool", json!(tool)), ("offset", json!(offset))),
             Self::Set { variable: number, value } | Self::SetSystem { number, value } => {
                 put("variable", json!(number));
                 put("value", json!(value));
             }
+            Self::Note { text } => put("text", json!(text)),
             Self::Alarm { number, text } | Self::Message { number, text } => {
                 put("number", json!(number));
                 put("text", json!(text));
@@ -435,6 +432,7 @@ impl Op {
             Self::SetSystem { .. } => "set-system",
             Self::Alarm { .. } => "alarm",
             Self::Message { .. } => "message",
+            Self::Note { .. } => "note",
         }
     }
 }
@@ -463,6 +461,11 @@ fn some_points_named(put: &mut dyn FnMut(&str, Value), prefix: &str, to: PerAxis
             put(&format!("{prefix}{}", axis.letter().to_ascii_lowercase()), json!(value));
         }
     }
+}
+
+fn put_both(put: &mut dyn FnMut(&str, Value), first: (&str, Value), second: (&str, Value)) {
+    put(first.0, first.1);
+    put(second.0, second.1);
 }
 
 fn feed_words(put: &mut dyn FnMut(&str, Value), feed: Feed) {

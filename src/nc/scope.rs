@@ -2,15 +2,20 @@
 
 use std::sync::Arc;
 
-use super::expression::{Scope, Value};
+use super::expression::{Frame, Scope, Value};
 use super::fault::{Outcome, Stop, Wrong, wrong1};
 use super::flow::Locals;
 use super::memory::Memory;
 use super::modal::Modals;
+use super::settings::Settings;
 use super::source::Source;
 use super::world::{Live, World};
 use crate::defs::program_error::ProgramError as E;
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
+
+/// System variables of the axes' positions, first of the axes that the machine has.
+const MACHINE_POSITION: u32 = 5_021;
+const WORK_POSITION: u32 = 5_041;
 
 /// Where null was taken as 0, and the variable that was null.
 pub(crate) type NullUse = (Arc<Source>, usize, u32);
@@ -20,9 +25,11 @@ pub(crate) struct LiveScope<'w> {
     pub locals: &'w Locals,
     pub memory: &'w Memory,
     pub modals: &'w Modals,
-    pub mill: bool,
+    pub settings: &'w Settings,
     pub program: u32,
     pub n: Option<u32>,
+    /// Collects the variables that are read, if somebody wants to know.
+    pub used: Option<&'w mut Vec<u32>>,
     pub nulls: &'w mut Option<Vec<NullUse>>,
     pub last_null: u32,
     pub notes: &'w mut Option<Vec<Wrong>>,
@@ -50,10 +57,26 @@ impl Scope for LiveScope<'_> {
 
     fn read(&mut self, number: u32, at: usize) -> Outcome<Value> {
         let value = self.look_up(number, at)?;
+        if let Some(used) = &mut self.used {
+            used.push(number);
+        }
         if value.is_none() {
             self.last_null = number;
         }
         Ok(value)
+    }
+
+    fn axis_position(&mut self, axis: Axis, frame: Frame, at: usize) -> Outcome<Value> {
+        let present = |axis: &Axis| self.settings.axes[*axis];
+        if !present(&axis) {
+            return wrong1(at, E::NoAxis, axis.letter());
+        }
+        let index = Axis::ALL.into_iter().filter(present).take_while(|other| *other != axis).count() as u32;
+        let first = match frame {
+            Frame::Machine => MACHINE_POSITION,
+            Frame::Work => WORK_POSITION,
+        };
+        self.look_up(first + index, at)
     }
 
     fn null_used(&mut self, at: usize) {
@@ -72,7 +95,7 @@ impl LiveScope<'_> {
             4115 => Ok(Some(f64::from(self.program))),
             4000..=4200 => self
                 .modals
-                .variable(number, self.mill)
+                .variable(number, self.settings.is_mill())
                 .map_or_else(|| wrong1(at, E::BadVariable, format!("#{number}")), Ok),
             434..=439 | 1000.. => match self.world.system(number) {
                 Live::Value(value) => Ok(value),

@@ -1,10 +1,13 @@
 //! A program's text with its lines, block numbers and loops found once, when it is loaded. Source: spec B1.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use encoding_rs::GB18030;
 
-use super::fault::Place;
+use super::fault::{Outcome, Place, wrong1, wrong2};
+use crate::defs::program;
+use crate::defs::program_error::ProgramError as E;
 
 /// How deep WHILE can nest in one program; the numbers after DO are 1 to this.
 pub(crate) const LOOP_DEPTH: usize = 3;
@@ -38,6 +41,8 @@ pub struct Source {
     lines: Vec<u32>,
     /// (N, line from 0), sorted.
     labels: Vec<(u32, u32)>,
+    /// (label in upper case, line from 0), sorted.
+    names: Vec<(Box<[u8]>, u32)>,
     loops: Vec<Loop>,
     /// Counted loops (G22 … G80), by their first line.
     counted: Vec<CountedLoop>,
@@ -76,6 +81,7 @@ impl Source {
             utf8,
             lines,
             labels: Vec::new(),
+            names: Vec::new(),
             loops: Vec::new(),
             counted: Vec::new(),
         };
@@ -88,6 +94,12 @@ impl Source {
     #[inline]
     pub const fn number(&self) -> u32 {
         self.number
+    }
+
+    /// What the control calls the program: its number, or the name of its file.
+    #[must_use]
+    pub fn title(&self) -> String {
+        if program::is_named(self.number) { program::stem(&self.name).to_owned() } else { program::title(self.number) }
     }
 
     /// The file name.
@@ -149,6 +161,26 @@ impl Source {
             .map(|label| label.1)
     }
 
+    /// The line of the nearest label of a name – its bytes in the text – behind `line`, or from there back to the head.
+    pub(crate) fn find_label(&self, name: Range<usize>, line: u32, forward: bool) -> Outcome<u32> {
+        let at = name.start;
+        let wanted = self.bytes.get(name).unwrap_or_default().to_ascii_uppercase();
+        let from = self.names.partition_point(|(label, at)| (&**label, *at) < (&*wanted, 0));
+        let own = self.names[from..].iter().take_while(|(label, _)| **label == *wanted).map(|(_, at)| *at);
+        let found = match forward {
+            true => own.clone().find(|at| *at > line),
+            false => own.clone().filter(|at| *at <= line).last(),
+        };
+        match found {
+            Some(line) => Ok(line),
+            None if own.count() > 0 => {
+                let right = if forward { "GOTOB" } else { "GOTOF" };
+                wrong2(at, E::LabelElsewhere, String::from_utf8_lossy(&wanted), right)
+            }
+            None => wrong1(at, E::MissingLabel, String::from_utf8_lossy(&wanted)),
+        }
+    }
+
     /// The line (from 0) of the one block of that number: none if it is missing, an error if there are several.
     pub(crate) fn only_block(&self, n: u32) -> Result<Option<u32>, ()> {
         let first = self.labels.partition_point(|label| *label < (n, 0));
@@ -201,6 +233,9 @@ impl Source {
             if let Some(n) = n {
                 self.labels.push((n, line));
             }
+            if let Some(name) = label(rest) {
+                self.names.push((name.to_ascii_uppercase().into_boxed_slice(), line));
+            }
             match rest.first() {
                 Some(b'G' | b'g') if is_code(rest, b"G22") => {
                     open_counted.push(self.counted.len());
@@ -233,6 +268,7 @@ impl Source {
             }
         }
         self.labels.sort();
+        self.names.sort();
     }
 }
 
@@ -314,6 +350,23 @@ fn head(line: &[u8]) -> (Option<u32>, &[u8]) {
     let rest = blank(&rest[1..]);
     let kept = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
     (number, blank(&rest[kept..]))
+}
+
+/// The bytes of a label's or keyword's name at the head of a text: two letters or `_`, then letters, digits and `_`.
+pub(crate) fn name(text: &[u8]) -> Option<&[u8]> {
+    let letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
+    if !text.get(..2)?.iter().all(letter) {
+        return None;
+    }
+    let length = text.iter().take_while(|byte| letter(byte) || byte.is_ascii_digit()).count();
+    text.get(..length)
+}
+
+/// The label at the head of a block, before its `:`.
+fn label(text: &[u8]) -> Option<&[u8]> {
+    let name = name(text)?;
+    let after = text[name.len()..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
+    (after == Some(&b':')).then_some(name)
 }
 
 /// The number after the last DO of a line, 0 if there is none.

@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use super::expression::{Scope, Value, evaluate, primary, variable, whole};
+use super::expression::{Frame, Scope, Value, evaluate, primary, variable, whole};
 use super::fault::{Outcome, wrong, wrong1};
 use super::lexer::Cursor;
 use super::words::Words;
 use crate::defs::program_error::ProgramError as E;
+use crate::units::Axis;
 
 /// How deep `IF … THEN IF …` may nest in one block.
 const IF_DEPTH: usize = 8;
@@ -28,6 +29,10 @@ pub(crate) enum Content {
     EndLoop { number: u8, at: usize },
     /// `%`.
     TextEnd { at: usize },
+    /// A jump to a label, forward or backward; `holds` if its condition does or it has none.
+    Jump { label: Range<usize>, forward: bool, holds: bool },
+    /// A message that stays until the next one; an empty one ends it.
+    Note { text: Range<usize> },
 }
 
 /// What the reader must know before it begins.
@@ -181,7 +186,12 @@ fn condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words
         content
     };
     match content {
-        Content::Nothing | Content::While { .. } | Content::EndLoop { .. } | Content::TextEnd { .. }
+        Content::Nothing
+        | Content::While { .. }
+        | Content::EndLoop { .. }
+        | Content::TextEnd { .. }
+        | Content::Jump { .. }
+        | Content::Note { .. }
             if depth == 0 || holds =>
         {
             if matches!(content, Content::Nothing) && at < cursor.at {
@@ -258,6 +268,10 @@ impl Scope for Blank {
     const STRICT: bool = false;
 
     fn read(&mut self, _number: u32, _at: usize) -> Outcome<Value> {
+        Ok(None)
+    }
+
+    fn axis_position(&mut self, _axis: Axis, _frame: Frame, _at: usize) -> Outcome<Value> {
         Ok(None)
     }
 

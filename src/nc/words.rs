@@ -13,6 +13,8 @@ pub(crate) const WORDS: usize = 48;
 const G_WORDS: usize = 10;
 /// The most M codes of a block (DECISION: three, in the order written).
 const M_WORDS: usize = 3;
+/// The most variables that a block of words sets.
+const SETS: usize = 16;
 
 /// A letter and its value.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,6 +46,14 @@ pub(crate) struct Code {
     pub at: u32,
 }
 
+/// A variable that the block gives a value, and its place.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Set {
+    pub variable: u32,
+    pub value: f64,
+    pub at: u32,
+}
+
 /// The words of one block.
 #[derive(Clone, Debug)]
 pub(crate) struct Words {
@@ -57,6 +67,8 @@ pub(crate) struct Words {
     g_count: usize,
     m: [Code; M_WORDS],
     m_count: usize,
+    sets: [Set; SETS],
+    set_count: usize,
     /// The block number.
     pub n: Option<u32>,
     /// The first word whose address stood before in the block.
@@ -78,6 +90,8 @@ impl Default for Words {
             g_count: 0,
             m: [Code::default(); M_WORDS],
             m_count: 0,
+            sets: [Set::default(); SETS],
+            set_count: 0,
             n: None,
             double: None,
             bare: None,
@@ -99,6 +113,7 @@ impl Words {
         self.used.set(0);
         self.g_count = 0;
         self.m_count = 0;
+        self.set_count = 0;
         self.n = None;
         self.double = None;
         self.bare = None;
@@ -127,6 +142,35 @@ impl Words {
     #[inline]
     pub fn m(&self) -> &[Code] {
         &self.m[..self.m_count]
+    }
+
+    /// The variables that the block sets, in order.
+    #[inline]
+    pub fn sets(&self) -> &[Set] {
+        &self.sets[..self.set_count]
+    }
+
+    /// Whether the block has neither words nor codes.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0 && self.g_count == 0 && self.m_count == 0 && self.set_count == 0
+    }
+
+    /// Adds a variable that the block sets.
+    pub fn push_set(&mut self, set: Set) -> Outcome<()> {
+        let Some(place) = self.sets.get_mut(self.set_count) else { return wrong(set.at as usize, E::BlockTooLong) };
+        *place = set;
+        self.set_count += 1;
+        Ok(())
+    }
+
+    /// Adds a word: a G or M code to its list, anything else to the words.
+    pub fn add(&mut self, word: Word) -> Outcome<()> {
+        let value = Some(word.value);
+        match word.letter {
+            b'G' => push_code(&mut self.g, &mut self.g_count, b'G', value, word.kind, word.at),
+            b'M' => push_code(&mut self.m, &mut self.m_count, b'M', value, word.kind, word.at),
+            _ => self.push(word),
+        }
     }
 
     /// Whether a letter has a value.

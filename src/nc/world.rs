@@ -206,7 +206,7 @@ impl CheckWorld {
             // An oscillating axis comes back to where it was.
             Op::OscillationOn { .. } => self.stroke_end = Some(false),
             Op::OscillationOff => self.stroke_end = None,
-            Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } => {}
+            Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } | Op::Note { .. } => {}
         }
     }
 

@@ -76,5 +76,6 @@ pub fn of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Option<P
         gauge: None,
         bar: Some(bar),
         surfaces: Vec::new(),
+        finished: None,
     })
 }

@@ -4,6 +4,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use chrono::{DateTime, Local};
 use image::ImageReader;
@@ -11,15 +12,21 @@ use ropey::Rope;
 
 use super::shipped::{SHIPPED, SHIPPED_BY_NAME};
 use crate::controller::{Program, Programs};
-use crate::defs::screen;
+use crate::defs::kind::Kind;
 use crate::defs::text::Said;
+use crate::defs::{self, screen};
 use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
 use crate::nc::Source;
-use crate::store::{DataDir, Entry, FileClass, Folder, FolderError, PAGE_TEXT, PICTURE, PROGRAM, decode, stamp};
+use crate::store::{
+    DataDir, Entry, FileClass, Folder, FolderError, NamedEntry, PAGE_TEXT, PICTURE, PROGRAM, decode, list_named, stamp,
+    stem_of,
+};
 
 /// Programs with a grinding page: O1001 to O1020 go with C0001 and B0001 to C0020 and B0020.
 const PAGES: std::ops::RangeInclusive<u16> = 1..=20;
+/// The R pages of the vertical grinder (S3).
+const R_PAGES: std::ops::RangeInclusive<u16> = 801..=803;
 /// Number of the dressing page's picture, B0100.BMP (K7.6).
 const DRESSING_PICTURE: u16 = 100;
 /// Numbers of programs that have names.
@@ -50,14 +57,23 @@ impl Folders {
     ///
     /// # Errors
     /// The folder or a file in it cannot be made.
-    pub fn resolve(programs: Option<PathBuf>, screens: Option<PathBuf>, data: &DataDir) -> std::io::Result<Self> {
+    pub fn resolve(
+        programs: Option<PathBuf>,
+        screens: Option<PathBuf>,
+        data: &DataDir,
+        kind: Kind,
+    ) -> std::io::Result<Self> {
         let choose = |given: Option<PathBuf>, name: &str, own: PathBuf| match given {
             Some(path) => Ok(path),
             None if Path::new(name).is_dir() => Ok(PathBuf::from(name)),
             None => ship(name, &own).map(|()| own),
         };
+        let (name, own) = match kind.folder() {
+            "" => ("programs".to_owned(), data.programs()),
+            folder => (format!("programs/{folder}"), data.programs().join(folder)),
+        };
         Ok(Self {
-            programs: choose(programs, "programs", data.programs())?,
+            programs: choose(programs, &name, own)?,
             screens: choose(screens, "screens", data.screens())?,
             named: false,
         })
@@ -97,6 +113,13 @@ impl Folders {
                 directory.push(directory_row(entry));
             }
         }
+        for entry in list_named(&self.programs)? {
+            if let Ok(read) = folder.read_named(&PROGRAM, &entry.name) {
+                let number = defs::program::number(&entry.stem);
+                rows.push(program(number, &read.name, read.bytes));
+                directory.push(named_row(number, &entry));
+            }
+        }
         Ok((Programs::new(rows), directory))
     }
 
@@ -115,7 +138,8 @@ impl Folders {
             let program = program(number, &name, bytes);
             let title = program.source.comment_title().unwrap_or_default();
             let comment = format!("{name} {title}").trim_end().to_owned();
-            directory.push(DirectoryRow { number, size, comment, modified: String::new() });
+            let called = defs::program::title(number);
+            directory.push(DirectoryRow { number, name: called, size, comment, modified: String::new() });
             rows.push(program);
         }
         (Programs::new(rows), directory)
@@ -132,6 +156,7 @@ impl Folders {
         };
         let (texts, pictures) = (listed(&PAGE_TEXT)?, listed(&PICTURE)?);
         let pages = PAGES
+            .chain(R_PAGES)
             .filter(|number| texts.contains(number) || pictures.contains(number))
             .map(|number| {
                 let files = ScreenFiles { text: page_text(&folder, number), picture: picture(&folder, number) };
@@ -154,13 +179,47 @@ pub fn program(number: u32, name: &str, bytes: Vec<u8>) -> Program {
     Program { number, source: Arc::new(Source::new(number, name, bytes)), text, stamp, mistaken }
 }
 
+/// The programs with a name beside a file that has one itself: what it calls as `L10` is looked for there first.
+#[must_use]
+pub fn beside(file: &Path) -> Vec<Program> {
+    let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    if stem_of(&name).is_none() {
+        return Vec::new();
+    }
+    let path = match file.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let folder = Folder::new(path);
+    let named = list_named(path).unwrap_or_default();
+    let read = |entry: NamedEntry| folder.read_named(&PROGRAM, &entry.name).ok().map(|read| (entry.stem, read));
+    let found = named.into_iter().filter_map(read);
+    found.map(|(stem, read)| program(defs::program::number(&stem), &read.name, read.bytes)).collect()
+}
+
+fn named_row(number: u32, entry: &NamedEntry) -> DirectoryRow {
+    DirectoryRow {
+        number,
+        name: entry.stem.clone(),
+        size: entry.size,
+        comment: entry.comment.clone(),
+        modified: shown_time(entry.modified),
+    }
+}
+
+fn shown_time(modified: Option<SystemTime>) -> String {
+    modified.map(|time| DateTime::<Local>::from(time).format("%Y-%m-%d %H:%M").to_string()).unwrap_or_default()
+}
+
 fn ship(name: &str, own: &Path) -> std::io::Result<()> {
     std::fs::create_dir_all(own)?;
     if std::fs::read_dir(own)?.next().is_some() {
         return Ok(());
     }
     for (path, bytes) in SHIPPED {
-        if let Some(file) = path.strip_prefix(name).and_then(|rest| rest.strip_prefix('/')) {
+        // A kind's own folder is filled when that kind is started.
+        let own_file = |file: &&str| !file.contains('/');
+        if let Some(file) = path.strip_prefix(name).and_then(|rest| rest.strip_prefix('/')).filter(own_file) {
             std::fs::write(own.join(file), bytes)?;
         }
     }
@@ -168,12 +227,13 @@ fn ship(name: &str, own: &Path) -> std::io::Result<()> {
 }
 
 fn directory_row(entry: &Entry) -> DirectoryRow {
-    let modified = entry.modified.map(|time| DateTime::<Local>::from(time).format("%Y-%m-%d %H:%M").to_string());
+    let number = u32::from(entry.number);
     DirectoryRow {
-        number: u32::from(entry.number),
+        number,
+        name: defs::program::title(number),
         size: entry.size,
         comment: entry.comment.clone(),
-        modified: modified.unwrap_or_default(),
+        modified: shown_time(entry.modified),
     }
 }
 

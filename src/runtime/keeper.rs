@@ -7,13 +7,15 @@ use super::vault::Vault;
 use crate::controller::{Effect, Retained};
 use crate::defs::kind::Kind;
 use crate::defs::param::ParamAddress;
+use crate::defs::screw::ScrewTable;
 use crate::link::command::Command;
 use crate::link::page_command::PageWish;
 use crate::store;
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 const CURRENT_PROGRAM: &str = "current-program";
 const PARTS: &str = "parts";
+const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
 const RUNNING_AT: &str = "running-at";
 /// More lines than a program has: what program and line are put together by.
 const LINES: f64 = 1e8;
@@ -78,6 +80,9 @@ fn change(effect: &Effect) -> Option<store::Change> {
         Effect::DressPoint(axis, at) => {
             store::Change::Number { key: DRESS_POINTS[*axis as usize].into(), value: Some(*at) }
         }
+        Effect::Screw(axis, table) => {
+            store::Change::Text { key: SCREWS[*axis as usize].into(), value: Some(table.text()) }
+        }
         Effect::CurrentProgram(number) => {
             store::Change::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
         }
@@ -108,6 +113,7 @@ pub fn remember(retained: &mut Retained, effect: &Effect) {
             }
         }
         Effect::DressPoint(axis, at) => retained.dress_points[*axis] = Some(*at),
+        Effect::Screw(axis, table) => retained.screws[*axis] = table.clone(),
         Effect::CurrentProgram(number) => retained.current_program = *number,
         Effect::Parts(parts) => retained.parts = *parts,
         Effect::RunningAt(place) => retained.interrupted = *place,
@@ -135,6 +141,13 @@ fn restore(kind: Kind, loaded: &store::Loaded) -> (Retained, Vec<String>) {
     }
     for (index, origin) in &loaded.frames {
         remember(&mut retained, &Effect::Frame(usize::from(*index), PerAxis(origin.0)));
+    }
+    for axis in Axis::ALL {
+        let Some(text) = loaded.texts.get(SCREWS[axis as usize]) else { continue };
+        match ScrewTable::parse(text) {
+            Ok(table) => retained.screws[axis] = table,
+            Err(fault) => dropped.push(format!("{}: {fault}", SCREWS[axis as usize])),
+        }
     }
     let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);
     retained.current_program = number(CURRENT_PROGRAM);

@@ -186,13 +186,15 @@ impl Rig {
         }
     }
 
-    /// Adds programs that are not in the folder (a file named on the command line).
+    /// Adds a program that is not in the folder (a file named on the command line).
     pub fn add_program(&mut self, program: crate::controller::Program) {
-        let mut rows: Vec<_> = self.programs.iter().cloned().collect();
-        rows.retain(|row| row.number != program.number);
-        rows.push(program.clone());
-        self.added.push(program);
-        self.programs = Arc::new(crate::controller::Programs::new(rows));
+        self.add_programs(vec![program]);
+    }
+
+    /// Adds programs that are not in the folder.
+    pub fn add_programs(&mut self, programs: Vec<crate::controller::Program>) {
+        self.added.extend(programs.iter().cloned());
+        Arc::make_mut(&mut self.programs).put(programs);
         self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
     }
 
@@ -204,6 +206,14 @@ impl Rig {
         let variables = &self.retained.variables;
         let present = |variable: u16| variables.get(u32::from(variable)).ok().flatten();
         self.inbox.extend(set_up(part, present));
+    }
+
+    /// Puts another machine of the same kind behind the control, its power just come: another screw, another wheel.
+    pub fn swap_machine(&mut self, machine: MachineFile, seed: u64) {
+        self.machine = SimulatedMachine::new(machine, None, &self.retained.params, seed);
+        self.image = self.machine.read(self.now);
+        self.controller = Controller::new(self.kind, self.retained.clone(), self.image, self.now);
+        self.deliver();
     }
 
     /// Begins the machine's chance anew.

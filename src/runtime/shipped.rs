@@ -5,7 +5,7 @@
 pub(super) type Shipped = (&'static str, &'static [u8]);
 
 macro_rules! shipped {
-    (pages $($page:literal)*; subprograms $($sub:literal)*) => {
+    (pages $($page:literal)*; subprograms $($sub:literal)*; sheets $($sheet:literal)*; named $($named:literal)*) => {
         /// All of them.
         pub(super) const SHIPPED: &[Shipped] = &[
             $(
@@ -14,6 +14,11 @@ macro_rules! shipped {
                 (concat!("screens/B0", $page, ".BMP"), include_bytes!(concat!("../../screens/B0", $page, ".BMP"))),
             )*
             $((concat!("programs/O", $sub, ".NC"), include_bytes!(concat!("../../programs/O", $sub, ".NC"))),)*
+            $(
+                (concat!("screens/C0", $sheet, ".TXT"), include_bytes!(concat!("../../screens/C0", $sheet, ".TXT"))),
+                (concat!("screens/B0", $sheet, ".BMP"), include_bytes!(concat!("../../screens/B0", $sheet, ".BMP"))),
+            )*
+            $((concat!("programs/", $named), include_bytes!(concat!("../../programs/", $named))),)*
             ("screens/B0100.BMP", include_bytes!("../../screens/B0100.BMP")),
         ];
     };
@@ -21,7 +26,9 @@ macro_rules! shipped {
 
 shipped! {
     pages "001" "002" "003" "004" "005" "006" "007" "008" "009" "010" "011" "012" "013" "014";
-    subprograms "9000" "9001" "9010" "9011" "9012" "9020"
+    subprograms "9000" "9001" "9010" "9011" "9012" "9020";
+    sheets "801" "802" "803";
+    named "802d/VGRIND.MPF" "802d/L1.SPF" "802d/L3.SPF" "802d/L10.SPF" "802d/L20.SPF" "802d/L30.SPF"
 }
 
 /// The programs of the lathe, by name.

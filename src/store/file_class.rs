@@ -80,7 +80,7 @@ impl FileClass {
 }
 
 /// The first comment of a program's head: `( )`, `//` or after `;`.
-fn first_comment(head: &str) -> String {
+pub(super) fn first_comment(head: &str) -> String {
     for line in head.lines() {
         let found = if let Some((_, rest)) = line.split_once('(') {
             rest.split(')').next()

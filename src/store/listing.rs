@@ -17,7 +17,7 @@ pub const LISTING_LIMIT: usize = 20_000;
 /// How much of a file is looked at for its comment line, in bytes.
 const HEAD_LIMIT: u64 = 2048;
 /// The longest comment line, in characters.
-const COMMENT_LIMIT: usize = 80;
+pub(super) const COMMENT_LIMIT: usize = 80;
 
 /// A file of a class.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -130,7 +130,7 @@ pub(super) fn entry(folder: &Path, class: &FileClass, number: u16, found: Found)
 }
 
 /// The beginning of a file as text; what is no character shows as `�`.
-fn head(path: &Path) -> Option<String> {
+pub(super) fn head(path: &Path) -> Option<String> {
     let mut bytes = Vec::new();
     File::open(path).ok()?.take(HEAD_LIMIT).read_to_end(&mut bytes).ok()?;
     // A character cut in two at the end of the head is no reason to take the file for GBK.

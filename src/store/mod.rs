@@ -18,6 +18,7 @@ mod fault;
 mod file_class;
 mod folder;
 mod listing;
+mod named;
 pub mod password;
 mod retained;
 pub mod ron_file;
@@ -36,6 +37,7 @@ pub use file_class::{
 };
 pub use folder::{Folder, FolderError, Read};
 pub use listing::{Entry, Ignored, LISTING_LIMIT, Listing};
+pub use named::{NamedEntry, list_named, stem_of};
 pub use retained::{
     Change, DamageReport, Generation, Loaded, Opened, Retained, RetainedError, StorageFault, ToolOffset,
 };

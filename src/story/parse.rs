@@ -1,6 +1,7 @@
 //! Reading a story: text to statements. Strict: an unknown word is an error with line and column.
 //! Source: spec tools.md, "Story language".
 
+use crate::defs;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
@@ -165,8 +166,12 @@ pub enum Statement {
     WaitUntil(Until, f64),
     /// `seed 7`
     Seed(u64),
+    /// `sheet 2` of the grinding page, where it has several; the first is 1
+    Sheet(usize),
     /// `part FILE`
     Part(String),
+    /// `screw X FILE`
+    Screw(Axis, String),
     /// `expect …`
     Expect(Expectation),
 }
@@ -300,11 +305,15 @@ impl Words {
                 Statement::Mdi(self.text.trim_start_matches("mdi").trim().to_owned())
             }
             "page" => Statement::Page(self.one_of("a page", Page::from_id)?),
+            "sheet" => Statement::Sheet(self.one_of("a sheet from 1", |word| word.parse().ok().filter(|n| *n > 0))?),
             "input" => self.input()?,
             "fault" => self.fault()?,
             "wait" => self.wait()?,
             "seed" => Statement::Seed(self.one_of("a whole number", |word| word.parse().ok())?),
             "part" => Statement::Part(self.word("a file")?.trim_start_matches('"').to_owned()),
+            "screw" => {
+                Statement::Screw(self.one_of("an axis", axis)?, self.word("a file")?.trim_start_matches('"').to_owned())
+            }
             "expect" => Statement::Expect(self.expect(kind)?),
             verb => return Err(self.error(format!("'{verb}' is not a statement"))),
         };
@@ -523,13 +532,14 @@ fn on_off(word: &str) -> Option<bool> {
 /// `O1001`, `o1001`, `1001`.
 #[must_use]
 pub fn program(word: &str) -> Option<u32> {
-    word.trim_start_matches(['O', 'o']).parse().ok().filter(|number| (1..=9_999).contains(number))
+    let number = word.trim_start_matches(['O', 'o']).parse().ok().filter(|number| (1..=9_999).contains(number));
+    number.or_else(|| defs::program::is_name(word).then(|| defs::program::number(word)))
 }
 
-/// `#500`.
+/// `#500`, `R18`.
 #[must_use]
 pub fn variable(word: &str) -> Option<u16> {
-    word.strip_prefix('#')?.parse().ok()
+    defs::r_parameter::parse(word)
 }
 
 fn axis(word: &str) -> Option<Axis> {

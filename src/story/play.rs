@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use super::parse::{Expectation, Force, Line, Quantity, Statement, Until};
 use crate::defs::key::{Key, Mode};
 use crate::defs::page::Page;
+use crate::defs::screw::ScrewTable;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot};
@@ -89,6 +90,7 @@ impl<'a> Player<'a> {
                 Ok(())
             }
             Statement::Page(page) => self.send(Command::OpenPage(*page)),
+            Statement::Sheet(number) => self.send(Command::TurnSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::TypeVariable(*number, *value)),
             Statement::Input(name, force) => {
                 let level = match force {
@@ -113,6 +115,7 @@ impl<'a> Player<'a> {
                 Ok(())
             }
             Statement::Part(file) => self.part(file),
+            Statement::Screw(axis, file) => self.screw(*axis, file),
             Statement::Expect(expectation) => self.expect(expectation),
         }
     }
@@ -188,6 +191,13 @@ impl<'a> Player<'a> {
         self.rig.mount(&part);
         self.part_given = true;
         self.answer()
+    }
+
+    fn screw(&mut self, axis: Axis, file: &str) -> Result<(), String> {
+        let path = self.folder.join(file);
+        let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let table = ScrewTable::parse(&text).map_err(|fault| format!("{} {fault}", path.display()))?;
+        self.send(Command::SetScrew(axis, table))
     }
 
     /// What the operator does: mode home, one axis key after the other.
@@ -362,11 +372,11 @@ pub fn around(rig: &mut Rig) -> String {
     let outputs: Vec<_> = snapshot.outputs.iter().map(|output| output.id()).collect();
     let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| format!("{} {}", alarm.number, alarm.text.zh)).collect();
     format!(
-        "  at {now:.3} s: state {}, mode {}, page {}, O{:04} line {}\n  {}\n  outputs: {}\n  alarms: {}\n  message: {}",
+        "  at {now:.3} s: state {}, mode {}, page {}, {} line {}\n  {}\n  outputs: {}\n  alarms: {}\n  message: {}",
         snapshot.state.id(),
         snapshot.mode.name().en,
         snapshot.page.id(),
-        snapshot.program.number,
+        snapshot.title(snapshot.program.number),
         snapshot.program.line,
         axes.join(", "),
         outputs.join(" "),

@@ -117,6 +117,7 @@ pub fn snapshot(page: Page) -> Snapshot {
 
 fn directory() -> Vec<DirectoryRow> {
     let row = |number: u32, size: u64, comment: &str| DirectoryRow {
+        name: format!("O{number:04}"),
         number,
         size,
         comment: comment.into(),

@@ -16,6 +16,12 @@ pub fn folders() -> Folders {
     Folders { programs: root.join("programs"), screens: root.join("screens"), named: false }
 }
 
+/// The folders of a kind.
+pub fn folders_of(kind: Kind) -> Folders {
+    let all = folders();
+    Folders { programs: all.programs.join(kind.folder()), ..all }
+}
+
 /// A control at power-on with its machine.
 pub fn rig() -> Rig {
     rig_in(folders())
@@ -38,7 +44,7 @@ pub fn ready() -> Rig {
 
 /// The same of any kind.
 pub fn ready_of(kind: Kind) -> Rig {
-    let mut rig = rig_of(kind, folders());
+    let mut rig = rig_of(kind, folders_of(kind));
     rig.make_ready();
     rig
 }
@@ -64,7 +70,7 @@ pub fn tell(rig: &mut Rig, text: &str) {
 
 /// A story from a cold start on a machine of a kind.
 pub fn story_on(kind: Kind, text: &str) -> Rig {
-    let mut rig = rig_of(kind, folders());
+    let mut rig = rig_of(kind, folders_of(kind));
     tell(&mut rig, text);
     rig
 }

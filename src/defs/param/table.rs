@@ -134,6 +134,7 @@ numbers! {
     REFERENCE_4_X = 167, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 X", "reference point 4 X";
     REFERENCE_4_Y = 168, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Y", "reference point 4 Y";
     REFERENCE_4_Z = 169, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Z", "reference point 4 Z";
+    COMPENSATION_SPEED = 99, 6 => 6_000, 600, "mm/min", Builder, "螺距/间隙补偿最大速度", "greatest speed of screw compensation";
     SPINDLE_PULSE = 386, 10 => 5_000, 400, "ms", Builder, "主轴 M03 M04 M05 脉冲时间", "length of the spindle's pulses";
     SPINDLE_RUN_UP = 387, 0 => 60_000, 2_000, "ms", Builder, "主轴启动延时", "spindle run-up delay";
     POST_TIME = 388, 0 => 60_000, 5_000, "ms", Builder, "刀架转位超时", "tool post time-out";

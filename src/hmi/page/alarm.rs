@@ -79,9 +79,9 @@ impl Alarms {
 
 /// `O1001 第7行`, or nothing outside a run.
 fn place_word(view: &View<'_>, alarm: &AlarmView) -> Option<String> {
-    alarm.place.map(|(program, line)| match view.lang {
-        crate::defs::text::Lang::Zh => format!("O{program:04} 第{line}行"),
-        crate::defs::text::Lang::En => format!("O{program:04} line {line}"),
+    alarm.place.map(|(program, line)| (view.snapshot.title(program), line)).map(|(program, line)| match view.lang {
+        crate::defs::text::Lang::Zh => format!("{program} 第{line}行"),
+        crate::defs::text::Lang::En => format!("{program} line {line}"),
     })
 }
 

@@ -274,7 +274,7 @@ impl Directory {
         let current = row.number == view.snapshot.program.number;
         let chosen = index == self.cursor;
         let response = ui.interact(place.intersect(list), Id::unique(("program", index)), Sense::CLICK);
-        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, format!("O{:04}", row.number)));
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, row.name.clone()));
         if response.clicked() {
             self.cursor = index;
         }
@@ -285,7 +285,7 @@ impl Directory {
         let inside = place.shrink2(vec2(theme::PAD, 3.0));
         let (number, rest) = inside.split_left_right_at_x(inside.min.x + 88.0);
         let ink = if current { view.theme.run } else { view.theme.text };
-        put(painter, number, Align2::LEFT_CENTER, &format!("O{:04}", row.number), theme::SECONDARY, ink);
+        fit(painter, number, Align2::LEFT_CENTER, &row.name, theme::SECONDARY, ink);
         let (rest, action) = rest.split_left_right_at_x(rest.max.x - 96.0);
         let (comment, facts) = rest.split_left_right_at_x(rest.max.x - 210.0);
         let comment = Rect::from_min_max(comment.min, comment.max - vec2(theme::PAD, 0.0));

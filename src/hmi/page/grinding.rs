@@ -6,6 +6,7 @@ use egui::{Align2, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
 
 use super::{empty, position};
 use crate::defs::page::Page;
+use crate::defs::r_parameter;
 use crate::defs::screen::{ROWS, Row};
 use crate::hmi::entry::{self, Edit, Entry};
 use crate::hmi::view::{View, card, fit, frame, length, paragraph, put};
@@ -13,8 +14,6 @@ use crate::hmi::{frame as lines, keycap, pictogram, theme};
 use crate::link::Command;
 use crate::link::command::{FileFault, ScreenFiles};
 
-/// Programs that have a page (K7.2).
-pub const PROGRAMS: std::ops::RangeInclusive<u32> = 1_001..=1_020;
 /// Column width from which label and value stand side by side.
 const SIDE_BY_SIDE: f32 = 236.0;
 /// Width of a value beside its label.
@@ -31,18 +30,24 @@ pub fn ui(
 ) -> Vec<Command> {
     let mut out = Vec::new();
     let number = view.snapshot.program.number;
-    if !PROGRAMS.contains(&number) {
+    let Some(shown) = view.snapshot.grinding_page() else {
         no_page(ui, rect, view, number, &mut out);
         return out;
+    };
+    let several = view.snapshot.grinding_pages.1 > 1;
+    let places = Places::new(rect, several);
+    let files = view.snapshot.page_files();
+    if several && turn_key(ui, places.title, view) {
+        out.push(Command::TurnSheet(view.snapshot.grinding_pages.0 + 1));
     }
-    let places = Places::new(rect);
-    let files = view.snapshot.screens.find(number);
     position_column(ui, places.left, view);
     show_picture(ui, places.picture, view, files, picture);
     match files.map(|files| &files.text) {
         Some(Ok(text)) => {
             let title = format!("{}{}", text.title, view.say("参数设置", " · parameters"));
-            lines::title(ui, view, places.title, &title);
+            let room = if several { places.title.max.x - 104.0 } else { places.title.max.x };
+            let place = Rect::from_min_max(places.title.min, pos2(room, places.title.max.y));
+            lines::title(ui, view, place, &title);
             let columns = (variables(&text.left), variables(&text.right));
             entry.hear(&view.snapshot.edit);
             for edit in edits {
@@ -53,7 +58,7 @@ pub fn ui(
         }
         Some(Err(fault)) => text_fault(ui, &places, view, fault),
         None => {
-            let what = format!("{} C{:04}.TXT", view.say("缺少文件", "missing file"), number % 1_000);
+            let what = format!("{} C{:04}.TXT", view.say("缺少文件", "missing file"), shown % 1_000);
             let remedy = view.say(
                 "把页面文字 C00nn.TXT 和图片 B00nn.BMP 拷贝到 screens 目录；程序不受影响，仍可运行。",
                 "Copy the page text C00nn.TXT and the picture B00nn.BMP into the folder screens; the program itself can run.",
@@ -74,7 +79,7 @@ struct Places {
 }
 
 impl Places {
-    fn new(rect: Rect) -> Self {
+    fn new(rect: Rect, several: bool) -> Self {
         let (main, input) = rect.split_top_bottom_at_y(rect.max.y - theme::INPUT);
         let main = main.shrink2(vec2(theme::GAP, theme::GAP));
         let wide = main.width() > 900.0;
@@ -82,7 +87,8 @@ impl Places {
         let (left, rest) = main.split_left_right_at_x(main.min.x + left_width);
         let (middle, picture) = rest.split_left_right_at_x(rest.max.x - theme::PICTURE.x - 2.0);
         let middle = Rect::from_min_max(middle.min + vec2(theme::GAP, 0.0), middle.max - vec2(theme::GAP, 0.0));
-        let (title, body) = middle.split_top_bottom_at_y(middle.min.y + 34.0);
+        let (title, body) =
+            middle.split_top_bottom_at_y(middle.min.y + if several { theme::TARGET + 4.0 } else { 34.0 });
         Self { left, title, body, picture, input }
     }
 }
@@ -138,8 +144,9 @@ fn fields(ui: &Ui, places: &Places, view: &View<'_>, columns: [&[Option<Row>; RO
             let corner = body.min + vec2(column as f32 * (width + theme::GAP), line as f32 * (height + 4.0));
             let place = Rect::from_min_size(corner, vec2(width, height));
             let response = ui.interact(place, Id::unique(("field", index)), Sense::CLICK);
-            response
-                .widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{} #{}", row.label, row.variable)));
+            response.widget_info(|| {
+                WidgetInfo::labeled(Role::Button, true, format!("{} {}", row.label, name(view, row.variable)))
+            });
             if response.clicked() {
                 entry.choose(index);
             }
@@ -188,7 +195,7 @@ fn input_line(ui: &Ui, rect: Rect, view: &View<'_>, entry: &Entry, columns: [&[O
     let Some(row) = columns.into_iter().flatten().flatten().nth(entry.cursor) else { return };
     let line = rect.shrink2(vec2(theme::PAD, 2.0));
     let (left, rest) = line.split_left_right_at_fraction(0.34);
-    let words = format!("{} #{}={}", view.say("数据输入:", "INPUT:"), row.variable, entry.typing.text);
+    let words = format!("{} {}={}", view.say("数据输入:", "INPUT:"), name(view, row.variable), entry.typing.text);
     let (colour, right) = match entry.reason(view.lang) {
         Some(reason) => (view.theme.alarm_text, (reason.to_owned(), view.theme.alarm_text)),
         None => {
@@ -213,13 +220,32 @@ fn show_picture(ui: &Ui, rect: Rect, view: &View<'_>, files: Option<&ScreenFiles
     if let Some(texture) = texture {
         painter.image(texture, place.shrink(1.0), full, theme::UNTINTED);
     } else {
-        let number = view.snapshot.program.number;
+        let number = view.snapshot.grinding_page().unwrap_or_default();
         let words = match files.map(|files| &files.picture) {
             Some(Err(fault)) => fault.said().get(view.lang).to_owned(),
             _ => format!("B{:04}.BMP：{}", number % 1_000, view.say("应为 200×400、24 位", "200×400, 24 bit")),
         };
         empty::show(ui, view, place.shrink(4.0), pictogram::NO_PICTURE, view.say("没有图片", "no picture"), &words);
     }
+}
+
+/// The key of the next sheet, at the end of the title.
+fn turn_key(ui: &Ui, title: Rect, view: &View<'_>) -> bool {
+    let (sheet, sheets) = view.snapshot.grinding_pages;
+    let size = vec2(96.0, theme::TARGET);
+    let place = Rect::from_min_size(pos2(title.max.x - size.x, title.min.y), size);
+    let response = ui.interact(place, Id::unique("next-sheet"), Sense::CLICK);
+    let words = format!("{} {}/{sheets}", view.say("下页", "NEXT"), sheet + 1);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("{words} next-sheet")));
+    let pressed = response.is_pointer_button_down_on();
+    keycap::plate(ui.painter(), view.theme, place, keycap::Face { pressed, ..keycap::Face::default() });
+    fit(ui.painter(), place.shrink(4.0), Align2::CENTER_CENTER, &words, theme::LABEL, view.theme.text);
+    response.clicked()
+}
+
+/// What the variable is called on this kind of machine.
+fn name(view: &View<'_>, variable: u16) -> String {
+    r_parameter::name_on(u32::from(variable), view.snapshot.kind)
 }
 
 fn text_fault(ui: &Ui, places: &Places, view: &View<'_>, fault: &FileFault) {

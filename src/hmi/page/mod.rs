@@ -144,8 +144,7 @@ impl Pages {
             Page::Macro => self.variables.typing.pad,
             Page::Wheel => self.wheel.wants_pad(),
             page => {
-                let number = view.snapshot.program.number;
-                let has_fields = view.snapshot.screens.find(number).is_some_and(|files| files.text.is_ok());
+                let has_fields = view.snapshot.page_files().is_some_and(|files| files.text.is_ok());
                 self.entry.typing.pad && frame::takes_numbers(page) && has_fields
             }
         }

@@ -62,7 +62,7 @@ impl Settings {
             // The grinders of the KT-830 in the first row, the other kinds below them.
             let (first, rest) = (Kind::KT830.len(), Kind::ALL.len() - Kind::KT830.len());
             let place = if index < first { cell(row, index, first) } else { cell(second, index - first, rest) };
-            if !self.walk.push(ui, view, place, (kind.id(), &kind.id().to_uppercase()), look) {
+            if !self.walk.push(ui, view, place, (kind.id(), kind.short()), look) {
                 continue;
             }
             if view.snapshot.access.level >= Level::Builder {

@@ -8,6 +8,7 @@ use super::Typed;
 use super::input_line::{self, Told};
 use super::scroll::Scroll;
 use crate::defs::param;
+use crate::defs::r_parameter;
 use crate::hmi::entry::{self, Edit};
 use crate::hmi::keycap::{self, Face};
 use crate::hmi::typing::{Heard, Typing};
@@ -215,7 +216,9 @@ impl Variables {
     fn field(&mut self, ui: &Ui, (list, place): (Rect, Rect), view: &View<'_>, variable: u16) {
         let painter = &ui.painter().with_clip_rect(list);
         let response = ui.interact(place.intersect(list), Id::unique(("variable", variable)), Sense::CLICK);
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("#{variable}")));
+        response.widget_info(|| {
+            WidgetInfo::labeled(Role::Button, true, r_parameter::name_on(u32::from(variable), view.snapshot.kind))
+        });
         if response.clicked() {
             if self.chosen != variable {
                 self.go(variable);
@@ -228,7 +231,14 @@ impl Variables {
         keycap::plate(painter, view.theme, place, face);
         let inside = place.shrink2(vec2(8.0, 2.0));
         let (number, rest) = inside.split_left_right_at_x(inside.min.x + 50.0);
-        put(painter, number, Align2::LEFT_CENTER, &format!("#{variable}"), theme::LABEL, view.theme.quiet);
+        put(
+            painter,
+            number,
+            Align2::LEFT_CENTER,
+            &r_parameter::name_on(u32::from(variable), view.snapshot.kind),
+            theme::LABEL,
+            view.theme.quiet,
+        );
         let (label, value) = rest.split_left_right_at_x(rest.max.x - 106.0);
         let words = if is_read_only(variable) { own(view, variable) } else { label_of(view, variable) };
         let label = Rect::from_min_max(label.min, label.max - vec2(theme::GAP, 0.0));
@@ -251,7 +261,7 @@ impl Variables {
             let range = view.say("输入变量号，按输入", "type a number, then INPUT");
             return input_line::ui(ui, view, rect, &self.typing, &Told { what: "→ #", name: "", range });
         }
-        let what = format!("#{}=", self.chosen);
+        let what = format!("{}=", r_parameter::name_on(u32::from(self.chosen), view.snapshot.kind));
         let old = shown(view, self.chosen);
         let range = if is_read_only(self.chosen) {
             view.say("只读", "read-only").to_owned()
@@ -267,8 +277,8 @@ impl Variables {
 /// Whose labels stand beside the numbers, and whether they may be edited.
 fn head(ui: &Ui, rect: Rect, view: &View<'_>) {
     let painter = ui.painter();
-    let number = view.snapshot.program.number;
-    let title = view.snapshot.screens.find(number).and_then(|files| files.text.as_ref().ok());
+    let number = view.snapshot.grinding_page().unwrap_or_default();
+    let title = view.snapshot.page_files().and_then(|files| files.text.as_ref().ok());
     let words = title.map_or_else(
         || view.say("当前程序没有页面文字", "the current program has no page text").to_owned(),
         |text| format!("C{:04} {}", number % 1_000, text.title),
@@ -287,7 +297,7 @@ fn head(ui: &Ui, rect: Rect, view: &View<'_>) {
 }
 
 fn page<'a>(view: &View<'a>) -> impl Iterator<Item = &'a crate::defs::screen::Row> {
-    let files = view.snapshot.screens.find(view.snapshot.program.number);
+    let files = view.snapshot.page_files();
     files.and_then(|files| files.text.as_ref().ok()).into_iter().flat_map(|text| text.rows())
 }
 

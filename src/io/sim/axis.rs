@@ -11,6 +11,9 @@ use super::contact::Contact;
 use super::machine_rows::{Along, AxisFile};
 use crate::io::random::SplitMix64;
 
+/// Play of a worn screw at the minus stop, mm.
+const WORN_MM: f64 = 0.05;
+
 /// What the control wants of an axis in this tick.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
@@ -47,6 +50,8 @@ pub(super) struct SimAxis {
     motor_mm: f64,
     velocity_mm_s: f64,
     accel_mm_s2: f64,
+    /// The screw is worn: its play grows towards the minus end (fault `worn-screw-x`).
+    worn: bool,
     /// Slide before pitch error.
     carried_mm: f64,
     /// Slide as it really stands, machine frame, mm.
@@ -91,6 +96,7 @@ impl SimAxis {
             motor_mm: start,
             velocity_mm_s: 0.0,
             accel_mm_s2: 0.0,
+            worn: false,
             carried_mm: start,
             slide_mm: start,
             zero_mm: start,
@@ -200,7 +206,7 @@ impl SimAxis {
     /// The slide goes where the motor takes it, as far as the stops.
     fn carry(&mut self) -> Option<Struck> {
         // Moving plus the screw pushes at once; moving minus it first takes up the play.
-        let play = at(&self.file.backlash_mm, self.motor_mm);
+        let play = at(&self.file.backlash_mm, self.motor_mm) + self.worn_mm();
         self.carried_mm = self.carried_mm.max(self.motor_mm).min(self.motor_mm + play);
         self.slide_mm = self.carried_mm + at(&self.file.pitch_error_mm, self.carried_mm);
         let plus = self.slide_mm > self.file.stop_plus_mm;
@@ -215,6 +221,17 @@ impl SimAxis {
         self.velocity_mm_s = 0.0;
         self.accel_mm_s2 = 0.0;
         Some(Struck { plus, speed_mm_s })
+    }
+
+    /// The screw is worn, or as new again.
+    pub(super) const fn wear_screw(&mut self, worn: bool) {
+        self.worn = worn;
+    }
+
+    /// Play of a worn screw beside that of the file: none at the plus stop, `WORN_MM` at the minus stop.
+    fn worn_mm(&self) -> f64 {
+        let AxisFile { stop_plus_mm, stop_minus_mm, .. } = self.file;
+        if self.worn { WORN_MM * (stop_plus_mm - self.motor_mm) / (stop_plus_mm - stop_minus_mm) } else { 0.0 }
     }
 
     fn at_home(&self) -> bool {

@@ -54,7 +54,8 @@ pub use self::machine_rows::{
 };
 pub use self::measure::WheelState;
 pub use self::part_file::{
-    BarFile, BlockFile, Body, BodyFile, GaugeFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile, TailstockFile,
+    BarFile, BlockFile, Body, BodyFile, FinishedFile, GaugeFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile,
+    TailstockFile,
 };
 pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartReport};
 

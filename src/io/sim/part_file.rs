@@ -10,23 +10,26 @@ use serde::{Deserialize, Serialize};
 
 use super::machine_file::{SimFileError, above_zero};
 use crate::defs::kind::Kind;
+use crate::defs::program;
 
 /// The parts that come with the control.
-const BUILTIN: &[(u32, &str)] = &[
-    (1001, include_str!("../../../assets/parts/O1001.ron")),
-    (1002, include_str!("../../../assets/parts/O1002.ron")),
-    (1003, include_str!("../../../assets/parts/O1003.ron")),
-    (1004, include_str!("../../../assets/parts/O1004.ron")),
-    (1005, include_str!("../../../assets/parts/O1005.ron")),
-    (1006, include_str!("../../../assets/parts/O1006.ron")),
-    (1007, include_str!("../../../assets/parts/O1007.ron")),
-    (1008, include_str!("../../../assets/parts/O1008.ron")),
-    (1009, include_str!("../../../assets/parts/O1009.ron")),
-    (1010, include_str!("../../../assets/parts/O1010.ron")),
-    (1011, include_str!("../../../assets/parts/O1011.ron")),
-    (1012, include_str!("../../../assets/parts/O1012.ron")),
-    (1013, include_str!("../../../assets/parts/O1013.ron")),
-    (1014, include_str!("../../../assets/parts/O1014.ron")),
+const BUILTIN: &[(&str, &str)] = &[
+    ("O1001", include_str!("../../../assets/parts/O1001.ron")),
+    ("O1002", include_str!("../../../assets/parts/O1002.ron")),
+    ("O1003", include_str!("../../../assets/parts/O1003.ron")),
+    ("O1004", include_str!("../../../assets/parts/O1004.ron")),
+    ("O1005", include_str!("../../../assets/parts/O1005.ron")),
+    ("O1006", include_str!("../../../assets/parts/O1006.ron")),
+    ("O1007", include_str!("../../../assets/parts/O1007.ron")),
+    ("O1008", include_str!("../../../assets/parts/O1008.ron")),
+    ("O1009", include_str!("../../../assets/parts/O1009.ron")),
+    ("O1010", include_str!("../../../assets/parts/O1010.ron")),
+    ("O1011", include_str!("../../../assets/parts/O1011.ron")),
+    ("O1012", include_str!("../../../assets/parts/O1012.ron")),
+    ("O1013", include_str!("../../../assets/parts/O1013.ron")),
+    ("O1014", include_str!("../../../assets/parts/O1014.ron")),
+    ("VGRIND", include_str!("../../../assets/parts/VGRIND.ron")),
+    ("PRINTED", include_str!("../../../assets/parts/VGRIND.ron")),
 ];
 
 /// The parts of programs that have names.
@@ -75,6 +78,24 @@ pub struct PartFile {
     /// What is ground.
     #[serde(default)]
     pub surfaces: Vec<SurfaceFile>,
+    /// How far it may be ground, where the program's own variables say so.
+    #[serde(default)]
+    pub finished: Option<FinishedFile>,
+}
+
+/// The finished diameter, as variables of the program name it. X programs the wheel's centre: the wheel's rim stands at
+/// X − wheel.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FinishedFile {
+    /// The variable of the finished diameter.
+    pub size: u16,
+    /// The variable of the wheel's diameter.
+    pub wheel: u16,
+    /// From Z.
+    pub z_from: f64,
+    /// To Z.
+    pub z_to: f64,
 }
 
 /// A bar to be turned, part coordinates.
@@ -319,8 +340,8 @@ impl PartFile {
     ///
     /// # Errors
     /// The file built in is wrong, which a test excludes.
-    pub fn builtin(program: u32) -> Result<Option<Self>, SimFileError> {
-        BUILTIN.iter().find(|(number, _)| *number == program).map(|(_, text)| Self::parse(text)).transpose()
+    pub fn builtin(number: u32) -> Result<Option<Self>, SimFileError> {
+        BUILTIN.iter().find(|(name, _)| program::number(name) == number).map(|(_, text)| Self::parse(text)).transpose()
     }
 
     /// The part that comes with a program of a name, without its extension, in either case.
@@ -419,14 +440,14 @@ mod tests {
     use super::*;
 
     fn text_of(program: u32) -> &'static str {
-        BUILTIN.iter().find(|(number, _)| *number == program).unwrap().1
+        BUILTIN.iter().find(|(name, _)| *name == format!("O{program}")).unwrap().1
     }
 
     #[test]
     fn p4_the_parts_built_in_can_be_read() {
         for (program, _) in BUILTIN {
-            let part = PartFile::builtin(*program).unwrap().unwrap();
-            assert!(!part.surfaces.is_empty(), "O{program}");
+            let part = PartFile::builtin(program::number(program)).unwrap().unwrap();
+            assert!(!part.surfaces.is_empty(), "{program}");
         }
         for (name, _) in NAMED {
             assert!(PartFile::builtin_named(name).unwrap().unwrap().bar.is_some(), "{name}");

@@ -2,20 +2,22 @@
 //! Source: spec K1, column GA.
 
 use super::KindRow;
-use crate::defs::kind::{Kind, System};
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Ga,
     axes: PerAxis([true, false, true]),
-    system: System::Mill,
+    system: Kind::Ga.system(),
     home_order: &[Axis::Z, Axis::X, Axis::Y],
     drive_high: Output::TableRotation,
     drive_low: Output::TableRotation,
     tailstock: false,
     magnet: true,
     drive_needs_magnet: true,
+    page_files: &[],
+    variables: &[],
     slow_axis: Axis::Z,
     turns_part: false,
     own_programs: None,

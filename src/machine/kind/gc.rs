@@ -2,20 +2,22 @@
 //! Source: spec K1, column GC.
 
 use super::KindRow;
-use crate::defs::kind::{Kind, System};
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Gc,
     axes: PerAxis([true, false, true]),
-    system: System::LatheA,
+    system: Kind::Gc.system(),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     drive_high: Output::HeadstockHigh,
     drive_low: Output::HeadstockLow,
     tailstock: true,
     magnet: false,
     drive_needs_magnet: false,
+    page_files: &[],
+    variables: &[],
     slow_axis: Axis::X,
     turns_part: false,
     own_programs: None,

@@ -3,20 +3,22 @@
 //! Source: spec superman-lathe.md, seed 001.
 
 use super::KindRow;
-use crate::defs::kind::{Kind, System};
+use crate::defs::kind::Kind;
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
 
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Lathe,
     axes: PerAxis([true, false, true]),
-    system: System::SuperMan,
+    system: Kind::Lathe.system(),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     drive_high: Output::SpindleForward,
     drive_low: Output::SpindleForward,
     tailstock: false,
     magnet: false,
     drive_needs_magnet: false,
+    page_files: &[],
+    variables: &[],
     slow_axis: Axis::X,
     turns_part: true,
     own_programs: Some("lathe"),

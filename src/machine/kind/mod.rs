@@ -33,6 +33,10 @@ pub struct KindRow {
     pub magnet: bool,
     /// Whether what M63 drives carries the part on the magnet (K3.11: the table turns magnetised only).
     pub drive_needs_magnet: bool,
+    /// Numbers of the files of its grinding pages (C0801 …); empty where each program has a page of its own (K7.2).
+    pub page_files: &'static [u32],
+    /// Values that common variables have on a new machine, by number.
+    pub variables: &'static [(u16, f64)],
     /// The axis whose minus direction is slow while the wheel turns (K5.9).
     pub slow_axis: Axis,
     /// Whether its main spindle turns the part and a tool post carries the tools (L7, L8).

@@ -1,19 +1,23 @@
 //! Dialects: how the words of a block become operations. Each is one module; lexer, expressions, flow, operations and
 //! the check are shared.
 
+mod arc;
 mod grinder;
+mod sinumerik;
 mod superman;
 
 pub(crate) use grinder::RepeatWords;
 
 use super::contour::ContourCycle;
-use super::expression::Value;
+use super::expression::{Scope, Value};
 use super::fault::Outcome;
 use super::flow::{Call, ModalCall};
+use super::lexer::Cursor;
 use super::modal::Modals;
 use super::op::Op;
 use super::scope::LiveScope;
 use super::settings::{Settings, System};
+use super::statement::{self, Content, Head};
 use super::words::Words;
 
 /// What a dialect is given to execute a block of words.
@@ -28,6 +32,8 @@ pub(crate) struct Running<'r, 'w> {
     pub text: &'r [u8],
     /// Where the block begins in it.
     pub at: usize,
+    /// The program is the one that was started, not a subprogram.
+    pub main: bool,
     /// The second half of a block that was divided by `Step::Again`.
     pub second_half: bool,
 }
@@ -62,10 +68,27 @@ pub(crate) enum Step {
     End,
 }
 
+/// Reads one block in the language of the machine. Afterwards the cursor stands at the line end, or behind a mark that
+/// another block follows.
+#[inline]
+pub(crate) fn read<S: Scope>(
+    system: System,
+    cursor: &mut Cursor<'_>,
+    scope: &mut S,
+    words: &mut Words,
+    head: Head,
+) -> Outcome<Content> {
+    match system {
+        System::LatheA | System::Mill | System::SuperMan => statement::read(cursor, scope, words, head),
+        System::Sinumerik => sinumerik::read(cursor, scope, words, head),
+    }
+}
+
 /// Executes a block of words in the dialect of the machine kind.
 pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     match running.settings.system {
-        System::LatheA | System::Mill | System::Sinumerik => grinder::run(running),
+        System::LatheA | System::Mill => grinder::run(running),
+        System::Sinumerik => sinumerik::run(running),
         System::SuperMan => superman::run(running),
     }
 }
@@ -73,7 +96,8 @@ pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
 /// Looks at a block of words that is not executed: whether its codes exist.
 pub(crate) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
     match settings.system {
-        System::LatheA | System::Mill | System::Sinumerik => grinder::look(words, settings),
+        System::LatheA | System::Mill => grinder::look(words, settings),
+        System::Sinumerik => sinumerik::look(words),
         System::SuperMan => superman::look(words),
     }
 }

@@ -360,7 +360,7 @@ impl Program {
             ui,
             view,
             Rect::from_min_max(rect.min, pos2(left, rect.max.y)),
-            &format!("O{:04}", document.number),
+            &view.snapshot.title(document.number),
         );
         let state = if document.changed {
             Some((view.say("未保存", "not saved"), view.theme.hold))
@@ -374,7 +374,11 @@ impl Program {
             left = put(ui.painter(), place, Align2::LEFT_CENTER, words, theme::LABEL, ink).max.x + theme::PAD;
         }
         if listing::in_subprogram(program) {
-            let words = format!("{} O{:04}", view.say("正在执行子程序", "running subprogram"), program.block_program);
+            let words = format!(
+                "{} {}",
+                view.say("正在执行子程序", "running subprogram"),
+                view.snapshot.title(program.block_program)
+            );
             let place = Rect::from_min_max(pos2(left, rect.min.y), pos2(right.min.x - theme::PAD, rect.max.y));
             fit(ui.painter(), place, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.info);
         }

@@ -3,7 +3,7 @@
 use super::codes::Plan;
 use super::{AXIS_WORDS, LIMIT, axis_letters, cycle, integer, length, out_of_range};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::Running;
+use crate::nc::dialect::{Running, arc};
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::Motion;
 use crate::nc::op::{AxisSet, Feed, Op, REFERENCES};
@@ -103,8 +103,8 @@ pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
             let feed = feed(running)?;
             running.ops.push(Op::Feed { to, feed, words, incremental });
         }
-        Motion::ArcClockwise => self::arc(running, -1)?,
-        Motion::ArcCounterClockwise => self::arc(running, 1)?,
+        Motion::ArcClockwise => along_arc(running, -1)?,
+        Motion::ArcCounterClockwise => along_arc(running, 1)?,
         Motion::LongitudinalCycle => cycle::longitudinal(running)?,
         Motion::FaceCycle => cycle::face(running)?,
         // Of another language; no code of this one leads there.
@@ -113,7 +113,7 @@ pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     Ok(())
 }
 
-fn arc(running: &mut Running<'_, '_>, turn: i8) -> Outcome<()> {
+fn along_arc(running: &mut Running<'_, '_>, turn: i8) -> Outcome<()> {
     let from = running.scope.position();
     let target = target(running, from)?;
     let plane = running.modals.plane;
@@ -160,12 +160,10 @@ fn by_offsets(
             center[axis] += length(running, word)?;
         }
     }
-    let radius = |point: PerAxis<f64>| (point[first] - center[first]).hypot(point[second] - center[second]);
-    let (start, end) = (radius(from), radius(to));
-    if start <= f64::EPSILON {
+    let (radius, off) = arc::radius_and_miss((from, to), center, running.modals.plane);
+    if radius <= f64::EPSILON {
         return wrong1(first_place(running), E::ArcRadius, "0");
     }
-    let off = (start - end).abs();
     if off > running.settings.arc_tolerance_mm {
         return wrong1(first_place(running), E::ArcEndOff, format!("{off:.3}"));
     }
@@ -180,22 +178,11 @@ fn by_radius(
     turn: i8,
 ) -> Outcome<PerAxis<f64>> {
     let radius = length(running, word)?;
-    let (first, second) = running.modals.plane.axes();
-    let (a, b) = (to[first] - from[first], to[second] - from[second]);
-    let chord = a.hypot(b);
-    let half = chord / 2.0;
-    // A half circle may miss its radius by the rounding of the text.
-    let too_small = radius.abs() + running.settings.arc_tolerance_mm < half;
-    if chord <= 1e-9 || radius.abs() <= f64::EPSILON || too_small {
-        return wrong1(word.at as usize, E::ArcRadius, format!("R{}", word.value));
+    let tolerance = running.settings.arc_tolerance_mm;
+    match arc::centre_by_radius((from, to), running.modals.plane, turn, radius, tolerance) {
+        Some(center) => Ok(center),
+        None => wrong1(word.at as usize, E::ArcRadius, format!("R{}", word.value)),
     }
-    let height = (radius * radius - half * half).max(0.0).sqrt();
-    // The centre lies to the left of the way for a counter-clockwise minor arc; R below zero is the major arc.
-    let side = f64::from(turn) * radius.signum();
-    let mut center = from;
-    center[first] = (from[first] + to[first]) / 2.0 - side * height * b / chord;
-    center[second] = (from[second] + to[second]) / 2.0 + side * height * a / chord;
-    Ok(center)
 }
 
 /// G04: P milliseconds, X or U seconds.

@@ -1,0 +1,137 @@
+//! Compensation of the screws: what is added to a set-point so that the slide stands where it is told to, whatever its
+//! screw does. Backlash is taken up after a reversal by a ramp with limited speed and acceleration, never in one tick.
+//! Source: spec B7, S6.
+
+use super::axes::MINUTE;
+use crate::defs::param::{self, Params};
+use crate::defs::screw::ScrewTable;
+use crate::units::{Axis, PerAxis};
+
+/// The share of an axis' acceleration that compensation may take beside the move itself.
+const SHARE: f64 = 0.5;
+
+/// The screws of all axes.
+#[derive(Clone, Debug)]
+pub struct Compensation {
+    tables: PerAxis<ScrewTable>,
+    /// P50 to P52, mm.
+    backlash_mm: PerAxis<f64>,
+    speed_mm_s: f64,
+    acceleration_mm_s2: PerAxis<f64>,
+    tick_s: f64,
+    /// What is added now, and how fast that changes.
+    applied_mm: PerAxis<f64>,
+    velocity_mm_s: PerAxis<f64>,
+}
+
+impl Compensation {
+    /// The screws at power-on: nothing is added yet.
+    #[must_use]
+    pub fn new(tables: PerAxis<ScrewTable>, params: &Params, tick_s: f64) -> Self {
+        let mut compensation = Self {
+            tables,
+            backlash_mm: PerAxis::default(),
+            speed_mm_s: 0.0,
+            acceleration_mm_s2: PerAxis::default(),
+            tick_s,
+            applied_mm: PerAxis::default(),
+            velocity_mm_s: PerAxis::default(),
+        };
+        compensation.configure(params);
+        compensation
+    }
+
+    /// Takes over changed parameters.
+    pub fn configure(&mut self, params: &Params) {
+        self.backlash_mm = PerAxis::from_fn(|axis| params.of_axis(param::BACKLASH_X, axis));
+        self.speed_mm_s = params.get(param::COMPENSATION_SPEED) / MINUTE;
+        self.acceleration_mm_s2 = PerAxis::from_fn(|axis| SHARE * params.of_axis(param::ACCELERATION_X, axis));
+    }
+
+    /// Another table for an axis.
+    pub fn set_table(&mut self, axis: Axis, table: ScrewTable) {
+        self.tables[axis] = table;
+    }
+
+    /// The table of an axis.
+    #[must_use]
+    pub fn table(&self, axis: Axis) -> &ScrewTable {
+        &self.tables[axis]
+    }
+
+    /// What is added to the set-point of each axis now, mm.
+    #[must_use]
+    pub const fn applied_mm(&self) -> PerAxis<f64> {
+        self.applied_mm
+    }
+
+    /// What an axis needs at a place. The table counts from homing on: before, nobody knows the place.
+    fn needed_mm(&self, axis: Axis, at_mm: f64, minus: bool, homed: bool) -> f64 {
+        let table = &self.tables[axis];
+        let (play, pitch) = if homed { (table.backlash_mm(at_mm), table.pitch_mm(at_mm)) } else { (0.0, 0.0) };
+        let play = if minus { play + self.backlash_mm[axis] } else { 0.0 };
+        -(play + pitch)
+    }
+
+    /// One tick of an axis that is told to stand at a place, having come there in the minus direction or not.
+    pub fn step(&mut self, axis: Axis, at_mm: f64, minus: bool, homed: bool) {
+        let rest = self.needed_mm(axis, at_mm, minus, homed) - self.applied_mm[axis];
+        let most = self.acceleration_mm_s2[axis] * self.tick_s;
+        // As fast as it may be and still stop at the end: n ticks of v, v − most, … are n·v − n(n − 1)/2·most.
+        let whole = rest.abs() / self.tick_s;
+        let ticks = (((1.0 + 8.0 * whole / most).sqrt() - 1.0) / 2.0).ceil().max(1.0);
+        let brake = whole / ticks + most * (ticks - 1.0) / 2.0;
+        let wanted = brake.min(self.speed_mm_s).copysign(rest);
+        let velocity = self.velocity_mm_s[axis];
+        let velocity = wanted.clamp(velocity - most, velocity + most);
+        self.velocity_mm_s[axis] = velocity;
+        self.applied_mm[axis] += velocity * self.tick_s;
+    }
+
+    /// The place of an axis has become known: what it needs there counts as added, and the axis does not move. Gives what
+    /// came on top.
+    pub fn settle(&mut self, axis: Axis, at_mm: f64, minus: bool) -> f64 {
+        let needed = self.needed_mm(axis, at_mm, minus, true);
+        let more = needed - self.applied_mm[axis];
+        (self.applied_mm[axis], self.velocity_mm_s[axis]) = (needed, 0.0);
+        more
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+
+    #[test]
+    fn b7_backlash_is_taken_up_by_a_ramp_with_limited_speed_and_acceleration() {
+        let mut params = Params::factory(Kind::Gc);
+        params.write(param::BACKLASH_X.address(), 0.03).unwrap();
+        let mut screw = Compensation::new(PerAxis::default(), &params, 0.001);
+        let (mut before, mut speed, mut ticks) = (0.0, 0.0, 0);
+        while (screw.applied_mm()[Axis::X] + 0.03).abs() > 1e-9 {
+            screw.step(Axis::X, -50.0, true, false);
+            let now = screw.applied_mm()[Axis::X];
+            let velocity = (now - before) / 0.001;
+            assert!(velocity.abs() <= 10.0 + 1e-9, "P99 600 mm/min: {velocity}");
+            assert!((velocity - speed).abs() <= 0.5 * 800.0 * 0.001 + 1e-9, "half of P33: {velocity} after {speed}");
+            assert!(now >= -0.03 - 1e-12, "it does not shoot over");
+            (before, speed, ticks) = (now, velocity, ticks + 1);
+            assert!(ticks < 100, "{now}");
+        }
+        // 2 · √(0.03/400) = 17.3 ms, and a few ticks at the end.
+        assert!((17..=25).contains(&ticks), "{ticks}");
+    }
+
+    #[test]
+    fn b7_the_table_counts_from_homing_on() {
+        let table = ScrewTable::parse("-100,0.04,0.01\n0,0,0").unwrap();
+        let params = Params::factory(Kind::Gc);
+        let screw = Compensation::new(PerAxis([table.clone(), ScrewTable::default(), table]), &params, 0.001);
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(close(screw.needed_mm(Axis::X, -50.0, true, false), 0.0));
+        assert!(close(screw.needed_mm(Axis::X, -50.0, true, true), -0.025));
+        assert!(close(screw.needed_mm(Axis::X, -50.0, false, true), -0.005));
+        assert!(close(screw.needed_mm(Axis::Y, -50.0, true, true), 0.0));
+    }
+}

@@ -1,0 +1,78 @@
+//! How programs are named: `O1001` by number, `L10` and names as the SINUMERIK has them. Inside the control each has one
+//! number, which its name gives for good. Source: spec B1, S1.
+
+/// First number of the subprograms `L0` to `L9999999`.
+const L_FIRST: u32 = 10_000_000;
+/// The highest number after L.
+pub const L_LAST: u32 = 9_999_999;
+/// Numbers from here on stand for names.
+const NAMED: u32 = 1 << 31;
+
+/// The number of the subprogram `L n`.
+#[must_use]
+pub const fn of_l(n: u32) -> u32 {
+    L_FIRST + n
+}
+
+/// Whether a number stands for a name that only its file tells.
+#[must_use]
+pub const fn is_named(number: u32) -> bool {
+    number >= NAMED
+}
+
+/// The number of a program named like this: `O1001`, `L10`, `VGRIND`, in either case.
+#[must_use]
+pub fn number(name: &str) -> u32 {
+    let digits = |rest: &str| rest.parse::<u32>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
+    let upper = name.to_ascii_uppercase();
+    if let Some(n) = upper.strip_prefix('O').filter(|rest| rest.len() == 4).and_then(digits) {
+        return n;
+    }
+    if let Some(n) = upper.strip_prefix('L').and_then(digits).filter(|n| *n <= L_LAST) {
+        return of_l(n);
+    }
+    // FNV-1a: two of a folder's few dozen names meet once in a hundred million folders.
+    let hash = upper.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+    NAMED | hash
+}
+
+/// Whether a word can be the name of a program: two letters or `_`, or L, then digits.
+#[must_use]
+pub fn is_name(word: &str) -> bool {
+    let bytes = word.as_bytes();
+    let letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
+    let l = matches!(bytes.first(), Some(b'L' | b'l')) && bytes.get(1).is_some_and(u8::is_ascii_digit);
+    (l || bytes.len() >= 2 && bytes.iter().take(2).all(letter))
+        && bytes.iter().all(|byte| letter(byte) || byte.is_ascii_digit())
+}
+
+/// What a number is called: `O1001`, `L10`; of a named program only that it is one.
+#[must_use]
+pub fn title(number: u32) -> String {
+    match number {
+        NAMED.. => "MPF".to_owned(),
+        L_FIRST.. => format!("L{}", number - L_FIRST),
+        _ => format!("O{number:04}"),
+    }
+}
+
+/// A file's name without folder and extension.
+#[must_use]
+pub fn stem(file: &str) -> &str {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn s1_names_have_one_number_for_good() {
+        assert_eq!((number("O1001"), number("o1001")), (1001, 1001));
+        assert_eq!((number("L10"), number("l10"), title(number("L10"))), (of_l(10), of_l(10), "L10".to_owned()));
+        assert!(is_named(number("VGRIND")) && number("VGRIND") == number("vgrind"));
+        assert!(number("VGRIND") != number("PRINTED") && !is_named(of_l(L_LAST)));
+        assert_eq!(stem("programs/802d/VGRIND.MPF"), "VGRIND");
+    }
+}

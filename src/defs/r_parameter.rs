@@ -1,0 +1,58 @@
+//! What variables are called. There is one memory of common variables; the R parameters of the SINUMERIK are the part of
+//! it from #600 on, so that they are kept, shown and edited as all others. Source: spec B3, S1, S2.
+
+use super::kind::{Kind, System};
+
+/// The common variable of R0.
+const R_FIRST: u32 = 600;
+/// How many R parameters there are.
+pub const R_COUNT: u32 = 300;
+
+/// The common variable of the parameter R n.
+#[must_use]
+pub const fn of_r(n: u32) -> Option<u32> {
+    if n < R_COUNT { Some(R_FIRST + n) } else { None }
+}
+
+/// What a variable is called where programs are written in this language.
+#[must_use]
+pub fn name(number: u32, system: System) -> String {
+    match system {
+        System::Sinumerik if (R_FIRST..R_FIRST + R_COUNT).contains(&number) => format!("R{}", number - R_FIRST),
+        System::LatheA | System::Mill | System::Sinumerik | System::SuperMan => format!("#{number}"),
+    }
+}
+
+/// What a variable is called on a kind of machine.
+#[must_use]
+pub fn name_on(number: u32, kind: Kind) -> String {
+    name(number, kind.system())
+}
+
+/// The variable of a word: `#500`, `R18`.
+#[must_use]
+pub fn parse(word: &str) -> Option<u16> {
+    let digits = |rest: &str| rest.parse::<u16>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
+    match word.strip_prefix('#') {
+        Some(rest) => digits(rest),
+        None => {
+            word.strip_prefix(['R', 'r']).and_then(digits).and_then(|n| of_r(u32::from(n))).map(|number| number as u16)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn s1_r_parameters_have_names_of_their_own() {
+        assert_eq!(
+            (parse("R18"), parse("r0"), parse("R299"), parse("R300"), parse("#618")),
+            (Some(618), Some(600), Some(899), None, Some(618))
+        );
+        assert_eq!((name(618, System::Sinumerik), name(618, System::Mill)), ("R18".to_owned(), "#618".to_owned()));
+        assert_eq!(name(500, System::Sinumerik), "#500");
+        assert!(parse("R").is_none() && parse("R-1").is_none() && parse("18").is_none());
+    }
+}

@@ -1,0 +1,176 @@
+//! The table of a ball screw: backlash and pitch error over position, as a laser or a dial gauge has found them, and the
+//! text that carries it. Source: spec B7, S6.
+
+use std::sync::Arc;
+
+use super::text::Said;
+
+/// Most points of a table.
+pub const MOST_POINTS: usize = 100;
+/// The greatest backlash, mm.
+const BACKLASH_MOST_MM: f64 = 2.0;
+/// The greatest pitch error either way, mm.
+const PITCH_MOST_MM: f64 = 2.0;
+/// The farthest position, mm.
+const POSITION_MOST_MM: f64 = 9_999.0;
+/// The steepest rise between two points, mm a mm: what compensates must stay far slower than the axis.
+const STEEPEST: f64 = 0.02;
+
+/// One measured place: machine coordinate, slide travel (a radius on X), all mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Where.
+    pub at_mm: f64,
+    /// The play that the screw takes up before it moves the slide in the minus direction.
+    pub backlash_mm: f64,
+    /// How far the slide stands off towards plus.
+    pub pitch_mm: f64,
+}
+
+/// A table; without points the screw counts as true.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ScrewTable {
+    points: Arc<[Point]>,
+}
+
+/// What is wrong with the text of a table.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {}", .said.en)]
+pub struct ScrewFault {
+    /// Line, from 1.
+    pub line: u32,
+    /// The fault and what to do.
+    pub said: Said,
+}
+
+impl ScrewTable {
+    /// Reads a table: a line a point, `position, backlash[, pitch error]` in mm, positions rising; `#` begins a comment, a
+    /// first row without numbers is a heading.
+    ///
+    /// # Errors
+    /// The first line that is not of the form.
+    pub fn parse(text: &str) -> Result<Self, ScrewFault> {
+        let (mut points, mut rows): (Vec<Point>, u32) = (Vec::new(), 0);
+        for (index, whole) in text.trim_start_matches('\u{feff}').lines().enumerate() {
+            let line = index as u32 + 1;
+            let wrong = |zh: String, en: String| Err(ScrewFault { line, said: Said::new(zh, en) });
+            let row = whole.split('#').next().unwrap_or_default().trim();
+            rows += u32::from(!row.is_empty());
+            if row.is_empty() || rows == 1 && !row.contains(|sign: char| sign.is_ascii_digit()) {
+                continue;
+            }
+            let point = match point(row) {
+                Ok(point) => point,
+                Err((zh, en)) => return wrong(zh, en),
+            };
+            if let Some(last) = points.last() {
+                if point.at_mm <= last.at_mm {
+                    return wrong("位置必须逐行增大".into(), "positions must rise from line to line".into());
+                }
+                let steep = |a: f64, b: f64| (a - b).abs() > STEEPEST * (point.at_mm - last.at_mm);
+                if steep(point.backlash_mm, last.backlash_mm) || steep(point.pitch_mm, last.pitch_mm) {
+                    let zh = format!("与上一行相差太大，每毫米不超过 {STEEPEST} mm");
+                    return wrong(zh, format!("too steep after the line before: at most {STEEPEST} mm a mm"));
+                }
+            }
+            if points.len() == MOST_POINTS {
+                return wrong(format!("多于 {MOST_POINTS} 点"), format!("more than {MOST_POINTS} points"));
+            }
+            points.push(point);
+        }
+        Ok(Self { points: points.into() })
+    }
+
+    /// The text of the table.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let row = |point: &Point| format!("{},{},{}\n", point.at_mm, point.backlash_mm, point.pitch_mm);
+        self.points.iter().map(row).collect()
+    }
+
+    /// The points, by position.
+    #[must_use]
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// The play at a place, mm.
+    #[must_use]
+    pub fn backlash_mm(&self, at_mm: f64) -> f64 {
+        self.between(at_mm, |point| point.backlash_mm)
+    }
+
+    /// The pitch error at a place, mm.
+    #[must_use]
+    pub fn pitch_mm(&self, at_mm: f64) -> f64 {
+        self.between(at_mm, |point| point.pitch_mm)
+    }
+
+    /// A value between the points; level beyond the first and the last.
+    fn between(&self, at_mm: f64, value: fn(&Point) -> f64) -> f64 {
+        let after = self.points.partition_point(|point| point.at_mm < at_mm);
+        match (after.checked_sub(1).and_then(|before| self.points.get(before)), self.points.get(after)) {
+            (None, None) => 0.0,
+            (Some(only), None) | (None, Some(only)) => value(only),
+            (Some(a), Some(b)) => {
+                let share = (at_mm - a.at_mm) / (b.at_mm - a.at_mm);
+                value(a) + (value(b) - value(a)) * share
+            }
+        }
+    }
+}
+
+fn point(row: &str) -> Result<Point, (String, String)> {
+    let columns: Vec<&str> = row.split([',', ';', '\t']).map(str::trim).collect();
+    if !(2..=3).contains(&columns.len()) {
+        let zh = "每行应为：位置,反向间隙[,螺距误差]".to_owned();
+        return Err((zh, "a line reads: position, backlash[, pitch error]".to_owned()));
+    }
+    let number = |text: &str, low: f64, high: f64| match text.parse::<f64>() {
+        Ok(value) if (low..=high).contains(&value) => Ok(value),
+        Ok(value) => {
+            Err((format!("{value} 超出范围 {low}…{high} mm"), format!("{value} is out of range {low}…{high} mm")))
+        }
+        Err(_) => Err((format!("“{text}” 不是数字"), format!("'{text}' is not a number"))),
+    };
+    Ok(Point {
+        at_mm: number(columns[0], -POSITION_MOST_MM, POSITION_MOST_MM)?,
+        backlash_mm: number(columns[1], 0.0, BACKLASH_MOST_MM)?,
+        pitch_mm: columns.get(2).map_or(Ok(0.0), |text| number(text, -PITCH_MOST_MM, PITCH_MOST_MM))?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b7_a_table_is_read_between_its_points_and_level_beyond_them() {
+        let table =
+            ScrewTable::parse("# X\n位置,间隙,螺距\n-100, 0.03, -0.01\n0;0.01\n# 注释\n100\t0.02\t0.004\n").unwrap();
+        assert_eq!(table.points().len(), 3);
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(close(table.backlash_mm(-50.0), 0.02) && close(table.pitch_mm(-50.0), -0.005));
+        assert!(close(table.backlash_mm(-500.0), 0.03) && close(table.backlash_mm(500.0), 0.02));
+        assert!(close(table.backlash_mm(0.0), 0.01) && close(table.pitch_mm(50.0), 0.002));
+        assert!(close(ScrewTable::default().backlash_mm(5.0), 0.0));
+        assert_eq!(ScrewTable::parse(&table.text()), Ok(table));
+    }
+
+    #[test]
+    fn b7_a_wrong_table_is_refused_with_its_line() {
+        for (text, line, said) in [
+            ("0,0.01\n5", 2, "a line reads: position, backlash[, pitch error]"),
+            ("0,x", 1, "'x' is not a number"),
+            ("0,0.01\n\n0,0.02", 3, "positions must rise from line to line"),
+            ("0,-0.01", 1, "-0.01 is out of range 0…2 mm"),
+            ("0,0\n1,0.03", 2, "too steep after the line before: at most 0.02 mm a mm"),
+            ("0,0,inf", 1, "inf is out of range -2…2 mm"),
+        ] {
+            let fault = ScrewTable::parse(text).unwrap_err();
+            assert_eq!((fault.line, fault.said.en.as_str()), (line, said), "{text}");
+        }
+        let long: String = (0..=MOST_POINTS).map(|at| format!("{at},0.01\n")).collect();
+        assert_eq!(ScrewTable::parse(&long).unwrap_err().line, 101);
+    }
+}

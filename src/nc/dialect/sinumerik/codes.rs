@@ -1,0 +1,120 @@
+//! The G codes: each looked up, none ignored. Source: spec S1.
+
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::Running;
+use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::modal::Motion;
+use crate::nc::op::{PathMode, Plane, SpeedMode};
+use crate::nc::words::{Code, Words};
+
+/// Codes of one group exclude each other in a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Group {
+    /// G0 to G3.
+    Motion,
+    /// G4.
+    Once,
+    /// G18.
+    Plane,
+    /// G54 to G59.
+    Frame,
+    /// G60 exact stop, G64 continuous.
+    Path,
+    /// G90, G91.
+    Distance,
+    /// G94 to G97: one group on this control; G96 and G97 leave the unit of F here.
+    Feed,
+}
+
+/// What the G codes of a block ask for; modal ones are already in the working copy of the modals.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Plan {
+    /// G4.
+    pub dwell: Option<Code>,
+    /// G60 or G64 stands in the block.
+    pub path: bool,
+    /// G54–G59 stands in the block.
+    pub frame: bool,
+    /// A function of the group of motions stands in the block.
+    pub motion: Option<Code>,
+}
+
+const fn group(code: u32) -> Option<Group> {
+    Some(match code {
+        0..=3 => Group::Motion,
+        4 => Group::Once,
+        18 => Group::Plane,
+        54..=59 => Group::Frame,
+        60 | 64 => Group::Path,
+        90 | 91 => Group::Distance,
+        94..=97 => Group::Feed,
+        _ => return None,
+    })
+}
+
+fn look_up(code: Code) -> Outcome<Group> {
+    match group(code.number) {
+        Some(group) => Ok(group),
+        None => wrong1(code.at as usize, E::UnknownG, format!("G{}", code.number)),
+    }
+}
+
+/// Looks at the codes of a block that is not executed.
+pub(in crate::nc::dialect) fn look(words: &Words) -> Outcome<()> {
+    words.g().iter().try_for_each(|code| look_up(*code).map(drop))?;
+    match words.m().iter().find(|code| !super::is_known(code.number)) {
+        Some(code) => wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
+        None => Ok(()),
+    }
+}
+
+/// Reads the G codes.
+pub(super) fn read(running: &mut Running<'_, '_>) -> Outcome<Plan> {
+    let mut plan = Plan::default();
+    let words = running.words;
+    for (index, code) in words.g().iter().enumerate() {
+        let group = look_up(*code)?;
+        let before = words.g()[..index].iter().find(|before| self::group(before.number) == Some(group));
+        // G96 stands beside G95 in many programs: it takes the feed per revolution along.
+        if let Some(before) = before {
+            let [first, second] = [before, code].map(|code| format!("G{}", code.number));
+            return wrong2(code.at as usize, E::DoubleGroup, first, second);
+        }
+        apply(running, &mut plan, group, *code);
+    }
+    Ok(plan)
+}
+
+fn apply(running: &mut Running<'_, '_>, plan: &mut Plan, group: Group, code: Code) {
+    let modals = &mut *running.modals;
+    match group {
+        Group::Motion => {
+            plan.motion = Some(code);
+            modals.motion = Motion::from_g(code.number).unwrap_or_default();
+        }
+        Group::Once => plan.dwell = Some(code),
+        Group::Plane => modals.plane = Plane::Zx,
+        Group::Frame => {
+            plan.frame = true;
+            modals.frame = code.number as u8;
+        }
+        Group::Path => {
+            plan.path = true;
+            let tolerance_mm = running.settings.tolerance_mm;
+            modals.path = if code.number == 60 { PathMode::ExactStop } else { PathMode::Continuous { tolerance_mm } };
+        }
+        Group::Distance => modals.incremental = code.number == 91,
+        Group::Feed => match code.number {
+            96 => modals.speed_mode = SpeedMode::SurfaceSpeed,
+            97 => modals.speed_mode = modals.rotation,
+            number => {
+                let per_rev = number == 95;
+                if per_rev != modals.per_rev {
+                    // 100 mm/min must not become 100 mm a revolution; a new F is asked for.
+                    modals.feed = None;
+                }
+                modals.per_rev = per_rev;
+            }
+        },
+    }
+}

@@ -1,0 +1,209 @@
+//! The language of the SINUMERIK 802D, as the vertical lathe-grinder's programs use it: R parameters, `X=R20`, labels,
+//! `IF … GOTOF`, `MSG("…")`, `L10 P3`.
+//!
+//! `read` turns a line into words or a statement, `expression` evaluates, `codes` looks the codes up, `motion` makes
+//! operations. Within a block: values of R, modes and frame, S, M codes that start something, the move or dwell, M codes
+//! that stop something, then the call or the return. Source: spec S1.
+
+mod codes;
+mod expression;
+mod motion;
+mod read;
+
+pub(super) use self::codes::look;
+pub(super) use self::read::read;
+
+use self::codes::Plan;
+use super::{Running, Step};
+use crate::defs::kind::System;
+use crate::defs::mcode;
+use crate::defs::program::{self, L_LAST};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::expression::whole;
+use crate::nc::fault::{Outcome, Stop, wrong1, wrong2};
+use crate::nc::flow::{Call, Callee};
+use crate::nc::op::Op;
+use crate::nc::words::{Code, Word};
+
+/// The greatest coordinate, feed or speed that can be written.
+const LIMIT: f64 = 99_999.999;
+/// How often a subprogram can be repeated.
+const REPEATS: u32 = 9_999;
+/// The word of `CR=`; R itself is never a word.
+const RADIUS: u8 = b'R';
+/// `RET` among the M codes.
+const RETURN: u32 = 17;
+
+/// Executes a block of words.
+pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
+    let plan = codes::read(running)?;
+    if let Some(at) = running.words.double {
+        let letter = running.text.get(at as usize).copied().unwrap_or(b'?');
+        return wrong1(at as usize, E::DoubleWord, char::from(letter).to_ascii_uppercase());
+    }
+    if let Some(call) = running.words.take(b'L') {
+        return subprogram(running, &plan, call);
+    }
+    modes(running, &plan)?;
+    if running.second_half || !(plan.frame && motion::names_axes(running)) {
+        return rest(running, &plan);
+    }
+    // The rest is rehearsed, so that a mistake in it refuses the whole block; its arcs begin elsewhere later.
+    let (kept, modals) = (running.ops.len(), *running.modals);
+    match rest(running, &plan) {
+        Err(stop) if !starts_elsewhere(&stop) => return Err(stop),
+        Ok(_) | Err(_) => {}
+    }
+    running.ops.truncate(kept);
+    *running.modals = modals;
+    Ok(Step::Again)
+}
+
+fn starts_elsewhere(stop: &Stop) -> bool {
+    matches!(stop, Stop::Wrong(wrong) if matches!(wrong.error, E::ArcEndOff | E::ArcRadius))
+}
+
+/// Everything behind the modes and the frame.
+fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
+    if plan.dwell.is_none()
+        && let Some(word) = running.words.take(b'S')
+    {
+        let value = within(word, 0.0)?;
+        running.modals.speed = Some(value);
+        running.ops.push(Op::S { value, mode: running.modals.speed_mode });
+    }
+    let flow = m_codes(running, false)?;
+    match plan.dwell {
+        Some(code) => motion::dwell(running, code)?,
+        None => motion::modal(running, plan)?,
+    }
+    m_codes(running, true)?;
+    match running.words.unused() {
+        Some(word) => unknown_word(running, word),
+        None => Ok(flow),
+    }
+}
+
+/// Feed, path mode and frame.
+fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
+    if plan.dwell.is_none()
+        && let Some(word) = running.words.take(b'F')
+    {
+        if word.value <= 0.0 {
+            return out_of_range(word, "0–99999.999");
+        }
+        running.modals.feed = Some(within(word, 0.0)?);
+    }
+    if running.second_half {
+        return Ok(());
+    }
+    if plan.path {
+        running.ops.push(Op::Path(running.modals.path));
+    }
+    if plan.frame {
+        running.ops.push(Op::Frame { g: running.modals.frame });
+    }
+    Ok(())
+}
+
+/// `L10 P3`: a subprogram, so often; P=0 not at all. It stands in a block of its own.
+fn subprogram(running: &Running<'_, '_>, plan: &Plan, call: Word) -> Outcome<Step> {
+    let words = running.words;
+    let times = words.take(b'P').map_or(Ok(1), |word| integer(word, 0, REPEATS))?;
+    let program = program::of_l(integer(call, 0, L_LAST)?);
+    let name = || format!("L{}", call.value);
+    if let Some(code) = words.g().first() {
+        return wrong2(code.at as usize, E::NotTogether, name(), format!("G{}", code.number));
+    }
+    if let Some(code) = words.m().first() {
+        return wrong2(code.at as usize, E::NotTogether, name(), format!("M{}", code.number));
+    }
+    if let Some(word) = words.unused() {
+        return wrong2(word.at as usize, E::NotTogether, name(), letter(word));
+    }
+    debug_assert!(!plan.frame && !plan.path, "without G codes there is nothing to change");
+    let at = call.at as usize;
+    Ok(match times {
+        0 => Step::Next,
+        times => Step::Call(Call { program, times, callee: Callee::Sub, at }),
+    })
+}
+
+/// Codes that act when the axes have arrived.
+const fn acts_after_motion(code: u32) -> bool {
+    matches!(code, 0 | 1 | 2 | 5 | 9 | RETURN | 30 | 31 | 33 | 65)
+}
+
+/// Checks and hands out the M codes that act before (or after) the move, and says where the program goes on.
+fn m_codes(running: &mut Running<'_, '_>, after: bool) -> Outcome<Step> {
+    let words = running.words;
+    let mut flow = Step::Next;
+    for code in words.m() {
+        if !is_known(code.number) {
+            return wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number));
+        }
+        if let (2 | RETURN | 30, Some(other)) = (code.number, words.m().iter().find(|other| other.at != code.at)) {
+            let [first, second] = [code, other].map(|code| format!("M{}", code.number));
+            return wrong2(code.at as usize, E::NotTogether, first, second);
+        }
+        flow = match code.number {
+            // A subprogram's end of any kind but M30 leads back to its caller.
+            2 | RETURN if !running.main => Step::Return { target: None, at: code.at as usize },
+            2 | RETURN | 30 => Step::End,
+            _ => flow,
+        };
+        if after == acts_after_motion(code.number) {
+            hand_out(running, *code);
+        }
+    }
+    Ok(flow)
+}
+
+fn hand_out(running: &mut Running<'_, '_>, code: Code) {
+    let code = match code.number {
+        2 | RETURN if !running.main => return,
+        RETURN => 2,
+        number => number as u8,
+    };
+    running.modals.m = Some(code);
+    running.ops.push(Op::M { code, s: None, p: None, l: None });
+}
+
+/// M codes of the machine that need no words, and M17.
+fn is_known(code: u32) -> bool {
+    let flow = matches!(code, 20..=22 | 35 | 36 | 91 | 92 | 98 | 99);
+    code == RETURN || !flow && u16::try_from(code).is_ok_and(|code| mcode::find_in(System::Sinumerik, code).is_some())
+}
+
+/// A word that must be a whole number in a range.
+fn integer(word: Word, low: u32, high: u32) -> Outcome<u32> {
+    match whole(word.value) {
+        None => wrong1(word.at as usize, E::NotWhole, letter(word)),
+        Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
+        Some(_) => out_of_range(word, &format!("{low}–{high}")),
+    }
+}
+
+/// A word's value from `low` to the greatest that can be written.
+fn within(word: Word, low: f64) -> Outcome<f64> {
+    if (low..=LIMIT).contains(&word.value) { Ok(word.value) } else { out_of_range(word, "0–99999.999") }
+}
+
+/// The address of a word as written.
+fn letter(word: Word) -> String {
+    if word.letter == RADIUS { "CR".to_owned() } else { char::from(word.letter).to_string() }
+}
+
+#[cold]
+fn out_of_range<T>(word: Word, range: &str) -> Outcome<T> {
+    wrong2(word.at as usize, E::OutOfRange, format!("{}{}", letter(word), word.value), range)
+}
+
+/// The word as written, up to the next blank.
+#[cold]
+fn unknown_word<T>(running: &Running<'_, '_>, word: Word) -> Outcome<T> {
+    let at = word.at as usize;
+    let rest = running.text.get(at..).unwrap_or_default();
+    let length = rest.iter().position(|byte| matches!(byte, b' ' | b'\t' | b'\r' | b'\n' | b';')).unwrap_or(rest.len());
+    wrong1(at, E::UnknownWord, String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase())
+}

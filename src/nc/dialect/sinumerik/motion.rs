@@ -1,0 +1,166 @@
+//! Lines, arcs and dwell. X is a diameter, also under G91; I and K are distances from the start, I a radius.
+//! Source: spec S1.
+
+use super::codes::Plan;
+use super::{LIMIT, RADIUS, letter, out_of_range, within};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::{Running, arc};
+use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::nc::modal::Motion;
+use crate::nc::op::{AxisSet, Feed, Op, SpeedMode};
+use crate::nc::words::{Code, Word};
+use crate::units::{Axis, PerAxis};
+
+/// Seconds of a minute.
+const MINUTE_S: f64 = 60.0;
+
+/// The end of a move.
+struct Target {
+    to: PerAxis<f64>,
+    words: AxisSet,
+    incremental: AxisSet,
+}
+
+const fn address(axis: Axis) -> u8 {
+    match axis {
+        Axis::X => b'X',
+        Axis::Y => b'Y',
+        Axis::Z => b'Z',
+    }
+}
+
+/// Whether the block names an axis.
+pub(super) fn names_axes(running: &Running<'_, '_>) -> bool {
+    Axis::ALL.into_iter().any(|axis| running.words.has(address(axis)))
+}
+
+/// A length of an axis as radius mm.
+fn axis_value(running: &Running<'_, '_>, axis: Axis, word: Word) -> Outcome<f64> {
+    if !running.settings.axes[axis] {
+        return wrong1(word.at as usize, E::NoAxis, axis.letter());
+    }
+    if word.value.abs() > LIMIT {
+        return out_of_range(word, "±99999.999");
+    }
+    Ok(if axis == Axis::X && running.settings.diameter { word.value / 2.0 } else { word.value })
+}
+
+/// Where the axis words of the block lead.
+fn target(running: &Running<'_, '_>) -> Outcome<Target> {
+    let from = running.scope.position();
+    let incremental = running.modals.incremental;
+    let mut target = Target { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
+    for axis in Axis::ALL {
+        let Some(word) = running.words.take(address(axis)) else { continue };
+        let value = axis_value(running, axis, word)?;
+        target.words.insert(axis);
+        if incremental {
+            target.incremental.insert(axis);
+        }
+        target.to[axis] = if incremental { from[axis] + value } else { value };
+    }
+    Ok(target)
+}
+
+/// The first axis word of the block, else its first code.
+fn first_place(running: &Running<'_, '_>) -> usize {
+    let words = running.words;
+    let axis = words.list().iter().find(|word| Axis::ALL.into_iter().any(|axis| address(axis) == word.letter));
+    axis.map_or_else(|| words.g().first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
+}
+
+fn feed(running: &Running<'_, '_>) -> Outcome<Feed> {
+    match running.modals.feed() {
+        Some(feed) => Ok(feed),
+        None => wrong(first_place(running), E::FeedMissing),
+    }
+}
+
+/// The move of G0 to G3.
+pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
+    let centre = [b'I', b'J', b'K'].into_iter().any(|letter| running.words.has(letter));
+    let is_arc = matches!(running.modals.motion, Motion::ArcClockwise | Motion::ArcCounterClockwise);
+    if !(names_axes(running) || is_arc && centre) {
+        return match running.words.look(RADIUS) {
+            // An arc by radius has no end of its own.
+            Some(word) if is_arc && plan.motion.is_some() => {
+                wrong1(word.at as usize, E::ArcRadius, format!("CR={}", word.value))
+            }
+            Some(_) | None => Ok(()),
+        };
+    }
+    let op = match running.modals.motion {
+        Motion::Feed => {
+            let Target { to, words, incremental } = target(running)?;
+            Op::Feed { to, feed: feed(running)?, words, incremental }
+        }
+        Motion::ArcClockwise => along_arc(running, -1)?,
+        Motion::ArcCounterClockwise => along_arc(running, 1)?,
+        // G0; what the other languages have beside it never comes into force here.
+        _ => {
+            let Target { to, words, incremental } = target(running)?;
+            Op::Rapid { to, words, incremental }
+        }
+    };
+    running.ops.push(op);
+    Ok(())
+}
+
+fn along_arc(running: &Running<'_, '_>, turn: i8) -> Outcome<Op> {
+    let from = running.scope.position();
+    let Target { to, words, incremental } = target(running)?;
+    let plane = running.modals.plane;
+    let (first, second) = plane.axes();
+    if let Some(outside) = words.iter().find(|axis| *axis != first && *axis != second) {
+        return wrong1(first_place(running), E::AxisOutsidePlane, outside.letter());
+    }
+    let feed = feed(running)?;
+    let distance = |letter| running.words.take(letter);
+    let offsets = [(Axis::X, distance(b'I')), (Axis::Z, distance(b'K'))];
+    let given = offsets.iter().find_map(|(_, word)| *word);
+    let center = match (given, running.words.take(RADIUS)) {
+        (None, None) => return wrong(first_place(running), E::ArcWithoutCentre),
+        (Some(other), Some(radius)) => return wrong2(radius.at as usize, E::NotTogether, "CR", letter(other)),
+        (None, Some(word)) => {
+            let tolerance = running.settings.arc_tolerance_mm;
+            match arc::centre_by_radius((from, to), plane, turn, word.value, tolerance) {
+                Some(center) => center,
+                None => return wrong1(word.at as usize, E::ArcRadius, format!("CR={}", word.value)),
+            }
+        }
+        (Some(_), None) => {
+            let mut center = from;
+            for (axis, word) in offsets {
+                center[axis] += word.map_or(0.0, |word| word.value);
+            }
+            let (radius, miss) = arc::radius_and_miss((from, to), center, plane);
+            if radius <= f64::EPSILON {
+                return wrong1(first_place(running), E::ArcRadius, "0");
+            }
+            if miss > running.settings.arc_tolerance_mm {
+                return wrong1(first_place(running), E::ArcEndOff, format!("{miss:.3}"));
+            }
+            center
+        }
+    };
+    Ok(Op::Arc { to, center, plane, turn, feed, words, incremental })
+}
+
+/// G4: `F` seconds, or `S` revolutions of the wheel at its programmed speed.
+pub(super) fn dwell(running: &mut Running<'_, '_>, code: Code) -> Outcome<()> {
+    if names_axes(running) {
+        return wrong1(first_place(running), E::AxisUnused, "G4");
+    }
+    let s = match (running.words.take(b'F'), running.words.take(b'S')) {
+        (Some(_), Some(turns)) => return wrong2(turns.at as usize, E::NotTogether, "F", "S"),
+        (None, None) => return wrong2(code.at as usize, E::MissingWord, "G4", "F / S"),
+        (Some(seconds), None) => within(seconds, 0.0)?,
+        (None, Some(turns)) => match (running.modals.speed, running.modals.speed_mode) {
+            (Some(rpm), SpeedMode::Rpm) if rpm > 0.0 => within(turns, 0.0)? * MINUTE_S / rpm,
+            // How many turns a surface speed makes depends on the wheel.
+            (Some(_) | None, _) => return wrong2(turns.at as usize, E::MissingWord, "G4 S", "S"),
+        },
+    };
+    running.ops.push(Op::Dwell { s });
+    Ok(())
+}

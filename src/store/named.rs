@@ -1,0 +1,79 @@
+//! Programs that are called by a name: `VGRIND.MPF`, `L10.SPF`, or `L10` alone. Source: spec S1.
+
+use std::fs;
+use std::path::Path;
+use std::time::SystemTime;
+
+use super::fault::IoFault;
+use super::file_class::first_comment;
+use super::listing::{COMMENT_LIMIT, LISTING_LIMIT, head};
+
+/// Extensions of main programs and subprograms.
+const EXTENSIONS: [&str; 2] = ["MPF", "SPF"];
+/// The longest name, in characters.
+const NAME_LIMIT: usize = 24;
+
+/// A program with a name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedEntry {
+    /// What programs call it, in upper case.
+    pub stem: String,
+    /// Its name as it stands on the disk.
+    pub name: String,
+    /// Its size, in bytes.
+    pub size: u64,
+    /// When it was last written; `None` when the disk does not say.
+    pub modified: Option<SystemTime>,
+    /// The first comment of its head; empty when there is none.
+    pub comment: String,
+}
+
+/// What programs call a file, in upper case; `None` for files that are no such programs.
+#[must_use]
+pub fn stem_of(name: &str) -> Option<String> {
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let stem = match name.rsplit_once('.') {
+        Some((stem, extension)) => {
+            EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(extension)).then_some(stem)?
+        }
+        None => name.strip_prefix(['L', 'l']).filter(|rest| digits(rest)).map(|_| name)?,
+    };
+    let whole = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
+    let good = (1..=NAME_LIMIT).contains(&stem.len()) && stem.bytes().all(whole);
+    good.then(|| stem.to_ascii_uppercase())
+}
+
+/// The programs with a name in a folder, by name; of two with one name the first on the disk's list of names counts.
+///
+/// # Errors
+/// When the folder cannot be listed.
+pub fn list_named(folder: &Path) -> Result<Vec<NamedEntry>, IoFault> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(IoFault::at(folder, "list"))?.take(LISTING_LIMIT) {
+        let entry = entry.map_err(IoFault::at(folder, "list"))?;
+        let Ok(name) = entry.file_name().into_string() else { continue };
+        let Some(stem) = stem_of(&name) else { continue };
+        // Removed since the folder was opened, or no plain file.
+        let Some(metadata) = entry.metadata().ok().filter(fs::Metadata::is_file) else { continue };
+        let comment = first_comment(&head(&entry.path()).unwrap_or_default());
+        let comment = comment.chars().filter(|c| !c.is_control()).take(COMMENT_LIMIT).collect();
+        found.push(NamedEntry { stem, name, size: metadata.len(), modified: metadata.modified().ok(), comment });
+    }
+    found.sort_by(|a, b| (&a.stem, &a.name).cmp(&(&b.stem, &b.name)));
+    found.dedup_by(|later, first| later.stem == first.stem);
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn s1_names_of_programs_are_told_from_other_files() {
+        assert_eq!(stem_of("vgrind.mpf").as_deref(), Some("VGRIND"));
+        assert_eq!((stem_of("L10.SPF").as_deref(), stem_of("l10").as_deref()), (Some("L10"), Some("L10")));
+        for other in ["O1001.NC", "L10.TXT", "LIES", "L", "README", ".MPF", "a b.MPF", "程序.MPF"] {
+            assert_eq!(stem_of(other), None, "{other}");
+        }
+    }
+}
