@@ -59,7 +59,7 @@ use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
 use crate::link::drawing::StockBox;
-use crate::link::snapshot::{DirectoryRow, Message, ThreadCut, Tone};
+use crate::link::snapshot::{DirectoryRow, Message, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
 pub use crate::nc::Frames;
@@ -223,11 +223,7 @@ pub struct Controller {
     edits: edits::Edits,
     files: files::Files,
     stock: Arc<[StockBox]>,
-    spindle: turning::SpindleSeen,
-    measuring: Option<turning::Measured>,
-    threads: Vec<ThreadCut>,
-    /// An axis that a program sends to its switch.
-    program_homing: Option<Homing>,
+    lathe: turning::Lathe,
     /// How often the program begins again by itself (P390).
     runs_left: u32,
 }
@@ -295,10 +291,7 @@ impl Controller {
             edits: edits::Edits::default(),
             files: files::Files::default(),
             stock: Arc::from([]),
-            spindle: turning::SpindleSeen::default(),
-            measuring: None,
-            threads: Vec::new(),
-            program_homing: None,
+            lathe: turning::Lathe::default(),
             runs_left: 0,
             params,
         };
@@ -333,7 +326,7 @@ impl Controller {
         self.step_hand();
         self.step_oscillation();
         let rate = self.rate();
-        self.axes.tick(rate, self.spindle.turns);
+        self.axes.tick(rate, self.lathe.spindle.turns);
         self.settle();
         self.write_outputs();
         &self.outputs
@@ -348,7 +341,7 @@ impl Controller {
             self.inputs.set(Input::EmergencyStop, true);
         }
         self.axes.read(image);
-        self.spindle.read(image.spindle_turns, self.now);
+        self.lathe.spindle.read(image.spindle_turns, self.now);
         self.measure_thread();
         if image.handwheel_detents != 0 {
             self.turn_handwheel(image.handwheel_detents);

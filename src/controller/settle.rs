@@ -75,7 +75,7 @@ impl Controller {
             self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
         }
         self.waiting_for = None;
-        self.program_homing = None;
+        self.lathe.homing = None;
         self.axes.give_to_hand();
     }
 

@@ -45,6 +45,19 @@ impl SpindleSeen {
     }
 }
 
+/// What the control keeps of a lathe.
+#[derive(Clone, Debug, Default)]
+pub struct Lathe {
+    /// The main spindle.
+    pub spindle: SpindleSeen,
+    /// The thread under way.
+    measuring: Option<Measured>,
+    /// The threads cut since power-on.
+    threads: Vec<ThreadCut>,
+    /// An axis that a program sends to its switch.
+    pub homing: Option<Homing>,
+}
+
 /// The deviation of Z from its place in the thread under way, mm.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
@@ -70,11 +83,11 @@ impl Controller {
         if self.is_settled(run) != Some(true) {
             return Did::Wait;
         }
-        if self.machine.spindle_direction().is_none() || self.spindle.rpm.abs() < 1.0 {
+        if self.machine.spindle_direction().is_none() || self.lathe.spindle.rpm.abs() < 1.0 {
             self.raise(alarm::SPINDLE_STANDS, None);
             return Did::Wait;
         }
-        let (rpm, limit) = (self.spindle.rpm.abs(), Self::thread_limit(thread.lead_mm));
+        let (rpm, limit) = (self.lathe.spindle.rpm.abs(), Self::thread_limit(thread.lead_mm));
         // The speed is measured: a turn or two a minute above are no fault of the program.
         if rpm > limit * 1.01 + 1.0 {
             let said = Said::new(
@@ -89,9 +102,9 @@ impl Controller {
             *thread,
             from,
             self.axes.path_limits(&self.params),
-            self.spindle.turns,
+            self.lathe.spindle.turns,
         ));
-        self.measuring = Some(Measured {
+        self.lathe.measuring = Some(Measured {
             line: self.place.line,
             lead_mm: thread.lead_mm,
             begun_mm: from[Axis::Z],
@@ -105,23 +118,24 @@ impl Controller {
 
     /// Measures the thread under way, by the encoders of Z and spindle in the same tick.
     pub(super) fn measure_thread(&mut self) {
-        let Some(mut measured) = self.measuring else { return };
+        let Some(mut measured) = self.lathe.measuring else { return };
         let actual = self.axes.actual()[Axis::Z];
         match self.axes.thread() {
             Some(mover) => {
                 let far = (actual - measured.begun_mm).abs() >= APPROACH_LEADS * measured.lead_mm;
-                if let Some(belongs) = mover.belongs_mm(self.spindle.turns).filter(|_| mover.is_in_step() && far) {
+                if let Some(belongs) = mover.belongs_mm(self.lathe.spindle.turns).filter(|_| mover.is_in_step() && far)
+                {
                     let off = actual - belongs;
                     measured.least = measured.least.min(off);
                     measured.most = measured.most.max(off);
                     measured.ended_mm = actual;
                 }
-                self.measuring = Some(measured);
+                self.lathe.measuring = Some(measured);
             }
             None => {
-                self.measuring = None;
-                if measured.most >= measured.least && self.threads.len() < THREADS {
-                    self.threads.push(ThreadCut {
+                self.lathe.measuring = None;
+                if measured.most >= measured.least && self.lathe.threads.len() < THREADS {
+                    self.lathe.threads.push(ThreadCut {
                         line: measured.line,
                         lead_mm: measured.lead_mm,
                         length_mm: (measured.ended_mm - measured.begun_mm).abs(),
@@ -135,7 +149,7 @@ impl Controller {
     /// The threads cut since power-on, with the error of their lead; at most 256.
     #[must_use]
     pub fn threads(&self) -> &[ThreadCut] {
-        &self.threads
+        &self.lathe.threads
     }
 
     /// One tick of homing an axis by a program.
@@ -146,21 +160,21 @@ impl Controller {
             }
             self.axes.give_to_hand();
             self.axes.unbound(axis);
-            self.program_homing = Some(Homing { now: self.plan_homing(axis), next: Default::default() });
+            self.lathe.homing = Some(Homing { now: self.plan_homing(axis), next: Default::default() });
             run.doing = Doing::Homing;
             return Did::Wait;
         }
-        let Some(mut homing) = self.program_homing.take() else {
+        let Some(mut homing) = self.lathe.homing.take() else {
             self.axes.give_to_path();
             return Did::Done;
         };
         let progress = self.tick_homing(&mut homing.now);
         match progress {
-            Progress::Going => self.program_homing = Some(homing),
+            Progress::Going => self.lathe.homing = Some(homing),
             Progress::SetZero { edge } => {
                 let coordinate = self.params.of_axis(param::HOME_X, axis);
                 self.axes.set_zero(axis, edge, coordinate, &self.params);
-                self.program_homing = Some(homing);
+                self.lathe.homing = Some(homing);
             }
             Progress::Done => {}
             Progress::Failed => self.raise(alarm::HOMING_FAILED, Some(Said::new(axis.to_string(), axis.to_string()))),

@@ -153,7 +153,7 @@ impl Controller {
 
     /// Feed hold by a rule: a run that moves is held; nothing else is touched.
     pub(super) fn hold_run(&mut self) {
-        if self.program_homing.is_some() {
+        if self.lathe.homing.is_some() {
             return self.abort_run(); // an axis on its way to a switch is not left there
         }
         if matches!(self.phase, Phase::Running) {
