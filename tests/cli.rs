@@ -77,6 +77,23 @@ fn t3_o1002_grinds_to_the_asked_diameter_within_2_um() {
 }
 
 #[test]
+fn t3_a_batch_runs_the_program_for_every_part() {
+    let report = json(&["run", "O1002", "--parts", "3", "--format", "json"]);
+    assert_eq!((&report["end"], &report["parts"]), (&"finished".into(), &3.into()));
+    let batch = report["batch"].as_array().unwrap();
+    assert_eq!(batch.len(), 3);
+    for part in batch {
+        assert_eq!(part["diameters"].as_array().unwrap().len(), 5);
+        assert!((diameter(&serde_json::json!({"part": part})) - 40.0).abs() < 0.002);
+    }
+    // An alarm ends the batch with the part that it came with.
+    let out = kt830(&["run", "O1002", "--parts", "3", "--set", "#521=40.5", "--format", "json"]);
+    assert_eq!(status(&out), 1);
+    assert!(serde_json::from_slice::<Value>(&out.stdout).unwrap()["batch"].is_null());
+    assert_eq!(status(&kt830(&["run", "O1002", "--parts", "0"])), 2);
+}
+
+#[test]
 fn p5_without_spark_out_the_part_stays_larger() {
     let report = json(&["run", "O1002", "--set", "#528=0", "--format", "json"]);
     // Fine feed 0.3 mm/min = 5 µm/s; τ = 0.8 s leaves about 4 µm of radius, 8 µm of diameter.
@@ -119,6 +136,63 @@ fn t2_the_demo_grinds_a_part_without_a_display() {
     let out = kt830(&["demo"]);
     assert_eq!(status(&out), 0, "{}", errors(&out));
     assert!(String::from_utf8_lossy(&out.stdout).contains("part diameter"));
+}
+
+#[test]
+fn t4_what_comes_along_has_no_mistake() {
+    let gc = ["1001", "1002", "1003", "1004", "1005", "1006", "1011", "1012", "9000", "9001", "9010", "9011", "9012"];
+    let kinds: [(&str, &[&str]); 3] = [
+        ("gc", &gc),
+        ("gs", &["1007", "1008", "1009", "1013", "9000", "9001", "9020"]),
+        ("ga", &["1010", "1014", "9000", "9001"]),
+    ];
+    let mut seen = std::collections::BTreeSet::new();
+    for (kind, numbers) in kinds {
+        let files: Vec<String> = numbers.iter().map(|number| format!("programs/O{number}.NC")).collect();
+        let mut words = vec!["check", "--kind", kind];
+        words.extend(files.iter().map(String::as_str));
+        let out = kt830(&words);
+        assert_eq!(status(&out), 0, "{}", String::from_utf8_lossy(&out.stdout));
+        // A subprogram by itself has no arguments; a program with its page's values gives no warning.
+        let warned = errors(&out).lines().filter(|line| line.starts_with("programs/O1")).count();
+        assert_eq!(warned, 0, "{}", errors(&out));
+        seen.extend(numbers.iter().map(|number| format!("O{number}.NC")));
+    }
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for entry in std::fs::read_dir(here.join("programs")).unwrap() {
+        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        // Other dialects stand in folders of their own.
+        assert!(seen.contains(&name) || !name.ends_with(".NC"), "{name} is checked on no kind");
+    }
+    let mut pages: Vec<String> = std::fs::read_dir(here.join("screens"))
+        .unwrap()
+        .map(|entry| format!("screens/{}", entry.unwrap().file_name().to_string_lossy()))
+        .collect();
+    pages.insert(0, "check".to_owned());
+    let words: Vec<&str> = pages.iter().map(String::as_str).collect();
+    assert_eq!(status(&kt830(&words)), 0);
+}
+
+#[test]
+fn k7_3_a_control_that_is_set_up_anew_has_every_program_and_page() {
+    let (data, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let out = Command::new(env!("CARGO_BIN_EXE_kt830"))
+        .args(["run", "O1011", "--format", "json", "--data"])
+        .arg(data.path())
+        .current_dir(elsewhere.path())
+        .output()
+        .unwrap();
+    // O1011 calls O9011.
+    assert_eq!(serde_json::from_slice::<Value>(&out.stdout).unwrap()["end"], "finished", "{out:?}");
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for folder in ["programs", "screens"] {
+        for entry in std::fs::read_dir(here.join(folder)).unwrap() {
+            let entry = entry.unwrap();
+            let there = data.path().join(folder).join(entry.file_name());
+            let whole = entry.path().is_dir() || std::fs::read(&there).unwrap() == std::fs::read(entry.path()).unwrap();
+            assert!(whole, "{}", there.display());
+        }
+    }
 }
 
 #[test]

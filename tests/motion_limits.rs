@@ -3,13 +3,20 @@
 //! Everything is measured on the emitted set-points by differences over ticks, and the distance to the programmed
 //! contour directly; nothing of the planner's own arithmetic is used. Source: spec, motion, the property test.
 
-use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Plane, Rate, Shape, Turn};
+use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Plane, Rate, Shape, Turn, WORK_MOST};
 use kt830::units::PerAxis;
 use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 const TICK_S: f64 = 0.001;
 /// Positions to 300 mm are rounded to 6e-14 mm; eight of those over (1 ms)³ are 5e-4 mm/s³, 1e-6 of 500 mm/s³.
 const SLACK: f64 = 1e-6;
+/// Moves before and after the active one that are looked at for the nearest: in a tick the axes pass 0.2 mm at most.
+const AROUND: usize = 64;
+/// Places of an arc looked at for the nearest.
+const LOOKS: u32 = 48;
+/// An axis may go beyond where the program leads it by a thousandth of the finest increment, mm.
+const BEYOND: f64 = 1e-6;
 
 fn limits() -> Limits {
     let axis = |v, a, j| AxisLimits { velocity_mm_s: v, acceleration_mm_s2: a, jerk_mm_s3: j };
@@ -22,6 +29,7 @@ struct Witness {
     limits: Limits,
     past: [[f64; 3]; 4],
     contour: Vec<([f64; 3], Move)>,
+    extent: [(f64, f64); 3],
     tolerance_mm: f64,
 }
 
@@ -40,24 +48,81 @@ fn distance_to(from: [f64; 3], program: &Move, p: [f64; 3]) -> f64 {
             let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
             distance(p, [0, 1, 2].map(|x| from[x] + t * d[x]))
         }
-        Shape::Arc { center, turn, .. } => {
-            // All arcs here lie flat in ZX.
-            let polar = |q: [f64; 3]| {
-                let (z, x) = (q[2] - center.0[2], q[0] - center.0[0]);
-                (z.hypot(x), x.atan2(z))
-            };
-            let sense = if turn == Turn::Ccw { 1.0 } else { -1.0 };
-            let ((r, start), (_, end), (rp, at)) = (polar(from), polar(to), polar(p));
-            let sweep = (sense * (end - start)).rem_euclid(std::f64::consts::TAU);
-            let passed = (sense * (at - start)).rem_euclid(std::f64::consts::TAU);
-            let ends = distance(p, from).min(distance(p, to));
-            if passed <= sweep { ends.min((rp - r).hypot(p[1] - from[1])) } else { ends }
+        Shape::Arc { center, plane, turn } => {
+            let arc = Arc::new(from, to, center.0, plane, turn);
+            // Looked for everywhere, then closely around the best: on a steep helix the angle says little.
+            let off = |part: f64| distance(p, arc.at(part));
+            let best = (0..=LOOKS).map(|k| f64::from(k) / f64::from(LOOKS)).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+            let middle = best.unwrap_or_default();
+            let (mut low, mut high) = (middle - 1.0 / f64::from(LOOKS), middle + 1.0 / f64::from(LOOKS));
+            for _ in 0..40 {
+                let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+                if off(a) < off(b) { high = b } else { low = a }
+            }
+            off(low.clamp(0.0, 1.0)).min(off(0.0)).min(off(1.0))
         }
     }
 }
 
+/// An arc, perhaps a helix, from its definition.
+struct Arc {
+    center: [f64; 3],
+    axes: [usize; 3],
+    from: [f64; 3],
+    rise: f64,
+    radius: f64,
+    start: f64,
+    sweep: f64,
+}
+
+impl Arc {
+    fn new(from: [f64; 3], to: [f64; 3], center: [f64; 3], plane: Plane, turn: Turn) -> Self {
+        let (a, b, c) = plane.axes();
+        let axes = [a, b, c].map(|axis| axis as usize);
+        let polar = |q: [f64; 3]| (q[axes[1]] - center[axes[1]]).atan2(q[axes[0]] - center[axes[0]]);
+        let sense = if turn == Turn::Ccw { 1.0 } else { -1.0 };
+        let sweep = sense * (sense * (polar(to) - polar(from))).rem_euclid(TAU);
+        let radius = (from[axes[0]] - center[axes[0]]).hypot(from[axes[1]] - center[axes[1]]);
+        Self { center, axes, from, rise: to[axes[2]] - from[axes[2]], radius, start: polar(from), sweep }
+    }
+
+    fn at(&self, part: f64) -> [f64; 3] {
+        let (sin, cos) = (self.start + self.sweep * part).sin_cos();
+        let mut q = [0.0; 3];
+        q[self.axes[0]] = self.center[self.axes[0]] + self.radius * cos;
+        q[self.axes[1]] = self.center[self.axes[1]] + self.radius * sin;
+        q[self.axes[2]] = self.from[self.axes[2]] + self.rise * part;
+        q
+    }
+}
+
+/// The farthest that the contour goes in each axis, low and high.
+fn extent(contour: &[([f64; 3], Move)]) -> [(f64, f64); 3] {
+    let mut box_ = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+    let mut see = |q: [f64; 3]| {
+        for (bound, x) in box_.iter_mut().zip(q) {
+            *bound = (bound.0.min(x), bound.1.max(x));
+        }
+    };
+    for (from, m) in contour {
+        see(*from);
+        see(m.to.0);
+        if let Shape::Arc { center, plane, turn } = m.shape {
+            let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
+            for quarter in -8..=8 {
+                let part = (f64::from(quarter) * FRAC_PI_2 - arc.start) / arc.sweep;
+                if (0.0..=1.0).contains(&part) {
+                    see(arc.at(part));
+                }
+            }
+        }
+    }
+    box_
+}
+
 impl Witness {
-    fn sees(&mut self, p: [f64; 3]) {
+    /// `done` moves have been reported as finished.
+    fn sees(&mut self, p: [f64; 3], done: usize) {
         self.past = [self.past[1], self.past[2], self.past[3], p];
         let q = &self.past;
         for (axis, l) in self.limits.axes.iter() {
@@ -69,15 +134,19 @@ impl Witness {
             assert!(a.abs() <= l.acceleration_mm_s2 * (1.0 + SLACK), "{axis} acceleration {a}");
             assert!(j.abs() <= l.jerk_mm_s3 * (1.0 + SLACK), "{axis} jerk {j}");
         }
-        let off = self.contour.iter().map(|(from, m)| distance_to(*from, m, p)).fold(f64::INFINITY, f64::min);
+        let near = &self.contour[done.saturating_sub(AROUND)..(done + AROUND).min(self.contour.len())];
+        let off = near.iter().map(|(from, m)| distance_to(*from, m, p)).fold(f64::INFINITY, f64::min);
         assert!(off <= self.tolerance_mm, "{off} mm off the contour");
+        for (x, (low, high)) in p.into_iter().zip(self.extent) {
+            assert!(x >= low - BEYOND && x <= high + BEYOND, "{x} is beyond {low} to {high}");
+        }
     }
 }
 
 #[derive(Clone, Debug)]
 struct Leg {
     by: [f64; 3],
-    arc: Option<(f64, bool)>,
+    arc: Option<(f64, bool, Plane, bool)>,
     rapid: bool,
     feed: f64,
     exact: bool,
@@ -93,7 +162,8 @@ fn length() -> impl Strategy<Value = f64> {
 }
 
 fn leg() -> impl Strategy<Value = Leg> {
-    let arc = prop_oneof![2 => Just(None), 1 => (-1.5..1.5_f64, any::<bool>()).prop_map(Some)];
+    let plane = prop_oneof![Just(Plane::Zx), Just(Plane::Xy), Just(Plane::Yz)];
+    let arc = prop_oneof![2 => Just(None), 1 => (-1.5..1.5_f64, any::<bool>(), plane, any::<bool>()).prop_map(Some)];
     let by = (length(), length(), length(), any::<bool>());
     (by, arc, 0..8_u8, 5.0..200.0_f64, 0..4_u8).prop_map(|((x, y, z, flat), arc, rapid, feed, exact)| Leg {
         by: if flat { [x, 0.0, z] } else { [x, y, z] },
@@ -132,13 +202,18 @@ fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
         .map(|(leg, tag)| {
             let mut to = [0, 1, 2].map(|x| from[x] + leg.by[x]);
             let mut shape = Shape::Line;
-            if let Some((bulge, ccw)) = leg.arc {
-                // A flat arc in ZX: the centre lies off the middle of the chord by `bulge` chords.
-                to[1] = from[1];
-                let (z, x) = (to[2] - from[2], to[0] - from[0]);
-                if z.hypot(x) > 1e-3 {
-                    let center = PerAxis([from[0] + x / 2.0 + bulge * z, 0.0, from[2] + z / 2.0 - bulge * x]);
-                    shape = Shape::Arc { center, plane: Plane::Zx, turn: if ccw { Turn::Ccw } else { Turn::Cw } };
+            if let Some((bulge, ccw, plane, flat)) = leg.arc {
+                // The centre lies off the middle of the chord by `bulge` chords; a helix unless flat.
+                let (a, b, c) = plane.axes();
+                let [a, b, c] = [a, b, c].map(|axis| axis as usize);
+                let (u, v) = (to[a] - from[a], to[b] - from[b]);
+                if u.hypot(v) > 1e-3 {
+                    to[c] = if flat { from[c] } else { to[c] };
+                    let mut center = [0.0; 3];
+                    center[a] = from[a] + u / 2.0 - bulge * v;
+                    center[b] = from[b] + v / 2.0 + bulge * u;
+                    let turn = if ccw { Turn::Ccw } else { Turn::Cw };
+                    shape = Shape::Arc { center: PerAxis(center), plane, turn };
                 }
             }
             let rate = if leg.rapid { Rate::Rapid } else { Rate::Feed { mm_s: leg.feed } };
@@ -149,27 +224,79 @@ fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
         .collect()
 }
 
-/// Longest run: twelve moves of some 30 mm at the least feed here, 5 mm/s, and as long again.
-const MOST_TICKS: usize = 150_000;
+/// A move may be handed in this many ticks after the one before.
+const LONGEST_GAP: u16 = 400;
 
-fn run(legs: &[Leg], events: &[(u16, Event)], tolerance_mm: f64) {
+/// No stop and no planning costs more than this, s.
+const STOP_S: f64 = 0.5;
+
+/// Ticks within which a contour is done: every move from rest to rest at its feed, with as long a stop, twice over.
+fn most_ticks(contour: &[([f64; 3], Move)]) -> u64 {
+    let limits = limits();
+    let (mut a, mut j) = (f64::INFINITY, f64::INFINITY);
+    for (_, l) in limits.axes.iter() {
+        (a, j) = (a.min(l.acceleration_mm_s2), j.min(l.jerk_mm_s3));
+    }
+    let seconds = |(from, m): &([f64; 3], Move)| {
+        let feed = match m.rate {
+            Rate::Feed { mm_s } => mm_s.min(80.0),
+            Rate::Rapid => 80.0,
+        };
+        let length = match m.shape {
+            Shape::Line => distance(*from, m.to.0),
+            Shape::Arc { center, plane, turn } => {
+                let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
+                (arc.radius * arc.sweep).hypot(arc.rise)
+            }
+        };
+        // An arc is slower than its feed where its radius asks for it: v ≤ ∛(0.3 j r²) and √(0.7 a r).
+        let radius = match m.shape {
+            Shape::Line => f64::INFINITY,
+            Shape::Arc { center, plane, turn } => Arc::new(*from, m.to.0, center.0, plane, turn).radius.max(1e-3),
+        };
+        let feed = feed.min((0.3 * j * radius * radius).cbrt()).min((0.7 * a * radius).sqrt());
+        length / feed + 2.0 * (feed / a + a / j) + STOP_S
+    };
+    (contour.iter().map(seconds).sum::<f64>() * 2.0 / TICK_S) as u64
+}
+
+/// What happens to a contour: events, and the gaps after which its moves are handed in.
+#[derive(Clone, Debug, Default)]
+struct Play {
+    events: Vec<(u16, Event)>,
+    gaps: Vec<u16>,
+}
+
+/// Plays it; returns every set-point.
+fn run(legs: &[Leg], play: &Play, tolerance_mm: f64) -> Vec<[f64; 3]> {
     let contour = program(legs, tolerance_mm);
     let mut path = Path::new(limits(), PerAxis([0.0; 3]));
     let end = contour.last().map_or([0.0; 3], |(_, m)| m.to.0);
     let tags: Vec<u32> = contour.iter().map(|(_, m)| m.tag).collect();
-    for (_, m) in &contour {
-        assert_eq!(path.push(*m), Ok(()));
-    }
-    let mut witness = Witness { limits: limits(), past: [[0.0; 3]; 4], contour, tolerance_mm };
+    let moves: Vec<Move> = contour.iter().map(|(_, m)| *m).collect();
+    let (mut next, mut due, mut tick) = (0, 0_u64, 0_u64);
+    let most = most_ticks(&contour) + u64::from(LONGEST_GAP) * contour.len() as u64;
+    let mut witness =
+        Witness { limits: limits(), past: [[0.0; 3]; 4], extent: extent(&contour), contour, tolerance_mm };
     let mut ov = Override::FULL;
-    let mut seen = Vec::new();
-    let mut step = |path: &mut Path, ov: Override, seen: &mut Vec<u32>| {
-        witness.sees(path.tick(ov).position.0);
+    let (mut seen, mut trace) = (Vec::new(), Vec::new());
+    let mut step = |path: &mut Path, ov: Override| {
+        while next < moves.len() && due <= tick && path.room() > 0 {
+            assert_eq!(path.push(moves[next]), Ok(()));
+            next += 1;
+            due += u64::from(play.gaps.get(next).copied().unwrap_or(0));
+        }
+        tick += 1;
+        let at = path.tick(ov).position.0;
+        witness.sees(at, seen.len());
+        trace.push(at);
         seen.extend(std::iter::from_fn(|| path.pop_finished()));
+        assert!(path.work_of_last_tick() <= WORK_MOST);
+        next == moves.len()
     };
-    for (wait, event) in events {
+    for (wait, event) in &play.events {
         for _ in 0..*wait {
-            step(&mut path, ov, &mut seen);
+            step(&mut path, ov);
         }
         match *event {
             Event::Hold => path.hold(),
@@ -179,15 +306,36 @@ fn run(legs: &[Leg], events: &[(u16, Event)], tolerance_mm: f64) {
         }
     }
     path.resume();
-    for _ in 0..MOST_TICKS {
-        if path.is_done() {
+    for _ in 0..most {
+        if step(&mut path, Override::FULL) && path.is_done() {
             break;
         }
-        step(&mut path, Override::FULL, &mut seen);
     }
-    assert!(path.is_done(), "never done: {} moves left", path.remaining_moves());
+    assert!(path.is_done(), "never done: {} moves left after {most} ticks", path.remaining_moves());
     assert_eq!(seen, tags);
     assert!(distance(path.position().0, end) <= 1e-9, "ended at {:?}, not {end:?}", path.position());
+    trace
+}
+
+fn play() -> impl Strategy<Value = Play> {
+    let gap = prop_oneof![3 => Just(0_u16), 2 => 0..12_u16, 2 => 0..LONGEST_GAP];
+    let gaps = prop_oneof![1 => Just(Vec::new()), 1 => prop::collection::vec(gap, 12)];
+    (prop::collection::vec(event(), 0..12), gaps).prop_map(|(events, gaps)| Play { events, gaps })
+}
+
+/// A chain of short legs that bends little, with a corner or a reversal now and then: what a drawing program writes.
+fn chain(legs: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Leg>> {
+    let bend = prop_oneof![8 => -0.1..0.1_f64, 1 => -3.1..3.1_f64, 1 => 3.0..3.3_f64];
+    let step = (0.001..0.5_f64, bend, -0.05..0.05_f64);
+    (prop::collection::vec(step, legs), 5.0..200.0_f64).prop_map(|(steps, feed)| {
+        let mut way = 0.0_f64;
+        let leg = |(length, bend, rise): (f64, f64, f64)| {
+            way += bend;
+            let by = [length * way.cos(), length * rise, length * way.sin()];
+            Leg { by, arc: None, rapid: false, feed, exact: false }
+        };
+        steps.into_iter().map(leg).collect()
+    })
 }
 
 proptest! {
@@ -196,9 +344,32 @@ proptest! {
     #[test]
     fn every_limit_is_kept_in_every_tick(
         legs in prop::collection::vec(leg(), 1..12),
-        events in prop::collection::vec(event(), 0..12),
+        play in play(),
         tolerance_mm in prop_oneof![Just(0.01), 0.002..0.2_f64],
     ) {
-        run(&legs, &events, tolerance_mm);
+        run(&legs, &play, tolerance_mm);
+    }
+
+    #[test]
+    fn and_along_chains_of_short_moves(
+        legs in chain(10..70),
+        play in play(),
+        tolerance_mm in prop_oneof![Just(0.01), 0.002..0.2_f64],
+    ) {
+        run(&legs, &play, tolerance_mm);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, max_shrink_iters: 50, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_same_play_gives_the_same_set_points(legs in chain(10..70), play in play()) {
+        prop_assert_eq!(run(&legs, &play, 0.01), run(&legs, &play, 0.01));
+    }
+
+    #[test]
+    fn long_chains_run_through_a_full_queue(legs in chain(600..2_000), play in play()) {
+        run(&legs, &play, 0.01);
     }
 }

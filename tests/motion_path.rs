@@ -1,7 +1,7 @@
 //! Stories of program motion: strokes, hold, abort, overrides, taking moves back.
 #![allow(clippy::unwrap_used, clippy::expect_used)] // A test may fail so.
 
-use kt830::motion::{AxisLimits, End, Limits, MOVES, Move, Override, Path, PathFull, Rate, Shape};
+use kt830::motion::{AxisLimits, End, Limits, MOVES, Move, Override, Path, PathFull, Rate, Shape, WORK_MOST};
 use kt830::units::PerAxis;
 
 /// Jerk is ample: a stroke is 0.2 s up, 0.8 s along, 0.2 s down, and 5 ms for each change of acceleration.
@@ -224,4 +224,93 @@ fn hold_in_a_curve_comes_to_rest_soon() {
     assert!(braking < 500, "{braking} ticks");
     path.resume();
     finish(&mut path);
+}
+
+/// A sine of 5 mm over `count` chords of 0.1 mm along Z, fed as room allows; calls `see` after every tick.
+fn sine(path: &mut Path, count: u32, mut see: impl FnMut(&Path)) {
+    let end = End::Continuous { tolerance_mm: 0.01 };
+    let at = |k: u32| (5.0 * (f64::from(k) / 60.0).sin(), 0.1 * f64::from(k));
+    let mut next = 1;
+    while next <= count || !path.is_done() {
+        while path.room() > 0 && next <= count {
+            let (x, z) = at(next);
+            path.push(Move { end, ..line(x, z, next) }).unwrap();
+            next += 1;
+        }
+        path.tick(FULL);
+        see(path);
+    }
+}
+
+#[test]
+fn two_thousand_chords_never_rest_between_the_first_and_the_last() {
+    let mut path = path();
+    let mut started = false;
+    let mut rests = 0;
+    sine(&mut path, 2_000, |path| {
+        started |= path.path_speed_mm_s() > 0.0;
+        rests += u32::from(started && !path.is_done() && path.path_speed_mm_s() <= 0.0);
+    });
+    // At the very end a plan stands for a few ticks until the last difference is nothing.
+    assert!(rests <= 8, "{rests} ticks at rest");
+}
+
+#[test]
+fn override_above_full_reaches_a_smooth_run_within_a_second() {
+    let mut path = path();
+    let end = End::Continuous { tolerance_mm: 0.01 };
+    let rate = Rate::Feed { mm_s: 40.0 };
+    let mut next = 0_u32;
+    let mut run = |path: &mut Path, count: u32, feed: f64| {
+        for _ in 0..count {
+            while path.room() > 0 {
+                next += 1;
+                let z = 0.5 * f64::from(next);
+                path.push(Move { end, rate, ..line(5.0 * (z / 12.0).sin(), z, next) }).unwrap();
+            }
+            path.tick(Override { feed, rapid: 1.0 });
+        }
+        path.path_speed_mm_s()
+    };
+    let speed = run(&mut path, 1_000, 1.0);
+    assert!((speed - 40.0).abs() < 1.0, "{speed} mm/s");
+    let speed = run(&mut path, 1_000, 1.5);
+    assert!((speed - 60.0).abs() < 1.5, "{speed} mm/s");
+    // Down it acts at once: 10 mm/s at half of 500 mm/s² are 40 ms.
+    let speed = run(&mut path, 150, 1.25);
+    assert!((speed - 50.0).abs() < 1.5, "{speed} mm/s");
+}
+
+#[test]
+fn planning_is_spread_over_ticks_and_the_start_does_not_wait_long() {
+    let mut path = path();
+    let (mut ticks, mut waited, mut most) = (0_u32, None, 0);
+    sine(&mut path, 600, |path| {
+        ticks += 1;
+        most = most.max(path.work_of_last_tick());
+        if path.path_speed_mm_s() > 0.0 && waited.is_none() {
+            waited = Some(ticks);
+        }
+    });
+    assert!(most <= WORK_MOST, "{most} units in a tick");
+    assert!(waited <= Some(60), "first movement in tick {waited:?}");
+}
+
+#[test]
+fn strokes_with_rounded_corners_never_go_beyond_their_ends() {
+    let mut path = path();
+    let end = End::Continuous { tolerance_mm: 0.01 };
+    for stroke in 0..12_u32 {
+        let x = if stroke % 2 == 0 { 50.0 } else { 0.0 };
+        let z = f64::from(stroke) * -0.002;
+        path.push(Move { end, ..line(x, z, 2 * stroke) }).unwrap();
+        path.push(Move { end, ..line(x, z - 0.002, 2 * stroke + 1) }).unwrap();
+    }
+    let (mut low, mut high) = (0.0_f64, 0.0_f64);
+    while !path.is_done() {
+        let PerAxis([x, _, _]) = path.tick(FULL).position;
+        (low, high) = (low.min(x), high.max(x));
+    }
+    assert!(low >= -1e-6 && high <= 50.0 + 1e-6, "{low} to {high}");
+    assert!(high >= 49.99, "the end is met within the tolerance: {high}");
 }

@@ -125,13 +125,3 @@ fn l1_to_l8_wrong_programs_name_every_error_with_line_and_column() {
 fn b1_an_empty_library_has_no_programs() {
     assert!(NoLibrary.find(1).is_none());
 }
-
-#[test]
-fn k7_9_shipped_programs_have_no_mistake() {
-    for path in files("programs", "NC") {
-        let (_, checked) = run(&path);
-        let faults: Vec<_> = checked.faults.iter().map(|fault| fault.text(Lang::En)).collect();
-        assert!(faults.is_empty(), "{}: {faults:#?}", path.display());
-        assert!(checked.finished, "{}: {:#?}", path.display(), checked.warnings);
-    }
-}

@@ -347,10 +347,21 @@ fn t4_the_check_measures_way_time_and_extents() {
 #[test]
 fn t4_the_check_leaves_a_loop_that_waits_for_the_machine() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
-    let text = "WHILE[#438 EQ 0]DO1\nEND1\nG0 X5 Q1\nM30\n";
+    let text = "WHILE[#1003 EQ 0]DO1\nEND1\nG0 X5 Q1\nM30\n";
     let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &Settings::lathe());
     assert_eq!(checked.warnings.len(), 1);
     assert!(checked.faults[0].text(Lang::En).starts_with("O0001 line 3, column 7: unknown word 'Q1'"));
+}
+
+#[test]
+fn k4_3_the_check_goes_through_waits_for_the_ends_of_a_stroke() {
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let text = "G98\nG35 Z-10 Q10\n#1=0\nWHILE[#1 LT 3]DO1\nN10 IF[#438 EQ 0]GOTO 10\nG01 U-1 F60\n\
+                N20 IF[#439 EQ 0]GOTO 20\n#1=#1+1\nEND1\nG36\nM30\n";
+    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &Settings::lathe());
+    assert!(checked.faults.is_empty() && checked.warnings.is_empty() && checked.finished);
+    // Three infeeds of 1 mm of diameter.
+    assert!((checked.length_mm - 1.5).abs() < 1e-9, "{}", checked.length_mm);
 }
 
 #[test]

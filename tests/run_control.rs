@@ -143,6 +143,23 @@ fn b2_g31_latches_the_position_of_the_edge_and_stops() {
 }
 
 #[test]
+fn b2_g31_without_a_signal_latches_its_end_point() {
+    // 1500 mm/min with a lag of 20 ms would be 0.5 mm short.
+    let mut rig = ready_with("G98 G31 W-20 F1500 P1\n#100=#5062\nM30");
+    let z = rig.snapshot().axes.0[2].work;
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 5 s");
+    let latched = z - rig.snapshot().variables[100].unwrap();
+    assert!((latched - 20.0).abs() < 1e-6, "latched after {latched} mm");
+}
+
+#[test]
+fn b3_the_position_of_an_axis_that_is_not_there_is_null() {
+    // GC has X and Z.
+    let mut rig = ready_with("#100=1\nIF[#5043 EQ #0]THEN #100=2\nIF[#5042 EQ #0]THEN #100=3\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 2 s\nexpect no alarm\nexpect #100 2");
+}
+
+#[test]
 fn b3_3000_is_an_alarm_with_the_programs_text() {
     let mut rig = ready_with("#100=1\n#3000=5(没有夹紧)\n#100=2\nM30");
     tell(

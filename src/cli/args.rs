@@ -113,6 +113,9 @@ pub struct Run {
     /// Go on through M00
     #[arg(long)]
     pub through_stops: bool,
+    /// Run it so many times, a fresh part in the machine each time; the report tells every part
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub parts: u32,
     /// Write one line a tick: time, set and actual positions, outputs, block
     #[arg(long, value_name = "FILE.csv")]
     pub trace: Option<PathBuf>,

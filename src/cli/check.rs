@@ -55,7 +55,7 @@ pub fn check(shared: &Shared, call: &Check) -> Result<u8, CallError> {
             status = WRONG_CALL;
         }
         if call.simulate && class(&name) == Class::Program && !wrong {
-            let run = Run { program: path.display().to_string(), through_stops: true, trace: None };
+            let run = Run { program: path.display().to_string(), through_stops: true, parts: 1, trace: None };
             status = status.max(super::run::run(shared, &run)?);
         }
     }

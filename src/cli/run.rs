@@ -11,6 +11,7 @@ use super::args::{Format, Run, Shared};
 use super::{CallError, FAILED, FINE, bench, out};
 use crate::defs::key::Key;
 use crate::defs::text::Lang;
+use crate::io::sim::PartReport;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot, VARIABLES};
 use crate::runtime::rig::Rig;
@@ -42,36 +43,54 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
     };
     let before = rig.snapshot().variables.clone();
     let started = rig.now();
-    rig.send(Command::Press(Key::CycleStart));
-    let end = loop {
-        rig.step();
-        if let Some(trace) = &mut trace {
-            trace.line(&mut rig)?;
+    let mut batch = Vec::new();
+    let (end, seconds) = loop {
+        let end = one_part(&mut rig, call, trace.as_mut())?;
+        let seconds = rig.now().since(started).as_secs_f64();
+        for _ in 0..SETTLE_TICKS {
+            rig.step();
         }
-        let state = rig.controller().state();
-        let young = rig.now().since(started).0 < u64::from(START_TICKS) * rig.tick_time().0;
-        match state {
-            RunState::Stopped if call.through_stops => rig.send(Command::Press(Key::CycleStart)),
-            RunState::Stopped | RunState::Held => break "stopped",
-            RunState::Idle if !young => break "finished",
-            RunState::Alarm if rig.controller().is_at_rest() => break "alarm",
-            // Nobody stands beside a headless run to give the input.
-            RunState::Waiting => break "stopped",
-            RunState::Running if rig.now().since(started) > LONGEST => break "stopped",
-            RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
+        batch.push(rig.machine().measure());
+        if end != "finished" || batch.len() >= call.parts as usize {
+            break (end, seconds);
+        }
+        // The next part comes in as the first one: the machine stays as it is, the wheel and its wear too.
+        if let Some(part) = bench::part(shared, number)? {
+            rig.machine_mut().set_part(Some(&part));
         }
     };
-    tell_why(&mut rig, shared.lang, started);
-    let seconds = rig.now().since(started).as_secs_f64();
-    for _ in 0..SETTLE_TICKS {
-        rig.step();
+    if end == "stopped" {
+        tell_why(&mut rig, shared.lang, started);
     }
-    let report = Report { end, seconds, blocks: rig.controller().blocks(), before };
+    let report = Report { end, seconds, blocks: rig.controller().blocks(), before, batch };
     match shared.format {
         Format::Json => out(report.json(&mut rig, shared.lang)),
         Format::Text => out(report.text(&mut rig, shared.lang)),
     }
     Ok(if end == "alarm" { FAILED } else { FINE })
+}
+
+/// Cycle start, and on to the end of the program, an alarm, or where somebody would be needed.
+fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<&'static str, CallError> {
+    let started = rig.now();
+    rig.send(Command::Press(Key::CycleStart));
+    loop {
+        rig.step();
+        if let Some(trace) = &mut trace {
+            trace.line(rig)?;
+        }
+        let young = rig.now().since(started).0 < u64::from(START_TICKS) * rig.tick_time().0;
+        match rig.controller().state() {
+            RunState::Stopped if call.through_stops => rig.send(Command::Press(Key::CycleStart)),
+            RunState::Stopped | RunState::Held => return Ok("stopped"),
+            RunState::Idle if !young => return Ok("finished"),
+            RunState::Alarm if rig.controller().is_at_rest() => return Ok("alarm"),
+            // Nobody stands beside a headless run to give the input.
+            RunState::Waiting => return Ok("stopped"),
+            RunState::Running if rig.now().since(started) > LONGEST => return Ok("stopped"),
+            RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
+        }
+    }
 }
 
 /// A run that stopped by itself says why, on standard error.
@@ -89,6 +108,8 @@ struct Report {
     seconds: f64,
     blocks: u64,
     before: Box<[Option<f64>; VARIABLES]>,
+    /// Every part as it came out, the last one too.
+    batch: Vec<PartReport>,
 }
 
 impl Report {
@@ -106,7 +127,7 @@ impl Report {
         for (number, value) in self.changed(&snapshot) {
             variables.insert(format!("#{number}"), json!(value));
         }
-        json!({
+        let mut told = json!({
             "end": self.end,
             "alarms": alarms,
             "seconds": self.seconds,
@@ -119,7 +140,11 @@ impl Report {
             "wheel": {"diameter": rig.machine().wheel().diameter_mm},
             "threads": threads(rig),
             "events": rig.machine().events(),
-        })
+        });
+        if self.batch.len() > 1 {
+            told["batch"] = json!(self.batch);
+        }
+        told
     }
 
     /// Variables that the run has changed, by number.
@@ -147,6 +172,9 @@ impl Report {
                 None => format!("#{number} = "),
             });
         }
+        if self.batch.len() > 1 {
+            lines.extend(self.batch.iter().enumerate().map(|(at, part)| spread(at + 1, part)));
+        }
         let part = rig.machine().measure();
         lines.extend(part.diameters.iter().map(|at| format!("part diameter at Z{:.3}  {:.4}", at.z, at.d)));
         lines.extend(part.faces.iter().map(|at| format!("part face at X{:.3}  Z {:.4}", at.x, at.z)));
@@ -173,6 +201,20 @@ impl Report {
         lines.push(format!("wheel diameter {:.4}", rig.machine().wheel().diameter_mm));
         lines.join("\n")
     }
+}
+
+/// A part of a batch in one line: from the least to the greatest of what was measured of it.
+fn spread(number: usize, part: &PartReport) -> String {
+    let range = |name: &str, values: Vec<f64>| {
+        let least = values.iter().copied().min_by(f64::total_cmp)?;
+        let greatest = values.iter().copied().max_by(f64::total_cmp)?;
+        Some(format!("  {name} {least:.4} … {greatest:.4}"))
+    };
+    let diameters = range("diameter", part.diameters.iter().map(|at| at.d).collect());
+    let faces = range("face", part.faces.iter().map(|at| at.z).collect());
+    let heights = range("height", part.heights.iter().map(|at| at.y).collect());
+    let told = [diameters, faces, heights].into_iter().flatten().collect::<String>();
+    format!("part {number}{told}")
 }
 
 /// The threads cut, with the error of their lead.

@@ -9,18 +9,20 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 use super::args::Shared;
 use super::{CallError, FINE, bench};
 use crate::controller::{Controller, Retained};
+use crate::defs::param::Params;
 use crate::hmi::window::{Desk, Options, WindowError, run};
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
 use crate::link::simulated::{SimCommand, SimView};
 use crate::link::snapshot::RunState;
 use crate::link::{Command, Snapshot};
+use crate::nc::Source;
 use crate::runtime::keeper::Keeper;
 use crate::runtime::office::Office;
 use crate::runtime::realtime::{Lateness, Link};
 use crate::runtime::rig::{Companion, set_up};
 use crate::runtime::simulator::Simulator;
-use crate::runtime::{disk_thread, realtime};
+use crate::runtime::{bar, disk_thread, realtime};
 use crate::store::DataDir;
 use crate::units::Micros;
 
@@ -58,7 +60,8 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
     let backend = Workshop { machine, parts, asked, simulator, shown: Arc::clone(&shown), looked };
     let (link, disk) = realtime::start(controller, backend, Lateness::Counted).map_err(CallError::new)?;
     let disk = disk_thread::start(disk, Some(keeper), folders, office).map_err(CallError::new)?;
-    let desk = LinkDesk { newest: Arc::new(Snapshot::new(shared.kind)), link, bring, ask, simulated: shown };
+    let newest = Arc::new(Snapshot::new(shared.kind));
+    let desk = LinkDesk { newest, link, bring, bar_of: 0, ask, simulated: shown };
     let closed = show(Box::new(desk), shared, fullscreen);
     drop(disk.join());
     closed
@@ -135,6 +138,8 @@ struct LinkDesk {
     link: Link,
     newest: Arc<Snapshot>,
     bring: Sender<PartFile>,
+    /// The program whose bar is in the lathe.
+    bar_of: u32,
     ask: Sender<SimCommand>,
     simulated: Arc<Mutex<Arc<SimView>>>,
 }
@@ -143,10 +148,27 @@ impl LinkDesk {
     /// Another program was chosen: its part goes into the simulated machine, its set-up into the control.
     fn mount(&self, number: u32) {
         if let Ok(Some(part)) = PartFile::builtin(number) {
-            for command in set_up(&part, |variable| self.newest.variables[usize::from(variable)]) {
-                self.link.send(command);
-            }
-            drop(self.bring.try_send(part));
+            self.put_in(part);
+        }
+    }
+
+    fn put_in(&self, part: PartFile) {
+        for command in set_up(&part, |variable| self.newest.variables[usize::from(variable)]) {
+            self.link.send(command);
+        }
+        drop(self.bring.try_send(part));
+    }
+
+    /// A lathe's bar follows from the text of its program, once the control shows it.
+    fn put_bar_in(&mut self) {
+        let number = self.newest.program.number;
+        if number == self.bar_of || bar::own_programs(self.newest.kind).is_none() {
+            return;
+        }
+        self.bar_of = number;
+        let source = Arc::new(Source::new(number, "", self.newest.program.text.bytes().collect::<Vec<u8>>()));
+        if let Some(part) = bar::of_program(self.newest.kind, &Params::factory(self.newest.kind), &source) {
+            self.put_in(part);
         }
     }
 }
@@ -156,6 +178,7 @@ impl Desk for LinkDesk {
         let newest = Arc::make_mut(&mut self.newest);
         self.link.newest(newest);
         newest.simulated = Some(Arc::clone(&self.simulated.lock().unwrap_or_else(PoisonError::into_inner)));
+        self.put_bar_in();
         Arc::clone(&self.newest)
     }
 

@@ -286,7 +286,8 @@ impl Controller {
                     self.axes.path.abort();
                     run.doing = Doing::Skipping { tag, latched: true };
                 } else if self.axes.path.finished_tag() >= Some(tag) {
-                    self.skip_position = self.work();
+                    // The end point, not where the servo still trails: a program tells by it that no signal came.
+                    self.skip_position = self.frames.work_from_machine(self.axes.set());
                     return Did::Done;
                 }
                 Did::Wait

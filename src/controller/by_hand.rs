@@ -157,6 +157,7 @@ impl Controller {
             slow_mm_s: self.params.get(param::HOME_SLOW) * MINUTE_HZ,
             travel_mm: self.params.get(param::HOMING_TRAVEL),
             coordinate: self.params.of_axis(param::HOME_X, axis),
+            past: self.row.homes_past_switch(),
             width_mm: self.params.get(param::IN_POSITION),
         };
         AxisHoming::new(axis, plan)

@@ -8,6 +8,7 @@ use super::{Controller, Phase};
 use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
+use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::Said;
 use crate::machine::Answer;
@@ -47,12 +48,23 @@ impl Controller {
             return;
         }
         if matches!(self.phase, Phase::Idle) {
+            self.runs_left = self.params.get(param::LOOP_RUN) as u32 - 1;
             return self.start_program();
         }
         if let Some(why) = self.stopped_in_pause() {
             return self.refuse(why);
         }
         self.resume_run();
+    }
+
+    /// L9: the program that has come to its end begins again, as often as P386 says.
+    pub(super) fn begin_again(&mut self) {
+        if self.runs_left > 0 && matches!(self.phase, Phase::Idle) {
+            self.runs_left -= 1;
+            if matches!(self.ask(Request::CycleStart), Answer::Taken) {
+                self.start_program();
+            }
+        }
     }
 
     fn start_program(&mut self) {

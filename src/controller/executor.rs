@@ -35,7 +35,7 @@ impl Controller {
         let mut planned = Planned::new(self.frames.clone(), self.axes.set(), self.dress.points, modals.path);
         planned.oscillating = self.oscillating_axis();
         planned.bounded = self.axes.all_homed();
-        planned.homed = planned.bounded || self.row.turns_part;
+        planned.homed = planned.bounded || self.row.starts_unhomed();
         planned.system = self.row.system;
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
@@ -76,6 +76,9 @@ impl Controller {
             (true, Origin::Program | Origin::Mdi) => {
                 self.close_run();
                 self.happen(Event::Finish);
+                if origin == Origin::Program {
+                    self.begin_again();
+                }
             }
         }
     }

@@ -17,6 +17,8 @@ pub struct HomingPlan {
     pub travel_mm: f64,
     /// Coordinate of the switch.
     pub coordinate: f64,
+    /// The switch is a bump: over it and back onto its far edge, all at the slow speed (L6).
+    pub past: bool,
     /// In-position width at the zero point.
     pub width_mm: f64,
 }
@@ -31,12 +33,26 @@ const BOUNCE_TICKS: u32 = 20;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
     Begin,
-    SeekFast { from: f64 },
+    SeekFast {
+        from: f64,
+    },
     StopFast,
-    BackOff { from: f64 },
+    /// L6: slowly on over the bump.
+    Past {
+        from: f64,
+    },
+    /// L6: off it on the far side.
+    StopPast,
+    BackOff {
+        from: f64,
+    },
     StopBackOff,
-    SeekSlow { from: f64 },
-    StopSlow { edge: f64 },
+    SeekSlow {
+        from: f64,
+    },
+    StopSlow {
+        edge: f64,
+    },
     ToZero,
 }
 
@@ -90,11 +106,35 @@ impl AxisHoming {
         }
     }
 
+    /// The steps of a switch that is a bump (L6): it is met fast, left slowly on its far side, and met again slowly.
+    fn step_past(&self, mover: &mut AxisMover, switch: bool, at: f64) -> Option<Step> {
+        let HomingPlan { direction, slow_mm_s, past, .. } = self.plan;
+        match self.step {
+            Step::Begin | Step::SeekFast { .. } if switch && past => {
+                mover.velocity_target(direction * slow_mm_s);
+                Some(Step::Past { from: at })
+            }
+            Step::Past { .. } if !switch => {
+                mover.stop();
+                Some(Step::StopPast)
+            }
+            Step::StopPast if mover.is_at_rest() => {
+                mover.velocity_target(-direction * slow_mm_s);
+                Some(Step::SeekSlow { from: at })
+            }
+            _ => None,
+        }
+    }
+
     /// One tick. `raw` is the switch before the filter, `at` the axis position from the encoder.
     pub fn tick(&mut self, mover: &mut AxisMover, switch: bool, raw: bool, at: f64) -> Progress {
-        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate, width_mm } = self.plan;
+        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate, past, width_mm } = self.plan;
         let rest = mover.is_at_rest();
         self.note_edge(raw, at);
+        if let Some(step) = self.step_past(mover, switch, at).filter(|_| past) {
+            self.step = step;
+            return Progress::Going;
+        }
         let too_far = |from: f64| (at - from).abs() > travel_mm;
         self.step = match self.step {
             Step::Begin if switch => {
@@ -134,12 +174,16 @@ impl AxisHoming {
                 let there = mover.is_at_rest() && (at - coordinate).abs() <= width_mm;
                 return if there { Progress::Done } else { Progress::Going };
             }
-            Step::SeekFast { from } | Step::BackOff { from } | Step::SeekSlow { from } if too_far(from) => {
+            Step::SeekFast { from } | Step::BackOff { from } | Step::SeekSlow { from } | Step::Past { from }
+                if too_far(from) =>
+            {
                 mover.stop();
                 return Progress::Failed;
             }
             step @ (Step::SeekFast { .. }
             | Step::StopFast
+            | Step::Past { .. }
+            | Step::StopPast
             | Step::BackOff { .. }
             | Step::StopBackOff
             | Step::SeekSlow { .. }

@@ -219,6 +219,8 @@ pub struct Controller {
     threads: Vec<ThreadCut>,
     /// An axis that a program sends to its switch.
     program_homing: Option<Homing>,
+    /// How often the program begins again by itself (P386).
+    runs_left: u32,
 }
 
 impl Controller {
@@ -288,12 +290,11 @@ impl Controller {
             measuring: None,
             threads: Vec::new(),
             program_homing: None,
+            runs_left: 0,
             params,
         };
         control.find_dead_outputs();
-        if let Some(said) = control.kept.said() {
-            control.say(said);
-        }
+        control.tell_interrupted();
         control
     }
 

@@ -88,18 +88,21 @@ impl Kept {
     pub const fn new(interrupted: Option<(u32, u32)>) -> Self {
         Self { interrupted, told: None }
     }
-
-    /// What the operator is told at power-on.
-    pub fn said(&self) -> Option<Said> {
-        let (program, line) = self.interrupted?;
-        Some(Said::new(
-            format!("O{program:04} 在第 {line} 行断电中断：回零后可从该段继续（程序页）"),
-            format!("O{program:04} was cut off at line {line}: home the axes, then go on from there (program page)"),
-        ))
-    }
 }
 
 impl Controller {
+    /// At power-on: what the last one left unfinished.
+    pub(super) fn tell_interrupted(&mut self) {
+        if let Some((program, line)) = self.kept.interrupted {
+            self.say(Said::new(
+                format!("O{program:04} 在第 {line} 行断电中断：回零后可从该段继续（程序页）"),
+                format!(
+                    "O{program:04} was cut off at line {line}: home the axes, then go on from there (program page)"
+                ),
+            ));
+        }
+    }
+
     /// Reads the current program up to a line (from 1), to run it from there.
     pub(super) fn restart_at(&mut self, line: u32) {
         self.restart = None;

@@ -20,6 +20,7 @@ impl Controller {
     pub(super) fn abort_run(&mut self) {
         self.hand.let_go();
         self.waiting_for = None;
+        self.runs_left = 0;
         if matches!(self.phase, Phase::Aborting) || matches!(self.phase, Phase::Idle) && self.axes.is_at_rest() {
             return;
         }

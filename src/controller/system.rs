@@ -124,8 +124,8 @@ impl Controller {
         if let Some(index) = of(variable::GAUGE_FOUND) {
             return Some(self.gauge_found[index]);
         }
-        if let Some(value) = self.read_offset(number).or_else(|| self.read_position(number)) {
-            return Some(Some(value));
+        if let Some(value) = self.read_offset(number).map(Some).or_else(|| self.read_position(number)) {
+            return Some(value);
         }
         Some(match *variable::find(number)? {
             variable::OSCILLATION => {
@@ -159,17 +159,18 @@ impl Controller {
         of(&WEAR, &self.frames.wear).or_else(|| of(&GEOMETRY, &self.frames.geometry))
     }
 
-    fn read_position(&self, number: u32) -> Option<f64> {
+    /// A position; `Some(None)`, null, for an axis that this machine does not have.
+    fn read_position(&self, number: u32) -> Option<Option<f64>> {
         let ranges = [variable::BLOCK_END, variable::MACHINE, variable::WORK, variable::SKIP];
         let (which, index) = ranges.iter().enumerate().find_map(|(at, range)| Some((at, range.index(number)?)))?;
-        let axis = self.axes.present().nth(index)?;
+        let Some(axis) = self.axes.present().nth(index) else { return Some(None) };
         let place = match which {
             0 => self.frames.work_from_machine(self.axes.set()),
             1 => self.axes.actual(),
             2 => self.work(),
             _ => self.skip_position,
         };
-        Some(place[axis] * self.displayed_per_mm(axis))
+        Some(Some(place[axis] * self.displayed_per_mm(axis)))
     }
 
     /// A program writes a system variable. False: refused, with the alarm raised.

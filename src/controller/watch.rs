@@ -31,7 +31,7 @@ impl Controller {
         let dressing = self.params.get(param::DRESSING_FIRST)..=self.params.get(param::DRESSING_LAST);
         Around {
             run_open: self.phase.is_run_open(),
-            homed: self.axes.all_homed() || self.row.turns_part,
+            homed: self.axes.all_homed() || self.row.starts_unhomed(),
             alarm_blocks: self.alarms.block_start(),
             drives_off: !self.drives_on,
             oscillating: self.oscillation.is_some() && !self.phase.is_run_open(),

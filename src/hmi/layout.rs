@@ -214,10 +214,11 @@ const fn units(kind: Kind, wide: bool) -> (&'static [Unit], &'static [Unit]) {
         (Kind::Gs, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[ROLL, GAUGES]),
         (Kind::Ga, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[TABLE, GAUGES]),
         (Kind::Vertical, false) => (&[WHEEL, CLAMPED, FLUIDS, DRESSING], &[GAUGES_WIDE]),
-        (Kind::Lathe, _) => (&[SPINDLE_DRIVE, FLUIDS_LATHE, TRIAL], &[POST]),
+        (Kind::Lathe, false) => (&[SPINDLE_DRIVE, FLUIDS_LATHE], &[POST]),
         (Kind::Gc, true) => (&[WHEEL_WIDE, HEADSTOCK, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TAILSTOCK, GAUGES]),
         (Kind::Gs, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, ROLL, GAUGES]),
         (Kind::Ga, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TABLE, GAUGES]),
+        (Kind::Lathe, true) => (&[SPINDLE_DRIVE, FLUIDS_LATHE, TRIAL], &[POST]),
         (Kind::Vertical, true) => (&[WHEEL_WIDE, CLAMPED, FLUIDS, DRESSING, TRIAL], &[SPINDLE, GAUGES_WIDE]),
     }
 }

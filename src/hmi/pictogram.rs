@@ -231,6 +231,17 @@ const fn unit(key: Key) -> &'static [Mark] {
             Line(&[(13.5, 9.5), (17.0, 9.5), (17.0, 14.5), (13.5, 14.5)]),
             Ring(20.0, 12.0, 2.5),
         ],
+        Key::SpindleForward => &[CHUCK, SHAFT, Arc(16.0, 12.0, 6.0, -70.0, 60.0), Head(17.5, 18.5, 150.0)],
+        Key::SpindleReverse => &[CHUCK, SHAFT, Arc(16.0, 12.0, 6.0, -60.0, 70.0), Head(17.5, 5.5, 210.0)],
+        Key::SpindleStop => &[CHUCK, SHAFT, OFF],
+        Key::ToolPost => &[
+            Box(7.0, 7.0, 10.0, 10.0),
+            Line(&[(12.0, 7.0), (12.0, 2.5)]),
+            Line(&[(17.0, 12.0), (21.5, 12.0)]),
+            Line(&[(12.0, 17.0), (12.0, 21.5)]),
+            Line(&[(7.0, 12.0), (2.5, 12.0)]),
+            Dot(12.0, 12.0, 1.6),
+        ],
         Key::HeadstockHigh => &[
             CHUCK,
             SHAFT,

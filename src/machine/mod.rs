@@ -228,7 +228,9 @@ impl Machine {
 
     /// Puts the machine where a headless run begins (tools.md T3): hydraulics on long enough, the part clamped.
     pub fn make_ready(&mut self, params: &Params) {
-        self.hydraulic.make_ready();
+        if !self.row.turns_part {
+            self.hydraulic.make_ready();
+        }
         if params.bit(param::TAILSTOCK_ENABLED) && self.row.tailstock {
             self.tailstock = Tailstock::Holding;
         }

@@ -3,7 +3,7 @@
 //! Owns the geometry of a single move. Knows nothing of speed. An arc is measured along its mean radius, with its third
 //! axis, so that a helix is as long as it is.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::{AxisLimits, Limits, Shape, Turn};
 use crate::units::{Axis, PerAxis};
@@ -16,6 +16,9 @@ const ARC_JERK_TANGENTIAL: f64 = 0.4;
 const ARC_JERK_CURVATURE: f64 = 0.3;
 /// Shorter than this a move is no motion, mm.
 pub const NO_LENGTH_MM: f64 = 1e-9;
+
+/// A full turn passes so many points where an axis turns back.
+const QUARTERS: usize = 4;
 
 #[derive(Clone, Copy, Debug)]
 enum Form {
@@ -30,6 +33,8 @@ pub struct Segment {
     to: [f64; 3],
     form: Form,
     length: f64,
+    /// Directions at the start and at the end, of length 1.
+    directions: [[f64; 3]; 2],
 }
 
 impl Segment {
@@ -39,7 +44,7 @@ impl Segment {
         let PerAxis(to) = to;
         let chord = distance(from, to);
         match shape {
-            Shape::Line => Self { from, to, form: Form::Line, length: chord },
+            Shape::Line => Self::directed(from, to, Form::Line, chord),
             Shape::Arc { center, plane, turn } => {
                 let (first, second, third) = plane.axes();
                 let axes = [first, second, third].map(|axis: Axis| axis as usize);
@@ -60,9 +65,23 @@ impl Segment {
                 };
                 let run = f64::midpoint(r0, r1) * sweep;
                 let length = run.hypot(to[axes[2]] - from[axes[2]]);
-                Self { from, to, form: Form::Arc { center, axes, radius: [r0, r1], angle: a0, sweep }, length }
+                Self::directed(from, to, Form::Arc { center, axes, radius: [r0, r1], angle: a0, sweep }, length)
             }
         }
+    }
+
+    fn directed(from: [f64; 3], to: [f64; 3], form: Form, length: f64) -> Self {
+        let mut this = Self { from, to, form, length, directions: [[0.0; 3]; 2] };
+        let step = length * 1e-4;
+        let toward = |a: [f64; 3], b: [f64; 3]| {
+            let length = distance(a, b).max(NO_LENGTH_MM);
+            [0, 1, 2].map(|x| (b[x] - a[x]) / length)
+        };
+        this.directions = match form {
+            Form::Line => [toward(from, to); 2],
+            Form::Arc { .. } => [toward(from, this.at(step)), toward(this.at(length - step), to)],
+        };
+        this
     }
 
     /// Length, mm.
@@ -102,43 +121,61 @@ impl Segment {
         }
     }
 
-    /// Where along the segment, mm, it is nearest to `point`.
+    /// Where along the segment, mm, between two distances along, it is nearest to `point`, and the place itself.
     #[must_use]
-    pub fn nearest(&self, point: [f64; 3]) -> f64 {
+    pub fn nearest(&self, point: [f64; 3], low: f64, high: f64) -> (f64, [f64; 3]) {
         match self.form {
             Form::Line => {
-                let d = [0, 1, 2].map(|x| self.to[x] - self.from[x]);
+                let d = self.directions[0];
                 let along: f64 = (0..3).map(|x| (point[x] - self.from[x]) * d[x]).sum();
-                (along / self.length.max(NO_LENGTH_MM)).clamp(0.0, self.length)
+                let along = along.max(low.max(0.0)).min(high.min(self.length));
+                (along, [0, 1, 2].map(|x| self.from[x] + along * d[x]))
             }
             Form::Arc { center, axes, angle, sweep, .. } => {
                 // By the angle alone: exact for a flat arc, and near enough within the tube of a helix.
                 let (x, y) = (point[axes[0]] - center[0], point[axes[1]] - center[1]);
                 let turned = (sweep.signum() * (y.atan2(x) - angle)).rem_euclid(TAU);
                 let whole = sweep.abs();
-                if turned <= whole {
+                let along = if turned <= whole {
                     turned / whole * self.length
                 } else if turned - whole < TAU - turned {
                     self.length
                 } else {
                     0.0
-                }
+                };
+                let along = along.max(low.max(0.0)).min(high.min(self.length));
+                (along, self.at(along))
             }
         }
     }
 
     /// Directions at the start and at the end, of length 1.
     #[must_use]
-    pub fn directions(&self) -> [[f64; 3]; 2] {
-        let step = self.length * 1e-4;
-        let toward = |a: [f64; 3], b: [f64; 3]| {
-            let length = distance(a, b).max(NO_LENGTH_MM);
-            [0, 1, 2].map(|x| (b[x] - a[x]) / length)
-        };
-        match self.form {
-            Form::Line => [toward(self.from, self.to); 2],
-            Form::Arc { .. } => [toward(self.from, self.at(step)), toward(self.at(self.length - step), self.to)],
+    pub const fn directions(&self) -> [[f64; 3]; 2] {
+        self.directions
+    }
+
+    /// The points where an axis may turn back, in order with their distance along: the quarter points of an arc, and
+    /// the end of every segment.
+    #[must_use]
+    pub fn turning_points(&self) -> ([(f64, [f64; 3]); QUARTERS + 1], usize) {
+        let mut points = [(self.length, self.to); QUARTERS + 1];
+        let mut count = 0;
+        if let Form::Arc { angle, sweep, .. } = self.form {
+            let way = sweep.signum();
+            let first = (angle * way / FRAC_PI_2).floor() + 1.0;
+            for quarter in 0..QUARTERS {
+                let turned = (first + quarter as f64) * FRAC_PI_2 - angle * way;
+                if turned >= sweep.abs() {
+                    break;
+                }
+                let along = turned / sweep.abs() * self.length;
+                points[count] = (along, self.at(along));
+                count += 1;
+            }
         }
+        points[count] = (self.length, self.to);
+        (points, count + 1)
     }
 
     /// Limits of speed, acceleration and jerk along the segment that keep those of every axis.

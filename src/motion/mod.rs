@@ -4,27 +4,33 @@
 //! drives or time of day; a tick is an argument's worth of motion, and the same calls give the same set-points bit for
 //! bit. Machine frame, radius millimetres, seconds.
 //!
-//! The way of a move through [`Path`]: `push` queues it; a planner turns the moves at the front of the queue into
-//! *nominal* set-points, one for each tick at 100 % override, which end at rest and are laid on the [`trail`]; `tick`
+//! The way of a move through [`Path`]: `push` queues it; the [`planner`] turns the moves at the front of the queue into
+//! *nominal* set-points, one for each tick at 100 % override, and lays them on the [`trail`]: a [`stroke`] for a move that
+//! ends at rest, for a [`run`] of moves that flow into each other one [`window`] after another, each planned in slices to
+//! an end at rest and handed over to the next before it brakes; `tick`
 //! goes along the trail, one place a tick at full rate and slower under an override or a hold ([`warp`]); a change of
 //! rate is only begun once it has been run ahead to its end and every limit found kept.
 //! [`ThreadMover`] leads Z in step with a spindle. [`AxisMover`] moves one axis by itself; both rest on the seven-segment [`profile`].
 
+mod budget;
 mod contour;
 mod mover;
 mod path;
 mod planner;
 pub mod profile;
+mod run;
 mod smooth;
-mod span;
 mod speed;
 mod stroke;
 mod thread;
 mod trail;
+mod tube;
 mod warp;
+mod window;
 
 pub use mover::{AxisMover, EMERGENCY_JERK_FACTOR};
 pub use path::{FINISHED_KEPT, MOVES, Path};
+pub use planner::WORK_MOST;
 pub use profile::AxisLimits;
 pub use thread::{Thread, ThreadMover};
 

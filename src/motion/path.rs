@@ -4,12 +4,13 @@
 //! of why the program moves.
 //!
 //! An override below 100 % slows everything alike, corners too, and takes effect within a few ticks. Above 100 % it
-//! raises the programmed feed of all that is not laid on the trail yet (a few tenths of a second).
+//! raises the programmed feed of all that is not laid on the trail yet: a stroke under way at once, a smooth run with the
+//! next window, which is then planned without waiting for its time.
 
 use std::collections::VecDeque;
 
 use super::contour::Segment;
-use super::planner::Planner;
+use super::planner::{Ask, Planner};
 use super::trail::{Spot, Trail};
 use super::warp::{History, StepLimits, Warp};
 use super::{Limits, Move, Override, PathFull, Rate, SetPoint};
@@ -19,6 +20,10 @@ use crate::units::PerAxis;
 pub const MOVES: usize = 256;
 /// Finished tags kept for [`Path::pop_finished`]; older ones are dropped.
 pub const FINISHED_KEPT: usize = 1_024;
+/// After so many ticks in which a rate asked for could not be taken, the rest of the plan is laid so that all is known.
+const UNMET_MOST: u32 = 50;
+/// A rate this near to what is asked for is on its way there.
+const NEARLY_MET: f64 = 0.16;
 /// The greatest feed override.
 const FEED_OVERRIDE_MOST: f64 = 1.5;
 
@@ -27,6 +32,8 @@ const FEED_OVERRIDE_MOST: f64 = 1.5;
 pub(super) struct Queued {
     pub program: Move,
     pub segment: Segment,
+    /// Its number since power-on.
+    pub number: u64,
     /// The number of the place after its last on the trail, once that is laid: there the curve has come through its end.
     pub ends_at: Option<u64>,
 }
@@ -37,6 +44,7 @@ pub struct Path {
     limits: Limits,
     steps: StepLimits,
     moves: VecDeque<Queued>,
+    pushed: u64,
     finished: VecDeque<u32>,
     finished_tag: Option<u32>,
     planner: Planner,
@@ -44,6 +52,8 @@ pub struct Path {
     spot: Spot,
     past: History,
     warp: Warp,
+    /// Ticks for which the rate asked for could not be taken.
+    unmet: u32,
     held: bool,
     aborting: bool,
 }
@@ -64,6 +74,7 @@ impl Path {
             limits,
             steps: StepLimits::of(&limits),
             moves: VecDeque::with_capacity(MOVES),
+            pushed: 0,
             finished: VecDeque::with_capacity(FINISHED_KEPT),
             finished_tag: None,
             planner: Planner::new(&limits),
@@ -71,6 +82,7 @@ impl Path {
             spot,
             past: [at; 4],
             warp: Warp::steady(1.0),
+            unmet: 0,
             held: false,
             aborting: false,
         }
@@ -107,7 +119,8 @@ impl Path {
         let from = self.moves.back().map_or(self.end_of_laid(), |last| last.program.to.0);
         let segment = Segment::new(from, program.to, program.shape);
         assert!(segment.length().is_finite(), "move {program:?}");
-        self.moves.push_back(Queued { program, segment, ends_at: None });
+        self.moves.push_back(Queued { program, segment, number: self.pushed, ends_at: None });
+        self.pushed += 1;
         Ok(())
     }
 
@@ -121,8 +134,15 @@ impl Path {
     pub fn tick(&mut self, requested: Override) -> SetPoint {
         let requested = Override { feed: cut(requested.feed, FEED_OVERRIDE_MOST), rapid: cut(requested.rapid, 1.0) };
         // A verified change of rate has looked at a closed trail's rest: then nothing may follow until it has ended.
-        if !self.aborting && (self.trail.is_open() || self.warp.is_steady()) {
-            self.planner.tick(&mut self.moves, &mut self.trail, self.spot, requested.feed.max(1.0));
+        // An abort lays no more than it needs until a way to rest has been found.
+        let wanted = !self.aborting || (self.trail.is_open() && self.warp.target() > 0.0);
+        if wanted && (self.trail.is_open() || self.warp.is_steady()) {
+            let ask = Ask {
+                feed_override: requested.feed.max(1.0),
+                braking: self.unmet > if self.held { 0 } else { UNMET_MOST },
+                catching_up: !self.held && self.wanted_rate(requested) > self.warp.target(),
+            };
+            self.planner.tick(&mut self.moves, &mut self.trail, self.spot, ask);
         }
         self.steer(requested);
         let ahead = self.warp.step();
@@ -246,28 +266,43 @@ impl Path {
             .map_or(PerAxis([0.0; 3]), |queued| PerAxis::from_fn(|axis| queued.program.to[axis] - at[axis]))
     }
 
+    /// Units of planning done in the last tick: counted work, never above [`WORK_MOST`] whatever is planned.
+    #[must_use]
+    pub const fn work_of_last_tick(&self) -> usize {
+        self.planner.work()
+    }
+
     /// Speed along the path over the last tick, mm/s.
     #[must_use]
     pub fn path_speed_mm_s(&self) -> f64 {
         super::contour::distance(self.past[3], self.past[2]) / self.limits.tick_s
     }
 
-    /// Leads the rate to what hold and override ask for.
-    fn steer(&mut self, requested: Override) {
+    /// The rate that hold and override ask for at the present place.
+    fn wanted_rate(&self, requested: Override) -> f64 {
         let place = self.trail.place(self.spot.tick + 1);
-        let target = match (self.held, place.rapid) {
+        match (self.held, place.rapid) {
             (true, _) => 0.0,
             (false, true) => requested.rapid,
             (false, false) => (requested.feed / place.planned_override).min(1.0),
-        };
+        }
+    }
+
+    /// Leads the rate there.
+    fn steer(&mut self, requested: Override) {
+        let target = self.wanted_rate(requested);
         if (target - self.warp.target()).abs() <= 0.0 {
+            self.unmet = 0;
             return;
         }
         if self.spot.tick >= self.trail.end() {
             // At rest and nothing laid: any rate is the same.
             self.warp = Warp::steady(target);
+            self.unmet = 0;
         } else {
             self.warp.aim(target, &self.trail, self.spot, &self.past, &self.steps);
+            let met = (target - self.warp.target()).abs() <= NEARLY_MET;
+            self.unmet = if met { 0 } else { self.unmet.saturating_add(1) };
         }
     }
 

@@ -1,118 +1,73 @@
-//! Smoothing: the least jerky curve that stays within the tolerance of a contour.
+//! Smoothing: the least jerky curve that stays within the tube around a contour.
 //!
 //! Owns the control points of a uniform cubic B-spline over nominal time and moves them until the sum of the squares of
-//! their third differences is least while every knot lies in the tube around the contour. Where along the contour a knot
-//! lies is free, so the curve also chooses its own timing. Knows nothing of velocity limits.
+//! their third differences is least while every knot lies in the tube. Where along the contour a knot lies is free, so
+//! the curve also chooses its own timing. Knows nothing of velocity limits.
 //! Source: alternating directions (Boyd et al. 2011): a banded least-squares step, whose matrix never changes and is
-//! factored once, then each knot by itself back into the tube.
+//! factored once, then each knot by itself back into the tube. Every pass may be left and taken up at any knot.
 
-use super::contour::Segment;
-use super::contour::{NO_LENGTH_MM, distance};
+use super::budget::Budget;
+use super::tube::{Nearest, Room, Tube};
 
 /// Control points at most.
-pub const POINTS: usize = 1_280;
+pub const POINTS: usize = 640;
 /// Weight of staying in the tube against the jerk; found by trial on the benchmark paths.
 const TUBE_WEIGHT: f64 = 0.03;
-/// Corners of more than 8° (its cosine) are sharp.
-const SHARP_COSINE: f64 = 0.99;
 /// Over-relaxation, 1 to 2.
 const RELAXATION: f64 = 1.7;
-/// Fixed control points at either end: the curve starts and ends at rest there.
-const FIXED: usize = 3;
+/// Fixed control points at either end at least: position, velocity and acceleration there.
+pub const FIXED: usize = 3;
+/// The box of a knot is made narrower by this part of the radius, so that an unfinished iteration does not leave it.
+const ROOM_SPARE: f64 = 0.01;
+/// Units of work of one knot in each pass.
+const COST_BEGIN: usize = 60;
+const COST_FACTOR: usize = 30;
+const COST_SOLVE: usize = 16;
+const COST_PROJECT: usize = 50;
 
-/// The contour of a run of moves and its tolerance.
-#[derive(Clone, Debug, Default)]
-pub struct Tube {
-    /// The moves in order.
-    pub segments: Vec<Segment>,
-    /// Distance from the start to the beginning of each, mm; one more than segments.
-    pub along: Vec<f64>,
-    /// For each move, where the run of moves without a sharp corner that it belongs to begins and ends, mm.
-    pub smooth_run: Vec<(f64, f64)>,
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pass {
+    Begin,
+    Factor,
+    Forward,
+    Back,
+    Project,
 }
 
-impl Tube {
-    /// Finds the sharp corners.
-    pub fn mark_corners(&mut self) {
-        let count = self.segments.len();
-        self.smooth_run.clear();
-        self.smooth_run.resize(count, (0.0, self.length()));
-        for k in 1..count {
-            let ([_, a], [b, _]) = (self.segments[k - 1].directions(), self.segments[k].directions());
-            let cosine: f64 = (0..3).map(|x| a[x] * b[x]).sum();
-            self.smooth_run[k].0 = if cosine < SHARP_COSINE { self.along[k] } else { self.smooth_run[k - 1].0 };
-        }
-        for k in (1..count).rev() {
-            let (start, end) = self.smooth_run[k];
-            self.smooth_run[k - 1].1 = if start < self.along[k] { end } else { self.along[k] };
-        }
-    }
-
-    /// Length, mm.
-    pub fn length(&self) -> f64 {
-        self.along.last().copied().unwrap_or(0.0)
-    }
-
-    /// The segment that a distance from the start falls in.
-    pub fn segment_at(&self, along: f64) -> usize {
-        self.along.partition_point(|start| *start <= along).clamp(1, self.segments.len().max(1)) - 1
-    }
-
-    /// The point at a distance from the start.
-    pub fn at(&self, along: f64) -> [f64; 3] {
-        let k = self.segment_at(along);
-        self.segments[k].at(along - self.along[k])
-    }
-
-    /// The place between two distances from the start that is nearest to `point`: its distance along, itself, how far
-    /// off the point is, and the segment it lies on.
-    pub fn nearest(&self, point: [f64; 3], low: f64, high: f64) -> Nearest {
-        let (first, last) = (self.segment_at(low), self.segment_at(high - NO_LENGTH_MM));
-        let last = last.max(first);
-        let mut best = Nearest { along: low, on: point, off: f64::INFINITY, segment: first };
-        for segment in first..=last {
-            let start = self.along[segment];
-            let along = self.segments[segment].nearest(point).max(low - start).min(high - start);
-            let on = self.segments[segment].at(along);
-            let off = distance(on, point);
-            if off < best.off {
-                best = Nearest { along: start + along, on, off, segment };
-            }
-        }
-        best
-    }
-}
-
-/// A place on the contour near a point.
-#[derive(Clone, Copy, Debug)]
-pub struct Nearest {
-    /// Distance from the start, mm.
-    pub along: f64,
-    /// The place.
-    pub on: [f64; 3],
-    /// Distance of the point from it, mm.
-    pub off: f64,
-    /// The segment it lies on.
-    pub segment: usize,
+/// What is known of one knot.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Knot {
+    target: [f64; 3],
+    dual: [f64; 3],
+    /// Between which distances along the contour it may be drawn.
+    reach: (f64, f64),
+    /// Where along the contour it has come to lie, and on which segment.
+    pub near: (f64, usize),
+    /// How far it may lie off the contour, mm.
+    pub radius: f64,
+    /// How far it may go.
+    pub room: Room,
 }
 
 /// Control points and the state of their iteration.
 #[derive(Clone, Debug)]
 pub struct Smooth {
-    /// Control points; the first three and the last three are the ends.
+    /// Control points; the last three are the end.
     pub points: Vec<[f64; 3]>,
-    target: Vec<[f64; 3]>,
-    dual: Vec<[f64; 3]>,
+    /// So many of the first are given: three at rest, in motion what is taken over from the curve before.
+    pub lead: usize,
     /// Where along the contour the timing has each knot; smoothing may move it to where its neighbours were.
     pub along: Vec<f64>,
-    /// Where along the contour each knot has come to lie, and on which segment.
-    pub near: Vec<(f64, usize)>,
-    /// How far each knot may lie off the contour, mm.
-    pub radius: Vec<f64>,
+    /// The knots, as many as control points; the first and the last are none.
+    pub knots: Vec<Knot>,
     factor: Vec<[f64; 4]>,
+    /// What the least-squares step draws each knot to: its target less its dual.
+    aim: Vec<[f64; 3]>,
     rhs: Vec<[f64; 3]>,
-    /// The greatest distance of a knot from its place in the tube at the last iteration, mm.
-    pub residual: f64,
+    pass: Pass,
+    cursor: usize,
+    share: f64,
+    kept_factor: usize,
 }
 
 /// Knot from three control points.
@@ -125,132 +80,181 @@ impl Smooth {
     pub fn new() -> Self {
         Self {
             points: Vec::with_capacity(POINTS),
-            target: Vec::with_capacity(POINTS),
-            dual: Vec::with_capacity(POINTS),
+            lead: FIXED,
             along: Vec::with_capacity(POINTS),
-            near: Vec::with_capacity(POINTS),
-            radius: Vec::with_capacity(POINTS),
+            knots: Vec::with_capacity(POINTS),
             factor: Vec::with_capacity(POINTS),
+            aim: Vec::with_capacity(POINTS),
             rhs: Vec::with_capacity(POINTS),
-            residual: f64::INFINITY,
+            pass: Pass::Begin,
+            cursor: 0,
+            share: 1.0,
+            kept_factor: 0,
         }
     }
 
-    /// Begin from the control points given; `along` is set for each of them.
-    pub fn begin(&mut self, radius: f64) {
-        let n = self.points.len();
-        self.radius.clear();
-        self.radius.resize(n, radius);
-        self.near.clear();
-        self.near.resize(n, (0.0, 0));
-        self.target.clear();
-        self.target.extend_from_slice(&self.points);
-        self.dual.clear();
-        self.dual.resize(n, [0.0; 3]);
-        self.rhs.clear();
-        self.rhs.resize(n, [0.0; 3]);
-        self.factorise();
+    /// Begin from the control points given, with `along` set for each of them and a part of every tolerance.
+    pub fn begin(&mut self, share: f64) {
+        self.share = share;
+        self.pass = Pass::Begin;
+        self.cursor = 0;
+        self.knots.clear();
     }
 
-    /// Banded Cholesky factor of D3ᵀD3 + weight MᵀM over the free control points.
-    fn factorise(&mut self) {
-        let n = self.points.len();
-        let third = [-1.0, 3.0, -3.0, 1.0];
-        let mean = [1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0];
-        let auto = |of: &[f64], lag: usize| (lag..of.len()).map(|k| of[k] * of[k - lag]).sum::<f64>();
-        let mut band = [0.0; 4];
-        for (lag, entry) in band.iter_mut().enumerate() {
-            *entry = auto(&third, lag) + TUBE_WEIGHT * auto(&mean, lag);
-        }
-        self.factor.clear();
-        self.factor.resize(n, [0.0; 4]);
-        for row in FIXED..n - FIXED {
-            let mut line = [0.0; 4];
-            for lag in (0..4).rev() {
-                if row < FIXED + lag {
-                    continue;
-                }
-                let column = row - lag;
-                let mut sum = band[lag];
-                for (back, entry) in line.iter().enumerate().skip(lag + 1).filter(|(back, _)| row >= FIXED + back) {
-                    let other = if lag == 0 { *entry } else { self.factor[column][back - lag] };
-                    sum -= entry * other;
-                }
-                line[lag] = if lag == 0 { sum.max(1e-12).sqrt() } else { sum / self.factor[column][0] };
+    /// Works until one iteration is over; false when the work of the tick was spent before.
+    pub fn iterate(&mut self, tube: &Tube, budget: &mut Budget) -> bool {
+        loop {
+            let n = self.points.len();
+            let (end, cost) = match self.pass {
+                Pass::Begin => (n, COST_BEGIN),
+                Pass::Factor => (n, COST_FACTOR),
+                Pass::Forward | Pass::Back => (n - self.lead - FIXED, COST_SOLVE),
+                Pass::Project => (n - 1, COST_PROJECT),
+            };
+            let from = self.cursor;
+            let until = budget.slice(from, end, cost);
+            match self.pass {
+                Pass::Begin => (from..until).for_each(|k| self.begin_knot(tube, k)),
+                Pass::Factor => (from..until).for_each(|k| self.factor_row(k)),
+                Pass::Forward => (from..until).for_each(|k| self.forward(k + self.lead)),
+                Pass::Back => (from..until).for_each(|k| self.back(n - FIXED - 1 - k)),
+                Pass::Project => (from..until).for_each(|k| self.project(tube, k)),
             }
-            self.factor[row] = line;
-        }
-    }
-
-    /// One iteration.
-    pub fn iterate(&mut self, tube: &Tube) {
-        self.solve();
-        let n = self.points.len();
-        self.residual = 0.0;
-        for k in 1..n - 1 {
-            let here = knot(&self.points, k);
-            let before = self.target[k];
-            let relaxed = [0, 1, 2].map(|x| RELAXATION * here[x] + (1.0 - RELAXATION) * before[x]);
-            let wish = [0, 1, 2].map(|x| relaxed[x] + self.dual[k][x]);
-            let Nearest { along, on, off, segment } = self.reach(tube, k, wish);
-            self.near[k] = (along, segment);
-            let radius = self.radius[k];
-            let part = if off > radius { radius / off } else { 1.0 };
-            let inside = [0, 1, 2].map(|x| on[x] + part * (wish[x] - on[x]));
-            self.target[k] = inside;
-            self.dual[k] = [0, 1, 2].map(|x| wish[x] - inside[x]);
-            self.residual = self.residual.max(distance(here, inside));
-        }
-    }
-
-    /// The place of the contour that knot `k` is drawn to: between its neighbours, and on its own side of a sharp corner,
-    /// so that the places allowed are convex and the iteration does not waver between the legs.
-    fn reach(&self, tube: &Tube, k: usize, wish: [f64; 3]) -> Nearest {
-        let (start, end) = tube.smooth_run[tube.segment_at(self.along[k])];
-        tube.nearest(wish, self.along[k - 1].max(start), self.along[k + 1].min(end))
-    }
-
-    /// The least-squares step: free control points from targets and duals.
-    fn solve(&mut self) {
-        let n = self.points.len();
-        let aim = |s: &Self, k: usize, x: usize| s.target[k][x] - s.dual[k][x];
-        let third = [-1.0, 3.0, -3.0, 1.0];
-        for row in FIXED..n - FIXED {
-            let mut sum = [0.0; 3];
-            for (x, value) in sum.iter_mut().enumerate() {
-                *value = TUBE_WEIGHT * (aim(self, row - 1, x) + 4.0 * aim(self, row, x) + aim(self, row + 1, x)) / 6.0;
+            self.cursor = until;
+            if until < end {
+                return false;
             }
-            self.rhs[row] = sum;
+            (self.pass, self.cursor) = match self.pass {
+                Pass::Begin => (Pass::Factor, 0),
+                Pass::Factor => (Pass::Forward, 0),
+                Pass::Forward => (Pass::Back, 0),
+                // Before that, knots are given as the points are.
+                Pass::Back => (Pass::Project, self.lead - 1),
+                Pass::Project => {
+                    (self.pass, self.cursor) = (Pass::Forward, 0);
+                    return true;
+                }
+            };
         }
+    }
+
+    fn begin_knot(&mut self, tube: &Tube, k: usize) {
+        let n = self.points.len();
+        let along = self.along[k].max(0.0).min(tube.end);
+        let segment = tube.segment_at(along);
+        let (start, end) = tube.smooth_run(segment);
+        let low = self.along[k.max(1) - 1].max(start).max(0.0);
+        let high = self.along[(k + 1).min(n - 1)].min(end).min(tube.end);
+        let radius = tube.pieces[segment].tolerance * self.share;
+        let spare = ROOM_SPARE * radius;
+        let room = tube.room(along).map(|(low, high)| {
+            let middle = f64::midpoint(low, high);
+            ((low + spare).min(middle), (high - spare).max(middle))
+        });
+        let (target, dual) = (self.points[k], [0.0; 3]);
+        self.knots.push(Knot { target, dual, reach: (low, high), near: (along, segment), radius, room });
+        if self.factor.len() <= k {
+            self.factor.push([0.0; 4]);
+        }
+        match self.rhs.get_mut(k) {
+            Some(rhs) => *rhs = [0.0; 3],
+            None => self.rhs.push([0.0; 3]),
+        }
+        match self.aim.get_mut(k) {
+            Some(aim) => *aim = target,
+            None => self.aim.push(target),
+        }
+    }
+
+    /// One row of the banded Cholesky factor of D3ᵀD3 + weight MᵀM over the free control points; the diagonal is kept
+    /// inverted. The rows do not depend on how many there are.
+    fn factor_row(&mut self, row: usize) {
+        if row < FIXED || row < self.kept_factor {
+            return;
+        }
+        let mut line = [0.0; 4];
+        for lag in (0..4_usize).rev() {
+            if row < FIXED + lag {
+                continue;
+            }
+            let column = row - lag;
+            let mut sum = band(lag);
+            for (back, entry) in line.iter().enumerate().skip(lag + 1).filter(|(back, _)| row >= FIXED + back) {
+                sum -= entry * if lag == 0 { *entry } else { self.factor[column][back - lag] };
+            }
+            line[lag] = if lag == 0 { 1.0 / sum.max(1e-12).sqrt() } else { sum * self.factor[column][0] };
+        }
+        self.factor[row] = line;
+        self.kept_factor = row + 1;
+    }
+
+    /// Right-hand side and forward substitution of one row. The first rows have nothing before them: zeros.
+    fn forward(&mut self, row: usize) {
+        let n = self.points.len();
+        let aim = [self.aim[row - 1], self.aim[row], self.aim[row + 1]];
+        let mut sum = [0, 1, 2].map(|x| (TUBE_WEIGHT / 6.0) * (aim[0][x] + 4.0 * aim[1][x] + aim[2][x]));
         // What the fixed control points add: D3 and M of them, taken to the right-hand side.
-        for row in (FIXED..2 * FIXED).chain(n - 2 * FIXED..n - FIXED) {
-            for column in (row - 3..=row + 3).filter(|c| *c < FIXED || *c >= n - FIXED) {
-                let lag = row.abs_diff(column);
-                let entry = (lag..4).map(|k| third[k] * third[k - lag]).sum::<f64>()
-                    + TUBE_WEIGHT * [18.0, 8.0, 1.0, 0.0][lag] / 36.0;
-                for x in 0..3 {
-                    self.rhs[row][x] -= entry * self.points[column][x];
-                }
+        let lead = self.lead;
+        if row < lead + FIXED || row >= n - 2 * FIXED {
+            for column in (row - 3..=row + 3).filter(|c| *c < lead || *c >= n - FIXED) {
+                let entry = band(row.abs_diff(column));
+                (0..3).for_each(|x| sum[x] -= entry * self.points[column][x]);
             }
         }
-        for row in FIXED..n - FIXED {
-            let line = self.factor[row];
-            for x in 0..3 {
-                let mut sum = self.rhs[row][x];
-                for (lag, entry) in line.iter().enumerate().take(row - FIXED + 1).skip(1) {
-                    sum -= entry * self.rhs[row - lag][x];
-                }
-                self.rhs[row][x] = sum / line[0];
-            }
-        }
-        for row in (FIXED..n - FIXED).rev() {
-            for x in 0..3 {
-                let mut sum = self.rhs[row][x];
-                for lag in 1..4.min(n - FIXED - row) {
-                    sum -= self.factor[row + lag][lag] * self.points[row + lag][x];
-                }
-                self.points[row][x] = sum / self.factor[row][0];
+        let line = self.factor[row - lead + FIXED];
+        let before = [self.rhs[row - 1], self.rhs[row - 2], self.rhs[row - 3]];
+        // The nearest last: it is the one just found.
+        self.rhs[row] = [0, 1, 2].map(|x| {
+            let far = sum[x] - line[3] * before[2][x] - line[2] * before[1][x];
+            (far - line[1] * before[0][x]) * line[0]
+        });
+    }
+
+    fn back(&mut self, row: usize) {
+        let n = self.points.len();
+        let sum = self.rhs[row];
+        let after = |lag: usize| {
+            // The fixed points at the end are on the right-hand side already.
+            let factor = row + lag - self.lead + FIXED;
+            if row + lag < n - FIXED { (self.factor[factor][lag], self.points[row + lag]) } else { (0.0, [0.0; 3]) }
+        };
+        let inverse = self.factor[row - self.lead + FIXED][0];
+        let [(f1, p1), (f2, p2), (f3, p3)] = [after(1), after(2), after(3)];
+        self.points[row] = [0, 1, 2].map(|x| (sum[x] - f3 * p3[x] - f2 * p2[x] - f1 * p1[x]) * inverse);
+    }
+
+    /// One knot back into the tube: to the place of the contour between its neighbours' places and on its own side of a
+    /// sharp corner, so that the places allowed are convex and the iteration does not waver between the legs.
+    fn project(&mut self, tube: &Tube, k: usize) {
+        let here = knot(&self.points, k);
+        let this = &mut self.knots[k];
+        let wish = [0, 1, 2].map(|x| RELAXATION * here[x] + (1.0 - RELAXATION) * this.target[x] + this.dual[x]);
+        let Nearest { along, on, off, segment } = tube.nearest(wish, this.reach.0, this.reach.1, this.near.1);
+        this.near = (along, segment);
+        let part = if off > this.radius { this.radius / off } else { 1.0 };
+        // Toward the box is toward the contour, which lies in it: the distance only shrinks.
+        let inside = [0, 1, 2].map(|x| (on[x] + part * (wish[x] - on[x])).max(this.room[x].0).min(this.room[x].1));
+        this.target = inside;
+        this.dual = [0, 1, 2].map(|x| wish[x] - inside[x]);
+        self.aim[k] = [0, 1, 2].map(|x| 2.0 * inside[x] - wish[x]);
+    }
+
+    /// Makes the tube narrower at the knots around interval `k`: by so much of the radius, and so much at either side of
+    /// the box, mm.
+    pub fn narrow(&mut self, k: usize, radius: f64, least: f64, room: [(f64, f64); 3]) {
+        for knot in &mut self.knots[k + 1..k + 3] {
+            knot.radius = (knot.radius - radius).max(least);
+            for (bound, by) in knot.room.iter_mut().zip(room) {
+                let middle = f64::midpoint(bound.0, bound.1);
+                *bound = ((bound.0 + by.0).min(middle), (bound.1 - by.1).max(middle));
             }
         }
     }
+}
+
+/// Entry of the matrix at a distance from its diagonal.
+fn band(lag: usize) -> f64 {
+    const THIRD: [f64; 4] = [20.0, -15.0, 6.0, -1.0];
+    const MEAN: [f64; 4] = [18.0 / 36.0, 8.0 / 36.0, 1.0 / 36.0, 0.0];
+    THIRD[lag] + TUBE_WEIGHT * MEAN[lag]
 }

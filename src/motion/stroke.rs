@@ -20,10 +20,10 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// A stroke along `segment` within `limits` of the way along it.
+    /// A stroke along `segment`, from a distance along it on, within `limits` of the way along it.
     #[must_use]
-    pub fn new(segment: Segment, limits: AxisLimits, tick_s: f64) -> Self {
-        let profile = Profile::to_position(State::default(), segment.length(), limits);
+    pub fn new(segment: Segment, from: f64, limits: AxisLimits, tick_s: f64) -> Self {
+        let profile = Profile::to_position(State::at_rest(from), segment.length(), limits);
         Self { segment, limits, profile, tick_s, ticks: 0 }
     }
 

@@ -51,14 +51,13 @@ impl StepLimits {
         }
     }
 
-    /// How many times slower the newest set-point of a history would keep all limits; up to 1 it does already.
+    /// What part of a limit the newest set-point of a history needs; up to 1 it keeps all.
     #[must_use]
-    pub fn slowing(&self, p: &History) -> f64 {
+    pub fn excess(&self, p: &History) -> f64 {
         (0..3).fold(0.0, |worst, x| {
             let (d1, d2, d3) = (p[3][x] - p[2][x], p[2][x] - p[1][x], p[1][x] - p[0][x]);
             let third = (d1 - 2.0 * d2 + d3).abs() / self.third[x];
-            let second = (d1 - d2).abs() / self.second[x];
-            f64::max(worst, d1.abs() / self.first[x]).max(second.sqrt()).max(third.cbrt())
+            f64::max(worst, d1.abs() / self.first[x]).max((d1 - d2).abs() / self.second[x]).max(third)
         })
     }
 

@@ -49,6 +49,8 @@ pub struct CheckWorld {
     system: BTreeMap<u32, Option<f64>>,
     skip: bool,
     rpm: f64,
+    /// While an axis oscillates #438 and #439 change with every look: a wait for an end of the stroke ends.
+    stroke_end: Option<bool>,
     length_mm: f64,
     seconds: f64,
     extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
@@ -71,6 +73,7 @@ impl CheckWorld {
             system: BTreeMap::new(),
             skip: false,
             rpm: if settings.zero_at_start { settings.turning.spindle_rpm } else { USUAL_RPM },
+            stroke_end: None,
             length_mm: 0.0,
             seconds: 0.0,
             extents: None,
@@ -198,8 +201,11 @@ impl CheckWorld {
             }
             Op::Post { station, by } => self.frames.change_tool(*station, *by),
             Op::S { .. } | Op::Path(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
-            // Where the dressing point is, only the machine knows; an oscillating axis comes back to where it was.
-            Op::DressReturn { .. } | Op::OscillationOn { .. } | Op::OscillationOff => {}
+            // Where the dressing point is, only the machine knows.
+            Op::DressReturn { .. } => {}
+            // An oscillating axis comes back to where it was.
+            Op::OscillationOn { .. } => self.stroke_end = Some(false),
+            Op::OscillationOff => self.stroke_end = None,
             Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } => {}
         }
     }
@@ -279,12 +285,18 @@ impl World for CheckWorld {
         let axis = |index: u32| Axis::ALL.into_iter().filter(|axis| self.axes[*axis]).nth(index as usize);
         let shown =
             |axis: Axis, mm: f64| Live::Value(Some(if self.diameter && axis == Axis::X { mm * 2.0 } else { mm }));
+        // An axis that the machine does not have is null.
+        let none = Live::Value(None);
         match number {
-            5001..=5009 | 5041..=5049 | 5061..=5069 => {
-                axis(number % 20 - 1).map_or(Live::Unknown, |axis| shown(axis, self.position[axis]))
+            5001..=5003 | 5041..=5043 | 5061..=5063 => {
+                axis(number % 20 - 1).map_or(none, |axis| shown(axis, self.position[axis]))
             }
-            5021..=5029 => axis(number - 5021)
-                .map_or(Live::Unknown, |axis| shown(axis, self.position[axis] + self.frames.machine_minus_work(axis))),
+            5021..=5023 => axis(number - 5021)
+                .map_or(none, |axis| shown(axis, self.position[axis] + self.frames.machine_minus_work(axis))),
+            438 | 439 => {
+                self.stroke_end = self.stroke_end.map(|end| !end);
+                Live::Value(Some(f64::from(u8::from(self.stroke_end == Some(true)))))
+            }
             // What only the machine knows counts as 0; a statement has no value.
             _ => match variable::find(number).map(|range| range.access) {
                 Some(Access::Read | Access::ReadWrite) => Live::Value(Some(0.0)),

@@ -9,6 +9,7 @@ use chrono::{DateTime, Local};
 use image::ImageReader;
 use ropey::Rope;
 
+use super::shipped::SHIPPED;
 use crate::controller::{Program, Programs};
 use crate::defs::screen;
 use crate::defs::text::Said;
@@ -31,17 +32,6 @@ pub const PICTURE_BYTES: usize = 54 + 3 * 200 * 400;
 /// Where in a BMP header the bits per pixel and the compression stand.
 const BITS_AT: usize = 28;
 const COMPRESSION_AT: usize = 30;
-
-/// Files that the control brings along; written once into folders that are made new.
-const SHIPPED: &[(&str, &[u8])] = &[
-    ("programs/O1001.NC", include_bytes!("../../programs/O1001.NC")),
-    ("programs/O1002.NC", include_bytes!("../../programs/O1002.NC")),
-    ("screens/C0001.TXT", include_bytes!("../../screens/C0001.TXT")),
-    ("screens/B0001.BMP", include_bytes!("../../screens/B0001.BMP")),
-    ("screens/C0002.TXT", include_bytes!("../../screens/C0002.TXT")),
-    ("screens/B0002.BMP", include_bytes!("../../screens/B0002.BMP")),
-    ("screens/B0100.BMP", include_bytes!("../../screens/B0100.BMP")),
-];
 
 /// The folders of programs and of page files.
 #[derive(Clone, Debug)]

@@ -144,6 +144,7 @@ numbers! {
     PULSE = 383, 0.0001 => 0.1, 0.01, "mm", Builder, "编程最小增量", "least increment of a programmed coordinate";
     BAR_DIAMETER = 384, 1 => 1_000, 45, "mm", User, "棒料直径", "bar diameter";
     BAR_LENGTH = 385, 1 => 2_000, 120, "mm", User, "棒料伸出长度", "bar length out of the chuck";
+    LOOP_RUN = 390, 1 => 9_999, 1, "", User, "程序循环执行次数", "how often a program runs on one cycle start";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
@@ -169,10 +170,14 @@ pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
     (Kind::Gs, WHEEL_DIAMETER, 500.0),
     (Kind::Gs, WHEEL_WIDTH, 40.0),
     (Kind::Gs, WHEEL_RATED_SPEED, 30.0),
+    (Kind::Gs, DRESSING_FIRST, 1_013.0),
+    (Kind::Gs, DRESSING_LAST, 1_013.0),
     (Kind::Ga, SOFT_MINUS_X, -400.0),
     (Kind::Ga, WHEEL_DIAMETER, 500.0),
     (Kind::Ga, WHEEL_WIDTH, 40.0),
     (Kind::Ga, WHEEL_RATED_SPEED, 30.0),
+    (Kind::Ga, DRESSING_FIRST, 1_014.0),
+    (Kind::Ga, DRESSING_LAST, 1_014.0),
     (Kind::Ga, SOFT_MINUS_Z, -300.0),
     (Kind::Vertical, SOFT_MINUS_X, -450.0),
     (Kind::Vertical, SOFT_MINUS_Z, -600.0),
@@ -189,6 +194,7 @@ pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
     (Kind::Lathe, WHEEL_RPM, 200.0),
     (Kind::Lathe, WHEEL_DIAMETER, 10.0),
     (Kind::Lathe, HYDRAULIC_DELAY, 0.0),
+    (Kind::Lathe, HOME_FAST, 2_000.0),
 ];
 
 /// Factory bits of the kinds that have no column in the table of bits, where they differ from the column they begin with.

@@ -218,11 +218,9 @@ impl SimAxis {
     }
 
     fn at_home(&self) -> bool {
-        if self.file.home_at_plus {
-            self.slide_mm >= self.file.home_edge_mm
-        } else {
-            self.slide_mm <= self.file.home_edge_mm
-        }
+        let beyond_mm = self.slide_mm - self.file.home_edge_mm;
+        let on_mm = if self.file.home_at_plus { beyond_mm } else { -beyond_mm };
+        on_mm >= 0.0 && self.file.home_width_mm.is_none_or(|width_mm| on_mm <= width_mm)
     }
 
     /// The switches after this tick.

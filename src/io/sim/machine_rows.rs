@@ -47,6 +47,9 @@ pub struct AxisFile {
     pub resolution_mm: f64,
     /// Where the home switch changes, mm.
     pub home_edge_mm: f64,
+    /// The home switch is a bump of this length from its edge on; without it it stays active to the end, mm.
+    #[serde(default)]
+    pub home_width_mm: Option<f64>,
     /// The home switch is active from its edge to the plus end; otherwise to the minus end.
     pub home_at_plus: bool,
     /// Limit switch towards plus, mm.

@@ -57,6 +57,13 @@ impl SimulatedMachine {
         }
     }
 
+    /// How far each slice of the rim has gone back from the new wheel's, from its side towards minus on, mm: wear and
+    /// dressing, a dressed form.
+    #[must_use]
+    pub fn rim_mm(&self) -> &[f64] {
+        self.wheel.rims_mm()
+    }
+
     /// Makes the wheel as dull as asked everywhere, 0 sharp to 1 dull.
     pub fn set_wheel_dull(&mut self, dull: f64) {
         self.wheel.set_dull(dull);

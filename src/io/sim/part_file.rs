@@ -15,10 +15,18 @@ use crate::defs::kind::Kind;
 const BUILTIN: &[(u32, &str)] = &[
     (1001, include_str!("../../../assets/parts/O1001.ron")),
     (1002, include_str!("../../../assets/parts/O1002.ron")),
+    (1003, include_str!("../../../assets/parts/O1003.ron")),
+    (1004, include_str!("../../../assets/parts/O1004.ron")),
+    (1005, include_str!("../../../assets/parts/O1005.ron")),
+    (1006, include_str!("../../../assets/parts/O1006.ron")),
     (1007, include_str!("../../../assets/parts/O1007.ron")),
     (1008, include_str!("../../../assets/parts/O1008.ron")),
     (1009, include_str!("../../../assets/parts/O1009.ron")),
     (1010, include_str!("../../../assets/parts/O1010.ron")),
+    (1011, include_str!("../../../assets/parts/O1011.ron")),
+    (1012, include_str!("../../../assets/parts/O1012.ron")),
+    (1013, include_str!("../../../assets/parts/O1013.ron")),
+    (1014, include_str!("../../../assets/parts/O1014.ron")),
 ];
 
 /// Most cells of one surface.
@@ -202,6 +210,25 @@ pub enum SurfaceFile {
         #[serde(default)]
         waviness: f64,
     },
+    /// A cone on a part that turns: a diameter r(z) that rises or falls evenly along Z.
+    Cone {
+        /// From Z.
+        z_from: f64,
+        /// To Z.
+        z_to: f64,
+        /// Stock diameter at the first end, mean.
+        stock_from: f64,
+        /// Stock diameter at the other end, mean.
+        stock_to: f64,
+        /// Cell size along Z.
+        cell: f64,
+        /// Runout, peak to valley of the radius over one turn.
+        #[serde(default)]
+        runout: f64,
+        /// Waviness along Z, amplitude of the radius.
+        #[serde(default)]
+        waviness: f64,
+    },
     /// A face z(x), ground by the side of the wheel.
     Face {
         /// Which way it looks.
@@ -327,7 +354,7 @@ impl SurfaceFile {
     /// The kinds of machine that can grind it.
     const fn kinds(&self) -> &'static [Kind] {
         match self {
-            Self::Diameter { .. } | Self::Face { .. } => &[Kind::Gc, Kind::Vertical],
+            Self::Diameter { .. } | Self::Cone { .. } | Self::Face { .. } => &[Kind::Gc, Kind::Vertical],
             Self::Plane { .. } | Self::Wall { .. } => &[Kind::Gs],
             Self::Disc { .. } => &[Kind::Ga],
         }
@@ -337,6 +364,9 @@ impl SurfaceFile {
         // How many cells go from the one end to the other, in each direction.
         let (cell, stock, lengths) = match *self {
             Self::Diameter { z_from, z_to, cell, stock, .. } => (cell, stock, [z_to - z_from, cell]),
+            Self::Cone { z_from, z_to, cell, stock_from, stock_to, .. } => {
+                (cell, stock_from + stock_to, [z_to - z_from, cell])
+            }
             Self::Face { x_from, x_to, cell, stock, .. } => (cell, stock, [(x_to - x_from) / 2.0, cell]),
             Self::Plane { x_from, x_to, z_from, z_to, cell, stock, .. } => {
                 (cell, stock, [x_to - x_from, z_to - z_from])
@@ -367,7 +397,7 @@ impl SurfaceFile {
             Self::Disc { x_from, .. } if x_from < 0.0 => {
                 Err(SimFileError::Value { field: name("x_from"), value: x_from, rule: "a radius is not below zero" })
             }
-            Self::Diameter { .. } | Self::Plane { .. } | Self::Disc { .. } => Ok(()),
+            Self::Diameter { .. } | Self::Cone { .. } | Self::Plane { .. } | Self::Disc { .. } => Ok(()),
         }
     }
 }
@@ -375,6 +405,10 @@ impl SurfaceFile {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn text_of(program: u32) -> &'static str {
+        BUILTIN.iter().find(|(number, _)| *number == program).unwrap().1
+    }
 
     #[test]
     fn p4_the_parts_built_in_can_be_read() {
@@ -387,14 +421,14 @@ mod tests {
 
     #[test]
     fn p4_a_surface_that_the_kind_of_machine_cannot_grind_is_refused() {
-        let part = BUILTIN[2].1.replacen("kind: Gs", "kind: Ga", 1);
+        let part = text_of(1007).replacen("kind: Gs", "kind: Ga", 1);
         let said = PartFile::parse(&part).unwrap_err().to_string();
         assert_eq!(said, "surface 1: the part's kind of machine cannot grind it");
     }
 
     #[test]
     fn p4_a_plane_has_no_more_cells_than_are_allowed() {
-        let part = BUILTIN[2].1.replacen("cell: 1.0", "cell: 0.01", 1);
+        let part = text_of(1007).replacen("cell: 1.0", "cell: 0.01", 1);
         let said = PartFile::parse(&part).unwrap_err().to_string();
         // 200 · 60 mm at 0.01 mm.
         assert!(said.starts_with("surface 1: cells is 120000000"), "{said}");
@@ -402,7 +436,7 @@ mod tests {
 
     #[test]
     fn p4_a_part_without_length_is_refused_with_its_surface() {
-        let part = BUILTIN[1].1.replacen("z_to: 48.0", "z_to: 30.0", 1);
+        let part = text_of(1002).replacen("z_to: 48.0", "z_to: 30.0", 1);
         let said = PartFile::parse(&part).unwrap_err().to_string();
         assert!(said.starts_with("surface 1: cells is 0"), "{said}");
     }

@@ -1,4 +1,4 @@
-//! Surfaces that are a line of heights: a diameter r(z), a face z(r) that the wheel's side grinds, a wall of a slot, a
+//! Surfaces that are a line of heights: a diameter or cone r(z), a face z(r) that the wheel's side grinds, a wall of a slot, a
 //! face z(r) under the rim on a table that turns (P4, P5). The contact law stands in `surface`.
 //!
 //! Runout: h is the highest place over a turn, `floor` the lowest before grinding; between them only half the turn
@@ -53,6 +53,8 @@ struct Line {
     /// +1 or −1: height = normal · stock.
     normal: f64,
     stock: f64,
+    /// How much higher the other end stands.
+    rise: f64,
     waviness: f64,
     runout: f64,
     shape: Shape,
@@ -70,23 +72,37 @@ fn line(file: &SurfaceFile) -> Option<Line> {
     match *file {
         SurfaceFile::Diameter { z_from, z_to, stock, cell, runout, waviness } => {
             let (from, to, stock) = (z_from, z_to, stock / 2.0);
-            Some(Line { from, to, cell, normal: 1.0, stock, waviness, runout, shape: Shape::Diameter })
+            Some(Line { from, to, cell, normal: 1.0, stock, rise: 0.0, waviness, runout, shape: Shape::Diameter })
+        }
+        SurfaceFile::Cone { z_from, z_to, stock_from, stock_to, cell, runout, waviness } => {
+            let (from, to, stock, rise) = (z_from, z_to, stock_from / 2.0, (stock_to - stock_from) / 2.0);
+            Some(Line { from, to, cell, normal: 1.0, stock, rise, waviness, runout, shape: Shape::Diameter })
         }
         SurfaceFile::Face { looks, x_from, x_to, stock, cell, waviness, width, thickness, turns } => {
             let (side, normal) = side_of(looks);
             let shape = Shape::Face { side, width_mm: width, thickness_mm: thickness, turns, wall: None };
-            Some(Line { from: x_from / 2.0, to: x_to / 2.0, cell, normal, stock, waviness, runout: 0.0, shape })
+            Some(Line {
+                from: x_from / 2.0,
+                to: x_to / 2.0,
+                cell,
+                normal,
+                stock,
+                rise: 0.0,
+                waviness,
+                runout: 0.0,
+                shape,
+            })
         }
         SurfaceFile::Wall { looks, x_from, x_to, y_from, y_to, stock, cell, thickness, waviness } => {
             let (side, normal) = side_of(looks);
             let wall = Some(Wall { from_mm: x_from, to_mm: x_to });
             let width_mm = x_to - x_from;
             let shape = Shape::Face { side, width_mm, thickness_mm: thickness, turns: false, wall };
-            Some(Line { from: y_from, to: y_to, cell, normal, stock, waviness, runout: 0.0, shape })
+            Some(Line { from: y_from, to: y_to, cell, normal, stock, rise: 0.0, waviness, runout: 0.0, shape })
         }
         SurfaceFile::Disc { x_from, x_to, stock, cell, runout, waviness } => {
             let (from, to) = (x_from, x_to);
-            Some(Line { from, to, cell, normal: 1.0, stock, waviness, runout, shape: Shape::Disc })
+            Some(Line { from, to, cell, normal: 1.0, stock, rise: 0.0, waviness, runout, shape: Shape::Disc })
         }
         SurfaceFile::Plane { .. } => None,
     }
@@ -95,11 +111,12 @@ fn line(file: &SurfaceFile) -> Option<Line> {
 impl Profile {
     /// The surface before grinding; its waviness begins by chance. `None` if the file describes a plane.
     pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
-        let Line { from, to, cell, normal, stock, waviness, runout, shape } = line(file)?;
+        let Line { from, to, cell, normal, stock, rise, waviness, runout, shape } = line(file)?;
         let count = ((to - from) / cell).round().max(1.0) as usize;
         let phase = chance.unit();
         let wave = |i: usize| waviness * (2.0 * PI * (i as f64 * cell / WAVE_MM + phase)).sin();
-        let mean: Vec<f64> = (0..count).map(|i| normal * stock + wave(i)).collect();
+        let height = |i: usize| normal * stock + rise * (i as f64 + 0.5) / count as f64;
+        let mean: Vec<f64> = (0..count).map(|i| height(i) + wave(i)).collect();
         let height_mm: Box<[f64]> = mean.iter().map(|h| h + runout / 2.0).collect();
         Some(Self {
             shape,

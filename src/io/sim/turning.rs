@@ -17,8 +17,9 @@ const FULL_VOLTS: f64 = 10.0;
 const SWITCH_WIDTH: f64 = 0.08;
 /// Slower than this the part stands, rpm.
 const STANDS_RPM: f64 = 5.0;
-/// Faster than any feed (2000 mm/min and some): rapid traverse, mm/s.
-const RAPID_MM_S: f64 = 35.0;
+/// Faster than any feed (2000 mm/min along Z, half of it along X, and some): rapid traverse, mm/s.
+const RAPID_X_MM_S: f64 = 20.0;
+const RAPID_Z_MM_S: f64 = 35.0;
 /// Distance of the places that a report measures, mm.
 const REPORT_MM: f64 = 5.0;
 /// Most of them.
@@ -133,8 +134,8 @@ impl Turning {
         let tool = self.tool().clone();
         let x = scene.slide_mm[Axis::X] + tool.tip_mm.0 - self.zero.x;
         let z = scene.slide_mm[Axis::Z] + tool.tip_mm.1 - self.zero.z;
-        let speed = scene.speed_mm_s[Axis::X].hypot(scene.speed_mm_s[Axis::Z]);
-        let rapid = speed > RAPID_MM_S;
+        let speed = |axis: Axis| scene.speed_mm_s[axis].abs();
+        let rapid = speed(Axis::X) > RAPID_X_MM_S || speed(Axis::Z) > RAPID_Z_MM_S;
         let stands = self.rpm.abs() < STANDS_RPM;
         let mut met = self.bodies.iter().any(|body| tool.reaches(x, z, body)).then_some("chuck");
         if let Some(bar) = &mut self.bar {
@@ -240,7 +241,8 @@ impl Bar {
             if depth <= 0.0 {
                 continue;
             }
-            let place = if height > tool.edge_mm && depth > crash_mm {
+            // Beyond its edge the tool is shank, behind the tip as beside it.
+            let place = if depth > tool.edge_mm || height > tool.edge_mm && depth > crash_mm {
                 Some("part, shank of the tool")
             } else if stands && depth > crash_mm {
                 Some("part, spindle standing")
@@ -250,7 +252,8 @@ impl Bar {
                 None
             };
             met = met.or(place);
-            if !stands && place.is_none() {
+            // What is not cut away stays, so that an overlap in rapid traverse grows from tick to tick.
+            if !stands && !rapid && place.is_none() {
                 self.radius[index] = edge;
             }
         }

@@ -108,6 +108,11 @@ impl Wheel {
         self.rim_mm[slice]
     }
 
+    /// How far the rim has gone back in each slice, mm.
+    pub(super) const fn rims_mm(&self) -> &[f64] {
+        &self.rim_mm
+    }
+
     /// How far the rim has gone back at the corner beside a side, mm.
     pub(super) fn corner_mm(&self, side: Side) -> f64 {
         match side {

@@ -48,6 +48,18 @@ impl KindRow {
         PerAxis::from_fn(|axis| self.axes[axis] || axis == Axis::Y && params.bit(param::Y_FITTED))
     }
 
+    /// Whether homing goes over its switch and back onto the far edge (L6).
+    #[must_use]
+    pub const fn homes_past_switch(&self) -> bool {
+        self.turns_part
+    }
+
+    /// Whether a program may begin before homing: on a lathe it homes by itself (L6).
+    #[must_use]
+    pub const fn starts_unhomed(&self) -> bool {
+        self.turns_part
+    }
+
     /// The output of a drive speed.
     #[must_use]
     pub const fn drive_output(&self, fast: bool) -> Output {

@@ -70,6 +70,11 @@ fn check_writing(running: &Running<'_, '_>) -> Outcome<()> {
     if let Some(at) = line[..end].iter().position(|byte| matches!(byte, b'#' | b'[')) {
         return wrong(running.at + at, E::NoMacros);
     }
+    let first = line.iter().find(|byte| !matches!(byte, b' ' | b'\t'));
+    if words.n.is_some() && !matches!(first, Some(b'N' | b'n')) {
+        let at = line[..end].iter().position(|byte| matches!(byte, b'N' | b'n')).unwrap_or(0);
+        return wrong(running.at + at, E::NumberFirst);
+    }
     if let Some(at) = words.bare {
         return wrong1(at as usize, E::MissingNumber, letter(running, at));
     }

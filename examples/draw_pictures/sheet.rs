@@ -1,0 +1,165 @@
+//! The drawing style of all page pictures (H10): outlines, hatched sections, centre lines, dimensions and numbers.
+
+use egui::epaint::PathShape;
+use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
+use kt830::hmi::theme::{self, Theme};
+
+/// The drawing style: outlines, centre lines, dimensions and numbers.
+pub struct Sheet {
+    pub painter: Painter,
+    pub theme: Theme,
+}
+
+impl Sheet {
+    pub fn outline(&self) -> Stroke {
+        Stroke::new(1.8, self.theme.paper_ink)
+    }
+
+    pub fn thin(&self) -> Stroke {
+        Stroke::new(1.0, self.theme.paper_quiet)
+    }
+
+    pub fn accent(&self) -> Stroke {
+        Stroke::new(1.0, self.theme.paper_accent)
+    }
+
+    pub fn shape(&self, points: &[(f32, f32)], fill: Color32) {
+        let points: Vec<Pos2> = points.iter().map(|(x, y)| pos2(*x, *y)).collect();
+        self.painter.add(PathShape { points, closed: true, fill, stroke: self.outline().into() });
+    }
+
+    pub fn line(&self, points: &[(f32, f32)], stroke: Stroke) {
+        self.painter.add(Shape::line(points.iter().map(|(x, y)| pos2(*x, *y)).collect(), stroke));
+    }
+
+    pub fn dashed(&self, from: (f32, f32), to: (f32, f32), stroke: Stroke) {
+        self.painter.extend(Shape::dashed_line(&[pos2(from.0, from.1), pos2(to.0, to.1)], stroke, 5.0, 3.0));
+    }
+
+    /// An arrow head with its tip here; `(dx, dy)` is its direction.
+    pub fn tip(&self, at: (f32, f32), direction: (f32, f32), colour: Color32) {
+        let (dx, dy) = direction;
+        let side =
+            |forward: f32, across: f32| pos2(at.0 + dx * forward - dy * across, at.1 + dy * forward + dx * across);
+        let points = vec![side(0.0, 0.0), side(-7.0, 2.8), side(-7.0, -2.8)];
+        self.painter.add(PathShape::convex_polygon(points, colour, Stroke::NONE));
+    }
+
+    /// A dimension line with an arrow at either end.
+    pub fn measure(&self, from: (f32, f32), to: (f32, f32)) {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let length = dx.hypot(dy).max(1.0);
+        let direction = (dx / length, dy / length);
+        self.line(&[from, to], self.accent());
+        self.tip(to, direction, self.theme.paper_accent);
+        self.tip(from, (-direction.0, -direction.1), self.theme.paper_accent);
+    }
+
+    /// A number, with the paper under it free of lines.
+    pub fn number(&self, at: (f32, f32), align: Align2, variable: u16) {
+        let galley =
+            self.painter.layout_no_wrap(format!("#{variable}"), theme::font(theme::SMALL), self.theme.paper_accent);
+        let place = align.anchor_size(pos2(at.0, at.1), galley.size());
+        self.painter.rect_filled(place.shrink2(vec2(-1.0, 3.0)), 0.0, self.theme.paper);
+        self.painter.galley(place.min, galley, self.theme.paper_accent);
+    }
+
+    /// An axis letter, with the paper under it free of lines.
+    pub fn letter(&self, at: (f32, f32), word: &str) {
+        let galley = self.painter.layout_no_wrap(word.into(), theme::font(theme::LABEL), self.theme.paper_accent);
+        let place = Align2::CENTER_CENTER.anchor_size(pos2(at.0, at.1), galley.size());
+        self.painter.rect_filled(place.shrink2(vec2(-2.0, 3.0)), 0.0, self.theme.paper);
+        self.painter.galley(place.min, galley, self.theme.paper_accent);
+    }
+
+    /// A number at the end of a leader that ends in a dot.
+    pub fn leader(&self, label: (f32, f32), align: Align2, variable: u16, way: &[(f32, f32)]) {
+        self.line(way, self.accent());
+        if let Some((x, y)) = way.last() {
+            self.painter.circle_filled(pos2(*x, *y), 2.2, self.theme.paper_accent);
+        }
+        self.number(label, align, variable);
+    }
+
+    pub fn hatch(&self, area: Rect, step: f32) {
+        let clipped = self.painter.with_clip_rect(area);
+        let mut x = area.min.x - area.height();
+        while x < area.max.x {
+            let ends = [pos2(x, area.max.y), pos2(x + area.height(), area.min.y)];
+            clipped.line_segment(ends, self.thin());
+            x += step;
+        }
+    }
+
+    /// The coordinate cross of a cylindrical grinder: X up, Z to the right.
+    pub fn axes(&self, at: (f32, f32)) {
+        self.cross(at, "X", "Z");
+    }
+
+    /// A coordinate cross.
+    pub fn cross(&self, at: (f32, f32), up: &str, right: &str) {
+        let (x, y) = at;
+        let ink = self.theme.paper_ink;
+        self.line(&[(x, y - 22.0), (x, y), (x + 22.0, y)], Stroke::new(1.2, ink));
+        self.tip((x, y - 26.0), (0.0, -1.0), ink);
+        self.tip((x + 26.0, y), (1.0, 0.0), ink);
+        let letter =
+            |at: Pos2, word: &str| self.painter.text(at, Align2::CENTER_CENTER, word, theme::font(theme::SMALL), ink);
+        letter(pos2(x + 10.0, y - 23.0), up);
+        letter(pos2(x + 24.0, y - 10.0), right);
+    }
+
+    pub fn ink(&self) -> Stroke {
+        Stroke::new(1.6, self.theme.paper_ink)
+    }
+
+    /// A rectangle with an outline.
+    pub fn block(&self, from: (f32, f32), to: (f32, f32), fill: Color32) {
+        let area = Rect::from_min_max(pos2(from.0, from.1), pos2(to.0, to.1));
+        self.painter.rect(area, 0.0, fill, self.outline(), StrokeKind::Middle);
+    }
+
+    /// A hatched rectangle with an outline: the part, cut.
+    pub fn section(&self, from: (f32, f32), to: (f32, f32)) {
+        self.hatch(Rect::from_min_max(pos2(from.0, from.1), pos2(to.0, to.1)), 9.0);
+        self.block(from, to, Color32::TRANSPARENT);
+    }
+
+    /// The wheel seen on its rim, its hub as a band so far below its top.
+    pub fn wheel(&self, from: (f32, f32), to: (f32, f32)) {
+        self.block(from, to, self.theme.paper);
+        let hub = from.1 + 22.0;
+        self.painter.rect_filled(
+            Rect::from_min_max(pos2(from.0, hub), pos2(to.0, hub + 22.0)),
+            0.0,
+            self.theme.paper_quiet,
+        );
+        self.dashed((from.0 - 12.0, hub + 11.0), (to.0 + 12.0, hub + 11.0), self.thin());
+    }
+
+    /// A dashed rectangle: another place of the wheel, or stock.
+    pub fn ghost(&self, from: (f32, f32), to: (f32, f32)) {
+        let corners = [from, (to.0, from.1), to, (from.0, to.1)];
+        for side in 0..4 {
+            self.dashed(corners[side], corners[(side + 1) % 4], self.thin());
+        }
+    }
+
+    /// A way of the wheel: a line with an arrow at its end.
+    pub fn way(&self, from: (f32, f32), to: (f32, f32)) {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let length = dx.hypot(dy).max(1.0);
+        self.line(&[from, to], self.ink());
+        self.tip(to, (dx / length, dy / length), self.theme.paper_ink);
+    }
+
+    /// A way to and fro.
+    pub fn ways(&self, from: (f32, f32), to: (f32, f32)) {
+        self.way(from, to);
+        self.way(to, from);
+    }
+
+    pub fn circle(&self, at: (f32, f32), radius: f32, fill: Color32) {
+        self.painter.circle(pos2(at.0, at.1), radius, fill, self.outline());
+    }
+}

@@ -1,0 +1,278 @@
+//! The 超人 lathe on its simulated machine: programs run, threads keep step, tools change, what must not be is refused.
+
+#![allow(clippy::unwrap_used, reason = "a test may stop at what it did not expect")]
+
+mod told;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use kt830::defs::kind::Kind;
+use kt830::defs::param::ParamAddress;
+use kt830::io::sim::EventKind;
+use kt830::link::command::Command;
+use kt830::nc::{CheckWorld, Library, Memory, NoLibrary, Settings, Source, check, check_with};
+use kt830::runtime::disk::{Folders, program};
+use kt830::runtime::rig::Rig;
+use kt830::units::{Axis, PerAxis};
+use told::{rig_of, tell};
+
+fn folders() -> Folders {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    Folders { programs: root.join("programs/lathe"), screens: root.join("screens"), named: true }
+}
+
+/// A ready lathe with a program of this text and its bar.
+fn lathe(text: &str) -> Rig {
+    let mut rig = rig_of(Kind::Lathe, folders());
+    rig.add_program(program(7_000, "PART.NC", text.as_bytes().to_vec()));
+    if let Some(bar) = rig.bar(7_000) {
+        rig.mount(&bar);
+        rig.step();
+        rig.make_ready();
+        rig.mount(&bar);
+    } else {
+        rig.make_ready();
+    }
+    rig.step();
+    tell(&mut rig, "load PART\nmode auto");
+    rig
+}
+
+/// Runs it to its end.
+fn run(text: &str) -> Rig {
+    let mut rig = lathe(text);
+    tell(&mut rig, "key cycle-start\nwait until idle max 600 s\nexpect no alarm\nexpect no event");
+    rig
+}
+
+fn params(text: &str, values: &[(&str, f64)]) -> Rig {
+    let mut rig = lathe(text);
+    for (at, value) in values {
+        rig.send(Command::SetParam(ParamAddress::parse(at).unwrap(), *value));
+    }
+    rig.step();
+    rig
+}
+
+#[test]
+fn l1_the_manuals_first_example_comes_back_to_where_it_began() {
+    let mut rig = rig_of(Kind::Lathe, folders());
+    rig.make_ready();
+    rig.step();
+    // 100 mm of diameter and 200 mm to and fro.
+    tell(&mut rig, "load TEST\nmode auto\nkey cycle-start\nwait until idle max 300 s\nexpect no alarm");
+    tell(&mut rig, "expect X 0 ±0.001\nexpect Z 0 ±0.001");
+}
+
+#[test]
+fn l3_a_program_begins_at_its_own_zero_and_g92_names_it_without_a_move() {
+    let mut rig = lathe("N10G04F1\nN20G92X250Z350\nN30M00\nN40M02");
+    let before = rig.controller().set_point();
+    tell(&mut rig, "key cycle-start\nwait 0.5 s\nexpect X 0 ±0.001\nexpect Z 0 ±0.001\nwait until stopped max 5 s");
+    tell(&mut rig, "expect X 250 ±0.001\nexpect Z 350 ±0.001");
+    assert_eq!(rig.controller().set_point(), before);
+}
+
+#[test]
+fn l3_g26_g27_g29_return_to_the_tool_change_point() {
+    let text = "N10G92X100Z50\nN20G00X60Z20\nN30G27\nN35M00\nN40G00X60\nN50G29\nN55M00\nN60G00Z20\nN70G26\nN80M02";
+    let mut rig = lathe(text);
+    tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nexpect X 100 ±0.001\nexpect Z 20 ±0.001");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nexpect X 60 ±0.001\nexpect Z 50 ±0.001");
+    tell(&mut rig, "key cycle-start\nwait until idle max 20 s\nexpect X 100 ±0.001\nexpect Z 50 ±0.001");
+}
+
+#[test]
+fn l7_m03_and_m05_are_pulses_and_m08_switches_the_coolant_off() {
+    let mut rig = lathe("N10M03\nN20M07\nN30G04F1\nN40M08\nN50G04F1\nN60M05\nN70M00\nN80M02");
+    tell(&mut rig, "key cycle-start\nwait 0.2 s\nexpect output spindle-forward on\nwait 0.3 s");
+    tell(
+        &mut rig,
+        "expect output spindle-forward off\nexpect lamp spindle-forward on\nwait 2 s\nexpect output coolant on",
+    );
+    assert!((rig.machine().main_spindle_rpm() - 200.0).abs() < 1.0);
+    tell(&mut rig, "wait 1 s\nexpect output coolant off\nwait until stopped max 5 s\nexpect lamp spindle-stop on");
+    assert!(rig.machine().main_spindle_rpm().abs() < 150.0);
+}
+
+#[test]
+fn l7_reset_stops_the_spindle_by_its_pulse() {
+    let mut rig = lathe("N10M04\nN20G04F100\nN30M02");
+    tell(
+        &mut rig,
+        "key cycle-start\nwait 3 s\nexpect lamp spindle-reverse on\nkey reset\nexpect output spindle-stop on",
+    );
+    tell(&mut rig, "wait 2 s\nexpect output spindle-stop off");
+    assert!(rig.machine().main_spindle_rpm().abs() < 1.0);
+}
+
+#[test]
+fn l5_threads_keep_their_lead_within_five_micrometres_at_the_limit_speed() {
+    // N = 1200/T − 80: 720 rpm at 1.5 mm, 220 at 4, 520 at 2; over 50 mm.
+    for (lead, rpm) in [(1.5, 720), (4.0, 220), (2.0, 520)] {
+        let text = format!("N10G92X100Z20\nN20M03S{rpm}\nN30G01U-2F300\nN40G33W-66F{lead}\nN50M02");
+        let rig = run(&text);
+        let cut = rig.controller().threads()[0];
+        assert!(cut.length_mm > 60.0 && cut.error_mm < 0.005, "{cut:?}");
+    }
+}
+
+#[test]
+fn l5_the_block_ends_drawn_back_by_two_leads_and_two_millimetres() {
+    let mut rig = lathe("N10G92X100Z20\nN20M03\nN30G01U-2F300\nN40G33W-30F3\nN50M00\nN60M02");
+    // X 98 after the infeed; 2·3 + 2 = 8 mm of diameter against it.
+    tell(&mut rig, "key cycle-start\nwait until stopped max 60 s\nexpect X 106 ±0.001\nexpect Z -10 ±0.001");
+}
+
+#[test]
+fn l5_a_spindle_that_stands_or_turns_too_fast_ends_the_run() {
+    let mut rig = lathe("N10G92X100Z20\nN30G01U-2F300\nN40G33W-30F3\nN60M02");
+    tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nexpect alarm 212\nexpect Z 20 ±0.001");
+    let mut rig = lathe("N10G92X100Z20\nN20M03S400\nN30G01U-2F300\nN40G33W-30F3\nN60M02");
+    // 1200/3 − 80 = 320 rpm.
+    tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nexpect alarm 211\nexpect Z 20 ±0.001");
+}
+
+#[test]
+fn l5_a_hold_waits_for_the_end_of_the_thread_and_reset_brakes_it() {
+    let text = "N10G92X100Z20\nN20M03\nN30G01U-2F300\nN40G33W-60F3\nN50G00W60\nN60M02";
+    let mut rig = lathe(text);
+    tell(&mut rig, "key cycle-start\nwait until Z<10 max 60 s\nkey feed-hold\nwait 10 s\nexpect state held");
+    tell(&mut rig, "expect Z -40 ±0.001\nexpect X 106 ±0.001\nkey cycle-start\nwait until idle max 60 s");
+    tell(&mut rig, "expect Z 20 ±0.001\nexpect no alarm");
+    let mut rig = lathe(text);
+    tell(&mut rig, "key cycle-start\nwait until Z<10 max 60 s\nkey reset\nwait 1 s\nexpect state idle");
+    let z = rig.snapshot().axes[Axis::Z].work;
+    assert!((8.0..10.0).contains(&z), "{z}");
+}
+
+#[test]
+fn l8_t20_after_tool_3_moves_by_what_their_tips_differ() {
+    let text = "N10G92X100Z20\nN20T03\nN30M00\nN40T20\nN50M00\nN60T2\nN70M02";
+    let mut rig = lathe(text);
+    // Tips as the offset page keeps them: u2 4, u3 10 on the diameter, w2 1.5, w3 −2.
+    for (number, u, w) in [(2, 4.0, 1.5), (3, 10.0, -2.0)] {
+        rig.send(Command::SetGeometry(number, PerAxis([u / 2.0, 0.0, w])));
+    }
+    rig.step();
+    tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nexpect input station-3 on");
+    let before = rig.controller().set_point();
+    tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nexpect input station-2 on");
+    let after = rig.controller().set_point();
+    // (u3 − u2)/2 = 3 mm of slide, w3 − w2 = −3.5 mm; the coordinates stay.
+    assert!((after[Axis::X] - before[Axis::X] - 3.0).abs() < 1e-6, "{before:?} {after:?}");
+    assert!((after[Axis::Z] - before[Axis::Z] + 3.5).abs() < 1e-6, "{before:?} {after:?}");
+    tell(&mut rig, "expect X 100 ±0.001\nexpect Z 20 ±0.001\nkey cycle-start\nwait until idle max 20 s");
+    assert_eq!(rig.controller().set_point(), after, "T2 without compensation moves nothing");
+}
+
+#[test]
+fn l8_a_station_that_does_not_come_is_an_alarm() {
+    let mut rig = lathe("N10T3\nN20G01U-10F300\nN30M02");
+    tell(&mut rig, "input station-3 off\nkey cycle-start\nwait 4 s\nexpect output post-forward on\nexpect no alarm");
+    tell(&mut rig, "wait 2 s\nexpect alarm 210\nexpect output post-forward off\nexpect X 0 ±0.001");
+}
+
+#[test]
+fn l6_g36_homes_x_then_z_and_the_coordinate_is_the_parameters() {
+    let mut rig = rig_of(Kind::Lathe, folders());
+    rig.add_program(program(7_000, "PART.NC", b"N10G36\nN20M02".to_vec()));
+    // A cold machine that was never homed: a lathe may begin a program so.
+    tell(
+        &mut rig,
+        "param P39 6\nparam P41 3\nparam P45 5\nparam P47 2\nload PART\nmode auto\nkey cycle-start\nwait 1 s\nexpect state running",
+    );
+    tell(&mut rig, "wait until idle max 120 s\nexpect no alarm\nexpect X 10 ±0.001\nexpect Z 2 ±0.001");
+    assert!(rig.snapshot().axes[Axis::X].homed && rig.snapshot().axes[Axis::Z].homed);
+}
+
+#[test]
+fn l10_the_bar_is_cut_and_can_be_measured() {
+    let mut rig = rig_of(Kind::Lathe, folders());
+    let number = rig.program_named("SHAFT").unwrap();
+    let bar = rig.bar(number).unwrap();
+    rig.mount(&bar);
+    rig.step();
+    rig.make_ready();
+    rig.mount(&bar);
+    rig.step();
+    tell(
+        &mut rig,
+        "load SHAFT\nmode auto\nkey cycle-start\nwait until idle max 600 s\nexpect no alarm\nexpect no event",
+    );
+    // The step of 30, the bar behind it, the neck behind the thread; its root: 24 − 4.4 − 3 · 0.4.
+    tell(&mut rig, "expect part diameter at Z-50 30 ±0.02\nexpect part diameter at Z-65 45 ±0.001");
+    tell(&mut rig, "expect part diameter at Z-34 20 ±0.02\nexpect part diameter at Z-20 18.4 ±0.02");
+}
+
+#[test]
+fn l9_interference_of_tool_with_bar_and_chuck_is_a_crash() {
+    // Rapid into the bar, cutting with the spindle standing, the shank in the bar, the chuck.
+    let into = |blocks: &str| {
+        let mut rig = lathe(&format!("N10G92X60Z20\n{blocks}\nN90M02"));
+        tell(&mut rig, "key cycle-start\nwait until alarm max 120 s\nexpect event crash");
+        let event = *rig.machine().events().first().unwrap();
+        assert_eq!(event.kind, EventKind::Crash);
+        event.place
+    };
+    assert_eq!(into("N20M03\nN30G00X40\nN40Z-30"), "part, rapid traverse");
+    assert_eq!(into("N30G01X40F300\nN40Z-30"), "part, spindle standing");
+    assert_eq!(into("N20M03\nN30G00X20\nN40G01Z-30F300"), "part, shank of the tool");
+    assert_eq!(into("N20M03\nN30G01Z-125F2000"), "chuck");
+}
+
+#[test]
+fn l4_l9_two_hundred_fifty_five_levels_of_loops_run_and_one_more_is_an_error() {
+    let nested = |levels: usize| {
+        let open = "N1G22L0001\n".repeat(levels);
+        let close = "N2G80\n".repeat(levels);
+        let text = format!("{open}N3G01U-0.02F300\n{close}N4M02\n");
+        let source = Arc::new(Source::new(1, "", text.into_bytes()));
+        let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+        check(&source, &library, &Settings::superman())
+    };
+    let deep = nested(255);
+    assert!(deep.faults.is_empty() && deep.finished && deep.blocks == 2, "{:?}", deep.faults);
+    let deeper = nested(256);
+    assert_eq!(deeper.faults[0].place.line, 256);
+}
+
+#[test]
+fn l9_a_million_blocks_are_checked_and_loops_do_not_grow() {
+    let mut text = String::with_capacity(24_000_000);
+    for block in 0..500_000 {
+        text.push_str(if block % 2 == 0 { "N0010G01U-10W-5F300\n" } else { "N0020U10W5\n" });
+    }
+    // And as many again by loops: 500 × 1000.
+    text.push_str("N0030G22L0500\nN0040G22L0500\nN0050W-1\nN0060W1\nN0070G80\nN0080G80\nN0090M02\n");
+    let source = Arc::new(Source::new(1, "", text.into_bytes()));
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let settings = Settings::superman();
+    let mut world = CheckWorld::new(&settings);
+    let checked = check_with(&source, &library, &settings, Memory::default(), &mut world, &mut |_| {});
+    assert!(checked.faults.is_empty() && checked.finished);
+    // 500 000 lines, 500 · 500 · 2 in the loops, M02.
+    assert_eq!(checked.blocks, 1_000_001);
+}
+
+#[test]
+fn l2_speeds_and_places_come_from_the_parameters() {
+    let mut rig = params("N10G01U-10\nN20M02", &[("P380", 600.0)]);
+    // U−10: 5 mm of slide at half of 600 mm/min: 1 s and the ramps.
+    tell(
+        &mut rig,
+        "key cycle-start\nwait 0.6 s\nexpect state running\nwait 0.8 s\nexpect state idle\nexpect X -10 ±0.001",
+    );
+}
+
+#[test]
+fn l9_loop_run_begins_again_as_often_as_the_parameter_says() {
+    let mut rig = params("N10G01U-10F600\nN20U10\nN30M02", &[("P390", 3.0)]);
+    let before = rig.controller().blocks();
+    tell(&mut rig, "key cycle-start\nwait 3 s\nexpect state running\nwait until idle max 30 s\nexpect X 0 ±0.001");
+    // Three blocks, three times.
+    assert_eq!(rig.controller().blocks() - before, 9);
+    // RESET ends it for good.
+    tell(&mut rig, "key cycle-start\nwait 1 s\nkey reset\nwait 3 s\nexpect state idle");
+}

@@ -1,0 +1,112 @@
+//! Senseless values on a grinding page: an alarm that names the variable, and nothing has moved or been switched.
+
+use kt830::defs::signal::Output;
+
+use crate::shop::{End, shop};
+
+/// The program, one value that makes no sense, the alarm, and the variable that it names.
+const SENSELESS: [(u32, u16, f64, u16, &str); 50] = [
+    (1002, 521, 40.5, 3001, "#521"),
+    (1002, 525, 0.5, 3002, "#525"),
+    (1002, 521, 0.0, 3003, "#521"),
+    (1002, 522, 40.0, 3004, "#522"),
+    (1002, 527, 0.0, 3005, "#527"),
+    (1002, 530, 1.0, 3006, "#530"),
+    (1003, 601, -1.0, 3010, "#601"),
+    (1003, 601, 40.3, 3011, "#601"),
+    (1003, 602, 40.0, 3012, "#602"),
+    (1003, 604, 8.5, 3013, "#604"),
+    (1003, 605, 0.4, 3014, "#605"),
+    (1003, 606, 0.0, 3015, "#606"),
+    (1003, 607, 0.02, 3016, "#607"),
+    (1003, 608, 99.0, 3017, "#608"),
+    (1003, 610, 0.0, 3018, "#610"),
+    (1004, 621, 41.0, 3011, "#621"),
+    (1004, 622, 40.0, 3012, "#622"),
+    (1004, 624, -1.0, 3013, "#624"),
+    (1004, 625, 0.0, 3014, "#625"),
+    (1004, 629, 0.0, 3015, "#629"),
+    (1004, 627, 2.0, 3016, "#626"),
+    (1004, 632, 0.0, 3017, "#632"),
+    (1005, 640, 0.0, 3010, "#640"),
+    (1005, 641, 9.0, 3011, "#641"),
+    (1005, 642, 0.5, 3012, "#642"),
+    (1005, 644, 2.0, 3013, "#643"),
+    (1005, 646, 120.0, 3015, "#646"),
+    (1005, 652, 101.0, 3017, "#652"),
+    (1006, 660, 0.0, 3010, "#660"),
+    (1006, 663, 30.0, 3011, "#663"),
+    (1006, 661, 99.0, 3012, "锥度"),
+    (1006, 668, 0.02, 3015, "#668"),
+    (1006, 664, 41.0, 3016, "#664"),
+    (1007, 681, 20.1, 3011, "#681"),
+    (1007, 682, 20.0, 3012, "#682"),
+    (1007, 686, -35.0, 3014, "#686"),
+    (1007, 688, 0.2, 3016, "#688"),
+    (1007, 690, 0.0, 3018, "#690"),
+    (1008, 701, 15.5, 3011, "#701"),
+    (1008, 706, 6.0, 3014, "#706"),
+    (1008, 707, 40.0, 3017, "砂轮窄"),
+    (1008, 711, 0.1, 3018, "#711"),
+    (1009, 726, 14.0, 3013, "#726"),
+    (1009, 728, 29.0, 3016, "#728"),
+    (1009, 732, -1.0, 3021, "#732"),
+    (1010, 741, 26.0, 3011, "#741"),
+    (1010, 750, 999.0, 3019, "#750"),
+    (1011, 763, 0.5, 3030, "#763"),
+    (1013, 803, 0.0, 3030, "#803"),
+    (1014, 826, 0.0, 3033, "#826"),
+];
+
+#[test]
+fn k7_5_senseless_values_are_refused_before_anything_moves() {
+    for (program, variable, value, number, named) in SENSELESS {
+        let mut shop = shop(program);
+        shop.set(variable, value);
+        let before = shop.rig.machine().slide_mm();
+        let End::Alarm(alarm, text) = shop.run() else { panic!("O{program} #{variable}={value} was not refused") };
+        assert_eq!(alarm, number, "O{program} #{variable}={value}: {text}");
+        assert!(text.contains(named), "O{program} #{variable}={value}: {text}");
+        assert_eq!(shop.rig.machine().slide_mm(), before, "O{program} #{variable}={value} moved something");
+        let outputs = shop.rig.controller().outputs();
+        for output in [Output::Wheel, Output::Coolant, Output::HeadstockHigh, Output::AxialGauge] {
+            let port = shop.rig.retained().params.output_port(output);
+            assert!(!outputs.terminals.level(port), "O{program} #{variable}={value}: {}", output.id());
+        }
+        assert_eq!(shop.events(), []);
+    }
+}
+
+#[test]
+fn k7_5_a_page_without_values_is_refused_too() {
+    for program in [1002, 1003, 1004, 1005, 1006, 1007, 1008, 1009, 1010, 1011, 1012, 1013, 1014] {
+        let mut shop = crate::shop::shop_with(program, 1, |part| part.variables.clear());
+        let before = shop.rig.machine().slide_mm();
+        assert!(matches!(shop.run(), End::Alarm(3000.., _)), "O{program}");
+        assert_eq!(shop.rig.machine().slide_mm(), before, "O{program}");
+    }
+}
+
+#[test]
+fn p8_a_dead_gauge_is_an_alarm_and_the_wheel_is_off_the_part() {
+    for (program, alarm) in [(1003, 3019), (1004, 3094), (1006, 3020), (1007, 3020), (1010, 3020)] {
+        let mut shop = shop(program);
+        shop.rig.machine_mut().fault("gauge-dead").unwrap();
+        let End::Alarm(number, _) = shop.run() else { panic!("O{program} ended without its gauge") };
+        assert_eq!(number, alarm, "O{program}");
+        assert_eq!(shop.events(), [], "O{program}");
+        // Drawn back before the alarm: nothing is ground any more.
+        let before = shop.rig.machine().measure();
+        (0..2_000).for_each(|_| shop.rig.step());
+        assert_eq!(shop.rig.machine().measure(), before, "O{program}");
+    }
+}
+
+#[test]
+fn k4_5_no_reference_face_is_alarm_183() {
+    let mut shop = crate::shop::shop_with(1005, 1, |part| {
+        part.surfaces.remove(0);
+    });
+    assert!(matches!(shop.run(), End::Alarm(183, _)));
+    assert_eq!(shop.events(), []);
+}
