@@ -75,6 +75,9 @@ fn outline(part: &PartFile) -> Vec<StockBox> {
     };
     let surface = |surface: &SurfaceFile| match *surface {
         SurfaceFile::Diameter { z_from, z_to, stock, .. } => turned(stock / 2.0, (z_from, z_to)),
+        SurfaceFile::Cone { z_from, z_to, stock_from, stock_to, .. } => {
+            turned(stock_from.max(stock_to) / 2.0, (z_from, z_to))
+        }
         SurfaceFile::Face { looks, x_from, x_to, stock, thickness, turns, .. } => {
             let z = behind(looks, stock, thickness);
             let low = if turns { -x_to / 2.0 } else { x_from / 2.0 };
