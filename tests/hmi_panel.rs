@@ -144,7 +144,7 @@ fn k2_1_the_help_page_tells_the_physical_key_of_every_key_of_the_kind() {
             for key in panel_keys(kind) {
                 assert!(page.iter().any(|text| text == key.name_on(kind).get(lang)), "{} on {kind:?}", key.id());
             }
-            assert!(page.iter().any(|text| text == "F10 Space") && page.iter().any(|text| text == "Alt+H"));
+            assert!(page.iter().any(|text| text == "F10 Space") && page.iter().any(|text| text == "Alt+C"));
         }
     }
 }

@@ -12,6 +12,7 @@ use kt830::defs::param::ParamAddress;
 use kt830::io::sim::EventKind;
 use kt830::link::command::Command;
 use kt830::nc::{CheckWorld, Library, Memory, NoLibrary, Settings, Source, check, check_with};
+use kt830::runtime::bar;
 use kt830::runtime::disk::{Folders, program};
 use kt830::runtime::rig::Rig;
 use kt830::units::{Axis, PerAxis};
@@ -22,11 +23,14 @@ fn folders() -> Folders {
     Folders { programs: root.join("programs/lathe"), screens: root.join("screens"), named: true }
 }
 
-/// A ready lathe with a program of this text and its bar.
+/// A ready lathe with a program of this text and a bar of 45 mm.
 fn lathe(text: &str) -> Rig {
     let mut rig = rig_of(Kind::Lathe, folders());
     rig.add_program(program(7_000, "PART.NC", text.as_bytes().to_vec()));
-    if let Some(bar) = rig.bar(7_000) {
+    let mut params = rig.retained().params.clone();
+    params.write(ParamAddress::parse("P384").unwrap(), 45.0).unwrap();
+    let source = rig.program_source(7_000).unwrap();
+    if let Some(bar) = bar::of_program(Kind::Lathe, &params, &source) {
         rig.mount(&bar);
         rig.step();
         rig.make_ready();
@@ -275,4 +279,34 @@ fn l9_loop_run_begins_again_as_often_as_the_parameter_says() {
     assert_eq!(rig.controller().blocks() - before, 9);
     // RESET ends it for good.
     tell(&mut rig, "key cycle-start\nwait 1 s\nkey reset\nwait 3 s\nexpect state idle");
+}
+
+#[test]
+fn l1_every_example_of_the_manual_runs_to_its_end() {
+    let programs = std::fs::read_dir(folders().programs).unwrap();
+    for path in programs.map(|entry| entry.unwrap().path()) {
+        let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+        let mut rig = rig_of(Kind::Lathe, folders());
+        rig.make_ready();
+        rig.step();
+        tell(&mut rig, &format!("load {name}\nmode auto\nkey cycle-start\nwait until idle max 600 s"));
+        tell(&mut rig, "expect no alarm\nexpect no event");
+    }
+}
+
+#[test]
+fn l5_k6_3_a_thread_begins_where_the_hand_has_left_the_tool() {
+    let mut rig = lathe("N10G92X100Z20\nN20M03\nN30G01U-2F300\nN35M00\nN40G33W-30F3\nN50M00\nN60M02");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 60 s\nhandwheel X -5 x0.1\nhandwheel Z 10 x0.1");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until stopped max 60 s");
+    // X 98 − 0.5 + 8, Z 20 + 1 − 30.
+    tell(&mut rig, "expect X 105.5 ±0.001\nexpect Z -9 ±0.001");
+}
+
+#[test]
+fn l7_a_spindle_stopped_in_a_pause_must_turn_again_before_the_run_goes_on() {
+    let mut rig = lathe("N10M03\nN20M00\nN30G04F1\nN40M02");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nkey spindle-stop\nwait 1 s\nkey cycle-start");
+    tell(&mut rig, "wait 0.2 s\nexpect state stopped\nkey spindle-forward\nwait 3 s\nkey cycle-start");
+    tell(&mut rig, "wait until idle max 20 s\nexpect no alarm");
 }

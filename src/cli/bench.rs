@@ -42,11 +42,12 @@ pub fn settle(mut shared: Shared, opens_control: bool) -> Result<Shared, CallErr
 /// A folder cannot be made.
 pub fn folders(shared: &Shared) -> Result<Folders, CallError> {
     let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
-    let own = own_programs(shared.kind);
-    let beside = own.map(|name| Path::new("programs").join(name)).filter(|path| path.is_dir());
-    let programs = shared.programs.clone().or(beside);
-    let folders = Folders::resolve(programs, shared.screens.clone(), &data).map_err(CallError::new)?;
-    Ok(Folders { named: own.is_some(), ..folders })
+    let folders = Folders::resolve(shared.programs.clone(), shared.screens.clone(), &data).map_err(CallError::new)?;
+    match own_programs(shared.kind) {
+        None => Ok(folders),
+        Some(_) if shared.programs.is_some() => Ok(Folders { named: true, ..folders }),
+        Some(name) => folders.by_name(name).map_err(CallError::new),
+    }
 }
 
 /// What the control begins with: `--param` and `--set` applied to factory or retained values.

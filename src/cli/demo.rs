@@ -7,11 +7,15 @@ use std::path::Path;
 use super::args::{Demo, Shared};
 use super::play::{Story, story};
 use super::{CallError, FAILED, FINE, bench, out};
+use crate::runtime::bar::own_programs;
 use crate::runtime::rig::Rig;
 use crate::story::{Player, Statement, parse, play::around};
 
 /// The story that comes along.
 const USUAL: &str = include_str!("../../assets/stories/first_part.story");
+
+/// The one of a machine with programs of its own: the lathe turns a shaft.
+const TURNING: &str = include_str!("../../assets/stories/shaft.story");
 
 /// Plays the story.
 ///
@@ -21,7 +25,8 @@ pub fn demo(shared: &Shared, call: &Demo) -> Result<u8, CallError> {
     let told = match &call.story {
         Some(path) => story(path, shared.kind)?,
         None => {
-            let (kind, lines) = parse(USUAL, shared.kind).map_err(CallError::new)?;
+            let usual = if own_programs(shared.kind).is_some() { TURNING } else { USUAL };
+            let (kind, lines) = parse(usual, shared.kind).map_err(CallError::new)?;
             Story { kind, lines }
         }
     };

@@ -166,7 +166,9 @@ impl LinkDesk {
             return;
         }
         self.bar_of = number;
-        let source = Arc::new(Source::new(number, "", self.newest.program.text.bytes().collect::<Vec<u8>>()));
+        let row = self.newest.directory.iter().find(|row| row.number == number);
+        let name = row.and_then(|row| row.comment.split(' ').next()).unwrap_or_default();
+        let source = Arc::new(Source::new(number, name, self.newest.program.text.bytes().collect::<Vec<u8>>()));
         if let Some(part) = bar::of_program(self.newest.kind, &Params::factory(self.newest.kind), &source) {
             self.put_in(part);
         }

@@ -57,7 +57,7 @@ impl Controller {
         self.resume_run();
     }
 
-    /// L9: the program that has come to its end begins again, as often as P386 says.
+    /// L9: the program that has come to its end begins again, as often as P390 says.
     pub(super) fn begin_again(&mut self) {
         if self.runs_left > 0 && matches!(self.phase, Phase::Idle) {
             self.runs_left -= 1;

@@ -50,6 +50,7 @@ impl Controller {
     /// One tick of the run.
     pub(super) fn step_run(&mut self) {
         let Some(mut run) = self.run.take() else { return };
+        let paused = self.phase.is_pause();
         let homing = run.doing == Doing::Homing;
         if matches!(self.phase, Phase::Running) && !homing && !self.join_axes(&mut run) {
             self.run = Some(run);
@@ -70,6 +71,10 @@ impl Controller {
         }
         let origin = run.origin;
         self.run = Some(run);
+        // A pause of the program itself (M00) came while the run was in hand here.
+        if self.phase.is_pause() && !paused {
+            self.remember_what_turns();
+        }
         match (close, origin) {
             (false, _) => {}
             (true, Origin::Retract) => self.finish_retract(),

@@ -119,7 +119,8 @@ impl Controller {
     }
 
     pub(super) fn what_turns(&self) -> [bool; 2] {
-        [self.output_set.has(Output::Wheel), self.machine.drive_is_on()]
+        let part = self.machine.drive_is_on() || self.machine.spindle_direction().is_some();
+        [self.output_set.has(Output::Wheel), part]
     }
 
     /// What was switched off in the pause and must be started before cycle start.
@@ -131,7 +132,7 @@ impl Controller {
         if run.turned[0] && !wheel && asked != Some(Request::WheelStart) {
             return Some(WHEEL_STOPPED);
         }
-        let again = matches!(asked, Some(Request::DriveHigh | Request::DriveLow));
+        let again = matches!(asked, Some(Request::DriveHigh | Request::DriveLow | Request::SpindleStart(_)));
         (run.turned[1] && !drive && !again).then_some(DRIVE_STOPPED)
     }
 
@@ -181,6 +182,11 @@ impl Run {
         let back = self.way_back(parted, begin, &shift, params);
         let mut from = begin;
         for item in &mut items {
+            if let Item::Do(Act::Thread(thread)) = item {
+                // A thread is written as distances.
+                thread.shift(&shift);
+                from = thread.to;
+            }
             if let Some(planned) = item.planned_mut() {
                 planned.shift(&mut shift);
                 planned.check(from, params)?;

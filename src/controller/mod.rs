@@ -219,7 +219,7 @@ pub struct Controller {
     threads: Vec<ThreadCut>,
     /// An axis that a program sends to its switch.
     program_homing: Option<Homing>,
-    /// How often the program begins again by itself (P386).
+    /// How often the program begins again by itself (P390).
     runs_left: u32,
 }
 

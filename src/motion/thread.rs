@@ -22,6 +22,15 @@ pub struct Thread {
     pub lead_mm: f64,
 }
 
+impl Thread {
+    /// The same thread elsewhere.
+    pub fn shift(&mut self, by: &PerAxis<f64>) {
+        for place in [&mut self.out, &mut self.to] {
+            *place = PerAxis::from_fn(|axis| place[axis] + by[axis]);
+        }
+    }
+}
+
 /// Follows the encoder: position and speed without lag at a steady speed.
 #[derive(Clone, Copy, Debug)]
 struct Follower {

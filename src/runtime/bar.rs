@@ -24,12 +24,19 @@ pub const fn own_programs(kind: Kind) -> Option<&'static str> {
     crate::machine::kind::find(kind).own_programs
 }
 
-/// The bar of a program: its face at X0 Z0, the tool at the place that the first G92 names. None on other kinds, for a
-/// program without G92 before its first move, and where the axes do not reach.
+/// The bar of a program: with P384 one of that diameter, its face at X0 Z0, the tool at the place that the first G92
+/// names; else the one that comes with a program of this name. None on other kinds, for a program without G92 before
+/// its first move, and where the axes do not reach.
 #[must_use]
 pub fn of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Option<PartFile> {
     if !crate::machine::kind::find(kind).turns_part {
         return None;
+    }
+    let diameter = params.get(param::BAR_DIAMETER);
+    if diameter <= 0.0 {
+        let file = source.name().rsplit(['/', '\\']).next().unwrap_or_default();
+        let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+        return PartFile::builtin_named(stem).ok().flatten();
     }
     let settings = nc_settings(kind, params);
     let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
@@ -54,7 +61,7 @@ pub fn of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Option<P
     let length = params.get(param::BAR_LENGTH);
     let chuck =
         BodyFile { what: Body::Chuck, z_from: -length - CHUCK_LENGTH_MM, z_to: -length, diameter: CHUCK_DIAMETER_MM };
-    let bar = BarFile { diameter: params.get(param::BAR_DIAMETER), z_from: -length, z_to: 0.0, cell: CELL_MM };
+    let bar = BarFile { diameter, z_from: -length, z_to: 0.0, cell: CELL_MM };
     Some(PartFile {
         name: "棒料".to_owned(),
         kind,

@@ -9,7 +9,7 @@ use chrono::{DateTime, Local};
 use image::ImageReader;
 use ropey::Rope;
 
-use super::shipped::SHIPPED;
+use super::shipped::{SHIPPED, SHIPPED_BY_NAME};
 use crate::controller::{Program, Programs};
 use crate::defs::screen;
 use crate::defs::text::Said;
@@ -61,6 +61,22 @@ impl Folders {
             screens: choose(screens, "screens", data.screens())?,
             named: false,
         })
+    }
+
+    /// The folder of this name below that of the programs, whose programs go by name; made with what the control brings
+    /// along where there is none.
+    ///
+    /// # Errors
+    /// The folder or a file in it cannot be made.
+    pub fn by_name(self, name: &str) -> std::io::Result<Self> {
+        let programs = self.programs.join(name);
+        if !programs.is_dir() {
+            std::fs::create_dir_all(&programs)?;
+            for (file, bytes) in SHIPPED_BY_NAME {
+                std::fs::write(programs.join(file), bytes)?;
+            }
+        }
+        Ok(Self { programs, named: true, ..self })
     }
 
     /// Reads every program.

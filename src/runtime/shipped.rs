@@ -23,3 +23,9 @@ shipped! {
     pages "001" "002" "003" "004" "005" "006" "007" "008" "009" "010" "011" "012" "013" "014";
     subprograms "9000" "9001" "9010" "9011" "9012" "9020"
 }
+
+/// The programs of the lathe, by name.
+pub(super) const SHIPPED_BY_NAME: &[Shipped] = &[
+    ("SHAFT.NC", include_bytes!("../../programs/lathe/SHAFT.NC")),
+    ("TEST.NC", include_bytes!("../../programs/lathe/TEST.NC")),
+];

@@ -142,7 +142,7 @@ numbers! {
     ARC_FEED = 381, 6 => 600, 300, "mm/min", User, "G02/G03 默认速度", "feed of G02 and G03 without F";
     RAPID_Z_PER_X = 382, 0.1 => 10, 2, "mm/mm", Builder, "G00 联动时 Z 与 X 位移比", "Z to X travel while both run in G00";
     PULSE = 383, 0.0001 => 0.1, 0.01, "mm", Builder, "编程最小增量", "least increment of a programmed coordinate";
-    BAR_DIAMETER = 384, 1 => 1_000, 45, "mm", User, "棒料直径", "bar diameter";
+    BAR_DIAMETER = 384, 0 => 1_000, 0, "mm", User, "棒料直径 (0 按程序)", "bar diameter, 0 as comes with the program";
     BAR_LENGTH = 385, 1 => 2_000, 120, "mm", User, "棒料伸出长度", "bar length out of the chuck";
     LOOP_RUN = 390, 1 => 9_999, 1, "", User, "程序循环执行次数", "how often a program runs on one cycle start";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";

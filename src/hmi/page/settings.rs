@@ -56,9 +56,12 @@ impl Settings {
         let body = group(ui, view, rect, view.say("机床类型", "kind of machine"));
         let next = view.snapshot.next_kind;
         let row = Rect::from_min_size(body.min, vec2(body.width(), KEY));
+        let second = row.translate(vec2(0.0, KEY + theme::GAP));
         for (index, kind) in Kind::ALL.into_iter().enumerate() {
             let look = Look { on: kind == next, locked: view.snapshot.access.level < Level::Builder };
-            let place = cell(row, index, Kind::ALL.len());
+            // The grinders of the KT-830 in the first row, the other kinds below them.
+            let (first, rest) = (Kind::KT830.len(), Kind::ALL.len() - Kind::KT830.len());
+            let place = if index < first { cell(row, index, first) } else { cell(second, index - first, rest) };
             if !self.walk.push(ui, view, place, (kind.id(), &kind.id().to_uppercase()), look) {
                 continue;
             }
@@ -75,11 +78,14 @@ impl Settings {
         } else {
             format!("{} {now}\n{} {then}", view.say("当前：", "now:"), view.say("下次启动：", "from the next start:"))
         };
-        let below = Rect::from_min_max(pos2(body.min.x, row.max.y + 10.0), body.max);
+        let below = Rect::from_min_max(pos2(body.min.x, second.max.y + 10.0), body.max);
         let taken = paragraph(ui.painter(), below, &words, theme::LABEL, view.theme.text);
-        let note = view.say("需要机床厂密码，下次启动生效", "builder's password; takes effect at the next start");
-        let below = Rect::from_min_max(pos2(body.min.x, taken.max.y + 4.0), body.max);
-        paragraph(ui.painter(), below, note, theme::LABEL, view.theme.quiet);
+        // The line of the next start says the rest.
+        if next == view.snapshot.kind {
+            let note = view.say("需要机床厂密码，下次启动生效", "builder's password; takes effect at the next start");
+            let below = Rect::from_min_max(pos2(body.min.x, taken.max.y + 4.0), body.max);
+            paragraph(ui.painter(), below, note, theme::LABEL, view.theme.quiet);
+        }
     }
 }
 

@@ -29,6 +29,9 @@ const BUILTIN: &[(u32, &str)] = &[
     (1014, include_str!("../../../assets/parts/O1014.ron")),
 ];
 
+/// The parts of programs that have names.
+const NAMED: &[(&str, &str)] = &[("SHAFT", include_str!("../../../assets/parts/SHAFT.ron"))];
+
 /// Most cells of one surface.
 const CELL_LIMIT: f64 = 100_000.0;
 
@@ -320,6 +323,15 @@ impl PartFile {
         BUILTIN.iter().find(|(number, _)| *number == program).map(|(_, text)| Self::parse(text)).transpose()
     }
 
+    /// The part that comes with a program of a name, without its extension, in either case.
+    ///
+    /// # Errors
+    /// The file built in is wrong, which a test excludes.
+    pub fn builtin_named(name: &str) -> Result<Option<Self>, SimFileError> {
+        let found = NAMED.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
+        found.map(|(_, text)| Self::parse(text)).transpose()
+    }
+
     /// Reads a part file.
     ///
     /// # Errors
@@ -415,6 +427,9 @@ mod tests {
         for (program, _) in BUILTIN {
             let part = PartFile::builtin(*program).unwrap().unwrap();
             assert!(!part.surfaces.is_empty(), "O{program}");
+        }
+        for (name, _) in NAMED {
+            assert!(PartFile::builtin_named(name).unwrap().unwrap().bar.is_some(), "{name}");
         }
         assert_eq!(PartFile::builtin(1020), Ok(None));
     }
