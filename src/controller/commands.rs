@@ -46,7 +46,7 @@ impl Controller {
             Command::SetParam(at, value) => self.set_param(*at, *value),
             Command::SetFrame(index, origin) => self.set_frame(*index, *origin),
             Command::SetGeometry(number, geometry) => self.set_geometry(*number, *geometry),
-            Command::SetStock(stock) => self.stock.clone_from(stock),
+            Command::SetStock(stock) => self.files.stock.clone_from(stock),
             Command::ClearRelative(axis) => self.relative_zero[*axis] = self.axes.actual()[*axis],
             Command::Screens(screens) => {
                 self.screens.clone_from(screens);

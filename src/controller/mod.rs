@@ -56,7 +56,6 @@ use crate::defs::signal::{Input, InputSet, Output, OutputSet};
 use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
-use crate::link::drawing::StockBox;
 use crate::link::snapshot::{DirectoryRow, Message, ThreadCut, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
@@ -213,7 +212,6 @@ pub struct Controller {
     pages: Pages,
     edits: edits::Edits,
     files: files::Files,
-    stock: Arc<[StockBox]>,
     spindle: turning::SpindleSeen,
     measuring: Option<turning::Measured>,
     threads: Vec<ThreadCut>,
@@ -285,7 +283,6 @@ impl Controller {
             pages: Pages::new(kind, &params),
             edits: edits::Edits::default(),
             files: files::Files::default(),
-            stock: Arc::from([]),
             spindle: turning::SpindleSeen::default(),
             measuring: None,
             threads: Vec::new(),
