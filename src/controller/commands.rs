@@ -50,7 +50,7 @@ impl Controller {
             Command::SetParam(at, value) => self.set_param(*at, *value),
             Command::SetFrame(index, origin) => self.set_frame(*index, *origin),
             Command::SetGeometry(number, geometry) => self.set_geometry(*number, *geometry),
-            Command::SetStock(stock) => self.stock.clone_from(stock),
+            Command::SetStock(stock) => self.files.stock.clone_from(stock),
             Command::SetScrew(axis, table) => self.set_screw(*axis, table),
             Command::ClearRelative(axis) => self.relative_zero[*axis] = self.axes.actual()[*axis],
             Command::Screens(screens) => {

@@ -9,6 +9,7 @@ use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
 use crate::defs::text::{Said, Text};
+use crate::link::drawing::StockBox;
 use crate::link::files::{FileAnswer, FileRequest, FilesView, Refusal, Restored};
 use crate::link::media::{Direction, Set, Transfer};
 use crate::link::snapshot::{Snapshot, Tone};
@@ -81,6 +82,8 @@ pub struct Files {
     view: Arc<FilesView>,
     /// The request that is not answered yet.
     pending: Option<Box<FileRequest>>,
+    /// What is to be ground and what holds it, as far as it is known.
+    pub(super) stock: Arc<[StockBox]>,
 }
 
 impl Controller {
@@ -297,6 +300,9 @@ impl Controller {
     pub(super) fn files_view(&self, out: &mut Snapshot) {
         if !Arc::ptr_eq(&out.files, &self.files.view) {
             out.files.clone_from(&self.files.view);
+        }
+        if !Arc::ptr_eq(&out.stock, &self.files.stock) {
+            out.stock.clone_from(&self.files.stock);
         }
     }
 }

@@ -58,7 +58,6 @@ use crate::defs::signal::{Input, InputSet, Output, OutputSet};
 use crate::defs::text::Said;
 use crate::io::{InputImage, OutputImage};
 use crate::link::command::{Command, Screens};
-use crate::link::drawing::StockBox;
 use crate::link::snapshot::{DirectoryRow, Message, Tone};
 use crate::machine::kind::KindRow;
 use crate::machine::{Machine, phase};
@@ -222,7 +221,6 @@ pub struct Controller {
     pages: Pages,
     edits: edits::Edits,
     files: files::Files,
-    stock: Arc<[StockBox]>,
     lathe: turning::Lathe,
     /// How often the program begins again by itself (P390).
     runs_left: u32,
@@ -290,7 +288,6 @@ impl Controller {
             pages: Pages::new(kind, &params),
             edits: edits::Edits::default(),
             files: files::Files::default(),
-            stock: Arc::from([]),
             lathe: turning::Lathe::default(),
             runs_left: 0,
             params,

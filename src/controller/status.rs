@@ -76,9 +76,6 @@ impl Controller {
             out.waiting_for = told.cloned();
         }
         self.page_view(out);
-        if !Arc::ptr_eq(&out.stock, &self.stock) {
-            out.stock.clone_from(&self.stock);
-        }
         self.edit_view(out);
         if !Arc::ptr_eq(&out.screens, &self.screens) {
             out.screens.clone_from(&self.screens);

@@ -13,7 +13,7 @@ use crate::link::Command;
 use crate::link::simulated::{FAULTS, SimCommand, SimView};
 
 /// Height of a key.
-const ROW: f32 = 46.0;
+const ROW: f32 = 48.0;
 
 /// What the page keeps.
 #[derive(Debug, Default)]
