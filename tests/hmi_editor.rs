@@ -294,3 +294,24 @@ fn b6_the_directory_makes_copies_renames_and_deletes() {
     shop.bench.touch("删除 question-delete");
     assert!(there(&shop, "O0005.NC"));
 }
+
+#[test]
+fn b5_a_program_is_run_from_the_line_under_the_cursor() {
+    let rig = told::ready_with("G98 G00 X-70 Z-140\nG01 X-72 F100\nW-5\nM30\n");
+    let mut bench = Bench::new(rig, Page::Program);
+    told::tell(&mut bench.rig, "mode jog");
+    bench.turn();
+    bench.touch("从此段 run-here");
+    assert!(bench.message().contains("自动方式"), "{}", bench.message());
+    told::tell(&mut bench.rig, "mode auto");
+    bench.turn();
+    bench.touch("定位 edit-go");
+    bench.write("3");
+    bench.press(egui::Key::Enter);
+    bench.touch("从此段 run-here");
+    told::tell(&mut bench.rig, "wait 0.1 s\nexpect message \"第3行\"\nexpect message \"X-72.000\"");
+    told::tell(&mut bench.rig, "key cycle-start\nwait until idle max 60 s\nexpect Z -145 ±0.001\nexpect X -72 ±0.001");
+    bench.turn();
+    bench.touch("断电续 run-resume");
+    assert!(bench.message().contains("没有断电中断"), "{}", bench.message());
+}

@@ -267,7 +267,7 @@ program_errors! {
     NoMacros = 83, "no-macros", "本系统没有宏语句", "this language has no macro statements",
         "只能使用指令字", "write words only";
     /// A block number behind other words.
-    NumberFirst = 90, "number-first", "段号必须在程序段开头", "the block number stands first in its block",
+    NumberFirst = 98, "number-first", "段号必须在程序段开头", "the block number stands first in its block",
         "把 N 写在最前面", "write N first";
     /// A thread shorter than its run-out.
     ThreadTooShort = 84, "thread-too-short", "螺纹长度 {} mm 不足纵向退尾 {2} mm", "the thread's length of {} mm is not more than its run-out of {2} mm",

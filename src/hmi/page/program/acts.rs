@@ -139,6 +139,10 @@ impl Program {
                 self.question = Some((About::Discard, Question::new(title, body, key)));
             }
             Act::Stop => self.work = None,
+            // B5: the control reads up to the line, and says in its message line what is in force there.
+            Act::Here if self.document.changed => self.refuse(Said::new("先保存改动", "save the changes first")),
+            Act::Here => out.push(Command::RestartAt(self.document.place().0 as u32 + 1)),
+            Act::Resume => out.push(Command::ResumeInterrupted),
             Act::AskDone => self.edit(Edit::Enter, out),
             Act::AskEnd => self.edit(Edit::Cancel, out),
             Act::Undo

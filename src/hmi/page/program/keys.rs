@@ -55,6 +55,8 @@ acts! {
     AskDone = "ask-done", "确定", "OK";
     AskEnd = "ask-end", "取消", "CANCEL";
     Stop = "work-stop", "停止", "STOP";
+    Here = "run-here", "从此段", "FROM HERE";
+    Resume = "run-resume", "断电续", "RESUME";
 }
 
 impl Act {
@@ -81,8 +83,8 @@ impl Act {
 
 use Act::{
     Again, AskDone, AskEnd, Board, CopyBlock, Cut, DeleteBlock, Discard, Down, Edit, End, EndReplace, Find, First, Go,
-    Last, Left, Mark, Paste, Redo, Renumber, Replace, ReplaceAll, ReplaceThis, Right, Save, Skip, Stop, Undo, Unmark,
-    Up,
+    Here, Last, Left, Mark, Paste, Redo, Renumber, Replace, ReplaceAll, ReplaceThis, Resume, Right, Save, Skip, Stop,
+    Undo, Unmark, Up,
 };
 
 /// The keys while something is typed for one of them.
@@ -92,7 +94,7 @@ pub const ASK: [&[Act]; 2] = [&[AskDone, AskEnd], &[]];
 pub const fn rows(editing: bool, board: bool, block: bool, replacing: bool, work: bool) -> [&'static [Act]; 2] {
     match (editing, board, block, replacing, work) {
         (.., true) => [&[Stop], &[]],
-        (false, ..) => [&[Edit, Find, Again, Go, First, Last], &[]],
+        (false, ..) => [&[Edit, Find, Again, Go, First, Last, Here, Resume], &[]],
         (.., true, false) => [&[ReplaceThis, Skip, ReplaceAll, EndReplace], &[]],
         (true, true, ..) => [&[Board, Left, Right, Up, Down, Undo, Redo, Save], &[]],
         (true, false, true, ..) => {
