@@ -153,3 +153,39 @@ fn k3_4_m63_s_above_the_second_analog_output_is_said() {
     let mut rig = ready_with("M63 S1000\nG04 X1\nM30");
     tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.2 s\nexpect message \"S1000\"\nexpect output headstock-high on");
 }
+
+#[test]
+fn k4_3_in_a_hold_the_strokes_of_the_program_shift_nothing() {
+    // Net nothing by hand, and a withdrawal by P90: Z ends at its starting end and goes on from there.
+    for pause in ["handwheel X 10 x0.01\nhandwheel X -10 x0.01\nmode auto", "wait 1 s"] {
+        let mut rig = ready_with("G98 M03\nG35 Z-160 D300 Q30\nG01 U-1 F10\nG36\nG01 W-5 F300\nM30");
+        tell(
+            &mut rig,
+            "param P90 1\nmode auto\nkey cycle-start\nwait until X<-80.05 max 30 s\nkey feed-hold\nwait 1.3 s",
+        );
+        tell(&mut rig, pause);
+        tell(
+            &mut rig,
+            "key cycle-start\nwait until idle max 60 s\nexpect Z -155 ±0.001\nexpect X -81 ±0.001\nexpect no alarm",
+        );
+    }
+}
+
+#[test]
+fn k4_3_strokes_begun_by_the_key_in_a_hold_must_end_before_cycle_start() {
+    let mut rig = ready_with("G98 G01 Z-170 F120\nM00\nM30");
+    tell(&mut rig, "param P238 1\nparam P239 -140\nmode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s");
+    tell(
+        &mut rig,
+        "key oscillation\nwait 3 s\nkey cycle-start\nexpect state held\nexpect message \"振荡\"\nkey oscillation",
+    );
+    tell(
+        &mut rig,
+        "wait 20 s\nexpect lamp oscillation off\nkey cycle-start\nwait until stopped max 60 s\nexpect Z -170 ±0.001",
+    );
+    tell(
+        &mut rig,
+        "key reset\nmode auto\nmdi G00 Z-150\nwait 1 s\nmode auto\nkey cycle-start\nwait 1 s\nkey feed-hold\nwait 0.3 s",
+    );
+    tell(&mut rig, "key oscillation\nwait 1.3 s\nkey reset\nwait 2 s\nexpect no alarm\nexpect lamp oscillation off");
+}

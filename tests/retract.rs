@@ -114,3 +114,87 @@ fn k6_4_a_hold_during_the_retract_and_an_unhomed_machine() {
     let mut cold = told::story("power on\nparam P4.4 1\nkey wheel-retract\nexpect message \"回零\"");
     tell(&mut cold, "expect state idle\nexpect lamp wheel-retract off");
 }
+
+/// Away and back again.
+const THERE_AND_BACK: &str = "key wheel-retract\nwait 0.1 s\nwait until held max 10 s\nwait 0.1 s\nkey wheel-retract\nwait 0.1 s\n\
+                              wait until held max 10 s\nwait 0.1 s";
+
+#[test]
+fn k6_4_the_block_goes_on_to_its_end_before_the_next_act() {
+    let mut rig = ready_with("G98 G01 X-82 F60\nM08\nM00\nM30");
+    rig.add_program(program(9_000, "O9000.NC", b"G00 U40\nM99".to_vec()));
+    rig.add_program(program(9_001, "O9001.NC", b"G98 G01 U-20 F2000\nU-20\nM99".to_vec()));
+    tell(&mut rig, "param P4.4 1\nmode auto\nkey cycle-start\nwait 0.5 s");
+    tell(&mut rig, THERE_AND_BACK);
+    // 1 mm of slide at 60 mm/min: a second, half of it done.
+    tell(
+        &mut rig,
+        "key cycle-start\nwait 0.2 s\nexpect output coolant off\nwait until stopped max 10 s\nexpect X -82 ±0.001",
+    );
+}
+
+#[test]
+fn k6_4_a_wheel_stopped_while_it_is_away_must_turn_before_the_run_goes_on() {
+    let mut rig = ready_with("M03\nG98 G01 W-10 F60\nM00\nM30");
+    rig.add_program(program(9_000, "O9000.NC", b"G00 U40\nM99".to_vec()));
+    rig.add_program(program(9_001, "O9001.NC", b"G98 G01 U-40 F2000\nM99".to_vec()));
+    tell(
+        &mut rig,
+        "param P4.4 1\nmode auto\nkey cycle-start\nwait until Z<-151 max 30 s\nkey wheel-retract\nwait 0.1 s",
+    );
+    tell(
+        &mut rig,
+        "wait until held max 10 s\nwait 0.1 s\nkey wheel-stop\nkey wheel-retract\nwait 0.1 s\nwait until held max 10 s",
+    );
+    tell(&mut rig, "wait 0.1 s\nkey cycle-start\nexpect state held\nexpect message \"砂轮已停\"");
+}
+
+#[test]
+fn k6_4_beside_an_oscillation_of_the_program_it_works_too() {
+    let mut rig = ready_with("G98 G35 Z-160 D300 Q30\nG01 U-1 F10\nG36\nM00\nM30");
+    rig.add_program(program(9_000, "O9000.NC", b"G00 U40\nM99".to_vec()));
+    rig.add_program(program(9_001, "O9001.NC", b"G98 G01 U-40 F2000\nM99".to_vec()));
+    tell(&mut rig, "param P4.4 1\nmode auto\nkey cycle-start\nwait 1.3 s");
+    tell(&mut rig, THERE_AND_BACK);
+    tell(
+        &mut rig,
+        "expect lamp wheel-retract off\nkey cycle-start\nwait until stopped max 30 s\nexpect X -81 ±0.001\nexpect Z -150 ±0.001",
+    );
+}
+
+#[test]
+fn k6_4_the_way_back_begins_only_where_the_wheel_was_left() {
+    let mut rig = plain();
+    tell(&mut rig, "key cycle-start\nwait 1 s\nkey wheel-retract\nwait 0.1 s\nwait until held max 10 s\nwait 0.1 s");
+    tell(
+        &mut rig,
+        "handwheel X -100 x0.01\nmode auto\nkey wheel-retract\nwait 1 s\nexpect X -41 ±0.001\nexpect message \"-1.000\"",
+    );
+    tell(
+        &mut rig,
+        "handwheel X 100 x0.01\nmode auto\nkey wheel-retract\nwait 0.1 s\nwait until held\nwait 0.1 s\nexpect X -80 ±0.001",
+    );
+    // Without a run the same: an MDI line waits too.
+    let mut rig = plain();
+    tell(
+        &mut rig,
+        "key wheel-retract\nwait until idle max 10 s\nwait 0.1 s\nkey machine-lock\nexpect lamp machine-lock off",
+    );
+    tell(&mut rig, "mode mdi\nmdi G00 X-50\nwait 0.5 s\nexpect X -40 ±0.001");
+}
+
+#[test]
+fn k6_4_a_dwell_waits_for_the_retract_and_reset_leaves_no_interrupted_run() {
+    let mut rig = ready_with("G04 X5\nM00\nM30");
+    rig.add_program(program(9_000, "O9000.NC", b"G00 U40\nM99".to_vec()));
+    rig.add_program(program(9_001, "O9001.NC", b"G98 G01 U-40 F2000\nM99".to_vec()));
+    tell(&mut rig, "param P4.4 1\nmode auto\nkey cycle-start\nwait 1 s");
+    tell(&mut rig, THERE_AND_BACK);
+    // 4 s are left, less the ticks between.
+    tell(&mut rig, "key cycle-start\nwait 3.8 s\nexpect state running\nwait until stopped max 1 s\nkey reset");
+    tell(
+        &mut rig,
+        "key cycle-start\nwait 1 s\nkey wheel-retract\nwait 0.3 s\nkey reset\nwait 1 s\npower cut\npower on",
+    );
+    assert_eq!(rig.snapshot().interrupted, None);
+}

@@ -9,7 +9,6 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 use super::args::Shared;
 use super::{CallError, FINE, bench};
 use crate::controller::{Controller, Retained};
-use crate::defs::param::Params;
 use crate::hmi::window::{Desk, Options, WindowError, run};
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
@@ -169,7 +168,7 @@ impl LinkDesk {
         let row = self.newest.directory.iter().find(|row| row.number == number);
         let name = row.and_then(|row| row.comment.split(' ').next()).unwrap_or_default();
         let source = Arc::new(Source::new(number, name, self.newest.program.text.bytes().collect::<Vec<u8>>()));
-        if let Some(part) = bar::of_program(self.newest.kind, &Params::factory(self.newest.kind), &source) {
+        if let Some(part) = bar::of_program(self.newest.kind, &self.newest.params, &source) {
             self.put_in(part);
         }
     }

@@ -89,7 +89,7 @@ impl Controller {
     fn oscillate(&mut self, run: &mut Run, stroke: Stroke) -> Did {
         match self.is_settled(run) {
             Some(true) => {
-                self.begin_oscillation(stroke);
+                self.begin_oscillation(stroke, true);
                 Did::Done
             }
             Some(false) | None => Did::Wait,

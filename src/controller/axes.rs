@@ -14,6 +14,9 @@ use crate::units::{Axis, PerAxis};
 /// Seconds in a minute: parameters are per minute, motion per second.
 pub const MINUTE: f64 = 60.0;
 
+/// Nearer than this, mm, two places are one: far below the resolution.
+const SAME_PLACE_MM: f64 = 1e-5;
+
 /// Who moves the axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
@@ -54,6 +57,10 @@ pub struct Axes {
     drives_on: bool,
     /// An axis that oscillates beside whoever owns the axes: its set-point and velocity.
     oscillated: Option<(Axis, f64, f64)>,
+    /// Where the axis stood when it began to oscillate: what the program and the path know of it, machine frame.
+    frozen: f64,
+    /// The oscillation is over; the axis stays where it stands until the path has come to rest.
+    releasing: bool,
     /// What the screws need beside the set-points.
     screws: Compensation,
     /// A thread under way.
@@ -86,6 +93,8 @@ impl Axes {
             minus: PerAxis::default(),
             drives_on: true,
             oscillated: None,
+            frozen: 0.0,
+            releasing: false,
             screws: Compensation::new(screws, params, tick_s),
             thread: None,
             locked: None,
@@ -151,6 +160,7 @@ impl Axes {
     /// One tick of whoever owns the axes; `spindle_turns` is what a thread follows.
     pub fn tick(&mut self, rate: Override, spindle_turns: f64) {
         let before = self.set;
+        self.release();
         match self.owner {
             Owner::Path => {
                 let point = self.path.tick(rate);
@@ -211,13 +221,41 @@ impl Axes {
 
     /// Where the oscillating axis is to be in this tick; none lets it go where it stands.
     pub fn oscillate(&mut self, strokes: Option<(Axis, f64, f64)>) {
-        if let (Some((axis, position, _)), None) = (self.oscillated, strokes) {
-            self.movers[axis].set_position(position);
-            if self.owner == Owner::Path && self.path.is_done() {
-                self.path.clear_at(self.set);
+        match (self.oscillated, strokes) {
+            (None, Some((axis, ..))) => self.frozen = self.set[axis],
+            (Some(_), None) => {
+                self.releasing = true;
+                return self.release();
             }
+            (None, None) | (Some(_), Some(_)) => {}
         }
-        self.oscillated = strokes;
+        (self.oscillated, self.releasing) = (strokes, false);
+    }
+
+    /// Lets the axis go once nothing else can pull it elsewhere.
+    fn release(&mut self) {
+        let Some((axis, position, _)) = self.oscillated.filter(|_| self.releasing) else { return };
+        if self.owner == Owner::Path && !self.path.is_at_rest() {
+            self.oscillated = Some((axis, position, 0.0));
+            return;
+        }
+        self.movers[axis].set_position(position);
+        // Back at its starting end the path goes on from there; stopped elsewhere, its moves are void.
+        let elsewhere = (position - self.frozen).abs() > SAME_PLACE_MM;
+        if self.owner == Owner::Path && (elsewhere || self.path.is_done()) {
+            self.path.clear_at(self.set);
+        }
+        (self.oscillated, self.releasing) = (None, false);
+    }
+
+    /// The set-points as the program knows them: an axis that oscillates is where it began.
+    #[must_use]
+    pub fn program_set(&self) -> PerAxis<f64> {
+        let mut set = self.set;
+        if let Some((axis, ..)) = self.oscillated {
+            set[axis] = self.frozen;
+        }
+        set
     }
 
     /// The set-point of each axis in the encoder's frame.
@@ -264,7 +302,7 @@ impl Axes {
     /// The program takes the axes over where they stand.
     pub fn give_to_path(&mut self) {
         if self.owner == Owner::Hand && self.path.is_at_rest() {
-            self.path.clear_at(self.set);
+            self.path.clear_at(self.program_set());
             self.owner = Owner::Path;
         }
     }

@@ -23,6 +23,10 @@ pub(super) const MDI_MOST: usize = 500;
 impl Controller {
     /// Takes one command.
     pub(super) fn take(&mut self, command: &Command) {
+        if self.restart.is_some() && changes_data(command) {
+            self.restart = None;
+            self.say(Said::new("数据已修改，请重新选择起始段", "data were changed: choose the block again"));
+        }
         match command {
             Command::Press(key) => self.press(*key),
             Command::Release(key) => {
@@ -156,9 +160,28 @@ impl Controller {
         if line.chars().count() > MDI_MOST {
             return self.refuse(Said::new("录入行太长", "the MDI line is too long"));
         }
+        if let Some(why) = self.retract_forbids_start() {
+            return self.refuse(why);
+        }
         if matches!(self.ask(Request::MdiStart), Answer::Taken) {
             let source = std::sync::Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
             self.open_run(source, super::run::Origin::Mdi);
         }
     }
+}
+
+/// Whether a command changes what a run from a chosen block was reckoned with (B5).
+const fn changes_data(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::TypeVariable(..)
+            | Command::Offset(_)
+            | Command::AddWear { .. }
+            | Command::ChangeWheel { .. }
+            | Command::SetVariable(..)
+            | Command::SetParam(..)
+            | Command::SetFrame(..)
+            | Command::SetGeometry(..)
+            | Command::Page(PageCommand::EditParam(..))
+    )
 }

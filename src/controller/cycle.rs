@@ -54,6 +54,12 @@ impl Controller {
         if let Some(why) = self.stopped_in_pause() {
             return self.refuse(why);
         }
+        if self.oscillates_by_key() {
+            return self.refuse(Said::new(
+                "暂停中用按键启动的振荡未关闭，先关闭再循环启动",
+                "the key has begun an oscillation in the pause: end it before cycle start",
+            ));
+        }
         self.resume_run();
     }
 
@@ -97,7 +103,7 @@ impl Controller {
         self.abort_run();
         self.machine.reset();
         self.dress.let_go();
-        self.retract.let_go();
+        self.drop_retract();
         self.restart = None;
         self.stop_oscillation();
         let e_stop = self.machine.is_e_stopped();

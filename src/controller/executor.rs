@@ -58,6 +58,7 @@ impl Controller {
             return;
         }
         self.stretch_dwell(&mut run);
+        self.stretch_waiting_dwell();
         self.retire(&mut run);
         let mut close = false;
         if matches!(self.phase, Phase::Running) {
@@ -95,6 +96,14 @@ impl Controller {
             && (!matches!(self.phase, Phase::Running) || matches!(run.items.front(), Some(Item::Move(_))))
         {
             *until = *until + self.tick;
+        }
+    }
+
+    /// Nor while the one-key retract has put the program aside.
+    fn stretch_waiting_dwell(&mut self) {
+        let tick = self.tick;
+        if let Some(Doing::Dwell { until }) = self.retract.waiting_run().map(|run| &mut run.doing) {
+            *until = *until + tick;
         }
     }
 

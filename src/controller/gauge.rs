@@ -156,6 +156,12 @@ impl Controller {
             Stage::Fine => (asked.to, asked.fine_mm_min),
             Stage::Back | Stage::Retract | Stage::ArmIn => (from[axis] + away * asked.retract_mm, asked.fast_mm_min),
         };
+        // B5: the way back is known only now.
+        if let Err(forbidden) = super::run::within(axis, target, &self.params) {
+            let said = self.forbidden(&forbidden);
+            self.raise(alarm::SOFT_LIMIT, Some(said));
+            return Did::Wait;
+        }
         let mut to: PerAxis<f64> = from;
         to[axis] = target;
         let tag = run.next_tag;

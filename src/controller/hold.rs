@@ -58,7 +58,7 @@ impl Controller {
                 run.doing = Doing::Nothing; // the skip begins anew from where the axis will stand
             }
             run.gauging = None;
-            run.parted = Some(Parted { at: self.axes.set(), withdrawn: None });
+            run.parted = Some(Parted { at: self.axes.program_set(), withdrawn: None });
             self.run = Some(run);
         }
         self.axes.give_to_hand();
@@ -94,7 +94,7 @@ impl Controller {
         }
         match run.parted {
             Some(parted) => {
-                if let Err(forbidden) = run.rejoin(parted, self.axes.set(), &self.params) {
+                if let Err(forbidden) = run.rejoin(parted, self.axes.program_set(), &self.params) {
                     let said = self.forbidden(&forbidden);
                     self.refuse(said);
                     self.happen(Event::Hold);
@@ -103,7 +103,7 @@ impl Controller {
             }
             // A run from a chosen block knows already where its first moves lead.
             None if !run.items.is_empty() => {}
-            None => run.planned.machine = self.axes.set(),
+            None => run.planned.machine = self.axes.program_set(),
         }
         self.axes.give_to_path();
         self.axes.path.resume();

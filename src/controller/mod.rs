@@ -347,6 +347,7 @@ impl Controller {
 
     /// Other programs are in the folder.
     pub fn deliver_programs(&mut self, programs: Arc<Programs>, directory: Arc<Vec<DirectoryRow>>) {
+        self.restart = None;
         self.programs = programs;
         self.directory = directory;
     }

@@ -56,6 +56,8 @@ enum Step {
 #[derive(Clone, Debug)]
 pub struct Oscillation {
     axis: Axis,
+    /// A program or an MDI line has begun it, not the key.
+    by_run: bool,
     from: f64,
     to: f64,
     speed_mm_s: f64,
@@ -79,7 +81,7 @@ enum Came {
 
 impl Oscillation {
     /// Begins with the next tick. Returns what was clamped, in words.
-    fn new(stroke: Stroke, from: f64, params: &Params, tick_s: f64) -> (Self, Option<Said>) {
+    fn new(stroke: Stroke, by_run: bool, from: f64, params: &Params, tick_s: f64) -> (Self, Option<Said>) {
         let axis = stroke.axis;
         let own = limits(params, tick_s).axes[axis];
         let length = (stroke.to - from).abs();
@@ -111,6 +113,7 @@ impl Oscillation {
         let bounds = AxisLimits { velocity_mm_s: speed_mm_s, acceleration_mm_s2, jerk_mm_s3: own.jerk_mm_s3 };
         let oscillation = Self {
             axis,
+            by_run,
             from,
             to: stroke.to,
             speed_mm_s,
@@ -181,6 +184,11 @@ impl Controller {
         self.oscillation.as_ref().map(|oscillation| oscillation.axis)
     }
 
+    /// The key has begun strokes in a pause: the held program knows nothing of them (K4.3).
+    pub(super) fn oscillates_by_key(&self) -> bool {
+        self.oscillation.as_ref().is_some_and(|oscillation| !oscillation.by_run)
+    }
+
     /// Whether an axis or the cylinder oscillates: the lamp.
     pub(super) fn is_oscillating(&self) -> bool {
         self.oscillation.is_some() || self.machine.cylinder_is_on()
@@ -214,10 +222,10 @@ impl Controller {
     }
 
     /// G35 and the key: begins strokes between where the axis stands and the given end.
-    pub(super) fn begin_oscillation(&mut self, stroke: Stroke) {
+    pub(super) fn begin_oscillation(&mut self, stroke: Stroke, by_run: bool) {
         let from = self.axes.set()[stroke.axis];
         let tick_s = self.tick.as_secs_f64();
-        let (oscillation, clamped) = Oscillation::new(stroke, from, &self.params, tick_s);
+        let (oscillation, clamped) = Oscillation::new(stroke, by_run, from, &self.params, tick_s);
         self.oscillation = Some(oscillation);
         if let Some(said) = clamped {
             self.refuse(said);
@@ -268,7 +276,7 @@ impl Controller {
             let said = self.forbidden(&forbidden);
             return self.refuse(said);
         }
-        self.begin_oscillation(Stroke { axis, to, ramp_ms: None, strokes_min: None });
+        self.begin_oscillation(Stroke { axis, to, ramp_ms: None, strokes_min: None }, false);
     }
 
     fn check_stroke(&self, axis: Axis, to: f64) -> Result<(), Forbidden> {

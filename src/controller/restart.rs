@@ -14,10 +14,11 @@ use super::{Controller, Effect, Event, Phase};
 use crate::defs::key::Mode;
 use crate::defs::param;
 use crate::defs::text::{Lang, Said, Text};
+use crate::defs::variable;
 use crate::link::edit::ModalView;
 use crate::link::snapshot::RestartView;
 use crate::motion::Shape;
-use crate::nc::{self, AxisSet, CheckWorld, Memory, Modals, Next, Op};
+use crate::nc::{self, AxisSet, CheckWorld, Memory, Modals, Next, Op, SpeedMode};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Most ticks that the blocks before are read: some two million blocks. A loop that waits for the machine does not end.
@@ -38,13 +39,20 @@ const DRIVE_FIRST: Text = Text::new(
 );
 
 /// What the blocks before have switched.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Switched {
     wheel: bool,
     drive: bool,
     coolant: bool,
-    /// G50 or G35 stands among them: where they leave the machine cannot be reckoned.
+    /// An axis oscillates there.
+    oscillates: bool,
+    /// G50, G27, G31 or G78 stands among them: where they leave the machine cannot be reckoned.
     unknown: bool,
+    /// A program's own alarm, in force before the block.
+    alarm: Option<Said>,
+    /// The last S, and the limit of G50 S.
+    speed: Option<(f64, SpeedMode)>,
+    limit: Option<f64>,
 }
 
 impl Switched {
@@ -56,8 +64,12 @@ impl Switched {
             Op::M { code: 65, .. } => self.drive = false,
             Op::M { code: 8, .. } => self.coolant = true,
             Op::M { code: 9, .. } => self.coolant = false,
-            Op::OscillationOff => self.unknown = false,
-            Op::Preset { .. } | Op::OscillationOn { .. } => self.unknown = true,
+            Op::OscillationOn { .. } => self.oscillates = true,
+            Op::OscillationOff => self.oscillates = false,
+            Op::Preset { .. } | Op::DressReturn { .. } | Op::Skip { .. } | Op::Gauge(_) => self.unknown = true,
+            Op::Alarm { text, .. } if self.alarm.is_none() => self.alarm = Some(Said::new(&**text, &**text)),
+            Op::S { value, mode } => self.speed = Some((*value, *mode)),
+            Op::SpeedLimit { rpm } => self.limit = Some(*rpm),
             _ => {}
         }
     }
@@ -125,7 +137,9 @@ impl Controller {
             .with_references(super::references(&self.params))
             .with_frames(frames.clone())
             .at(frames.work_from_machine(self.axes.set()))
-            .with_block_skip(self.switches.block_skip);
+            .with_block_skip(self.switches.block_skip)
+            .with_known_only();
+        let world = self.tell(world);
         let planned = Planned::new(frames, self.axes.set(), self.dress.points, modals.path);
         let library = Arc::clone(&self.programs);
         let start = (self.memory.clone(), planned);
@@ -146,6 +160,28 @@ impl Controller {
         if self.current == program {
             self.restart_at(line);
         }
+    }
+
+    /// Tells a world what the control itself keeps: offsets, counts, the wheel.
+    fn tell(&self, mut world: CheckWorld) -> CheckWorld {
+        let kept = [
+            variable::WEAR_X,
+            variable::WEAR_Y,
+            variable::WEAR_Z,
+            variable::GEOMETRY_X,
+            variable::GEOMETRY_Y,
+            variable::GEOMETRY_Z,
+            variable::PARTS_DONE,
+        ];
+        let params = super::PARAM_VARIABLES.iter().map(|(range, _)| *range);
+        for range in kept.into_iter().chain(params) {
+            for number in range.first..range.first + range.count {
+                if let Some(value) = self.read_system(number) {
+                    world.set_system(number, value);
+                }
+            }
+        }
+        world
     }
 
     fn restart_refused(&self) -> Option<Text> {
@@ -186,11 +222,16 @@ impl Controller {
 
     fn found_block(&mut self, mut restart: Box<Restart>) {
         let Restart { run, world, switched, line, .. } = &mut *restart;
-        if switched.unknown {
+        if let Some(alarm) = switched.alarm.take() {
+            return self.refuse(alarm);
+        }
+        if switched.unknown || switched.oscillates {
             let line = *line;
             return self.refuse(Said::new(
-                format!("第 {line} 行之前有 G50 或 G35，不能从该行开始"),
-                format!("G50 or G35 stands before line {line}: the program cannot begin there"),
+                format!("第 {line} 行之前有 G50、G27、G31、G78，或该处在振荡 (G35)，不能从该行开始"),
+                format!(
+                    "G50, G27, G31 or G78 before line {line}, or G35 in force there: the program cannot begin there"
+                ),
             ));
         }
         let mut frames = self.frames.clone();
@@ -214,7 +255,7 @@ impl Controller {
     pub(super) fn restart_view(&self) -> Option<RestartView> {
         let restart = self.restart.as_ref().filter(|restart| restart.found)?;
         let work = restart.world.place();
-        let Switched { wheel, drive, coolant, .. } = restart.switched;
+        let Switched { wheel, drive, coolant, .. } = restart.switched.clone();
         Some(RestartView {
             program: self.current,
             line: restart.line,
@@ -240,9 +281,9 @@ impl Controller {
         let [wheel, drive] = self.what_turns();
         if !restart.found {
             self.refuse(Said::new("正在查找起始段，请稍候", "the block is still being looked for"));
-        } else if restart.switched.wheel && !wheel && !self.switches.dry_run {
+        } else if restart.switched.wheel && !wheel && !self.switches.dry_run && !self.switches.mst_lock {
             self.refuse(WHEEL_FIRST);
-        } else if restart.switched.drive && !drive {
+        } else if restart.switched.drive && !drive && !self.switches.mst_lock {
             self.refuse(DRIVE_FIRST);
         } else if let Some(restart) = self.restart.take() {
             self.begin_at(*restart);
@@ -250,7 +291,7 @@ impl Controller {
         true
     }
 
-    fn begin_at(&mut self, Restart { mut run, .. }: Restart) {
+    fn begin_at(&mut self, Restart { mut run, switched, .. }: Restart) {
         let (from, to, wheel_axis) = (self.axes.set(), run.planned.machine, self.row.slow_axis);
         let mut beside = to;
         beside[wheel_axis] = from[wheel_axis];
@@ -267,6 +308,8 @@ impl Controller {
             }
         }
         self.frames.clone_from(&run.planned.frames);
+        self.wheel_speed = switched.speed.unwrap_or(self.wheel_speed);
+        self.wheel_rpm_limit = switched.limit.or(self.wheel_rpm_limit);
         let speed = Speed::PerMinute(self.params.get(param::WHEEL_ON_SPEED));
         for (target, speed) in [(beside, Speed::Rapid), (to, speed)] {
             run.items.push_back(Item::Move(PlannedMove::new(target, Shape::Line, speed, (all(), AxisSet::NONE))));

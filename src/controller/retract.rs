@@ -36,8 +36,8 @@ pub(super) enum Stage {
     Asked,
     /// O9000 runs; the wheel came from here (machine frame, radius mm).
     Leaving(PerAxis<f64>),
-    /// The wheel is withdrawn.
-    Away(PerAxis<f64>),
+    /// The wheel is withdrawn: it came from here, and O9000 has left it there.
+    Away(PerAxis<f64>, PerAxis<f64>),
     /// O9001 runs.
     Coming(PerAxis<f64>),
     /// O9001 has ended elsewhere. The hand must bring the axes there.
@@ -71,11 +71,6 @@ impl Retract {
         matches!(self.stage, Stage::Asked | Stage::Leaving(_) | Stage::Coming(_))
     }
 
-    /// RESET, or an alarm that ends the run.
-    pub(super) fn let_go(&mut self) {
-        *self = Self::default();
-    }
-
     /// The run that was put aside.
     pub(super) fn waiting_run(&mut self) -> Option<&mut Run> {
         self.waiting.as_mut().map(|waiting| &mut *waiting.run)
@@ -93,7 +88,12 @@ impl Controller {
             Stage::Asked | Stage::Leaving(_) | Stage::Coming(_) => {
                 return self.refuse(Said::new("一键回退正在执行", "the retract is under way"));
             }
-            Stage::Away(from) => return self.begin_retract(BRING_BACK, Stage::Coming(from)),
+            Stage::Away(from, at) => {
+                return match self.off(at) {
+                    None => self.begin_retract(BRING_BACK, Stage::Coming(from)),
+                    Some((axis, off)) => self.refuse(self.moved_away(axis, off)),
+                };
+            }
             Stage::Astray(from) => return self.refuse(self.astray(from)),
         }
         match self.phase {
@@ -120,7 +120,7 @@ impl Controller {
     }
 
     fn withdraw(&mut self) {
-        let from = self.axes.set();
+        let from = self.axes.program_set();
         self.begin_retract(WITHDRAW, Stage::Leaving(from));
     }
 
@@ -136,7 +136,10 @@ impl Controller {
             ));
         }
         let still = self.is_free_for_hand() && (self.axes.owner() == Owner::Path || self.axes.is_at_rest());
-        if !still || !matches!(self.ask(Request::MoveByHand), Answer::Taken) || !self.part_from_run() {
+        if !still || !self.is_at_rest_by_hand() {
+            return self.refuse(Said::new("轴还在运动，请稍候", "the axes still move"));
+        }
+        if !matches!(self.ask(Request::MoveByHand), Answer::Taken) || !self.part_from_run() {
             return;
         }
         if let Some(run) = self.run.take() {
@@ -156,23 +159,34 @@ impl Controller {
     pub(super) fn finish_retract(&mut self) {
         self.close_run();
         let came = match self.retract.stage {
-            Stage::Leaving(from) => Stage::Away(from),
-            Stage::Coming(from) if self.retract.waiting.is_none() || self.off(from).is_none() => Stage::Home,
+            Stage::Leaving(from) => Stage::Away(from, self.axes.program_set()),
+            Stage::Coming(from) if self.off(from).is_none() => Stage::Home,
             Stage::Coming(from) => Stage::Astray(from),
-            stage @ (Stage::Home | Stage::Asked | Stage::Away(_) | Stage::Astray(_)) => stage,
+            stage @ (Stage::Home | Stage::Asked | Stage::Away(..) | Stage::Astray(_)) => stage,
         };
         self.retract.stage = came;
-        let Some(waiting) = self.retract.waiting.take() else { return self.happen(Event::Finish) };
-        let Waiting { run, place, active, tool, offset } = *waiting;
+        let Some(waiting) = self.retract.waiting.take() else {
+            if let Stage::Astray(from) = came {
+                self.refuse(self.astray(from));
+            }
+            return self.happen(Event::Finish);
+        };
+        let Waiting { mut run, place, active, tool, offset } = *waiting;
+        // The planner has finished O9000 and O9001 since; what turned in the pause is remembered from before.
+        run.next_tag = run.next_tag.max(self.axes.path.finished_tag().map_or(1, |tag| tag + 1));
+        let turned = run.turned;
         self.run = Some(run);
         self.place = place;
         (self.frames.active, self.frames.tool, self.frames.offset) = (active, tool, offset);
         // Held, as the key had left it.
         self.happen(Event::Hold);
         self.happen(Event::AtRest);
+        if let Some(run) = &mut self.run {
+            run.turned = turned;
+        }
         match came {
             Stage::Astray(from) => self.refuse(self.astray(from)),
-            Stage::Home | Stage::Asked | Stage::Leaving(_) | Stage::Away(_) | Stage::Coming(_) => {}
+            Stage::Home | Stage::Asked | Stage::Leaving(_) | Stage::Away(..) | Stage::Coming(_) => {}
         }
     }
 
@@ -181,7 +195,7 @@ impl Controller {
         match self.retract.stage {
             Stage::Home | Stage::Leaving(_) | Stage::Coming(_) => None,
             Stage::Asked => Some(Said::new("一键回退正在执行", "the retract is under way")),
-            Stage::Away(_) => Some(Said::new(
+            Stage::Away(..) => Some(Said::new(
                 "砂轮已回退，再按一键回退使其返回",
                 "the wheel is withdrawn: press 一键回退 again to bring it back",
             )),
@@ -195,8 +209,31 @@ impl Controller {
 
     /// The first axis that is not where the run was left, and how far, radius mm.
     fn off(&self, from: PerAxis<f64>) -> Option<(Axis, f64)> {
-        let now = self.axes.set();
+        let now = self.axes.program_set();
         Axis::ALL.into_iter().map(|axis| (axis, now[axis] - from[axis])).find(|(_, off)| off.abs() > BACK_MM)
+    }
+
+    /// RESET, or an alarm that ends the run.
+    pub(super) fn drop_retract(&mut self) {
+        if self.retract.waiting.is_some() {
+            self.forget_place();
+        }
+        self.retract = Retract::default();
+    }
+
+    /// Nothing that the hand or a hold has begun is under way.
+    fn is_at_rest_by_hand(&self) -> bool {
+        self.axes.owner() == Owner::Path || !self.hand.is_leading()
+    }
+
+    fn moved_away(&self, axis: Axis, off: f64) -> Said {
+        let off = off * self.displayed_per_mm(axis);
+        Said::new(
+            format!("{axis} 离开了 O9000 退到的位置 {off:+.3}：先移回，再按一键回退；或复位"),
+            format!(
+                "{axis} is {off:+.3} off the place that O9000 left it at: bring it back there first, or press RESET"
+            ),
+        )
     }
 
     fn astray(&self, from: PerAxis<f64>) -> Said {

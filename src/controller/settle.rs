@@ -36,7 +36,7 @@ impl Controller {
         if rest && matches!(self.phase, Phase::Holding | Phase::Aborting) {
             if matches!(self.phase, Phase::Aborting) {
                 self.close_run();
-                self.retract.let_go();
+                self.drop_retract();
             }
             let held = matches!(self.phase, Phase::Holding);
             self.happen(Event::AtRest);

@@ -9,7 +9,7 @@ const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is
 impl Controller {
     /// Positions count, axes do not move. Switching it off shows the real positions again.
     pub(super) fn switch_machine_lock(&mut self) {
-        if self.run.is_some() || !self.axes.is_at_rest() || self.hand.is_leading() {
+        if self.run.is_some() || !self.axes.is_at_rest() || self.hand.is_leading() || self.retract.is_lit() {
             return self.refuse(WITH_RUN);
         }
         if self.switches.machine_lock {

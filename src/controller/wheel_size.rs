@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use super::run::Run;
-use super::{Controller, Effect};
+use super::{Controller, Effect, Switches};
 use crate::defs::alarm;
 use crate::defs::param::{self, Number};
 use crate::defs::text::Said;
@@ -19,6 +19,11 @@ use super::axes::MINUTE;
 impl Controller {
     /// A program says that the wheel now has this diameter, mm. False: refused, with the alarm raised.
     pub(super) fn book_dressing(&mut self, run: &mut Run, diameter_mm: f64) -> bool {
+        let Switches { machine_lock, mst_lock, dry_run, .. } = self.switches;
+        if machine_lock || mst_lock || dry_run {
+            self.say(Said::new("锁定或空运行：修整不计入砂轮直径", "locked or dry run: no dressing is booked"));
+            return true;
+        }
         let before = self.params.get(param::WHEEL_DIAMETER);
         let refusal = if diameter_mm > before || diameter_mm < param::WHEEL_DIAMETER.min {
             Some(Said::new(

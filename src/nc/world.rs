@@ -47,6 +47,8 @@ pub struct CheckWorld {
     frames: Frames,
     references: [PerAxis<f64>; REFERENCES],
     system: BTreeMap<u32, Option<f64>>,
+    /// What only a machine knows is not taken as 0: reading it waits for ever.
+    only_known: bool,
     skip: bool,
     rpm: f64,
     /// While an axis oscillates #438 and #439 change with every look: a wait for an end of the stroke ends.
@@ -71,6 +73,7 @@ impl CheckWorld {
             frames: Frames::default(),
             references: [PerAxis::default(); REFERENCES],
             system: BTreeMap::new(),
+            only_known: false,
             skip: false,
             rpm: if settings.zero_at_start { settings.turning.spindle_rpm } else { USUAL_RPM },
             stroke_end: None,
@@ -98,6 +101,13 @@ impl CheckWorld {
     #[must_use]
     pub const fn with_references(mut self, references: [PerAxis<f64>; REFERENCES]) -> Self {
         self.references = references;
+        self
+    }
+
+    /// Does not answer for a machine: what was not given cannot be read.
+    #[must_use]
+    pub const fn with_known_only(mut self) -> Self {
+        self.only_known = true;
         self
     }
 
@@ -288,6 +298,8 @@ impl World for CheckWorld {
         // An axis that the machine does not have is null.
         let none = Live::Value(None);
         match number {
+            // What the machine alone knows.
+            434..=439 | 5061..=5063 if self.only_known => Live::Drain,
             5001..=5003 | 5041..=5043 | 5061..=5063 => {
                 axis(number % 20 - 1).map_or(none, |axis| shown(axis, self.position[axis]))
             }
@@ -299,6 +311,7 @@ impl World for CheckWorld {
             }
             // What only the machine knows counts as 0; a statement has no value.
             _ => match variable::find(number).map(|range| range.access) {
+                Some(Access::Read | Access::ReadWrite) if self.only_known => Live::Drain,
                 Some(Access::Read | Access::ReadWrite) => Live::Value(Some(0.0)),
                 Some(Access::Write) | None => Live::Unknown,
             },

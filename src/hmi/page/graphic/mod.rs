@@ -110,7 +110,7 @@ impl Graphic {
         let canvas = Rect::from_min_max(canvas.min, canvas.max - vec2(theme::GAP, 0.0));
         let planes = planes(view.snapshot.kind);
         let plane = planes[self.plane % planes.len()];
-        let words = format!("O{:04} · {}{}", program.number, plane.0.letter(), plane.1.letter());
+        let words = format!("{} · {}{}", view.snapshot.title(program.number), plane.0.letter(), plane.1.letter());
         lines::title(ui, view, title, &words);
         self.canvas(ui, canvas, view, (drawing, plane), typed);
         figures_of(ui, figures, view, drawing, fresh);
