@@ -4,8 +4,10 @@
 
 mod told;
 
+use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::signal::Output;
+use kt830::link::Command;
 use kt830::runtime::rig::Rig;
 use kt830::units::Axis;
 use told::{ready, ready_of, ready_with, tell};
@@ -389,4 +391,22 @@ fn k4_5_missing_words_are_named_before_anything_moves() {
         &mut rig,
         "load O7000\nmode auto\nkey cycle-start\nwait until alarm max 10 s\nexpect alarm 183\nexpect Y -110 ±0.001",
     );
+}
+
+#[test]
+fn k4_5_a_contact_while_the_axis_brakes_in_a_hold_is_latched_at_its_edge() {
+    // At 3000 mm/min the axis needs 50² / (2·800) mm = 1.6 mm and some jerk to stand: the contact comes on the way.
+    let mut rig = ready_with("G78 Z-250 F3000 J60 P4 L3\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until Z<-160 max 30 s");
+    rig.send(Command::Press(Key::FeedHold));
+    (0..20).for_each(|_| rig.step());
+    let before = rig.controller().actual()[Axis::Z];
+    tell(&mut rig, "input gauge-4 on");
+    let after = rig.controller().actual()[Axis::Z];
+    tell(&mut rig, "wait until held max 5 s\nwait 0.3 s");
+    let stands = rig.controller().actual()[Axis::Z];
+    assert!(after - stands > 0.2, "it went on from {after} to {stands}");
+    tell(&mut rig, "input gauge-4 off\nkey cycle-start\nwait 1 s");
+    let latched = rig.controller().system_value(435).unwrap();
+    assert!(latched <= before && latched >= after, "latched {latched}, the edge came between {before} and {after}");
 }

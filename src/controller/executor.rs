@@ -59,6 +59,9 @@ impl Controller {
         }
         self.stretch_dwell(&mut run);
         self.stretch_waiting_dwell();
+        if matches!(self.phase, Phase::Holding | Phase::Held) {
+            self.latch_in_pause(&mut run);
+        }
         self.retire(&mut run);
         let mut close = false;
         if matches!(self.phase, Phase::Running) {

@@ -73,6 +73,24 @@ impl Controller {
         did
     }
 
+    /// A contact while the run comes to rest in a hold, or stands in one: it is latched in its tick as well.
+    pub(super) fn latch_in_pause(&mut self, run: &mut Run) {
+        let Some(mut gauging) = run.gauging.filter(|gauging| gauging.tag.is_some() && gauging.edge.is_none()) else {
+            return;
+        };
+        let asked = gauging.asked;
+        let awaited = match gauging.stage {
+            Stage::Approach => asked.first,
+            Stage::Fine => asked.second.unwrap_or(asked.first),
+            Stage::Back | Stage::Retract | Stage::ArmIn => return,
+        };
+        if self.signal(awaited) {
+            gauging.edge = Some(self.shown(asked.axis));
+            self.axes.path.abort();
+            run.gauging = Some(gauging);
+        }
+    }
+
     fn gauge_stage(&mut self, run: &mut Run, gauging: &mut GaugeRun) -> Did {
         if gauging.stage == Stage::ArmIn {
             return if self.machine.is_settled(Request::Gauge(Gauge::Axial, false)) { Did::Done } else { Did::Wait };

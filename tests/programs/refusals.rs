@@ -5,7 +5,12 @@ use kt830::defs::signal::Output;
 use crate::shop::{End, shop};
 
 /// The program, one value that makes no sense, the alarm, and the variable that it names.
-const SENSELESS: [(u32, u16, f64, u16, &str); 50] = [
+const SENSELESS: [(u32, u16, f64, u16, &str); 55] = [
+    (1001, 506, -1.0, 3001, "#506"),
+    (1001, 506, 1e6, 3002, ""),
+    (1001, 512, 0.0, 3003, "#512"),
+    (1001, 511, 1e6, 3004, "#511"),
+    (1005, 646, 0.0, 3023, "#646"),
     (1002, 521, 40.5, 3001, "#521"),
     (1002, 525, 0.5, 3002, "#525"),
     (1002, 521, 0.0, 3003, "#521"),
