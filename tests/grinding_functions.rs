@@ -176,6 +176,8 @@ fn k4_3_infeed_at_the_reversal_by_438_neither_misses_nor_doubles_a_stroke() {
 
 #[test]
 fn k4_3_what_is_too_little_is_clamped_and_said() {
+    let mut rig = ready_with("G35 Z-160 D400 Q-4\nG04 X5\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.1 s\nexpect message \"Q-4\"\nexpect lamp oscillation on");
     let mut rig = ready_with("G35 Z-160 D400 Q0.5\nG04 X5\nM30");
     tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.1 s\nexpect message \"Q0.5\"\nexpect lamp oscillation on");
     // P237 = 3000 mm/min: 2 × 100 × 60 = 12 000 is too fast.

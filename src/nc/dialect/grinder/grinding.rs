@@ -69,12 +69,13 @@ pub(super) fn oscillation(running: &mut Running<'_, '_>, at: usize) -> Outcome<(
         return wrong2(second.at as usize, E::NotTogether, first, other);
     }
     let to = coordinate(running, axis, word)?;
-    let above_zero = |word: Word| {
+    // K4.3: too little is taken as the least, and said, when the stroke begins.
+    let bounded = |word: Word| {
         let name = char::from(word.letter);
-        if (0.0..=LIMIT).contains(&word.value) { Ok(word.value) } else { out_of_range(name, word, "0–99999.999") }
+        if word.value <= LIMIT { Ok(word.value) } else { out_of_range(name, word, "≤99999.999") }
     };
-    let ramp_ms = words.take(b'D').map(above_zero).transpose()?;
-    let strokes_min = words.take(b'Q').map(above_zero).transpose()?;
+    let ramp_ms = words.take(b'D').map(bounded).transpose()?;
+    let strokes_min = words.take(b'Q').map(bounded).transpose()?;
     running.ops.push(Op::OscillationOn { stroke: Some((axis, to)), ramp_ms, strokes_min });
     Ok(())
 }
