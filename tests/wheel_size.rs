@@ -122,3 +122,12 @@ fn b3_what_is_no_variable_is_named() {
         tell(&mut rig, "mode auto\nkey cycle-start\nwait until alarm max 2 s\nexpect alarm any");
     }
 }
+
+#[test]
+fn k4_1_a_wear_beyond_the_range_of_the_offset_page_is_refused_from_a_program_too() {
+    for text in ["G10 D1 U1000\nG00 X-70\nM30", "#2001=-1000\nG00 X-70\nM30"] {
+        let mut rig = alarmed(text, 204);
+        tell(&mut rig, "expect X -80 ±0.001\nexpect wear 1 X 0 ±0");
+    }
+    tell(&mut ran("G10 D1 U999.999\nM30"), "expect wear 1 X 999.999 ±0.0001");
+}

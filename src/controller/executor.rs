@@ -262,6 +262,7 @@ impl Controller {
             Forbidden::NotHomed => alarm::NOT_HOMED,
             Forbidden::Oscillating(_) => alarm::OSCILLATING_AXIS,
             Forbidden::NoStroke(_) => alarm::OSCILLATION,
+            Forbidden::Wear(..) => alarm::OFFSET_RANGE,
             Forbidden::NoDressPoint(_) => alarm::NO_DRESS_POINT,
             Forbidden::NotYet(_) => alarm::M_NOT_YET,
         };
@@ -290,6 +291,10 @@ impl Controller {
                 format!("{axis} 轴没有振荡行程，或未回零"),
                 format!("{axis} has no stroke to oscillate, or is not homed"),
             ),
+            Forbidden::Wear(axis, sum) => {
+                let sum = sum * self.displayed_per_mm(axis);
+                Said::new(format!("{axis} 磨耗 {sum:.3}"), format!("wear of {axis} {sum:.3}"))
+            }
             Forbidden::NoDressPoint(axis) => {
                 Said::new(format!("{axis} 轴没有设置修整点"), format!("{axis} has no dressing point"))
             }

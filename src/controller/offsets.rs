@@ -20,6 +20,11 @@ const NOT_HERE: Text = Text::new("请在刀补或砂轮修整页面修改", "edi
 const OPEN_RUN: Text = Text::new("程序未结束，不能测量", "a program is open: no measurement");
 const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes still move: no measurement");
 
+/// Whether an offset, as displayed, is one that the control takes, from a page or from a program.
+pub(super) fn in_range(part: Part, shown: f64) -> bool {
+    shown.is_finite() && shown.abs() <= part.most()
+}
+
 impl Controller {
     /// What the offset or the dressing page asks.
     pub(super) fn take_offset(&mut self, command: OffsetCommand) -> Result<Said, Said> {
@@ -57,7 +62,7 @@ impl Controller {
         self.add_wear(number, axis, by)
     }
 
-    /// Adds to the wear of an offset, as displayed: the way of U, V, W at a page and of G10 (K4.1).
+    /// Adds to the wear of an offset, as displayed: the way of U, V, W at a page; G10 keeps the same bound (K4.1).
     ///
     /// # Errors
     /// The number is none, the axis is not there, or the sum is out of range; nothing is changed then.
@@ -107,7 +112,7 @@ impl Controller {
     fn put_offset(&mut self, index: usize, part: Part, axis: Axis, value: f64) -> Result<Said, Said> {
         let shown = value * self.displayed_per_mm(axis);
         let most = part.most();
-        if !shown.is_finite() || shown.abs() > most {
+        if !in_range(part, shown) {
             return Err(Said::new(
                 format!("超出范围 ±{most:.3}：{shown:.3}"),
                 format!("out of range ±{most:.3}: {shown:.3}"),

@@ -4,13 +4,16 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::offsets::in_range;
 use super::oscillation::{LEAST_STROKE_MM, Stroke};
 use super::run::{Act, Item, MCall, PlannedMove, Speed, within};
 use crate::defs::kind::System;
 use crate::defs::mcode;
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
+use crate::link::edit::Part;
 use crate::motion::{End, Plane, Shape, Thread, Turn};
+use crate::nc::frames::OFFSETS;
 use crate::nc::{self, AxisSet, Feed, Frames, Op, PathMode, Place, REFERENCES};
 use crate::units::{Axis, PerAxis};
 
@@ -48,6 +51,8 @@ pub enum Forbidden {
     Oscillating(Axis),
     /// Oscillate over no length, or an axis that is not homed.
     NoStroke(Axis),
+    /// A wear beyond what the offset page takes: axis and sum, mm of slide travel.
+    Wear(Axis, f64),
     /// Return to a dressing point that was never set.
     NoDressPoint(Axis),
     /// A code that this version does not have.
@@ -146,6 +151,15 @@ impl Planned {
         let act = match op {
             Op::AddWear { number, by } => {
                 Arc::make_mut(&mut self.frames).add_wear(*number, *by);
+                // K4.1: the same bound as at the offset page.
+                let wear = self.frames.wear[usize::from(*number).clamp(1, OFFSETS) - 1];
+                let shown =
+                    |axis: Axis| if axis == Axis::X && !params.bit(param::RADIUS_PROGRAMMING) { 2.0 } else { 1.0 };
+                if let Some(axis) =
+                    by.iter().map(|(axis, _)| axis).find(|axis| !in_range(Part::Wear, wear[*axis] * shown(*axis)))
+                {
+                    return Err(Forbidden::Wear(axis, wear[axis]));
+                }
                 Act::Frames(Arc::clone(&self.frames))
             }
             Op::Gauge(gauging) => {

@@ -4,13 +4,17 @@
 
 use std::sync::Arc;
 
+use super::offsets::in_range;
 use super::planned::Planned;
 use super::run::Run;
 use super::{Controller, Effect};
+use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Number, Params};
+use crate::defs::text::Said;
 use crate::defs::variable::{self, SystemVariables};
+use crate::link::edit::Part;
 use crate::machine::Answer;
 use crate::nc::frames::OFFSETS;
 use crate::nc::{Live, Settings, SpeedUnit, Turning, World};
@@ -189,14 +193,19 @@ impl Controller {
                 self.effects.push(Effect::Parts(self.parts));
             }
             Some(&variable::PARTS_WANTED) => self.keep_param(param::PARTS_WANTED.address(), value),
-            Some(_) | None => self.write_offset(run, number, value),
+            Some(_) | None => return self.write_offset(run, number, value),
         }
         true
     }
 
-    fn write_offset(&mut self, run: &mut Run, number: u32, value: f64) {
+    fn write_offset(&mut self, run: &mut Run, number: u32, value: f64) -> bool {
         for (table, wear) in [(&WEAR, true), (&GEOMETRY, false)] {
             if let Some((index, axis)) = offset_of(table, number) {
+                if !in_range(if wear { Part::Wear } else { Part::Geometry }, value) {
+                    let said = format!("#{number} = {value}");
+                    self.raise(alarm::OFFSET_RANGE, Some(Said::new(said.clone(), said)));
+                    return false;
+                }
                 let value = value / self.displayed_per_mm(axis);
                 let place = if wear { &mut self.frames.wear } else { &mut self.frames.geometry };
                 place[index][axis] = value;
@@ -204,6 +213,7 @@ impl Controller {
                 run.planned.frames = Arc::new(self.frames.clone());
             }
         }
+        true
     }
 
     /// An offset (from 0) has changed: the disk is to keep it.

@@ -160,6 +160,9 @@ alarms! {
     WHEEL_SIZE = 203, StopProgram, Reset, "砂轮直径不能接受", "wheel diameter not accepted",
         "程序写入的砂轮直径 #5801 大于现直径、小于最小直径，或没有刀补生效", "the diameter written to #5801 is greater than the present one or too small, or no offset is in force",
         "新砂轮在换砂轮页面输入；修整程序先调用刀补 (T0101)", "enter a new wheel on its page; call the offset before (T0101)";
+    OFFSET_RANGE = 204, StopProgram, Reset, "刀补超出范围", "offset out of range",
+        "G10 或 #2001… 使磨耗超过 ±999.999，或几何超过 ±9999.999", "G10 or #2001… would make a wear exceed ±999.999 or a geometry ±9999.999",
+        "检查数值，可能缺小数点", "check the value: a decimal point may be missing";
     TOOL_POST_TIMEOUT = 210, StopProgram, Reset, "刀架转位超时", "tool post time-out",
         "P388 时间内没有检测到所选刀位的信号", "the switch of the station did not come within P388",
         "检查刀架电机、刀位信号 P365–P368", "check the post's motor and its switches P365 to P368";
