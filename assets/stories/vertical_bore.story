@@ -34,7 +34,7 @@ expect no event
 expect output wheel off
 expect output table-rotation off
 expect R60 500.000
-expect R3 299.88 ±0.002           #! four dressings of R36 = 0.03
+expect R3 299.85 ±0.002           #! five dressings of R36 = 0.03
 #! 500 − 2 · (105 − z) · tan 1°
 expect part diameter at Z66 498.6385 ±0.003
 expect part diameter at Z90 499.4763 ±0.003

@@ -51,7 +51,8 @@ pub use self::fault::FaultError;
 pub use self::machine_file::{MachineFile, SimFileError};
 pub use self::machine_rows::{
     Along, AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile,
-    MainSpindleFile, PlateFile, ProbeFile, QuillFile, RollFile, ScatterFile, SecondSpindleFile, ToolFile, ToolPostFile, WheelFile,
+    MainSpindleFile, PlateFile, ProbeFile, QuillFile, RollFile, ScatterFile, SecondSpindleFile, ToolFile, ToolPostFile,
+    WheelFile,
 };
 pub use self::measure::WheelState;
 pub use self::part_file::{
