@@ -50,6 +50,7 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
     }
     let folders = bench::folders(shared)?;
     let office = Office::new(folders.clone()).with(Some(data.prints()), shared.usb.clone());
+    let office = office.on_line(shared.serial.clone(), Some(data.root().to_path_buf()));
     let (bring, parts) = bounded(4);
     let (ask, asked) = bounded(16);
     let shown = Arc::new(Mutex::new(Arc::new(SimView::default())));
