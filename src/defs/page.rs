@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::kind::Kind;
 use super::text::Text;
 
 macro_rules! pages {
@@ -34,6 +35,17 @@ macro_rules! pages {
             }
         }
     };
+}
+
+impl Page {
+    /// The title on a kind of machine: the 802D's grinding page holds its R parameters (S3).
+    #[must_use]
+    pub const fn title_on(self, kind: Kind) -> Text {
+        match (self, kind) {
+            (Self::Grinding, Kind::Vertical) => Text::new("R 参数", "R parameters"),
+            _ => self.title(),
+        }
+    }
 }
 
 pages! {

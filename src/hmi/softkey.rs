@@ -8,6 +8,7 @@ use super::keycap::{self, Face};
 use super::page::position::Shown;
 use super::theme;
 use super::view::{View, fit, put};
+use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::text::Text;
 
@@ -34,6 +35,9 @@ pub struct SoftKey {
 const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
     SoftKey { label: Text::new(zh, en), act }
 }
+
+/// F1 to F5.
+const KEYS: usize = 5;
 
 /// The rows that ▶ turns through.
 pub const ROWS: [&[SoftKey]; 5] = [
@@ -68,6 +72,18 @@ pub const ROWS: [&[SoftKey]; 5] = [
     &[key("模拟", "SIMULATOR", SoftAct::Open(Page::Simulator))],
 ];
 
+/// A soft key of a row as it stands on a kind: an 802D has R parameters in the grinding page's place, and no tool offsets
+/// and so no dressing page of them (S1, S3).
+#[must_use]
+pub fn at(kind: Kind, row: usize, index: usize) -> Option<SoftKey> {
+    let soft = *ROWS[row % ROWS.len()].get(index)?;
+    match (kind, soft.act) {
+        (Kind::Vertical, SoftAct::Open(Page::Dressing | Page::Offset)) => None,
+        (Kind::Vertical, SoftAct::Open(Page::Grinding)) => Some(key("R 参数", "R PARAM", soft.act)),
+        _ => Some(soft),
+    }
+}
+
 /// The row that is turned to when a page opens.
 #[must_use]
 pub const fn row_of(page: Page) -> usize {
@@ -95,10 +111,11 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
     let inner = rect.shrink2(vec2(theme::GAP, 3.0));
     let next_width = 52.0;
     let width = (inner.width() - next_width - 5.0 * theme::GAP) / 5.0;
-    for (index, soft) in ROWS[row % ROWS.len()].iter().enumerate() {
+    for index in 0..KEYS {
+        let Some(soft) = at(view.snapshot.kind, row, index) else { continue };
         let left = inner.min.x + index as f32 * (width + theme::GAP);
         let place = Rect::from_min_size(pos2(left, inner.min.y), vec2(width, inner.height()));
-        if one(ui, view, place, index, soft, chosen(soft.act)) {
+        if one(ui, view, place, index, &soft, chosen(soft.act)) {
             pressed = Some(Pressed::Act(soft.act));
         }
     }
