@@ -209,8 +209,8 @@ fn answers(edits: &[Edit]) -> Vec<Command> {
         match edit {
             Edit::Enter => out.extend(press(Key::Input)),
             Edit::Cancel => out.extend(press(Key::Cancel)),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Up | Edit::Down => {}
-            Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {}
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::Up | Edit::Down => {}
+            Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd | Edit::Next | Edit::Previous => {}
         }
     }
     out
