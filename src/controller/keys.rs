@@ -82,8 +82,8 @@ impl Controller {
             Key::Input => self.set_dress_point(),
             Key::Cancel => self.cancel_dress_point(),
             Key::F1 => self.open_page(Page::Position),
-            Key::F4 => self.open_page(Page::Grinding),
-            Key::F5 => self.open_page(Page::Dressing),
+            Key::F4 => self.open_page(Page::of_f(self.kind, false)),
+            Key::F5 => self.open_page(Page::of_f(self.kind, true)),
             _ => self.press_override(key),
         }
     }

@@ -152,6 +152,30 @@ impl Folder {
         Ok(shown(&path))
     }
 
+    /// Writes a file by its exact name.
+    ///
+    /// # Errors
+    /// As [`Folder::write`]; also for a name with a separator or `..`.
+    pub fn write_named(&self, class: &FileClass, name: &str, bytes: &[u8]) -> Result<String, FolderError> {
+        let path = self.path.join(plain_name(class, name)?);
+        let size = bytes.len() as u64;
+        if size > class.limit {
+            return Err(FolderError::TooLarge { path, size, limit: class.limit });
+        }
+        whole_file::replace(&path, bytes)?;
+        Ok(name.to_owned())
+    }
+
+    /// Removes a file by its exact name.
+    ///
+    /// # Errors
+    /// When there is none, or the disk refuses.
+    pub fn delete_named(&self, class: &FileClass, name: &str) -> Result<(), FolderError> {
+        let path = self.path.join(plain_name(class, name)?);
+        read_plain(&path, class.limit)?;
+        Ok(fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?)
+    }
+
     /// Copies a file to a free number and returns the new name.
     ///
     /// # Errors
