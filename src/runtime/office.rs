@@ -3,14 +3,18 @@
 //! Source: spec B6, K6.2, H8.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use encoding_rs::GBK;
 use ropey::Rope;
 
 use super::disk::Folders;
 use super::draw;
+use super::serial::Trouble;
+use super::serial::courier::Courier;
+use super::serial::line::{Line, ports};
+use super::serial::sheet::Sheet;
 use super::transfer::{self, Carrier};
 use crate::controller::Programs;
 use crate::controller::files::Job;
@@ -18,9 +22,9 @@ use crate::defs::kind::System;
 use crate::defs::program;
 use crate::defs::text::{Lang, Said};
 use crate::link::files::{FileAnswer, FileRequest, LineFault, Looked, Refusal};
-use crate::link::media::{Direction, Set, Transfer};
+use crate::link::media::{Direction, MediaView, Set, Transfer};
 use crate::nc::{Fault, Settings, Source, look};
-use crate::store::{Encoding, Folder, FolderError, PROGRAM, Stick, decode, stamp};
+use crate::store::{Encoding, Folder, FolderError, PROGRAM, Settings as Stored, Stick, decode, stamp};
 
 /// Most recordings that a folder keeps.
 const RECORDS: u32 = 99;
@@ -36,6 +40,12 @@ pub struct Office {
     prints: Option<PathBuf>,
     /// The medium, where one was named; otherwise what is plugged in.
     stick: Option<Stick>,
+    /// The RS232 port, where one was named.
+    port: Option<String>,
+    /// Where the settings lie that name the port otherwise.
+    data: Option<PathBuf>,
+    /// What came over the line and waits for an answer.
+    held: Arc<Mutex<Vec<Sheet>>>,
     cancelled: Cancelled,
 }
 
@@ -52,13 +62,25 @@ impl Office {
     /// An office for two folders.
     #[must_use]
     pub fn new(folders: Folders) -> Self {
-        Self { folders, prints: None, stick: None, cancelled: Cancelled::default() }
+        let (held, cancelled) = (Arc::default(), Cancelled::default());
+        Self { folders, prints: None, stick: None, port: None, data: None, held, cancelled }
     }
 
     /// With a folder for pictures of the screen, and a folder that stands for the medium.
     #[must_use]
     pub fn with(self, prints: Option<PathBuf>, stick: Option<PathBuf>) -> Self {
         Self { prints, stick: stick.map(Stick::at), ..self }
+    }
+
+    /// With an RS232 port, or the data directory whose settings name it.
+    #[must_use]
+    pub fn on_line(self, port: Option<String>, data: Option<PathBuf>) -> Self {
+        Self { port, data, ..self }
+    }
+
+    fn port(&self) -> Option<String> {
+        let stored = || self.data.as_deref().and_then(|data| Stored::read(data).ok()).and_then(|found| found.serial);
+        self.port.clone().or_else(stored)
     }
 
     fn stick(&self) -> Option<Stick> {
@@ -72,14 +94,10 @@ impl Office {
 
     /// Does a job; `tell` hears the answers, the last one ends it.
     pub fn work(&self, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
-        self.cancelled.store(false, Ordering::Release);
-        let programs = Folder::new(&self.folders.programs);
-        if self.folders.named && transfers_programs(&job.request) {
-            // A medium's files go by number: nothing may be written over a name.
-            let said = Said::new("按名称的程序请在电脑上拷入", "programs with names are copied in on a computer");
-            tell(FileAnswer::Refused(Refusal::Because(said)));
-            return Changed::default();
+        if is_long(&job.request) {
+            self.cancelled.store(false, Ordering::Release);
         }
+        let programs = Folder::new(&self.folders.programs);
         let called = |number: u32| Called::new(number, &job.programs);
         let done = match &job.request {
             FileRequest::MayEdit(_) | FileRequest::Cancel => return Changed::default(),
@@ -93,7 +111,8 @@ impl Office {
                 return Changed::default();
             }
             FileRequest::Media => {
-                tell(FileAnswer::Media(transfer::media(&self.folders, self.stick().as_ref())));
+                let media = transfer::media(&self.folders, self.stick().as_ref());
+                tell(FileAnswer::Media(MediaView { port: self.port(), ports: ports(), ..media }));
                 return Changed::default();
             }
             FileRequest::Print(picture) => {
@@ -107,6 +126,7 @@ impl Office {
                 tell(FileAnswer::Printed(done));
                 return Changed::default();
             }
+            FileRequest::Transfer(ask) if ask.set == Set::Serial => return self.over_the_line(ask, job, tell),
             FileRequest::Transfer(ask) => return self.carry(ask, job, tell),
             FileRequest::Save { number, text, base, force } => save(&programs, &called(*number), text, (*base, *force)),
             FileRequest::Record(text) => record(&programs, text),
@@ -119,11 +139,6 @@ impl Office {
         tell(done.unwrap_or_else(FileAnswer::Refused));
         changed
     }
-}
-
-/// Whether a request carries files of the folder of programs by their numbers.
-fn transfers_programs(request: &FileRequest) -> bool {
-    matches!(request, FileRequest::Transfer(ask) if matches!(ask.set, Set::Programs | Set::Backup))
 }
 
 /// A program as its folder knows it.
@@ -161,7 +176,27 @@ impl Called {
     }
 }
 
+/// Whether a request is long work that 取消 ends.
+pub(super) const fn is_long(request: &FileRequest) -> bool {
+    matches!(request, FileRequest::Transfer(_) | FileRequest::Draw(_))
+}
+
 impl Office {
+    /// Programs over RS232.
+    fn over_the_line(&self, ask: &Transfer, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
+        let unchosen = || Trouble::Port(Said::new("没有选择端口", "no port is chosen"));
+        let line = self.port().ok_or_else(unchosen).map_err(Refusal::from).and_then(|port| {
+            let holdings = job.holdings.as_deref().ok_or_else(transfer::no_stick)?;
+            Ok(Line::of(&holdings.params, port))
+        });
+        let shelf = self.folders.shelf();
+        let (named, cancelled, held) = (self.folders.named, &*self.cancelled, &*self.held);
+        let done =
+            line.and_then(|line| Courier { shelf: &shelf, named, line: &line, cancelled, held }.carry(ask, tell));
+        tell(done.unwrap_or_else(FileAnswer::Refused));
+        Changed { programs: ask.direction == Direction::In, screens: false }
+    }
+
     fn carry(&self, ask: &Transfer, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
         let Some(stick) = self.stick() else {
             tell(FileAnswer::Refused(transfer::no_stick()));
@@ -216,7 +251,7 @@ pub(super) fn refused(error: &FolderError) -> Refusal {
         FolderError::Changing { .. } => "文件正在被写入，请稍后再试".to_owned(),
         FolderError::BadName { name, .. } => format!("{name} 不是有效的文件名"),
         FolderError::BadNumber { number } => format!("{number} 不是有效的程序号，应为 1-9999"),
-        FolderError::Io(fault) => return because(fault),
+        FolderError::Io(fault) => fault.zh(),
     };
     Refusal::Because(Said::new(zh, error.to_string()))
 }

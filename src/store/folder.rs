@@ -133,6 +133,25 @@ impl Folder {
         Ok(Read { name: name.to_owned(), bytes: read_plain(&path, class.limit)? })
     }
 
+    /// Writes a file by its exact name, in place of the one that is there: after a power cut it is the old or the new.
+    /// Returns its name.
+    ///
+    /// # Errors
+    /// As [`Folder::write`]; also for a name with a separator or `..`.
+    pub fn write_named(&self, class: &FileClass, name: &str, bytes: &[u8]) -> Result<String, FolderError> {
+        let path = self.path.join(plain_name(class, name)?);
+        match fs::symlink_metadata(&path) {
+            Ok(told) if !told.is_file() => return Err(FolderError::NotPlain { path }),
+            Ok(_) | Err(_) => {}
+        }
+        let size = bytes.len() as u64;
+        if size > class.limit {
+            return Err(FolderError::TooLarge { path, size, limit: class.limit });
+        }
+        whole_file::replace(&path, bytes)?;
+        Ok(shown(&path))
+    }
+
     /// Writes a file, in place of the one that counted for the number: after a power cut it is the old or the new.
     /// Returns its name.
     ///
@@ -152,20 +171,6 @@ impl Folder {
         Ok(shown(&path))
     }
 
-    /// Writes a file by its exact name.
-    ///
-    /// # Errors
-    /// As [`Folder::write`]; also for a name with a separator or `..`.
-    pub fn write_named(&self, class: &FileClass, name: &str, bytes: &[u8]) -> Result<String, FolderError> {
-        let path = self.path.join(plain_name(class, name)?);
-        let size = bytes.len() as u64;
-        if size > class.limit {
-            return Err(FolderError::TooLarge { path, size, limit: class.limit });
-        }
-        whole_file::replace(&path, bytes)?;
-        Ok(name.to_owned())
-    }
-
     /// Removes a file by its exact name.
     ///
     /// # Errors
@@ -173,7 +178,8 @@ impl Folder {
     pub fn delete_named(&self, class: &FileClass, name: &str) -> Result<(), FolderError> {
         let path = self.path.join(plain_name(class, name)?);
         read_plain(&path, class.limit)?;
-        Ok(fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?)
+        fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?;
+        Ok(whole_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
     }
 
     /// Copies a file to a free number and returns the new name.

@@ -28,9 +28,9 @@ const FIELDS: usize = TOOLS * OF_TOOL + OF_BAR.len();
 const NAMES: [Text; OF_TOOL] =
     [Text::new("形状", "shape"), Text::new("刃宽", "width"), Text::new("刃高", "edge"), Text::new("刀杆", "shank")];
 /// Greatest height of a field.
-const FIELD: f32 = 48.0;
-/// Share of a card for the drawing of its tool.
-const DRAWING: f32 = 0.34;
+const FIELD: f32 = 54.0;
+/// Least share of a card for the drawing of its tool.
+const DRAWING: f32 = 0.3;
 
 /// What the page keeps.
 #[derive(Debug, Default)]
@@ -66,7 +66,7 @@ impl Tools {
         }
         let (page, input) = input_line::split(rect);
         let inside = page.shrink2(vec2(theme::PAD, theme::GAP));
-        let bar_height = (inside.height() * 0.22).clamp(64.0, 132.0);
+        let bar_height = (inside.height() * 0.2).clamp(64.0, 104.0);
         let (tools, bar) = inside.split_top_bottom_at_y(inside.max.y - bar_height);
         let width = (tools.width() + theme::GAP) / TOOLS as f32;
         for station in 0..TOOLS {
@@ -126,7 +126,8 @@ impl Tools {
         if in_front {
             put(ui.painter(), title, Align2::RIGHT_CENTER, view.say("当前", "in front"), theme::SMALL, ink);
         }
-        let (drawing, fields) = rest.split_top_bottom_at_fraction(DRAWING);
+        let drawn = (rest.height() - FIELD * OF_TOOL as f32).max(rest.height() * DRAWING);
+        let (drawing, fields) = rest.split_top_bottom_at_y(rest.min.y + drawn);
         draw(ui, drawing, view, &TurningTool::of_station(&view.snapshot.params, station));
         let height = ((fields.height() + 4.0) / OF_TOOL as f32).min(FIELD);
         for index in 0..OF_TOOL {
