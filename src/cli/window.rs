@@ -28,7 +28,7 @@ use crate::units::Micros;
 /// Commands on their way from the window to a story.
 const COMMANDS: usize = 256;
 /// How often the simulator page is shown the machine anew.
-const SIMULATED_EVERY: Micros = Micros::from_millis(250);
+const SIMULATED_EVERY: Micros = Micros::from_millis(100);
 /// Snapshots a second in a demo.
 const SNAPSHOT_EVERY: u64 = 16;
 
@@ -167,7 +167,7 @@ impl LinkDesk {
         }
         self.bar_of = number;
         let row = self.newest.directory.iter().find(|row| row.number == number);
-        let name = row.and_then(|row| row.comment.split(' ').next()).unwrap_or_default();
+        let name = row.map_or("", |row| row.name.as_str());
         let source = Arc::new(Source::new(number, name, self.newest.program.text.bytes().collect::<Vec<u8>>()));
         if let Some(part) = bar::of_program(self.newest.kind, &self.newest.params, &source) {
             self.put_in(part);

@@ -64,6 +64,7 @@ impl Controller {
             Command::Stored(_) | Command::Simulate(_) => {}
             Command::DiskFailed(why) => self.raise(alarm::STORE_FAILED, Some(why.clone())),
             Command::Page(command) => self.take_page(command),
+            Command::Teach(command) => self.take_teach(*command),
             Command::Alive => self.screen_heard = Some(self.now),
         }
     }

@@ -36,6 +36,7 @@ mod settle;
 mod status;
 mod switches;
 mod system;
+mod teach;
 mod turning;
 mod watch;
 mod wheel_change;
@@ -222,6 +223,7 @@ pub struct Controller {
     edits: edits::Edits,
     files: files::Files,
     lathe: turning::Lathe,
+    teach: teach::Teach,
     /// How often the program begins again by itself (P390).
     runs_left: u32,
 }
@@ -289,6 +291,7 @@ impl Controller {
             edits: edits::Edits::default(),
             files: files::Files::default(),
             lathe: turning::Lathe::default(),
+            teach: teach::Teach::default(),
             runs_left: 0,
             params,
         };
@@ -324,6 +327,7 @@ impl Controller {
         self.step_oscillation();
         let rate = self.rate();
         self.axes.tick(rate, self.lathe.spindle.turns);
+        self.step_teach();
         self.settle();
         self.write_outputs();
         &self.outputs

@@ -3,6 +3,7 @@
 //! A row is the only place where a number, a name or a text stands. Nothing here acts.
 
 pub mod alarm;
+pub mod face;
 pub mod gcode;
 pub mod key;
 pub mod kind;
@@ -18,4 +19,5 @@ pub mod screen;
 pub mod screw;
 pub mod signal;
 pub mod text;
+pub mod turning_tool;
 pub mod variable;

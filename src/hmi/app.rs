@@ -238,7 +238,7 @@ impl Hmi {
             SoftAct::Print => false,
         };
         let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
-        let by_key = asked.soft.and_then(|index| softkey::ROWS.get(self.soft_row)?.get(index));
+        let by_key = asked.soft.and_then(|index| softkey::row(view.snapshot.kind, self.soft_row).nth(index));
         match touched.or(by_key.map(|soft| Pressed::Act(soft.act))) {
             Some(Pressed::Act(act)) => self.soft(ui, act, out),
             Some(Pressed::Next) => self.next_row(),

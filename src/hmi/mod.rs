@@ -31,4 +31,4 @@ pub mod window;
 pub use app::Hmi;
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub use shot::{page_text, shot};
-pub use softkey::{ROWS as SOFT_KEYS, SoftAct, SoftKey};
+pub use softkey::{ROWS as SOFT_ROWS, SoftAct, SoftKey, row as soft_row};

@@ -61,8 +61,9 @@ impl Mdi {
         for edit in typed.edits {
             self.edit(*edit, view, &mut out);
         }
-        let (main, board) = rect.split_top_bottom_at_y(rect.max.y - letters::BLOCK.height());
-        if let Some(letter) = letters::ui(ui, view, board.shrink2(vec2(theme::GAP, 0.0)), &letters::BLOCK) {
+        let pad = letters::block(view.snapshot.kind);
+        let (main, board) = rect.split_top_bottom_at_y(rect.max.y - pad.height());
+        if let Some(letter) = letters::ui(ui, view, board.shrink2(vec2(theme::GAP, 0.0)), &pad) {
             self.letter(&letter, view, &mut out);
         }
         let inside = Rect::from_min_max(main.min + vec2(theme::PAD, 6.0), main.max - vec2(theme::PAD, 6.0));

@@ -18,6 +18,8 @@ pub mod program;
 pub mod scroll;
 pub mod settings;
 pub mod simulator;
+mod teach;
+mod tools;
 pub mod transfer;
 pub mod variables;
 pub mod wheel;
@@ -71,6 +73,8 @@ pub struct Pages {
     variables: variables::Variables,
     mdi: mdi::Mdi,
     wheel: wheel::WheelChange,
+    teach: teach::Teach,
+    tools: tools::Tools,
     login: Login,
 }
 
@@ -91,6 +95,7 @@ impl Pages {
         self.variables.open();
         self.mdi.open();
         self.wheel = wheel::WheelChange::default();
+        self.tools = tools::Tools::default();
     }
 
     /// Another program is current.
@@ -113,6 +118,7 @@ impl Pages {
             Page::Macro => &self.variables.typing,
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
+            Page::Tools => &self.tools.typing,
             Page::Directory => &self.directory.typing,
             Page::Params => &self.params.typing,
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
@@ -144,6 +150,7 @@ impl Pages {
             Page::Dressing => self.dressing.table.typing.pad,
             Page::Macro => self.variables.typing.pad,
             Page::Wheel => self.wheel.wants_pad(),
+            Page::Tools => self.tools.typing.pad,
             Page::Transfer => self.transfer.wants_pad(),
             page => {
                 let has_fields = view.snapshot.page_files().is_some_and(|files| files.text.is_ok());
@@ -181,6 +188,8 @@ impl Pages {
             Page::Macro => self.variables.ui(ui, rect, view, typed),
             Page::Mdi => self.mdi.ui(ui, rect, view, typed),
             Page::Wheel => self.wheel.ui(ui, rect, view, typed.edits),
+            Page::Teach => self.teach.ui(ui, rect, view, typed),
+            Page::Tools => self.tools.ui(ui, rect, view, typed.edits),
             Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
             Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),
             Page::Diagnosis => {

@@ -128,7 +128,7 @@ impl Program {
         }
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
-        let board = if self.board { letters::BLOCK.height() } else { 0.0 };
+        let board = if self.board { letters::block(view.snapshot.kind).height() } else { 0.0 };
         let rows = if self.editing && !self.board && self.ask.is_none() { 2.0 } else { 1.0 };
         let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
         let (list, below) = rest.split_top_bottom_at_y(rest.max.y - rows * KEYS - TOLD);
@@ -140,7 +140,7 @@ impl Program {
             self.act(act, view, login, &mut out);
         }
         if self.board
-            && let Some(letter) = letters::ui(ui, view, pad, &letters::BLOCK)
+            && let Some(letter) = letters::ui(ui, view, pad, &letters::block(view.snapshot.kind))
         {
             self.letter(&letter, &mut out);
         }
