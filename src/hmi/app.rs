@@ -125,7 +125,8 @@ impl Hmi {
         let regions = Regions::new(ui.max_rect());
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
         ui.painter().rect_filled(ui.max_rect(), 0.0, theme.ground);
-        let asked = keyboard::read(ui, snapshot.kind);
+        let words = self.pages.takes_words(snapshot.page) && !snapshot.state.moves();
+        let asked = keyboard::read(ui, snapshot.kind, words);
         out.extend(self.printed());
         self.physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
