@@ -234,17 +234,15 @@ impl Hmi {
             SoftAct::Print => false,
         };
         let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
-        let by_key = asked.soft.and_then(|index| softkey::ROWS.get(self.soft_row)?.get(index));
+        let rows = softkey::rows(view.snapshot);
+        self.soft_row %= rows.len();
+        let by_key = asked.soft.and_then(|index| rows[self.soft_row].get(index));
         match touched.or(by_key.map(|soft| Pressed::Act(soft.act))) {
             Some(Pressed::Act(act)) => self.soft(ui, act, out),
-            Some(Pressed::Next) => self.next_row(),
-            None if asked.next_row => self.next_row(),
+            Some(Pressed::Next) => self.soft_row = (self.soft_row + 1) % rows.len(),
+            None if asked.next_row => self.soft_row = (self.soft_row + 1) % rows.len(),
             None => {}
         }
-    }
-
-    fn next_row(&mut self) {
-        self.soft_row = (self.soft_row + 1) % softkey::ROWS.len();
     }
 
     fn soft(&mut self, ui: &Ui, act: SoftAct, out: &mut Vec<Command>) {

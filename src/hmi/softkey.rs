@@ -10,6 +10,7 @@ use super::theme;
 use super::view::{View, fit, put};
 use crate::defs::page::Page;
 use crate::defs::text::Text;
+use crate::link::Snapshot;
 
 /// What a soft key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +36,7 @@ const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
     SoftKey { label: Text::new(zh, en), act }
 }
 
-/// The rows that ▶ turns through.
+/// The rows that ▶ turns through; the simulator's is the last.
 pub const ROWS: [&[SoftKey]; 5] = [
     &[
         key("相对", "RELATIVE", SoftAct::Position(Shown::Relative)),
@@ -68,6 +69,12 @@ pub const ROWS: [&[SoftKey]; 5] = [
     &[key("模拟", "SIMULATOR", SoftAct::Open(Page::Simulator))],
 ];
 
+/// The rows of a machine: where none is simulated, the last one is not there.
+#[must_use]
+pub fn rows(snapshot: &Snapshot) -> &'static [&'static [SoftKey]] {
+    if snapshot.simulated.is_some() { &ROWS } else { &ROWS[..ROWS.len() - 1] }
+}
+
 /// The row that is turned to when a page opens.
 #[must_use]
 pub const fn row_of(page: Page) -> usize {
@@ -95,7 +102,9 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
     let inner = rect.shrink2(vec2(theme::GAP, 3.0));
     let next_width = 52.0;
     let width = (inner.width() - next_width - 5.0 * theme::GAP) / 5.0;
-    for (index, soft) in ROWS[row % ROWS.len()].iter().enumerate() {
+    let rows = rows(view.snapshot);
+    let row = row % rows.len();
+    for (index, soft) in rows[row].iter().enumerate() {
         let left = inner.min.x + index as f32 * (width + theme::GAP);
         let place = Rect::from_min_size(pos2(left, inner.min.y), vec2(width, inner.height()));
         if one(ui, view, place, index, soft, chosen(soft.act)) {
@@ -109,7 +118,7 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
     keycap::plate(ui.painter(), view.theme, place, face);
     let (sign, count) = place.split_top_bottom_at_fraction(0.6);
     put(ui.painter(), sign, Align2::CENTER_CENTER, "▶", theme::TITLE, view.theme.text);
-    let which = format!("{}/{}", row % ROWS.len() + 1, ROWS.len());
+    let which = format!("{}/{}", row + 1, rows.len());
     put(ui.painter(), count, Align2::CENTER_CENTER, &which, theme::SMALL, view.theme.quiet);
     if response.clicked() { Some(Pressed::Next) } else { pressed }
 }

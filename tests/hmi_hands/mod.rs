@@ -217,7 +217,12 @@ impl Operator {
 
     /// A page by its soft key, from whichever row is shown.
     pub fn page(&mut self, page: Page) {
-        let soft = |row: usize| SOFT_KEYS[row].iter().position(|soft| soft.act == SoftAct::Open(page));
+        let opens = |act: SoftAct| match act {
+            SoftAct::Open(other) => other == page,
+            SoftAct::Position(_) => page == Page::Position,
+            SoftAct::Print => false,
+        };
+        let soft = |row: usize| SOFT_KEYS[row].iter().position(|soft| opens(soft.act));
         let row = (0..SOFT_KEYS.len()).find(|row| soft(*row).is_some()).unwrap_or_else(|| panic!("{page:?}"));
         let index = soft(row).unwrap();
         let label = format!("{} f{}", SOFT_KEYS[row][index].label.zh, index + 1);
