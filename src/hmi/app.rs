@@ -130,7 +130,8 @@ impl Hmi {
         let view = View { snapshot, lang: self.lang, theme: &theme, clock: &clock, power_on_s, blink };
         let regions = Regions::new(ui.max_rect());
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
-        let asked = keyboard::read(ui, snapshot.kind);
+        let words = self.pages.takes_words(snapshot.page) && !snapshot.state.moves();
+        let asked = keyboard::read(ui, snapshot.kind, words);
         out.extend(self.printed());
         self.physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
@@ -238,17 +239,15 @@ impl Hmi {
             SoftAct::Print => false,
         };
         let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
+        let rows = softkey::rows(view.snapshot);
+        self.soft_row %= rows;
         let by_key = asked.soft.and_then(|index| softkey::row(view.snapshot.kind, self.soft_row).nth(index));
         match touched.or(by_key.map(|soft| Pressed::Act(soft.act))) {
             Some(Pressed::Act(act)) => self.soft(ui, act, out),
-            Some(Pressed::Next) => self.next_row(),
-            None if asked.next_row => self.next_row(),
+            Some(Pressed::Next) => self.soft_row = (self.soft_row + 1) % rows,
+            None if asked.next_row => self.soft_row = (self.soft_row + 1) % rows,
             None => {}
         }
-    }
-
-    fn next_row(&mut self) {
-        self.soft_row = (self.soft_row + 1) % softkey::ROWS.len();
     }
 
     fn soft(&mut self, ui: &Ui, act: SoftAct, out: &mut Vec<Command>) {

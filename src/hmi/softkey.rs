@@ -11,6 +11,7 @@ use super::view::{View, fit, put};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::text::Text;
+use crate::link::Snapshot;
 
 /// What a soft key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +37,7 @@ const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
     SoftKey { label: Text::new(zh, en), act }
 }
 
-/// The rows that ▶ turns through; a kind has at most five keys of each.
+/// The rows that ▶ turns through; the simulator's is the last. A kind has at most five keys of each.
 pub const ROWS: [&[SoftKey]; 5] = [
     &[
         key("相对", "RELATIVE", SoftAct::Position(Shown::Relative)),
@@ -87,6 +88,12 @@ impl SoftKey {
     }
 }
 
+/// The number of rows of a machine: where none is simulated, the last one is not there.
+#[must_use]
+pub const fn rows(snapshot: &Snapshot) -> usize {
+    if snapshot.simulated.is_some() { ROWS.len() } else { ROWS.len() - 1 }
+}
+
 /// The row that is turned to when a page opens.
 #[must_use]
 pub const fn row_of(page: Page) -> usize {
@@ -114,6 +121,8 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
     let inner = rect.shrink2(vec2(theme::GAP, 3.0));
     let next_width = 52.0;
     let width = (inner.width() - next_width - 5.0 * theme::GAP) / 5.0;
+    let rows = rows(view.snapshot);
+    let row = row % rows;
     for (index, soft) in self::row(view.snapshot.kind, row).enumerate() {
         let left = inner.min.x + index as f32 * (width + theme::GAP);
         let place = Rect::from_min_size(pos2(left, inner.min.y), vec2(width, inner.height()));
@@ -128,7 +137,7 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
     keycap::plate(ui.painter(), view.theme, place, face);
     let (sign, count) = place.split_top_bottom_at_fraction(0.6);
     put(ui.painter(), sign, Align2::CENTER_CENTER, "▶", theme::TITLE, view.theme.text);
-    let which = format!("{}/{}", row % ROWS.len() + 1, ROWS.len());
+    let which = format!("{}/{}", row + 1, rows);
     put(ui.painter(), count, Align2::CENTER_CENTER, &which, theme::SMALL, view.theme.quiet);
     if response.clicked() { Some(Pressed::Next) } else { pressed }
 }

@@ -89,6 +89,7 @@ impl Pages {
         self.alarms.open();
         self.diagnosis = diagnosis::Diagnosis::default();
         self.settings = settings::Settings::default();
+        self.simulator = simulator::Simulator::default();
         self.params.open();
         self.offset.table.open(view.snapshot.offset_in_force);
         self.dressing.table.open(view.snapshot.offset_in_force);
@@ -135,6 +136,17 @@ impl Pages {
     #[must_use]
     pub const fn program_text(&self) -> &ropey::Rope {
         self.program.text()
+    }
+
+    /// Whether words are being typed on the open page.
+    #[must_use]
+    pub fn takes_words(&self, page: Page) -> bool {
+        match page {
+            Page::Mdi => true,
+            Page::Program => self.program.takes_words(),
+            Page::Params => self.params.searches(),
+            _ => false,
+        }
     }
 
     /// Whether the numeric pad is to slide in.

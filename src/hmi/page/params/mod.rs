@@ -51,6 +51,12 @@ impl Params {
         *self = Self { part, cursor, ..Self::default() };
     }
 
+    /// Whether words are being typed.
+    #[must_use]
+    pub const fn searches(&self) -> bool {
+        self.searching
+    }
+
     /// Whether the numeric pad is wanted.
     #[must_use]
     pub const fn wants_pad(&self) -> bool {

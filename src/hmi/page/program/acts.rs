@@ -51,6 +51,9 @@ impl Program {
             }
             self.document.go(line - 1, 0);
             self.keep_in_sight();
+        } else if let Some(Ok(number)) = text.strip_prefix(['N', 'n']).map(str::parse) {
+            self.what = text.to_owned();
+            self.work = Some(Work::block(number));
         } else if !text.is_empty() {
             self.what = text.to_owned();
             self.work = Some(Work::find(text, &self.document));

@@ -101,6 +101,12 @@ impl Program {
         self.told.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
     }
 
+    /// Whether words are being typed: into the text, or for a key.
+    #[must_use]
+    pub const fn takes_words(&self) -> bool {
+        self.editing || self.ask.is_some()
+    }
+
     /// The text as it stands on the page.
     #[must_use]
     pub const fn text(&self) -> &Rope {
