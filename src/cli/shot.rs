@@ -62,7 +62,9 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
         rig.step();
     }
     // A page may ask for something when it opens: the drawing its path, the transfer page its media.
-    let mut stage = Stage::new(Hmi::new(shared.lang), call.size);
+    let mut hmi = Hmi::new(shared.lang);
+    hmi.set_light(shared.light);
+    let mut stage = Stage::new(hmi, call.size);
     for _ in 0..TICKS {
         let wishes = stage.frame(rig.snapshot());
         wishes.into_iter().for_each(|wish| rig.send(wish));

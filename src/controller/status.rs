@@ -117,7 +117,7 @@ impl Controller {
         out.program.block = self.place.n;
     }
 
-    fn key_view(&self, key: Key) -> KeyView {
+    pub(super) fn key_view(&self, key: Key) -> KeyView {
         let (lamp, working) = match key.row().lamp {
             Lamp::None => (false, false),
             Lamp::Output(Output::SecondSpindle) => {
