@@ -3,6 +3,7 @@
 //! A row is the only place where a number, a name or a text stands. Nothing here acts.
 
 pub mod alarm;
+pub mod dialect_word;
 pub mod face;
 pub mod gcode;
 pub mod key;

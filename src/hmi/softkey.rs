@@ -24,6 +24,32 @@ pub enum SoftAct {
     Print,
 }
 
+impl SoftAct {
+    /// What the key does: of a page, what the page is for.
+    #[must_use]
+    pub const fn help(self) -> Text {
+        match self {
+            Self::Open(page) => page.help(),
+            Self::Position(Shown::Relative) => Text::new(
+                "位置页的相对坐标：可清零；在这里设修整点。",
+                "The position page with relative coordinates: to be set to zero; dressing points are set here.",
+            ),
+            Self::Position(Shown::All) => Text::new(
+                "位置页的综合坐标：绝对、相对、机床和余移动量。",
+                "The position page with all coordinates: absolute, relative, machine and what is left to go.",
+            ),
+            Self::Position(Shown::Machine) => Text::new(
+                "位置页的机床坐标：从机械零点量起。",
+                "The position page with machine coordinates, from the machine zero.",
+            ),
+            Self::Print => Text::new(
+                "把当前画面存成图片；位置在信息行说明。",
+                "Keeps a picture of the screen; the message line says where.",
+            ),
+        }
+    }
+}
+
 /// One soft key.
 #[derive(Clone, Copy, Debug)]
 pub struct SoftKey {

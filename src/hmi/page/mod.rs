@@ -28,7 +28,7 @@ use egui::{Rect, TextureId, Ui};
 
 use super::entry::{Edit, Entry};
 use super::frame;
-use super::help;
+use super::help::Help;
 use super::login::Login;
 use super::view::View;
 use crate::defs::key::Key;
@@ -57,6 +57,8 @@ pub struct Pages {
     pub shown: Shown,
     /// Value typed on the grinding page.
     pub entry: Entry,
+    /// What keys, alarms and codes mean.
+    pub help: Help,
     program: program::Program,
     graphic: graphic::Graphic,
     transfer: transfer::Transfer,
@@ -97,6 +99,13 @@ impl Pages {
         self.mdi.open();
         self.wheel = wheel::WheelChange::default();
         self.tools = tools::Tools::default();
+        self.help.open(view, Page::Help);
+    }
+
+    /// What goes on while no page is looked at.
+    pub fn follow(&mut self, view: &View<'_>) {
+        self.graphic.follow(view);
+        self.process.follow(view);
     }
 
     /// Another program is current.
@@ -180,8 +189,7 @@ impl Pages {
         typed: &Typed<'_>,
         picture: Option<TextureId>,
     ) -> Vec<Command> {
-        self.graphic.follow(view);
-        self.process.follow(view);
+        self.follow(view);
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
                 let mut out = answers(typed.edits);
@@ -213,7 +221,7 @@ impl Pages {
                 Vec::new()
             }
             Page::Help => {
-                help::page(ui, view, rect);
+                self.help.page(ui, view, rect, typed);
                 Vec::new()
             }
         };
