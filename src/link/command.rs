@@ -6,6 +6,7 @@ use super::drawing::StockBox;
 use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
 use super::simulated::SimCommand;
+use crate::defs::date::Date;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -86,6 +87,8 @@ pub enum Command {
     Page(PageCommand),
     /// What the simulator page asks of the simulated machine; a control never takes it.
     Simulate(SimCommand),
+    /// The computer's clock reads this; told now and then. Only dates that people read depend on it.
+    Calendar(Date),
     /// The screen is alive; without it the core stops after its keep-alive time.
     Alive,
 }

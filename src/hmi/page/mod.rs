@@ -113,6 +113,7 @@ impl Pages {
             Page::Macro => &self.variables.typing,
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
+            Page::Settings => &self.settings.clock.typing,
             Page::Directory => &self.directory.typing,
             Page::Params => &self.params.typing,
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
@@ -145,6 +146,7 @@ impl Pages {
             Page::Macro => self.variables.typing.pad,
             Page::Wheel => self.wheel.wants_pad(),
             Page::Transfer => self.transfer.wants_pad(),
+            Page::Settings => self.settings.clock.typing.pad,
             page => {
                 let has_fields = view.snapshot.page_files().is_some_and(|files| files.text.is_ok());
                 self.entry.typing.pad && frame::takes_numbers(page) && has_fields
@@ -187,10 +189,7 @@ impl Pages {
                 self.diagnosis.ui(ui, rect, view, typed);
                 Vec::new()
             }
-            Page::Alarm => {
-                self.alarms.ui(ui, rect, view, typed);
-                Vec::new()
-            }
+            Page::Alarm => self.alarms.ui(ui, rect, view, typed),
             Page::Help => {
                 help::page(ui, view, rect);
                 Vec::new()
