@@ -61,6 +61,9 @@ pub struct Shared {
     /// Folder that stands for the USB medium [default: what is plugged in]
     #[arg(long, global = true, value_name = "DIR")]
     pub usb: Option<PathBuf>,
+    /// RS232 port, such as /dev/ttyS0 or COM1 [default: as set on the machine]
+    #[arg(long, global = true, value_name = "PORT")]
+    pub serial: Option<String>,
     /// Part file of the simulated machine
     #[arg(long, global = true, value_name = "FILE")]
     pub part: Option<PathBuf>,

@@ -18,7 +18,7 @@ use crate::link::{Command, Snapshot};
 use crate::nc::Source;
 use crate::runtime::keeper::Keeper;
 use crate::runtime::office::Office;
-use crate::runtime::realtime::{Lateness, Link};
+use crate::runtime::realtime::{Link, Pace};
 use crate::runtime::rig::{Companion, set_up};
 use crate::runtime::simulator::Simulator;
 use crate::runtime::{bar, disk_thread, realtime};
@@ -50,6 +50,7 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
     }
     let folders = bench::folders(shared)?;
     let office = Office::new(folders.clone()).with(Some(data.prints()), shared.usb.clone());
+    let office = office.on_line(shared.serial.clone(), Some(data.root().to_path_buf()));
     let (bring, parts) = bounded(4);
     let (ask, asked) = bounded(16);
     let shown = Arc::new(Mutex::new(Arc::new(SimView::default())));
@@ -57,7 +58,7 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
     simulator.part = bench::part(shared, program)?;
     let looked = Micros::ZERO;
     let backend = Workshop { machine, parts, asked, simulator, shown: Arc::clone(&shown), looked };
-    let (link, disk) = realtime::start(controller, backend, Lateness::Counted).map_err(CallError::new)?;
+    let (link, disk) = realtime::start(controller, backend, Pace::Simulated).map_err(CallError::new)?;
     let disk = disk_thread::start(disk, Some(keeper), folders, office).map_err(CallError::new)?;
     let newest = Arc::new(Snapshot::new(shared.kind));
     let desk = LinkDesk { newest, link, bring, bar_of: 0, ask, simulated: shown };

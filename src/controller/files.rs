@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use super::{Controller, Effect, Programs};
+use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
@@ -112,6 +113,10 @@ impl Controller {
             self.note_answer(&FileAnswer::Refused(refusal.clone()));
             return self.refuse(refusal.said());
         }
+        if matches!(request, FileRequest::Transfer(transfer) if transfer.set == Set::Serial) {
+            // What the last transmission came to is old news now.
+            alarm::SERIAL.for_each(|number| self.alarms.clear(number));
+        }
         self.files.pending = Some(Box::new(request.clone()));
         self.order(request);
     }
@@ -165,11 +170,19 @@ impl Controller {
         }
         match transfer.set {
             Set::Params | Set::Backup if !self.pages.is_builder() => Err(Refusal::Builder),
-            Set::Programs if self.params.bit(param::PROGRAM_PASSWORD) && !self.pages.may_edit_programs() => {
+            Set::Programs | Set::Serial if self.asks_for_programs(transfer) && !self.pages.may_edit_programs() => {
                 Err(Refusal::Password)
             }
-            Set::Programs | Set::Screens | Set::Params | Set::Variables | Set::Backup => Ok(()),
+            Set::Programs | Set::Serial | Set::Screens | Set::Params | Set::Variables | Set::Backup => Ok(()),
         }
+    }
+
+    /// Whether the programs that a transfer may bring are guarded: what has no name yet may be an O9000.
+    fn asks_for_programs(&self, transfer: &Transfer) -> bool {
+        let number = |name: &String| name.get(1..5).and_then(|digits| digits.parse::<u32>().ok());
+        let guarded = |name: &String| number(name).is_some_and(|number| GUARDED_SUBPROGRAMS.contains(&number));
+        let any = transfer.set == Set::Serial || transfer.names.is_empty() || transfer.names.iter().any(guarded);
+        self.params.bit(param::PROGRAM_PASSWORD) || (any && self.params.bit(param::SUBPROGRAM_PASSWORD))
     }
 
     /// Takes the values of a file. They were checked; what is in use now is said and left as it is.
@@ -247,9 +260,13 @@ impl Controller {
             FileAnswer::Drawn(_) => self.files.pending = None,
             FileAnswer::Refused(refusal) => {
                 self.files.pending = None;
-                self.refuse(refusal.said());
+                match refusal {
+                    Refusal::Alarm(number, detail) => self.raise(*number, Some(detail.clone())),
+                    other => self.refuse(other.said()),
+                }
             }
-            FileAnswer::Media(_) | FileAnswer::Looked(_) | FileAnswer::Progress(..) => {}
+            FileAnswer::Media(_) | FileAnswer::Looked(_) => {}
+            FileAnswer::Progress(..) | FileAnswer::Bytes(..) => {}
         }
         self.note_answer(answer);
     }
@@ -277,6 +294,10 @@ impl Controller {
                 view.busy = Some((*what, *thousandths));
                 return;
             }
+            FileAnswer::Bytes(what, bytes) => {
+                (view.busy, view.bytes) = (Some((*what, 0)), Some(*bytes));
+                return;
+            }
             FileAnswer::Media(media) => {
                 if view.media.as_deref() != Some(media) {
                     view.media = Some(Arc::new(media.clone()));
@@ -292,7 +313,7 @@ impl Controller {
             }
             FileAnswer::Refused(refusal) => view.refused = Some(refusal.clone()),
         }
-        view.busy = None;
+        (view.busy, view.bytes) = (None, None);
         view.answers = view.answers.wrapping_add(1);
     }
 

@@ -106,6 +106,12 @@ impl Controller {
             }
             PageCommand::KeepLang(lang) => self.effects.push(Effect::Ask(PageWish::KeepLang(*lang))),
             PageCommand::KeepLight(light) => self.effects.push(Effect::Ask(PageWish::KeepLight(*light))),
+            PageCommand::KeepPort(port) => {
+                if self.pages.access.level < Level::Builder {
+                    return self.refuse(needs(Level::Builder));
+                }
+                self.effects.push(Effect::Ask(PageWish::KeepPort(port.clone())));
+            }
             PageCommand::File(request) => self.take_file(request),
             PageCommand::Answered(answer) => self.hear(answer),
         }

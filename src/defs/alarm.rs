@@ -181,6 +181,36 @@ alarms! {
     PROGRAM_MISSING = 302, StopProgram, Reset, "程序不存在", "program not found",
         "程序目录中没有该程序", "the folder has no such program",
         "检查程序号，或拷入程序", "check the number or copy the program in";
+    SERIAL_PORT = 310, Show, Reset, "RS232 端口打不开", "RS232 port does not open",
+        "没有选择端口、端口不存在、被占用、没有权限，或不支持波特率 P391", "no port chosen, not there, taken, not permitted, or it does not do the baud rate P391",
+        "在 U盘/通信 的 RS232 页选择端口；检查 P391 和接线", "choose the port on the RS232 sheet of USB/COMM; check P391 and the cable";
+    SERIAL_SILENT = 311, Show, Reset, "RS232 没有收到数据", "RS232: nothing comes",
+        "P393 时间内没有程序开始，或中途停顿超过 P392", "no program began within P393, or it paused for more than P392",
+        "检查电缆和对方的发送、波特率，再接收一次；没有保存任何内容", "check the cable, the sender and the baud rate, receive again; nothing was stored";
+    SERIAL_HELD = 312, Show, Reset, "RS232 对方不接收", "RS232: the other side does not take it",
+        "对方发了 XOFF 后 P392 时间内没有 XON，或没有接收", "no XON within P392 after its XOFF, or nobody receives",
+        "先在对方启动接收，检查电缆和流控 XON/XOFF，再发送一次", "start receiving there first, check cable and XON/XOFF, send again";
+    SERIAL_NOISE = 313, Show, Reset, "RS232 数据乱码", "RS232: garbled data",
+        "波特率不一致（帧错误），或电缆有干扰", "baud rates differ (framing errors), or the cable picks up noise",
+        "两边波特率相同 (P391)，8 位、无校验、1 停止位；检查屏蔽和接地；没有保存任何内容", "set both sides to P391, 8 bits, no parity, 1 stop bit; check shield and ground; nothing was stored";
+    SERIAL_PARITY = 314, Show, Reset, "RS232 对方带奇偶校验", "RS232: the other side sends parity",
+        "对方设置为 7 位加校验", "it is set to 7 bits with parity",
+        "对方改为 8 位、无校验、1 停止位，再接收一次", "set it to 8 bits, no parity, 1 stop bit and receive again";
+    SERIAL_FORM = 315, Show, Reset, "RS232 程序格式不对", "RS232: not the form of a program",
+        "开头没有 %，行中有 %，或没有程序号", "no % at the beginning, a % within a line, or no number",
+        "程序以 % 单独一行开头和结尾，第一行 O 号或 <名称>；没有保存任何内容", "begin and end it with a line %, O number or <NAME> in its first line; nothing was stored";
+    SERIAL_TOO_LONG = 316, Show, Reset, "RS232 程序太长", "RS232: program too long",
+        "超过一次传输的长度", "it is longer than one transmission may be",
+        "分段传输，或用 U 盘拷贝；没有保存任何内容", "split it or copy it by USB; nothing was stored";
+    SERIAL_GONE = 317, Show, Reset, "RS232 端口断开", "RS232 port has gone",
+        "传输中 USB 转串口被拔出，或端口故障", "an adapter was pulled out while it worked, or the port failed",
+        "插好后再传输一次", "plug it in and do it again";
+    SERIAL_STORE = 318, Show, Reset, "传输的程序不能读写", "transferred program cannot be read or stored",
+        "磁盘已满、写保护，或文件被占用", "the disk is full or write-protected, or the file is no plain file",
+        "清理磁盘后再传输一次", "make room on the disk and do it again";
+    SERIAL_TEXT = 319, Show, Reset, "程序不能发送", "program cannot be sent",
+        "程序中有 %、控制字符，或不是 GBK/UTF-8 文字", "it holds a %, a control character, or is no GBK or UTF-8 text",
+        "修改报警中的行后再发送", "mend the line named and send it again";
     HMI_LOST = 400, StopAll, Reset, "操作界面失去响应", "HMI lost",
         "界面线程停止", "the HMI thread stopped", "重新启动系统", "restart the control";
     LATE_TICKS = 401, StopAll, Reset, "控制周期超时", "control ticks late",
@@ -188,6 +218,9 @@ alarms! {
     BUS_LOST = 402, StopAll, Reset, "输入输出总线中断", "I/O bus silent",
         "总线没有应答", "the bus does not answer", "检查总线接线和电源", "check bus wiring and supply";
 }
+
+/// The alarms of the RS232 line.
+pub const SERIAL: std::ops::RangeInclusive<u16> = SERIAL_PORT..=SERIAL_TEXT;
 
 /// First number of the alarms that a program raises by `#3000`.
 pub const USER_FIRST: u16 = 3_000;

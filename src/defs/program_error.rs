@@ -269,6 +269,27 @@ program_errors! {
     /// A block number behind other words.
     NumberFirst = 98, "number-first", "段号必须在程序段开头", "the block number stands first in its block",
         "把 N 写在最前面", "write N first";
+    /// A block without its number (L1).
+    BlockNumberMissing = 50, "block-number-missing", "程序段缺少段号", "the block has no number",
+        "在段首写四位段号，如 N0010", "begin the block with a number of four digits, like N0010";
+    /// A block number of more or fewer than four digits (L1).
+    BlockNumberDigits = 51, "block-number-digits", "段号 {} 不是四位数字", "block number {} does not have four digits",
+        "应写成 {2}", "write {2}";
+    /// A block number that lacks one zero, as the manual prints it once.
+    BlockNumberShort = 52, "block-number-short", "段号 {} 只有三位", "block number {} has three digits only",
+        "应写成 {2}", "write {2}";
+    /// A subprogram that runs into the end of the text (L7).
+    SubWithoutReturn = 53, "sub-without-return", "子程序 {} 没有 M99，程序到此结束", "subprogram {} has no M99: the text ends here",
+        "子程序最后一段写 M99", "end the subprogram with M99";
+    /// The end of the program within a subprogram (L7).
+    EndInSub = 54, "end-in-sub", "子程序 {} 内不能用 M02", "M02 stands inside subprogram {}",
+        "子程序用 M99 返回；M02 写在主程序末尾", "return with M99; M02 ends the main program";
+    /// A code that the language does not have, with those that it has.
+    NoSuchCode = 55, "no-such-code", "没有 {} 指令", "unknown code {}",
+        "可用 {2}", "there are {2}";
+    /// A thread where the program has not switched the spindle on (L5).
+    ThreadSpindle = 56, "thread-spindle", "螺纹前程序没有启动主轴", "the program has not switched the spindle on before the thread",
+        "螺纹前写 M03 或 M04，主轴不转时运行报警 212", "write M03 or M04 before it: a standing spindle is alarm 212 in the run";
     /// A thread shorter than its run-out.
     ThreadTooShort = 84, "thread-too-short", "螺纹长度 {} mm 不足纵向退尾 {2} mm", "the thread's length of {} mm is not more than its run-out of {2} mm",
         "加大 W", "make W longer";

@@ -3,7 +3,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use egui::{ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui};
+use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui};
 
 use super::entry::{Edit, Entry};
 use super::frame::Touched;
@@ -86,6 +86,12 @@ impl Hmi {
         self.theme = if light { theme::LIGHT } else { theme::DARK };
     }
 
+    /// What the window is cleared with; a frame does not paint it once more.
+    #[must_use]
+    pub const fn ground(&self) -> Color32 {
+        self.theme.ground
+    }
+
     /// What is being typed, for tests and stories.
     #[must_use]
     pub const fn entry(&self) -> &Entry {
@@ -124,7 +130,6 @@ impl Hmi {
         let view = View { snapshot, lang: self.lang, theme: &theme, clock: &clock, power_on_s, blink };
         let regions = Regions::new(ui.max_rect());
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
-        ui.painter().rect_filled(ui.max_rect(), 0.0, theme.ground);
         let words = self.pages.takes_words(snapshot.page) && !snapshot.state.moves();
         let asked = keyboard::read(ui, snapshot.kind, words);
         out.extend(self.printed());

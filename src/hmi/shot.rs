@@ -101,7 +101,7 @@ impl Stage {
     #[must_use]
     pub fn picture(&self) -> RgbaImage {
         let primitives = self.ctx.tessellate(self.shapes.clone(), self.scale);
-        self.raster.paint(&primitives, self.scale, self.size, theme::DARK.ground)
+        self.raster.paint(&primitives, self.scale, self.size, self.hmi.ground())
     }
 
     /// What the last frame painted, in its order.

@@ -8,6 +8,7 @@ use ropey::Rope;
 
 use super::drawing::Drawing;
 use super::media::{MediaView, Print, Transfer};
+use crate::defs::alarm;
 use crate::defs::param::ParamAddress;
 use crate::defs::text::{Said, Text};
 use crate::units::PerAxis;
@@ -109,6 +110,8 @@ pub enum Refusal {
     Overwrite(Vec<String>),
     /// These pictures are not 200×400 in 24 bits; each with what is wrong.
     Convert(Vec<Said>),
+    /// An alarm of the table, with its place.
+    Alarm(u16, Said),
     /// Anything else.
     Because(Said),
 }
@@ -126,6 +129,15 @@ impl Refusal {
                 format!("{} files are there already and differ", names.len()),
             ),
             Self::Convert(faults) => faults.first().cloned().unwrap_or_default(),
+            Self::Alarm(number, detail) => alarm::find(*number).map_or_else(
+                || detail.clone(),
+                |row| {
+                    Said::new(
+                        format!("{}：{}。{}", row.text.zh, detail.zh, row.remedy.zh),
+                        format!("{}: {}. {}", row.text.en, detail.en, row.remedy.en),
+                    )
+                },
+            ),
             Self::Because(said) => said.clone(),
         }
     }
@@ -172,6 +184,8 @@ pub enum FileAnswer {
     Drawn(Arc<Drawing>),
     /// So many thousandths are done; the words say of what.
     Progress(Text, u16),
+    /// So many bytes have come; nobody knows of how many.
+    Bytes(Text, u64),
 }
 
 /// What the pages see of that work.
@@ -191,6 +205,8 @@ pub struct FilesView {
     pub drawing: Option<Arc<Drawing>>,
     /// Long work under way: its name, thousandths done.
     pub busy: Option<(Text, u16)>,
+    /// Bytes that have come so far, where nobody knows of how many.
+    pub bytes: Option<u64>,
     /// What was found in the lines that were looked at last.
     pub looked: Arc<Looked>,
 }

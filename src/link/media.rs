@@ -17,11 +17,14 @@ pub enum Set {
     Variables,
     /// Everything in one archive.
     Backup,
+    /// Programs over RS232 (L9).
+    Serial,
 }
 
 impl Set {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Programs, Self::Screens, Self::Params, Self::Variables, Self::Backup];
+    pub const ALL: [Self; 6] =
+        [Self::Programs, Self::Screens, Self::Params, Self::Variables, Self::Backup, Self::Serial];
 
     /// The name shown.
     #[must_use]
@@ -32,6 +35,7 @@ impl Set {
             Self::Params => Text::new("参数", "parameters"),
             Self::Variables => Text::new("宏变量", "macro values"),
             Self::Backup => Text::new("全部备份", "full backup"),
+            Self::Serial => Text::new("RS232", "RS232"),
         }
     }
 
@@ -44,6 +48,7 @@ impl Set {
             Self::Params => "set-params",
             Self::Variables => "set-variables",
             Self::Backup => "set-backup",
+            Self::Serial => "set-serial",
         }
     }
 
@@ -51,6 +56,15 @@ impl Set {
     #[must_use]
     pub const fn has_list(self) -> bool {
         matches!(self, Self::Programs | Self::Screens)
+    }
+
+    /// The set that the files of this one belong to: what goes over a line are programs.
+    #[must_use]
+    pub const fn files(self) -> Self {
+        match self {
+            Self::Serial => Self::Programs,
+            other => other,
+        }
     }
 }
 
@@ -70,6 +84,8 @@ pub struct MediaFile {
     pub name: String,
     /// Bytes.
     pub size: u64,
+    /// What it belongs to.
+    pub set: Set,
 }
 
 /// The two sides of a transfer.
@@ -83,6 +99,10 @@ pub struct MediaView {
     pub there: Vec<MediaFile>,
     /// Files of the control: programs, page files.
     pub here: Vec<MediaFile>,
+    /// The RS232 port that is chosen.
+    pub port: Option<String>,
+    /// The RS232 ports of this computer.
+    pub ports: Vec<String>,
 }
 
 /// A transfer.
@@ -92,7 +112,7 @@ pub struct Transfer {
     pub set: Set,
     /// Which way.
     pub direction: Direction,
-    /// The files; none: all of the set.
+    /// The files; none: all of the set. What comes over a line is stored under the first one, if it is one program.
     pub names: Vec<String>,
     /// What is done with files that are there already and differ; not decided yet: it is asked.
     pub overwrite: Option<bool>,

@@ -106,6 +106,8 @@ pub enum PageCommand {
     KeepLang(Lang),
     /// The light or the dark theme, now and at the next start.
     KeepLight(bool),
+    /// Another RS232 port, from now on.
+    KeepPort(String),
     /// What concerns programs and folders, and the long calculations.
     File(FileRequest),
     /// The disk's answer to a wish.
@@ -132,6 +134,8 @@ pub enum PageWish {
     KeepLang(Lang),
     /// Keep the theme for the next start.
     KeepLight(bool),
+    /// Keep the RS232 port.
+    KeepPort(String),
 }
 
 /// What the disk answers.

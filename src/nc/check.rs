@@ -183,8 +183,9 @@ impl Run<'_> {
                 }
                 Err(fault) => {
                     left_out = left_out || interpreter.has_met_null();
+                    let error = fault.error;
                     self.judge(fault, interpreter.has_met_null(), left_out);
-                    interpreter.skip_line();
+                    interpreter.skip(error);
                 }
             }
             if interpreter.has_remarks() {
@@ -215,7 +216,7 @@ impl Run<'_> {
                 let cut = cursor.is_cut(text);
                 let read = read.and_then(|content| match content {
                     _ if cut => super::fault::wrong(at, E::BlockTooLong),
-                    Content::Words => dialect::look(&words, self.settings),
+                    Content::Words => dialect::look(&words, self.settings, (text, at)),
                     Content::TextEnd { at } if !at_head(text, at) => {
                         self.text_end = Some(line);
                         Ok(())

@@ -145,6 +145,13 @@ impl Source {
         (!title.is_empty()).then(|| title.to_owned())
     }
 
+    /// The byte at which the last line begins that is not blank.
+    pub(crate) fn last_line_start(&self) -> usize {
+        let blank = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
+        let last = self.bytes.iter().rposition(|byte| !blank(byte)).unwrap_or(0);
+        self.lines.iter().rev().map(|start| *start as usize).find(|start| *start <= last).unwrap_or(0)
+    }
+
     /// The byte at which a line (from 0) begins.
     pub(crate) fn start(&self, line: u32) -> usize {
         self.lines.get(line as usize).map_or(self.bytes.len(), |start| *start as usize)

@@ -19,8 +19,8 @@ use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use crate::link::snapshot::DirectoryRow;
 use crate::nc::Source;
 use crate::store::{
-    DataDir, Entry, FileClass, Folder, FolderError, NamedEntry, PAGE_TEXT, PICTURE, PROGRAM, decode, list_named, stamp,
-    stem_of,
+    DataDir, Entry, FileClass, Folder, FolderError, NamedEntry, PAGE_TEXT, PICTURE, PROGRAM, Read, Shelf, decode,
+    list_named, stamp, stem_of,
 };
 
 /// Programs with a grinding page: O1001 to O1020 go with C0001 and B0001 to C0020 and B0020.
@@ -95,6 +95,12 @@ impl Folders {
         Ok(Self { programs, named: true, ..self })
     }
 
+    /// The programs whatever they are called.
+    #[must_use]
+    pub fn shelf(&self) -> Shelf {
+        Shelf::new(&self.programs, self.named)
+    }
+
     /// Reads every program.
     ///
     /// # Errors
@@ -125,15 +131,11 @@ impl Folders {
 
     /// Programs by name, in the order of the alphabet (L1). A file that cannot be read is left out, as one that is not there.
     fn read_named(&self) -> (Programs, Vec<DirectoryRow>) {
-        let mut names: Vec<PathBuf> = std::fs::read_dir(&self.programs)
-            .map(|entries| entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect())
-            .unwrap_or_default();
-        names.retain(|path| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("nc")));
-        names.sort();
+        let shelf = self.shelf();
+        let names = shelf.list().unwrap_or_default();
         let (mut rows, mut directory) = (Vec::new(), Vec::new());
-        for (path, number) in names.iter().zip(FIRST_NAMED..=LAST_NAMED) {
-            let Ok(bytes) = std::fs::read(path) else { continue };
-            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        for (file, number) in names.into_iter().zip(FIRST_NAMED..=LAST_NAMED) {
+            let Ok(Read { name, bytes }) = shelf.read(&file.name) else { continue };
             let size = bytes.len() as u64;
             let program = program(number, &name, bytes);
             let title = program.source.comment_title().unwrap_or_default();

@@ -16,6 +16,7 @@ use crate::controller::files::Job;
 use crate::defs::text::Said;
 use crate::link::command::Command;
 use crate::link::files::{FileAnswer, FileRequest, Refusal};
+use crate::link::media::Set;
 use crate::link::page_command::{PageAnswer, PageCommand};
 use crate::store::{Changed, Watch};
 
@@ -37,13 +38,15 @@ pub fn start(
     office: Office,
 ) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("kt830-disk".into()).spawn(move || {
-        let jobs = open_office(&end, &folders, office.clone());
+        let desk = |name: &str| open_office(&end, &folders, office.clone(), name);
+        // A line may take minutes: the other work does not wait for it.
+        let (jobs, line) = (desk("kt830-office"), desk("kt830-line"));
         let mut watch = Watch::start(&folders.programs, &folders.screens);
         deliver(&end.commands, &end.deliveries, &folders, Changed::Programs);
         deliver(&end.commands, &end.deliveries, &folders, Changed::Screens);
         loop {
             match end.wishes.recv_timeout(LOOK_EVERY) {
-                Ok(first) => keep(&end, keeper.as_mut(), (&office, &jobs), first),
+                Ok(first) => keep(&end, keeper.as_mut(), (&office, &jobs, &line), first),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return,
             }
@@ -55,10 +58,10 @@ pub fn start(
 }
 
 /// The thread of the long work; it ends when nobody can give it work any more.
-fn open_office(end: &DiskEnd, folders: &Folders, office: Office) -> Sender<Job> {
+fn open_office(end: &DiskEnd, folders: &Folders, office: Office, name: &str) -> Sender<Job> {
     let (jobs, waiting) = bounded::<Job>(JOBS);
     let (commands, deliveries, folders) = (end.commands.clone(), end.deliveries.clone(), folders.clone());
-    let spawned = std::thread::Builder::new().name("kt830-office".into()).spawn(move || {
+    let spawned = std::thread::Builder::new().name(name.into()).spawn(move || {
         for job in waiting {
             let changed = office.work(&job, &mut |answer| {
                 drop(commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
@@ -78,7 +81,7 @@ fn open_office(end: &DiskEnd, folders: &Folders, office: Office) -> Sender<Job> 
     jobs
 }
 
-fn keep(end: &DiskEnd, keeper: Option<&mut Keeper>, office: (&Office, &Sender<Job>), first: Vec<Effect>) {
+fn keep(end: &DiskEnd, keeper: Option<&mut Keeper>, office: (&Office, &Sender<Job>, &Sender<Job>), first: Vec<Effect>) {
     let Some(keeper) = keeper else { return };
     let mut effects = first;
     effects.extend(end.wishes.try_iter().take(BATCHES).flatten());
@@ -86,7 +89,7 @@ fn keep(end: &DiskEnd, keeper: Option<&mut Keeper>, office: (&Office, &Sender<Jo
         match effect {
             Effect::Ask(wish) => drop(end.commands.send(keeper.answer(wish))),
             Effect::Job(job) if job.request == FileRequest::Cancel => office.0.cancel(),
-            Effect::Job(job) => hand_on(end, office.1, job),
+            Effect::Job(job) => hand_on(end, if is_serial(job) { office.2 } else { office.1 }, job),
             _ => {}
         }
     }
@@ -99,6 +102,10 @@ fn keep(end: &DiskEnd, keeper: Option<&mut Keeper>, office: (&Office, &Sender<Jo
         Err(error) => Command::DiskFailed(Said::new(error.to_string(), error.to_string())),
     };
     drop(end.commands.send(answer));
+}
+
+fn is_serial(job: &Job) -> bool {
+    matches!(&job.request, FileRequest::Transfer(ask) if ask.set == Set::Serial)
 }
 
 /// The office takes a job, or says that it has too many: the disk thread never waits for it.

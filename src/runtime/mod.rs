@@ -9,6 +9,7 @@ pub mod keeper;
 pub mod office;
 pub mod realtime;
 pub mod rig;
+pub mod serial;
 mod shipped;
 pub mod simulator;
 pub mod transfer;

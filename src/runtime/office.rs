@@ -3,21 +3,25 @@
 //! Source: spec B6, K6.2, H8.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use encoding_rs::GBK;
 use ropey::Rope;
 
 use super::disk::Folders;
 use super::draw;
+use super::serial::Trouble;
+use super::serial::courier::Courier;
+use super::serial::line::{Line, ports};
+use super::serial::sheet::Sheet;
 use super::transfer::{self, Carrier};
 use crate::controller::files::Job;
 use crate::defs::text::{Lang, Said};
 use crate::link::files::{FileAnswer, FileRequest, LineFault, Looked, Refusal};
-use crate::link::media::{Direction, Set, Transfer};
+use crate::link::media::{Direction, MediaView, Set, Transfer};
 use crate::nc::{Fault, Settings, Source, look};
-use crate::store::{Encoding, Folder, FolderError, PROGRAM, Stick, decode, stamp};
+use crate::store::{Encoding, Folder, FolderError, PROGRAM, Settings as Stored, Stick, decode, stamp};
 
 /// A flag that ends long work.
 pub type Cancelled = Arc<AtomicBool>;
@@ -30,6 +34,12 @@ pub struct Office {
     prints: Option<PathBuf>,
     /// The medium, where one was named; otherwise what is plugged in.
     stick: Option<Stick>,
+    /// The RS232 port, where one was named.
+    port: Option<String>,
+    /// Where the settings lie that name the port otherwise.
+    data: Option<PathBuf>,
+    /// What came over the line and waits for an answer.
+    held: Arc<Mutex<Vec<Sheet>>>,
     cancelled: Cancelled,
 }
 
@@ -46,13 +56,25 @@ impl Office {
     /// An office for two folders.
     #[must_use]
     pub fn new(folders: Folders) -> Self {
-        Self { folders, prints: None, stick: None, cancelled: Cancelled::default() }
+        let (held, cancelled) = (Arc::default(), Cancelled::default());
+        Self { folders, prints: None, stick: None, port: None, data: None, held, cancelled }
     }
 
     /// With a folder for pictures of the screen, and a folder that stands for the medium.
     #[must_use]
     pub fn with(self, prints: Option<PathBuf>, stick: Option<PathBuf>) -> Self {
         Self { prints, stick: stick.map(Stick::at), ..self }
+    }
+
+    /// With an RS232 port, or the data directory whose settings name it.
+    #[must_use]
+    pub fn on_line(self, port: Option<String>, data: Option<PathBuf>) -> Self {
+        Self { port, data, ..self }
+    }
+
+    fn port(&self) -> Option<String> {
+        let stored = || self.data.as_deref().and_then(|data| Stored::read(data).ok()).and_then(|found| found.serial);
+        self.port.clone().or_else(stored)
     }
 
     fn stick(&self) -> Option<Stick> {
@@ -66,7 +88,9 @@ impl Office {
 
     /// Does a job; `tell` hears the answers, the last one ends it.
     pub fn work(&self, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
-        self.cancelled.store(false, Ordering::Release);
+        if is_long(&job.request) {
+            self.cancelled.store(false, Ordering::Release);
+        }
         let programs = Folder::new(&self.folders.programs);
         if self.folders.named && writes_programs(&job.request) {
             // Their files are not called by number: nothing may be written under a name that was counted.
@@ -89,7 +113,8 @@ impl Office {
                 return Changed::default();
             }
             FileRequest::Media => {
-                tell(FileAnswer::Media(transfer::media(&self.folders, self.stick().as_ref())));
+                let media = transfer::media(&self.folders, self.stick().as_ref());
+                tell(FileAnswer::Media(MediaView { port: self.port(), ports: ports(), ..media }));
                 return Changed::default();
             }
             FileRequest::Print(picture) => {
@@ -103,6 +128,7 @@ impl Office {
                 tell(FileAnswer::Printed(done));
                 return Changed::default();
             }
+            FileRequest::Transfer(ask) if ask.set == Set::Serial => return self.over_the_line(ask, job, tell),
             FileRequest::Transfer(ask) => return self.carry(ask, job, tell),
             FileRequest::Save { number, text, base, force } => save(&programs, *number, text, *base, *force),
             FileRequest::New(number) => new(&programs, *number),
@@ -121,13 +147,34 @@ fn writes_programs(request: &FileRequest) -> bool {
     match request {
         FileRequest::Save { .. } | FileRequest::New(_) | FileRequest::Copy { .. } => true,
         FileRequest::Rename { .. } | FileRequest::Delete(_) => true,
-        FileRequest::Transfer(ask) => matches!(ask.set, Set::Programs | Set::Backup),
+        // What is carried goes by its name.
+        FileRequest::Transfer(_) => false,
         FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Draw(_) | FileRequest::Media => false,
         FileRequest::Print(_) | FileRequest::Table(_) | FileRequest::Cancel => false,
     }
 }
 
+/// Whether a request is long work that 取消 ends.
+pub(super) const fn is_long(request: &FileRequest) -> bool {
+    matches!(request, FileRequest::Transfer(_) | FileRequest::Draw(_))
+}
+
 impl Office {
+    /// Programs over RS232.
+    fn over_the_line(&self, ask: &Transfer, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
+        let unchosen = || Trouble::Port(Said::new("没有选择端口", "no port is chosen"));
+        let line = self.port().ok_or_else(unchosen).map_err(Refusal::from).and_then(|port| {
+            let holdings = job.holdings.as_deref().ok_or_else(transfer::no_stick)?;
+            Ok(Line::of(&holdings.params, port))
+        });
+        let shelf = self.folders.shelf();
+        let (named, cancelled, held) = (self.folders.named, &*self.cancelled, &*self.held);
+        let done =
+            line.and_then(|line| Courier { shelf: &shelf, named, line: &line, cancelled, held }.carry(ask, tell));
+        tell(done.unwrap_or_else(FileAnswer::Refused));
+        Changed { programs: ask.direction == Direction::In, screens: false }
+    }
+
     fn carry(&self, ask: &Transfer, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
         let Some(stick) = self.stick() else {
             tell(FileAnswer::Refused(transfer::no_stick()));
@@ -182,7 +229,7 @@ pub(super) fn refused(error: &FolderError) -> Refusal {
         FolderError::Changing { .. } => "文件正在被写入，请稍后再试".to_owned(),
         FolderError::BadName { name, .. } => format!("{name} 不是有效的文件名"),
         FolderError::BadNumber { number } => format!("{number} 不是有效的程序号，应为 1-9999"),
-        FolderError::Io(fault) => return because(fault),
+        FolderError::Io(fault) => fault.zh(),
     };
     Refusal::Because(Said::new(zh, error.to_string()))
 }

@@ -338,6 +338,11 @@ impl Rig {
         self.office = Office::new(self.folders.clone()).with(prints, stick);
     }
 
+    /// Gives the rig an RS232 port.
+    pub fn plug_line(&mut self, port: String) {
+        self.office = self.office.clone().on_line(Some(port), None);
+    }
+
     /// The power goes at this tick.
     pub fn power_cut(&mut self) {
         self.powered = false;

@@ -2,7 +2,7 @@
 //! Every file is written whole and read back; what is there already is overwritten only when that was answered.
 //! Source: spec K7.8, H8.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use chrono::Local;
@@ -15,7 +15,8 @@ use crate::defs::text::{Said, Text};
 use crate::link::files::{FileAnswer, Refusal, Restored};
 use crate::link::media::{Direction, MediaFile, MediaView, Print, Set, Transfer};
 use crate::store::{
-    CommentIs, FileClass, Folder, PAGE_TEXT, PICTURE, PROGRAM, Stick, Values, read_whole, stamp, write_whole,
+    CommentIs, FileClass, Folder, FolderError, PAGE_TEXT, PICTURE, PROGRAM, Read, Shelf, Stick, Values, read_whole,
+    stamp, write_whole,
 };
 
 /// Names of the files of values on a medium.
@@ -23,6 +24,9 @@ const PARAMS: &str = "KT830-PARAM.RON";
 const VARIABLES: &str = "KT830-MACRO.RON";
 /// How archives begin and end.
 pub const ARCHIVE: (&str, &str) = ("KT830-", ".TAR");
+/// Where files lie in an archive.
+const PROGRAMS: &str = "programs/";
+const SCREENS: &str = "screens/";
 /// What is being done.
 const COPYING: Text = Text::new("正在复制", "copying");
 /// The largest archive.
@@ -43,41 +47,48 @@ const FOREIGN_PICTURE: FileClass = FileClass {
 const PICTURE_SIDE: u32 = 10_000;
 const PICTURE_MEMORY: u64 = 256 * 1024 * 1024;
 
-/// The classes of a set.
-const fn classes(set: Set) -> &'static [FileClass] {
-    match set {
-        Set::Programs => &[PROGRAM],
-        Set::Screens => &[PAGE_TEXT, PICTURE],
-        Set::Params | Set::Variables | Set::Backup => &[],
-    }
+/// The class and number of a page file.
+fn page_file(name: &str) -> Option<(&'static FileClass, u16)> {
+    static CLASSES: [FileClass; 2] = [PAGE_TEXT, PICTURE];
+    CLASSES.iter().find_map(|class| class.parse(name).map(|(number, _)| (class, number)))
 }
 
-/// The class and number of a name, whatever set it belongs to.
-fn classed(name: &str) -> Option<(&'static FileClass, u16)> {
-    static CLASSES: [FileClass; 4] = [PROGRAM, PAGE_TEXT, PICTURE, FOREIGN_PICTURE];
-    CLASSES.iter().find_map(|class| class.parse(name).map(|(number, _)| (class, number)))
+/// The set that a file of a medium belongs to; none for files that are not this control's.
+fn set_of(name: &str, programs: &Shelf) -> Option<Set> {
+    match name {
+        PARAMS => Some(Set::Params),
+        VARIABLES => Some(Set::Variables),
+        name if is_archive(name) => Some(Set::Backup),
+        name if page_file(name).is_some() || FOREIGN_PICTURE.parse(name).is_some() => Some(Set::Screens),
+        name => programs.knows(name).then_some(Set::Programs),
+    }
 }
 
 /// What stands on both sides.
 #[must_use]
 pub fn media(folders: &Folders, stick: Option<&Stick>) -> MediaView {
-    let known = |name: &str| classed(name).is_some() || [PARAMS, VARIABLES].contains(&name) || is_archive(name);
+    let shelf = folders.shelf();
     let present = stick.filter(|stick| stick.is_present());
-    let there = present.and_then(|stick| stick.files().ok()).unwrap_or_default();
-    let there = there.into_iter().filter(|file| known(&file.name));
-    let there = there.map(|file| MediaFile { name: file.name, size: file.size }).collect();
-    let mut here = Vec::new();
-    for (folder, set) in [(&folders.programs, Set::Programs), (&folders.screens, Set::Screens)] {
-        for class in classes(set) {
-            let entries = Folder::new(folder).list(class).map(|listing| listing.entries).unwrap_or_default();
-            here.extend(entries.into_iter().map(|entry| MediaFile { name: entry.name, size: entry.size }));
-        }
+    let there = present.and_then(|stick| stick.files().ok()).unwrap_or_default().into_iter();
+    let there =
+        there.filter_map(|file| Some(MediaFile { set: set_of(&file.name, &shelf)?, name: file.name, size: file.size }));
+    let programs = shelf.list().unwrap_or_default().into_iter();
+    let mut here: Vec<MediaFile> =
+        programs.map(|file| MediaFile { name: file.name, size: file.size, set: Set::Programs }).collect();
+    for class in [PAGE_TEXT, PICTURE] {
+        let entries = Folder::new(&folders.screens).list(&class).map(|listing| listing.entries).unwrap_or_default();
+        here.extend(entries.into_iter().map(|entry| MediaFile {
+            name: entry.name,
+            size: entry.size,
+            set: Set::Screens,
+        }));
     }
     MediaView {
         stick: present.map(|stick| stick.root().display().to_string()),
         free: present.and_then(Stick::free),
-        there,
+        there: there.collect(),
         here,
+        ..MediaView::default()
     }
 }
 
@@ -120,43 +131,58 @@ impl Carrier<'_> {
             (Set::Params | Set::Variables, Direction::In) => self.values_in(ask.set),
             (Set::Backup, Direction::Out) => self.backup(tell),
             (Set::Backup, Direction::In) => self.restore(ask, tell),
+            // A line has no medium.
+            (Set::Serial, _) => Err(no_stick()),
         };
         // Whatever the system said: a medium that is gone is the cause.
         done.map_err(|refusal| if self.stick.is_present() { refusal } else { no_stick() })
     }
 
-    const fn own(&self, class: &FileClass) -> &PathBuf {
-        if class.letter == PROGRAM.letter { &self.folders.programs } else { &self.folders.screens }
+    /// What is to be copied, in the order of the names.
+    fn waiting(&self, ask: &Transfer) -> Result<Vec<Waiting>, Refusal> {
+        let wanted = |name: &str| ask.names.is_empty() || ask.names.iter().any(|wanted| wanted == name);
+        let mut waiting = Vec::new();
+        if ask.set == Set::Programs {
+            let (here, there) = (self.folders.shelf(), Shelf::new(self.stick.root(), self.folders.named));
+            let (from, to) = if ask.direction == Direction::Out { (here, there) } else { (there, here) };
+            for file in from.list().map_err(|error| refused(&error))?.into_iter().filter(|file| wanted(&file.name)) {
+                waiting.push(Waiting { way: Way::Program(from.clone(), to.clone()), name: file.name, size: file.size });
+            }
+            return Ok(waiting);
+        }
+        let (own, stick) = (Folder::new(&self.folders.screens), Folder::new(self.stick.root()));
+        for class in [PAGE_TEXT, PICTURE] {
+            let (from, to) = match ask.direction {
+                Direction::Out => (own.clone(), stick.clone()),
+                Direction::In => (stick.clone(), own.clone()),
+            };
+            // Pictures of other forms count as well when they come in.
+            let foreign = ask.direction == Direction::In && class.letter == PICTURE.letter;
+            let read_as = if foreign { FOREIGN_PICTURE } else { class };
+            let entries = from.list(&read_as).map_err(|error| refused(&error))?.entries;
+            for entry in entries.into_iter().filter(|entry| wanted(&entry.name)) {
+                let way =
+                    Way::Page { class, read_as, number: entry.number, from: from.clone(), to: to.clone(), foreign };
+                waiting.push(Waiting { way, name: entry.name, size: entry.size });
+            }
+        }
+        Ok(waiting)
     }
 
     /// Programs or page files, one after the other.
     fn files(&self, ask: &Transfer, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
-        let stick = Folder::new(self.stick.root());
-        let mut waiting = Vec::new();
-        for class in classes(ask.set) {
-            let own = Folder::new(self.own(class));
-            let (from, to) = match ask.direction {
-                Direction::Out => (own, stick.clone()),
-                Direction::In => (stick.clone(), own),
-            };
-            let read_as = self.read_as(class, ask.direction);
-            let entries = from.list(read_as).map_err(|error| refused(&error))?.entries;
-            let wanted = |name: &String| ask.names.is_empty() || ask.names.contains(name);
-            for entry in entries.into_iter().filter(|entry| wanted(&entry.name)) {
-                waiting.push((class, from.clone(), to.clone(), entry));
-            }
-        }
+        let waiting = self.waiting(ask)?;
         if waiting.is_empty() {
             return Err(say("没有可复制的文件", "there is nothing to copy"));
         }
         let (mut clashing, mut foreign) = (Vec::new(), Vec::new());
-        for (class, from, to, entry) in &waiting {
-            let (new, fault) = self.fetch((class, ask.direction), entry.number, from)?;
+        for file in &waiting {
+            let (new, fault) = file.fetch()?;
             foreign.extend(fault);
-            if let Ok(old) = to.read(class, entry.number)
+            if let Ok(old) = file.old()
                 && stamp(&old.bytes) != stamp(&new)
             {
-                clashing.push(entry.name.clone());
+                clashing.push(file.name.clone());
             }
         }
         if ask.convert != Some(true) && !foreign.is_empty() {
@@ -165,20 +191,19 @@ impl Carrier<'_> {
         if ask.overwrite.is_none() && !clashing.is_empty() {
             return Err(Refusal::Overwrite(clashing));
         }
-        let all: u64 = waiting.iter().map(|(.., entry)| entry.size).sum::<u64>().max(1);
+        let all: u64 = waiting.iter().map(|file| file.size).sum::<u64>().max(1);
         let (mut done, mut copied, mut skipped) = (0, 0, 0);
-        for (class, from, to, entry) in &waiting {
+        for file in &waiting {
             if self.cancelled.load(Ordering::Acquire) {
                 return Err(say(format!("已取消，已复制 {copied} 个文件"), format!("cancelled after {copied} files")));
             }
             tell(FileAnswer::Progress(COPYING, (done * 1_000 / all) as u16));
-            done += entry.size;
-            if ask.overwrite == Some(false) && clashing.contains(&entry.name) {
+            done += file.size;
+            if ask.overwrite == Some(false) && clashing.contains(&file.name) {
                 skipped += 1;
                 continue;
             }
-            let (bytes, _) = self.fetch((class, ask.direction), entry.number, from)?;
-            copy(class, entry.number, &bytes, to)?;
+            file.copy()?;
             copied += 1;
         }
         Ok(FileAnswer::Done(Said::new(
@@ -191,35 +216,6 @@ impl Carrier<'_> {
                 if skipped > 0 { format!(", {skipped} skipped") } else { String::new() }
             ),
         )))
-    }
-
-    /// Pictures of other forms count as well when they come in.
-    const fn read_as<'c>(&self, class: &'c FileClass, direction: Direction) -> &'c FileClass {
-        match direction {
-            Direction::In if class.letter == PICTURE.letter => &FOREIGN_PICTURE,
-            Direction::In | Direction::Out => class,
-        }
-    }
-
-    /// The bytes of a file as they are to be written; a picture that was converted comes with what is wrong with it.
-    fn fetch(
-        &self,
-        (class, direction): (&FileClass, Direction),
-        number: u16,
-        from: &Folder,
-    ) -> Result<(Vec<u8>, Option<Said>), Refusal> {
-        let read = from.read(self.read_as(class, direction), number).map_err(|error| refused(&error))?;
-        if class.letter != PICTURE.letter || direction == Direction::Out {
-            return Ok((read.bytes, None));
-        }
-        // What is taken for a page picture has to be one when it comes in.
-        match super::disk::parse_picture(&read.name, &read.bytes) {
-            Ok(_) => Ok((read.bytes, None)),
-            Err(fault) => match convert(&read.bytes) {
-                Ok(bytes) => Ok((bytes, Some(fault.said()))),
-                Err(_) => Err(Refusal::Because(fault.said())),
-            },
-        }
     }
 
     fn values_out(&self, ask: &Transfer) -> Result<FileAnswer, Refusal> {
@@ -284,10 +280,12 @@ impl Carrier<'_> {
                 return Err(say("已取消", "cancelled"));
             }
             tell(FileAnswer::Progress(COPYING, (done * 900 / all) as u16));
-            let Some((class, number)) = classed(&file.name) else { continue };
-            let read = Folder::new(self.own(class)).read(class, number).map_err(|error| refused(&error))?;
-            let place = if class.letter == PROGRAM.letter { "programs" } else { "screens" };
-            put((&mut archive, &mut sums), &format!("{place}/{}", read.name), &read.bytes)?;
+            let (place, read) = match page_file(&file.name).filter(|_| file.set == Set::Screens) {
+                Some((class, number)) => (SCREENS, Folder::new(&self.folders.screens).read(class, number)),
+                None => (PROGRAMS, self.folders.shelf().read(&file.name)),
+            };
+            let read = read.map_err(|error| refused(&error))?;
+            put((&mut archive, &mut sums), &format!("{place}{}", read.name), &read.bytes)?;
             done += file.size;
         }
         let list = sums.clone();
@@ -318,25 +316,86 @@ impl Carrier<'_> {
             return Err(Refusal::Overwrite(vec![name.clone()]));
         }
         let bytes = read_whole(&self.stick.root().join(name), ARCHIVE_LIMIT).map_err(|error| because(&error))?;
-        let (values, contents) = unpack(name, &bytes)?;
+        let shelf = self.folders.shelf();
+        let (values, contents) = unpack(name, &bytes, &shelf)?;
         let restored = self.restored(&values)?;
         let all = contents.len().max(1);
-        for (index, (class, number, bytes)) in contents.iter().enumerate() {
+        for (index, (set, name, bytes)) in contents.iter().enumerate() {
             tell(FileAnswer::Progress(COPYING, (index * 1_000 / all) as u16));
-            Folder::new(self.own(class)).write(class, *number, bytes).map_err(|error| refused(&error))?;
+            let written = match page_file(name).filter(|_| *set == Set::Screens) {
+                Some((class, number)) => Folder::new(&self.folders.screens).write(class, number, bytes),
+                None => shelf.write(name, bytes),
+            };
+            written.map_err(|error| refused(&error))?;
         }
         Ok(FileAnswer::Restored(Box::new(restored)))
     }
 }
 
-/// One file, read back and compared.
-fn copy(class: &FileClass, number: u16, bytes: &[u8], to: &Folder) -> Result<(), Refusal> {
-    let name = to.write(class, number, bytes).map_err(|error| refused(&error))?;
-    let back = to.read(class, number).map_err(|error| refused(&error))?;
-    if stamp(&back.bytes) == stamp(bytes) {
-        return Ok(());
+/// A file on its way.
+struct Waiting {
+    name: String,
+    size: u64,
+    way: Way,
+}
+
+/// From where to where.
+enum Way {
+    /// A program, by name.
+    Program(Shelf, Shelf),
+    /// A page file, by number.
+    Page {
+        class: FileClass,
+        read_as: FileClass,
+        number: u16,
+        from: Folder,
+        to: Folder,
+        /// It comes in: what is taken for a page picture has to be one, or is made one.
+        foreign: bool,
+    },
+}
+
+impl Waiting {
+    /// The bytes as they are to be written; a picture that was converted comes with what is wrong with it.
+    fn fetch(&self) -> Result<(Vec<u8>, Option<Said>), Refusal> {
+        let (read, foreign) = match &self.way {
+            Way::Program(from, _) => (from.read(&self.name), false),
+            Way::Page { read_as, number, from, foreign, .. } => (from.read(read_as, *number), *foreign),
+        };
+        let read = read.map_err(|error| refused(&error))?;
+        if !foreign {
+            return Ok((read.bytes, None));
+        }
+        match super::disk::parse_picture(&read.name, &read.bytes) {
+            Ok(_) => Ok((read.bytes, None)),
+            Err(fault) => match convert(&read.bytes) {
+                Ok(bytes) => Ok((bytes, Some(fault.said()))),
+                Err(_) => Err(Refusal::Because(fault.said())),
+            },
+        }
     }
-    Err(say(format!("{name} 校验不符，请换 U 盘"), format!("{name} does not read back: take another medium")))
+
+    /// What stands in its place.
+    fn old(&self) -> Result<Read, FolderError> {
+        match &self.way {
+            Way::Program(_, to) => to.read(&self.name),
+            Way::Page { class, number, to, .. } => to.read(class, *number),
+        }
+    }
+
+    /// Written, read back and compared.
+    fn copy(&self) -> Result<(), Refusal> {
+        let (bytes, _) = self.fetch()?;
+        let name = match &self.way {
+            Way::Program(_, to) => to.write(&self.name, &bytes),
+            Way::Page { class, number, to, .. } => to.write(class, *number, &bytes),
+        };
+        let name = name.map_err(|error| refused(&error))?;
+        if stamp(&self.old().map_err(|error| refused(&error))?.bytes) == stamp(&bytes) {
+            return Ok(());
+        }
+        Err(say(format!("{name} 校验不符，请换 U 盘"), format!("{name} does not read back: take another medium")))
+    }
 }
 
 /// Any PNG, JPEG or BMP as a page picture: as large as fits on 200 × 400, on white, 24 bit (K5.12).
@@ -370,11 +429,11 @@ fn put(into: (&mut tar::Builder<Vec<u8>>, &mut String), name: &str, bytes: &[u8]
     archive.append_data(&mut header, name, bytes).map_err(|error| because(&error))
 }
 
-type Contents = Vec<(&'static FileClass, u16, Vec<u8>)>;
+type Contents = Vec<(Set, String, Vec<u8>)>;
 
 /// The files of an archive; a name, a kind or a checksum that is not this control's refuses the whole.
-fn unpack(name: &str, bytes: &[u8]) -> Result<(Values, Contents), Refusal> {
-    use std::io::Read;
+fn unpack(name: &str, bytes: &[u8], shelf: &Shelf) -> Result<(Values, Contents), Refusal> {
+    use std::io::Read as _;
     let damaged = |what: &str| {
         say(
             format!("备份 {name} 已损坏或不是本系统的文件：{what}"),
@@ -402,12 +461,17 @@ fn unpack(name: &str, bytes: &[u8]) -> Result<(Values, Contents), Refusal> {
                 values = Some(Values::of_text(&text).map_err(|error| damaged(&error.to_string()))?);
             }
             other => {
-                let file = other.strip_prefix("programs/").or_else(|| other.strip_prefix("screens/"));
-                let (class, number) = file.and_then(classed).ok_or_else(|| damaged(other))?;
-                if bytes.len() as u64 > class.limit {
+                let program = other.strip_prefix(PROGRAMS).filter(|name| shelf.knows(name));
+                let page = other.strip_prefix(SCREENS).and_then(|name| page_file(name).map(|(class, _)| (name, class)));
+                let (set, file, limit) = match (program, page) {
+                    (Some(name), _) => (Set::Programs, name, PROGRAM.limit),
+                    (None, Some((name, class))) => (Set::Screens, name, class.limit),
+                    (None, None) => return Err(damaged(other)),
+                };
+                if bytes.len() as u64 > limit {
                     return Err(damaged(other));
                 }
-                contents.push((class, number, bytes));
+                contents.push((set, file.to_owned(), bytes));
             }
         }
         sums.push(sum);

@@ -59,6 +59,10 @@ impl Vault {
                 Ok(()) => PageAnswer::LangKept,
                 Err(why) => PageAnswer::Failed(why),
             },
+            PageWish::KeepPort(port) => match self.settings(|settings| settings.serial = Some(port.clone())) {
+                Ok(()) => PageAnswer::LangKept,
+                Err(why) => PageAnswer::Failed(why),
+            },
             PageWish::KeepLang(lang) => match self.settings(|settings| settings.lang = Some(*lang)) {
                 Ok(()) => PageAnswer::LangKept,
                 Err(why) => PageAnswer::Failed(why),

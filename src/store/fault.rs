@@ -23,6 +23,27 @@ impl IoFault {
         move |cause| Self { path, act, cause }
     }
 
+    /// The same in Chinese; the system's own words stay as they are.
+    #[must_use]
+    pub fn zh(&self) -> String {
+        let name = self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy();
+        let remedy = match self.cause.kind() {
+            ErrorKind::NotFound => "找不到，请检查 U 盘是否插好",
+            ErrorKind::PermissionDenied => "没有权限",
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "磁盘已满，请清理后再试",
+            ErrorKind::ReadOnlyFilesystem => "磁盘写保护，请解除或更换",
+            ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "同名的文件或目录挡住了，请移开",
+            _ => "请检查磁盘后再试",
+        };
+        format!("{name}：{remedy} ({})", self.cause)
+    }
+
+    /// Whether the disk has no room left.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        matches!(self.cause.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
+    }
+
     /// Whether the file or folder simply is not there.
     #[must_use]
     pub fn is_missing(&self) -> bool {

@@ -133,6 +133,25 @@ impl Folder {
         Ok(Read { name: name.to_owned(), bytes: read_plain(&path, class.limit)? })
     }
 
+    /// Writes a file by its exact name, in place of the one that is there: after a power cut it is the old or the new.
+    /// Returns its name.
+    ///
+    /// # Errors
+    /// As [`Folder::write`]; also for a name with a separator or `..`.
+    pub fn write_named(&self, class: &FileClass, name: &str, bytes: &[u8]) -> Result<String, FolderError> {
+        let path = self.path.join(plain_name(class, name)?);
+        match fs::symlink_metadata(&path) {
+            Ok(told) if !told.is_file() => return Err(FolderError::NotPlain { path }),
+            Ok(_) | Err(_) => {}
+        }
+        let size = bytes.len() as u64;
+        if size > class.limit {
+            return Err(FolderError::TooLarge { path, size, limit: class.limit });
+        }
+        whole_file::replace(&path, bytes)?;
+        Ok(shown(&path))
+    }
+
     /// Writes a file, in place of the one that counted for the number: after a power cut it is the old or the new.
     /// Returns its name.
     ///

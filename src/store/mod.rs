@@ -23,6 +23,7 @@ pub mod password;
 mod retained;
 pub mod ron_file;
 mod settings;
+mod shelf;
 mod stick;
 mod values;
 mod watch;
@@ -42,6 +43,7 @@ pub use retained::{
     Change, DamageReport, Generation, Loaded, Opened, Retained, RetainedError, StorageFault, ToolOffset,
 };
 pub use settings::Settings;
+pub use shelf::{STEM_LIMIT, Shelf};
 pub use stick::{Stick, StickFile, read_whole, write_whole};
 pub use values::Values;
 pub use watch::{Changed, POLL_INTERVAL, Watch};

@@ -13,7 +13,7 @@ use crate::defs::text::Lang;
 const FILE: &str = "settings.ron";
 
 /// What was chosen; what was not is decided by the caller.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
     /// Kind of machine.
@@ -22,6 +22,8 @@ pub struct Settings {
     pub lang: Option<Lang>,
     /// The light theme instead of the dark one.
     pub light: Option<bool>,
+    /// The RS232 port: `/dev/ttyS0`, `COM1`.
+    pub serial: Option<String>,
 }
 
 impl Settings {
@@ -58,11 +60,11 @@ mod tests {
     fn k1_the_kind_and_the_language_are_kept() {
         let folder = tempfile::tempdir().expect("a folder");
         assert_eq!(Settings::read(folder.path()).expect("no file"), Settings::default());
-        let chosen = Settings { kind: Some(Kind::Ga), lang: Some(Lang::En), light: Some(true) };
+        let chosen = Settings { kind: Some(Kind::Ga), lang: Some(Lang::En), light: Some(true), ..Settings::default() };
         chosen.write(folder.path()).expect("written");
         assert_eq!(Settings::read(folder.path()).expect("a file"), chosen);
         std::fs::write(folder.path().join(FILE), "(kind: Some(Gs))").expect("written");
         let by_hand = Settings::read(folder.path()).expect("edited by hand");
-        assert_eq!(by_hand, Settings { kind: Some(Kind::Gs), lang: None, light: None });
+        assert_eq!(by_hand, Settings { kind: Some(Kind::Gs), ..Settings::default() });
     }
 }

@@ -18,7 +18,7 @@ use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::drawing::{Drawing, Point, StockBox, Way};
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
-use kt830::link::media::{MediaFile, MediaView};
+use kt830::link::media::{MediaFile, MediaView, Set};
 use kt830::link::simulated::SimView;
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, PastAlarm, ProgramView, RunState, Tone};
 use kt830::units::{Axis, Micros, PerAxis};
@@ -180,14 +180,21 @@ pub fn busy(page: Page) -> Snapshot {
         sizes: (0..12).map(|row| (said(&format!("直径 Z{row}0.0"), &format!("diameter Z{row}0.0")), 40.012)).collect(),
         events: vec![said("12.3 s burn", "12.3 s burn")],
     }));
-    let files =
-        |names: &[&str]| names.iter().map(|name| MediaFile { name: (*name).into(), size: 123_456_789 }).collect();
+    let set = |name: &str| match name {
+        name if name.starts_with('O') => Set::Programs,
+        name if name.ends_with("TAR") => Set::Backup,
+        _ => Set::Screens,
+    };
+    let file = |name: &&str| MediaFile { name: (*name).into(), size: 123_456_789, set: set(name) };
+    let files = |names: &[&str]| names.iter().map(file).collect();
     let names = ["O1001.NC", "O1002.NC", "C0001.TXT", "B0001.BMP", "KT830-20261121-101112.TAR"];
     let media = MediaView {
         stick: Some("/media/usb".into()),
         free: Some(7_987_654_321),
         there: files(&names),
         here: files(&names[..4]),
+        port: Some("/dev/ttyUSB0".into()),
+        ports: vec!["/dev/ttyS0".into(), "/dev/ttyUSB0".into()],
     };
     let mut drawing = Drawing {
         number: snapshot.program.number,
@@ -275,9 +282,8 @@ pub fn long(page: Page) -> Snapshot {
         homed: true,
         moving: true,
     };
-    snapshot.axes = PerAxis::from_fn(|axis| {
-        if snapshot.axes[axis].present { most(9_999.999) } else { AxisView::default() }
-    });
+    snapshot.axes =
+        PerAxis::from_fn(|axis| if snapshot.axes[axis].present { most(9_999.999) } else { AxisView::default() });
     (snapshot.feed_mm_min, snapshot.wheel_rpm, snapshot.parts) = (24_000.0, 99_999.0, 999_999);
     (snapshot.cycle_seconds, snapshot.strokes_min) = (59_999.0, Some(1_234.5));
     (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override) = (150, 100, 120);

@@ -8,6 +8,7 @@ pub mod empty;
 pub mod graphic;
 pub mod grinding;
 pub mod input_line;
+pub mod line;
 pub mod mdi;
 pub mod offset;
 pub mod params;
@@ -155,6 +156,7 @@ impl Pages {
             Page::Dressing => self.dressing.table.typing.pad,
             Page::Macro => self.variables.typing.pad,
             Page::Wheel => self.wheel.wants_pad(),
+            Page::Transfer => self.transfer.wants_pad(),
             page => {
                 let has_fields = view.snapshot.page_files().is_some_and(|files| files.text.is_ok());
                 self.entry.typing.pad && frame::takes_numbers(page) && has_fields

@@ -1,5 +1,5 @@
-//! U盘/通信: programs, page files, parameters and macro values both ways, everything as one archive.
-//! Source: spec K7.8, H8 (no U盘, progress, cancel), H9.
+//! U盘/通信: programs, page files, parameters and macro values both ways, everything as one archive; programs over RS232.
+//! Source: spec K7.8, L9, H8 (no U盘, progress, cancel), H9.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,9 @@ use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::Typed;
+use super::line::LineSide;
 use super::scroll::Scroll;
+use crate::defs::kind::Kind;
 use crate::defs::text::{Said, Text};
 use crate::hmi::login::Login;
 use crate::hmi::question::Question;
@@ -43,12 +45,22 @@ pub struct Transfer {
     told: Option<(Said, bool)>,
     seen: u32,
     looked: f64,
+    /// The RS232 half.
+    line: LineSide,
+    /// When the work under way was first seen, and how far it was.
+    begun: Option<(f64, u16)>,
 }
 
 impl Transfer {
     /// The page was opened anew.
     pub fn open(&mut self) {
         *self = Self { set: self.set, looked: f64::NEG_INFINITY, ..Self::default() };
+    }
+
+    /// Whether the numeric pad is wanted.
+    #[must_use]
+    pub fn wants_pad(&self) -> bool {
+        self.set == Set::Serial && self.line.pad && self.question.is_none()
     }
 
     /// Why the last transfer was refused.
@@ -69,7 +81,13 @@ impl Transfer {
         }
         ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(LOOK_EVERY));
         let free = self.question.is_none() && !login.is_open();
-        self.walk.begin(if free { typed.edits } else { &[] });
+        let edits = match free {
+            true if self.set == Set::Serial => self.line.take(typed.edits),
+            true => typed.edits.to_vec(),
+            false => Vec::new(),
+        };
+        self.walk.begin(&edits);
+        self.begun = busy.map(|(_, share)| self.begun.unwrap_or((now, share)));
         let none = MediaView::default();
         let media = view.snapshot.files.media.as_deref().unwrap_or(&none);
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
@@ -83,7 +101,14 @@ impl Transfer {
             Rect::from_min_size(corner, vec2(half, body.height()))
         };
         self.side(ui, side(0.0), view, (0, media), typed.pages);
-        self.side(ui, side(1.0), view, (1, media), typed.pages);
+        if self.set == Set::Serial {
+            let (head, body) = side(1.0).split_top_bottom_at_y(side(1.0).min.y + 34.0);
+            lines::title(ui, view, head, "RS232");
+            card(ui.painter(), body, view.theme.surface, view.theme.line);
+            self.line.ui(ui, body.shrink(theme::PAD), view, media, (&mut self.walk, login, &mut out));
+        } else {
+            self.side(ui, side(1.0), view, (1, media), typed.pages);
+        }
         self.told(ui, told, view);
         self.keys(ui, keys, view, media, &mut out);
         if let Some(mut question) = self.question.take() {
@@ -94,7 +119,7 @@ impl Transfer {
                     self.again(overwrite, &mut out);
                 }
                 Some(0) => self.again(Some(true), &mut out),
-                Some(1) if self.set.has_list() && !self.converting => self.again(Some(false), &mut out),
+                Some(1) if self.set.files().has_list() && !self.converting => self.again(Some(false), &mut out),
                 Some(_) => self.asked = None,
                 None => self.question = Some(question),
             }
@@ -157,7 +182,11 @@ impl Transfer {
         }
         let title = Text::new("文件已存在且内容不同", "there already, with other contents");
         let body = Said::new(format!("{list}{more}"), format!("{list}{more}"));
-        if self.set.has_list() { Question::of(title, body, &[yes, skip]) } else { Question::new(title, body, yes) }
+        if self.set.files().has_list() {
+            Question::of(title, body, &[yes, skip])
+        } else {
+            Question::new(title, body, yes)
+        }
     }
 
     fn again(&mut self, overwrite: Option<bool>, out: &mut Vec<Command>) {
@@ -167,9 +196,16 @@ impl Transfer {
         }
     }
 
-    fn begin(&mut self, direction: Direction, out: &mut Vec<Command>) {
+    fn begin(&mut self, kind: Kind, direction: Direction, out: &mut Vec<Command>) {
         let side = usize::from(direction == Direction::In);
-        let names = self.chosen[side].iter().cloned().collect();
+        let names = match (self.set, direction) {
+            (Set::Serial, Direction::In) => match self.line.file(kind) {
+                Ok(name) => name.into_iter().collect(),
+                Err(said) => return self.told = Some((said, true)),
+            },
+            _ => self.chosen[side].iter().cloned().collect(),
+        };
+        self.line.pad = false;
         self.told = None;
         self.asked = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None });
         self.again(None, out);
@@ -206,9 +242,11 @@ impl Transfer {
             paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.hold);
             return;
         }
-        let files: Vec<&MediaFile> =
-            if side == 0 { &media.here } else { &media.there }.iter().filter(|file| belongs(self.set, file)).collect();
-        if side == 0 && !self.set.has_list() {
+        let files: Vec<&MediaFile> = if side == 0 { &media.here } else { &media.there }
+            .iter()
+            .filter(|file| file.set == self.set.files())
+            .collect();
+        if side == 0 && !self.set.files().has_list() {
             let words = about(self.set, view);
             paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.quiet);
             return;
@@ -266,29 +304,51 @@ impl Transfer {
             let done = Rect::from_min_size(bar.min, vec2(bar.width() * f32::from(share) / 1_000.0, bar.height()));
             ui.painter().rect_filled(done, theme::RADIUS, view.theme.focus);
             let line = Rect::from_min_max(rect.min, pos2(rect.max.x, bar.min.y));
-            let words = format!("{} {} %", what.get(view.lang), share / 10);
+            let words = match view.snapshot.files.bytes {
+                Some(bytes) => format!("{}  {}", what.get(view.lang), size(bytes)),
+                None => format!("{} {} %{}", what.get(view.lang), share / 10, self.left(ui, view, share)),
+            };
             fit(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
             return;
         }
         if let Some((said, refused)) = &self.told {
             let ink = if *refused { view.theme.alarm_text } else { view.theme.run };
             fit(ui.painter(), rect, Align2::LEFT_CENTER, said.get(view.lang), theme::LABEL, ink);
+        } else if self.set == Set::Serial {
+            let words = view.say("触摸选择要发送的程序", "touch to choose the programs to send");
+            fit(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
         } else if self.set.has_list() {
             let words = view.say("触摸选择文件；不选为全部", "touch to choose files; none chosen: all");
             fit(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
         }
     }
 
+    /// How long the work will take on, once enough of it is done to tell (H8).
+    fn left(&self, ui: &Ui, view: &View<'_>, share: u16) -> String {
+        let Some((since, from)) = self.begun.filter(|(_, from)| share >= from + 20) else { return String::new() };
+        let gone = ui.input(|input| input.time) - since;
+        let left = (gone * f64::from(1_000 - share.min(1_000)) / f64::from(share - from)).ceil() as u64;
+        format!(" · {} {}:{:02}", view.say("还需", "left"), left / 60, left % 60)
+    }
+
     fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, media: &MediaView, out: &mut Vec<Command>) {
         let busy = view.snapshot.files.busy.is_some() || self.asked.is_some();
-        let locked = busy || media.stick.is_none();
+        let serial = self.set == Set::Serial;
+        let missing = if serial { media.port.is_none() } else { media.stick.is_none() };
+        let locked = busy || missing;
         let width = (rect.width() + theme::GAP) / 3.0;
         let cell = |index: f32| {
             let corner = pos2(rect.min.x + index * width, rect.min.y + 2.0);
             Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - 2.0))
         };
-        let to_stick = ("transfer-out", view.say("本机 → U 盘", "TO USB →"));
-        let from_stick = ("transfer-in", view.say("U 盘 → 本机", "← FROM USB"));
+        let to_stick = match serial {
+            true => ("transfer-out", view.say("本机 → RS232", "TO RS232 →")),
+            false => ("transfer-out", view.say("本机 → U 盘", "TO USB →")),
+        };
+        let from_stick = match serial {
+            true => ("transfer-in", view.say("RS232 → 本机", "← FROM RS232")),
+            false => ("transfer-in", view.say("U 盘 → 本机", "← FROM USB")),
+        };
         let touched = [(to_stick, Direction::Out), (from_stick, Direction::In)].into_iter().enumerate().find_map(
             |(index, (words, direction))| {
                 let look = Look { on: false, locked };
@@ -296,10 +356,14 @@ impl Transfer {
             },
         );
         match touched {
-            Some(_) if media.stick.is_none() => {
-                self.told = Some((Said::new("没有 U 盘", "no USB medium"), true));
+            Some(_) if missing => {
+                let said = match serial {
+                    true => Said::new("没有选择端口，请按 换端口", "no port is chosen: touch CHANGE"),
+                    false => Said::new("没有 U 盘", "no USB medium"),
+                };
+                self.told = Some((said, true));
             }
-            Some(direction) if !busy => self.begin(direction, out),
+            Some(direction) if !busy => self.begin(view.snapshot.kind, direction, out),
             Some(_) | None => {}
         }
         let look = Look { on: false, locked: !busy };
@@ -327,19 +391,6 @@ const fn request(request: FileRequest) -> Command {
     Command::Page(PageCommand::File(request))
 }
 
-/// Whether a file is of a set, by its name.
-fn belongs(set: Set, file: &MediaFile) -> bool {
-    let first = file.name.chars().next().map(|first| first.to_ascii_uppercase());
-    let known = |ends: &str| file.name.to_ascii_uppercase().ends_with(ends);
-    match set {
-        Set::Programs => first == Some('O'),
-        Set::Screens => matches!(first, Some('B' | 'C')),
-        Set::Params => known("PARAM.RON"),
-        Set::Variables => known("MACRO.RON"),
-        Set::Backup => known(".TAR"),
-    }
-}
-
 const fn about(set: Set, view: &View<'_>) -> &'static str {
     match set {
         Set::Params => view.say(
@@ -350,6 +401,7 @@ const fn about(set: Set, view: &View<'_>) -> &'static str {
             "宏变量 #200-#433、#500-#999 写到 KT830-MACRO.RON，或从该文件读入。",
             "The macro variables #200-#433 and #500-#999 go to KT830-MACRO.RON, or come from it.",
         ),
+        Set::Serial => "",
         Set::Backup | Set::Programs | Set::Screens => view.say(
             "程序、页面文件、参数、变量、刀补和坐标系写成一个带校验的文件 KT830-日期-时间.TAR，或从所选（最新）备份恢复。恢复需要机床厂密码。",
             "Programs, page files, parameters, variables, offsets and work frames go into one file with checksums, KT830-DATE-TIME.TAR, or come back from the chosen (newest) one. Restoring asks for the machine builder's password.",

@@ -99,7 +99,7 @@ pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
         // G0; what the other languages have beside it never comes into force here.
         _ => {
             let Target { to, words, incremental } = target(running)?;
-            Op::Rapid { to, words, incremental }
+            Op::Rapid { to, feed: None, words, incremental }
         }
     };
     running.ops.push(op);

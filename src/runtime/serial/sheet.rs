@@ -1,0 +1,513 @@
+//! What stands on the line: a leader of NUL, `%`, programs with their O number, `<NAME>` or `%_N_NAME_MPF`, lines that
+//! end in CR LF, `%`, a leader again.
+//! DECISION: a `%` that does not begin a line refuses the program: taking it for the end would cut the program short.
+//! Source: spec L9, B1, S1 (`.MPF`, `.SPF`).
+
+use encoding_rs::GBK;
+
+use super::Trouble;
+use crate::defs::text::Said;
+use crate::store::{DecodeError, Encoding, Shelf, decode};
+
+/// Begins and ends a transmission.
+const PERCENT: u8 = b'%';
+/// Begins the head of a SINUMERIK program, behind the `%`.
+const SINUMERIK: &str = "_N_";
+/// DC1, XON: go on.
+pub const XON: u8 = 0x11;
+/// DC3, XOFF: wait.
+pub const XOFF: u8 = 0x13;
+/// What punches of old are switched by, and rubbed-out holes: passed over.
+const PUNCH: [u8; 3] = [0x12, 0x14, 0x7F];
+/// End of a file on old systems.
+const SUBSTITUTE: u8 = 0x1A;
+/// So many bytes before the first `%` are no leader any more.
+const PREAMBLE: usize = 256;
+/// The longest head of a program.
+const HEAD_LIMIT: usize = 80;
+const NEW_LINE: &[u8] = b"\r\n";
+
+/// A program: its file name and its text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sheet {
+    /// `O1001.NC`, `SHAFT.NC`, `VGRIND.MPF`.
+    pub name: String,
+    /// Its bytes in GBK or UTF-8.
+    pub text: Vec<u8>,
+}
+
+/// The bytes of some programs as they go over the line, with so many NUL before and after.
+///
+/// # Errors
+/// A program holds what the other side would take for the end, or is no text.
+pub fn outgoing(sheets: &[Sheet], leader: usize, named: bool) -> Result<Vec<u8>, Trouble> {
+    let mut out = vec![0; leader];
+    // Heads with a % of their own go last: what follows one belongs to it.
+    let (own, plain): (Vec<&Sheet>, Vec<&Sheet>) =
+        sheets.iter().partition(|sheet| matches!(head_of(&sheet.name, named), Head::Sinumerik(_)));
+    if !plain.is_empty() {
+        out.push(PERCENT);
+        out.extend_from_slice(NEW_LINE);
+    }
+    for sheet in plain.into_iter().chain(own) {
+        write(&mut out, sheet, named)?;
+    }
+    out.push(PERCENT);
+    out.extend_from_slice(NEW_LINE);
+    out.resize(out.len() + leader, 0);
+    Ok(out)
+}
+
+/// How a program is announced.
+enum Head {
+    Number(u16),
+    Name(String),
+    Sinumerik(String),
+}
+
+fn head_of(name: &str, named: bool) -> Head {
+    let (stem, extension) = name.rsplit_once('.').unwrap_or((name, "SPF"));
+    let (upper, extension) = (stem.to_ascii_uppercase(), extension.to_ascii_uppercase());
+    let number = upper.strip_prefix('O').and_then(|digits| digits.parse().ok()).filter(|_| stem.len() == 5 && !named);
+    match (number, extension.as_str()) {
+        (Some(number), "NC") => Head::Number(number),
+        (_, "MPF" | "SPF") => Head::Sinumerik(format!("{PERCENT_SIGN}{SINUMERIK}{upper}_{extension}")),
+        _ => Head::Name(stem.to_owned()),
+    }
+}
+
+const PERCENT_SIGN: char = PERCENT as char;
+
+fn write(out: &mut Vec<u8>, sheet: &Sheet, named: bool) -> Result<(), Trouble> {
+    let decoded = decode(&sheet.text).map_err(|error| no_text(&sheet.name, &error))?;
+    let mut lines: Vec<(usize, &str)> = decoded.text.split(line_end(&decoded.text)).map(trim_end).enumerate().collect();
+    let empty = |line: &&(usize, &str)| matches!(line.1.trim(), "" | "%");
+    let front = lines.iter().take_while(empty).count();
+    lines.drain(..front);
+    while lines.last().as_ref().is_some_and(empty) {
+        lines.pop();
+    }
+    let mut put = |text: &str| {
+        match decoded.encoding {
+            Encoding::Utf8 => out.extend_from_slice(text.as_bytes()),
+            Encoding::Gbk => out.extend_from_slice(&GBK.encode(text).0),
+        }
+        out.extend_from_slice(NEW_LINE);
+    };
+    match head_of(&sheet.name, named) {
+        // The number that the file has counts, whatever its first line says.
+        Head::Number(number) => match lines.first().and_then(|(_, line)| o_number(line)) {
+            Some((_, rest)) => {
+                put(&format!("O{number:04}{rest}"));
+                lines.remove(0);
+            }
+            None => put(&format!("O{number:04}")),
+        },
+        Head::Name(stem) => put(&format!("<{stem}>")),
+        Head::Sinumerik(head) => put(&head),
+    }
+    for (index, line) in lines {
+        let wrong = line.chars().position(|sign| sign == PERCENT_SIGN || (sign.is_control() && sign != '\t'));
+        if let Some(column) = wrong {
+            let (name, line, column) = (&sheet.name, index + 1, column + 1);
+            return Err(Trouble::Text(Said::new(
+                format!("{name} 第{line}行 第{column}列：% 或控制字符"),
+                format!("{name} line {line}, column {column}: a % or a control character"),
+            )));
+        }
+        put(line);
+    }
+    Ok(())
+}
+
+fn no_text(name: &str, error: &DecodeError) -> Trouble {
+    Trouble::Text(Said::new(format!("{name} 第{}行：不是 GBK 或 UTF-8 文字", error.line), format!("{name} {error}")))
+}
+
+/// LF ends the lines; where there is none, CR does.
+fn line_end(text: &str) -> char {
+    if text.contains('\n') { '\n' } else { '\r' }
+}
+
+fn trim_end(line: &str) -> &str {
+    line.trim_matches('\r')
+}
+
+/// The number of a line that begins with `O1001` or `:1001`, and what follows it.
+fn o_number(line: &str) -> Option<(u16, &str)> {
+    let rest = line.trim_start().strip_prefix(['O', 'o', ':'])?;
+    let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
+    let ends = !rest[digits..].starts_with(|sign: char| sign.is_alphanumeric());
+    let number = rest[..digits].parse().ok().filter(|number| (1..=9_999).contains(number))?;
+    ((1..=5).contains(&digits) && ends).then_some((number, &rest[digits..]))
+}
+
+/// Whether more is to come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// It goes on.
+    More,
+    /// The closing `%` has come.
+    Over,
+}
+
+/// Where the reader stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Before,
+    Head,
+    Text,
+    /// Behind a `%` at the beginning of a line: the end, or the head of one more.
+    Closing,
+}
+
+/// A program as it came.
+#[derive(Clone, Debug, Default)]
+struct Raw {
+    head: Vec<u8>,
+    text: Vec<u8>,
+}
+
+/// Reads a transmission byte by byte.
+#[derive(Clone, Debug)]
+pub struct Reader {
+    limit: usize,
+    state: State,
+    /// What came before the first `%`.
+    preamble: Vec<u8>,
+    raws: Vec<Raw>,
+    /// CR and LF since the last head; LF ends the lines, without any CR does.
+    ends: [u32; 2],
+    /// Only blanks so far in this line.
+    at_start: bool,
+    size: usize,
+}
+
+impl Reader {
+    /// A reader for so many bytes of programs.
+    #[must_use]
+    pub const fn new(limit: usize) -> Self {
+        Self {
+            limit,
+            state: State::Before,
+            preamble: Vec::new(),
+            raws: Vec::new(),
+            ends: [0; 2],
+            at_start: true,
+            size: 0,
+        }
+    }
+
+    /// Takes one byte.
+    ///
+    /// # Errors
+    /// Noise, too much, or a `%` where none may be.
+    pub fn push(&mut self, byte: u8) -> Result<Step, Trouble> {
+        match self.state {
+            State::Before => self.before(byte)?,
+            State::Head if matches!(byte, b'\r' | b'\n') => {
+                self.state = State::Text;
+                return self.text(byte);
+            }
+            State::Head => {
+                let raw = self.raws.last_mut().filter(|raw| raw.head.len() < HEAD_LIMIT);
+                raw.ok_or(Trouble::Noise(1))?.head.push(byte);
+            }
+            State::Text => return self.text(byte),
+            State::Closing if byte == SINUMERIK.as_bytes()[0] => {
+                self.begin();
+                self.raws.iter_mut().last().into_iter().for_each(|raw| raw.head.push(byte));
+            }
+            State::Closing => return Ok(Step::Over),
+        }
+        Ok(Step::More)
+    }
+
+    fn begin(&mut self) {
+        self.raws.push(Raw::default());
+        (self.state, self.ends, self.at_start) = (State::Head, [0; 2], true);
+    }
+
+    fn before(&mut self, byte: u8) -> Result<(), Trouble> {
+        match byte {
+            PERCENT => self.begin(),
+            0 | b'\r' | b'\n' | b' ' | XON | XOFF => {}
+            byte if PUNCH.contains(&byte) => {}
+            byte => {
+                self.preamble.push(byte);
+                if self.preamble.len() >= PREAMBLE {
+                    return Err(self.judge().unwrap_or(Trouble::Noise(0)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn text(&mut self, byte: u8) -> Result<Step, Trouble> {
+        match byte {
+            PERCENT if self.at_start => {
+                self.state = State::Closing;
+                return Ok(Step::More);
+            }
+            PERCENT => {
+                return Err(Trouble::Form(Said::new(
+                    format!("第 {} 行中间有 %", self.line()),
+                    format!("line {} has a % within it", self.line()),
+                )));
+            }
+            SUBSTITUTE if self.at_start => return Ok(Step::Over),
+            XON | XOFF => return Ok(Step::More),
+            byte if PUNCH.contains(&byte) => return Ok(Step::More),
+            b'\r' => (self.ends[0], self.at_start) = (self.ends[0] + 1, true),
+            b'\n' => (self.ends[1], self.at_start) = (self.ends[1] + 1, true),
+            b'\t' | b' ' => {}
+            // A broken frame is read as NUL; other control characters are in no program.
+            0..b' ' => return Err(Trouble::Noise(self.line())),
+            _ => self.at_start = false,
+        }
+        self.size += 1;
+        if self.size > self.limit {
+            return Err(Trouble::TooLong(self.limit));
+        }
+        self.raws.iter_mut().last().into_iter().for_each(|raw| raw.text.push(byte));
+        Ok(Step::More)
+    }
+
+    /// The line that is being read; that of the opening % is the first.
+    #[must_use]
+    pub fn line(&self) -> u32 {
+        1 + if self.ends[1] > 0 { self.ends[1] } else { self.ends[0] }
+    }
+
+    /// Bytes of programs so far.
+    #[must_use]
+    pub const fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Whether the first `%` has come.
+    #[must_use]
+    pub fn has_begun(&self) -> bool {
+        self.state != State::Before
+    }
+
+    /// Whether a `%` has come that is the last one if nothing follows.
+    #[must_use]
+    pub fn is_closing(&self) -> bool {
+        self.state == State::Closing
+    }
+
+    /// What it means that nothing more comes.
+    #[must_use]
+    pub fn broken_off(&self) -> Trouble {
+        match self.state {
+            State::Before => self.judge().unwrap_or(Trouble::Silent(None)),
+            State::Head | State::Text | State::Closing => Trouble::Silent(Some(self.line())),
+        }
+    }
+
+    /// What the bytes before a `%` that never came say of the line.
+    fn judge(&self) -> Option<Trouble> {
+        if self.preamble.is_empty() {
+            return None;
+        }
+        let high = self.preamble.iter().any(|byte| *byte >= 0x80);
+        let odd = self.preamble.iter().filter(|byte| byte.count_ones() % 2 == 1).count();
+        // A few bytes may agree by chance.
+        if high && self.preamble.len() >= 8 && (odd == 0 || odd == self.preamble.len()) {
+            return Some(Trouble::Parity);
+        }
+        let readable = |byte: &u8| matches!(byte, b' '..=b'~' | b'\t');
+        Some(match self.preamble.iter().all(readable) {
+            true => Trouble::Form(Said::new("开头没有 %", "there is no % at the beginning")),
+            false => Trouble::Noise(0),
+        })
+    }
+
+    /// The programs under the names that they have in a folder; one alone gets the name asked for, if there is one.
+    ///
+    /// # Errors
+    /// One is no text, empty or without a name, or two have one name.
+    pub fn finish(self, asked: Option<&str>, shelf: &Shelf, named: bool) -> Result<Vec<Sheet>, Trouble> {
+        let mut found: Vec<(Option<String>, Vec<u8>)> = Vec::new();
+        for raw in &self.raws {
+            split(raw, named, &mut found)?;
+        }
+        let alone = found.len() == 1;
+        let mut sheets: Vec<Sheet> = Vec::new();
+        for (own, text) in found {
+            let name = asked.filter(|_| alone).map(str::to_owned).or(own);
+            let name = name.filter(|name| shelf.knows(name)).ok_or_else(|| {
+                Trouble::Form(Said::new(
+                    "程序没有可用的号或名称，请填写 存为",
+                    "it has no number or name that counts here: fill in STORE AS",
+                ))
+            })?;
+            if sheets.iter().any(|sheet| sheet.name.eq_ignore_ascii_case(&name)) {
+                return Err(Trouble::Form(Said::new(format!("{name} 出现两次"), format!("{name} comes twice"))));
+            }
+            sheets.push(Sheet { name, text });
+        }
+        if sheets.is_empty() {
+            return Err(Trouble::Form(Said::new("两个 % 之间没有程序", "there is no program between the two %")));
+        }
+        Ok(sheets)
+    }
+}
+
+/// Cuts what stood between two `%` into its programs, each with its own name if it has one.
+fn split(raw: &Raw, named: bool, found: &mut Vec<(Option<String>, Vec<u8>)>) -> Result<(), Trouble> {
+    let decoded = decode(&raw.text).map_err(|error| Trouble::Noise(error.line as u32))?;
+    let head = String::from_utf8_lossy(&raw.head).trim().to_ascii_uppercase();
+    let own = head.strip_prefix(SINUMERIK).and_then(|rest| {
+        let (stem, extension) = rest.rsplit_once('_')?;
+        Some(if named { format!("{stem}.NC") } else { format!("{stem}.{extension}") })
+    });
+    let whole = own.is_some();
+    let (mut name, mut lines): (Option<String>, Vec<&str>) = (own, Vec::new());
+    let mut close = |name: Option<String>, lines: &mut Vec<&str>| {
+        while lines.last().is_some_and(|line| line.trim().is_empty()) {
+            lines.pop();
+        }
+        if !lines.is_empty() {
+            lines.push("");
+            let text = lines.join("\r\n");
+            let text = match decoded.encoding {
+                Encoding::Utf8 => text.into_bytes(),
+                Encoding::Gbk => GBK.encode(&text).0.into_owned(),
+            };
+            found.push((name, text));
+        }
+        lines.clear();
+    };
+    // `%O1001` and `%1001` announce the program as a line would.
+    let announced =
+        (!whole && !head.is_empty()).then(|| o_number(&head).map_or_else(|| format!("O{head}"), |_| head.clone()));
+    let announced = announced.filter(|line| o_number(line).is_some());
+    let text = decoded.text.split(line_end(&decoded.text)).map(trim_end);
+    for line in announced.as_deref().into_iter().chain(text) {
+        if lines.is_empty() && line.trim().is_empty() {
+            continue;
+        }
+        let bracket = line.trim().strip_prefix('<').and_then(|rest| rest.split_once('>')).map(|(name, _)| name);
+        let number = o_number(line).map(|(number, _)| format!("O{number:04}.NC"));
+        if let Some(next) = number.or_else(|| bracket.map(|name| format!("{name}.NC"))).filter(|_| !whole) {
+            // A title above the first number belongs to it.
+            if name.is_some() || !lines.iter().all(|line| line.trim_start().starts_with(['(', ';', '/'])) {
+                close(name.take(), &mut lines);
+            }
+            name = Some(next);
+        }
+        if bracket.is_none() || whole {
+            lines.push(line);
+        }
+    }
+    close(name, &mut lines);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sheet(name: &str, text: &str) -> Sheet {
+        Sheet { name: name.into(), text: text.as_bytes().to_vec() }
+    }
+
+    fn take(bytes: &[u8], limit: usize) -> Result<Reader, Trouble> {
+        let mut reader = Reader::new(limit);
+        for byte in bytes {
+            if reader.push(*byte)? == Step::Over {
+                return Ok(reader);
+            }
+        }
+        if reader.is_closing() { Ok(reader) } else { Err(reader.broken_off()) }
+    }
+
+    fn back(bytes: &[u8], asked: Option<&str>, named: bool) -> Result<Vec<Sheet>, Trouble> {
+        take(bytes, 10_000)?.finish(asked, &Shelf::new(std::path::Path::new("."), named), named)
+    }
+
+    #[test]
+    fn l9_a_program_stands_between_percents_with_leader_number_and_cr_lf() {
+        let out = outgoing(&[sheet("O1001.NC", "%\nO77 (JAW)\nG00 X50\n\nM30\n%\n")], 3, false);
+        assert_eq!(out.unwrap(), b"\0\0\0%\r\nO1001 (JAW)\r\nG00 X50\r\n\r\nM30\r\n%\r\n\0\0\0");
+        let out = outgoing(&[sheet("O0005.NC", "M30")], 0, false);
+        assert_eq!(out.unwrap(), b"%\r\nO0005\r\nM30\r\n%\r\n");
+        let out = outgoing(&[sheet("SHAFT.NC", "N0010M02\r\n")], 0, true);
+        assert_eq!(out.unwrap(), b"%\r\n<SHAFT>\r\nN0010M02\r\n%\r\n");
+        let out = outgoing(&[sheet("VGRIND.MPF", "M2"), sheet("l10.spf", "RET")], 0, false);
+        assert_eq!(out.unwrap(), b"%_N_VGRIND_MPF\r\nM2\r\n%_N_L10_SPF\r\nRET\r\n%\r\n");
+    }
+
+    #[test]
+    fn l9_what_goes_out_comes_back() {
+        let gbk = GBK.encode("(外圆磨)\r\nM30\r\n").0.into_owned();
+        let sheets = [
+            Sheet { name: "O1001.NC".into(), text: [b"O1001\r\n".as_slice(), &gbk].concat() },
+            sheet("O1002.NC", "O1002 (外圆)\r\nG01 X1\r\nM30\r\n"),
+            sheet("VGRIND.MPF", "R1=5\r\nM2\r\n"),
+        ];
+        // One text is GBK, the other UTF-8: each on its own, as one file has one encoding.
+        for one in &sheets {
+            let out = outgoing(std::slice::from_ref(one), 8, false).unwrap();
+            assert_eq!(back(&out, None, false).unwrap(), std::slice::from_ref(one));
+        }
+        let both = outgoing(&sheets[1..], 8, false).unwrap();
+        assert_eq!(back(&both, None, false).unwrap(), &sheets[1..]);
+        let shaft = [sheet("SHAFT.NC", "N0010M02\r\n")];
+        assert_eq!(back(&outgoing(&shaft, 0, true).unwrap(), None, true).unwrap(), shaft);
+    }
+
+    #[test]
+    fn l9_several_programs_and_heads_of_other_controls_are_told_apart() {
+        let found = back(b"%\nO1001(A)\nM30\nO1002\nM30\n%\n", None, false).unwrap();
+        let names: Vec<_> = found.iter().map(|sheet| sheet.name.as_str()).collect();
+        assert_eq!(names, ["O1001.NC", "O1002.NC"]);
+        assert_eq!(back(b"%\r(TITLE)\r:0007\rM30\r%", None, false).unwrap()[0].text, b"(TITLE)\r\n:0007\r\nM30\r\n");
+        assert_eq!(back(b"%\n<O0012>\nM30\n%\n", None, false).unwrap()[0].name, "O0012.NC");
+        assert_eq!(back(b"%O0013\nM30\n%\n", None, false).unwrap()[0].name, "O0013.NC");
+        // LF CR CR, as old punches end a block, and a title before the number asked for.
+        let asked = back(b"%\n\r\rG00 X1\n\r\rM30\n\r\r%\n\r\r", Some("O0099.NC"), false).unwrap();
+        assert_eq!((asked[0].name.as_str(), asked[0].text.as_slice()), ("O0099.NC", b"G00 X1\r\nM30\r\n".as_slice()));
+    }
+
+    #[test]
+    fn l9_a_name_that_leads_out_of_the_folder_is_none() {
+        for bytes in [b"%\n<../../X>\nM30\n%\n".as_slice(), b"%\n</etc/passwd>\nM30\n%\n", b"%_N_.._MPF\nM2\n%\n"] {
+            for named in [false, true] {
+                assert!(
+                    matches!(back(bytes, None, named), Err(Trouble::Form(_))),
+                    "{}",
+                    String::from_utf8_lossy(bytes)
+                );
+            }
+        }
+        assert!(matches!(back(b"%\nM30\n%\n", None, false), Err(Trouble::Form(_))), "no name at all");
+        assert!(matches!(back(b"%\nO1\nM30\nO1\nM30\n%\n", None, false), Err(Trouble::Form(_))), "twice");
+        assert!(matches!(back(b"%\n\n%\n", None, false), Err(Trouble::Form(_))), "nothing");
+    }
+
+    #[test]
+    fn l9_noise_parity_and_length_are_told_with_their_line() {
+        assert_eq!(take(b"%\nO1\nG0\x00X1\n%\n", 99).unwrap_err(), Trouble::Noise(3), "a broken frame reads as NUL");
+        assert_eq!(take(b"%\nO1\nG0\x05", 99).unwrap_err(), Trouble::Noise(3));
+        assert!(matches!(back(b"%\nO1\nG0\xFF\xFF\nM30\n%\n", None, false), Err(Trouble::Noise(_))));
+        // 7 bits, even parity: `%` is 0xA5, LF 0x0A.
+        let even = |byte: u8| if byte.count_ones() % 2 == 1 { byte | 0x80 } else { byte };
+        let seven: Vec<u8> = b"%\nO1001\nG00 X100\nM30\n%\n".iter().map(|byte| even(*byte)).collect();
+        assert_eq!(take(&seven, 99).unwrap_err(), Trouble::Parity);
+        assert_eq!(take(&[0xFE, 0x03, 0x81], 99).unwrap_err(), Trouble::Noise(0));
+        assert_eq!(take(&[0xB1; 5_000], 9_999).unwrap_err(), Trouble::Parity);
+        assert!(matches!(take(b"O1001\nM30\n", 99), Err(Trouble::Form(_))), "no percent at the beginning");
+        assert_eq!(take(b"%\n0123456789", 9).unwrap_err(), Trouble::TooLong(9));
+        assert_eq!(
+            take(b"%\nO1\nM30\n", 99).unwrap_err(),
+            Trouble::Silent(Some(4)),
+            "without its end nothing is stored"
+        );
+        assert!(matches!(take(b"%\nO1\nG0 (50%)\nM30\n%\n", 99), Err(Trouble::Form(_))));
+        assert!(matches!(outgoing(&[sheet("O0001.NC", "G0 (50%)")], 0, false), Err(Trouble::Text(_))));
+        assert!(matches!(outgoing(&[sheet("O0001.NC", "G0\x13X1")], 0, false), Err(Trouble::Text(_))));
+    }
+}
