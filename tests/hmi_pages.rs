@@ -9,11 +9,12 @@ use std::sync::Arc;
 
 use egui::{Color32, Rect, Shape};
 use hmi_sample::{alarm, busy, long, refused, running, snapshot, troubled};
+use kt830::defs::alarm::ALARMS;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, Said};
 use kt830::hmi::shot::Stage;
-use kt830::hmi::theme::{DARK, LIGHT, contrast, scale};
+use kt830::hmi::theme::{DARK, LIGHT, contrast, font, scale};
 use kt830::hmi::window::shown;
 use kt830::hmi::{Hmi, page_text, shot};
 use kt830::link::Snapshot;
@@ -154,6 +155,25 @@ fn of_kind(mut machine: Snapshot, kind: Kind) -> Snapshot {
     machine
 }
 
+/// Every row of the alarm table fits into the message line and into its card, whatever comes to stand in it.
+#[test]
+fn h7_every_alarm_can_be_read_whole() {
+    let mut wrong = Vec::new();
+    for lang in [Lang::Zh, Lang::En] {
+        for size in [(1_024, 768), (768, 1_024)] {
+            let mut stage = Stage::new(Hmi::new(lang), size);
+            for row in ALARMS {
+                let mut machine = alarm(Page::Alarm);
+                machine.alarms.truncate(1);
+                let one = &mut machine.alarms[0];
+                (one.number, one.text, one.remedy) = (row.number, row.text.into(), row.remedy.into());
+                wrong.extend(misfits(&mut stage, &machine, &format!("alarm {} {lang:?} {size:?}", row.number)));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} misfits:\n{}", wrong.len(), wrong.join("\n"));
+}
+
 #[test]
 fn h9_nothing_is_cut_or_overlaps() {
     let mut wrong = Vec::new();
@@ -234,7 +254,7 @@ fn use_page(stage: &mut Stage, machine: &Snapshot, keys: &[&str]) {
 fn h9_what_is_shown_in_use_fits_as_well() {
     let mut wrong = Vec::new();
     for lang in [Lang::Zh, Lang::En] {
-        for size in SIZES.into_iter().filter(|size| *size != (1_280, 800)) {
+        for size in [(1_024, 768), (1_920, 1_080), (768, 1_024)] {
             let mut stage = Stage::new(Hmi::new(lang), size);
             for (page, keys) in USES {
                 for machine in [troubled(page), of_kind(running(page), Kind::Gs), busy(page)] {
@@ -275,6 +295,33 @@ fn k1_the_gauge_keys_are_named_by_the_kind() {
     assert!(says(&machine, "径向") && !says(&machine, "厚度"));
     machine.kind = Kind::Gs;
     assert!(says(&machine, "厚度") && says(&machine, "平面") && says(&machine, "充磁") && !says(&machine, "尾座"));
+}
+
+/// The text of a source file that stands in quotes, without its comments.
+fn quoted(text: &str) -> String {
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.flat_map(|line| line.split('"').skip(1).step_by(2)).collect()
+}
+
+#[test]
+fn h9_every_sign_of_every_text_is_in_the_font() {
+    let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
+    stage.frame(&snapshot(Page::Position));
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src")];
+    let mut missing = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).expect("src").filter_map(Result::ok).map(|entry| entry.path()) {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let words = quoted(&std::fs::read_to_string(&path).expect("a source file"));
+            let signs = words.chars().filter(|sign| !sign.is_ascii() && !sign.is_control());
+            let lacks = |sign: &char| !stage.ctx().fonts_mut(|fonts| fonts.has_glyph(&font(15.0), *sign));
+            missing.extend(signs.filter(lacks).map(|sign| format!("{sign:?} in {}", path.display())));
+        }
+    }
+    assert!(missing.is_empty(), "{missing:?}");
 }
 
 #[test]
