@@ -262,7 +262,7 @@ program_errors! {
         "起刀点离工件 3–5 倍导程", "begin three to five leads before the part";
     /// The spindle is faster than a thread allows.
     SpindleTooFast = 76, "spindle-too-fast", "主轴转速 {} 超过螺纹允许的 {2} r/min", "the spindle's {} rpm exceed the {2} rpm that the thread allows",
-        "转速不超过 1200/导程-80", "keep it at 1200/lead − 80 or less";
+        "转速不超过 1200/导程-80", "keep it at 1200/lead - 80 or less";
     /// A number that several blocks have is a target.
     SeveralTargets = 77, "several-targets", "程序段 {} 不唯一", "there are several blocks {}",
         "循环、跳转、调用的目标段号必须唯一", "the target of a loop, jump or call must have a number of its own";

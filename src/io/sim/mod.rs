@@ -14,6 +14,7 @@ mod gauge;
 mod grinding;
 mod hydraulics;
 mod inputs;
+mod lathe_rehearsal;
 mod machine_file;
 mod machine_rows;
 mod magnet;
@@ -48,6 +49,7 @@ use crate::defs::signal::{Output, OutputSet};
 use crate::units::{Axis, Micros, PerAxis};
 
 pub use self::fault::FaultError;
+pub use self::lathe_rehearsal::LatheRehearsal;
 pub use self::machine_file::{MachineFile, SimFileError};
 pub use self::machine_rows::{
     Along, AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile,
@@ -60,6 +62,7 @@ pub use self::part_file::{
     TailstockFile,
 };
 pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartReport};
+pub use self::turning::LatheScene;
 
 /// Longest step of the physics, µs; a longer tick is cut into several.
 const STEP_LIMIT_US: u64 = 4_000;
@@ -135,7 +138,14 @@ impl SimulatedMachine {
         };
         sim.scatter(seed);
         sim.set_part(part);
+        sim.shape_tools(wiring);
         sim
+    }
+
+    fn shape_tools(&mut self, params: &Params) {
+        if let Some(turning) = &mut self.turning {
+            turning.shape_tools(params);
+        }
     }
 
     /// The power comes again, with the parameters of now: the terminals are wired as they say, and an axis Y that they fit
@@ -325,6 +335,7 @@ impl Backend for SimulatedMachine {
 
     fn rewire(&mut self, params: &Params) {
         self.wiring.rewire(params);
+        self.shape_tools(params);
         self.on = self.wiring.outputs(self.outputs.terminals);
     }
 

@@ -141,8 +141,7 @@ fn hand_out(running: &mut Running<'_, '_>, code: Code) {
 
 /// M codes of the machine that need no words, and M17.
 fn is_known(code: u32) -> bool {
-    let flow = matches!(code, 20..=22 | 35 | 36 | 91 | 92 | 98 | 99);
-    code == RETURN || !flow && u16::try_from(code).is_ok_and(|code| mcode::find_in(System::Sinumerik, code).is_some())
+    code == RETURN || u16::try_from(code).is_ok_and(|code| mcode::find_in(System::Sinumerik, code).is_some())
 }
 
 /// A word that must be a whole number in a range.
