@@ -51,6 +51,22 @@ pub const BLOCK: Board = Board {
     rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#[]()=+*/ ", "ZXCVBNM-"],
     done: Text::new("输入", "INPUT"),
 };
+/// For a page text: the words of its labels.
+pub const PAGE: Board = Board {
+    words: &[
+        Text::new("粗磨", "rough"),
+        Text::new("精磨", "finish"),
+        Text::new("余量", "amount"),
+        Text::new("速度", "speed"),
+        Text::new("位置", "place"),
+        Text::new("次数", "count"),
+        Text::new("X轴", "X axis"),
+        Text::new("Z轴", "Z axis"),
+        Text::new("砂轮", "wheel"),
+    ],
+    rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#;%()+/=_ ", "ZXCVBNM-"],
+    done: Text::new("换行", "ENTER"),
+};
 const ROW: f32 = 46.0;
 
 impl Board {

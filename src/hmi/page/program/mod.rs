@@ -3,7 +3,7 @@
 //! Source: spec B6 (程序), K6.2, H6, H8.
 
 mod acts;
-mod document;
+pub mod document;
 mod ink;
 mod keys;
 pub mod listing;
