@@ -207,7 +207,9 @@ fn field(ui: &Ui, place: Rect, view: &View<'_>, row: &Row, chosen: Option<&Entry
         Some(entry) if !entry.typing.text.is_empty() => (format!("{}_", entry.typing.text), view.theme.info),
         _ => (shown(view, row.variable), view.theme.text),
     };
-    fit(painter, value, Align2::RIGHT_CENTER, &words, theme::SECONDARY, colour);
+    // A low field leaves less for the value below its label.
+    let size = if place.height() < 40.0 { theme::LABEL } else { theme::SECONDARY };
+    fit(painter, value, Align2::RIGHT_CENTER, &words, size, colour);
     if let Some(entry) = chosen {
         let colour = if entry.typing.refused.is_some() { view.theme.alarm } else { view.theme.focus };
         frame(painter, place, colour);

@@ -161,7 +161,7 @@ impl Designer {
         let (body, below) = rest.split_top_bottom_at_y(rest.max.y - KEYS - TOLD);
         let (told, keys) = below.split_top_bottom_at_y(below.min.y + TOLD);
         // The preview needs 200 for its picture and as much for either column.
-        let share = if body.width() > 900.0 { 0.42 } else { 0.40 };
+        let share = if body.width() > 900.0 { 0.40 } else { 0.34 };
         let (text, right) = body.split_left_right_at_fraction(share);
         self.title(ui, title, view);
         self.listing(ui, Rect::from_min_max(text.min, text.max - vec2(theme::GAP, 0.0)), view, typed.pages);

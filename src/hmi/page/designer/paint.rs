@@ -290,13 +290,17 @@ impl Designer {
         index: usize,
         row: &VariableRow,
     ) -> bool {
-        let painter = &plate(ui, view, places, self.row == index);
+        let mut row_place = places.1;
+        if row.missing {
+            row_place.max.x -= KEY + theme::GAP;
+        }
+        let painter = &plate(ui, view, (places.0, row_place), self.row == index);
         let inside = places.1.shrink2(vec2(10.0, 3.0));
         let (number, rest) = inside.split_left_right_at_x(inside.min.x + 56.0);
         let name = r_parameter::name_on(u32::from(row.variable), view.snapshot.kind);
         let ink = if row.missing { view.theme.alarm_text } else { view.theme.macros };
         fit(painter, number, Align2::LEFT_CENTER, &name, theme::TITLE, ink);
-        let room = if row.missing { rest.max.x - KEY - theme::GAP } else { rest.max.x };
+        let room = row_place.max.x - 10.0;
         let words = Rect::from_min_max(rest.min, pos2(room, rest.max.y));
         let (top, below) = words.split_top_bottom_at_fraction(0.52);
         let (label, ink) = match (&row.label, row.missing, row.place) {
@@ -317,7 +321,8 @@ impl Designer {
         });
         let words = if row.comment.is_empty() { String::new() } else { format!(" · {}", row.comment) };
         fit(painter, below, Align2::LEFT_CENTER, &format!("{how}{place}{words}"), theme::SMALL, view.theme.quiet);
-        let key = Rect::from_min_max(pos2(room + theme::GAP, places.1.min.y), places.1.max).intersect(places.0);
+        let key =
+            Rect::from_min_max(pos2(row_place.max.x + theme::GAP, places.1.min.y), places.1.max).intersect(places.0);
         row.missing
             && key.height() > 20.0
             && self.key(ui, view, key, (&format!("add-{index}-{name}"), view.say("加入", "ADD")), Look::default())
@@ -332,9 +337,9 @@ impl Designer {
         index: usize,
         file: &PictureFile,
     ) -> bool {
-        let painter = &plate(ui, view, places, self.row == index);
-        let inside = places.1.shrink2(vec2(10.0, 3.0));
-        let words = Rect::from_min_max(inside.min, pos2(inside.max.x - KEY - theme::GAP, inside.max.y));
+        let row_place = Rect::from_min_max(places.1.min, places.1.max - vec2(KEY + theme::GAP, 0.0));
+        let painter = &plate(ui, view, (places.0, row_place), self.row == index);
+        let words = row_place.shrink2(vec2(10.0, 3.0));
         let (top, below) = words.split_top_bottom_at_fraction(0.52);
         fit(painter, top, Align2::LEFT_CENTER, &file.name, theme::LABEL, view.theme.text);
         let from = match file.from {
@@ -343,7 +348,8 @@ impl Designer {
         };
         let size = format!("{from} · {:.0} kB", file.size as f64 / 1_024.0);
         fit(painter, below, Align2::LEFT_CENTER, &size, theme::SMALL, view.theme.quiet);
-        let key = Rect::from_min_max(pos2(words.max.x + theme::GAP, places.1.min.y), places.1.max).intersect(places.0);
+        let key =
+            Rect::from_min_max(pos2(row_place.max.x + theme::GAP, places.1.min.y), places.1.max).intersect(places.0);
         key.height() > 20.0
             && self.key(ui, view, key, (&format!("take-{index}"), view.say("换用", "TAKE")), Look::default())
     }
