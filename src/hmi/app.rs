@@ -175,6 +175,10 @@ impl Hmi {
         let files = snapshot.page_files();
         let wanted = match snapshot.page {
             Page::Dressing => snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().ok()),
+            Page::Designer => {
+                let files = snapshot.screens.find(self.pages.designer.number(snapshot));
+                files.and_then(|files| files.picture.as_ref().ok())
+            }
             _ => files.and_then(|files| files.picture.as_ref().ok()),
         };
         match (wanted, &self.picture) {

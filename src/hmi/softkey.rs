@@ -126,7 +126,7 @@ pub const fn row_of(page: Page) -> usize {
     match page {
         Page::Position | Page::Panel | Page::Dressing | Page::Teach | Page::Tools => 0,
         Page::Grinding | Page::Params | Page::Diagnosis | Page::Graphic | Page::Transfer => 1,
-        Page::Program | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
+        Page::Program | Page::Designer | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
         Page::Process | Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
         Page::Simulator => 4,
     }
