@@ -71,7 +71,7 @@ fn l1_the_manuals_first_example_comes_back_to_where_it_began() {
 
 #[test]
 fn l3_a_program_begins_at_its_own_zero_and_g92_names_it_without_a_move() {
-    let mut rig = lathe("N10G04F1\nN20G92X250Z350\nN30M00\nN40M02");
+    let mut rig = lathe("N0010G04F1\nN0020G92X250Z350\nN0030M00\nN0040M02");
     let before = rig.controller().set_point();
     tell(&mut rig, "key cycle-start\nwait 0.5 s\nexpect X 0 ±0.001\nexpect Z 0 ±0.001\nwait until stopped max 5 s");
     tell(&mut rig, "expect X 250 ±0.001\nexpect Z 350 ±0.001");
@@ -80,7 +80,7 @@ fn l3_a_program_begins_at_its_own_zero_and_g92_names_it_without_a_move() {
 
 #[test]
 fn l3_g26_g27_g29_return_to_the_tool_change_point() {
-    let text = "N10G92X100Z50\nN20G00X60Z20\nN30G27\nN35M00\nN40G00X60\nN50G29\nN55M00\nN60G00Z20\nN70G26\nN80M02";
+    let text = "N0010G92X100Z50\nN0020G00X60Z20\nN0030G27\nN0035M00\nN0040G00X60\nN0050G29\nN0055M00\nN0060G00Z20\nN0070G26\nN0080M02";
     let mut rig = lathe(text);
     tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nexpect X 100 ±0.001\nexpect Z 20 ±0.001");
     tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nexpect X 60 ±0.001\nexpect Z 50 ±0.001");
@@ -89,7 +89,7 @@ fn l3_g26_g27_g29_return_to_the_tool_change_point() {
 
 #[test]
 fn l7_m03_and_m05_are_pulses_and_m08_switches_the_coolant_off() {
-    let mut rig = lathe("N10M03\nN20M07\nN30G04F1\nN40M08\nN50G04F1\nN60M05\nN70M00\nN80M02");
+    let mut rig = lathe("N0010M03\nN0020M07\nN0030G04F1\nN0040M08\nN0050G04F1\nN0060M05\nN0070M00\nN0080M02");
     tell(&mut rig, "key cycle-start\nwait 0.2 s\nexpect output spindle-forward on\nwait 0.3 s");
     tell(
         &mut rig,
@@ -102,7 +102,7 @@ fn l7_m03_and_m05_are_pulses_and_m08_switches_the_coolant_off() {
 
 #[test]
 fn l7_reset_stops_the_spindle_by_its_pulse() {
-    let mut rig = lathe("N10M04\nN20G04F100\nN30M02");
+    let mut rig = lathe("N0010M04\nN0020G04F100\nN0030M02");
     tell(
         &mut rig,
         "key cycle-start\nwait 3 s\nexpect lamp spindle-reverse on\nkey reset\nexpect output spindle-stop on",
@@ -115,7 +115,7 @@ fn l7_reset_stops_the_spindle_by_its_pulse() {
 fn l5_threads_keep_their_lead_within_five_micrometres_at_the_limit_speed() {
     // N = 1200/T − 80: 720 rpm at 1.5 mm, 220 at 4, 520 at 2; over 50 mm.
     for (lead, rpm) in [(1.5, 720), (4.0, 220), (2.0, 520)] {
-        let text = format!("N10G92X100Z20\nN20M03S{rpm}\nN30G01U-2F300\nN40G33W-66F{lead}\nN50M02");
+        let text = format!("N0010G92X100Z20\nN0020M03S{rpm}\nN0030G01U-2F300\nN0040G33W-66F{lead}\nN0050M02");
         let rig = run(&text);
         let cut = rig.controller().threads()[0];
         assert!(cut.length_mm > 60.0 && cut.error_mm < 0.005, "{cut:?}");
@@ -124,23 +124,23 @@ fn l5_threads_keep_their_lead_within_five_micrometres_at_the_limit_speed() {
 
 #[test]
 fn l5_the_block_ends_drawn_back_by_two_leads_and_two_millimetres() {
-    let mut rig = lathe("N10G92X100Z20\nN20M03\nN30G01U-2F300\nN40G33W-30F3\nN50M00\nN60M02");
+    let mut rig = lathe("N0010G92X100Z20\nN0020M03\nN0030G01U-2F300\nN0040G33W-30F3\nN0050M00\nN0060M02");
     // X 98 after the infeed; 2·3 + 2 = 8 mm of diameter against it.
     tell(&mut rig, "key cycle-start\nwait until stopped max 60 s\nexpect X 106 ±0.001\nexpect Z -10 ±0.001");
 }
 
 #[test]
 fn l5_a_spindle_that_stands_or_turns_too_fast_ends_the_run() {
-    let mut rig = lathe("N10G92X100Z20\nN30G01U-2F300\nN40G33W-30F3\nN60M02");
+    let mut rig = lathe("N0010G92X100Z20\nN0030G01U-2F300\nN0040G33W-30F3\nN0060M02");
     tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nexpect alarm 212\nexpect Z 20 ±0.001");
-    let mut rig = lathe("N10G92X100Z20\nN20M03S400\nN30G01U-2F300\nN40G33W-30F3\nN60M02");
+    let mut rig = lathe("N0010G92X100Z20\nN0020M03S400\nN0030G01U-2F300\nN0040G33W-30F3\nN0060M02");
     // 1200/3 − 80 = 320 rpm.
     tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nexpect alarm 211\nexpect Z 20 ±0.001");
 }
 
 #[test]
 fn l5_a_hold_waits_for_the_end_of_the_thread_and_reset_brakes_it() {
-    let text = "N10G92X100Z20\nN20M03\nN30G01U-2F300\nN40G33W-60F3\nN50G00W60\nN60M02";
+    let text = "N0010G92X100Z20\nN0020M03\nN0030G01U-2F300\nN0040G33W-60F3\nN0050G00W60\nN0060M02";
     let mut rig = lathe(text);
     tell(&mut rig, "key cycle-start\nwait until Z<10 max 60 s\nkey feed-hold\nwait 10 s\nexpect state held");
     tell(&mut rig, "expect Z -40 ±0.001\nexpect X 106 ±0.001\nkey cycle-start\nwait until idle max 60 s");
@@ -153,7 +153,7 @@ fn l5_a_hold_waits_for_the_end_of_the_thread_and_reset_brakes_it() {
 
 #[test]
 fn l8_t20_after_tool_3_moves_by_what_their_tips_differ() {
-    let text = "N10G92X100Z20\nN20T03\nN30M00\nN40T20\nN50M00\nN60T2\nN70M02";
+    let text = "N0010G92X100Z20\nN0020T03\nN0030M00\nN0040T20\nN0050M00\nN0060T2\nN0070M02";
     let mut rig = lathe(text);
     // Tips as the offset page keeps them: u2 4, u3 10 on the diameter, w2 1.5, w3 −2.
     for (number, u, w) in [(2, 4.0, 1.5), (3, 10.0, -2.0)] {
@@ -173,7 +173,7 @@ fn l8_t20_after_tool_3_moves_by_what_their_tips_differ() {
 
 #[test]
 fn l8_a_station_that_does_not_come_is_an_alarm() {
-    let mut rig = lathe("N10T3\nN20G01U-10F300\nN30M02");
+    let mut rig = lathe("N0010T3\nN0020G01U-10F300\nN0030M02");
     tell(&mut rig, "input station-3 off\nkey cycle-start\nwait 4 s\nexpect output post-forward on\nexpect no alarm");
     tell(&mut rig, "wait 2 s\nexpect alarm 210\nexpect output post-forward off\nexpect X 0 ±0.001");
 }
@@ -181,7 +181,7 @@ fn l8_a_station_that_does_not_come_is_an_alarm() {
 #[test]
 fn l6_g36_homes_x_then_z_and_the_coordinate_is_the_parameters() {
     let mut rig = rig_of(Kind::Lathe, folders());
-    rig.add_program(program(7_000, "PART.NC", b"N10G36\nN20M02".to_vec()));
+    rig.add_program(program(7_000, "PART.NC", b"N0010G36\nN0020M02".to_vec()));
     // A cold machine that was never homed: a lathe may begin a program so.
     tell(
         &mut rig,
@@ -214,24 +214,24 @@ fn l10_the_bar_is_cut_and_can_be_measured() {
 fn l9_interference_of_tool_with_bar_and_chuck_is_a_crash() {
     // Rapid into the bar, cutting with the spindle standing, the shank in the bar, the chuck.
     let into = |blocks: &str| {
-        let mut rig = lathe(&format!("N10G92X60Z20\n{blocks}\nN90M02"));
+        let mut rig = lathe(&format!("N0010G92X60Z20\n{blocks}\nN0090M02"));
         tell(&mut rig, "key cycle-start\nwait until alarm max 120 s\nexpect event crash");
         let event = *rig.machine().events().first().unwrap();
         assert_eq!(event.kind, EventKind::Crash);
         event.place
     };
-    assert_eq!(into("N20M03\nN30G00X40\nN40Z-30"), "part, rapid traverse");
-    assert_eq!(into("N30G01X40F300\nN40Z-30"), "part, spindle standing");
-    assert_eq!(into("N20M03\nN30G00X20\nN40G01Z-30F300"), "part, shank of the tool");
-    assert_eq!(into("N20M03\nN30G01Z-125F2000"), "chuck");
+    assert_eq!(into("N0020M03\nN0030G00X40\nN0040Z-30"), "part, rapid traverse");
+    assert_eq!(into("N0030G01X40F300\nN0040Z-30"), "part, spindle standing");
+    assert_eq!(into("N0020M03\nN0030G00X20\nN0040G01Z-30F300"), "part, shank of the tool");
+    assert_eq!(into("N0020M03\nN0030G01Z-125F2000"), "chuck");
 }
 
 #[test]
 fn l4_l9_two_hundred_fifty_five_levels_of_loops_run_and_one_more_is_an_error() {
     let nested = |levels: usize| {
-        let open = "N1G22L0001\n".repeat(levels);
-        let close = "N2G80\n".repeat(levels);
-        let text = format!("{open}N3G01U-0.02F300\n{close}N4M02\n");
+        let open = "N0001G22L0001\n".repeat(levels);
+        let close = "N0002G80\n".repeat(levels);
+        let text = format!("{open}N0003G01U-0.02F300\n{close}N0004M02\n");
         let source = Arc::new(Source::new(1, "", text.into_bytes()));
         let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
         check(&source, &library, &Settings::superman())
@@ -262,7 +262,7 @@ fn l9_a_million_blocks_are_checked_and_loops_do_not_grow() {
 
 #[test]
 fn l2_speeds_and_places_come_from_the_parameters() {
-    let mut rig = params("N10G01U-10\nN20M02", &[("P380", 600.0)]);
+    let mut rig = params("N0010G01U-10\nN0020M02", &[("P380", 600.0)]);
     // U−10: 5 mm of slide at half of 600 mm/min: 1 s and the ramps.
     tell(
         &mut rig,
@@ -272,7 +272,7 @@ fn l2_speeds_and_places_come_from_the_parameters() {
 
 #[test]
 fn l9_loop_run_begins_again_as_often_as_the_parameter_says() {
-    let mut rig = params("N10G01U-10F600\nN20U10\nN30M02", &[("P390", 3.0)]);
+    let mut rig = params("N0010G01U-10F600\nN0020U10\nN0030M02", &[("P390", 3.0)]);
     let before = rig.controller().blocks();
     tell(&mut rig, "key cycle-start\nwait 3 s\nexpect state running\nwait until idle max 30 s\nexpect X 0 ±0.001");
     // Three blocks, three times.
@@ -296,7 +296,7 @@ fn l1_every_example_of_the_manual_runs_to_its_end() {
 
 #[test]
 fn l5_k6_3_a_thread_begins_where_the_hand_has_left_the_tool() {
-    let mut rig = lathe("N10G92X100Z20\nN20M03\nN30G01U-2F300\nN35M00\nN40G33W-30F3\nN50M00\nN60M02");
+    let mut rig = lathe("N0010G92X100Z20\nN0020M03\nN0030G01U-2F300\nN0035M00\nN0040G33W-30F3\nN0050M00\nN0060M02");
     tell(&mut rig, "key cycle-start\nwait until stopped max 60 s\nhandwheel X -5 x0.1\nhandwheel Z 10 x0.1");
     tell(&mut rig, "mode auto\nkey cycle-start\nwait until stopped max 60 s");
     // X 98 − 0.5 + 8, Z 20 + 1 − 30.
@@ -305,7 +305,7 @@ fn l5_k6_3_a_thread_begins_where_the_hand_has_left_the_tool() {
 
 #[test]
 fn l7_a_spindle_stopped_in_a_pause_must_turn_again_before_the_run_goes_on() {
-    let mut rig = lathe("N10M03\nN20M00\nN30G04F1\nN40M02");
+    let mut rig = lathe("N0010M03\nN0020M00\nN0030G04F1\nN0040M02");
     tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nkey spindle-stop\nwait 1 s\nkey cycle-start");
     tell(&mut rig, "wait 0.2 s\nexpect state stopped\nkey spindle-forward\nwait 3 s\nkey cycle-start");
     tell(&mut rig, "wait until idle max 20 s\nexpect no alarm");

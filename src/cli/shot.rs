@@ -6,15 +6,14 @@ use std::path::Path;
 use super::args::{Shared, Shot};
 use super::play::story;
 use super::{CallError, FAILED, FINE, bench};
-use crate::defs::kind::Kind;
 use crate::defs::program;
 use crate::hmi::Hmi;
 use crate::hmi::shot::Stage;
+use crate::io::sim::PartFile;
 use crate::link::command::Command;
+use crate::runtime::rig::Rig;
 use crate::story::{Player, play::around};
 
-/// Program shown where no story loads one.
-const SHOWN: u32 = 1_001;
 /// Ticks until a page stands.
 const TICKS: u32 = 5;
 
@@ -40,21 +39,22 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             }
         }
         None => {
-            let of_kind = match kind {
-                Kind::Gc => Some(SHOWN),
-                Kind::Vertical => Some(program::number("VGRIND")),
-                Kind::Gs | Kind::Ga | Kind::Lathe => None,
+            let number = program::number(crate::machine::kind::find(kind).shown);
+            // The part of O1001 belongs into a cylindrical grinder.
+            let other = PartFile::builtin(number).ok().flatten().is_some_and(|part| part.kind != kind);
+            let mount = |rig: &mut Rig| match other {
+                false => bench::mount(rig, &shared, number),
+                true => {
+                    rig.send(Command::LoadProgram(number));
+                    Ok(())
+                }
             };
-            if let Some(number) = of_kind {
-                bench::mount(&mut rig, &shared, number)?;
+            if !other {
+                mount(&mut rig)?;
             }
             rig.step();
             rig.make_ready();
-            // The part of O1001 belongs into a cylindrical grinder.
-            match of_kind {
-                Some(number) => bench::mount(&mut rig, &shared, number)?,
-                None => rig.send(Command::LoadProgram(SHOWN)),
-            }
+            mount(&mut rig)?;
         }
     }
     rig.send(Command::OpenPage(call.page));
@@ -62,7 +62,9 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
         rig.step();
     }
     // A page may ask for something when it opens: the drawing its path, the transfer page its media.
-    let mut stage = Stage::new(Hmi::new(shared.lang), call.size);
+    let mut hmi = Hmi::new(shared.lang);
+    hmi.set_light(shared.light);
+    let mut stage = Stage::new(hmi, call.size);
     for _ in 0..TICKS {
         let wishes = stage.frame(rig.snapshot());
         wishes.into_iter().for_each(|wish| rig.send(wish));

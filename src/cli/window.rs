@@ -17,7 +17,7 @@ use crate::link::{Command, Snapshot};
 use crate::nc::Source;
 use crate::runtime::keeper::Keeper;
 use crate::runtime::office::Office;
-use crate::runtime::realtime::{Lateness, Link};
+use crate::runtime::realtime::{Link, Pace};
 use crate::runtime::rig::{Companion, set_up};
 use crate::runtime::simulator::Simulator;
 use crate::runtime::{bar, clock, disk_thread, realtime};
@@ -27,7 +27,7 @@ use crate::units::Micros;
 /// Commands on their way from the window to a story.
 const COMMANDS: usize = 256;
 /// How often the simulator page is shown the machine anew.
-const SIMULATED_EVERY: Micros = Micros::from_millis(250);
+const SIMULATED_EVERY: Micros = Micros::from_millis(100);
 /// Snapshots a second in a demo.
 const SNAPSHOT_EVERY: u64 = 16;
 
@@ -57,7 +57,7 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
     simulator.part = bench::part(shared, program)?;
     let looked = Micros::ZERO;
     let backend = Workshop { machine, parts, asked, simulator, shown: Arc::clone(&shown), looked };
-    let (link, disk) = realtime::start(controller, backend, Lateness::Counted).map_err(CallError::new)?;
+    let (link, disk) = realtime::start(controller, backend, Pace::Simulated).map_err(CallError::new)?;
     let disk = disk_thread::start(disk, Some(keeper), folders, office).map_err(CallError::new)?;
     let newest = Arc::new(Snapshot::new(shared.kind));
     let desk = LinkDesk { newest, link, bring, bar_of: 0, ask, simulated: shown };
@@ -166,7 +166,7 @@ impl LinkDesk {
         }
         self.bar_of = number;
         let row = self.newest.directory.iter().find(|row| row.number == number);
-        let name = row.and_then(|row| row.comment.split(' ').next()).unwrap_or_default();
+        let name = row.map_or("", |row| row.name.as_str());
         let source = Arc::new(Source::new(number, name, self.newest.program.text.bytes().collect::<Vec<u8>>()));
         if let Some(part) = bar::of_program(self.newest.kind, &self.newest.params, &source) {
             self.put_in(part);

@@ -91,7 +91,7 @@ impl Controller {
             }
             Mode::Step => {
                 if matches!(self.ask(Request::MoveByHand), Answer::Taken) && self.part_from_run() {
-                    let distance = direction * self.hand.step_mm / self.displayed_per_mm(axis);
+                    let distance = direction * self.step_length_mm() / self.displayed_per_mm(axis);
                     self.step_by(axis, distance);
                 }
             }
@@ -114,9 +114,12 @@ impl Controller {
         }
         match &mut self.phase {
             Phase::Homing(Homing { next, now }) => {
-                if now.axis != axis {
-                    next[axis] = true;
-                }
+                let (now, waits) = (now.axis, now.axis != axis);
+                next[axis] |= waits;
+                self.say(Said::new(
+                    format!("{now} 轴正在回零{}", if waits { format!("，然后 {axis} 轴") } else { String::new() }),
+                    format!("{now} is homing{}", if waits { format!(", then {axis}") } else { String::new() }),
+                ));
             }
             Phase::Idle => self.next_homing(wanted),
             Phase::Running | Phase::Holding | Phase::Held | Phase::Stopped | Phase::Aborting => {

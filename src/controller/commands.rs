@@ -69,6 +69,7 @@ impl Controller {
                     self.alarms.know_power_on(power_on);
                 }
             }
+            Command::Teach(command) => self.take_teach(*command),
             Command::Alive => self.screen_heard = Some(self.now),
         }
     }

@@ -94,7 +94,13 @@ impl Controller {
         match self.phase {
             Phase::Running => self.hold_run(),
             Phase::Homing(_) => self.abort_run(),
-            Phase::Idle | Phase::Holding | Phase::Held | Phase::Stopped | Phase::Aborting => {}
+            Phase::Idle => {
+                self.refuse(Said::new("没有程序在运行，无可暂停", "no program runs: there is nothing to hold"))
+            }
+            Phase::Holding | Phase::Aborting => self.say(Said::new("轴正在停止", "the axes are stopping")),
+            Phase::Held | Phase::Stopped => {
+                self.say(Said::new("已在暂停，按循环启动继续", "held already: cycle start goes on"));
+            }
         }
     }
 

@@ -81,6 +81,8 @@ impl Controller {
     pub(super) fn cancel_dress_point(&mut self) {
         if self.dress.asked.take().is_some() {
             self.say(Said::new("修整点没有改变", "the dressing point is as it was"));
+        } else {
+            self.refuse(Said::new("没有要取消的内容", "there is nothing to cancel"));
         }
     }
 

@@ -23,7 +23,9 @@ const ACTS_PER_TICK: usize = 64;
 impl Controller {
     /// Opens a run of the text and starts it.
     pub(super) fn open_run(&mut self, source: Arc<Source>, origin: Origin) {
-        let settings = nc::Settings { axes: self.axes.fitted(), ..nc_settings(self.kind, &self.params) };
+        let settings = nc_settings(self.kind, &self.params);
+        let numbered = settings.numbered && origin != Origin::Mdi;
+        let settings = nc::Settings { axes: self.axes.fitted(), numbered, ..settings };
         // A program begins from the power-on state of the codes; MDI goes on from its last line.
         self.forget_note(origin == Origin::Mdi);
         let kept = self.mdi_modals.take().filter(|_| origin == Origin::Mdi);

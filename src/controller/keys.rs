@@ -3,7 +3,7 @@
 
 use super::{Controller, Phase, retract};
 use crate::defs::alarm;
-use crate::defs::key::{Key, Mode};
+use crate::defs::key::{Group, Key, Mode};
 use crate::defs::mcode::Request;
 use crate::defs::page::Page;
 use crate::defs::param;
@@ -17,16 +17,13 @@ const FEED_OVERRIDE_MOST: u16 = 150;
 const SPINDLE_OVERRIDE: std::ops::RangeInclusive<u16> = 50..=120;
 const OVERRIDE_STEP: u16 = 10;
 
-const NOT_YET: Text = Text::new("此功能在本版本中还没有", "not available in this version");
+const OF_THE_SCREEN: Text = Text::new("此键只在屏幕上换软键行", "this key turns the soft keys on the screen alone");
 
 impl Controller {
     /// Why a key would do nothing now, if it would.
     pub(super) fn blocked(&self, key: Key) -> Option<Text> {
         if let Some(reason) = press::dead(key, self.kind, self.axes.fitted(), self.phase.bare()) {
             return Some(reason);
-        }
-        if !is_in_this_version(key) {
-            return Some(NOT_YET);
         }
         if key == Key::WheelRetract && !self.params.bit(param::WHEEL_RETRACT) {
             return Some(retract::DISABLED);
@@ -35,13 +32,20 @@ impl Controller {
         self.machine.forbidding(request, self.now, self.inputs, &self.params).map(|rule| rule.reason)
     }
 
+    /// K2.4: what a key does, or why nothing came of it.
     pub(super) fn press(&mut self, key: Key) {
         if let Some(reason) = press::dead(key, self.kind, self.axes.fitted(), self.phase.bare()) {
             return self.refuse(reason);
         }
-        if !is_in_this_version(key) {
-            return self.refuse(NOT_YET);
+        let already = chooses(key) && self.key_view(key).lamp;
+        self.act_on(key);
+        if already && self.message.since != self.now {
+            let name = key.name_on(self.kind);
+            self.say(Said::new(format!("{}：已是此状态", name.zh), format!("{}: it is so already", name.en)));
         }
+    }
+
+    fn act_on(&mut self, key: Key) {
         match key {
             Key::ModeEdit => self.choose(Mode::Edit),
             Key::ModeAuto => self.choose(Mode::Auto),
@@ -58,7 +62,10 @@ impl Controller {
             Key::DryRun => self.switch_dry_run(),
             Key::CycleStart => self.cycle_start(),
             Key::FeedHold => self.feed_hold(),
-            Key::Reset => self.reset(),
+            Key::Reset => {
+                self.reset();
+                self.say(Said::new("已复位", "reset"));
+            }
             Key::EmergencyStop => {
                 self.soft_e_stop = !self.soft_e_stop;
                 if self.soft_e_stop {
@@ -81,14 +88,36 @@ impl Controller {
             Key::AddressZ => self.ask_dress_point(Axis::Z),
             Key::Input => self.set_dress_point(),
             Key::Cancel => self.cancel_dress_point(),
-            Key::F1 => self.open_page(Page::Position),
-            Key::F4 => self.open_page(Page::Grinding),
-            Key::F5 => self.open_page(Page::Dressing),
+            Key::F1 | Key::F2 | Key::F3 => self.turn_to(Page::Position),
+            Key::F4 => self.turn_to(Page::of_f(self.kind, false)),
+            Key::F5 => self.turn_to(Page::of_f(self.kind, true)),
+            Key::NextRow => self.refuse(OF_THE_SCREEN),
             _ => self.press_override(key),
         }
     }
 
+    /// A soft key of the first row that came as a key of the panel.
+    fn turn_to(&mut self, page: Page) {
+        if self.page == page {
+            let name = page.title();
+            self.say(Said::new(format!("已是{}页面", name.zh), format!("page {} is open", name.en)));
+        }
+        self.open_page(page);
+    }
+
     fn press_override(&mut self, key: Key) {
+        let before = (self.overrides.feed, self.overrides.spindle);
+        self.set_override(key);
+        let now = (self.overrides.feed, self.overrides.spindle);
+        let at = match key {
+            Key::FeedOverrideUp | Key::FeedOverrideDown if before == now => now.0,
+            Key::SpindleOverrideUp | Key::SpindleOverrideDown if before == now => now.1,
+            _ => return,
+        };
+        self.say(Said::new(format!("倍率已到 {at} %"), format!("the override stands at its end, {at} %")));
+    }
+
+    fn set_override(&mut self, key: Key) {
         let overrides = &mut self.overrides;
         match key {
             Key::FeedOverrideUp => overrides.feed = (overrides.feed + OVERRIDE_STEP).min(FEED_OVERRIDE_MOST),
@@ -147,7 +176,25 @@ impl Controller {
     }
 }
 
-/// Keys that this version draws but does not drive yet.
-const fn is_in_this_version(key: Key) -> bool {
-    !matches!(key, Key::F2 | Key::F3 | Key::NextRow)
+/// Keys that choose a state, as against those that switch to and fro: pressed again they change nothing.
+const fn chooses(key: Key) -> bool {
+    match key.row().group {
+        Group::Mode | Group::Handwheel | Group::Override => true,
+        Group::Wheel | Group::Workpiece | Group::Clamping => matches!(
+            key,
+            Key::WheelStart
+                | Key::WheelStop
+                | Key::HeadstockHigh
+                | Key::HeadstockLow
+                | Key::HeadstockStop
+                | Key::SpindleForward
+                | Key::SpindleReverse
+                | Key::SpindleStop
+                | Key::TailstockAdvance
+                | Key::TailstockRetract
+        ),
+        Group::Switch | Group::Run | Group::Jog | Group::Fluids | Group::Gauges | Group::Dressing | Group::Screen => {
+            false
+        }
+    }
 }

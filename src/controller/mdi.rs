@@ -11,7 +11,7 @@ use super::{Controller, Phase};
 use crate::defs::key::Mode;
 use crate::defs::text::{Lang, Said, Text};
 use crate::link::edit::ModalView;
-use crate::nc::{Modals, Next, Source};
+use crate::nc::{Modals, Next, Settings, Source};
 
 const NOT_MDI: Text = Text::new("录入方式下才能执行：先按 录入 键", "MDI lines work in mode MDI: press that key first");
 const OPEN_RUN: Text = Text::new("程序未结束，先等待或复位", "a program is open: wait, or press RESET");
@@ -62,7 +62,7 @@ impl Controller {
     /// Whether the first block of the line is one, from where the machine stands now.
     fn check_mdi(&self, line: &str) -> Result<(), Said> {
         let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
-        let settings = nc_settings(self.kind, &self.params);
+        let settings = Settings { numbered: false, ..nc_settings(self.kind, &self.params) };
         let modals = self.mdi_modals.unwrap_or_else(|| Modals::new(&settings));
         let mut frames = self.frames.clone();
         frames.activate(modals.frame);

@@ -37,6 +37,7 @@ mod settle;
 mod status;
 mod switches;
 mod system;
+mod teach;
 mod turning;
 mod watch;
 mod wheel_change;
@@ -231,6 +232,7 @@ pub struct Controller {
     edits: edits::Edits,
     files: files::Files,
     lathe: turning::Lathe,
+    teach: teach::Teach,
     /// How often the program begins again by itself (P390).
     runs_left: u32,
 }
@@ -299,6 +301,7 @@ impl Controller {
             edits: edits::Edits::default(),
             files: files::Files::default(),
             lathe: turning::Lathe::default(),
+            teach: teach::Teach::default(),
             runs_left: 0,
             params,
         };
@@ -334,6 +337,7 @@ impl Controller {
         self.step_oscillation();
         let rate = self.rate();
         self.axes.tick(rate, self.lathe.spindle.turns);
+        self.step_teach();
         self.settle();
         self.write_outputs();
         self.keep_alarms();

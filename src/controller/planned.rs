@@ -84,8 +84,9 @@ impl Planned {
         params: &Params,
     ) -> Result<(), Forbidden> {
         let act = match op {
-            Op::Rapid { to, words, incremental } => {
-                return self.line(*to, Speed::Rapid, (*words, *incremental), items, params);
+            Op::Rapid { to, feed, words, incremental } => {
+                let speed = feed.map_or(Speed::Rapid, speed);
+                return self.line(*to, speed, (*words, *incremental), items, params);
             }
             Op::Feed { to, feed, words, incremental } => {
                 return self.line(*to, speed(*feed), (*words, *incremental), items, params);

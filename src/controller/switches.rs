@@ -9,6 +9,9 @@ const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is
 impl Controller {
     /// Positions count, axes do not move. Switching it off shows the real positions again.
     pub(super) fn switch_machine_lock(&mut self) {
+        if !self.drives_on {
+            return self.refuse(Said::new("驱动未接通，不能机床锁", "the drives are off: the axes are not locked now"));
+        }
         if self.run.is_some() || !self.axes.is_at_rest() || self.hand.is_leading() || self.retract.is_lit() {
             return self.refuse(WITH_RUN);
         }

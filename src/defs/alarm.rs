@@ -21,6 +21,27 @@ pub enum Reaction {
     StopAll,
 }
 
+impl Reaction {
+    /// What the machine does, as told on the screen.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Show => Text::new("只显示，不停机", "shown only, nothing stops"),
+            Self::BlockStart => Text::new("禁止循环启动", "cycle start is blocked"),
+            Self::HoldProgram => Text::new("程序暂停，禁止循环启动", "the run is held, cycle start is blocked"),
+            Self::StopProgram => {
+                Text::new("程序结束，轴减速停止；砂轮和液体不变", "the run ends, the axes brake; wheel and fluids stay")
+            }
+            Self::StopProgramAndWheel => {
+                Text::new("程序结束，砂轮和头架/台面停止", "the run ends, wheel and workpiece drive stop")
+            }
+            Self::StopAll => {
+                Text::new("各轴急停，输出进入安全状态", "all axes brake at once, outputs go to their safe state")
+            }
+        }
+    }
+}
+
 /// How an alarm goes away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResetRule {
@@ -30,6 +51,21 @@ pub enum ResetRule {
     SelfClearing,
     /// By itself, unless it has stopped a wheel or a program; then by RESET once its cause is gone.
     SelfClearingUnlessStopped,
+}
+
+impl ResetRule {
+    /// How it goes away, as told on the screen.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Reset => Text::new("排除原因后按复位", "RESET, once its cause is gone"),
+            Self::SelfClearing => Text::new("原因排除后自动消失", "by itself, once its cause is gone"),
+            Self::SelfClearingUnlessStopped => Text::new(
+                "原因排除后自动消失；若已停砂轮或程序，再按复位",
+                "by itself, once its cause is gone; after it stopped a wheel or a program, by RESET",
+            ),
+        }
+    }
 }
 
 /// One alarm.
@@ -167,7 +203,7 @@ alarms! {
         "P388 时间内没有检测到所选刀位的信号", "the switch of the station did not come within P388",
         "检查刀架电机、刀位信号 P365–P368", "check the post's motor and its switches P365 to P368";
     THREAD_SPEED = 211, StopProgram, Reset, "螺纹加工主轴转速过高", "spindle too fast for the thread",
-        "主轴转速超过 1200/导程-80", "the spindle turns faster than 1200/lead − 80",
+        "主轴转速超过 1200/导程-80", "the spindle turns faster than 1200/lead - 80",
         "降低主轴转速或减小导程", "lower the speed or the lead";
     SPINDLE_STANDS = 212, StopProgram, Reset, "主轴未转动", "the spindle stands",
         "螺纹加工时主轴没有转动", "a thread was begun with the spindle standing",
@@ -224,6 +260,14 @@ pub const SERIAL: std::ops::RangeInclusive<u16> = SERIAL_PORT..=SERIAL_TEXT;
 
 /// First number of the alarms that a program raises by `#3000`.
 pub const USER_FIRST: u16 = 3_000;
+/// What such an alarm is, and what to do about it.
+pub const USER: (Text, Text) = (
+    Text::new(
+        "程序用 #3000 发出的报警，文字由编程员写",
+        "an alarm that the program raises by #3000, in its programmer's words",
+    ),
+    Text::new("按文字处理后复位", "do as its text says, then RESET"),
+);
 
 /// The row of an alarm that is not a program's.
 #[must_use]

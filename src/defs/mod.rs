@@ -4,6 +4,8 @@
 
 pub mod alarm;
 pub mod date;
+pub mod dialect_word;
+pub mod face;
 pub mod gcode;
 pub mod history;
 pub mod key;
@@ -20,4 +22,5 @@ pub mod screen;
 pub mod screw;
 pub mod signal;
 pub mod text;
+pub mod turning_tool;
 pub mod variable;

@@ -47,7 +47,7 @@ pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) -> Option<Touched> {
     put(painter, place, Align2::RIGHT_CENTER, &program, theme::LABEL, view.theme.text);
     let title = Rect::from_min_max(row.min, pos2(place.min.x - theme::PAD, row.max.y));
     let kind = view.snapshot.kind.name().get(view.lang).split(' ').next().unwrap_or_default();
-    let word = format!("{kind} · {}", view.snapshot.page.title().get(view.lang));
+    let word = format!("{kind} · {}", view.snapshot.page.title_on(view.snapshot.kind).get(view.lang));
     fit(painter, title, Align2::LEFT_CENTER, &word, theme::TITLE, view.theme.text);
     touched
 }
@@ -116,7 +116,9 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
         return Some((message.text.get(lang).to_owned(), view.theme.hold));
     }
     if let Some(alarm) = view.snapshot.alarms.first() {
-        let word = format!("{:03} {} → {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang));
+        let (text, remedy) = (alarm.text.get(lang), alarm.remedy.get(lang));
+        let arrow = if remedy.is_empty() { "" } else { " → " };
+        let word = format!("{:03} {text}{arrow}{remedy}", alarm.number);
         return Some((word, view.theme.alarm_text));
     }
     if let Some(waiting) = &view.snapshot.waiting_for {

@@ -101,7 +101,13 @@ impl Stage {
     #[must_use]
     pub fn picture(&self) -> RgbaImage {
         let primitives = self.ctx.tessellate(self.shapes.clone(), self.scale);
-        self.raster.paint(&primitives, self.scale, self.size, theme::DARK.ground)
+        self.raster.paint(&primitives, self.scale, self.size, self.hmi.ground())
+    }
+
+    /// What the last frame painted, in its order.
+    #[must_use]
+    pub fn shapes(&self) -> &[egui::epaint::ClippedShape] {
+        &self.shapes
     }
 
     /// Every text of the last frame with the place that its ink takes, its clip rectangle, and whether it was cut.

@@ -24,6 +24,8 @@ use crate::units::PerAxis;
 const LOOK: Duration = Duration::from_millis(33);
 /// A frame comes at least this often, more often where P76 wants to hear of the screen sooner.
 const QUIET: Duration = Duration::from_millis(1_000);
+/// Greatest side of a texture, px.
+const TEXTURE_SIDE: usize = 2_048;
 /// `Alive` is sent at most this often.
 const ALIVE: Duration = Duration::from_millis(100);
 
@@ -85,7 +87,8 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
     }
     let viewport = ViewportBuilder::default().with_title("KT-830").with_inner_size(vec2(1_024.0, 768.0));
     let viewport = viewport.with_fullscreen(options.fullscreen).with_decorations(!options.fullscreen);
-    let native = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
+    // Flat colours have no bands to hide, and software OpenGL pays for every pixel.
+    let native = eframe::NativeOptions { viewport, dithering: false, ..eframe::NativeOptions::default() };
     let desk: Shared = Arc::new(Mutex::new(desk));
     let over = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&over);
@@ -239,6 +242,15 @@ impl Window {
 }
 
 impl eframe::App for Window {
+    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
+        self.hmi.ground().to_normalized_gamma_f32()
+    }
+
+    fn raw_input_hook(&mut self, _ctx: &egui::Context, input: &mut egui::RawInput) {
+        // The glyphs' texture is as wide as it may be: a narrow one grows in smaller steps.
+        input.max_texture_side = input.max_texture_side.map(|side| side.min(TEXTURE_SIDE));
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.fill_monitor(ui.ctx());
         Self::scale(ui.ctx());

@@ -11,6 +11,7 @@ use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
 use super::files::FilesView;
 use super::internal::InternalSet;
 use super::simulated::SimView;
+use super::teach::TeachView;
 use crate::defs::date::Date;
 use crate::defs::history::PastAlarm;
 use crate::defs::key::{Key, Mode};
@@ -74,6 +75,12 @@ impl RunState {
             Self::Homing => "homing",
             Self::Alarm => "alarm",
         }
+    }
+
+    /// A program or a homing is under way: what stops it must be at hand.
+    #[must_use]
+    pub const fn moves(self) -> bool {
+        matches!(self, Self::Running | Self::Waiting | Self::Homing)
     }
 
     /// The word of the status line.
@@ -231,6 +238,10 @@ pub struct Snapshot {
     pub feed_mm_min: f64,
     /// Wheel speed commanded, rpm.
     pub wheel_rpm: f64,
+    /// The station of the tool post in front, 1 to 4, 0 unknown; none on kinds without one (L8).
+    pub station: Option<u32>,
+    /// The recording of what is moved by hand (L9).
+    pub teach: Arc<TeachView>,
     /// Measured strokes a minute of the axis that oscillates (K4.3).
     pub strokes_min: Option<f64>,
     /// Workpieces counted.
@@ -382,6 +393,8 @@ impl Snapshot {
             spindle_override: 100,
             feed_mm_min: 0.0,
             wheel_rpm: 0.0,
+            station: None,
+            teach: Arc::default(),
             strokes_min: None,
             parts: 0,
             cycle_seconds: 0.0,

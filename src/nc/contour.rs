@@ -87,7 +87,7 @@ fn words(axes: &[Axis]) -> AxisSet {
 }
 
 fn rapid(to: PerAxis<f64>, axes: &[Axis]) -> Op {
-    Op::Rapid { to, words: words(axes), incremental: AxisSet::NONE }
+    Op::Rapid { to, feed: None, words: words(axes), incremental: AxisSet::NONE }
 }
 
 fn feed_to(to: PerAxis<f64>, feed: Feed, axes: &[Axis]) -> Op {

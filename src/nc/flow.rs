@@ -72,6 +72,8 @@ struct Level {
     modal: Option<Arc<ModalCall>>,
     /// Counted loops open below this level.
     base: usize,
+    /// The block number at which a subprogram of the same text begins.
+    entry: Option<u32>,
 }
 
 /// The place in the running program and the way back.
@@ -133,6 +135,20 @@ impl Flow {
     #[inline]
     pub fn is_main(&self) -> bool {
         self.levels.is_empty()
+    }
+
+    /// The block number of the running subprogram of the same text.
+    pub fn local_sub(&self) -> Option<u32> {
+        self.levels.last().and_then(|level| level.entry)
+    }
+
+    /// Opens the counted loop of a line whose G22 is wrong, to be run through once; for a check that wants to see the rest.
+    pub fn enter_wrong_loop(&mut self) {
+        if let Some(found) = self.source.counted_at(self.line)
+            && let Some(end_line) = found.end_line
+        {
+            self.counted.push(Counted { line: found.line, end_line, left: 0 });
+        }
     }
 
     /// The next block to read, to come back to.
@@ -239,6 +255,7 @@ impl Flow {
             callee: call.callee,
             modal: if modal { restored } else { None },
             base: self.base,
+            entry: None,
         });
         self.depth = 0;
         self.base = self.counted.len();
@@ -288,6 +305,7 @@ impl Flow {
             callee: Callee::Sub,
             modal: None,
             base: self.base,
+            entry: Some(n),
         });
         self.depth = 0;
         self.base = self.counted.len();

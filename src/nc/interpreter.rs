@@ -269,6 +269,7 @@ impl Interpreter {
                     text,
                     at,
                     main: self.flow.is_main(),
+                    local_sub: self.flow.local_sub(),
                     second_half: self.second_half,
                 };
                 if self.words.has(b'O') && !at_head(text, at) {
@@ -319,6 +320,9 @@ impl Interpreter {
         // DECISION: the end of a subprogram's text without M99 returns to the caller.
         if self.flow.is_main() {
             return Ok(Stepped::End);
+        }
+        if let Some(n) = self.flow.local_sub() {
+            return wrong1(self.flow.source.last_line_start(), E::SubWithoutReturn, format!("N{n:04}"));
         }
         self.changed = true;
         self.flow.return_to(None, at)?;

@@ -106,6 +106,8 @@ pub struct Modals {
     pub(crate) lead: Option<f64>,
     /// The sense of the last move of X before a thread, 0 if none came (L5).
     pub(crate) infeed: i8,
+    /// The program has switched the main spindle on (L5).
+    pub(crate) spindle_on: bool,
     /// Where the program began, in today's work coordinates: the tool-change point (L3).
     pub(crate) start: PerAxis<f64>,
     /// K5.11: a second tool was called.
@@ -146,6 +148,7 @@ impl Modals {
             repeat: RepeatWords::default(),
             lead: None,
             infeed: 0,
+            spindle_on: false,
             start: PerAxis::default(),
             several_tools: false,
             preset: false,

@@ -161,8 +161,8 @@ pub struct Threading {
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
 pub enum Op {
-    /// G00.
-    Rapid { to: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
+    /// G00; on the 超人 lathe its block may name a speed (L2).
+    Rapid { to: PerAxis<f64>, feed: Option<Feed>, words: AxisSet, incremental: AxisSet },
     /// G01.
     Feed { to: PerAxis<f64>, feed: Feed, words: AxisSet, incremental: AxisSet },
     /// G02 (turn −1, clockwise) and G03 (turn 1), seen with the plane's first axis to the right and the second up.
@@ -278,7 +278,12 @@ impl Op {
     /// Key and value of every field, positions first.
     fn fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
         match self {
-            Self::Rapid { to, .. } => points(put, "", axes, *to),
+            Self::Rapid { to, feed, .. } => {
+                points(put, "", axes, *to);
+                if let Some(feed) = feed {
+                    feed_words(put, *feed);
+                }
+            }
             Self::Feed { to, feed, .. } => {
                 points(put, "", axes, *to);
                 feed_words(put, *feed);

@@ -72,6 +72,8 @@ pub struct Settings {
     pub exact_stop: bool,
     /// Where a program begins is its work zero until it says otherwise (L3).
     pub zero_at_start: bool,
+    /// Every block of a program of the 超人 lathe begins with a number of four digits (L1); an MDI line needs none.
+    pub numbered: bool,
     /// Speeds and places of the 超人 lathe.
     pub turning: Turning,
     /// P17.1: G35 moves a cylinder and takes no words.
@@ -97,6 +99,7 @@ impl Settings {
             tools: 16,
             exact_stop: false,
             zero_at_start: false,
+            numbered: false,
             turning: Turning::default(),
             oscillation_by_cylinder: false,
             rapid_mm_min: PerAxis([6_000.0; 3]),
@@ -119,7 +122,7 @@ impl Settings {
     #[must_use]
     pub fn superman() -> Self {
         let tools = 4;
-        Self { system: System::SuperMan, exact_stop: true, zero_at_start: true, tools, ..Self::lathe() }
+        Self { system: System::SuperMan, exact_stop: true, zero_at_start: true, numbered: true, tools, ..Self::lathe() }
     }
 
     /// As a machine with programs of this language leaves the factory.

@@ -145,6 +145,13 @@ impl Source {
         (!title.is_empty()).then(|| title.to_owned())
     }
 
+    /// The byte at which the last line begins that is not blank.
+    pub(crate) fn last_line_start(&self) -> usize {
+        let blank = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
+        let last = self.bytes.iter().rposition(|byte| !blank(byte)).unwrap_or(0);
+        self.lines.iter().rev().map(|start| *start as usize).find(|start| *start <= last).unwrap_or(0)
+    }
+
     /// The byte at which a line (from 0) begins.
     pub(crate) fn start(&self, line: u32) -> usize {
         self.lines.get(line as usize).map_or(self.bytes.len(), |start| *start as usize)
@@ -220,7 +227,10 @@ impl Source {
     pub(crate) fn foreign(&self, at: usize) -> Option<(char, String)> {
         let rest = self.bytes.get(at..(at + 4).min(self.bytes.len()))?;
         let character = self.decode(rest).chars().next()?;
-        Some((character, ascii_for(character).map_or_else(|| "( )".to_owned(), |ascii| format!("'{ascii}'"))))
+        // Otherwise a comment is meant; a SINUMERIK's has no brackets.
+        let end = self.name.rsplit_once('.').map(|(_, end)| end.to_ascii_uppercase());
+        let comment = if matches!(end.as_deref(), Some("MPF" | "SPF")) { ";" } else { "( )" };
+        Some((character, ascii_for(character).map_or_else(|| comment.to_owned(), |ascii| format!("'{ascii}'"))))
     }
 
     fn index(&mut self) {

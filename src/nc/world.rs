@@ -156,8 +156,8 @@ impl CheckWorld {
     /// Does one operation.
     pub fn apply(&mut self, op: &Op) {
         match op {
-            Op::Rapid { to, .. } => self.rapid(*to),
-            Op::Feed { to, feed, .. } | Op::Skip { to, feed, .. } => {
+            Op::Rapid { to, feed: None, .. } => self.rapid(*to),
+            Op::Rapid { to, feed: Some(feed), .. } | Op::Feed { to, feed, .. } | Op::Skip { to, feed, .. } => {
                 let length = distance(self.position, *to);
                 self.cut(*to, length, *feed);
             }

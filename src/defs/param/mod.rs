@@ -17,7 +17,7 @@ use crate::units::{Axis, Micros};
 const KT830_COLUMN: [usize; Kind::ALL.len()] = [0, 1, 2, 0, 0];
 
 /// Highest parameter number + 1.
-pub const PARAM_LIMIT: usize = 400;
+pub const PARAM_LIMIT: usize = 440;
 
 /// Who may change a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

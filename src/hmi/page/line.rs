@@ -47,7 +47,7 @@ impl LineSide {
                 Edit::Char(_) | Edit::Sign => {
                     self.refused = Some(Said::new("只能输入 1 到 4 位数字", "1 to 4 digits only"))
                 }
-                Edit::Back => {
+                Edit::Back | Edit::Delete => {
                     self.refused = None;
                     self.number.pop();
                 }

@@ -2,6 +2,7 @@
 //! the check are shared.
 
 mod arc;
+mod block;
 mod grinder;
 mod sinumerik;
 mod superman;
@@ -34,6 +35,8 @@ pub(crate) struct Running<'r, 'w> {
     pub at: usize,
     /// The program is the one that was started, not a subprogram.
     pub main: bool,
+    /// The block number of the running subprogram of the same text (L7).
+    pub local_sub: Option<u32>,
     /// The second half of a block that was divided by `Step::Again`.
     pub second_half: bool,
 }
@@ -93,12 +96,13 @@ pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     }
 }
 
-/// Looks at a block of words that is not executed: whether its codes exist.
-pub(crate) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
+/// Looks at a block of words that is not executed – the program's text and where the block begins in it – whether it is
+/// written as it must be and its codes exist.
+pub(crate) fn look(words: &Words, settings: &Settings, written: (&[u8], usize)) -> Outcome<()> {
     match settings.system {
         System::LatheA | System::Mill => grinder::look(words, settings),
         System::Sinumerik => sinumerik::look(words),
-        System::SuperMan => superman::look(words),
+        System::SuperMan => superman::look(words, settings, written),
     }
 }
 

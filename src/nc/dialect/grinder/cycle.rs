@@ -52,9 +52,9 @@ fn run(running: &mut Running<'_, '_>, infeed: Axis, stroke: Axis) -> Outcome<()>
         set
     };
     let (one, other) = (AxisSet::of(infeed), AxisSet::of(stroke));
-    running.ops.push(Op::Rapid { to: start, words: one, incremental: by(one) });
+    running.ops.push(Op::Rapid { to: start, feed: None, words: one, incremental: by(one) });
     running.ops.push(Op::Feed { to: end, feed, words: one.with(other), incremental: by(one.with(other)) });
     running.ops.push(Op::Feed { to: out, feed, words: one, incremental: by(one) });
-    running.ops.push(Op::Rapid { to: from, words: other, incremental: by(other) });
+    running.ops.push(Op::Rapid { to: from, feed: None, words: other, incremental: by(other) });
     Ok(())
 }

@@ -96,7 +96,7 @@ pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     match running.modals.motion {
         Motion::Rapid => {
             let Target { to, words, incremental } = target(running, running.scope.position())?;
-            running.ops.push(Op::Rapid { to, words, incremental });
+            running.ops.push(Op::Rapid { to, feed: None, words, incremental });
         }
         Motion::Feed => {
             let Target { to, words, incremental } = target(running, running.scope.position())?;

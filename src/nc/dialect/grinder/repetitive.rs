@@ -161,7 +161,7 @@ impl Groove {
     fn hand_out(&self, running: &mut Running<'_, '_>, at: usize) -> Outcome<()> {
         let (peck, step) = (self.peck, self.step);
         let (one, side) = (AxisSet::of(peck), AxisSet::of(step));
-        let rapid = |to, words| Op::Rapid { to, words, incremental: AxisSet::NONE };
+        let rapid = |to, words| Op::Rapid { to, feed: None, words, incremental: AxisSet::NONE };
         let cut = |to| Op::Feed { to, feed: self.feed, words: one, incremental: AxisSet::NONE };
         let way = |axis: Axis| self.to[axis] - self.from[axis];
         let mut place = self.from;

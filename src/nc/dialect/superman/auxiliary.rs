@@ -1,7 +1,8 @@
 //! S, T, M and the counted loop. Source: spec L4, L7, L8.
 
-use super::{NUMBERS, integer, m_row, out_of_range};
-use crate::defs::mcode::MCode;
+use super::{NUMBERS, integer, out_of_range};
+use crate::defs::kind::System;
+use crate::defs::mcode::{self, MCode};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::{Running, Step};
 use crate::nc::fault::{Outcome, wrong1, wrong2};
@@ -11,12 +12,23 @@ use crate::units::{Axis, PerAxis};
 
 /// The highest speed that can be written, rpm.
 const SPEEDS: f64 = 9_999.0;
+/// M05.
+const SPINDLE_STOP: u32 = 5;
 /// How often a loop can run.
 const REPEATS: u32 = 9_999;
 
 /// The row of an M code.
-pub(super) fn row(code: Code) -> Option<&'static MCode> {
-    m_row(code)
+fn row(code: Code) -> Option<&'static MCode> {
+    mcode::find_in(System::SuperMan, u16::try_from(code.number).ok()?)
+}
+
+/// Whether the language has an M code; the mistake names those that it has.
+pub(super) fn exists(code: Code) -> Outcome<()> {
+    if row(code).is_some() {
+        return Ok(());
+    }
+    let known: Vec<_> = mcode::table(System::SuperMan).iter().map(|row| format!("M{:02}", row.code)).collect();
+    wrong2(code.at as usize, E::NoSuchCode, format!("M{:02}", code.number), known.join(" "))
 }
 
 /// S: revolutions a minute (D: the manual leaves it to the customer).
@@ -61,9 +73,7 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Co
     let mut flow = None;
     for code in words.m() {
         let name = format!("M{:02}", code.number);
-        if row(*code).is_none() {
-            return wrong1(code.at as usize, E::UnknownM, name);
-        }
+        exists(*code)?;
         if stands_alone(code.number)
             && let Some(other) = words.m().iter().find(|other| other.at != code.at)
         {
@@ -76,11 +86,17 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Co
         };
         let step = match code.number {
             0 => continue,
-            2 => Step::End,
+            2 => match running.local_sub {
+                Some(n) => return wrong1(code.at as usize, E::EndInSub, format!("N{n:04}")),
+                None => Step::End,
+            },
             97 => target().map(|(n, at)| Step::Jump { n, at })?,
             98 => target().map(|(n, at)| Step::Local { n, at })?,
             99 => Step::Return { target: None, at: code.at as usize },
             number => {
+                // L5: a thread is remarked on where the program has not switched the spindle on.
+                running.modals.spindle_on =
+                    number != SPINDLE_STOP && (running.modals.spindle_on || matches!(number, 3 | 4));
                 running.ops.push(Op::M { code: number as u8, s: None, p: None, l: None });
                 continue;
             }

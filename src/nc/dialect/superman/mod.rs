@@ -8,17 +8,17 @@ mod motion;
 mod thread;
 
 use super::{Running, Step};
-use crate::defs::kind::System;
-use crate::defs::mcode;
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::Motion;
+use crate::nc::settings::Settings;
 use crate::nc::words::{Code, Kind, Word, Words};
 
 /// The greatest coordinate that can be written, mm.
 const LIMIT: f64 = 9_999.99;
-/// The highest block number.
+/// The highest block number, and how many digits it has.
 const NUMBERS: u32 = 9_999;
+const DIGITS: usize = 4;
 
 /// The letters X Z U W.
 const AXIS_WORDS: u32 = bit(b'X') | bit(b'Z') | bit(b'U') | bit(b'W');
@@ -32,7 +32,10 @@ const G_CODES: &[u32] = &[0, 1, 2, 3, 4, 22, 23, 26, 27, 29, 32, 33, 36, 37, 39,
 
 /// Executes a block of words.
 pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
-    check_writing(running)?;
+    check_writing(running.words, running.settings, (running.text, running.at))?;
+    if let Some((short, full)) = short_number(running.text, running.at) {
+        running.scope.note(running.at, E::BlockNumberShort, [short, full]);
+    }
     let code = g_code(running.words)?;
     auxiliary::speed(running)?;
     auxiliary::tool(running)?;
@@ -53,48 +56,73 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     }
 }
 
-/// Looks at the codes of a block that is not executed.
-pub(super) fn look(words: &Words) -> Outcome<()> {
+/// Looks at the writing and the codes of a block that is not executed.
+pub(super) fn look(words: &Words, settings: &Settings, written: (&[u8], usize)) -> Outcome<()> {
+    check_writing(words, settings, written)?;
     g_code(words)?;
-    match words.m().iter().find(|code| auxiliary::row(**code).is_none()) {
-        Some(code) => wrong1(code.at as usize, E::UnknownM, format!("M{:02}", code.number)),
-        None => Ok(()),
-    }
+    words.m().iter().try_for_each(|code| auxiliary::exists(*code))
 }
 
-/// What holds for every block: plain numbers, each address once, block numbers of four digits (L1).
-fn check_writing(running: &Running<'_, '_>) -> Outcome<()> {
-    let words = running.words;
-    let line = running.text.get(running.at..).unwrap_or_default();
+/// What holds for every block: its number of four digits first, plain numbers, each address once (L1).
+fn check_writing(words: &Words, settings: &Settings, (text, at): (&[u8], usize)) -> Outcome<()> {
+    let line = text.get(at..).unwrap_or_default();
     let end = line.iter().position(|byte| matches!(byte, b'\r' | b'\n' | b';' | b'(')).unwrap_or(line.len());
-    if let Some(at) = line[..end].iter().position(|byte| matches!(byte, b'#' | b'[')) {
-        return wrong(running.at + at, E::NoMacros);
+    if let Some(place) = line[..end].iter().position(|byte| matches!(byte, b'#' | b'[')) {
+        return wrong(at + place, E::NoMacros);
     }
-    let first = line.iter().find(|byte| !matches!(byte, b' ' | b'\t'));
-    if words.n.is_some() && !matches!(first, Some(b'N' | b'n')) {
-        let at = line[..end].iter().position(|byte| matches!(byte, b'N' | b'n')).unwrap_or(0);
-        return wrong(running.at + at, E::NumberFirst);
+    let first = line.iter().position(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(0);
+    let numbered = matches!(line.get(first), Some(b'N' | b'n'));
+    if words.n.is_some() && !numbered {
+        let place = line[..end].iter().position(|byte| matches!(byte, b'N' | b'n')).unwrap_or(0);
+        return wrong(at + place, E::NumberFirst);
     }
-    if let Some(at) = words.bare {
-        return wrong1(at as usize, E::MissingNumber, letter(running, at));
+    let letter = |place: u32| char::from(text.get(place as usize).copied().unwrap_or(b'?')).to_ascii_uppercase();
+    if let Some(place) = words.bare {
+        return wrong1(place as usize, E::MissingNumber, letter(place));
     }
-    if let Some(at) = words.double {
-        return wrong1(at as usize, E::DoubleWord, letter(running, at));
+    if let Some(place) = words.double {
+        return wrong1(place as usize, E::DoubleWord, letter(place));
     }
+    let digits = line.iter().skip(first + 1).take_while(|byte| byte.is_ascii_digit()).count();
+    // D: the manual prints N016 once; with three digits it is read and remarked on.
+    let as_printed = digits == DIGITS || digits + 1 == DIGITS;
     match words.n {
-        Some(n) if n > NUMBERS => wrong2(running.at, E::OutOfRange, format!("N{n}"), format!("0–{NUMBERS}")),
-        Some(_) | None => Ok(()),
+        None if settings.numbered => wrong(at + first, E::BlockNumberMissing),
+        Some(n) if n > NUMBERS || settings.numbered && !as_printed => {
+            wrong2(at + first, E::BlockNumberDigits, written_number(line, first, digits), best_number(n))
+        }
+        None | Some(_) => Ok(()),
     }
 }
 
-fn letter(running: &Running<'_, '_>, at: u32) -> char {
-    char::from(running.text.get(at as usize).copied().unwrap_or(b'?')).to_ascii_uppercase()
+fn written_number(line: &[u8], first: usize, digits: usize) -> String {
+    let digits = line.get(first + 1..first + 1 + digits).unwrap_or_default();
+    format!("N{}", String::from_utf8_lossy(digits))
+}
+
+/// How a block number is written.
+fn best_number(n: u32) -> String {
+    if n > NUMBERS { format!("N0000–N{NUMBERS}") } else { format!("N{n:04}") }
+}
+
+/// A block number of three digits as it is written, and as it should be.
+fn short_number(text: &[u8], at: usize) -> Option<(String, String)> {
+    let line = text.get(at..)?;
+    let first = line.iter().position(|byte| !matches!(byte, b' ' | b'\t'))?;
+    let digits = line.iter().skip(first + 1).take_while(|byte| byte.is_ascii_digit()).count();
+    let short = matches!(line.get(first), Some(b'N' | b'n')) && digits + 1 == DIGITS;
+    short.then(|| {
+        let written = written_number(line, first, digits);
+        let full = format!("N0{}", &written[1..]);
+        (written, full)
+    })
 }
 
 /// The one G code of a block.
 fn g_code(words: &Words) -> Outcome<Option<Code>> {
     if let Some(code) = words.g().iter().find(|code| !G_CODES.contains(&code.number)) {
-        return wrong1(code.at as usize, E::UnknownG, format!("G{:02}", code.number));
+        let known: Vec<_> = G_CODES.iter().map(|code| format!("G{code:02}")).collect();
+        return wrong2(code.at as usize, E::NoSuchCode, format!("G{:02}", code.number), known.join(" "));
     }
     match *words.g() {
         [] => Ok(None),
@@ -199,9 +227,4 @@ fn unknown_word<T>(running: &Running<'_, '_>, word: Word) -> Outcome<T> {
     let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+');
     let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
     wrong1(at, E::UnknownWord, String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase())
-}
-
-/// The rows of M codes of this language.
-fn m_row(code: Code) -> Option<&'static mcode::MCode> {
-    mcode::find_in(System::SuperMan, u16::try_from(code.number).ok()?)
 }

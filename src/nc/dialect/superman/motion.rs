@@ -133,13 +133,11 @@ fn within(set: AxisSet, of: AxisSet) -> AxisSet {
     both
 }
 
-/// A rapid; with an F of its own a feed at that speed.
+/// A rapid, with an F of its own at that speed.
 fn push_rapid(running: &mut Running<'_, '_>, from: PerAxis<f64>, target: Target, feed: Option<f64>) {
     let Target { to, words, incremental } = target;
-    running.ops.push(match feed {
-        Some(feed) => Op::Feed { to, feed: along(feed, from, to), words, incremental },
-        None => Op::Rapid { to, words, incremental },
-    });
+    let feed = feed.map(|feed| along(feed, from, to));
+    running.ops.push(Op::Rapid { to, feed, words, incremental });
 }
 
 /// G01.
@@ -258,12 +256,12 @@ pub(super) fn rectangle(running: &mut Running<'_, '_>, place: usize) -> Outcome<
     let corner_d = with(corner_c, Axis::X, from[Axis::X]);
     let (on_x, on_z) = (AxisSet::of(Axis::X), AxisSet::of(Axis::Z));
     let (by_x, by_z) = (within(incremental, on_x), within(incremental, on_z));
-    running.ops.push(Op::Rapid { to: corner_b, words: on_x, incremental: by_x });
+    running.ops.push(Op::Rapid { to: corner_b, feed: None, words: on_x, incremental: by_x });
     let along_z = along(feed, corner_b, corner_c);
     running.ops.push(Op::Feed { to: corner_c, feed: along_z, words: on_z, incremental: by_z });
     let along_x = along(feed, corner_c, corner_d);
     running.ops.push(Op::Feed { to: corner_d, feed: along_x, words: on_x, incremental: by_x });
-    running.ops.push(Op::Rapid { to: from, words: on_z, incremental: by_z });
+    running.ops.push(Op::Rapid { to: from, feed: None, words: on_z, incremental: by_z });
     Ok(())
 }
 
@@ -313,7 +311,7 @@ pub(super) fn return_to_start(running: &mut Running<'_, '_>, place: usize, x: bo
     let (mut at, start) = (running.scope.position(), running.modals.start);
     for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
         at[axis] = start[axis];
-        running.ops.push(Op::Rapid { to: at, words: AxisSet::of(axis), incremental: AxisSet::NONE });
+        running.ops.push(Op::Rapid { to: at, feed: None, words: AxisSet::of(axis), incremental: AxisSet::NONE });
     }
     Ok(())
 }

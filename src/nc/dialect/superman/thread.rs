@@ -95,6 +95,9 @@ fn remark(running: &mut Running<'_, '_>, place: usize, lead: f64, along: f64) {
         let details = [format!("{:.3}", z.abs()), format!("{:.3}", APPROACH_LEADS * lead)];
         running.scope.note(place, E::ApproachShort, details);
     }
+    if !running.modals.spindle_on {
+        running.scope.note(place, E::ThreadSpindle, [String::new(), String::new()]);
+    }
     let speed = running.modals.speed.unwrap_or(running.settings.turning.spindle_rpm);
     let limit = speed_limit(lead);
     if speed > limit {
