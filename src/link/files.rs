@@ -10,8 +10,9 @@ use super::drawing::Drawing;
 use super::media::{MediaView, Print, Transfer};
 use crate::defs::alarm;
 use crate::defs::param::ParamAddress;
+use crate::defs::screw::ScrewTable;
 use crate::defs::text::{Said, Text};
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// Most lines that are looked at in one request, and most characters of a line that are.
 pub const LOOKED_LINES: usize = 120;
@@ -75,6 +76,10 @@ pub enum FileRequest {
     Print(Print),
     /// Keeps a table of samples, CSV.
     Table(String),
+    /// The table of an axis' screw out of a file of the medium (B7).
+    ScrewIn(Axis),
+    /// The table of an axis' screw into a file.
+    ScrewOut(Axis, ScrewTable),
     /// Ends the long work that is under way.
     Cancel,
 }
@@ -182,6 +187,8 @@ pub enum FileAnswer {
     Printed(Result<Said, Refusal>),
     /// Values of a file: the core takes them.
     Restored(Box<Restored>),
+    /// A table of an axis' screw, and what it was read from; the core takes it.
+    Screw(Axis, ScrewTable, String),
     /// A path.
     Drawn(Arc<Drawing>),
     /// So many thousandths are done; the words say of what.

@@ -10,6 +10,7 @@ pub mod keeper;
 pub mod office;
 pub mod realtime;
 pub mod rig;
+mod screws;
 pub mod serial;
 mod shipped;
 pub mod simulator;

@@ -131,7 +131,7 @@ impl Pages {
             Page::Settings => &self.settings.clock.typing,
             Page::Tools => &self.tools.typing,
             Page::Directory => &self.directory.typing,
-            Page::Params => &self.params.typing,
+            Page::Params => self.params.typing(),
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
             Page::Program => {
                 let (text, why) = (self.program.text().to_string(), self.program.refusal()?);
