@@ -17,6 +17,7 @@ pub mod param_row;
 pub mod port;
 pub mod program;
 pub mod program_error;
+pub mod r_name;
 pub mod r_parameter;
 pub mod screen;
 pub mod screw;

@@ -83,15 +83,15 @@ impl Hmi {
         self.theme = if light { theme::LIGHT } else { theme::DARK };
     }
 
-    /// How bright the picture is, in percent: below 100 a veil lies over it (B6).
-    pub fn set_brightness(&mut self, percent: u8) {
-        self.brightness = percent.clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end());
-    }
-
     /// What the window is cleared with; a frame does not paint it once more.
     #[must_use]
     pub const fn ground(&self) -> Color32 {
         self.theme.ground
+    }
+
+    /// How bright the picture is, in percent: below 100 a veil lies over it (B6).
+    pub fn set_brightness(&mut self, percent: u8) {
+        self.brightness = percent.clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end());
     }
 
     /// What is being typed, for tests and stories.

@@ -88,10 +88,10 @@ pub enum Command {
     Page(PageCommand),
     /// What the simulator page asks of the simulated machine; a control never takes it.
     Simulate(SimCommand),
-    /// The computer's clock reads this; told now and then. Only dates that people read depend on it.
-    Calendar(Date),
     /// What the teach-in page asks (L9).
     Teach(TeachCommand),
+    /// The computer's clock reads this; told now and then. Only dates that people read depend on it.
+    Calendar(Date),
     /// The screen is alive; without it the core stops after its keep-alive time.
     Alive,
 }

@@ -20,7 +20,7 @@ use crate::link::page_command::PageCommand;
 use crate::link::snapshot::AlarmView;
 
 /// Height of an alarm that is present, and of a line of the history.
-const PRESENT: f32 = 122.0;
+const PRESENT: f32 = 138.0;
 const PAST: f32 = 56.0;
 
 /// What the page keeps.
@@ -124,7 +124,7 @@ fn present_row(painter: &egui::Painter, view: &View<'_>, place: Rect, alarm: &Al
     for (name, words) in parts.into_iter().filter(|(_, words)| !words.is_empty()) {
         let label = Rect::from_min_size(pos2(below.min.x, top), vec2(60.0, 22.0));
         fit(painter, label, Align2::LEFT_TOP, name, theme::LABEL, view.theme.quiet);
-        let room = Rect::from_min_max(pos2(below.min.x + 64.0, top), pos2(below.max.x, top + 40.0));
+        let room = Rect::from_min_max(pos2(below.min.x + 64.0, top), pos2(below.max.x, top + 44.0));
         top = paragraph(painter, room, words, theme::LABEL, view.theme.text).max.y + 2.0;
     }
 }
