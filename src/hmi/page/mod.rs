@@ -135,7 +135,7 @@ impl Pages {
             Page::Tools => &self.tools.typing,
             Page::Settings => &self.settings.clock.typing,
             Page::Directory => &self.directory.typing,
-            Page::Params => &self.params.typing,
+            Page::Params => self.params.typing(),
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
             Page::Designer => {
                 return Some((self.designer.text().to_string(), self.designer.refusal()?.get(lang).to_owned()));
