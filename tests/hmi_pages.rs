@@ -7,8 +7,8 @@ mod hmi_sample;
 use std::path::Path;
 use std::sync::Arc;
 
-use egui::Rect;
-use hmi_sample::{alarm, busy, refused, running, snapshot, troubled};
+use egui::{Color32, Rect, Shape};
+use hmi_sample::{alarm, busy, long, refused, running, snapshot, troubled};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, Said};
@@ -18,9 +18,10 @@ use kt830::hmi::window::shown;
 use kt830::hmi::{Hmi, page_text, shot};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Screens};
+use kt830::link::snapshot::AxisView;
 use kt830::units::Axis;
 
-const SIZES: [(u32, u32); 4] = [(1_024, 768), (1_280, 800), (1_920, 1_080), (768, 1_024)];
+const SIZES: [(u32, u32); 5] = [(800, 600), (1_024, 768), (1_280, 800), (1_920, 1_080), (768, 1_024)];
 
 fn says(snapshot: &Snapshot, words: &str) -> bool {
     page_text(snapshot, Lang::Zh).iter().any(|text| text.contains(words))
@@ -147,7 +148,8 @@ fn misfits(stage: &mut Stage, machine: &Snapshot, what: &str) -> Vec<String> {
 /// The same machine as another kind.
 fn of_kind(mut machine: Snapshot, kind: Kind) -> Snapshot {
     machine.kind = kind;
-    machine.axes[Axis::Y].present = true;
+    let three = matches!(kind, Kind::Gs | Kind::Ga);
+    machine.axes[Axis::Y] = if three { machine.axes[Axis::X] } else { AxisView::default() };
     machine
 }
 
@@ -159,14 +161,15 @@ fn h9_nothing_is_cut_or_overlaps() {
             let mut stage = Stage::new(Hmi::new(lang), size);
             for page in Page::ALL {
                 let what = |more: &str| format!("{more} {lang:?} {size:?}");
-                for machine in
-                    [snapshot(*page), running(*page), alarm(*page), refused(*page), troubled(*page), busy(*page)]
-                {
-                    wrong.extend(misfits(&mut stage, &machine, &what("Gc")));
+                let page = *page;
+                let all = [snapshot(page), running(page), alarm(page), refused(page), troubled(page), busy(page)];
+                for machine in all {
+                    wrong.extend(misfits(&mut stage, &machine, &what("gc")));
                 }
-                for kind in [Kind::Gs, Kind::Ga] {
-                    for machine in [running(*page), troubled(*page)] {
-                        wrong.extend(misfits(&mut stage, &of_kind(machine, kind), &what(kind.id())));
+                for kind in Kind::ALL {
+                    wrong.extend(misfits(&mut stage, &of_kind(long(page), kind), &what(kind.id())));
+                    if kind != Kind::Gc {
+                        wrong.extend(misfits(&mut stage, &of_kind(troubled(page), kind), &what(kind.id())));
                     }
                 }
             }
@@ -278,6 +281,67 @@ fn h4_text_has_contrast() {
         let ratio = contrast(ink, ground);
         assert!(ratio >= 4.5, "{name} {ink:?} on {ground:?}: {ratio:.2}");
     }
+}
+
+/// The text of the last frame that is too faint on what lies beneath it.
+fn faint(stage: &Stage, what: &str) -> Vec<String> {
+    let mut grounds: Vec<(Rect, Color32)> = Vec::new();
+    let mut wrong = Vec::new();
+    for clipped in stage.shapes() {
+        look(&clipped.shape, clipped.clip_rect, &mut grounds, &mut |text, ink, ground| {
+            let ratio = contrast(ink, ground);
+            if ratio < 4.5 {
+                wrong.push(format!("{text:?} {ink:?} on {ground:?}: {ratio:.2} {what}"));
+            }
+        });
+    }
+    wrong
+}
+
+/// Goes through what was painted: fills lie one on the other, a text is told with its ink and the ground in its middle.
+fn look(shape: &Shape, clip: Rect, grounds: &mut Vec<(Rect, Color32)>, told: &mut impl FnMut(&str, Color32, Color32)) {
+    let fill = |grounds: &mut Vec<(Rect, Color32)>, rect: Rect, fill: Color32| {
+        if fill.a() > 0 && rect.intersects(clip) {
+            grounds.push((rect.intersect(clip), fill));
+        }
+    };
+    match shape {
+        Shape::Vec(shapes) => shapes.iter().for_each(|shape| look(shape, clip, grounds, told)),
+        Shape::Rect(rect) => fill(grounds, rect.rect, rect.fill),
+        Shape::Circle(circle) => {
+            fill(grounds, Rect::from_center_size(circle.center, egui::Vec2::splat(circle.radius)), circle.fill);
+        }
+        Shape::Text(text) => {
+            let ink = text.galley.mesh_bounds.translate(text.pos.to_vec2());
+            let beneath = grounds.iter().filter(|(rect, _)| rect.contains(ink.center()));
+            let ground = beneath.fold(Color32::BLACK, |under, (_, over)| under.blend(*over));
+            for section in text.galley.job.sections.iter().filter(|_| clip.intersects(ink)) {
+                let colour = text.override_text_color.unwrap_or(section.format.color);
+                let colour = if colour == Color32::PLACEHOLDER { text.fallback_color } else { colour };
+                told(&text.galley.job.text, colour, ground);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn h4_what_is_painted_has_contrast() {
+    let mut wrong = Vec::new();
+    for light in [false, true] {
+        let mut hmi = Hmi::new(Lang::Zh);
+        hmi.set_light(light);
+        let mut stage = Stage::new(hmi, (1_024, 768));
+        for page in Page::ALL {
+            for kind in [Kind::Gc, Kind::Ga] {
+                for machine in [running(*page), refused(*page), troubled(*page), busy(*page)] {
+                    stage.frame(&of_kind(machine, kind));
+                    wrong.extend(faint(&stage, &format!("{page:?} {kind:?} {}", if light { "light" } else { "dark" })));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} faint texts:\n{}", wrong.len(), wrong.join("\n"));
 }
 
 /// The window paints only when something shown has changed: every value that a page shows has to count.

@@ -3,6 +3,7 @@
 //! A row is the only place where a number, a name or a text stands. Nothing here acts.
 
 pub mod alarm;
+pub mod dialect_word;
 pub mod face;
 pub mod gcode;
 pub mod key;
@@ -14,6 +15,7 @@ pub mod param_row;
 pub mod port;
 pub mod program;
 pub mod program_error;
+pub mod r_name;
 pub mod r_parameter;
 pub mod screen;
 pub mod screw;

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui};
 
-use super::entry::{Edit, Entry};
+use super::entry::Entry;
 use super::frame::Touched;
 use super::keyboard::{self, Asked};
 use super::layout::{self, PanelLayout, Regions};
@@ -16,7 +16,7 @@ use super::press::Presses;
 use super::softkey::{self, Pressed, SoftAct};
 use super::theme::{self, Theme};
 use super::view::View;
-use super::{frame, help, pad};
+use super::{frame, pad};
 use crate::defs::page::Page;
 use crate::defs::text::{Lang, Text};
 use crate::link::command::Picture;
@@ -41,7 +41,7 @@ pub struct Hmi {
     power_on_s: i64,
     panel: Panel,
     presses: Presses,
-    /// The keyboard's map lies over the page.
+    /// The help lies over the page.
     help: bool,
     hint: Option<(Text, f64)>,
     picture: Option<(Arc<Picture>, TextureHandle)>,
@@ -130,21 +130,24 @@ impl Hmi {
         let view = View { snapshot, lang: self.lang, theme: &theme, clock: &clock, power_on_s, blink };
         let regions = Regions::new(ui.max_rect());
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
-        let asked = keyboard::read(ui, snapshot.kind);
+        let words = self.pages.takes_words(snapshot.page) && !snapshot.state.moves();
+        let asked = keyboard::read(ui, snapshot.kind, words);
         out.extend(self.printed());
         self.physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
         self.draw_panel(ui, &panel, &view, &mut out);
-        if self.pages.wants_pad(&view) {
+        if !self.help && self.pages.wants_pad(&view) {
             // After the panel, so that it lies on top; before the page, so that its touches count in this frame.
             pad::ui(ui, &view, panel.pad, &mut edits);
         }
         let typed = Typed { edits: &edits, text: &asked.text, controls: &asked.controls, pages: asked.pages };
-        self.draw_page(ui, regions.content, &view, &typed, &mut out);
-        self.draw_frame(ui, &regions, &view, &asked, &mut out);
-        if self.help && help::sheet(ui, &view, regions.content.shrink(theme::GAP)) {
-            self.help = false;
+        if self.help {
+            self.pages.follow(&view);
+            self.help = !self.pages.help.sheet(ui, &view, regions.content.shrink(theme::GAP), &typed);
+        } else {
+            self.draw_page(ui, regions.content, &view, &typed, &mut out);
         }
+        self.draw_frame(ui, &regions, &view, &asked, &mut out);
         self.presses.end_frame(ui, &mut out);
         out
     }
@@ -226,7 +229,7 @@ impl Hmi {
         let header = frame::header(ui, view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
         match header.or(frame::message_line(ui, view, regions.message, hint)) {
-            Some(Touched::Help) => self.help = !self.help,
+            Some(Touched::Help) => self.turn_help(view),
             Some(Touched::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
             None => {}
         }
@@ -238,17 +241,23 @@ impl Hmi {
             SoftAct::Print => false,
         };
         let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
+        let rows = softkey::rows(view.snapshot);
+        self.soft_row %= rows;
         let by_key = asked.soft.and_then(|index| softkey::row(view.snapshot.kind, self.soft_row).nth(index));
         match touched.or(by_key.map(|soft| Pressed::Act(soft.act))) {
             Some(Pressed::Act(act)) => self.soft(ui, act, out),
-            Some(Pressed::Next) => self.next_row(),
-            None if asked.next_row => self.next_row(),
+            Some(Pressed::Next) => self.soft_row = (self.soft_row + 1) % rows,
+            None if asked.next_row => self.soft_row = (self.soft_row + 1) % rows,
             None => {}
         }
     }
 
-    fn next_row(&mut self) {
-        self.soft_row = (self.soft_row + 1) % softkey::ROWS.len();
+    /// Opens the help at the open page, or closes it.
+    fn turn_help(&mut self, view: &View<'_>) {
+        self.help = !self.help && view.snapshot.page != Page::Help;
+        if self.help {
+            self.pages.help.open(view, view.snapshot.page);
+        }
     }
 
     fn soft(&mut self, ui: &Ui, act: SoftAct, out: &mut Vec<Command>) {
@@ -298,7 +307,7 @@ impl Hmi {
             self.presses.key_down(shortcut.physical, shortcut.modifiers, shortcut.key, now, out);
         }
         let relative = view.snapshot.page == Page::Position && self.pages.shown == Shown::Relative;
-        for key in asked.addresses.iter().filter(|_| relative) {
+        for key in asked.addresses.iter().filter(|_| relative && !self.help) {
             out.extend([Command::Press(*key), Command::Release(*key)]);
         }
         if asked.detents != 0 {
@@ -308,9 +317,7 @@ impl Hmi {
             out.push(Command::OpenPage(Page::Alarm));
         }
         if asked.help {
-            self.help = !self.help;
-        } else if self.help && asked.edits.contains(&Edit::Cancel) {
-            self.help = false;
+            self.turn_help(view);
         }
     }
 }

@@ -116,7 +116,9 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
         return Some((message.text.get(lang).to_owned(), view.theme.hold));
     }
     if let Some(alarm) = view.snapshot.alarms.first() {
-        let word = format!("{:03} {} → {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang));
+        let (text, remedy) = (alarm.text.get(lang), alarm.remedy.get(lang));
+        let arrow = if remedy.is_empty() { "" } else { " → " };
+        let word = format!("{:03} {text}{arrow}{remedy}", alarm.number);
         return Some((word, view.theme.alarm_text));
     }
     if let Some(waiting) = &view.snapshot.waiting_for {

@@ -11,6 +11,7 @@ use super::view::{View, fit, put};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::text::Text;
+use crate::link::Snapshot;
 
 /// What a soft key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +22,32 @@ pub enum SoftAct {
     Position(Shown),
     /// Keeps a picture of the screen.
     Print,
+}
+
+impl SoftAct {
+    /// What the key does: of a page, what the page is for.
+    #[must_use]
+    pub const fn help(self) -> Text {
+        match self {
+            Self::Open(page) => page.help(),
+            Self::Position(Shown::Relative) => Text::new(
+                "位置页的相对坐标：可清零；在这里设修整点。",
+                "The position page with relative coordinates: to be set to zero; dressing points are set here.",
+            ),
+            Self::Position(Shown::All) => Text::new(
+                "位置页的综合坐标：绝对、相对、机床和余移动量。",
+                "The position page with all coordinates: absolute, relative, machine and what is left to go.",
+            ),
+            Self::Position(Shown::Machine) => Text::new(
+                "位置页的机床坐标：从机械零点量起。",
+                "The position page with machine coordinates, from the machine zero.",
+            ),
+            Self::Print => Text::new(
+                "把当前画面存成图片；位置在信息行说明。",
+                "Keeps a picture of the screen; the message line says where.",
+            ),
+        }
+    }
 }
 
 /// One soft key.
@@ -36,7 +63,7 @@ const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
     SoftKey { label: Text::new(zh, en), act }
 }
 
-/// The rows that ▶ turns through; a kind has at most five keys of each.
+/// The rows that ▶ turns through; the simulator's is the last. A kind has at most five keys of each.
 pub const ROWS: [&[SoftKey]; 5] = [
     &[
         key("相对", "RELATIVE", SoftAct::Position(Shown::Relative)),
@@ -87,6 +114,12 @@ impl SoftKey {
     }
 }
 
+/// The number of rows of a machine: where none is simulated, the last one is not there.
+#[must_use]
+pub const fn rows(snapshot: &Snapshot) -> usize {
+    if snapshot.simulated.is_some() { ROWS.len() } else { ROWS.len() - 1 }
+}
+
 /// The row that is turned to when a page opens.
 #[must_use]
 pub const fn row_of(page: Page) -> usize {
@@ -114,6 +147,8 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
     let inner = rect.shrink2(vec2(theme::GAP, 3.0));
     let next_width = 52.0;
     let width = (inner.width() - next_width - 5.0 * theme::GAP) / 5.0;
+    let rows = rows(view.snapshot);
+    let row = row % rows;
     for (index, soft) in self::row(view.snapshot.kind, row).enumerate() {
         let left = inner.min.x + index as f32 * (width + theme::GAP);
         let place = Rect::from_min_size(pos2(left, inner.min.y), vec2(width, inner.height()));
@@ -128,7 +163,7 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
     keycap::plate(ui.painter(), view.theme, place, face);
     let (sign, count) = place.split_top_bottom_at_fraction(0.6);
     put(ui.painter(), sign, Align2::CENTER_CENTER, "▶", theme::TITLE, view.theme.text);
-    let which = format!("{}/{}", row % ROWS.len() + 1, ROWS.len());
+    let which = format!("{}/{}", row + 1, rows);
     put(ui.painter(), count, Align2::CENTER_CENTER, &which, theme::SMALL, view.theme.quiet);
     if response.clicked() { Some(Pressed::Next) } else { pressed }
 }

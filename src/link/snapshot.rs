@@ -75,6 +75,12 @@ impl RunState {
         }
     }
 
+    /// A program or a homing is under way: what stops it must be at hand.
+    #[must_use]
+    pub const fn moves(self) -> bool {
+        matches!(self, Self::Running | Self::Waiting | Self::Homing)
+    }
+
     /// The word of the status line.
     #[must_use]
     pub const fn name(self) -> Text {

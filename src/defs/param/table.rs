@@ -163,10 +163,10 @@ numbers! {
     TOOL_4_EDGE = 414, 1 => 100, 8, "mm", Operator, "4 号刀刀刃高度", "tool 4: how far its edge cuts";
     TOOL_4_SHANK = 415, 5 => 200, 25, "mm", Operator, "4 号刀刀杆宽度", "tool 4: width of its shank";
     LOOP_RUN = 390, 1 => 9_999, 1, "", User, "程序循环执行次数", "how often a program runs on one cycle start";
-    SERIAL_BAUD = 391, 300 => 115_200, 9_600, "", User, "RS232 波特率 bit/s", "RS232 baud rate, bit/s";
-    SERIAL_SILENCE = 392, 1 => 600, 10, "s", User, "RS232 传输中断等待时间", "RS232: pause that ends a transmission";
-    SERIAL_START = 393, 1 => 3_600, 120, "s", User, "RS232 等待对方开始时间", "RS232: how long the beginning is waited for";
-    SERIAL_LEADER = 394, 0 => 500, 32, "", User, "RS232 引导空字符数", "RS232: NUL before and after programs";
+    SERIAL_BAUD = 370, 300 => 115_200, 9_600, "", User, "RS232 波特率 bit/s", "RS232 baud rate, bit/s";
+    SERIAL_SILENCE = 371, 1 => 600, 10, "s", User, "RS232 传输中断等待时间", "RS232: pause that ends a transmission";
+    SERIAL_START = 372, 1 => 3_600, 120, "s", User, "RS232 等待对方开始时间", "RS232: how long the beginning is waited for";
+    SERIAL_LEADER = 373, 0 => 500, 32, "", User, "RS232 引导空字符数", "RS232: NUL before and after programs";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";

@@ -54,6 +54,8 @@ pub struct Directory {
     walk: Walk,
     on_keys: bool,
     seen: u32,
+    /// The page was just opened: the chosen row is brought into sight.
+    reveal: bool,
 }
 
 impl Directory {
@@ -248,12 +250,23 @@ impl Directory {
                 Edit::Up | Edit::Previous => self.cursor = self.cursor.saturating_sub(1),
                 Edit::Down | Edit::Next => self.cursor += 1,
                 Edit::Enter => load = true,
-                Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel | Edit::Left | Edit::Right => continue,
+                Edit::Char(_)
+                | Edit::Sign
+                | Edit::Back
+                | Edit::Delete
+                | Edit::LineStart
+                | Edit::LineEnd
+                | Edit::Cancel
+                | Edit::Left
+                | Edit::Right => continue,
             }
             self.cursor = self.cursor.min(rows.len() - 1);
             self.scroll.show(self.cursor, list, ROW);
         }
         self.cursor = self.cursor.min(rows.len() - 1);
+        if std::mem::take(&mut self.reveal) {
+            self.scroll.show(self.cursor, list, ROW);
+        }
         if pages != 0 {
             self.scroll.page(pages, list, ROW);
         }
@@ -312,7 +325,7 @@ impl Directory {
     pub fn open(&mut self, view: &View<'_>) {
         let number = view.snapshot.program.number;
         self.cursor = view.snapshot.directory.iter().position(|row| row.number == number).unwrap_or(0);
-        (self.deed, self.question, self.asked, self.on_keys) = (None, None, None, false);
+        (self.deed, self.question, self.asked, self.on_keys, self.reveal) = (None, None, None, false, true);
         self.typing = Typing::default();
     }
 }

@@ -47,7 +47,7 @@ impl LineSide {
                 Edit::Char(_) | Edit::Sign => {
                     self.refused = Some(Said::new("只能输入 1 到 4 位数字", "1 to 4 digits only"))
                 }
-                Edit::Back => {
+                Edit::Back | Edit::Delete => {
                     self.refused = None;
                     self.number.pop();
                 }
@@ -114,7 +114,7 @@ impl LineSide {
         }
         let baud = view.snapshot.params.get(param::SERIAL_BAUD);
         let facts = [
-            (view.say("波特率", "baud rate"), format!("{baud} bit/s  (P391)")),
+            (view.say("波特率", "baud rate"), format!("{baud} bit/s  (P370)")),
             (view.say("格式", "form"), format!("8N1 · XON/XOFF · {}", view.say("% O号 … %", "% O number … %"))),
         ];
         for (index, (word, value)) in facts.iter().enumerate() {

@@ -105,7 +105,7 @@ impl Mdi {
     fn edit(&mut self, edit: Edit, view: &View<'_>, out: &mut Vec<Command>) {
         match edit {
             // A refused line is mended, not typed anew.
-            Edit::Back => {
+            Edit::Back | Edit::Delete => {
                 self.typing.refused = None;
                 self.typing.text.pop();
             }
@@ -128,7 +128,7 @@ impl Mdi {
                 Some(_) | None => {}
             },
             // Digits and signs come as text.
-            Edit::Char(_) | Edit::Sign | Edit::Cancel | Edit::Left | Edit::Right => {}
+            Edit::Char(_) | Edit::Sign | Edit::Cancel | Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd => {}
         }
     }
 

@@ -28,7 +28,7 @@ use egui::{Rect, TextureId, Ui};
 
 use super::entry::{Edit, Entry};
 use super::frame;
-use super::help;
+use super::help::Help;
 use super::login::Login;
 use super::view::View;
 use crate::defs::key::Key;
@@ -57,6 +57,8 @@ pub struct Pages {
     pub shown: Shown,
     /// Value typed on the grinding page.
     pub entry: Entry,
+    /// What keys, alarms and codes mean.
+    pub help: Help,
     program: program::Program,
     graphic: graphic::Graphic,
     transfer: transfer::Transfer,
@@ -89,6 +91,7 @@ impl Pages {
         self.alarms.open();
         self.diagnosis = diagnosis::Diagnosis::default();
         self.settings = settings::Settings::default();
+        self.simulator = simulator::Simulator::default();
         self.params.open();
         self.offset.table.open(view.snapshot.offset_in_force);
         self.dressing.table.open(view.snapshot.offset_in_force);
@@ -96,6 +99,13 @@ impl Pages {
         self.mdi.open();
         self.wheel = wheel::WheelChange::default();
         self.tools = tools::Tools::default();
+        self.help.open(view, Page::Help);
+    }
+
+    /// What goes on while no page is looked at.
+    pub fn follow(&mut self, view: &View<'_>) {
+        self.graphic.follow(view);
+        self.process.follow(view);
     }
 
     /// Another program is current.
@@ -137,6 +147,17 @@ impl Pages {
         self.program.text()
     }
 
+    /// Whether words are being typed on the open page.
+    #[must_use]
+    pub fn takes_words(&self, page: Page) -> bool {
+        match page {
+            Page::Mdi => true,
+            Page::Program => self.program.takes_words(),
+            Page::Params => self.params.searches(),
+            _ => false,
+        }
+    }
+
     /// Whether the numeric pad is to slide in.
     #[must_use]
     pub fn wants_pad(&self, view: &View<'_>) -> bool {
@@ -168,8 +189,7 @@ impl Pages {
         typed: &Typed<'_>,
         picture: Option<TextureId>,
     ) -> Vec<Command> {
-        self.graphic.follow(view);
-        self.process.follow(view);
+        self.follow(view);
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
                 let mut out = answers(typed.edits);
@@ -201,7 +221,7 @@ impl Pages {
                 Vec::new()
             }
             Page::Help => {
-                help::page(ui, view, rect);
+                self.help.page(ui, view, rect, typed);
                 Vec::new()
             }
         };
@@ -218,8 +238,8 @@ fn answers(edits: &[Edit]) -> Vec<Command> {
         match edit {
             Edit::Enter => out.extend(press(Key::Input)),
             Edit::Cancel => out.extend(press(Key::Cancel)),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Up | Edit::Down => {}
-            Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {}
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::Up | Edit::Down => {}
+            Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd | Edit::Next | Edit::Previous => {}
         }
     }
     out

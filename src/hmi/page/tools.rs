@@ -88,7 +88,8 @@ impl Tools {
             Edit::Enter => self.store(out),
             Edit::Up | Edit::Previous | Edit::Left => self.go((self.cursor + FIELDS - 1) % FIELDS),
             Edit::Down | Edit::Next | Edit::Right => self.go((self.cursor + 1) % FIELDS),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel => {}
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::LineStart | Edit::LineEnd | Edit::Cancel => {
+            }
         }
     }
 

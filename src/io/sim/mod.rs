@@ -3,7 +3,7 @@
 //! One tick: [`Backend::read`] moves the machine from the last `now` to this one under the outputs last written –
 //! axes, spindles, hydraulics, contact of wheel and part – and shows its terminals and encoders.
 //! The files: `axis` drives and switches, `spindle` all that turns, `hydraulics`, `magnet`, `gauge`, `wheel` shape and
-//! wear, `surface` the contact law, `profile` and `plane` the cells, `obstacle`, `grinding` who meets whom, `wiring`
+//! wear, `surface` the contact law, `profile` and `plane` the cells, `obstacle`, `grinding` who meets whom, `scatter` what the seed changes, `wiring`
 //! terminals, `turning` a lathe's spindle, post and bar, `inputs` what is shown, `fault` names, `measure` and `report` what can be asked afterwards.
 //! What a kind of machine is made of stands in its file alone: which axis takes the wheel to the part and what turns.
 
@@ -24,6 +24,7 @@ mod part_file;
 mod plane;
 mod profile;
 mod report;
+mod scatter;
 mod spindle;
 mod surface;
 mod turning;
@@ -52,7 +53,8 @@ pub use self::lathe_rehearsal::LatheRehearsal;
 pub use self::machine_file::{MachineFile, SimFileError};
 pub use self::machine_rows::{
     Along, AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile,
-    MainSpindleFile, PlateFile, ProbeFile, QuillFile, RollFile, SecondSpindleFile, ToolFile, ToolPostFile, WheelFile,
+    MainSpindleFile, PlateFile, ProbeFile, QuillFile, RollFile, ScatterFile, SecondSpindleFile, ToolFile, ToolPostFile,
+    WheelFile,
 };
 pub use self::measure::WheelState;
 pub use self::part_file::{
@@ -134,6 +136,7 @@ impl SimulatedMachine {
             detents: 0,
             file: machine,
         };
+        sim.scatter(seed);
         sim.set_part(part);
         sim.shape_tools(wiring);
         sim
@@ -158,9 +161,10 @@ impl SimulatedMachine {
         self.axes = axes;
     }
 
-    /// Begins the machine's chance anew: the next part, bounce and noise follow the seed.
+    /// Begins the machine's chance anew: the next part, bounce, noise and scatter follow the seed.
     pub fn reseed(&mut self, seed: u64) {
         self.chance = SplitMix64::new(seed);
+        self.scatter(seed);
     }
 
     /// Puts another part in, fresh from its file, or takes the part out. The axes stay where they are. A part
