@@ -6,9 +6,9 @@ use egui::{Align2, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
 
 use super::{empty, position};
 use crate::defs::page::Page;
+use crate::defs::screen::{ROWS, Row};
 use crate::defs::text::Lang;
 use crate::defs::{r_name, r_parameter};
-use crate::defs::screen::{ROWS, Row};
 use crate::hmi::entry::{self, Edit, Entry};
 use crate::hmi::view::{View, card, fit, frame, length, paragraph, put};
 use crate::hmi::{frame as lines, keycap, pictogram, theme};
@@ -199,13 +199,7 @@ impl Way {
 }
 
 /// One label and its value; the chosen one is framed and shows what is being typed.
-fn field(
-    ui: &Ui,
-    place: Rect,
-    view: &View<'_>,
-    (row, way): (&Row, Way),
-    (chosen, pressed): (Option<&Entry>, bool),
-) {
+fn field(ui: &Ui, place: Rect, view: &View<'_>, (row, way): (&Row, Way), (chosen, pressed): (Option<&Entry>, bool)) {
     let painter = ui.painter();
     keycap::plate(painter, view.theme, place, keycap::Face { pressed, ..keycap::Face::default() });
     let inside = place.shrink2(vec2(8.0, if way == Way::Close { 2.0 } else { 3.0 }));
