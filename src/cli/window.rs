@@ -3,7 +3,6 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use chrono::Local;
 use crossbeam_channel::{Receiver, Sender, bounded};
 
 use super::args::Shared;
@@ -21,7 +20,7 @@ use crate::runtime::office::Office;
 use crate::runtime::realtime::{Link, Pace};
 use crate::runtime::rig::{Companion, set_up};
 use crate::runtime::simulator::Simulator;
-use crate::runtime::{bar, disk_thread, realtime};
+use crate::runtime::{bar, clock, disk_thread, realtime};
 use crate::store::DataDir;
 use crate::units::Micros;
 
@@ -117,7 +116,7 @@ fn simulated(shared: &Shared, retained: &Retained) -> Result<SimulatedMachine, C
 /// # Errors
 /// There is no display.
 pub fn show(desk: Box<dyn Desk>, shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
-    match run(desk, Options { fullscreen, lang: shared.lang, light: shared.light }) {
+    match run(desk, Options { fullscreen, lang: shared.lang, light: shared.light, brightness: shared.brightness }) {
         Ok(()) => Ok(FINE),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(
             "{error}. Without a display use `kt830 demo` (a story to its end), `kt830 run PROGRAM` or `kt830 shot PAGE --out FILE.png`"
@@ -199,10 +198,6 @@ impl Desk for LinkDesk {
             self.mount(number);
         }
     }
-
-    fn clock(&mut self) -> Option<String> {
-        Some(Local::now().format("%H:%M:%S").to_string())
-    }
 }
 
 /// A story as the window sees it.
@@ -236,14 +231,13 @@ impl Desk for StoryDesk {
     fn send(&mut self, command: Command) {
         drop(self.commands.try_send(command));
     }
-
-    fn clock(&mut self) -> Option<String> {
-        Some(Local::now().format("%H:%M:%S").to_string())
-    }
 }
 
 impl Companion for Beside {
     fn accompany(&mut self, now: Micros, control: &Controller, inbox: &mut Vec<Command>) -> bool {
+        if self.begun.is_none() {
+            inbox.push(Command::Calendar(clock::local()));
+        }
         let (begun, from) = *self.begun.get_or_insert((Instant::now(), now));
         let due = begun + Duration::from_micros(now.since(from).0);
         std::thread::sleep(due.saturating_duration_since(Instant::now()));

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::{Controller, Effect, Programs};
 use crate::defs::alarm;
+use crate::defs::date::Date;
 use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
@@ -39,6 +40,8 @@ pub struct Job {
     pub holdings: Option<Box<Holdings>>,
     /// Where a check run begins; only for a drawing.
     pub start: Option<Box<Start>>,
+    /// Date and time at the machine, for names of files; none where nobody has told them.
+    pub date: Option<Date>,
 }
 
 /// The values that the core holds.
@@ -145,7 +148,8 @@ impl Controller {
                 block_skip: switches.block_skip,
             })
         });
-        let job = Job { request: request.clone(), settings, programs: Arc::clone(&self.programs), holdings, start };
+        let (programs, date) = (Arc::clone(&self.programs), self.calendar.date(self.now));
+        let job = Job { request: request.clone(), settings, programs, holdings, start, date };
         self.effects.push(Effect::Job(Box::new(job)));
     }
 

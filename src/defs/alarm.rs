@@ -227,14 +227,14 @@ alarms! {
         "对方发了 XOFF 后 P371 时间内没有 XON，或没有接收", "no XON within P371 after its XOFF, or nobody receives",
         "先在对方启动接收，检查电缆和流控 XON/XOFF，再发送一次", "start receiving there first, check cable and XON/XOFF, send again";
     SERIAL_NOISE = 313, Show, Reset, "RS232 数据乱码", "RS232: garbled data",
-        "波特率不一致（帧错误），或电缆有干扰", "baud rates differ (framing errors), or the cable picks up noise",
-        "两边波特率相同 (P370)，8 位、无校验、1 停止位；检查屏蔽和接地；没有保存任何内容", "set both sides to P370, 8 bits, no parity, 1 stop bit; check shield and ground; nothing was stored";
+        "波特率不一致（帧错误），或电缆有干扰；没有保存任何内容", "baud rates differ (framing errors), or the cable picks up noise; nothing was stored",
+        "两边波特率相同 (P370)，8 位、无校验、1 停止位；检查屏蔽和接地", "set both sides to P370, 8 bits, no parity, 1 stop bit; check shield and ground";
     SERIAL_PARITY = 314, Show, Reset, "RS232 对方带奇偶校验", "RS232: the other side sends parity",
         "对方设置为 7 位加校验", "it is set to 7 bits with parity",
         "对方改为 8 位、无校验、1 停止位，再接收一次", "set it to 8 bits, no parity, 1 stop bit and receive again";
     SERIAL_FORM = 315, Show, Reset, "RS232 程序格式不对", "RS232: not the form of a program",
-        "开头没有 %，行中有 %，或没有程序号", "no % at the beginning, a % within a line, or no number",
-        "程序以 % 单独一行开头和结尾，第一行 O 号或 <名称>；没有保存任何内容", "begin and end it with a line %, O number or <NAME> in its first line; nothing was stored";
+        "开头没有 %，行中有 %，或没有程序号；没有保存任何内容", "no % at the beginning, a % within a line, or no number; nothing was stored",
+        "程序以 % 单独一行开头和结尾，第一行 O 号或 <名称>", "begin and end it with a line %, O number or <NAME> in its first line";
     SERIAL_TOO_LONG = 316, Show, Reset, "RS232 程序太长", "RS232: program too long",
         "超过一次传输的长度", "it is longer than one transmission may be",
         "分段传输，或用 U 盘拷贝；没有保存任何内容", "split it or copy it by USB; nothing was stored";

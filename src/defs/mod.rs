@@ -3,9 +3,11 @@
 //! A row is the only place where a number, a name or a text stands. Nothing here acts.
 
 pub mod alarm;
+pub mod date;
 pub mod dialect_word;
 pub mod face;
 pub mod gcode;
+pub mod history;
 pub mod key;
 pub mod kind;
 pub mod mcode;

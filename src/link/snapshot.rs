@@ -12,6 +12,8 @@ use super::files::FilesView;
 use super::internal::InternalSet;
 use super::simulated::SimView;
 use super::teach::TeachView;
+use crate::defs::date::Date;
+use crate::defs::history::PastAlarm;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
@@ -138,15 +140,6 @@ pub struct AlarmView {
     pub since: Micros,
     /// Program and line under way when it came; none outside a run.
     pub place: Option<(u32, u32)>,
-}
-
-/// One alarm of the history.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PastAlarm {
-    /// The alarm as it came.
-    pub alarm: Arc<AlarmView>,
-    /// When it went; none while it is present.
-    pub gone: Option<Micros>,
 }
 
 /// Who stands at the panel, and what came of the last password.
@@ -281,8 +274,10 @@ pub struct Snapshot {
     pub analog_volts: [f64; 2],
     /// States inside the control.
     pub internals: InternalSet,
-    /// Alarms that came since power-on, the latest last; replaced only when one comes or goes.
-    pub alarm_history: Arc<Vec<PastAlarm>>,
+    /// Alarms that came, also before the last power-off, the latest last; replaced only when one comes or goes.
+    pub alarm_history: Arc<Vec<Arc<PastAlarm>>>,
+    /// Date and time of day; none where nobody has told them.
+    pub date: Option<Date>,
     /// The parameters; replaced only when one is changed.
     pub params: Arc<Params>,
     /// The simulated machine, where it is one.
@@ -417,6 +412,7 @@ impl Snapshot {
             analog_volts: [0.0; 2],
             internals: InternalSet::default(),
             alarm_history: Arc::default(),
+            date: None,
             params: Arc::new(Params::factory(kind)),
             simulated: None,
             stock: Arc::from([]),

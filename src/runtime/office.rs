@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex};
 use encoding_rs::GBK;
 use ropey::Rope;
 
+use super::clock;
 use super::disk::Folders;
 use super::draw;
 use super::serial::Trouble;
@@ -18,6 +19,7 @@ use super::serial::sheet::Sheet;
 use super::transfer::{self, Carrier};
 use crate::controller::Programs;
 use crate::controller::files::Job;
+use crate::defs::date::Date;
 use crate::defs::kind::System;
 use crate::defs::program;
 use crate::defs::text::{Lang, Said};
@@ -97,7 +99,7 @@ impl Office {
         if is_long(&job.request) {
             self.cancelled.store(false, Ordering::Release);
         }
-        let programs = Folder::new(&self.folders.programs);
+        let (programs, date) = (Folder::new(&self.folders.programs), of(job));
         let called = |number: u32| Called::new(number, &job.programs);
         let done = match &job.request {
             FileRequest::MayEdit(_) | FileRequest::Cancel => return Changed::default(),
@@ -116,13 +118,13 @@ impl Office {
                 return Changed::default();
             }
             FileRequest::Print(picture) => {
-                let done = transfer::print(picture, self.prints.as_deref(), self.stick().as_ref());
+                let done = transfer::print(picture, date, self.prints.as_deref(), self.stick().as_ref());
                 tell(FileAnswer::Printed(done));
                 return Changed::default();
             }
             FileRequest::Table(text) => {
                 let stick = self.stick();
-                let done = transfer::keep(text.as_bytes(), "CSV", self.prints.as_deref(), stick.as_ref());
+                let done = transfer::keep(text.as_bytes(), (date, "CSV"), self.prints.as_deref(), stick.as_ref());
                 tell(FileAnswer::Printed(done));
                 return Changed::default();
             }
@@ -176,6 +178,11 @@ impl Called {
     }
 }
 
+/// Date and time for names of files: the machine's, else the computer's.
+fn of(job: &Job) -> Date {
+    job.date.unwrap_or_else(clock::local)
+}
+
 /// Whether a request is long work that 取消 ends.
 pub(super) const fn is_long(request: &FileRequest) -> bool {
     matches!(request, FileRequest::Transfer(_) | FileRequest::Draw(_))
@@ -203,7 +210,8 @@ impl Office {
             return Changed::default();
         };
         let holdings = job.holdings.as_deref();
-        let carrier = Carrier { folders: &self.folders, stick: &stick, holdings, cancelled: &self.cancelled };
+        let carrier =
+            Carrier { folders: &self.folders, stick: &stick, holdings, cancelled: &self.cancelled, date: of(job) };
         let done = carrier.carry(ask, tell).unwrap_or_else(FileAnswer::Refused);
         tell(done);
         // What is on both sides now is told as well.

@@ -56,6 +56,8 @@ pub struct Directory {
     seen: u32,
     /// The page was just opened: the chosen row is brought into sight.
     reveal: bool,
+    /// Programs by name are called by more than O and four digits.
+    name_width: f32,
 }
 
 impl Directory {
@@ -271,6 +273,8 @@ impl Directory {
             self.scroll.page(pages, list, ROW);
         }
         let (first, last) = self.scroll.follow(ui, "directory", list, ROW, rows.len());
+        let named = rows[first..last].iter().any(|row| row.name.len() > 6);
+        self.name_width = if named { 150.0 } else { 88.0 };
         for (index, row) in rows.iter().enumerate().take(last).skip(first) {
             let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(ROW)) as f32;
             let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, ROW - 4.0));
@@ -296,7 +300,7 @@ impl Directory {
             frame(painter, place, view.theme.focus);
         }
         let inside = place.shrink2(vec2(theme::PAD, 3.0));
-        let (number, rest) = inside.split_left_right_at_x(inside.min.x + 88.0);
+        let (number, rest) = inside.split_left_right_at_x(inside.min.x + self.name_width);
         let ink = if current { view.theme.run } else { view.theme.text };
         fit(painter, number, Align2::LEFT_CENTER, &row.name, theme::SECONDARY, ink);
         let (rest, action) = rest.split_left_right_at_x(rest.max.x - 96.0);
@@ -311,7 +315,7 @@ impl Directory {
             view.theme.text,
         );
         let (size, date) = facts.split_left_right_at_fraction(0.34);
-        put(painter, size, Align2::RIGHT_CENTER, &kilobytes(row.size), theme::LABEL, view.theme.quiet);
+        put(painter, size, Align2::RIGHT_CENTER, &size_word(row.size), theme::LABEL, view.theme.quiet);
         let date = Rect::from_min_max(date.min, date.max - vec2(theme::PAD, 0.0));
         fit(painter, date, Align2::RIGHT_CENTER, &row.modified, theme::LABEL, view.theme.quiet);
         if current {
@@ -330,8 +334,12 @@ impl Directory {
     }
 }
 
-fn kilobytes(bytes: u64) -> String {
-    if bytes < 1_024 { format!("{bytes} B") } else { format!("{:.1} kB", bytes as f64 / 1_024.0) }
+fn size_word(bytes: u64) -> String {
+    match bytes {
+        0..1_024 => format!("{bytes} B"),
+        1_024..1_048_576 => format!("{:.1} kB", bytes as f64 / 1_024.0),
+        _ => format!("{:.1} MB", bytes as f64 / 1_048_576.0),
+    }
 }
 
 /// 装入: the only place that loads by touch. The core says no while a program runs.

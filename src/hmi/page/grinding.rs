@@ -133,7 +133,7 @@ fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     }
     row(14.0);
     let block = row(26.0);
-    fit(painter, block, Align2::LEFT_CENTER, &lines::program_word(view), theme::LABEL, view.theme.text);
+    lines::program(painter, view, block, theme::LABEL);
     position::process(ui, Rect::from_min_max(pos2(inside.min.x, block.max.y + 8.0), inside.max), view);
 }
 

@@ -131,8 +131,8 @@ impl LineSide {
             (None, true) => (view.say("本机没有串口，请插入 USB 转串口。", "This computer has no serial port: plug an adapter in."), view.theme.hold),
             (None, false) => (
                 view.say(
-                    "发送：在左边选择程序，先启动对方接收。接收：先按 RS232 → 本机，再启动对方发送。",
-                    "To send: choose programs on the left, start receiving there first. To receive: touch FROM RS232, then start sending there.",
+                    "发送：在左边选择程序，先启动对方接收。\n接收：先按 RS232 → 本机，再启动对方发送。",
+                    "To send: choose programs on the left, start receiving there first.\nTo receive: touch FROM RS232, then start sending there.",
                 ),
                 view.theme.quiet,
             ),

@@ -129,6 +129,7 @@ impl Pages {
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
             Page::Tools => &self.tools.typing,
+            Page::Settings => &self.settings.clock.typing,
             Page::Directory => &self.directory.typing,
             Page::Params => &self.params.typing,
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
@@ -173,6 +174,7 @@ impl Pages {
             Page::Wheel => self.wheel.wants_pad(),
             Page::Tools => self.tools.typing.pad,
             Page::Transfer => self.transfer.wants_pad(),
+            Page::Settings => self.settings.clock.typing.pad,
             page => {
                 let has_fields = view.snapshot.page_files().is_some_and(|files| files.text.is_ok());
                 self.entry.typing.pad && frame::takes_numbers(page) && has_fields
@@ -216,10 +218,7 @@ impl Pages {
                 self.diagnosis.ui(ui, rect, view, typed);
                 Vec::new()
             }
-            Page::Alarm => {
-                self.alarms.ui(ui, rect, view, typed);
-                Vec::new()
-            }
+            Page::Alarm => self.alarms.ui(ui, rect, view, typed),
             Page::Help => {
                 self.help.page(ui, view, rect, typed);
                 Vec::new()

@@ -173,7 +173,7 @@ fn side_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(theme::PAD, 10.0));
     let (top, rest) = inside.split_top_bottom_at_y(inside.min.y + 30.0);
-    fit(ui.painter(), top, Align2::LEFT_CENTER, &lines::program_word(view), theme::TITLE, view.theme.text);
+    lines::program(ui.painter(), view, top, theme::TITLE);
     process(ui, Rect::from_min_max(rest.min + vec2(0.0, 8.0), rest.max), view);
 }
 

@@ -368,13 +368,9 @@ impl Program {
             format!("{} {line} / {}", view.say("行", "line"), document.lines())
         };
         let right = put(ui.painter(), rect, Align2::RIGHT_CENTER, &place, theme::LABEL, view.theme.quiet);
-        let mut left = rect.min.x + 92.0;
-        lines::title(
-            ui,
-            view,
-            Rect::from_min_max(rect.min, pos2(left, rect.max.y)),
-            &view.snapshot.title(document.number),
-        );
+        let room = Rect::from_min_max(rect.min, pos2(rect.min.x + 240.0, rect.max.y));
+        let name = lines::title(ui, view, room, &view.snapshot.title(document.number));
+        let mut left = (rect.min.x + 92.0).max(name.max.x + theme::PAD);
         let state = if document.changed {
             Some((view.say("未保存", "not saved"), view.theme.hold))
         } else if self.editing {
