@@ -165,7 +165,7 @@ pages! {
 
 /// What a machine that turns the part has beside the pages of all kinds, and what it lacks of theirs (L9).
 const TURNING: &[Page] = &[Page::Teach, Page::Tools];
-const GRINDING: &[Page] = &[Page::Grinding, Page::Dressing, Page::Wheel, Page::Macro];
+const GRINDING: &[Page] = &[Page::Grinding, Page::Dressing, Page::Wheel, Page::Macro, Page::Process];
 
 impl Page {
     /// Whether a kind has the page.

@@ -106,11 +106,16 @@ pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = &'static SoftKey> {
 
 impl SoftKey {
     /// Its label on a kind.
-    fn words(&self, view: &View<'_>) -> &'static str {
+    #[must_use]
+    pub const fn label_on(&self, kind: Kind) -> Text {
         match self.act {
-            SoftAct::Open(Page::Mdi) => Page::Mdi.title_on(view.snapshot.kind).get(view.lang),
-            _ => self.label.get(view.lang),
+            SoftAct::Open(Page::Mdi) => Page::Mdi.title_on(kind),
+            _ => self.label,
         }
+    }
+
+    fn words(&self, view: &View<'_>) -> &'static str {
+        self.label_on(view.snapshot.kind).get(view.lang)
     }
 }
 

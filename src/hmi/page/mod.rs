@@ -218,7 +218,7 @@ impl Pages {
             Page::Macro => self.variables.ui(ui, rect, view, typed),
             Page::Mdi => self.mdi.ui(ui, rect, view, typed),
             Page::Wheel => self.wheel.ui(ui, rect, view, typed.edits),
-            Page::Teach => self.teach.ui(ui, rect, view, typed),
+            Page::Teach => self.teach.ui(ui, rect, view, typed, &mut self.login),
             Page::Tools => self.tools.ui(ui, rect, view, typed.edits),
             Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
             Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),
