@@ -126,7 +126,9 @@ fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
 #[test]
 fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
     let keys = [egui::Key::F1, egui::Key::F2, egui::Key::F3, egui::Key::F4, egui::Key::F5];
-    let mut screen = open(snapshot(Page::Position));
+    let mut machine = snapshot(Page::Position);
+    machine.simulated = hmi_sample::busy(Page::Position).simulated;
+    let mut screen = open(machine);
     for row in SOFT_KEYS {
         for (index, soft) in row.iter().enumerate() {
             let wanted = match soft.act {
