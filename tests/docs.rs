@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use kt830::defs::alarm::ALARMS;
+use kt830::defs::gcode::G_CODES;
 use kt830::defs::key::Key;
 use kt830::defs::mcode::{MCODES, REQUESTS};
 use kt830::defs::param::{BITS, NUMBERS, Params};
@@ -28,17 +29,25 @@ fn tables() -> String {
 }
 
 fn keys(text: &mut String) {
-    text.push_str("\n## 面板按键 Panel keys\n\n| 按键 | key | id | 运行中 in a run |\n|---|---|---|---|\n");
+    text.push_str("\n## 面板按键 Panel keys\n\n| 按键 | key | id | 运行中 in a run | 作用 | what it does |\n|---|---|---|---|---|---|\n");
     for key in Key::ALL {
         let (row, run) = (key.row(), if key.row().in_run { "有效 acts" } else { "–" });
-        writeln!(text, "| {} | {} | `{}` | {run} |", row.label.zh, row.label.en, row.id).unwrap();
+        let (label, help) = (row.label, row.help);
+        writeln!(text, "| {} | {} | `{}` | {run} | {} | {} |", label.zh, label.en, row.id, help.zh, help.en).unwrap();
     }
 }
 
 fn codes(text: &mut String) {
-    text.push_str("\n## M 代码 M codes\n\n| 代码 | 功能 | function | 依据 row |\n|---|---|---|---|\n");
+    text.push_str("\n## M 代码 M codes\n\n| 代码 | 功能 | function | 依据 row | 说明 | what it does |\n|---|---|---|---|---|---|\n");
     for row in MCODES {
-        writeln!(text, "| M{:02} | {} | {} | {} |", row.code, row.name.zh, row.name.en, row.row).unwrap();
+        let (name, help) = (row.name, row.help);
+        writeln!(text, "| M{:02} | {} | {} | {} | {} | {} |", row.code, name.zh, name.en, row.row, help.zh, help.en)
+            .unwrap();
+    }
+    text.push_str("\n## G 代码 G codes\n\n| 代码 | 功能 | function | 说明 | what it does |\n|---|---|---|---|---|\n");
+    for row in G_CODES {
+        let (name, help) = (row.text, row.help);
+        writeln!(text, "| G{:02} | {} | {} | {} | {} |", row.code, name.zh, name.en, help.zh, help.en).unwrap();
     }
 }
 

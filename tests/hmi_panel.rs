@@ -14,6 +14,7 @@ use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::hmi::layout::{PanelLayout, Regions, panel};
+use kt830::hmi::shot::Stage;
 use kt830::hmi::{Hmi, SHORTCUTS};
 use kt830::link::Command;
 
@@ -139,8 +140,13 @@ fn k2_1_the_help_page_tells_the_physical_key_of_every_key_of_the_kind() {
         let mut machine = snapshot(Page::Help);
         machine.kind = kind;
         for lang in [Lang::Zh, Lang::En] {
-            let texts = kt830::hmi::page_text(&machine, lang);
-            let page = &texts[..];
+            let mut stage = Stage::new(Hmi::new(lang), (1_024, 768));
+            stage.frame(&machine);
+            // The map is the tab left of the first one.
+            let (key, modifiers) = (egui::Key::ArrowLeft, egui::Modifiers::NONE);
+            stage.events.push(egui::Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers });
+            stage.frame(&machine);
+            let page: Vec<String> = stage.texts().into_iter().map(|(text, ..)| text).collect();
             for key in panel_keys(kind) {
                 assert!(page.iter().any(|text| text == key.name_on(kind).get(lang)), "{} on {kind:?}", key.id());
             }

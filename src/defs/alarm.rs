@@ -21,6 +21,27 @@ pub enum Reaction {
     StopAll,
 }
 
+impl Reaction {
+    /// What the machine does, as told on the screen.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Show => Text::new("只显示，不停机", "shown only, nothing stops"),
+            Self::BlockStart => Text::new("禁止循环启动", "cycle start is blocked"),
+            Self::HoldProgram => Text::new("程序暂停，禁止循环启动", "the run is held, cycle start is blocked"),
+            Self::StopProgram => {
+                Text::new("程序结束，轴减速停止；砂轮和液体不变", "the run ends, the axes brake; wheel and fluids stay")
+            }
+            Self::StopProgramAndWheel => {
+                Text::new("程序结束，砂轮和头架/台面停止", "the run ends, wheel and workpiece drive stop")
+            }
+            Self::StopAll => {
+                Text::new("各轴急停，输出进入安全状态", "all axes brake at once, outputs go to their safe state")
+            }
+        }
+    }
+}
+
 /// How an alarm goes away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResetRule {
@@ -30,6 +51,21 @@ pub enum ResetRule {
     SelfClearing,
     /// By itself, unless it has stopped a wheel or a program; then by RESET once its cause is gone.
     SelfClearingUnlessStopped,
+}
+
+impl ResetRule {
+    /// How it goes away, as told on the screen.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Reset => Text::new("排除原因后按复位", "RESET, once its cause is gone"),
+            Self::SelfClearing => Text::new("原因排除后自动消失", "by itself, once its cause is gone"),
+            Self::SelfClearingUnlessStopped => Text::new(
+                "原因排除后自动消失；若已停砂轮或程序，再按复位",
+                "by itself, once its cause is gone; after it stopped a wheel or a program, by RESET",
+            ),
+        }
+    }
 }
 
 /// One alarm.
@@ -182,17 +218,17 @@ alarms! {
         "程序目录中没有该程序", "the folder has no such program",
         "检查程序号，或拷入程序", "check the number or copy the program in";
     SERIAL_PORT = 310, Show, Reset, "RS232 端口打不开", "RS232 port does not open",
-        "没有选择端口、端口不存在、被占用、没有权限，或不支持波特率 P391", "no port chosen, not there, taken, not permitted, or it does not do the baud rate P391",
-        "在 U盘/通信 的 RS232 页选择端口；检查 P391 和接线", "choose the port on the RS232 sheet of USB/COMM; check P391 and the cable";
+        "没有选择端口、端口不存在、被占用、没有权限，或不支持波特率 P370", "no port chosen, not there, taken, not permitted, or it does not do the baud rate P370",
+        "在 U盘/通信 的 RS232 页选择端口；检查 P370 和接线", "choose the port on the RS232 sheet of USB/COMM; check P370 and the cable";
     SERIAL_SILENT = 311, Show, Reset, "RS232 没有收到数据", "RS232: nothing comes",
-        "P393 时间内没有程序开始，或中途停顿超过 P392", "no program began within P393, or it paused for more than P392",
+        "P372 时间内没有程序开始，或中途停顿超过 P371", "no program began within P372, or it paused for more than P371",
         "检查电缆和对方的发送、波特率，再接收一次；没有保存任何内容", "check the cable, the sender and the baud rate, receive again; nothing was stored";
     SERIAL_HELD = 312, Show, Reset, "RS232 对方不接收", "RS232: the other side does not take it",
-        "对方发了 XOFF 后 P392 时间内没有 XON，或没有接收", "no XON within P392 after its XOFF, or nobody receives",
+        "对方发了 XOFF 后 P371 时间内没有 XON，或没有接收", "no XON within P371 after its XOFF, or nobody receives",
         "先在对方启动接收，检查电缆和流控 XON/XOFF，再发送一次", "start receiving there first, check cable and XON/XOFF, send again";
     SERIAL_NOISE = 313, Show, Reset, "RS232 数据乱码", "RS232: garbled data",
         "波特率不一致（帧错误），或电缆有干扰；没有保存任何内容", "baud rates differ (framing errors), or the cable picks up noise; nothing was stored",
-        "两边波特率相同 (P391)，8 位、无校验、1 停止位；检查屏蔽和接地", "set both sides to P391, 8 bits, no parity, 1 stop bit; check shield and ground";
+        "两边波特率相同 (P370)，8 位、无校验、1 停止位；检查屏蔽和接地", "set both sides to P370, 8 bits, no parity, 1 stop bit; check shield and ground";
     SERIAL_PARITY = 314, Show, Reset, "RS232 对方带奇偶校验", "RS232: the other side sends parity",
         "对方设置为 7 位加校验", "it is set to 7 bits with parity",
         "对方改为 8 位、无校验、1 停止位，再接收一次", "set it to 8 bits, no parity, 1 stop bit and receive again";
@@ -224,6 +260,14 @@ pub const SERIAL: std::ops::RangeInclusive<u16> = SERIAL_PORT..=SERIAL_TEXT;
 
 /// First number of the alarms that a program raises by `#3000`.
 pub const USER_FIRST: u16 = 3_000;
+/// What such an alarm is, and what to do about it.
+pub const USER: (Text, Text) = (
+    Text::new(
+        "程序用 #3000 发出的报警，文字由编程员写",
+        "an alarm that the program raises by #3000, in its programmer's words",
+    ),
+    Text::new("按文字处理后复位", "do as its text says, then RESET"),
+);
 
 /// The row of an alarm that is not a program's.
 #[must_use]

@@ -1,7 +1,7 @@
 //! The M codes: what each one does and where it is written.
 //! Source: spec K3, B4.
 
-use super::kind::System;
+use super::kind::{Kind, System};
 use super::signal::{Input, Output};
 use super::text::Text;
 
@@ -144,95 +144,169 @@ pub struct MCode {
     pub waits: bool,
     /// Name shown.
     pub name: Text,
+    /// How it is written, what it waits for, what refuses it.
+    pub help: Text,
     /// Row of the specification.
     pub row: &'static str,
 }
 
 macro_rules! mcodes {
-    ($table:ident: $($code:literal, $row:literal, $waits:literal, $action:expr, $zh:literal, $en:literal;)*) => {
+    ($table:ident: $($code:literal, $row:literal, $waits:literal, $action:expr, $zh:literal, $en:literal,
+        $help_zh:literal, $help_en:literal;)*) => {
         /// Every M code of these machines, by number.
         pub const $table: &[MCode] = &[$(MCode {
-            code: $code, action: $action, waits: $waits, name: Text::new($zh, $en), row: $row,
+            code: $code, action: $action, waits: $waits, name: Text::new($zh, $en),
+            help: Text::new($help_zh, $help_en), row: $row,
         },)*];
     };
 }
 
 mcodes! {
     MCODES:
-    0, "K3.14", true, Action::Pause, "程序暂停", "program stop";
-    1, "B4", true, Action::OptionalStop, "选择停/跳转", "optional stop, jump";
-    2, "K3.14", true, Action::End, "程序结束", "program end";
-    3, "K3.1", true, Action::Ask(Request::WheelStart), "砂轮启动", "wheel start";
-    5, "K3.1", false, Action::Ask(Request::WheelStop), "砂轮停止", "wheel stop";
-    8, "K3.2", false, Action::Ask(Request::Switch(Output::Coolant, true)), "冷却开", "coolant on";
-    9, "K3.2", false, Action::Ask(Request::Switch(Output::Coolant, false)), "冷却关", "coolant off";
-    10, "K3.3", true, Action::Ask(Request::TailstockAdvance), "尾座进", "tailstock advance";
-    11, "K3.3", true, Action::Ask(Request::TailstockRetract), "尾座退", "tailstock retract";
-    14, "K3.5", false, Action::Ask(Request::HydraulicOn), "液压开", "hydraulic on";
-    15, "K3.5", false, Action::Ask(Request::HydraulicOff), "液压关", "hydraulic off";
-    20, "B4", true, Action::Pulse, "输出口脉冲", "pulse a port";
-    21, "B4", false, Action::Port(true), "输出口开", "port on";
-    22, "B4", false, Action::Port(false), "输出口关", "port off";
-    26, "B4", true, Action::Ask(Request::SecondSpindleStart(false)), "第二主轴正转", "second spindle clockwise";
-    27, "B4", true, Action::Ask(Request::SecondSpindleStart(true)), "第二主轴反转", "second spindle counter-clockwise";
-    28, "B4", false, Action::Ask(Request::SecondSpindleStop), "第二主轴停止", "second spindle stop";
-    30, "K3.14", true, Action::End, "程序结束", "program end";
-    31, "K3.14", false, Action::Count, "工件计数", "count a workpiece";
-    32, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, true)), "润滑开", "lubrication on";
-    33, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, false)), "润滑关", "lubrication off";
-    35, "K4.3", true, Action::Flow, "振荡开启 (G35)", "oscillation on (G35)";
-    36, "K4.3", true, Action::Flow, "振荡关闭 (G36)", "oscillation off (G36)";
-    41, "B4", true, Action::Ask(Request::Gear(0)), "1 档", "gear 1";
-    42, "B4", true, Action::Ask(Request::Gear(1)), "2 档", "gear 2";
-    43, "B4", true, Action::Ask(Request::Gear(2)), "3 档", "gear 3";
-    44, "B4", true, Action::Ask(Request::Gear(3)), "4 档", "gear 4";
-    50, "K3.12", false, Action::Ask(Request::Switch(Output::User1, true)), "输出 1 开", "user output 1 on";
-    51, "K3.12", false, Action::Ask(Request::Switch(Output::User1, false)), "输出 1 关", "user output 1 off";
-    52, "K3.12", false, Action::Ask(Request::Switch(Output::User2, true)), "输出 2 开", "user output 2 on";
-    53, "K3.12", false, Action::Ask(Request::Switch(Output::User2, false)), "输出 2 关", "user output 2 off";
-    54, "K3.12", false, Action::Ask(Request::Switch(Output::User3, true)), "输出 3 开", "user output 3 on";
-    55, "K3.12", false, Action::Ask(Request::Switch(Output::User3, false)), "输出 3 关", "user output 3 off";
-    56, "K3.12", false, Action::Ask(Request::Switch(Output::User4, true)), "输出 4 开", "user output 4 on";
-    57, "K3.12", false, Action::Ask(Request::Switch(Output::User4, false)), "输出 4 关", "user output 4 off";
-    58, "K3.12", false, Action::Ask(Request::Switch(Output::User5, true)), "输出 5 开", "user output 5 on";
-    59, "K3.12", false, Action::Ask(Request::Switch(Output::User5, false)), "输出 5 关", "user output 5 off";
-    63, "K3.4", true, Action::Ask(Request::DriveHigh), "头架高速", "headstock high";
-    64, "K3.4", true, Action::Ask(Request::DriveLow), "头架低速", "headstock low";
-    65, "K3.4", false, Action::Ask(Request::DriveStop), "头架停止", "headstock stop";
-    70, "K3.9", true, Action::Ask(Request::Gauge(Gauge::Radial, true)), "径向量仪伸出", "radial gauge out";
-    75, "K3.9", true, Action::Ask(Request::Gauge(Gauge::Radial, false)), "径向量仪缩回", "radial gauge in";
-    78, "K3.10", true, Action::Ask(Request::Gauge(Gauge::Axial, true)), "轴向量仪伸出", "axial gauge out";
-    79, "K3.10", true, Action::Ask(Request::Gauge(Gauge::Axial, false)), "轴向量仪缩回", "axial gauge in";
-    80, "K3.13", true, Action::AwaitInput(Input::User1), "等待输入 1", "wait for user input 1";
-    81, "K3.13", true, Action::AwaitInput(Input::User2), "等待输入 2", "wait for user input 2";
-    82, "K3.13", true, Action::AwaitInput(Input::User3), "等待输入 3", "wait for user input 3";
-    83, "K3.13", true, Action::AwaitInput(Input::User4), "等待输入 4", "wait for user input 4";
-    84, "K3.13", true, Action::AwaitInput(Input::User5), "等待输入 5", "wait for user input 5";
-    85, "K3.13", true, Action::AwaitInput(Input::User6), "等待输入 6", "wait for user input 6";
-    86, "K3.13", true, Action::AwaitInput(Input::User7), "等待输入 7", "wait for user input 7";
-    87, "K3.13", true, Action::AwaitInput(Input::User8), "等待输入 8", "wait for user input 8";
-    88, "K3.13", true, Action::AwaitInput(Input::User9), "等待输入 9", "wait for user input 9";
-    89, "K3.13", true, Action::AwaitInput(Input::User10), "等待输入 10", "wait for user input 10";
-    91, "K3.15", false, Action::Flow, "输入有效跳转", "jump if input active";
-    92, "K3.15", false, Action::Flow, "输入无效跳转", "jump if input not active";
-    94, "K3.11", true, Action::Ask(Request::Magnetise), "充磁", "magnetise";
-    95, "K3.11", true, Action::Ask(Request::Demagnetise), "退磁", "demagnetise";
-    98, "K3.15", false, Action::Flow, "调用子程序", "call a subprogram";
-    99, "K3.15", false, Action::Flow, "子程序返回", "return from a subprogram";
+    0, "K3.14", true, Action::Pause, "程序暂停", "program stop",
+        "程序停在本段，按循环启动继续；砂轮、头架照旧。暂停中所有键有效。", "The program stops here and goes on with cycle start; wheel and workpiece drive stay. All keys act meanwhile.";
+    1, "B4", true, Action::OptionalStop, "选择停/跳转", "optional stop, jump",
+        "选择停键灯亮时同 M00；M01 Ln 跳到 N n。", "Stops as M00 while OPT STOP is lit; M01 Ln jumps to block N n.";
+    2, "K3.14", true, Action::End, "程序结束", "program end",
+        "同 M30。", "As M30.";
+    3, "K3.1", true, Action::Ask(Request::WheelStart), "砂轮启动", "wheel start",
+        "液压、压力和充磁条件满足才启动；等 P61 后执行下一段。S 为转速。条件不满足：程序在该段前等待，或报警 180、186、187。", "Starts with hydraulics, pressure and magnet as they must be; the next block waits P61. S is the speed. A missing condition holds the program before the block, or is alarm 180, 186, 187.";
+    5, "K3.1", false, Action::Ask(Request::WheelStop), "砂轮停止", "wheel stop",
+        "砂轮断开，惯性停转。", "Wheel off; it coasts.";
+    8, "K3.2", false, Action::Ask(Request::Switch(Output::Coolant, true)), "冷却开", "coolant on",
+        "冷却液打开；装了流量开关（P333）时 P83 后检查，报警 192。", "Coolant on; with a flow switch (P333) it is looked at P83 later, alarm 192.";
+    9, "K3.2", false, Action::Ask(Request::Switch(Output::Coolant, false)), "冷却关", "coolant off",
+        "冷却液关闭。", "Coolant off.";
+    10, "K3.3", true, Action::Ask(Request::TailstockAdvance), "尾座进", "tailstock advance",
+        "只在 P16.2=1 的外圆磨上有效，否则无效；头架转动时报警 181。装了到位开关时等待到位，P63 内不到报警 185。", "Only with P16.2=1 on GC, else no effect; alarm 181 while the headstock turns. With end switches it waits, alarm 185 after P63.";
+    11, "K3.3", true, Action::Ask(Request::TailstockRetract), "尾座退", "tailstock retract",
+        "同 M10 的条件；头架转动时报警 181。", "Conditions as M10; alarm 181 while the headstock turns.";
+    14, "K3.5", false, Action::Ask(Request::HydraulicOn), "液压开", "hydraulic on",
+        "液压泵开；砂轮转动时无效。", "Hydraulic pump on; no effect while the wheel runs.";
+    15, "K3.5", false, Action::Ask(Request::HydraulicOff), "液压关", "hydraulic off",
+        "液压泵关；砂轮转动时无效。", "Hydraulic pump off; no effect while the wheel runs.";
+    20, "B4", true, Action::Pulse, "输出口脉冲", "pulse a port",
+        "M20 P_ L_：输出口 P 接通 L 毫秒，等脉冲结束。属于联锁功能的口报警 195。", "M20 P_ L_: port P on for L ms, the block waits. A port of an interlocked function is alarm 195.";
+    21, "B4", false, Action::Port(true), "输出口开", "port on",
+        "M21 P_：输出口 P 接通。属于联锁功能的口报警 195。", "M21 P_: port P on. A port of an interlocked function is alarm 195.";
+    22, "B4", false, Action::Port(false), "输出口关", "port off",
+        "M22 P_：输出口 P 断开。属于联锁功能的口报警 195。", "M22 P_: port P off. A port of an interlocked function is alarm 195.";
+    26, "B4", true, Action::Ask(Request::SecondSpindleStart(false)), "第二主轴正转", "second spindle clockwise",
+        "第二主轴正转。", "Second spindle clockwise.";
+    27, "B4", true, Action::Ask(Request::SecondSpindleStart(true)), "第二主轴反转", "second spindle counter-clockwise",
+        "第二主轴反转；转向改变前停 P87。", "Second spindle counter-clockwise; it pauses P87 before it reverses.";
+    28, "B4", false, Action::Ask(Request::SecondSpindleStop), "第二主轴停止", "second spindle stop",
+        "第二主轴停止。", "Second spindle off.";
+    30, "K3.14", true, Action::End, "程序结束", "program end",
+        "程序结束：冷却、头架/台面/滚轮、砂轮关闭（P17.2=1 砂轮不停），回到开头；P6.4=1 时计一个工件。", "End: coolant, workpiece drive and wheel off (P17.2=1 the wheel stays), back to the first block; counts a part with P6.4=1.";
+    31, "K3.14", false, Action::Count, "工件计数", "count a workpiece",
+        "工件计数加 1。", "Counts one workpiece.";
+    32, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, true)), "润滑开", "lubrication on",
+        "润滑开。", "Lubrication on.";
+    33, "K3.8", false, Action::Ask(Request::Switch(Output::Lubrication, false)), "润滑关", "lubrication off",
+        "润滑关。", "Lubrication off.";
+    35, "K4.3", true, Action::Flow, "振荡开启 (G35)", "oscillation on (G35)",
+        "同 G35（原文 M35 为误写）。", "As G35, whose other spelling it is.";
+    36, "K4.3", true, Action::Flow, "振荡关闭 (G36)", "oscillation off (G36)",
+        "同 G36。", "As G36.";
+    41, "B4", true, Action::Ask(Request::Gear(0)), "1 档", "gear 1",
+        "换到 1 档；装了到位开关时等待到位，P88 内不到报警 194。", "Changes to gear 1; with its switch it waits, alarm 194 after P88.";
+    42, "B4", true, Action::Ask(Request::Gear(1)), "2 档", "gear 2",
+        "换到 2 档；装了到位开关时等待到位，P88 内不到报警 194。", "Changes to gear 2; with its switch it waits, alarm 194 after P88.";
+    43, "B4", true, Action::Ask(Request::Gear(2)), "3 档", "gear 3",
+        "换到 3 档；装了到位开关时等待到位，P88 内不到报警 194。", "Changes to gear 3; with its switch it waits, alarm 194 after P88.";
+    44, "B4", true, Action::Ask(Request::Gear(3)), "4 档", "gear 4",
+        "换到 4 档；装了到位开关时等待到位，P88 内不到报警 194。", "Changes to gear 4; with its switch it waits, alarm 194 after P88.";
+    50, "K3.12", false, Action::Ask(Request::Switch(Output::User1, true)), "输出 1 开", "user output 1 on",
+        "用户输出 1 接通，输出口 P274。", "User output 1 on, its port is P274.";
+    51, "K3.12", false, Action::Ask(Request::Switch(Output::User1, false)), "输出 1 关", "user output 1 off",
+        "用户输出 1 断开。", "User output 1 off.";
+    52, "K3.12", false, Action::Ask(Request::Switch(Output::User2, true)), "输出 2 开", "user output 2 on",
+        "用户输出 2 接通，输出口 P275。", "User output 2 on, its port is P275.";
+    53, "K3.12", false, Action::Ask(Request::Switch(Output::User2, false)), "输出 2 关", "user output 2 off",
+        "用户输出 2 断开。", "User output 2 off.";
+    54, "K3.12", false, Action::Ask(Request::Switch(Output::User3, true)), "输出 3 开", "user output 3 on",
+        "用户输出 3 接通，输出口 P276。", "User output 3 on, its port is P276.";
+    55, "K3.12", false, Action::Ask(Request::Switch(Output::User3, false)), "输出 3 关", "user output 3 off",
+        "用户输出 3 断开。", "User output 3 off.";
+    56, "K3.12", false, Action::Ask(Request::Switch(Output::User4, true)), "输出 4 开", "user output 4 on",
+        "用户输出 4 接通，输出口 P277。", "User output 4 on, its port is P277.";
+    57, "K3.12", false, Action::Ask(Request::Switch(Output::User4, false)), "输出 4 关", "user output 4 off",
+        "用户输出 4 断开。", "User output 4 off.";
+    58, "K3.12", false, Action::Ask(Request::Switch(Output::User5, true)), "输出 5 开", "user output 5 on",
+        "用户输出 5 接通，输出口 P278。", "User output 5 on, its port is P278.";
+    59, "K3.12", false, Action::Ask(Request::Switch(Output::User5, false)), "输出 5 关", "user output 5 off",
+        "用户输出 5 断开。", "User output 5 off.";
+    63, "K3.4", true, Action::Ask(Request::DriveHigh), "头架高速", "headstock high",
+        "外圆磨头架高速，平磨滚轮、圆台磨台面旋转；等 P62。S 为第二模拟输出。尾座动作中报警 181，圆台未充磁报警 187。", "GC: headstock at high speed; GS: dresser roll; GA: table. Waits P62; S drives the second analog output. Alarm 181 while the tailstock moves, 187 if GA is not magnetised.";
+    64, "K3.4", true, Action::Ask(Request::DriveLow), "头架低速", "headstock low",
+        "头架低速；滚轮和台面只有一个速度，同 M63。", "Headstock at low speed; roll and table have one speed, as M63.";
+    65, "K3.4", false, Action::Ask(Request::DriveStop), "头架停止", "headstock stop",
+        "头架、滚轮或台面停止。", "Headstock, roll or table off.";
+    70, "K3.9", true, Action::Ask(Request::Gauge(Gauge::Radial, true)), "径向量仪伸出", "radial gauge out",
+        "量仪伸出；装了到位开关时等待到位，P80 内不到报警 189。", "Gauge out; with end switches it waits, alarm 189 after P80.";
+    75, "K3.9", true, Action::Ask(Request::Gauge(Gauge::Radial, false)), "径向量仪缩回", "radial gauge in",
+        "量仪缩回；装了到位开关时等待到位。", "Gauge in; with end switches it waits.";
+    78, "K3.10", true, Action::Ask(Request::Gauge(Gauge::Axial, true)), "轴向量仪伸出", "axial gauge out",
+        "量仪伸出；装了到位开关时等待到位，P80 内不到报警 189。", "Gauge out; with end switches it waits, alarm 189 after P80.";
+    79, "K3.10", true, Action::Ask(Request::Gauge(Gauge::Axial, false)), "轴向量仪缩回", "axial gauge in",
+        "量仪缩回；装了到位开关时等待到位。", "Gauge in; with end switches it waits.";
+    80, "K3.13", true, Action::AwaitInput(Input::User1), "等待输入 1", "wait for user input 1",
+        "等待用户输入 1 有效（低电平），输入口 P279；状态为等待，复位结束等待。", "Waits until user input 1 is active (low), its port is P279; RESET ends the wait.";
+    81, "K3.13", true, Action::AwaitInput(Input::User2), "等待输入 2", "wait for user input 2",
+        "等待用户输入 2 有效（低电平），输入口 P280；状态为等待，复位结束等待。", "Waits until user input 2 is active (low), its port is P280; RESET ends the wait.";
+    82, "K3.13", true, Action::AwaitInput(Input::User3), "等待输入 3", "wait for user input 3",
+        "等待用户输入 3 有效（低电平），输入口 P281；状态为等待，复位结束等待。", "Waits until user input 3 is active (low), its port is P281; RESET ends the wait.";
+    83, "K3.13", true, Action::AwaitInput(Input::User4), "等待输入 4", "wait for user input 4",
+        "等待用户输入 4 有效（低电平），输入口 P282；状态为等待，复位结束等待。", "Waits until user input 4 is active (low), its port is P282; RESET ends the wait.";
+    84, "K3.13", true, Action::AwaitInput(Input::User5), "等待输入 5", "wait for user input 5",
+        "等待用户输入 5 有效（低电平），输入口 P283；状态为等待，复位结束等待。", "Waits until user input 5 is active (low), its port is P283; RESET ends the wait.";
+    85, "K3.13", true, Action::AwaitInput(Input::User6), "等待输入 6", "wait for user input 6",
+        "等待用户输入 6 有效（低电平），输入口 P284；状态为等待，复位结束等待。", "Waits until user input 6 is active (low), its port is P284; RESET ends the wait.";
+    86, "K3.13", true, Action::AwaitInput(Input::User7), "等待输入 7", "wait for user input 7",
+        "等待用户输入 7 有效（低电平），输入口 P285；状态为等待，复位结束等待。", "Waits until user input 7 is active (low), its port is P285; RESET ends the wait.";
+    87, "K3.13", true, Action::AwaitInput(Input::User8), "等待输入 8", "wait for user input 8",
+        "等待用户输入 8 有效（低电平），输入口 P286；状态为等待，复位结束等待。", "Waits until user input 8 is active (low), its port is P286; RESET ends the wait.";
+    88, "K3.13", true, Action::AwaitInput(Input::User9), "等待输入 9", "wait for user input 9",
+        "等待用户输入 9 有效（低电平），输入口 P287；状态为等待，复位结束等待。", "Waits until user input 9 is active (low), its port is P287; RESET ends the wait.";
+    89, "K3.13", true, Action::AwaitInput(Input::User10), "等待输入 10", "wait for user input 10",
+        "等待用户输入 10 有效（低电平），输入口 P288；状态为等待，复位结束等待。", "Waits until user input 10 is active (low), its port is P288; RESET ends the wait.";
+    91, "K3.15", false, Action::Flow, "输入有效跳转", "jump if input active",
+        "M91 P_ L_：输入口 P 有效（低电平）时跳到 N L；不写 L 时 P 为程序段。", "M91 P_ L_: jumps to block L if input P is active (low); without L, P is the block.";
+    92, "K3.15", false, Action::Flow, "输入无效跳转", "jump if input not active",
+        "M92 P_ L_：输入口 P 无效时跳到 N L。", "M92 P_ L_: jumps to block L if input P is not active.";
+    94, "K3.11", true, Action::Ask(Request::Magnetise), "充磁", "magnetise",
+        "P16.0=1 时有效：接通 P81 后为已充磁。", "With P16.0=1: magnetised once it has been on for P81.";
+    95, "K3.11", true, Action::Ask(Request::Demagnetise), "退磁", "demagnetise",
+        "P16.0=1 时有效：P82 内退磁后两路输出断开；台面或砂轮转动时报警 187。", "With P16.0=1: decays for P82, then both outputs are off; alarm 187 while table or wheel turn.";
+    98, "K3.15", false, Action::Flow, "调用子程序", "call a subprogram",
+        "M98 P_ L_：调用子程序 O P，L 次；最多 4 层。", "M98 P_ L_: calls subprogram O P, L times; four levels at most.";
+    99, "K3.15", false, Action::Flow, "子程序返回", "return from a subprogram",
+        "子程序返回；M99 Pn 回到 N n；在主程序中为重复执行。", "Back from a subprogram; M99 Pn to block n; in a main program it begins anew.";
 }
 
 mcodes! {
     LATHE_MCODES:
-    0, "L7", true, Action::Pause, "程序暂停", "program stop";
-    2, "L7", true, Action::End, "程序结束", "program end";
-    3, "L7", true, Action::Ask(Request::SpindleStart(false)), "主轴正转", "spindle forward";
-    4, "L7", true, Action::Ask(Request::SpindleStart(true)), "主轴反转", "spindle reverse";
-    5, "L7", true, Action::Ask(Request::SpindleStop), "主轴停止", "spindle stop";
-    7, "L7", false, Action::Ask(Request::Switch(Output::Coolant, true)), "冷却开", "coolant on";
-    8, "L7", false, Action::Ask(Request::Switch(Output::Coolant, false)), "冷却关", "coolant off";
-    97, "L7", false, Action::Flow, "程序跳转", "jump";
-    98, "L7", false, Action::Flow, "子程序调用", "call a subprogram";
-    99, "L7", false, Action::Flow, "子程序返回", "return from a subprogram";
+    0, "L7", true, Action::Pause, "程序暂停", "program stop",
+        "程序停在本段，按循环启动继续。", "The program stops here and goes on with cycle start.";
+    2, "L7", true, Action::End, "程序结束", "program end",
+        "程序结束，主轴和冷却关闭。", "End of the program: spindle and coolant off.";
+    3, "L7", true, Action::Ask(Request::SpindleStart(false)), "主轴正转", "spindle forward",
+        "主轴正转，输出脉冲 P386（0.4 s）；S 为转速，不写按 P73。", "Spindle forward, a pulse of P386 (0.4 s); S is its speed, P73 without it.";
+    4, "L7", true, Action::Ask(Request::SpindleStart(true)), "主轴反转", "spindle reverse",
+        "主轴反转，输出脉冲 P386。", "Spindle in reverse, a pulse of P386.";
+    5, "L7", true, Action::Ask(Request::SpindleStop), "主轴停止", "spindle stop",
+        "主轴停止，输出脉冲 P386。", "Spindle off, a pulse of P386.";
+    7, "L7", false, Action::Ask(Request::Switch(Output::Coolant, true)), "冷却开", "coolant on",
+        "冷却液打开。", "Coolant on.";
+    8, "L7", false, Action::Ask(Request::Switch(Output::Coolant, false)), "冷却关", "coolant off",
+        "冷却液关闭：与其他机型相反。", "Coolant off: unlike on the other kinds.";
+    97, "L7", false, Action::Flow, "程序跳转", "jump",
+        "M97 L####：跳到段号 L。", "M97 L####: jumps to block L.";
+    98, "L7", false, Action::Flow, "子程序调用", "call a subprogram",
+        "M98 L####：调用主程序之后的子程序，入口段号 L。", "M98 L####: calls the subprogram at block L, behind the main program.";
+    99, "L7", false, Action::Flow, "子程序返回", "return from a subprogram",
+        "子程序返回。", "Back from the subprogram.";
 }
 
 /// What the SINUMERIK has beside the family's codes.
@@ -243,6 +317,7 @@ const MORE_802D: &[MCode] = &[
         action: Action::Ask(Request::WheelStart),
         waits: true,
         name: Text::new("砂轮启动", "wheel start"),
+        help: Text::new("磨头只有一个转向：同 M3。", "The grinding head turns one way: as M3."),
         row: "S1",
     },
 ];
@@ -256,11 +331,28 @@ pub const fn table(system: System) -> &'static [MCode] {
     }
 }
 
+/// Codes of the family that the SINUMERIK says otherwise: ports, oscillation, jumps and calls.
+const NOT_802D: &[u16] = &[20, 21, 22, 35, 36, 91, 92, 98, 99];
+
+/// All rows of a language.
+pub fn all(system: System) -> impl Iterator<Item = &'static MCode> {
+    let sinumerik = matches!(system, System::Sinumerik);
+    let more = if sinumerik { MORE_802D } else { &[] };
+    let rows = table(system).iter().chain(more);
+    rows.filter(move |row| !sinumerik || !NOT_802D.contains(&row.code))
+}
+
+/// The rows of a kind of machine. K5.3: the tailstock's codes exist where there is a tailstock.
+pub fn on(kind: Kind) -> impl Iterator<Item = &'static MCode> {
+    let tailstock =
+        |row: &&MCode| matches!(row.action, Action::Ask(Request::TailstockAdvance | Request::TailstockRetract));
+    all(kind.system()).filter(move |row| kind == Kind::Gc || !tailstock(row))
+}
+
 /// The row of a code in a language.
 #[must_use]
 pub fn find_in(system: System, code: u16) -> Option<&'static MCode> {
-    let more = if matches!(system, System::Sinumerik) { MORE_802D } else { &[] };
-    table(system).iter().chain(more).find(|row| row.code == code)
+    all(system).find(|row| row.code == code)
 }
 
 /// Codes of the control that this version reads but does not drive: a run stops before their block.

@@ -20,6 +20,7 @@ pub mod pictogram;
 mod press;
 mod question;
 pub mod raster;
+mod search;
 pub mod shot;
 mod softkey;
 pub mod theme;
@@ -29,6 +30,7 @@ mod widget;
 pub mod window;
 
 pub use app::Hmi;
+pub use help::{HelpEntry, Section as HelpSection, entries as help_entries};
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub use shot::{page_text, shot};
-pub use softkey::{ROWS as SOFT_KEYS, SoftAct, SoftKey};
+pub use softkey::{ROWS as SOFT_ROWS, SoftAct, SoftKey, row as soft_row};

@@ -10,6 +10,7 @@ pub mod media;
 pub mod page_command;
 pub mod simulated;
 pub mod snapshot;
+pub mod teach;
 
 pub use command::Command;
 pub use page_command::PageCommand;

@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kt830::defs::alarm::{ALARMS, Alarm};
+use kt830::defs::date::Date;
+use kt830::defs::history::{End, PastAlarm};
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
@@ -20,7 +22,7 @@ use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, Set};
 use kt830::link::simulated::SimView;
-use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, PastAlarm, ProgramView, RunState, Tone};
+use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
 use kt830::units::{Axis, Micros, PerAxis};
 
 /// The customer's own page text (seed 000).
@@ -179,6 +181,7 @@ pub fn busy(page: Page) -> Snapshot {
         wheel_load_percent: 63.0,
         sizes: (0..12).map(|row| (said(&format!("直径 Z{row}0.0"), &format!("diameter Z{row}0.0")), 40.012)).collect(),
         events: vec![said("12.3 s burn", "12.3 s burn")],
+        room: None,
     }));
     let set = |name: &str| match name {
         name if name.starts_with('O') => Set::Programs,
@@ -258,15 +261,17 @@ pub fn troubled(page: Page) -> Snapshot {
     snapshot.params = Arc::new(params);
     let past = |number: u16, minutes: u64, gone: Option<u64>| {
         let row = ALARMS.iter().find(|row| row.number == number).unwrap_or(&ALARMS[0]);
-        let at = |minutes: u64| Micros(snapshot.now.0 - minutes * 60_000_000);
+        let date = |minutes: u64| Date(1_795_273_316 - minutes as i64 * 60);
         let place = number.is_multiple_of(2).then_some((1_001, 13));
-        let view = AlarmView { number, text: row.text.into(), remedy: row.remedy.into(), since: at(minutes), place };
-        PastAlarm { alarm: Arc::new(view), gone: gone.map(at) }
+        let ended = gone.map(|minutes| (if number == 102 { End::Reset } else { End::Itself }, Some(date(minutes))));
+        let count = 1_000 - minutes;
+        Arc::new(PastAlarm { count, number, text: row.text.into(), place, came: date(minutes), ended })
     };
     let mut history = vec![past(102, 800, Some(799)), past(0, 200, Some(199)), past(181, 60, Some(58))];
     history.extend((1..40).rev().map(|minutes| past(184, minutes + 1, Some(minutes))));
     history.push(past(180, 0, None));
     snapshot.alarm_history = Arc::new(history);
+    snapshot.date = Some(Date(1_795_273_316));
     snapshot
 }
 

@@ -252,7 +252,15 @@ impl Directory {
                 Edit::Up | Edit::Previous => self.cursor = self.cursor.saturating_sub(1),
                 Edit::Down | Edit::Next => self.cursor += 1,
                 Edit::Enter => load = true,
-                Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel | Edit::Left | Edit::Right => continue,
+                Edit::Char(_)
+                | Edit::Sign
+                | Edit::Back
+                | Edit::Delete
+                | Edit::LineStart
+                | Edit::LineEnd
+                | Edit::Cancel
+                | Edit::Left
+                | Edit::Right => continue,
             }
             self.cursor = self.cursor.min(rows.len() - 1);
             self.scroll.show(self.cursor, list, ROW);

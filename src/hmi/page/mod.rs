@@ -18,6 +18,8 @@ pub mod program;
 pub mod scroll;
 pub mod settings;
 pub mod simulator;
+mod teach;
+mod tools;
 pub mod transfer;
 pub mod variables;
 pub mod wheel;
@@ -26,7 +28,7 @@ use egui::{Rect, TextureId, Ui};
 
 use super::entry::{Edit, Entry};
 use super::frame;
-use super::help;
+use super::help::Help;
 use super::login::Login;
 use super::view::View;
 use crate::defs::key::Key;
@@ -55,6 +57,8 @@ pub struct Pages {
     pub shown: Shown,
     /// Value typed on the grinding page.
     pub entry: Entry,
+    /// What keys, alarms and codes mean.
+    pub help: Help,
     program: program::Program,
     graphic: graphic::Graphic,
     transfer: transfer::Transfer,
@@ -71,6 +75,8 @@ pub struct Pages {
     variables: variables::Variables,
     mdi: mdi::Mdi,
     wheel: wheel::WheelChange,
+    teach: teach::Teach,
+    tools: tools::Tools,
     login: Login,
 }
 
@@ -92,6 +98,14 @@ impl Pages {
         self.variables.open();
         self.mdi.open();
         self.wheel = wheel::WheelChange::default();
+        self.tools = tools::Tools::default();
+        self.help.open(view, Page::Help);
+    }
+
+    /// What goes on while no page is looked at.
+    pub fn follow(&mut self, view: &View<'_>) {
+        self.graphic.follow(view);
+        self.process.follow(view);
     }
 
     /// Another program is current.
@@ -114,6 +128,8 @@ impl Pages {
             Page::Macro => &self.variables.typing,
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
+            Page::Tools => &self.tools.typing,
+            Page::Settings => &self.settings.clock.typing,
             Page::Directory => &self.directory.typing,
             Page::Params => &self.params.typing,
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
@@ -156,7 +172,9 @@ impl Pages {
             Page::Dressing => self.dressing.table.typing.pad,
             Page::Macro => self.variables.typing.pad,
             Page::Wheel => self.wheel.wants_pad(),
+            Page::Tools => self.tools.typing.pad,
             Page::Transfer => self.transfer.wants_pad(),
+            Page::Settings => self.settings.clock.typing.pad,
             page => {
                 let has_fields = view.snapshot.page_files().is_some_and(|files| files.text.is_ok());
                 self.entry.typing.pad && frame::takes_numbers(page) && has_fields
@@ -173,8 +191,7 @@ impl Pages {
         typed: &Typed<'_>,
         picture: Option<TextureId>,
     ) -> Vec<Command> {
-        self.graphic.follow(view);
-        self.process.follow(view);
+        self.follow(view);
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
                 let mut out = answers(typed.edits);
@@ -193,18 +210,17 @@ impl Pages {
             Page::Macro => self.variables.ui(ui, rect, view, typed),
             Page::Mdi => self.mdi.ui(ui, rect, view, typed),
             Page::Wheel => self.wheel.ui(ui, rect, view, typed.edits),
+            Page::Teach => self.teach.ui(ui, rect, view, typed),
+            Page::Tools => self.tools.ui(ui, rect, view, typed.edits),
             Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
             Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),
             Page::Diagnosis => {
                 self.diagnosis.ui(ui, rect, view, typed);
                 Vec::new()
             }
-            Page::Alarm => {
-                self.alarms.ui(ui, rect, view, typed);
-                Vec::new()
-            }
+            Page::Alarm => self.alarms.ui(ui, rect, view, typed),
             Page::Help => {
-                help::page(ui, view, rect);
+                self.help.page(ui, view, rect, typed);
                 Vec::new()
             }
         };
@@ -221,8 +237,8 @@ fn answers(edits: &[Edit]) -> Vec<Command> {
         match edit {
             Edit::Enter => out.extend(press(Key::Input)),
             Edit::Cancel => out.extend(press(Key::Cancel)),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Up | Edit::Down => {}
-            Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {}
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::Up | Edit::Down => {}
+            Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd | Edit::Next | Edit::Previous => {}
         }
     }
     out

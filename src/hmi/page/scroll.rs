@@ -37,6 +37,13 @@ impl Scroll {
         (first, last.clamp(first, count.max(first)))
     }
 
+    /// The lines that are whole in sight.
+    #[must_use]
+    pub fn lines(&self, rect: Rect, line: f32) -> std::ops::Range<usize> {
+        let first = self.top.ceil() as usize;
+        first..first + (rect.height() / line).floor() as usize
+    }
+
     /// By so many pages.
     pub fn page(&mut self, pages: i32, rect: Rect, line: f32) {
         self.by_hand = true;

@@ -14,6 +14,7 @@ use crate::defs::text::Said;
 use crate::hmi::entry::Edit;
 use crate::hmi::letters::{self, Letter};
 use crate::hmi::login::Login;
+use crate::hmi::search::{self, SearchTouch};
 use crate::hmi::theme;
 use crate::hmi::typing::{Heard, Typing};
 use crate::hmi::view::View;
@@ -128,12 +129,13 @@ impl Params {
         if let Some(index) = widget::tabs(ui, view, places.tabs, &keys, chosen) {
             self.part = PARTS[index];
         }
-        match paint::search_field(ui, view, places.search, &self.search, self.searching) {
-            Some(paint::SearchTouch::Field) => {
+        let hint = view.say("查找 号码/文字", "find number/text");
+        match search::field(ui, view, places.search, hint, &self.search, self.searching) {
+            Some(SearchTouch::Field) => {
                 self.searching = !self.searching;
                 self.typing.text.clear();
             }
-            Some(paint::SearchTouch::Clear) => self.search.clear(),
+            Some(SearchTouch::Clear) => self.search.clear(),
             None => {}
         }
         let level = view.snapshot.access.level;
@@ -201,7 +203,7 @@ impl Params {
         for edit in typed.edits {
             match edit {
                 Edit::Char(_) | Edit::Sign if self.searching => {}
-                Edit::Back if self.searching => self.letter(&Letter::Back),
+                Edit::Back | Edit::Delete if self.searching => self.letter(&Letter::Back),
                 Edit::Enter if self.searching => self.searching = false,
                 Edit::Cancel if self.searching => {
                     self.searching = false;
@@ -211,7 +213,8 @@ impl Params {
                 Edit::Down => self.go(self.list.below(self.cursor, 1)),
                 Edit::Left | Edit::Previous => self.go(self.list.beside(self.cursor, false)),
                 Edit::Right | Edit::Next => self.go(self.list.beside(self.cursor, true)),
-                Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Enter | Edit::Cancel => {
+                Edit::LineStart | Edit::LineEnd => {}
+                Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::Enter | Edit::Cancel => {
                     self.value(*edit, view, login, out);
                 }
             }

@@ -61,51 +61,6 @@ pub struct Drawn<'a> {
     pub refused: bool,
 }
 
-/// What was touched in the search field.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SearchTouch {
-    /// The field.
-    Field,
-    /// The cross that empties it.
-    Clear,
-}
-
-/// The search field, with a cross while something is in it.
-pub fn search_field(ui: &Ui, view: &View<'_>, rect: Rect, search: &str, open: bool) -> Option<SearchTouch> {
-    let (rect, cross) = if search.is_empty() {
-        (rect, None)
-    } else {
-        let (field, cross) = rect.split_left_right_at_x(rect.max.x - theme::TARGET - SPACE);
-        (field, Some(Rect::from_min_max(cross.min + vec2(SPACE, 0.0), cross.max)))
-    };
-    if let Some(cross) = cross
-        && widget::push(ui, view, cross, "search-clear", "×", Look::default())
-    {
-        return Some(SearchTouch::Clear);
-    }
-    let response = ui.interact(rect, Id::unique("param-search"), Sense::CLICK);
-    response
-        .widget_info(|| WidgetInfo::labeled(Role::SearchInput, true, format!("{} search", view.say("查找", "find"))));
-    let painter = ui.painter();
-    let face = Face { pressed: response.is_pointer_button_down_on(), ..Face::default() };
-    keycap::plate(painter, view.theme, rect, face);
-    if open {
-        frame(painter, rect, view.theme.focus);
-    }
-    let inside = rect.shrink2(vec2(theme::PAD, 0.0));
-    match (search, open) {
-        ("", false) => {
-            let words = view.say("查找 号码/文字", "find number/text");
-            fit(painter, inside, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
-        }
-        (search, open) => {
-            let words = if open { format!("{search}_") } else { search.to_owned() };
-            fit(painter, inside, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.info);
-        }
-    }
-    response.clicked().then_some(SearchTouch::Field)
-}
-
 /// Which level is open; a touch opens or locks.
 pub fn level_key(ui: &Ui, view: &View<'_>, rect: Rect, level: Level) -> bool {
     let open = level > Level::Operator;

@@ -104,7 +104,7 @@ impl Program {
         }
         self.told = None;
         if act.changes() && !self.editing {
-            return self.refuse(Said::new("先按“编辑”", "press EDIT first"));
+            return self.refuse(super::keys::EDIT_FIRST);
         }
         match act {
             Act::Edit if view.snapshot.program.mistaken => {

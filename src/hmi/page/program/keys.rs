@@ -8,6 +8,9 @@ use crate::defs::text::Text;
 use crate::hmi::theme;
 use crate::hmi::view::View;
 
+/// Why a text that is only looked at does not change.
+pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
+
 macro_rules! acts {
     ($($variant:ident = $name:literal, $zh:literal, $en:literal;)*) => {
         /// What a key does.

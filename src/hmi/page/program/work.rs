@@ -370,7 +370,7 @@ mod tests {
     #[test]
     fn b6_a_block_is_found_by_its_number_not_by_what_begins_alike() {
         let text = "(N20)\nN200 G00\nGOTO 20\n/N0020 X1\n";
-        assert!(matches!(run(Work::block(20), text), Step::Found(22, 22)), "the fourth line");
+        assert!(matches!(run(Work::block(20), text), Step::Found(23, 23)), "the fourth line");
         assert!(matches!(run(Work::block(2), text), Step::Nothing));
     }
 

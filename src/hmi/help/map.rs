@@ -1,14 +1,13 @@
-//! The keyboard's keys for the panel, by group, from the one table: a page of its own, and a sheet over any other page.
+//! The keyboard's keys for the panel, by group, from the one table.
 //! Source: spec K2.1 (same keys reachable from a keyboard).
 
-use egui::accesskit::Role;
-use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Rect, Ui, pos2, vec2};
 
-use super::keyboard::{SHORTCUTS, Shortcut};
-use super::theme;
-use super::view::{View, card, fit};
 use crate::defs::key::Group;
 use crate::defs::text::Text;
+use crate::hmi::keyboard::{SHORTCUTS, Shortcut};
+use crate::hmi::theme;
+use crate::hmi::view::{View, fit};
 
 /// Keys that are not panel keys.
 const SCREEN: [(&str, Text); 11] = [
@@ -48,7 +47,7 @@ enum Line {
 }
 
 /// The written form of a shortcut.
-fn written(shortcut: &Shortcut) -> String {
+pub fn written(shortcut: &Shortcut) -> String {
     let prefix = match (shortcut.modifiers.ctrl, shortcut.modifiers.alt) {
         (true, _) => "Ctrl+",
         (false, true) => "Alt+",
@@ -88,30 +87,10 @@ fn groups(view: &View<'_>) -> Vec<Vec<Line>> {
     all
 }
 
-/// Draws the map over a page; true when it was touched and is to close.
-pub fn sheet(ui: &Ui, view: &View<'_>, rect: Rect) -> bool {
-    let response = ui.interact(rect, Id::unique("help"), Sense::CLICK | Sense::DRAG);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "关闭帮助 close-help"));
-    card(ui.painter(), rect, view.theme.surface, view.theme.focus);
-    map(
-        ui,
-        view,
-        rect,
-        view.say("按键与键盘对照（触摸、F12 或 Esc 关闭）", "panel on the keyboard (touch, F12 or Esc closes)"),
-    );
-    response.clicked()
-}
-
-/// Draws the map as the page 帮助.
-pub fn page(ui: &Ui, view: &View<'_>, rect: Rect) {
-    map(ui, view, rect, view.say("按键与键盘对照", "panel on the keyboard"));
-}
-
-fn map(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) {
+/// Draws the map.
+pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect) {
     let painter = ui.painter();
-    let inside = rect.shrink(theme::PAD);
-    let (head, rest) = inside.split_top_bottom_at_y(inside.min.y + 30.0);
-    fit(painter, head, Align2::LEFT_CENTER, title, theme::TITLE, view.theme.text);
+    let rest = rect.shrink2(vec2(0.0, theme::GAP));
     let groups = groups(view);
     let columns = if rect.width() > 640.0 { 4 } else { 3 };
     let (rows, places) = flow(&groups, columns);

@@ -1,0 +1,280 @@
+//! What help knows: one entry a page, soft key, panel key, alarm, G and M code, each from the row of its table.
+//! Source: spec B6, K2.4, B8; the tables in `defs`.
+
+use super::map;
+use crate::defs::alarm::{self, ALARMS, Reaction, ResetRule};
+use crate::defs::dialect_word;
+use crate::defs::gcode::{Exists, G_CODES, Group};
+use crate::defs::key::{self, Key};
+use crate::defs::kind::{Kind, System};
+use crate::defs::mcode;
+use crate::defs::page::Page;
+use crate::defs::program_error::ProgramError;
+use crate::defs::text::{Lang, Said, Text};
+use crate::hmi::keyboard::SHORTCUTS;
+use crate::hmi::softkey::{self, SoftAct};
+
+/// A part of the help.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Section {
+    /// The pages.
+    #[default]
+    Pages,
+    /// The soft keys.
+    SoftKeys,
+    /// The keys of the panel.
+    Keys,
+    /// The alarms.
+    Alarms,
+    /// G codes; on the dialects all that they have of their own.
+    GCodes,
+    /// M codes.
+    MCodes,
+}
+
+impl Section {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::Pages, Self::SoftKeys, Self::Keys, Self::Alarms, Self::GCodes, Self::MCodes];
+
+    /// The label of its tab.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::Pages => Text::new("页面", "PAGES"),
+            Self::SoftKeys => Text::new("软键", "SOFT KEYS"),
+            Self::Keys => Text::new("按键", "KEYS"),
+            Self::Alarms => Text::new("报警", "ALARMS"),
+            Self::GCodes => Text::new("G 代码", "G CODES"),
+            Self::MCodes => Text::new("M 代码", "M CODES"),
+        }
+    }
+
+    /// The word of its tab.
+    #[must_use]
+    pub const fn id(self) -> &'static str {
+        match self {
+            Self::Pages => "help-pages",
+            Self::SoftKeys => "help-soft",
+            Self::Keys => "help-keys",
+            Self::Alarms => "help-alarms",
+            Self::GCodes => "help-g",
+            Self::MCodes => "help-m",
+        }
+    }
+}
+
+/// What an entry is about, where the machine has more to say on it now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum About {
+    /// A page.
+    Page(Page),
+    /// A soft key.
+    Soft(SoftAct),
+    /// A key of the panel.
+    Key(Key),
+    /// An alarm by its number.
+    Alarm(u16),
+    /// A code.
+    Code,
+}
+
+/// One entry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HelpEntry {
+    /// Where it stands.
+    pub section: Section,
+    /// What it is about.
+    pub about: About,
+    /// Its word: `page-grinding`, `alarm-180`, `m-M03`.
+    pub id: String,
+    /// The short sign in front: `F4`, `180`, `M03`.
+    pub sign: String,
+    /// Its name.
+    pub name: Said,
+    /// Captions and texts.
+    pub parts: Vec<(Text, Said)>,
+    /// All of it in small letters, for the search.
+    haystack: String,
+}
+
+impl HelpEntry {
+    fn new(section: Section, about: About, id: String, sign: String, name: Said, parts: Vec<(Text, Said)>) -> Self {
+        let mut haystack = format!("{id} {sign} {} {}", name.zh, name.en);
+        for (_, said) in &parts {
+            haystack.push_str(&format!(" {} {}", said.zh, said.en));
+        }
+        Self { section, about, id, sign, name, parts, haystack: haystack.to_lowercase() }
+    }
+
+    /// Whether every word of a search stands in it. Letters of either case.
+    #[must_use]
+    pub fn has(&self, search: &str) -> bool {
+        search.to_lowercase().split_whitespace().all(|word| self.haystack.contains(word))
+    }
+
+    /// How well it fits a search: its own sign before its name before its text.
+    #[must_use]
+    pub fn rank(&self, search: &str) -> u8 {
+        let search = search.trim().to_lowercase();
+        let name = format!("{} {}", self.name.zh, self.name.en).to_lowercase();
+        match () {
+            () if self.sign.to_lowercase() == search => 0,
+            () if name.contains(&search) => 1,
+            () if self.sign.to_lowercase().contains(&search) => 2,
+            () => 3,
+        }
+    }
+
+    /// Its parts as one text.
+    #[must_use]
+    pub fn text(&self, lang: Lang) -> String {
+        let parts = self.parts.iter().map(|(caption, said)| format!("{}: {}", caption.get(lang), said.get(lang)));
+        parts.collect::<Vec<_>>().join("\n")
+    }
+}
+
+const WHAT: Text = Text::new("作用", "what it does");
+const USAGE: Text = Text::new("操作", "how to use it");
+const CAUSE: Text = Text::new("原因", "cause");
+const REMEDY: Text = Text::new("处理", "remedy");
+const REACTION: Text = Text::new("反应", "reaction");
+const CLEARED: Text = Text::new("清除", "goes away");
+const KEYBOARD: Text = Text::new("键盘", "keyboard");
+const RUN: Text = Text::new("运行中", "in a run");
+const EFFECT: Text = Text::new("有效", "in force");
+const NEXT: Text = Text::new("下一段", "next block");
+
+/// Everything that a kind of machine needs help on.
+#[must_use]
+pub fn entries(kind: Kind) -> Vec<HelpEntry> {
+    let mut all: Vec<HelpEntry> = Page::ALL.iter().map(|page| of_page(*page)).collect();
+    soft_keys(&mut all);
+    all.extend(Key::ALL.iter().filter(|key| key.is_on(kind)).map(|key| of_key(*key, kind)));
+    alarms(&mut all);
+    g_codes(kind, &mut all);
+    all.extend(mcode::on(kind).map(of_mcode));
+    all
+}
+
+fn of_page(page: Page) -> HelpEntry {
+    let row = softkey::row_of(page);
+    let keys = softkey::ROWS[row].iter().enumerate();
+    let list = |text: fn(&Text) -> &'static str| {
+        let words = keys.clone().map(|(index, soft)| format!("F{} {}", index + 1, text(&soft.label)));
+        words.collect::<Vec<_>>().join(" · ")
+    };
+    let keys = Said::new(list(|text| text.zh), list(|text| text.en));
+    let parts = vec![
+        (WHAT, page.help().into()),
+        (USAGE, page.usage().into()),
+        (Text::new("打开时的软键", "its soft keys"), keys),
+    ];
+    let id = format!("page-{}", page.id());
+    HelpEntry::new(Section::Pages, About::Page(page), id, String::new(), page.title().into(), parts)
+}
+
+fn soft_keys(all: &mut Vec<HelpEntry>) {
+    for (row, keys) in softkey::ROWS.iter().enumerate() {
+        for (index, soft) in keys.iter().enumerate() {
+            let place = Said::new(
+                format!("▶ 翻到第 {} 行，F{}", row + 1, index + 1),
+                format!("▶ to row {}, then F{}", row + 1, index + 1),
+            );
+            let parts = vec![(WHAT, soft.act.help().into()), (Text::new("位置", "where"), place)];
+            let (id, sign) = (format!("soft-{}-{}", row + 1, index + 1), format!("{}·F{}", row + 1, index + 1));
+            let about = About::Soft(soft.act);
+            all.push(HelpEntry::new(Section::SoftKeys, about, id, sign, soft.label.into(), parts));
+        }
+    }
+}
+
+fn of_key(key: Key, kind: Kind) -> HelpEntry {
+    let row = key.row();
+    let mut parts = vec![(WHAT, row.help.into())];
+    let shortcuts: Vec<_> = SHORTCUTS.iter().filter(|shortcut| shortcut.key == key).map(map::written).collect();
+    if !shortcuts.is_empty() {
+        let written = shortcuts.join(" · ");
+        parts.push((KEYBOARD, Said::new(written.clone(), written)));
+    }
+    if row.group != key::Group::Screen {
+        let acts = if row.in_run {
+            Text::new("有效", "it acts")
+        } else {
+            Text::new("无效；暂停和手动时有效", "it is dead; it acts in a hold and by hand")
+        };
+        parts.push((RUN, acts.into()));
+    }
+    let sign = shortcuts.into_iter().next().unwrap_or_default();
+    let id = format!("key-{}", row.id);
+    HelpEntry::new(Section::Keys, About::Key(key), id, sign, key.name_on(kind).into(), parts)
+}
+
+fn alarms(all: &mut Vec<HelpEntry>) {
+    let add = |number: u16, sign: String, name: Said, texts: [Said; 2], acts: (Reaction, ResetRule)| {
+        let [cause, remedy] = texts;
+        let mut parts = Vec::with_capacity(4);
+        if !cause.zh.is_empty() {
+            parts.push((CAUSE, cause));
+        }
+        parts.extend([(REMEDY, remedy), (REACTION, acts.0.name().into()), (CLEARED, acts.1.name().into())]);
+        HelpEntry::new(Section::Alarms, About::Alarm(number), format!("alarm-{sign}"), sign, name, parts)
+    };
+    let from = all.len();
+    for row in ALARMS {
+        let texts = [row.cause.into(), row.remedy.into()];
+        all.push(add(row.number, format!("{:03}", row.number), row.text.into(), texts, (row.reaction, row.reset)));
+    }
+    for error in ProgramError::ALL {
+        // The details of a mistake come with it.
+        let open = |text: &str| text.replace("{2}", "…").replace("{}", "…");
+        let said = |text: Text| Said::new(open(text.zh), open(text.en));
+        let number = error.number();
+        let acts = (alarm::reaction(number), alarm::reset_rule(number));
+        let cause = Text::new(
+            "程序段中有错误；报警带程序、行、列",
+            "a mistake in a block; the alarm names program, line, column",
+        );
+        all.push(add(number, format!("{number:03}"), said(error.text()), [cause.into(), said(error.remedy())], acts));
+    }
+    all[from..].sort_by(|a, b| a.sign.cmp(&b.sign));
+    let (text, remedy) = alarm::USER;
+    let acts = (alarm::reaction(alarm::USER_FIRST), alarm::reset_rule(alarm::USER_FIRST));
+    let texts = [Said::default(), remedy.into()];
+    all.push(add(alarm::USER_FIRST, "3000–3999".to_owned(), text.into(), texts, acts));
+}
+
+fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
+    let system = kind.system();
+    let mill = system == System::Mill;
+    let own = matches!(system, System::LatheA | System::Mill);
+    for row in G_CODES.iter().filter(|row| own && row.exists_on(mill) != Exists::No) {
+        let once = matches!(row.group_on(mill), Group::Once);
+        let stays = if once {
+            Text::new("只在本段", "in its block only")
+        } else {
+            Text::new("模态，直到同组的另一个代码", "until another code of its group")
+        };
+        let mut parts = vec![(WHAT, row.help.into()), (EFFECT, stays.into())];
+        if row.exists_on(mill) == Exists::Later {
+            parts.pop();
+        }
+        let sign = format!("G{:02}", row.code);
+        all.push(HelpEntry::new(Section::GCodes, About::Code, format!("g-{sign}"), sign, row.text.into(), parts));
+    }
+    for word in dialect_word::table(system) {
+        let (id, sign) = (format!("g-{}", word.word), word.word.to_owned());
+        let parts = vec![(WHAT, word.help.into())];
+        all.push(HelpEntry::new(Section::GCodes, About::Code, id, sign, word.text.into(), parts));
+    }
+}
+
+fn of_mcode(row: &mcode::MCode) -> HelpEntry {
+    let waits = if row.waits {
+        Text::new("等本段完成后执行", "waits until it is done")
+    } else {
+        Text::new("不等待", "does not wait")
+    };
+    let parts = vec![(WHAT, row.help.into()), (NEXT, waits.into())];
+    let sign = format!("M{:02}", row.code);
+    HelpEntry::new(Section::MCodes, About::Code, format!("m-{sign}"), sign, row.name.into(), parts)
+}

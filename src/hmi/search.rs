@@ -1,0 +1,57 @@
+//! The search field of pages that are searched: what is typed, and a cross that empties it.
+//! Source: spec B6 (search), H6.
+
+use egui::accesskit::Role;
+use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, vec2};
+
+use super::keycap::{self, Face};
+use super::theme;
+use super::view::{View, fit, frame};
+use super::widget::{self, Look};
+
+/// Between the field and its cross.
+const SPACE: f32 = 4.0;
+
+/// What was touched in the search field.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SearchTouch {
+    /// The field.
+    Field,
+    /// The cross that empties it.
+    Clear,
+}
+
+/// The field; `hint` stands in it while it is empty, `open` while what is typed goes into it.
+pub fn field(ui: &Ui, view: &View<'_>, rect: Rect, hint: &str, search: &str, open: bool) -> Option<SearchTouch> {
+    let (rect, cross) = if search.is_empty() {
+        (rect, None)
+    } else {
+        let (field, cross) = rect.split_left_right_at_x(rect.max.x - theme::TARGET - SPACE);
+        (field, Some(Rect::from_min_max(cross.min + vec2(SPACE, 0.0), cross.max)))
+    };
+    if let Some(cross) = cross
+        && widget::push(ui, view, cross, "search-clear", "×", Look::default())
+    {
+        return Some(SearchTouch::Clear);
+    }
+    let response = ui.interact(rect, Id::unique("search"), Sense::CLICK);
+    response
+        .widget_info(|| WidgetInfo::labeled(Role::SearchInput, true, format!("{} search", view.say("查找", "find"))));
+    let painter = ui.painter();
+    let face = Face { pressed: response.is_pointer_button_down_on(), ..Face::default() };
+    keycap::plate(painter, view.theme, rect, face);
+    if open {
+        frame(painter, rect, view.theme.focus);
+    }
+    let inside = rect.shrink2(vec2(theme::PAD, 0.0));
+    match (search, open) {
+        ("", false) => {
+            fit(painter, inside, Align2::LEFT_CENTER, hint, theme::LABEL, view.theme.quiet);
+        }
+        (search, open) => {
+            let words = if open { format!("{search}_") } else { search.to_owned() };
+            fit(painter, inside, Align2::LEFT_CENTER, &words, theme::TITLE, view.theme.info);
+        }
+    }
+    response.clicked().then_some(SearchTouch::Field)
+}
