@@ -14,6 +14,7 @@ use kt830::defs::page::Page;
 use kt830::defs::screen;
 use kt830::defs::text::Lang;
 use kt830::hmi::{SOFT_ROWS, SoftAct, soft_row};
+use kt830::link::Snapshot;
 use kt830::link::command::{ScreenFiles, Screens};
 use std::sync::Arc;
 
@@ -122,6 +123,20 @@ fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
     screen.step();
     assert_eq!(sent(&mut screen), ["Press(Step001)", "Release(Step001)"]);
     assert_eq!(screen.state().hmi.entry().typing.text, "");
+}
+
+#[test]
+fn h6_the_space_bar_types_where_words_are_typed_and_holds_everywhere_else() {
+    let held = ["Press(FeedHold)", "Release(FeedHold)"];
+    let struck = |machine: Snapshot| {
+        let mut screen = open(machine);
+        press(&mut screen, egui::Key::Space);
+        sent(&mut screen)
+    };
+    assert!(struck(snapshot(Page::Mdi)).is_empty());
+    assert_eq!(struck(hmi_sample::running(Page::Mdi)), held, "while something runs it stops that");
+    assert_eq!(struck(snapshot(Page::Position)), held);
+    assert_eq!(struck(snapshot(Page::Program)), held, "the listing alone takes no words");
 }
 
 #[test]
