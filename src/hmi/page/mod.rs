@@ -162,6 +162,7 @@ impl Pages {
             Page::Mdi => true,
             Page::Program => self.program.takes_words(),
             Page::Params => self.params.searches(),
+            Page::Help => self.help.searches(),
             _ => false,
         }
     }
