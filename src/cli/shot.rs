@@ -44,7 +44,10 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             let other = PartFile::builtin(number).ok().flatten().is_some_and(|part| part.kind != kind);
             let mount = |rig: &mut Rig| match other {
                 false => bench::mount(rig, &shared, number),
-                true => Ok(rig.send(Command::LoadProgram(number))),
+                true => {
+                    rig.send(Command::LoadProgram(number));
+                    Ok(())
+                }
             };
             if !other {
                 mount(&mut rig)?;

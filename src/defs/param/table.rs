@@ -167,6 +167,11 @@ numbers! {
     SERIAL_SILENCE = 371, 1 => 600, 10, "s", User, "RS232 传输中断等待时间", "RS232: pause that ends a transmission";
     SERIAL_START = 372, 1 => 3_600, 120, "s", User, "RS232 等待对方开始时间", "RS232: how long the beginning is waited for";
     SERIAL_LEADER = 373, 0 => 500, 32, "", User, "RS232 引导空字符数", "RS232: NUL before and after programs";
+    WHEEL_SMALLEST = 374, 0 => 2_000, 0, "mm", User, "砂轮最小直径 (0 不计还可修整次数)", "smallest wheel diameter, 0: dressings left are not told";
+    TREND_SIZE = 375, 0 => 999, 0, "", User, "趋势：存实测尺寸的变量 (0 仿真尺寸)", "trend: variable that holds the measured size, 0 the simulated one";
+    TREND_NOMINAL = 376, 0 => 999, 0, "", User, "趋势：公称尺寸的变量 (0 无)", "trend: variable that holds the nominal size, 0 none";
+    TREND_UPPER = 377, -10 => 10, 0, "mm", User, "趋势：上偏差", "trend: upper deviation";
+    TREND_LOWER = 378, -10 => 10, 0, "mm", User, "趋势：下偏差", "trend: lower deviation";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
     PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
