@@ -8,6 +8,7 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 use super::args::Shared;
 use super::{CallError, FINE, bench};
 use crate::controller::{Controller, Retained};
+use crate::defs::param;
 use crate::hmi::window::{Desk, Options, WindowError, run};
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
@@ -60,7 +61,7 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
     let (link, disk) = realtime::start(controller, backend, Pace::Simulated).map_err(CallError::new)?;
     let disk = disk_thread::start(disk, Some(keeper), folders, office).map_err(CallError::new)?;
     let newest = Arc::new(Snapshot::new(shared.kind));
-    let desk = LinkDesk { newest, link, bring, bar_of: 0, ask, simulated: shown };
+    let desk = LinkDesk { newest, link, bring, bar_of: (0, [0.0; 2]), ask, simulated: shown };
     let closed = show(Box::new(desk), shared, fullscreen);
     drop(disk.join());
     closed
@@ -137,8 +138,8 @@ struct LinkDesk {
     link: Link,
     newest: Arc<Snapshot>,
     bring: Sender<PartFile>,
-    /// The program whose bar is in the lathe.
-    bar_of: u32,
+    /// The program whose bar is in the lathe, and diameter and length as they were defined then.
+    bar_of: (u32, [f64; 2]),
     ask: Sender<SimCommand>,
     simulated: Arc<Mutex<Arc<SimView>>>,
 }
@@ -161,10 +162,12 @@ impl LinkDesk {
     /// A lathe's bar follows from the text of its program, once the control shows it.
     fn put_bar_in(&mut self) {
         let number = self.newest.program.number;
-        if number == self.bar_of || bar::own_programs(self.newest.kind).is_none() {
+        let defined = [param::BAR_DIAMETER, param::BAR_LENGTH].map(|row| self.newest.params.get(row));
+        let idle = self.newest.state == RunState::Idle;
+        if (number, defined) == self.bar_of || !idle || bar::own_programs(self.newest.kind).is_none() {
             return;
         }
-        self.bar_of = number;
+        self.bar_of = (number, defined);
         let row = self.newest.directory.iter().find(|row| row.number == number);
         let name = row.map_or("", |row| row.name.as_str());
         let source = Arc::new(Source::new(number, name, self.newest.program.text.bytes().collect::<Vec<u8>>()));

@@ -202,6 +202,7 @@ const CLAMPED: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 
 const SPINDLE_DRIVE: Unit =
     Unit(Text::new("主轴", "SPDL"), &[Key::SpindleForward, Key::SpindleReverse, Key::SpindleStop], 2);
 const FLUIDS_LATHE: Unit = Unit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication], 2);
+const POST_WIDE: Unit = Unit(Text::new("刀架", "POST"), &[Key::ToolPost], 5);
 const POST: Unit = Unit(Text::new("刀架", "POST"), &[Key::ToolPost], 4);
 const GAUGES_WIDE: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 4);
 const GAUGES: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 2);
@@ -218,7 +219,7 @@ const fn units(kind: Kind, wide: bool) -> (&'static [Unit], &'static [Unit]) {
         (Kind::Gc, true) => (&[WHEEL_WIDE, HEADSTOCK, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TAILSTOCK, GAUGES]),
         (Kind::Gs, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, ROLL, GAUGES]),
         (Kind::Ga, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TABLE, GAUGES]),
-        (Kind::Lathe, true) => (&[SPINDLE_DRIVE, FLUIDS_LATHE, TRIAL], &[POST]),
+        (Kind::Lathe, true) => (&[SPINDLE_DRIVE, FLUIDS_LATHE, TRIAL], &[POST_WIDE]),
         (Kind::Vertical, true) => (&[WHEEL_WIDE, CLAMPED, FLUIDS, DRESSING, TRIAL], &[SPINDLE, GAUGES_WIDE]),
     }
 }

@@ -149,8 +149,8 @@ impl Tools {
             self.field(ui, place, view, TOOLS * OF_TOOL + index, out);
         }
         let words = view.say(
-            "直径 0：按程序自带的棒料。棒料端面中心为 X0 Z0，下次装入程序时换上。",
-            "Diameter 0: the bar that comes with the program. Its face is X0 Z0; it is put in when a program is loaded.",
+            "直径 0：按程序自带的棒料。棒料端面中心为 X0 Z0；装入程序或改尺寸时换上新料。",
+            "Diameter 0: the bar that comes with the program. Its face is X0 Z0; a new one comes with a program or a size.",
         );
         let note = Rect::from_min_max(note.min + vec2(2.0, 4.0), note.max);
         crate::hmi::view::paragraph(ui.painter(), note, words, theme::SMALL, view.theme.quiet);
