@@ -81,7 +81,7 @@ impl Params {
         if self.screws {
             let places = paint::Places::new(rect, false, 0);
             self.top(ui, &places, view, login, &mut out);
-            let below = Rect::from_min_max(pos2(places.tabs.min.x, places.tabs.max.y + theme::GAP), rect.max);
+            let below = Rect::from_min_max(pos2(rect.min.x, places.tabs.max.y + theme::GAP), rect.max);
             out.extend(self.screw.ui(ui, below, view, typed, login));
             return out;
         }
