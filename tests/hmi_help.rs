@@ -18,7 +18,7 @@ use kt830::defs::page::Page;
 use kt830::defs::program_error::ProgramError;
 use kt830::defs::text::{Lang, Text};
 use kt830::hmi::shot::Stage;
-use kt830::hmi::{HelpSection, Hmi, SOFT_ROWS, help_entries};
+use kt830::hmi::{HelpSection, Hmi, SOFT_ROWS, help_entries, soft_row};
 
 fn touch(screen: &mut Screen, label: &str) {
     screen.get_by_label(label).click();
@@ -66,12 +66,12 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
                 assert!(entry.text(lang).contains(words), "{id} on {kind:?}: {words}");
             }
         };
-        for page in Page::ALL {
+        for page in Page::ALL.iter().filter(|page| page.is_on(kind)) {
             says(HelpSection::Pages, &format!("page-{}", page.id()), page.help());
             says(HelpSection::Pages, &format!("page-{}", page.id()), page.usage());
         }
-        for (row, keys) in SOFT_ROWS.iter().enumerate() {
-            for (index, soft) in keys.iter().enumerate() {
+        for row in 0..SOFT_ROWS.len() {
+            for (index, soft) in soft_row(kind, row).enumerate() {
                 says(HelpSection::SoftKeys, &format!("soft-{}-{}", row + 1, index + 1), soft.act.help());
             }
         }

@@ -201,7 +201,10 @@ fn h9_nothing_is_cut_or_overlaps() {
 }
 
 /// The keys that lead to what a page shows only when it is used.
-const USES: [(Page, &[&str]); 24] = [
+const USES: [(Page, &[&str]); 29] = [
+    (Page::Designer, &["→", "→", "⏎"]),
+    (Page::Designer, &["→", "→", "→", "⏎"]),
+    (Page::Designer, &["→", "→", "→", "→", "⏎"]),
     (Page::Diagnosis, &["→"]),
     (Page::Diagnosis, &["→", "→"]),
     (Page::Diagnosis, &["→", "→", "→"]),
@@ -221,6 +224,8 @@ const USES: [(Page, &[&str]); 24] = [
     (Page::Graphic, &["+", "+"]),
     (Page::Transfer, &["→", "→", "→", "⏎"]),
     (Page::Transfer, &["→", "→", "→", "→", "→", "⏎"]),
+    (Page::Transfer, &["→", "→", "→", "→", "→", "→", "⏎"]),
+    (Page::Settings, &["→", "⏎", "2019", "⏎"]),
     (Page::Directory, &["→", "→", "⏎", "12345", "⏎"]),
     (Page::Simulator, &["→", "→", "⏎"]),
     (Page::Process, &["→", "⏎"]),

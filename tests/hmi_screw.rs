@@ -144,8 +144,13 @@ fn b7_no_table_is_changed_in_a_run_or_without_the_password() {
 
 #[test]
 fn b7_the_sheet_is_worked_by_keyboard() {
-    let mut bench = sheet();
+    let mut bench = Bench::new(told::ready(), Page::Params);
     builder(&mut bench);
+    // From all the parameters over bits, values and ports to the screws.
+    for _ in 0..4 {
+        bench.screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::T);
+        bench.turn();
+    }
     bench.write("z");
     bench.press(egui::Key::ArrowDown);
     bench.press(egui::Key::Enter);

@@ -98,7 +98,11 @@ impl Controller {
     /// Takes one request of a page.
     pub(super) fn take_file(&mut self, request: &FileRequest) {
         match request {
-            FileRequest::Look { .. } | FileRequest::Media | FileRequest::Print(_) | FileRequest::Table(_) => {
+            FileRequest::Look { .. }
+            | FileRequest::Media
+            | FileRequest::Print(_)
+            | FileRequest::Table(_)
+            | FileRequest::ReadPage { .. } => {
                 return self.order(request);
             }
             FileRequest::Cancel => {
@@ -163,6 +167,8 @@ impl Controller {
                 self.may_edit(*number)
             }
             FileRequest::Record(_) => self.may_write(0),
+            // K6.2: a page is guarded as its program is.
+            FileRequest::SavePage { page, .. } | FileRequest::TakePicture { page, .. } => self.may_edit(*page),
             FileRequest::Copy { to, .. } => self.may_edit(*to),
             FileRequest::Rename { from, to } => self.may_edit(*from).and_then(|()| self.may_edit(*to)),
             FileRequest::Transfer(transfer) => self.may_carry(transfer),
@@ -170,6 +176,7 @@ impl Controller {
             FileRequest::ScrewIn(_) if !self.pages.is_builder() => Err(Refusal::Builder),
             FileRequest::ScrewIn(_) | FileRequest::ScrewOut(..) => Ok(()),
             FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Draw(_) => Ok(()),
+            FileRequest::ReadPage { .. } => Ok(()),
             FileRequest::Media | FileRequest::Print(_) | FileRequest::Table(_) | FileRequest::Cancel => Ok(()),
         }
     }
@@ -299,7 +306,7 @@ impl Controller {
                     other => self.refuse(other.said()),
                 }
             }
-            FileAnswer::Media(_) | FileAnswer::Looked(_) => {}
+            FileAnswer::Media(_) | FileAnswer::Looked(_) | FileAnswer::Page(_) => {}
             FileAnswer::Progress(..) | FileAnswer::Bytes(..) => {}
         }
         self.note_answer(answer);
@@ -336,6 +343,10 @@ impl Controller {
                 if view.media.as_deref() != Some(media) {
                     view.media = Some(Arc::new(media.clone()));
                 }
+                return;
+            }
+            FileAnswer::Page(page) => {
+                view.page = Some(Arc::clone(page));
                 return;
             }
             FileAnswer::Restored(_) | FileAnswer::Screw(..) | FileAnswer::Printed(_) => return,

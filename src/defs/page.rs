@@ -71,6 +71,11 @@ pages! {
         "The current program with the running block marked; changed in mode EDIT.",
         "编辑（每次开机问一次密码）、查找、定位、替换、重排段号、块复制、撤销、保存。从此段：从光标行开始运行。断电续：断电的程序从中断段继续。错误行左边有红条，点上去看原因。",
         "EDIT (asks the password once per power-on), FIND, GO TO, REPLACE, RENUM, blocks, UNDO, SAVE. FROM HERE runs from the cursor's line, RESUME goes on after a power cut. A red bar marks a mistake: touch the line to read it.";
+    Designer = "designer", "页面设计", "page designer",
+        "磨削页面的文字 C00nn.TXT 和图片 B00nn.BMP：左边改文字，右边立即看到页面。",
+        "The text C00nn.TXT and the picture B00nn.BMP of a grinding page: its text on the left, the page as it will look on the right.",
+        "编辑（编辑方式、密码同程序）后键入；红条为错误行。变量：程序用了而页面没有的，加入即成一行。图片：任意 PNG、JPEG、BMP 换用时转换为 200×400、24 位。",
+        "EDIT (mode and password as for programs), then type; a red bar marks a mistake. VARIABLES: ADD makes a line for one that the program reads and the page lacks. PICTURES: any PNG, JPEG, BMP is converted to 200×400 in 24 bits.";
     Mdi = "mdi", "录入", "MDI",
         "录入一行程序并执行。",
         "Types one line of program and executes it.",
@@ -160,21 +165,24 @@ pages! {
 
 /// What a machine that turns the part has beside the pages of all kinds, and what it lacks of theirs (L9).
 const TURNING: &[Page] = &[Page::Teach, Page::Tools];
-const GRINDING: &[Page] = &[Page::Grinding, Page::Dressing, Page::Wheel, Page::Macro];
+const GRINDING: &[Page] = &[Page::Grinding, Page::Dressing, Page::Wheel, Page::Macro, Page::Process];
+/// What the 802D lacks beside: its language has no T, so no offset is ever in force (S1).
+const WITH_OFFSETS: &[Page] = &[Page::Dressing, Page::Offset];
 
 impl Page {
     /// Whether a kind has the page.
     #[must_use]
     pub fn is_on(self, kind: Kind) -> bool {
         let without = if kind.face().turns_part { GRINDING } else { TURNING };
-        !without.contains(&self)
+        !(without.contains(&self) || matches!(kind, Kind::Vertical) && WITH_OFFSETS.contains(&self))
     }
 
-    /// The title on a kind.
+    /// The title on a kind: the 802D's grinding page holds its R parameters (S3).
     #[must_use]
     pub const fn title_on(self, kind: Kind) -> Text {
-        match self {
-            Self::Mdi => kind.face().mdi,
+        match (self, kind) {
+            (Self::Mdi, kind) => kind.face().mdi,
+            (Self::Grinding, Kind::Vertical) => Text::new("R 参数", "R parameters"),
             _ => self.title(),
         }
     }

@@ -34,6 +34,27 @@ impl PageText {
     }
 }
 
+/// Whether a variable may stand on a page.
+#[must_use]
+pub const fn is_for_pages(variable: u16) -> bool {
+    matches!(variable, 100..=433 | 500..=999)
+}
+
+/// A variable as a program uses it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct VariableUse {
+    /// Its number.
+    pub variable: u16,
+    /// The program reads it.
+    pub reads: bool,
+    /// The program writes it.
+    pub writes: bool,
+    /// Program and line where it is used first.
+    pub place: (u32, u32),
+    /// The comment beside it there.
+    pub comment: String,
+}
+
 /// What is wrong with a page text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextFault {
@@ -45,51 +66,80 @@ pub struct TextFault {
     pub said: Said,
 }
 
+/// A page text as far as it can be read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Reading {
+    /// What could be read.
+    pub page: PageText,
+    /// Every mistake, by line.
+    pub faults: Vec<TextFault>,
+    /// Line and column, from 1, where each entry after the title begins, at most twenty.
+    pub places: Vec<(u32, u32)>,
+    /// Line and column of the `%`.
+    pub end: Option<(u32, u32)>,
+}
+
 /// Reads a page text.
 ///
 /// # Errors
 /// The first place where the text is not of the format, with line and column.
 pub fn parse(text: &str) -> Result<PageText, TextFault> {
-    let mut entries = entries(text)?.into_iter();
-    let Some(title) = entries.next() else {
-        return Err(fault(
-            1,
-            1,
-            "文件是空的：第一行应为标题和 ;",
-            "the file is empty: the first line is the title and ;",
-        ));
-    };
-    if title.text.is_empty() {
-        return Err(fault(title.line, title.column, "标题是空的", "the title is empty"));
+    let reading = read(text);
+    reading.faults.into_iter().next().map_or(Ok(reading.page), Err)
+}
+
+/// Reads a page text with all its mistakes, for the one who writes it.
+#[must_use]
+pub fn read(text: &str) -> Reading {
+    let mut reading = Reading::default();
+    let mut entries = entries(text, &mut reading).into_iter();
+    match entries.next() {
+        None if reading.faults.iter().all(|fault| fault.line > 1) => {
+            let (zh, en) = ("文件是空的：第一行应为标题和 ;", "the file is empty: the first line is the title and ;");
+            reading.faults.insert(0, fault(1, 1, zh, en));
+            return reading;
+        }
+        None => return reading,
+        Some(title) if title.text.is_empty() => {
+            if reading.faults.iter().all(|fault| fault.line != title.line) {
+                reading.faults.push(fault(title.line, title.column, "标题是空的", "the title is empty"));
+            }
+        }
+        Some(title) => title.text.clone_into(&mut reading.page.title),
     }
-    let mut page = PageText { title: title.text.to_owned(), ..PageText::default() };
     let mut count = 0;
     for entry in entries {
         let slot = match count {
-            0..ROWS => &mut page.left[count],
-            _ if count < 2 * ROWS => &mut page.right[count - ROWS],
+            0..ROWS => &mut reading.page.left[count],
+            _ if count < 2 * ROWS => &mut reading.page.right[count - ROWS],
             _ => {
-                return Err(fault(
+                reading.faults.push(fault(
                     entry.line,
                     entry.column,
                     "多于 20 行：左栏 10 行、右栏 10 行后应为 %",
                     "more than 20 entries: % is expected after ten for the left and ten for the right column",
                 ));
+                break;
             }
         };
-        *slot = row(&entry)?;
+        match row(&entry) {
+            Ok(row) => *slot = row,
+            Err(wrong) => reading.faults.push(wrong),
+        }
+        reading.places.push((entry.line, entry.column));
         count += 1;
     }
-    if count < ROWS {
+    if count < ROWS && reading.faults.is_empty() {
         let line = text.lines().count().max(1) as u32;
-        return Err(fault(
+        reading.faults.push(fault(
             line,
             1,
             &format!("左栏应有 10 行，只有 {count} 行；空行写一个 ;"),
             &format!("the left column has ten entries, here are {count}; write ; for an empty one"),
         ));
     }
-    Ok(page)
+    reading.faults.sort_by_key(|fault| (fault.line, fault.column));
+    reading
 }
 
 /// One `;`-ended piece of the text.
@@ -99,9 +149,10 @@ struct Entry<'a> {
     column: u32,
 }
 
-/// Cuts the text at `;` up to the `%`.
-fn entries(text: &str) -> Result<Vec<Entry<'_>>, TextFault> {
+/// Cuts the text at `;` up to the `%`. A line with a mistake counts as one entry.
+fn entries<'a>(text: &'a str, reading: &mut Reading) -> Vec<Entry<'a>> {
     let mut found = Vec::new();
+    let faults = &mut reading.faults;
     for (index, line) in text.lines().enumerate() {
         let number = index as u32 + 1;
         let mut rest = line.trim_start_matches('\u{feff}');
@@ -109,14 +160,19 @@ fn entries(text: &str) -> Result<Vec<Entry<'_>>, TextFault> {
         while !rest.trim().is_empty() {
             column += skip_blanks(&mut rest);
             if let Some(after) = rest.strip_prefix('%') {
-                return match after.trim().is_empty() {
-                    true => Ok(found),
-                    false => Err(fault(number, column + 1, "% 之后不能有内容", "nothing may follow %")),
-                };
+                if !after.trim().is_empty() {
+                    faults.push(fault(number, column + 1, "% 之后不能有内容", "nothing may follow %"));
+                }
+                reading.end = Some((number, column));
+                return found;
             }
-            full_width(rest, number, column)?;
-            let Some((piece, after)) = rest.split_once(';') else {
-                return Err(fault(number, column, "缺少行末的 ;", "the ; at the end of the entry is missing"));
+            let wide = full_width(rest, number, column).err();
+            let missing = || fault(number, column, "缺少行末的 ;", "the ; at the end of the entry is missing");
+            let cut = rest.split_once(';');
+            let (Some((piece, after)), None) = (cut, &wide) else {
+                faults.push(wide.unwrap_or_else(missing));
+                found.push(Entry { text: "", line: number, column });
+                break;
             };
             found.push(Entry { text: piece.trim(), line: number, column });
             column += piece.chars().count() as u32 + 1;
@@ -124,7 +180,8 @@ fn entries(text: &str) -> Result<Vec<Entry<'_>>, TextFault> {
         }
     }
     let line = text.lines().count().max(1) as u32;
-    Err(fault(line, 1, "缺少文件末尾的 %", "the % at the end of the file is missing"))
+    faults.push(fault(line, 1, "缺少文件末尾的 %", "the % at the end of the file is missing"));
+    found
 }
 
 fn skip_blanks(rest: &mut &str) -> u32 {
@@ -188,8 +245,7 @@ fn row(entry: &Entry<'_>) -> Result<Option<Row>, TextFault> {
             ));
         }
     };
-    let writable = matches!(variable, 100..=433 | 500..=999);
-    if !writable {
+    if !is_for_pages(variable) {
         return Err(fault(
             entry.line,
             column,
@@ -249,6 +305,19 @@ mod tests {
         assert!(fault.said.zh.contains("全角") && fault.said.en.contains("full-width"));
         assert_eq!(parse(&SAMPLE.replacen('#', "＃", 1)).unwrap_err().line, 3);
         assert!(parse(&SAMPLE.replace('%', "％")).unwrap_err().said.zh.contains("全角"));
+    }
+
+    #[test]
+    fn k7_4_every_mistake_of_a_text_is_told_with_its_line() {
+        let text = SAMPLE.replacen("#501;", "#501；", 1).replacen("#503;", "#1;", 1).replacen("#505;", "#505", 1);
+        let reading = read(&text);
+        assert_eq!(reading.faults.iter().map(|fault| fault.line).collect::<Vec<_>>(), [4, 5, 7]);
+        // What is right stands where it belongs.
+        assert_eq!(reading.page.left[0].as_ref().unwrap().variable, 500);
+        assert_eq!((&reading.page.left[1], &reading.page.left[2], &reading.page.left[4]), (&None, &None, &None));
+        assert_eq!(reading.page.right[6].as_ref().unwrap().variable, 511);
+        let right = read(SAMPLE);
+        assert_eq!((right.faults.len(), right.places.len(), right.places[8]), (0, 19, (12, 1)));
     }
 
     #[test]

@@ -131,7 +131,8 @@ impl Hmi {
         let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: &clock, blink };
         let regions = Regions::new(ui.max_rect());
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
-        let words = self.pages.takes_words(snapshot.page) && !snapshot.state.moves();
+        let shown = if self.help { Page::Help } else { snapshot.page };
+        let words = self.pages.takes_words(shown) && !snapshot.state.moves();
         let asked = keyboard::read(ui, snapshot.kind, words);
         out.extend(self.printed());
         self.physical_keys(ui, &view, &asked, &mut out);
@@ -175,6 +176,10 @@ impl Hmi {
         let files = snapshot.page_files();
         let wanted = match snapshot.page {
             Page::Dressing => snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().ok()),
+            Page::Designer => {
+                let files = snapshot.screens.find(self.pages.designer.number(snapshot));
+                files.and_then(|files| files.picture.as_ref().ok())
+            }
             _ => files.and_then(|files| files.picture.as_ref().ok()),
         };
         match (wanted, &self.picture) {

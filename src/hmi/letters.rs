@@ -36,6 +36,22 @@ pub const SEARCH: Board = Board {
     rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"],
     done: Text::new("完成", "OK"),
 };
+/// For a page text: the words of its labels.
+pub const PAGE: Board = Board {
+    words: &[
+        Text::new("粗磨", "rough"),
+        Text::new("精磨", "finish"),
+        Text::new("余量", "amount"),
+        Text::new("速度", "speed"),
+        Text::new("位置", "place"),
+        Text::new("次数", "count"),
+        Text::new("X轴", "X axis"),
+        Text::new("Z轴", "Z axis"),
+        Text::new("砂轮", "wheel"),
+    ],
+    rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#;%()+/=_ ", "ZXCVBNM-"],
+    done: Text::new("换行", "ENTER"),
+};
 /// For a block of a program, with the codes that the kind's programs have most.
 #[must_use]
 pub const fn block(kind: Kind) -> Board {

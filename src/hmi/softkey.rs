@@ -106,11 +106,18 @@ pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = &'static SoftKey> {
 
 impl SoftKey {
     /// Its label on a kind.
-    fn words(&self, view: &View<'_>) -> &'static str {
+    #[must_use]
+    pub fn label_on(&self, kind: Kind) -> Text {
         match self.act {
-            SoftAct::Open(Page::Mdi) => Page::Mdi.title_on(view.snapshot.kind).get(view.lang),
-            _ => self.label.get(view.lang),
+            SoftAct::Open(page @ (Page::Mdi | Page::Grinding)) if page.title_on(kind) != page.title() => {
+                page.title_on(kind)
+            }
+            _ => self.label,
         }
+    }
+
+    fn words(&self, view: &View<'_>) -> &'static str {
+        self.label_on(view.snapshot.kind).get(view.lang)
     }
 }
 
@@ -126,7 +133,7 @@ pub const fn row_of(page: Page) -> usize {
     match page {
         Page::Position | Page::Panel | Page::Dressing | Page::Teach | Page::Tools => 0,
         Page::Grinding | Page::Params | Page::Diagnosis | Page::Graphic | Page::Transfer => 1,
-        Page::Program | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
+        Page::Program | Page::Designer | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
         Page::Process | Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
         Page::Simulator => 4,
     }

@@ -8,6 +8,7 @@ use ropey::Rope;
 
 use super::drawing::Drawing;
 use super::media::{MediaView, Print, Transfer};
+use super::page_file::{PageFile, PictureFrom};
 use crate::defs::alarm;
 use crate::defs::param::ParamAddress;
 use crate::defs::screw::ScrewTable;
@@ -76,6 +77,33 @@ pub enum FileRequest {
     Print(Print),
     /// Keeps a table of samples, CSV.
     Table(String),
+    /// A page text for editing, with what a program uses of it.
+    ReadPage {
+        /// 1000 and the number of the files.
+        page: u32,
+        /// O number of the program.
+        program: u32,
+    },
+    /// Replaces a page text.
+    SavePage {
+        /// 1000 and the number of the files.
+        page: u32,
+        /// The new text.
+        text: Rope,
+        /// The stamp of the file that it was made from; 0: there was none.
+        base: u64,
+        /// Replaces the file even so.
+        force: bool,
+    },
+    /// Makes a picture that of a page; one of another form is converted (K5.12).
+    TakePicture {
+        /// 1000 and the number of the files.
+        page: u32,
+        /// Where it lies.
+        from: PictureFrom,
+        /// Its name there.
+        name: String,
+    },
     /// The table of an axis' screw out of a file of the medium (B7).
     ScrewIn(Axis),
     /// The table of an axis' screw into a file.
@@ -183,6 +211,8 @@ pub enum FileAnswer {
     Looked(Looked),
     /// What stands on both sides of a transfer.
     Media(MediaView),
+    /// A page text that was asked for.
+    Page(Arc<PageFile>),
     /// Where a picture of the screen is, or why it is not kept.
     Printed(Result<Said, Refusal>),
     /// Values of a file: the core takes them.
@@ -210,6 +240,8 @@ pub struct FilesView {
     pub saved: (u32, u64),
     /// What stands on both sides of a transfer, as it was looked at last.
     pub media: Option<Arc<MediaView>>,
+    /// The page text that was read last.
+    pub page: Option<Arc<PageFile>>,
     /// The path that was computed last.
     pub drawing: Option<Arc<Drawing>>,
     /// Long work under way: its name, thousandths done.

@@ -8,6 +8,7 @@ pub mod files;
 pub mod internal;
 pub mod media;
 pub mod page_command;
+pub mod page_file;
 pub mod simulated;
 pub mod snapshot;
 pub mod teach;

@@ -26,6 +26,7 @@ mod scope;
 pub mod settings;
 pub mod source;
 mod statement;
+pub mod uses;
 mod words;
 pub mod world;
 

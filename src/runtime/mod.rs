@@ -8,6 +8,7 @@ pub mod disk_thread;
 pub mod draw;
 pub mod keeper;
 pub mod office;
+mod page_file;
 pub mod realtime;
 pub mod rig;
 mod screws;

@@ -12,6 +12,7 @@ use ropey::Rope;
 use super::clock;
 use super::disk::Folders;
 use super::draw;
+use super::page_file::PageDesk;
 use super::screws;
 use super::serial::Trouble;
 use super::serial::courier::Courier;
@@ -129,6 +130,17 @@ impl Office {
                 tell(FileAnswer::Printed(done));
                 return Changed::default();
             }
+            FileRequest::ReadPage { page, program } => {
+                let read = self.page_desk().read(*page, *program, job);
+                tell(read.map_or_else(FileAnswer::Refused, |read| FileAnswer::Page(Arc::new(read))));
+                return Changed::default();
+            }
+            FileRequest::SavePage { page, text, base, force } => {
+                return self.page_changed(self.page_desk().save(*page, text, *base, *force), tell);
+            }
+            FileRequest::TakePicture { page, from, name } => {
+                return self.page_changed(self.page_desk().take(*page, *from, name), tell);
+            }
             FileRequest::Transfer(ask) if ask.set == Set::Serial => return self.over_the_line(ask, job, tell),
             FileRequest::Transfer(ask) => return self.carry(ask, job, tell),
             FileRequest::ScrewIn(axis) => {
@@ -200,6 +212,17 @@ pub(super) const fn is_long(request: &FileRequest) -> bool {
 }
 
 impl Office {
+    fn page_desk(&self) -> PageDesk {
+        PageDesk { screens: Folder::new(&self.folders.screens), stick: self.stick() }
+    }
+
+    /// A page file was changed, or not: the pages are read again.
+    fn page_changed(&self, done: Result<FileAnswer, Refusal>, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
+        let changed = Changed { programs: false, screens: done.is_ok() };
+        tell(done.unwrap_or_else(FileAnswer::Refused));
+        changed
+    }
+
     /// Programs over RS232.
     fn over_the_line(&self, ask: &Transfer, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
         let unchosen = || Trouble::Port(Said::new("没有选择端口", "no port is chosen"));
@@ -321,7 +344,7 @@ fn record(folder: &Folder, text: &str) -> Result<FileAnswer, Refusal> {
 }
 
 /// The bytes of a text; false: they are UTF-8 because GBK lacks a sign of it.
-fn encode(text: &Rope, encoding: Encoding) -> (Vec<u8>, bool) {
+pub(super) fn encode(text: &Rope, encoding: Encoding) -> (Vec<u8>, bool) {
     if encoding == Encoding::Gbk {
         let whole = String::from(text);
         let (bytes, _, lacking) = GBK.encode(&whole);

@@ -36,7 +36,7 @@ const VALUES_LIMIT: u64 = 4 * 1024 * 1024;
 const PRINT_LIMIT: usize = 64 * 1024 * 1024;
 
 /// Pictures on a medium: what is no BMP can be converted (K5.12). Larger than a page picture, but bounded.
-const FOREIGN_PICTURE: FileClass = FileClass {
+pub(super) const FOREIGN_PICTURE: FileClass = FileClass {
     letter: 'B',
     extensions: &["BMP", "PNG", "JPG", "JPEG"],
     limit: 32 * 1024 * 1024,

@@ -12,7 +12,7 @@ use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::param::{ParamAddress, Params};
-use kt830::defs::screen;
+use kt830::defs::screen::{self, VariableUse};
 use kt830::defs::signal::Input;
 use kt830::defs::text::{Lang, Said, Text};
 use kt830::link::Snapshot;
@@ -21,6 +21,7 @@ use kt830::link::drawing::{Drawing, Point, StockBox, Way};
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, Set};
+use kt830::link::page_file::{PageFile, PictureFile, PictureFrom};
 use kt830::link::simulated::SimView;
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
 use kt830::units::{Axis, Micros, PerAxis};
@@ -50,11 +51,38 @@ fn read_picture(file: &str) -> Arc<Picture> {
     Arc::new(Picture { width, height, rgb })
 }
 
+/// The page text of O1001 in the page designer: one variable is missing on it, one is not used.
+pub fn page_file() -> PageFile {
+    let used = |variable, reads, writes, line, comment: &str| VariableUse {
+        variable,
+        reads,
+        writes,
+        place: (1_001, line),
+        comment: comment.into(),
+    };
+    let mut uses: Vec<_> = (500..514).map(|variable| used(variable, true, false, 5, "")).collect();
+    uses.extend([
+        used(101, true, true, 3, "步距 step sizes"),
+        used(560, true, false, 12, "修整间隔件数 parts a dressing"),
+    ]);
+    let pictures = [(PictureFrom::Medium, "drawing of the part.png"), (PictureFrom::Screens, "B0001.BMP")];
+    PageFile {
+        number: 1_001,
+        name: "C0001.TXT".into(),
+        text: C0001.into(),
+        stamp: 1,
+        mistaken: false,
+        uses: Some(uses),
+        pictures: pictures.map(|(from, name)| PictureFile { from, name: name.into(), size: 240_054 }).to_vec(),
+    }
+}
+
 /// A running machine on a page.
 pub fn snapshot(page: Page) -> Snapshot {
     let mut snapshot = Snapshot::new(Kind::Gc);
     snapshot.now = Micros(54_116_000_000);
     snapshot.page = page;
+    snapshot.files = Arc::new(FilesView { page: Some(Arc::new(page_file())), ..FilesView::default() });
     snapshot.mode = Mode::Manual;
     snapshot.diameter = true;
     let axis = |work: f64, machine: f64, relative: f64| AxisView {
@@ -214,7 +242,7 @@ pub fn busy(page: Page) -> Snapshot {
         media: Some(Arc::new(media)),
         drawing: Some(Arc::new(drawing)),
         busy: Some((Text::new("正在复制", "copying"), 437)),
-        ..FilesView::default()
+        ..(*snapshot.files).clone()
     });
     let corner = |x, y, z| PerAxis([x, y, z]);
     snapshot.stock = Arc::from([StockBox { low: corner(-20.0, 0.0, 0.0), high: corner(20.0, 10.0, 60.0), part: true }]);

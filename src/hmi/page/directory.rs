@@ -7,6 +7,7 @@ use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 use super::empty;
 use super::scroll::Scroll;
 use crate::defs::key::Mode;
+use crate::defs::page::Page;
 use crate::defs::text::{Said, Text};
 use crate::hmi::entry::Edit;
 use crate::hmi::keycap::{self, Face};
@@ -58,6 +59,8 @@ pub struct Directory {
     reveal: bool,
     /// Programs by name are called by more than O and four digits.
     name_width: f32,
+    /// The program whose page is to be designed.
+    pub page_of: Option<u32>,
 }
 
 impl Directory {
@@ -75,7 +78,10 @@ impl Directory {
             edits
         };
         out.extend(self.list(ui, body, view, edits, typed.pages));
-        self.keys(ui, below.shrink2(vec2(theme::PAD, 0.0)), view, edits);
+        if self.keys(ui, below.shrink2(vec2(theme::PAD, 0.0)), view, edits) {
+            self.page_of = view.snapshot.directory.get(self.cursor).map(|row| row.number);
+            out.push(Command::OpenPage(Page::Designer));
+        }
         if let Some(mut question) = self.question.take() {
             match question.ui(ui, rect, view, typed.edits) {
                 Some(0) => self.send(&mut out),
@@ -170,10 +176,10 @@ impl Directory {
             return;
         };
         if deed == Deed::Delete {
-            let (number, comment) = (row.number, &row.comment);
+            let (number, name, comment) = (row.number, &row.name, &row.comment);
             let body = Said::new(
-                format!("O{number:04} {comment}\n删除后不能恢复，除非有备份。"),
-                format!("O{number:04} {comment}\nOnly a backup brings it back."),
+                format!("{name} {comment}\n删除后不能恢复，除非有备份。"),
+                format!("{name} {comment}\nOnly a backup brings it back."),
             );
             self.asked = Some(FileRequest::Delete(number));
             let key = ("question-delete", Text::new("删除", "DELETE"));
@@ -185,8 +191,8 @@ impl Directory {
         self.typing.pad = true;
     }
 
-    /// The keys below, or the line of the number being typed.
-    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) {
+    /// The keys below, or the line of the number being typed; true when the page of the program is to be designed.
+    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> bool {
         if edits.iter().any(|edit| matches!(edit, Edit::Right | Edit::Left)) {
             self.on_keys = true;
         } else if edits.iter().any(|edit| matches!(edit, Edit::Up | Edit::Down | Edit::Cancel)) {
@@ -199,8 +205,7 @@ impl Directory {
                 Deed::Rename => view.say("改为 O", "rename to O"),
                 Deed::Delete => view.say("删除", "delete"),
             };
-            let name =
-                view.snapshot.directory.get(self.cursor).map_or_else(String::new, |row| format!("O{:04}", row.number));
+            let name = view.snapshot.directory.get(self.cursor).map_or_else(String::new, |row| row.name.clone());
             let told = Told { what, name: &name, range: "1 … 9999" };
             input_line::ui(
                 ui,
@@ -209,7 +214,7 @@ impl Directory {
                 &self.typing,
                 &told,
             );
-            return;
+            return false;
         }
         self.walk.begin(if self.on_keys { edits } else { &[] });
         let keys = [
@@ -218,15 +223,20 @@ impl Directory {
             (Deed::Rename, "program-rename", Text::new("改号", "RENAME")),
             (Deed::Delete, "program-delete", Text::new("删除", "DELETE")),
         ];
-        let width = (rect.width() + theme::GAP) / keys.len() as f32;
-        for (index, (deed, name, label)) in keys.into_iter().enumerate() {
+        let width = (rect.width() + theme::GAP) / (keys.len() + 1) as f32;
+        let place_of = |index: usize| {
             let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
-            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP));
+            Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP))
+        };
+        for (index, (deed, name, label)) in keys.iter().copied().enumerate() {
+            let place = place_of(index);
             let locked = view.snapshot.mode != Mode::Edit;
             if self.walk.push(ui, view, place, (name, label.get(view.lang)), Look { on: false, locked }) {
                 self.begin(deed, view);
             }
         }
+        let words = ("design-page", view.say("页面设计", "PAGE"));
+        self.walk.push(ui, view, place_of(keys.len()), words, Look::default())
     }
 
     fn list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], pages: i32) -> Vec<Command> {

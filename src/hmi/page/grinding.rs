@@ -6,11 +6,12 @@ use egui::{Align2, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
 
 use super::{empty, position};
 use crate::defs::page::Page;
-use crate::defs::screen::{ROWS, Row};
+use crate::defs::screen::{PageText, ROWS, Row};
 use crate::defs::text::Lang;
 use crate::defs::{r_name, r_parameter};
 use crate::hmi::entry::{self, Edit, Entry};
 use crate::hmi::view::{View, card, fit, frame, length, paragraph, put};
+use crate::hmi::widget::{self, Look};
 use crate::hmi::{frame as lines, keycap, pictogram, theme};
 use crate::link::Command;
 use crate::link::command::{FileFault, ScreenFiles};
@@ -45,10 +46,15 @@ pub fn ui(
     }
     position_column(ui, places.left, view);
     show_picture(ui, places.picture, view, files, picture);
+    let key = Rect::from_min_max(pos2(places.picture.min.x, places.picture.max.y - 48.0), places.picture.max);
+    if key.min.y > places.picture.min.y + theme::PICTURE.y + theme::GAP
+        && widget::push(ui, view, key, "design-page", view.say("页面设计", "PAGE DESIGN"), Look::default())
+    {
+        out.push(Command::OpenPage(Page::Designer));
+    }
     match files.map(|files| &files.text) {
         Some(Ok(text)) => {
-            let name = translated(view, &text.title, |title| r_name::english_title(title).map(str::to_owned));
-            let title = format!("{name}{}", view.say("参数设置", " · parameters"));
+            let title = heading(view, text);
             let room = if several { places.title.max.x - 104.0 } else { places.title.max.x };
             let place = Rect::from_min_max(places.title.min, pos2(room, places.title.max.y));
             lines::title(ui, view, place, &title);
@@ -137,29 +143,31 @@ fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     position::process(ui, Rect::from_min_max(pos2(inside.min.x, block.max.y + 8.0), inside.max), view);
 }
 
-fn fields(ui: &Ui, places: &Places, view: &View<'_>, columns: [&[Option<Row>; ROWS]; 2], entry: &mut Entry) {
-    let body = places.body;
+/// Where each field of the two columns stands, in reading order.
+fn field_places(body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> impl Iterator<Item = (Rect, &Row)> {
     let width = (body.width() - theme::GAP) / 2.0;
     let height = ((body.height() - 9.0 * 4.0) / ROWS as f32).min(58.0);
-    let way = Way::of(ui, view, columns, (width, height));
-    let mut index = 0;
-    for (column, rows) in columns.into_iter().enumerate() {
-        for (line, row) in rows.iter().enumerate() {
-            let Some(row) = row else { continue };
+    columns.into_iter().enumerate().flat_map(move |(column, rows)| {
+        rows.iter().enumerate().filter_map(move |(line, row)| {
             let corner = body.min + vec2(column as f32 * (width + theme::GAP), line as f32 * (height + 4.0));
-            let place = Rect::from_min_size(corner, vec2(width, height));
-            let response = ui.interact(place, Id::unique(("field", index)), Sense::CLICK);
-            response.widget_info(|| {
-                WidgetInfo::labeled(Role::Button, true, format!("{} {}", row.label, name(view, row.variable)))
-            });
-            if response.clicked() {
-                entry.choose(index);
-            }
-            let chosen = entry.cursor == index;
-            let state = (chosen.then_some(&*entry), response.is_pointer_button_down_on());
-            field(ui, place, view, (row, way), state);
-            index += 1;
+            Some((Rect::from_min_size(corner, vec2(width, height)), row.as_ref()?))
+        })
+    })
+}
+
+fn fields(ui: &Ui, places: &Places, view: &View<'_>, columns: [&[Option<Row>; ROWS]; 2], entry: &mut Entry) {
+    let way = Way::of(ui, view, places.body, columns);
+    for (index, (place, row)) in field_places(places.body, columns).enumerate() {
+        let response = ui.interact(place, Id::unique(("field", index)), Sense::CLICK);
+        response.widget_info(|| {
+            WidgetInfo::labeled(Role::Button, true, format!("{} {}", row.label, name(view, row.variable)))
+        });
+        if response.clicked() {
+            entry.choose(index);
         }
+        let chosen = entry.cursor == index;
+        let state = (chosen.then_some(&*entry), response.is_pointer_button_down_on());
+        field(ui, place, view, (row, way), state);
     }
 }
 
@@ -183,7 +191,9 @@ enum Way {
 }
 
 impl Way {
-    fn of(ui: &Ui, view: &View<'_>, columns: [&[Option<Row>; ROWS]; 2], (width, height): (f32, f32)) -> Self {
+    fn of(ui: &Ui, view: &View<'_>, body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> Self {
+        let first = field_places(body, columns).next();
+        let (width, height) = first.map_or((0.0, 0.0), |(place, _)| (place.width(), place.height()));
         let room = width - 16.0 - VALUE;
         let fits = |row: &Row| {
             let font = theme::font(theme::LABEL);
@@ -196,6 +206,33 @@ impl Way {
             (false, false) => Self::Close,
         }
     }
+}
+
+/// Title, fields and picture as a page text makes them, for the page designer: nothing of it acts.
+pub fn preview(
+    ui: &Ui,
+    rect: Rect,
+    view: &View<'_>,
+    text: &PageText,
+    files: Option<&ScreenFiles>,
+    texture: Option<TextureId>,
+) {
+    let (middle, picture) = rect.split_left_right_at_x(rect.max.x - theme::PICTURE.x - 2.0);
+    let middle = Rect::from_min_max(middle.min, middle.max - vec2(theme::GAP, 0.0));
+    let (title, body) = middle.split_top_bottom_at_y(middle.min.y + 34.0);
+    lines::title(ui, view, title, &heading(view, text));
+    let columns = [&text.left, &text.right];
+    let way = Way::of(ui, view, body, columns);
+    for (place, row) in field_places(body, columns) {
+        field(ui, place, view, (row, way), (None, false));
+    }
+    show_picture(ui, picture, view, files, texture);
+}
+
+/// The title as the page shows it (K7.2).
+fn heading(view: &View<'_>, text: &PageText) -> String {
+    let name = translated(view, &text.title, |title| r_name::english_title(title).map(str::to_owned));
+    format!("{name}{}", view.say("参数设置", " · parameters"))
 }
 
 /// One label and its value; the chosen one is framed and shows what is being typed.
@@ -300,10 +337,11 @@ fn text_fault(ui: &Ui, places: &Places, view: &View<'_>, fault: &FileFault) {
 
 /// Any other program: nothing of the page is shown, but what to do.
 fn no_page(ui: &Ui, rect: Rect, view: &View<'_>, number: u32, out: &mut Vec<Command>) {
+    let name = view.snapshot.title(number);
     let what = match (number, view.lang) {
         (0, _) => view.say("没有装入程序", "no program is loaded").to_owned(),
-        (_, crate::defs::text::Lang::Zh) => format!("O{number:04} 没有磨削页面"),
-        (_, crate::defs::text::Lang::En) => format!("O{number:04} has no grinding page"),
+        (_, crate::defs::text::Lang::Zh) => format!("{name} 没有磨削页面"),
+        (_, crate::defs::text::Lang::En) => format!("{name} has no grinding page"),
     };
     let remedy = view.say(
         "磨削页面只用于 O1001–O1020，文字和图片在 screens 目录（C00nn.TXT、B00nn.BMP）。请在目录中装入其中一个程序。",

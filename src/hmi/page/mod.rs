@@ -1,6 +1,7 @@
 //! The pages. Each one draws from the view, and keeps nothing but its cursor and its edit text.
 
 pub mod alarm;
+pub mod designer;
 pub mod diagnosis;
 pub mod directory;
 pub mod dressing;
@@ -59,6 +60,8 @@ pub struct Pages {
     pub entry: Entry,
     /// What keys, alarms and codes mean.
     pub help: Help,
+    /// The designer of page texts.
+    pub designer: designer::Designer,
     program: program::Program,
     graphic: graphic::Graphic,
     transfer: transfer::Transfer,
@@ -87,6 +90,7 @@ impl Pages {
         self.login.close();
         self.directory.open(view);
         self.program.open();
+        self.designer.open(view, self.directory.page_of.take());
         self.transfer.open();
         self.alarms.open();
         self.diagnosis = diagnosis::Diagnosis::default();
@@ -133,6 +137,9 @@ impl Pages {
             Page::Directory => &self.directory.typing,
             Page::Params => self.params.typing(),
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
+            Page::Designer => {
+                return Some((self.designer.text().to_string(), self.designer.refusal()?.get(lang).to_owned()));
+            }
             Page::Program => {
                 let (text, why) = (self.program.text().to_string(), self.program.refusal()?);
                 return Some((text, why.get(lang).to_owned()));
@@ -155,6 +162,7 @@ impl Pages {
             Page::Mdi => true,
             Page::Program => self.program.takes_words(),
             Page::Params => self.params.searches(),
+            Page::Help => self.help.searches(),
             _ => false,
         }
     }
@@ -200,6 +208,7 @@ impl Pages {
             }
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
             Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
+            Page::Designer => self.designer.ui(ui, rect, view, typed, &mut self.login, picture),
             Page::Process => self.process.ui(ui, rect, view, typed),
             Page::Simulator => self.simulator.ui(ui, rect, view, typed, &mut self.simulator_tab),
             Page::Graphic => self.graphic.ui(ui, rect, view, typed),
@@ -210,7 +219,7 @@ impl Pages {
             Page::Macro => self.variables.ui(ui, rect, view, typed),
             Page::Mdi => self.mdi.ui(ui, rect, view, typed),
             Page::Wheel => self.wheel.ui(ui, rect, view, typed.edits),
-            Page::Teach => self.teach.ui(ui, rect, view, typed),
+            Page::Teach => self.teach.ui(ui, rect, view, typed, &mut self.login),
             Page::Tools => self.tools.ui(ui, rect, view, typed.edits),
             Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
             Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),

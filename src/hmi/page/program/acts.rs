@@ -6,6 +6,7 @@ use egui::Ui;
 use super::keys::Act;
 use super::work::{Step, Work};
 use super::{About, Ask, Program};
+use crate::defs::page::Page;
 use crate::defs::text::{Said, Text};
 use crate::hmi::entry::Edit;
 use crate::hmi::login::Login;
@@ -133,10 +134,8 @@ impl Program {
             Act::Save => self.save(false, out),
             Act::Discard if !self.document.changed => self.stop_editing(),
             Act::Discard => {
-                let body = Said::new(
-                    format!("O{:04} 的改动将丢失。", self.document.number),
-                    format!("The changes of O{:04} will be lost.", self.document.number),
-                );
+                let name = view.snapshot.title(self.document.number);
+                let body = Said::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));
                 let title = Text::new("放弃改动？", "discard the changes?");
                 let key = ("question-discard", Text::new("放弃", "DISCARD"));
                 self.question = Some((About::Discard, Question::new(title, body, key)));
@@ -146,6 +145,7 @@ impl Program {
             Act::Here if self.document.changed => self.refuse(Said::new("先保存改动", "save the changes first")),
             Act::Here => out.push(Command::RestartAt(self.document.place().0 as u32 + 1)),
             Act::Resume => out.push(Command::ResumeInterrupted),
+            Act::Design => out.push(Command::OpenPage(Page::Designer)),
             Act::AskDone => self.edit(Edit::Enter, out),
             Act::AskEnd => self.edit(Edit::Cancel, out),
             Act::Undo

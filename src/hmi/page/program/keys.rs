@@ -60,6 +60,7 @@ acts! {
     Stop = "work-stop", "停止", "STOP";
     Here = "run-here", "从此段", "FROM HERE";
     Resume = "run-resume", "断电续", "RESUME";
+    Design = "design-page", "页面", "PAGE";
 }
 
 impl Act {
@@ -85,9 +86,9 @@ impl Act {
 }
 
 use Act::{
-    Again, AskDone, AskEnd, Board, CopyBlock, Cut, DeleteBlock, Discard, Down, Edit, End, EndReplace, Find, First, Go,
-    Here, Last, Left, Mark, Paste, Redo, Renumber, Replace, ReplaceAll, ReplaceThis, Resume, Right, Save, Skip, Stop,
-    Undo, Unmark, Up,
+    Again, AskDone, AskEnd, Board, CopyBlock, Cut, DeleteBlock, Design, Discard, Down, Edit, End, EndReplace, Find,
+    First, Go, Here, Last, Left, Mark, Paste, Redo, Renumber, Replace, ReplaceAll, ReplaceThis, Resume, Right, Save,
+    Skip, Stop, Undo, Unmark, Up,
 };
 
 /// The keys while something is typed for one of them.
@@ -97,7 +98,7 @@ pub const ASK: [&[Act]; 2] = [&[AskDone, AskEnd], &[]];
 pub const fn rows(editing: bool, board: bool, block: bool, replacing: bool, work: bool) -> [&'static [Act]; 2] {
     match (editing, board, block, replacing, work) {
         (.., true) => [&[Stop], &[]],
-        (false, ..) => [&[Edit, Find, Again, Go, First, Last, Here, Resume], &[]],
+        (false, ..) => [&[Edit, Find, Again, Go, First, Last, Here, Resume, Design], &[]],
         (.., true, false) => [&[ReplaceThis, Skip, ReplaceAll, EndReplace], &[]],
         (true, true, ..) => [&[Board, Left, Right, Up, Down, Undo, Redo, Save], &[]],
         (true, false, true, ..) => {

@@ -1,11 +1,14 @@
-//! The process: live curves of axes, feed, wheel load and gauge; cycle times of the last parts; the wheel through its
-//! dressings; everything as a table for a computer.
+//! The process: live curves of axes, feed, wheel load and gauge; sizes and cycle times of the last parts; the wheel
+//! through its dressings; everything as a table for a computer.
 //! Source: tools.md (page process), K4.3, K4.5, K5.17, H9.
+
+mod trend;
 
 use std::collections::VecDeque;
 use std::fmt::Write;
 
-use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Ui, pos2, vec2};
+use egui::accesskit::Role;
+use egui::{Align2, Color32, Id, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use super::Typed;
 use crate::defs::param;
@@ -13,17 +16,23 @@ use crate::defs::signal::Input;
 use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit, length, put};
 use crate::hmi::widget::{Look, Walk};
-use crate::link::Command;
 use crate::link::files::FileRequest;
 use crate::link::page_command::PageCommand;
+use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
+use trend::Part;
 
 /// Time between two samples, and how many are kept: ten minutes.
 const EVERY: Micros = Micros::from_millis(100);
 const SAMPLES: usize = 6_000;
-/// Spans of time that can be looked at, seconds.
+/// Spans of time that the key turns through, and the least and greatest that two fingers can draw, seconds.
 const SPANS: [f64; 4] = [10.0, 60.0, 180.0, 600.0];
-/// Parts whose cycle times are kept.
+const LEAST_SPAN: f64 = 1.0;
+/// Height of sizes, cycle times and wheel.
+const BELOW: f32 = 132.0;
+/// Room for name and value in front of a curve.
+const NAMES: f32 = 150.0;
+/// Parts that are kept.
 const PARTS: usize = 50;
 /// Height of the keys.
 const KEYS: f32 = 46.0;
@@ -48,13 +57,25 @@ struct Curve {
 }
 
 /// What the page keeps.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Process {
     samples: VecDeque<Sample>,
-    parts: VecDeque<(u32, f64)>,
+    parts: VecDeque<Part>,
     counted: Option<u32>,
-    span: usize,
+    /// Dressings counted, with the wheel's diameter then; and what the last dressing took off the diameter, mm.
+    dressed: Option<(f64, f64)>,
+    taken: Option<f64>,
+    /// How much time is looked at, seconds, and where it ends; none: now.
+    span: f64,
+    end: Option<Micros>,
     walk: Walk,
+}
+
+impl Default for Process {
+    fn default() -> Self {
+        let (samples, parts, walk) = (VecDeque::new(), VecDeque::new(), Walk::default());
+        Self { samples, parts, counted: None, dressed: None, taken: None, span: SPANS[0], end: None, walk }
+    }
 }
 
 impl Process {
@@ -62,14 +83,16 @@ impl Process {
     pub fn follow(&mut self, view: &View<'_>) {
         let snapshot = view.snapshot;
         if self.counted.is_some_and(|counted| snapshot.parts > counted) {
-            self.parts.push_back((snapshot.parts, snapshot.cycle_seconds));
+            self.parts.push_back(Part::of(snapshot));
             if self.parts.len() > PARTS {
                 self.parts.pop_front();
             }
         }
         self.counted = Some(snapshot.parts);
+        self.follow_wheel(snapshot);
         if self.samples.back().is_some_and(|last| snapshot.now < last.at) {
             self.samples.clear();
+            self.end = None;
         }
         if self.samples.back().is_some_and(|last| snapshot.now.since(last.at) < EVERY) {
             return;
@@ -87,6 +110,57 @@ impl Process {
         }
     }
 
+    /// What a dressing takes off the wheel; a new wheel begins anew.
+    fn follow_wheel(&mut self, snapshot: &Snapshot) {
+        let now = (snapshot.params.get(param::DRESSINGS), snapshot.params.get(param::WHEEL_DIAMETER));
+        match self.dressed {
+            Some((count, diameter)) if now.0 > count => {
+                self.taken = Some(diameter - now.1);
+                self.dressed = Some(now);
+            }
+            Some((count, _)) if now.0 < count => (self.taken, self.dressed) = (None, Some(now)),
+            Some((_, diameter)) if now.1 > diameter => self.dressed = Some(now),
+            // The diameter comes before the count is up: the old one stays until then.
+            Some(_) => {}
+            None => self.dressed = Some(now),
+        }
+    }
+
+    /// Where the time that is looked at ends.
+    fn end(&self, view: &View<'_>) -> Micros {
+        self.end.map_or(view.snapshot.now, |end| Micros(end.0.min(view.snapshot.now.0)))
+    }
+
+    /// A finger drags the time, two draw it out (H9); what is drawn to the present goes on with it.
+    fn drag(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
+        let response = ui.interact(rect, Id::unique("process-curves"), Sense::DRAG | Sense::HOVER);
+        response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "曲线 process-curves"));
+        let (zoom, scroll) = ui.input(|input| {
+            let touch = input.multi_touch();
+            (touch.map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta), input.smooth_scroll_delta().y)
+        });
+        let width = f64::from((rect.width() - NAMES).max(1.0));
+        let (mut end, mut span) = (self.end(view).as_secs_f64(), self.span);
+        if response.hovered() || response.dragged() {
+            let longest = SPANS[SPANS.len() - 1];
+            span = (span / f64::from(zoom * (scroll / 240.0).exp())).clamp(LEAST_SPAN, longest);
+        }
+        let drawn = (span - self.span).abs() > 1e-9;
+        if drawn && self.end.is_some() {
+            // About the middle of what is looked at.
+            end += (span - self.span) / 2.0;
+        }
+        let moved = if response.dragged() { f64::from(response.drag_delta().x) } else { 0.0 };
+        end -= moved / width * span;
+        self.span = span;
+        if moved.abs() < f64::EPSILON && !(drawn && self.end.is_some()) {
+            return;
+        }
+        let (now, first) = (view.snapshot.now, self.samples.front().map_or(0.0, |sample| sample.at.as_secs_f64()));
+        let wanted = Micros((end.max(first + span) * 1e6) as u64);
+        self.end = (wanted.0 < now.0).then_some(wanted);
+    }
+
     /// Draws the page.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
         ui.ctx().request_repaint_after(std::time::Duration::from_micros(EVERY.0));
@@ -94,16 +168,20 @@ impl Process {
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (body, keys) = inside.split_top_bottom_at_y(inside.max.y - KEYS);
         let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
-        let (curves, below) = body.split_top_bottom_at_y(body.max.y - 118.0);
-        self.curves(ui, Rect::from_min_max(curves.min, curves.max - vec2(0.0, theme::GAP)), view);
-        let (parts, wheel) = below.split_left_right_at_fraction(0.56);
-        self.cycles(ui, Rect::from_min_max(parts.min, parts.max - vec2(theme::GAP, 0.0)), view);
-        wheel_of(ui, wheel, view);
+        let (curves, below) = body.split_top_bottom_at_y(body.max.y - BELOW);
+        let curves = Rect::from_min_max(curves.min, curves.max - vec2(0.0, theme::GAP));
+        self.drag(ui, curves, view);
+        self.curves(ui, curves, view);
+        let (trend, rest) = below.split_left_right_at_fraction(0.46);
+        let (parts, wheel) = rest.split_left_right_at_fraction(0.42);
+        let cut = |rect: Rect| Rect::from_min_max(rect.min, rect.max - vec2(theme::GAP, 0.0));
+        self.trend(ui, cut(trend), view);
+        self.cycles(ui, cut(parts), view);
+        self.wheel(ui, wheel, view);
         self.keys(ui, keys, view)
     }
 
     fn curves(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        let span = SPANS[self.span % SPANS.len()];
         let snapshot = view.snapshot;
         let colours = [view.theme.info, view.theme.run, view.theme.macros];
         let mut rows: Vec<Curve> = Vec::new();
@@ -124,33 +202,35 @@ impl Process {
         for (index, curve) in rows.iter().enumerate() {
             let corner = rect.min + vec2(0.0, index as f32 * height);
             let place = Rect::from_min_size(corner, vec2(rect.width(), height - 4.0));
-            self.curve(ui.painter(), place, view, curve, span);
+            self.curve(ui.painter(), place, view, curve);
         }
         let strip = Rect::from_min_max(pos2(rect.min.x, rect.max.y - gauge + 2.0), rect.max);
-        self.gauges(ui.painter(), strip, view, span);
+        self.gauges(ui.painter(), strip, view);
     }
 
-    fn window(&self, now: Micros, span: f64) -> impl Iterator<Item = &Sample> {
-        let from = now.0.saturating_sub((span * 1e6) as u64);
-        self.samples.iter().skip(self.samples.partition_point(|sample| sample.at.0 < from))
+    fn window(&self, end: Micros) -> impl Iterator<Item = &Sample> {
+        let from = end.0.saturating_sub((self.span * 1e6) as u64);
+        let first = self.samples.partition_point(|sample| sample.at.0 < from);
+        self.samples.iter().skip(first).take_while(move |sample| sample.at.0 <= end.0)
     }
 
-    fn curve(&self, painter: &Painter, rect: Rect, view: &View<'_>, curve: &Curve, span: f64) {
+    fn curve(&self, painter: &Painter, rect: Rect, view: &View<'_>, curve: &Curve) {
+        let span = self.span;
         let (colour, value) = (curve.colour, curve.value.as_ref());
         card(painter, rect, view.theme.surface, view.theme.line);
-        let now = view.snapshot.now;
+        let now = self.end(view);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for sample in self.window(now, span) {
+        for sample in self.window(now) {
             (low, high) = (low.min(value(sample)), high.max(value(sample)));
         }
         if low > high {
             (low, high) = (0.0, 0.0);
         }
-        let (words, plot) = rect.shrink2(vec2(8.0, 3.0)).split_left_right_at_x(rect.min.x + 150.0);
+        let (words, plot) = rect.shrink2(vec2(8.0, 3.0)).split_left_right_at_x(rect.min.x + NAMES);
         let line = words.height() / 3.0;
         let row =
             |index: f32| Rect::from_min_size(words.min + vec2(0.0, index * line), vec2(words.width() - 8.0, line));
-        let last = self.samples.back().map_or(0.0, value);
+        let last = self.window(now).last().or(self.samples.back()).map_or(0.0, value);
         put(painter, row(0.0), Align2::LEFT_CENTER, &curve.name, theme::SMALL, colour);
         put(painter, row(1.0), Align2::LEFT_CENTER, &length(last), theme::TITLE, view.theme.text);
         let range = format!("{low:.3} … {high:.3}");
@@ -164,7 +244,7 @@ impl Process {
         };
         // Two points a pixel column are enough: its least and its greatest.
         let mut points: Vec<Pos2> = Vec::new();
-        for at in self.window(now, span).map(place) {
+        for at in self.window(now).map(place) {
             let column = |point: &Pos2| point.x.floor() as i32;
             let same = points.len() >= 3 && points[points.len() - 3..].iter().all(|point| column(point) == column(&at));
             if same {
@@ -176,13 +256,14 @@ impl Process {
     }
 
     /// The gauge's signals as bars.
-    fn gauges(&self, painter: &Painter, rect: Rect, view: &View<'_>, span: f64) {
-        let (words, plot) = rect.shrink2(vec2(8.0, 0.0)).split_left_right_at_x(rect.min.x + 150.0);
+    fn gauges(&self, painter: &Painter, rect: Rect, view: &View<'_>) {
+        let (words, plot) = rect.shrink2(vec2(8.0, 0.0)).split_left_right_at_x(rect.min.x + NAMES);
+        let span = self.span;
         fit(painter, words, Align2::LEFT_CENTER, view.say("量仪 1–6", "gauge 1–6"), theme::SMALL, view.theme.quiet);
-        let now = view.snapshot.now;
+        let now = self.end(view);
         let height = plot.height() / GAUGES.len() as f32;
         painter.rect_filled(plot, 0.0, view.theme.surface);
-        let samples: Vec<&Sample> = self.window(now, span).collect();
+        let samples: Vec<&Sample> = self.window(now).collect();
         for pair in samples.windows(2) {
             for bit in (0..GAUGES.len()).filter(|bit| pair[0].gauges >> bit & 1 == 1) {
                 let x = |at: Micros| {
@@ -195,54 +276,35 @@ impl Process {
         }
     }
 
-    /// Cycle times of the last parts as columns.
-    fn cycles(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        card(ui.painter(), rect, view.theme.surface, view.theme.line);
-        let inside = rect.shrink2(vec2(10.0, 6.0));
-        let (head, plot) = inside.split_top_bottom_at_y(inside.min.y + 22.0);
-        fit(
-            ui.painter(),
-            head,
-            Align2::LEFT_CENTER,
-            view.say("最近工件节拍 s", "cycle times s"),
-            theme::SMALL,
-            view.theme.quiet,
-        );
-        let Some((_, last)) = self.parts.back() else {
-            let words = view.say("开机后还没有加工完的工件", "no part finished since power-on");
-            fit(ui.painter(), plot, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
-            return;
-        };
-        put(ui.painter(), head, Align2::RIGHT_CENTER, &format!("{last:.1}"), theme::LABEL, view.theme.text);
-        let most = self.parts.iter().map(|(_, seconds)| *seconds).fold(1e-3, f64::max);
-        let width = plot.width() / PARTS as f32;
-        for (index, (_, seconds)) in self.parts.iter().enumerate() {
-            let height = (seconds / most) as f32 * plot.height();
-            let corner = pos2(plot.min.x + index as f32 * width, plot.max.y - height);
-            let bar = Rect::from_min_size(corner, vec2(width - 1.5, height));
-            ui.painter().rect_filled(bar, 0.0, view.theme.info);
-        }
-    }
-
     fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) -> Vec<Command> {
-        let span = SPANS[self.span % SPANS.len()];
-        let words = format!("{} {span:.0} s", view.say("时间", "SPAN"));
+        let words = format!("{} {:.0} s", view.say("时间", "SPAN"), self.span);
+        let live = match self.end {
+            None => view.say("实时", "LIVE").to_owned(),
+            Some(end) => format!("{} {}", view.say("回到实时", "TO LIVE"), view.time(end)),
+        };
         let clear = view.say("清除", "CLEAR").to_owned();
         let export = view.say("存为 CSV", "SAVE CSV").to_owned();
-        let width = (rect.width() + theme::GAP) / 3.0;
         let mut out = Vec::new();
-        let keys = [("process-span", words), ("process-clear", clear), ("process-export", export)];
+        let keys =
+            [("process-span", words), ("process-live", live), ("process-clear", clear), ("process-export", export)];
+        let width = (rect.width() + theme::GAP) / keys.len() as f32;
         for (index, (name, label)) in keys.into_iter().enumerate() {
             let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height()));
-            if !self.walk.push(ui, view, place, (name, &label), Look::default()) {
+            let look = Look { on: name == "process-live" && self.end.is_none(), locked: false };
+            if !self.walk.push(ui, view, place, (name, &label), look) {
                 continue;
             }
             match name {
-                "process-span" => self.span += 1,
+                "process-span" => {
+                    let longer = SPANS.into_iter().find(|span| *span > self.span + 0.5);
+                    self.span = longer.unwrap_or(SPANS[0]);
+                }
+                "process-live" => self.end = None,
                 "process-clear" => {
                     self.samples.clear();
                     self.parts.clear();
+                    self.end = None;
                 }
                 _ => out.push(Command::Page(PageCommand::File(FileRequest::Table(self.table())))),
             }
@@ -250,7 +312,7 @@ impl Process {
         out
     }
 
-    /// The samples, a line each.
+    /// The samples, a line each; then the parts.
     fn table(&self) -> String {
         let mut text = String::from("seconds,X,Y,Z,feed_mm_min,wheel_load_percent,gauges\r\n");
         for sample in &self.samples {
@@ -259,30 +321,14 @@ impl Process {
             // Writing into a string does not fail.
             let _ = write!(text, "{seconds:.3},{x:.4},{y:.4},{z:.4},{feed:.1},{load:.1},{gauges:06b}\r\n");
         }
+        text.push_str("\r\npart,cycle_seconds,size,nominal,lower,upper,within\r\n");
+        let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
+        for part in &self.parts {
+            let [nominal, low, high] = [0, 1, 2].map(|at| number(part.limits.map(|limits| limits[at])));
+            let within = part.keeps().map_or("", |keeps| if keeps { "1" } else { "0" });
+            let (count, seconds, size) = (part.number, part.seconds, number(part.size));
+            let _ = write!(text, "{count},{seconds:.1},{size},{nominal},{low},{high},{within}\r\n");
+        }
         text
-    }
-}
-
-/// The wheel: its diameter and what is known of its dressings.
-fn wheel_of(ui: &Ui, rect: Rect, view: &View<'_>) {
-    card(ui.painter(), rect, view.theme.surface, view.theme.line);
-    let inside = rect.shrink2(vec2(10.0, 6.0));
-    let params = &view.snapshot.params;
-    let interval = params.get(param::DRESSING_INTERVAL);
-    let since = params.get(param::PARTS_SINCE_DRESSING);
-    let left = if interval > 0.0 { format!("{:.0}", (interval - since).max(0.0)) } else { "—".to_owned() };
-    let rows = [
-        (view.say("砂轮直径 mm", "wheel diameter mm"), length(params.get(param::WHEEL_DIAMETER))),
-        (view.say("修整次数", "dressings"), format!("{:.0}", params.get(param::DRESSINGS))),
-        (view.say("修整后件数", "parts since dressing"), format!("{since:.0}")),
-        (view.say("距下次修整 件", "parts to the next"), left),
-    ];
-    let height = inside.height() / rows.len() as f32;
-    for (index, (name, value)) in rows.into_iter().enumerate() {
-        let corner = inside.min + vec2(0.0, index as f32 * height);
-        let line = Rect::from_min_size(corner, vec2(inside.width(), height));
-        let (left, right) = line.split_left_right_at_fraction(0.66);
-        fit(ui.painter(), left, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
-        put(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::LABEL, view.theme.text);
     }
 }

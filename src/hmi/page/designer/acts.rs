@@ -1,0 +1,187 @@
+//! What the keys of the page designer do, and the variables that a page lacks.
+//! Source: spec K7.3, K7.4, K6.2.
+
+use egui::{Rect, Ui, pos2, vec2};
+
+use super::{About, Designer, Tab};
+use crate::defs::page::Page;
+use crate::defs::r_parameter;
+use crate::defs::screen::ROWS;
+use crate::defs::text::{Said, Text};
+use crate::hmi::question::Question;
+use crate::hmi::theme;
+use crate::hmi::view::View;
+use crate::hmi::widget::Look;
+use crate::link::Command;
+
+/// What a key does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Act {
+    Edit,
+    Board,
+    Undo,
+    Redo,
+    Save,
+    Discard,
+    End,
+    /// To the grinding page.
+    Show,
+}
+
+impl Act {
+    const fn words(self) -> (&'static str, Text) {
+        match self {
+            Self::Edit => ("page-edit", Text::new("编辑", "EDIT")),
+            Self::Board => ("page-board", Text::new("键盘", "KEYS")),
+            Self::Undo => ("page-undo", Text::new("撤销", "UNDO")),
+            Self::Redo => ("page-redo", Text::new("重做", "REDO")),
+            Self::Save => ("page-save", Text::new("保存", "SAVE")),
+            Self::Discard => ("page-discard", Text::new("放弃", "DISCARD")),
+            Self::End => ("page-end", Text::new("结束", "END")),
+            Self::Show => ("page-show", Text::new("磨削页面", "GRINDING")),
+        }
+    }
+}
+
+const AT_REST: &[Act] = &[Act::Edit, Act::Show];
+const EDITING: &[Act] = &[Act::Board, Act::Undo, Act::Redo, Act::Save, Act::Discard, Act::End];
+
+/// The keyboard's key with Ctrl, as on the program page.
+pub const fn of_control(key: egui::Key) -> Option<Act> {
+    Some(match key {
+        egui::Key::S => Act::Save,
+        egui::Key::Z => Act::Undo,
+        egui::Key::Y => Act::Redo,
+        egui::Key::E => Act::Edit,
+        _ => return None,
+    })
+}
+
+/// Draws the keys; gives the one that was pressed.
+pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut Designer) -> Option<Act> {
+    let acts = if page.editing { EDITING } else { AT_REST };
+    let width = (rect.width() + theme::GAP) / EDITING.len() as f32;
+    let (undo, redo) = page.document.can();
+    let mut pressed = None;
+    for (index, act) in acts.iter().enumerate() {
+        let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
+        let place = Rect::from_min_size(corner, vec2(width - theme::GAP, super::KEYS - 2.0));
+        let (name, label) = act.words();
+        let on = (*act == Act::Board && page.board) || (*act == Act::Save && page.document.changed);
+        let locked = (*act == Act::Undo && !undo) || (*act == Act::Redo && !redo);
+        if page.key(ui, view, place, (name, label.get(view.lang)), Look { on, locked }) {
+            pressed = Some(*act);
+        }
+    }
+    pressed
+}
+
+/// A variable as the list shows it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct VariableRow {
+    pub variable: u16,
+    pub reads: bool,
+    pub writes: bool,
+    /// Program and line of its first use.
+    pub place: Option<(u32, u32)>,
+    /// The comment beside it there.
+    pub comment: String,
+    /// Its label on the page.
+    pub label: Option<String>,
+    /// The program reads it, nothing in the program gives it a value, and the page does not offer it.
+    pub missing: bool,
+}
+
+impl Designer {
+    /// What the program uses and what the page offers: what is missing first, what only the program needs last.
+    pub(super) fn variables(&self) -> Vec<VariableRow> {
+        let uses = self.file.as_ref().and_then(|file| file.uses.as_deref()).unwrap_or_default();
+        let label =
+            |variable: u16| self.reading.page.rows().find(|row| row.variable == variable).map(|row| row.label.clone());
+        let mut rows: Vec<_> = uses
+            .iter()
+            .map(|used| {
+                let label = label(used.variable);
+                VariableRow {
+                    variable: used.variable,
+                    reads: used.reads,
+                    writes: used.writes,
+                    place: Some(used.place),
+                    comment: used.comment.clone(),
+                    missing: used.reads && !used.writes && label.is_none(),
+                    label,
+                }
+            })
+            .collect();
+        for row in self.reading.page.rows() {
+            if rows.iter().all(|known| known.variable != row.variable) {
+                let label = Some(row.label.clone());
+                rows.push(VariableRow { variable: row.variable, label, ..VariableRow::default() });
+            }
+        }
+        rows.sort_by_key(|row| (!row.missing, row.label.is_none(), row.variable));
+        rows
+    }
+
+    pub(super) fn act(&mut self, act: Act, view: &View<'_>, out: &mut Vec<Command>) {
+        self.told = None;
+        if !self.editing && !matches!(act, Act::Edit | Act::Show) {
+            return self.refuse(Said::new("先按“编辑”", "press EDIT first"));
+        }
+        match act {
+            Act::Edit => self.wish_edit(view, out),
+            Act::Board => self.board = !self.board,
+            Act::Undo => drop(self.document.undo()),
+            Act::Redo => drop(self.document.redo()),
+            Act::Save if !self.document.changed => {
+                self.told = Some((Said::new("没有改动", "nothing to save"), false));
+            }
+            Act::Save => self.save(false, out),
+            Act::Discard if self.document.changed => {
+                let name = self.file.as_ref().map_or("", |file| file.name.as_str());
+                let body = Said::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));
+                let title = Text::new("放弃改动？", "discard the changes?");
+                let key = ("question-discard", Text::new("放弃", "DISCARD"));
+                self.question = Some((About::Discard, Question::new(title, body, key)));
+            }
+            Act::Discard | Act::End => (self.editing, self.board, self.on_keys) = (false, false, false),
+            Act::Show => out.push(Command::OpenPage(Page::Grinding)),
+        }
+    }
+
+    /// A line of the page for a variable: in the first empty entry, else before the `%`.
+    pub(super) fn add(&mut self, view: &View<'_>, row: &VariableRow) {
+        if !self.editing {
+            return self.refuse(Said::new("先按“编辑”", "press EDIT first"));
+        }
+        let name = r_parameter::name_on(u32::from(row.variable), view.snapshot.kind);
+        let label: String = row.comment.chars().filter(|sign| !";#%；＃％".contains(*sign)).take(16).collect();
+        let label = match label.trim() {
+            "" => view.say("参数", "value").to_owned(),
+            label => label.to_owned(),
+        };
+        let page = &self.reading.page;
+        let slots = page.left.iter().chain(&page.right);
+        let faulty = |line: u32| self.reading.faults.iter().any(|fault| fault.line == line);
+        let free = slots.zip(&self.reading.places).find(|(slot, (line, _))| slot.is_none() && !faulty(*line));
+        let at = match (free, self.reading.end) {
+            (Some((_, (line, column))), _) => Ok((*line, *column, format!("{label} {name}"))),
+            (None, Some((line, column))) if self.reading.places.len() < 2 * ROWS => {
+                Ok((line, column, format!("{label} {name};\n")))
+            }
+            (None, Some(_)) => Err(Said::new("页面已满：左右各十项", "the page is full: ten in each column")),
+            (None, None) => Err(Said::new("先改正错误：缺少 %", "mend the mistakes first: the % is missing")),
+        };
+        match at {
+            Ok((line, column, text)) => {
+                self.document.go(line as usize - 1, column as usize - 1);
+                let at = self.document.cursor;
+                self.document.replace(at, at, &text);
+                self.scroll.by_hand = false;
+                let (zh, en) = (format!("已加入 {name}，请改名称"), format!("{name} is added: give it its name"));
+                (self.told, self.tab) = (Some((Said::new(zh, en), false)), Tab::Variables);
+            }
+            Err(why) => self.refuse(why),
+        }
+    }
+}

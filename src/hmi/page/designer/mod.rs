@@ -1,0 +1,401 @@
+//! The page designer: the text of a grinding page on the left, on the right the page as it will look, the variables that
+//! its program uses, the pictures that can be taken, the mistakes by line.
+//! Source: spec K5.12, K6.2, K7.2–K7.4.
+
+mod acts;
+mod paint;
+
+use std::sync::Arc;
+
+use egui::{Rect, TextureId, Ui, pos2, vec2};
+use ropey::Rope;
+
+use super::Typed;
+use super::program::document::Document;
+use super::program::listing;
+use super::scroll::Scroll;
+use crate::defs::key::Mode;
+use crate::defs::screen::{self, Reading};
+use crate::defs::text::{Said, Text};
+use crate::hmi::entry::Edit;
+use crate::hmi::letters::{self, Letter};
+use crate::hmi::login::Login;
+use crate::hmi::question::Question;
+use crate::hmi::theme;
+use crate::hmi::view::View;
+use crate::hmi::widget::{self, Look, Walk};
+use crate::link::files::{FileRequest, Refusal};
+use crate::link::page_command::{Guard, PageCommand};
+use crate::link::page_file::{PageFile, PictureFrom};
+use crate::link::snapshot::{PAGED_PROGRAMS, RunState};
+use crate::link::{Command, Snapshot};
+
+/// Height of a row of keys.
+const KEYS: f32 = 46.0;
+/// Height of the line that tells what is the matter.
+const TOLD: f32 = 28.0;
+
+/// What the right half shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Tab {
+    /// The page as it will look.
+    #[default]
+    Preview,
+    /// What the program uses and the page offers.
+    Variables,
+    /// Pictures that can be taken.
+    Pictures,
+    /// The mistakes by line.
+    Faults,
+}
+
+const TABS: [Tab; 4] = [Tab::Preview, Tab::Variables, Tab::Pictures, Tab::Faults];
+
+/// Which answer of the core is waited for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Awaited {
+    /// Whether the text may be edited.
+    Edit,
+    /// The password; then it is asked again.
+    Password,
+    /// The text of this version is being saved.
+    Save(u64),
+    /// A picture is being taken.
+    Picture,
+}
+
+/// What a question is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum About {
+    Conflict,
+    Discard,
+    Picture(PictureFrom, String),
+}
+
+/// What the page keeps.
+#[derive(Debug, Default)]
+pub struct Designer {
+    /// The page that was asked for in the directory; none: that of the current program.
+    wanted: Option<u32>,
+    document: Document,
+    file: Option<Arc<PageFile>>,
+    reading: Reading,
+    /// The version of the document that was read.
+    read: Option<(u32, u64, u64)>,
+    scroll: Scroll,
+    list: Scroll,
+    /// The chosen row of the list on the right.
+    row: usize,
+    tab: Tab,
+    editing: bool,
+    board: bool,
+    /// The file is to be asked for.
+    stale: bool,
+    awaited: Option<Awaited>,
+    question: Option<(About, Question)>,
+    told: Option<(Said, bool)>,
+    seen: u32,
+    walk: Walk,
+    /// The keyboard walks over the keys instead of the text.
+    on_keys: bool,
+}
+
+impl Designer {
+    /// The page was opened anew; `program` was chosen in the directory.
+    pub fn open(&mut self, view: &View<'_>, program: Option<u32>) {
+        if view.snapshot.page == crate::defs::page::Page::Designer {
+            self.wanted = program;
+            self.stale = true;
+        }
+        (self.editing, self.board, self.on_keys, self.question) = (false, false, false, None);
+    }
+
+    /// The page that is designed: 1000 and the number of its files; 0: the program has none.
+    #[must_use]
+    pub fn number(&self, snapshot: &Snapshot) -> u32 {
+        match self.wanted {
+            Some(program) if snapshot.own_page.is_none() => program,
+            _ => snapshot.grinding_page().unwrap_or(snapshot.program.number),
+        }
+    }
+
+    /// Why the last thing asked for was refused.
+    #[must_use]
+    pub fn refusal(&self) -> Option<&Said> {
+        self.told.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
+    }
+
+    /// The text as it stands on the page.
+    #[must_use]
+    pub const fn text(&self) -> &Rope {
+        &self.document.rope
+    }
+
+    /// Draws the page.
+    pub fn ui(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        view: &View<'_>,
+        typed: &Typed<'_>,
+        login: &mut Login,
+        picture: Option<TextureId>,
+    ) -> Vec<Command> {
+        let mut out = Vec::new();
+        let number = self.number(view.snapshot);
+        let has_page = PAGED_PROGRAMS.contains(&number) || view.snapshot.own_page.is_some();
+        if !has_page {
+            paint::no_page(ui, rect, view, number, &mut out);
+            return out;
+        }
+        self.hear(view, login, &mut out);
+        self.follow(view, number, &mut out);
+        if self.question.is_none() && !login.is_open() {
+            self.take_typed(view, typed, &mut out);
+        }
+        self.read_text();
+        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
+        let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
+        let board = if self.board { letters::PAGE.height() } else { 0.0 };
+        let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
+        let (body, below) = rest.split_top_bottom_at_y(rest.max.y - KEYS - TOLD);
+        let (told, keys) = below.split_top_bottom_at_y(below.min.y + TOLD);
+        // The preview needs 200 for its picture and as much for either column.
+        let share = if body.width() > 900.0 { 0.40 } else { 0.34 };
+        let (text, right) = body.split_left_right_at_fraction(share);
+        self.title(ui, title, view);
+        self.listing(ui, Rect::from_min_max(text.min, text.max - vec2(theme::GAP, 0.0)), view, typed.pages);
+        self.right(ui, right, view, picture);
+        self.told(ui, told, view);
+        if let Some(act) = acts::ui(ui, view, keys, self) {
+            self.act(act, view, &mut out);
+        }
+        if self.board
+            && let Some(letter) = letters::ui(ui, view, pad, &letters::PAGE)
+        {
+            self.letter(&letter);
+        }
+        if let Some((about, mut question)) = self.question.take() {
+            match question.ui(ui, rect, view, typed.edits) {
+                Some(0) => self.answer(about, &mut out),
+                Some(_) => {}
+                None => self.question = Some((about, question)),
+            }
+        }
+        out
+    }
+
+    /// The answers of the core.
+    fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        let files = &view.snapshot.files;
+        if self.awaited == Some(Awaited::Password) && !login.is_open() {
+            self.awaited = None;
+            if view.snapshot.access.program {
+                self.wish_edit(view, out);
+            }
+        }
+        if std::mem::replace(&mut self.seen, files.answers) == files.answers {
+            return;
+        }
+        match (self.awaited.take(), &files.refused) {
+            (None | Some(Awaited::Password), _) => {}
+            (Some(Awaited::Edit), None) => (self.editing, self.told) = (true, None),
+            (Some(_), Some(Refusal::Password)) => {
+                self.awaited = Some(Awaited::Password);
+                login.unlock(view, Guard::Program);
+            }
+            (Some(Awaited::Save(version)), None) => {
+                let (number, stamp) = files.saved;
+                if number == self.document.number {
+                    let same = version == self.document.version;
+                    self.document.saved(stamp);
+                    self.document.changed = !same;
+                }
+                (self.told, self.stale) = (Some((files.done.clone(), false)), true);
+            }
+            (Some(Awaited::Picture), None) => {
+                (self.told, self.stale) = (Some((files.done.clone(), false)), true);
+            }
+            (Some(Awaited::Save(_)), Some(Refusal::Conflict)) => {
+                let body = Said::new(
+                    "打开之后磁盘上的文件已被改动。覆盖后别处的改动会丢失。",
+                    "The file was changed on the disk since it was opened. Overwriting loses that change.",
+                );
+                let title = Text::new("文件已被别处改动", "the file was changed elsewhere");
+                let key = ("question-overwrite", Text::new("覆盖", "OVERWRITE"));
+                self.question = Some((About::Conflict, Question::new(title, body, key)));
+            }
+            (Some(_), Some(refusal)) => self.refuse(refusal.said()),
+        }
+    }
+
+    /// The file is asked for when the page opens or shows another one; an unsaved text stays.
+    fn follow(&mut self, view: &View<'_>, number: u32, out: &mut Vec<Command>) {
+        let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
+        if self.editing && (view.snapshot.mode != Mode::Edit || !idle) {
+            (self.editing, self.board) = (false, false);
+        }
+        let other = self.document.number != number && !self.document.changed;
+        if self.stale || (other && self.file.as_ref().is_none_or(|file| file.number != number)) {
+            self.stale = false;
+            let page = if self.document.changed { self.document.number } else { number };
+            let program = if PAGED_PROGRAMS.contains(&page) { page } else { view.snapshot.program.number };
+            out.push(Command::Page(PageCommand::File(FileRequest::ReadPage { page, program })));
+            if other {
+                self.file = None;
+            }
+        }
+        let Some(file) = &view.snapshot.files.page else { return };
+        if self.file.as_ref().is_some_and(|known| Arc::ptr_eq(known, file)) || file.number != number {
+            return;
+        }
+        let same = (file.number, file.stamp) == (self.document.number, self.document.base);
+        if !self.document.changed && !same {
+            let line = if file.number == self.document.number { self.document.place().0 } else { 0 };
+            self.document = Document::open(file.number, file.stamp, &file.text);
+            self.document.go(line, 0);
+        }
+        self.file = Some(Arc::clone(file));
+    }
+
+    /// Reads the text for page and mistakes when it has changed.
+    fn read_text(&mut self) {
+        let now = (self.document.number, self.document.base, self.document.version);
+        if self.read != Some(now) {
+            self.read = Some(now);
+            self.reading = screen::read(&self.document.rope.to_string());
+        }
+    }
+
+    fn refuse(&mut self, why: impl Into<Said>) {
+        self.told = Some((why.into(), true));
+    }
+
+    fn wish_edit(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
+        if self.file.as_ref().is_some_and(|file| file.mistaken) {
+            return self.refuse(Said::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
+        }
+        self.awaited = Some(Awaited::Edit);
+        let number = self.number(view.snapshot);
+        out.push(Command::Page(PageCommand::File(FileRequest::MayEdit(number))));
+    }
+
+    fn save(&mut self, force: bool, out: &mut Vec<Command>) {
+        self.awaited = Some(Awaited::Save(self.document.version));
+        let (page, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
+        out.push(Command::Page(PageCommand::File(FileRequest::SavePage { page, text, base, force })));
+    }
+
+    fn answer(&mut self, about: About, out: &mut Vec<Command>) {
+        match about {
+            About::Conflict => self.save(true, out),
+            About::Discard => {
+                if let Some(file) = &self.file {
+                    self.document = Document::open(file.number, file.stamp, &file.text);
+                }
+                (self.editing, self.board, self.stale) = (false, false, true);
+            }
+            About::Picture(from, name) => {
+                self.awaited = Some(Awaited::Picture);
+                let page = self.document.number;
+                out.push(Command::Page(PageCommand::File(FileRequest::TakePicture { page, from, name })));
+            }
+        }
+    }
+
+    /// What the keyboard brought.
+    fn take_typed(&mut self, view: &View<'_>, typed: &Typed<'_>, out: &mut Vec<Command>) {
+        for control in typed.controls {
+            if let Some(act) = acts::of_control(*control) {
+                self.act(act, view, out);
+            }
+        }
+        let text = self.editing && !self.on_keys;
+        self.walk.begin(if text { &[] } else { typed.edits });
+        if text {
+            typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.sign(sign));
+        }
+        for edit in typed.edits {
+            match edit {
+                Edit::Next | Edit::Previous if self.editing => {
+                    self.on_keys = !self.on_keys;
+                    self.walk.choose(0, 1);
+                }
+                Edit::Cancel if self.on_keys => self.on_keys = false,
+                _ if text => self.edit(*edit),
+                Edit::Cancel => self.told = None,
+                _ => {}
+            }
+        }
+    }
+
+    fn sign(&mut self, sign: char) {
+        self.told = None;
+        self.document.type_sign(sign);
+        self.scroll.by_hand = false;
+    }
+
+    fn letter(&mut self, letter: &Letter) {
+        match letter {
+            Letter::Sign(sign) => self.sign(*sign),
+            Letter::Word(word) => word.chars().for_each(|sign| self.sign(sign)),
+            Letter::Back => self.edit(Edit::Back),
+            Letter::Done => self.edit(Edit::Enter),
+        }
+    }
+
+    fn edit(&mut self, edit: Edit) {
+        self.told = None;
+        if self.document.edit(edit) {
+            self.scroll.by_hand = false;
+        }
+    }
+
+    /// A key of the page: the keyboard walks over it unless it types into the text.
+    fn key(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, words: (&str, &str), look: Look) -> bool {
+        if self.on_keys || !self.editing {
+            self.walk.push(ui, view, rect, words, look)
+        } else {
+            widget::push(ui, view, rect, words.0, words.1, look)
+        }
+    }
+
+    /// The tabs and what the chosen one shows.
+    fn right(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, picture: Option<TextureId>) {
+        let (bar, rest) = rect.split_top_bottom_at_y(rect.min.y + widget::TABS - 2.0);
+        let count = |words: &str, count: usize| {
+            if count > 0 { format!("{words} {count}") } else { words.trim_end_matches(['缺', ' ']).to_owned() }
+        };
+        let missing = self.variables().iter().filter(|row| row.missing).count();
+        let keys = [
+            ("page-preview", view.say("预览", "PREVIEW").to_owned()),
+            ("page-variables", count(view.say("变量 缺", "VARS"), missing)),
+            ("page-pictures", view.say("图片", "PICTURES").to_owned()),
+            ("page-faults", count(view.say("错误", "ERRORS"), self.reading.faults.len())),
+        ];
+        let width = (bar.width() + theme::GAP) / keys.len() as f32;
+        for (index, (tab, (name, label))) in TABS.into_iter().zip(&keys).enumerate() {
+            let corner = pos2(bar.min.x + index as f32 * width, bar.min.y);
+            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, bar.height()));
+            if self.key(ui, view, place, (name, label), Look { on: tab == self.tab, locked: false }) {
+                (self.tab, self.row, self.list) = (tab, 0, Scroll::default());
+                // A medium may have been plugged in since.
+                self.stale |= tab == Tab::Pictures;
+            }
+        }
+        let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::GAP), rest.max);
+        match self.tab {
+            // Where the letters leave no room for the page, its mistakes are told.
+            Tab::Preview if self.board => self.faults(ui, rest, view),
+            Tab::Preview => self.preview(ui, rest, view, picture),
+            Tab::Variables => self.variable_list(ui, rest, view),
+            Tab::Pictures => self.picture_list(ui, rest, view),
+            Tab::Faults => self.faults(ui, rest, view),
+        }
+    }
+
+    /// Height of a line of the text.
+    const fn line() -> f32 {
+        listing::LINE
+    }
+}

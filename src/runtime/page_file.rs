@@ -1,0 +1,158 @@
+//! The files of a grinding page for the page designer: its text with what its program uses, and its picture, taken from a
+//! medium or the folder and converted where it is not of the form.
+//! Source: spec K5.12, K7.3, K7.4.
+
+use std::collections::BTreeMap;
+
+use ropey::Rope;
+
+use super::disk::parse_picture;
+use super::office::{because, encode, refused};
+use super::transfer::{FOREIGN_PICTURE, convert, no_stick};
+use crate::controller::files::Job;
+use crate::defs::screen::{ROWS, VariableUse};
+use crate::defs::text::Said;
+use crate::link::files::{FileAnswer, Refusal};
+use crate::link::page_file::{PageFile, PictureFile, PictureFrom};
+use crate::nc::uses::uses;
+use crate::store::{Encoding, Folder, FolderError, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, Stick, decode, stamp};
+
+/// What is added to the number of the files to call their page.
+const PAGES: u32 = 1_000;
+/// Most programs that are looked through for one page.
+const CALLED: usize = 40;
+
+/// Where the files of pages are read and written.
+pub struct PageDesk {
+    /// The folder of page files.
+    pub screens: Folder,
+    /// What is plugged in.
+    pub stick: Option<Stick>,
+}
+
+fn file_number(page: u32) -> Result<u16, Refusal> {
+    let number = page.checked_sub(PAGES).and_then(|number| u16::try_from(number).ok());
+    let said = || Said::new(format!("{page} 没有页面"), format!("{page} has no page"));
+    number.filter(|number| (1..=9_999).contains(number)).ok_or_else(|| Refusal::Because(said()))
+}
+
+/// The form of a page text: its title, ten empty entries for either column.
+fn form() -> Rope {
+    let mut text = String::from("标题;\r\n\r\n");
+    for _ in 0..2 {
+        text.push_str(&";\r\n".repeat(ROWS));
+        text.push_str("\r\n");
+    }
+    text.push_str("%\r\n");
+    text.into()
+}
+
+impl PageDesk {
+    /// The text, what a program uses, and the pictures that can be taken.
+    pub fn read(&self, page: u32, program: u32, job: &Job) -> Result<PageFile, Refusal> {
+        let file = file_number(page)?;
+        let mut read = PageFile { number: page, uses: of(program, job), ..PageFile::default() };
+        match self.screens.read(&PAGE_TEXT, file) {
+            Ok(found) => {
+                (read.name, read.stamp) = (found.name, stamp(&found.bytes));
+                match decode(&found.bytes) {
+                    Ok(decoded) => read.text = decoded.text.into(),
+                    Err(_) => (read.text, read.mistaken) = (String::from_utf8_lossy(&found.bytes).into(), true),
+                }
+            }
+            Err(FolderError::Missing { name, .. }) => (read.name, read.text) = (name, form()),
+            Err(error) => return Err(refused(&error)),
+        }
+        read.pictures = self.pictures();
+        Ok(read)
+    }
+
+    fn pictures(&self) -> Vec<PictureFile> {
+        let of = |from: PictureFrom, folder: &Stick| {
+            let files = folder.files().unwrap_or_default().into_iter();
+            let kinds = FOREIGN_PICTURE.extensions;
+            let is_picture = |name: &str| {
+                let kind = name.rsplit_once('.').map_or("", |(_, kind)| kind);
+                kinds.iter().any(|known| known.eq_ignore_ascii_case(kind))
+            };
+            files.filter(move |file| is_picture(&file.name)).map(move |file| PictureFile {
+                from,
+                name: file.name,
+                size: file.size,
+            })
+        };
+        let screens = Stick::at(self.screens.path().to_path_buf());
+        let mut found: Vec<_> = self.stick.iter().flat_map(|stick| of(PictureFrom::Medium, stick)).collect();
+        found.extend(of(PictureFrom::Screens, &screens));
+        found
+    }
+
+    /// Replaces the text, unless somebody else has changed the file since. It keeps its encoding; a new one is GBK (K7.4).
+    pub fn save(&self, page: u32, text: &Rope, base: u64, force: bool) -> Result<FileAnswer, Refusal> {
+        let file = file_number(page)?;
+        let encoding = match self.screens.read(&PAGE_TEXT, file) {
+            Ok(read) if !force && stamp(&read.bytes) != base => return Err(Refusal::Conflict),
+            Ok(read) => decode(&read.bytes).map_or(Encoding::Gbk, |decoded| decoded.encoding),
+            Err(FolderError::Missing { .. }) => Encoding::Gbk,
+            Err(error) => return Err(refused(&error)),
+        };
+        let (bytes, kept) = encode(text, encoding);
+        if bytes.len() as u64 > PAGE_TEXT_LIMIT {
+            return Err(Refusal::Because(Said::new("文件太大", "the text is too long")));
+        }
+        let name = self.screens.write(&PAGE_TEXT, file, &bytes).map_err(|error| refused(&error))?;
+        let said = if kept {
+            Said::new(format!("{name} 已保存"), format!("{name} saved"))
+        } else {
+            Said::new(
+                format!("{name} 已保存；含 GBK 以外的字，改用 UTF-8 编码"),
+                format!("{name} saved as UTF-8: it holds signs that GBK lacks"),
+            )
+        };
+        Ok(FileAnswer::Saved { said, number: page, stamp: stamp(&bytes) })
+    }
+
+    /// Makes a file the picture of a page.
+    pub fn take(&self, page: u32, from: PictureFrom, name: &str) -> Result<FileAnswer, Refusal> {
+        let file = file_number(page)?;
+        let folder = match (from, &self.stick) {
+            (PictureFrom::Screens, _) => self.screens.clone(),
+            (PictureFrom::Medium, Some(stick)) => Folder::new(stick.root()),
+            (PictureFrom::Medium, None) => return Err(no_stick()),
+        };
+        let read = folder.read_named(&FOREIGN_PICTURE, name).map_err(|error| refused(&error))?;
+        let (bytes, fault) = match parse_picture(&read.name, &read.bytes) {
+            Ok(_) => (read.bytes, None),
+            Err(fault) => (convert(&read.bytes).map_err(|error| because(&error))?, Some(fault.said())),
+        };
+        let to = self.screens.write(&PICTURE, file, &bytes).map_err(|error| refused(&error))?;
+        Ok(FileAnswer::Done(match fault {
+            None => Said::new(format!("{to} 已换成 {name}"), format!("{to} is now {name}")),
+            Some(fault) => Said::new(
+                format!("{to} 已换成 {name}，已转换（{}）", fault.zh),
+                format!("{to} is now {name}, converted ({})", fault.en),
+            ),
+        }))
+    }
+}
+
+/// What a program and those called by it use; none: it is not there.
+fn of(program: u32, job: &Job) -> Option<Vec<VariableUse>> {
+    job.programs.get(program)?;
+    let (mut all, mut next, mut at) = (BTreeMap::<u16, VariableUse>::new(), vec![program], 0);
+    while let Some(number) = next.get(at).copied().filter(|_| at < CALLED) {
+        at += 1;
+        let Some(program) = job.programs.get(number) else { continue };
+        let found = uses(&program.source, job.settings.system);
+        for (variable, used) in found.variables {
+            let known = all.entry(variable).or_insert_with(|| used.clone());
+            (known.reads, known.writes) = (known.reads || used.reads, known.writes || used.writes);
+        }
+        for called in found.calls {
+            if !next.contains(&called) {
+                next.push(called);
+            }
+        }
+    }
+    Some(all.into_values().collect())
+}
