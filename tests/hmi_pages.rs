@@ -201,7 +201,7 @@ fn h9_nothing_is_cut_or_overlaps() {
 }
 
 /// The keys that lead to what a page shows only when it is used.
-const USES: [(Page, &[&str]); 27] = [
+const USES: [(Page, &[&str]); 29] = [
     (Page::Designer, &["→", "→", "⏎"]),
     (Page::Designer, &["→", "→", "→", "⏎"]),
     (Page::Designer, &["→", "→", "→", "→", "⏎"]),
@@ -224,6 +224,8 @@ const USES: [(Page, &[&str]); 27] = [
     (Page::Graphic, &["+", "+"]),
     (Page::Transfer, &["→", "→", "→", "⏎"]),
     (Page::Transfer, &["→", "→", "→", "→", "→", "⏎"]),
+    (Page::Transfer, &["→", "→", "→", "→", "→", "→", "⏎"]),
+    (Page::Settings, &["→", "⏎", "2019", "⏎"]),
     (Page::Directory, &["→", "→", "⏎", "12345", "⏎"]),
     (Page::Simulator, &["→", "→", "⏎"]),
     (Page::Process, &["→", "⏎"]),

@@ -66,6 +66,10 @@ impl Shop {
         self.bench.touch("U 盘 → 本机 transfer-in");
     }
 
+    fn bring_serial(&mut self) {
+        self.bench.touch("RS232 → 本机 transfer-in");
+    }
+
     fn refusal(&self) -> String {
         self.bench.screen.state().hmi.refusal(Lang::Zh).map(|(_, why)| why).unwrap_or_default()
     }
@@ -277,4 +281,152 @@ fn k7_8_the_screen_is_kept_as_a_picture() {
     shop.bench.screen.state().hmi.prints().lock().unwrap().push(Arc::new(image));
     shop.bench.turn();
     assert_eq!(fs::read_dir(shop.path("prints")).unwrap().count(), 1);
+}
+
+#[test]
+fn k7_8_a_medium_pulled_out_on_the_way_is_told_and_nothing_is_changed() {
+    let mut shop = Shop::new();
+    fs::write(shop.usb("O1002.NC"), "O1002 (NEW)\nM30\n").unwrap();
+    let before = fs::read(shop.path("programs/O1002.NC")).unwrap();
+    shop.bring();
+    shop.password("187350");
+    assert!(shop.bench.shows("文件已存在且内容不同"));
+    fs::remove_dir_all(shop.path("usb")).unwrap();
+    shop.bench.touch("覆盖 question-overwrite");
+    assert!(shop.refusal().contains("没有 U 盘或已拔出"), "{}", shop.refusal());
+    assert_eq!(fs::read(shop.path("programs/O1002.NC")).unwrap(), before);
+}
+
+#[test]
+fn s1_programs_with_names_are_listed_and_carried_both_ways() {
+    let mut shop = Shop::new();
+    fs::write(shop.path("programs/VGRIND.MPF"), "R1=5\nM2\n").unwrap();
+    fs::write(shop.usb("l10.spf"), "RET\n").unwrap();
+    shop.bench.touch("程序 set-programs");
+    (0..3).for_each(|_| shop.bench.rig.send(Command::OpenPage(Page::Transfer)));
+    shop.bench.turn();
+    shop.out();
+    assert!(shop.same(&shop.usb("VGRIND.MPF"), &shop.path("programs/VGRIND.MPF")), "{}", shop.refusal());
+    shop.bring();
+    shop.password("187350");
+    assert_eq!(fs::read(shop.path("programs/l10.spf")).unwrap(), b"RET\n", "{}", shop.refusal());
+}
+
+#[test]
+fn l9_the_lathes_programs_are_listed_and_carried_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for name in ["lathe", "screens", "usb"] {
+        fs::create_dir(path(name)).unwrap();
+    }
+    fs::write(path("lathe/SHAFT.NC"), "N0010M02\n").unwrap();
+    fs::write(path("usb/BOLT.NC"), "N0010M02\n").unwrap();
+    // No program of a lathe: it is not listed and not taken.
+    fs::write(path("usb/..\\EVIL.NC"), "N0010M02\n").unwrap();
+    let kind = kt830::defs::kind::Kind::Lathe;
+    let mut rig = told::rig_of(kind, Folders { programs: path("lathe"), screens: path("screens"), named: true });
+    rig.plug_in(None, Some(path("usb")));
+    let mut bench = Bench::new(rig, Page::Transfer);
+    bench.turn();
+    assert!(bench.shows("SHAFT.NC") && bench.shows("BOLT.NC") && !bench.shows("EVIL"));
+    bench.touch("本机 → U 盘 transfer-out");
+    assert_eq!(fs::read(path("usb/SHAFT.NC")).unwrap(), b"N0010M02\n");
+    bench.touch("U 盘 → 本机 transfer-in");
+    bench.write("187350");
+    bench.press(egui::Key::Enter);
+    assert_eq!(fs::read(path("lathe/BOLT.NC")).unwrap(), b"N0010M02\n");
+    assert_eq!(fs::read_dir(path("lathe")).unwrap().count(), 2);
+}
+
+#[cfg(unix)]
+#[test]
+fn k7_8_links_and_pipes_are_neither_followed_nor_waited_for() {
+    use std::os::unix::fs::symlink;
+    let mut shop = Shop::new();
+    let secret = shop.path("secret");
+    fs::write(&secret, "not for carrying").unwrap();
+    symlink(&secret, shop.usb("O0077.NC")).unwrap();
+    symlink("/dev/zero", shop.usb("O0078.NC")).unwrap();
+    fs::create_dir(shop.usb("O0079.NC")).unwrap();
+    let pipe = std::process::Command::new("mkfifo").arg(shop.usb("O0081.NC")).status().unwrap();
+    assert!(pipe.success());
+    shop.bench.touch("程序 set-programs");
+    shop.bring();
+    shop.password("187350");
+    assert!(shop.refusal().contains("没有可复制的文件"), "{}", shop.refusal());
+    // A link under the name that a program would get here: what it leads to stays.
+    fs::write(shop.usb("O0080.NC"), "O0080\nM30\n").unwrap();
+    symlink(&secret, shop.path("programs/O0080.NC")).unwrap();
+    shop.bring();
+    assert!(shop.refusal().contains("是链接或目录"), "{}", shop.refusal());
+    assert_eq!(fs::read_to_string(&secret).unwrap(), "not for carrying");
+}
+
+#[test]
+fn b1_a_line_of_a_hundred_megabytes_is_carried_opened_and_drawn() {
+    let mut shop = Shop::new();
+    let mut line = b"O0900 (".to_vec();
+    line.resize(100_000_000, b'X');
+    fs::write(shop.usb("O0900.NC"), &line).unwrap();
+    shop.bench.touch("程序 set-programs");
+    shop.bring();
+    shop.password("187350");
+    assert!(shop.same(&shop.usb("O0900.NC"), &shop.path("programs/O0900.NC")), "{}", shop.refusal());
+    assert!(shop.bench.rig.has_program(900));
+    shop.bench.rig.send(Command::LoadProgram(900));
+    shop.bench.rig.send(Command::OpenPage(Page::Program));
+    shop.bench.turn();
+    assert!(shop.bench.shows("O0900 (XXX"), "its beginning is shown");
+}
+
+#[test]
+fn b1_bytes_of_no_encoding_are_carried_as_they_are_and_shown_not_edited() {
+    let mut shop = Shop::new();
+    fs::write(shop.usb("O0901.NC"), b"O0901\nG00 X1 (\xFF\xFF\x80)\nM30\n").unwrap();
+    shop.bench.touch("程序 set-programs");
+    shop.bring();
+    shop.password("187350");
+    assert!(shop.same(&shop.usb("O0901.NC"), &shop.path("programs/O0901.NC")), "{}", shop.refusal());
+    shop.bench.rig.send(Command::LoadProgram(901));
+    shop.bench.rig.send(Command::OpenPage(Page::Program));
+    shop.bench.turn();
+    assert!(shop.bench.rig.snapshot().program.mistaken && shop.bench.shows("O0901"));
+}
+
+#[cfg(unix)]
+#[test]
+fn l9_the_page_carries_over_rs232() {
+    use std::io::{Read, Write};
+    let mut shop = Shop::new();
+    shop.bench.touch("RS232 set-serial");
+    shop.bring_serial();
+    assert!(shop.refusal().contains("没有选择端口"), "{}", shop.refusal());
+    let (mut other, own) = serialport::TTYPort::pair().unwrap();
+    let port = serialport::SerialPort::name(&own).unwrap();
+    let kept = fs::File::open(&port).unwrap();
+    drop(own);
+    shop.bench.rig.plug_line(port);
+    shop.bench.rig.send(Command::OpenPage(Page::Position));
+    shop.bench.turn();
+    shop.bench.rig.send(Command::OpenPage(Page::Transfer));
+    shop.bench.turn();
+    shop.bench.touch("存为 serial-name");
+    shop.bench.write("0");
+    shop.bring_serial();
+    assert!(shop.refusal().contains("1 到 9999"), "{}", shop.refusal());
+    shop.bench.write("77");
+    let sender = std::thread::spawn(move || {
+        let mut byte = [0];
+        serialport::SerialPort::set_timeout(&mut other, std::time::Duration::from_secs(20)).unwrap();
+        other.read_exact(&mut byte).unwrap();
+        other.write_all(b"%\r\nG00 X1\r\nM30\r\n%\r\n").unwrap();
+        (byte, other)
+    });
+    shop.bring_serial();
+    shop.password("187350");
+    let (byte, _other) = sender.join().unwrap();
+    assert_eq!(byte, [0x11], "XON says that it is ready");
+    assert_eq!(fs::read(shop.path("programs/O0077.NC")).unwrap(), b"G00 X1\r\nM30\r\n", "{}", shop.refusal());
+    assert!(shop.bench.rig.has_program(77));
+    drop(kept);
 }

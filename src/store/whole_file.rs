@@ -55,6 +55,11 @@ pub(super) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
 
 /// Replaces or creates `path` with `bytes`: afterwards, and at every power cut between, it is the old file or the new.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
+    replace_by(path, |file| file.write_all(bytes))
+}
+
+/// The same with a way of writing the content; whatever it fails with, the old file stands and nothing is left behind.
+fn replace_by(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), IoFault> {
     let folder = folder_of(path);
     let mut temporary = tempfile::Builder::new();
     temporary.prefix(UNFINISHED.0).suffix(UNFINISHED.1);
@@ -65,7 +70,7 @@ pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
         temporary.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = temporary.tempfile_in(folder).map_err(IoFault::at(path, "create"))?;
-    file.write_all(bytes).map_err(IoFault::at(path, "write"))?;
+    write(file.as_file_mut()).map_err(IoFault::at(path, "write"))?;
     file.as_file().sync_all().map_err(IoFault::at(path, "write"))?;
     file.persist(path).map_err(|refused| IoFault::at(path, "replace")(refused.error))?;
     flush_folder(folder).map_err(IoFault::at(folder, "flush"))
@@ -94,4 +99,25 @@ fn same_file(named: &fs::Metadata, opened: &fs::Metadata) -> bool {
 #[cfg(not(unix))]
 fn same_file(_named: &fs::Metadata, opened: &fs::Metadata) -> bool {
     opened.is_file()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k7_8_a_disk_that_is_full_leaves_the_old_file_and_nothing_half_written() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("O1001.NC");
+        fs::write(&path, "old").expect("written");
+        let full = |file: &mut File| {
+            file.write_all(b"half of the n")?;
+            Err(io::ErrorKind::StorageFull.into())
+        };
+        let fault = replace_by(&path, full).expect_err("no room");
+        assert!(fault.is_full() && fault.zh().contains("O1001.NC：磁盘已满"), "{}", fault.zh());
+        assert!(fault.to_string().contains("make room on the disk"), "{fault}");
+        assert_eq!(fs::read_to_string(&path).expect("there"), "old");
+        assert_eq!(fs::read_dir(folder.path()).expect("listed").count(), 1, "no temporary file is left");
+    }
 }

@@ -78,10 +78,16 @@ impl Params {
     /// Draws the page; gives the commands of what was typed.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
+        // Ctrl+T turns through the tabs.
+        if typed.controls.contains(&egui::Key::T) && !login.is_open() {
+            let tab =
+                if self.screws { PARTS.len() } else { PARTS.iter().position(|part| *part == self.part).unwrap_or(0) };
+            self.turn_to((tab + 1) % (PARTS.len() + 1));
+        }
         if self.screws {
             let places = paint::Places::new(rect, false, 0);
             self.top(ui, &places, view, login, &mut out);
-            let below = Rect::from_min_max(pos2(places.tabs.min.x, places.tabs.max.y + theme::GAP), rect.max);
+            let below = Rect::from_min_max(pos2(rect.min.x, places.tabs.max.y + theme::GAP), rect.max);
             out.extend(self.screw.ui(ui, below, view, typed, login));
             return out;
         }
@@ -147,10 +153,7 @@ impl Params {
         let chosen = PARTS.iter().position(|part| *part == self.part).unwrap_or(0);
         let chosen = if self.screws { PARTS.len() } else { chosen };
         if let Some(index) = widget::tabs(ui, view, places.tabs, &keys, chosen) {
-            self.screws = index == PARTS.len();
-            self.part = PARTS.get(index).copied().unwrap_or(self.part);
-            self.typing.pad = false;
-            self.screw.typing.pad = false;
+            self.turn_to(index);
         }
         if self.screws {
             return self.level(ui, places, view, login, out);
@@ -165,6 +168,13 @@ impl Params {
             None => {}
         }
         self.level(ui, places, view, login, out);
+    }
+
+    /// Another tab; the last is that of the screws.
+    fn turn_to(&mut self, tab: usize) {
+        self.screws = tab == PARTS.len();
+        self.part = PARTS.get(tab).copied().unwrap_or(self.part);
+        (self.typing.pad, self.screw.typing.pad) = (false, false);
     }
 
     /// Who is at the panel.

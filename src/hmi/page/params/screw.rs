@@ -85,6 +85,7 @@ impl Screw {
         }
         self.row = self.row.min(table.points().len().saturating_sub(1));
         let (page, input) = input_line::split(rect);
+        let page = Rect::from_min_max(page.min + vec2(theme::PAD, 0.0), page.max - vec2(theme::PAD, theme::GAP));
         let (top, rest) = page.split_top_bottom_at_y(page.min.y + KEYS);
         let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - KEYS);
         let body = Rect::from_min_max(body.min + vec2(0.0, theme::GAP), body.max - vec2(0.0, theme::GAP));
@@ -465,6 +466,9 @@ fn shown(value: f64, column: usize) -> String {
 
 /// Backlash and pitch error over the position, with the chosen point.
 fn curve(painter: &Painter, rect: Rect, view: &View<'_>, table: &ScrewTable, row: usize) {
+    if table.points().is_empty() {
+        return;
+    }
     card(painter, rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink(theme::PAD);
     let (legend, plot) = inside.split_top_bottom_at_y(inside.min.y + 22.0);
