@@ -296,6 +296,45 @@ fn b6_the_directory_makes_copies_renames_and_deletes() {
 }
 
 #[test]
+fn b6_the_cursor_begins_where_the_text_is_looked_at() {
+    let lines: String = (1..=60).map(|line| format!("N{line} G04 X1\r\n")).collect();
+    let mut shop = Shop::new(format!("O1234\r\n{lines}M30\r\n").as_bytes());
+    shop.tell("param P22.5 0\nmode edit");
+    // Three pages down, without editing: the cursor is left behind in line 1.
+    (0..3).for_each(|_| shop.bench.press(egui::Key::PageDown));
+    shop.bench.write("A");
+    assert!(shop.refusal().contains("先按“编辑”"), "{}", shop.refusal());
+    shop.bench.touch("编辑 edit-begin");
+    shop.bench.write("A");
+    let line = shop.text().lines().position(|line| line.starts_with('A')).unwrap();
+    assert!((20..60).contains(&line), "typed into line {line}, which is not in sight");
+}
+
+#[test]
+fn b6_home_end_and_delete_do_what_they_do_in_every_editor() {
+    let mut shop = Shop::new(TEXT.as_bytes());
+    shop.tell("param P22.5 0\nmode edit");
+    shop.bench.touch("编辑 edit-begin");
+    shop.bench.press(egui::Key::ArrowDown);
+    shop.bench.press(egui::Key::End);
+    shop.bench.write("F9");
+    shop.bench.press(egui::Key::Home);
+    shop.bench.press(egui::Key::Delete);
+    assert!(shop.text().contains("\r\n10 G00 X10F9\r\n"), "{}", shop.text());
+    // At the end of a line Delete takes the whole line end.
+    shop.bench.press(egui::Key::End);
+    shop.bench.press(egui::Key::Delete);
+    assert!(shop.text().contains("X10F9N20 M30\r\n"), "{}", shop.text());
+    // At the end of the text there is nothing to take.
+    (0..4).for_each(|_| shop.bench.press(egui::Key::ArrowDown));
+    shop.bench.press(egui::Key::End);
+    let before = shop.text();
+    shop.bench.press(egui::Key::Delete);
+    shop.bench.press(egui::Key::Delete);
+    assert_eq!(shop.text().trim_end(), before.trim_end());
+}
+
+#[test]
 fn b5_a_program_is_run_from_the_line_under_the_cursor() {
     let rig = told::ready_with("G98 G00 X-70 Z-140\nG01 X-72 F100\nW-5\nM30\n");
     let mut bench = Bench::new(rig, Page::Program);

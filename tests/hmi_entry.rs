@@ -9,10 +9,11 @@ use egui::Event;
 use egui_kittest::kittest::Queryable;
 use hmi_desk::{Screen, open};
 use hmi_sample::{C0001, snapshot};
+use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::screen;
 use kt830::defs::text::Lang;
-use kt830::hmi::{SOFT_KEYS, SoftAct};
+use kt830::hmi::{SOFT_ROWS, SoftAct, soft_row};
 use kt830::link::command::{ScreenFiles, Screens};
 use std::sync::Arc;
 
@@ -127,8 +128,8 @@ fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
 fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
     let keys = [egui::Key::F1, egui::Key::F2, egui::Key::F3, egui::Key::F4, egui::Key::F5];
     let mut screen = open(snapshot(Page::Position));
-    for row in SOFT_KEYS {
-        for (index, soft) in row.iter().enumerate() {
+    for row in 0..SOFT_ROWS.len() {
+        for (index, soft) in soft_row(Kind::Gc, row).enumerate() {
             let wanted = match soft.act {
                 SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
                 SoftAct::Position(_) => Some("OpenPage(Position)".to_owned()),

@@ -7,20 +7,22 @@ mod hmi_sample;
 use std::path::Path;
 use std::sync::Arc;
 
-use egui::Rect;
-use hmi_sample::{alarm, busy, refused, running, snapshot, troubled};
+use egui::{Color32, Rect, Shape};
+use hmi_sample::{alarm, busy, long, refused, running, snapshot, troubled};
+use kt830::defs::alarm::ALARMS;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::{Lang, Said};
 use kt830::hmi::shot::Stage;
-use kt830::hmi::theme::{DARK, LIGHT, contrast, scale};
+use kt830::hmi::theme::{DARK, LIGHT, contrast, font, scale};
 use kt830::hmi::window::shown;
 use kt830::hmi::{Hmi, page_text, shot};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Screens};
+use kt830::link::snapshot::AxisView;
 use kt830::units::Axis;
 
-const SIZES: [(u32, u32); 4] = [(1_024, 768), (1_280, 800), (1_920, 1_080), (768, 1_024)];
+const SIZES: [(u32, u32); 5] = [(800, 600), (1_024, 768), (1_280, 800), (1_920, 1_080), (768, 1_024)];
 
 fn says(snapshot: &Snapshot, words: &str) -> bool {
     page_text(snapshot, Lang::Zh).iter().any(|text| text.contains(words))
@@ -121,14 +123,15 @@ fn misfits(stage: &mut Stage, machine: &Snapshot, what: &str) -> Vec<String> {
     // A sign that the font lacks ends the test.
     stage.ctx().set_missing_glyph_policy(egui::MissingGlyphPolicy::Panic);
     stage.frame(machine);
-    stage.frame(machine);
     let texts = stage.texts();
     let mut wrong = Vec::new();
     for (index, (text, ink, clip, cut)) in texts.iter().enumerate() {
         let what = format!("{text:?} on {:?} {what}", machine.page);
         // The last line of a list may end at its edge.
         let list = matches!(machine.page, Page::Program | Page::Directory);
-        if *cut {
+        // A comment is as long as its author liked.
+        let comment = machine.page == Page::Directory && machine.directory.iter().any(|row| row.comment == *text);
+        if *cut && !comment {
             wrong.push(format!("{what} is cut"));
         }
         if !list && !clip.expand(0.5).contains_rect(*ink) {
@@ -147,8 +150,28 @@ fn misfits(stage: &mut Stage, machine: &Snapshot, what: &str) -> Vec<String> {
 /// The same machine as another kind.
 fn of_kind(mut machine: Snapshot, kind: Kind) -> Snapshot {
     machine.kind = kind;
-    machine.axes[Axis::Y].present = true;
+    let three = matches!(kind, Kind::Gs | Kind::Ga);
+    machine.axes[Axis::Y] = if three { machine.axes[Axis::X] } else { AxisView::default() };
     machine
+}
+
+/// Every row of the alarm table fits into the message line and into its card, whatever comes to stand in it.
+#[test]
+fn h7_every_alarm_can_be_read_whole() {
+    let mut wrong = Vec::new();
+    for lang in [Lang::Zh, Lang::En] {
+        for size in [(1_024, 768), (768, 1_024)] {
+            let mut stage = Stage::new(Hmi::new(lang), size);
+            for row in ALARMS {
+                let mut machine = alarm(Page::Alarm);
+                machine.alarms.truncate(1);
+                let one = &mut machine.alarms[0];
+                (one.number, one.text, one.remedy) = (row.number, row.text.into(), row.remedy.into());
+                wrong.extend(misfits(&mut stage, &machine, &format!("alarm {} {lang:?} {size:?}", row.number)));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} misfits:\n{}", wrong.len(), wrong.join("\n"));
 }
 
 #[test]
@@ -159,14 +182,16 @@ fn h9_nothing_is_cut_or_overlaps() {
             let mut stage = Stage::new(Hmi::new(lang), size);
             for page in Page::ALL {
                 let what = |more: &str| format!("{more} {lang:?} {size:?}");
-                for machine in
-                    [snapshot(*page), running(*page), alarm(*page), refused(*page), troubled(*page), busy(*page)]
-                {
-                    wrong.extend(misfits(&mut stage, &machine, &what("Gc")));
+                let page = *page;
+                let all = [snapshot(page), running(page), alarm(page), refused(page), troubled(page), busy(page)];
+                stage.frame(&all[0]);
+                for machine in all {
+                    wrong.extend(misfits(&mut stage, &machine, &what("gc")));
                 }
-                for kind in [Kind::Gs, Kind::Ga] {
-                    for machine in [running(*page), troubled(*page)] {
-                        wrong.extend(misfits(&mut stage, &of_kind(machine, kind), &what(kind.id())));
+                for kind in Kind::ALL {
+                    wrong.extend(misfits(&mut stage, &of_kind(long(page), kind), &what(kind.id())));
+                    if kind != Kind::Gc && matches!(size, (1_024, 768) | (768, 1_024)) {
+                        wrong.extend(misfits(&mut stage, &of_kind(troubled(page), kind), &what(kind.id())));
                     }
                 }
             }
@@ -232,7 +257,7 @@ fn use_page(stage: &mut Stage, machine: &Snapshot, keys: &[&str]) {
 fn h9_what_is_shown_in_use_fits_as_well() {
     let mut wrong = Vec::new();
     for lang in [Lang::Zh, Lang::En] {
-        for size in SIZES {
+        for size in [(1_024, 768), (1_920, 1_080), (768, 1_024)] {
             let mut stage = Stage::new(Hmi::new(lang), size);
             for (page, keys) in USES {
                 for machine in [troubled(page), of_kind(running(page), Kind::Gs), busy(page)] {
@@ -275,12 +300,101 @@ fn k1_the_gauge_keys_are_named_by_the_kind() {
     assert!(says(&machine, "厚度") && says(&machine, "平面") && says(&machine, "充磁") && !says(&machine, "尾座"));
 }
 
+/// The text of a source file that stands in quotes, without its comments.
+fn quoted(text: &str) -> String {
+    let lines = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+    lines.flat_map(|line| line.split('"').skip(1).step_by(2)).collect()
+}
+
+#[test]
+fn h9_every_sign_of_every_text_is_in_the_font() {
+    let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
+    stage.frame(&snapshot(Page::Position));
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src")];
+    let mut missing = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).expect("src").filter_map(Result::ok).map(|entry| entry.path()) {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let words = quoted(&std::fs::read_to_string(&path).expect("a source file"));
+            let signs = words.chars().filter(|sign| !sign.is_ascii() && !sign.is_control());
+            let lacks = |sign: &char| !stage.ctx().fonts_mut(|fonts| fonts.has_glyph(&font(15.0), *sign));
+            missing.extend(signs.filter(lacks).map(|sign| format!("{sign:?} in {}", path.display())));
+        }
+    }
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
 #[test]
 fn h4_text_has_contrast() {
     for (name, ink, ground) in DARK.text_pairs().into_iter().chain(LIGHT.text_pairs()) {
         let ratio = contrast(ink, ground);
         assert!(ratio >= 4.5, "{name} {ink:?} on {ground:?}: {ratio:.2}");
     }
+}
+
+/// The text of the last frame that is too faint on what lies beneath it.
+fn faint(stage: &Stage, ground: Color32, what: &str) -> Vec<String> {
+    let mut grounds: Vec<(Rect, Color32)> = vec![(Rect::EVERYTHING, ground)];
+    let mut wrong = Vec::new();
+    for clipped in stage.shapes() {
+        look(&clipped.shape, clipped.clip_rect, &mut grounds, &mut |text, ink, ground| {
+            let ratio = contrast(ink, ground);
+            if ratio < 4.5 {
+                wrong.push(format!("{text:?} {ink:?} on {ground:?}: {ratio:.2} {what}"));
+            }
+        });
+    }
+    wrong
+}
+
+/// Goes through what was painted: fills lie one on the other, a text is told with its ink and the ground in its middle.
+fn look(shape: &Shape, clip: Rect, grounds: &mut Vec<(Rect, Color32)>, told: &mut impl FnMut(&str, Color32, Color32)) {
+    let fill = |grounds: &mut Vec<(Rect, Color32)>, rect: Rect, fill: Color32| {
+        if fill.a() > 0 && rect.intersects(clip) {
+            grounds.push((rect.intersect(clip), fill));
+        }
+    };
+    match shape {
+        Shape::Vec(shapes) => shapes.iter().for_each(|shape| look(shape, clip, grounds, told)),
+        Shape::Rect(rect) => fill(grounds, rect.rect, rect.fill),
+        Shape::Circle(circle) => {
+            fill(grounds, Rect::from_center_size(circle.center, egui::Vec2::splat(circle.radius)), circle.fill);
+        }
+        Shape::Text(text) => {
+            let ink = text.galley.mesh_bounds.translate(text.pos.to_vec2());
+            let beneath = grounds.iter().filter(|(rect, _)| rect.contains(ink.center()));
+            let ground = beneath.fold(Color32::BLACK, |under, (_, over)| under.blend(*over));
+            for section in text.galley.job.sections.iter().filter(|_| clip.intersects(ink)) {
+                let colour = text.override_text_color.unwrap_or(section.format.color);
+                let colour = if colour == Color32::PLACEHOLDER { text.fallback_color } else { colour };
+                told(&text.galley.job.text, colour, ground);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn h4_what_is_painted_has_contrast() {
+    let mut wrong = Vec::new();
+    for light in [false, true] {
+        let mut hmi = Hmi::new(Lang::Zh);
+        hmi.set_light(light);
+        let mut stage = Stage::new(hmi, (1_024, 768));
+        for page in Page::ALL {
+            for kind in [Kind::Gc, Kind::Ga] {
+                for machine in [running(*page), refused(*page), troubled(*page), busy(*page)] {
+                    stage.frame(&of_kind(machine, kind));
+                    let (theme, name) = if light { (&LIGHT, "light") } else { (&DARK, "dark") };
+                    wrong.extend(faint(&stage, theme.ground, &format!("{page:?} {kind:?} {name}")));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} faint texts:\n{}", wrong.len(), wrong.join("\n"));
 }
 
 /// The window paints only when something shown has changed: every value that a page shows has to count.

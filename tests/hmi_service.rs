@@ -13,6 +13,8 @@ use std::sync::Arc;
 use egui_kittest::kittest::Queryable;
 use hmi_bench::Bench;
 use kt830::controller::Retained;
+use kt830::defs::date::Date;
+use kt830::defs::history::End;
 use kt830::defs::key::{Group, Key};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
@@ -156,7 +158,7 @@ fn b6_a_password_is_changed_at_the_panel_and_kept_hashed() {
     let folder = tempfile::tempdir().unwrap();
     {
         let mut bench = Bench::new(kept(folder.path(), Kind::Gc), Page::Settings);
-        bench.touch("修改 change-user");
+        bench.touch("用户参数 change-user");
         for text in ["123456", "77665544", "77665544"] {
             bench.write(text);
             bench.press(egui::Key::Enter);
@@ -178,14 +180,14 @@ fn b6_a_password_is_changed_at_the_panel_and_kept_hashed() {
 #[test]
 fn b6_a_new_password_is_typed_twice_alike_and_the_old_one_must_fit() {
     let mut bench = Bench::new(told::rig(), Page::Settings);
-    bench.touch("修改 change-builder");
+    bench.touch("机床厂 change-builder");
     for text in ["830830", "123", "4711471", "4711472", "4711471", "4711471"] {
         bench.write(text);
         bench.press(egui::Key::Enter);
     }
     assert!(!bench.asks_password(), "too short, unlike, then taken");
     assert_eq!(bench.message(), "机床厂参数密码已修改");
-    bench.touch("修改 change-builder");
+    bench.touch("机床厂 change-builder");
     for text in ["830830", "5555", "5555"] {
         bench.write(text);
         bench.press(egui::Key::Enter);
@@ -197,18 +199,19 @@ fn b6_a_new_password_is_typed_twice_alike_and_the_old_one_must_fit() {
 #[test]
 fn b6_the_settings_are_reached_by_keyboard() {
     let mut bench = Bench::new(told::rig(), Page::Settings);
-    // Kinds, languages, colours, levels, passwords: the second behind the kinds is English.
-    for _ in 0..Kind::ALL.len() + 2 {
+    // Six fields of the clock, languages, colours, brightness, switches, kinds, levels: the second behind the clock is
+    // English.
+    for _ in 0..6 + 2 {
         bench.press(egui::Key::ArrowDown);
     }
     bench.press(egui::Key::Enter);
-    assert!(bench.screen.query_by_label("CHANGE change-user").is_some());
-    // Dark, light, then the user's level.
-    for _ in 0..3 {
+    assert!(bench.screen.query_by_label("USER change-user").is_some());
+    // Dark, light, darker, brighter, four switches, the kinds, the programs' key, then the user's level.
+    for _ in 0..2 + 2 + 4 + Kind::ALL.len() + 2 {
         bench.press(egui::Key::ArrowDown);
     }
     bench.press(egui::Key::Enter);
-    assert!(bench.asks_password(), "the first of the levels is the user's");
+    assert!(bench.asks_password(), "it is the user's level");
     bench.write("123456");
     bench.press(egui::Key::Enter);
     assert_eq!(bench.rig.snapshot().access.level, Level::User);
@@ -233,7 +236,7 @@ fn k1_the_kind_is_chosen_with_the_builders_password_and_kept_for_the_next_start(
     assert!(bench.says("下次启动"));
     bench.touch("English lang-en");
     assert_eq!(Settings::read(folder.path()).unwrap().lang, Some(Lang::En));
-    assert!(bench.screen.query_by_label("CHANGE change-user").is_some(), "the screen turns at once");
+    assert!(bench.screen.query_by_label("USER change-user").is_some(), "the screen turns at once");
 }
 
 #[test]
@@ -325,8 +328,9 @@ fn b6_the_history_tells_when_an_alarm_came_and_went() {
     told::tell(&mut bench.rig, "key emergency-stop\nwait 0.1 s\nkey reset\nwait 0.1 s\nexpect no alarm");
     let history = Arc::clone(&bench.rig.snapshot().alarm_history);
     assert_eq!(history.len(), 1);
-    let (came, gone) = (history[0].alarm.since, history[0].gone.expect("it went"));
-    assert!((2.0..2.5).contains(&gone.since(came).as_secs_f64()), "{came:?} {gone:?}");
+    let (how, gone) = history[0].ended.expect("it went");
+    let seconds = gone.expect("when").0 - history[0].came.0;
+    assert!(how == End::Reset && (2..=3).contains(&seconds), "{how:?} after {seconds} s");
     bench.turn();
     bench.touch("历史 1 alarm-history");
     let shown = Arc::clone(&bench.screen.state().snapshot.alarm_history);
@@ -356,4 +360,109 @@ fn b6_what_does_not_change_is_shared_from_snapshot_to_snapshot() {
     told::tell(&mut rig, "param P71 3");
     let third = shared(&mut rig);
     assert!(!Arc::ptr_eq(&first.0, &third.0) && Arc::ptr_eq(&first.1, &third.1));
+}
+
+#[test]
+fn b6_the_history_outlives_the_power_and_is_exported() {
+    let (folder, usb) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    // 2026-11-21 15:01:56
+    let date = Date(1_795_273_316);
+    {
+        let mut rig = kept(folder.path(), Kind::Gc);
+        rig.send(Command::Calendar(date));
+        told::tell(
+            &mut rig,
+            "wait 1 s\nkey emergency-stop\nwait 0.1 s\nexpect alarm 0\nkey emergency-stop\nwait 0.1 s",
+        );
+        told::tell(&mut rig, "key reset\nwait 0.1 s\nexpect no alarm\nkey emergency-stop\nwait 0.1 s\nexpect alarm 0");
+        // The power goes with the button in.
+    }
+    let mut bench = Bench::new(kept(folder.path(), Kind::Gc), Page::Alarm);
+    bench.rig.plug_in(None, Some(usb.path().to_path_buf()));
+    bench.rig.send(Command::Calendar(Date(date.0 + 86_400)));
+    bench.turn();
+    let history = Arc::clone(&bench.rig.snapshot().alarm_history);
+    let numbers: Vec<_> =
+        history.iter().map(|past| (past.count, past.number, past.ended.map(|(how, _)| how))).collect();
+    assert_eq!(numbers, [(1, 0, Some(End::Reset)), (2, 0, Some(End::PowerOff))]);
+    assert!((date.0..date.0 + 10).contains(&history[0].came.0), "{}", history[0].came);
+    bench.touch("历史 2 alarm-history");
+    assert!(bench.shows("2026-11-21 15:01:5") && bench.shows("复位") && bench.shows("断电"));
+    bench.touch("导出 CSV alarm-export");
+    let file = std::fs::read_dir(usb.path()).unwrap().next().expect("on the medium").unwrap().path();
+    assert!(file.to_string_lossy().contains("KT830-20261122-1501"), "named by the clock: {}", file.display());
+    let text = std::fs::read_to_string(file).unwrap();
+    let lines: Vec<_> = text.lines().collect();
+    assert!(lines[0].ends_with("序号,报警号,出现,消除,方式,程序,行,内容"), "{}", lines[0]);
+    assert!(lines[1].starts_with("1,0,2026-11-21 15:01:5") && lines[1].ends_with(",复位,,,\"急停\""), "{}", lines[1]);
+    assert!(lines.len() == 3 && lines[2].contains(",,断电,"), "{text}");
+}
+
+#[test]
+fn b6_the_clock_is_set_part_by_part_and_kept_as_an_offset() {
+    let folder = tempfile::tempdir().unwrap();
+    let computer = Date(1_795_273_316);
+    {
+        let mut bench = Bench::new(kept(folder.path(), Kind::Gc), Page::Settings);
+        bench.touch("日 clock-day");
+        bench.write("5");
+        bench.press(egui::Key::Enter);
+        assert_eq!(bench.screen.state().hmi.refusal(Lang::Zh).unwrap().1, "没有系统时钟");
+        bench.press(egui::Key::Escape);
+        bench.press(egui::Key::Escape);
+        bench.rig.send(Command::Calendar(computer));
+        bench.turn();
+        for (field, value, why) in [
+            ("月 clock-month", "13", "超出范围 1 … 12"),
+            ("日 clock-day", "31", "超出范围 1 … 30"),
+            ("时 clock-hour", "24", "超出范围 0 … 23"),
+            ("年 clock-year", "2019", "超出范围 2020 … 2099"),
+            ("分 clock-minute", "1.5", "只能输入整数"),
+        ] {
+            bench.touch(field);
+            bench.write(value);
+            bench.press(egui::Key::Enter);
+            assert_eq!(bench.screen.state().hmi.refusal(Lang::Zh), Some((value.into(), why.into())));
+            assert_eq!(bench.rig.snapshot().date.unwrap().parts()[..5], [2_026, 11, 21, 15, 1]);
+            bench.press(egui::Key::Escape);
+            bench.press(egui::Key::Escape);
+        }
+        // Year, month, day one after the other: each 输入 goes on to the next field.
+        bench.touch("年 clock-year");
+        for part in ["2027", "2", "28"] {
+            bench.write(part);
+            bench.press(egui::Key::Enter);
+        }
+        assert_eq!(bench.rig.snapshot().date.unwrap().parts()[..4], [2_027, 2, 28, 15]);
+        // The 31st of a month that has 30 days.
+        bench.rig.send(Command::Page(PageCommand::SetDate(Date::of([2_027, 1, 31, 8, 0, 0]).unwrap())));
+        bench.turn();
+        bench.touch("月 clock-month");
+        bench.write("4");
+        bench.press(egui::Key::Enter);
+        assert_eq!(bench.screen.state().hmi.refusal(Lang::Zh).unwrap().1, "该月没有 31 日，请先改日");
+    }
+    let mut rig = kept(folder.path(), Kind::Gc);
+    rig.send(Command::Calendar(Date(computer.0 + 3_600)));
+    (0..3).for_each(|_| rig.step());
+    assert_eq!(rig.snapshot().date.unwrap().parts()[..4], [2_027, 1, 31, 9], "an hour later");
+}
+
+#[test]
+fn b6_brightness_and_switches_are_kept_and_switches_ask_for_the_users_password() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = Bench::new(kept(folder.path(), Kind::Gc), Page::Settings);
+    for _ in 0..9 {
+        bench.touch("- brightness-down");
+    }
+    assert!(bench.shows("亮度 40 %"), "no darker than can be read");
+    bench.touch("+ brightness-up");
+    assert_eq!(Settings::read(folder.path()).unwrap().brightness, Some(50));
+    bench.touch("M30 计件 switch-count");
+    assert!(bench.asks_password() && bench.param("P6.4").to_bits() == 0.0_f64.to_bits());
+    bench.write("123456");
+    bench.press(egui::Key::Enter);
+    assert_eq!(bench.param("P6.4").to_bits(), 1.0_f64.to_bits());
+    bench.touch("M30 计件 switch-count");
+    assert_eq!(bench.param("P6.4").to_bits(), 0.0_f64.to_bits());
 }

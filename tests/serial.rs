@@ -343,7 +343,7 @@ fn l9_the_control_receives_a_program_with_its_password_and_tells_an_alarm() {
 #[test]
 fn l9_the_baud_rate_is_a_parameter_with_a_range() {
     let mut rig = told::rig();
-    told::tell(&mut rig, "param P391 19200");
+    told::tell(&mut rig, "param P370 19200");
     let line = Line::of(&rig.retained().params, "/dev/ttyS0".into());
     assert_eq!((line.baud, line.silence, line.start), (19_200, Duration::from_secs(10), Duration::from_secs(120)));
     for wrong in [0.0, 299.0, 115_201.0, 9_600.5] {

@@ -5,6 +5,9 @@
 use std::fs;
 use std::path::Path;
 
+use kt830::defs::date::Date;
+use kt830::defs::history::{End, MOST_ALARMS_KEPT, PastAlarm};
+use kt830::defs::text::Said;
 use kt830::store::{Change, Generation, Loaded, Opened, Retained, RetainedError, ToolOffset};
 use kt830::units::PerAxis;
 
@@ -26,7 +29,21 @@ fn one_of_each() -> Vec<Change> {
         Change::Frame { index: 5, origin: PerAxis([-100.0, 0.0, 50.5]) },
         Change::Number { key: "dressing point X".to_owned(), value: Some(-12.5) },
         Change::Text { key: "program".to_owned(), value: Some("O1001 外圆".to_owned()) },
+        Change::Alarm(Box::new(alarm(7, "急停"))),
     ]
+}
+
+/// An alarm of the history.
+fn alarm(count: u64, text: &str) -> PastAlarm {
+    let ended = Some((End::Reset, Some(Date(1_795_273_400))));
+    PastAlarm {
+        count,
+        number: 0,
+        text: Said::new(text, text),
+        place: Some((1_001, 7)),
+        came: Date(1_795_273_316),
+        ended,
+    }
 }
 
 /// A file of 400 variables, closed; returns what was in it.
@@ -208,12 +225,12 @@ fn a_file_of_a_newer_control_is_left_alone() {
     let database = redb::Database::open(&path).unwrap();
     let transaction = database.begin_write().unwrap();
     let meta = redb::TableDefinition::<&str, u64>::new("meta");
-    transaction.open_table(meta).unwrap().insert("kt830 retained format", 2).unwrap();
+    transaction.open_table(meta).unwrap().insert("kt830 retained format", 3).unwrap();
     transaction.commit().unwrap();
     drop(database);
     let before = fs::read(&path).unwrap();
     let refused = Retained::open(folder.path()).expect_err("refused");
-    assert!(matches!(refused, RetainedError::Newer { found: 2, known: 1, .. }), "{refused}");
+    assert!(matches!(refused, RetainedError::Newer { found: 3, known: 2, .. }), "{refused}");
     assert!(fs::read(&path).unwrap() == before);
 }
 
@@ -230,4 +247,43 @@ fn a_row_changed_behind_the_control_is_damage() {
     drop(database);
     let opened = open(folder.path());
     assert_eq!(opened.damaged.expect("noticed").cause, "rows do not fit their checksum");
+}
+
+#[test]
+fn b6_the_data_of_a_control_without_a_history_are_taken_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("retained.redb");
+    open(folder.path()).retained.commit(&[variable(500, 1.5)]).unwrap();
+    // As the format before had it: without the table of alarms.
+    let database = redb::Database::open(&path).unwrap();
+    let transaction = database.begin_write().unwrap();
+    assert!(transaction.delete_table(redb::TableDefinition::<u16, &str>::new("alarms")).unwrap());
+    let meta = redb::TableDefinition::<&str, u64>::new("meta");
+    transaction.open_table(meta).unwrap().insert("kt830 retained format", 1).unwrap();
+    transaction.commit().unwrap();
+    drop(database);
+    let opened = open(folder.path());
+    assert!(opened.damaged.is_none() && !opened.fresh);
+    let mut retained = opened.retained;
+    assert_eq!(retained.load().unwrap().variables[&500].to_bits(), 1.5_f64.to_bits());
+    retained.commit(&[Change::Alarm(Box::new(alarm(1, "急停")))]).unwrap();
+    drop(retained);
+    assert_eq!(open(folder.path()).retained.load().unwrap().alarms.len(), 1);
+}
+
+#[test]
+fn b6_the_history_takes_the_place_of_the_oldest() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut retained = open(folder.path()).retained;
+    let most = MOST_ALARMS_KEPT as u64;
+    let changes: Vec<Change> = (1..=most + 20).map(|count| Change::Alarm(Box::new(alarm(count, "x")))).collect();
+    retained.commit(&changes).unwrap();
+    let kept: Vec<u64> = retained.load().unwrap().alarms.values().map(|past| past.count).collect();
+    assert_eq!(kept.len(), MOST_ALARMS_KEPT);
+    assert_eq!((kept.iter().min(), kept.iter().max()), (Some(&21), Some(&(most + 20))));
+    let long = "长".repeat(2_000);
+    assert!(matches!(
+        retained.commit(&[Change::Alarm(Box::new(alarm(1, &long)))]),
+        Err(RetainedError::BadChange { .. })
+    ));
 }

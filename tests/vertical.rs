@@ -55,6 +55,7 @@ const S5: &str = "set R18 = 200\nset R20 = 200.5\nset R25 = 0.05\nset R42 = 0.1"
 
 #[test]
 fn s5_the_corrected_program_ends_at_200_000_on_ten_seeds_and_r3_follows_every_dressing() {
+    let mut sizes = Vec::new();
     for seed in 1..=10 {
         let mut rig = vgrind(seed, S5);
         let (mut before, mut dressings) = (r(&rig, 3), 0);
@@ -76,8 +77,123 @@ fn s5_the_corrected_program_ends_at_200_000_on_ten_seeds_and_r3_follows_every_dr
         assert_eq!(diameters.len(), 5);
         for at in diameters {
             assert!((at.d - 200.0).abs() <= 0.002, "seed {seed}: {at:?}");
+            sizes.push(at.d.to_bits());
         }
     }
+    // Another wheel, screw and diamond with every seed: no two parts are the same.
+    sizes.sort_unstable();
+    sizes.dedup();
+    assert_eq!(sizes.len(), 50);
+}
+
+/// The diameter that the tapered bore of VBORE is to have at Z: 500 at Z105, 1° narrower downwards.
+fn bore_at(z: f64) -> f64 {
+    500.0 - 2.0 * (105.0 - z) * 1.0_f64.to_radians().tan()
+}
+
+const BORE: &str = "set R18 = 500\nset R20 = 499.5\nset R14 = -1\nset R28 = 0.01\nset R43 = 0.01";
+
+/// A ready machine with the program of the bore and its part.
+fn vbore(seed: u64, values: &str) -> Rig {
+    let mut rig = ready_of(Kind::Vertical);
+    rig.reseed(seed);
+    rig.mount(&PartFile::builtin(program::number("VBORE")).unwrap().unwrap());
+    rig.step();
+    rig.make_ready();
+    tell(&mut rig, &format!("load VBORE\nseed {seed}\nmode auto\n{values}"));
+    rig
+}
+
+#[test]
+fn s6_a_tapered_bore_is_ground_to_size_and_the_wheel_leaves_it_upwards() {
+    for seed in [1, 2, 3] {
+        let mut rig = vbore(seed, BORE);
+        run(&mut rig, |rig| {
+            // Inside the ring's height the wheel's far rim never leaves the bore's finished diameter.
+            let at = rig.machine().slide_mm();
+            let (x, z) = (2.0 * (at[Axis::X] + 450.0), at[Axis::Z] + 500.0);
+            let inside = z < 120.0 && x < 500.0;
+            assert!(!inside || x + r(rig, 3) < bore_at(z) + 0.05, "seed {seed}: X {x} Z {z}");
+        });
+        tell(&mut rig, "expect no alarm\nexpect no event\nexpect output wheel off\nexpect R62 0");
+        let diameters = rig.machine().measure().diameters;
+        assert_eq!(diameters.len(), 5);
+        for at in diameters {
+            assert!((at.d - bore_at(at.z)).abs() <= 0.003, "seed {seed}: {at:?}, wanted {}", bore_at(at.z));
+        }
+        // Dressed along its own rim, the wheel is still a cylinder.
+        let rims = rig.machine().rim_mm();
+        let (least, most) = rims.iter().fold((f64::MAX, f64::MIN), |(a, b), mm| (a.min(*mm), b.max(*mm)));
+        assert!(most - least < 0.002, "seed {seed}: {least} to {most}");
+    }
+}
+
+#[test]
+fn s6_a_cylindrical_bore_is_ground_as_well() {
+    let mut rig = vbore(1, "set R18 = 500\nset R20 = 499.8\nset R28 = 0.01\nset R43 = 0.01");
+    let mut part = PartFile::builtin(program::number("VBORE")).unwrap().unwrap();
+    part.head_deg = 0.0;
+    part.surfaces = vec![SurfaceFile::Bore {
+        z_from: 60.0,
+        z_to: 120.0,
+        stock_from: 499.8,
+        stock_to: 499.8,
+        thickness: 60.0,
+        cell: 1.0,
+        runout: 0.02,
+        waviness: 0.003,
+    }];
+    rig.mount(&part);
+    rig.step();
+    run(&mut rig, |_| ());
+    tell(&mut rig, "expect no alarm\nexpect no event");
+    for at in rig.machine().measure().diameters {
+        assert!((at.d - 500.0).abs() <= 0.002, "{at:?}");
+    }
+}
+
+/// A bore that the wheel does not fit into, wrong allowances, and a wheel led sideways into the ring.
+#[test]
+fn s6_wrong_values_of_a_bore_are_refused_and_a_wrong_way_is_a_crash() {
+    for (values, message, flag) in [
+        ("set R18 = 300.3\nset R20 = 300.15", "错误06:砂轮进不了孔", 6.0),
+        ("set R18 = 302\nset R20 = 301\nset R14 = -1", "错误06:砂轮进不了孔", 6.0), // 301 − 2.44 at the bottom
+        ("set R18 = 499\nset R20 = 499.5\nset R14 = -1", "错误10:粗磨参数错误", 10.0),
+        ("set R18 = 500\nset R20 = 499.5\nset R14 = -1\nset R43 = 0", "错误03:安全让刀参数错误", 3.0),
+        ("set R18 = 500\nset R20 = 499.5\nset R37 = 0", "错误04:砂轮参数错误", 4.0),
+    ] {
+        let mut rig = vbore(1, values);
+        run(&mut rig, |_| ());
+        tell(
+            &mut rig,
+            &format!("expect message \"{message}\"\nexpect R62 {flag}\nexpect output wheel off\nexpect no alarm"),
+        );
+    }
+    let mut rig = vbore(1, "mode mdi\nmdi G0 X197\nwait 2 s\nmdi G0 Z90\nwait 3 s\nexpect no event");
+    // X + R3 = 500.2 is 0.1 mm and more inside the wall everywhere.
+    tell(&mut rig, "mdi G0 X201\nwait 2 s\nexpect event crash");
+}
+
+#[test]
+fn s6_the_check_stops_a_bore_that_would_become_too_large() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [
+        ("VBORE.MPF", include_str!("../programs/802d/VBORE.MPF").replace("R50=(R18-R25)-R60", "R50=R18-R60+R25")),
+        ("L1.SPF", include_str!("../programs/802d/L1.SPF").to_owned()),
+        ("L3.SPF", include_str!("../programs/802d/L3.SPF").to_owned()),
+        ("L11.SPF", include_str!("../programs/802d/L11.SPF").to_owned()),
+        ("L21.SPF", include_str!("../programs/802d/L21.SPF").to_owned()),
+        ("L31.SPF", include_str!("../programs/802d/L31.SPF").to_owned()),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let values = ["--set", "R18=500", "--set", "R20=499.5", "--set", "R14=-1"];
+    let main = folder.path().join("VBORE.MPF");
+    let call = ["check", "--kind", "vertical", "--simulate", "--lang", "en", main.to_str().unwrap()];
+    let out = kt830(&[&call[..], &values[..]].concat());
+    let said = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert_eq!(out.status.code(), Some(2), "{said}");
+    assert!(said.contains("N400 infeed passes R18: R50=") && said.contains("above R18="), "{said}");
 }
 
 #[test]
@@ -196,6 +312,32 @@ fn s5_the_printed_program_is_stopped_by_the_check_at_n340_and_not_run() {
     let reason = "N340 infeed passes R18: R50=0.110 leads to the diameter 199.950, below R18=200.000; it was not run";
     assert!(said.contains(&format!("PRINTED.MPF:35:10: {reason}")), "{said}");
     assert!(!said.contains("part diameter"), "it has not run: {said}");
+}
+
+/// As printed, L30 sets R60 back with every dressing: it never ends, and the check counts up to there and says so.
+#[test]
+fn s5_the_check_of_the_printed_program_names_the_loop_that_does_not_end() {
+    let file = "programs/802d/as-printed/PRINTED.MPF";
+    for (lang, loops, up_to) in [
+        ("zh", ":57:1: warning: 检查时循环没有结束", "74 行  检查没有走到程序结束；到该循环开始重复为止 "),
+        (
+            "en",
+            ":57:1: warning: the check gave up in a loop",
+            "74 lines  the check did not come to the program's end; until that loop repeats ",
+        ),
+    ] {
+        let out = kt830(&[&["check", "--kind", "vertical", "--lang", lang, file], &SETS[..]].concat());
+        let (said, warned) = (String::from_utf8_lossy(&out.stdout), String::from_utf8_lossy(&out.stderr));
+        // N560 IF R61>0 GOTOB BB1 is line 57.
+        assert!(warned.contains(&format!("{file}{loops}")), "{warned}");
+        assert!(said.contains(up_to), "{said}");
+    }
+    let out = kt830(&[&["check", "--kind", "vertical", "--format", "json", file], &SETS[..]].concat());
+    let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(told["finished"], false);
+    // 22 + 1 rough and 10 fine strokes of 2 · 70 mm at 1200 mm/min, 7 s each, and the dressings between: not hours.
+    let seconds = told["seconds"].as_f64().unwrap();
+    assert!((231.0..900.0).contains(&seconds), "{seconds}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Draws the page pictures B0001.BMP to B0014.BMP and B0100.BMP: wheel, part or diamond, and each macro variable at the
+//! Draws the page pictures B0001.BMP to B0014.BMP, B0100.BMP and B0801.BMP to B0803.BMP: wheel, part or diamond, and each macro variable at the
 //! place that the page text names. 200 × 400, 24 bit, uncompressed: 240 054 bytes (K5.12). One drawing style for all (H10).
 //!
 //! `cargo run --example draw_pictures [FOLDER]`, by default `screens`.
@@ -8,6 +8,7 @@ mod dressing;
 mod faces;
 mod sheet;
 mod table;
+mod vertical;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -27,7 +28,7 @@ type Drawing = fn(&Sheet);
 
 fn main() -> ExitCode {
     let folder = std::env::args_os().nth(1).map_or_else(|| PathBuf::from("screens"), PathBuf::from);
-    let pictures: [(&str, Drawing); 15] = [
+    let pictures: [(&str, Drawing); 18] = [
         ("B0001.BMP", cylindrical::snap_gauge),
         ("B0002.BMP", cylindrical::plunge),
         ("B0003.BMP", cylindrical::traverse),
@@ -43,6 +44,9 @@ fn main() -> ExitCode {
         ("B0013.BMP", dressing::roll),
         ("B0014.BMP", dressing::rotary),
         ("B0100.BMP", dressing::dressing),
+        ("B0801.BMP", vertical::dressing),
+        ("B0802.BMP", vertical::sizes),
+        ("B0803.BMP", vertical::course),
     ];
     for (name, drawing) in pictures {
         if let Err(cause) = std::fs::create_dir_all(&folder).and_then(|()| save(&folder.join(name), drawing)) {

@@ -57,8 +57,12 @@ impl Sheet {
 
     /// A number, with the paper under it free of lines.
     pub fn number(&self, at: (f32, f32), align: Align2, variable: u16) {
-        let galley =
-            self.painter.layout_no_wrap(format!("#{variable}"), theme::font(theme::SMALL), self.theme.paper_accent);
+        self.name(at, align, &format!("#{variable}"));
+    }
+
+    /// A name, with the paper under it free of lines.
+    pub fn name(&self, at: (f32, f32), align: Align2, words: &str) {
+        let galley = self.painter.layout_no_wrap(words.to_owned(), theme::font(theme::SMALL), self.theme.paper_accent);
         let place = align.anchor_size(pos2(at.0, at.1), galley.size());
         self.painter.rect_filled(place.shrink2(vec2(-1.0, 3.0)), 0.0, self.theme.paper);
         self.painter.galley(place.min, galley, self.theme.paper_accent);

@@ -52,6 +52,9 @@ pub struct Shared {
     /// The light theme, as set on the machine.
     #[arg(skip)]
     pub light: bool,
+    /// Brightness of the picture in percent, as set on the machine.
+    #[arg(skip = 100)]
+    pub brightness: u8,
     /// Set a parameter, for example P270=0; may be repeated
     #[arg(long = "param", global = true, value_name = "P=VALUE", value_parser = param)]
     pub params: Vec<(ParamAddress, f64)>,

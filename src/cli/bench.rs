@@ -33,6 +33,7 @@ pub fn settle(mut shared: Shared, opens_control: bool) -> Result<Shared, CallErr
     shared.kind = shared.kind_asked.or(stored.kind).unwrap_or(Kind::Gc);
     shared.lang = shared.lang_asked.or(stored.lang).unwrap_or_default();
     shared.light = stored.light.unwrap_or_default();
+    shared.brightness = stored.brightness.unwrap_or(shared.brightness);
     Ok(shared)
 }
 

@@ -10,6 +10,7 @@ use super::args::{Check, Format, Run, Shared};
 use super::rehearse::{Passed, Rehearsal};
 use super::{CallError, FINE, WRONG_CALL, bench, out};
 use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings, references};
+use crate::defs::text::Said;
 use crate::defs::{param, r_parameter};
 use crate::io::sim::PartFile;
 use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, Source, World, check_with};
@@ -237,7 +238,8 @@ fn tell_program(
             let extents: serde_json::Map<String, Value> =
                 extents.iter().map(|(axis, low, high)| (axis.to_string(), json!([low, high]))).collect();
             out(json!({"file": file, "errors": errors(&wrong), "warnings": errors(&warnings),
-                       "seconds": checked.seconds, "length": checked.length_mm, "extents": extents}));
+                       "finished": checked.finished, "seconds": checked.seconds, "length": checked.length_mm,
+                       "extents": extents}));
         }
         Format::Text => {
             for at in &warnings {
@@ -245,13 +247,21 @@ fn tell_program(
             }
             tell_errors(&file, &wrong);
             let ranges: Vec<_> = extents.iter().map(|(axis, low, high)| format!("{axis} {low:.3}…{high:.3}")).collect();
-            out(format!(
-                "{} lines  {:.3} mm  {:.1} s  {}",
-                checked.lines,
-                checked.length_mm,
-                checked.seconds,
-                ranges.join("  ")
-            ));
+            out(format!("{}  {}", summary(checked).get(shared.lang), ranges.join("  ")));
         }
     }
+}
+
+/// Lines, way and time; where the check gave the program up, only up to there.
+fn summary(checked: &Checked) -> Said {
+    let (lines, mm, s) = (checked.lines, checked.length_mm, checked.seconds);
+    if checked.finished {
+        return Said::new(format!("{lines} 行  {mm:.3} mm  {s:.1} s"), format!("{lines} lines  {mm:.3} mm  {s:.1} s"));
+    }
+    Said::new(
+        format!("{lines} 行  检查没有走到程序结束；到该循环开始重复为止 {mm:.3} mm  {s:.1} s"),
+        format!(
+            "{lines} lines  the check did not come to the program's end; until that loop repeats {mm:.3} mm  {s:.1} s"
+        ),
+    )
 }

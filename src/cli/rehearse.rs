@@ -1,4 +1,4 @@
-//! The rehearsal of a program against its part: no move may bring the wheel's rim inside the finished diameter, as the
+//! The rehearsal of a program against its part: no move may bring the wheel's rim inside the finished diameter (beyond that of a bore), as the
 //! program's own variables name it. The moves are those of the check; nothing runs. Source: spec S5.
 
 use std::collections::BTreeMap;
@@ -81,10 +81,18 @@ impl Rehearsal {
 
     fn passes(&self, to: PerAxis<f64>, block: &Block) -> Option<Passed> {
         let (size, wheel) = (self.value(self.finished.size)?, self.value(self.finished.wheel)?);
-        let reached = 2.0 * self.nearest_on_the_part(to)? - wheel;
-        if reached >= size - SLACK_MM {
+        let inside = self.finished.inside;
+        // How far the rim is beyond the finished diameter, and where it would stand.
+        let beyond = |(x, z): (f64, f64)| {
+            let size = size + self.cone_mm(z);
+            if inside { (2.0 * x + wheel - size, 2.0 * x + wheel) } else { (size - 2.0 * x + wheel, 2.0 * x - wheel) }
+        };
+        let worst = self.ends_on_the_part(to)?.map(beyond).into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        if worst.0 <= SLACK_MM {
             return None;
         }
+        let (reached, size) = (worst.1, if inside { worst.1 - worst.0 } else { worst.1 + worst.0 });
+        let (than_zh, than_en) = if inside { ("大于", "above") } else { ("小于", "below") };
         let latest =
             block.used.iter().filter_map(|used| self.set_at.get(used).map(|at| (at, *used))).max_by_key(|at| at.0.0);
         let at = latest.map_or(block.at, |((_, at), _)| *at);
@@ -95,16 +103,23 @@ impl Rehearsal {
         });
         let by = by.unwrap_or_default();
         let said = Said::new(
-            format!("进刀越过 {name}：{by}使直径到 {reached:.3}，小于 {name}={size:.3}；没有运行"),
+            format!("进刀越过 {name}：{by}使直径到 {reached:.3}，{than_zh} {name}={size:.3}；没有运行"),
             format!(
-                "infeed passes {name}: {by}leads to the diameter {reached:.3}, below {name}={size:.3}; it was not run"
+                "infeed passes {name}: {by}leads to the diameter {reached:.3}, {than_en} {name}={size:.3}; it was not run"
             ),
         );
         Some(Passed { at, variable: latest.map(|(_, used)| used), said })
     }
 
-    /// The least X of a straight way while the wheel is over the part, radius mm; none beside it.
-    fn nearest_on_the_part(&self, to: PerAxis<f64>) -> Option<f64> {
+    /// How much larger than its size a cone is at Z, mm of diameter.
+    fn cone_mm(&self, z: f64) -> f64 {
+        let value = |number| self.value(number).unwrap_or_default();
+        let rise = |(angle, from): (u16, u16)| 2.0 * (value(from) - z) * value(angle).to_radians().tan();
+        self.finished.cone.map_or(0.0, rise)
+    }
+
+    /// Where a straight way begins and ends over the part, X as a radius and Z; none beside it.
+    fn ends_on_the_part(&self, to: PerAxis<f64>) -> Option<[(f64, f64); 2]> {
         let (low, high) = (self.finished.z_from - self.wheel_width_mm, self.finished.z_to);
         let (a, b) = (self.from[Axis::Z], to[Axis::Z]);
         let over = |z: f64| z > low && z < high;
@@ -112,8 +127,11 @@ impl Rehearsal {
         if !over(a) && !over(b) && (a <= low) == (b <= low) {
             return None;
         }
-        let x = |share: f64| self.from[Axis::X] + (to[Axis::X] - self.from[Axis::X]) * share;
+        let place = |share: f64| {
+            let along = |axis: Axis| self.from[axis] + (to[axis] - self.from[axis]) * share;
+            (along(Axis::X), along(Axis::Z))
+        };
         let ends = if (b - a).abs() > 0.0 { [share(low), share(high)] } else { [0.0, 1.0] };
-        Some(x(ends[0]).min(x(ends[1])))
+        Some(ends.map(place))
     }
 }

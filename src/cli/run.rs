@@ -121,6 +121,7 @@ impl Report {
             .iter()
             .map(|alarm| {
                 let (program, line) = alarm.place.unwrap_or_default();
+                let program = program_word(rig, program);
                 json!({"number": alarm.number, "text": alarm.text.get(lang), "program": program, "line": line})
             })
             .collect();
@@ -139,10 +140,15 @@ impl Report {
             "parts": snapshot.parts,
             "variables": variables,
             "part": rig.machine().measure(),
-            "wheel": {"diameter": rig.machine().wheel().diameter_mm},
             "threads": threads(rig),
             "events": rig.machine().events(),
         });
+        // L8: a lathe has a tool in front, no wheel.
+        if turns_part(rig) {
+            told["tool"] = json!(snapshot.station);
+        } else {
+            told["wheel"] = json!({"diameter": rig.machine().wheel().diameter_mm});
+        }
         if self.batch.len() > 1 {
             told["batch"] = json!(self.batch);
         }
@@ -203,9 +209,23 @@ impl Report {
                 event.z
             ));
         }
-        lines.push(format!("wheel diameter {:.4}", rig.machine().wheel().diameter_mm));
+        lines.push(match turns_part(rig) {
+            true => format!("tool {}", snapshot.station.unwrap_or_default()),
+            false => format!("wheel diameter {:.4}", rig.machine().wheel().diameter_mm),
+        });
         lines.join("\n")
     }
+}
+
+/// Whether the part turns in a main spindle and tools cut it (L7, L8).
+fn turns_part(rig: &Rig) -> bool {
+    crate::machine::kind::find(rig.kind()).turns_part
+}
+
+/// A program as a report names it: by its number, or by its name where it has one.
+fn program_word(rig: &Rig, number: u32) -> Value {
+    let by_name = crate::defs::program::is_named(number);
+    rig.program_source(number).filter(|_| by_name).map_or_else(|| json!(number), |source| json!(source.title()))
 }
 
 /// A part of a batch in one line: from the least to the greatest of what was measured of it.

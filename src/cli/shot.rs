@@ -6,15 +6,14 @@ use std::path::Path;
 use super::args::{Shared, Shot};
 use super::play::story;
 use super::{CallError, FAILED, FINE, bench};
-use crate::defs::kind::Kind;
 use crate::defs::program;
 use crate::hmi::Hmi;
 use crate::hmi::shot::Stage;
+use crate::io::sim::PartFile;
 use crate::link::command::Command;
+use crate::runtime::rig::Rig;
 use crate::story::{Player, play::around};
 
-/// Program shown where no story loads one.
-const SHOWN: u32 = 1_001;
 /// Ticks until a page stands.
 const TICKS: u32 = 5;
 
@@ -40,21 +39,19 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             }
         }
         None => {
-            let of_kind = match kind {
-                Kind::Gc => Some(SHOWN),
-                Kind::Vertical => Some(program::number("VGRIND")),
-                Kind::Gs | Kind::Ga | Kind::Lathe => None,
+            let number = program::number(crate::machine::kind::find(kind).shown);
+            // The part of O1001 belongs into a cylindrical grinder.
+            let other = PartFile::builtin(number).ok().flatten().is_some_and(|part| part.kind != kind);
+            let mount = |rig: &mut Rig| match other {
+                false => bench::mount(rig, &shared, number),
+                true => Ok(rig.send(Command::LoadProgram(number))),
             };
-            if let Some(number) = of_kind {
-                bench::mount(&mut rig, &shared, number)?;
+            if !other {
+                mount(&mut rig)?;
             }
             rig.step();
             rig.make_ready();
-            // The part of O1001 belongs into a cylindrical grinder.
-            match of_kind {
-                Some(number) => bench::mount(&mut rig, &shared, number)?,
-                None => rig.send(Command::LoadProgram(SHOWN)),
-            }
+            mount(&mut rig)?;
         }
     }
     rig.send(Command::OpenPage(call.page));

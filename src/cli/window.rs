@@ -3,7 +3,6 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use chrono::Local;
 use crossbeam_channel::{Receiver, Sender, bounded};
 
 use super::args::Shared;
@@ -21,14 +20,14 @@ use crate::runtime::office::Office;
 use crate::runtime::realtime::{Link, Pace};
 use crate::runtime::rig::{Companion, set_up};
 use crate::runtime::simulator::Simulator;
-use crate::runtime::{bar, disk_thread, realtime};
+use crate::runtime::{bar, clock, disk_thread, realtime};
 use crate::store::DataDir;
 use crate::units::Micros;
 
 /// Commands on their way from the window to a story.
 const COMMANDS: usize = 256;
 /// How often the simulator page is shown the machine anew.
-const SIMULATED_EVERY: Micros = Micros::from_millis(250);
+const SIMULATED_EVERY: Micros = Micros::from_millis(100);
 /// Snapshots a second in a demo.
 const SNAPSHOT_EVERY: u64 = 16;
 
@@ -117,7 +116,7 @@ fn simulated(shared: &Shared, retained: &Retained) -> Result<SimulatedMachine, C
 /// # Errors
 /// There is no display.
 pub fn show(desk: Box<dyn Desk>, shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
-    match run(desk, Options { fullscreen, lang: shared.lang, light: shared.light }) {
+    match run(desk, Options { fullscreen, lang: shared.lang, light: shared.light, brightness: shared.brightness }) {
         Ok(()) => Ok(FINE),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(
             "{error}. Without a display use `kt830 demo` (a story to its end), `kt830 run PROGRAM` or `kt830 shot PAGE --out FILE.png`"
@@ -167,7 +166,7 @@ impl LinkDesk {
         }
         self.bar_of = number;
         let row = self.newest.directory.iter().find(|row| row.number == number);
-        let name = row.and_then(|row| row.comment.split(' ').next()).unwrap_or_default();
+        let name = row.map_or("", |row| row.name.as_str());
         let source = Arc::new(Source::new(number, name, self.newest.program.text.bytes().collect::<Vec<u8>>()));
         if let Some(part) = bar::of_program(self.newest.kind, &self.newest.params, &source) {
             self.put_in(part);
@@ -198,10 +197,6 @@ impl Desk for LinkDesk {
         if let Some(number) = chosen {
             self.mount(number);
         }
-    }
-
-    fn clock(&mut self) -> Option<String> {
-        Some(Local::now().format("%H:%M:%S").to_string())
     }
 }
 
@@ -236,14 +231,13 @@ impl Desk for StoryDesk {
     fn send(&mut self, command: Command) {
         drop(self.commands.try_send(command));
     }
-
-    fn clock(&mut self) -> Option<String> {
-        Some(Local::now().format("%H:%M:%S").to_string())
-    }
 }
 
 impl Companion for Beside {
     fn accompany(&mut self, now: Micros, control: &Controller, inbox: &mut Vec<Command>) -> bool {
+        if self.begun.is_none() {
+            inbox.push(Command::Calendar(clock::local()));
+        }
         let (begun, from) = *self.begun.get_or_insert((Instant::now(), now));
         let due = begun + Duration::from_micros(now.since(from).0);
         std::thread::sleep(due.saturating_duration_since(Instant::now()));

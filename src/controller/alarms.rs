@@ -4,27 +4,72 @@
 use std::sync::Arc;
 
 use crate::defs::alarm::{self, Reaction, ResetRule};
+use crate::defs::date::Date;
+use crate::defs::history::{End, MOST_ALARMS_KEPT, PastAlarm};
 use crate::defs::text::Said;
-use crate::link::snapshot::{AlarmView, PastAlarm};
+use crate::link::snapshot::AlarmView;
 use crate::units::Micros;
 
 /// Most alarms held at once; further ones of other numbers are dropped, the first ones tell the cause.
 pub const MOST_ALARMS: usize = 32;
-/// Most alarms remembered since power-on; the oldest makes room.
-pub const MOST_HISTORY: usize = 200;
+
+/// Most characters of an alarm's text that are remembered.
+const LONGEST: usize = 200;
 
 /// The list, oldest first.
 #[derive(Clone, Debug, Default)]
 pub struct Alarms {
     present: Vec<AlarmView>,
-    history: Arc<Vec<PastAlarm>>,
+    history: Arc<Vec<Arc<PastAlarm>>>,
+    /// Counts of the alarms of the history that came or went since the disk was told.
+    changed: Vec<u64>,
+    /// When the last alarm of the history went.
+    last_gone: Option<Micros>,
+    /// The count of the last alarm that came before power-on.
+    remembered: u64,
     now: Micros,
+    date: Date,
 }
 
 impl Alarms {
-    /// The time of this tick: when an alarm goes.
-    pub const fn at(&mut self, now: Micros) {
-        self.now = now;
+    /// With what was remembered when the power went: what was present then ended with it.
+    #[must_use]
+    pub fn new(mut remembered: Vec<PastAlarm>) -> Self {
+        remembered.sort_by_key(|past| past.count);
+        let ended = |past: PastAlarm| PastAlarm { ended: past.ended.or(Some((End::PowerOff, None))), ..past };
+        let last = remembered.last().map_or(0, |past| past.count);
+        let history = remembered.into_iter().map(|past| Arc::new(ended(past))).collect();
+        Self { history: Arc::new(history), remembered: last, ..Self::default() }
+    }
+
+    /// The time of this tick: when an alarm comes or goes.
+    pub const fn at(&mut self, now: Micros, date: Date) {
+        (self.now, self.date) = (now, date);
+    }
+
+    /// The date of power-on has become known: what came since, and was counted from it, has its date now.
+    pub fn know_power_on(&mut self, power_on: Date) {
+        let dated = |date: Date| Date(date.0 + power_on.0);
+        let since = self.remembered;
+        for past in Arc::make_mut(&mut self.history).iter_mut().filter(|past| past.count > since) {
+            let past = Arc::make_mut(past);
+            past.came = dated(past.came);
+            past.ended = past.ended.map(|(how, when)| (how, when.map(dated)));
+            self.changed.push(past.count);
+        }
+        self.date = dated(self.date);
+    }
+
+    /// What came or went since the last time, for the disk.
+    pub fn take_changed(&mut self) -> Vec<PastAlarm> {
+        let counts = std::mem::take(&mut self.changed);
+        self.history.iter().filter(|past| counts.contains(&past.count)).map(|past| (**past).clone()).collect()
+    }
+
+    /// Whether the disk is to be told something.
+    #[must_use]
+    pub fn has_changed(&self) -> bool {
+        !self.changed.is_empty()
     }
 
     /// Adds an alarm of the table, with a place or detail in front of its remedy where there is one. An alarm that is
@@ -53,26 +98,38 @@ impl Alarms {
     fn remember(&mut self, alarm: &AlarmView) {
         let history = Arc::make_mut(&mut self.history);
         // Looked at again and still there: it never went.
-        let same = |past: &&mut PastAlarm| past.gone == Some(alarm.since) && past.alarm.text == alarm.text;
+        let again = self.last_gone == Some(alarm.since);
+        let same = |past: &&mut Arc<PastAlarm>| {
+            again && past.ended.is_some() && past.number == alarm.number && alarm.text.zh.starts_with(&past.text.zh)
+        };
         if let Some(past) = history.last_mut().filter(same) {
-            past.gone = None;
+            Arc::make_mut(past).ended = None;
+            self.changed.push(past.count);
             return;
         }
-        if history.len() >= MOST_HISTORY {
+        if history.len() >= MOST_ALARMS_KEPT {
             history.remove(0);
         }
-        history.push(PastAlarm { alarm: Arc::new(alarm.clone()), gone: None });
+        let count = history.last().map_or(1, |last| last.count + 1);
+        let cut = |text: &str| text.chars().take(LONGEST).collect::<String>();
+        let text = Said::new(cut(&alarm.text.zh), cut(&alarm.text.en));
+        let (number, place) = (alarm.number, alarm.place);
+        history.push(Arc::new(PastAlarm { count, number, text, place, came: self.date, ended: None }));
+        self.changed.push(count);
     }
 
     /// Notes in the history which alarms are no longer present.
-    fn note_gone(&mut self) {
+    fn note_gone(&mut self, how: End) {
         let present = &self.present;
         let is_gone =
-            |past: &PastAlarm| past.gone.is_none() && present.iter().all(|alarm| alarm.number != past.alarm.number);
-        if self.history.iter().any(is_gone) {
-            let now = self.now;
-            let open = Arc::make_mut(&mut self.history).iter_mut().filter(|past| is_gone(past));
-            open.for_each(|past| past.gone = Some(now));
+            |past: &PastAlarm| past.ended.is_none() && present.iter().all(|alarm| alarm.number != past.number);
+        if self.history.iter().any(|past| is_gone(past)) {
+            let date = self.date;
+            for past in Arc::make_mut(&mut self.history).iter_mut().filter(|past| is_gone(past)) {
+                Arc::make_mut(past).ended = Some((how, Some(date)));
+                self.changed.push(past.count);
+            }
+            self.last_gone = Some(self.now);
         }
     }
 
@@ -81,7 +138,7 @@ impl Alarms {
         let before = self.present.len();
         self.present.retain(|alarm| alarm.number != number);
         if self.present.len() != before {
-            self.note_gone();
+            self.note_gone(End::Itself);
         }
     }
 
@@ -91,7 +148,7 @@ impl Alarms {
             ResetRule::Reset => still_there(alarm.number),
             ResetRule::SelfClearing | ResetRule::SelfClearingUnlessStopped => true,
         });
-        self.note_gone();
+        self.note_gone(End::Reset);
     }
 
     /// Whether an alarm is present.
@@ -106,9 +163,9 @@ impl Alarms {
         self.present.iter().any(|alarm| alarm::reaction(alarm.number) >= Reaction::BlockStart)
     }
 
-    /// Those that came since power-on, the latest last.
+    /// Those that came, also before the last power-off, the latest last.
     #[must_use]
-    pub const fn history(&self) -> &Arc<Vec<PastAlarm>> {
+    pub const fn history(&self) -> &Arc<Vec<Arc<PastAlarm>>> {
         &self.history
     }
 
@@ -135,28 +192,67 @@ mod tests {
     }
 
     #[test]
-    fn b6_the_history_keeps_when_each_alarm_came_and_went() {
+    fn b6_the_history_keeps_when_each_alarm_came_and_went_and_how() {
         let mut alarms = Alarms::default();
+        alarms.at(Micros(5), Date(105));
         alarms.raise(alarm::TAILSTOCK, None, Micros(5), Some((1_001, 7)));
         let shown = Arc::clone(alarms.history());
-        alarms.at(Micros(9));
+        alarms.at(Micros(9), Date(109));
         alarms.clear(alarm::HYDRAULIC);
         assert!(Arc::ptr_eq(&shown, alarms.history()), "nothing went: the list is not replaced");
         alarms.reset(|_| false);
-        alarms.at(Micros(12));
+        alarms.at(Micros(12), Date(112));
         alarms.raise(alarm::TAILSTOCK, None, Micros(12), None);
         alarms.clear(alarm::TAILSTOCK);
         alarms.raise(alarm::TAILSTOCK, None, Micros(12), None);
-        let times: Vec<_> = alarms.history().iter().map(|past| (past.alarm.since, past.gone)).collect();
-        assert_eq!(times, [(Micros(5), Some(Micros(9))), (Micros(12), None)]);
-        assert_eq!(alarms.history()[0].alarm.place, Some((1_001, 7)));
-        for round in 0..300 {
+        let times: Vec<_> = alarms.history().iter().map(|past| (past.came, past.ended)).collect();
+        assert_eq!(times, [(Date(105), Some((End::Reset, Some(Date(109))))), (Date(112), None)]);
+        assert_eq!(alarms.history()[0].place, Some((1_001, 7)));
+        alarms.at(Micros(13), Date(113));
+        alarms.clear(alarm::TAILSTOCK);
+        assert_eq!(alarms.history()[1].ended, Some((End::Itself, Some(Date(113)))));
+        let changed: Vec<_> = alarms.take_changed().iter().map(|past| past.count).collect();
+        assert_eq!(changed, [1, 2]);
+        assert!(alarms.take_changed().is_empty(), "the disk is told once");
+    }
+
+    #[test]
+    fn b6_what_came_before_the_clock_was_known_has_its_date() {
+        let mut alarms = Alarms::default();
+        alarms.at(Micros(2_000_000), Date(2));
+        alarms.raise(alarm::TAILSTOCK, None, Micros(2_000_000), None);
+        alarms.clear(alarm::TAILSTOCK);
+        let mut alarms = Alarms::new(alarms.take_changed());
+        alarms.at(Micros(3_000_000), Date(3));
+        alarms.raise(alarm::HYDRAULIC, None, Micros(3_000_000), None);
+        alarms.know_power_on(Date(1_000));
+        alarms.clear(alarm::HYDRAULIC);
+        let times: Vec<_> = alarms.history().iter().map(|past| (past.came.0, past.ended)).collect();
+        // The one of the power cycle before stays as it was: nobody knows when that was.
+        assert_eq!(times[0], (2, Some((End::Itself, Some(Date(2))))));
+        assert_eq!(times[1], (1_003, Some((End::Itself, Some(Date(1_003))))));
+    }
+
+    #[test]
+    fn b6_the_history_outlives_the_power_and_keeps_a_thousand() {
+        let mut alarms = Alarms::default();
+        for round in 0..1_200 {
+            alarms.at(Micros(20 + round), Date(round as i64));
             alarms.clear(alarm::HYDRAULIC);
-            alarms.at(Micros(20 + round));
             alarms.raise(alarm::HYDRAULIC, None, Micros(20 + round), None);
+            alarms.clear(alarm::HYDRAULIC);
+            alarms.at(Micros(20 + round) + Micros(1), Date(round as i64));
         }
-        assert_eq!(alarms.history().len(), MOST_HISTORY);
-        assert_eq!(alarms.history().last().map(|past| past.alarm.since), Some(Micros(319)));
+        alarms.raise(alarm::TAILSTOCK, None, Micros(5_000), None);
+        assert_eq!(alarms.history().len(), MOST_ALARMS_KEPT);
+        let slots: std::collections::BTreeSet<_> = alarms.history().iter().map(|past| past.slot()).collect();
+        assert_eq!(slots.len(), MOST_ALARMS_KEPT, "each has a place of its own in the store");
+        let kept: Vec<_> = alarms.history().iter().map(|past| (**past).clone()).collect();
+        let mut alarms = Alarms::new(kept);
+        let last = Arc::clone(&alarms.history()[MOST_ALARMS_KEPT - 1]);
+        assert_eq!((last.number, last.ended), (alarm::TAILSTOCK, Some((End::PowerOff, None))));
+        alarms.raise(alarm::TAILSTOCK, None, Micros::ZERO, None);
+        assert_eq!(alarms.history().last().map(|past| past.count), Some(last.count + 1));
     }
 
     #[test]

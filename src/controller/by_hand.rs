@@ -91,7 +91,7 @@ impl Controller {
             }
             Mode::Step => {
                 if matches!(self.ask(Request::MoveByHand), Answer::Taken) && self.part_from_run() {
-                    let distance = direction * self.hand.step_mm / self.displayed_per_mm(axis);
+                    let distance = direction * self.step_length_mm() / self.displayed_per_mm(axis);
                     self.step_by(axis, distance);
                 }
             }

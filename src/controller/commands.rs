@@ -64,6 +64,12 @@ impl Controller {
             Command::Stored(_) | Command::Simulate(_) => {}
             Command::DiskFailed(why) => self.raise(alarm::STORE_FAILED, Some(why.clone())),
             Command::Page(command) => self.take_page(command),
+            Command::Teach(command) => self.take_teach(*command),
+            Command::Calendar(told) => {
+                if let Some(power_on) = self.calendar.hear(self.now, *told) {
+                    self.alarms.know_power_on(power_on);
+                }
+            }
             Command::Alive => self.screen_heard = Some(self.now),
         }
     }

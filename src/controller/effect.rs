@@ -2,6 +2,7 @@
 //! Source: style "effects to the disk", notes "acknowledge after commit".
 
 use super::files::Job;
+use crate::defs::history::PastAlarm;
 use crate::defs::param::ParamAddress;
 use crate::defs::screw::ScrewTable;
 use crate::defs::signal::{Input, Output};
@@ -34,6 +35,10 @@ pub enum Effect {
     CurrentProgram(u32),
     /// Keep where the running program is, for a power cut: program and line from 1; none when it is over.
     RunningAt(Option<(u32, u32)>),
+    /// Keep an alarm of the history, in place of the one in its slot.
+    Alarm(Box<PastAlarm>),
+    /// Keep what was set at the machine, less what the computer's clock read, seconds.
+    ClockOffset(i64),
     /// Keep the count of workpieces.
     Parts(u32),
     /// Work for the thread beside the tick: folders, long calculations. It is answered by commands.

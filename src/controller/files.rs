@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::{Controller, Effect, Programs};
 use crate::defs::alarm;
+use crate::defs::date::Date;
 use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
@@ -39,6 +40,8 @@ pub struct Job {
     pub holdings: Option<Box<Holdings>>,
     /// Where a check run begins; only for a drawing.
     pub start: Option<Box<Start>>,
+    /// Date and time at the machine, for names of files; none where nobody has told them.
+    pub date: Option<Date>,
 }
 
 /// The values that the core holds.
@@ -57,6 +60,10 @@ pub struct Holdings {
 /// What a check run begins with.
 #[derive(Clone, Debug)]
 pub struct Start {
+    /// The kind of machine.
+    pub kind: Kind,
+    /// Parameters: tools and bar of a lathe.
+    pub params: Params,
     /// Variables.
     pub memory: Memory,
     /// Work frames and offsets.
@@ -134,15 +141,19 @@ impl Controller {
         let start = matches!(request, FileRequest::Draw(_)).then(|| {
             let (params, switches) = (&self.params, self.switches);
             Box::new(Start {
+                kind: self.kind,
+                params: params.clone(),
                 memory: self.memory.clone(),
                 frames: self.frames.clone(),
-                position: self.work(),
+                // L3: a program of the lathe begins at its own zero.
+                position: if settings.zero_at_start { PerAxis::default() } else { self.work() },
                 references: super::references(params),
                 system: super::PARAM_VARIABLES.iter().map(|(row, at)| (row.first, params.get(*at))).collect(),
                 block_skip: switches.block_skip,
             })
         });
-        let job = Job { request: request.clone(), settings, programs: Arc::clone(&self.programs), holdings, start };
+        let (programs, date) = (Arc::clone(&self.programs), self.calendar.date(self.now));
+        let job = Job { request: request.clone(), settings, programs, holdings, start, date };
         self.effects.push(Effect::Job(Box::new(job)));
     }
 
@@ -157,6 +168,7 @@ impl Controller {
             }
             // K6.2: a page is guarded as its program is.
             FileRequest::SavePage { page, .. } | FileRequest::TakePicture { page, .. } => self.may_edit(*page),
+            FileRequest::Record(_) => self.may_write(0),
             FileRequest::Copy { to, .. } => self.may_edit(*to),
             FileRequest::Rename { from, to } => self.may_edit(*from).and_then(|()| self.may_edit(*to)),
             FileRequest::Transfer(transfer) => self.may_carry(transfer),
@@ -229,11 +241,16 @@ impl Controller {
 
     /// Edit mode, nothing open, and the password once (K6.2).
     fn may_edit(&self, number: u32) -> Result<(), Refusal> {
+        if self.run.is_none() && self.mode != Mode::Edit {
+            return Err(Refusal::Because(EDIT_MODE.into()));
+        }
+        self.may_write(number)
+    }
+
+    /// Nothing open, and the password once.
+    fn may_write(&self, number: u32) -> Result<(), Refusal> {
         if self.run.is_some() {
             return Err(Refusal::Because(IN_RUN.into()));
-        }
-        if self.mode != Mode::Edit {
-            return Err(Refusal::Because(EDIT_MODE.into()));
         }
         let asks = match GUARDED_SUBPROGRAMS.contains(&number) {
             true => param::SUBPROGRAM_PASSWORD,
@@ -247,6 +264,9 @@ impl Controller {
         match answer {
             FileAnswer::Done(said) => {
                 if let Some(request) = self.files.pending.take() {
+                    if matches!(*request, FileRequest::Record(_)) {
+                        self.teach_kept();
+                    }
                     self.follow_up(&request);
                 }
                 self.say(said.clone());

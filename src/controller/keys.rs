@@ -89,8 +89,8 @@ impl Controller {
             Key::Input => self.set_dress_point(),
             Key::Cancel => self.cancel_dress_point(),
             Key::F1 | Key::F2 | Key::F3 => self.turn_to(Page::Position),
-            Key::F4 => self.turn_to(Page::Grinding),
-            Key::F5 => self.turn_to(Page::Dressing),
+            Key::F4 => self.turn_to(Page::of_f(self.kind, false)),
+            Key::F5 => self.turn_to(Page::of_f(self.kind, true)),
             Key::NextRow => self.refuse(OF_THE_SCREEN),
             _ => self.press_override(key),
         }

@@ -8,6 +8,7 @@ mod acts;
 mod alarms;
 pub mod axes;
 mod by_hand;
+mod calendar;
 mod commands;
 mod cycle;
 mod dress;
@@ -36,6 +37,7 @@ mod settle;
 mod status;
 mod switches;
 mod system;
+mod teach;
 mod turning;
 mod watch;
 mod wheel_change;
@@ -49,6 +51,7 @@ pub use system::{PARAM_VARIABLES, nc_settings};
 
 use std::sync::Arc;
 
+use crate::defs::history::PastAlarm;
 use crate::defs::key::Mode;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
@@ -130,6 +133,10 @@ pub struct Retained {
     pub parts: u32,
     /// Program and line (from 1) of a run that the power cut off.
     pub interrupted: Option<(u32, u32)>,
+    /// Alarms that came before.
+    pub alarms: Vec<PastAlarm>,
+    /// What was set at the machine, less what the computer's clock read, seconds.
+    pub clock_offset_s: i64,
 }
 
 impl Retained {
@@ -149,6 +156,8 @@ impl Retained {
             current_program: 0,
             parts: 0,
             interrupted: None,
+            alarms: Vec::new(),
+            clock_offset_s: 0,
         }
     }
 }
@@ -185,6 +194,7 @@ pub struct Controller {
     current: u32,
     place: Place,
     alarms: Alarms,
+    calendar: calendar::Calendar,
     message: Message,
     waiting_for: Option<Said>,
     screens: Arc<Screens>,
@@ -222,6 +232,7 @@ pub struct Controller {
     edits: edits::Edits,
     files: files::Files,
     lathe: turning::Lathe,
+    teach: teach::Teach,
     /// How often the program begins again by itself (P390).
     runs_left: u32,
 }
@@ -260,7 +271,8 @@ impl Controller {
             programs: Arc::default(),
             current: retained.current_program,
             place: Place::default(),
-            alarms: Alarms::default(),
+            alarms: Alarms::new(retained.alarms),
+            calendar: calendar::Calendar::new(retained.clock_offset_s),
             message: Message::default(),
             waiting_for: None,
             screens: Arc::default(),
@@ -289,6 +301,7 @@ impl Controller {
             edits: edits::Edits::default(),
             files: files::Files::default(),
             lathe: turning::Lathe::default(),
+            teach: teach::Teach::default(),
             runs_left: 0,
             params,
         };
@@ -311,7 +324,7 @@ impl Controller {
     /// One tick. `now` grows by the tick time from call to call.
     pub fn tick(&mut self, now: Micros, image: &InputImage, commands: &[Command]) -> &OutputImage {
         self.now = now;
-        self.alarms.at(now);
+        self.alarms.at(now, self.calendar.stamp(now));
         self.read_inputs(image);
         for command in commands {
             self.take(command);
@@ -324,8 +337,10 @@ impl Controller {
         self.step_oscillation();
         let rate = self.rate();
         self.axes.tick(rate, self.lathe.spindle.turns);
+        self.step_teach();
         self.settle();
         self.write_outputs();
+        self.keep_alarms();
         &self.outputs
     }
 

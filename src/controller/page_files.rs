@@ -13,6 +13,13 @@ const PAGE_FILES: u32 = 1_000;
 
 impl Controller {
     pub(super) fn open_page(&mut self, page: Page) {
+        if !page.is_on(self.kind) {
+            let title = page.title();
+            return self.refuse(Said::new(
+                format!("本机床没有“{}”页面", title.zh),
+                format!("this machine has no page {}", title.en),
+            ));
+        }
         self.page = page;
         self.check_page_files();
     }

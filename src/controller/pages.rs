@@ -13,7 +13,7 @@ use crate::defs::param_row;
 use crate::defs::signal::Output;
 use crate::defs::text::{Said, Text};
 use crate::link::internal::{Internal, InternalSet};
-use crate::link::page_command::{Guard, PASSWORD_LENGTH, PageAnswer, PageCommand, PageWish};
+use crate::link::page_command::{BRIGHTNESS, Guard, PASSWORD_LENGTH, PageAnswer, PageCommand, PageWish};
 use crate::link::snapshot::{Access, RunState, Snapshot};
 use crate::units::{Axis, Micros};
 
@@ -106,12 +106,17 @@ impl Controller {
             }
             PageCommand::KeepLang(lang) => self.effects.push(Effect::Ask(PageWish::KeepLang(*lang))),
             PageCommand::KeepLight(light) => self.effects.push(Effect::Ask(PageWish::KeepLight(*light))),
+            PageCommand::KeepBrightness(percent) => {
+                let percent = (*percent).clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end());
+                self.effects.push(Effect::Ask(PageWish::KeepBrightness(percent)));
+            }
             PageCommand::KeepPort(port) => {
                 if self.pages.access.level < Level::Builder {
                     return self.refuse(needs(Level::Builder));
                 }
                 self.effects.push(Effect::Ask(PageWish::KeepPort(port.clone())));
             }
+            PageCommand::SetDate(wanted) => self.set_date(*wanted),
             PageCommand::File(request) => self.take_file(request),
             PageCommand::Answered(answer) => self.hear(answer),
         }
@@ -190,6 +195,7 @@ impl Controller {
         out.analog_volts = [self.outputs.wheel_volts, self.outputs.analog_2_volts];
         out.internals = self.internals();
         out.access = self.pages.access;
+        out.date = self.calendar.date(self.now);
         self.files_view(out);
         out.next_kind = self.pages.next_kind;
         if !Arc::ptr_eq(&out.params, &self.pages.params) {

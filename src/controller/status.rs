@@ -48,6 +48,11 @@ impl Controller {
         out.feed_mm_min = self.path_speed_mm_s() * super::axes::MINUTE;
         out.wheel_rpm =
             if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
+        if self.row.turns_part {
+            out.wheel_rpm = self.lathe.spindle.rpm.abs();
+        }
+        out.station = self.row.turns_part.then(|| self.station().map_or(0, u32::from));
+        self.teach_view(&mut out.teach);
         out.strokes_min = self.measured_strokes_min();
         out.parts = self.parts;
         out.restart = self.restart_view().map(Box::new);

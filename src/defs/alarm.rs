@@ -218,23 +218,23 @@ alarms! {
         "程序目录中没有该程序", "the folder has no such program",
         "检查程序号，或拷入程序", "check the number or copy the program in";
     SERIAL_PORT = 310, Show, Reset, "RS232 端口打不开", "RS232 port does not open",
-        "没有选择端口、端口不存在、被占用、没有权限，或不支持波特率 P391", "no port chosen, not there, taken, not permitted, or it does not do the baud rate P391",
-        "在 U盘/通信 的 RS232 页选择端口；检查 P391 和接线", "choose the port on the RS232 sheet of USB/COMM; check P391 and the cable";
+        "没有选择端口、端口不存在、被占用、没有权限，或不支持波特率 P370", "no port chosen, not there, taken, not permitted, or it does not do the baud rate P370",
+        "在 U盘/通信 的 RS232 页选择端口；检查 P370 和接线", "choose the port on the RS232 sheet of USB/COMM; check P370 and the cable";
     SERIAL_SILENT = 311, Show, Reset, "RS232 没有收到数据", "RS232: nothing comes",
-        "P393 时间内没有程序开始，或中途停顿超过 P392", "no program began within P393, or it paused for more than P392",
+        "P372 时间内没有程序开始，或中途停顿超过 P371", "no program began within P372, or it paused for more than P371",
         "检查电缆和对方的发送、波特率，再接收一次；没有保存任何内容", "check the cable, the sender and the baud rate, receive again; nothing was stored";
     SERIAL_HELD = 312, Show, Reset, "RS232 对方不接收", "RS232: the other side does not take it",
-        "对方发了 XOFF 后 P392 时间内没有 XON，或没有接收", "no XON within P392 after its XOFF, or nobody receives",
+        "对方发了 XOFF 后 P371 时间内没有 XON，或没有接收", "no XON within P371 after its XOFF, or nobody receives",
         "先在对方启动接收，检查电缆和流控 XON/XOFF，再发送一次", "start receiving there first, check cable and XON/XOFF, send again";
     SERIAL_NOISE = 313, Show, Reset, "RS232 数据乱码", "RS232: garbled data",
-        "波特率不一致（帧错误），或电缆有干扰", "baud rates differ (framing errors), or the cable picks up noise",
-        "两边波特率相同 (P391)，8 位、无校验、1 停止位；检查屏蔽和接地；没有保存任何内容", "set both sides to P391, 8 bits, no parity, 1 stop bit; check shield and ground; nothing was stored";
+        "波特率不一致（帧错误），或电缆有干扰；没有保存任何内容", "baud rates differ (framing errors), or the cable picks up noise; nothing was stored",
+        "两边波特率相同 (P370)，8 位、无校验、1 停止位；检查屏蔽和接地", "set both sides to P370, 8 bits, no parity, 1 stop bit; check shield and ground";
     SERIAL_PARITY = 314, Show, Reset, "RS232 对方带奇偶校验", "RS232: the other side sends parity",
         "对方设置为 7 位加校验", "it is set to 7 bits with parity",
         "对方改为 8 位、无校验、1 停止位，再接收一次", "set it to 8 bits, no parity, 1 stop bit and receive again";
     SERIAL_FORM = 315, Show, Reset, "RS232 程序格式不对", "RS232: not the form of a program",
-        "开头没有 %，行中有 %，或没有程序号", "no % at the beginning, a % within a line, or no number",
-        "程序以 % 单独一行开头和结尾，第一行 O 号或 <名称>；没有保存任何内容", "begin and end it with a line %, O number or <NAME> in its first line; nothing was stored";
+        "开头没有 %，行中有 %，或没有程序号；没有保存任何内容", "no % at the beginning, a % within a line, or no number; nothing was stored",
+        "程序以 % 单独一行开头和结尾，第一行 O 号或 <名称>", "begin and end it with a line %, O number or <NAME> in its first line";
     SERIAL_TOO_LONG = 316, Show, Reset, "RS232 程序太长", "RS232: program too long",
         "超过一次传输的长度", "it is longer than one transmission may be",
         "分段传输，或用 U 盘拷贝；没有保存任何内容", "split it or copy it by USB; nothing was stored";

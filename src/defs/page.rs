@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::kind::Kind;
 use super::text::Text;
 
 macro_rules! pages {
@@ -95,6 +96,16 @@ pages! {
         "Macro variables, named by the current page text; shown as executed.",
         "查找号码或名称，键入数值，按输入。要 P22.0=1。",
         "Search by number or name, type, INPUT. Wants P22.0=1.";
+    Teach = "teach", "录返", "teach-in",
+        "录返：把手动走的动作记录成程序段。",
+        "Teach-in: moves made by hand become blocks of a program.",
+        "按开始录返，用手动、单步或手轮移动；停止后存为程序，即可在自动方式运行。",
+        "START, move by JOG, steps or handwheel, STOP, KEEP: then it runs in mode AUTO.";
+    Tools = "tools", "刀具棒料", "tools, bar",
+        "刀架上的刀具和卡盘里的棒料：图形页据此画出切削，并检查干涉。",
+        "The tools on the post and the bar in the chuck: the graphic page cuts with them and looks for collisions.",
+        "点一项键入数值，按输入。毫米，直径值。",
+        "Touch a field, type, INPUT. Millimetres; diameters.";
     Wheel = "wheel", "换砂轮", "wheel change",
         "换砂轮：直径、宽度、额定线速度。",
         "Wheel change: diameter, width, rated speed.",
@@ -150,4 +161,53 @@ pages! {
         "What keys, soft keys, alarms, G and M codes mean, with a search.",
         "上面选类别，左边选条目；任何页面按 ? 或 F12 打开，先显示该页面。",
         "Choose a section above and an entry on the left. ? or F12 open it on any page, first with that page.";
+}
+
+/// What a machine that turns the part has beside the pages of all kinds, and what it lacks of theirs (L9).
+const TURNING: &[Page] = &[Page::Teach, Page::Tools];
+const GRINDING: &[Page] = &[Page::Grinding, Page::Designer, Page::Dressing, Page::Wheel, Page::Macro];
+
+impl Page {
+    /// Whether a kind has the page.
+    #[must_use]
+    pub fn is_on(self, kind: Kind) -> bool {
+        let without = if kind.face().turns_part { GRINDING } else { TURNING };
+        !without.contains(&self)
+    }
+
+    /// The title on a kind.
+    #[must_use]
+    pub const fn title_on(self, kind: Kind) -> Text {
+        match self {
+            Self::Mdi => kind.face().mdi,
+            _ => self.title(),
+        }
+    }
+
+    /// The page of the panel's keys F4 (磨削) and F5 (砂轮修整).
+    #[must_use]
+    pub const fn of_f(kind: Kind, fifth: bool) -> Self {
+        match (kind.face().turns_part, fifth) {
+            (false, false) => Self::Grinding,
+            (false, true) => Self::Dressing,
+            (true, false) => Self::Teach,
+            (true, true) => Self::Tools,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn l9_a_lathe_has_teach_in_and_tools_instead_of_the_grinding_pages() {
+        assert!(Page::Teach.is_on(Kind::Lathe) && Page::Tools.is_on(Kind::Lathe));
+        assert!(!Page::Grinding.is_on(Kind::Lathe) && !Page::Wheel.is_on(Kind::Lathe));
+        for kind in [Kind::Gc, Kind::Gs, Kind::Ga, Kind::Vertical] {
+            assert!(Page::Grinding.is_on(kind) && Page::Wheel.is_on(kind) && !Page::Teach.is_on(kind));
+            assert_eq!((Page::of_f(kind, false), Page::of_f(kind, true)), (Page::Grinding, Page::Dressing));
+        }
+        assert!(Page::ALL.iter().all(|page| Kind::ALL.iter().any(|kind| page.is_on(*kind))));
+    }
 }

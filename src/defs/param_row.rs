@@ -117,6 +117,6 @@ mod tests {
                 assert!((row.min..=row.max).contains(&row.factory), "{} {}", row.at, row.factory);
             }
         }
-        assert_eq!(level(ParamAddress { number: 399, bit: None }), None);
+        assert_eq!(level(ParamAddress { number: 449, bit: None }), None);
     }
 }

@@ -73,7 +73,7 @@ program_errors! {
         "请查阅本机床的 G 代码表", "look at the table of G codes of this machine";
     /// An M code above 99 or not a whole number.
     UnknownM = 11, "unknown-m", "没有 {} 指令", "unknown code {}",
-        "M 代码为 M00–M99 的整数", "M codes are whole numbers from 0 to 99";
+        "请查阅 M 代码表 (M00–M99 的整数)", "look it up in the table of M codes, whole numbers from 0 to 99";
     /// The same address twice.
     DoubleWord = 12, "double-word", "同一程序段中 '{}' 重复", "'{}' appears twice in the block",
         "每个地址在一段中只能出现一次", "write an address once in a block";
@@ -124,7 +124,7 @@ program_errors! {
         "请检查跳转目标的 N 号", "check the N number of the target";
     /// The program to call does not exist.
     MissingProgram = 28, "missing-program", "找不到程序 {}", "there is no program {}",
-        "请检查 P 号或拷入该程序", "check P, or copy the program in";
+        "请检查程序号，或拷入该程序", "check its number, or copy the program in";
     /// Too many levels of subprograms or macros.
     TooDeep = 29, "too-deep", "{}嵌套超过 {2} 层", "{} calls nested deeper than {2}",
         "请减少调用层数", "call fewer levels";
@@ -185,6 +185,24 @@ program_errors! {
     /// A number where none belongs.
     TakesNoNumber = 49, "takes-no-number", "{} 的 {2} 后不带数值", "{} takes {2} without a number",
         "只写轴名，例如 G27 X", "write the letter alone, as in G27 X";
+    /// Turns to wait for, and no speed that says how long one takes.
+    DwellWithoutSpeed = 60, "dwell-without-speed", "{} 按转数停顿，但没有以 r/min 给出的转速", "{} counts turns, but there is no speed in rpm",
+        "请先用 S 给出转速 (G97)，或改用 G4 F 秒", "program S (G97) before it, or dwell by G4 F in seconds";
+    /// A label that does not begin as one.
+    BadLabel = 61, "bad-label", "标号 {} 无效", "{} cannot be a label",
+        "标号前两位必须是字母或下划线，例如 AA1:", "a label begins with two letters or underscores, as AA1: does";
+    /// A jump that leads nowhere.
+    LabelLeftOut = 62, "label-left-out", "{} 后缺少标号", "no label after {}",
+        "请写出标号，例如 {} AA1", "write the label, as in {} AA1";
+    /// A jump without a direction.
+    NoSuchJump = 63, "no-such-jump", "没有 {} 指令", "there is no {}",
+        "朝程序结束方向跳转用 GOTOF，朝程序开头方向用 GOTOB", "jump onwards with GOTOF, back with GOTOB";
+    /// A value that needs a sign of equality.
+    EqualsMissing = 64, "equals-missing", "{} 后缺少 '='", "'=' is missing after {}",
+        "R 参数和表达式用 = 赋值，例如 X=R1", "R parameters and expressions are given with =, as in X=R1";
+    /// A message that is not written as one.
+    BadMessage = 65, "bad-message", "MSG 写法错误", "MSG is not written as it must be",
+        "请写 MSG(\"文字\")，清除用 MSG()", "write MSG(\"text\"), or MSG() to end it";
     /// No such R parameter.
     BadR = 90, "bad-r", "没有参数 {}", "there is no parameter {}",
         "可用 R0–R299", "use R0 to R299";
@@ -193,7 +211,7 @@ program_errors! {
         "请检查标号的写法（AA1:）", "check how the label is written (AA1:)";
     /// A label that lies on the other side of the jump.
     LabelElsewhere = 92, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} does not lie that way",
-        "GOTOF 只向后找，GOTOB 只向前找；请改用 {2}", "GOTOF looks onwards only, GOTOB back only: use {2}";
+        "GOTOF 只朝程序结束方向找，GOTOB 只朝程序开头方向找；请改用 {2}", "GOTOF looks onwards only, GOTOB back only: use {2}";
     /// A quote without its partner.
     UnbalancedQuote = 93, "unbalanced-quote", "引号不匹配", "the quotes do not match",
         "MSG(\"文字\")：同一行内成对使用同一种引号", "MSG(\"text\"): a pair of the same quotes on one line";

@@ -17,12 +17,13 @@ use super::softkey::{self, Pressed, SoftAct};
 use super::theme::{self, Theme};
 use super::view::View;
 use super::{frame, pad};
+use crate::defs::date::Date;
 use crate::defs::page::Page;
 use crate::defs::text::{Lang, Text};
 use crate::link::command::Picture;
 use crate::link::files::FileRequest;
 use crate::link::media::Print;
-use crate::link::page_command::PageCommand;
+use crate::link::page_command::{BRIGHTNESS, PageCommand};
 use crate::link::{Command, Snapshot};
 
 /// Seconds that a local refusal stays in the message line.
@@ -31,14 +32,14 @@ const HINT_SECONDS: f64 = 5.0;
 /// The face of the control. One value lives as long as the window.
 pub struct Hmi {
     lang: Lang,
+    light: bool,
     theme: Theme,
-    clock: Option<String>,
+    /// Percent.
+    brightness: u8,
     page: Option<Page>,
     program: (u32, Option<u32>),
     soft_row: usize,
     pages: Pages,
-    /// Time of day at power-on in seconds, as the header's clock tells it.
-    power_on_s: i64,
     panel: Panel,
     presses: Presses,
     /// The help lies over the page.
@@ -55,13 +56,13 @@ impl Hmi {
     pub fn new(lang: Lang) -> Self {
         Self {
             lang,
+            light: false,
             theme: theme::DARK,
-            clock: None,
+            brightness: *BRIGHTNESS.end(),
             page: None,
             program: (0, None),
             soft_row: 0,
             pages: Pages::default(),
-            power_on_s: 0,
             panel: Panel::default(),
             presses: Presses::default(),
             help: false,
@@ -76,13 +77,9 @@ impl Hmi {
         theme::install(ctx, &self.theme);
     }
 
-    /// The time of day for the header; without it the time since power-on is shown.
-    pub fn set_clock(&mut self, clock: String) {
-        self.clock = Some(clock);
-    }
-
     /// The light theme for bright halls, or the dark one (H4).
     pub const fn set_light(&mut self, light: bool) {
+        self.light = light;
         self.theme = if light { theme::LIGHT } else { theme::DARK };
     }
 
@@ -90,6 +87,11 @@ impl Hmi {
     #[must_use]
     pub const fn ground(&self) -> Color32 {
         self.theme.ground
+    }
+
+    /// How bright the picture is, in percent: below 100 a veil lies over it (B6).
+    pub fn set_brightness(&mut self, percent: u8) {
+        self.brightness = percent.clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end());
     }
 
     /// What is being typed, for tests and stories.
@@ -121,16 +123,16 @@ impl Hmi {
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
         let mut out = Vec::new();
         self.notice(ui, snapshot);
-        let clock = self.clock.clone().unwrap_or_else(|| uptime(snapshot));
+        let clock = snapshot.date.unwrap_or(Date((snapshot.now.0 / 1_000_000) as i64)).time();
         let theme = self.theme;
         // A phase of the machine's own time: the same snapshot is the same picture.
         let blink = (snapshot.now.0 / 500_000).is_multiple_of(2);
-        self.follow_clock(snapshot);
-        let power_on_s = self.power_on_s;
-        let view = View { snapshot, lang: self.lang, theme: &theme, clock: &clock, power_on_s, blink };
+        let (light, brightness) = (self.light, self.brightness);
+        let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: &clock, blink };
         let regions = Regions::new(ui.max_rect());
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
-        let asked = keyboard::read(ui, snapshot.kind);
+        let words = self.pages.takes_words(snapshot.page) && !snapshot.state.moves();
+        let asked = keyboard::read(ui, snapshot.kind, words);
         out.extend(self.printed());
         self.physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
@@ -147,6 +149,9 @@ impl Hmi {
             self.draw_page(ui, regions.content, &view, &typed, &mut out);
         }
         self.draw_frame(ui, &regions, &view, &asked, &mut out);
+        if self.brightness < *BRIGHTNESS.end() {
+            ui.painter().rect_filled(ui.max_rect(), 0.0, theme::veil(self.brightness));
+        }
         self.presses.end_frame(ui, &mut out);
         out
     }
@@ -158,7 +163,8 @@ impl Hmi {
             self.soft_row = softkey::row_of(snapshot.page);
             self.help = false;
             let theme = self.theme;
-            let view = View { snapshot, lang: self.lang, theme: &theme, clock: "", power_on_s: 0, blink: false };
+            let (light, brightness) = (self.light, self.brightness);
+            let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: "", blink: false };
             self.pages.open(&view);
         }
         let shown = (snapshot.program.number, snapshot.grinding_page());
@@ -213,19 +219,11 @@ impl Hmi {
             if let Command::Page(PageCommand::KeepLight(light)) = command {
                 self.set_light(*light);
             }
+            if let Command::Page(PageCommand::KeepBrightness(percent)) = command {
+                self.set_brightness(*percent);
+            }
         }
         out.extend(commands);
-    }
-
-    /// Where the day stood at power-on; seconds that two clocks cut at different moments do not move it.
-    fn follow_clock(&mut self, snapshot: &Snapshot) {
-        let Some(clock) = &self.clock else { return };
-        let mut parts = clock.split(':').map(|part| part.parse::<i64>().unwrap_or(0));
-        let [hours, minutes, seconds] = [0; 3].map(|none| parts.next().unwrap_or(none));
-        let told = hours * 3_600 + minutes * 60 + seconds - (snapshot.now.0 / 1_000_000) as i64;
-        if (told - self.power_on_s).abs() > 1 {
-            self.power_on_s = told;
-        }
     }
 
     fn draw_frame(&mut self, ui: &Ui, regions: &Regions, view: &View<'_>, asked: &Asked, out: &mut Vec<Command>) {
@@ -244,11 +242,13 @@ impl Hmi {
             SoftAct::Print => false,
         };
         let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
-        let by_key = asked.soft.and_then(|index| softkey::ROWS.get(self.soft_row)?.get(index));
+        let rows = softkey::rows(view.snapshot);
+        self.soft_row %= rows;
+        let by_key = asked.soft.and_then(|index| softkey::row(view.snapshot.kind, self.soft_row).nth(index));
         match touched.or(by_key.map(|soft| Pressed::Act(soft.act))) {
             Some(Pressed::Act(act)) => self.soft(ui, act, out),
-            Some(Pressed::Next) => self.next_row(),
-            None if asked.next_row => self.next_row(),
+            Some(Pressed::Next) => self.soft_row = (self.soft_row + 1) % rows,
+            None if asked.next_row => self.soft_row = (self.soft_row + 1) % rows,
             None => {}
         }
     }
@@ -259,10 +259,6 @@ impl Hmi {
         if self.help {
             self.pages.help.open(view, view.snapshot.page);
         }
-    }
-
-    fn next_row(&mut self) {
-        self.soft_row = (self.soft_row + 1) % softkey::ROWS.len();
     }
 
     fn soft(&mut self, ui: &Ui, act: SoftAct, out: &mut Vec<Command>) {
@@ -333,10 +329,4 @@ fn load(ctx: &egui::Context, picture: &Arc<Picture>) -> Option<(Arc<Picture>, Te
     }
     let image = ColorImage::from_rgb([picture.width, picture.height], &picture.rgb);
     Some((Arc::clone(picture), ctx.load_texture("page picture", image, TextureOptions::LINEAR)))
-}
-
-/// Hours, minutes and seconds since power-on.
-fn uptime(snapshot: &Snapshot) -> String {
-    let seconds = snapshot.now.0 / 1_000_000;
-    format!("{:02}:{:02}:{:02}", seconds / 3_600, seconds / 60 % 60, seconds % 60)
 }

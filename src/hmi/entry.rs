@@ -18,6 +18,12 @@ pub enum Edit {
     Sign,
     /// Takes the last character back.
     Back,
+    /// Takes the character behind the cursor away; where there is no cursor in the text, the last one.
+    Delete,
+    /// To the beginning of the line.
+    LineStart,
+    /// To the end of the line.
+    LineEnd,
     /// 输入
     Enter,
     /// 取消
@@ -113,7 +119,8 @@ impl Entry {
             Edit::Up | Edit::Previous => self.go((self.cursor + count - 1) % count),
             Edit::Down | Edit::Next => self.go((self.cursor + 1) % count),
             Edit::Left | Edit::Right => self.go(other_column(self.cursor, columns.0.len(), count)),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel => {}
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::LineStart | Edit::LineEnd | Edit::Cancel => {
+            }
         }
         None
     }

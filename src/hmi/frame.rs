@@ -6,7 +6,7 @@ use egui::{Align2, Color32, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::keycap;
 use super::theme;
-use super::view::{View, chip, fit, put};
+use super::view::{View, chip, fit, line, put};
 use crate::defs::page::Page;
 use crate::link::snapshot::{RunState, Tone};
 use crate::units::Micros;
@@ -43,11 +43,13 @@ pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) -> Option<Touched> {
     let mode = chip(painter, state.min.x - theme::GAP, row, mode_word(view), view.theme.raised, view.theme.text);
     right = mode.min.x - theme::PAD;
     let program = program_word(view);
-    let place = Rect::from_min_max(pos2(right - 122.0, row.min.y), pos2(right, row.max.y));
-    put(painter, place, Align2::RIGHT_CENTER, &program, theme::LABEL, view.theme.text);
+    // A long name takes of the title's room.
+    let wanted = line(painter, &program, theme::LABEL, view.theme.text, 180.0).size().x;
+    let place = Rect::from_min_max(pos2(right - wanted.max(122.0), row.min.y), pos2(right, row.max.y));
+    fit(painter, place, Align2::RIGHT_CENTER, &program, theme::LABEL, view.theme.text);
     let title = Rect::from_min_max(row.min, pos2(place.min.x - theme::PAD, row.max.y));
     let kind = view.snapshot.kind.name().get(view.lang).split(' ').next().unwrap_or_default();
-    let word = format!("{kind} · {}", view.snapshot.page.title().get(view.lang));
+    let word = format!("{kind} · {}", view.snapshot.page.title_on(view.snapshot.kind).get(view.lang));
     fit(painter, title, Align2::LEFT_CENTER, &word, theme::TITLE, view.theme.text);
     touched
 }
@@ -75,6 +77,16 @@ pub fn program_word(view: &View<'_>) -> String {
         return view.say("没有程序", "no program").to_owned();
     }
     format!("{} N{:04}", view.snapshot.title(program.number), program.block.unwrap_or(0))
+}
+
+/// Program and block in a narrow place; where a long name leaves no room for the block, the name alone: the header has
+/// both.
+pub fn program(painter: &egui::Painter, view: &View<'_>, rect: Rect, size: f32) {
+    let word = program_word(view);
+    let whole = line(painter, &word, theme::SMALL, view.theme.text, f32::INFINITY).size().x;
+    let name = view.snapshot.title(view.snapshot.program.number);
+    let word = if whole <= rect.width() { &word } else { &name };
+    fit(painter, rect, Align2::LEFT_CENTER, word, size, view.theme.text);
 }
 
 /// One accent at a time: only a state that matters now is coloured.
@@ -116,7 +128,9 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
         return Some((message.text.get(lang).to_owned(), view.theme.hold));
     }
     if let Some(alarm) = view.snapshot.alarms.first() {
-        let word = format!("{:03} {} → {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang));
+        let (text, remedy) = (alarm.text.get(lang), alarm.remedy.get(lang));
+        let arrow = if remedy.is_empty() { "" } else { " → " };
+        let word = format!("{:03} {text}{arrow}{remedy}", alarm.number);
         return Some((word, view.theme.alarm_text));
     }
     if let Some(waiting) = &view.snapshot.waiting_for {
@@ -180,9 +194,9 @@ pub fn status_line(ui: &Ui, view: &View<'_>, rect: Rect) {
     }
 }
 
-/// The title of a page, where a page has its own; kept here so that all look the same.
-pub fn title(ui: &Ui, view: &View<'_>, rect: Rect, words: &str) {
-    fit(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::SECONDARY, view.theme.text);
+/// The title of a page, where a page has its own; kept here so that all look the same. Gives the place it took.
+pub fn title(ui: &Ui, view: &View<'_>, rect: Rect, words: &str) -> Rect {
+    fit(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::SECONDARY, view.theme.text)
 }
 
 /// A page that takes numbers.

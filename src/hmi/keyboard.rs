@@ -124,9 +124,9 @@ pub struct Asked {
     pub detents: i32,
 }
 
-/// Reads the keyboard of this frame.
+/// Reads the keyboard of this frame. `words`: a page takes words and nothing runs, so the space bar types a space.
 #[must_use]
-pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
+pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> Asked {
     let mut asked = Asked::default();
     let events = ui.input(|input| input.events.clone());
     // Alt with a digit is a panel key, not a digit: the text of a key comes right behind the key.
@@ -136,9 +136,10 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind) -> Asked {
             Event::Key { key, pressed: true, repeat, modifiers, .. } => {
                 alt = modifiers.alt;
                 let modified = modifiers.alt || modifiers.ctrl || modifiers.command;
-                let found = SHORTCUTS.iter().find(|shortcut| {
+                let is_it = |shortcut: &&Shortcut| {
                     shortcut.physical == *key && modifiers.matches_exact(shortcut.modifiers) && shortcut.key.is_on(kind)
-                });
+                };
+                let found = SHORTCUTS.iter().find(is_it).filter(|_| !(words && !modified && *key == egui::Key::Space));
                 match found {
                     Some(shortcut) if !repeat => asked.keys.push(*shortcut),
                     Some(_) => {}
@@ -197,7 +198,10 @@ impl Asked {
             egui::Key::PageDown => self.pages += 1,
             egui::Key::Enter => self.edits.push(Edit::Enter),
             egui::Key::Escape => self.edits.push(Edit::Cancel),
-            egui::Key::Backspace | egui::Key::Delete => self.edits.push(Edit::Back),
+            egui::Key::Backspace => self.edits.push(Edit::Back),
+            egui::Key::Delete => self.edits.push(Edit::Delete),
+            egui::Key::Home => self.edits.push(Edit::LineStart),
+            egui::Key::End => self.edits.push(Edit::LineEnd),
             egui::Key::ArrowUp => self.edits.push(Edit::Up),
             egui::Key::ArrowDown => self.edits.push(Edit::Down),
             egui::Key::ArrowLeft => self.edits.push(Edit::Left),

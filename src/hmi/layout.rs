@@ -200,8 +200,8 @@ const TABLE: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 2)
 const CLAMPED: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 1);
 /// Main spindle, fluids and tool post of a lathe.
 const SPINDLE_DRIVE: Unit =
-    Unit(Text::new("主轴", "SPDL"), &[Key::SpindleForward, Key::SpindleReverse, Key::SpindleStop], 1);
-const FLUIDS_LATHE: Unit = Unit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication], 1);
+    Unit(Text::new("主轴", "SPDL"), &[Key::SpindleForward, Key::SpindleReverse, Key::SpindleStop], 2);
+const FLUIDS_LATHE: Unit = Unit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication], 2);
 const POST: Unit = Unit(Text::new("刀架", "POST"), &[Key::ToolPost], 4);
 const GAUGES_WIDE: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 4);
 const GAUGES: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 2);
@@ -280,8 +280,10 @@ impl Build<'_> {
     fn functions(&mut self) {
         let (beside, below) = units(self.kind, self.wide);
         self.at.y += CAPTION;
-        for (column, Unit(caption, keys, _)) in beside.iter().enumerate() {
-            self.column(column, keys, *caption);
+        let mut column = 0;
+        for Unit(caption, keys, columns) in beside {
+            self.column(column, *columns, keys, *caption);
+            column += columns;
         }
         self.down(UNIT_ROWS, BETWEEN);
         self.at.y += CAPTION;
@@ -298,8 +300,9 @@ impl Build<'_> {
     }
 
     /// Keys one under the other; two of them share the height of three.
-    fn column(&mut self, column: usize, keys: &[Key], caption: Text) {
+    fn column(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
         let top = self.cell(self.columns(), column, 0);
+        let top = top.union(self.cell(self.columns(), column + columns - 1, 0));
         let height = UNIT_ROWS * self.key + (UNIT_ROWS - 1.0) * INNER;
         let each = (height - (keys.len() as f32 - 1.0) * INNER) / keys.len() as f32;
         for (index, key) in keys.iter().enumerate() {

@@ -6,6 +6,7 @@ use egui::{Id, Rect, Sense, Ui, vec2};
 use super::theme;
 use super::view::{View, card};
 use super::widget::{self, Look};
+use crate::defs::kind::Kind;
 use crate::defs::text::Text;
 
 /// A board of keys.
@@ -35,22 +36,17 @@ pub const SEARCH: Board = Board {
     rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"],
     done: Text::new("完成", "OK"),
 };
-/// For a block of a program.
-pub const BLOCK: Board = Board {
-    words: &[
-        Text::new("G00", "G00"),
-        Text::new("G01", "G01"),
-        Text::new("G04", "G04"),
-        Text::new("G50", "G50"),
-        Text::new("G54", "G54"),
-        Text::new("M03", "M03"),
-        Text::new("M05", "M05"),
-        Text::new("M08", "M08"),
-        Text::new("M09", "M09"),
-    ],
-    rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#[]()=+*/ ", "ZXCVBNM-"],
-    done: Text::new("输入", "INPUT"),
-};
+/// For a block of a program, with the codes that the kind's programs have most.
+#[must_use]
+pub const fn block(kind: Kind) -> Board {
+    let face = kind.face();
+    let rows: &[&str] = if face.macros { SIGNS } else { PLAIN_SIGNS };
+    Board { words: face.codes, rows, done: Text::new("输入", "INPUT") }
+}
+
+const SIGNS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#[]()=+*/ ", "ZXCVBNM-"];
+/// Without those of the macro language.
+const PLAIN_SIGNS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"];
 /// For a page text: the words of its labels.
 pub const PAGE: Board = Board {
     words: &[

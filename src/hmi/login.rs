@@ -116,13 +116,13 @@ impl Talk {
             Edit::Char(sign) if sign.is_ascii_digit() && self.text.len() < *PASSWORD_LENGTH.end() => {
                 self.text.push(sign);
             }
-            Edit::Back => {
+            Edit::Back | Edit::Delete => {
                 self.text.pop();
             }
             Edit::Cancel => return true,
             Edit::Enter if !self.text.is_empty() => self.enter(out),
             Edit::Enter | Edit::Char(_) | Edit::Sign | Edit::Up | Edit::Down => {}
-            Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {}
+            Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd | Edit::Next | Edit::Previous => {}
         }
         false
     }

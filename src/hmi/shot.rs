@@ -104,6 +104,12 @@ impl Stage {
         self.raster.paint(&primitives, self.scale, self.size, self.hmi.ground())
     }
 
+    /// What the last frame painted, in its order.
+    #[must_use]
+    pub fn shapes(&self) -> &[egui::epaint::ClippedShape] {
+        &self.shapes
+    }
+
     /// Every text of the last frame with the place that its ink takes, its clip rectangle, and whether it was cut.
     #[must_use]
     pub fn texts(&self) -> Vec<(String, Rect, Rect, bool)> {

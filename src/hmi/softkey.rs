@@ -8,8 +8,10 @@ use super::keycap::{self, Face};
 use super::page::position::Shown;
 use super::theme;
 use super::view::{View, fit, put};
+use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::text::Text;
+use crate::link::Snapshot;
 
 /// What a soft key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +63,7 @@ const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
     SoftKey { label: Text::new(zh, en), act }
 }
 
-/// The rows that ▶ turns through.
+/// The rows that ▶ turns through; the simulator's is the last. A kind has at most five keys of each.
 pub const ROWS: [&[SoftKey]; 5] = [
     &[
         key("相对", "RELATIVE", SoftAct::Position(Shown::Relative)),
@@ -69,6 +71,8 @@ pub const ROWS: [&[SoftKey]; 5] = [
         key("机床", "MACHINE", SoftAct::Position(Shown::Machine)),
         key("磨削", "GRINDING", SoftAct::Open(Page::Grinding)),
         key("砂轮修整", "DRESSING", SoftAct::Open(Page::Dressing)),
+        key("录返", "TEACH-IN", SoftAct::Open(Page::Teach)),
+        key("刀具棒料", "TOOLS, BAR", SoftAct::Open(Page::Tools)),
     ],
     &[
         key("参数", "PARAMS", SoftAct::Open(Page::Params)),
@@ -94,11 +98,38 @@ pub const ROWS: [&[SoftKey]; 5] = [
     &[key("模拟", "SIMULATOR", SoftAct::Open(Page::Simulator))],
 ];
 
+/// The keys of a row on a kind.
+pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = &'static SoftKey> {
+    let has = move |soft: &&SoftKey| !matches!(soft.act, SoftAct::Open(page) if !page.is_on(kind));
+    ROWS.get(row % ROWS.len()).into_iter().flat_map(|row| row.iter()).filter(has)
+}
+
+impl SoftKey {
+    /// Its label on a kind.
+    #[must_use]
+    pub const fn label_on(&self, kind: Kind) -> Text {
+        match self.act {
+            SoftAct::Open(Page::Mdi) => Page::Mdi.title_on(kind),
+            _ => self.label,
+        }
+    }
+
+    fn words(&self, view: &View<'_>) -> &'static str {
+        self.label_on(view.snapshot.kind).get(view.lang)
+    }
+}
+
+/// The number of rows of a machine: where none is simulated, the last one is not there.
+#[must_use]
+pub const fn rows(snapshot: &Snapshot) -> usize {
+    if snapshot.simulated.is_some() { ROWS.len() } else { ROWS.len() - 1 }
+}
+
 /// The row that is turned to when a page opens.
 #[must_use]
 pub const fn row_of(page: Page) -> usize {
     match page {
-        Page::Position | Page::Panel | Page::Dressing => 0,
+        Page::Position | Page::Panel | Page::Dressing | Page::Teach | Page::Tools => 0,
         Page::Grinding | Page::Params | Page::Diagnosis | Page::Graphic | Page::Transfer => 1,
         Page::Program | Page::Designer | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
         Page::Process | Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
@@ -121,7 +152,9 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
     let inner = rect.shrink2(vec2(theme::GAP, 3.0));
     let next_width = 52.0;
     let width = (inner.width() - next_width - 5.0 * theme::GAP) / 5.0;
-    for (index, soft) in ROWS[row % ROWS.len()].iter().enumerate() {
+    let rows = rows(view.snapshot);
+    let row = row % rows;
+    for (index, soft) in self::row(view.snapshot.kind, row).enumerate() {
         let left = inner.min.x + index as f32 * (width + theme::GAP);
         let place = Rect::from_min_size(pos2(left, inner.min.y), vec2(width, inner.height()));
         if one(ui, view, place, index, soft, chosen(soft.act)) {
@@ -135,14 +168,14 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
     keycap::plate(ui.painter(), view.theme, place, face);
     let (sign, count) = place.split_top_bottom_at_fraction(0.6);
     put(ui.painter(), sign, Align2::CENTER_CENTER, "▶", theme::TITLE, view.theme.text);
-    let which = format!("{}/{}", row % ROWS.len() + 1, ROWS.len());
+    let which = format!("{}/{}", row + 1, rows);
     put(ui.painter(), count, Align2::CENTER_CENTER, &which, theme::SMALL, view.theme.quiet);
     if response.clicked() { Some(Pressed::Next) } else { pressed }
 }
 
 fn one(ui: &Ui, view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chosen: bool) -> bool {
     let response = ui.interact(place, Id::unique(("soft", index)), Sense::CLICK);
-    let name = format!("{} f{}", soft.label.get(view.lang), index + 1);
+    let name = format!("{} f{}", soft.words(view), index + 1);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
     let face = Face { pressed: response.is_pointer_button_down_on(), ..Face::default() };
     let painter = ui.painter();
@@ -151,7 +184,7 @@ fn one(ui: &Ui, view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chos
     let tag = Rect::from_min_size(place.min + vec2(7.0, 3.0), vec2(30.0, 16.0));
     put(painter, tag, Align2::LEFT_CENTER, &format!("F{}", index + 1), theme::SMALL, view.theme.quiet);
     let words = Rect::from_min_max(pos2(place.min.x + 4.0, place.min.y + 16.0), place.max - vec2(4.0, 2.0));
-    fit(painter, words, Align2::CENTER_CENTER, soft.label.get(view.lang), theme::TITLE, ink);
+    fit(painter, words, Align2::CENTER_CENTER, soft.words(view), theme::TITLE, ink);
     if chosen {
         let bar = Rect::from_min_size(pos2(place.min.x + 6.0, place.max.y - 4.0), vec2(place.width() - 12.0, 3.0));
         painter.rect_filled(bar, 1.0, view.theme.info);

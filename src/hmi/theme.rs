@@ -173,6 +173,12 @@ impl Theme {
     }
 }
 
+/// What lies over the picture to leave so many percent of its brightness: all contrasts become smaller alike.
+#[must_use]
+pub fn veil(percent: u8) -> Color32 {
+    Color32::from_black_alpha((255.0 * (1.0 - f32::from(percent.min(100)) / 100.0)).round() as u8)
+}
+
 /// Contrast of two colours, 1 to 21.
 /// Source: WCAG 2.1, relative luminance.
 #[must_use]

@@ -43,7 +43,7 @@ impl Typing {
 
     /// A refused text goes with the next key, unless that mends it.
     pub fn next_key(&mut self, edit: Edit) {
-        if self.refused.take().is_some() && !matches!(edit, Edit::Back | Edit::Sign) {
+        if self.refused.take().is_some() && !matches!(edit, Edit::Back | Edit::Delete | Edit::Sign) {
             self.text.clear();
         }
     }
@@ -61,12 +61,13 @@ impl Typing {
                 Some(rest) => self.text = rest.to_owned(),
                 None => self.text.insert(0, '-'),
             },
-            Edit::Back => {
+            Edit::Back | Edit::Delete => {
                 self.text.pop();
             }
             Edit::Cancel if self.text.is_empty() => self.pad = false,
             Edit::Cancel => self.text.clear(),
-            Edit::Enter | Edit::Up | Edit::Down | Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {
+            Edit::Enter | Edit::Up | Edit::Down | Edit::Left | Edit::Right => return false,
+            Edit::LineStart | Edit::LineEnd | Edit::Next | Edit::Previous => {
                 return false;
             }
         }

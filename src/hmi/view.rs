@@ -6,6 +6,7 @@ use egui::text::LayoutJob;
 use egui::{Align2, Color32, CornerRadius, Galley, Painter, Pos2, Rect, Stroke, StrokeKind};
 
 use super::theme::{self, Theme};
+use crate::defs::date::Date;
 use crate::defs::text::{Lang, Text};
 use crate::link::Snapshot;
 use crate::units::Micros;
@@ -22,10 +23,12 @@ pub struct View<'a> {
     pub lang: Lang,
     /// Colours.
     pub theme: &'a Theme,
+    /// The light theme is in force.
+    pub light: bool,
+    /// Brightness of the picture, percent.
+    pub brightness: u8,
     /// Time of day as shown.
     pub clock: &'a str,
-    /// Time of day at power-on, seconds.
-    pub power_on_s: i64,
     /// The lit half of the 1 Hz blink.
     pub blink: bool,
 }
@@ -39,16 +42,21 @@ impl View<'_> {
 }
 
 impl View<'_> {
-    /// The time of day at a machine time; days before today in front.
+    /// The time of day at a machine time, with the day where it is not today; without a clock the time since power-on.
     #[must_use]
     pub fn time(&self, at: Micros) -> String {
-        const DAY: i64 = 86_400;
-        let of_day = |time: Micros| self.power_on_s + (time.0 / 1_000_000) as i64;
-        let (then, days) = (of_day(at).rem_euclid(DAY), of_day(self.snapshot.now).div_euclid(DAY));
-        let days = days - of_day(at).div_euclid(DAY);
-        let time = format!("{:02}:{:02}:{:02}", then / 3_600, then / 60 % 60, then % 60);
-        if days > 0 { format!("-{days}d {time}") } else { time }
+        let seconds = |time: Micros| (time.0 / 1_000_000) as i64;
+        let since = seconds(self.snapshot.now) - seconds(at);
+        let Some(today) = self.snapshot.date else { return Date(seconds(at)).time() };
+        let then = Date(today.0 - since);
+        if then.parts()[..3] == today.parts()[..3] { then.time() } else { then.to_string()["2026-".len()..].to_owned() }
     }
+}
+
+/// Date and time of the history; where there was no clock, the time since power-on.
+#[must_use]
+pub fn moment(date: Date) -> String {
+    if date.parts()[0] > 1_970 { date.to_string() } else { format!("+{}", date.time()) }
 }
 
 /// Lays one line of text out, cut with … at a width.

@@ -86,7 +86,7 @@ impl Walk {
                 }
                 Edit::Enter => self.enter = true,
                 Edit::Cancel => self.cursor = None,
-                Edit::Char(_) | Edit::Sign | Edit::Back => {}
+                Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::LineStart | Edit::LineEnd => {}
             }
         }
         self.drawn = 0;

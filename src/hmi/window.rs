@@ -35,10 +35,6 @@ pub trait Desk: Send {
     fn newest(&mut self) -> Arc<Snapshot>;
     /// Hands a command over. Must not block.
     fn send(&mut self, command: Command);
-    /// Time of day as the header shows it, such as `15:01:56`.
-    fn clock(&mut self) -> Option<String> {
-        None
-    }
     /// True when the program is to end and the window to close.
     fn is_over(&mut self) -> bool {
         false
@@ -54,6 +50,8 @@ pub struct Options {
     pub lang: Lang,
     /// The light theme.
     pub light: bool,
+    /// Brightness of the picture, percent.
+    pub brightness: u8,
 }
 
 /// Why there is no window.
@@ -100,6 +98,7 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
         Box::new(move |context| {
             let mut hmi = Hmi::new(options.lang);
             hmi.set_light(options.light);
+            hmi.set_brightness(options.brightness);
             hmi.install(&context.egui_ctx);
             watch(Arc::clone(&desk), context.egui_ctx.clone(), Arc::clone(&end));
             Ok(Box::new(Window { hmi, desk, fullscreen: options.fullscreen, alive: None, sized: false }))
@@ -115,20 +114,20 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
 /// Asks for a frame when something shown has changed, and at least twice a second.
 fn watch(desk: Shared, ctx: egui::Context, over: Arc<AtomicBool>) {
     thread::spawn(move || {
-        let mut last = (0, None);
+        let mut last = 0;
         let mut asked = Instant::now();
         while !over.load(Ordering::Relaxed) {
             thread::sleep(LOOK);
-            let (snapshot, clock, closing) = {
+            let (snapshot, closing) = {
                 let mut desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
-                (desk.newest(), desk.clock(), desk.is_over())
+                (desk.newest(), desk.is_over())
             };
             if closing {
                 ctx.send_viewport_cmd(ViewportCommand::Close);
                 ctx.request_repaint();
                 return;
             }
-            let now = (shown(&snapshot), clock);
+            let now = shown(&snapshot);
             if now != last || asked.elapsed() >= quiet(&snapshot) {
                 last = now;
                 asked = Instant::now();
@@ -151,6 +150,7 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     let mut hasher = DefaultHasher::new();
     let h = &mut hasher;
     (snapshot.page as u8, snapshot.mode as u8, snapshot.state as u8, snapshot.kind as u8).hash(h);
+    snapshot.date.hash(h);
     for (_, axis) in snapshot.axes.iter() {
         let lengths = [axis.work, axis.machine, axis.relative, axis.to_go];
         lengths.map(|length| (length * 1_000.0).round() as i64).hash(h);
@@ -256,9 +256,6 @@ impl eframe::App for Window {
         Self::scale(ui.ctx());
         let snapshot = {
             let mut desk = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
-            if let Some(clock) = desk.clock() {
-                self.hmi.set_clock(clock);
-            }
             desk.newest()
         };
         let commands = self.hmi.ui(ui, &snapshot);

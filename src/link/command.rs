@@ -6,6 +6,8 @@ use super::drawing::StockBox;
 use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
 use super::simulated::SimCommand;
+use super::teach::TeachCommand;
+use crate::defs::date::Date;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -86,6 +88,10 @@ pub enum Command {
     Page(PageCommand),
     /// What the simulator page asks of the simulated machine; a control never takes it.
     Simulate(SimCommand),
+    /// What the teach-in page asks (L9).
+    Teach(TeachCommand),
+    /// The computer's clock reads this; told now and then. Only dates that people read depend on it.
+    Calendar(Date),
     /// The screen is alive; without it the core stops after its keep-alive time.
     Alive,
 }

@@ -137,6 +137,8 @@ pub struct Drawing {
     pub lines: usize,
     /// The mistakes.
     pub faults: Vec<LineFault>,
+    /// Where a tool meets what it must not, work coordinates (L9).
+    pub crashes: Vec<[f32; 3]>,
     /// The run came to its end; otherwise it was cancelled, given up or cut.
     pub finished: bool,
 }

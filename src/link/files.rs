@@ -35,6 +35,8 @@ pub enum FileRequest {
         /// Replaces the file even so.
         force: bool,
     },
+    /// Keeps a recorded program under the next free name (L9).
+    Record(String),
     /// Reads lines of a text for their writing while they are typed.
     Look {
         /// O number, for the places of mistakes.

@@ -11,6 +11,7 @@ pub mod page_command;
 pub mod page_file;
 pub mod simulated;
 pub mod snapshot;
+pub mod teach;
 
 pub use command::Command;
 pub use page_command::PageCommand;

@@ -5,6 +5,7 @@
 use std::fmt;
 
 use super::files::{FileAnswer, FileRequest};
+use crate::defs::date::Date;
 use crate::defs::kind::Kind;
 use crate::defs::param::{Level, ParamAddress};
 use crate::defs::text::{Lang, Said, Text};
@@ -82,6 +83,11 @@ impl fmt::Debug for Secret {
 /// Least and most digits of a new password: digits only, so that the touch pad can type it.
 pub const PASSWORD_LENGTH: std::ops::RangeInclusive<usize> = 4..=16;
 
+/// How far the picture can be dimmed, percent: the darkest can still be read.
+pub const BRIGHTNESS: std::ops::RangeInclusive<u8> = 40..=100;
+/// A step of it.
+pub const BRIGHTNESS_STEP: u8 = 10;
+
 /// One request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PageCommand {
@@ -106,8 +112,12 @@ pub enum PageCommand {
     KeepLang(Lang),
     /// The light or the dark theme, now and at the next start.
     KeepLight(bool),
+    /// Brightness of the picture in percent, now and at the next start.
+    KeepBrightness(u8),
     /// Another RS232 port, from now on.
     KeepPort(String),
+    /// Date and time of day, from now on.
+    SetDate(Date),
     /// What concerns programs and folders, and the long calculations.
     File(FileRequest),
     /// The disk's answer to a wish.
@@ -134,6 +144,8 @@ pub enum PageWish {
     KeepLang(Lang),
     /// Keep the theme for the next start.
     KeepLight(bool),
+    /// Keep the brightness for the next start.
+    KeepBrightness(u8),
     /// Keep the RS232 port.
     KeepPort(String),
 }

@@ -17,6 +17,27 @@ pub enum SimCommand {
     Sharpen,
 }
 
+/// A lathe's working room as the drawing shows it. Lengths mm, radius; places of the bar in part coordinates.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RoomView {
+    /// The part's zero, machine coordinates X, Z.
+    pub zero_mm: (f32, f32),
+    /// Where the bar comes out of the chuck.
+    pub z_from_mm: f32,
+    /// Length of a cell.
+    pub cell_mm: f32,
+    /// Radius of each cell from the chuck to the face.
+    pub radius_mm: Vec<f32>,
+    /// Radius of the stock.
+    pub stock_mm: f32,
+    /// The chuck: from, to, radius.
+    pub bodies: Vec<(f32, f32, f32)>,
+    /// Where the tip of the tool in front stands off the slides' reference point, X, Z.
+    pub tip_mm: (f32, f32),
+    /// Its outline: Z from the tip, height over it.
+    pub outline_mm: Vec<(f32, f32)>,
+}
+
 /// The simulated machine as the page shows it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SimView {
@@ -34,6 +55,8 @@ pub struct SimView {
     pub sizes: Vec<(Said, f64)>,
     /// What happened to it, the latest last.
     pub events: Vec<Said>,
+    /// The working room of a lathe (L10).
+    pub room: Option<RoomView>,
 }
 
 /// The faults that need no further word.

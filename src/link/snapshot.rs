@@ -11,6 +11,9 @@ use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
 use super::files::FilesView;
 use super::internal::InternalSet;
 use super::simulated::SimView;
+use super::teach::TeachView;
+use crate::defs::date::Date;
+use crate::defs::history::PastAlarm;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
@@ -74,6 +77,12 @@ impl RunState {
         }
     }
 
+    /// A program or a homing is under way: what stops it must be at hand.
+    #[must_use]
+    pub const fn moves(self) -> bool {
+        matches!(self, Self::Running | Self::Waiting | Self::Homing)
+    }
+
     /// The word of the status line.
     #[must_use]
     pub const fn name(self) -> Text {
@@ -131,15 +140,6 @@ pub struct AlarmView {
     pub since: Micros,
     /// Program and line under way when it came; none outside a run.
     pub place: Option<(u32, u32)>,
-}
-
-/// One alarm of the history.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PastAlarm {
-    /// The alarm as it came.
-    pub alarm: Arc<AlarmView>,
-    /// When it went; none while it is present.
-    pub gone: Option<Micros>,
 }
 
 /// Who stands at the panel, and what came of the last password.
@@ -238,6 +238,10 @@ pub struct Snapshot {
     pub feed_mm_min: f64,
     /// Wheel speed commanded, rpm.
     pub wheel_rpm: f64,
+    /// The station of the tool post in front, 1 to 4, 0 unknown; none on kinds without one (L8).
+    pub station: Option<u32>,
+    /// The recording of what is moved by hand (L9).
+    pub teach: Arc<TeachView>,
     /// Measured strokes a minute of the axis that oscillates (K4.3).
     pub strokes_min: Option<f64>,
     /// Workpieces counted.
@@ -270,8 +274,10 @@ pub struct Snapshot {
     pub analog_volts: [f64; 2],
     /// States inside the control.
     pub internals: InternalSet,
-    /// Alarms that came since power-on, the latest last; replaced only when one comes or goes.
-    pub alarm_history: Arc<Vec<PastAlarm>>,
+    /// Alarms that came, also before the last power-off, the latest last; replaced only when one comes or goes.
+    pub alarm_history: Arc<Vec<Arc<PastAlarm>>>,
+    /// Date and time of day; none where nobody has told them.
+    pub date: Option<Date>,
     /// The parameters; replaced only when one is changed.
     pub params: Arc<Params>,
     /// The simulated machine, where it is one.
@@ -387,6 +393,8 @@ impl Snapshot {
             spindle_override: 100,
             feed_mm_min: 0.0,
             wheel_rpm: 0.0,
+            station: None,
+            teach: Arc::default(),
             strokes_min: None,
             parts: 0,
             cycle_seconds: 0.0,
@@ -404,6 +412,7 @@ impl Snapshot {
             analog_volts: [0.0; 2],
             internals: InternalSet::default(),
             alarm_history: Arc::default(),
+            date: None,
             params: Arc::new(Params::factory(kind)),
             simulated: None,
             stock: Arc::from([]),

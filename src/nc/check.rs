@@ -30,9 +30,9 @@ pub struct Checked {
     pub faults: Vec<Fault>,
     /// What is allowed and seldom meant: null in arithmetic, a block after `;`, a loop that does not end here.
     pub warnings: Vec<Fault>,
-    /// The way of all moves, mm.
+    /// The way of all moves, mm; of a loop that does not end here, up to where it began to repeat.
     pub length_mm: f64,
-    /// The time at programmed feeds, acceleration left out, seconds.
+    /// The time at programmed feeds, acceleration left out, seconds; counted as the way.
     pub seconds: f64,
     /// Least and greatest coordinates of all moves, work frame, radius mm; none without a move.
     pub extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
@@ -84,14 +84,16 @@ pub fn check_until(
         visited: Visited::new(source.line_count()),
         told: HashSet::new(),
         text_end: None,
+        repeated: Way::default(),
     };
     if run.follow(&mut interpreter, world, sink) {
         run.read_the_rest();
     }
+    let repeated = run.repeated;
     let mut found = run.found;
     found.faults.sort_by_key(|fault| (fault.place.program != source.number(), fault.place.program, fault.place.line));
-    found.length_mm = world.length_mm();
-    found.seconds = world.seconds();
+    found.length_mm = world.length_mm() - repeated.length_mm;
+    found.seconds = world.seconds() - repeated.seconds;
     found.extents = world.extents();
     found.lines = source.line_count();
     found
@@ -103,9 +105,10 @@ pub fn check_until(
 pub fn look(source: &Arc<Source>, settings: &Settings) -> Vec<Fault> {
     let visited = Visited::new(source.line_count());
     let found = Checked::default();
-    let mut run = Run { source, settings, found, visited, told: HashSet::new(), text_end: None };
+    let repeated = Way::default();
+    let mut run = Run { source, settings, found, visited, told: HashSet::new(), text_end: None, repeated };
     run.read_the_rest();
-    run.found.faults.retain(|fault| fault.error != E::MissingTarget);
+    run.found.faults.retain(|fault| !matches!(fault.error, E::MissingTarget | E::MissingLabel | E::LabelElsewhere));
     run.found.faults
 }
 
@@ -136,6 +139,44 @@ struct Run<'r> {
     told: HashSet<(u32, u32, E)>,
     /// The line (from 0) behind which nothing counts: its `%` ended the run.
     text_end: Option<u32>,
+    /// What loops that do not end here have come to.
+    repeated: Way,
+}
+
+/// Way and time of a world.
+#[derive(Clone, Copy, Debug, Default)]
+struct Way {
+    length_mm: f64,
+    seconds: f64,
+}
+
+impl Way {
+    fn of(world: &CheckWorld) -> Self {
+        Self { length_mm: world.length_mm(), seconds: world.seconds() }
+    }
+}
+
+/// How far a run has come: to its last line that was new.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    way: Way,
+    /// The main program's line, from 0, at present.
+    line: u32,
+    /// Where it went back since, last.
+    back: Option<u32>,
+}
+
+impl Progress {
+    /// A line of the main program; `new` if the run has not been there.
+    #[inline]
+    fn see(&mut self, line: u32, new: bool, world: &CheckWorld) {
+        if new {
+            (self.way, self.back) = (Way::of(world), None);
+        } else if line < self.line {
+            self.back = Some(self.line);
+        }
+        self.line = line;
+    }
 }
 
 impl Run<'_> {
@@ -147,17 +188,20 @@ impl Run<'_> {
         sink: &mut dyn FnMut(&Block) -> bool,
     ) -> bool {
         let mut block = Block::new(self.settings);
-        let (mut standstill, mut left) = (0, 0);
+        let (mut standstill, mut left, mut progress) = (0, 0, Progress::default());
         // A word was left out somewhere: what is in force may differ from what it will be in the run.
         let mut left_out = false;
         while !interpreter.has_ended() {
             let (source, line) = interpreter.at_line();
             let main = Arc::ptr_eq(source, self.source);
-            standstill = if main && self.visited.mark(line) { 0 } else { standstill + 1 };
+            let new = main && self.visited.mark(line);
+            if main {
+                progress.see(line, new, world);
+            }
+            standstill = if new { 0 } else { standstill + 1 };
             if standstill > STANDSTILL_LIMIT {
-                let place = interpreter.place();
-                let title = interpreter.at_line().0.title();
-                self.warn(Fault::new(title, place, 1, Wrong { at: 0, error: E::Endless, details: Default::default() }));
+                self.give_up(interpreter, progress, world);
+                progress.way = Way::of(world);
                 left += 1;
                 if left > LEFT_LOOPS || !interpreter.leave_loop() {
                     return true;
@@ -194,6 +238,18 @@ impl Run<'_> {
         }
         self.found.finished = true;
         true
+    }
+
+    /// Tells of a loop that does not end here, at the line that leads back into it; its repetitions do not count.
+    fn give_up(&mut self, interpreter: &Interpreter, progress: Progress, world: &CheckWorld) {
+        let (place, title) = match progress.back {
+            Some(line) => (Place { program: self.source.number(), line: line + 1, n: None }, self.source.title()),
+            None => (interpreter.place(), interpreter.at_line().0.title()),
+        };
+        self.warn(Fault::new(title, place, 1, Wrong { at: 0, error: E::Endless, details: Default::default() }));
+        let now = Way::of(world);
+        self.repeated.length_mm += now.length_mm - progress.way.length_mm;
+        self.repeated.seconds += now.seconds - progress.way.seconds;
     }
 
     /// Lines that the run did not come to are read for their writing.

@@ -227,7 +227,10 @@ impl Source {
     pub(crate) fn foreign(&self, at: usize) -> Option<(char, String)> {
         let rest = self.bytes.get(at..(at + 4).min(self.bytes.len()))?;
         let character = self.decode(rest).chars().next()?;
-        Some((character, ascii_for(character).map_or_else(|| "( )".to_owned(), |ascii| format!("'{ascii}'"))))
+        // Otherwise a comment is meant; a SINUMERIK's has no brackets.
+        let end = self.name.rsplit_once('.').map(|(_, end)| end.to_ascii_uppercase());
+        let comment = if matches!(end.as_deref(), Some("MPF" | "SPF")) { ";" } else { "( )" };
+        Some((character, ascii_for(character).map_or_else(|| comment.to_owned(), |ascii| format!("'{ascii}'"))))
     }
 
     fn index(&mut self) {

@@ -76,6 +76,7 @@ pub fn of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Option<P
         gauge: None,
         bar: Some(bar),
         surfaces: Vec::new(),
+        head_deg: 0.0,
         finished: None,
     })
 }

@@ -29,9 +29,6 @@ const PAGES: std::ops::RangeInclusive<u16> = 1..=20;
 const R_PAGES: std::ops::RangeInclusive<u16> = 801..=803;
 /// Number of the dressing page's picture, B0100.BMP (K7.6).
 const DRESSING_PICTURE: u16 = 100;
-/// Numbers of programs that have names.
-const FIRST_NAMED: u32 = 8_001;
-const LAST_NAMED: u32 = 8_999;
 /// Size of a page picture, pixels.
 pub const PICTURE_SIZE: (u32, u32) = (200, 400);
 /// Bytes of a page picture: 54 of header, three a pixel (K5.12).
@@ -47,7 +44,7 @@ pub struct Folders {
     pub programs: PathBuf,
     /// Page texts and pictures.
     pub screens: PathBuf,
-    /// Programs have names (`SHAFT.NC`) instead of O numbers; the control counts them from 8001 by name.
+    /// Programs have names (`SHAFT.NC`) instead of O numbers (L1).
     pub named: bool,
 }
 
@@ -134,14 +131,15 @@ impl Folders {
         let shelf = self.shelf();
         let names = shelf.list().unwrap_or_default();
         let (mut rows, mut directory) = (Vec::new(), Vec::new());
-        for (file, number) in names.into_iter().zip(FIRST_NAMED..=LAST_NAMED) {
+        for file in names {
             let Ok(Read { name, bytes }) = shelf.read(&file.name) else { continue };
             let size = bytes.len() as u64;
-            let program = program(number, &name, bytes);
-            let title = program.source.comment_title().unwrap_or_default();
-            let comment = format!("{name} {title}").trim_end().to_owned();
-            let called = defs::program::title(number);
-            directory.push(DirectoryRow { number, name: called, size, comment, modified: String::new() });
+            let stem = defs::program::stem(&name).to_ascii_uppercase();
+            let program = program(defs::program::number(&stem), &name, bytes);
+            let comment = program.source.comment_title().unwrap_or_default();
+            let told = self.programs.join(&name).metadata().ok();
+            let modified = shown_time(told.and_then(|metadata| metadata.modified().ok()));
+            directory.push(DirectoryRow { number: program.number, name: stem, size, comment, modified });
             rows.push(program);
         }
         (Programs::new(rows), directory)

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{RecvTimeoutError, Sender, bounded};
 
+use super::clock;
 use super::disk::Folders;
 use super::keeper::Keeper;
 use super::office::Office;
@@ -22,6 +23,8 @@ use crate::store::{Changed, Watch};
 
 /// How long the thread waits for wishes before it looks at the folders again.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
+/// How often the core is told what the computer's clock reads.
+const CLOCK_EVERY: Duration = Duration::from_secs(10);
 /// Jobs that wait for the office.
 const JOBS: usize = 8;
 /// Most batches of wishes in one commit.
@@ -44,7 +47,12 @@ pub fn start(
         let mut watch = Watch::start(&folders.programs, &folders.screens);
         deliver(&end.commands, &end.deliveries, &folders, Changed::Programs);
         deliver(&end.commands, &end.deliveries, &folders, Changed::Screens);
+        let mut told = None::<Instant>;
         loop {
+            if told.is_none_or(|told| told.elapsed() >= CLOCK_EVERY) {
+                told = Some(Instant::now());
+                drop(end.commands.send(Command::Calendar(clock::local())));
+            }
             match end.wishes.recv_timeout(LOOK_EVERY) {
                 Ok(first) => keep(&end, keeper.as_mut(), (&office, &jobs, &line), first),
                 Err(RecvTimeoutError::Timeout) => {}

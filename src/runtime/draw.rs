@@ -7,9 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::office::line_fault;
 use crate::controller::files::{Job, Start};
 use crate::controller::{Program, Programs};
-use crate::defs::text::Text;
+use crate::defs::text::{Said, Text};
+use crate::io::sim::{LatheRehearsal, MachineFile};
 use crate::link::drawing::{Drawing, MOST_POINTS, Point, Way};
-use crate::link::files::FileAnswer;
+use crate::link::files::{FileAnswer, LineFault};
 use crate::nc::{CheckWorld, Library, Op, World, check_until};
 use crate::units::PerAxis;
 
@@ -17,6 +18,8 @@ use crate::units::PerAxis;
 pub const NAME: Text = Text::new("正在计算图形", "computing the path");
 /// Blocks between two looks at progress and cancel.
 const LOOK_EVERY: u64 = 4_096;
+/// Most places of interference that are told.
+const CRASHES: usize = 20;
 /// Most chords of a full circle, and how far a chord may lie off its arc, mm.
 const CHORDS: f64 = 180.0;
 const SAG_MM: f64 = 0.002;
@@ -37,11 +40,13 @@ pub fn draw(
         .at(start.position)
         .with_frames(start.frames.clone());
     start.system.iter().for_each(|(number, value)| world.set_system(*number, Some(*value)));
-    let mut pen = Pen { world: world.clone(), points: Vec::new(), last: None };
+    let rehearsal = rehearsal(program, start);
+    let mut pen = Pen { world: world.clone(), points: Vec::new(), last: None, rehearsal, met: Vec::new() };
     let (lines, mut blocks, mut furthest) = (program.source.line_count().max(1), 0_u64, 0);
     let memory = start.memory.clone();
     let checked = check_until(&program.source, &library, &job.settings, memory, &mut world, &mut |block| {
-        block.ops.iter().for_each(|op| pen.go(op));
+        let line = if block.at.program == program.number { block.at.line } else { 0 };
+        block.ops.iter().for_each(|op| pen.go(op, line));
         blocks += 1;
         if blocks.is_multiple_of(LOOK_EVERY) {
             if block.at.program == program.number {
@@ -60,11 +65,46 @@ pub fn draw(
         length_mm: checked.length_mm,
         seconds: checked.seconds,
         lines: checked.lines,
+        crashes: pen.met.iter().map(|met| met.at).collect(),
         faults: checked.faults.iter().filter(|fault| fault.place.program == program.number).map(line_fault).collect(),
         finished: checked.finished,
     };
+    drawing.faults.extend(pen.met.iter().map(Met::fault));
+    drawing.faults.sort_by_key(|fault| fault.line);
     drawing.take_path(pen.points);
     drawing
+}
+
+/// The bar of a lathe's program and its tools, to be gone through before anything moves (L9).
+fn rehearsal(program: &Program, start: &Start) -> Option<LatheRehearsal> {
+    let part = super::bar::of_program(start.kind, &start.params, &program.source)?;
+    let machine = MachineFile::builtin(start.kind).ok()?;
+    LatheRehearsal::new(&part, machine.tool_post.as_ref()?, &start.params)
+}
+
+/// What a tool has met, and where.
+#[derive(Debug)]
+struct Met {
+    line: u32,
+    what: &'static str,
+    at: [f32; 3],
+}
+
+impl Met {
+    fn fault(&self) -> LineFault {
+        let zh = match self.what {
+            "chuck" => "刀具碰卡盘",
+            "part, shank of the tool" => "刀杆碰工件",
+            "part, spindle standing" => "主轴不转时切入工件",
+            _ => "快速切入工件",
+        };
+        let (x, z) = (2.0 * self.at[0], self.at[2]);
+        let said = Said::new(
+            format!("干涉：{zh}，X{x:.2} Z{z:.2}；请改路径或换刀"),
+            format!("interference: {}, X{x:.2} Z{z:.2}; change the path or the tool", self.what),
+        );
+        LineFault { line: self.line, column: 1, said }
+    }
 }
 
 /// Follows the operations with a world of its own and notes where they lead.
@@ -73,16 +113,62 @@ struct Pen {
     points: Vec<Point>,
     /// Where the path ended; a change of frame leaves it elsewhere.
     last: Option<[f32; 3]>,
+    rehearsal: Option<LatheRehearsal>,
+    met: Vec<Met>,
 }
 
 impl Pen {
-    fn go(&mut self, op: &Op) {
+    /// Goes on with an operation of a line, 0 where it stands in another program.
+    fn go(&mut self, op: &Op, line: u32) {
         let from = self.world.position();
+        let before = self.points.len();
         self.world.apply(op);
+        self.draw(op, from);
+        if let Some(mut rehearsal) = self.rehearsal.take() {
+            let met = self.rehearse(&mut rehearsal, op, from, before);
+            if let Some((what, at)) = met.filter(|_| self.met.len() < CRASHES) {
+                self.met.push(Met { line, what, at });
+            }
+            self.rehearsal = Some(rehearsal);
+        }
+    }
+
+    /// The same operation with the tool on the bar: what it meets first, and where its piece of way ends.
+    fn rehearse(
+        &self,
+        rehearsal: &mut LatheRehearsal,
+        op: &Op,
+        from: PerAxis<f64>,
+        before: usize,
+    ) -> Option<(&'static str, [f32; 3])> {
+        match op {
+            Op::Preset { .. } => rehearsal.rename(from, self.world.position()),
+            Op::Post { station, by } => rehearsal.change(usize::from(*station).saturating_sub(1), *by),
+            Op::M { code: 3 | 4, .. } => rehearsal.turn(true),
+            Op::M { code: 5, .. } => rehearsal.turn(false),
+            _ => {}
+        }
+        // The pieces that were drawn for it.
+        let mut at = from;
+        for point in self.points.iter().skip(before).filter(|point| point.way != Way::Lift) {
+            let to = PerAxis(point.at.map(f64::from));
+            if let Some(what) = rehearsal.go(at, to, point.way == Way::Rapid) {
+                return Some((what, point.at));
+            }
+            at = to;
+        }
+        None
+    }
+
+    fn draw(&mut self, op: &Op, from: PerAxis<f64>) {
         let to = self.world.position();
         match op {
             Op::Rapid { .. } | Op::MachineMove { feed: None, .. } => self.line(from, to, Way::Rapid),
             Op::Feed { .. } | Op::Skip { .. } | Op::MachineMove { feed: Some(_), .. } => self.line(from, to, Way::Feed),
+            Op::Thread(threading) => {
+                self.line(from, threading.out, Way::Feed);
+                self.line(threading.out, to, Way::Feed);
+            }
             Op::Reference { via, .. } => {
                 self.line(from, *via, Way::Rapid);
                 self.line(*via, to, Way::Rapid);

@@ -15,6 +15,7 @@ use crate::units::{Axis, PerAxis};
 
 const CURRENT_PROGRAM: &str = "current-program";
 const PARTS: &str = "parts";
+const CLOCK_OFFSET: &str = "clock-offset";
 const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
 const RUNNING_AT: &str = "running-at";
 /// More lines than a program has: what program and line are put together by.
@@ -86,6 +87,10 @@ fn change(effect: &Effect) -> Option<store::Change> {
         Effect::CurrentProgram(number) => {
             store::Change::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
         }
+        Effect::Alarm(past) => store::Change::Alarm(past.clone()),
+        Effect::ClockOffset(seconds) => {
+            store::Change::Number { key: CLOCK_OFFSET.into(), value: Some(*seconds as f64) }
+        }
         Effect::Parts(parts) => store::Change::Number { key: PARTS.into(), value: Some(f64::from(*parts)) },
         Effect::RunningAt(place) => store::Change::Number {
             key: RUNNING_AT.into(),
@@ -115,6 +120,11 @@ pub fn remember(retained: &mut Retained, effect: &Effect) {
         Effect::DressPoint(axis, at) => retained.dress_points[*axis] = Some(*at),
         Effect::Screw(axis, table) => retained.screws[*axis] = table.clone(),
         Effect::CurrentProgram(number) => retained.current_program = *number,
+        Effect::Alarm(past) => {
+            retained.alarms.retain(|other| other.slot() != past.slot());
+            retained.alarms.push((**past).clone());
+        }
+        Effect::ClockOffset(seconds) => retained.clock_offset_s = *seconds,
         Effect::Parts(parts) => retained.parts = *parts,
         Effect::RunningAt(place) => retained.interrupted = *place,
         Effect::Ask(_) | Effect::Job(_) => {}
@@ -152,6 +162,8 @@ fn restore(kind: Kind, loaded: &store::Loaded) -> (Retained, Vec<String>) {
     let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);
     retained.current_program = number(CURRENT_PROGRAM);
     retained.parts = number(PARTS);
+    retained.alarms = loaded.alarms.values().cloned().collect();
+    retained.clock_offset_s = loaded.numbers.get(CLOCK_OFFSET).map_or(0, |seconds| *seconds as i64);
     retained.interrupted = loaded.numbers.get(RUNNING_AT).map(|at| ((at / LINES) as u32, (at % LINES) as u32));
     retained.dress_points = PerAxis::from_fn(|axis| loaded.numbers.get(DRESS_POINTS[axis as usize]).copied());
     (retained, dropped)

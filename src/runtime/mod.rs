@@ -2,6 +2,7 @@
 //! The only room with a clock and threads.
 
 pub mod bar;
+pub mod clock;
 pub mod disk;
 pub mod disk_thread;
 pub mod draw;

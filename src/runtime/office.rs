@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex};
 use encoding_rs::GBK;
 use ropey::Rope;
 
+use super::clock;
 use super::disk::Folders;
 use super::draw;
 use super::page_file::PageDesk;
@@ -17,12 +18,19 @@ use super::serial::courier::Courier;
 use super::serial::line::{Line, ports};
 use super::serial::sheet::Sheet;
 use super::transfer::{self, Carrier};
+use crate::controller::Programs;
 use crate::controller::files::Job;
+use crate::defs::date::Date;
+use crate::defs::kind::System;
+use crate::defs::program;
 use crate::defs::text::{Lang, Said};
 use crate::link::files::{FileAnswer, FileRequest, LineFault, Looked, Refusal};
 use crate::link::media::{Direction, MediaView, Set, Transfer};
 use crate::nc::{Fault, Settings, Source, look};
 use crate::store::{Encoding, Folder, FolderError, PROGRAM, Settings as Stored, Stick, decode, stamp};
+
+/// Most recordings that a folder keeps.
+const RECORDS: u32 = 99;
 
 /// A flag that ends long work.
 pub type Cancelled = Arc<AtomicBool>;
@@ -92,16 +100,8 @@ impl Office {
         if is_long(&job.request) {
             self.cancelled.store(false, Ordering::Release);
         }
-        let programs = Folder::new(&self.folders.programs);
-        if self.folders.named && writes_programs(&job.request) {
-            // Their files are not called by number: nothing may be written under a name that was counted.
-            let said = Said::new(
-                "按名称的程序请在电脑上修改后拷入",
-                "programs with names are changed on a computer and copied in",
-            );
-            tell(FileAnswer::Refused(Refusal::Because(said)));
-            return Changed::default();
-        }
+        let (programs, date) = (Folder::new(&self.folders.programs), of(job));
+        let called = |number: u32| Called::new(number, &job.programs);
         let done = match &job.request {
             FileRequest::MayEdit(_) | FileRequest::Cancel => return Changed::default(),
             FileRequest::Look { number, first, text, token } => {
@@ -119,13 +119,13 @@ impl Office {
                 return Changed::default();
             }
             FileRequest::Print(picture) => {
-                let done = transfer::print(picture, self.prints.as_deref(), self.stick().as_ref());
+                let done = transfer::print(picture, date, self.prints.as_deref(), self.stick().as_ref());
                 tell(FileAnswer::Printed(done));
                 return Changed::default();
             }
             FileRequest::Table(text) => {
                 let stick = self.stick();
-                let done = transfer::keep(text.as_bytes(), "CSV", self.prints.as_deref(), stick.as_ref());
+                let done = transfer::keep(text.as_bytes(), (date, "CSV"), self.prints.as_deref(), stick.as_ref());
                 tell(FileAnswer::Printed(done));
                 return Changed::default();
             }
@@ -142,11 +142,12 @@ impl Office {
             }
             FileRequest::Transfer(ask) if ask.set == Set::Serial => return self.over_the_line(ask, job, tell),
             FileRequest::Transfer(ask) => return self.carry(ask, job, tell),
-            FileRequest::Save { number, text, base, force } => save(&programs, *number, text, *base, *force),
-            FileRequest::New(number) => new(&programs, *number),
-            FileRequest::Copy { from, to } => copy(&programs, *from, *to),
+            FileRequest::Save { number, text, base, force } => save(&programs, &called(*number), text, (*base, *force)),
+            FileRequest::Record(text) => record(&programs, text),
+            FileRequest::New(number) => new(&programs, *number, &job.settings),
+            FileRequest::Copy { from, to } => copy(&programs, &called(*from), *to),
             FileRequest::Rename { from, to } => rename(&programs, *from, *to),
-            FileRequest::Delete(number) => delete(&programs, *number),
+            FileRequest::Delete(number) => delete(&programs, &called(*number)),
         };
         let changed = Changed { programs: done.is_ok(), screens: false };
         tell(done.unwrap_or_else(FileAnswer::Refused));
@@ -154,17 +155,44 @@ impl Office {
     }
 }
 
-/// Whether a request changes files of the folder of programs by their numbers.
-fn writes_programs(request: &FileRequest) -> bool {
-    match request {
-        FileRequest::Save { .. } | FileRequest::New(_) | FileRequest::Copy { .. } => true,
-        FileRequest::Rename { .. } | FileRequest::Delete(_) => true,
-        // What is carried goes by its name.
-        FileRequest::Transfer(_) => false,
-        FileRequest::ReadPage { .. } | FileRequest::SavePage { .. } | FileRequest::TakePicture { .. } => false,
-        FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Draw(_) | FileRequest::Media => false,
-        FileRequest::Print(_) | FileRequest::Table(_) | FileRequest::Cancel => false,
+/// A program as its folder knows it.
+#[derive(Debug)]
+struct Called {
+    number: u32,
+    /// Its file, where it goes by a name.
+    file: Option<String>,
+    /// What is told of it.
+    title: String,
+}
+
+impl Called {
+    fn new(number: u32, programs: &Programs) -> Self {
+        let source = programs.get(number).map(|program| &program.source);
+        let title = source.map_or_else(|| program::title(number), |source| source.title());
+        let file = source.filter(|_| program::is_named(number)).map(|source| source.name().to_owned());
+        Self { number, file, title }
     }
+
+    fn read(&self, folder: &Folder) -> Result<Vec<u8>, FolderError> {
+        let read = match &self.file {
+            Some(file) => folder.read_named(&PROGRAM, file),
+            None => folder.read(&PROGRAM, file_number(self.number).unwrap_or_default()),
+        };
+        read.map(|read| read.bytes)
+    }
+
+    fn write(&self, folder: &Folder, bytes: &[u8]) -> Result<(), Refusal> {
+        let written = match &self.file {
+            Some(file) => folder.write_named(&PROGRAM, file, bytes),
+            None => folder.write(&PROGRAM, file_number(self.number)?, bytes),
+        };
+        written.map(drop).map_err(|error| refused(&error))
+    }
+}
+
+/// Date and time for names of files: the machine's, else the computer's.
+fn of(job: &Job) -> Date {
+    job.date.unwrap_or_else(clock::local)
 }
 
 /// Whether a request is long work that 取消 ends.
@@ -205,7 +233,8 @@ impl Office {
             return Changed::default();
         };
         let holdings = job.holdings.as_deref();
-        let carrier = Carrier { folders: &self.folders, stick: &stick, holdings, cancelled: &self.cancelled };
+        let carrier =
+            Carrier { folders: &self.folders, stick: &stick, holdings, cancelled: &self.cancelled, date: of(job) };
         let done = carrier.carry(ask, tell).unwrap_or_else(FileAnswer::Refused);
         tell(done);
         // What is on both sides now is told as well.
@@ -266,26 +295,41 @@ fn file_number(number: u32) -> Result<u16, Refusal> {
 }
 
 /// Replaces a program, unless somebody else has changed it since. It keeps its encoding; a sign that GBK lacks makes it UTF-8.
-fn save(folder: &Folder, number: u32, text: &Rope, base: u64, force: bool) -> Result<FileAnswer, Refusal> {
-    let file = file_number(number)?;
-    let encoding = match folder.read(&PROGRAM, file) {
-        Ok(read) if !force && stamp(&read.bytes) != base => return Err(Refusal::Conflict),
-        Ok(read) => decode(&read.bytes).map_or(Encoding::Utf8, |decoded| decoded.encoding),
+fn save(folder: &Folder, of: &Called, text: &Rope, (base, force): (u64, bool)) -> Result<FileAnswer, Refusal> {
+    let (number, title) = (of.number, &of.title);
+    let encoding = match of.read(folder) {
+        Ok(bytes) if !force && stamp(&bytes) != base => return Err(Refusal::Conflict),
+        Ok(bytes) => decode(&bytes).map_or(Encoding::Utf8, |decoded| decoded.encoding),
         // Deleted meanwhile: writing it again loses nothing.
         Err(FolderError::Missing { .. }) => Encoding::Utf8,
         Err(error) => return Err(refused(&error)),
     };
     let (bytes, kept) = encode(text, encoding);
-    folder.write(&PROGRAM, file, &bytes).map_err(|error| refused(&error))?;
+    of.write(folder, &bytes)?;
     let said = if kept {
-        Said::new(format!("O{number:04} 已保存"), format!("O{number:04} saved"))
+        Said::new(format!("{title} 已保存"), format!("{title} saved"))
     } else {
         Said::new(
-            format!("O{number:04} 已保存；含 GBK 以外的字，改用 UTF-8 编码"),
-            format!("O{number:04} saved as UTF-8: it holds signs that GBK lacks"),
+            format!("{title} 已保存；含 GBK 以外的字，改用 UTF-8 编码"),
+            format!("{title} saved as UTF-8: it holds signs that GBK lacks"),
         )
     };
     Ok(FileAnswer::Saved { said, number, stamp: stamp(&bytes) })
+}
+
+/// A recorded program, under the first free name of `TEACH01` to `TEACH99` (L9).
+fn record(folder: &Folder, text: &str) -> Result<FileAnswer, Refusal> {
+    for number in 1..=RECORDS {
+        let stem = format!("TEACH{number:02}");
+        match folder.read_named(&PROGRAM, &format!("{stem}.NC")) {
+            Err(FolderError::Missing { .. }) => {}
+            Ok(_) | Err(_) => continue,
+        }
+        folder.write_named(&PROGRAM, &format!("{stem}.NC"), text.as_bytes()).map_err(|error| refused(&error))?;
+        return Ok(FileAnswer::Done(Said::new(format!("录返程序 {stem} 已保存"), format!("recorded as {stem}"))));
+    }
+    let said = Said::new("TEACH01–TEACH99 都已存在，请先删除", "TEACH01 to TEACH99 are there already: delete one");
+    Err(Refusal::Because(said))
 }
 
 /// The bytes of a text; false: they are UTF-8 because GBK lacks a sign of it.
@@ -302,7 +346,7 @@ pub(super) fn encode(text: &Rope, encoding: Encoding) -> (Vec<u8>, bool) {
     (bytes, encoding == Encoding::Utf8)
 }
 
-fn new(folder: &Folder, number: u32) -> Result<FileAnswer, Refusal> {
+fn new(folder: &Folder, number: u32, settings: &Settings) -> Result<FileAnswer, Refusal> {
     let file = file_number(number)?;
     match folder.find(&PROGRAM, file) {
         Err(FolderError::Missing { .. }) => {}
@@ -314,14 +358,29 @@ fn new(folder: &Folder, number: u32) -> Result<FileAnswer, Refusal> {
             )));
         }
     }
-    let text = format!("O{number:04}\r\n\r\nM30\r\n");
+    let text = match settings.system {
+        System::SuperMan => "N0010M02\r\n".to_owned(),
+        System::LatheA | System::Mill | System::Sinumerik => format!("O{number:04}\r\n\r\nM30\r\n"),
+    };
     folder.write(&PROGRAM, file, text.as_bytes()).map_err(|error| refused(&error))?;
     Ok(FileAnswer::Done(Said::new(format!("O{number:04} 已新建"), format!("O{number:04} is new"))))
 }
 
-fn copy(folder: &Folder, from: u32, to: u32) -> Result<FileAnswer, Refusal> {
-    folder.copy(&PROGRAM, file_number(from)?, file_number(to)?).map_err(|error| refused(&error))?;
-    Ok(FileAnswer::Done(Said::new(format!("O{from:04} 已复制为 O{to:04}"), format!("O{from:04} copied to O{to:04}"))))
+fn copy(folder: &Folder, from: &Called, to: u32) -> Result<FileAnswer, Refusal> {
+    let title = &from.title;
+    match &from.file {
+        None => folder.copy(&PROGRAM, file_number(from.number)?, file_number(to)?).map(drop),
+        Some(_) => {
+            let bytes = from.read(folder).map_err(|error| refused(&error))?;
+            match folder.find(&PROGRAM, file_number(to)?) {
+                Err(FolderError::Missing { .. }) => folder.write(&PROGRAM, file_number(to)?, &bytes).map(drop),
+                Err(error) => Err(error),
+                Ok(found) => Err(FolderError::Exists { path: folder.path().join(found.name) }),
+            }
+        }
+    }
+    .map_err(|error| refused(&error))?;
+    Ok(FileAnswer::Done(Said::new(format!("{title} 已复制为 O{to:04}"), format!("{title} copied to O{to:04}"))))
 }
 
 fn rename(folder: &Folder, from: u32, to: u32) -> Result<FileAnswer, Refusal> {
@@ -329,9 +388,14 @@ fn rename(folder: &Folder, from: u32, to: u32) -> Result<FileAnswer, Refusal> {
     Ok(FileAnswer::Done(Said::new(format!("O{from:04} 已改为 O{to:04}"), format!("O{from:04} is now O{to:04}"))))
 }
 
-fn delete(folder: &Folder, number: u32) -> Result<FileAnswer, Refusal> {
-    folder.delete(&PROGRAM, file_number(number)?).map_err(|error| refused(&error))?;
-    Ok(FileAnswer::Done(Said::new(format!("O{number:04} 已删除"), format!("O{number:04} deleted"))))
+fn delete(folder: &Folder, of: &Called) -> Result<FileAnswer, Refusal> {
+    let title = &of.title;
+    match &of.file {
+        Some(file) => folder.delete_named(&PROGRAM, file),
+        None => folder.delete(&PROGRAM, file_number(of.number)?),
+    }
+    .map_err(|error| refused(&error))?;
+    Ok(FileAnswer::Done(Said::new(format!("{title} 已删除"), format!("{title} deleted"))))
 }
 
 /// The mistakes of writing in some lines; jumps out of them and loops across them are none.

@@ -78,6 +78,9 @@ fn outline(part: &PartFile) -> Vec<StockBox> {
         SurfaceFile::Cone { z_from, z_to, stock_from, stock_to, .. } => {
             turned(stock_from.max(stock_to) / 2.0, (z_from, z_to))
         }
+        SurfaceFile::Bore { z_from, z_to, stock_from, stock_to, thickness, .. } => {
+            turned(stock_from.max(stock_to) / 2.0 + thickness, (z_from, z_to))
+        }
         SurfaceFile::Face { looks, x_from, x_to, stock, thickness, turns, .. } => {
             let z = behind(looks, stock, thickness);
             let low = if turns { -x_to / 2.0 } else { x_from / 2.0 };

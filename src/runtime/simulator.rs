@@ -3,8 +3,8 @@
 
 use crate::defs::signal::Input;
 use crate::defs::text::Said;
-use crate::io::sim::{PartFile, SimulatedMachine};
-use crate::link::simulated::{SimCommand, SimView};
+use crate::io::sim::{LatheScene, PartFile, SimulatedMachine};
+use crate::link::simulated::{RoomView, SimCommand, SimView};
 
 /// Most events shown.
 const EVENTS: usize = 6;
@@ -71,6 +71,22 @@ impl Simulator {
             wheel_load_percent: wheel.load_percent,
             sizes: diameters.chain(faces).chain(heights).take(SIZES).collect(),
             events: events.collect(),
+            room: machine.lathe_scene().map(room),
         }
+    }
+}
+
+/// A lathe's working room for the drawing.
+fn room(scene: LatheScene<'_>) -> RoomView {
+    let pair = |(a, b): (f64, f64)| (a as f32, b as f32);
+    RoomView {
+        zero_mm: pair(scene.zero_mm),
+        z_from_mm: scene.z_from_mm as f32,
+        cell_mm: scene.cell_mm as f32,
+        radius_mm: scene.radius_mm.iter().map(|radius| *radius as f32).collect(),
+        stock_mm: scene.stock_mm as f32,
+        bodies: scene.bodies.iter().map(|(from, to, radius)| (*from as f32, *to as f32, *radius as f32)).collect(),
+        tip_mm: pair(scene.tip_mm),
+        outline_mm: scene.outline_mm.into_iter().map(pair).collect(),
     }
 }

@@ -5,12 +5,11 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use chrono::Local;
-
 use super::disk::Folders;
 use super::office::{because, refused};
 use super::values;
 use crate::controller::files::Holdings;
+use crate::defs::date::Date;
 use crate::defs::text::{Said, Text};
 use crate::link::files::{FileAnswer, Refusal, Restored};
 use crate::link::media::{Direction, MediaFile, MediaView, Print, Set, Transfer};
@@ -114,6 +113,8 @@ pub struct Carrier<'a> {
     pub holdings: Option<&'a Holdings>,
     /// Ends it between two files.
     pub cancelled: &'a AtomicBool,
+    /// Date and time, for names of files.
+    pub date: Date,
 }
 
 impl Carrier<'_> {
@@ -267,7 +268,7 @@ impl Carrier<'_> {
     /// Everything in one archive, each file with its checksum in a list at the end.
     fn backup(&self, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
         let holdings = self.holdings.ok_or_else(no_stick)?;
-        let name = format!("{}{}{}", ARCHIVE.0, Local::now().format("%Y%m%d-%H%M%S"), ARCHIVE.1);
+        let name = format!("{}{}{}", ARCHIVE.0, self.date.compact(), ARCHIVE.1);
         let mut archive = tar::Builder::new(Vec::new());
         let mut sums = String::new();
         let text = values::of(holdings).to_text().map_err(|error| because(&error))?;
@@ -487,7 +488,7 @@ fn unpack(name: &str, bytes: &[u8], shelf: &Shelf) -> Result<(Values, Contents),
 ///
 /// # Errors
 /// The picture is of no size, or the disk refuses.
-pub fn print(picture: &Print, folder: Option<&Path>, stick: Option<&Stick>) -> Result<Said, Refusal> {
+pub fn print(picture: &Print, date: Date, folder: Option<&Path>, stick: Option<&Stick>) -> Result<Said, Refusal> {
     let wanted = picture.width as usize * picture.height as usize * 3;
     if wanted == 0 || wanted != picture.rgb.len() || wanted > PRINT_LIMIT {
         return Err(say("没有图像", "there is no picture"));
@@ -497,19 +498,24 @@ pub fn print(picture: &Print, folder: Option<&Path>, stick: Option<&Stick>) -> R
     let colour = image::ExtendedColorType::Rgb8;
     image::ImageEncoder::write_image(encoder, &picture.rgb, picture.width, picture.height, colour)
         .map_err(|error| because(&error))?;
-    keep(&bytes, "PNG", folder, stick)
+    keep(&bytes, (date, "PNG"), folder, stick)
 }
 
 /// Keeps a file that people want to look at, on the medium if there is one; gives where it is.
 ///
 /// # Errors
 /// There is no place, or the disk refuses.
-pub fn keep(bytes: &[u8], extension: &str, folder: Option<&Path>, stick: Option<&Stick>) -> Result<Said, Refusal> {
+pub fn keep(
+    bytes: &[u8],
+    (date, extension): (Date, &str),
+    folder: Option<&Path>,
+    stick: Option<&Stick>,
+) -> Result<Said, Refusal> {
     let present = stick.filter(|stick| stick.is_present()).map(Stick::root);
     let Some(folder) = present.or(folder) else {
         return Err(say("没有保存位置：请插入 U 盘", "nowhere to keep it: plug a USB medium in"));
     };
-    let stem = Local::now().format("KT830-%Y%m%d-%H%M%S").to_string();
+    let stem = format!("KT830-{}", date.compact());
     let free =
         |count: u32| if count == 0 { format!("{stem}.{extension}") } else { format!("{stem}-{count}.{extension}") };
     let name = (0..100).map(free).find(|name| !folder.join(name).exists()).unwrap_or_else(|| free(100));

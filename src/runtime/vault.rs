@@ -59,6 +59,10 @@ impl Vault {
                 Ok(()) => PageAnswer::LangKept,
                 Err(why) => PageAnswer::Failed(why),
             },
+            PageWish::KeepBrightness(percent) => match self.settings(|settings| settings.brightness = Some(*percent)) {
+                Ok(()) => PageAnswer::LangKept,
+                Err(why) => PageAnswer::Failed(why),
+            },
             PageWish::KeepPort(port) => match self.settings(|settings| settings.serial = Some(port.clone())) {
                 Ok(()) => PageAnswer::LangKept,
                 Err(why) => PageAnswer::Failed(why),

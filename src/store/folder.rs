@@ -171,6 +171,17 @@ impl Folder {
         Ok(shown(&path))
     }
 
+    /// Removes a file by its exact name.
+    ///
+    /// # Errors
+    /// When there is none, or the disk refuses.
+    pub fn delete_named(&self, class: &FileClass, name: &str) -> Result<(), FolderError> {
+        let path = self.path.join(plain_name(class, name)?);
+        read_plain(&path, class.limit)?;
+        fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?;
+        Ok(whole_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
+    }
+
     /// Copies a file to a free number and returns the new name.
     ///
     /// # Errors

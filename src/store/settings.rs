@@ -22,6 +22,8 @@ pub struct Settings {
     pub lang: Option<Lang>,
     /// The light theme instead of the dark one.
     pub light: Option<bool>,
+    /// Brightness of the picture, percent.
+    pub brightness: Option<u8>,
     /// The RS232 port: `/dev/ttyS0`, `COM1`.
     pub serial: Option<String>,
 }

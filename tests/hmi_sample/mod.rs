@@ -2,16 +2,19 @@
 
 #![allow(dead_code)]
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use kt830::defs::alarm::ALARMS;
+use kt830::defs::alarm::{ALARMS, Alarm};
+use kt830::defs::date::Date;
+use kt830::defs::history::{End, PastAlarm};
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::screen::{self, VariableUse};
 use kt830::defs::signal::Input;
-use kt830::defs::text::{Said, Text};
+use kt830::defs::text::{Lang, Said, Text};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
 use kt830::link::drawing::{Drawing, Point, StockBox, Way};
@@ -20,7 +23,7 @@ use kt830::link::files::FilesView;
 use kt830::link::media::{MediaFile, MediaView, Set};
 use kt830::link::page_file::{PageFile, PictureFile, PictureFrom};
 use kt830::link::simulated::SimView;
-use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, PastAlarm, ProgramView, RunState, Tone};
+use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
 use kt830::units::{Axis, Micros, PerAxis};
 
 /// The customer's own page text (seed 000).
@@ -34,8 +37,14 @@ const O1001: &str = "O1001 (外卡磨削 snap gauge)\n(步距 step sizes)\n#101=
     N0090 G01 X#501 F1200\nN0100 #110=#110+#101\nN0110 END1\n; 精磨\nN0120 G01 W-#102 F#513\nN0130 G01 X#500\n\
     N0140 G04 P500\nN0150 G00 X#503\nN0160 G00 Z#504\nN0170 M09\nN0180 M05\nN0190 M30\n%\n";
 
-/// The page picture in the repository, or a plain one.
-pub fn picture(file: &str) -> Arc<Picture> {
+/// The page picture in the repository, or a plain one; read once.
+pub fn picture(file: &'static str) -> Arc<Picture> {
+    static READ: Mutex<BTreeMap<&str, Arc<Picture>>> = Mutex::new(BTreeMap::new());
+    let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    Arc::clone(read.entry(file).or_insert_with(|| read_picture(file)))
+}
+
+fn read_picture(file: &str) -> Arc<Picture> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("screens").join(file);
     let (width, height) = (200, 400);
     let rgb = image::open(path).map_or_else(|_| vec![40; width * height * 3], |read| read.to_rgb8().into_raw());
@@ -200,6 +209,7 @@ pub fn busy(page: Page) -> Snapshot {
         wheel_load_percent: 63.0,
         sizes: (0..12).map(|row| (said(&format!("直径 Z{row}0.0"), &format!("diameter Z{row}0.0")), 40.012)).collect(),
         events: vec![said("12.3 s burn", "12.3 s burn")],
+        room: None,
     }));
     let set = |name: &str| match name {
         name if name.starts_with('O') => Set::Programs,
@@ -279,15 +289,57 @@ pub fn troubled(page: Page) -> Snapshot {
     snapshot.params = Arc::new(params);
     let past = |number: u16, minutes: u64, gone: Option<u64>| {
         let row = ALARMS.iter().find(|row| row.number == number).unwrap_or(&ALARMS[0]);
-        let at = |minutes: u64| Micros(snapshot.now.0 - minutes * 60_000_000);
+        let date = |minutes: u64| Date(1_795_273_316 - minutes as i64 * 60);
         let place = number.is_multiple_of(2).then_some((1_001, 13));
-        let view = AlarmView { number, text: row.text.into(), remedy: row.remedy.into(), since: at(minutes), place };
-        PastAlarm { alarm: Arc::new(view), gone: gone.map(at) }
+        let ended = gone.map(|minutes| (if number == 102 { End::Reset } else { End::Itself }, Some(date(minutes))));
+        let count = 1_000 - minutes;
+        Arc::new(PastAlarm { count, number, text: row.text.into(), place, came: date(minutes), ended })
     };
     let mut history = vec![past(102, 800, Some(799)), past(0, 200, Some(199)), past(181, 60, Some(58))];
     history.extend((1..40).rev().map(|minutes| past(184, minutes + 1, Some(minutes))));
     history.push(past(180, 0, None));
     snapshot.alarm_history = Arc::new(history);
+    snapshot.date = Some(Date(1_795_273_316));
+    snapshot
+}
+
+/// Everything as long as it gets: figures with all their digits, a long name, and the alarm with the most to say.
+pub fn long(page: Page) -> Snapshot {
+    let mut snapshot = busy(page);
+    let most = |value: f64| AxisView {
+        present: true,
+        work: -value,
+        machine: -value,
+        relative: -value,
+        to_go: -value,
+        homed: true,
+        moving: true,
+    };
+    snapshot.axes =
+        PerAxis::from_fn(|axis| if snapshot.axes[axis].present { most(9_999.999) } else { AxisView::default() });
+    (snapshot.feed_mm_min, snapshot.wheel_rpm, snapshot.parts) = (24_000.0, 99_999.0, 999_999);
+    (snapshot.cycle_seconds, snapshot.strokes_min) = (59_999.0, Some(1_234.5));
+    (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override) = (150, 100, 120);
+    snapshot.single_block = true;
+    for value in snapshot.variables.iter_mut() {
+        *value = Some(-99_999.999);
+    }
+    let mut rows = Vec::clone(&snapshot.directory);
+    rows[0].name = "LAGERRING_INNEN".into();
+    rows[0].comment = "轴肩端面磨削: 量仪找基准端面, 砂轮左侧磨端面, 然后外圆切入磨削".into();
+    (rows[0].size, snapshot.program.block) = (123_456_789, Some(99_999));
+    snapshot.directory = Arc::new(rows);
+    let length = |row: &Alarm, lang| row.text.get(lang).len() + row.remedy.get(lang).len();
+    let longest = |lang| ALARMS.iter().max_by_key(|row| length(row, lang));
+    let view = |row: &Alarm| AlarmView {
+        number: row.number,
+        text: row.text.into(),
+        remedy: row.remedy.into(),
+        since: snapshot.now,
+        place: Some((9_999, 999_999)),
+    };
+    snapshot.alarms = [Lang::En, Lang::Zh].into_iter().filter_map(longest).map(view).collect();
+    snapshot.alarms.reverse();
     snapshot
 }
 

@@ -63,6 +63,7 @@ pub fn with_runout(part: &mut PartFile, mm: f64) {
         match surface {
             SurfaceFile::Diameter { runout, .. }
             | SurfaceFile::Cone { runout, .. }
+            | SurfaceFile::Bore { runout, .. }
             | SurfaceFile::Disc { runout, .. } => {
                 *runout = mm;
             }

@@ -17,7 +17,7 @@ use crate::units::{Axis, Micros};
 const KT830_COLUMN: [usize; Kind::ALL.len()] = [0, 1, 2, 0, 0];
 
 /// Highest parameter number + 1.
-pub const PARAM_LIMIT: usize = 400;
+pub const PARAM_LIMIT: usize = 440;
 
 /// Who may change a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -365,6 +365,6 @@ mod tests {
         assert_eq!(params.read(at), Ok(3_000.0));
         assert!(params.write(ParamAddress::parse("P16.0").unwrap(), 2.0).is_err());
         assert!(params.write(ParamAddress::parse("P300").unwrap(), 65.0).is_err());
-        assert_eq!(params.write(ParamAddress::parse("P399").unwrap(), 1.0), Err(ParamError::Unknown(399)));
+        assert_eq!(params.write(ParamAddress::parse("P449").unwrap(), 1.0), Err(ParamError::Unknown(449)));
     }
 }

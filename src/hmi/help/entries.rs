@@ -147,8 +147,9 @@ const NEXT: Text = Text::new("下一段", "next block");
 /// Everything that a kind of machine needs help on.
 #[must_use]
 pub fn entries(kind: Kind) -> Vec<HelpEntry> {
-    let mut all: Vec<HelpEntry> = Page::ALL.iter().map(|page| of_page(*page)).collect();
-    soft_keys(&mut all);
+    let mut all: Vec<HelpEntry> =
+        Page::ALL.iter().filter(|page| page.is_on(kind)).map(|page| of_page(*page, kind)).collect();
+    soft_keys(kind, &mut all);
     all.extend(Key::ALL.iter().filter(|key| key.is_on(kind)).map(|key| of_key(*key, kind)));
     alarms(&mut all);
     g_codes(kind, &mut all);
@@ -156,11 +157,10 @@ pub fn entries(kind: Kind) -> Vec<HelpEntry> {
     all
 }
 
-fn of_page(page: Page) -> HelpEntry {
-    let row = softkey::row_of(page);
-    let keys = softkey::ROWS[row].iter().enumerate();
+fn of_page(page: Page, kind: Kind) -> HelpEntry {
     let list = |text: fn(&Text) -> &'static str| {
-        let words = keys.clone().map(|(index, soft)| format!("F{} {}", index + 1, text(&soft.label)));
+        let keys = softkey::row(kind, softkey::row_of(page)).enumerate();
+        let words = keys.map(|(index, soft)| format!("F{} {}", index + 1, text(&soft.label_on(kind))));
         words.collect::<Vec<_>>().join(" · ")
     };
     let keys = Said::new(list(|text| text.zh), list(|text| text.en));
@@ -170,12 +170,12 @@ fn of_page(page: Page) -> HelpEntry {
         (Text::new("打开时的软键", "its soft keys"), keys),
     ];
     let id = format!("page-{}", page.id());
-    HelpEntry::new(Section::Pages, About::Page(page), id, String::new(), page.title().into(), parts)
+    HelpEntry::new(Section::Pages, About::Page(page), id, String::new(), page.title_on(kind).into(), parts)
 }
 
-fn soft_keys(all: &mut Vec<HelpEntry>) {
-    for (row, keys) in softkey::ROWS.iter().enumerate() {
-        for (index, soft) in keys.iter().enumerate() {
+fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
+    for row in 0..softkey::ROWS.len() {
+        for (index, soft) in softkey::row(kind, row).enumerate() {
             let place = Said::new(
                 format!("▶ 翻到第 {} 行，F{}", row + 1, index + 1),
                 format!("▶ to row {}, then F{}", row + 1, index + 1),
@@ -183,7 +183,7 @@ fn soft_keys(all: &mut Vec<HelpEntry>) {
             let parts = vec![(WHAT, soft.act.help().into()), (Text::new("位置", "where"), place)];
             let (id, sign) = (format!("soft-{}-{}", row + 1, index + 1), format!("{}·F{}", row + 1, index + 1));
             let about = About::Soft(soft.act);
-            all.push(HelpEntry::new(Section::SoftKeys, about, id, sign, soft.label.into(), parts));
+            all.push(HelpEntry::new(Section::SoftKeys, about, id, sign, soft.label_on(kind).into(), parts));
         }
     }
 }

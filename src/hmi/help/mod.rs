@@ -179,7 +179,7 @@ impl Help {
         match edit {
             Edit::Up => self.choose(self.cursor.saturating_sub(1)),
             Edit::Down => self.choose((self.cursor + 1).min(last)),
-            Edit::Back if self.searching => self.letter(&Letter::Back),
+            Edit::Back | Edit::Delete if self.searching => self.letter(&Letter::Back),
             Edit::Enter if self.searching => self.searching = false,
             Edit::Cancel if self.searching || !self.search.is_empty() => {
                 self.searching = false;
@@ -188,7 +188,9 @@ impl Help {
             }
             Edit::Left | Edit::Previous => self.beside(Section::ALL.len()),
             Edit::Right | Edit::Next => self.beside(1),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Enter | Edit::Cancel => {}
+            Edit::LineStart => self.choose(0),
+            Edit::LineEnd => self.choose(last),
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::Enter | Edit::Cancel => {}
         }
     }
 

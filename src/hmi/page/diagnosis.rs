@@ -223,10 +223,8 @@ fn inputs(view: &View<'_>) -> Vec<Line> {
 fn outputs(view: &View<'_>) -> Vec<Line> {
     let snapshot = view.snapshot;
     let twice = port::output_conflicts(snapshot.kind, &snapshot.params);
-    let analog = [
-        (view.say("模拟量 1 砂轮转速", "analog 1 wheel speed"), "wheel-speed"),
-        (view.say("模拟量 2 工件转速", "analog 2 work speed"), "analog-2"),
-    ];
+    let [first, second] = snapshot.kind.face().analog.map(|name| name.get(view.lang));
+    let analog = [(first, "wheel-speed"), (second, "analog-2")];
     let analog = analog.into_iter().zip(snapshot.analog_volts).map(|((name, id), volts)| Line {
         on: volts > 0.0,
         name: name.to_owned(),

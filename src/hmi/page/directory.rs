@@ -57,6 +57,10 @@ pub struct Directory {
     seen: u32,
     /// The program whose page is to be designed.
     pub page_of: Option<u32>,
+    /// The page was just opened: the chosen row is brought into sight.
+    reveal: bool,
+    /// Programs by name are called by more than O and four digits.
+    name_width: f32,
 }
 
 impl Directory {
@@ -219,7 +223,8 @@ impl Directory {
             (Deed::Rename, "program-rename", Text::new("改号", "RENAME")),
             (Deed::Delete, "program-delete", Text::new("删除", "DELETE")),
         ];
-        let width = (rect.width() + theme::GAP) / (keys.len() + 1) as f32;
+        let has_pages = Page::Designer.is_on(view.snapshot.kind);
+        let width = (rect.width() + theme::GAP) / (keys.len() + usize::from(has_pages)) as f32;
         let place_of = |index: usize| {
             let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
             Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP))
@@ -232,7 +237,7 @@ impl Directory {
             }
         }
         let words = ("design-page", view.say("页面设计", "PAGE"));
-        self.walk.push(ui, view, place_of(keys.len()), words, Look::default())
+        has_pages && self.walk.push(ui, view, place_of(keys.len()), words, Look::default())
     }
 
     fn list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], pages: i32) -> Vec<Command> {
@@ -258,16 +263,29 @@ impl Directory {
                 Edit::Up | Edit::Previous => self.cursor = self.cursor.saturating_sub(1),
                 Edit::Down | Edit::Next => self.cursor += 1,
                 Edit::Enter => load = true,
-                Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel | Edit::Left | Edit::Right => continue,
+                Edit::Char(_)
+                | Edit::Sign
+                | Edit::Back
+                | Edit::Delete
+                | Edit::LineStart
+                | Edit::LineEnd
+                | Edit::Cancel
+                | Edit::Left
+                | Edit::Right => continue,
             }
             self.cursor = self.cursor.min(rows.len() - 1);
             self.scroll.show(self.cursor, list, ROW);
         }
         self.cursor = self.cursor.min(rows.len() - 1);
+        if std::mem::take(&mut self.reveal) {
+            self.scroll.show(self.cursor, list, ROW);
+        }
         if pages != 0 {
             self.scroll.page(pages, list, ROW);
         }
         let (first, last) = self.scroll.follow(ui, "directory", list, ROW, rows.len());
+        let named = rows[first..last].iter().any(|row| row.name.len() > 6);
+        self.name_width = if named { 150.0 } else { 88.0 };
         for (index, row) in rows.iter().enumerate().take(last).skip(first) {
             let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(ROW)) as f32;
             let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, ROW - 4.0));
@@ -293,7 +311,7 @@ impl Directory {
             frame(painter, place, view.theme.focus);
         }
         let inside = place.shrink2(vec2(theme::PAD, 3.0));
-        let (number, rest) = inside.split_left_right_at_x(inside.min.x + 88.0);
+        let (number, rest) = inside.split_left_right_at_x(inside.min.x + self.name_width);
         let ink = if current { view.theme.run } else { view.theme.text };
         fit(painter, number, Align2::LEFT_CENTER, &row.name, theme::SECONDARY, ink);
         let (rest, action) = rest.split_left_right_at_x(rest.max.x - 96.0);
@@ -308,7 +326,7 @@ impl Directory {
             view.theme.text,
         );
         let (size, date) = facts.split_left_right_at_fraction(0.34);
-        put(painter, size, Align2::RIGHT_CENTER, &kilobytes(row.size), theme::LABEL, view.theme.quiet);
+        put(painter, size, Align2::RIGHT_CENTER, &size_word(row.size), theme::LABEL, view.theme.quiet);
         let date = Rect::from_min_max(date.min, date.max - vec2(theme::PAD, 0.0));
         fit(painter, date, Align2::RIGHT_CENTER, &row.modified, theme::LABEL, view.theme.quiet);
         if current {
@@ -322,13 +340,17 @@ impl Directory {
     pub fn open(&mut self, view: &View<'_>) {
         let number = view.snapshot.program.number;
         self.cursor = view.snapshot.directory.iter().position(|row| row.number == number).unwrap_or(0);
-        (self.deed, self.question, self.asked, self.on_keys) = (None, None, None, false);
+        (self.deed, self.question, self.asked, self.on_keys, self.reveal) = (None, None, None, false, true);
         self.typing = Typing::default();
     }
 }
 
-fn kilobytes(bytes: u64) -> String {
-    if bytes < 1_024 { format!("{bytes} B") } else { format!("{:.1} kB", bytes as f64 / 1_024.0) }
+fn size_word(bytes: u64) -> String {
+    match bytes {
+        0..1_024 => format!("{bytes} B"),
+        1_024..1_048_576 => format!("{:.1} kB", bytes as f64 / 1_024.0),
+        _ => format!("{:.1} MB", bytes as f64 / 1_048_576.0),
+    }
 }
 
 /// 装入: the only place that loads by touch. The core says no while a program runs.

@@ -6,8 +6,9 @@ use egui::{Align2, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
 
 use super::{empty, position};
 use crate::defs::page::Page;
-use crate::defs::r_parameter;
 use crate::defs::screen::{PageText, ROWS, Row};
+use crate::defs::text::Lang;
+use crate::defs::{r_name, r_parameter};
 use crate::hmi::entry::{self, Edit, Entry};
 use crate::hmi::view::{View, card, fit, frame, length, paragraph, put};
 use crate::hmi::widget::{self, Look};
@@ -15,10 +16,12 @@ use crate::hmi::{frame as lines, keycap, pictogram, theme};
 use crate::link::Command;
 use crate::link::command::{FileFault, ScreenFiles};
 
-/// Column width from which label and value stand side by side.
+/// Column width from which label and value stand side by side, if every label fits.
 const SIDE_BY_SIDE: f32 = 236.0;
 /// Width of a value beside its label.
 const VALUE: f32 = 104.0;
+/// Height of a field from which label and value stand one above the other in their usual sizes.
+const STACKED: f32 = 46.0;
 
 /// Draws the page; what was typed comes in as edits.
 pub fn ui(
@@ -136,14 +139,22 @@ fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     }
     row(14.0);
     let block = row(26.0);
-    fit(painter, block, Align2::LEFT_CENTER, &lines::program_word(view), theme::LABEL, view.theme.text);
+    lines::program(painter, view, block, theme::LABEL);
     position::process(ui, Rect::from_min_max(pos2(inside.min.x, block.max.y + 8.0), inside.max), view);
+}
+
+/// Width and height of a field.
+fn field_size(body: Rect) -> (f32, f32) {
+    ((body.width() - theme::GAP) / 2.0, ((body.height() - 9.0 * 4.0) / ROWS as f32).min(58.0))
+}
+
+fn way_of(ui: &Ui, view: &View<'_>, body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> Way {
+    Way::of(ui, view, columns, field_size(body))
 }
 
 /// Where each field of the two columns stands, in reading order.
 fn field_places(body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> impl Iterator<Item = (Rect, &Row)> {
-    let width = (body.width() - theme::GAP) / 2.0;
-    let height = ((body.height() - 9.0 * 4.0) / ROWS as f32).min(58.0);
+    let (width, height) = field_size(body);
     columns.into_iter().enumerate().flat_map(move |(column, rows)| {
         rows.iter().enumerate().filter_map(move |(line, row)| {
             let corner = body.min + vec2(column as f32 * (width + theme::GAP), line as f32 * (height + 4.0));
@@ -153,6 +164,7 @@ fn field_places(body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> impl Iterator
 }
 
 fn fields(ui: &Ui, places: &Places, view: &View<'_>, columns: [&[Option<Row>; ROWS]; 2], entry: &mut Entry) {
+    let way = way_of(ui, view, places.body, columns);
     for (index, (place, row)) in field_places(places.body, columns).enumerate() {
         let response = ui.interact(place, Id::unique(("field", index)), Sense::CLICK);
         response.widget_info(|| {
@@ -162,7 +174,8 @@ fn fields(ui: &Ui, places: &Places, view: &View<'_>, columns: [&[Option<Row>; RO
             entry.choose(index);
         }
         let chosen = entry.cursor == index;
-        field(ui, place, view, row, chosen.then_some(&*entry), response.is_pointer_button_down_on());
+        let state = (chosen.then_some(&*entry), response.is_pointer_button_down_on());
+        field(ui, place, view, (row, way), state);
     }
 }
 
@@ -179,37 +192,74 @@ pub fn preview(
     let middle = Rect::from_min_max(middle.min, middle.max - vec2(theme::GAP, 0.0));
     let (title, body) = middle.split_top_bottom_at_y(middle.min.y + 34.0);
     lines::title(ui, view, title, &heading(view, text));
-    for (place, row) in field_places(body, [&text.left, &text.right]) {
-        field(ui, place, view, row, None, false);
+    let columns = [&text.left, &text.right];
+    let way = way_of(ui, view, body, columns);
+    for (place, row) in field_places(body, columns) {
+        field(ui, place, view, (row, way), (None, false));
     }
     show_picture(ui, picture, view, files, texture);
 }
 
 /// The title as the page shows it (K7.2).
 fn heading(view: &View<'_>, text: &PageText) -> String {
-    format!("{}{}", text.title, view.say("参数设置", " · parameters"))
+    let name = translated(view, &text.title, |title| r_name::english_title(title).map(str::to_owned));
+    format!("{name}{}", view.say("参数设置", " · parameters"))
+}
+
+/// What a text of the file is called in the language of the page: what the control knows of it, else as written.
+fn translated(view: &View<'_>, text: &str, english: impl FnOnce(&str) -> Option<String>) -> String {
+    let known = if view.lang == Lang::En { english(text) } else { None };
+    known.unwrap_or_else(|| text.to_owned())
+}
+
+fn label_of(view: &View<'_>, row: &Row) -> String {
+    translated(view, &row.label, r_name::english_label)
+}
+
+/// How label and value stand in the fields of a sheet: all of them alike.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    Beside,
+    Stacked,
+    /// One above the other in smaller sizes, where a field is too low for more.
+    Close,
+}
+
+impl Way {
+    fn of(ui: &Ui, view: &View<'_>, columns: [&[Option<Row>; ROWS]; 2], (width, height): (f32, f32)) -> Self {
+        let room = width - 16.0 - VALUE;
+        let fits = |row: &Row| {
+            let font = theme::font(theme::LABEL);
+            ui.painter().layout_no_wrap(label_of(view, row), font, view.theme.text).size().x <= room
+        };
+        let beside = width >= SIDE_BY_SIDE && columns.into_iter().flatten().flatten().all(fits);
+        match (beside, height >= STACKED) {
+            (true, _) => Self::Beside,
+            (false, true) => Self::Stacked,
+            (false, false) => Self::Close,
+        }
+    }
 }
 
 /// One label and its value; the chosen one is framed and shows what is being typed.
-fn field(ui: &Ui, place: Rect, view: &View<'_>, row: &Row, chosen: Option<&Entry>, pressed: bool) {
+fn field(ui: &Ui, place: Rect, view: &View<'_>, (row, way): (&Row, Way), (chosen, pressed): (Option<&Entry>, bool)) {
     let painter = ui.painter();
     keycap::plate(painter, view.theme, place, keycap::Face { pressed, ..keycap::Face::default() });
-    let inside = place.shrink2(vec2(8.0, 3.0));
-    let (label, value) = if place.width() >= SIDE_BY_SIDE {
-        inside.split_left_right_at_x(inside.max.x - VALUE)
-    } else {
-        inside.split_top_bottom_at_fraction(0.46)
+    let inside = place.shrink2(vec2(8.0, if way == Way::Close { 2.0 } else { 3.0 }));
+    let (label, value) = match way {
+        Way::Beside => inside.split_left_right_at_x(inside.max.x - VALUE),
+        Way::Stacked | Way::Close => inside.split_top_bottom_at_fraction(0.46),
     };
+    let (small, large) =
+        if way == Way::Close { (theme::SMALL, theme::TITLE) } else { (theme::LABEL, theme::SECONDARY) };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.quiet };
-    fit(painter, label, Align2::LEFT_CENTER, &row.label, theme::LABEL, ink);
+    fit(painter, label, Align2::LEFT_CENTER, &label_of(view, row), small, ink);
     let (words, colour) = match chosen {
         Some(entry) if entry.typing.refused.is_some() => (entry.typing.text.clone(), view.theme.alarm_text),
         Some(entry) if !entry.typing.text.is_empty() => (format!("{}_", entry.typing.text), view.theme.info),
         _ => (shown(view, row.variable), view.theme.text),
     };
-    // A low field leaves less for the value below its label.
-    let size = if place.height() < 40.0 { theme::LABEL } else { theme::SECONDARY };
-    fit(painter, value, Align2::RIGHT_CENTER, &words, size, colour);
+    fit(painter, value, Align2::RIGHT_CENTER, &words, large, colour);
     if let Some(entry) = chosen {
         let colour = if entry.typing.refused.is_some() { view.theme.alarm } else { view.theme.focus };
         frame(painter, place, colour);
@@ -243,7 +293,7 @@ fn input_line(ui: &Ui, rect: Rect, view: &View<'_>, entry: &Entry, columns: [&[O
     fit(painter, left, Align2::LEFT_CENTER, &words, theme::TITLE, colour);
     let (name, range) = rest.split_left_right_at_fraction(0.4);
     let name = Rect::from_min_max(name.min, name.max - vec2(theme::PAD, 0.0));
-    fit(painter, name, Align2::LEFT_CENTER, &row.label, theme::LABEL, view.theme.quiet);
+    fit(painter, name, Align2::LEFT_CENTER, &label_of(view, row), theme::LABEL, view.theme.quiet);
     fit(painter, range, Align2::RIGHT_CENTER, &right.0, theme::LABEL, right.1);
 }
 

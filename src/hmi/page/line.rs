@@ -47,7 +47,7 @@ impl LineSide {
                 Edit::Char(_) | Edit::Sign => {
                     self.refused = Some(Said::new("只能输入 1 到 4 位数字", "1 to 4 digits only"))
                 }
-                Edit::Back => {
+                Edit::Back | Edit::Delete => {
                     self.refused = None;
                     self.number.pop();
                 }
@@ -114,7 +114,7 @@ impl LineSide {
         }
         let baud = view.snapshot.params.get(param::SERIAL_BAUD);
         let facts = [
-            (view.say("波特率", "baud rate"), format!("{baud} bit/s  (P391)")),
+            (view.say("波特率", "baud rate"), format!("{baud} bit/s  (P370)")),
             (view.say("格式", "form"), format!("8N1 · XON/XOFF · {}", view.say("% O号 … %", "% O number … %"))),
         ];
         for (index, (word, value)) in facts.iter().enumerate() {
@@ -131,8 +131,8 @@ impl LineSide {
             (None, true) => (view.say("本机没有串口，请插入 USB 转串口。", "This computer has no serial port: plug an adapter in."), view.theme.hold),
             (None, false) => (
                 view.say(
-                    "发送：在左边选择程序，先启动对方接收。接收：先按 RS232 → 本机，再启动对方发送。",
-                    "To send: choose programs on the left, start receiving there first. To receive: touch FROM RS232, then start sending there.",
+                    "发送：在左边选择程序，先启动对方接收。\n接收：先按 RS232 → 本机，再启动对方发送。",
+                    "To send: choose programs on the left, start receiving there first.\nTo receive: touch FROM RS232, then start sending there.",
                 ),
                 view.theme.quiet,
             ),

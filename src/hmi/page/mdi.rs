@@ -61,8 +61,9 @@ impl Mdi {
         for edit in typed.edits {
             self.edit(*edit, view, &mut out);
         }
-        let (main, board) = rect.split_top_bottom_at_y(rect.max.y - letters::BLOCK.height());
-        if let Some(letter) = letters::ui(ui, view, board.shrink2(vec2(theme::GAP, 0.0)), &letters::BLOCK) {
+        let pad = letters::block(view.snapshot.kind);
+        let (main, board) = rect.split_top_bottom_at_y(rect.max.y - pad.height());
+        if let Some(letter) = letters::ui(ui, view, board.shrink2(vec2(theme::GAP, 0.0)), &pad) {
             self.letter(&letter, view, &mut out);
         }
         let inside = Rect::from_min_max(main.min + vec2(theme::PAD, 6.0), main.max - vec2(theme::PAD, 6.0));
@@ -104,7 +105,7 @@ impl Mdi {
     fn edit(&mut self, edit: Edit, view: &View<'_>, out: &mut Vec<Command>) {
         match edit {
             // A refused line is mended, not typed anew.
-            Edit::Back => {
+            Edit::Back | Edit::Delete => {
                 self.typing.refused = None;
                 self.typing.text.pop();
             }
@@ -127,7 +128,7 @@ impl Mdi {
                 Some(_) | None => {}
             },
             // Digits and signs come as text.
-            Edit::Char(_) | Edit::Sign | Edit::Cancel | Edit::Left | Edit::Right => {}
+            Edit::Char(_) | Edit::Sign | Edit::Cancel | Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd => {}
         }
     }
 

@@ -19,6 +19,8 @@ pub mod program;
 pub mod scroll;
 pub mod settings;
 pub mod simulator;
+mod teach;
+mod tools;
 pub mod transfer;
 pub mod variables;
 pub mod wheel;
@@ -76,6 +78,8 @@ pub struct Pages {
     variables: variables::Variables,
     mdi: mdi::Mdi,
     wheel: wheel::WheelChange,
+    teach: teach::Teach,
+    tools: tools::Tools,
     login: Login,
 }
 
@@ -91,12 +95,14 @@ impl Pages {
         self.alarms.open();
         self.diagnosis = diagnosis::Diagnosis::default();
         self.settings = settings::Settings::default();
+        self.simulator = simulator::Simulator::default();
         self.params.open();
         self.offset.table.open(view.snapshot.offset_in_force);
         self.dressing.table.open(view.snapshot.offset_in_force);
         self.variables.open();
         self.mdi.open();
         self.wheel = wheel::WheelChange::default();
+        self.tools = tools::Tools::default();
         self.help.open(view, Page::Help);
     }
 
@@ -126,6 +132,8 @@ impl Pages {
             Page::Macro => &self.variables.typing,
             Page::Mdi => &self.mdi.typing,
             Page::Wheel => &self.wheel.typing,
+            Page::Tools => &self.tools.typing,
+            Page::Settings => &self.settings.clock.typing,
             Page::Directory => &self.directory.typing,
             Page::Params => &self.params.typing,
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
@@ -147,6 +155,17 @@ impl Pages {
         self.program.text()
     }
 
+    /// Whether words are being typed on the open page.
+    #[must_use]
+    pub fn takes_words(&self, page: Page) -> bool {
+        match page {
+            Page::Mdi => true,
+            Page::Program => self.program.takes_words(),
+            Page::Params => self.params.searches(),
+            _ => false,
+        }
+    }
+
     /// Whether the numeric pad is to slide in.
     #[must_use]
     pub fn wants_pad(&self, view: &View<'_>) -> bool {
@@ -160,7 +179,9 @@ impl Pages {
             Page::Dressing => self.dressing.table.typing.pad,
             Page::Macro => self.variables.typing.pad,
             Page::Wheel => self.wheel.wants_pad(),
+            Page::Tools => self.tools.typing.pad,
             Page::Transfer => self.transfer.wants_pad(),
+            Page::Settings => self.settings.clock.typing.pad,
             page => {
                 let has_fields = view.snapshot.page_files().is_some_and(|files| files.text.is_ok());
                 self.entry.typing.pad && frame::takes_numbers(page) && has_fields
@@ -197,16 +218,15 @@ impl Pages {
             Page::Macro => self.variables.ui(ui, rect, view, typed),
             Page::Mdi => self.mdi.ui(ui, rect, view, typed),
             Page::Wheel => self.wheel.ui(ui, rect, view, typed.edits),
+            Page::Teach => self.teach.ui(ui, rect, view, typed),
+            Page::Tools => self.tools.ui(ui, rect, view, typed.edits),
             Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
             Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),
             Page::Diagnosis => {
                 self.diagnosis.ui(ui, rect, view, typed);
                 Vec::new()
             }
-            Page::Alarm => {
-                self.alarms.ui(ui, rect, view, typed);
-                Vec::new()
-            }
+            Page::Alarm => self.alarms.ui(ui, rect, view, typed),
             Page::Help => {
                 self.help.page(ui, view, rect, typed);
                 Vec::new()
@@ -225,8 +245,8 @@ fn answers(edits: &[Edit]) -> Vec<Command> {
         match edit {
             Edit::Enter => out.extend(press(Key::Input)),
             Edit::Cancel => out.extend(press(Key::Cancel)),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Up | Edit::Down => {}
-            Edit::Left | Edit::Right | Edit::Next | Edit::Previous => {}
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::Up | Edit::Down => {}
+            Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd | Edit::Next | Edit::Previous => {}
         }
     }
     out

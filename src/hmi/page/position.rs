@@ -173,7 +173,7 @@ fn side_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(theme::PAD, 10.0));
     let (top, rest) = inside.split_top_bottom_at_y(inside.min.y + 30.0);
-    fit(ui.painter(), top, Align2::LEFT_CENTER, &lines::program_word(view), theme::TITLE, view.theme.text);
+    lines::program(ui.painter(), view, top, theme::TITLE);
     process(ui, Rect::from_min_max(rest.min + vec2(0.0, 8.0), rest.max), view);
 }
 
@@ -185,22 +185,24 @@ pub fn process(ui: &Ui, rect: Rect, view: &View<'_>) {
         0 => ("F0".to_owned(), ""),
         percent => (percent.to_string(), "%"),
     };
+    let face = snapshot.kind.face();
+    let (last, of_last) = match snapshot.station {
+        Some(0) => ("–".to_owned(), ""),
+        Some(station) => (format!("T{station}"), ""),
+        None => (snapshot.strokes_min.map_or_else(|| "–".to_owned(), |n| format!("{n:.1}")), "1/min"),
+    };
     let rows = [
         (view.say("进给", "feed"), format!("{:.0}", snapshot.feed_mm_min), "mm/min"),
         (view.say("进给倍率", "feed ovr"), format!("{}", snapshot.feed_override), "%"),
         (view.say("快速倍率", "rapid ovr"), rapid, of),
-        (view.say("砂轮", "wheel"), format!("{:.0}", snapshot.wheel_rpm), "r/min"),
+        (face.spindle.get(view.lang), format!("{:.0}", snapshot.wheel_rpm), "r/min"),
         (
             view.say("循环时间", "cycle"),
             format!("{minutes:02.0}:{:02.0}", (snapshot.cycle_seconds - minutes * 60.0).floor()),
             "",
         ),
         (view.say("件数", "parts"), snapshot.parts.to_string(), ""),
-        (
-            view.say("振荡", "strokes"),
-            snapshot.strokes_min.map_or_else(|| "–".to_owned(), |n| format!("{n:.1}")),
-            "1/min",
-        ),
+        (face.last.get(view.lang), last, of_last),
     ];
     let narrow = rect.width() < 190.0;
     let height = if narrow { 46.0 } else { 34.0 };

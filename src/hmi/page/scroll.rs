@@ -32,7 +32,16 @@ impl Scroll {
         let visible = (rect.height() / line).floor().max(1.0) as usize;
         self.top = self.top.clamp(0.0, count.saturating_sub(visible) as f64);
         let first = self.top.floor() as usize;
-        (first, (first + visible + 2).min(count))
+        // A line that is out of sight is none: it would take no touch and still be told to a screen reader.
+        let last = (self.top + f64::from(rect.height() / line) - 1e-3).ceil() as usize;
+        (first, last.clamp(first, count.max(first)))
+    }
+
+    /// The lines that are whole in sight.
+    #[must_use]
+    pub fn lines(&self, rect: Rect, line: f32) -> std::ops::Range<usize> {
+        let first = self.top.ceil() as usize;
+        first..first + (rect.height() / line).floor() as usize
     }
 
     /// By so many pages.

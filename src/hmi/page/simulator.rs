@@ -29,6 +29,9 @@ const TABS: [(&str, Text); 3] = [
     ("sim-part", Text::new("工件与砂轮", "PART, WHEEL")),
 ];
 
+/// The tab of the part; a kind has its own name for it.
+const PART: usize = 2;
+
 impl Simulator {
     /// Draws the page.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, tab: &mut usize) -> Vec<Command> {
@@ -44,6 +47,7 @@ impl Simulator {
         for (index, (name, label)) in TABS.into_iter().enumerate() {
             let corner = pos2(tabs.min.x + index as f32 * width, tabs.min.y);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, ROW));
+            let label = if index == PART { view.snapshot.kind.face().part } else { label };
             let look = Look { on: *tab == index, locked: false };
             if self.walk.push(ui, view, place, (name, label.get(view.lang)), look) {
                 (*tab, self.page) = (index, 0);
@@ -119,7 +123,9 @@ impl Simulator {
 
     fn part(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, sim: &SimView) -> Option<SimCommand> {
         let (keys, body) = rect.split_top_bottom_at_y(rect.min.y + ROW + theme::GAP);
-        let half = (keys.width() + theme::GAP) / 2.0;
+        let wheel = !view.snapshot.kind.face().turns_part;
+        let count = if wheel { 2.0 } else { 1.0 };
+        let half = (keys.width() + theme::GAP) / count;
         let cell = |index: f32| {
             let corner = keys.min + vec2(index * half, 0.0);
             Rect::from_min_size(corner, vec2(half - theme::GAP, ROW))
@@ -130,16 +136,25 @@ impl Simulator {
             done = Some(SimCommand::NewPart);
         }
         let sharp = ("sim-sharpen", view.say("砂轮变锋利", "SHARP WHEEL"));
-        if self.walk.push(ui, view, cell(1.0), sharp, Look::default()) {
+        if wheel && self.walk.push(ui, view, cell(1.0), sharp, Look::default()) {
             done = Some(SimCommand::Sharpen);
         }
         card(ui.painter(), body, view.theme.surface, view.theme.line);
         let inside = body.shrink2(vec2(theme::PAD, 6.0));
-        let mut lines = vec![
-            (view.say("砂轮直径 mm", "wheel diameter mm").to_owned(), length(sim.wheel_diameter_mm)),
-            (view.say("砂轮钝化 %", "wheel dullness %").to_owned(), format!("{:.0}", sim.wheel_dull * 100.0)),
-            (view.say("砂轮负载 %", "wheel load %").to_owned(), format!("{:.0}", sim.wheel_load_percent)),
-        ];
+        let mut lines = Vec::new();
+        if wheel {
+            let diameter = view.say("砂轮直径 mm", "wheel diameter mm").to_owned();
+            lines.push((diameter, length(sim.wheel_diameter_mm)));
+            let dull = view.say("砂轮钝化 %", "wheel dullness %").to_owned();
+            lines.push((dull, format!("{:.0}", sim.wheel_dull * 100.0)));
+            let load = view.say("砂轮负载 %", "wheel load %").to_owned();
+            lines.push((load, format!("{:.0}", sim.wheel_load_percent)));
+        } else {
+            let speed = view.say("主轴 r/min", "spindle rpm").to_owned();
+            lines.push((speed, format!("{:.0}", view.snapshot.wheel_rpm)));
+            let station = view.snapshot.station.unwrap_or_default();
+            lines.push((view.say("刀位", "station").to_owned(), format!("T{station}")));
+        }
         lines.extend(sim.sizes.iter().map(|(what, size)| (what.get(view.lang).to_owned(), length(*size))));
         lines.extend(sim.events.iter().map(|event| (event.get(view.lang).to_owned(), String::new())));
         let rows = (inside.height() / 27.0).floor().max(1.0) as usize;

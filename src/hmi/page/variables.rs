@@ -119,7 +119,8 @@ impl Variables {
             Edit::Down => self.go(numbers[(here + self.columns) % count]),
             Edit::Left | Edit::Previous => self.go(numbers[(here + count - 1) % count]),
             Edit::Right | Edit::Next => self.go(numbers[(here + 1) % count]),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel => {}
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::LineStart | Edit::LineEnd | Edit::Cancel => {
+            }
         }
     }
 

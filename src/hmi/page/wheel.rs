@@ -99,7 +99,8 @@ impl WheelChange {
             Edit::Enter => self.store(),
             Edit::Up | Edit::Left | Edit::Previous => self.go((self.cursor + places - 1) % places),
             Edit::Down | Edit::Right | Edit::Next => self.go((self.cursor + 1) % places),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel => {}
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::LineStart | Edit::LineEnd | Edit::Cancel => {
+            }
         }
     }
 

@@ -9,6 +9,7 @@
 
 use super::contact::Contact;
 use super::machine_rows::{Along, AxisFile};
+use super::scatter::SlideScatter;
 use crate::io::random::SplitMix64;
 
 /// Play of a worn screw at the minus stop, mm.
@@ -63,6 +64,8 @@ pub(super) struct SimAxis {
     home: Contact,
     plus: Contact,
     minus: Contact,
+    /// What the slide is off by chance.
+    scatter: Option<SlideScatter>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -105,6 +108,7 @@ impl SimAxis {
             home: Contact::default(),
             plus: Contact::default(),
             minus: Contact::default(),
+            scatter: None,
         };
         axis.place(start);
         axis
@@ -208,7 +212,8 @@ impl SimAxis {
         // Moving plus the screw pushes at once; moving minus it first takes up the play.
         let play = at(&self.file.backlash_mm, self.motor_mm) + self.worn_mm();
         self.carried_mm = self.carried_mm.max(self.motor_mm).min(self.motor_mm + play);
-        self.slide_mm = self.carried_mm + at(&self.file.pitch_error_mm, self.carried_mm);
+        let off_mm = self.scatter.as_mut().map_or(0.0, |scatter| scatter.off_mm(self.carried_mm));
+        self.slide_mm = self.carried_mm + at(&self.file.pitch_error_mm, self.carried_mm) + off_mm;
         let plus = self.slide_mm > self.file.stop_plus_mm;
         if !plus && self.slide_mm >= self.file.stop_minus_mm {
             return None;
@@ -221,6 +226,11 @@ impl SimAxis {
         self.velocity_mm_s = 0.0;
         self.accel_mm_s2 = 0.0;
         Some(Struck { plus, speed_mm_s })
+    }
+
+    /// The slide is off by this from now on.
+    pub(super) fn scatter(&mut self, scatter: SlideScatter) {
+        self.scatter = Some(scatter);
     }
 
     /// The screw is worn, or as new again.

@@ -12,6 +12,7 @@ use super::machine_rows::{CuttingFile, DresserFile, LayoutFile, PlateFile, Probe
 use super::obstacle::Obstacle;
 use super::part_file::{GaugeFile, PartFile, Place};
 use super::report::{Event, EventKind, EventLog, PartReport};
+use super::scatter::DiamondScatter;
 use super::spindle::Spindle;
 use super::surface::{Pass, Surface, Touch, Traverse};
 use super::wheel::Wheel;
@@ -51,10 +52,14 @@ pub(super) struct Grinding {
     gauge: Option<GaugeFile>,
     /// Nothing of the part or around it stands higher, along the infeed.
     highest_mm: f64,
+    /// The tangent of the swivelled head.
+    lean: f64,
     broke_dresser: bool,
     /// What the dresser has cut off within `BITE_S`, mm.
     bite_mm: f64,
     broke_probe: bool,
+    /// Where the diamond cuts, by chance.
+    diamond: Option<DiamondScatter>,
     /// The part was not held and flew away.
     gone: bool,
     /// Where the stroke axis stood a tick ago.
@@ -116,13 +121,20 @@ impl Grinding {
             obstacles: Vec::new(),
             gauge: None,
             highest_mm: f64::NEG_INFINITY,
+            lean: 0.0,
             broke_dresser: false,
             bite_mm: 0.0,
             broke_probe: false,
+            diamond: None,
             gone: false,
             stroke_before_mm: f64::INFINITY,
             load_percent: 0.0,
         }
+    }
+
+    /// The diamond cuts where chance has it from now on.
+    pub(super) fn scatter(&mut self, diamond: DiamondScatter) {
+        self.diamond = Some(diamond);
     }
 
     /// Puts a part in, fresh from its file, or takes it out.
@@ -133,6 +145,7 @@ impl Grinding {
         self.gone = false;
         if let Some(part) = part {
             self.zero = self.machine.zero_of(part.g54_mm);
+            self.lean = part.head_deg.to_radians().tan();
             self.gauge = part.gauge;
             self.surfaces.extend(part.surfaces.iter().filter_map(|file| Surface::new(file, chance)));
             self.obstacles.extend(part.bodies.iter().map(Obstacle::of_body));
@@ -207,6 +220,7 @@ impl Grinding {
         pass.across_mm_s = scene.speed_mm_s[layout.across].abs();
         pass.stroke_mm_s = layout.stroke.map_or(0.0, |axis| scene.speed_mm_s[axis].abs());
         pass.dt_s = scene.dt_s;
+        pass.lean = self.lean;
         pass.traverse = self.machine.traverse;
         pass
     }
@@ -218,7 +232,7 @@ impl Grinding {
         let mut crashed = self.dress(scene, wheel, log);
         crashed |= self.flies(scene, log);
         crashed |= self.probe_breaks(scene, log);
-        if pass.front_mm >= self.highest_mm {
+        if pass.front_mm - self.lean.abs() * wheel.width_mm() >= self.highest_mm {
             self.come_free();
             return crashed;
         }
@@ -304,9 +318,17 @@ impl Grinding {
         let (both, off) = (wheel.radius_mm() + roll_mm, at.stroke_mm - dresser.stroke_mm);
         let lift = both - (both * both - off * off).max(0.0).sqrt();
         let towards = if dresser.behind { -1.0 } else { 1.0 };
-        let reach = towards * (dresser.infeed_mm - at.front_mm) - lift;
+        let deeper = self.diamond.as_ref().map_or(0.0, DiamondScatter::deeper_mm);
+        // A swivelled rim stands back by its lean where the dresser is.
+        let back = self.lean * (dresser.across_mm - at.left_mm);
+        let reach = towards * (dresser.infeed_mm - at.front_mm + back) - lift + deeper;
         let slices = wheel.slices_over(dresser.across_mm - at.left_mm, width_mm);
         if reach <= 0.0 || off.abs() >= both || slices.is_empty() {
+            if self.bite_mm > 0.0
+                && let Some(diamond) = &mut self.diamond
+            {
+                diamond.next_stroke();
+            }
             self.broke_dresser = false;
             self.bite_mm = 0.0;
             return false;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::machine_rows::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
-    SecondSpindleFile, ToolPostFile, WheelFile,
+    ScatterFile, SecondSpindleFile, ToolPostFile, WheelFile,
 };
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
@@ -91,6 +91,9 @@ pub struct MachineFile {
     /// The dresser, where there is one.
     #[serde(default)]
     pub dresser: Option<DresserFile>,
+    /// What differs by the seed; nothing but contacts, gauges and parts without it.
+    #[serde(default)]
+    pub scatter: Option<ScatterFile>,
 }
 
 impl MachineFile {

@@ -233,6 +233,21 @@ pub struct CuttingFile {
     pub stop_crash_mm_s: f64,
 }
 
+/// What differs from one machine, wheel and stroke to the next: drawn from the seed, evenly to both sides of the
+/// figures of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScatterFile {
+    /// Of the wheel's grinding ratio and of the volume that makes it dull, a share of them.
+    pub wheel: f64,
+    /// Where the diamond cuts, anew in every stroke over the rim, µm of radius.
+    pub dressing_um: f64,
+    /// What each screw stands off along its way, a wave, µm.
+    pub screw_um: f64,
+    /// What each slide trembles about its place, µm.
+    pub servo_um: f64,
+}
+
 /// The dresser: a diamond, which is a point, or a roll under the whole wheel. Machine coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -128,7 +128,13 @@ impl SimulatedMachine {
         self.grinding.surfaces().iter().find_map(|surface| surface.diameter_at(z)).or_else(turned)
     }
 
-    /// The bar of a lathe: where it begins, the size of a cell, the radius of each cell, mm.
+    /// A lathe's working room; none without a bar.
+    #[must_use]
+    pub fn lathe_scene(&self) -> Option<super::LatheScene<'_>> {
+        self.turning.as_ref()?.scene()
+    }
+
+    /// Radius of each cell of a lathe's bar: first Z, cell size, radii.
     #[must_use]
     pub fn bar_profile(&self) -> Option<(f64, f64, &[f64])> {
         self.turning.as_ref().and_then(Turning::profile)

@@ -3,7 +3,7 @@
 //! One tick: [`Backend::read`] moves the machine from the last `now` to this one under the outputs last written –
 //! axes, spindles, hydraulics, contact of wheel and part – and shows its terminals and encoders.
 //! The files: `axis` drives and switches, `spindle` all that turns, `hydraulics`, `magnet`, `gauge`, `wheel` shape and
-//! wear, `surface` the contact law, `profile` and `plane` the cells, `obstacle`, `grinding` who meets whom, `wiring`
+//! wear, `surface` the contact law, `profile` and `plane` the cells, `obstacle`, `grinding` who meets whom, `scatter` what the seed changes, `wiring`
 //! terminals, `turning` a lathe's spindle, post and bar, `inputs` what is shown, `fault` names, `measure` and `report` what can be asked afterwards.
 //! What a kind of machine is made of stands in its file alone: which axis takes the wheel to the part and what turns.
 
@@ -14,6 +14,7 @@ mod gauge;
 mod grinding;
 mod hydraulics;
 mod inputs;
+mod lathe_rehearsal;
 mod machine_file;
 mod machine_rows;
 mod magnet;
@@ -23,6 +24,7 @@ mod part_file;
 mod plane;
 mod profile;
 mod report;
+mod scatter;
 mod spindle;
 mod surface;
 mod turning;
@@ -47,10 +49,12 @@ use crate::defs::signal::{Output, OutputSet};
 use crate::units::{Axis, Micros, PerAxis};
 
 pub use self::fault::FaultError;
+pub use self::lathe_rehearsal::LatheRehearsal;
 pub use self::machine_file::{MachineFile, SimFileError};
 pub use self::machine_rows::{
     Along, AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile,
-    MainSpindleFile, PlateFile, ProbeFile, QuillFile, RollFile, SecondSpindleFile, ToolFile, ToolPostFile, WheelFile,
+    MainSpindleFile, PlateFile, ProbeFile, QuillFile, RollFile, ScatterFile, SecondSpindleFile, ToolFile, ToolPostFile,
+    WheelFile,
 };
 pub use self::measure::WheelState;
 pub use self::part_file::{
@@ -58,6 +62,7 @@ pub use self::part_file::{
     TailstockFile,
 };
 pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartReport};
+pub use self::turning::LatheScene;
 
 /// Longest step of the physics, µs; a longer tick is cut into several.
 const STEP_LIMIT_US: u64 = 4_000;
@@ -131,8 +136,16 @@ impl SimulatedMachine {
             detents: 0,
             file: machine,
         };
+        sim.scatter(seed);
         sim.set_part(part);
+        sim.shape_tools(wiring);
         sim
+    }
+
+    fn shape_tools(&mut self, params: &Params) {
+        if let Some(turning) = &mut self.turning {
+            turning.shape_tools(params);
+        }
     }
 
     /// The power comes again, with the parameters of now: the terminals are wired as they say, and an axis Y that they fit
@@ -148,9 +161,10 @@ impl SimulatedMachine {
         self.axes = axes;
     }
 
-    /// Begins the machine's chance anew: the next part, bounce and noise follow the seed.
+    /// Begins the machine's chance anew: the next part, bounce, noise and scatter follow the seed.
     pub fn reseed(&mut self, seed: u64) {
         self.chance = SplitMix64::new(seed);
+        self.scatter(seed);
     }
 
     /// Puts another part in, fresh from its file, or takes the part out. The axes stay where they are. A part
@@ -321,6 +335,7 @@ impl Backend for SimulatedMachine {
 
     fn rewire(&mut self, params: &Params) {
         self.wiring.rewire(params);
+        self.shape_tools(params);
         self.on = self.wiring.outputs(self.outputs.terminals);
     }
 

@@ -29,6 +29,7 @@ const BUILTIN: &[(&str, &str)] = &[
     ("O1013", include_str!("../../../assets/parts/O1013.ron")),
     ("O1014", include_str!("../../../assets/parts/O1014.ron")),
     ("VGRIND", include_str!("../../../assets/parts/VGRIND.ron")),
+    ("VBORE", include_str!("../../../assets/parts/VBORE.ron")),
     ("PRINTED", include_str!("../../../assets/parts/VGRIND.ron")),
 ];
 
@@ -78,6 +79,9 @@ pub struct PartFile {
     /// What is ground.
     #[serde(default)]
     pub surfaces: Vec<SurfaceFile>,
+    /// How far the wheel's head is swivelled, degrees: its rim lies along a cone whose diameter grows so much downwards.
+    #[serde(default)]
+    pub head_deg: f64,
     /// How far it may be ground, where the program's own variables say so.
     #[serde(default)]
     pub finished: Option<FinishedFile>,
@@ -96,6 +100,12 @@ pub struct FinishedFile {
     pub z_from: f64,
     /// To Z.
     pub z_to: f64,
+    /// A bore: the rim stands at X + wheel, and grows it.
+    #[serde(default)]
+    pub inside: bool,
+    /// A cone: the variables of its angle, degrees, growing downwards, and of the Z where the size holds.
+    #[serde(default)]
+    pub cone: Option<(u16, u16)>,
 }
 
 /// A bar to be turned, part coordinates.
@@ -253,6 +263,28 @@ pub enum SurfaceFile {
         #[serde(default)]
         waviness: f64,
     },
+    /// A bore r(z) of a part that turns, a cylinder or a cone, ground from inside by the side of the rim that lies away from
+    /// the part's axis.
+    Bore {
+        /// From Z.
+        z_from: f64,
+        /// To Z.
+        z_to: f64,
+        /// Stock diameter at the first end, mean.
+        stock_from: f64,
+        /// Stock diameter at the other end, mean.
+        stock_to: f64,
+        /// How thick the material around it is, radius.
+        thickness: f64,
+        /// Cell size along Z.
+        cell: f64,
+        /// Runout, peak to valley of the radius over one turn.
+        #[serde(default)]
+        runout: f64,
+        /// Waviness along Z, amplitude of the radius.
+        #[serde(default)]
+        waviness: f64,
+    },
     /// A face z(x), ground by the side of the wheel.
     Face {
         /// Which way it looks.
@@ -388,6 +420,7 @@ impl SurfaceFile {
     const fn kinds(&self) -> &'static [Kind] {
         match self {
             Self::Diameter { .. } | Self::Cone { .. } | Self::Face { .. } => &[Kind::Gc, Kind::Vertical],
+            Self::Bore { .. } => &[Kind::Vertical],
             Self::Plane { .. } | Self::Wall { .. } => &[Kind::Gs],
             Self::Disc { .. } => &[Kind::Ga],
         }
@@ -398,6 +431,9 @@ impl SurfaceFile {
         let (cell, stock, lengths) = match *self {
             Self::Diameter { z_from, z_to, cell, stock, .. } => (cell, stock, [z_to - z_from, cell]),
             Self::Cone { z_from, z_to, cell, stock_from, stock_to, .. } => {
+                (cell, stock_from + stock_to, [z_to - z_from, cell])
+            }
+            Self::Bore { z_from, z_to, cell, stock_from, stock_to, .. } => {
                 (cell, stock_from + stock_to, [z_to - z_from, cell])
             }
             Self::Face { x_from, x_to, cell, stock, .. } => (cell, stock, [(x_to - x_from) / 2.0, cell]),
@@ -423,6 +459,7 @@ impl SurfaceFile {
                 above_zero(&name("width"), width)?;
                 above_zero(&name("thickness"), thickness)
             }
+            Self::Bore { thickness, .. } => above_zero(&name("thickness"), thickness),
             Self::Wall { x_from, x_to, thickness, .. } => {
                 above_zero(&name("length"), x_to - x_from)?;
                 above_zero(&name("thickness"), thickness)

@@ -1,4 +1,4 @@
-//! Surfaces that are a line of heights: a diameter or cone r(z), a face z(r) that the wheel's side grinds, a wall of a slot, a
+//! Surfaces that are a line of heights: a diameter or cone r(z), the same as a bore, a face z(r) that the wheel's side grinds, a wall of a slot, a
 //! face z(r) under the rim on a table that turns (P4, P5). The contact law stands in `surface`.
 //!
 //! Runout: h is the highest place over a turn, `floor` the lowest before grinding; between them only half the turn
@@ -19,7 +19,7 @@ const WAVE_MM: f64 = 7.0;
 #[derive(Clone, Debug)]
 pub(super) struct Profile {
     shape: Shape,
-    /// Height along the normal: radius of a diameter, ±Z of a face, Z of a disc.
+    /// Height along the normal: radius of a diameter, minus that of a bore, ±Z of a face, Z of a disc.
     height_mm: Box<[f64]>,
     floor_mm: Box<[f64]>,
     /// No cell stands higher.
@@ -32,6 +32,8 @@ pub(super) struct Profile {
 enum Shape {
     /// Cells along the wheel's axis, around the part's.
     Diameter,
+    /// The same inside: the height is minus the radius. The part is so thick around it, mm.
+    Bore { thickness_mm: f64 },
     /// Cells along the infeed, ground by a side of the wheel.
     Face { side: Side, width_mm: f64, thickness_mm: f64, turns: bool, wall: Option<Wall> },
     /// Cells along the radius of a table that turns under the rim.
@@ -77,6 +79,11 @@ fn line(file: &SurfaceFile) -> Option<Line> {
         SurfaceFile::Cone { z_from, z_to, stock_from, stock_to, cell, runout, waviness } => {
             let (from, to, stock, rise) = (z_from, z_to, stock_from / 2.0, (stock_to - stock_from) / 2.0);
             Some(Line { from, to, cell, normal: 1.0, stock, rise, waviness, runout, shape: Shape::Diameter })
+        }
+        SurfaceFile::Bore { z_from, z_to, stock_from, stock_to, thickness, cell, runout, waviness } => {
+            let (from, to, stock, rise) = (z_from, z_to, stock_from / 2.0, (stock_from - stock_to) / 2.0);
+            let shape = Shape::Bore { thickness_mm: thickness };
+            Some(Line { from, to, cell, normal: -1.0, stock, rise, waviness, runout, shape })
         }
         SurfaceFile::Face { looks, x_from, x_to, stock, cell, waviness, width, thickness, turns } => {
             let (side, normal) = side_of(looks);
@@ -131,7 +138,7 @@ impl Profile {
     /// Whether the part must turn for this surface to be ground.
     pub(super) const fn turns(&self) -> bool {
         match self.shape {
-            Shape::Diameter | Shape::Disc => true,
+            Shape::Diameter | Shape::Bore { .. } | Shape::Disc => true,
             Shape::Face { turns, .. } => turns,
         }
     }
@@ -140,7 +147,7 @@ impl Profile {
     pub(super) const fn stands(&self) -> &'static str {
         match self.shape {
             Shape::Diameter | Shape::Face { .. } => "part, workhead standing",
-            Shape::Disc => "part, table standing",
+            Shape::Bore { .. } | Shape::Disc => "part, table standing",
         }
     }
 
@@ -148,6 +155,7 @@ impl Profile {
     pub(super) fn reach_mm(&self) -> f64 {
         match self.shape {
             Shape::Diameter | Shape::Disc => self.highest_mm,
+            Shape::Bore { thickness_mm } => self.outside_mm(thickness_mm),
             Shape::Face { .. } => self.from_mm + self.length_mm(),
         }
     }
@@ -163,12 +171,32 @@ impl Profile {
         (cell.max(0.0) as usize).min(self.height_mm.len())
     }
 
-    /// The cells under the wheel and, for a face, the wheel's surface along the normal.
+    /// Radius of the material around a bore, mm.
+    fn outside_mm(&self, thickness_mm: f64) -> f64 {
+        let widest = self.height_mm.iter().copied().fold(f64::INFINITY, f64::min);
+        thickness_mm - widest
+    }
+
+    /// Where the rim stands over a cell, along the normal, before its wear.
+    fn rim_over(&self, cell: usize, surface: f64, pass: &Pass) -> f64 {
+        let back = pass.lean * (self.middle(cell) - pass.left_mm);
+        match self.shape {
+            Shape::Bore { .. } => surface + back,
+            Shape::Diameter | Shape::Disc | Shape::Face { .. } => surface - back,
+        }
+    }
+
+    /// The cells under the wheel and the wheel's surface along the normal.
     fn under(&self, pass: &Pass, wheel: &Wheel) -> (std::ops::Range<usize>, f64) {
         match self.shape {
             Shape::Diameter => {
                 let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
                 (cells, pass.front_mm)
+            }
+            Shape::Bore { .. } => {
+                let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
+                // The wheel's middle stands off the part's axis; the farther rim meets the bore.
+                (cells, -(pass.front_mm + wheel.radius_mm()).abs() - wheel.radius_mm())
             }
             Shape::Disc => {
                 // Beyond the table's middle the wheel covers the radii on its other side.
@@ -198,7 +226,7 @@ impl Profile {
         let middle = self.middle(cell);
         let slice = wheel.slice_at(middle - pass.left_mm);
         match self.shape {
-            Shape::Diameter | Shape::Face { .. } => slice,
+            Shape::Diameter | Shape::Bore { .. } | Shape::Face { .. } => slice,
             Shape::Disc => match (slice, wheel.slice_at(-middle - pass.left_mm)) {
                 (Some(a), Some(b)) => Some(if wheel.rim_mm(a) <= wheel.rim_mm(b) { a } else { b }),
                 (a, b) => a.or(b),
@@ -217,7 +245,10 @@ impl Profile {
     /// Greatest overlap with the wheel, mm; zero or less is none.
     pub(super) fn overlap_mm(&self, pass: &Pass, wheel: &Wheel) -> f64 {
         let quick = match self.shape {
-            Shape::Diameter | Shape::Disc => pass.front_mm,
+            // Leaning or not, no slice of the rim stands further out.
+            Shape::Diameter | Shape::Disc => pass.front_mm - pass.lean.max(0.0) * wheel.width_mm(),
+            Shape::Bore { thickness_mm } if pass.front_mm >= self.outside_mm(thickness_mm) => return 0.0,
+            Shape::Bore { .. } => self.under(pass, wheel).1 + pass.lean.min(0.0) * wheel.width_mm(),
             Shape::Face { side: Side::Left, .. } => pass.left_mm,
             Shape::Face { side: Side::Right, .. } => -pass.left_mm - wheel.width_mm(),
         };
@@ -227,10 +258,11 @@ impl Profile {
         let (cells, surface) = self.under(pass, wheel);
         let mut greatest = 0.0_f64;
         match self.shape {
-            Shape::Diameter | Shape::Disc => {
+            Shape::Diameter | Shape::Bore { .. } | Shape::Disc => {
                 for cell in cells {
                     let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
-                    greatest = greatest.max(self.height_mm[cell] - surface - wheel.rim_mm(slice));
+                    let rim = self.rim_over(cell, surface, pass);
+                    greatest = greatest.max(self.height_mm[cell] - rim - wheel.rim_mm(slice));
                 }
             }
             Shape::Face { thickness_mm, .. } => {
@@ -248,7 +280,7 @@ impl Profile {
     /// Grinds what overlaps for one tick.
     pub(super) fn grind(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
         match self.shape {
-            Shape::Diameter | Shape::Disc => self.grind_round(pass, wheel),
+            Shape::Diameter | Shape::Bore { .. } | Shape::Disc => self.grind_round(pass, wheel),
             Shape::Face { side, width_mm, turns, .. } => self.grind_face(pass, wheel, side, (width_mm, turns)),
         }
     }
@@ -263,13 +295,13 @@ impl Profile {
         for cell in cells {
             let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
             let h = self.height_mm[cell];
-            let overlap = h - surface - wheel.rim_mm(slice);
+            let overlap = h - self.rim_over(cell, surface, pass) - wheel.rim_mm(slice);
             if overlap <= 0.0 {
                 continue;
             }
             let depth = overlap * taken;
             let share = if h > self.floor_mm[cell] { 0.5 } else { 1.0 };
-            let radius = if matches!(self.shape, Shape::Disc) { self.middle(cell) } else { h };
+            let radius = if matches!(self.shape, Shape::Disc) { self.middle(cell) } else { h.abs() };
             let cell_volume = share * 2.0 * PI * radius * self.cell_mm * depth;
             self.height_mm[cell] = h - depth;
             wheel.wear_rim(slice, cell_volume);
@@ -308,6 +340,10 @@ impl Profile {
     pub(super) fn inside_mm(&self, at: &Pass) -> Option<f64> {
         match self.shape {
             Shape::Diameter => self.between(at.left_mm, |s, cell| s.height_mm[cell] - at.front_mm),
+            Shape::Bore { thickness_mm } => {
+                let inside = self.between(at.left_mm, |s, cell| s.height_mm[cell] + at.front_mm.abs());
+                inside.filter(|inside| *inside < thickness_mm)
+            }
             Shape::Disc => self.between(at.left_mm.abs(), |s, cell| s.height_mm[cell] - at.front_mm),
             Shape::Face { side, thickness_mm, wall, .. } => {
                 if wall.is_some_and(|wall| !(wall.from_mm..=wall.to_mm).contains(&at.stroke_mm)) {
@@ -327,7 +363,7 @@ impl Profile {
     /// Mean diameter at a place along Z, between the middles of the cells; `None` beside the surface.
     pub(super) fn diameter_at(&self, z: f64) -> Option<f64> {
         match self.shape {
-            Shape::Diameter => self.between(z, |s, cell| 2.0 * s.mean(cell)),
+            Shape::Diameter | Shape::Bore { .. } => self.between(z, |s, cell| 2.0 * s.mean(cell).abs()),
             Shape::Face { .. } | Shape::Disc => None,
         }
     }
@@ -336,7 +372,7 @@ impl Profile {
     /// for a face that looks as asked; `None` beside the surface.
     pub(super) fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
         let (side, wall) = match self.shape {
-            Shape::Diameter => return None,
+            Shape::Diameter | Shape::Bore { .. } => return None,
             Shape::Disc => return self.height_at(x),
             Shape::Face { side, wall, .. } => (side, wall),
         };
@@ -359,7 +395,7 @@ impl Profile {
     pub(super) fn height_at(&self, x: f64) -> Option<f64> {
         match self.shape {
             Shape::Disc => self.between(x.abs(), Self::mean),
-            Shape::Diameter | Shape::Face { .. } => None,
+            Shape::Diameter | Shape::Bore { .. } | Shape::Face { .. } => None,
         }
     }
 
@@ -384,7 +420,7 @@ impl Profile {
         let place = |tenths: f64| self.from_mm + self.length_mm() * tenths / 10.0;
         let thirds = [1.0, 5.0, 9.0];
         match self.shape {
-            Shape::Diameter => {
+            Shape::Diameter | Shape::Bore { .. } => {
                 for z in [1.0, 3.0, 5.0, 7.0, 9.0].map(place) {
                     report.diameters.extend(self.diameter_at(z).map(|d| DiameterAt { z, d }));
                 }

@@ -37,6 +37,9 @@ pub(super) struct Pass {
     pub across_mm_s: f64,
     pub stroke_mm_s: f64,
     pub dt_s: f64,
+    /// How much the rim goes back towards the infeed's minus side for each millimetre along the wheel's axis: the tangent
+    /// of the swivelled head.
+    pub lean: f64,
     pub traverse: Traverse,
 }
 

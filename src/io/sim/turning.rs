@@ -4,10 +4,12 @@
 //! cuts, its shank crashes. DECISION: a thread leaves the envelope of its root; chips, force and deflection are not reckoned.
 
 use super::grinding::Scene;
-use super::machine_rows::{MainSpindleFile, ToolFile, ToolPostFile};
+use super::machine_rows::{Along, MainSpindleFile, ToolFile, ToolPostFile};
 use super::part_file::{BarFile, BodyFile, PartFile, Place};
 use super::report::{DiameterAt, PartReport};
+use crate::defs::param::Params;
 use crate::defs::signal::{Output, OutputSet};
+use crate::defs::turning_tool::TurningTool;
 use crate::units::Axis;
 
 /// Below this an analog output carries no speed, V.
@@ -30,7 +32,7 @@ const STATIONS: f64 = 4.0;
 
 /// The bar as it is now, part coordinates.
 #[derive(Clone, Debug)]
-struct Bar {
+pub(super) struct Bar {
     z_from: f64,
     cell: f64,
     /// Radius of each cell, mm.
@@ -74,6 +76,11 @@ impl Turning {
             before: None,
             crashed: None,
         }
+    }
+
+    /// Gives the tools the shapes that the parameters define.
+    pub(super) fn shape_tools(&mut self, params: &Params) {
+        self.post = shaped(&self.post, params);
     }
 
     /// Puts a bar in, or takes it out.
@@ -137,7 +144,7 @@ impl Turning {
         let speed = |axis: Axis| scene.speed_mm_s[axis].abs();
         let rapid = speed(Axis::X) > RAPID_X_MM_S || speed(Axis::Z) > RAPID_Z_MM_S;
         let stands = self.rpm.abs() < STANDS_RPM;
-        let mut met = self.bodies.iter().any(|body| tool.reaches(x, z, body)).then_some("chuck");
+        let mut met = reaches_any(&tool, (x, z), &self.bodies).then_some("chuck");
         if let Some(bar) = &mut self.bar {
             let from = self.before.filter(|before| (before.1 - z).abs() < STEP_MOST_MM).unwrap_or((x, z));
             met = met.or(bar.cut(&tool, (from, (x, z)), self.post.crash_mm, (rapid, stands)));
@@ -158,6 +165,22 @@ impl Turning {
         self.bar.as_ref().map(|bar| (bar.z_from, bar.cell, bar.radius.as_slice()))
     }
 
+    /// What stands and turns in the working room, for the picture; none without a bar.
+    pub(super) fn scene(&self) -> Option<LatheScene<'_>> {
+        let bar = self.bar.as_ref()?;
+        let tool = self.tool();
+        Some(LatheScene {
+            zero_mm: (self.zero.x, self.zero.z),
+            z_from_mm: bar.z_from,
+            cell_mm: bar.cell,
+            radius_mm: &bar.radius,
+            stock_mm: bar.stock,
+            bodies: self.bodies.iter().map(|body| (body.z_from, body.z_to, body.diameter / 2.0)).collect(),
+            tip_mm: tool.tip_mm,
+            outline_mm: tool.outline_mm.iter().map(|point| (point.0, point.1)).collect(),
+        })
+    }
+
     /// The measured bar.
     pub(super) fn report(&self, report: &mut PartReport) {
         let Some(bar) = &self.bar else { return };
@@ -170,6 +193,43 @@ impl Turning {
             }
         }
     }
+}
+
+/// A lathe's working room as it is now. Lengths mm, radius; places of the bar in part coordinates.
+#[derive(Clone, Debug)]
+pub struct LatheScene<'a> {
+    /// The part's zero, machine coordinates X, Z.
+    pub zero_mm: (f64, f64),
+    /// Where the bar comes out of the chuck.
+    pub z_from_mm: f64,
+    /// Length of a cell.
+    pub cell_mm: f64,
+    /// Radius of each cell from the chuck to the face.
+    pub radius_mm: &'a [f64],
+    /// Radius of the stock.
+    pub stock_mm: f64,
+    /// The chuck: from, to, radius.
+    pub bodies: Vec<(f64, f64, f64)>,
+    /// Where the tip of the tool in front stands off the slides' reference point, X, Z.
+    pub tip_mm: (f64, f64),
+    /// Its outline: Z from the tip, height over it.
+    pub outline_mm: Vec<(f64, f64)>,
+}
+
+/// A tool post with the tools that the parameters define.
+pub(super) fn shaped(post: &ToolPostFile, params: &Params) -> ToolPostFile {
+    let mut post = post.clone();
+    for (station, tool) in post.tools.iter_mut().enumerate() {
+        let defined = TurningTool::of_station(params, station);
+        tool.edge_mm = defined.edge_mm;
+        tool.outline_mm = defined.outline_mm().into_iter().map(|(z, height)| Along(z, height)).collect();
+    }
+    post
+}
+
+/// Whether a tool with its tip here touches a body.
+pub(super) fn reaches_any(tool: &ToolFile, (x, z): (f64, f64), bodies: &[BodyFile]) -> bool {
+    bodies.iter().any(|body| tool.reaches(x, z, body))
 }
 
 impl ToolFile {
@@ -199,7 +259,7 @@ impl ToolFile {
 }
 
 impl Bar {
-    fn new(file: &BarFile) -> Self {
+    pub(super) fn new(file: &BarFile) -> Self {
         let cells = ((file.z_to - file.z_from) / file.cell).round().max(1.0) as usize;
         let stock = file.diameter / 2.0;
         Self { z_from: file.z_from, cell: file.cell, radius: vec![stock; cells], stock }
@@ -211,7 +271,7 @@ impl Bar {
     }
 
     /// Cuts with the edge; the first thing that is a crash.
-    fn cut(
+    pub(super) fn cut(
         &mut self,
         tool: &ToolFile,
         (from, (x, z)): ((f64, f64), (f64, f64)),
@@ -264,7 +324,6 @@ impl Bar {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::io::sim::Along;
 
     fn tool() -> ToolFile {
         let outline_mm = vec![Along(0.0, 0.0), Along(8.0, 1.5), Along(8.1, 8.1), Along(25.0, 8.1)];

@@ -66,6 +66,14 @@ impl Wheel {
         }
     }
 
+    /// Another batch of the same wheel: its grinding ratio, and what makes it dull, times these factors.
+    pub(super) fn set_figures(&mut self, file: &WheelFile, cutting: &CuttingFile, factors: [f64; 2]) {
+        let whole = Self::new(file, cutting);
+        self.grinding_ratio = file.grinding_ratio * factors[0];
+        self.rim_mm_per_mm3 = whole.rim_mm_per_mm3 / factors[0];
+        self.dull_per_mm3 = whole.dull_per_mm3 / factors[1];
+    }
+
     /// Width when new, mm.
     pub(super) const fn width_mm(&self) -> f64 {
         self.width_mm

@@ -21,4 +21,5 @@ pub(super) static ROW: KindRow = KindRow {
     slow_axis: Axis::X,
     turns_part: false,
     own_programs: None,
+    shown: "O1001",
 };

@@ -22,4 +22,5 @@ pub(super) static ROW: KindRow = KindRow {
     slow_axis: Axis::X,
     turns_part: true,
     own_programs: Some("lathe"),
+    shown: "SHAFT",
 };

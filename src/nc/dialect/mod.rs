@@ -2,6 +2,7 @@
 //! the check are shared.
 
 mod arc;
+mod block;
 mod grinder;
 mod sinumerik;
 mod superman;

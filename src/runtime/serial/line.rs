@@ -23,13 +23,13 @@ const PIECE: usize = 512;
 pub struct Line {
     /// The port: `/dev/ttyS0`, `COM1`.
     pub port: String,
-    /// Bits a second (P391).
+    /// Bits a second (P370).
     pub baud: u32,
-    /// A pause this long is the end of a transmission that has begun (P392).
+    /// A pause this long is the end of a transmission that has begun (P371).
     pub silence: Duration,
-    /// How long the beginning is waited for (P393).
+    /// How long the beginning is waited for (P372).
     pub start: Duration,
-    /// NUL before and after the programs (P394).
+    /// NUL before and after the programs (P373).
     pub leader: usize,
     /// The most bytes taken or sent.
     pub limit: usize,

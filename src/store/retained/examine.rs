@@ -6,7 +6,7 @@ use std::path::Path;
 use redb::StorageBackend;
 use redb::backends::InMemoryBackend;
 
-use super::tables::{self, FORMAT};
+use super::tables::{self, FORMAT, OLDEST};
 use super::{RetainedError, builder};
 use crate::store::whole_file::{self, ReadError};
 
@@ -61,7 +61,7 @@ fn look(bytes: &[u8]) -> Finding {
     }
     match tables::load(&database) {
         Ok(found) if found.format > FORMAT => Finding::Newer(found.format),
-        Ok(found) if found.format < FORMAT => Finding::Damaged(format!("unknown format {}", found.format)),
+        Ok(found) if found.format < OLDEST => Finding::Damaged(format!("unknown format {}", found.format)),
         Ok(found) if found.stated != found.counted => Finding::Damaged("rows do not fit their checksum".to_owned()),
         Ok(_) => Finding::Whole,
         Err(cause) => Finding::Damaged(cause.to_string()),

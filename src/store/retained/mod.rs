@@ -15,6 +15,7 @@ use redb::{Database, DatabaseError};
 
 use super::fault::IoFault;
 use super::whole_file;
+use crate::defs::history::PastAlarm;
 use crate::units::PerAxis;
 pub use tables::StorageFault;
 
@@ -87,6 +88,8 @@ pub enum Change {
         /// The text.
         value: Option<String>,
     },
+    /// An alarm of the history, in its slot.
+    Alarm(Box<PastAlarm>),
 }
 
 /// All retained data at once.
@@ -106,6 +109,8 @@ pub struct Loaded {
     pub numbers: BTreeMap<String, f64>,
     /// Retained texts by name.
     pub texts: BTreeMap<String, String>,
+    /// Alarms of the history by slot.
+    pub alarms: BTreeMap<u16, PastAlarm>,
 }
 
 /// A file that was found damaged or foreign.
@@ -201,6 +206,9 @@ impl Retained {
             begin(folder, &path)?;
         }
         let database = open_database(&path)?;
+        if !fresh {
+            tables::upgrade(&database).map_err(|fault| RetainedError::Storage { path: path.clone(), fault })?;
+        }
         Ok(Opened { retained: Self { path, database: Some(database), _lock: lock }, damaged, fresh })
     }
 

@@ -3,14 +3,17 @@
 //! Every row has a checksum over table, key and value; the sum of them stands in the `meta` table and is kept up with
 //! each change, so that a commit costs what it changes and an opening sees rows that are lost or altered.
 
-use redb::{Database, ReadableDatabase, ReadableTable, Table, TableDefinition, WriteTransaction};
+use redb::{Database, ReadableDatabase, ReadableTable, Table, TableDefinition, TableError, WriteTransaction};
 
 use super::{Change, Generation, Loaded, RetainedError, ToolOffset};
+use crate::defs::history::{MOST_ALARMS_KEPT, PastAlarm};
 use crate::store::checksum::Checksum;
 use crate::units::PerAxis;
 
 /// The format of the tables written here.
-pub(super) const FORMAT: u64 = 1;
+pub(super) const FORMAT: u64 = 2;
+/// The oldest format that is understood: without the alarms.
+pub(super) const OLDEST: u64 = 1;
 /// The longest key of a parameter or retained word, in bytes.
 const KEY_LIMIT: usize = 64;
 /// The longest retained text, in bytes.
@@ -27,6 +30,8 @@ const OFFSETS: TableDefinition<u8, [f64; 6]> = TableDefinition::new("tool_offset
 const WORK_FRAMES: TableDefinition<u8, [f64; 3]> = TableDefinition::new("work_frames");
 const NUMBERS: TableDefinition<&str, f64> = TableDefinition::new("numbers");
 const TEXTS: TableDefinition<&str, &str> = TableDefinition::new("texts");
+
+const ALARMS: TableDefinition<u16, &str> = TableDefinition::new("alarms");
 
 const META_FORMAT: &str = "kt830 retained format";
 const META_GENERATION: &str = "generation";
@@ -65,6 +70,9 @@ pub(super) fn check(change: &Change) -> Result<(), RetainedError> {
             ((1..=LAST_OFFSET).contains(number), all_finite(&offset.geometry) && all_finite(&offset.wear))
         }
         Change::Frame { index, origin } => (*index < FRAMES, all_finite(origin)),
+        Change::Alarm(past) => {
+            (past.slot() < MOST_ALARMS_KEPT as u16, alarm_text(past).is_some_and(|text| text.len() <= TEXT_LIMIT))
+        }
         Change::Text { key, value } => (keyed(key), value.as_ref().is_none_or(|text| text.len() <= TEXT_LIMIT)),
     };
     let what = || format!("{change:?}");
@@ -89,7 +97,21 @@ pub(super) fn begin(database: &Database) -> Result<(), StorageFault> {
         transaction.open_table(WORK_FRAMES)?;
         transaction.open_table(NUMBERS)?;
         transaction.open_table(TEXTS)?;
+        transaction.open_table(ALARMS)?;
     }
+    Ok(transaction.commit()?)
+}
+
+/// Brings the tables of an older control to this format.
+pub(super) fn upgrade(database: &Database) -> Result<(), StorageFault> {
+    let transaction = database.begin_read()?;
+    if value_of(&transaction.open_table(META)?, META_FORMAT)? == FORMAT {
+        return Ok(());
+    }
+    drop(transaction);
+    let transaction = database.begin_write()?;
+    transaction.open_table(ALARMS)?;
+    transaction.open_table(META)?.insert(META_FORMAT, FORMAT)?;
     Ok(transaction.commit()?)
 }
 
@@ -118,6 +140,7 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[Change]) -> Result<u64,
     let mut frames = transaction.open_table(WORK_FRAMES)?;
     let mut numbers = transaction.open_table(NUMBERS)?;
     let mut texts = transaction.open_table(TEXTS)?;
+    let mut alarms = transaction.open_table(ALARMS)?;
     let mut moved = 0_u64;
     for change in changes {
         let by = match change {
@@ -147,6 +170,11 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[Change]) -> Result<u64,
                     None => texts.remove(key.as_str())?.map(|old| row(old.value())),
                 };
                 shift(old, value.as_deref().map(row))
+            }
+            Change::Alarm(past) => {
+                let text = alarm_text(past).unwrap_or_default();
+                let old = alarms.insert(past.slot(), text.as_str())?.map(|old| alarm_row(past.slot(), old.value()));
+                shift(old, Some(alarm_row(past.slot(), &text)))
             }
         };
         moved = moved.wrapping_add(by);
@@ -203,6 +231,21 @@ pub(super) fn load(database: &Database) -> Result<Content, StorageFault> {
         counted = counted.wrapping_add(row(RowOf::Text, key.value().as_bytes(), text.value().as_bytes()));
         loaded.texts.insert(key.value().to_owned(), text.value().to_owned());
     }
+    match transaction.open_table(ALARMS) {
+        Ok(table) => {
+            for entry in table.iter()? {
+                let (slot, text) = entry?;
+                counted = counted.wrapping_add(alarm_row(slot.value(), text.value()));
+                // A text that a later control wrote otherwise is history that cannot be shown: no damage.
+                if let Ok(past) = serde_json::from_str(text.value()) {
+                    loaded.alarms.insert(slot.value(), past);
+                }
+            }
+        }
+        // The format before this one.
+        Err(TableError::TableDoesNotExist(_)) => {}
+        Err(other) => return Err(other.into()),
+    }
     let (format, stated) = (value_of(&meta, META_FORMAT)?, value_of(&meta, META_ROWS)?);
     Ok(Content { loaded, format, stated, counted })
 }
@@ -221,11 +264,20 @@ enum RowOf {
     Frame = 4,
     Number = 5,
     Text = 6,
+    Alarm = 7,
 }
 
 fn row(of: RowOf, key: &[u8], value: &[u8]) -> u64 {
     let length = u8::try_from(key.len()).unwrap_or(u8::MAX);
     Checksum::new().add(&[of as u8, length]).add(key).add(value).finish()
+}
+
+fn alarm_text(past: &PastAlarm) -> Option<String> {
+    serde_json::to_string(past).ok()
+}
+
+fn alarm_row(slot: u16, text: &str) -> u64 {
+    row(RowOf::Alarm, &slot.to_le_bytes(), text.as_bytes())
 }
 
 fn variable_row(number: u16, value: f64) -> u64 {

@@ -348,6 +348,9 @@ impl Designer {
         self.told = None;
         match edit {
             Edit::Back => self.document.back(),
+            Edit::Delete => self.document.delete(),
+            Edit::LineStart => self.document.go(self.document.place().0, 0),
+            Edit::LineEnd => self.document.go(self.document.place().0, usize::MAX),
             Edit::Enter => self.document.new_line(),
             Edit::Up => self.document.step_lines(-1),
             Edit::Down => self.document.step_lines(1),

@@ -3,6 +3,7 @@
 //! Source: spec B6 (图形), H8, H9.
 
 mod paint;
+mod room;
 
 use std::sync::Arc;
 
@@ -48,6 +49,8 @@ pub struct Graphic {
     asked: Option<((u32, u64), f64, u32)>,
     /// The way really gone, X Y Z.
     trail: Vec<[f32; 3]>,
+    /// Places along Z that were touched to be measured, two at most (L10).
+    touched: Vec<f32>,
     walk: Walk,
 }
 
@@ -139,7 +142,7 @@ impl Graphic {
         let whole = paint::whole(view, drawing, &self.trail);
         let camera = *self.camera.get_or_insert_with(|| Camera::fit(whole, plane, inside));
         let mut camera = if camera.fitted { Camera::fit(whole, plane, inside) } else { camera };
-        let response = ui.interact(inside, Id::unique("graphic-canvas"), Sense::DRAG | Sense::HOVER);
+        let response = ui.interact(inside, Id::unique("graphic-canvas"), Sense::CLICK | Sense::DRAG | Sense::HOVER);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "图形 graphic-canvas"));
         let (pinch, scroll, at) = ui.input(|input| {
             let touch = input.multi_touch();
@@ -152,6 +155,12 @@ impl Graphic {
         }
         if let Some(at) = at {
             camera.zoom(pinch * (scroll / 240.0).exp(), at - inside.center());
+        }
+        if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked() && room::of(view).is_some()) {
+            if self.touched.len() == 2 {
+                self.touched.clear();
+            }
+            self.touched.push(camera.right_at(inside, at));
         }
         for edit in typed.edits {
             match edit {
@@ -173,7 +182,8 @@ impl Graphic {
         camera.zoom(ZOOM.powi(-typed.pages), Vec2::ZERO);
         self.camera = Some(camera);
         let painter = ui.painter().with_clip_rect(inside);
-        self.canvas.paint(&painter, inside, view, &paint::Scene { drawing, plane, camera, trail: &self.trail });
+        let scene = paint::Scene { drawing, plane, camera, trail: &self.trail, touched: &self.touched };
+        self.canvas.paint(&painter, inside, view, &scene);
     }
 
     fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], out: &mut Vec<Command>) {
@@ -210,7 +220,10 @@ impl Graphic {
                     self.plane += 1;
                     self.camera = None;
                 }
-                "graphic-clear" => self.trail.clear(),
+                "graphic-clear" => {
+                    self.trail.clear();
+                    self.touched.clear();
+                }
                 "graphic-redraw" => {
                     let wanted = (view.snapshot.program.number, view.snapshot.program.stamp);
                     self.redraw(wanted, view, ui.input(|input| input.time), out);
@@ -264,6 +277,11 @@ fn figures_of(ui: &Ui, rect: Rect, view: &View<'_>, drawing: Option<&Arc<Drawing
         fit(ui.painter(), left, Align2::LEFT_CENTER, &name, theme::LABEL, view.theme.quiet);
         fit(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::LABEL, view.theme.text);
         top += 25.0;
+    }
+    if room::of(view).is_some() {
+        let words = view.say("触摸工件：量直径和长度", "touch the part: diameter, length");
+        let place = Rect::from_min_max(pos2(inside.min.x, top + 4.0), inside.max);
+        top = paragraph(ui.painter(), place, words, theme::SMALL, view.theme.quiet).max.y;
     }
     let below = Rect::from_min_max(pos2(inside.min.x, top + 6.0), inside.max);
     let (words, ink) = if let Some(fault) = drawing.faults.first() {

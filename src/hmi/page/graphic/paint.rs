@@ -7,7 +7,7 @@ use std::sync::Arc;
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
-use super::{PlaneOf, index, or_here, position};
+use super::{PlaneOf, index, or_here, position, room};
 use crate::defs::kind::Kind;
 use crate::defs::param;
 use crate::hmi::theme;
@@ -65,7 +65,13 @@ impl Camera {
         (self.scale, self.fitted) = (scale, false);
     }
 
-    fn place(&self, rect: Rect, right: f32, up: f32) -> Pos2 {
+    /// mm to the right at a place of the canvas.
+    pub fn right_at(&self, rect: Rect, at: Pos2) -> f32 {
+        self.middle.0 + (at.x - rect.center().x) / self.scale
+    }
+
+    /// Where a point lies on the canvas.
+    pub fn place(&self, rect: Rect, right: f32, up: f32) -> Pos2 {
         let centre = rect.center();
         pos2(centre.x + (right - self.middle.0) * self.scale, centre.y - (up - self.middle.1) * self.scale)
     }
@@ -83,6 +89,8 @@ pub struct Scene<'a> {
     pub plane: PlaneOf,
     pub camera: Camera,
     pub trail: &'a [[f32; 3]],
+    /// Places along Z that were touched to be measured (L10).
+    pub touched: &'a [f32],
 }
 
 /// The mesh of the path, as it was painted last.
@@ -105,6 +113,9 @@ pub fn whole(view: &View<'_>, drawing: Option<&Arc<Drawing>>, trail: &[[f32; 3]]
     for stock in view.snapshot.stock.iter().filter(|stock| stock.part) {
         take(stock.low.0.map(|at| at as f32), stock.high.0.map(|at| at as f32));
     }
+    if let Some(bar) = room::around(view) {
+        take(bar.low, bar.high);
+    }
     if drawing.is_none() {
         trail.iter().for_each(|at| take(*at, *at));
     }
@@ -115,7 +126,10 @@ impl Canvas {
     /// Paints everything into a clipped painter.
     pub fn paint(&mut self, painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
         grid(painter, rect, view, scene);
-        stock(painter, rect, view, scene);
+        match room::of(view) {
+            Some(_) => room::paint(painter, rect, view, scene),
+            None => stock(painter, rect, view, scene),
+        }
         if let Some(drawing) = scene.drawing {
             let wanted = (Arc::clone(drawing), scene.plane, scene.camera, rect);
             let same = self.of.as_ref().is_some_and(|(drawn, plane, camera, place)| {
@@ -129,6 +143,8 @@ impl Canvas {
         }
         trail(painter, rect, view, scene);
         wheel(painter, rect, view, scene);
+        crashes(painter, rect, view, scene);
+        room::measured(painter, rect, view, scene.camera, scene.touched);
     }
 }
 
@@ -275,6 +291,21 @@ fn trail(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     painter.add(Shape::mesh(mesh));
 }
 
+/// Where the check run has met something: a cross each (L9).
+fn crashes(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+    let Some(drawing) = scene.drawing else { return };
+    let (right, up) = (index(scene.plane.0), index(scene.plane.1));
+    let stroke = Stroke::new(theme::FRAME, view.theme.alarm);
+    for at in &drawing.crashes {
+        let here = scene.camera.place(rect, at[right], at[up]);
+        if rect.contains(here) {
+            painter.circle_stroke(here, 9.0, stroke);
+            painter.line_segment([here - vec2(6.0, 6.0), here + vec2(6.0, 6.0)], stroke);
+            painter.line_segment([here - vec2(6.0, -6.0), here + vec2(6.0, -6.0)], stroke);
+        }
+    }
+}
+
 /// The wheel where it is now; its reference point is its lowest or foremost point at the side towards minus.
 fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     let at = position(view);
@@ -287,9 +318,12 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
         Kind::Gc | Kind::Vertical => (Axis::X, Axis::Z),
         Kind::Gs => (Axis::Y, Axis::Z),
         Kind::Ga => (Axis::Z, Axis::X),
-        // A turning tool is its tip.
         Kind::Lathe => {
-            painter.circle_filled(here, 3.5, view.theme.hold);
+            // Without a bar a turning tool is its tip.
+            match room::of(view) {
+                Some(_) => room::tool(painter, rect, view, scene.camera, at),
+                None => drop(painter.circle_filled(here, 3.5, view.theme.hold)),
+            }
             return;
         }
     };

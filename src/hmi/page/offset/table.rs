@@ -131,7 +131,8 @@ impl Table {
             Edit::Down => self.go((cell + count) % cells, form),
             Edit::Left | Edit::Previous => self.go((cell + cells - 1) % cells, form),
             Edit::Right | Edit::Next => self.go((cell + 1) % cells, form),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Cancel => {}
+            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::LineStart | Edit::LineEnd | Edit::Cancel => {
+            }
         }
     }
 

@@ -52,6 +52,12 @@ impl Params {
         *self = Self { part, cursor, ..Self::default() };
     }
 
+    /// Whether words are being typed.
+    #[must_use]
+    pub const fn searches(&self) -> bool {
+        self.searching
+    }
+
     /// Whether the numeric pad is wanted.
     #[must_use]
     pub const fn wants_pad(&self) -> bool {
@@ -197,7 +203,7 @@ impl Params {
         for edit in typed.edits {
             match edit {
                 Edit::Char(_) | Edit::Sign if self.searching => {}
-                Edit::Back if self.searching => self.letter(&Letter::Back),
+                Edit::Back | Edit::Delete if self.searching => self.letter(&Letter::Back),
                 Edit::Enter if self.searching => self.searching = false,
                 Edit::Cancel if self.searching => {
                     self.searching = false;
@@ -207,7 +213,8 @@ impl Params {
                 Edit::Down => self.go(self.list.below(self.cursor, 1)),
                 Edit::Left | Edit::Previous => self.go(self.list.beside(self.cursor, false)),
                 Edit::Right | Edit::Next => self.go(self.list.beside(self.cursor, true)),
-                Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Enter | Edit::Cancel => {
+                Edit::LineStart | Edit::LineEnd => {}
+                Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::Enter | Edit::Cancel => {
                     self.value(*edit, view, login, out);
                 }
             }

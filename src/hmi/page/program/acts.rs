@@ -52,6 +52,9 @@ impl Program {
             }
             self.document.go(line - 1, 0);
             self.keep_in_sight();
+        } else if let Some(Ok(number)) = text.strip_prefix(['N', 'n']).map(str::parse) {
+            self.what = text.to_owned();
+            self.work = Some(Work::block(number));
         } else if !text.is_empty() {
             self.what = text.to_owned();
             self.work = Some(Work::find(text, &self.document));
@@ -102,7 +105,7 @@ impl Program {
         }
         self.told = None;
         if act.changes() && !self.editing {
-            return self.refuse(Said::new("先按“编辑”", "press EDIT first"));
+            return self.refuse(super::keys::EDIT_FIRST);
         }
         match act {
             Act::Edit if view.snapshot.program.mistaken => {

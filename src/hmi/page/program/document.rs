@@ -95,7 +95,7 @@ impl Document {
         let length = trimmed(self.rope.line(line));
         match by {
             1.. if column < length => self.cursor += 1,
-            1.. if line + 1 < self.rope.len_lines() => self.go(line + 1, 0),
+            1.. if line + 1 < self.lines() => self.go(line + 1, 0),
             ..=-1 if column > 0 => self.cursor -= 1,
             ..=-1 if line > 0 => self.go(line - 1, usize::MAX),
             _ => {}
@@ -137,6 +137,15 @@ impl Document {
         self.rope.remove(from..self.cursor);
         self.cursor = from;
         self.last = Some((Kind::Deleting, self.cursor));
+    }
+
+    /// Takes the sign behind the cursor away; at the end of a line the line end.
+    pub fn delete(&mut self) {
+        let here = self.cursor;
+        self.step(1);
+        if self.cursor != here {
+            self.back();
+        }
     }
 
     /// Replaces characters by a text and puts the cursor behind it.

@@ -4,9 +4,13 @@
 use egui::{Rect, Ui, pos2, vec2};
 
 use super::Program;
+use crate::defs::page::Page;
 use crate::defs::text::Text;
 use crate::hmi::theme;
 use crate::hmi::view::View;
+
+/// Why a text that is only looked at does not change.
+pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
 
 macro_rules! acts {
     ($($variant:ident = $name:literal, $zh:literal, $en:literal;)*) => {
@@ -134,6 +138,9 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut Program) -> Option<Ac
         if acts.is_empty() {
             continue;
         }
+        // A kind without grinding pages has none to design.
+        let has = |act: &&Act| **act != Design || Page::Designer.is_on(view.snapshot.kind);
+        let acts: Vec<Act> = acts.iter().filter(has).copied().collect();
         let count = acts.len().max(6) as f32;
         let width = (rect.width() + theme::GAP) / count;
         for (index, act) in acts.iter().enumerate() {

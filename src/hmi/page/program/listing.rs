@@ -8,7 +8,7 @@ use super::document::trimmed;
 use super::ink;
 use crate::hmi::page::scroll::Scroll;
 use crate::hmi::theme;
-use crate::hmi::view::{View, card, fit};
+use crate::hmi::view::{View, card, fit, frame};
 use crate::link::snapshot::ProgramView;
 
 /// Height of a line.
@@ -29,6 +29,8 @@ pub struct Mark {
     pub wrong: bool,
     /// Column of the cursor.
     pub cursor: Option<usize>,
+    /// It is the line that a touch or a search chose: a restart begins there (B5).
+    pub chosen: bool,
 }
 
 /// The visible part of a line, from a column on.
@@ -47,6 +49,9 @@ pub fn row(painter: &Painter, place: Rect, view: &View<'_>, rope: &Rope, (line, 
     if mark.running || mark.block || mark.cursor.is_some() {
         let fill = if mark.block { view.theme.focus.gamma_multiply(0.35) } else { view.theme.raised };
         painter.rect_filled(place, theme::RADIUS, fill);
+    }
+    if mark.chosen {
+        frame(painter, place, view.theme.line);
     }
     let bar = Rect::from_min_size(place.min, vec2(4.0, place.height()));
     if mark.wrong {

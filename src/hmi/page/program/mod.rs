@@ -90,6 +90,8 @@ pub struct Program {
     walk: Walk,
     /// The keyboard walks over the keys instead of the text.
     on_keys: bool,
+    /// Editing has just begun: the cursor comes to the lines that are shown.
+    entered: bool,
 }
 
 impl Program {
@@ -97,6 +99,12 @@ impl Program {
     #[must_use]
     pub fn refusal(&self) -> Option<&Said> {
         self.told.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
+    }
+
+    /// Whether words are being typed: into the text, or for a key.
+    #[must_use]
+    pub const fn takes_words(&self) -> bool {
+        self.editing || self.ask.is_some()
     }
 
     /// The text as it stands on the page.
@@ -126,7 +134,7 @@ impl Program {
         }
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
-        let board = if self.board { letters::BLOCK.height() } else { 0.0 };
+        let board = if self.board { letters::block(view.snapshot.kind).height() } else { 0.0 };
         let rows = if self.editing && !self.board && self.ask.is_none() { 2.0 } else { 1.0 };
         let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
         let (list, below) = rest.split_top_bottom_at_y(rest.max.y - rows * KEYS - TOLD);
@@ -138,7 +146,7 @@ impl Program {
             self.act(act, view, login, &mut out);
         }
         if self.board
-            && let Some(letter) = letters::ui(ui, view, pad, &letters::BLOCK)
+            && let Some(letter) = letters::ui(ui, view, pad, &letters::block(view.snapshot.kind))
         {
             self.letter(&letter, &mut out);
         }
@@ -169,7 +177,7 @@ impl Program {
         match (self.awaited.take(), &files.refused) {
             (None | Some(Awaited::Password), _) => {}
             (Some(Awaited::Edit), None) => {
-                (self.editing, self.told) = (true, None);
+                (self.editing, self.told, self.entered) = (true, None, true);
                 self.place.scroll.by_hand = true;
             }
             (Some(Awaited::Edit | Awaited::Save(_)), Some(Refusal::Password)) => {
@@ -272,6 +280,8 @@ impl Program {
             typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.sign(sign));
         } else if typed.text.contains('/') {
             self.act(Act::Find, view, login, out);
+        } else if !self.editing && typed.text.contains(|sign: char| !sign.is_control() && sign != ' ') {
+            self.refuse(keys::EDIT_FIRST);
         }
         for edit in typed.edits {
             match edit {
@@ -312,7 +322,7 @@ impl Program {
     fn edit(&mut self, edit: Edit, out: &mut Vec<Command>) {
         if self.ask.is_some() {
             match edit {
-                Edit::Back => drop(self.text.pop()),
+                Edit::Back | Edit::Delete => drop(self.text.pop()),
                 Edit::Enter => self.enter(),
                 Edit::Cancel => (self.ask, self.board) = (None, self.board && self.editing),
                 _ => {}
@@ -329,6 +339,9 @@ impl Program {
         }
         match edit {
             Edit::Back => self.document.back(),
+            Edit::Delete => self.document.delete(),
+            Edit::LineStart => self.document.go(self.document.place().0, 0),
+            Edit::LineEnd => self.document.go(self.document.place().0, usize::MAX),
             Edit::Enter => self.document.new_line(),
             Edit::Up => self.document.step_lines(-1),
             Edit::Down => self.document.step_lines(1),
@@ -355,13 +368,9 @@ impl Program {
             format!("{} {line} / {}", view.say("行", "line"), document.lines())
         };
         let right = put(ui.painter(), rect, Align2::RIGHT_CENTER, &place, theme::LABEL, view.theme.quiet);
-        let mut left = rect.min.x + 92.0;
-        lines::title(
-            ui,
-            view,
-            Rect::from_min_max(rect.min, pos2(left, rect.max.y)),
-            &view.snapshot.title(document.number),
-        );
+        let room = Rect::from_min_max(rect.min, pos2(rect.min.x + 240.0, rect.max.y));
+        let name = lines::title(ui, view, room, &view.snapshot.title(document.number));
+        let mut left = (rect.min.x + 92.0).max(name.max.x + theme::PAD);
         let state = if document.changed {
             Some((view.say("未保存", "not saved"), view.theme.hold))
         } else if self.editing {
@@ -406,6 +415,10 @@ impl Program {
                 self.place.scroll.page(pages, list, LINE);
             }
         }
+        if std::mem::take(&mut self.entered) {
+            let running = (program.line as usize).checked_sub(1).filter(|_| current);
+            self.come_into_sight(self.place.scroll.lines(list, LINE), running);
+        }
         let (line, column) = self.document.place();
         if !self.place.scroll.by_hand {
             let followed = if self.editing || !current || program.line == 0 { line } else { program.line as usize - 1 };
@@ -420,6 +433,7 @@ impl Program {
             self.touch(ui, view, list, at);
         }
         let block = self.document.block();
+        let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         let running = current && !self.document.changed;
         let painter = &ui.painter().with_clip_rect(list);
         for row in first..last.min(count) {
@@ -430,10 +444,18 @@ impl Program {
                 block: block.is_some_and(|(from, to)| (from..to).contains(&row)),
                 wrong: self.fault(view, row).is_some(),
                 cursor: (self.editing && row == line).then_some(column),
+                chosen: idle && !self.editing && row == line,
             };
             listing::row(painter, place, view, &self.document.rope, (row, self.place.left), mark);
         }
         self.place.scroll.bar(ui, view, list, LINE, count);
+    }
+
+    /// A cursor out of sight comes to the running line, else to the first one in sight.
+    fn come_into_sight(&mut self, sight: std::ops::Range<usize>, running: Option<usize>) {
+        if !sight.contains(&self.document.place().0) {
+            self.document.go(running.filter(|line| sight.contains(line)).unwrap_or(sight.start), 0);
+        }
     }
 
     /// A column right of the page brings the text along.

@@ -35,6 +35,8 @@ pub enum Step {
 pub enum Work {
     /// Looks for a word from a place on, once around.
     Find { what: String, from: usize, done: usize },
+    /// Looks for the block of a number.
+    Block { number: u64, line: usize },
     /// Replaces a word everywhere.
     Replace { what: String, with: String, line: usize, count: usize, built: Option<RopeBuilder> },
     /// Gives the blocks new numbers: first reads which there are, then writes.
@@ -54,6 +56,12 @@ impl Work {
     #[must_use]
     pub fn find(what: &str, document: &Document) -> Self {
         Self::Find { what: what.to_owned(), from: document.cursor, done: 0 }
+    }
+
+    /// Looks for the block N of this number.
+    #[must_use]
+    pub const fn block(number: u64) -> Self {
+        Self::Block { number, line: 0 }
     }
 
     /// Replaces a word everywhere.
@@ -79,7 +87,7 @@ impl Work {
     #[must_use]
     pub const fn name(&self) -> Text {
         match self {
-            Self::Find { .. } => Text::new("正在查找", "searching"),
+            Self::Find { .. } | Self::Block { .. } => Text::new("正在查找", "searching"),
             Self::Replace { .. } => Text::new("正在替换", "replacing"),
             Self::Renumber { .. } => Text::new("正在重排段号", "renumbering"),
         }
@@ -89,6 +97,7 @@ impl Work {
     pub fn step(&mut self, text: &Rope) -> Step {
         match self {
             Self::Find { what, from, done } => find(text, what, *from, done),
+            Self::Block { number, line } => find_block(text, *number, line),
             Self::Replace { what, with, line, count, built } => {
                 let Some(builder) = built else { return Step::Nothing };
                 let end = (*line + SLICE).min(text.len_lines());
@@ -172,6 +181,24 @@ fn find(text: &Rope, what: &str, from: usize, done: &mut usize) -> Step {
         }
     }
     Step::Going(share(*done, lines))
+}
+
+/// The block of a number: N is its first word, `N0040` is 40; what only begins with the number is another block.
+fn find_block(text: &Rope, number: u64, line: &mut usize) -> Step {
+    let lines = text.len_lines();
+    for _ in 0..SLICE {
+        if *line >= lines {
+            return Step::Nothing;
+        }
+        let slice = text.line(*line);
+        let part: String = slice.slice(..trimmed(slice).min(SEARCHED)).into();
+        if head(&part).1 == Some(number) {
+            let at = text.line_to_char(*line);
+            return Step::Found(at, at);
+        }
+        *line += 1;
+    }
+    Step::Going(share(*line, lines))
 }
 
 /// Appends a line with the word replaced; how often it was.
@@ -338,6 +365,13 @@ mod tests {
             (found(&document, "磨"), found(&document, "G02"), found(&document, "")),
             (Some((23, 24)), None, None)
         );
+    }
+
+    #[test]
+    fn b6_a_block_is_found_by_its_number_not_by_what_begins_alike() {
+        let text = "(N20)\nN200 G00\nGOTO 20\n/N0020 X1\n";
+        assert!(matches!(run(Work::block(20), text), Step::Found(23, 23)), "the fourth line");
+        assert!(matches!(run(Work::block(2), text), Step::Nothing));
     }
 
     #[test]

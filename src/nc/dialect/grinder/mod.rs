@@ -14,16 +14,15 @@ mod repetitive;
 
 use self::codes::Plan;
 pub(crate) use self::repetitive::RepeatWords;
+use super::block::{self, LIMIT, out_of_range};
 use super::{Running, Step};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::fault::{Outcome, Stop, wrong1, wrong2};
+use crate::nc::fault::{Outcome, wrong1};
 use crate::nc::op::{Op, PathMode};
 use crate::nc::settings::Settings;
 use crate::nc::words::{Kind, Word, Words};
 use crate::units::Axis;
 
-/// The greatest coordinate, feed or speed that can be written.
-pub(super) const LIMIT: f64 = 99_999.999;
 const MM_PER_INCH: f64 = 25.4;
 
 /// The letters X Y Z U V W.
@@ -42,15 +41,10 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     {
         return missing_number(running, at);
     }
-    if let Some(at) = running.words.double
-        && !plan.is_macro_call()
-    {
-        let letter = char::from(running.text.get(at as usize).copied().unwrap_or(b'?')).to_ascii_uppercase();
-        return wrong1(at as usize, E::DoubleWord, letter);
-    }
     if plan.is_macro_call() {
         return calls::macro_call(running, &plan);
     }
+    block::refuse_double(running)?;
     running.words.take(b'O');
     modes(running, &plan)?;
     running.words.take(b'T');
@@ -61,19 +55,7 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     if !changes_position(running, &plan) {
         return rest(running, &plan);
     }
-    // The rest is rehearsed, so that a mistake in it refuses the whole block; its arcs begin elsewhere later.
-    let (kept, modals) = (running.ops.len(), *running.modals);
-    match rest(running, &plan) {
-        Err(stop) if !starts_elsewhere(&stop) => return Err(stop),
-        Ok(_) | Err(_) => {}
-    }
-    running.ops.truncate(kept);
-    *running.modals = modals;
-    Ok(Step::Again)
-}
-
-fn starts_elsewhere(stop: &Stop) -> bool {
-    matches!(stop, Stop::Wrong(wrong) if matches!(wrong.error, E::ArcEndOff | E::ArcRadius))
+    block::divided(running, |running| rest(running, &plan))
 }
 
 /// Everything behind the modes, the frame and the tool.
@@ -116,23 +98,11 @@ pub(super) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
 #[inline]
 fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     // G27 and G78 have a speed of their own.
-    let own = plan.once_is(27) || plan.once_is(78);
-    if let Some(feed) = (!own).then(|| running.words.take(b'F')).flatten() {
-        let unit = if running.modals.inch { MM_PER_INCH } else { 1.0 };
-        if feed.value <= 0.0 || feed.value > LIMIT {
-            return out_of_range("F", feed, "0–99999.999");
-        }
-        running.modals.feed = Some(feed.value * unit);
+    if !(plan.once_is(27) || plan.once_is(78)) {
+        let mm = if running.modals.inch { MM_PER_INCH } else { 1.0 };
+        block::feed(running, mm)?;
     }
-    if running.second_half {
-        return Ok(());
-    }
-    if plan.path {
-        running.ops.push(Op::Path(running.modals.path));
-    }
-    if plan.frame {
-        running.ops.push(Op::Frame { g: running.modals.frame });
-    }
+    block::modes(running, block::Modes { path: plan.path, frame: plan.frame });
     Ok(())
 }
 
@@ -186,23 +156,12 @@ fn length(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
 
 /// A word that must be a whole number in a range.
 fn integer(word: Word, low: u32, high: u32) -> Outcome<u32> {
-    let name = char::from(word.letter);
-    match crate::nc::expression::whole(word.value) {
-        None => wrong1(word.at as usize, E::NotWhole, name),
-        Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
-        Some(_) => out_of_range(name, word, &format!("{low}–{high}")),
-    }
-}
-
-#[cold]
-fn out_of_range<T>(name: impl std::fmt::Display, word: Word, range: &str) -> Outcome<T> {
-    wrong2(word.at as usize, E::OutOfRange, format!("{name}{}", word.value), range)
+    block::integer(char::from(word.letter), word, low, high)
 }
 
 #[cold]
 fn missing_number<T>(running: &Running<'_, '_>, at: u32) -> Outcome<T> {
-    let letter = char::from(running.text.get(at as usize).copied().unwrap_or(b'?')).to_ascii_uppercase();
-    wrong1(at as usize, E::MissingNumber, letter)
+    wrong1(at as usize, E::MissingNumber, block::letter_at(running, at))
 }
 
 /// The word as written, up to the next letter or blank.

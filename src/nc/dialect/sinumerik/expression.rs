@@ -121,7 +121,7 @@ impl<S: Scope> Reader<'_, '_, S> {
             b'0'..=b'9' | b'.' => Ok(self.cursor.number()?.value),
             b'(' => self.bracket(),
             b'$' => self.system(),
-            b'R' | b'r' if matches!(self.cursor.peek_at(1), b'0'..=b'9' | b'[') => {
+            b'R' | b'r' if matches!(self.cursor.peek_at(1), b'0'..=b'9' | b'[' | b'-') => {
                 let at = self.cursor.at;
                 let variable = self.parameter()?;
                 match self.sets.iter().rev().find(|set| set.variable == variable) {
@@ -186,6 +186,10 @@ impl<S: Scope> Reader<'_, '_, S> {
                     return wrong(at + 1, E::UnbalancedBracket);
                 }
                 value
+            }
+            b'-' if self.cursor.peek_at(1).is_ascii_digit() => {
+                self.cursor.at += 1;
+                -self.cursor.number()?.value
             }
             _ => return wrong1(at, E::MissingNumber, "R"),
         };

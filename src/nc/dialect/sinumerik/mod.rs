@@ -14,19 +14,17 @@ pub(super) use self::codes::look;
 pub(super) use self::read::read;
 
 use self::codes::Plan;
+use super::block::{self, LIMIT};
 use super::{Running, Step};
 use crate::defs::kind::System;
 use crate::defs::mcode;
 use crate::defs::program::{self, L_LAST};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::expression::whole;
-use crate::nc::fault::{Outcome, Stop, wrong1, wrong2};
+use crate::nc::fault::{Outcome, wrong1, wrong2};
 use crate::nc::flow::{Call, Callee};
 use crate::nc::op::Op;
 use crate::nc::words::{Code, Word};
 
-/// The greatest coordinate, feed or speed that can be written.
-const LIMIT: f64 = 99_999.999;
 /// How often a subprogram can be repeated.
 const REPEATS: u32 = 9_999;
 /// The word of `CR=`; R itself is never a word.
@@ -37,10 +35,7 @@ const RETURN: u32 = 17;
 /// Executes a block of words.
 pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     let plan = codes::read(running)?;
-    if let Some(at) = running.words.double {
-        let letter = running.text.get(at as usize).copied().unwrap_or(b'?');
-        return wrong1(at as usize, E::DoubleWord, char::from(letter).to_ascii_uppercase());
-    }
+    block::refuse_double(running)?;
     if let Some(call) = running.words.take(b'L') {
         return subprogram(running, &plan, call);
     }
@@ -48,19 +43,7 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     if running.second_half || !(plan.frame && motion::names_axes(running)) {
         return rest(running, &plan);
     }
-    // The rest is rehearsed, so that a mistake in it refuses the whole block; its arcs begin elsewhere later.
-    let (kept, modals) = (running.ops.len(), *running.modals);
-    match rest(running, &plan) {
-        Err(stop) if !starts_elsewhere(&stop) => return Err(stop),
-        Ok(_) | Err(_) => {}
-    }
-    running.ops.truncate(kept);
-    *running.modals = modals;
-    Ok(Step::Again)
-}
-
-fn starts_elsewhere(stop: &Stop) -> bool {
-    matches!(stop, Stop::Wrong(wrong) if matches!(wrong.error, E::ArcEndOff | E::ArcRadius))
+    block::divided(running, |running| rest(running, &plan))
 }
 
 /// Everything behind the modes and the frame.
@@ -84,25 +67,12 @@ fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
     }
 }
 
-/// Feed, path mode and frame.
+/// Feed, path mode and frame. The F of a dwell is a time.
 fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
-    if plan.dwell.is_none()
-        && let Some(word) = running.words.take(b'F')
-    {
-        if word.value <= 0.0 {
-            return out_of_range(word, "0–99999.999");
-        }
-        running.modals.feed = Some(within(word, 0.0)?);
+    if plan.dwell.is_none() {
+        block::feed(running, 1.0)?;
     }
-    if running.second_half {
-        return Ok(());
-    }
-    if plan.path {
-        running.ops.push(Op::Path(running.modals.path));
-    }
-    if plan.frame {
-        running.ops.push(Op::Frame { g: running.modals.frame });
-    }
+    block::modes(running, block::Modes { path: plan.path, frame: plan.frame });
     Ok(())
 }
 
@@ -176,11 +146,7 @@ fn is_known(code: u32) -> bool {
 
 /// A word that must be a whole number in a range.
 fn integer(word: Word, low: u32, high: u32) -> Outcome<u32> {
-    match whole(word.value) {
-        None => wrong1(word.at as usize, E::NotWhole, letter(word)),
-        Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
-        Some(_) => out_of_range(word, &format!("{low}–{high}")),
-    }
+    block::integer(letter(word), word, low, high)
 }
 
 /// A word's value from `low` to the greatest that can be written.
@@ -195,7 +161,7 @@ fn letter(word: Word) -> String {
 
 #[cold]
 fn out_of_range<T>(word: Word, range: &str) -> Outcome<T> {
-    wrong2(word.at as usize, E::OutOfRange, format!("{}{}", letter(word), word.value), range)
+    block::out_of_range(letter(word), word, range)
 }
 
 /// The word as written, up to the next blank.

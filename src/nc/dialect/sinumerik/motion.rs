@@ -2,8 +2,9 @@
 //! Source: spec S1.
 
 use super::codes::Plan;
-use super::{LIMIT, RADIUS, letter, out_of_range, within};
+use super::{RADIUS, letter, out_of_range, within};
 use crate::defs::program_error::ProgramError as E;
+use crate::nc::dialect::block::LIMIT;
 use crate::nc::dialect::{Running, arc};
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::Motion;
@@ -158,7 +159,10 @@ pub(super) fn dwell(running: &mut Running<'_, '_>, code: Code) -> Outcome<()> {
         (None, Some(turns)) => match (running.modals.speed, running.modals.speed_mode) {
             (Some(rpm), SpeedMode::Rpm) if rpm > 0.0 => within(turns, 0.0)? * MINUTE_S / rpm,
             // How many turns a surface speed makes depends on the wheel.
-            (Some(_) | None, _) => return wrong2(turns.at as usize, E::MissingWord, "G4 S", "S"),
+            (Some(_) | None, _) => {
+                let written = format!("G4 S{}", turns.value);
+                return wrong1(turns.at as usize, E::DwellWithoutSpeed, written);
+            }
         },
     };
     running.ops.push(Op::Dwell { s });

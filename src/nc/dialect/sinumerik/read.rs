@@ -34,11 +34,11 @@ pub(in crate::nc::dialect) fn read<S: Scope>(
         return Ok(Content::Nothing);
     }
     blanks(cursor);
-    if matches!(cursor.peek(), b'N' | b'n') && cursor.peek_at(1).is_ascii_digit() {
-        words.n = Some(block_number(cursor)?);
+    if let Some(n) = block_number(cursor)? {
+        words.n = Some(n);
         blanks(cursor);
     }
-    label(cursor);
+    label(cursor)?;
     let content = body(cursor, scope, words)?;
     blanks(cursor);
     match cursor.peek() {
@@ -58,25 +58,47 @@ pub(super) fn unexpected<T>(cursor: &Cursor<'_>) -> Outcome<T> {
     }
 }
 
-fn block_number(cursor: &mut Cursor<'_>) -> Outcome<u32> {
+/// `N40`, blanks between or not; none if the block has no number.
+fn block_number(cursor: &mut Cursor<'_>) -> Outcome<Option<u32>> {
     let at = cursor.at;
-    cursor.at += 1;
-    let number = cursor.number()?;
+    let mut ahead = Cursor { at: at + 1, ..*cursor };
+    blanks(&mut ahead);
+    if !matches!(cursor.peek(), b'N' | b'n') || !ahead.peek().is_ascii_digit() {
+        return Ok(None);
+    }
+    let number = ahead.number()?;
+    *cursor = ahead;
     if number.point || number.value > f64::from(u32::MAX) {
         return wrong1(at, E::NotWhole, "N");
     }
-    Ok(number.value as u32)
+    Ok(Some(number.value as u32))
+}
+
+/// What stands at the cursor as one word: letters, digits and `_`.
+fn written<'a>(cursor: &Cursor<'a>) -> &'a [u8] {
+    let rest = cursor.text.get(cursor.at..).unwrap_or_default();
+    let ends = |byte: &u8| !byte.is_ascii_alphanumeric() && *byte != b'_';
+    &rest[..rest.iter().position(ends).unwrap_or(rest.len())]
+}
+
+fn shown(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).to_ascii_uppercase()
 }
 
 /// Skips the label of the line.
-fn label(cursor: &mut Cursor<'_>) {
-    let Some(name) = name(&cursor.text[cursor.at.min(cursor.text.len())..]) else { return };
-    let mut ahead = Cursor { at: cursor.at + name.len(), ..*cursor };
+fn label(cursor: &mut Cursor<'_>) -> Outcome<()> {
+    let word = written(cursor);
+    let mut ahead = Cursor { at: cursor.at + word.len(), ..*cursor };
     blanks(&mut ahead);
-    if ahead.take(b':') {
-        blanks(&mut ahead);
-        *cursor = ahead;
+    if word.is_empty() || !ahead.take(b':') {
+        return Ok(());
     }
+    if name(word).is_none() {
+        return wrong1(cursor.at, E::BadLabel, shown(word));
+    }
+    blanks(&mut ahead);
+    *cursor = ahead;
+    Ok(())
 }
 
 /// Takes a keyword that no further letter or digit follows.
@@ -92,12 +114,12 @@ fn body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words) -> 
     if keyword(cursor, "IF") {
         let holds = condition(cursor, scope)?;
         blanks(cursor);
-        return match direction(cursor) {
+        return match direction(cursor)? {
             Some(forward) => jump(cursor, forward, holds),
             None => wrong1(cursor.at, E::BadCondition, CONDITION),
         };
     }
-    if let Some(forward) = direction(cursor) {
+    if let Some(forward) = direction(cursor)? {
         return jump(cursor, forward, true);
     }
     if keyword(cursor, "MSG") {
@@ -112,22 +134,36 @@ fn body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words) -> 
     Ok(if words.is_empty() { Content::Nothing } else { Content::Words })
 }
 
-/// `GOTOF` (true) or `GOTOB`.
-fn direction(cursor: &mut Cursor<'_>) -> Option<bool> {
+/// `GOTOF` (true) or `GOTOB`; there is no jump of another name.
+fn direction(cursor: &mut Cursor<'_>) -> Outcome<Option<bool>> {
     if keyword(cursor, "GOTOF") {
-        return Some(true);
+        return Ok(Some(true));
     }
-    keyword(cursor, "GOTOB").then_some(false)
+    if keyword(cursor, "GOTOB") {
+        return Ok(Some(false));
+    }
+    match written(cursor) {
+        word if word.len() >= 4 && word[..4].eq_ignore_ascii_case(b"GOTO") => {
+            wrong1(cursor.at, E::NoSuchJump, shown(word))
+        }
+        _ => Ok(None),
+    }
 }
 
 fn jump(cursor: &mut Cursor<'_>, forward: bool, holds: bool) -> Outcome<Content> {
     blanks(cursor);
     let at = cursor.at;
-    let Some(name) = name(&cursor.text[at.min(cursor.text.len())..]) else {
-        return wrong1(at, E::MissingNumber, if forward { "GOTOF" } else { "GOTOB" });
-    };
-    cursor.at += name.len();
-    Ok(Content::Jump { label: at..cursor.at, forward, holds })
+    match (name(written(cursor)), written(cursor)) {
+        (Some(label), _) => {
+            cursor.at += label.len();
+            Ok(Content::Jump { label: at..cursor.at, forward, holds })
+        }
+        (None, word) if !word.is_empty() => wrong1(at, E::BadLabel, shown(word)),
+        (None, _) if matches!(cursor.peek(), b'\r' | b'\n' | b';') => {
+            wrong1(at, E::LabelLeftOut, if forward { "GOTOF" } else { "GOTOB" })
+        }
+        (None, _) => unexpected(cursor),
+    }
 }
 
 fn condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<bool> {
@@ -159,22 +195,33 @@ fn message(cursor: &mut Cursor<'_>) -> Outcome<Content> {
     blanks(cursor);
     let open = cursor.at;
     if !cursor.take(b'(') {
-        return wrong1(open, E::BadStatement, "MSG(\"…\")");
+        return wrong(open, E::BadMessage);
     }
     blanks(cursor);
     let at = cursor.at;
     let text = if cursor.peek() == b')' { at..at } else { quoted(cursor)? };
     blanks(cursor);
-    if cursor.take(b')') { Ok(Content::Note { text }) } else { wrong(open, E::UnbalancedRound) }
+    match cursor.peek() {
+        b')' => {
+            cursor.at += 1;
+            Ok(Content::Note { text })
+        }
+        b'\r' | b'\n' | b';' => wrong(open, E::UnbalancedRound),
+        _ if quote(cursor).is_some() => wrong(cursor.at, E::UnbalancedQuote),
+        _ => wrong(cursor.at, E::BadMessage),
+    }
+}
+
+/// The pair of quotes whose first stands at the cursor.
+fn quote(cursor: &Cursor<'_>) -> Option<(&'static [u8], &'static [u8])> {
+    let rest = cursor.text.get(cursor.at..).unwrap_or_default();
+    QUOTES.into_iter().find(|(begin, _)| rest.starts_with(begin))
 }
 
 /// A text in quotes; the cursor stands behind it.
 fn quoted(cursor: &mut Cursor<'_>) -> Outcome<Range<usize>> {
     let open = cursor.at;
-    let rest = &cursor.text[open.min(cursor.text.len())..];
-    let Some((begin, end)) = QUOTES.into_iter().find(|(begin, _)| rest.starts_with(begin)) else {
-        return wrong(open, E::UnbalancedQuote);
-    };
+    let Some((begin, end)) = quote(cursor) else { return wrong(open, E::UnbalancedQuote) };
     let start = open + begin.len();
     // A character of GBK has two bytes from 0x81 on; its second may look like the beginning of another.
     let wide = begin == QUOTES[2].0;
@@ -202,11 +249,16 @@ fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Word
             return Ok(true);
         }
         if keyword(cursor, "CR") {
-            let value = assigned(cursor, scope, words, "CR")?;
+            let value = assigned(cursor, scope, words, at)?;
             words.add(Word { value, at: start, letter: RADIUS, kind: Kind::Exact })?;
             return Ok(true);
         }
-        return wrong1(at, E::UnknownWord, String::from_utf8_lossy(found).to_ascii_uppercase());
+        // `XR20`: its sign of equality is missing.
+        if matches!(found, [_, b'R' | b'r', digits @ ..] if is_number(digits)) {
+            let address = if shown(&found[..2]) == "CR" { &found[..2] } else { &found[..1] };
+            return wrong1(at, E::EqualsMissing, shown(address));
+        }
+        return wrong1(at, E::UnknownWord, shown(found));
     }
     let letter = cursor.peek().to_ascii_uppercase();
     if !letter.is_ascii_alphabetic() {
@@ -214,7 +266,7 @@ fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Word
     }
     if letter == b'R' {
         let variable = parameter(cursor, scope, words.sets())?;
-        let value = assigned(cursor, scope, words, "R")?;
+        let value = assigned(cursor, scope, words, at)?;
         words.push_set(Set { variable, value, at: start })?;
         return Ok(true);
     }
@@ -227,9 +279,9 @@ fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Word
             cursor.at += 1;
             (evaluate_after(cursor, scope, words.sets())?, Kind::Exact)
         }
-        b'0'..=b'9' | b'.' | b'+' | b'-' => number(cursor, letter)?,
+        b'0'..=b'9' | b'.' | b'+' | b'-' => number(cursor, at, letter)?,
         0x80.. => return cursor.unexpected(),
-        _ => return wrong1(at, E::MissingNumber, char::from(letter)),
+        _ => return no_number(cursor, at, letter),
     };
     if letter == b'N' {
         return wrong1(at, E::DoubleWord, "N");
@@ -238,23 +290,36 @@ fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Word
     Ok(true)
 }
 
-fn number(cursor: &mut Cursor<'_>, letter: u8) -> Outcome<(f64, Kind)> {
-    let at = cursor.at;
+fn is_number(digits: &[u8]) -> bool {
+    !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
+}
+
+/// No number stands where one is wanted: an expression without `=`, or nothing.
+#[cold]
+fn no_number<T>(cursor: &Cursor<'_>, at: usize, letter: u8) -> Outcome<T> {
+    let calculated = matches!(cursor.peek(), b'(' | b'$')
+        || matches!(written(cursor), [b'R' | b'r', digits @ ..] if is_number(digits));
+    let error = if calculated && letter != b'G' && letter != b'L' { E::EqualsMissing } else { E::MissingNumber };
+    wrong1(at, error, char::from(letter))
+}
+
+fn number(cursor: &mut Cursor<'_>, at: usize, letter: u8) -> Outcome<(f64, Kind)> {
     let negative = cursor.peek() == b'-';
     cursor.at += usize::from(matches!(cursor.peek(), b'+' | b'-'));
     if !cursor.at_number() {
-        return wrong1(at, E::MissingNumber, char::from(letter));
+        return no_number(cursor, at, letter);
     }
     let number = cursor.number()?;
     let kind = if number.point { Kind::Exact } else { Kind::Digits };
     Ok((if negative { -number.value } else { number.value }, kind))
 }
 
-/// The value after `=`.
-fn assigned<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &Words, name: &str) -> Outcome<f64> {
+/// The value after `=` of what began at `at`.
+fn assigned<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &Words, at: usize) -> Outcome<f64> {
+    let end = cursor.at;
     blanks(cursor);
     if !cursor.take(b'=') {
-        return wrong1(cursor.at, E::MissingNumber, format!("{name}="));
+        return wrong1(cursor.at, E::EqualsMissing, shown(&cursor.text[at..end]));
     }
     evaluate_after(cursor, scope, words.sets())
 }

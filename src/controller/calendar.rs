@@ -1,0 +1,103 @@
+//! Date and time of day: what the computer's clock tells, shifted by what was set at the machine. Control never looks at
+//! it: its own time is counted in ticks. Source: spec B6 (设置: clock).
+
+use super::{Controller, Effect};
+use crate::defs::date::{Date, YEARS};
+use crate::defs::text::Said;
+use crate::units::Micros;
+
+/// The computer's clock is followed when it is told to be off by so many seconds or more: two clocks that are cut at
+/// different moments do not move the date to and fro.
+const FOLLOWED_S: i64 = 2;
+
+/// The calendar.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Calendar {
+    /// What the computer's clock read at power-on.
+    power_on: Option<Date>,
+    /// What was set at the machine, less what the computer's clock read.
+    offset_s: i64,
+}
+
+impl Calendar {
+    /// At power-on only the offset is known.
+    #[must_use]
+    pub const fn new(offset_s: i64) -> Self {
+        Self { power_on: None, offset_s }
+    }
+
+    /// The computer's clock reads this now. Gives the date of power-on when it has become known.
+    pub fn hear(&mut self, now: Micros, told: Date) -> Option<Date> {
+        let power_on = Date(told.0 - seconds(now));
+        if self.power_on.is_none_or(|known| (known.0 - power_on.0).abs() >= FOLLOWED_S) {
+            let first = self.power_on.replace(power_on).is_none();
+            return first.then_some(Date(power_on.0 + self.offset_s));
+        }
+        None
+    }
+
+    /// Date and time at a moment; none where nobody has told them.
+    #[must_use]
+    pub fn date(&self, now: Micros) -> Option<Date> {
+        self.power_on.map(|power_on| Date(power_on.0 + self.offset_s + seconds(now)))
+    }
+
+    /// The same, or the time since power-on.
+    #[must_use]
+    pub fn stamp(&self, now: Micros) -> Date {
+        self.date(now).unwrap_or(Date(seconds(now)))
+    }
+
+    /// The offset that makes it this date now; none where the computer's clock is not known.
+    fn offset_for(&self, now: Micros, wanted: Date) -> Option<i64> {
+        self.power_on.map(|power_on| wanted.0 - power_on.0 - seconds(now))
+    }
+}
+
+const fn seconds(now: Micros) -> i64 {
+    (now.0 / 1_000_000) as i64
+}
+
+impl Controller {
+    /// Sets date and time as people read them; nothing that moves depends on them.
+    pub(super) fn set_date(&mut self, wanted: Date) {
+        let [year, ..] = wanted.parts();
+        if !YEARS.contains(&year) {
+            let (first, last) = (YEARS.start(), YEARS.end());
+            return self.refuse(Said::new(format!("年份应为 {first}-{last}"), format!("years are {first} to {last}")));
+        }
+        let Some(offset_s) = self.calendar.offset_for(self.now, wanted) else {
+            return self.refuse(Said::new("没有系统时钟", "the computer tells no time"));
+        };
+        self.calendar.offset_s = offset_s;
+        self.effects.push(Effect::ClockOffset(offset_s));
+        self.say(Said::new(format!("日期时间已设为 {wanted}"), format!("date and time set to {wanted}")));
+    }
+
+    /// What came or went in the history of alarms goes to the disk.
+    pub(super) fn keep_alarms(&mut self) {
+        if self.alarms.has_changed() {
+            let changed = self.alarms.take_changed();
+            self.effects.extend(changed.into_iter().map(|past| Effect::Alarm(Box::new(past))));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b6_the_date_follows_the_computers_clock_with_what_was_set() {
+        let mut calendar = Calendar::new(60);
+        assert_eq!((calendar.date(Micros(9_000_000)), calendar.stamp(Micros(9_000_000))), (None, Date(9)));
+        assert_eq!(calendar.hear(Micros(9_000_000), Date(1_009)), Some(Date(1_060)));
+        assert_eq!(calendar.date(Micros(10_000_000)), Some(Date(1_070)));
+        // A second off is the moment of reading, not the clock.
+        assert_eq!(calendar.hear(Micros(10_000_000), Date(1_011)), None);
+        assert_eq!(calendar.date(Micros(10_000_000)), Some(Date(1_070)));
+        calendar.hear(Micros(10_000_000), Date(5_010));
+        assert_eq!(calendar.date(Micros(10_000_000)), Some(Date(5_070)));
+        assert_eq!(calendar.offset_for(Micros(10_000_000), Date(5_000)), Some(-10));
+    }
+}

@@ -1,0 +1,303 @@
+//! Teach-in (录返): what the operator does by hand becomes a program. A straight piece of the way of jog keys, steps and
+//! handwheel is one block; spindle, coolant and tool post are recorded as they are switched.
+//!
+//! A piece ends where all axes stand, where one turns round, and where another one begins or stops. Pieces one after
+//! the other in one direction are one block, so that the detents of a handwheel are. Source: spec L9, seed 001.
+
+use std::sync::Arc;
+
+use super::axes::MINUTE;
+use super::{Controller, Phase};
+use crate::defs::key::Mode;
+use crate::defs::param;
+use crate::defs::signal::{Input, Output};
+use crate::defs::text::{Said, Text};
+use crate::link::files::FileRequest;
+use crate::link::page_command::PageCommand;
+use crate::link::teach::{TeachCommand, TeachView};
+use crate::units::{Axis, PerAxis};
+
+/// Most blocks: their numbers go by tens and have four digits (L1).
+const MOST: usize = 998;
+/// A set-point that changes by less in a tick stands, mm.
+const STANDS_MM: f64 = 1e-7;
+/// Range of F of a line, mm/min on Z (L2).
+const FEEDS: (f64, f64) = (6.0, 2_000.0);
+
+const IN_RUN: Text = Text::new("程序运行中不能录返", "no teach-in while a program runs");
+const NOT_ON: Text = Text::new("没有录返记录", "nothing is recorded");
+const FULL: Text = Text::new("录返已满，已停止记录", "the recording is full and has ended");
+const NOT_HERE: Text = Text::new("本机床没有录返功能", "this machine has no teach-in");
+
+/// What a block says behind its number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Block {
+    /// G92: where the recording began, work coordinates, radius mm.
+    Start(PerAxis<f64>),
+    /// A straight line: its end, the axes' directions, at rapid or at F.
+    Line { to: PerAxis<f64>, heading: [i8; 2], rapid: bool, feed: f64 },
+    /// G37 or G39: an axis was homed.
+    Home(Axis),
+    /// An M code.
+    M(u8),
+    /// A station of the tool post.
+    T(u8),
+}
+
+/// A recording.
+#[derive(Clone, Debug, Default)]
+pub struct Teach {
+    recording: bool,
+    blocks: Vec<Block>,
+    /// Where the last block ended and where the tool was a tick ago, work coordinates, radius mm.
+    last: PerAxis<f64>,
+    before: PerAxis<f64>,
+    /// The piece under way: directions of X and Z, greatest speed along it, mm/s.
+    heading: [i8; 2],
+    speed_mm_s: f64,
+    rapid: bool,
+    homing: Option<Axis>,
+    spindle: Option<bool>,
+    coolant: bool,
+    station: Option<u8>,
+    view: Arc<TeachView>,
+}
+
+impl Controller {
+    /// Takes what the page asks.
+    pub(super) fn take_teach(&mut self, command: TeachCommand) {
+        if !self.row.turns_part {
+            return self.refuse(NOT_HERE);
+        }
+        match command {
+            TeachCommand::Start if self.run.is_some() => return self.refuse(IN_RUN),
+            TeachCommand::Start => self.start_teach(),
+            TeachCommand::Stop if self.teach.recording => {
+                self.end_piece();
+                self.teach.recording = false;
+                self.say(Said::new("录返已停止", "teach-in has stopped"));
+            }
+            TeachCommand::Undo if self.teach.blocks.len() > 1 => {
+                self.teach.blocks.pop();
+            }
+            TeachCommand::Keep if self.teach.blocks.len() > 1 => {
+                self.end_piece();
+                let text = self.teach.text();
+                self.take_page(&PageCommand::File(FileRequest::Record(text)));
+            }
+            TeachCommand::Stop | TeachCommand::Undo | TeachCommand::Keep => return self.refuse(NOT_ON),
+        }
+        self.teach.show();
+    }
+
+    fn start_teach(&mut self) {
+        let at = self.teach_place();
+        self.teach = Teach {
+            recording: true,
+            blocks: vec![Block::Start(at)],
+            last: at,
+            before: at,
+            spindle: self.machine.spindle_direction(),
+            coolant: self.output_set.has(Output::Coolant),
+            station: self.station(),
+            ..Teach::default()
+        };
+        self.say(Said::new("录返开始：手动移动将被记录", "teach-in: what is moved by hand is recorded"));
+    }
+
+    /// The station of the tool post in front.
+    pub(super) fn station(&self) -> Option<u8> {
+        let mut on = (1..=4).zip(Input::STATIONS).filter(|(_, input)| self.inputs.has(*input));
+        let (station, _) = on.next()?;
+        on.next().is_none().then_some(station)
+    }
+
+    /// Where the tool is led, work coordinates.
+    fn teach_place(&self) -> PerAxis<f64> {
+        self.frames.work_from_machine(self.axes.set())
+    }
+
+    /// One tick of a recording, after the hand has moved the axes.
+    pub(super) fn step_teach(&mut self) {
+        if !self.teach.recording {
+            return;
+        }
+        let before = self.teach.blocks.len();
+        if self.run.is_some() {
+            self.end_piece();
+            self.teach.recording = false;
+            self.say(Said::new("程序启动，录返已停止", "a program was started: teach-in has stopped"));
+            return self.teach.show();
+        }
+        if !self.watch_homing() {
+            self.watch_way();
+        }
+        self.watch_switches();
+        if self.teach.blocks.len() >= MOST {
+            self.teach.blocks.truncate(MOST);
+            self.teach.recording = false;
+            self.refuse(FULL);
+        }
+        if self.teach.blocks.len() != before || !self.teach.recording {
+            self.teach.show();
+        }
+    }
+
+    /// Homing by hand is G37 or G39; true while it goes on.
+    fn watch_homing(&mut self) -> bool {
+        let now = match &self.phase {
+            Phase::Homing(homing) => Some(homing.now.axis),
+            _ => None,
+        };
+        let at = self.teach_place();
+        if self.teach.homing != now {
+            self.end_piece();
+            if let Some(axis) = self.teach.homing.filter(|axis| self.axes.is_homed(*axis)) {
+                self.teach.blocks.push(Block::Home(axis));
+            }
+            self.teach.homing = now;
+            (self.teach.last, self.teach.before) = (at, at);
+        }
+        if now.is_some() {
+            (self.teach.last, self.teach.before) = (at, at);
+        }
+        now.is_some()
+    }
+
+    fn watch_way(&mut self) {
+        let at = self.teach_place();
+        let by = [at[Axis::X] - self.teach.before[Axis::X], at[Axis::Z] - self.teach.before[Axis::Z]];
+        let sign = |by: f64| if by.abs() < STANDS_MM { 0 } else { by.signum() as i8 };
+        let heading = by.map(sign);
+        if heading != self.teach.heading {
+            self.end_piece();
+            self.teach.heading = heading;
+        }
+        if heading != [0, 0] {
+            let speed = by[0].hypot(by[1]) / self.tick.as_secs_f64();
+            self.teach.speed_mm_s = self.teach.speed_mm_s.max(speed);
+            self.teach.rapid = self.hand.rapid && self.mode == Mode::Manual;
+        }
+        self.teach.before = at;
+    }
+
+    fn watch_switches(&mut self) {
+        let (spindle, coolant, station) =
+            (self.machine.spindle_direction(), self.output_set.has(Output::Coolant), self.station());
+        let mut switched = Vec::new();
+        if spindle != self.teach.spindle {
+            switched.push(Block::M(match spindle {
+                Some(false) => 3,
+                Some(true) => 4,
+                None => 5,
+            }));
+        }
+        if coolant != self.teach.coolant {
+            switched.push(Block::M(if coolant { 7 } else { 8 }));
+        }
+        if let Some(station) = station.filter(|station| self.teach.station != Some(*station)) {
+            // The post stands when it is clamped; a station that it passes is none.
+            if self.output_set.has(Output::PostForward) {
+                return;
+            }
+            switched.push(Block::T(station));
+            self.teach.station = Some(station);
+        }
+        if !switched.is_empty() {
+            self.end_piece();
+            (self.teach.spindle, self.teach.coolant) = (spindle, coolant);
+            self.teach.blocks.extend(switched);
+        }
+    }
+
+    /// The piece under way becomes a block, or lengthens the last one.
+    fn end_piece(&mut self) {
+        let teach = &mut self.teach;
+        let (from, to) = (teach.last, teach.before);
+        let (x, z) = ((to[Axis::X] - from[Axis::X]).abs(), (to[Axis::Z] - from[Axis::Z]).abs());
+        let length = x.hypot(z);
+        let (speed, heading, rapid) = (teach.speed_mm_s * MINUTE, teach.heading, teach.rapid);
+        teach.speed_mm_s = 0.0;
+        if length < STANDS_MM || heading == [0, 0] {
+            return;
+        }
+        teach.last = to;
+        // L2: F is the speed along Z, X goes at half of it at most.
+        let feed = (speed * (2.0 * x / length).max(1.0)).round().clamp(FEEDS.0, FEEDS.1);
+        if let Some(Block::Line { to: end, heading: before, rapid: fast, feed: at }) = teach.blocks.last_mut()
+            && (*before, *fast) == (heading, rapid)
+            && heading.contains(&0)
+        {
+            (*end, *at) = (to, at.max(feed));
+            return;
+        }
+        teach.blocks.push(Block::Line { to, heading, rapid, feed });
+    }
+
+    /// A step by hand of the length set by P391, where the kind has it and it is set; mm as displayed (L9 定长进给).
+    pub(super) fn step_length_mm(&self) -> f64 {
+        let set = self.params.get(param::FIXED_STEP);
+        if self.row.turns_part && set > 0.0 { set } else { self.hand.step_mm }
+    }
+
+    /// What the page sees of the recording.
+    pub(super) fn teach_view(&self, out: &mut Arc<TeachView>) {
+        if !Arc::ptr_eq(out, &self.teach.view) {
+            out.clone_from(&self.teach.view);
+        }
+    }
+
+    /// The recording became a program.
+    pub(super) fn teach_kept(&mut self) {
+        Arc::make_mut(&mut self.teach.view).kept = true;
+    }
+}
+
+impl Teach {
+    fn show(&mut self) {
+        let blocks = self.written();
+        self.view = Arc::new(TeachView { recording: self.recording, blocks, kept: false });
+    }
+
+    /// The blocks with their numbers.
+    fn written(&self) -> Vec<String> {
+        let numbered = self.blocks.iter().enumerate();
+        numbered.map(|(index, block)| format!("N{:04}{}", (index + 1) * 10, block.words())).collect()
+    }
+
+    /// The program.
+    fn text(&self) -> String {
+        let mut lines = self.written();
+        lines.push(format!("N{:04}M02", (lines.len() + 1) * 10));
+        lines.push(String::new());
+        lines.join("\r\n")
+    }
+}
+
+impl Block {
+    fn words(&self) -> String {
+        match *self {
+            Self::Start(at) => format!("G92X{}Z{}", mm(2.0 * at[Axis::X]), mm(at[Axis::Z])),
+            Self::Line { to, rapid, feed, heading } => {
+                let mut words = if rapid { "G00".to_owned() } else { "G01".to_owned() };
+                if heading[0] != 0 {
+                    words += &format!("X{}", mm(2.0 * to[Axis::X]));
+                }
+                if heading[1] != 0 {
+                    words += &format!("Z{}", mm(to[Axis::Z]));
+                }
+                if rapid { words } else { format!("{words}F{feed}") }
+            }
+            Self::Home(Axis::X) => "G37".to_owned(),
+            Self::Home(_) => "G39".to_owned(),
+            Self::M(code) => format!("M{code:02}"),
+            Self::T(station) => format!("T{station}"),
+        }
+    }
+}
+
+/// A coordinate to the micrometre, without zeros behind it.
+fn mm(value: f64) -> String {
+    let rounded = (value * 1_000.0).round() / 1_000.0;
+    format!("{}", if rounded.abs() < 0.000_5 { 0.0 } else { rounded })
+}

@@ -1,0 +1,118 @@
+//! Date and time of day as people at the machine read them. Nothing here asks a clock. Source: spec B6 (clock, alarms).
+
+use serde::{Deserialize, Serialize};
+
+const MINUTE: i64 = 60;
+const HOUR: i64 = 3_600;
+const DAY: i64 = 86_400;
+/// The years that can be set.
+pub const YEARS: std::ops::RangeInclusive<i64> = 2_020..=2_099;
+
+/// Seconds since 1970-01-01 00:00:00, in the time of the place where the machine stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Date(pub i64);
+
+impl Date {
+    /// A date of its parts: year, month, day, hour, minute, second; none if there is no such day or time.
+    #[must_use]
+    pub fn of(parts: [i64; 6]) -> Option<Self> {
+        let [year, month, day, hour, minute, second] = parts;
+        let good = (0..24).contains(&hour) && (0..60).contains(&minute) && (0..60).contains(&second);
+        let good = good && (1..=12).contains(&month) && day >= 1 && day <= days_of(year, month);
+        let seconds = days_before(year, month) + day - 1;
+        good.then_some(Self(seconds * DAY + hour * HOUR + minute * MINUTE + second))
+    }
+
+    /// Year, month, day, hour, minute, second.
+    #[must_use]
+    pub fn parts(self) -> [i64; 6] {
+        let (days, rest) = (self.0.div_euclid(DAY), self.0.rem_euclid(DAY));
+        // A year has 365.2425 days: the guess is off by one at most.
+        let mut year = 1_970 + (days * 400).div_euclid(146_097);
+        while days_before(year, 1) > days {
+            year -= 1;
+        }
+        while days_before(year + 1, 1) <= days {
+            year += 1;
+        }
+        let month = (1..=12).rev().find(|month| days_before(year, *month) <= days).unwrap_or(1);
+        let day = days - days_before(year, month) + 1;
+        [year, month, day, rest / HOUR, rest / MINUTE % 60, rest % MINUTE]
+    }
+
+    /// `15:01:56`
+    #[must_use]
+    pub fn time(self) -> String {
+        let [.., hour, minute, second] = self.parts();
+        format!("{hour:02}:{minute:02}:{second:02}")
+    }
+
+    /// `20261121-150156`, for file names.
+    #[must_use]
+    pub fn compact(self) -> String {
+        let [year, month, day, hour, minute, second] = self.parts();
+        format!("{year:04}{month:02}{day:02}-{hour:02}{minute:02}{second:02}")
+    }
+}
+
+/// `2026-11-21 15:01:56`
+impl std::fmt::Display for Date {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [year, month, day, ..] = self.parts();
+        write!(f, "{year:04}-{month:02}-{day:02} {}", self.time())
+    }
+}
+
+const fn is_leap(year: i64) -> bool {
+    year % 4 == 0 && (year % 100 != 0 || year % 400 == 0)
+}
+
+/// Days of a month.
+#[must_use]
+pub const fn days_of(year: i64, month: i64) -> i64 {
+    match month {
+        2 => 28 + is_leap(year) as i64,
+        4 | 6 | 9 | 11 => 30,
+        _ => 31,
+    }
+}
+
+/// Days from 1970-01-01 to the first of a month.
+fn days_before(year: i64, month: i64) -> i64 {
+    let past = year - 1;
+    let leaps = past.div_euclid(4) - past.div_euclid(100) + past.div_euclid(400) - 477;
+    let months: i64 = (1..month).map(|month| days_of(year, month)).sum();
+    (year - 1_970) * 365 + leaps + months
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b6_dates_are_those_of_the_calendar() {
+        // `date -u -d @N` of GNU coreutils.
+        for (seconds, shown) in [
+            (0, "1970-01-01 00:00:00"),
+            (951_827_696, "2000-02-29 12:34:56"),
+            (1_795_273_316, "2026-11-21 15:01:56"),
+            (4_102_444_799, "2099-12-31 23:59:59"),
+        ] {
+            assert_eq!(Date(seconds).to_string(), shown);
+            assert_eq!(Date::of(Date(seconds).parts()), Some(Date(seconds)));
+        }
+        assert_eq!(Date(1_795_273_316).compact(), "20261121-150156");
+        assert!((0..60_000).all(|day| Date::of(Date(day * DAY).parts()) == Some(Date(day * DAY))));
+    }
+
+    #[test]
+    fn b6_a_day_that_is_none_is_refused() {
+        for wrong in [[2_027, 2, 29, 0, 0, 0], [2_026, 13, 1, 0, 0, 0], [2_026, 4, 31, 0, 0, 0], [2_026, 1, 0, 0, 0, 0]]
+        {
+            assert_eq!(Date::of(wrong), None, "{wrong:?}");
+        }
+        assert_eq!(Date::of([2_026, 1, 1, 24, 0, 0]), None);
+        assert_eq!(Date::of([2_026, 1, 1, 0, 60, 0]), None);
+        assert!(Date::of([2_028, 2, 29, 23, 59, 59]).is_some());
+    }
+}

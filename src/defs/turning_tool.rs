@@ -1,0 +1,110 @@
+//! The tools of a lathe as the operator defines them: a shape and three sizes. What the simulated machine cuts and
+//! crashes with, and what the pages draw, comes from here. Source: spec L9 (tool definitions), L10.
+
+use super::param::{self, Number, Params};
+use super::text::Text;
+
+/// Rise of the flank of a turning tool over its width: 1.5 in 8.
+const FLANK: f64 = 0.1875;
+/// Rise of a 60° threading tool over half its width: tan 60°.
+const SIXTY_DEGREES: f64 = 1.732;
+/// Where the shank begins beside the edge, mm.
+const STEP_MM: f64 = 0.1;
+
+/// A shape of tool.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// Cuts towards the chuck.
+    RightHand,
+    /// Cuts both ways.
+    Neutral,
+    /// Straight down.
+    Grooving,
+    /// 60°.
+    Threading,
+}
+
+impl Shape {
+    /// All of them, by the value of their parameter from 1.
+    pub const ALL: [Self; 4] = [Self::RightHand, Self::Neutral, Self::Grooving, Self::Threading];
+
+    /// The name shown.
+    #[must_use]
+    pub const fn name(self) -> Text {
+        match self {
+            Self::RightHand => Text::new("外圆刀", "turning"),
+            Self::Neutral => Text::new("尖刀", "neutral"),
+            Self::Grooving => Text::new("切槽刀", "grooving"),
+            Self::Threading => Text::new("螺纹刀", "threading"),
+        }
+    }
+}
+
+/// A tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurningTool {
+    /// Its shape.
+    pub shape: Shape,
+    /// Width of the edge along Z, mm; of shapes that go both ways half of it.
+    pub width_mm: f64,
+    /// How far the edge cuts over its tip, mm; above it is the shank.
+    pub edge_mm: f64,
+    /// How far the shank reaches along Z from the tip, mm.
+    pub shank_mm: f64,
+}
+
+/// The parameters of the tools, stations 1 to 4: shape, width, edge, shank.
+pub const ROWS: [[Number; 4]; 4] = [
+    [param::TOOL_1_SHAPE, param::TOOL_1_WIDTH, param::TOOL_1_EDGE, param::TOOL_1_SHANK],
+    [param::TOOL_2_SHAPE, param::TOOL_2_WIDTH, param::TOOL_2_EDGE, param::TOOL_2_SHANK],
+    [param::TOOL_3_SHAPE, param::TOOL_3_WIDTH, param::TOOL_3_EDGE, param::TOOL_3_SHANK],
+    [param::TOOL_4_SHAPE, param::TOOL_4_WIDTH, param::TOOL_4_EDGE, param::TOOL_4_SHANK],
+];
+
+impl TurningTool {
+    /// The tool of a station, from 0.
+    #[must_use]
+    pub fn of_station(params: &Params, station: usize) -> Self {
+        let [shape, width, edge, shank] = ROWS[station % ROWS.len()];
+        let index = (params.get(shape) as usize).saturating_sub(1).min(Shape::ALL.len() - 1);
+        Self {
+            shape: Shape::ALL[index],
+            width_mm: params.get(width),
+            edge_mm: params.get(edge),
+            shank_mm: params.get(shank),
+        }
+    }
+
+    /// Height of the outline over the tip along X at places along Z from the tip, in rising order, mm.
+    #[must_use]
+    pub fn outline_mm(&self) -> Vec<(f64, f64)> {
+        let (width, top) = (self.width_mm, self.edge_mm + STEP_MM);
+        let rise = |slope: f64| (width * slope).min(self.edge_mm);
+        let edge: &[(f64, f64)] = match self.shape {
+            Shape::RightHand => &[(0.0, 0.0), (width, rise(FLANK))],
+            Shape::Neutral => &[(-width, rise(FLANK)), (0.0, 0.0), (width, rise(FLANK))],
+            Shape::Grooving => &[(0.0, 0.0), (width, 0.0)],
+            Shape::Threading => &[(-width, rise(SIXTY_DEGREES)), (0.0, 0.0), (width, rise(SIXTY_DEGREES))],
+        };
+        let shank = [(width + STEP_MM, top), (self.shank_mm.max(width + 2.0 * STEP_MM), top)];
+        edge.iter().copied().chain(shank).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+
+    #[test]
+    fn l9_the_factory_tools_are_those_of_the_machine() {
+        let params = Params::factory(Kind::Lathe);
+        let turning = TurningTool::of_station(&params, 0).outline_mm();
+        assert_eq!(turning, [(0.0, 0.0), (8.0, 1.5), (8.1, 8.1), (25.0, 8.1)]);
+        let grooving = TurningTool::of_station(&params, 2).outline_mm();
+        assert_eq!(grooving, [(0.0, 0.0), (3.0, 0.0), (3.1, 8.1), (25.0, 8.1)]);
+        let threading = TurningTool::of_station(&params, 3);
+        // tan 60° · 2 mm.
+        assert_eq!((threading.shape, threading.outline_mm()[0]), (Shape::Threading, (-2.0, 3.464)));
+    }
+}

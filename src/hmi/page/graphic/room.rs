@@ -1,0 +1,145 @@
+//! A lathe's working room in the drawing: bar as it is cut, chuck, tool in front, and what is measured by touch.
+//! Source: spec L9 (live while cutting), L10 (a finished part can be measured).
+
+use egui::epaint::{Mesh, Vertex, WHITE_UV};
+use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
+
+use super::paint::{Camera, Scene};
+use crate::hmi::theme;
+use crate::hmi::view::{View, length, put};
+use crate::link::drawing::Around;
+use crate::link::simulated::RoomView;
+use crate::units::Axis;
+
+/// How far the shank is drawn over the tip, mm.
+const SHANK_MM: f32 = 40.0;
+/// Cells that differ by less are one step of the outline, mm.
+const SAME_MM: f32 = 0.000_5;
+
+/// The room of the simulated machine.
+pub fn of<'a>(view: &'a View<'_>) -> Option<&'a RoomView> {
+    view.snapshot.simulated.as_deref()?.room.as_ref()
+}
+
+/// From part to work coordinates, X and Z.
+fn shift(view: &View<'_>, room: &RoomView) -> (f32, f32) {
+    let minus = |axis: Axis| {
+        let factor = if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
+        let state = &view.snapshot.axes[axis];
+        ((state.machine - state.work) / factor) as f32
+    };
+    (room.zero_mm.0 - minus(Axis::X), room.zero_mm.1 - minus(Axis::Z))
+}
+
+/// The box around the bar, work coordinates.
+pub fn around(view: &View<'_>) -> Option<Around> {
+    let room = of(view)?;
+    let (x, z) = shift(view, room);
+    let end = room.z_from_mm + room.cell_mm * room.radius_mm.len() as f32;
+    Some(Around { low: [x - room.stock_mm, 0.0, z + room.z_from_mm - 10.0], high: [x + room.stock_mm, 0.0, z + end] })
+}
+
+/// Paints bar and chuck.
+pub fn paint(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+    let Some(room) = of(view) else { return };
+    let (x, z) = shift(view, room);
+    let at = |along: f32, up: f32| scene.camera.place(rect, z + along, x + up);
+    let both = |from: f32, to: f32, radius: f32| Rect::from_two_pos(at(from, -radius), at(to, radius));
+    for (from, to, radius) in &room.bodies {
+        let place = both(*from, *to, *radius);
+        painter.rect_filled(place, 0.0, view.theme.raised);
+        painter.rect_stroke(place, 0.0, Stroke::new(theme::FRAME, view.theme.quiet), StrokeKind::Inside);
+    }
+    let end = room.z_from_mm + room.cell_mm * room.radius_mm.len() as f32;
+    // What the bar was: a hairline around what has been cut away.
+    let stock = both(room.z_from_mm, end, room.stock_mm);
+    painter.rect_stroke(stock, 0.0, Stroke::new(theme::HAIR, view.theme.line), StrokeKind::Inside);
+    let fill = view.theme.quiet.gamma_multiply(0.45);
+    let mut mesh = Mesh::default();
+    let (mut upper, mut lower): (Vec<Pos2>, Vec<Pos2>) = (Vec::new(), Vec::new());
+    let mut first = 0;
+    while first < room.radius_mm.len() {
+        let radius = room.radius_mm[first];
+        let same = room.radius_mm[first..].iter().take_while(|other| (**other - radius).abs() < SAME_MM).count();
+        let place = |cell: usize| room.z_from_mm + room.cell_mm * cell as f32;
+        let (from, to) = (place(first), place(first + same));
+        quad(&mut mesh, both(from, to, radius), fill);
+        upper.extend([at(from, radius), at(to, radius)]);
+        lower.extend([at(from, -radius), at(to, -radius)]);
+        first += same;
+    }
+    lower.reverse();
+    upper.extend(lower);
+    painter.add(Shape::mesh(mesh));
+    painter.add(Shape::closed_line(upper, Stroke::new(theme::FRAME, view.theme.text)));
+    let axis = Stroke::new(theme::HAIR, view.theme.info);
+    painter.line_segment([at(room.z_from_mm, 0.0), at(end + 5.0, 0.0)], axis);
+}
+
+/// Paints the tool in front, its tip where the slides are now.
+pub fn tool(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera, slides: [f32; 3]) {
+    let Some(room) = of(view) else { return };
+    let (x, z) = (slides[Axis::X as usize] + room.tip_mm.0, slides[Axis::Z as usize] + room.tip_mm.1);
+    let at = |along: f32, over: f32| camera.place(rect, z + along, x + over);
+    let ink = view.theme.hold;
+    for pair in room.outline_mm.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        let corners = vec![at(a.0, a.1), at(b.0, b.1), at(b.0, SHANK_MM), at(a.0, SHANK_MM)];
+        painter.add(Shape::convex_polygon(corners, ink.gamma_multiply(0.25), Stroke::NONE));
+    }
+    let mut outline: Vec<Pos2> = room.outline_mm.iter().map(|point| at(point.0, point.1)).collect();
+    if let (Some(first), Some(last)) = (room.outline_mm.first(), room.outline_mm.last()) {
+        outline.insert(0, at(first.0, SHANK_MM));
+        outline.push(at(last.0, SHANK_MM));
+    }
+    painter.add(Shape::line(outline, Stroke::new(theme::FRAME, ink)));
+    painter.circle_filled(at(0.0, 0.0), 3.0, ink);
+}
+
+/// Diameter of the bar at a place along Z, work coordinates; none beside it.
+pub fn diameter_at(view: &View<'_>, along: f32) -> Option<f32> {
+    let room = of(view)?;
+    let cell = (along - shift(view, room).1 - room.z_from_mm) / room.cell_mm;
+    (cell >= 0.0).then(|| room.radius_mm.get(cell as usize).map(|radius| 2.0 * radius)).flatten()
+}
+
+/// Paints the places that were touched: the diameter at each, and how far they lie apart.
+pub fn measured(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera, places: &[f32]) {
+    let Some(room) = of(view) else { return };
+    let x = shift(view, room).0;
+    let ink = view.theme.focus;
+    let label = |corner: Pos2, words: &str| {
+        let wide = 12.0 + words.chars().count() as f32 * 9.0;
+        let corner = pos2(corner.x.min(rect.max.x - wide - 2.0).max(rect.min.x + 2.0), corner.y);
+        let place = Rect::from_min_size(corner, vec2(wide, 24.0));
+        painter.rect_filled(place, theme::RADIUS, view.theme.ground);
+        painter.rect_stroke(place, theme::RADIUS, Stroke::new(theme::HAIR, ink), StrokeKind::Inside);
+        put(painter, place, Align2::CENTER_CENTER, words, theme::LABEL, view.theme.text);
+    };
+    for (index, along) in places.iter().enumerate() {
+        let diameter = diameter_at(view, *along);
+        let radius = diameter.unwrap_or(2.0 * room.stock_mm) / 2.0;
+        let (top, foot) = (camera.place(rect, *along, x + radius), camera.place(rect, *along, x - radius));
+        painter.line_segment([top - vec2(0.0, 14.0), foot + vec2(0.0, 14.0)], Stroke::new(theme::FRAME, ink));
+        let words = match diameter {
+            Some(diameter) => format!("Ø{} Z{}", length(f64::from(diameter)), length(f64::from(*along))),
+            None => format!("Z{}", length(f64::from(*along))),
+        };
+        let above = top.y - 42.0 - 28.0 * index as f32;
+        label(pos2(top.x + 4.0, above.max(rect.min.y + 2.0)), &words);
+    }
+    if let [a, b] = places {
+        let below = camera.place(rect, *a, x - room.stock_mm).y + 26.0;
+        let (from, to) = (camera.place(rect, *a, 0.0).x, camera.place(rect, *b, 0.0).x);
+        painter.hline(from.min(to)..=from.max(to), below, Stroke::new(theme::FRAME, ink));
+        label(pos2(f32::midpoint(from, to) - 40.0, below + 4.0), &format!("L {}", length(f64::from((b - a).abs()))));
+    }
+}
+
+fn quad(mesh: &mut Mesh, place: Rect, color: Color32) {
+    let first = mesh.vertices.len() as u32;
+    for pos in [place.left_top(), place.right_top(), place.right_bottom(), place.left_bottom()] {
+        mesh.vertices.push(Vertex { pos, uv: WHITE_UV, color });
+    }
+    mesh.indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
+}

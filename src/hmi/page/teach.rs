@@ -1,0 +1,167 @@
+//! Teach-in (录返): what is moved by hand becomes the blocks of a program. Source: spec L9.
+
+use egui::{Align2, Rect, Ui, pos2, vec2};
+
+use super::Typed;
+use super::scroll::Scroll;
+use crate::defs::param::{self, ParamAddress};
+use crate::hmi::view::{View, card, fit, length, paragraph, put};
+use crate::hmi::widget::{self, Look, Walk};
+use crate::hmi::{frame as lines, theme};
+use crate::link::Command;
+use crate::link::page_command::PageCommand;
+use crate::link::teach::TeachCommand;
+use crate::units::Axis;
+
+/// Height of a key.
+const KEY: f32 = 54.0;
+/// Height of a block's line.
+const LINE: f32 = 30.0;
+/// Lengths of a step by hand that a key gives, mm; 0 leaves it to the panel's step keys.
+const STEPS: [(&str, f64); 6] =
+    [("step-off", 0.0), ("step-0.1", 0.1), ("step-1", 1.0), ("step-5", 5.0), ("step-10", 10.0), ("step-50", 50.0)];
+
+/// What the page keeps.
+#[derive(Debug, Default)]
+pub struct Teach {
+    walk: Walk,
+    scroll: Scroll,
+    /// Blocks at the last frame: a new one is scrolled to.
+    seen: usize,
+}
+
+impl Teach {
+    /// Draws the page.
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
+        let mut out = Vec::new();
+        self.walk.begin(typed.edits);
+        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
+        let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
+        let teach = &view.snapshot.teach;
+        let state = match (teach.recording, teach.kept) {
+            (true, _) => view.say("正在记录", "recording"),
+            (false, true) => view.say("已保存", "kept as a program"),
+            (false, false) => view.say("未记录", "not recording"),
+        };
+        let words =
+            format!("{} · {state} · {} {}", view.say("录返", "teach-in"), teach.blocks.len(), view.say("段", "blocks"));
+        lines::title(ui, view, title, &words);
+        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - 2.0 * KEY - theme::GAP);
+        let (list, side) = body.split_left_right_at_fraction(0.6);
+        let list = Rect::from_min_max(list.min, list.max - vec2(theme::GAP, theme::GAP));
+        self.blocks(ui, list, view, typed.pages);
+        place(ui, Rect::from_min_max(side.min, side.max - vec2(0.0, theme::GAP)), view);
+        let (steps, acts) = keys.split_top_bottom_at_y(keys.min.y + KEY + theme::GAP);
+        self.steps(ui, Rect::from_min_size(steps.min, vec2(steps.width(), KEY)), view, &mut out);
+        self.acts(ui, acts, view, &mut out);
+        out
+    }
+
+    fn blocks(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, pages: i32) {
+        card(ui.painter(), rect, view.theme.surface, view.theme.line);
+        let blocks = &view.snapshot.teach.blocks;
+        let inside = rect.shrink2(vec2(10.0, 6.0));
+        if blocks.is_empty() {
+            let words = view.say(
+                "按“开始录返”，然后用手动、单步或手轮移动刀具。\n每段直线、主轴、冷却、换刀都会记成程序段。",
+                "Press START, then move the tool by jog keys, steps or handwheel.\nEvery straight way, spindle, coolant and tool change becomes a block.",
+            );
+            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.quiet);
+            return;
+        }
+        let inside = widget::whole_lines(inside, LINE);
+        if blocks.len() != self.seen {
+            self.seen = blocks.len();
+            self.scroll.show(blocks.len(), inside, LINE);
+        }
+        if pages != 0 {
+            self.scroll.page(pages, inside, LINE);
+        }
+        let (first, last) = self.scroll.follow(ui, "teach-blocks", inside, LINE, blocks.len());
+        let painter = ui.painter().with_clip_rect(inside);
+        for (index, block) in blocks.iter().enumerate().take(last).skip(first) {
+            let top = inside.min.y + ((index as f64 - self.scroll.top) * f64::from(LINE)) as f32;
+            let line = Rect::from_min_size(pos2(inside.min.x, top), vec2(inside.width() - 14.0, LINE));
+            let newest = index + 1 == blocks.len() && view.snapshot.teach.recording;
+            let ink = if newest { view.theme.info } else { view.theme.text };
+            put(&painter, line, Align2::LEFT_CENTER, block, theme::TITLE, ink);
+        }
+        self.scroll.bar(ui, view, inside, LINE, blocks.len());
+    }
+
+    /// The length of a step by hand (定长进给).
+    fn steps(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+        let (words, keys) = rect.split_left_right_at_x(rect.min.x + 104.0);
+        fit(ui.painter(), words, Align2::LEFT_CENTER, view.say("定长 mm", "step mm"), theme::LABEL, view.theme.quiet);
+        let set = view.snapshot.params.get(param::FIXED_STEP);
+        for (index, (name, value)) in STEPS.into_iter().enumerate() {
+            let label = if value > 0.0 { value.to_string() } else { view.say("倍率键", "KEYS").to_owned() };
+            let look = Look { on: (set - value).abs() < 1e-9, locked: false };
+            if self.walk.push(ui, view, cell(keys, index, STEPS.len()), (name, &label), look) {
+                let at: ParamAddress = param::FIXED_STEP.address();
+                out.push(Command::Page(PageCommand::EditParam(at, value)));
+            }
+        }
+    }
+
+    fn acts(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+        let teach = &view.snapshot.teach;
+        let nothing = teach.blocks.len() < 2;
+        let keys = [
+            ("teach-start", view.say("开始录返", "START"), TeachCommand::Start, teach.recording, false),
+            ("teach-stop", view.say("停止", "STOP"), TeachCommand::Stop, false, !teach.recording),
+            ("teach-undo", view.say("撤销一段", "UNDO"), TeachCommand::Undo, false, nothing),
+            ("teach-keep", view.say("存为程序", "KEEP"), TeachCommand::Keep, teach.kept, nothing),
+        ];
+        let rect = Rect::from_min_size(rect.min, vec2(rect.width(), KEY));
+        for (index, (name, label, command, on, locked)) in keys.into_iter().enumerate() {
+            if self.walk.push(ui, view, cell(rect, index, keys.len()), (name, label), Look { on, locked }) {
+                out.push(Command::Teach(command));
+            }
+        }
+    }
+}
+
+/// One of so many keys side by side.
+fn cell(row: Rect, index: usize, count: usize) -> Rect {
+    let width = (row.width() - (count as f32 - 1.0) * theme::GAP) / count as f32;
+    Rect::from_min_size(row.min + vec2(index as f32 * (width + theme::GAP), 0.0), vec2(width, row.height()))
+}
+
+/// Where the tool is, and what is switched.
+fn place(ui: &Ui, rect: Rect, view: &View<'_>) {
+    card(ui.painter(), rect, view.theme.surface, view.theme.line);
+    let inside = rect.shrink2(vec2(theme::PAD, 10.0));
+    let snapshot = view.snapshot;
+    let mut top = inside.min.y;
+    let digits = (inside.width() / 6.5).clamp(theme::SECONDARY, theme::DIGITS);
+    for (axis, state) in snapshot.axes.iter().filter(|(axis, state)| state.present && *axis != Axis::Y) {
+        let line = Rect::from_min_size(pos2(inside.min.x, top), vec2(inside.width(), digits + 14.0));
+        let ink = if state.moving { view.theme.info } else { view.theme.text };
+        put(ui.painter(), line, Align2::LEFT_CENTER, &axis.to_string(), digits, ink);
+        put(ui.painter(), line, Align2::RIGHT_CENTER, &length(state.work), digits, ink);
+        top = line.max.y;
+    }
+    let step = match snapshot.params.get(param::FIXED_STEP) {
+        set if set > 0.0 => set,
+        _ => snapshot.step_mm,
+    };
+    let station = snapshot.station.filter(|station| *station > 0).map_or_else(|| "–".to_owned(), |at| format!("T{at}"));
+    let rows = [
+        (view.say("主轴 r/min", "spindle rpm"), format!("{:.0}", snapshot.wheel_rpm)),
+        (view.say("刀位", "station"), station),
+        (view.say("单步 mm", "step mm"), step.to_string()),
+        (view.say("进给倍率 %", "feed ovr %"), snapshot.feed_override.to_string()),
+    ];
+    top += 8.0;
+    for (name, value) in rows {
+        let line = Rect::from_min_size(pos2(inside.min.x, top), vec2(inside.width(), LINE));
+        if line.max.y > inside.max.y {
+            return;
+        }
+        let (left, right) = line.split_left_right_at_fraction(0.6);
+        fit(ui.painter(), left, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+        put(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::TITLE, view.theme.text);
+        top += LINE;
+    }
+}

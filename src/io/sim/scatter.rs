@@ -1,0 +1,83 @@
+//! What differs from one machine, wheel and stroke to the next: drawn from the seed, its figures are the machine file's
+//! (P8). The same seed gives the same machine.
+
+use std::f64::consts::TAU;
+
+use super::SimulatedMachine;
+use super::machine_rows::ScatterFile;
+use crate::io::random::SplitMix64;
+use crate::units::Axis;
+
+/// Keeps this chance apart from that of contacts and parts.
+const APART: u64 = 0x5CA7_7E12;
+/// Wavelength of a screw's error, mm: some turns of it.
+const SCREW_WAVE_MM: f64 = 70.0;
+
+/// From −1 to 1.
+fn either_way(chance: &mut SplitMix64) -> f64 {
+    2.0 * chance.unit() - 1.0
+}
+
+/// What a slide is off its place.
+#[derive(Clone, Debug)]
+pub(super) struct SlideScatter {
+    screw_mm: f64,
+    phase: f64,
+    servo_mm: f64,
+    chance: SplitMix64,
+}
+
+impl SlideScatter {
+    fn new(file: ScatterFile, chance: &mut SplitMix64) -> Self {
+        Self {
+            screw_mm: file.screw_um / 1_000.0 * either_way(chance),
+            phase: chance.unit(),
+            servo_mm: file.servo_um / 1_000.0,
+            chance: SplitMix64::new(chance.next()),
+        }
+    }
+
+    /// How far off a slide stands at a place, in this tick, mm.
+    pub(super) fn off_mm(&mut self, place_mm: f64) -> f64 {
+        let screw = self.screw_mm * (TAU * (place_mm / SCREW_WAVE_MM + self.phase)).sin();
+        screw + self.servo_mm * either_way(&mut self.chance)
+    }
+}
+
+/// Where the diamond cuts in a stroke.
+#[derive(Clone, Debug)]
+pub(super) struct DiamondScatter {
+    most_mm: f64,
+    now_mm: f64,
+    chance: SplitMix64,
+}
+
+impl DiamondScatter {
+    /// Another stroke.
+    pub(super) fn next_stroke(&mut self) {
+        self.now_mm = self.most_mm * either_way(&mut self.chance);
+    }
+
+    /// How much deeper than set it cuts in this stroke, mm.
+    pub(super) const fn deeper_mm(&self) -> f64 {
+        self.now_mm
+    }
+}
+
+impl SimulatedMachine {
+    /// Draws what differs from the file; nothing if the file has no scatter.
+    pub(super) fn scatter(&mut self, seed: u64) {
+        let Some(file) = self.file.scatter else { return };
+        let chance = &mut SplitMix64::new(seed ^ APART);
+        let factors = [0, 0].map(|_: u8| 1.0 + file.wheel * either_way(chance));
+        self.wheel.set_figures(&self.file.wheel, &self.file.cutting, factors);
+        for axis in Axis::ALL {
+            let slide = SlideScatter::new(file, chance);
+            if let Some(sim) = &mut self.axes[axis] {
+                sim.scatter(slide);
+            }
+        }
+        let most_mm = file.dressing_um / 1_000.0;
+        self.grinding.scatter(DiamondScatter { most_mm, now_mm: 0.0, chance: SplitMix64::new(chance.next()) });
+    }
+}
