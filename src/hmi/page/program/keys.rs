@@ -59,7 +59,7 @@ acts! {
     AskDone = "ask-done", "确定", "OK";
     AskEnd = "ask-end", "取消", "CANCEL";
     Stop = "work-stop", "停止", "STOP";
-    Here = "run-here", "从此段", "FROM HERE";
+    Here = "run-here", "从此段", "FROM N";
     Resume = "run-resume", "断电续", "RESUME";
     Design = "design-page", "页面", "PAGE";
 }
