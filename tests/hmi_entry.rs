@@ -14,6 +14,7 @@ use kt830::defs::page::Page;
 use kt830::defs::screen;
 use kt830::defs::text::Lang;
 use kt830::hmi::{SOFT_ROWS, SoftAct, soft_row};
+use kt830::link::Snapshot;
 use kt830::link::command::{ScreenFiles, Screens};
 use std::sync::Arc;
 
@@ -125,9 +126,25 @@ fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
 }
 
 #[test]
+fn h6_the_space_bar_types_where_words_are_typed_and_holds_everywhere_else() {
+    let held = ["Press(FeedHold)", "Release(FeedHold)"];
+    let struck = |machine: Snapshot| {
+        let mut screen = open(machine);
+        press(&mut screen, egui::Key::Space);
+        sent(&mut screen)
+    };
+    assert!(struck(snapshot(Page::Mdi)).is_empty());
+    assert_eq!(struck(hmi_sample::running(Page::Mdi)), held, "while something runs it stops that");
+    assert_eq!(struck(snapshot(Page::Position)), held);
+    assert_eq!(struck(snapshot(Page::Program)), held, "the listing alone takes no words");
+}
+
+#[test]
 fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
     let keys = [egui::Key::F1, egui::Key::F2, egui::Key::F3, egui::Key::F4, egui::Key::F5];
-    let mut screen = open(snapshot(Page::Position));
+    let mut machine = snapshot(Page::Position);
+    machine.simulated = hmi_sample::busy(Page::Position).simulated;
+    let mut screen = open(machine);
     for row in 0..SOFT_ROWS.len() {
         for (index, soft) in soft_row(Kind::Gc, row).enumerate() {
             let wanted = match soft.act {

@@ -84,7 +84,7 @@ fn pass(screen: &mut Screen, seconds: u64) {
 #[test]
 fn process_sizes_are_shown_between_their_limits() {
     let mut screen = measuring();
-    assert!(shows(&screen, "P411"), "what to do is said while nothing was measured");
+    assert!(shows(&screen, "P375"), "what to do is said while nothing was measured");
     finish(&mut screen, 40.004);
     assert!(shows(&screen, "40.004 / 40.000 +0.010 -0.005") && !shows(&screen, "超差"));
     // On its limit it is in, a micrometre beyond out.
@@ -116,7 +116,7 @@ fn process_without_limits_nothing_is_out() {
     let mut screen = measuring();
     screen.state_mut().snapshot.parts += 1;
     screen.step();
-    assert!(shows(&screen, "P411"));
+    assert!(shows(&screen, "P375"));
 }
 
 #[test]

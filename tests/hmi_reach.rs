@@ -17,8 +17,8 @@ use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 
 /// The panel stands beside every page; its own word in the page table is for pictures of it.
-fn pages() -> impl Iterator<Item = Page> {
-    Page::ALL.iter().copied().filter(|page| *page != Page::Panel)
+fn pages(kind: Kind) -> impl Iterator<Item = Page> {
+    Page::ALL.iter().copied().filter(move |page| *page != Page::Panel && page.is_on(kind))
 }
 
 fn panel_is_there(operator: &Operator, page: Page) {
@@ -39,7 +39,7 @@ fn panel_is_there(operator: &Operator, page: Page) {
 fn check(kind: Kind, hands: &[Hand]) {
     for hand in hands {
         let mut operator = Operator::new(*hand, told::rig_of(kind, told::folders_of(kind)));
-        for page in pages() {
+        for page in pages(kind) {
             operator.page(page);
             panel_is_there(&operator, page);
         }

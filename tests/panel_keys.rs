@@ -39,7 +39,7 @@ const fn wheel_on(kind: Kind) -> &'static str {
 const fn long_program(kind: Kind) -> (&'static str, &'static str) {
     match kind {
         Kind::Vertical => ("O7000.MPF", "G4 F60\nM0\nM30\n"),
-        Kind::Lathe => ("O7000.NC", "N10G04F60\nN20M00\nN30M02\n"),
+        Kind::Lathe => ("O7000.NC", "N0010G04F60\nN0020M00\nN0030M02\n"),
         Kind::Gc | Kind::Gs | Kind::Ga => ("O7000.NC", "G04 P60000\nM00\nM30\n"),
     }
 }

@@ -13,6 +13,13 @@ wait until idle max 30 s
 expect X 100 ±0.001
 expect Z 50 ±0.001
 
+#! The tools, then the path and what the tools would meet, before anything moves.
+page tools
+wait 1 s
+page graphic
+wait 1 s
+
+#! The bar is drawn as it is cut.
 mode auto
 key cycle-start
 wait 3 s

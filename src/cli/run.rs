@@ -219,7 +219,7 @@ impl Report {
 
 /// Whether the part turns in a main spindle and tools cut it (L7, L8).
 fn turns_part(rig: &Rig) -> bool {
-    crate::machine::kind::find(rig.kind()).turns_part
+    rig.kind().face().turns_part
 }
 
 /// A program as a report names it: by its number, or by its name where it has one.

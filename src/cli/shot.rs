@@ -39,12 +39,15 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             }
         }
         None => {
-            let number = program::number(crate::machine::kind::find(kind).shown);
+            let number = program::number(kind.shown());
             // The part of O1001 belongs into a cylindrical grinder.
             let other = PartFile::builtin(number).ok().flatten().is_some_and(|part| part.kind != kind);
             let mount = |rig: &mut Rig| match other {
                 false => bench::mount(rig, &shared, number),
-                true => Ok(rig.send(Command::LoadProgram(number))),
+                true => {
+                    rig.send(Command::LoadProgram(number));
+                    Ok(())
+                }
             };
             if !other {
                 mount(&mut rig)?;

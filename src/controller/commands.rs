@@ -47,7 +47,7 @@ impl Controller {
             | Command::AddWear { .. }
             | Command::ChangeWheel { .. }
             | Command::ReadyMdi(_)
-            | Command::Page(PageCommand::EditParam(..)) => self.take_edit(command),
+            | Command::Page(PageCommand::EditParam(..) | PageCommand::EditScrew(..)) => self.take_edit(command),
             Command::SetVariable(variable, value) => {
                 self.set_variable(*variable, *value);
             }
@@ -86,7 +86,7 @@ impl Controller {
     }
 
     /// The axis is led to its new place slowly; not while a program runs.
-    fn set_screw(&mut self, axis: Axis, table: &ScrewTable) {
+    pub(super) fn set_screw(&mut self, axis: Axis, table: &ScrewTable) {
         if self.run.is_some() {
             return self.refuse(NOT_IN_RUN);
         }

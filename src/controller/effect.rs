@@ -6,6 +6,7 @@ use crate::defs::history::PastAlarm;
 use crate::defs::param::ParamAddress;
 use crate::defs::screw::ScrewTable;
 use crate::defs::signal::{Input, Output};
+use crate::defs::turning_tool;
 use crate::link::page_command::PageWish;
 use crate::units::{Axis, PerAxis};
 
@@ -48,12 +49,13 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// Whether it assigns a port to a function.
+    /// Whether it assigns a port to a function, or gives a tool of a lathe another shape.
     #[must_use]
-    pub fn assigns_port(&self) -> bool {
+    pub fn refits_machine(&self) -> bool {
         let is_port = |number| {
             Input::ALL.iter().any(|input| input.port_param() == number)
                 || Output::ALL.iter().any(|output| output.port_param() == number)
+                || turning_tool::ROWS.iter().flatten().any(|row| row.number == number)
         };
         matches!(self, Self::Param(at, _) if at.bit.is_none() && is_port(at.number))
     }

@@ -166,12 +166,15 @@ impl Controller {
             FileRequest::Save { number, .. } | FileRequest::New(number) | FileRequest::Delete(number) => {
                 self.may_edit(*number)
             }
+            FileRequest::Record(_) => self.may_write(0),
             // K6.2: a page is guarded as its program is.
             FileRequest::SavePage { page, .. } | FileRequest::TakePicture { page, .. } => self.may_edit(*page),
-            FileRequest::Record(_) => self.may_write(0),
             FileRequest::Copy { to, .. } => self.may_edit(*to),
             FileRequest::Rename { from, to } => self.may_edit(*from).and_then(|()| self.may_edit(*to)),
             FileRequest::Transfer(transfer) => self.may_carry(transfer),
+            FileRequest::ScrewIn(_) if self.run.is_some() => Err(Refusal::Because(CARRY_IN_RUN.into())),
+            FileRequest::ScrewIn(_) if !self.pages.is_builder() => Err(Refusal::Builder),
+            FileRequest::ScrewIn(_) | FileRequest::ScrewOut(..) => Ok(()),
             FileRequest::MayEdit(_) | FileRequest::Look { .. } | FileRequest::Draw(_) => Ok(()),
             FileRequest::ReadPage { .. } => Ok(()),
             FileRequest::Media | FileRequest::Print(_) | FileRequest::Table(_) | FileRequest::Cancel => Ok(()),
@@ -282,6 +285,17 @@ impl Controller {
                 let said = self.restore(restored);
                 return self.hear_file(&FileAnswer::Done(said));
             }
+            FileAnswer::Screw(..) if self.run.is_some() => {
+                return self.hear_file(&FileAnswer::Refused(Refusal::Because(CARRY_IN_RUN.into())));
+            }
+            FileAnswer::Screw(axis, table, file) => {
+                self.set_screw(*axis, table);
+                let points = table.points().len();
+                return self.hear_file(&FileAnswer::Done(Said::new(
+                    format!("{axis} 轴：已从 {file} 读入 {points} 点"),
+                    format!("axis {axis}: {points} points from {file}"),
+                )));
+            }
             FileAnswer::Printed(Ok(said)) => self.say(said.clone()),
             FileAnswer::Printed(Err(refusal)) => self.refuse(refusal.said()),
             FileAnswer::Drawn(_) => self.files.pending = None,
@@ -335,7 +349,7 @@ impl Controller {
                 view.page = Some(Arc::clone(page));
                 return;
             }
-            FileAnswer::Restored(_) | FileAnswer::Printed(_) => return,
+            FileAnswer::Restored(_) | FileAnswer::Screw(..) | FileAnswer::Printed(_) => return,
             FileAnswer::Drawn(drawing) => (view.refused, view.drawing) = (None, Some(Arc::clone(drawing))),
             FileAnswer::Done(said) => (view.refused, view.done) = (None, said.clone()),
             FileAnswer::Saved { said, number, stamp } => {

@@ -15,7 +15,7 @@ use crate::defs::text::{Said, Text};
 use crate::link::internal::{Internal, InternalSet};
 use crate::link::page_command::{BRIGHTNESS, Guard, PASSWORD_LENGTH, PageAnswer, PageCommand, PageWish};
 use crate::link::snapshot::{Access, RunState, Snapshot};
-use crate::units::{Axis, Micros};
+use crate::units::{Axis, Micros, PerAxis};
 
 /// Wrong passwords in a row after which there is a pause.
 const WRONG_IN_A_ROW: u32 = 3;
@@ -84,6 +84,12 @@ impl Controller {
     pub(super) fn take_page(&mut self, command: &PageCommand) {
         match command {
             PageCommand::EditParam(at, value) => self.edit_param(*at, *value),
+            PageCommand::EditScrew(axis, table) => {
+                if self.pages.access.level < Level::Builder {
+                    return self.refuse(needs(Level::Builder));
+                }
+                self.set_screw(*axis, table);
+            }
             PageCommand::Unlock(guard, secret) => self.ask_disk(PageWish::Check(*guard, secret.clone())),
             PageCommand::Lock => {
                 self.pages.access.level = Level::Operator;
@@ -195,6 +201,7 @@ impl Controller {
         out.analog_volts = [self.outputs.wheel_volts, self.outputs.analog_2_volts];
         out.internals = self.internals();
         out.access = self.pages.access;
+        out.screws = PerAxis::from_fn(|axis| self.axes.screw(axis).clone());
         out.date = self.calendar.date(self.now);
         self.files_view(out);
         out.next_kind = self.pages.next_kind;

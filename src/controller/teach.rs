@@ -234,7 +234,7 @@ impl Controller {
         teach.blocks.push(Block::Line { to, heading, rapid, feed });
     }
 
-    /// A step by hand of the length set by P391, where the kind has it and it is set; mm as displayed (L9 定长进给).
+    /// A step by hand of the length set by P395, where the kind has it and it is set; mm as displayed (L9 定长进给).
     pub(super) fn step_length_mm(&self) -> f64 {
         let set = self.params.get(param::FIXED_STEP);
         if self.row.turns_part && set > 0.0 { set } else { self.hand.step_mm }

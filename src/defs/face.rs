@@ -82,4 +82,14 @@ impl Kind {
             Self::Lathe => &LATHE,
         }
     }
+
+    /// The program that pictures of its pages are taken with.
+    #[must_use]
+    pub const fn shown(self) -> &'static str {
+        match self {
+            Self::Gc | Self::Gs | Self::Ga => "O1001",
+            Self::Vertical => "VGRIND",
+            Self::Lathe => "SHAFT",
+        }
+    }
 }

@@ -165,21 +165,24 @@ pages! {
 
 /// What a machine that turns the part has beside the pages of all kinds, and what it lacks of theirs (L9).
 const TURNING: &[Page] = &[Page::Teach, Page::Tools];
-const GRINDING: &[Page] = &[Page::Grinding, Page::Designer, Page::Dressing, Page::Wheel, Page::Macro];
+const GRINDING: &[Page] = &[Page::Grinding, Page::Designer, Page::Dressing, Page::Wheel, Page::Macro, Page::Process];
+/// What the 802D lacks beside: its language has no T, so no offset is ever in force (S1).
+const WITH_OFFSETS: &[Page] = &[Page::Dressing, Page::Offset];
 
 impl Page {
     /// Whether a kind has the page.
     #[must_use]
     pub fn is_on(self, kind: Kind) -> bool {
         let without = if kind.face().turns_part { GRINDING } else { TURNING };
-        !without.contains(&self)
+        !(without.contains(&self) || matches!(kind, Kind::Vertical) && WITH_OFFSETS.contains(&self))
     }
 
-    /// The title on a kind.
+    /// The title on a kind: the 802D's grinding page holds its R parameters (S3).
     #[must_use]
     pub const fn title_on(self, kind: Kind) -> Text {
-        match self {
-            Self::Mdi => kind.face().mdi,
+        match (self, kind) {
+            (Self::Mdi, kind) => kind.face().mdi,
+            (Self::Grinding, Kind::Vertical) => Text::new("R 参数", "R parameters"),
             _ => self.title(),
         }
     }

@@ -56,6 +56,12 @@ pub fn title(number: u32) -> String {
     }
 }
 
+/// Whether a number is that of a subprogram called `L10`.
+#[must_use]
+pub const fn is_l(number: u32) -> bool {
+    number >= L_FIRST && number <= of_l(L_LAST)
+}
+
 /// A file's name without folder and extension.
 #[must_use]
 pub fn stem(file: &str) -> &str {

@@ -81,6 +81,21 @@ impl ScrewTable {
         Ok(Self { points: points.into() })
     }
 
+    /// A table of points.
+    ///
+    /// # Errors
+    /// What is wrong with the first point that cannot stand there.
+    pub fn of(points: &[Point]) -> Result<Self, Said> {
+        let table = Self { points: points.into() };
+        match Self::parse(&table.text()) {
+            Ok(_) => Ok(table),
+            Err(fault) => Err(Said::new(
+                format!("第 {} 点：{}", fault.line, fault.said.zh),
+                format!("point {}: {}", fault.line, fault.said.en),
+            )),
+        }
+    }
+
     /// The text of the table.
     #[must_use]
     pub fn text(&self) -> String {

@@ -193,6 +193,30 @@ impl Input {
     pub const GEARS: [Self; 4] = [Self::Gear1In, Self::Gear2In, Self::Gear3In, Self::Gear4In];
     /// The switches of the tool post's stations (L8).
     pub const STATIONS: [Self; 4] = [Self::Station1, Self::Station2, Self::Station3, Self::Station4];
+
+    /// Whether the machine of a kind has the switch, so that pages show it.
+    #[must_use]
+    pub const fn is_of(self, kind: Kind) -> bool {
+        match self {
+            Self::Station1 | Self::Station2 | Self::Station3 | Self::Station4 => kind.face().turns_part,
+            Self::OscillationForwardEnd
+            | Self::OscillationBackwardEnd
+            | Self::HydraulicPressure
+            | Self::TailstockAdvanced
+            | Self::TailstockRetracted
+            | Self::Gauge1
+            | Self::Gauge2
+            | Self::Gauge3
+            | Self::Gauge4
+            | Self::Gauge5
+            | Self::Gauge6
+            | Self::RadialArmOut
+            | Self::RadialArmIn
+            | Self::AxialArmOut
+            | Self::AxialArmIn => !kind.face().turns_part,
+            _ => true,
+        }
+    }
 }
 
 macro_rules! signal_set {

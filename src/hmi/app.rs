@@ -131,7 +131,8 @@ impl Hmi {
         let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: &clock, blink };
         let regions = Regions::new(ui.max_rect());
         let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
-        let words = self.pages.takes_words(snapshot.page) && !snapshot.state.moves();
+        let shown = if self.help { Page::Help } else { snapshot.page };
+        let words = self.pages.takes_words(shown) && !snapshot.state.moves();
         let asked = keyboard::read(ui, snapshot.kind, words);
         out.extend(self.printed());
         self.physical_keys(ui, &view, &asked, &mut out);

@@ -36,17 +36,6 @@ pub const SEARCH: Board = Board {
     rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"],
     done: Text::new("完成", "OK"),
 };
-/// For a block of a program, with the codes that the kind's programs have most.
-#[must_use]
-pub const fn block(kind: Kind) -> Board {
-    let face = kind.face();
-    let rows: &[&str] = if face.macros { SIGNS } else { PLAIN_SIGNS };
-    Board { words: face.codes, rows, done: Text::new("输入", "INPUT") }
-}
-
-const SIGNS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#[]()=+*/ ", "ZXCVBNM-"];
-/// Without those of the macro language.
-const PLAIN_SIGNS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"];
 /// For a page text: the words of its labels.
 pub const PAGE: Board = Board {
     words: &[
@@ -63,6 +52,17 @@ pub const PAGE: Board = Board {
     rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#;%()+/=_ ", "ZXCVBNM-"],
     done: Text::new("换行", "ENTER"),
 };
+/// For a block of a program, with the codes that the kind's programs have most.
+#[must_use]
+pub const fn block(kind: Kind) -> Board {
+    let face = kind.face();
+    let rows: &[&str] = if face.macros { SIGNS } else { PLAIN_SIGNS };
+    Board { words: face.codes, rows, done: Text::new("输入", "INPUT") }
+}
+
+const SIGNS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#[]()=+*/ ", "ZXCVBNM-"];
+/// Without those of the macro language.
+const PLAIN_SIGNS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"];
 const ROW: f32 = 46.0;
 
 impl Board {

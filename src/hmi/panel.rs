@@ -14,6 +14,7 @@ use crate::defs::key::Key;
 use crate::defs::text::Text;
 use crate::link::Command;
 use crate::link::snapshot::KeyView;
+use crate::units::Axis;
 
 /// Points of travel to one detent of the handwheel.
 const DETENT: f32 = 10.0;
@@ -54,7 +55,8 @@ impl Panel {
         override_value(ui, view, layout.spindle, ("主轴", "SPIN"), view.snapshot.spindle_override);
         let mut said = Said::default();
         for (key, rect) in &layout.keys {
-            let refused = key_ui(ui, view, *key, *rect, presses, out);
+            let Some(rect) = place(layout, view, *key, *rect) else { continue };
+            let refused = key_ui(ui, view, *key, rect, presses, out);
             said.refused = said.refused.or(refused);
         }
         self.handwheel(ui, view, layout.wheel, out);
@@ -125,16 +127,43 @@ fn override_value(ui: &Ui, view: &View<'_>, rect: Rect, name: (&'static str, &'s
     fit(ui.painter(), bottom, Align2::CENTER_CENTER, &percent.to_string(), theme::TITLE, view.theme.text);
 }
 
+/// The axis that a panel key is for.
+const fn axis_of(key: Key) -> Option<Axis> {
+    match key {
+        Key::HandwheelX | Key::XPlus | Key::XMinus => Some(Axis::X),
+        Key::HandwheelY | Key::YPlus | Key::YMinus => Some(Axis::Y),
+        Key::HandwheelZ | Key::ZPlus | Key::ZMinus => Some(Axis::Z),
+        _ => None,
+    }
+}
+
+/// Where a key is painted: nowhere for an axis that the machine does not have; X and Z of the handwheel then share the
+/// height of three.
+fn place(layout: &PanelLayout, view: &View<'_>, key: Key, rect: Rect) -> Option<Rect> {
+    let present = |axis: Axis| view.snapshot.axes[axis].present;
+    if axis_of(key).is_some_and(|axis| !present(axis)) {
+        return None;
+    }
+    if present(Axis::Y) {
+        return Some(rect);
+    }
+    let of = |key: Key| layout.keys.iter().find(|(found, _)| *found == key).map(|(_, rect)| *rect);
+    let (Some(x), Some(y), Some(z)) = (of(Key::HandwheelX), of(Key::HandwheelY), of(Key::HandwheelZ)) else {
+        return Some(rect);
+    };
+    let half_gap = (y.min.y - x.max.y) / 2.0;
+    Some(match key {
+        Key::HandwheelX => Rect::from_min_max(x.min, egui::pos2(x.max.x, y.center().y - half_gap)),
+        Key::HandwheelZ => Rect::from_min_max(egui::pos2(z.min.x, y.center().y + half_gap), z.max),
+        _ => rect,
+    })
+}
+
 /// The state of a key as the panel shows it: an axis that the machine does not have is blocked.
 #[must_use]
 pub fn state(view: &View<'_>, key: Key) -> KeyView {
     let mut state = view.snapshot.key(key);
-    let axis = match key {
-        Key::HandwheelX => Some(crate::units::Axis::X),
-        Key::HandwheelY => Some(crate::units::Axis::Y),
-        Key::HandwheelZ => Some(crate::units::Axis::Z),
-        _ => key.jog().map(|(axis, _)| axis),
-    };
+    let axis = axis_of(key);
     if axis.is_some_and(|axis| !view.snapshot.axes[axis].present) && state.blocked.is_none() {
         state.blocked = Some(Text::new("机床没有这个轴", "the machine does not have this axis"));
     }

@@ -107,9 +107,11 @@ pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = &'static SoftKey> {
 impl SoftKey {
     /// Its label on a kind.
     #[must_use]
-    pub const fn label_on(&self, kind: Kind) -> Text {
+    pub fn label_on(&self, kind: Kind) -> Text {
         match self.act {
-            SoftAct::Open(Page::Mdi) => Page::Mdi.title_on(kind),
+            SoftAct::Open(page @ (Page::Mdi | Page::Grinding)) if page.title_on(kind) != page.title() => {
+                page.title_on(kind)
+            }
             _ => self.label,
         }
     }

@@ -11,8 +11,9 @@ use super::media::{MediaView, Print, Transfer};
 use super::page_file::{PageFile, PictureFrom};
 use crate::defs::alarm;
 use crate::defs::param::ParamAddress;
+use crate::defs::screw::ScrewTable;
 use crate::defs::text::{Said, Text};
-use crate::units::PerAxis;
+use crate::units::{Axis, PerAxis};
 
 /// Most lines that are looked at in one request, and most characters of a line that are.
 pub const LOOKED_LINES: usize = 120;
@@ -103,6 +104,10 @@ pub enum FileRequest {
         /// Its name there.
         name: String,
     },
+    /// The table of an axis' screw out of a file of the medium (B7).
+    ScrewIn(Axis),
+    /// The table of an axis' screw into a file.
+    ScrewOut(Axis, ScrewTable),
     /// Ends the long work that is under way.
     Cancel,
 }
@@ -212,6 +217,8 @@ pub enum FileAnswer {
     Printed(Result<Said, Refusal>),
     /// Values of a file: the core takes them.
     Restored(Box<Restored>),
+    /// A table of an axis' screw, and what it was read from; the core takes it.
+    Screw(Axis, ScrewTable, String),
     /// A path.
     Drawn(Arc<Drawing>),
     /// So many thousandths are done; the words say of what.

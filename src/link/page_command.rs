@@ -8,7 +8,9 @@ use super::files::{FileAnswer, FileRequest};
 use crate::defs::date::Date;
 use crate::defs::kind::Kind;
 use crate::defs::param::{Level, ParamAddress};
+use crate::defs::screw::ScrewTable;
 use crate::defs::text::{Lang, Said, Text};
+use crate::units::Axis;
 
 /// What a password opens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -93,6 +95,8 @@ pub const BRIGHTNESS_STEP: u8 = 10;
 pub enum PageCommand {
     /// A parameter typed at the parameter page: asks for the level that it needs.
     EditParam(ParamAddress, f64),
+    /// Another table for an axis' screw (B7): the machine builder's.
+    EditScrew(Axis, ScrewTable),
     /// Opens a level until power-off.
     Unlock(Guard, Secret),
     /// Closes every level.

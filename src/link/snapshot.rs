@@ -19,6 +19,7 @@ use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::{Level, Params};
 use crate::defs::program;
+use crate::defs::screw::ScrewTable;
 use crate::defs::signal::{InputSet, OutputSet, Terminals};
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, Micros, PerAxis};
@@ -276,6 +277,8 @@ pub struct Snapshot {
     pub internals: InternalSet,
     /// Alarms that came, also before the last power-off, the latest last; replaced only when one comes or goes.
     pub alarm_history: Arc<Vec<Arc<PastAlarm>>>,
+    /// Tables of the axes' screws (B7).
+    pub screws: PerAxis<ScrewTable>,
     /// Date and time of day; none where nobody has told them.
     pub date: Option<Date>,
     /// The parameters; replaced only when one is changed.
@@ -412,6 +415,7 @@ impl Snapshot {
             analog_volts: [0.0; 2],
             internals: InternalSet::default(),
             alarm_history: Arc::default(),
+            screws: PerAxis::default(),
             date: None,
             params: Arc::new(Params::factory(kind)),
             simulated: None,

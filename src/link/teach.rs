@@ -13,6 +13,20 @@ pub enum TeachCommand {
     Keep,
 }
 
+impl TeachCommand {
+    /// The command of a word of a story.
+    #[must_use]
+    pub fn from_id(id: &str) -> Option<Self> {
+        match id {
+            "start" => Some(Self::Start),
+            "stop" => Some(Self::Stop),
+            "undo" => Some(Self::Undo),
+            "keep" => Some(Self::Keep),
+            _ => None,
+        }
+    }
+}
+
 /// A recording as the page shows it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TeachView {

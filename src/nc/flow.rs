@@ -6,12 +6,15 @@ use std::sync::Arc;
 use super::expression::Value;
 use super::fault::{Outcome, wrong1, wrong2};
 use super::source::{LOOP_DEPTH, Source};
+use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 
 /// The deepest nesting of M98.
 pub(crate) const SUB_DEPTH: usize = 4;
 /// The deepest nesting of G65 and G66.
 pub(crate) const MACRO_DEPTH: usize = 4;
+/// How deep L calls of the SINUMERIK may nest: eight levels with the main program (DECISION).
+pub(crate) const L_DEPTH: usize = 7;
 
 /// The deepest nesting of counted loops (G22) and of subprograms of the same text.
 pub(crate) const COUNTED_DEPTH: usize = 255;
@@ -232,7 +235,11 @@ impl Flow {
     pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool) -> Outcome<()> {
         let is_macro = matches!(call.callee, Callee::Macro(_));
         let same = |level: &&Level| matches!(level.callee, Callee::Macro(_)) == is_macro;
-        let (limit, name) = if is_macro { (MACRO_DEPTH, "G65/G66") } else { (SUB_DEPTH, "M98") };
+        let (limit, name) = match is_macro {
+            true => (MACRO_DEPTH, "G65/G66"),
+            false if program::is_l(source.number()) => (L_DEPTH, "L"),
+            false => (SUB_DEPTH, "M98"),
+        };
         if self.levels.iter().filter(same).count() >= limit {
             return wrong2(call.at, E::TooDeep, name, limit.to_string());
         }

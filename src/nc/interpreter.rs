@@ -268,8 +268,7 @@ impl Interpreter {
                     scope: &mut scope,
                     text,
                     at,
-                    main: self.flow.is_main(),
-                    local_sub: self.flow.local_sub(),
+                    flow: &self.flow,
                     second_half: self.second_half,
                 };
                 if self.words.has(b'O') && !at_head(text, at) {

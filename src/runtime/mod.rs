@@ -11,6 +11,7 @@ pub mod office;
 mod page_file;
 pub mod realtime;
 pub mod rig;
+mod screws;
 pub mod serial;
 mod shipped;
 pub mod simulator;

@@ -13,6 +13,7 @@ use super::clock;
 use super::disk::Folders;
 use super::draw;
 use super::page_file::PageDesk;
+use super::screws;
 use super::serial::Trouble;
 use super::serial::courier::Courier;
 use super::serial::line::{Line, ports};
@@ -142,6 +143,16 @@ impl Office {
             }
             FileRequest::Transfer(ask) if ask.set == Set::Serial => return self.over_the_line(ask, job, tell),
             FileRequest::Transfer(ask) => return self.carry(ask, job, tell),
+            FileRequest::ScrewIn(axis) => {
+                tell(screws::read(*axis, self.stick().as_ref()).unwrap_or_else(FileAnswer::Refused));
+                return Changed::default();
+            }
+            FileRequest::ScrewOut(axis, table) => {
+                let stick = self.stick();
+                let done = screws::write((*axis, table), date, self.prints.as_deref(), stick.as_ref());
+                tell(done.map_or_else(FileAnswer::Refused, FileAnswer::Done));
+                return Changed::default();
+            }
             FileRequest::Save { number, text, base, force } => save(&programs, &called(*number), text, (*base, *force)),
             FileRequest::Record(text) => record(&programs, text),
             FileRequest::New(number) => new(&programs, *number, &job.settings),

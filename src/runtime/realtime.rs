@@ -236,7 +236,7 @@ impl<B: Backend> Core<B> {
         if self.effects.is_empty() {
             return;
         }
-        if self.effects.iter().any(Effect::assigns_port) {
+        if self.effects.iter().any(Effect::refits_machine) {
             self.backend.rewire(self.controller.params());
         }
         match self.wish.try_send(std::mem::take(&mut self.effects)) {

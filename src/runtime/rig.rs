@@ -296,7 +296,7 @@ impl Rig {
                 self.inbox.push(answer);
             }
         }
-        if self.effects.iter().any(Effect::assigns_port) {
+        if self.effects.iter().any(Effect::refits_machine) {
             self.machine.rewire(&self.retained.params);
         }
         if let Some(keeper) = &mut self.keeper {

@@ -14,8 +14,8 @@ use crate::defs::text::{Said, Text};
 use crate::link::files::{FileAnswer, Refusal, Restored};
 use crate::link::media::{Direction, MediaFile, MediaView, Print, Set, Transfer};
 use crate::store::{
-    CommentIs, FileClass, Folder, FolderError, PAGE_TEXT, PICTURE, PROGRAM, Read, Shelf, Stick, Values, read_whole,
-    stamp, write_whole,
+    CommentIs, FileClass, Folder, FolderError, IoFault, PAGE_TEXT, PICTURE, PROGRAM, Read, Shelf, Stick, Values,
+    read_whole, stamp, write_whole,
 };
 
 /// Names of the files of values on a medium.
@@ -97,6 +97,11 @@ fn is_archive(name: &str) -> bool {
 
 pub(super) fn no_stick() -> Refusal {
     Refusal::Because(Said::new("没有 U 盘或已拔出", "no USB medium, or it was pulled out"))
+}
+
+/// What the disk refused, in both languages.
+fn of_disk(fault: &IoFault) -> Refusal {
+    Refusal::Because(Said::new(fault.zh(), fault.to_string()))
 }
 
 fn say(zh: impl Into<String>, en: impl Into<String>) -> Refusal {
@@ -293,7 +298,7 @@ impl Carrier<'_> {
         put((&mut archive, &mut sums), "checksums.txt", list.as_bytes())?;
         let bytes = archive.into_inner().map_err(|error| because(&error))?;
         let path = self.stick.root().join(&name);
-        write_whole(&path, &bytes).map_err(|error| because(&error))?;
+        write_whole(&path, &bytes).map_err(|fault| of_disk(&fault))?;
         let back = read_whole(&path, ARCHIVE_LIMIT).map_err(|error| because(&error))?;
         if stamp(&back) != stamp(&bytes) {
             return Err(say(
@@ -511,16 +516,28 @@ pub fn keep(
     folder: Option<&Path>,
     stick: Option<&Stick>,
 ) -> Result<Said, Refusal> {
+    keep_as(bytes, (&format!("KT830-{}", date.compact()), extension), folder, stick)
+}
+
+/// The same under a name of its own; another one is never overwritten.
+///
+/// # Errors
+/// There is no place, or the disk refuses.
+pub(super) fn keep_as(
+    bytes: &[u8],
+    (stem, extension): (&str, &str),
+    folder: Option<&Path>,
+    stick: Option<&Stick>,
+) -> Result<Said, Refusal> {
     let present = stick.filter(|stick| stick.is_present()).map(Stick::root);
     let Some(folder) = present.or(folder) else {
         return Err(say("没有保存位置：请插入 U 盘", "nowhere to keep it: plug a USB medium in"));
     };
-    let stem = format!("KT830-{}", date.compact());
     let free =
         |count: u32| if count == 0 { format!("{stem}.{extension}") } else { format!("{stem}-{count}.{extension}") };
     let name = (0..100).map(free).find(|name| !folder.join(name).exists()).unwrap_or_else(|| free(100));
     std::fs::create_dir_all(folder).map_err(|error| because(&error))?;
-    write_whole(&folder.join(&name), bytes).map_err(|error| because(&error))?;
+    write_whole(&folder.join(&name), bytes).map_err(|fault| of_disk(&fault))?;
     let place = folder.join(&name);
     Ok(Said::new(format!("已保存：{}", place.display()), format!("saved: {}", place.display())))
 }

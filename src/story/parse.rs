@@ -9,6 +9,7 @@ use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output, PORTS};
 use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::snapshot::RunState;
+use crate::link::teach::TeachCommand;
 use crate::runtime::bar::own_programs;
 use crate::units::Axis;
 
@@ -168,6 +169,8 @@ pub enum Statement {
     Seed(u64),
     /// `sheet 2` of the grinding page, where it has several; the first is 1
     Sheet(usize),
+    /// `teach start|stop|undo|keep`: a recording of what is moved by hand (L9)
+    Teach(TeachCommand),
     /// `part FILE`
     Part(String),
     /// `screw X FILE`
@@ -305,6 +308,7 @@ impl Words {
                 Statement::Mdi(self.text.trim_start_matches("mdi").trim().to_owned())
             }
             "page" => Statement::Page(self.one_of("a page", Page::from_id)?),
+            "teach" => Statement::Teach(self.one_of("start, stop, undo or keep", TeachCommand::from_id)?),
             "sheet" => Statement::Sheet(self.one_of("a sheet from 1", |word| word.parse().ok().filter(|n| *n > 0))?),
             "input" => self.input()?,
             "fault" => self.fault()?,

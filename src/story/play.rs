@@ -90,6 +90,7 @@ impl<'a> Player<'a> {
                 Ok(())
             }
             Statement::Page(page) => self.send(Command::OpenPage(*page)),
+            Statement::Teach(command) => self.send(Command::Teach(*command)),
             Statement::Sheet(number) => self.send(Command::TurnSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::TypeVariable(*number, *value)),
             Statement::Input(name, force) => {

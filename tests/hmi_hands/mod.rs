@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 use kt830::defs::key::Key;
 use kt830::defs::page::Page;
 use kt830::defs::signal::{Output, Terminals};
-use kt830::hmi::{SHORTCUTS, SOFT_ROWS, SoftAct};
+use kt830::hmi::{SHORTCUTS, SOFT_ROWS, SoftAct, soft_row};
 use kt830::link::Snapshot;
 use kt830::runtime::rig::Rig;
 use kt830::units::Micros;
@@ -222,10 +222,13 @@ impl Operator {
             SoftAct::Position(_) => page == Page::Position,
             SoftAct::Print => false,
         };
-        let soft = |row: usize| SOFT_ROWS[row].iter().position(|soft| opens(soft.act));
+        let kind = self.rig.kind();
+        let soft = |row: usize| soft_row(kind, row).position(|soft| opens(soft.act));
         let row = (0..SOFT_ROWS.len()).find(|row| soft(*row).is_some()).unwrap_or_else(|| panic!("{page:?}"));
         let index = soft(row).unwrap();
-        let label = format!("{} f{}", SOFT_ROWS[row][index].label.zh, index + 1);
+        let soft = soft_row(kind, row).nth(index).unwrap();
+        let name = if page == Page::Mdi { page.title_on(kind) } else { soft.label };
+        let label = format!("{} f{}", name.zh, index + 1);
         for _ in 0..SOFT_ROWS.len() {
             if self.sees(&label) {
                 break;

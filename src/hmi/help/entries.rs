@@ -147,8 +147,8 @@ const NEXT: Text = Text::new("下一段", "next block");
 /// Everything that a kind of machine needs help on.
 #[must_use]
 pub fn entries(kind: Kind) -> Vec<HelpEntry> {
-    let mut all: Vec<HelpEntry> =
-        Page::ALL.iter().filter(|page| page.is_on(kind)).map(|page| of_page(*page, kind)).collect();
+    let pages = Page::ALL.iter().copied().filter(|page| page.is_on(kind));
+    let mut all: Vec<HelpEntry> = pages.map(|page| of_page(page, kind)).collect();
     soft_keys(kind, &mut all);
     all.extend(Key::ALL.iter().filter(|key| key.is_on(kind)).map(|key| of_key(*key, kind)));
     alarms(&mut all);
@@ -158,9 +158,9 @@ pub fn entries(kind: Kind) -> Vec<HelpEntry> {
 }
 
 fn of_page(page: Page, kind: Kind) -> HelpEntry {
+    let keys: Vec<Text> = softkey::row(kind, softkey::row_of(page)).map(|soft| soft.label_on(kind)).collect();
     let list = |text: fn(&Text) -> &'static str| {
-        let keys = softkey::row(kind, softkey::row_of(page)).enumerate();
-        let words = keys.map(|(index, soft)| format!("F{} {}", index + 1, text(&soft.label_on(kind))));
+        let words = keys.iter().enumerate().map(|(index, label)| format!("F{} {}", index + 1, text(label)));
         words.collect::<Vec<_>>().join(" · ")
     };
     let keys = Said::new(list(|text| text.zh), list(|text| text.en));

@@ -61,6 +61,12 @@ impl Help {
         self.cursor = self.listed.iter().position(|index| self.all[*index].about == about).unwrap_or(0);
     }
 
+    /// Whether words are being typed.
+    #[must_use]
+    pub const fn searches(&self) -> bool {
+        self.searching || !self.search.is_empty()
+    }
+
     fn fill(&mut self, view: &View<'_>) {
         let kind = view.snapshot.kind;
         if self.kind != Some(kind) {

@@ -217,7 +217,7 @@ fn inputs(view: &View<'_>) -> Vec<Line> {
             volts: None,
         }
     };
-    Input::ALL.iter().map(line).collect()
+    Input::ALL.iter().filter(|input| input.is_of(snapshot.kind)).map(line).collect()
 }
 
 fn outputs(view: &View<'_>) -> Vec<Line> {

@@ -55,12 +55,12 @@ pub struct Directory {
     walk: Walk,
     on_keys: bool,
     seen: u32,
-    /// The program whose page is to be designed.
-    pub page_of: Option<u32>,
     /// The page was just opened: the chosen row is brought into sight.
     reveal: bool,
     /// Programs by name are called by more than O and four digits.
     name_width: f32,
+    /// The program whose page is to be designed.
+    pub page_of: Option<u32>,
 }
 
 impl Directory {

@@ -143,18 +143,10 @@ fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     position::process(ui, Rect::from_min_max(pos2(inside.min.x, block.max.y + 8.0), inside.max), view);
 }
 
-/// Width and height of a field.
-fn field_size(body: Rect) -> (f32, f32) {
-    ((body.width() - theme::GAP) / 2.0, ((body.height() - 9.0 * 4.0) / ROWS as f32).min(58.0))
-}
-
-fn way_of(ui: &Ui, view: &View<'_>, body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> Way {
-    Way::of(ui, view, columns, field_size(body))
-}
-
 /// Where each field of the two columns stands, in reading order.
 fn field_places(body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> impl Iterator<Item = (Rect, &Row)> {
-    let (width, height) = field_size(body);
+    let width = (body.width() - theme::GAP) / 2.0;
+    let height = ((body.height() - 9.0 * 4.0) / ROWS as f32).min(58.0);
     columns.into_iter().enumerate().flat_map(move |(column, rows)| {
         rows.iter().enumerate().filter_map(move |(line, row)| {
             let corner = body.min + vec2(column as f32 * (width + theme::GAP), line as f32 * (height + 4.0));
@@ -164,7 +156,7 @@ fn field_places(body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> impl Iterator
 }
 
 fn fields(ui: &Ui, places: &Places, view: &View<'_>, columns: [&[Option<Row>; ROWS]; 2], entry: &mut Entry) {
-    let way = way_of(ui, view, places.body, columns);
+    let way = Way::of(ui, view, places.body, columns);
     for (index, (place, row)) in field_places(places.body, columns).enumerate() {
         let response = ui.interact(place, Id::unique(("field", index)), Sense::CLICK);
         response.widget_info(|| {
@@ -177,33 +169,6 @@ fn fields(ui: &Ui, places: &Places, view: &View<'_>, columns: [&[Option<Row>; RO
         let state = (chosen.then_some(&*entry), response.is_pointer_button_down_on());
         field(ui, place, view, (row, way), state);
     }
-}
-
-/// Title, fields and picture as a page text makes them, for the page designer: nothing of it acts.
-pub fn preview(
-    ui: &Ui,
-    rect: Rect,
-    view: &View<'_>,
-    text: &PageText,
-    files: Option<&ScreenFiles>,
-    texture: Option<TextureId>,
-) {
-    let (middle, picture) = rect.split_left_right_at_x(rect.max.x - theme::PICTURE.x - 2.0);
-    let middle = Rect::from_min_max(middle.min, middle.max - vec2(theme::GAP, 0.0));
-    let (title, body) = middle.split_top_bottom_at_y(middle.min.y + 34.0);
-    lines::title(ui, view, title, &heading(view, text));
-    let columns = [&text.left, &text.right];
-    let way = way_of(ui, view, body, columns);
-    for (place, row) in field_places(body, columns) {
-        field(ui, place, view, (row, way), (None, false));
-    }
-    show_picture(ui, picture, view, files, texture);
-}
-
-/// The title as the page shows it (K7.2).
-fn heading(view: &View<'_>, text: &PageText) -> String {
-    let name = translated(view, &text.title, |title| r_name::english_title(title).map(str::to_owned));
-    format!("{name}{}", view.say("参数设置", " · parameters"))
 }
 
 /// What a text of the file is called in the language of the page: what the control knows of it, else as written.
@@ -226,7 +191,9 @@ enum Way {
 }
 
 impl Way {
-    fn of(ui: &Ui, view: &View<'_>, columns: [&[Option<Row>; ROWS]; 2], (width, height): (f32, f32)) -> Self {
+    fn of(ui: &Ui, view: &View<'_>, body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> Self {
+        let first = field_places(body, columns).next();
+        let (width, height) = first.map_or((0.0, 0.0), |(place, _)| (place.width(), place.height()));
         let room = width - 16.0 - VALUE;
         let fits = |row: &Row| {
             let font = theme::font(theme::LABEL);
@@ -239,6 +206,33 @@ impl Way {
             (false, false) => Self::Close,
         }
     }
+}
+
+/// Title, fields and picture as a page text makes them, for the page designer: nothing of it acts.
+pub fn preview(
+    ui: &Ui,
+    rect: Rect,
+    view: &View<'_>,
+    text: &PageText,
+    files: Option<&ScreenFiles>,
+    texture: Option<TextureId>,
+) {
+    let (middle, picture) = rect.split_left_right_at_x(rect.max.x - theme::PICTURE.x - 2.0);
+    let middle = Rect::from_min_max(middle.min, middle.max - vec2(theme::GAP, 0.0));
+    let (title, body) = middle.split_top_bottom_at_y(middle.min.y + 34.0);
+    lines::title(ui, view, title, &heading(view, text));
+    let columns = [&text.left, &text.right];
+    let way = Way::of(ui, view, body, columns);
+    for (place, row) in field_places(body, columns) {
+        field(ui, place, view, (row, way), (None, false));
+    }
+    show_picture(ui, picture, view, files, texture);
+}
+
+/// The title as the page shows it (K7.2).
+fn heading(view: &View<'_>, text: &PageText) -> String {
+    let name = translated(view, &text.title, |title| r_name::english_title(title).map(str::to_owned));
+    format!("{name}{}", view.say("参数设置", " · parameters"))
 }
 
 /// One label and its value; the chosen one is framed and shows what is being typed.

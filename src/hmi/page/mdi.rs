@@ -226,7 +226,9 @@ fn modals(ui: &Ui, rect: Rect, view: &View<'_>) {
     let inside = rect.shrink2(vec2(10.0, 6.0));
     let modals = &view.snapshot.modals;
     let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| value.to_string());
-    let mut words: Vec<String> = modals.g.iter().map(|code| format!("G{code:02}")).collect();
+    // The language of the lathe has one group only.
+    let groups = if view.snapshot.kind.face().macros { modals.g.len() } else { 1 };
+    let mut words: Vec<String> = modals.g.iter().take(groups).map(|code| format!("G{code:02}")).collect();
     words.push(format!("T{:02}{:02}", modals.tool.0, modals.tool.1));
     words.push(modals.m.map_or_else(|| "M—".to_owned(), |code| format!("M{code:02}")));
     words.push(format!("F {}", number(modals.feed)));

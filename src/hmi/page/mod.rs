@@ -135,7 +135,7 @@ impl Pages {
             Page::Tools => &self.tools.typing,
             Page::Settings => &self.settings.clock.typing,
             Page::Directory => &self.directory.typing,
-            Page::Params => &self.params.typing,
+            Page::Params => self.params.typing(),
             Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
             Page::Designer => {
                 return Some((self.designer.text().to_string(), self.designer.refusal()?.get(lang).to_owned()));
@@ -162,6 +162,7 @@ impl Pages {
             Page::Mdi => true,
             Page::Program => self.program.takes_words(),
             Page::Params => self.params.searches(),
+            Page::Help => self.help.searches(),
             _ => false,
         }
     }
@@ -218,7 +219,7 @@ impl Pages {
             Page::Macro => self.variables.ui(ui, rect, view, typed),
             Page::Mdi => self.mdi.ui(ui, rect, view, typed),
             Page::Wheel => self.wheel.ui(ui, rect, view, typed.edits),
-            Page::Teach => self.teach.ui(ui, rect, view, typed),
+            Page::Teach => self.teach.ui(ui, rect, view, typed, &mut self.login),
             Page::Tools => self.tools.ui(ui, rect, view, typed.edits),
             Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
             Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),

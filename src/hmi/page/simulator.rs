@@ -66,11 +66,12 @@ impl Simulator {
         let (list, keys) = rect.split_top_bottom_at_y(rect.max.y - ROW);
         let list = whole_lines(list, ROW);
         let each = (list.height() / ROW) as usize * 2;
-        let count = Input::ALL.len().div_ceil(each.max(1));
+        let inputs: Vec<Input> = Input::ALL.iter().copied().filter(|input| input.is_of(view.snapshot.kind)).collect();
+        let count = inputs.len().div_ceil(each.max(1));
         self.page = (self.page as i32 + pages).rem_euclid(count as i32) as usize;
         let half = (list.width() + theme::GAP) / 2.0;
         let mut done = None;
-        for (index, input) in Input::ALL.iter().skip(self.page * each).take(each).enumerate() {
+        for (index, input) in inputs.iter().skip(self.page * each).take(each).enumerate() {
             let corner = list.min + vec2((index % 2) as f32 * half, (index / 2) as f32 * ROW);
             let place = Rect::from_min_size(corner, vec2(half - theme::GAP, ROW - 3.0));
             let forced = sim.forced.iter().find(|(other, _)| other == input).map(|(_, on)| *on);

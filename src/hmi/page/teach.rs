@@ -5,11 +5,12 @@ use egui::{Align2, Rect, Ui, pos2, vec2};
 use super::Typed;
 use super::scroll::Scroll;
 use crate::defs::param::{self, ParamAddress};
+use crate::hmi::login::Login;
 use crate::hmi::view::{View, card, fit, length, paragraph, put};
 use crate::hmi::widget::{self, Look, Walk};
 use crate::hmi::{frame as lines, theme};
 use crate::link::Command;
-use crate::link::page_command::PageCommand;
+use crate::link::page_command::{Guard, PageCommand};
 use crate::link::teach::TeachCommand;
 use crate::units::Axis;
 
@@ -28,13 +29,21 @@ pub struct Teach {
     scroll: Scroll,
     /// Blocks at the last frame: a new one is scrolled to.
     seen: usize,
+    /// The password is being typed; then the recording is kept.
+    waiting: bool,
 }
 
 impl Teach {
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
-        self.walk.begin(typed.edits);
+        self.walk.begin(if login.is_open() { &[] } else { typed.edits });
+        if self.waiting && !login.is_open() {
+            self.waiting = false;
+            if !asks(view) {
+                out.push(Command::Teach(TeachCommand::Keep));
+            }
+        }
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
         let teach = &view.snapshot.teach;
@@ -53,7 +62,7 @@ impl Teach {
         place(ui, Rect::from_min_max(side.min, side.max - vec2(0.0, theme::GAP)), view);
         let (steps, acts) = keys.split_top_bottom_at_y(keys.min.y + KEY + theme::GAP);
         self.steps(ui, Rect::from_min_size(steps.min, vec2(steps.width(), KEY)), view, &mut out);
-        self.acts(ui, acts, view, &mut out);
+        self.acts(ui, acts, view, login, &mut out);
         out
     }
 
@@ -104,7 +113,7 @@ impl Teach {
         }
     }
 
-    fn acts(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+    fn acts(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let teach = &view.snapshot.teach;
         let nothing = teach.blocks.len() < 2;
         let keys = [
@@ -116,10 +125,20 @@ impl Teach {
         let rect = Rect::from_min_size(rect.min, vec2(rect.width(), KEY));
         for (index, (name, label, command, on, locked)) in keys.into_iter().enumerate() {
             if self.walk.push(ui, view, cell(rect, index, keys.len()), (name, label), Look { on, locked }) {
-                out.push(Command::Teach(command));
+                if command == TeachCommand::Keep && !nothing && asks(view) {
+                    login.unlock(view, Guard::Program);
+                    self.waiting = true;
+                } else {
+                    out.push(Command::Teach(command));
+                }
             }
         }
     }
+}
+
+/// Whether keeping a program asks for the password first (K6.2).
+fn asks(view: &View<'_>) -> bool {
+    view.snapshot.params.bit(param::PROGRAM_PASSWORD) && !view.snapshot.access.program
 }
 
 /// One of so many keys side by side.

@@ -21,5 +21,4 @@ pub(super) static ROW: KindRow = KindRow {
     slow_axis: Axis::Z,
     turns_part: false,
     own_programs: None,
-    shown: "O1001",
 };

@@ -22,5 +22,4 @@ pub(super) static ROW: KindRow = KindRow {
     slow_axis: Axis::X,
     turns_part: true,
     own_programs: Some("lathe"),
-    shown: "SHAFT",
 };

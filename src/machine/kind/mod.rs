@@ -43,8 +43,6 @@ pub struct KindRow {
     pub turns_part: bool,
     /// Folder of its own programs below `programs`; they go by name there.
     pub own_programs: Option<&'static str>,
-    /// The program that pictures of its pages are taken with.
-    pub shown: &'static str,
 }
 
 impl KindRow {

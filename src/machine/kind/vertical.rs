@@ -72,5 +72,4 @@ pub(super) static ROW: KindRow = KindRow {
     slow_axis: Axis::X,
     turns_part: false,
     own_programs: None,
-    shown: "VGRIND",
 };

@@ -12,7 +12,7 @@ pub(crate) use grinder::RepeatWords;
 use super::contour::ContourCycle;
 use super::expression::{Scope, Value};
 use super::fault::Outcome;
-use super::flow::{Call, ModalCall};
+use super::flow::{Call, Flow, ModalCall};
 use super::lexer::Cursor;
 use super::modal::Modals;
 use super::op::Op;
@@ -33,10 +33,8 @@ pub(crate) struct Running<'r, 'w> {
     pub text: &'r [u8],
     /// Where the block begins in it.
     pub at: usize,
-    /// The program is the one that was started, not a subprogram.
-    pub main: bool,
-    /// The block number of the running subprogram of the same text (L7).
-    pub local_sub: Option<u32>,
+    /// Where the program is: whether in the one that was started, or in a subprogram of the same text (L7).
+    pub flow: &'r Flow,
     /// The second half of a block that was divided by `Step::Again`.
     pub second_half: bool,
 }

@@ -345,19 +345,9 @@ impl Designer {
 
     fn edit(&mut self, edit: Edit) {
         self.told = None;
-        match edit {
-            Edit::Back => self.document.back(),
-            Edit::Delete => self.document.delete(),
-            Edit::LineStart => self.document.go(self.document.place().0, 0),
-            Edit::LineEnd => self.document.go(self.document.place().0, usize::MAX),
-            Edit::Enter => self.document.new_line(),
-            Edit::Up => self.document.step_lines(-1),
-            Edit::Down => self.document.step_lines(1),
-            Edit::Left => self.document.step(-1),
-            Edit::Right => self.document.step(1),
-            Edit::Cancel | Edit::Char(_) | Edit::Sign | Edit::Next | Edit::Previous => return,
+        if self.document.edit(edit) {
+            self.scroll.by_hand = false;
         }
-        self.scroll.by_hand = false;
     }
 
     /// A key of the page: the keyboard walks over it unless it types into the text.

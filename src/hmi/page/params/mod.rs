@@ -3,8 +3,9 @@
 
 mod list;
 mod paint;
+mod screw;
 
-use egui::{Rect, Ui, vec2};
+use egui::{Rect, Ui, pos2, vec2};
 
 use super::Typed;
 use super::scroll::Scroll;
@@ -43,13 +44,23 @@ pub struct Params {
     pub typing: Typing,
     /// A value that waits for the password of its level.
     waiting: Option<(usize, f64)>,
+    /// The tables of the screws are shown instead.
+    screws: bool,
+    /// What their sheet keeps.
+    pub screw: screw::Screw,
 }
 
 impl Params {
     /// The page was opened anew: nothing is being typed.
     pub fn open(&mut self) {
-        let (part, cursor) = (self.part, self.cursor);
-        *self = Self { part, cursor, ..Self::default() };
+        let (part, cursor, screws) = (self.part, self.cursor, self.screws);
+        *self = Self { part, cursor, screws, ..Self::default() };
+    }
+
+    /// What is being typed.
+    #[must_use]
+    pub const fn typing(&self) -> &Typing {
+        if self.screws { &self.screw.typing } else { &self.typing }
     }
 
     /// Whether words are being typed.
@@ -61,12 +72,19 @@ impl Params {
     /// Whether the numeric pad is wanted.
     #[must_use]
     pub const fn wants_pad(&self) -> bool {
-        self.typing.pad && !self.searching
+        if self.screws { self.screw.typing.pad } else { self.typing.pad && !self.searching }
     }
 
     /// Draws the page; gives the commands of what was typed.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
+        if self.screws {
+            let places = paint::Places::new(rect, false, 0);
+            self.top(ui, &places, view, login, &mut out);
+            let below = Rect::from_min_max(pos2(places.tabs.min.x, places.tabs.max.y + theme::GAP), rect.max);
+            out.extend(self.screw.ui(ui, below, view, typed, login));
+            return out;
+        }
         if self.list.update(view.snapshot.kind, self.part, &self.search) {
             self.scroll = Scroll::default();
             let shown = self.list.found.get(self.cursor).copied().unwrap_or(false);
@@ -124,10 +142,18 @@ impl Params {
             ("params-bits", view.say("位", "BITS").to_owned()),
             ("params-numbers", view.say("数值", "VALUES").to_owned()),
             ("params-ports", view.say("端口", "PORTS").to_owned()),
+            ("params-screws", view.say("丝杠", "SCREWS").to_owned()),
         ];
         let chosen = PARTS.iter().position(|part| *part == self.part).unwrap_or(0);
+        let chosen = if self.screws { PARTS.len() } else { chosen };
         if let Some(index) = widget::tabs(ui, view, places.tabs, &keys, chosen) {
-            self.part = PARTS[index];
+            self.screws = index == PARTS.len();
+            self.part = PARTS.get(index).copied().unwrap_or(self.part);
+            self.typing.pad = false;
+            self.screw.typing.pad = false;
+        }
+        if self.screws {
+            return self.level(ui, places, view, login, out);
         }
         let hint = view.say("查找 号码/文字", "find number/text");
         match search::field(ui, view, places.search, hint, &self.search, self.searching) {
@@ -138,12 +164,18 @@ impl Params {
             Some(SearchTouch::Clear) => self.search.clear(),
             None => {}
         }
+        self.level(ui, places, view, login, out);
+    }
+
+    /// Who is at the panel.
+    fn level(&self, ui: &Ui, places: &paint::Places, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let level = view.snapshot.access.level;
         if paint::level_key(ui, view, places.level, level) {
             if level > Level::Operator {
                 out.push(Command::Page(PageCommand::Lock));
             } else {
                 let guard = self.list.rows.get(self.cursor).and_then(|row| Guard::of(row.level));
+                let guard = guard.filter(|_| !self.screws).or(self.screws.then_some(Guard::Builder));
                 login.unlock(view, guard.unwrap_or(Guard::User));
             }
         }

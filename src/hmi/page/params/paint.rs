@@ -43,7 +43,7 @@ impl Places {
         let (main, letters) = main.split_top_bottom_at_y(main.max.y - pad);
         let inside = main.shrink(theme::PAD);
         let (top, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS);
-        let (tabs, right) = top.split_left_right_at_fraction(0.5);
+        let (tabs, right) = top.split_left_right_at_fraction(0.56);
         let (search, level) = right.split_left_right_at_x(right.max.x - 136.0);
         let lines = if searching || bits < 2 { 0 } else { bits.div_ceil(2) };
         let search = Rect::from_min_max(search.min + vec2(SPACE, 0.0), search.max - vec2(SPACE, 0.0));

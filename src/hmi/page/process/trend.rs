@@ -65,8 +65,8 @@ impl Process {
         let sized: Vec<&Part> = self.parts.iter().filter(|part| part.size.is_some()).collect();
         let Some(last) = sized.last() else {
             let words = view.say(
-                "还没有实测尺寸：P411 为存实测尺寸的变量，P412 为公称尺寸的变量，P413、P414 为偏差",
-                "no size yet: P411 names the variable that holds it, P412 the nominal one, P413 and P414 the deviations",
+                "还没有实测尺寸：P375 为存实测尺寸的变量，P376 为公称尺寸的变量，P377、P378 为偏差",
+                "no size yet: P375 names the variable that holds it, P376 the nominal one, P377 and P378 the deviations",
             );
             paragraph(painter, plot, words, theme::SMALL, view.theme.quiet);
             return;
@@ -134,8 +134,8 @@ impl Process {
         }
     }
 
-    /// How often the wheel can still be dressed: down to its smallest diameter (P410), each time by what the last dressing
-    /// took. None before the first dressing since power-on, or without P410.
+    /// How often the wheel can still be dressed: down to its smallest diameter (P374), each time by what the last dressing
+    /// took. None before the first dressing since power-on, or without P374.
     fn dressings_left(&self, snapshot: &Snapshot) -> Option<u32> {
         let (smallest, now) = (snapshot.params.get(param::WHEEL_SMALLEST), snapshot.params.get(param::WHEEL_DIAMETER));
         let taken = self.taken.filter(|taken| *taken > 0.0 && smallest > 0.0)?;

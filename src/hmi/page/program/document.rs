@@ -2,6 +2,7 @@
 //! however many steps can be taken back.
 //! Source: spec B6 (程序: edit, copy, undo).
 
+use crate::hmi::entry::Edit;
 use ropey::{Rope, RopeSlice};
 
 /// Steps that can be taken back.
@@ -107,6 +108,23 @@ impl Document {
     pub fn step_lines(&mut self, by: isize) {
         let (line, column) = self.place();
         self.go(line.saturating_add_signed(by), column);
+    }
+
+    /// What a key of the keyboard does to text and cursor; false: nothing.
+    pub fn edit(&mut self, edit: Edit) -> bool {
+        match edit {
+            Edit::Back => self.back(),
+            Edit::Delete => self.delete(),
+            Edit::LineStart => self.go(self.place().0, 0),
+            Edit::LineEnd => self.go(self.place().0, usize::MAX),
+            Edit::Enter => self.new_line(),
+            Edit::Up => self.step_lines(-1),
+            Edit::Down => self.step_lines(1),
+            Edit::Left => self.step(-1),
+            Edit::Right => self.step(1),
+            Edit::Cancel | Edit::Char(_) | Edit::Sign | Edit::Next | Edit::Previous => return false,
+        }
+        true
     }
 
     /// Types a sign at the cursor.

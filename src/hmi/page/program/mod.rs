@@ -338,17 +338,9 @@ impl Program {
             return;
         }
         match edit {
-            Edit::Back => self.document.back(),
-            Edit::Delete => self.document.delete(),
-            Edit::LineStart => self.document.go(self.document.place().0, 0),
-            Edit::LineEnd => self.document.go(self.document.place().0, usize::MAX),
-            Edit::Enter => self.document.new_line(),
-            Edit::Up => self.document.step_lines(-1),
-            Edit::Down => self.document.step_lines(1),
-            Edit::Left => self.document.step(-1),
-            Edit::Right => self.document.step(1),
             Edit::Cancel => (self.document.mark, self.replacing) = (None, false),
-            Edit::Char(_) | Edit::Sign | Edit::Next | Edit::Previous => return,
+            edit if self.document.edit(edit) => {}
+            _ => return,
         }
         self.keep_in_sight();
     }

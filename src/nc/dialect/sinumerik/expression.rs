@@ -129,6 +129,10 @@ impl<S: Scope> Reader<'_, '_, S> {
                     None => Ok(self.scope.read(variable, at)?.unwrap_or(0.0)),
                 }
             }
+            b'R' | b'r' if self.cursor.peek_at(1) >= 0x80 => {
+                self.cursor.at += 1;
+                unexpected(self.cursor)
+            }
             b'A'..=b'Z' | b'a'..=b'z' => self.function(),
             b'\r' | b'\n' | b';' => wrong1(self.cursor.at, E::MissingNumber, "="),
             _ => unexpected(self.cursor),

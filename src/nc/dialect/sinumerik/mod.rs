@@ -118,7 +118,7 @@ fn m_codes(running: &mut Running<'_, '_>, after: bool) -> Outcome<Step> {
         }
         flow = match code.number {
             // A subprogram's end of any kind but M30 leads back to its caller.
-            2 | RETURN if !running.main => Step::Return { target: None, at: code.at as usize },
+            2 | RETURN if !running.flow.is_main() => Step::Return { target: None, at: code.at as usize },
             2 | RETURN | 30 => Step::End,
             _ => flow,
         };
@@ -131,7 +131,7 @@ fn m_codes(running: &mut Running<'_, '_>, after: bool) -> Outcome<Step> {
 
 fn hand_out(running: &mut Running<'_, '_>, code: Code) {
     let code = match code.number {
-        2 | RETURN if !running.main => return,
+        2 | RETURN if !running.flow.is_main() => return,
         RETURN => 2,
         number => number as u8,
     };

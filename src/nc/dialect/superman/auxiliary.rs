@@ -86,7 +86,7 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Co
         };
         let step = match code.number {
             0 => continue,
-            2 => match running.local_sub {
+            2 => match running.flow.local_sub() {
                 Some(n) => return wrong1(code.at as usize, E::EndInSub, format!("N{n:04}")),
                 None => Step::End,
             },

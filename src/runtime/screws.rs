@@ -1,0 +1,68 @@
+//! Tables of the axes' screws as files of a medium: `KT830-SCREW-X.CSV`, made by the measuring device's computer, or one
+//! that this control wrote with date and time in its name.
+//! Source: spec B7.
+
+use std::path::Path;
+
+use super::transfer::{keep_as, no_stick};
+use crate::defs::date::Date;
+use crate::defs::screw::ScrewTable;
+use crate::defs::text::Said;
+use crate::link::files::{FileAnswer, Refusal};
+use crate::store::{Stick, decode, read_whole};
+use crate::units::Axis;
+
+/// The largest file of a table: a hundred lines, and room for remarks.
+const LIMIT: u64 = 256 * 1024;
+/// What its first line says.
+const HEAD: &str = "位置 mm,反向间隙 mm,螺距误差 mm\r\n";
+
+fn stem(axis: Axis) -> String {
+    format!("KT830-SCREW-{}", axis.letter())
+}
+
+/// Reads the table of an axis: `KT830-SCREW-X.CSV` if it is there, else the newest that this control wrote.
+///
+/// # Errors
+/// There is no medium or no such file, it is no text, or a line of it is wrong: it is named.
+pub fn read(axis: Axis, stick: Option<&Stick>) -> Result<FileAnswer, Refusal> {
+    let stick = stick.ok_or_else(no_stick)?;
+    let stem = stem(axis);
+    let ours = |name: &str| {
+        let upper = name.to_ascii_uppercase();
+        let rest = upper.strip_prefix(&stem).and_then(|rest| rest.strip_suffix(".CSV"));
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+    };
+    let files = stick.files().map_err(|fault| Refusal::Because(Said::new(fault.zh(), fault.to_string())))?;
+    // By name the plain one stands behind those with a date.
+    let file = files.into_iter().filter(|file| ours(&file.name)).max_by_key(|file| file.name.to_ascii_uppercase());
+    let name = file.map(|file| file.name).ok_or_else(|| {
+        Refusal::Because(Said::new(format!("U 盘上没有 {stem}.CSV"), format!("there is no {stem}.CSV on the medium")))
+    })?;
+    let wrong = |zh: String, en: String| Refusal::Because(Said::new(format!("{name} {zh}"), format!("{name} {en}")));
+    let bytes = read_whole(&stick.root().join(&name), LIMIT)
+        .map_err(|error| wrong(format!("不能读出：{error}"), format!("cannot be read: {error}")))?;
+    let text = decode(&bytes)
+        .map_err(|error| wrong(format!("第 {} 行不是 GBK 或 UTF-8 文字", error.line), error.to_string()))?;
+    let table = ScrewTable::parse(&text.text).map_err(|fault| {
+        wrong(format!("第 {} 行：{}", fault.line, fault.said.zh), format!("line {}: {}", fault.line, fault.said.en))
+    })?;
+    if table.points().is_empty() {
+        return Err(wrong("中没有点".into(), "holds no points".into()));
+    }
+    Ok(FileAnswer::Screw(axis, table, name))
+}
+
+/// Writes the table of an axis on the medium, without one into the folder of prints.
+///
+/// # Errors
+/// There is no place, or the disk refuses.
+pub fn write(
+    (axis, table): (Axis, &ScrewTable),
+    date: Date,
+    folder: Option<&Path>,
+    stick: Option<&Stick>,
+) -> Result<Said, Refusal> {
+    let text = format!("\u{FEFF}{HEAD}{}", table.text().replace('\n', "\r\n"));
+    keep_as(text.as_bytes(), (&format!("{}-{}", stem(axis), date.compact()), "CSV"), folder, stick)
+}
