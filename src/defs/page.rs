@@ -70,7 +70,7 @@ pages! {
         "当前程序：运行的段有标记；编辑方式下可以改。",
         "The current program with the running block marked; changed in mode EDIT.",
         "编辑（每次开机问一次密码）、查找、定位、替换、重排段号、块复制、撤销、保存。从此段：从光标行开始运行。断电续：断电的程序从中断段继续。错误行左边有红条，点上去看原因。",
-        "EDIT (asks the password once per power-on), FIND, GO TO, REPLACE, RENUM, blocks, UNDO, SAVE. FROM HERE runs from the cursor's line, RESUME goes on after a power cut. A red bar marks a mistake: touch the line to read it.";
+        "EDIT (asks the password once per power-on), FIND, GO TO, REPLACE, RENUM, blocks, UNDO, SAVE. FROM N runs from the cursor's line, RESUME goes on after a power cut. A red bar marks a mistake: touch the line to read it.";
     Designer = "designer", "页面设计", "page designer",
         "磨削页面的文字 C00nn.TXT 和图片 B00nn.BMP：左边改文字，右边立即看到页面。",
         "The text C00nn.TXT and the picture B00nn.BMP of a grinding page: its text on the left, the page as it will look on the right.",
@@ -165,7 +165,7 @@ pages! {
 
 /// What a machine that turns the part has beside the pages of all kinds, and what it lacks of theirs (L9).
 const TURNING: &[Page] = &[Page::Teach, Page::Tools];
-const GRINDING: &[Page] = &[Page::Grinding, Page::Dressing, Page::Wheel, Page::Macro, Page::Process];
+const GRINDING: &[Page] = &[Page::Grinding, Page::Designer, Page::Dressing, Page::Wheel, Page::Macro, Page::Process];
 /// What the 802D lacks beside: its language has no T, so no offset is ever in force (S1).
 const WITH_OFFSETS: &[Page] = &[Page::Dressing, Page::Offset];
 

@@ -61,10 +61,7 @@ pub fn page_file() -> PageFile {
         comment: comment.into(),
     };
     let mut uses: Vec<_> = (500..514).map(|variable| used(variable, true, false, 5, "")).collect();
-    uses.extend([
-        used(101, true, true, 3, "步距 step sizes"),
-        used(560, true, false, 12, "修整间隔件数 parts a dressing"),
-    ]);
+    uses.extend([used(101, true, true, 3, "步距 step sizes"), used(560, true, false, 12, "修整间隔")]);
     let pictures = [(PictureFrom::Medium, "drawing of the part.png"), (PictureFrom::Screens, "B0001.BMP")];
     PageFile {
         number: 1_001,

@@ -223,7 +223,8 @@ impl Directory {
             (Deed::Rename, "program-rename", Text::new("改号", "RENAME")),
             (Deed::Delete, "program-delete", Text::new("删除", "DELETE")),
         ];
-        let width = (rect.width() + theme::GAP) / (keys.len() + 1) as f32;
+        let has_pages = Page::Designer.is_on(view.snapshot.kind);
+        let width = (rect.width() + theme::GAP) / (keys.len() + usize::from(has_pages)) as f32;
         let place_of = |index: usize| {
             let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
             Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP))
@@ -236,7 +237,7 @@ impl Directory {
             }
         }
         let words = ("design-page", view.say("页面设计", "PAGE"));
-        self.walk.push(ui, view, place_of(keys.len()), words, Look::default())
+        has_pages && self.walk.push(ui, view, place_of(keys.len()), words, Look::default())
     }
 
     fn list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], pages: i32) -> Vec<Command> {

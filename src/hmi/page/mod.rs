@@ -208,7 +208,7 @@ impl Pages {
             }
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
             Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
-            Page::Designer => self.designer.ui(ui, rect, view, typed, &mut self.login, picture),
+            Page::Designer => self.designer.ui(ui, rect, view, typed, (&mut self.login, picture)),
             Page::Process => self.process.ui(ui, rect, view, typed),
             Page::Simulator => self.simulator.ui(ui, rect, view, typed, &mut self.simulator_tab),
             Page::Graphic => self.graphic.ui(ui, rect, view, typed),

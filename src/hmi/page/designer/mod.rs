@@ -138,8 +138,7 @@ impl Designer {
         rect: Rect,
         view: &View<'_>,
         typed: &Typed<'_>,
-        login: &mut Login,
-        picture: Option<TextureId>,
+        (login, picture): (&mut Login, Option<TextureId>),
     ) -> Vec<Command> {
         let mut out = Vec::new();
         let number = self.number(view.snapshot);

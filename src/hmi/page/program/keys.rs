@@ -4,6 +4,7 @@
 use egui::{Rect, Ui, pos2, vec2};
 
 use super::Program;
+use crate::defs::page::Page;
 use crate::defs::text::Text;
 use crate::hmi::theme;
 use crate::hmi::view::View;
@@ -58,7 +59,7 @@ acts! {
     AskDone = "ask-done", "确定", "OK";
     AskEnd = "ask-end", "取消", "CANCEL";
     Stop = "work-stop", "停止", "STOP";
-    Here = "run-here", "从此段", "FROM HERE";
+    Here = "run-here", "从此段", "FROM N";
     Resume = "run-resume", "断电续", "RESUME";
     Design = "design-page", "页面", "PAGE";
 }
@@ -137,6 +138,9 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut Program) -> Option<Ac
         if acts.is_empty() {
             continue;
         }
+        // A kind without grinding pages has none to design.
+        let has = |act: &&Act| **act != Design || Page::Designer.is_on(view.snapshot.kind);
+        let acts: Vec<Act> = acts.iter().filter(has).copied().collect();
         let count = acts.len().max(6) as f32;
         let width = (rect.width() + theme::GAP) / count;
         for (index, act) in acts.iter().enumerate() {
