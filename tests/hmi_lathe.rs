@@ -77,13 +77,13 @@ fn l9_a_tool_and_the_bar_are_defined_on_their_page() {
     bench.touch("field P384");
     bench.write("60");
     bench.press(egui::Key::Enter);
-    assert!((bench.rig.snapshot().params.get(kt830::defs::param::BAR_DIAMETER) - 60.0).abs() < 1e-9);
+    assert!((bench.param("P384") - 60.0).abs() < 1e-9);
     // Out of range: it stays in sight with the reason.
     bench.touch("field P402");
     bench.write("999");
     bench.press(egui::Key::Enter);
     assert!(bench.shows("应为 1 … 100 mm"));
-    assert!((bench.rig.snapshot().params.get(kt830::defs::param::TOOL_1_EDGE) - 8.0).abs() < 1e-9);
+    assert!((bench.param("P402") - 8.0).abs() < 1e-9);
 }
 
 #[test]
