@@ -148,7 +148,7 @@ fn b7_the_sheet_is_worked_by_keyboard() {
     builder(&mut bench);
     // From all the parameters over bits, values and ports to the screws.
     for _ in 0..4 {
-        bench.screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::T);
+        bench.screen.key_press_modifiers(egui::Modifiers::CTRL, egui::Key::P);
         bench.turn();
     }
     bench.write("z");

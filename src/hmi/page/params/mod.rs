@@ -78,8 +78,8 @@ impl Params {
     /// Draws the page; gives the commands of what was typed.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
-        // Ctrl+T turns through the tabs.
-        if typed.controls.contains(&egui::Key::T) && !login.is_open() {
+        // Ctrl+P turns through the tabs.
+        if typed.controls.contains(&egui::Key::P) && !login.is_open() {
             let tab =
                 if self.screws { PARTS.len() } else { PARTS.iter().position(|part| *part == self.part).unwrap_or(0) };
             self.turn_to((tab + 1) % (PARTS.len() + 1));

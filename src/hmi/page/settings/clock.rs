@@ -57,7 +57,7 @@ impl Clock {
 
     fn go(&mut self, field: usize) {
         self.typing.clear();
-        (self.field, self.typing.pad) = (Some(field), true);
+        self.field = Some(field);
     }
 
     fn close(&mut self) {
@@ -93,6 +93,8 @@ impl Clock {
             response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &word));
             if response.clicked() || entered {
                 self.go(index);
+                // A keyboard needs no pad.
+                self.typing.pad |= response.clicked();
             }
             card(painter, place, view.theme.raised, view.theme.line);
             let typed = self.field == Some(index);
