@@ -103,7 +103,7 @@ alarms! {
         "排除危险，松开急停后按复位", "remove the danger, release the button, press RESET";
     PAGE_FILES = 66, Show, SelfClearing, "页面文件不全或格式错误", "page files missing or not of the format",
         "C00nn.TXT 或 B00nn.BMP 缺少，或格式不符", "C00nn.TXT or B00nn.BMP is missing or not of the format",
-        "按文件名和行号在“页面设计”中修改、换图片，或改好后重新拷贝", "mend the named file at its line in the page designer, take another picture there, or copy it again";
+        "按文件名和行号在页面设计中修改，或改好后重新拷贝", "mend the named line in the page designer, or copy it again";
     NOT_HOMED = 100, BlockStart, Reset, "未回机械零点", "axes not homed",
         "开机后未回零即启动程序", "cycle start before homing",
         "按机械零点方式，各轴回零", "choose mode HOME and home every axis";
