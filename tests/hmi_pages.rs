@@ -109,12 +109,8 @@ fn b6_the_program_page_marks_the_block_and_stays_fluid() {
     machine.program.line = 999_999;
     let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
     stage.frame(&machine);
-    let begun = std::time::Instant::now();
-    for _ in 0..10 {
-        stage.frame(&machine);
-    }
-    // Generous: a frame of an unoptimised build on a busy machine; laying the lines out would take seconds.
-    assert!(begun.elapsed().as_millis() < 1_500, "{:?}", begun.elapsed());
+    // Only the lines in sight are laid out.
+    assert!(stage.texts().len() < 400, "{}", stage.texts().len());
     assert!(stage.texts().iter().any(|(text, ..)| text == "N999999 G01 X999999"));
 }
 
@@ -269,7 +265,7 @@ fn h9_what_is_shown_in_use_fits_as_well() {
                     use_page(&mut stage, &machine, keys);
                     let found = misfits(&mut stage, &machine, &format!("{keys:?} {lang:?} {size:?}"));
                     // The dialog and the pad lie over what stands beneath them.
-                    let sheet = keys.contains(&"123") || keys.contains(&"12345");
+                    let sheet = ["123", "12345", "2019"].iter().any(|typed| keys.contains(typed));
                     wrong.extend(found.into_iter().filter(|what| !sheet || !what.contains(" lies on ")));
                 }
             }

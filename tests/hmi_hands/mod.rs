@@ -217,6 +217,9 @@ impl Operator {
 
     /// A page by its soft key, from whichever row is shown.
     pub fn page(&mut self, page: Page) {
+        if page == Page::Designer {
+            return self.designer();
+        }
         let opens = |act: SoftAct| match act {
             SoftAct::Open(other) => other == page,
             SoftAct::Position(_) => page == Page::Position,
@@ -249,6 +252,24 @@ impl Operator {
         }
         self.look();
         assert_eq!(self.snapshot().page, page, "{:?}", self.hand);
+    }
+
+    /// The page designer has no soft key: the pages whose text it changes lead to it.
+    fn designer(&mut self) {
+        match self.hand {
+            Hand::Fingers => {
+                self.page(Page::Grinding);
+                self.tap("页面设计 design-page");
+            }
+            Hand::Keyboard => {
+                self.page(Page::Program);
+                // The last key of the row.
+                self.plain(egui::Key::ArrowLeft);
+                self.plain(egui::Key::Enter);
+            }
+        }
+        self.look();
+        assert_eq!(self.snapshot().page, Page::Designer, "{:?}", self.hand);
     }
 
     /// A program is chosen in the directory and loaded.
