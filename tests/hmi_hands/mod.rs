@@ -230,8 +230,7 @@ impl Operator {
         let row = (0..SOFT_ROWS.len()).find(|row| soft(*row).is_some()).unwrap_or_else(|| panic!("{page:?}"));
         let index = soft(row).unwrap();
         let soft = soft_row(kind, row).nth(index).unwrap();
-        let name = if page == Page::Mdi { page.title_on(kind) } else { soft.label };
-        let label = format!("{} f{}", name.zh, index + 1);
+        let label = format!("{} f{}", soft.label_on(kind).zh, index + 1);
         for _ in 0..SOFT_ROWS.len() {
             if self.sees(&label) {
                 break;
@@ -258,10 +257,12 @@ impl Operator {
     fn designer(&mut self) {
         match self.hand {
             Hand::Fingers => {
-                self.page(Page::Grinding);
+                self.page(Page::Directory);
                 self.tap("页面设计 design-page");
             }
             Hand::Keyboard => {
+                let first = self.snapshot().directory[0].number;
+                self.load(first);
                 self.page(Page::Program);
                 // The last key of the row.
                 self.plain(egui::Key::ArrowLeft);
