@@ -221,6 +221,15 @@ fn k7_4_k5_12_page_files_name_what_is_wrong() {
 }
 
 #[test]
+fn t3_a_loop_that_moves_nothing_ends_the_run_by_itself() {
+    let (_folder, path) = file("O2004.NC", b"N10 #100=1\nGOTO 10\nM30\n");
+    let report = json(&["run", &path, "--format", "json"]);
+    assert_eq!(report["end"], "stopped");
+    let out = kt830(&["run", &path]);
+    assert!(String::from_utf8_lossy(&out.stderr).contains("does not end"));
+}
+
+#[test]
 fn t3_a_run_that_ends_in_an_alarm_ends_with_1_and_names_its_place() {
     let (_folder, path) = file("O2002.NC", b"#100=1\nG00 X-90\nG01 X[1/0] F10\nM30\n");
     let out = kt830(&["run", &path, "--format", "json"]);

@@ -455,9 +455,9 @@ fn b6_brightness_and_switches_are_kept_and_switches_ask_for_the_users_password()
     for _ in 0..9 {
         bench.touch("- brightness-down");
     }
-    assert!(bench.shows("亮度 40 %"), "no darker than can be read");
+    assert!(bench.shows("亮度 70 %"), "no darker than can be read");
     bench.touch("+ brightness-up");
-    assert_eq!(Settings::read(folder.path()).unwrap().brightness, Some(50));
+    assert_eq!(Settings::read(folder.path()).unwrap().brightness, Some(80));
     bench.touch("M30 计件 switch-count");
     assert!(bench.asks_password() && bench.param("P6.4").to_bits() == 0.0_f64.to_bits());
     bench.write("123456");

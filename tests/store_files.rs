@@ -281,6 +281,20 @@ fn without_notices_the_folders_are_listed_now_and_then() {
 }
 
 #[test]
+fn k7_3_folders_beside_the_program_are_watched_by_their_short_names() {
+    // `./screens` is what a control started in its folder is given; the system tells whole paths.
+    let folder = tempfile::tempdir_in(".").unwrap();
+    let short = std::path::Path::new(folder.path().file_name().unwrap());
+    let (programs, screens) = (short.join("programs"), short.join("screens"));
+    fs::create_dir(&programs).unwrap();
+    fs::create_dir(&screens).unwrap();
+    let mut watch = Watch::start(&programs, &screens);
+    assert_eq!(watch.polling_because(), None);
+    fs::write(screens.join("C0001.TXT"), "x;").unwrap();
+    assert_eq!(watch.recv_timeout(Instant::now(), Duration::from_secs(10)), Some(Changed::Screens));
+}
+
+#[test]
 fn a_watched_folder_that_is_removed_is_polled_from_then_on() {
     let folder = tempfile::tempdir().unwrap();
     let directory = DataDir::resolve(Some(folder.path())).unwrap();

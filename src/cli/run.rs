@@ -23,6 +23,10 @@ const START_TICKS: u32 = 5;
 
 /// Longest simulated time of a headless run: a working day.
 const LONGEST: Micros = Micros::from_millis(8 * 3_600_000);
+/// Blocks without a move after which a run is a loop that does not end.
+const MOST_STILL: u64 = 1_000_000;
+/// Time without a move after which a run is one: longer than the longest dwell, 9 999.99 s (L2).
+const LONGEST_STILL: Micros = Micros::from_millis(10_000_000);
 /// Ticks after the end until the axes have settled to the last micrometre: ten lags of 20 ms.
 const SETTLE_TICKS: u32 = 200;
 
@@ -74,9 +78,13 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
 /// Cycle start, and on to the end of the program, an alarm, or where somebody would be needed.
 fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<&'static str, CallError> {
     let started = rig.now();
+    let mut moved = (started, rig.controller().blocks());
     rig.send(Command::Press(Key::CycleStart));
     loop {
         rig.step();
+        if !rig.controller().is_at_rest() {
+            moved = (rig.now(), rig.controller().blocks());
+        }
         if let Some(trace) = &mut trace {
             trace.line(rig)?;
         }
@@ -89,9 +97,18 @@ fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<
             // Nobody stands beside a headless run to give the input.
             RunState::Waiting => return Ok("stopped"),
             RunState::Running if rig.now().since(started) > LONGEST => return Ok("stopped"),
+            RunState::Running if is_still(rig, moved) => {
+                eprintln!("kt830: stopped: nothing has moved for so long that the program does not end");
+                return Ok("stopped");
+            }
             RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
         }
     }
+}
+
+/// Whether nothing has moved since a moment and a block for longer than any program means.
+fn is_still(rig: &Rig, (since, block): (Micros, u64)) -> bool {
+    rig.now().since(since) > LONGEST_STILL || rig.controller().blocks() - block > MOST_STILL
 }
 
 /// A run that stopped by itself says why, on standard error.

@@ -306,6 +306,8 @@ impl Controller {
                     other => self.refuse(other.said()),
                 }
             }
+            // It is an answer to no work: what is under way goes on.
+            FileAnswer::Unread(refusal) => return self.refuse(refusal.said()),
             FileAnswer::Media(_) | FileAnswer::Looked(_) | FileAnswer::Page(_) => {}
             FileAnswer::Progress(..) | FileAnswer::Bytes(..) => {}
         }
@@ -349,7 +351,7 @@ impl Controller {
                 view.page = Some(Arc::clone(page));
                 return;
             }
-            FileAnswer::Restored(_) | FileAnswer::Screw(..) | FileAnswer::Printed(_) => return,
+            FileAnswer::Restored(_) | FileAnswer::Screw(..) | FileAnswer::Printed(_) | FileAnswer::Unread(_) => return,
             FileAnswer::Drawn(drawing) => (view.refused, view.drawing) = (None, Some(Arc::clone(drawing))),
             FileAnswer::Done(said) => (view.refused, view.done) = (None, said.clone()),
             FileAnswer::Saved { said, number, stamp } => {

@@ -54,8 +54,8 @@ pages! {
     Position = "position", "位置", "position",
         "轴在哪里：相对、综合、机床坐标，余移动量，生效的代码和程序段。",
         "Where the axes stand: relative, all, machine; what is left to go, codes in force, the running block.",
-        "手动方式下按地址键 X、Y、Z，再按输入：把该轴当前位置设为修整点（须已回零）。",
-        "In JOG press X, Y or Z, then INPUT: the place becomes the axis' dressing point (homed axes only).";
+        "相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。",
+        "On RELATIVE, in JOG, press X, Y or Z, then INPUT: the place becomes the axis' dressing point (homed axes only).";
     Grinding = "grinding", "磨削", "grinding",
         "O1001–O1020 的磨削参数：左栏、右栏最多各十项，右边是图；键入的值下一次运行生效。",
         "The values of O1001 to O1020, up to ten in each column beside the picture; the next run grinds to what is typed.",
@@ -112,8 +112,8 @@ pages! {
         "换上后在第一次修整之前只能运行修整程序。",
         "After it only dressing programs start until the wheel has been dressed.";
     Params = "params", "参数", "parameters",
-        "全部参数：位和数值，带名称、单位、范围、出厂值和级别。",
-        "All parameters, bits and numbers, with name, unit, range, factory value and level.",
+        "全部参数：位和数值，带名称、单位、范围、出厂值和级别；丝杠误差表。",
+        "All parameters, bits and numbers, with name, unit, range, factory value and level; error tables of the screws.",
         "查找号码或名称。改用户参数、机床参数要密码；程序运行中不能改。",
         "Search by number or name. User and machine parameters ask a password; none is changed while a program runs.";
     Diagnosis = "diagnosis", "诊断", "diagnosis",
@@ -127,8 +127,8 @@ pages! {
         "拖动和双指缩放；全图键恢复。",
         "Drag and pinch; the key for the whole brings it back.";
     Transfer = "transfer", "U盘/通信", "USB transfer",
-        "U 盘与控制器之间拷贝程序、页面文件、参数、变量、全部备份。",
-        "Copies programs, page files, parameters, values, a full backup to and from a USB stick.",
+        "U 盘与控制器之间拷贝程序、页面文件、参数、变量、全部备份；RS232 收发程序。",
+        "Copies programs, page files, parameters, values, a full backup to and from a USB stick; programs over RS232.",
         "选类别和方向，选文件，开始。同名文件会询问；不合格式的图片可以转换为 200×400、24 位。",
         "Choose what and which way, choose files, start. It asks before files are replaced; pictures of another form can be converted.";
     Process = "process", "过程", "process",
@@ -137,13 +137,13 @@ pages! {
         "拖动、双指缩放曲线；存为 CSV 供电脑分析；清除从头开始。",
         "Drag and pinch the curves; SAVE CSV for a computer; CLEAR begins anew.";
     Alarm = "alarm", "报警", "alarms",
-        "当前报警的原因和处理，以及开机以来的历史。",
-        "The alarms present with cause and remedy, and those since power-on.",
+        "当前报警的原因和处理，以及最近 1000 条历史，断电保留。",
+        "The alarms present with cause and remedy, and the last 1000, kept over power-off.",
         "排除原因后按复位；会自动消失的不用复位。",
         "Remove the cause, then RESET; some go by themselves.";
     Settings = "settings", "设置", "settings",
-        "语言、亮暗、时钟、密码、机型。",
-        "Language, colours, clock, passwords, kind of machine.",
+        "日期时间、语言、颜色、亮度、开关、密码、机型。",
+        "Date and time, language, colours, brightness, switches, passwords, kind of machine.",
         "密码每级一个；机型下次开机生效。",
         "A password a level; the kind takes effect at the next power-on.";
     Simulator = "simulator", "模拟", "simulator",

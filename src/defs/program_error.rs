@@ -171,8 +171,8 @@ program_errors! {
     UnknownH = 43, "unknown-h", "G65 没有 {}", "G65 has no {}",
         "可用 H01–H05 H11–H13 H21–H27 H31–H34 H80–H86 H99", "use H01–H05, H11–H13, H21–H27, H31–H34, H80–H86, H99";
     /// A loop of the check that does not end.
-    Endless = 44, "endless", "检查时循环没有结束", "the check gave up in a loop that does not end",
-        "请确认循环条件在运行时会改变", "make sure that the condition changes in the run";
+    Endless = 44, "endless", "检查没有走完这个循环：它不结束，或重复太多", "the check left this loop: it does not end, or repeats too often",
+        "请确认它会结束；后面的程序没有按实际运行检查", "make sure that it ends; what comes behind it was not checked as it will run";
     /// Null used in arithmetic.
     NullUsed = 45, "null-used", "空变量 {} 按 0 计算", "empty variable {} is taken as 0",
         "请先给变量赋值", "give it a value first";

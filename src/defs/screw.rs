@@ -99,7 +99,13 @@ impl ScrewTable {
     /// The text of the table.
     #[must_use]
     pub fn text(&self) -> String {
-        let row = |point: &Point| format!("{},{},{}\n", point.at_mm, point.backlash_mm, point.pitch_mm);
+        // A nanometre is far below what a screw is measured to; a hundred points stay below what the store takes.
+        let nanometres = |mm: f64| (mm * 1e6).round() / 1e6;
+        let values = |point: &Point| [point.at_mm, point.backlash_mm, point.pitch_mm].map(nanometres);
+        let row = |point: &Point| {
+            let [at, backlash, pitch] = values(point);
+            format!("{at},{backlash},{pitch}\n")
+        };
         self.points.iter().map(row).collect()
     }
 
@@ -170,6 +176,20 @@ mod tests {
         assert!(close(table.backlash_mm(0.0), 0.01) && close(table.pitch_mm(50.0), 0.002));
         assert!(close(ScrewTable::default().backlash_mm(5.0), 0.0));
         assert_eq!(ScrewTable::parse(&table.text()), Ok(table));
+    }
+
+    #[test]
+    fn b7_the_text_of_the_longest_table_stays_below_what_the_store_takes() {
+        // Thirds have as many digits as a number can; 4096 bytes is the store's longest text.
+        let row = |at: usize| format!("{},{},{}\n", at as f64 * 10.0 / 3.0 - 1500.0, 0.01 / 3.0, -0.01 / 3.0);
+        let text: String = (0..MOST_POINTS).map(row).collect();
+        assert!(text.len() > 4096);
+        let table = ScrewTable::parse(&text).unwrap();
+        assert_eq!(table.points().len(), MOST_POINTS);
+        assert!(table.text().len() <= 4096, "{}", table.text().len());
+        let kept = ScrewTable::parse(&table.text()).unwrap();
+        let apart = |a: &Point, b: &Point| (a.at_mm - b.at_mm).abs().max((a.pitch_mm - b.pitch_mm).abs());
+        assert!(kept.points().iter().zip(table.points()).all(|(a, b)| apart(a, b) < 1e-6));
     }
 
     #[test]

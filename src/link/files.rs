@@ -213,6 +213,8 @@ pub enum FileAnswer {
     Media(MediaView),
     /// A page text that was asked for.
     Page(Arc<PageFile>),
+    /// Why that page text cannot be read.
+    Unread(Refusal),
     /// Where a picture of the screen is, or why it is not kept.
     Printed(Result<Said, Refusal>),
     /// Values of a file: the core takes them.

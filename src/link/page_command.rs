@@ -86,7 +86,7 @@ impl fmt::Debug for Secret {
 pub const PASSWORD_LENGTH: std::ops::RangeInclusive<usize> = 4..=16;
 
 /// How far the picture can be dimmed, percent: the darkest can still be read.
-pub const BRIGHTNESS: std::ops::RangeInclusive<u8> = 40..=100;
+pub const BRIGHTNESS: std::ops::RangeInclusive<u8> = 70..=100;
 /// A step of it.
 pub const BRIGHTNESS_STEP: u8 = 10;
 

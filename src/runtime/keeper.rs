@@ -37,7 +37,12 @@ pub struct Found {
 pub struct Keeper {
     store: store::Retained,
     vault: Vault,
+    /// What the disk has refused so far; it goes before the next change.
+    owed: Vec<store::Change>,
 }
+
+/// Most changes that wait for a disk that refuses; the oldest go first.
+const MOST_OWED: usize = 100_000;
 
 impl Keeper {
     /// Opens the data of a directory.
@@ -50,7 +55,7 @@ impl Keeper {
         let damaged = opened.damaged.map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
         let (retained, dropped) = restore(kind, &loaded);
         let vault = Vault::new(&loaded, folder.to_path_buf());
-        Ok((Self { store: opened.retained, vault }, Found { retained, damaged, dropped }))
+        Ok((Self { store: opened.retained, vault, owed: Vec::new() }, Found { retained, damaged, dropped }))
     }
 
     /// Answers what a page asks.
@@ -58,13 +63,25 @@ impl Keeper {
         self.vault.answer(wish, Some(&mut self.store))
     }
 
-    /// Keeps what the core wishes; when it returns, it outlives a power cut.
+    /// Keeps what the core wishes; when it returns, it outlives a power cut. What a disk refuses is tried again with the
+    /// next wish.
     ///
     /// # Errors
     /// The disk refuses.
     pub fn commit(&mut self, effects: &[Effect]) -> Result<u64, store::RetainedError> {
-        let changes: Vec<store::Change> = effects.iter().filter_map(change).collect();
-        self.store.commit(&changes).map(|generation| generation.0)
+        self.owed.extend(effects.iter().filter_map(change));
+        let mut done = self.store.commit(&self.owed);
+        if let Err(store::RetainedError::BadChange { .. }) = done {
+            // One that cannot be kept does not take the others with it; it is told.
+            self.owed.retain(store::Retained::takes);
+            self.store.commit(&self.owed)?;
+            self.owed.clear();
+        }
+        match &mut done {
+            Ok(_) => self.owed.clear(),
+            Err(_) => drop(self.owed.drain(..self.owed.len().saturating_sub(MOST_OWED))),
+        }
+        done.map(|generation| generation.0)
     }
 }
 

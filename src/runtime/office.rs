@@ -132,7 +132,7 @@ impl Office {
             }
             FileRequest::ReadPage { page, program } => {
                 let read = self.page_desk().read(*page, *program, job);
-                tell(read.map_or_else(FileAnswer::Refused, |read| FileAnswer::Page(Arc::new(read))));
+                tell(read.map_or_else(FileAnswer::Unread, |read| FileAnswer::Page(Arc::new(read))));
                 return Changed::default();
             }
             FileRequest::SavePage { page, text, base, force } => {

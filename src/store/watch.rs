@@ -54,7 +54,9 @@ impl Watch {
     /// Watches two existing folders. Never fails: without notices from the system it polls.
     #[must_use]
     pub fn start(programs: &Path, screens: &Path) -> Self {
-        let folders = [programs.to_path_buf(), screens.to_path_buf()];
+        // The system tells whole paths, whatever it was asked with.
+        let whole = |folder: &Path| std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+        let folders = [programs, screens].map(whole);
         let sight = notices(&folders).unwrap_or_else(|wrong| polling(&folders, wrong.to_string()));
         Self { folders, sight }
     }

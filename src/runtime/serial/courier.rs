@@ -74,8 +74,9 @@ impl Courier<'_> {
         }
         let clashes = |sheet: &Sheet| match self.shelf.read(&sheet.name) {
             Ok(old) => stamp(&old.bytes) != stamp(&sheet.text),
-            // What cannot be read is told when it is written.
-            Err(_) => false,
+            Err(FolderError::Missing { .. }) => false,
+            // What cannot be read is there all the same.
+            Err(_) => true,
         };
         let clashing: Vec<String> =
             sheets.iter().filter(|sheet| clashes(sheet)).map(|sheet| sheet.name.clone()).collect();

@@ -224,6 +224,12 @@ impl Retained {
         self.with(|database| tables::apply(database, changes))
     }
 
+    /// Whether a change is of the form that can be kept.
+    #[must_use]
+    pub fn takes(change: &Change) -> bool {
+        tables::check(change).is_ok()
+    }
+
     /// All retained data.
     ///
     /// # Errors

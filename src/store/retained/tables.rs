@@ -75,11 +75,22 @@ pub(super) fn check(change: &Change) -> Result<(), RetainedError> {
         }
         Change::Text { key, value } => (keyed(key), value.as_ref().is_none_or(|text| text.len() <= TEXT_LIMIT)),
     };
-    let what = || format!("{change:?}");
+    let what = || name(change);
     match (good_key, good_value) {
         (true, true) => Ok(()),
         (false, _) => Err(RetainedError::BadChange { what: what(), cause: "its number or name is out of range" }),
         (true, false) => Err(RetainedError::BadChange { what: what(), cause: "its value is not finite, or too long" }),
+    }
+}
+
+/// What a change changes, without its value: that may be long.
+fn name(change: &Change) -> String {
+    match change {
+        Change::Variable { number, .. } => format!("#{number}"),
+        Change::Param { key, .. } | Change::Number { key, .. } | Change::Text { key, .. } => key.clone(),
+        Change::Offset { number, .. } => format!("offset {number}"),
+        Change::Frame { index, .. } => format!("frame {index}"),
+        Change::Alarm(past) => format!("alarm record {}", past.slot()),
     }
 }
 

@@ -10,10 +10,10 @@ use std::sync::Arc;
 use egui::{Rect, TextureId, Ui, pos2, vec2};
 use ropey::Rope;
 
-use super::Typed;
 use super::program::document::Document;
 use super::program::listing;
 use super::scroll::Scroll;
+use super::{Typed, empty};
 use crate::defs::key::Mode;
 use crate::defs::screen::{self, Reading};
 use crate::defs::text::{Said, Text};
@@ -21,9 +21,9 @@ use crate::hmi::entry::Edit;
 use crate::hmi::letters::{self, Letter};
 use crate::hmi::login::Login;
 use crate::hmi::question::Question;
-use crate::hmi::theme;
 use crate::hmi::view::View;
 use crate::hmi::widget::{self, Look, Walk};
+use crate::hmi::{pictogram, theme};
 use crate::link::files::{FileRequest, Refusal};
 use crate::link::page_command::{Guard, PageCommand};
 use crate::link::page_file::{PageFile, PictureFrom};
@@ -72,6 +72,10 @@ enum About {
     Picture(PictureFrom, String),
 }
 
+/// Seconds after which a page file is asked for once more, and how often: a request can be lost, a file unreadable.
+const ASK_AGAIN: f64 = 0.5;
+const TRIES: u8 = 3;
+
 /// What the page keeps.
 #[derive(Debug, Default)]
 pub struct Designer {
@@ -91,6 +95,8 @@ pub struct Designer {
     board: bool,
     /// The file is to be asked for.
     stale: bool,
+    /// The page whose file was asked for last, when, and how often.
+    asked: (u32, f64, u8),
     awaited: Option<Awaited>,
     question: Option<(About, Question)>,
     told: Option<(Said, bool)>,
@@ -148,7 +154,22 @@ impl Designer {
             return out;
         }
         self.hear(view, login, &mut out);
-        self.follow(view, number, &mut out);
+        self.follow(view, (number, ui.input(|input| input.time)), &mut out);
+        if self.file.is_none() && !self.document.changed {
+            let remedy = view.say(
+                "原因见下面的提示行；检查 screens 目录中的文件。",
+                "See the line below; check the file in the folder screens.",
+            );
+            empty::show(
+                ui,
+                view,
+                rect,
+                pictogram::NO_PAGE,
+                view.say("页面文件还没有读出", "the page file is not read"),
+                remedy,
+            );
+            return out;
+        }
         if self.question.is_none() && !login.is_open() {
             self.take_typed(view, typed, &mut out);
         }
@@ -229,19 +250,22 @@ impl Designer {
     }
 
     /// The file is asked for when the page opens or shows another one; an unsaved text stays.
-    fn follow(&mut self, view: &View<'_>, number: u32, out: &mut Vec<Command>) {
+    fn follow(&mut self, view: &View<'_>, (number, now): (u32, f64), out: &mut Vec<Command>) {
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         if self.editing && (view.snapshot.mode != Mode::Edit || !idle) {
             (self.editing, self.board) = (false, false);
         }
         let other = self.document.number != number && !self.document.changed;
-        if self.stale || (other && self.file.as_ref().is_none_or(|file| file.number != number)) {
+        let (asked, since, tries) = self.asked;
+        let again = asked != number || (self.file.is_none() && now - since > ASK_AGAIN && tries < TRIES);
+        if self.stale || (other && again) {
+            self.asked = (number, now, if asked == number && !self.stale { tries + 1 } else { 1 });
             self.stale = false;
             let page = if self.document.changed { self.document.number } else { number };
             let program = if PAGED_PROGRAMS.contains(&page) { page } else { view.snapshot.program.number };
             out.push(Command::Page(PageCommand::File(FileRequest::ReadPage { page, program })));
             if other {
-                self.file = None;
+                (self.file, self.document) = (None, Document::default());
             }
         }
         let Some(file) = &view.snapshot.files.page else { return };

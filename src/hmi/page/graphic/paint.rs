@@ -337,7 +337,12 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
             painter.circle(centre, radius, fill, stroke);
         }
     } else {
-        let mut far = at;
+        let mut near = at;
+        if view.snapshot.kind == Kind::Vertical {
+            // X is where the wheel's centre is (S4).
+            near[index(body)] -= diameter / 2.0;
+        }
+        let mut far = near;
         far[index(spindle)] += width;
         if body == right || body == up {
             far[index(body)] += diameter;
@@ -347,6 +352,7 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
             far[index(across)] += diameter / 2.0;
         }
         let corner = scene.camera.place(rect, far[index(right)], far[index(up)]);
+        let here = scene.camera.place(rect, near[index(right)], near[index(up)]);
         let place = Rect::from_two_pos(here, corner).intersect(rect.expand(8.0));
         if place.is_positive() {
             painter.rect(place, 0.0, fill, stroke, egui::StrokeKind::Outside);
