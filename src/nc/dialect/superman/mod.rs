@@ -43,7 +43,7 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     let step = function(running, code)?;
     auxiliary::after_motion(running);
     if let Some(unused) = running.words.unused() {
-        return unknown_word(running, unused);
+        return unknown_word(running.text, unused);
     }
     match (flow, step) {
         (Some((m, _)), Some(_)) => {
@@ -59,9 +59,26 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
 /// Looks at the writing and the codes of a block that is not executed.
 pub(super) fn look(words: &Words, settings: &Settings, written: (&[u8], usize)) -> Outcome<()> {
     check_writing(words, settings, written)?;
-    g_code(words)?;
-    words.m().iter().try_for_each(|code| auxiliary::exists(*code))
+    let code = g_code(words)?;
+    words.m().iter().try_for_each(|code| auxiliary::exists(*code))?;
+    motion::one_word_each(words)?;
+    if let Some(word) = words.list().iter().find(|word| !LETTERS.contains(&word.letter)) {
+        return unknown_word(written.0, *word);
+    }
+    let Some(code) = code else { return Ok(()) };
+    let feed = |motion| words.look(b'F').map_or(Ok(()), |word| motion::feed_in_range(word, motion));
+    match code.number {
+        1 => feed(Motion::Feed),
+        2 => feed(Motion::ArcClockwise),
+        3 => feed(Motion::ArcCounterClockwise),
+        4 => words.look(b'F').map_or(Ok(()), motion::dwell_in_range),
+        92 => motion::whole_preset(words, code.at as usize),
+        _ => Ok(()),
+    }
 }
+
+/// The letters of words beside N, G and M.
+const LETTERS: &[u8] = b"XZUWIKRFLST";
 
 /// What holds for every block: its number of four digits first, plain numbers, each address once (L1).
 fn check_writing(words: &Words, settings: &Settings, (text, at): (&[u8], usize)) -> Outcome<()> {
@@ -221,9 +238,9 @@ fn out_of_range<T>(word: Word, range: &str) -> Outcome<T> {
 
 /// The word as written, up to the next letter or blank.
 #[cold]
-fn unknown_word<T>(running: &Running<'_, '_>, word: Word) -> Outcome<T> {
+fn unknown_word<T>(text: &[u8], word: Word) -> Outcome<T> {
     let at = word.at as usize;
-    let rest = running.text.get(at..).unwrap_or_default();
+    let rest = text.get(at..).unwrap_or_default();
     let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+');
     let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
     wrong1(at, E::UnknownWord, String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase())

@@ -6,7 +6,7 @@ use crate::nc::dialect::Running;
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::Motion;
 use crate::nc::op::{AxisSet, Feed, Op, Plane};
-use crate::nc::words::Word;
+use crate::nc::words::{Word, Words};
 use crate::units::{Axis, PerAxis};
 
 /// Ranges of F, mm/min on Z: G00, G01 and G23, G02 and G03.
@@ -30,19 +30,30 @@ pub(super) struct Target {
     pub incremental: AxisSet,
 }
 
+/// The absolute and the incremental word of X and of Z.
+const PAIRS: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
+
+/// X with U and Z with W say the same twice (L1).
+pub(super) fn one_word_each(words: &Words) -> Outcome<()> {
+    for (absolute, distance) in PAIRS {
+        if let (Some(first), Some(second)) = (words.look(absolute), words.look(distance)) {
+            let (first, second) = if first.at < second.at { (first, second) } else { (second, first) };
+            let [a, b] = [first, second].map(|word| char::from(word.letter).to_string());
+            return wrong2(second.at as usize, E::AbsoluteAndIncremental, a, b);
+        }
+    }
+    Ok(())
+}
+
 /// Where the axis words of the block lead.
 pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<Target> {
     let mut target = Target { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
-    for (axis, absolute, distance) in [(Axis::X, b'X', b'U'), (Axis::Z, b'Z', b'W')] {
+    one_word_each(running.words)?;
+    for (axis, (absolute, distance)) in [Axis::X, Axis::Z].into_iter().zip(PAIRS) {
         let (word, by) = match (running.words.take(absolute), running.words.take(distance)) {
             (None, None) => continue,
-            (Some(word), None) => (word, false),
+            (Some(word), _) => (word, false),
             (None, Some(word)) => (word, true),
-            (Some(first), Some(second)) => {
-                let (first, second) = if first.at < second.at { (first, second) } else { (second, first) };
-                let [a, b] = [first, second].map(|word| char::from(word.letter).to_string());
-                return wrong2(second.at as usize, E::AbsoluteAndIncremental, a, b);
-            }
         };
         let value = coordinate(axis, word)?;
         target.words.insert(axis);
@@ -70,13 +81,19 @@ const fn range(motion: Motion) -> (f64, f64) {
     }
 }
 
+/// A feed that a motion takes (L2).
+pub(super) fn feed_in_range(word: Word, motion: Motion) -> Outcome<()> {
+    let (low, high) = range(motion);
+    if (low..=high).contains(&word.value) {
+        return Ok(());
+    }
+    out_of_range(word, &format!("{low}–{high} mm/min"))
+}
+
 /// F of the block: checked against the range of the function in force; that of G00 holds for its block alone.
 pub(super) fn take_feed(running: &mut Running<'_, '_>) -> Outcome<Option<f64>> {
     let Some(word) = running.words.take(b'F') else { return Ok(None) };
-    let (low, high) = range(running.modals.motion);
-    if !(low..=high).contains(&word.value) {
-        return out_of_range(word, &format!("{low}–{high} mm/min"));
-    }
+    feed_in_range(word, running.modals.motion)?;
     if running.modals.motion != Motion::Rapid {
         running.modals.feed = Some(word.value);
     }
@@ -265,26 +282,36 @@ pub(super) fn rectangle(running: &mut Running<'_, '_>, place: usize) -> Outcome<
     Ok(())
 }
 
+/// A dwell that G04 takes (L2).
+pub(super) fn dwell_in_range(word: Word) -> Outcome<()> {
+    if (DWELLS.0..=DWELLS.1).contains(&word.value) {
+        return Ok(());
+    }
+    out_of_range(word, &format!("{}–{} s", DWELLS.0, DWELLS.1))
+}
+
 /// G04 F, seconds.
 pub(super) fn dwell(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
     let Some(word) = running.words.take(b'F') else { return wrong2(place, E::MissingWord, "G04", "F") };
-    if !(DWELLS.0..=DWELLS.1).contains(&word.value) {
-        return out_of_range(word, &format!("{}–{} s", DWELLS.0, DWELLS.1));
-    }
+    dwell_in_range(word)?;
     running.ops.push(Op::Dwell { s: word.value });
     Ok(())
 }
 
-/// G92: the present position is called X Z; nothing moves.
-pub(super) fn preset(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
-    if let Some(word) = [b'U', b'W'].into_iter().find_map(|letter| running.words.look(letter)) {
+/// G92 has X and Z, and neither U nor W (L3).
+pub(super) fn whole_preset(words: &Words, place: usize) -> Outcome<()> {
+    if let Some(word) = [b'U', b'W'].into_iter().find_map(|letter| words.look(letter)) {
         return wrong2(word.at as usize, E::PresetByDistance, "G92", "U W");
     }
-    for letter in [b'X', b'Z'] {
-        if running.words.look(letter).is_none() {
-            return wrong2(place, E::MissingWord, "G92", char::from(letter));
-        }
+    match [b'X', b'Z'].into_iter().find(|letter| words.look(*letter).is_none()) {
+        Some(letter) => wrong2(place, E::MissingWord, "G92", char::from(letter)),
+        None => Ok(()),
     }
+}
+
+/// G92: the present position is called X Z; nothing moves.
+pub(super) fn preset(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
+    whole_preset(running.words, place)?;
     let from = running.scope.position();
     let Target { to, .. } = target(running, from)?;
     rename(running, from, to);
