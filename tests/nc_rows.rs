@@ -48,6 +48,15 @@ fn b3_null_word_is_left_out() {
 }
 
 #[test]
+fn b2_blanks_and_comments_may_stand_behind_every_statement() {
+    let text = "N10 #100=0 (A)\nWHILE[#100 LT 3]DO1 (B)\n#100=#100+1 (C)\nEND1 (D)\nIF[#100 EQ 3]GOTO 40 (E)\nG0 X2\n\
+                N40 GOTO 50 \t \nG0 X4\nN50 IF[#100 EQ 3]THEN G0 X6 (F)\nGOTO 60 (G) ; G0 X8\nG0 X10\nN60 M30 (H)\n";
+    let rapids: Vec<_> = lines(text, Settings::lathe()).into_iter().filter(|line| line.starts_with("rapid")).collect();
+    assert_eq!(rapids, ["rapid x=3 y=0 z=0 [X]"]);
+    assert!(refused("GOTO 40 X1\nN40 M30").contains('X'), "a word is no comment");
+}
+
+#[test]
 fn b3_null_reads_as_zero_in_arithmetic_and_the_check_warns() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
     let source = Arc::new(Source::new(1001, "", "#100=#110-#162\nM30\n".as_bytes().to_vec()));

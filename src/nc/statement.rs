@@ -246,6 +246,11 @@ fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
             cursor.rest_of_line();
             Ok(())
         }
+        // Behind GOTO 40, DO1 and END1.
+        b' ' | b'\t' | b'(' => {
+            cursor.blank()?;
+            tail(cursor)
+        }
         _ => cursor.unexpected(),
     }
 }
@@ -257,7 +262,8 @@ fn is_block(mut cursor: Cursor<'_>) -> bool {
     let mut words = Words::default();
     while cursor.take(b';') || cursor.take(b' ') {}
     let read = cursor.blank().and_then(|()| body(&mut cursor, &mut Blank, &mut words, 0));
-    let complete = matches!(cursor.peek(), b'\r' | b'\n' | b';') && words.bare.is_none();
+    let closed = cursor.blank().is_ok() && matches!(cursor.peek(), b'\r' | b'\n' | b';');
+    let complete = closed && words.bare.is_none();
     complete && matches!(read, Ok(content) if content != Content::Nothing)
 }
 
