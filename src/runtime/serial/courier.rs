@@ -74,7 +74,8 @@ impl Courier<'_> {
         }
         let clashes = |sheet: &Sheet| match self.shelf.read(&sheet.name) {
             Ok(old) => stamp(&old.bytes) != stamp(&sheet.text),
-            Err(FolderError::Missing { .. }) => false,
+            // A folder or a link is never written over: that is told when it is tried.
+            Err(FolderError::Missing { .. } | FolderError::NotPlain { .. }) => false,
             // What cannot be read is there all the same.
             Err(_) => true,
         };
