@@ -319,7 +319,7 @@ fn s5_the_printed_program_is_stopped_by_the_check_at_n340_and_not_run() {
 fn s5_the_check_of_the_printed_program_names_the_loop_that_does_not_end() {
     let file = "programs/802d/as-printed/PRINTED.MPF";
     for (lang, loops, up_to) in [
-        ("zh", ":57:1: warning: 检查没有走完这个循环：它不结束", "74 行  检查没有走到程序结束；到该循环开始重复为止 "),
+        ("zh", ":57:1: 警告：检查没有走完这个循环：它不结束", "74 行  检查没有走到程序结束；到该循环开始重复为止 "),
         (
             "en",
             ":57:1: warning: the check left this loop: it does not end",

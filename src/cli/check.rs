@@ -10,12 +10,15 @@ use super::args::{Check, Format, Run, Shared};
 use super::rehearse::{Passed, Rehearsal};
 use super::{CallError, FINE, WRONG_CALL, bench, out};
 use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings, references};
-use crate::defs::text::Said;
+use crate::defs::text::{Said, Text};
 use crate::defs::{param, r_parameter};
 use crate::io::sim::PartFile;
 use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, Source, World, check_with};
 use crate::runtime::disk::{beside, parse_page_text, parse_picture, program};
 use crate::units::{Axis, PerAxis};
+
+/// Before what is allowed and seldom meant.
+const WARNING: Text = Text::new("警告：", "warning: ");
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,7 +101,7 @@ fn tell_file(shared: &Shared, path: &Path, done: Result<(), Vec<Wrong>>) -> bool
     let file = path.display().to_string();
     match shared.format {
         Format::Json => out(json!({"file": file, "errors": errors(&wrong)})),
-        Format::Text => tell_errors(&file, &wrong),
+        Format::Text => tell_errors(shared, &file, &wrong, true),
     }
     !wrong.is_empty()
 }
@@ -107,15 +110,19 @@ fn errors(wrong: &[Wrong]) -> Value {
     wrong.iter().map(|at| json!({"line": at.line, "column": at.column, "message": at.message})).collect()
 }
 
-fn tell_errors(file: &str, wrong: &[Wrong]) {
+/// Every error, or that there is none; `whole`: everything was looked at.
+fn tell_errors(shared: &Shared, file: &str, wrong: &[Wrong], whole: bool) {
+    const NOT_WHOLE: Text = Text::new("未发现错误，但没有检查到结束", "no error found, but not checked to its end");
     for at in wrong {
         out(match at.line {
             0 => format!("{file}: {}", at.message),
             line => format!("{file}:{line}:{}: {}", at.column, at.message),
         });
     }
-    if wrong.is_empty() {
-        out(format!("{file}: ok"));
+    match (wrong.is_empty(), whole) {
+        (true, true) => out(format!("{file}: ok")),
+        (true, false) => out(format!("{file}: {}", NOT_WHOLE.get(shared.lang))),
+        (false, _) => {}
     }
 }
 
@@ -149,13 +156,20 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
         let width_mm = retained.params.get(param::WHEEL_WIDTH);
         Rehearsal::new(finished, width_mm, settings.system, (world.position(), memory.clone()))
     });
+    // A loop that does not end here is shown once, up to where it repeats: only a run before tells where that is.
+    let repeated = match call.ops {
+        true => check_with(&source, &library, &settings, memory.clone(), &mut world.clone(), &mut |_| {}).repeated,
+        false => Vec::new(),
+    };
+    let mut shown = 0;
     let checked = check_with(&source, &library, &settings, memory, &mut world, &mut |block| {
         if let Some(rehearsal) = &mut rehearsal {
             rehearsal.see(block);
         }
-        if call.ops {
+        if call.ops && !repeated.iter().any(|repeated| repeated.contains(&shown)) {
             block.ops.iter().for_each(&mut show);
         }
+        shown += 1;
     });
     let passed = rehearsal.and_then(Rehearsal::passed).map(|passed| wrong_move(shared, &source, &library, &passed));
     tell_program(shared, call, path, (&checked, passed.as_ref()), &settings);
@@ -243,9 +257,10 @@ fn tell_program(
         }
         Format::Text => {
             for at in &warnings {
-                eprintln!("{file}:{}:{}: warning: {}", at.line, at.column, at.message);
+                let warning = WARNING.get(shared.lang);
+                eprintln!("{file}:{}:{}: {warning}{}", at.line, at.column, at.message);
             }
-            tell_errors(&file, &wrong);
+            tell_errors(shared, &file, &wrong, checked.finished);
             let ranges: Vec<_> = extents.iter().map(|(axis, low, high)| format!("{axis} {low:.3}…{high:.3}")).collect();
             out(format!("{}  {}", summary(checked).get(shared.lang), ranges.join("  ")));
         }

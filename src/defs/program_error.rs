@@ -212,6 +212,9 @@ program_errors! {
     /// A label that lies on the other side of the jump.
     LabelElsewhere = 92, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} does not lie that way",
         "GOTOF 只朝程序结束方向找，GOTOB 只朝程序开头方向找；请改用 {2}", "GOTOF looks onwards only, GOTOB back only: use {2}";
+    /// A label that stands before several blocks (S1).
+    SeveralLabels = 57, "several-labels", "标号 {} 不唯一", "there are several blocks {}",
+        "同一程序中每个标号只能出现一次", "write each label once in a program";
     /// A quote without its partner.
     UnbalancedQuote = 93, "unbalanced-quote", "引号不匹配", "the quotes do not match",
         "MSG(\"文字\")：同一行内成对使用同一种引号", "MSG(\"text\"): a pair of the same quotes on one line";

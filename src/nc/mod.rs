@@ -26,11 +26,12 @@ mod scope;
 pub mod settings;
 pub mod source;
 mod statement;
+mod unread;
 pub mod uses;
 mod words;
 pub mod world;
 
-pub use check::{Checked, check, check_until, check_with, look};
+pub use check::{Checked, Checking, check, check_until, check_with, look};
 pub use fault::{Fault, Place};
 pub use follow::ADVANCE_PER_CALL;
 pub use frames::Frames;

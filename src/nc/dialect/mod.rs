@@ -18,6 +18,7 @@ use super::modal::Modals;
 use super::op::Op;
 use super::scope::LiveScope;
 use super::settings::{Settings, System};
+use super::source::Source;
 use super::statement::{self, Content, Head};
 use super::words::Words;
 
@@ -94,13 +95,21 @@ pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     }
 }
 
-/// Looks at a block of words that is not executed – the program's text and where the block begins in it – whether it is
-/// written as it must be and its codes exist.
-pub(crate) fn look(words: &Words, settings: &Settings, written: (&[u8], usize)) -> Outcome<()> {
+/// A block that is not executed: its program, its first byte there, its line from 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unread<'r> {
+    pub source: &'r Source,
+    pub at: usize,
+    pub line: u32,
+}
+
+/// Looks at a block of words that is not executed, whether it is written as it must be, its codes exist, and what it
+/// names is there.
+pub(crate) fn look(words: &Words, settings: &Settings, unread: &Unread<'_>) -> Outcome<()> {
     match settings.system {
         System::LatheA | System::Mill => grinder::look(words, settings),
         System::Sinumerik => sinumerik::look(words),
-        System::SuperMan => superman::look(words, settings, written),
+        System::SuperMan => superman::look(words, settings, unread),
     }
 }
 

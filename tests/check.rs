@@ -1,0 +1,105 @@
+//! The check of a program as the user calls it: loops that do not end, what the run does not reach, verdict and exit
+//! status (rows T4, L1, L4, L7, S1).
+
+#![allow(clippy::unwrap_used, reason = "a test driver: a failure is the message")]
+
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Checks a text as a file of that name.
+fn check(kind: &str, name: &str, text: &str, words: &[&str]) -> Output {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    Command::new(env!("CARGO_BIN_EXE_kt830"))
+        .args(["check", "--kind", kind, name])
+        .args(words)
+        .current_dir(folder.path())
+        .env("XDG_DATA_HOME", folder.path())
+        .env("HOME", folder.path())
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap()
+}
+
+fn said(out: &Output) -> String {
+    String::from_utf8_lossy(&out.stdout).into_owned()
+}
+
+fn warned(out: &Output) -> String {
+    String::from_utf8_lossy(&out.stderr).into_owned()
+}
+
+fn json(kind: &str, name: &str, text: &str) -> Value {
+    serde_json::from_slice(&check(kind, name, text, &["--format", "json"]).stdout).unwrap()
+}
+
+#[test]
+fn l7_targets_of_blocks_that_the_run_does_not_reach_are_looked_for() {
+    let text = "N0010M97L0100\nN0020M97L0990\nN0030M98L0990\nN0040M97L0040\nN0050M97L0060\nN0060G04F1\nN0060G04F1\n\
+                N0070M98\nN0080G22L2\nN0100M02\n";
+    let out = check("lathe", "A.NC", text, &["--lang", "en"]);
+    assert_eq!(out.status.code(), Some(2));
+    for line in [
+        "A.NC:2:9: there is no block N0990",
+        "A.NC:3:9: there is no block N0990",
+        "A.NC:4:9: N0040 jumps to itself",
+        "A.NC:5:9: there are several blocks N0060",
+        "A.NC:8:6: M98 needs L",
+        "A.NC:9:6: G22 has no G80",
+    ] {
+        assert!(said(&out).contains(line), "{line}: {}", said(&out));
+    }
+    assert_eq!(said(&out).lines().count(), 7, "{}", said(&out));
+}
+
+/// 2000 · 2000 passes are more than the check follows: what stands behind them is checked, and the verdict does not
+/// say that all is well.
+#[test]
+fn l4_a_loop_with_too_many_passes_is_left_and_the_verdict_says_so() {
+    let text =
+        "N0010G22L2000\nN0020G22L2000\nN0030G01U-1W1F300\nN0040U1W-1\nN0050G80\nN0060G80\nN0070G01W-5F300\nN0080M02\n";
+    let out = check("lathe", "LONG.NC", text, &["--lang", "en"]);
+    assert!(!said(&out).contains(": ok"), "{}", said(&out));
+    assert!(said(&out).starts_with("LONG.NC: no error found, but not checked to its end\n"), "{}", said(&out));
+    assert!(warned(&out).contains("LONG.NC:5:1: warning: the check left this loop"), "{}", warned(&out));
+    let zh = check("lathe", "LONG.NC", text, &["--lang", "zh"]);
+    assert!(said(&zh).starts_with("LONG.NC: 未发现错误，但没有检查到结束\n"), "{}", said(&zh));
+    assert!(warned(&zh).contains("LONG.NC:5:1: 警告：检查没有走完"), "{}", warned(&zh));
+    let told = json("lathe", "LONG.NC", text);
+    assert_eq!(told["finished"], false);
+    // One pass of 1 mm of diameter and 1 mm to and fro, then 5 mm.
+    assert_eq!(told["extents"]["X"], serde_json::json!([-1.0, 0.0]));
+    assert_eq!(told["extents"]["Z"], serde_json::json!([-5.0, 1.0]));
+    // An error behind the loop is found.
+    let out = check("lathe", "LONG.NC", &text.replace("W-5F300", "W-5F3"), &["--lang", "en"]);
+    assert!(said(&out).contains("LONG.NC:7:12: F3 is out of range 6–2000 mm/min"), "{}", said(&out));
+}
+
+#[test]
+fn l7_an_endless_program_is_measured_and_listed_once() {
+    let text = "N0010G01U-2F600\nN0020W-5\nN0030M97L0010\nN0040M02\n";
+    let told = json("lathe", "A.NC", text);
+    assert_eq!((&told["finished"], &told["errors"]), (&false.into(), &serde_json::json!([])));
+    assert_eq!(told["extents"], serde_json::json!({"X": [-2.0, 0.0], "Z": [-5.0, 0.0]}));
+    // 1 mm of slide at half of 600 mm/min, 5 mm at 600.
+    assert!((told["length"].as_f64().unwrap() - 6.0).abs() < 1e-9, "{told}");
+    assert!((told["seconds"].as_f64().unwrap() - 0.7).abs() < 1e-9, "{told}");
+    let out = check("lathe", "A.NC", text, &["--ops", "--lang", "en"]);
+    assert_eq!(said(&out).lines().filter(|line| line.starts_with("feed ")).count(), 2, "{}", said(&out));
+}
+
+#[test]
+fn s1_a_value_that_grows_in_an_endless_loop_is_no_error_of_its_line() {
+    let text = "N10 G90 G94 F600\nN20 R1=0\nAA1:R1=R1+10\nN40 G1 X=R1\nN50 GOTOB AA1\nN60 M2\n";
+    let told = json("vertical", "A.MPF", text);
+    assert_eq!((&told["finished"], &told["errors"]), (&false.into(), &serde_json::json!([])), "{told}");
+    assert_eq!(told["extents"]["X"], serde_json::json!([0.0, 10.0]));
+    let out = check("vertical", "A.MPF", text, &["--ops", "--lang", "en"]);
+    assert_eq!(said(&out).lines().filter(|line| line.starts_with("feed ")).count(), 1, "{}", said(&out));
+    // The same value as it is written is one.
+    let told = json("vertical", "A.MPF", &text.replace("R1=R1+10", "R1=100000"));
+    assert_eq!(told["errors"][0]["line"], 4, "{told}");
+}
