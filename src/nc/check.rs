@@ -9,7 +9,7 @@ use super::interpreter::{Block, Interpreter};
 use super::memory::Memory;
 use super::settings::Settings;
 use super::source::{Library, Source};
-use super::unread::{self, Visited};
+use super::unread::Unread;
 use super::world::{CheckWorld, Come};
 use crate::defs::program_error::ProgramError as E;
 use crate::units::PerAxis;
@@ -85,9 +85,9 @@ pub fn check_until(
 pub fn look(source: &Arc<Source>, settings: &Settings) -> Vec<Fault> {
     const ELSEWHERE: [E; 6] =
         [E::MissingTarget, E::SeveralTargets, E::MissingLabel, E::SeveralLabels, E::LabelElsewhere, E::LoopUnpaired];
-    let mut visited = Visited::new(source.line_count());
-    let mut faults = unread::faults(source, settings, &mut visited, None);
-    faults.retain(|fault| !ELSEWHERE.contains(&fault.error));
+    let (mut unread, mut faults) = (Unread::new(source.line_count()), Vec::new());
+    while unread.advance((source, settings), None, u32::MAX, &mut |fault| faults.push(fault)) {}
+    faults.retain(|fault: &Fault| !ELSEWHERE.contains(&fault.error));
     faults
 }
 
@@ -114,16 +114,18 @@ pub struct Checking {
     interpreter: Interpreter,
     block: Block,
     found: Checked,
-    visited: Visited,
+    /// The lines that the run has not come to, once it is over.
+    unread: Unread,
+    over: bool,
     told: HashSet<(u32, u32, E)>,
-    /// The line (from 0) behind which nothing counts: its `%` ended the run.
-    text_end: Option<u32>,
     progress: Progress,
     /// Blocks without a new line, and how many make a loop that does not end here.
     standstill: u32,
     limit: u32,
     /// Loops that were left.
     left: u32,
+    /// How many may be.
+    leaves: u32,
     /// A word was left out somewhere: what is in force may differ from what it will be in the run.
     left_out: bool,
     /// Blocks that `sink` has seen.
@@ -150,22 +152,23 @@ impl Checking {
             interpreter,
             block: Block::new(settings),
             found: Checked::default(),
-            visited: Visited::new(source.line_count()),
+            unread: Unread::new(source.line_count()),
+            over: false,
             told: HashSet::new(),
-            text_end: None,
             progress: Progress { over: false, come, memory, shown: 0, faults: 0, line: 0, back: None },
             standstill: 0,
             limit: STANDSTILL_LIMIT,
             left: 0,
+            leaves: LEFT_LOOPS,
             left_out: false,
             shown: 0,
         }
     }
 
-    /// With so many blocks without a new line as the sign of a loop that does not end here.
+    /// With so many blocks without a new line as the sign of a loop that does not end here; nothing behind it is run.
     #[must_use]
     pub const fn with_limit(mut self, blocks: u32) -> Self {
-        self.limit = blocks;
+        (self.limit, self.leaves) = (blocks, 0);
         self
     }
 
@@ -187,8 +190,17 @@ impl Checking {
         found
     }
 
-    /// Goes on for at most so many blocks; `false` when it is over, or when `sink` had enough.
+    /// Goes on for at most so many blocks, or lines that the run has not come to; `false` when it is over, or when
+    /// `sink` had enough.
     pub fn advance(&mut self, world: &mut CheckWorld, sink: &mut dyn FnMut(&Block) -> bool, most: u32) -> bool {
+        if self.over {
+            let mut faults = Vec::new();
+            let library = Arc::clone(&self.interpreter.library);
+            let text = (&*self.source, &self.settings);
+            let more = self.unread.advance(text, Some(&*library), most, &mut |fault| faults.push(fault));
+            faults.into_iter().for_each(|fault| self.fault(fault));
+            return more;
+        }
         for _ in 0..most {
             if self.interpreter.has_ended() {
                 return self.end(true);
@@ -196,7 +208,7 @@ impl Checking {
             let main = self.look_at_line(world);
             if self.standstill > self.limit {
                 self.give_up(world);
-                if self.left > LEFT_LOOPS || !self.interpreter.leave_loop() {
+                if self.left > self.leaves || !self.interpreter.leave_loop() {
                     return self.end(false);
                 }
                 self.standstill = 0;
@@ -213,7 +225,7 @@ impl Checking {
                         }
                     }
                     if let (false, Some(line)) = (more, main) {
-                        self.text_end = Some(line);
+                        self.unread.text_end = Some(line);
                     }
                     if !more || self.interpreter.has_restarted() {
                         return self.end(true);
@@ -238,7 +250,7 @@ impl Checking {
     fn look_at_line(&mut self, world: &CheckWorld) -> Option<u32> {
         let (source, line) = self.interpreter.at_line();
         let main = Arc::ptr_eq(source, &self.source);
-        let new = main && self.visited.mark(line);
+        let new = main && self.unread.visited.mark(line);
         self.standstill = if new { 0 } else { self.standstill + 1 };
         if main {
             let progress = &mut self.progress;
@@ -284,23 +296,24 @@ impl Checking {
         self.left += 1;
     }
 
-    /// The run is over: lines that it did not come to are read for their writing.
-    fn end(&mut self, finished: bool) -> bool {
+    /// The run is over: lines that it did not come to are still to be read.
+    const fn end(&mut self, finished: bool) -> bool {
         self.found.finished = finished && self.left == 0;
-        for fault in unread::faults(&self.source, &self.settings, &mut self.visited, self.text_end) {
-            self.fault(fault);
-        }
-        false
+        self.over = true;
+        true
     }
 
     /// What variables without a value cause is no mistake of the text: the operator will have given them.
     fn judge(&mut self, fault: Fault) {
         let (null_here, left_out) = (self.interpreter.has_met_null(), self.left_out);
         let by_null = match fault.error {
-            E::MissingWord | E::ArcWithoutCentre | E::ArcEndOff | E::ArcRadius => null_here,
+            E::MissingWord | E::ArcWithoutCentre => null_here,
+            E::ArcEndOff | E::ArcRadius => null_here || self.left > 0,
             E::DivisionByZero => null_here && fault.detail().is_empty(),
             E::Domain | E::OutOfRange | E::BadVariable | E::SwitchVariable => null_here,
             E::FeedMissing => left_out,
+            // Where the run would stand behind a loop that was left is not known.
+            E::ArcTooSmall | E::FullCircleByRadius | E::RectangleSide => self.left > 0,
             _ => false,
         };
         if by_null { self.warn(fault) } else { self.fault(fault) }

@@ -76,7 +76,7 @@ pub enum Next {
 /// Reads a program, ahead of its execution.
 pub struct Interpreter {
     pub(super) flow: Flow,
-    library: Arc<dyn Library + Send + Sync>,
+    pub(super) library: Arc<dyn Library + Send + Sync>,
     pub(super) settings: Settings,
     pub(super) memory: Memory,
     pub(super) modals: Modals,

@@ -1,15 +1,14 @@
 //! Lines that a run does not come to: read for their writing, and for what can be said of them without a run.
 //! Source: spec B1, T4, L1, L4, L7.
 
-use std::sync::Arc;
-
-use super::dialect::{self, Unread};
+use super::dialect::{self, Unrun};
 use super::fault::{Fault, Outcome, Stop, fault_in, wrong, wrong1};
 use super::lexer::Cursor;
 use super::settings::Settings;
-use super::source::{Source, at_head};
+use super::source::{Library, Source, at_head};
 use super::statement::{self, Blank, Content, Head};
 use super::words::Words;
+use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 
 /// One bit a line.
@@ -31,36 +30,69 @@ impl Visited {
     }
 }
 
-/// The mistakes of all lines up to `text_end` (from 0) that are not marked yet; they are afterwards.
-pub(crate) fn faults(
-    source: &Arc<Source>,
-    settings: &Settings,
-    visited: &mut Visited,
-    mut text_end: Option<u32>,
-) -> Vec<Fault> {
-    let (mut words, mut found) = (Words::default(), Vec::new());
-    for line in 0..source.line_count() as u32 {
-        if text_end.is_some_and(|end| line > end) {
-            break;
-        }
-        if !visited.mark(line) {
-            continue;
-        }
-        match read_line(source, settings, line, &mut words) {
-            Ok(false) => {}
-            Ok(true) => text_end = Some(line),
-            Err(stop) => {
-                if let Stop::Wrong(wrong) = *stop {
-                    found.push(fault_in(source, words.n, wrong));
+/// Reads the lines of a program that are not marked yet, and marks them.
+pub(crate) struct Unread {
+    pub visited: Visited,
+    /// The line (from 0) behind which nothing counts: its `%` ends the text.
+    pub text_end: Option<u32>,
+    /// The programs that the lines call, and where.
+    pub calls: Vec<(u32, usize)>,
+    line: u32,
+    words: Words,
+}
+
+impl Unread {
+    pub fn new(lines: usize) -> Self {
+        Self { visited: Visited::new(lines), text_end: None, calls: Vec::new(), line: 0, words: Words::default() }
+    }
+
+    /// Reads at most so many lines and shows their mistakes; `false` when all are read. What a line calls is looked for
+    /// in `library`, if there is one.
+    pub fn advance(
+        &mut self,
+        (source, settings): (&Source, &Settings),
+        library: Option<&dyn Library>,
+        most: u32,
+        tell: &mut dyn FnMut(Fault),
+    ) -> bool {
+        for _ in 0..most {
+            let line = self.line;
+            if line as usize >= source.line_count() || self.text_end.is_some_and(|end| line > end) {
+                return false;
+            }
+            self.line += 1;
+            if !self.visited.mark(line) {
+                continue;
+            }
+            let calls = self.calls.len();
+            let read = read_line(source, settings, line, (&mut self.words, &mut self.calls)).and_then(|text_end| {
+                let missing = |(number, _): &&(u32, usize)| library.is_some_and(|found| found.find(*number).is_none());
+                match self.calls[calls..].iter().find(missing) {
+                    Some((number, at)) => wrong1(*at, E::MissingProgram, program::title(*number)),
+                    None => Ok(text_end),
+                }
+            });
+            match read {
+                Ok(false) => {}
+                Ok(true) => self.text_end = Some(line),
+                Err(stop) => {
+                    if let Stop::Wrong(wrong) = *stop {
+                        tell(fault_in(source, self.words.n, wrong));
+                    }
                 }
             }
         }
+        true
     }
-    found
 }
 
 /// Reads the blocks of a line; true where the text ends in it.
-fn read_line(source: &Source, settings: &Settings, line: u32, words: &mut Words) -> Outcome<bool> {
+fn read_line(
+    source: &Source,
+    settings: &Settings,
+    line: u32,
+    (words, calls): (&mut Words, &mut Vec<(u32, usize)>),
+) -> Outcome<bool> {
     let text = source.bytes();
     let mut cursor = Cursor::window(text, source.start(line));
     let mut head = Head { mid_line: false, block_skip: false };
@@ -72,7 +104,10 @@ fn read_line(source: &Source, settings: &Settings, line: u32, words: &mut Words)
             return wrong(at, E::BlockTooLong);
         }
         match content? {
-            Content::Words => dialect::look(words, settings, &Unread { source, at, line })?,
+            Content::Words => {
+                dialect::look(words, settings, &Unrun { source, at, line })?;
+                calls.extend(dialect::called(words, settings));
+            }
             Content::TextEnd { at } if !at_head(text, at) => text_end = true,
             Content::Goto { n, at } if n > 0 && source.find_block(n, line).is_none() => {
                 return wrong1(at, E::MissingTarget, format!("N{n}"));

@@ -97,7 +97,7 @@ pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
 
 /// A block that is not executed: its program, its first byte there, its line from 0.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Unread<'r> {
+pub(crate) struct Unrun<'r> {
     pub source: &'r Source,
     pub at: usize,
     pub line: u32,
@@ -105,11 +105,39 @@ pub(crate) struct Unread<'r> {
 
 /// Looks at a block of words that is not executed, whether it is written as it must be, its codes exist, and what it
 /// names is there.
-pub(crate) fn look(words: &Words, settings: &Settings, unread: &Unread<'_>) -> Outcome<()> {
+pub(crate) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Outcome<()> {
     match settings.system {
         System::LatheA | System::Mill => grinder::look(words, settings),
-        System::Sinumerik => sinumerik::look(words),
-        System::SuperMan => superman::look(words, settings, unread),
+        System::Sinumerik => sinumerik::look(words, block.source.bytes()),
+        System::SuperMan => superman::look(words, settings, block),
+    }
+}
+
+/// The program that a block calls, where its number is written and it is called at least once, and the byte of the call.
+pub(crate) fn called(words: &Words, settings: &Settings) -> Option<(u32, usize)> {
+    match settings.system {
+        System::Sinumerik => sinumerik::called(words),
+        System::LatheA | System::Mill | System::SuperMan => None,
+    }
+}
+
+/// How far a program can be proved before it starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Provable {
+    /// It has neither variables nor conditions: what it will do is known.
+    Whole,
+    /// Its text, and the texts that it calls; values come in the run.
+    Text,
+    /// Not at all: what a macro calculates and the machine answers decides.
+    No,
+}
+
+/// How far programs of a language can be proved.
+pub(crate) const fn provable(settings: &Settings) -> Provable {
+    match settings.system {
+        System::SuperMan => Provable::Whole,
+        System::Sinumerik => Provable::Text,
+        System::LatheA | System::Mill => Provable::No,
     }
 }
 

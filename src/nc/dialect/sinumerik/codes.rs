@@ -59,9 +59,22 @@ fn look_up(code: Code) -> Outcome<Group> {
     }
 }
 
+/// The group of a code; no other code of it may stand before in the block.
+fn by_itself(words: &Words, index: usize) -> Outcome<Group> {
+    let code = words.g()[index];
+    let group = look_up(code)?;
+    match words.g()[..index].iter().find(|before| self::group(before.number) == Some(group)) {
+        Some(before) => {
+            let [first, second] = [*before, code].map(|code| format!("G{}", code.number));
+            wrong2(code.at as usize, E::DoubleGroup, first, second)
+        }
+        None => Ok(group),
+    }
+}
+
 /// Looks at the codes of a block that is not executed.
-pub(in crate::nc::dialect) fn look(words: &Words) -> Outcome<()> {
-    words.g().iter().try_for_each(|code| look_up(*code).map(drop))?;
+pub(super) fn look(words: &Words) -> Outcome<()> {
+    (0..words.g().len()).try_for_each(|index| by_itself(words, index).map(drop))?;
     match words.m().iter().find(|code| !super::is_known(code.number)) {
         Some(code) => wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
         None => Ok(()),
@@ -73,13 +86,7 @@ pub(super) fn read(running: &mut Running<'_, '_>) -> Outcome<Plan> {
     let mut plan = Plan::default();
     let words = running.words;
     for (index, code) in words.g().iter().enumerate() {
-        let group = look_up(*code)?;
-        let before = words.g()[..index].iter().find(|before| self::group(before.number) == Some(group));
-        // G96 stands beside G95 in many programs: it takes the feed per revolution along.
-        if let Some(before) = before {
-            let [first, second] = [before, code].map(|code| format!("G{}", code.number));
-            return wrong2(code.at as usize, E::DoubleGroup, first, second);
-        }
+        let group = by_itself(words, index)?;
         apply(running, &mut plan, group, *code);
     }
     Ok(plan)

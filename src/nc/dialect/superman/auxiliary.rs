@@ -4,7 +4,7 @@ use super::{NUMBERS, integer, out_of_range};
 use crate::defs::kind::System;
 use crate::defs::mcode::{self, MCode};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{Running, Step, Unread};
+use crate::nc::dialect::{Running, Step, Unrun};
 use crate::nc::fault::{Outcome, wrong1, wrong2};
 use crate::nc::op::{Op, SpeedMode};
 use crate::nc::words::{Code, Words};
@@ -32,7 +32,7 @@ pub(super) fn exists(code: Code) -> Outcome<()> {
 }
 
 /// Looks at an M code of a block that is not executed, and at the block to which it leads.
-pub(super) fn look(code: Code, words: &Words, unread: &Unread<'_>) -> Outcome<()> {
+pub(super) fn look(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> {
     exists(code)?;
     if !matches!(code.number, 97 | 98) {
         return Ok(());
@@ -42,8 +42,8 @@ pub(super) fn look(code: Code, words: &Words, unread: &Unread<'_>) -> Outcome<()
     };
     let n = integer(word, 0, NUMBERS)?;
     let named = |error| wrong1(word.at as usize, error, format!("N{n:04}"));
-    match unread.source.only_block(n) {
-        Ok(Some(line)) if line == unread.line && code.number == 97 => named(E::JumpToItself),
+    match block.source.only_block(n) {
+        Ok(Some(line)) if line == block.line && code.number == 97 => named(E::JumpToItself),
         Ok(Some(_)) => Ok(()),
         Ok(None) => named(E::MissingTarget),
         Err(()) => named(E::SeveralTargets),
@@ -51,11 +51,11 @@ pub(super) fn look(code: Code, words: &Words, unread: &Unread<'_>) -> Outcome<()
 }
 
 /// Looks at a G22 that is not executed.
-pub(super) fn look_at_loop(code: Code, words: &Words, unread: &Unread<'_>) -> Outcome<()> {
+pub(super) fn look_at_loop(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> {
     let at = code.at as usize;
     let Some(word) = words.look(b'L') else { return wrong2(at, E::MissingWord, "G22", "L") };
     integer(word, 0, REPEATS)?;
-    match unread.source.counted_at(unread.line) {
+    match block.source.counted_at(block.line) {
         Some(found) if found.end_line.is_some() => Ok(()),
         Some(_) | None => wrong2(at, E::LoopUnpaired, "G22", "G80"),
     }

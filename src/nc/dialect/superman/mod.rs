@@ -7,7 +7,7 @@ mod auxiliary;
 mod motion;
 mod thread;
 
-use super::{Running, Step, Unread};
+use super::{Running, Step, Unrun};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::Motion;
@@ -57,11 +57,11 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
 }
 
 /// Looks at the writing and the codes of a block that is not executed.
-pub(super) fn look(words: &Words, settings: &Settings, unread: &Unread<'_>) -> Outcome<()> {
-    let text: &[u8] = unread.source.bytes();
-    check_writing(words, settings, (text, unread.at))?;
+pub(super) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Outcome<()> {
+    let text: &[u8] = block.source.bytes();
+    check_writing(words, settings, (text, block.at))?;
     let code = g_code(words)?;
-    words.m().iter().try_for_each(|code| auxiliary::look(*code, words, unread))?;
+    words.m().iter().try_for_each(|code| auxiliary::look(*code, words, block))?;
     motion::one_word_each(words)?;
     if let Some(word) = words.list().iter().find(|word| !LETTERS.contains(&word.letter)) {
         return unknown_word(text, *word);
@@ -73,7 +73,7 @@ pub(super) fn look(words: &Words, settings: &Settings, unread: &Unread<'_>) -> O
         2 => feed(Motion::ArcClockwise),
         3 => feed(Motion::ArcCounterClockwise),
         4 => words.look(b'F').map_or(Ok(()), motion::dwell_in_range),
-        22 => auxiliary::look_at_loop(code, words, unread),
+        22 => auxiliary::look_at_loop(code, words, block),
         92 => motion::whole_preset(words, code.at as usize),
         _ => Ok(()),
     }
