@@ -24,6 +24,20 @@ fn check(kind: &str, name: &str, text: &str, words: &[&str]) -> Output {
         .unwrap()
 }
 
+/// Calls the command in the repository.
+fn kt830(words: &[&str]) -> Output {
+    let data = tempfile::tempdir().unwrap();
+    Command::new(env!("CARGO_BIN_EXE_kt830"))
+        .args(words)
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .env("XDG_DATA_HOME", data.path())
+        .env("HOME", data.path())
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap()
+}
+
 fn said(out: &Output) -> String {
     String::from_utf8_lossy(&out.stdout).into_owned()
 }
@@ -102,4 +116,56 @@ fn s1_a_value_that_grows_in_an_endless_loop_is_no_error_of_its_line() {
     // The same value as it is written is one.
     let told = json("vertical", "A.MPF", &text.replace("R1=R1+10", "R1=100000"));
     assert_eq!(told["errors"][0]["line"], 4, "{told}");
+}
+
+/// The tool goes along Z into the chuck: the alarm names Z, the verdict is not "ok", the status is 1.
+#[test]
+fn t4_l9_a_crash_of_the_simulated_run_is_the_verdict() {
+    let text = "N0010G92X60Z20\nN0020M03\nN0030G01Z-125F2000\nN0040M02\n";
+    for (lang, alarm) in [("en", "CRASH.NC:3:1: drive fault: Z"), ("zh", "CRASH.NC:3:1: 驱动报警：Z")] {
+        let out = check("lathe", "CRASH.NC", text, &["--simulate", "--lang", lang, "--param", "P384=45"]);
+        assert_eq!(out.status.code(), Some(1), "{out:?}");
+        assert_eq!(said(&out).lines().next(), Some(alarm), "{out:?}");
+        assert!(!said(&out).contains(": ok"), "{out:?}");
+    }
+    let words = ["--simulate", "--format", "json", "--param", "P384=45"];
+    let out = check("lathe", "CRASH.NC", text, &words);
+    let told: Vec<Value> = said(&out).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((&told[0]["simulated"], &told[0]["errors"][0]["line"]), (&"alarm".into(), &3.into()), "{out:?}");
+    // Short of the chuck all is well, and the bar is cut.
+    let fine = check("lathe", "CRASH.NC", &text.replace("-125", "1"), &["--simulate", "--param", "P384=45"]);
+    assert_eq!(fine.status.code(), Some(0), "{fine:?}");
+    assert!(said(&fine).starts_with("CRASH.NC: ok\n"), "{fine:?}");
+}
+
+/// Where the part says where the work zero lies, a move beyond a soft limit is an error of its block, as it is in the run.
+#[test]
+fn t4_b5_a_move_beyond_a_soft_limit_is_told_where_the_zero_is_known() {
+    // The bar's face is at machine Z −450; P43 is the least Z there.
+    let text = "N0010G92X60Z20\nN0020G00Z15\nN0030G00Z-5000\nN0040M02\n";
+    let out = check("lathe", "FAR.NC", text, &["--lang", "en", "--param", "P384=45"]);
+    assert_eq!(out.status.code(), Some(2), "{out:?}");
+    assert!(said(&out).starts_with("FAR.NC:3:1: Z goes to -5450.000, beyond the soft limit -"), "{}", said(&out));
+    // Without a bar nobody knows where the program will begin.
+    let out = check("lathe", "FAR.NC", text, &["--lang", "en"]);
+    assert_eq!(out.status.code(), Some(0), "{out:?}");
+    // VGRIND's part puts X0 at machine −450, radius: X −1000 is −950.
+    let part = "assets/parts/VGRIND.ron";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("FAR.MPF");
+    std::fs::write(&path, "G90 G0 X690\nG0 Z-2000\nM2\n").unwrap();
+    let words = ["check", "--kind", "vertical", "--lang", "en", "--part", part, path.to_str().unwrap()];
+    let out = kt830(&words);
+    assert_eq!(out.status.code(), Some(2), "{out:?}");
+    assert!(said(&out).contains("FAR.MPF:2:1: Z goes to -2500.000, beyond the soft limit -"), "{}", said(&out));
+}
+
+/// A program that ends in its own error is not "ok", and no size of 200 has come out.
+#[test]
+fn s4_a_program_that_refuses_itself_is_no_success() {
+    let words =
+        ["check", "--kind", "vertical", "--simulate", "--lang", "en", "--set", "R28=0", "programs/802d/VGRIND.MPF"];
+    let out = kt830(&words);
+    assert_eq!(out.status.code(), Some(1), "{out:?}");
+    assert!(said(&out).starts_with("programs/802d/VGRIND.MPF:27:6: 错误10:粗磨参数错误\n"), "{}", said(&out));
 }

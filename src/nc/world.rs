@@ -174,6 +174,11 @@ impl CheckWorld {
         (self.position, self.length_mm, self.seconds, self.extents) = (position, length_mm, seconds, extents);
     }
 
+    /// Begins its extents anew.
+    pub const fn forget_extents(&mut self) {
+        self.extents = None;
+    }
+
     /// Does one operation.
     pub fn apply(&mut self, op: &Op) {
         match op {
