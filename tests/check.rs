@@ -169,3 +169,37 @@ fn s4_a_program_that_refuses_itself_is_no_success() {
     assert_eq!(out.status.code(), Some(1), "{out:?}");
     assert!(said(&out).starts_with("programs/802d/VGRIND.MPF:27:6: 错误10:粗磨参数错误\n"), "{}", said(&out));
 }
+
+/// VBORE has values of its own: from a fresh control it grinds its bore, and what the call sets counts.
+#[test]
+fn s6_the_bore_begins_with_values_of_its_own() {
+    let words = ["check", "--kind", "vertical", "--simulate", "--lang", "en", "programs/802d/VBORE.MPF"];
+    let out = kt830(&words);
+    assert_eq!(out.status.code(), Some(0), "{out:?}");
+    let told = said(&out);
+    assert!(told.starts_with("programs/802d/VBORE.MPF: ok\n") && told.contains("finished"), "{told}");
+    // 500 at Z105, 1 degree narrower downwards: at Z102 500 − 2 · 3 · tan 1° = 499.895.
+    let at = told.lines().find_map(|line| line.strip_prefix("part diameter at Z102.000  ")).unwrap();
+    assert!((at.parse::<f64>().unwrap() - 499.895).abs() < 0.004, "{told}");
+    // VGRIND's sizes: the wheel does not fit in, and the program says so itself.
+    let set = ["--set", "R20=200.5", "--set", "R18=200"];
+    let out = kt830(&[&words[..], &set[..]].concat());
+    assert_eq!(out.status.code(), Some(1), "{out:?}");
+    assert!(said(&out).starts_with("programs/802d/VBORE.MPF:82:10: 错误06:砂轮进不了孔\n"), "{}", said(&out));
+}
+
+/// RBORE and RGRIND set the values of the two programs and move nothing.
+#[test]
+fn s6_the_values_of_each_program_are_set_by_a_program() {
+    let run = |name: &str, set: &str| {
+        let file = format!("programs/802d/{name}.MPF");
+        let out = kt830(&["run", &file, "--kind", "vertical", "--format", "json", "--set", set]);
+        let told: Value = serde_json::from_slice(&out.stdout).unwrap();
+        assert_eq!((out.status.code(), &told["end"]), (Some(0), &"finished".into()), "{out:?}");
+        told["variables"].clone()
+    };
+    let bore = run("RBORE", "R18=200");
+    assert_eq!([&bore["R18"], &bore["R20"], &bore["R14"], &bore["R28"]], [500.0, 499.5, -1.0, 0.01]);
+    let grind = run("RGRIND", "R18=500");
+    assert_eq!(grind, serde_json::json!({"R18": 200.0}), "all others are as delivered");
+}

@@ -617,7 +617,7 @@ fn s1_a_program_with_a_mistake_does_not_start() {
         ("MSG(“abc\")", 5, 93, "the quotes do not match", "引号不匹配"),
         ("R300=1", 1, 90, "there is no parameter R300", "没有参数 R300"),
         ("R1=R301", 4, 90, "there is no parameter R301", "没有参数 R301"),
-        ("G77", 1, 8, "unknown code G77", "没有 G77 指令"),
+        ("G77", 1, 55, "unknown code G77", "没有 G77 指令"),
         ("GOTO AA1", 1, 63, "there is no GOTO", "没有 GOTO 指令"),
     ];
     for (block, column, alarm, en, zh) in ROWS {

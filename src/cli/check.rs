@@ -201,7 +201,7 @@ fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -
     let mut limits = in_machine(shared, &world, &retained, (&source, part.as_ref()), &settings)?;
     if let Some(part) = part.as_ref().filter(|_| !settings.zero_at_start) {
         world = start(world, retained.frames.clone(), part);
-        preset(&mut memory, part);
+        preset(&mut memory, part, &shared.sets);
     }
     let mut show = |op: &Op| match shared.format {
         Format::Json => out(with_frame(op, op.json(axes), part.as_ref(), axes)),
@@ -312,13 +312,10 @@ fn start(world: CheckWorld, mut frames: Frames, part: &PartFile) -> CheckWorld {
     world.at(at).with_frames(frames)
 }
 
-/// The part's values for variables that have none.
-fn preset(memory: &mut Memory, part: &PartFile) {
-    for (number, value) in &part.variables {
-        let number = u32::from(*number);
-        if matches!(memory.get(number), Ok(None)) {
-            let _ = memory.set(number, Some(*value)); // a part presets only what a page may show
-        }
+/// The part's values for variables that the call does not set.
+fn preset(memory: &mut Memory, part: &PartFile, sets: &[(u16, f64)]) {
+    for (number, value) in bench::own_values(part, sets) {
+        let _ = memory.set(u32::from(number), Some(value)); // a part presets only what a page may show
     }
 }
 

@@ -9,7 +9,7 @@ use super::interpreter::{Block, Interpreter};
 use super::memory::Memory;
 use super::settings::Settings;
 use super::source::{Library, Source};
-use super::unread::Unread;
+use super::unread::{self, Unread};
 use super::world::{CheckWorld, Come};
 use crate::defs::program_error::ProgramError as E;
 use crate::units::PerAxis;
@@ -297,9 +297,10 @@ impl Checking {
     }
 
     /// The run is over: lines that it did not come to are still to be read.
-    const fn end(&mut self, finished: bool) -> bool {
+    fn end(&mut self, finished: bool) -> bool {
         self.found.finished = finished && self.left == 0;
         self.over = true;
+        unread::whole(&self.source, &self.settings).into_iter().for_each(|fault| self.fault(fault));
         true
     }
 

@@ -363,7 +363,10 @@ impl Flow {
                 self.counted.pop();
                 Ok(true)
             }
-            Some(_) | None => wrong2(at, E::LoopUnpaired, "G80", "G22"),
+            Some(_) | None => match self.source.counted_before(line) {
+                Some(begun) => wrong1(at, E::IntoLoop, (begun + 1).to_string()),
+                None => wrong2(at, E::LoopUnpaired, "G80", "G22"),
+            },
         }
     }
 

@@ -13,7 +13,7 @@ use super::fault::Fault;
 use super::memory::Memory;
 use super::settings::Settings;
 use super::source::{Library, Source};
-use super::unread::Unread;
+use super::unread::{self, Unread};
 use super::world::CheckWorld;
 
 /// Blocks or lines that one call looks at.
@@ -39,6 +39,8 @@ struct Texts {
     unread: Unread,
     waiting: Vec<u32>,
     seen: HashSet<u32>,
+    /// The text as a whole is looked at first.
+    begun: bool,
 }
 
 /// What one piece came to.
@@ -73,6 +75,7 @@ impl Proof {
                 unread: Unread::new(source.line_count()),
                 waiting: Vec::new(),
                 seen: HashSet::from([source.number()]),
+                begun: false,
             })),
             Provable::No => return None,
         }))
@@ -97,6 +100,9 @@ impl Proof {
 impl Texts {
     fn advance(&mut self) -> Proved {
         let mut first = None;
+        if !std::mem::replace(&mut self.begun, true) {
+            first = unread::whole(&self.source, &self.settings).into_iter().next();
+        }
         let text = (&*self.source, &self.settings);
         let more = self.unread.advance(text, Some(&*self.library), PIECE, &mut |fault| {
             first.get_or_insert(fault);
@@ -113,7 +119,7 @@ impl Texts {
                 && self.seen.insert(number)
                 && let Some(source) = self.library.find(number)
             {
-                (self.unread, self.source) = (Unread::new(source.line_count()), source);
+                (self.unread, self.source, self.begun) = (Unread::new(source.line_count()), source, false);
                 return Proved::Busy;
             }
         }

@@ -2,7 +2,7 @@
 //! Source: spec B1, T4, L1, L4, L7.
 
 use super::dialect::{self, Unrun};
-use super::fault::{Fault, Outcome, Stop, fault_in, wrong, wrong1};
+use super::fault::{Fault, Outcome, Stop, Wrong, fault_in, wrong, wrong1};
 use super::lexer::Cursor;
 use super::settings::Settings;
 use super::source::{Library, Source, at_head};
@@ -84,6 +84,38 @@ impl Unread {
         }
         true
     }
+}
+
+/// What is wrong with a text as a whole: labels that are not unique, no blocks at all.
+pub(crate) fn whole(source: &Source, settings: &Settings) -> Vec<Fault> {
+    let told = |at: usize, error: E, detail: String| {
+        fault_in(source, None, Wrong { at, error, details: [detail, String::new()] })
+    };
+    let mut found = Vec::new();
+    if let Some(end) = dialect::asks_for_blocks(settings)
+        && (1..=source.line_count() as u32).all(|line| source.line(line).is_none_or(|text| is_blank(&text)))
+    {
+        found.push(told(0, E::EmptyProgram, end.to_owned()));
+    }
+    if dialect::has_labels(settings) {
+        for (line, label) in source.repeated_labels() {
+            let text = source.bytes().get(source.start(line)..).unwrap_or_default();
+            let upper = text.get(..text.len().min(LABEL_WITHIN)).unwrap_or_default().to_ascii_uppercase();
+            let at = upper.windows(label.len()).position(|part| part == label).unwrap_or(0);
+            let label = String::from_utf8_lossy(label).into_owned();
+            found.push(told(source.start(line) + at, E::SeveralLabels, label));
+        }
+    }
+    found
+}
+
+/// Bytes of a line in which its label stands.
+const LABEL_WITHIN: usize = 256;
+
+/// Whether a line has no block.
+fn is_blank(text: &str) -> bool {
+    let text = text.trim();
+    text.is_empty() || text.starts_with([';', '%', '('])
 }
 
 /// Reads the blocks of a line; true where the text ends in it.

@@ -141,6 +141,19 @@ pub(crate) const fn provable(settings: &Settings) -> Provable {
     }
 }
 
+/// Whether a language has labels (`AA1:`), each once in a program.
+pub(crate) const fn has_labels(settings: &Settings) -> bool {
+    matches!(settings.system, System::Sinumerik)
+}
+
+/// What ends a program of a language in which one without blocks is a mistake (L1).
+pub(crate) const fn asks_for_blocks(settings: &Settings) -> Option<&'static str> {
+    match settings.system {
+        System::SuperMan if settings.numbered => Some("M02"),
+        System::SuperMan | System::LatheA | System::Mill | System::Sinumerik => None,
+    }
+}
+
 /// Whether a language has the macro statements (`#1=…`, IF, WHILE, GOTO).
 pub(crate) const fn has_macros(settings: &Settings) -> bool {
     !matches!(settings.system, System::SuperMan)

@@ -140,10 +140,9 @@ const fn acts_after_motion(code: u32) -> bool {
 fn m_codes(running: &mut Running<'_, '_>, after: bool) -> Outcome<Step> {
     let words = running.words;
     let mut flow = Step::Next;
+    codes::one_direction(words)?;
     for code in words.m() {
-        if !is_known(code.number) {
-            return wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number));
-        }
+        known(*code)?;
         if let (2 | RETURN | 30, Some(other)) = (code.number, words.m().iter().find(|other| other.at != code.at)) {
             let [first, second] = [code, other].map(|code| format!("M{}", code.number));
             return wrong2(code.at as usize, E::NotTogether, first, second);
@@ -171,9 +170,16 @@ fn hand_out(running: &mut Running<'_, '_>, code: Code) {
     running.ops.push(Op::M { code, s: None, p: None, l: None });
 }
 
-/// M codes of the machine that need no words, and M17.
-fn is_known(code: u32) -> bool {
-    code == RETURN || u16::try_from(code).is_ok_and(|code| mcode::find_in(System::Sinumerik, code).is_some())
+/// M codes of the machine that need no words, and M17; the mistake names those that there are.
+fn known(code: Code) -> Outcome<()> {
+    let exists =
+        |number: u32| u16::try_from(number).is_ok_and(|code| mcode::find_in(System::Sinumerik, code).is_some());
+    if code.number == RETURN || exists(code.number) {
+        return Ok(());
+    }
+    let known: Vec<_> =
+        (0..100).filter(|number| *number == RETURN || exists(*number)).map(|n| format!("M{n}")).collect();
+    wrong2(code.at as usize, E::NoSuchCode, format!("M{}", code.number), known.join(" "))
 }
 
 /// A word that must be a whole number in a range.

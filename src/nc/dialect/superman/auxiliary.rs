@@ -97,18 +97,39 @@ const fn stands_alone(code: u32) -> bool {
     matches!(code, 0 | 2 | 97..=99)
 }
 
+/// Codes of which a block takes one: the spindle's, the coolant's.
+const EXCLUSIVE: [&[u32]; 2] = [&[3, 4, 5], &[7, 8]];
+
+/// Codes that stand alone, or exclude each other; a code that leads elsewhere takes no F.
+pub(super) fn alone(words: &Words) -> Outcome<()> {
+    let name = |code: &Code| format!("M{:02}", code.number);
+    for code in words.m().iter().filter(|code| stands_alone(code.number)) {
+        if let Some(other) = words.m().iter().find(|other| other.at != code.at) {
+            return wrong2(code.at as usize, E::NotTogether, name(code), name(other));
+        }
+        if let Some(feed) = words.look(b'F').filter(|_| code.number != 0 && words.g().is_empty()) {
+            return wrong2(feed.at as usize, E::NotTogether, name(code), "F");
+        }
+    }
+    for codes in EXCLUSIVE {
+        let mut found = words.m().iter().filter(|code| codes.contains(&code.number));
+        if let (Some(first), Some(second)) = (found.next(), found.next())
+            && first.number != second.number
+        {
+            return wrong2(second.at as usize, E::DoubleGroup, name(first), name(second));
+        }
+    }
+    Ok(())
+}
+
 /// Checks the M codes, hands out those that act before the move, and says where the program goes on.
 pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Code, Step)>> {
     let words = running.words;
     let mut flow = None;
+    alone(words)?;
     for code in words.m() {
         let name = format!("M{:02}", code.number);
         exists(*code)?;
-        if stands_alone(code.number)
-            && let Some(other) = words.m().iter().find(|other| other.at != code.at)
-        {
-            return wrong2(code.at as usize, E::NotTogether, name, format!("M{:02}", other.number));
-        }
         running.modals.m = Some(code.number as u8);
         let target = || match words.take(b'L') {
             Some(word) => Ok((integer(word, 0, NUMBERS)?, word.at as usize)),

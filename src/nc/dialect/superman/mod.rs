@@ -62,6 +62,7 @@ pub(super) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Out
     check_writing(words, settings, (text, block.at))?;
     let code = g_code(words)?;
     words.m().iter().try_for_each(|code| auxiliary::look(*code, words, block))?;
+    auxiliary::alone(words)?;
     motion::one_word_each(words)?;
     if let Some(word) = words.list().iter().find(|word| !LETTERS.contains(&word.letter)) {
         return unknown_word(text, *word);
