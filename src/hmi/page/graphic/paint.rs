@@ -8,7 +8,7 @@ use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
 use super::{PlaneOf, index, or_here, position, room};
-use crate::defs::kind::Kind;
+use crate::defs::face::WheelPose;
 use crate::defs::param;
 use crate::hmi::theme;
 use crate::hmi::view::{View, put};
@@ -314,18 +314,13 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);
     // The axis towards which the wheel's body lies, and the one along its spindle.
     let here = scene.camera.place(rect, at[index(right)], at[index(up)]);
-    let (body, spindle) = match view.snapshot.kind {
-        Kind::Gc | Kind::Vertical => (Axis::X, Axis::Z),
-        Kind::Gs => (Axis::Y, Axis::Z),
-        Kind::Ga => (Axis::Z, Axis::X),
-        Kind::Lathe => {
-            // Without a bar a turning tool is its tip.
-            match room::of(view) {
-                Some(_) => room::tool(painter, rect, view, scene.camera, at),
-                None => drop(painter.circle_filled(here, 3.5, view.theme.hold)),
-            }
-            return;
+    let Some(WheelPose { body, spindle, by_centre }) = view.snapshot.kind.wheel_pose() else {
+        // Without a bar a turning tool is its tip.
+        match room::of(view) {
+            Some(_) => room::tool(painter, rect, view, scene.camera, at),
+            None => drop(painter.circle_filled(here, 3.5, view.theme.hold)),
         }
+        return;
     };
     let stroke = Stroke::new(theme::FRAME, view.theme.hold);
     let fill = view.theme.hold.gamma_multiply(0.18);
@@ -338,8 +333,7 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
         }
     } else {
         let mut near = at;
-        if view.snapshot.kind == Kind::Vertical {
-            // X is where the wheel's centre is (S4).
+        if by_centre {
             near[index(body)] -= diameter / 2.0;
         }
         let mut far = near;
