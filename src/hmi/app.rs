@@ -326,9 +326,7 @@ impl Hmi {
 }
 
 fn load(ctx: &egui::Context, picture: &Arc<Picture>) -> Option<(Arc<Picture>, TextureHandle)> {
-    if picture.rgb.len() != picture.width * picture.height * 3 || picture.rgb.is_empty() {
-        return None;
-    }
-    let image = ColorImage::from_rgb([picture.width, picture.height], &picture.rgb);
+    let rgb = image::load_from_memory_with_format(&picture.0, image::ImageFormat::Png).ok()?.into_rgb8();
+    let image = ColorImage::from_rgb([rgb.width() as usize, rgb.height() as usize], &rgb);
     Some((Arc::clone(picture), ctx.load_texture("page picture", image, TextureOptions::LINEAR)))
 }
