@@ -234,7 +234,8 @@ fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -
     // A loop that does not end goes on into the limits: that it does not end is told.
     let beyond = limits.filter(|_| checked.repeated.is_empty()).map(Limits::found).unwrap_or_default();
     let beyond = beyond.into_iter().map(|beyond| {
-        let sub = (beyond.at.program != source.number()).then(|| program_title(beyond.at.program)).unwrap_or_default();
+        let own = beyond.at.program == source.number();
+        let sub = if own { String::new() } else { program_title(beyond.at.program) };
         Wrong { line: beyond.at.line, column: 1, message: format!("{sub}{}", beyond.said.get(shared.lang)) }
     });
     let moves = passed.into_iter().chain(beyond).collect();
