@@ -123,7 +123,8 @@ impl Controller {
             return Some(switched(self.image.terminals.level(index as u8 + 1) ^ inverted));
         }
         if let Some(index) = of(variable::OUTPUTS) {
-            return Some(switched(self.outputs.terminals.level(index as u8 + 1)));
+            // What the block before has switched counts at once, a tick before the terminals have it.
+            return Some(switched(self.switched_on().1.level(index as u8 + 1)));
         }
         if let Some(index) = of(variable::GAUGE_FOUND) {
             return Some(self.gauge_found[index]);
