@@ -224,6 +224,12 @@ impl Controller {
     }
 }
 
+/// The table of offsets that a variable belongs to.
+pub(super) fn offset_of_variable(number: u32) -> Option<Part> {
+    let of = |table| offset_of(table, number).is_some();
+    if of(&WEAR) { Some(Part::Wear) } else { of(&GEOMETRY).then_some(Part::Geometry) }
+}
+
 /// Which offset and axis a number of a table names.
 fn offset_of(table: &[(SystemVariables, Axis)], number: u32) -> Option<(usize, Axis)> {
     table.iter().find_map(|(range, axis)| Some((range.index(number)?, *axis)))
