@@ -212,3 +212,42 @@ fn s6_the_values_of_each_program_are_set_by_a_program() {
     let grind = run("RGRIND", "R18=500");
     assert_eq!(grind, serde_json::json!({"R18": 200.0}), "all others are as delivered");
 }
+
+#[test]
+fn k3_the_check_reads_the_interlock_table() {
+    // Kind, program, line, and the alarm that the run would end in.
+    for (kind, text, line, alarm) in [
+        ("gs", "M10\nM30", 1, 190),
+        ("gc", "G04 P1\nM94\nM30", 2, 190),
+        ("gc", "M21 P1\nM30", 1, 195),
+        ("gc", "#1100=1\nM30", 1, 195),
+        ("gc", "G35 Z-200 Q10\nG01 Z-160 F100\nM30", 2, 198),
+        ("gc", "#2001=1000\nM30", 1, 204),
+        ("gc", "#5801=-5\nM30", 1, 203),
+        ("gc", "S2000 M03\nM30", 1, 186),
+        ("gc", "M10\nM63\nM11\nM30", 3, 181),
+        ("ga", "M94\nM63\nM95\nM30", 3, 187),
+    ] {
+        let errors = json(kind, "O0500.NC", text)["errors"].clone();
+        assert_eq!(errors.as_array().map(Vec::len), Some(1), "{text:?} {errors}");
+        assert_eq!(errors[0]["line"], line, "{text:?} {errors}");
+        let message = errors[0]["message"].as_str().unwrap();
+        assert!(message.contains(&format!("报警 {alarm})")), "{text:?} {message}");
+    }
+    let unfit = check("gc", "O0500.NC", "M80\nM30", &["--param", "P279=0", "--lang", "en"]);
+    assert_eq!(unfit.status.code(), Some(2));
+    assert!(said(&unfit).contains("M80") && said(&unfit).contains("alarm 202"), "{}", said(&unfit));
+}
+
+#[test]
+fn k3_what_the_machine_allows_is_no_error() {
+    for (kind, text) in [
+        ("gc", "M11\nM10\nM63\nM65\nM11\nM10\nM15\nM14\nM03 S1000\nM70\nM75\nM05\nM30"),
+        ("gc", "G35 Z-200 Q10\nG00 X-10\nG36\nG01 Z-160 F100\nM80\nM21 P40\n#1139=0\nM30"),
+        ("gs", "M94\nM03 S1000\nM63\nM65\nM05\nM95\nM30"),
+        ("ga", "M63\nM65\nM95\nM94\nM63\nM30"),
+    ] {
+        let out = check(kind, "O0500.NC", text, &[]);
+        assert_eq!(out.status.code(), Some(0), "{kind} {text:?} {}", said(&out));
+    }
+}

@@ -11,6 +11,7 @@ use super::limits::Limits;
 use super::rehearse::{Passed, Rehearsal};
 use super::run::Ran;
 use super::{CallError, FAILED, FINE, WRONG_CALL, bench, out};
+use crate::controller::foresight::Foresight;
 use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings, references};
 use crate::defs::text::{Said, Text};
 use crate::defs::{param, r_parameter};
@@ -126,7 +127,7 @@ fn tell_errors(shared: &Shared, file: &str, wrong: &[Wrong], verdict: &Said) {
 /// What the check of a program found.
 struct Found {
     checked: Checked,
-    /// Errors of moves: beyond the finished size, beyond a soft limit.
+    /// What is no mistake of the text: beyond the finished size or a soft limit, refused by the machine.
     moves: Vec<Wrong>,
     source: Arc<Source>,
     settings: Settings,
@@ -212,6 +213,7 @@ fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -
         let width_mm = retained.params.get(param::WHEEL_WIDTH);
         Rehearsal::new(finished, width_mm, settings.system, (world.position(), memory.clone()))
     });
+    let mut foresight = Foresight::new(shared.kind, &retained.params);
     // A loop that does not end here is shown once, up to where it repeats: only a run before tells where that is.
     let repeated = match call.ops {
         true => check_with(&source, &library, &settings, memory.clone(), &mut world.clone(), &mut |_| {}).repeated,
@@ -225,6 +227,7 @@ fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -
         if let Some(limits) = &mut limits {
             limits.see(block);
         }
+        foresight.see(block);
         if call.ops && !repeated.iter().any(|repeated| repeated.contains(&shown)) {
             block.ops.iter().for_each(&mut show);
         }
@@ -233,12 +236,13 @@ fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -
     let passed = rehearsal.and_then(Rehearsal::passed).map(|passed| wrong_move(shared, &source, &library, &passed));
     // A loop that does not end goes on into the limits: that it does not end is told.
     let beyond = limits.filter(|_| checked.repeated.is_empty()).map(Limits::found).unwrap_or_default();
-    let beyond = beyond.into_iter().map(|beyond| {
-        let own = beyond.at.program == source.number();
-        let sub = if own { String::new() } else { program_title(beyond.at.program) };
-        Wrong { line: beyond.at.line, column: 1, message: format!("{sub}{}", beyond.said.get(shared.lang)) }
+    let foreseen = foresight.found().into_iter().chain(beyond).map(|foreseen| {
+        let own = foreseen.at.program == source.number();
+        let sub = if own { String::new() } else { program_title(foreseen.at.program) };
+        Wrong { line: foreseen.at.line, column: 1, message: format!("{sub}{}", foreseen.said.get(shared.lang)) }
     });
-    let moves = passed.into_iter().chain(beyond).collect();
+    let mut moves: Vec<_> = passed.into_iter().chain(foreseen).collect();
+    moves.sort_by_key(|wrong| wrong.line);
     Ok(Found { checked, moves, source, settings })
 }
 

@@ -2,9 +2,10 @@
 //! a limit is told with its block, as the run would. Source: spec B5, T4.
 
 use crate::controller::axes::soft_limits;
+use crate::controller::foresight::Foreseen;
 use crate::defs::param::Params;
 use crate::defs::text::Said;
-use crate::nc::{Block, CheckWorld, Op, Place};
+use crate::nc::{Block, CheckWorld, Op};
 use crate::units::{Axis, PerAxis};
 
 /// Rounding slack of a limit, mm: far below the resolution.
@@ -12,22 +13,13 @@ const SLACK_MM: f64 = 1e-6;
 /// Most blocks that are told.
 const MOST: usize = 20;
 
-/// A block that leaves the soft limits.
-#[derive(Clone, Debug)]
-pub struct Beyond {
-    /// The block.
-    pub at: Place,
-    /// What is wrong, machine coordinates.
-    pub said: Said,
-}
-
 /// Follows the blocks of a check.
 pub struct Limits<'a> {
     world: CheckWorld,
     params: &'a Params,
     /// What a millimetre of slide travel is shown as.
     shown: PerAxis<f64>,
-    found: Vec<Beyond>,
+    found: Vec<Foreseen>,
 }
 
 impl<'a> Limits<'a> {
@@ -50,13 +42,13 @@ impl<'a> Limits<'a> {
                 continue;
             }
             let Some(said) = self.beyond() else { continue };
-            self.found.push(Beyond { at: block.at, said });
+            self.found.push(Foreseen { at: block.at, said });
         }
     }
 
     /// What was found.
     #[must_use]
-    pub fn found(self) -> Vec<Beyond> {
+    pub fn found(self) -> Vec<Foreseen> {
         self.found
     }
 

@@ -141,7 +141,7 @@ fn read_line(
                 calls.extend(dialect::called(words, settings));
             }
             Content::TextEnd { at } if !at_head(text, at) => text_end = true,
-            Content::Goto { n, at } if n > 0 && source.find_block(n, line).is_none() => {
+            Content::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {
                 return wrong1(at, E::MissingTarget, format!("N{n}"));
             }
             Content::Jump { label, forward, .. } => source.find_label(label, line, forward).map(drop)?,
