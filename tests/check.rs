@@ -251,3 +251,17 @@ fn k3_what_the_machine_allows_is_no_error() {
         assert_eq!(out.status.code(), Some(0), "{kind} {text:?} {}", said(&out));
     }
 }
+
+/// A loop that does not end inside a subprogram: what came before it counts.
+#[test]
+fn s1_an_endless_loop_of_a_subprogram_keeps_what_came_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let main = folder.path().join("MAIN.MPF");
+    std::fs::write(&main, "G90 G94 F600\nG1 X100\nL7\nM2\n").unwrap();
+    std::fs::write(folder.path().join("L7.SPF"), "AA1:G91 G1 X-2\nGOTOB AA1\nRET\n").unwrap();
+    let out = kt830(&["check", "--kind", "vertical", "--format", "json", main.to_str().unwrap()]);
+    let told: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((&told["finished"], &told["extents"]["X"]), (&false.into(), &serde_json::json!([0.0, 100.0])), "{told}");
+    // 50 mm of slide at 600 mm/min.
+    assert!((told["length"].as_f64().unwrap() - 50.0).abs() < 1e-9, "{told}");
+}

@@ -252,20 +252,18 @@ impl Checking {
         let main = Arc::ptr_eq(source, &self.source);
         let new = main && self.unread.visited.mark(line);
         self.standstill = if new { 0 } else { self.standstill + 1 };
+        let progress = &mut self.progress;
+        if new {
+            progress.over = false;
+        } else if !progress.over {
+            progress.come = world.come();
+            progress.memory.clone_from(self.interpreter.memory());
+            (progress.over, progress.back) = (true, None);
+            (progress.shown, progress.faults) = (self.shown, self.found.faults.len());
+        }
         if main {
-            let progress = &mut self.progress;
-            if new {
-                progress.over = false;
-            } else {
-                if !progress.over {
-                    progress.come = world.come();
-                    progress.memory.clone_from(self.interpreter.memory());
-                    (progress.over, progress.back) = (true, None);
-                    (progress.shown, progress.faults) = (self.shown, self.found.faults.len());
-                }
-                if line < progress.line {
-                    progress.back = Some(progress.line);
-                }
+            if !new && line < progress.line {
+                progress.back = Some(progress.line);
             }
             progress.line = line;
         }
