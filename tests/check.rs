@@ -170,6 +170,15 @@ fn s4_a_program_that_refuses_itself_is_no_success() {
     assert!(said(&out).starts_with("programs/802d/VGRIND.MPF:27:6: 错误10:粗磨参数错误\n"), "{}", said(&out));
 }
 
+/// A program without a number runs under another one: its line is told all the same.
+#[test]
+fn t4_an_alarm_of_the_simulated_run_has_its_line() {
+    let text = "N10 G91 G94 F6000\nAA1:G1 X-10\nGOTOB AA1\nM2\n";
+    let out = check("vertical", "V.MPF", text, &["--simulate", "--lang", "en"]);
+    assert_eq!(out.status.code(), Some(1), "{out:?}");
+    assert!(said(&out).starts_with("V.MPF:2:1: software limit: "), "{}", said(&out));
+}
+
 /// VBORE has values of its own: from a fresh control it grinds its bore, and what the call sets counts.
 #[test]
 fn s6_the_bore_begins_with_values_of_its_own() {

@@ -162,7 +162,7 @@ fn met(shared: &Shared, source: &Source, ran: &Ran) -> Vec<Wrong> {
         .alarms
         .iter()
         .map(|(place, said)| {
-            let line = place.filter(|(program, _)| *program == source.number()).map_or(0, |(_, line)| line);
+            let line = place.filter(|(program, _)| *program == ran.program).map_or(0, |(_, line)| line);
             Wrong { line, column: 1, message: said.get(shared.lang).to_owned() }
         })
         .collect();

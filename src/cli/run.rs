@@ -34,6 +34,8 @@ const SETTLE_TICKS: u32 = 200;
 pub struct Ran {
     /// `finished`, `stopped` or `alarm`.
     pub end: &'static str,
+    /// The number that the program ran under.
+    pub program: u32,
     /// The report as it is printed.
     pub report: String,
     /// Its alarms: program and line if it has one, and the text.
@@ -100,7 +102,7 @@ pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
     let refused_itself = flag.and_then(|flag| rig.controller().variable(flag)).is_some_and(|flag| flag.abs() > 0.0);
     let snapshot = rig.snapshot();
     let alarms = snapshot.alarms.iter().map(|alarm| (alarm.place, alarm.text.clone())).collect();
-    Ok(Ran { end, report, alarms, told: snapshot.waiting_for.clone(), refused_itself })
+    Ok(Ran { end, program: number, report, alarms, told: snapshot.waiting_for.clone(), refused_itself })
 }
 
 /// Cycle start, and on to the end of the program, an alarm, or where somebody would be needed.
