@@ -242,7 +242,7 @@ fn k3_the_check_reads_the_interlock_table() {
 #[test]
 fn k3_what_the_machine_allows_is_no_error() {
     for (kind, text) in [
-        ("gc", "M11\nM10\nM63\nM65\nM11\nM10\nM15\nM14\nM03 S1000\nM70\nM75\nM05\nM30"),
+        ("gc", "M11\nM10\nM63\nM65\nM11\nM10\nM03 S1000\nM70\nM75\nM05\nM30"),
         ("gc", "G35 Z-200 Q10\nG00 X-10\nG36\nG01 Z-160 F100\nM80\nM21 P40\n#1139=0\nM30"),
         ("gs", "M94\nM03 S1000\nM63\nM65\nM05\nM95\nM30"),
         ("ga", "M63\nM65\nM95\nM94\nM63\nM30"),
