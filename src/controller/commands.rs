@@ -37,6 +37,8 @@ impl Controller {
             Command::Hold(key) => self.hand.keep(*key, self.now),
             Command::Handwheel(detents) => self.turn_handwheel(*detents),
             Command::OpenPage(page) => self.open_page(*page),
+            Command::ShowCoordinates(coordinates) => self.show_coordinates(*coordinates),
+            Command::TurnSoftRow(row) => self.turn_soft_row(*row),
             Command::TurnSheet(sheet) => self.turn_sheet(*sheet),
             Command::LoadProgram(number) => self.load_program(*number),
             Command::RestartAt(line) => self.restart_at(*line),

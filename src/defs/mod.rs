@@ -22,6 +22,7 @@ pub mod r_parameter;
 pub mod screen;
 pub mod screw;
 pub mod signal;
+pub mod soft_key;
 pub mod text;
 pub mod turning_tool;
 pub mod variable;
