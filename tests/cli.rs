@@ -289,13 +289,48 @@ fn t5_a_part_file_that_is_not_there_is_a_wrong_call() {
 }
 
 #[test]
-fn t5_a_refused_statement_tells_why_and_the_story_goes_on() {
-    let (_folder, path) = file("a.story", b"kind gc\npower on\nparam P270 99999\nexpect message \"P270\"\n");
+fn t5_a_setting_that_the_control_refuses_fails_with_its_reason() {
+    for (line, why) in [
+        ("param P270 99999", "60000"),
+        ("param P270 -1", "60000"),
+        ("param P999 1", "P999"),
+        ("set #1 = 2", "#1"),
+        ("set #570 = 2", "#570"),
+        ("load O1999", "O1999"),
+        ("load foo", "foo"),
+    ] {
+        let (_folder, path) = file("a.story", format!("kind gc\npower on\n{line}\nwait 1 s\n").as_bytes());
+        let out = kt830(&["play", &path]);
+        let told = String::from_utf8_lossy(&out.stdout).into_owned();
+        assert_eq!(status(&out), 1, "{told}");
+        let last = told.lines().last().unwrap();
+        assert!(last.contains("FAIL") && last.contains(line) && last.contains(why), "{told}");
+        assert!(!last.contains("MPF"), "{told}");
+    }
+}
+
+#[test]
+fn t5_a_key_that_is_refused_is_no_failure() {
+    let story =
+        "kind gc\npower on\nmode jog\nkey wheel-start\nexpect output wheel off\ntype #570 2\nmode auto\nmdi M03\n";
+    let (_folder, path) = file("a.story", story.as_bytes());
+    let out = kt830(&["play", &path]);
+    assert_eq!(status(&out), 0, "{}", String::from_utf8_lossy(&out.stdout));
+}
+
+#[test]
+fn t5_the_faults_are_told_by_a_story() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\nfault list\nwait 1 s\nexpect no alarm\n");
     let out = kt830(&["play", &path]);
     let told = String::from_utf8_lossy(&out.stdout).into_owned();
     assert_eq!(status(&out), 0, "{told}");
-    let line = told.lines().find(|line| line.contains("99999")).unwrap();
-    assert!(line.contains("60000"), "the range is told: {line}");
+    for words in ["stuck-on NAME", "drive-x", "bus-silent N", "X 驱动故障", "hydraulic pressure lost"] {
+        assert!(told.contains(words), "{told}");
+    }
+    let out = kt830(&["play", &path, "--format", "json"]);
+    let line = String::from_utf8_lossy(&out.stdout).lines().nth(2).map(str::to_owned).unwrap();
+    let told: Value = serde_json::from_str(&line).unwrap();
+    assert_eq!((told["faults"].as_array().unwrap().len(), &told["ok"]), (19, &true.into()));
 }
 
 #[test]

@@ -6,6 +6,7 @@ pub mod alarm;
 pub mod date;
 pub mod dialect_word;
 pub mod face;
+pub mod fault;
 pub mod gcode;
 pub mod history;
 pub mod key;
