@@ -223,10 +223,28 @@ fn k7_4_k5_12_page_files_name_what_is_wrong() {
 #[test]
 fn t3_a_loop_that_moves_nothing_ends_the_run_by_itself() {
     let (_folder, path) = file("O2004.NC", b"N10 #100=1\nGOTO 10\nM30\n");
-    let report = json(&["run", &path, "--format", "json"]);
-    assert_eq!(report["end"], "stopped");
-    let out = kt830(&["run", &path]);
-    assert!(String::from_utf8_lossy(&out.stderr).contains("does not end"));
+    let out = kt830(&["run", &path, "--format", "json", "--lang", "en"]);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((status(&out), &report["end"]), (1, &"stopped".into()), "{report}");
+    assert!(report["message"].as_str().unwrap().contains("does not end"), "{report}");
+    let out = kt830(&["run", &path, "--lang", "en"]);
+    assert_eq!(status(&out), 1);
+    assert!(errors(&out).contains("does not end"));
+    assert!(String::from_utf8_lossy(&out.stdout).contains("does not end"));
+}
+
+#[test]
+fn t3_a_wait_that_nobody_answers_fails_and_a_pause_does_not() {
+    let (_folder, path) = file("O2005.NC", b"M80\nM30\n");
+    let out = kt830(&["run", &path, "--format", "json", "--lang", "en"]);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((status(&out), &report["end"]), (1, &"stopped".into()), "{report}");
+    assert!(report["message"].as_str().unwrap().contains("M80"), "{report}");
+    assert!(errors(&out).contains("stopped"));
+    let (_folder, path) = file("O2006.NC", b"M00\nM30\n");
+    let out = kt830(&["run", &path, "--format", "json"]);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((status(&out), &report["end"]), (0, &"stopped".into()), "M00 ends a run as it is asked to");
 }
 
 #[test]
