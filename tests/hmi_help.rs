@@ -16,9 +16,10 @@ use kt830::defs::kind::{Kind, System};
 use kt830::defs::mcode;
 use kt830::defs::page::Page;
 use kt830::defs::program_error::ProgramError;
+use kt830::defs::soft_key::{ROWS as SOFT_ROWS, row as soft_row};
 use kt830::defs::text::{Lang, Text};
 use kt830::hmi::shot::Stage;
-use kt830::hmi::{HelpSection, Hmi, SOFT_ROWS, help_entries, soft_row};
+use kt830::hmi::{HelpSection, Hmi, help_entries};
 
 fn touch(screen: &mut Screen, label: &str) {
     screen.get_by_label(label).click();

@@ -11,6 +11,7 @@ use crate::defs::kind::Kind;
 use crate::defs::param::{Level, ParamAddress, Params};
 use crate::defs::param_row;
 use crate::defs::signal::Output;
+use crate::defs::soft_key::Coordinates;
 use crate::defs::text::{Said, Text};
 use crate::link::internal::{Internal, InternalSet};
 use crate::link::page_command::{BRIGHTNESS, Guard, PASSWORD_LENGTH, PageAnswer, PageCommand, PageWish};
@@ -30,6 +31,10 @@ const FORM: Text = Text::new("新密码为 4 到 16 位数字", "a new password 
 /// What the core keeps for the pages.
 #[derive(Clone, Debug)]
 pub struct Pages {
+    /// What the position page shows.
+    pub coordinates: Coordinates,
+    /// Which row of soft keys is shown, from 0.
+    pub soft_row: usize,
     /// Which sheet of the grinding page is shown.
     pub sheet: usize,
     /// What the program tells until it tells something else (MSG).
@@ -46,6 +51,8 @@ impl Pages {
     /// At power-on every level is closed.
     pub fn new(kind: Kind, params: &Params) -> Self {
         Self {
+            coordinates: Coordinates::default(),
+            soft_row: 0,
             sheet: 0,
             note: None,
             params: Arc::new(params.clone()),

@@ -54,8 +54,8 @@ pages! {
     Position = "position", "位置", "position",
         "轴在哪里：相对、综合、机床坐标，余移动量，生效的代码和程序段。",
         "Where the axes stand: relative, all, machine; what is left to go, codes in force, the running block.",
-        "相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。",
-        "On RELATIVE, in JOG, press X, Y or Z, then INPUT: the place becomes the axis' dressing point (homed axes only).";
+        "F1 相对、F2 综合、F3 机床。相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。",
+        "F1 RELATIVE, F2 ALL, F3 MACHINE. On RELATIVE, in JOG, press X, Y or Z, then INPUT: the place becomes the axis' dressing point (homed axes only).";
     Grinding = "grinding", "磨削", "grinding",
         "O1001–O1020 的磨削参数：左栏、右栏最多各十项，右边是图；键入的值下一次运行生效。",
         "The values of O1001 to O1020, up to ten in each column beside the picture; the next run grinds to what is typed.",
@@ -186,17 +186,6 @@ impl Page {
             _ => self.title(),
         }
     }
-
-    /// The page of the panel's keys F4 (磨削) and F5 (砂轮修整).
-    #[must_use]
-    pub const fn of_f(kind: Kind, fifth: bool) -> Self {
-        match (kind.face().turns_part, fifth) {
-            (false, false) => Self::Grinding,
-            (false, true) => Self::Dressing,
-            (true, false) => Self::Teach,
-            (true, true) => Self::Tools,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -209,7 +198,6 @@ mod tests {
         assert!(!Page::Grinding.is_on(Kind::Lathe) && !Page::Wheel.is_on(Kind::Lathe));
         for kind in [Kind::Gc, Kind::Gs, Kind::Ga, Kind::Vertical] {
             assert!(Page::Grinding.is_on(kind) && Page::Wheel.is_on(kind) && !Page::Teach.is_on(kind));
-            assert_eq!((Page::of_f(kind, false), Page::of_f(kind, true)), (Page::Grinding, Page::Dressing));
         }
         assert!(Page::ALL.iter().all(|page| Kind::ALL.iter().any(|kind| page.is_on(*kind))));
     }

@@ -33,4 +33,3 @@ pub use app::Hmi;
 pub use help::{HelpEntry, Section as HelpSection, entries as help_entries};
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub use shot::{page_text, shot};
-pub use softkey::{ROWS as SOFT_ROWS, SoftAct, SoftKey, row as soft_row};

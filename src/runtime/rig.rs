@@ -352,6 +352,12 @@ impl Rig {
         self.machine.write(self.now, &OutputImage { set_point_mm: self.image.encoder_mm, ..OutputImage::default() });
     }
 
+    /// Whether the control has power.
+    #[must_use]
+    pub const fn is_powered(&self) -> bool {
+        self.powered
+    }
+
     /// The power comes (again): a cold start with the data so far.
     pub fn power_on(&mut self) {
         self.powered = true;

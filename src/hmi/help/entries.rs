@@ -10,9 +10,9 @@ use crate::defs::kind::Kind;
 use crate::defs::mcode;
 use crate::defs::page::Page;
 use crate::defs::program_error::ProgramError;
+use crate::defs::soft_key::{self, SoftAct};
 use crate::defs::text::{Lang, Said, Text};
 use crate::hmi::keyboard::SHORTCUTS;
-use crate::hmi::softkey::{self, SoftAct};
 
 /// A part of the help.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -158,7 +158,7 @@ pub fn entries(kind: Kind) -> Vec<HelpEntry> {
 }
 
 fn of_page(page: Page, kind: Kind) -> HelpEntry {
-    let keys: Vec<Text> = softkey::row(kind, softkey::row_of(page)).map(|soft| soft.label_on(kind)).collect();
+    let keys: Vec<Text> = soft_key::row(kind, soft_key::row_of(page)).map(|soft| soft.label_on(kind)).collect();
     let list = |text: fn(&Text) -> &'static str| {
         let words = keys.iter().enumerate().map(|(index, label)| format!("F{} {}", index + 1, text(label)));
         words.collect::<Vec<_>>().join(" · ")
@@ -174,8 +174,8 @@ fn of_page(page: Page, kind: Kind) -> HelpEntry {
 }
 
 fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
-    for row in 0..softkey::ROWS.len() {
-        for (index, soft) in softkey::row(kind, row).enumerate() {
+    for row in 0..soft_key::ROWS.len() {
+        for (index, soft) in soft_key::row(kind, row).enumerate() {
             let place = Said::new(
                 format!("▶ 翻到第 {} 行，F{}", row + 1, index + 1),
                 format!("▶ to row {}, then F{}", row + 1, index + 1),

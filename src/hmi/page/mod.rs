@@ -36,7 +36,6 @@ use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::link::Command;
-use position::Shown;
 
 /// What was typed in this frame.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,8 +53,6 @@ pub struct Typed<'a> {
 /// What all the pages keep.
 #[derive(Debug, Default)]
 pub struct Pages {
-    /// Coordinates of the position page.
-    pub shown: Shown,
     /// Value typed on the grinding page.
     pub entry: Entry,
     /// What keys, alarms and codes mean.
@@ -203,7 +200,7 @@ impl Pages {
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
                 let mut out = answers(typed.edits);
-                out.extend(position::ui(ui, rect, view, self.shown));
+                out.extend(position::ui(ui, rect, view));
                 out
             }
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
