@@ -66,7 +66,7 @@ fn table(screen: &mut Screen) -> String {
     screen.step();
     let sent = std::mem::take(&mut screen.state_mut().sent);
     let text = sent.into_iter().find_map(|command| match command {
-        Command::Page(PageCommand::File(FileRequest::Table(text))) => Some(text),
+        Command::Page(PageCommand::File(_, FileRequest::Table(text))) => Some(text),
         _ => None,
     });
     text.unwrap()
@@ -183,4 +183,13 @@ fn k5_17_the_dressings_that_are_left_are_told() {
     screen.step();
     screen.step();
     assert!(!shows(&screen, "2499"));
+    // A smaller one, none of the two ever dressed; then a dressing takes 0.08: 49.92 / 0.08 = 624 more.
+    for (diameter, dressings) in [(450.0, 0.0), (449.92, 1.0)] {
+        let machine = &mut screen.state_mut().snapshot;
+        set(machine, param::WHEEL_DIAMETER, diameter);
+        set(machine, param::DRESSINGS, dressings);
+        screen.step();
+        screen.step();
+    }
+    assert!(left(&screen, "624"));
 }

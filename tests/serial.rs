@@ -17,7 +17,7 @@ use std::time::Duration;
 use kt830::defs::alarm;
 use kt830::defs::kind::Kind;
 use kt830::link::Command;
-use kt830::link::files::{FileAnswer, FileRequest, Refusal};
+use kt830::link::files::{Asker, FileAnswer, FileRequest, Refusal, Ticket};
 use kt830::link::media::{Direction, Set, Transfer};
 use kt830::link::page_command::{Guard, PageCommand, Secret};
 use kt830::runtime::disk::Folders;
@@ -316,7 +316,7 @@ fn l9_a_program_that_cannot_be_stored_or_sent_is_named() {
 fn request(rig: &mut Rig, direction: Direction, names: &[&str]) {
     let names = names.iter().map(|name| (*name).to_owned()).collect();
     let ask = Transfer { set: Set::Serial, direction, names, overwrite: None, convert: None };
-    rig.send(Command::Page(PageCommand::File(FileRequest::Transfer(ask))));
+    rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Transfer), FileRequest::Transfer(ask))));
     (0..4).for_each(|_| rig.step());
 }
 

@@ -39,6 +39,12 @@ impl Question {
         Self { title, body, keys, walk }
     }
 
+    /// Whether a key acts; the last one only closes.
+    #[must_use]
+    pub const fn acts(&self, key: usize) -> bool {
+        key + 1 < self.keys.len()
+    }
+
     /// Draws it; gives the number of the key that was chosen, the last one is 取消.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> Option<usize> {
         ui.interact(rect, Id::unique("question-veil"), Sense::CLICK | Sense::DRAG);

@@ -72,7 +72,7 @@ fn open_office(end: &DiskEnd, folders: &Folders, office: Office, name: &str) -> 
     let spawned = std::thread::Builder::new().name(name.into()).spawn(move || {
         for job in waiting {
             let changed = office.work(&job, &mut |answer| {
-                drop(commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+                drop(commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(job.ticket, answer)))));
             });
             if changed.programs {
                 deliver(&commands, &deliveries, &folders, Changed::Programs);
@@ -116,12 +116,14 @@ fn is_serial(job: &Job) -> bool {
     matches!(&job.request, FileRequest::Transfer(ask) if ask.set == Set::Serial)
 }
 
-/// The office takes a job, or says that it has too many: the disk thread never waits for it.
+/// The office takes a job, or says that it has too many: the disk thread never waits for it. What a page looks at again
+/// by itself needs no answer.
 fn hand_on(end: &DiskEnd, jobs: &Sender<Job>, job: &Job) {
-    if jobs.try_send(job.clone()).is_err() && !matches!(job.request, FileRequest::Look { .. }) {
+    let asked_again = matches!(job.request, FileRequest::Look { .. } | FileRequest::Media);
+    if jobs.try_send(job.clone()).is_err() && !asked_again {
         let busy = Said::new("上一项工作未完成，请稍候", "the work before is not done: wait");
         let answer = FileAnswer::Refused(Refusal::Because(busy));
-        drop(end.commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+        drop(end.commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(job.ticket, answer)))));
     }
 }
 

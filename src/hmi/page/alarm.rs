@@ -15,7 +15,7 @@ use crate::hmi::view::{View, card, fit, moment, paragraph, put};
 use crate::hmi::widget::Look;
 use crate::hmi::{theme, widget};
 use crate::link::Command;
-use crate::link::files::FileRequest;
+use crate::link::files::{Asker, FileRequest, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::link::snapshot::AlarmView;
 
@@ -58,7 +58,8 @@ impl Alarms {
             let look = Look { on: false, locked: past.is_empty() };
             if widget::push(ui, view, key, "alarm-export", view.say("导出 CSV", "EXPORT CSV"), look) && !past.is_empty()
             {
-                out.push(Command::Page(PageCommand::File(FileRequest::Table(table(view.lang, past)))));
+                let (ticket, request) = (Ticket::unheard(Asker::Screen), FileRequest::Table(table(view.lang, past)));
+                out.push(Command::Page(PageCommand::File(ticket, request)));
             }
         }
         let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::PAD), rest.max);

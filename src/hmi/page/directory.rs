@@ -9,6 +9,7 @@ use super::scroll::Scroll;
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
 use crate::defs::text::{Said, Text};
+use crate::hmi::asking::{Asking, Why};
 use crate::hmi::entry::Edit;
 use crate::hmi::keycap::{self, Face};
 use crate::hmi::login::Login;
@@ -20,8 +21,8 @@ use crate::hmi::view::{View, card, fit, frame, put};
 use crate::hmi::widget::{Look, Walk, whole_lines};
 use crate::hmi::{frame as lines, pictogram, theme};
 use crate::link::Command;
-use crate::link::files::{FileRequest, Refusal};
-use crate::link::page_command::{Guard, PageCommand};
+use crate::link::files::{Asker, FileRequest, Refusal};
+use crate::link::page_command::Guard;
 use crate::link::snapshot::{DirectoryRow, RunState};
 
 /// Height of a row.
@@ -39,6 +40,14 @@ enum Deed {
     Delete,
 }
 
+/// A program is to be made, copied, renamed or deleted.
+#[derive(Debug)]
+struct Change;
+
+impl Why for Change {
+    const ASKER: Asker = Asker::Directory;
+}
+
 /// What the page keeps.
 #[derive(Debug, Default)]
 pub struct Directory {
@@ -52,9 +61,9 @@ pub struct Directory {
     /// A request that waits for its answer, or for the password.
     asked: Option<FileRequest>,
     waiting: bool,
+    asking: Asking<Change>,
     walk: Walk,
     on_keys: bool,
-    seen: u32,
     /// The page was just opened: the chosen row is brought into sight.
     reveal: bool,
     /// Programs by name are called by more than O and four digits.
@@ -100,7 +109,7 @@ impl Directory {
 
     fn send(&mut self, out: &mut Vec<Command>) {
         if let Some(request) = &self.asked {
-            out.push(Command::Page(PageCommand::File(request.clone())));
+            out.push(self.asking.ask(Change, request.clone()));
         }
     }
 
@@ -110,17 +119,16 @@ impl Directory {
             self.waiting = false;
             if view.snapshot.access.program { self.send(out) } else { self.asked = None }
         }
-        let files = &view.snapshot.files;
-        if std::mem::replace(&mut self.seen, files.answers) == files.answers || self.asked.is_none() {
+        let Some((Change, answer)) = self.asking.hear(&view.snapshot.files).filter(|_| self.asked.is_some()) else {
             return;
-        }
-        match &files.refused {
-            Some(Refusal::Password) => {
+        };
+        match answer {
+            Err(Refusal::Password) => {
                 self.waiting = true;
                 login.unlock(view, Guard::Program);
                 return;
             }
-            Some(refusal) => {
+            Err(refusal) => {
                 // The number stays, with the reason, to be mended.
                 self.deed = match self.asked {
                     Some(FileRequest::New(_)) => Some(Deed::New),
@@ -130,7 +138,7 @@ impl Directory {
                 };
                 self.typing.refused = Some(refusal.said());
             }
-            None => (self.deed, self.typing) = (None, Typing::default()),
+            Ok(_) => (self.deed, self.typing) = (None, Typing::default()),
         }
         self.asked = None;
     }

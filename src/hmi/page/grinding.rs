@@ -328,7 +328,10 @@ fn name(view: &View<'_>, variable: u16) -> String {
 }
 
 fn text_fault(ui: &Ui, places: &Places, view: &View<'_>, fault: &FileFault) {
-    let what = view.say("页面文件格式错误", "the page file is not of the format");
+    let what = match fault.place {
+        Some(_) => view.say("页面文件格式错误", "the page file is not of the format"),
+        None => view.say("没有可用的页面文件", "there is no page file to show"),
+    };
     lines::title(ui, view, places.title, what);
     empty::show(ui, view, places.body, pictogram::NO_PAGE, &fault.file, "");
     let below = Rect::from_min_max(pos2(places.body.min.x + 8.0, places.body.center().y + 20.0), places.body.max);

@@ -11,13 +11,14 @@ use super::line::LineSide;
 use super::scroll::Scroll;
 use crate::defs::kind::Kind;
 use crate::defs::text::{Said, Text};
+use crate::hmi::asking::{Asking, Why};
 use crate::hmi::login::Login;
 use crate::hmi::question::Question;
 use crate::hmi::view::{View, card, fit, frame, paragraph, put};
 use crate::hmi::widget::{Look, Walk, whole_lines};
 use crate::hmi::{frame as lines, theme};
 use crate::link::Command;
-use crate::link::files::{FileRequest, Refusal};
+use crate::link::files::{Asker, FileRequest, Refusal, Ticket};
 use crate::link::media::{Direction, MediaFile, MediaView, Set, Transfer as Ask};
 use crate::link::page_command::{Guard, PageCommand};
 
@@ -27,6 +28,14 @@ const ROW: f32 = 46.0;
 const KEYS: f32 = 52.0;
 /// Seconds between two looks at the medium while the page is open.
 const LOOK_EVERY: f64 = 2.0;
+
+/// Files are carried.
+#[derive(Debug)]
+struct Carry;
+
+impl Why for Carry {
+    const ASKER: Asker = Asker::Transfer;
+}
 
 /// What the page keeps.
 #[derive(Debug, Default)]
@@ -43,7 +52,7 @@ pub struct Transfer {
     /// The question is whether pictures are to be converted.
     converting: bool,
     told: Option<(Said, bool)>,
-    seen: u32,
+    asking: Asking<Carry>,
     looked: f64,
     /// The RS232 half.
     line: LineSide,
@@ -54,7 +63,8 @@ pub struct Transfer {
 impl Transfer {
     /// The page was opened anew.
     pub fn open(&mut self) {
-        *self = Self { set: self.set, looked: f64::NEG_INFINITY, ..Self::default() };
+        let asking = std::mem::take(&mut self.asking);
+        *self = Self { set: self.set, asking, looked: f64::NEG_INFINITY, ..Self::default() };
     }
 
     /// Whether the numeric pad is wanted.
@@ -128,7 +138,6 @@ impl Transfer {
     }
 
     fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        let files = &view.snapshot.files;
         let access = view.snapshot.access;
         if let Some(guard) = self.waiting.filter(|_| !login.is_open()) {
             self.waiting = None;
@@ -140,25 +149,24 @@ impl Transfer {
                 self.asked = None;
             }
         }
-        if std::mem::replace(&mut self.seen, files.answers) == files.answers || self.asked.is_none() {
+        let Some((Carry, answer)) = self.asking.hear(&view.snapshot.files).filter(|_| self.asked.is_some()) else {
             return;
-        }
+        };
         self.looked = f64::NEG_INFINITY;
-        match &files.refused {
-            None => {
+        match answer {
+            Ok(deed) => {
                 self.asked = None;
                 self.chosen = Default::default();
-                self.told = Some((files.done.clone(), false));
+                self.told = Some((deed.said, false));
             }
-            Some(Refusal::Password | Refusal::Builder) => {
-                let builder = files.refused == Some(Refusal::Builder);
-                let guard = if builder { Guard::Builder } else { Guard::Program };
+            Err(refusal @ (Refusal::Password | Refusal::Builder)) => {
+                let guard = if refusal == Refusal::Builder { Guard::Builder } else { Guard::Program };
                 self.waiting = Some(guard);
                 login.unlock(view, guard);
             }
-            Some(Refusal::Overwrite(names)) => (self.question, self.converting) = (Some(self.overwrite(names)), false),
-            Some(Refusal::Convert(faults)) => (self.question, self.converting) = (Some(conversion(faults)), true),
-            Some(refusal) => {
+            Err(Refusal::Overwrite(names)) => (self.question, self.converting) = (Some(self.overwrite(&names)), false),
+            Err(Refusal::Convert(faults)) => (self.question, self.converting) = (Some(conversion(&faults)), true),
+            Err(refusal) => {
                 self.asked = None;
                 self.told = Some((refusal.said(), true));
             }
@@ -192,7 +200,7 @@ impl Transfer {
     fn again(&mut self, overwrite: Option<bool>, out: &mut Vec<Command>) {
         if let Some(ask) = &mut self.asked {
             ask.overwrite = overwrite;
-            out.push(request(FileRequest::Transfer(ask.clone())));
+            out.push(self.asking.ask(Carry, FileRequest::Transfer(ask.clone())));
         }
     }
 
@@ -218,7 +226,8 @@ impl Transfer {
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP));
             let look = Look { on: set == self.set, locked: false };
             if self.walk.push(ui, view, place, (set.id(), set.name().get(view.lang)), look) && self.asked.is_none() {
-                *self = Self { set, seen: self.seen, looked: self.looked, walk: self.walk, ..Self::default() };
+                let asking = std::mem::take(&mut self.asking);
+                *self = Self { set, asking, looked: self.looked, walk: self.walk, ..Self::default() };
             }
         }
     }
@@ -387,8 +396,9 @@ fn conversion(faults: &[Said]) -> Question {
     Question::new(title, Said::new(list(true), list(false)), ("question-convert", Text::new("转换", "CONVERT")))
 }
 
+/// A request that brings its answer to all who look at it, or none.
 const fn request(request: FileRequest) -> Command {
-    Command::Page(PageCommand::File(request))
+    Command::Page(PageCommand::File(Ticket::unheard(Asker::Transfer), request))
 }
 
 const fn about(set: Set, view: &View<'_>) -> &'static str {

@@ -16,7 +16,7 @@ use crate::defs::signal::Input;
 use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit, length, put};
 use crate::hmi::widget::{Look, Walk};
-use crate::link::files::FileRequest;
+use crate::link::files::{Asker, FileRequest, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
@@ -119,10 +119,8 @@ impl Process {
                 self.dressed = Some(now);
             }
             Some((count, _)) if now.0 < count => (self.taken, self.dressed) = (None, Some(now)),
-            Some((_, diameter)) if now.1 > diameter => self.dressed = Some(now),
-            // The diameter comes before the count is up: the old one stays until then.
-            Some(_) => {}
-            None => self.dressed = Some(now),
+            // Without a dressing it is another wheel, or was measured anew: P97 may be 0 before and after.
+            Some(_) | None => self.dressed = Some(now),
         }
     }
 
@@ -306,7 +304,10 @@ impl Process {
                     self.parts.clear();
                     self.end = None;
                 }
-                _ => out.push(Command::Page(PageCommand::File(FileRequest::Table(self.table())))),
+                _ => out.push(Command::Page(PageCommand::File(
+                    Ticket::unheard(Asker::Screen),
+                    FileRequest::Table(self.table()),
+                ))),
             }
         }
         out
