@@ -139,8 +139,8 @@ pages! {
     Alarm = "alarm", "报警", "alarms",
         "当前报警的原因和处理，以及最近 1000 条历史，断电保留。",
         "The alarms present with cause and remedy, and the last 1000, kept over power-off.",
-        "排除原因后按复位；会自动消失的不用复位。",
-        "Remove the cause, then RESET; some go by themselves.";
+        "排除原因后按复位；会自动消失的不用复位。触摸一行（或 ↑ ↓ 输入）：历史中显示原因、处理和清除方式，再按 ? 打开它的帮助。",
+        "Remove the cause, then RESET; some go by themselves. Touch a row (or ↑ ↓ INPUT): the history tells its cause and remedy; then ? opens its help.";
     Settings = "settings", "设置", "settings",
         "日期时间、语言、颜色、亮度、开关、密码、机型。",
         "Date and time, language, colours, brightness, switches, passwords, kind of machine.",

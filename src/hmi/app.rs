@@ -258,7 +258,7 @@ impl Hmi {
     fn turn_help(&mut self, view: &View<'_>) {
         self.help = !self.help && view.snapshot.page != Page::Help;
         if self.help {
-            self.pages.help.open(view, view.snapshot.page);
+            self.pages.open_help(view);
         }
     }
 

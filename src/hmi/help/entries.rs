@@ -78,6 +78,13 @@ pub enum About {
     Code,
 }
 
+impl About {
+    /// An alarm of any number; those that programs raise by `#3000` share one entry.
+    pub(super) fn alarm(number: u16) -> Self {
+        Self::Alarm(number.min(alarm::USER_FIRST))
+    }
+}
+
 /// One entry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HelpEntry {

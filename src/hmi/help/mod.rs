@@ -47,18 +47,23 @@ pub struct Help {
 }
 
 impl Help {
-    /// Opens at what the operator looks at: the open page; on the alarm page the first alarm.
-    pub fn open(&mut self, view: &View<'_>, page: Page) {
+    /// Opens at an alarm, else at a page.
+    pub fn open(&mut self, view: &View<'_>, page: Page, alarm: Option<u16>) {
         self.fill(view);
         (self.map, self.searching) = (false, false);
         self.search.clear();
-        let alarm = view.snapshot.alarms.first().filter(|_| page == Page::Alarm);
         let (section, about) = match alarm {
-            Some(alarm) => (Section::Alarms, About::Alarm(alarm.number.min(crate::defs::alarm::USER_FIRST))),
+            Some(number) => (Section::Alarms, About::alarm(number)),
             None => (Section::Pages, About::Page(page)),
         };
         self.turn(section);
         self.cursor = self.listed.iter().position(|index| self.all[*index].about == about).unwrap_or(0);
+    }
+
+    /// What there is on an alarm.
+    #[must_use]
+    pub fn alarm(&self, number: u16) -> Option<&HelpEntry> {
+        self.all.iter().find(|entry| entry.about == About::alarm(number))
     }
 
     /// Whether words are being typed.
