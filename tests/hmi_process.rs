@@ -18,7 +18,7 @@ use kt830::defs::param::{self, Number};
 use kt830::link::Command;
 use kt830::link::files::FileRequest;
 use kt830::link::page_command::PageCommand;
-use kt830::units::Micros;
+use kt830::units::{Axis, Micros};
 
 /// A machine that measures into #540, nominal #541 = 40, +0.010 −0.005.
 fn measuring() -> Screen {
@@ -192,4 +192,45 @@ fn k5_17_the_dressings_that_are_left_are_told() {
         screen.step();
     }
     assert!(left(&screen, "624"));
+}
+
+#[test]
+fn process_the_table_has_columns_for_what_the_machine_has() {
+    let mut screen = measuring();
+    pass(&mut screen, 1);
+    let both = table(&mut screen);
+    assert!(both.starts_with("seconds,X,Z,feed_mm_min,wheel_load_percent,gauges\r\n"), "{both}");
+    let columns = both.split("\r\n").next().unwrap().split(',').count();
+    assert!(both.split("\r\n").take(5).all(|line| line.split(',').count() == columns), "{both}");
+    // A machine that has a Y, and no signal of the load: its column stays empty.
+    let machine = &mut screen.state_mut().snapshot;
+    machine.axes[Axis::Y] = machine.axes[Axis::X];
+    machine.simulated = None;
+    pass(&mut screen, 1);
+    let three = table(&mut screen);
+    assert!(three.starts_with("seconds,X,Y,Z,feed_mm_min,wheel_load_percent,gauges\r\n"), "{three}");
+    let last = three.split("\r\n\r\n").next().unwrap().lines().last().unwrap();
+    let cells: Vec<&str> = last.split(',').collect();
+    assert_eq!((cells.len(), cells[5]), (7, ""), "{last}");
+}
+
+#[test]
+fn b6_what_was_recorded_is_cleared_only_when_asked() {
+    let mut screen = measuring();
+    finish(&mut screen, 40.0);
+    pass(&mut screen, 2);
+    let touch = |screen: &mut Screen, label: &str| {
+        screen.get_by_label(label).click();
+        screen.step();
+        screen.step();
+    };
+    touch(&mut screen, "清除 process-clear");
+    assert!(shows(&screen, "清除过程数据？") && shows(&screen, "1 个工件"));
+    touch(&mut screen, "取消 question-no");
+    let kept = table(&mut screen).lines().count();
+    assert!(kept > 20, "{kept}");
+    touch(&mut screen, "清除 process-clear");
+    touch(&mut screen, "清除 question-clear");
+    let left = table(&mut screen).lines().count();
+    assert!(left < 10, "{left} lines");
 }
