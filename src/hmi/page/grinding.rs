@@ -22,6 +22,8 @@ const SIDE_BY_SIDE: f32 = 236.0;
 const VALUE: f32 = 104.0;
 /// Height of a field from which label and value stand one above the other in their usual sizes.
 const STACKED: f32 = 46.0;
+/// The same for smaller ones.
+const CLOSE: f32 = 36.0;
 
 /// Draws the page; what was typed comes in as edits.
 pub fn ui(
@@ -188,6 +190,8 @@ enum Way {
     Stacked,
     /// One above the other in smaller sizes, where a field is too low for more.
     Close,
+    /// The same where it is lower still: in the preview of a page.
+    Tight,
 }
 
 impl Way {
@@ -200,10 +204,11 @@ impl Way {
             ui.painter().layout_no_wrap(label_of(view, row), font, view.theme.text).size().x <= room
         };
         let beside = width >= SIDE_BY_SIDE && columns.into_iter().flatten().flatten().all(fits);
-        match (beside, height >= STACKED) {
-            (true, _) => Self::Beside,
-            (false, true) => Self::Stacked,
-            (false, false) => Self::Close,
+        match beside {
+            true => Self::Beside,
+            false if height >= STACKED => Self::Stacked,
+            false if height >= CLOSE => Self::Close,
+            false => Self::Tight,
         }
     }
 }
@@ -217,16 +222,28 @@ pub fn preview(
     files: Option<&ScreenFiles>,
     texture: Option<TextureId>,
 ) {
-    let (middle, picture) = rect.split_left_right_at_x(rect.max.x - theme::PICTURE.x - 2.0);
-    let middle = Rect::from_min_max(middle.min, middle.max - vec2(theme::GAP, 0.0));
+    let columns = [&text.left, &text.right];
+    let split = |scale: f32| {
+        let (middle, picture) = rect.split_left_right_at_x(rect.max.x - theme::PICTURE.x * scale - 2.0);
+        (Rect::from_min_max(middle.min, middle.max - vec2(theme::GAP, 0.0)), picture)
+    };
+    // On its page every label has its room: where the preview has less, the picture makes way.
+    let fits = |middle: Rect| {
+        let room = (middle.width() - theme::GAP) / 2.0 - 16.0;
+        let font = theme::font(theme::SMALL);
+        let width =
+            |row: &Row| ui.painter().layout_no_wrap(label_of(view, row), font.clone(), view.theme.text).size().x;
+        columns.into_iter().flatten().flatten().all(|row| width(row) <= room)
+    };
+    let scale = [1.0, 0.75, 0.5].into_iter().find(|scale| fits(split(*scale).0)).unwrap_or(0.5);
+    let (middle, picture) = split(scale);
     let (title, body) = middle.split_top_bottom_at_y(middle.min.y + 34.0);
     lines::title(ui, view, title, &heading(view, text));
-    let columns = [&text.left, &text.right];
     let way = Way::of(ui, view, body, columns);
     for (place, row) in field_places(body, columns) {
         field(ui, place, view, (row, way), (None, false));
     }
-    show_picture(ui, picture, view, files, texture);
+    show_picture(ui, Rect::from_min_size(picture.min, theme::PICTURE * scale), view, files, texture);
 }
 
 /// The title as the page shows it (K7.2).
@@ -239,13 +256,17 @@ fn heading(view: &View<'_>, text: &PageText) -> String {
 fn field(ui: &Ui, place: Rect, view: &View<'_>, (row, way): (&Row, Way), (chosen, pressed): (Option<&Entry>, bool)) {
     let painter = ui.painter();
     keycap::plate(painter, view.theme, place, keycap::Face { pressed, ..keycap::Face::default() });
-    let inside = place.shrink2(vec2(8.0, if way == Way::Close { 2.0 } else { 3.0 }));
+    let (edge, small, large) = match way {
+        Way::Beside | Way::Stacked => (3.0, theme::LABEL, theme::SECONDARY),
+        Way::Close => (2.0, theme::SMALL, theme::TITLE),
+        Way::Tight => (1.0, theme::SMALL, theme::LABEL),
+    };
+    let inside = place.shrink2(vec2(8.0, edge));
     let (label, value) = match way {
         Way::Beside => inside.split_left_right_at_x(inside.max.x - VALUE),
         Way::Stacked | Way::Close => inside.split_top_bottom_at_fraction(0.46),
+        Way::Tight => inside.split_top_bottom_at_fraction(0.5),
     };
-    let (small, large) =
-        if way == Way::Close { (theme::SMALL, theme::TITLE) } else { (theme::LABEL, theme::SECONDARY) };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.quiet };
     fit(painter, label, Align2::LEFT_CENTER, &label_of(view, row), small, ink);
     let (words, colour) = match chosen {
@@ -293,7 +314,8 @@ fn input_line(ui: &Ui, rect: Rect, view: &View<'_>, entry: &Entry, columns: [&[O
 
 fn show_picture(ui: &Ui, rect: Rect, view: &View<'_>, files: Option<&ScreenFiles>, texture: Option<TextureId>) {
     let painter = ui.painter();
-    let place = Rect::from_min_size(rect.min, theme::PICTURE + vec2(2.0, 2.0));
+    let scale = (rect.width() / theme::PICTURE.x).min(1.0);
+    let place = Rect::from_min_size(rect.min, theme::PICTURE * scale + vec2(2.0, 2.0));
     card(painter, place, view.theme.surface, view.theme.line);
     let full = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
     if let Some(texture) = texture {

@@ -89,7 +89,7 @@ pub struct Designer {
     reading: Reading,
     /// The version of the document that was read.
     read: Option<(u32, u64, u64)>,
-    scroll: Scroll,
+    place: listing::Place,
     list: Scroll,
     /// The chosen row of the list on the right.
     row: usize,
@@ -317,6 +317,8 @@ impl Designer {
                 self.act(act, view, out);
             }
         }
+        // What is typed is for the text, wherever Tab has led: nothing of it is lost.
+        self.on_keys &= !typed.text.contains(|sign: char| !sign.is_control() && sign != ' ');
         let text = self.editing && !self.on_keys;
         self.walk.begin(if text { &[] } else { typed.edits });
         if text {
@@ -339,10 +341,11 @@ impl Designer {
     fn sign(&mut self, sign: char) {
         self.told = None;
         self.document.type_sign(sign);
-        self.scroll.by_hand = false;
+        self.place.scroll.by_hand = false;
     }
 
     fn letter(&mut self, letter: &Letter) {
+        self.on_keys = false;
         match letter {
             Letter::Sign(sign) => self.sign(*sign),
             Letter::Word(word) => word.chars().for_each(|sign| self.sign(sign)),
@@ -354,7 +357,7 @@ impl Designer {
     fn edit(&mut self, edit: Edit) {
         self.told = None;
         if self.document.edit(edit) {
-            self.scroll.by_hand = false;
+            self.place.scroll.by_hand = false;
         }
     }
 
@@ -373,7 +376,7 @@ impl Designer {
         let count = |words: &str, count: usize| {
             if count > 0 { format!("{words} {count}") } else { words.trim_end_matches(['缺', ' ']).to_owned() }
         };
-        let missing = self.variables().iter().filter(|row| row.missing).count();
+        let missing = self.variables(view).iter().filter(|row| row.missing).count();
         let keys = [
             ("page-preview", view.say("预览", "PREVIEW").to_owned()),
             ("page-variables", count(view.say("变量 缺", "VARS"), missing)),

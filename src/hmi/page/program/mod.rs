@@ -293,6 +293,8 @@ impl Program {
     }
 
     fn letter(&mut self, letter: &Letter, out: &mut Vec<Command>) {
+        // The letters are for the text, wherever Tab has led.
+        self.on_keys = false;
         match letter {
             Letter::Sign(sign) => self.sign(*sign),
             Letter::Word(word) => word.chars().for_each(|sign| self.sign(sign)),
@@ -398,10 +400,12 @@ impl Program {
         if !self.place.scroll.by_hand {
             let followed = if self.editing || !current || program.line == 0 { line } else { program.line as usize - 1 };
             self.place.scroll.show(followed, list, LINE);
-            self.scroll_sideways(column, list);
+            let room = list.width() - listing::NUMBER;
+            self.place.follow_cursor(ui.painter(), &self.document.rope, (line, column), room);
         }
         let tap = ui.interact(list, Id::unique("listing-tap"), Sense::CLICK);
         let (first, last) = self.place.scroll.follow(ui, "listing", list, LINE, count);
+        self.place.drag(ui, "listing", &self.document.rope, first..last.min(count));
         if tap.clicked()
             && let Some(at) = tap.interact_pointer_pos()
         {
@@ -430,17 +434,6 @@ impl Program {
     fn come_into_sight(&mut self, sight: std::ops::Range<usize>, running: Option<usize>) {
         if !sight.contains(&self.document.place().0) {
             self.document.go(running.filter(|line| sight.contains(line)).unwrap_or(sight.start), 0);
-        }
-    }
-
-    /// A column right of the page brings the text along.
-    fn scroll_sideways(&mut self, column: usize, list: Rect) {
-        let columns = ((list.width() - listing::NUMBER) / 11.0).max(10.0) as usize;
-        if column < self.place.left || column + 4 > self.place.left + columns {
-            self.place.left = column.saturating_sub(columns / 2);
-        }
-        if column < columns.saturating_sub(4) {
-            self.place.left = 0;
         }
     }
 
