@@ -13,7 +13,8 @@ use kt830::defs::key::{Group, Key};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
-use kt830::hmi::layout::{PanelLayout, Regions, panel};
+use kt830::hmi::layout::Regions;
+use kt830::hmi::panel::places::{PanelLayout, places as panel};
 use kt830::hmi::shot::Stage;
 use kt830::hmi::{Hmi, SHORTCUTS};
 use kt830::link::Command;
@@ -159,7 +160,7 @@ fn k2_1_the_help_page_tells_the_physical_key_of_every_key_of_the_kind() {
 
 #[test]
 fn k2_1_direction_keys_lie_in_the_kinds_own_arrangement() {
-    use kt830::hmi::layout::jog_places;
+    use kt830::hmi::panel::places::jog_places;
     let at = |kind, column, row| {
         let places = jog_places(kind);
         places.into_iter().find(|(_, x, y)| (*x, *y) == (column, row)).map(|(key, ..)| key)

@@ -148,8 +148,8 @@ fn k5_12_a_picture_of_another_form_is_named_and_converted() {
     let bytes = fs::read(shop.path("screens/B0003.BMP")).unwrap();
     assert_eq!(bytes.len(), 240_054);
     let picture = kt830::runtime::disk::parse_picture("B0003.BMP", &bytes).unwrap();
-    let pixel = |x: usize, y: usize| &picture.rgb[(y * 200 + x) * 3..][..3];
-    assert_eq!((pixel(100, 200), pixel(100, 10)), (&[255, 0, 0][..], &[255, 255, 255][..]));
+    let picture = image::load_from_memory(&picture.0).unwrap().into_rgb8();
+    assert_eq!((picture.get_pixel(100, 200).0, picture.get_pixel(100, 10).0), ([255, 0, 0], [255, 255, 255]));
 }
 
 #[test]

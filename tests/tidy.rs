@@ -152,6 +152,34 @@ fn files_and_functions_are_short() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Where a kind or a language may be named: what differs from one to the other stands there as data or as a dialect.
+const NAMES_KINDS: &[&str] = &["machine/kind/", "nc/dialect/", "defs/", "hmi/panel/"];
+
+#[test]
+fn kinds_and_languages_are_told_apart_in_their_rooms_alone() {
+    let variants = |of: &str, names: &[&str]| names.iter().map(|name| format!("{of}::{name}")).collect::<Vec<_>>();
+    let kinds = ["Gc", "Gs", "Ga", "Vertical", "Lathe"];
+    let systems = ["LatheA", "Mill", "Sinumerik", "SuperMan"];
+    let named = [variants("Kind", &kinds), variants("System", &systems)].concat();
+    let mut wrong = Vec::new();
+    for (name, text) in rooms() {
+        let told = NAMES_KINDS.iter().find(|room| name.starts_with(**room));
+        for (number, line) in text.lines().enumerate() {
+            let code = line.split("//").next().unwrap_or_default();
+            for variant in &named {
+                let found = code.split(variant.as_str()).skip(1).any(|rest| {
+                    // Neither a longer name nor another enumeration's variant.
+                    !rest.starts_with(|sign: char| sign.is_alphanumeric() || sign == '_')
+                });
+                if found && told.is_none() {
+                    wrong.push(format!("{name}:{}: {variant}", number + 1));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
 fn colours_stand_in_the_theme_alone() {
     let mut wrong = Vec::new();

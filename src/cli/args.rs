@@ -32,7 +32,7 @@ pub struct Shared {
     #[arg(long = "kind", global = true, value_name = "KIND", value_parser = kind)]
     pub kind_asked: Option<Kind>,
     /// The kind that holds: asked for, else stored, else gc.
-    #[arg(skip = Kind::Gc)]
+    #[arg(skip)]
     pub kind: Kind,
     /// Folder of retained data [default: the platform's data directory]
     #[arg(long, global = true, value_name = "DIR")]

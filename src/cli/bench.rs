@@ -5,7 +5,6 @@ use std::path::Path;
 use super::CallError;
 use super::args::Shared;
 use crate::controller::Retained;
-use crate::defs::kind::Kind;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::nc::Memory;
@@ -30,7 +29,7 @@ pub fn settle(mut shared: Shared, opens_control: bool) -> Result<Shared, CallErr
     } else {
         Settings::default()
     };
-    shared.kind = shared.kind_asked.or(stored.kind).unwrap_or(Kind::Gc);
+    shared.kind = shared.kind_asked.or(stored.kind).unwrap_or_default();
     shared.lang = shared.lang_asked.or(stored.lang).unwrap_or_default();
     shared.light = stored.light.unwrap_or_default();
     shared.brightness = stored.brightness.unwrap_or(shared.brightness);

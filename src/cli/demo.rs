@@ -7,18 +7,17 @@ use std::path::Path;
 use super::args::{Demo, Shared};
 use super::play::{Story, story};
 use super::{CallError, FAILED, FINE, bench, out};
-use crate::defs::kind::Kind;
 use crate::runtime::rig::Rig;
 use crate::story::{Player, Statement, parse, play::around};
 
 /// The story that comes along.
 const USUAL: &str = include_str!("../../assets/stories/first_part.story");
-/// Those of kinds that have one of their own, where the kind is asked for.
-const OF_KIND: &[(Kind, &str)] = &[
-    (Kind::Gs, include_str!("../../assets/stories/first_part_gs.story")),
-    (Kind::Ga, include_str!("../../assets/stories/first_part_ga.story")),
-    (Kind::Vertical, include_str!("../../assets/stories/vertical.story")),
-    (Kind::Lathe, include_str!("../../assets/stories/shaft.story")),
+/// Those of the other kinds, where one is asked for; each says itself whose it is.
+const OTHERS: [&str; 4] = [
+    include_str!("../../assets/stories/first_part_gs.story"),
+    include_str!("../../assets/stories/first_part_ga.story"),
+    include_str!("../../assets/stories/vertical.story"),
+    include_str!("../../assets/stories/shaft.story"),
 ];
 
 /// Plays the story.
@@ -29,9 +28,14 @@ pub fn demo(shared: &Shared, call: &Demo) -> Result<u8, CallError> {
     let told = match &call.story {
         Some(path) => story(path, shared.kind)?,
         None => {
-            let own = OF_KIND.iter().find(|(kind, _)| shared.kind_asked == Some(*kind));
-            let (kind, lines) = parse(own.map_or(USUAL, |(_, text)| text), shared.kind).map_err(CallError::new)?;
-            Story { kind, lines }
+            let mut told = parse(USUAL, shared.kind).map_err(CallError::new)?;
+            for other in OTHERS {
+                let (kind, lines) = parse(other, shared.kind).map_err(CallError::new)?;
+                if shared.kind_asked == Some(kind) {
+                    told = (kind, lines);
+                }
+            }
+            Story { kind: told.0, lines: told.1 }
         }
     };
     let shared = Shared { kind: told.kind, ..shared.clone() };

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::offsets::in_range;
 use super::oscillation::{LEAST_STROKE_MM, Stroke};
 use super::run::{Act, Item, MCall, PlannedMove, Speed, within};
-use crate::defs::kind::System;
+use crate::defs::kind::{Kind, System};
 use crate::defs::mcode;
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
@@ -70,7 +70,7 @@ impl Planned {
             oscillating: None,
             homed: true,
             bounded: true,
-            system: System::LatheA,
+            system: Kind::default().system(),
             path,
         }
     }

@@ -2,6 +2,7 @@
 
 use super::kind::Kind;
 use super::text::Text;
+use crate::units::Axis;
 
 /// The words and figures of a kind.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +23,30 @@ pub struct Face {
     pub codes: &'static [Text],
     /// The third and later rows of its signs hold the macro language's.
     pub macros: bool,
+}
+
+/// A form that is ground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Diameters, cones and shoulders of a part that turns.
+    Outside,
+    /// A bore of a part that turns.
+    Bore,
+    /// Planes and walls of a part on a table that goes to and fro.
+    Flat,
+    /// A plane of a part on a table that turns.
+    Ring,
+}
+
+/// How a wheel stands in a drawing.
+#[derive(Clone, Copy, Debug)]
+pub struct WheelPose {
+    /// The axis towards which the body lies.
+    pub body: Axis,
+    /// The axis along its spindle.
+    pub spindle: Axis,
+    /// The position is that of its centre (S4), not of its foremost point.
+    pub by_centre: bool,
 }
 
 const fn same(word: &'static str) -> Text {
@@ -81,6 +106,41 @@ impl Kind {
             Self::Gc | Self::Gs | Self::Ga | Self::Vertical => &GRINDER,
             Self::Lathe => &LATHE,
         }
+    }
+
+    /// The planes of its drawings, rightwards and upwards, the usual one first.
+    #[must_use]
+    pub const fn planes(self) -> &'static [(Axis, Axis)] {
+        match self {
+            // Seen from above: Z along the part, X to the wheel.
+            Self::Gc | Self::Lathe => &[(Axis::Z, Axis::X)],
+            Self::Gs => &[(Axis::X, Axis::Y), (Axis::Z, Axis::Y), (Axis::X, Axis::Z)],
+            Self::Ga | Self::Vertical => &[(Axis::X, Axis::Z)],
+        }
+    }
+
+    /// What it grinds.
+    #[must_use]
+    pub const fn grinds(self) -> &'static [Form] {
+        match self {
+            Self::Gc => &[Form::Outside],
+            Self::Gs => &[Form::Flat],
+            Self::Ga => &[Form::Ring],
+            Self::Vertical => &[Form::Outside, Form::Bore],
+            Self::Lathe => &[],
+        }
+    }
+
+    /// How its wheel stands in a drawing; none where tools cut.
+    #[must_use]
+    pub const fn wheel_pose(self) -> Option<WheelPose> {
+        let (body, spindle) = match self {
+            Self::Gc | Self::Vertical => (Axis::X, Axis::Z),
+            Self::Gs => (Axis::Y, Axis::Z),
+            Self::Ga => (Axis::Z, Axis::X),
+            Self::Lathe => return None,
+        };
+        Some(WheelPose { body, spindle, by_centre: matches!(self, Self::Vertical) })
     }
 
     /// The program that pictures of its pages are taken with.

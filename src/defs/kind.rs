@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::text::Text;
 
 /// A kind of machine, chosen at start and kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Kind {
-    /// KT-830GC, cylindrical grinder.
+    /// KT-830GC, cylindrical grinder; what a control is that nothing was said to.
+    #[default]
     Gc,
     /// KT-830GS, surface grinder.
     Gs,
@@ -98,6 +99,35 @@ impl Kind {
             Self::Ga => Text::new("KT-830GA 圆台磨床", "KT-830GA rotary table grinder"),
             Self::Vertical => Text::new("立式车磨床 802D", "vertical lathe-grinder 802D"),
             Self::Lathe => Text::new("超人车床", "SuperMan lathe"),
+        }
+    }
+}
+
+impl System {
+    /// Milling words: G90 and G91 are modal (GS, GA).
+    #[must_use]
+    pub const fn is_mill(self) -> bool {
+        matches!(self, Self::Mill)
+    }
+
+    /// Its G codes are those of the customer's tables; the others have words of their own.
+    #[must_use]
+    pub const fn is_grinder(self) -> bool {
+        matches!(self, Self::LatheA | Self::Mill)
+    }
+
+    /// R and a number is a parameter, and round brackets are part of expressions (S1).
+    #[must_use]
+    pub const fn has_r_parameters(self) -> bool {
+        matches!(self, Self::Sinumerik)
+    }
+
+    /// What a new program of this number begins with.
+    #[must_use]
+    pub fn new_text(self, number: u32) -> String {
+        match self {
+            Self::SuperMan => "N0010M02\r\n".to_owned(),
+            Self::LatheA | Self::Mill | Self::Sinumerik => format!("O{number:04}\r\n\r\nM30\r\n"),
         }
     }
 }

@@ -8,10 +8,11 @@ use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, 
 use super::entry::Entry;
 use super::frame::Touched;
 use super::keyboard::{self, Asked};
-use super::layout::{self, PanelLayout, Regions};
+use super::layout::Regions;
 use super::page::position::Shown;
 use super::page::{Pages, Typed};
 use super::panel::Panel;
+use super::panel::places::{PanelLayout, places};
 use super::press::Presses;
 use super::softkey::{self, Pressed, SoftAct};
 use super::theme::{self, Theme};
@@ -130,7 +131,7 @@ impl Hmi {
         let (light, brightness) = (self.light, self.brightness);
         let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: &clock, blink };
         let regions = Regions::new(ui.max_rect());
-        let panel = layout::panel(snapshot.kind, regions.panel, regions.portrait);
+        let panel = places(snapshot.kind, regions.panel, regions.portrait);
         let shown = if self.help { Page::Help } else { snapshot.page };
         let words = self.pages.takes_words(shown) && !snapshot.state.moves();
         let asked = keyboard::read(ui, snapshot.kind, words);
@@ -325,9 +326,7 @@ impl Hmi {
 }
 
 fn load(ctx: &egui::Context, picture: &Arc<Picture>) -> Option<(Arc<Picture>, TextureHandle)> {
-    if picture.rgb.len() != picture.width * picture.height * 3 || picture.rgb.is_empty() {
-        return None;
-    }
-    let image = ColorImage::from_rgb([picture.width, picture.height], &picture.rgb);
+    let rgb = image::load_from_memory_with_format(&picture.0, image::ImageFormat::Png).ok()?.into_rgb8();
+    let image = ColorImage::from_rgb([rgb.width() as usize, rgb.height() as usize], &rgb);
     Some((Arc::clone(picture), ctx.load_texture("page picture", image, TextureOptions::LINEAR)))
 }

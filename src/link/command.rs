@@ -123,16 +123,9 @@ pub struct ScreenFiles {
     pub picture: Result<Arc<Picture>, FileFault>,
 }
 
-/// A page picture: 200 × 400, 24 bit.
+/// A page picture: 200 × 400, 24 bit, as the bytes of a PNG: those of all programs stay in memory, one is painted.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
-    /// Width in pixels.
-    pub width: usize,
-    /// Height in pixels.
-    pub height: usize,
-    /// Red, green, blue of each pixel, top row first.
-    pub rgb: Vec<u8>,
-}
+pub struct Picture(pub Vec<u8>);
 
 /// What is wrong with a file of the screens folder: file, line where there is one, cause and remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! What stays in force from block to block. Source: spec B2, B3 (#4001…).
 
-use super::dialect::RepeatWords;
+use super::dialect::{self, RepeatWords, Spelling};
 use super::op::{Feed, PathMode, Plane, SpeedMode};
 use super::settings::{Settings, SpeedUnit, System};
 use crate::units::PerAxis;
@@ -165,11 +165,7 @@ impl Modals {
     /// The G codes in force, in the order in which the pages show them.
     #[must_use]
     pub fn g_codes(&self, system: System) -> [u8; 8] {
-        let modal_distance = !matches!(system, System::LatheA | System::SuperMan);
-        let [per_minute, per_rev, inch, metric, exact] = match system {
-            System::LatheA | System::Mill | System::SuperMan => [98, 99, 20, 21, 61],
-            System::Sinumerik => [94, 95, 70, 71, 60],
-        };
+        let Spelling { modal_distance, per_minute, per_rev, inch, metric, exact } = dialect::spelling(system);
         [
             self.motion.g(),
             self.plane.g(),

@@ -83,61 +83,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// GC as it leaves the factory: X (diameter) and Z.
-    #[must_use]
-    pub fn lathe() -> Self {
-        Self {
-            system: System::LatheA,
-            diameter: true,
-            axes: PerAxis([true, false, true]),
-            least_increment_mm: None,
-            inch: false,
-            tolerance_mm: 0.01,
-            arc_tolerance_mm: 0.01,
-            speed_unit: SpeedUnit::Rpm,
-            jump_input: 0,
-            tools: 16,
-            exact_stop: false,
-            zero_at_start: false,
-            numbered: false,
-            turning: Turning::default(),
-            oscillation_by_cylinder: false,
-            rapid_mm_min: PerAxis([6_000.0; 3]),
-        }
-    }
-
-    /// GS and GA as they leave the factory: X, Y, Z in radius.
-    #[must_use]
-    pub fn mill() -> Self {
-        Self { system: System::Mill, diameter: false, axes: PerAxis([true; 3]), ..Self::lathe() }
-    }
-
-    /// The vertical lathe-grinder as it leaves the factory: X (diameter) and Z.
-    #[must_use]
-    pub fn sinumerik() -> Self {
-        Self { system: System::Sinumerik, exact_stop: true, ..Self::lathe() }
-    }
-
-    /// The 超人 lathe as it leaves the factory: X (diameter) and Z.
-    #[must_use]
-    pub fn superman() -> Self {
-        let tools = 4;
-        Self { system: System::SuperMan, exact_stop: true, zero_at_start: true, numbered: true, tools, ..Self::lathe() }
-    }
-
-    /// As a machine with programs of this language leaves the factory.
-    #[must_use]
-    pub fn of(system: System) -> Self {
-        match system {
-            System::LatheA => Self::lathe(),
-            System::Mill => Self::mill(),
-            System::Sinumerik => Self::sinumerik(),
-            System::SuperMan => Self::superman(),
-        }
-    }
-
     #[inline]
     pub(crate) fn is_mill(&self) -> bool {
-        self.system == System::Mill
+        self.system.is_mill()
     }
 }

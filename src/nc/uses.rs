@@ -38,8 +38,7 @@ fn split(text: &str, system: System) -> (String, String) {
     let (mut code, mut comment) = (String::with_capacity(text.len()), String::new());
     let (mut depth, mut quoted) = (0_u32, false);
     let mut signs = text.chars().peekable();
-    // On the SINUMERIK round brackets are part of expressions.
-    let brackets = system != System::Sinumerik;
+    let brackets = !system.has_r_parameters();
     while let Some(sign) = signs.next() {
         match sign {
             '"' | '“' | '”' => quoted = !quoted,
@@ -67,7 +66,7 @@ fn look(found: &mut Uses, code: &str, comment: &str, place: (u32, u32), system: 
     while at < bytes.len() {
         let letter = bytes[at];
         let before = at.checked_sub(1).map_or(b' ', |before| bytes[before]);
-        let starts = letter == b'#' || (letter == b'R' && system == System::Sinumerik && !before.is_ascii_alphabetic());
+        let starts = letter == b'#' || (letter == b'R' && system.has_r_parameters() && !before.is_ascii_alphabetic());
         let digits = bytes[at + 1..].iter().take_while(|byte| byte.is_ascii_digit()).count();
         if starts && digits > 0 {
             let end = at + 1 + digits;

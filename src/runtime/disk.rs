@@ -320,6 +320,11 @@ pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
     let decoded = ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Bmp)
         .decode()
         .map_err(|error| fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}")))?;
-    let rgb = decoded.to_rgb8();
-    Ok(Picture { width: rgb.width() as usize, height: rgb.height() as usize, rgb: rgb.into_raw() })
+    let mut png = Vec::new();
+    decoded
+        .to_rgb8()
+        .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
+        .map_err(|error| fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}")))?;
+    png.shrink_to_fit();
+    Ok(Picture(png))
 }

@@ -22,7 +22,6 @@ use super::transfer::{self, Carrier};
 use crate::controller::Programs;
 use crate::controller::files::Job;
 use crate::defs::date::Date;
-use crate::defs::kind::System;
 use crate::defs::program;
 use crate::defs::text::{Lang, Said};
 use crate::link::files::{FileAnswer, FileRequest, LineFault, Looked, Refusal};
@@ -358,10 +357,7 @@ fn new(folder: &Folder, number: u32, settings: &Settings) -> Result<FileAnswer, 
             )));
         }
     }
-    let text = match settings.system {
-        System::SuperMan => "N0010M02\r\n".to_owned(),
-        System::LatheA | System::Mill | System::Sinumerik => format!("O{number:04}\r\n\r\nM30\r\n"),
-    };
+    let text = settings.system.new_text(number);
     folder.write(&PROGRAM, file, text.as_bytes()).map_err(|error| refused(&error))?;
     Ok(FileAnswer::Done(Said::new(format!("O{number:04} 已新建"), format!("O{number:04} is new"))))
 }

@@ -32,7 +32,7 @@ const SNAPSHOTS_PER_SECOND: u64 = 60;
 /// More ticks behind than this are given up and time is counted anew.
 const CATCH_UP: u64 = 50;
 /// Ticks of a simulated machine done at one waking.
-const BUNDLE: u64 = 8;
+const BUNDLE: u64 = 16;
 /// Ticks late in a row that stop a real machine.
 const LATE_IN_A_ROW: u32 = 10;
 /// Real-time priority, SCHED_FIFO.

@@ -44,11 +44,14 @@ pub fn picture(file: &'static str) -> Arc<Picture> {
     Arc::clone(read.entry(file).or_insert_with(|| read_picture(file)))
 }
 
+#[allow(clippy::unwrap_used, reason = "a test driver: a failure is the message")]
 fn read_picture(file: &str) -> Arc<Picture> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("screens").join(file);
-    let (width, height) = (200, 400);
-    let rgb = image::open(path).map_or_else(|_| vec![40; width * height * 3], |read| read.to_rgb8().into_raw());
-    Arc::new(Picture { width, height, rgb })
+    let rgb = image::open(path)
+        .map_or_else(|_| image::RgbImage::from_pixel(200, 400, image::Rgb([40; 3])), |read| read.to_rgb8());
+    let mut png = Vec::new();
+    rgb.write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png).unwrap();
+    Arc::new(Picture(png))
 }
 
 /// The page text of O1001 in the page designer: one variable is missing on it, one is not used.

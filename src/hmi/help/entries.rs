@@ -6,7 +6,7 @@ use crate::defs::alarm::{self, ALARMS, Reaction, ResetRule};
 use crate::defs::dialect_word;
 use crate::defs::gcode::{Exists, G_CODES, Group};
 use crate::defs::key::{self, Key};
-use crate::defs::kind::{Kind, System};
+use crate::defs::kind::Kind;
 use crate::defs::mcode;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -294,9 +294,8 @@ fn alarms(all: &mut Vec<HelpEntry>) {
 
 fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
     let system = kind.system();
-    let mill = system == System::Mill;
-    let own = matches!(system, System::LatheA | System::Mill);
-    for row in G_CODES.iter().filter(|row| own && row.exists_on(mill) != Exists::No) {
+    let mill = system.is_mill();
+    for row in G_CODES.iter().filter(|row| system.is_grinder() && row.exists_on(mill) != Exists::No) {
         let once = matches!(row.group_on(mill), Group::Once);
         let stays = if once {
             Text::new("只在本段", "in its block only")

@@ -70,7 +70,7 @@ impl LineSide {
         if self.number.is_empty() {
             return Ok(None);
         }
-        if kind == Kind::Lathe {
+        if kind.face().turns_part {
             return Ok(Some(format!("{}.NC", self.number)));
         }
         match self.number.parse::<u16>() {
@@ -161,7 +161,7 @@ impl LineSide {
             let words = view.say("程序自带的号", "its own number");
             fit(painter, inside, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
         } else {
-            let letter = if view.snapshot.kind == Kind::Lathe { "" } else { "O" };
+            let letter = if view.snapshot.kind.face().turns_part { "" } else { "O" };
             put(
                 painter,
                 inside,

@@ -10,12 +10,14 @@ use super::machine_rows::{
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
 
-/// The machine of kind GC as built.
-const GC: &str = include_str!("../../../assets/machines/gc.ron");
-const GS: &str = include_str!("../../../assets/machines/gs.ron");
-const GA: &str = include_str!("../../../assets/machines/ga.ron");
-const LATHE: &str = include_str!("../../../assets/machines/lathe.ron");
-const VERTICAL: &str = include_str!("../../../assets/machines/vertical.ron");
+/// The machines as built, in the order of `Kind::ALL`; each says itself of which kind it is.
+const BUILTIN: [&str; Kind::ALL.len()] = [
+    include_str!("../../../assets/machines/gc.ron"),
+    include_str!("../../../assets/machines/gs.ron"),
+    include_str!("../../../assets/machines/ga.ron"),
+    include_str!("../../../assets/machines/vertical.ron"),
+    include_str!("../../../assets/machines/lathe.ron"),
+];
 
 /// Why a machine or part file was not taken.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -102,13 +104,7 @@ impl MachineFile {
     /// # Errors
     /// The built-in text is wrong, which the tests rule out.
     pub fn builtin(kind: Kind) -> Result<Self, SimFileError> {
-        match kind {
-            Kind::Gc => Self::parse(GC),
-            Kind::Gs => Self::parse(GS),
-            Kind::Ga => Self::parse(GA),
-            Kind::Vertical => Self::parse(VERTICAL),
-            Kind::Lathe => Self::parse(LATHE),
-        }
+        Self::parse(BUILTIN[kind as usize])
     }
 
     /// Reads a machine file.
@@ -271,19 +267,19 @@ mod tests {
 
     #[test]
     fn p1_a_layout_without_its_axis_is_refused() {
-        let wrong = GC.replacen("infeed: X", "infeed: Y", 1);
+        let wrong = BUILTIN[0].replacen("infeed: X", "infeed: Y", 1);
         let said = MachineFile::parse(&wrong).unwrap_err().to_string();
         assert_eq!(said, "layout: axis Y: the machine has no such axis");
-        let twice = GC.replacen("infeed: X", "infeed: Z", 1);
+        let twice = BUILTIN[0].replacen("infeed: X", "infeed: Z", 1);
         let said = MachineFile::parse(&twice).unwrap_err().to_string();
         assert_eq!(said, "layout: infeed, across and stroke are three different axes");
     }
 
     #[test]
     fn p1_a_wrong_machine_file_is_refused_with_its_place() {
-        let unknown = GC.replacen("bounce_s", "bounce", 1);
+        let unknown = BUILTIN[0].replacen("bounce_s", "bounce", 1);
         assert!(matches!(MachineFile::parse(&unknown), Err(SimFileError::Form(_))));
-        let zero = GC.replacen("grinding_ratio: 40.0", "grinding_ratio: 0.0", 1);
+        let zero = BUILTIN[0].replacen("grinding_ratio: 40.0", "grinding_ratio: 0.0", 1);
         let said = MachineFile::parse(&zero).unwrap_err().to_string();
         assert_eq!(said, "wheel.grinding_ratio is 0: must be above zero");
         for kind in Kind::ALL {

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::machine_file::{SimFileError, above_zero};
+use crate::defs::face::Form;
 use crate::defs::kind::Kind;
 use crate::defs::program;
 
@@ -46,7 +47,7 @@ pub struct PartFile {
     /// What it is, for people.
     pub name: String,
     /// The kind of machine it goes into.
-    #[serde(default = "cylindrical")]
+    #[serde(default)]
     pub kind: Kind,
     /// Machine coordinates of the work zero, to preset in G54; X slide travel (radius).
     pub g54_mm: Place,
@@ -120,10 +121,6 @@ pub struct BarFile {
     pub z_to: f64,
     /// Cell size along Z.
     pub cell: f64,
-}
-
-const fn cylindrical() -> Kind {
-    Kind::Gc
 }
 
 /// A place in the machine, mm of slide travel.
@@ -393,7 +390,7 @@ impl PartFile {
         let file: Self = ron::from_str(text)?;
         for (i, surface) in file.surfaces.iter().enumerate() {
             surface.check(i + 1)?;
-            if !surface.kinds().contains(&file.kind) {
+            if !file.kind.grinds().contains(&surface.form()) {
                 let what = format!("surface {}", i + 1);
                 return Err(SimFileError::Unfit { what, rule: "the part's kind of machine cannot grind it" });
             }
@@ -416,13 +413,13 @@ impl PartFile {
 }
 
 impl SurfaceFile {
-    /// The kinds of machine that can grind it.
-    const fn kinds(&self) -> &'static [Kind] {
+    /// What a machine must be able to grind for it.
+    const fn form(&self) -> Form {
         match self {
-            Self::Diameter { .. } | Self::Cone { .. } | Self::Face { .. } => &[Kind::Gc, Kind::Vertical],
-            Self::Bore { .. } => &[Kind::Vertical],
-            Self::Plane { .. } | Self::Wall { .. } => &[Kind::Gs],
-            Self::Disc { .. } => &[Kind::Ga],
+            Self::Diameter { .. } | Self::Cone { .. } | Self::Face { .. } => Form::Outside,
+            Self::Bore { .. } => Form::Bore,
+            Self::Plane { .. } | Self::Wall { .. } => Form::Flat,
+            Self::Disc { .. } => Form::Ring,
         }
     }
 

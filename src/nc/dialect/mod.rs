@@ -3,10 +3,12 @@
 
 mod arc;
 mod block;
+mod factory;
 mod grinder;
 mod sinumerik;
 mod superman;
 
+pub(crate) use factory::{Spelling, spelling};
 pub(crate) use grinder::RepeatWords;
 
 use super::contour::ContourCycle;

@@ -10,7 +10,6 @@ use std::sync::Arc;
 use egui::{Align2, Id, Rect, Sense, Ui, Vec2, pos2, vec2};
 
 use super::{Typed, empty};
-use crate::defs::kind::Kind;
 use crate::defs::text::Text;
 use crate::hmi::asking::{Asking, Why};
 use crate::hmi::entry::Edit;
@@ -64,16 +63,6 @@ pub struct Graphic {
     walk: Walk,
 }
 
-/// The planes of a kind, the usual one first.
-const fn planes(kind: Kind) -> &'static [PlaneOf] {
-    match kind {
-        // Seen from above: Z along the part, X to the wheel.
-        Kind::Gc | Kind::Lathe => &[(Axis::Z, Axis::X)],
-        Kind::Gs => &[(Axis::X, Axis::Y), (Axis::Z, Axis::Y), (Axis::X, Axis::Z)],
-        Kind::Ga | Kind::Vertical => &[(Axis::X, Axis::Z)],
-    }
-}
-
 const fn index(axis: Axis) -> usize {
     axis as usize
 }
@@ -122,7 +111,7 @@ impl Graphic {
         let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
         let (canvas, figures) = body.split_left_right_at_x(body.max.x - FIGURES);
         let canvas = Rect::from_min_max(canvas.min, canvas.max - vec2(theme::GAP, 0.0));
-        let planes = planes(view.snapshot.kind);
+        let planes = view.snapshot.kind.planes();
         let plane = planes[self.plane % planes.len()];
         let words = format!("{} · {}{}", view.snapshot.title(program.number), plane.0.letter(), plane.1.letter());
         lines::title(ui, view, title, &words);
@@ -202,7 +191,7 @@ impl Graphic {
         let walked: Vec<Edit> =
             edits.iter().copied().filter(|edit| matches!(edit, Edit::Next | Edit::Previous | Edit::Enter)).collect();
         self.walk.begin(&walked);
-        let several = planes(view.snapshot.kind).len() > 1;
+        let several = view.snapshot.kind.planes().len() > 1;
         let busy = view.snapshot.files.busy.is_some();
         let keys = [
             ("graphic-fit", Text::new("适合", "FIT"), true),

@@ -8,7 +8,7 @@ use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
 use super::{PlaneOf, index, or_here, position, room};
-use crate::defs::kind::Kind;
+use crate::defs::face::WheelPose;
 use crate::defs::param;
 use crate::hmi::theme;
 use crate::hmi::view::{View, put};
@@ -125,7 +125,7 @@ pub fn whole(view: &View<'_>, drawing: Option<&Arc<Drawing>>, trail: &[[f32; 3]]
 impl Canvas {
     /// Paints everything into a clipped painter.
     pub fn paint(&mut self, painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
-        grid(painter, rect, view, scene);
+        grid_lines(painter, rect, view, scene.camera);
         match room::of(view) {
             Some(_) => room::paint(painter, rect, view, scene),
             None => stock(painter, rect, view, scene),
@@ -143,6 +143,7 @@ impl Canvas {
         }
         trail(painter, rect, view, scene);
         wheel(painter, rect, view, scene);
+        grid_labels(painter, rect, view, scene);
         crashes(painter, rect, view, scene);
         room::measured(painter, rect, view, scene.camera, scene.touched);
     }
@@ -154,32 +155,59 @@ fn round_up(length: f32) -> f32 {
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|step| step * power).find(|step| *step >= length).unwrap_or(10.0 * power)
 }
 
-fn grid(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
-    let step = round_up(GRID / scene.camera.scale);
-    let [left, right, low, high] = scene.camera.sight(rect);
-    let diameter = |axis: Axis| if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
-    let digits = if step >= 1.0 { 0 } else { (-step.log10()).ceil() as usize };
-    let label = |axis: Axis, value: f32| format!("{:.*}", digits, value * diameter(axis));
-    let stroke = |value: f32| {
-        let zero = value.abs() < step * 0.01;
-        Stroke::new(theme::HAIR, if zero { view.theme.quiet } else { view.theme.line })
+/// One line of the grid.
+struct GridLine {
+    upright: bool,
+    at: Pos2,
+    value: f32,
+}
+
+/// The lines in sight, and their distance.
+fn grid(rect: Rect, camera: Camera) -> (f32, Vec<GridLine>) {
+    let step = round_up(GRID / camera.scale);
+    let [left, right, low, high] = camera.sight(rect);
+    let values = |from: f32, to: f32| {
+        ((from / step).ceil() as i64..=(to / step).floor() as i64).map(move |number| number as f32 * step)
     };
-    for number in (left / step).ceil() as i64..=(right / step).floor() as i64 {
-        let value = number as f32 * step;
-        let x = scene.camera.place(rect, value, 0.0).x;
-        painter.vline(x, rect.y_range(), stroke(value));
-        let place = Rect::from_min_size(pos2(x + 3.0, rect.max.y - 18.0), vec2(GRID - 8.0, 16.0));
-        if place.max.x < rect.max.x {
-            put(painter, place, Align2::LEFT_CENTER, &label(scene.plane.0, value), theme::SMALL, view.theme.quiet);
+    let upright =
+        values(left, right).map(|value| GridLine { upright: true, at: camera.place(rect, value, 0.0), value });
+    let level = values(low, high).map(|value| GridLine { upright: false, at: camera.place(rect, 0.0, value), value });
+    (step, upright.chain(level).collect())
+}
+
+fn grid_lines(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera) {
+    let (step, lines) = grid(rect, camera);
+    for line in lines {
+        let zero = line.value.abs() < step * 0.01;
+        let stroke = Stroke::new(theme::HAIR, if zero { view.theme.quiet } else { view.theme.line });
+        if line.upright {
+            painter.vline(line.at.x, rect.y_range(), stroke);
+        } else {
+            painter.hline(rect.x_range(), line.at.y, stroke);
         }
     }
-    for number in (low / step).ceil() as i64..=(high / step).floor() as i64 {
-        let value = number as f32 * step;
-        let y = scene.camera.place(rect, 0.0, value).y;
-        painter.hline(rect.x_range(), y, stroke(value));
-        let place = Rect::from_min_size(pos2(rect.min.x + 4.0, y - 17.0), vec2(GRID - 8.0, 16.0));
-        if place.min.y > rect.min.y && place.max.y < rect.max.y - 20.0 {
-            put(painter, place, Align2::LEFT_CENTER, &label(scene.plane.1, value), theme::SMALL, view.theme.quiet);
+}
+
+/// What the lines stand for, over part and wheel.
+fn grid_labels(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+    let (step, lines) = grid(rect, scene.camera);
+    let digits = if step >= 1.0 { 0 } else { (-step.log10()).ceil() as usize };
+    let size = vec2(GRID - 8.0, 16.0);
+    for line in lines {
+        let (axis, place) = if line.upright {
+            (scene.plane.0, Rect::from_min_size(pos2(line.at.x + 3.0, rect.max.y - 18.0), size))
+        } else {
+            (scene.plane.1, Rect::from_min_size(pos2(rect.min.x + 4.0, line.at.y - 17.0), size))
+        };
+        let room = if line.upright {
+            place.max.x < rect.max.x
+        } else {
+            place.min.y > rect.min.y && place.max.y < rect.max.y - 20.0
+        };
+        if room {
+            let diameter = if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
+            let words = format!("{:.*}", digits, line.value * diameter);
+            put(painter, place, Align2::LEFT_CENTER, &words, theme::SMALL, view.theme.quiet);
         }
     }
 }
@@ -314,18 +342,13 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);
     // The axis towards which the wheel's body lies, and the one along its spindle.
     let here = scene.camera.place(rect, at[index(right)], at[index(up)]);
-    let (body, spindle) = match view.snapshot.kind {
-        Kind::Gc | Kind::Vertical => (Axis::X, Axis::Z),
-        Kind::Gs => (Axis::Y, Axis::Z),
-        Kind::Ga => (Axis::Z, Axis::X),
-        Kind::Lathe => {
-            // Without a bar a turning tool is its tip.
-            match room::of(view) {
-                Some(_) => room::tool(painter, rect, view, scene.camera, at),
-                None => drop(painter.circle_filled(here, 3.5, view.theme.hold)),
-            }
-            return;
+    let Some(WheelPose { body, spindle, by_centre }) = view.snapshot.kind.wheel_pose() else {
+        // Without a bar a turning tool is its tip.
+        match room::of(view) {
+            Some(_) => room::tool(painter, rect, view, scene.camera, at),
+            None => drop(painter.circle_filled(here, 3.5, view.theme.hold)),
         }
+        return;
     };
     let stroke = Stroke::new(theme::FRAME, view.theme.hold);
     let fill = view.theme.hold.gamma_multiply(0.18);
@@ -338,8 +361,7 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
         }
     } else {
         let mut near = at;
-        if view.snapshot.kind == Kind::Vertical {
-            // X is where the wheel's centre is (S4).
+        if by_centre {
             near[index(body)] -= diameter / 2.0;
         }
         let mut far = near;

@@ -1,11 +1,13 @@
 //! The operator panel: every key of the kind with its lamp, the overrides, the handwheel.
 //! Source: spec K2, H2, H3.
 
+pub mod places;
+
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, vec2};
 
+use self::places::PanelLayout;
 use super::keycap::{self, Face};
-use super::layout::{self, PanelLayout};
 use super::pictogram::{self, Mark};
 use super::press::Presses;
 use super::theme;
@@ -205,7 +207,7 @@ fn marks(view: &View<'_>, key: Key) -> &'static [Mark] {
             _ => pictogram::of(key),
         };
     }
-    let place = layout::jog_places(view.snapshot.kind).into_iter().find(|(other, ..)| *other == key);
+    let place = places::jog_places(view.snapshot.kind).into_iter().find(|(other, ..)| *other == key);
     match place {
         Some((_, 0, 1)) => LEFT,
         Some((_, 2, 1)) => RIGHT,

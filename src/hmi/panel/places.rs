@@ -1,0 +1,359 @@
+//! The place of every panel key. Pure geometry. Source: spec H2, K1 (direction keys of each kind).
+
+use egui::{Pos2, Rect, pos2, vec2};
+
+use crate::defs::key::Key;
+use crate::defs::kind::Kind;
+use crate::defs::text::Text;
+use crate::hmi::theme;
+
+/// A group of keys: its frame and its caption, if it needs one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Around the keys.
+    pub frame: Rect,
+    /// Shown at the top of the frame.
+    pub caption: Option<(Rect, Text)>,
+}
+
+/// The place of everything on the panel.
+#[derive(Clone, Debug)]
+pub struct PanelLayout {
+    /// Every key of the kind.
+    pub keys: Vec<(Key, Rect)>,
+    /// Groups.
+    pub groups: Vec<Group>,
+    /// The handwheel.
+    pub wheel: Rect,
+    /// Between the two keys of the feed override.
+    pub feed: Rect,
+    /// Between the two keys of the spindle override.
+    pub spindle: Rect,
+    /// Where the numeric pad slides over: never over cycle start, hold, reset and emergency stop.
+    pub pad: Rect,
+}
+
+/// Gap between keys of a group, between groups, and the height of a caption.
+const INNER: f32 = 3.0;
+const BETWEEN: f32 = 6.0;
+const CAPTION: f32 = 16.0;
+const MARGIN: f32 = 5.0;
+/// Rows of keys that the units of the machine take.
+const UNIT_ROWS: f32 = 3.0;
+
+/// Lays the panel out.
+#[must_use]
+pub fn places(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
+    let empty = Rect::from_min_size(rect.min, vec2(0.0, 0.0));
+    let mut layout = PanelLayout {
+        keys: Vec::with_capacity(64),
+        groups: Vec::with_capacity(16),
+        wheel: empty,
+        feed: empty,
+        spindle: empty,
+        pad: empty,
+    };
+    let inside = rect.shrink(MARGIN);
+    if portrait {
+        let width = (inside.width() - 2.0 * BETWEEN) / 3.0;
+        let key = (inside.height() - 3.0 * INNER - 2.0 * BETWEEN) / 6.0;
+        let column = |index: f32| pos2(inside.min.x + index * (width + BETWEEN), inside.min.y);
+        let mut build = Build { layout: &mut layout, kind, key, at: column(0.0), width, wide: false };
+        build.modes();
+        build.overrides();
+        build.at = column(1.0);
+        build.functions();
+        let bottom = inside.max.y;
+        let pad = Rect::from_min_max(column(1.0), pos2(column(1.0).x + width, bottom));
+        build.at = column(2.0);
+        build.jog();
+        build.run_row();
+        layout.pad = pad;
+    } else {
+        // Fifteen rows of keys, fourteen on the wide panel; captions, gaps within and between the groups.
+        let wide = rect.width() >= theme::PANEL.1;
+        let (rows, gaps) = if wide { (14.0, 6.0) } else { (15.0, 7.0) };
+        let fixed = 2.0 * CAPTION + 7.0 * INNER + gaps * BETWEEN;
+        let key = ((inside.height() - fixed) / rows).min(64.0);
+        let mut build = Build { layout: &mut layout, kind, key, at: inside.min, width: inside.width(), wide };
+        build.modes();
+        build.functions();
+        let top = build.at.y;
+        build.overrides();
+        build.jog();
+        let bottom = build.at.y - BETWEEN;
+        build.run_row();
+        layout.pad = Rect::from_min_max(pos2(inside.min.x, top), pos2(inside.max.x, bottom));
+    }
+    layout
+}
+
+/// The directions of a kind's jog keys on a cross of three by three; the middle is rapid, the third axis lies aslant.
+/// GC, seen from above: X− brings the wheel to the part, towards the operator. GS: the table goes left and right, Y is the
+/// wheel's way down, Z leads away from the operator. GA and the vertical grinder: X
+/// crosses the table, Z is the wheel's way down.
+#[must_use]
+pub const fn jog_places(kind: Kind) -> [(Key, u8, u8); 7] {
+    const fn cross(across: [Key; 2], upright: [Key; 2], aslant: [Key; 2]) -> [(Key, u8, u8); 7] {
+        [
+            (across[0], 0, 1),
+            (across[1], 2, 1),
+            (upright[0], 1, 0),
+            (upright[1], 1, 2),
+            (aslant[0], 2, 0),
+            (aslant[1], 0, 2),
+            (Key::Rapid, 1, 1),
+        ]
+    }
+    let (x, y, z) = ([Key::XMinus, Key::XPlus], [Key::YPlus, Key::YMinus], [Key::ZPlus, Key::ZMinus]);
+    match kind {
+        Kind::Gc | Kind::Lathe => cross([Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], y),
+        Kind::Gs => cross(x, y, z),
+        Kind::Ga | Kind::Vertical => cross(x, z, y),
+    }
+}
+
+const MODES: [Key; 8] = [
+    Key::ModeEdit,
+    Key::ModeAuto,
+    Key::ModeMdi,
+    Key::ModeHome,
+    Key::ModeHandwheel,
+    Key::ModeStep,
+    Key::ModeManual,
+    Key::SingleBlock,
+];
+const SWITCHES: [Key; 5] = [Key::BlockSkip, Key::OptionalStop, Key::MachineLock, Key::MstLock, Key::DryRun];
+/// On the wide panel the switches of a run stand beside the modes, those for trying out have a column of their own.
+const MODES_WIDE: [Key; 10] = [
+    Key::ModeEdit,
+    Key::ModeAuto,
+    Key::ModeMdi,
+    Key::ModeHome,
+    Key::ModeHandwheel,
+    Key::ModeStep,
+    Key::ModeManual,
+    Key::SingleBlock,
+    Key::BlockSkip,
+    Key::OptionalStop,
+];
+const RAPIDS: [Key; 4] = [Key::RapidF0, Key::Rapid25, Key::Rapid50, Key::Rapid100];
+const HANDWHEEL: [[Key; 2]; 3] =
+    [[Key::HandwheelX, Key::Step0001], [Key::HandwheelY, Key::Step001], [Key::HandwheelZ, Key::Step01]];
+
+/// One unit of the machine: caption, keys, columns of keys that it takes.
+struct Unit(Text, &'static [Key], usize);
+
+const WHEEL: Unit = Unit(Text::new("砂轮", "WHEEL"), &[Key::WheelStart, Key::WheelStop, Key::SecondSpindle], 1);
+const WHEEL_WIDE: Unit = Unit(Text::new("砂轮", "WHEEL"), &[Key::WheelStart, Key::WheelStop], 1);
+const SPINDLE: Unit = Unit(Text::new("主轴", "SPDL"), &[Key::SecondSpindle], 1);
+const FLUIDS: Unit = Unit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication, Key::Hydraulic], 1);
+const DRESSING: Unit = Unit(Text::new("修整", "DRESS"), &[Key::Oscillation, Key::DressReturn, Key::WheelRetract], 1);
+const TRIAL: Unit = Unit(Text::new("试运行", "TRIAL"), &[Key::MachineLock, Key::MstLock, Key::DryRun], 1);
+const HEADSTOCK: Unit =
+    Unit(Text::new("头架", "HEAD"), &[Key::HeadstockHigh, Key::HeadstockLow, Key::HeadstockStop], 1);
+const MAGNET: Unit = Unit(Text::new("磁力", "MAGNET"), &[Key::Magnetise, Key::Demagnetise], 1);
+const TAILSTOCK: Unit = Unit(Text::new("尾座", "TAILSTOCK"), &[Key::TailstockAdvance, Key::TailstockRetract], 2);
+const ROLL: Unit = Unit(Text::new("修整器", "DRESSER"), &[Key::DresserRoll], 2);
+const TABLE: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 2);
+/// The table of a machine that clamps the part by jaws.
+const CLAMPED: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 1);
+/// Main spindle, fluids and tool post of a lathe.
+const SPINDLE_DRIVE: Unit =
+    Unit(Text::new("主轴", "SPDL"), &[Key::SpindleForward, Key::SpindleReverse, Key::SpindleStop], 2);
+const FLUIDS_LATHE: Unit = Unit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication], 2);
+const POST_WIDE: Unit = Unit(Text::new("刀架", "POST"), &[Key::ToolPost], 5);
+const POST: Unit = Unit(Text::new("刀架", "POST"), &[Key::ToolPost], 4);
+const GAUGES_WIDE: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 4);
+const GAUGES: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 2);
+
+/// The units of a kind: those that stand side by side, three keys high, and the row of blocks below them.
+/// GC works with headstock and tailstock; GS with magnet and dresser roll; GA with magnet and rotary table (K1, K2.1).
+const fn units(kind: Kind, wide: bool) -> (&'static [Unit], &'static [Unit]) {
+    match (kind, wide) {
+        (Kind::Gc, false) => (&[WHEEL, HEADSTOCK, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),
+        (Kind::Gs, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[ROLL, GAUGES]),
+        (Kind::Ga, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[TABLE, GAUGES]),
+        (Kind::Vertical, false) => (&[WHEEL, CLAMPED, FLUIDS, DRESSING], &[GAUGES_WIDE]),
+        (Kind::Lathe, false) => (&[SPINDLE_DRIVE, FLUIDS_LATHE], &[POST]),
+        (Kind::Gc, true) => (&[WHEEL_WIDE, HEADSTOCK, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TAILSTOCK, GAUGES]),
+        (Kind::Gs, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, ROLL, GAUGES]),
+        (Kind::Ga, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TABLE, GAUGES]),
+        (Kind::Lathe, true) => (&[SPINDLE_DRIVE, FLUIDS_LATHE, TRIAL], &[POST_WIDE]),
+        (Kind::Vertical, true) => (&[WHEEL_WIDE, CLAMPED, FLUIDS, DRESSING, TRIAL], &[SPINDLE, GAUGES_WIDE]),
+    }
+}
+
+/// Puts group after group downwards.
+struct Build<'a> {
+    layout: &'a mut PanelLayout,
+    kind: Kind,
+    key: f32,
+    at: Pos2,
+    width: f32,
+    wide: bool,
+}
+
+impl Build<'_> {
+    /// A place on a grid of so many columns from the present corner.
+    fn cell(&self, columns: f32, column: usize, row: usize) -> Rect {
+        let width = (self.width - (columns - 1.0) * INNER) / columns;
+        let corner = self.at + vec2(column as f32 * (width + INNER), row as f32 * (self.key + INNER));
+        Rect::from_min_size(corner, vec2(width, self.key))
+    }
+
+    fn down(&mut self, rows: f32, gap: f32) {
+        self.at.y += rows * self.key + (rows - 1.0).max(0.0) * INNER + gap;
+    }
+
+    fn group(&mut self, around: Rect, caption: Option<Text>) {
+        let caption = caption.map(|text| {
+            let bar = Rect::from_min_max(pos2(around.min.x, around.min.y - CAPTION), pos2(around.max.x, around.min.y));
+            (bar, text)
+        });
+        let frame = caption.as_ref().map_or(around, |(bar, _)| around.union(*bar)).expand(2.0);
+        self.layout.groups.push(Group { frame, caption });
+    }
+
+    fn rows(&mut self, columns: f32, keys: &[Key], caption: Option<Text>) {
+        let mut around = Rect::NOTHING;
+        for (index, key) in keys.iter().enumerate() {
+            let cell = self.cell(columns, index % columns as usize, index / columns as usize);
+            around = around.union(cell);
+            self.layout.keys.push((*key, cell));
+        }
+        self.group(around, caption);
+    }
+
+    fn modes(&mut self) {
+        if self.wide {
+            self.rows(5.0, &MODES_WIDE, None);
+            self.down(2.0, BETWEEN);
+            return;
+        }
+        self.rows(4.0, &MODES, None);
+        self.down(2.0, BETWEEN);
+        self.rows(5.0, &SWITCHES, None);
+        self.down(1.0, BETWEEN);
+    }
+
+    /// The units of the machine side by side, then the row of blocks below them.
+    fn functions(&mut self) {
+        let (beside, below) = units(self.kind, self.wide);
+        self.at.y += CAPTION;
+        let mut column = 0;
+        for Unit(caption, keys, columns) in beside {
+            self.column(column, *columns, keys, *caption);
+            column += columns;
+        }
+        self.down(UNIT_ROWS, BETWEEN);
+        self.at.y += CAPTION;
+        let mut column = 0;
+        for Unit(caption, keys, columns) in below {
+            self.block(column, *columns, keys, *caption);
+            column += columns;
+        }
+        self.down(1.0, BETWEEN);
+    }
+
+    fn columns(&self) -> f32 {
+        if self.wide { 5.0 } else { 4.0 }
+    }
+
+    /// Keys one under the other; two of them share the height of three.
+    fn column(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
+        let top = self.cell(self.columns(), column, 0);
+        let top = top.union(self.cell(self.columns(), column + columns - 1, 0));
+        let height = UNIT_ROWS * self.key + (UNIT_ROWS - 1.0) * INNER;
+        let each = (height - (keys.len() as f32 - 1.0) * INNER) / keys.len() as f32;
+        for (index, key) in keys.iter().enumerate() {
+            let corner = top.min + vec2(0.0, index as f32 * (each + INNER));
+            self.layout.keys.push((*key, Rect::from_min_size(corner, vec2(top.width(), each))));
+        }
+        self.group(Rect::from_min_size(top.min, vec2(top.width(), height)), Some(caption));
+    }
+
+    /// Keys side by side that share so many columns.
+    fn block(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
+        let first = self.cell(self.columns(), column, 0);
+        let around = first.union(self.cell(self.columns(), column + columns - 1, 0));
+        let each = (around.width() - (keys.len() as f32 - 1.0) * INNER) / keys.len() as f32;
+        for (index, key) in keys.iter().enumerate() {
+            let corner = around.min + vec2(index as f32 * (each + INNER), 0.0);
+            self.layout.keys.push((*key, Rect::from_min_size(corner, vec2(each, self.key))));
+        }
+        self.group(around, Some(caption));
+    }
+
+    /// Feed and spindle with their values between the keys, then the rapid steps.
+    fn overrides(&mut self) {
+        let half = (self.width - BETWEEN) / 2.0;
+        let side = theme::TARGET + 1.0;
+        let pairs = [(Key::FeedOverrideDown, Key::FeedOverrideUp), (Key::SpindleOverrideDown, Key::SpindleOverrideUp)];
+        for (index, (less, more)) in pairs.into_iter().enumerate() {
+            let left = self.at + vec2(index as f32 * (half + BETWEEN), 0.0);
+            let whole = Rect::from_min_size(left, vec2(half, self.key));
+            let (first, rest) = whole.split_left_right_at_x(whole.min.x + side);
+            let (value, last) = rest.split_left_right_at_x(rest.max.x - side);
+            self.layout.keys.push((less, first));
+            self.layout.keys.push((more, last));
+            if index == 0 { self.layout.feed = value } else { self.layout.spindle = value }
+        }
+        let top = self.at;
+        self.at.y += self.key + INNER;
+        for (index, key) in RAPIDS.into_iter().enumerate() {
+            let cell = self.cell(4.0, index, 0);
+            self.layout.keys.push((key, cell));
+        }
+        let around = Rect::from_min_size(top, vec2(self.width, 2.0 * self.key + INNER));
+        self.group(around, None);
+        self.down(1.0, BETWEEN);
+    }
+
+    /// The cross of the kind's directions, and the handwheel's axis and step beside it.
+    fn jog(&mut self) {
+        // The last column, the steps, is the wider one: ×0.001 has six signs.
+        let unit = ((self.width - 3.0 * INNER - BETWEEN) / 5.0 - 2.0).max(theme::TARGET);
+        let place = |at: Pos2, left: f32, column: u8, row: u8, key: f32| {
+            let corner = at + vec2(left + f32::from(column) * (unit + INNER), f32::from(row) * (key + INNER));
+            Rect::from_min_size(corner, vec2(unit, key))
+        };
+        for (key, column, row) in jog_places(self.kind) {
+            self.layout.keys.push((key, place(self.at, 0.0, column, row, self.key)));
+        }
+        let left = 3.0 * unit + 2.0 * INNER + BETWEEN;
+        for (row, keys) in HANDWHEEL.into_iter().enumerate() {
+            for (column, key) in keys.into_iter().enumerate() {
+                let mut cell = place(self.at, left, column as u8, row as u8, self.key);
+                if column == 1 {
+                    cell.max.x = self.at.x + self.width;
+                }
+                self.layout.keys.push((key, cell));
+            }
+        }
+        let height = 3.0 * self.key + 2.0 * INNER;
+        self.group(Rect::from_min_size(self.at, vec2(3.0 * unit + 2.0 * INNER, height)), None);
+        let wheel = Rect::from_min_size(self.at + vec2(left, 0.0), vec2(self.width - left, height));
+        self.group(wheel, None);
+        self.down(3.0, BETWEEN);
+    }
+
+    /// Handwheel and reset, then cycle start, feed hold and emergency stop: large and apart.
+    fn run_row(&mut self) {
+        let stop = (self.width * 0.32).round();
+        let reset = Rect::from_min_size(pos2(self.at.x + self.width - stop, self.at.y), vec2(stop, self.key));
+        self.layout.keys.push((Key::Reset, reset));
+        self.layout.wheel = Rect::from_min_max(self.at, pos2(reset.min.x - BETWEEN, self.at.y + self.key));
+        self.down(1.0, BETWEEN);
+        let height = 2.0 * self.key + INNER;
+        let apart = theme::PAD - 2.0;
+        let width = (self.width - stop - 2.0 * apart) / 2.0;
+        for (index, key) in [Key::CycleStart, Key::FeedHold].into_iter().enumerate() {
+            let corner = self.at + vec2(index as f32 * (width + apart), 0.0);
+            self.layout.keys.push((key, Rect::from_min_size(corner, vec2(width, height))));
+        }
+        let corner = pos2(self.at.x + self.width - stop, self.at.y);
+        self.layout.keys.push((Key::EmergencyStop, Rect::from_min_size(corner, vec2(stop, height))));
+        self.down(2.0, 0.0);
+    }
+}
