@@ -4,13 +4,14 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
 
+use super::position::ColumnGroup;
 use super::{empty, position};
 use crate::defs::page::Page;
 use crate::defs::screen::{PageText, ROWS, Row};
 use crate::defs::text::Lang;
 use crate::defs::{r_name, r_parameter};
 use crate::hmi::entry::{self, Edit, Entry};
-use crate::hmi::view::{View, card, fit, frame, length, paragraph, put};
+use crate::hmi::view::{View, fit, frame, length, paragraph};
 use crate::hmi::widget::{self, Look};
 use crate::hmi::{frame as lines, keycap, pictogram, theme};
 use crate::link::Command;
@@ -111,38 +112,14 @@ fn variables(column: &[Option<Row>; ROWS]) -> Vec<u16> {
 
 /// Left: 位置, [绝对坐标], [移动余量], O and N.
 fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
-    let painter = ui.painter();
-    card(painter, rect, view.theme.surface, view.theme.line);
-    let inside = rect.shrink2(vec2(10.0, 8.0));
-    let mut at = inside.min.y;
-    let mut row = |height: f32| {
-        let place = Rect::from_min_size(pos2(inside.min.x, at), vec2(inside.width(), height));
-        at += height;
-        place
-    };
-    put(painter, row(28.0), Align2::LEFT_CENTER, view.say("位置", "POSITION"), theme::TITLE, view.theme.text);
-    for to_go in [false, true] {
-        let name = if to_go { view.say("[移动余量]", "[to go]") } else { view.say("[绝对坐标]", "[absolute]") };
-        row(8.0);
-        put(painter, row(24.0), Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
-        for (axis, state) in view.snapshot.axes.iter().filter(|(_, state)| state.present) {
-            let place = row(32.0);
-            let ink = if state.moving { view.theme.info } else { view.theme.text };
-            put(painter, place, Align2::LEFT_CENTER, &axis.to_string(), theme::SECONDARY, ink);
-            fit(
-                painter,
-                place,
-                Align2::RIGHT_CENTER,
-                &length(if to_go { state.to_go } else { state.work }),
-                theme::SECONDARY,
-                view.theme.text,
-            );
-        }
-    }
-    row(14.0);
-    let block = row(26.0);
-    lines::program(painter, view, block, theme::LABEL);
-    position::process(ui, Rect::from_min_max(pos2(inside.min.x, block.max.y + 8.0), inside.max), view);
+    let groups: [ColumnGroup<'_>; 2] = [
+        (view.say("[绝对坐标]", "[absolute]"), &|_, state| Some(state.work)),
+        (view.say("[移动余量]", "[to go]"), &|_, state| Some(state.to_go)),
+    ];
+    let rest = position::column(ui, rect, view, &groups);
+    let block = Rect::from_min_size(rest.min + vec2(0.0, 14.0), vec2(rest.width(), 26.0));
+    lines::program(ui.painter(), view, block, theme::LABEL);
+    position::process(ui, Rect::from_min_max(pos2(rest.min.x, block.max.y + 8.0), rest.max), view);
 }
 
 /// Where each field of the two columns stands, in reading order.
@@ -313,21 +290,9 @@ fn input_line(ui: &Ui, rect: Rect, view: &View<'_>, entry: &Entry, columns: [&[O
 }
 
 fn show_picture(ui: &Ui, rect: Rect, view: &View<'_>, files: Option<&ScreenFiles>, texture: Option<TextureId>) {
-    let painter = ui.painter();
-    let scale = (rect.width() / theme::PICTURE.x).min(1.0);
-    let place = Rect::from_min_size(rect.min, theme::PICTURE * scale + vec2(2.0, 2.0));
-    card(painter, place, view.theme.surface, view.theme.line);
-    let full = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    if let Some(texture) = texture {
-        painter.image(texture, place.shrink(1.0), full, theme::UNTINTED);
-    } else {
-        let number = view.snapshot.grinding_page().unwrap_or_default();
-        let words = match files.map(|files| &files.picture) {
-            Some(Err(fault)) => fault.said().get(view.lang).to_owned(),
-            _ => format!("B{:04}.BMP：{}", number % 1_000, view.say("应为 200×400、24 位", "200×400, 24 bit")),
-        };
-        empty::show(ui, view, place.shrink(4.0), pictogram::NO_PICTURE, view.say("没有图片", "no picture"), &words);
-    }
+    let number = view.snapshot.grinding_page().unwrap_or_default() % 1_000;
+    let fault = files.and_then(|files| files.picture.as_ref().err());
+    empty::picture(ui, rect, view, texture, (&format!("B{number:04}.BMP"), fault));
 }
 
 /// The key of the next sheet, at the end of the title.

@@ -13,7 +13,7 @@ use crate::defs::kind::Kind;
 use crate::defs::text::{Said, Text};
 use crate::hmi::asking::{Asking, Why};
 use crate::hmi::login::Login;
-use crate::hmi::question::Question;
+use crate::hmi::question::{Asked, Question};
 use crate::hmi::view::{View, card, fit, frame, paragraph, put};
 use crate::hmi::widget::{Look, Walk, whole_lines};
 use crate::hmi::{frame as lines, theme};
@@ -26,6 +26,8 @@ use crate::link::page_command::{Guard, PageCommand};
 const ROW: f32 = 46.0;
 /// Height of the keys below.
 const KEYS: f32 = 52.0;
+/// The place of the key that overwrites in the question of it.
+const OVERWRITE: usize = 0;
 /// Seconds between two looks at the medium while the page is open.
 const LOOK_EVERY: f64 = 2.0;
 
@@ -35,6 +37,15 @@ struct Carry;
 
 impl Why for Carry {
     const ASKER: Asker = Asker::Transfer;
+}
+
+/// What a question is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum About {
+    /// Files that are there already.
+    Overwrite,
+    /// Pictures of another form.
+    Convert,
 }
 
 /// What the page keeps.
@@ -48,9 +59,7 @@ pub struct Transfer {
     asked: Option<Ask>,
     /// The transfer waits for a password.
     waiting: Option<Guard>,
-    question: Option<Question>,
-    /// The question is whether pictures are to be converted.
-    converting: bool,
+    question: Asked<About>,
     told: Option<(Said, bool)>,
     asking: Asking<Carry>,
     looked: f64,
@@ -70,7 +79,7 @@ impl Transfer {
     /// Whether the numeric pad is wanted.
     #[must_use]
     pub fn wants_pad(&self) -> bool {
-        self.set == Set::Serial && self.line.pad && self.question.is_none()
+        self.set == Set::Serial && self.line.pad && !self.question.is_open()
     }
 
     /// Why the last transfer was refused.
@@ -90,7 +99,7 @@ impl Transfer {
             out.push(request(FileRequest::Media));
         }
         ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(LOOK_EVERY));
-        let free = self.question.is_none() && !login.is_open();
+        let free = !self.question.is_open() && !login.is_open();
         let edits = match free {
             true if self.set == Set::Serial => self.line.take(typed.edits),
             true => typed.edits.to_vec(),
@@ -121,18 +130,15 @@ impl Transfer {
         }
         self.told(ui, told, view);
         self.keys(ui, keys, view, media, &mut out);
-        if let Some(mut question) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(0) if self.converting => {
-                    self.asked.iter_mut().for_each(|ask| ask.convert = Some(true));
-                    let overwrite = self.asked.as_ref().and_then(|ask| ask.overwrite);
-                    self.again(overwrite, &mut out);
-                }
-                Some(0) => self.again(Some(true), &mut out),
-                Some(1) if self.set.files().has_list() && !self.converting => self.again(Some(false), &mut out),
-                Some(_) => self.asked = None,
-                None => self.question = Some(question),
+        match self.question.ui(ui, rect, view, typed.edits) {
+            Some((About::Convert, Some(_))) => {
+                self.asked.iter_mut().for_each(|ask| ask.convert = Some(true));
+                let overwrite = self.asked.as_ref().and_then(|ask| ask.overwrite);
+                self.again(overwrite, &mut out);
             }
+            Some((About::Overwrite, Some(key))) => self.again(Some(key == OVERWRITE), &mut out),
+            Some((_, None)) => self.asked = None,
+            None => {}
         }
         out
     }
@@ -164,8 +170,11 @@ impl Transfer {
                 self.waiting = Some(guard);
                 login.unlock(view, guard);
             }
-            Err(Refusal::Overwrite(names)) => (self.question, self.converting) = (Some(self.overwrite(&names)), false),
-            Err(Refusal::Convert(faults)) => (self.question, self.converting) = (Some(conversion(&faults)), true),
+            Err(Refusal::Overwrite(names)) => {
+                let question = self.overwrite(&names);
+                self.question.ask(About::Overwrite, question);
+            }
+            Err(Refusal::Convert(faults)) => self.question.ask(About::Convert, conversion(&faults)),
             Err(refusal) => {
                 self.asked = None;
                 self.told = Some((refusal.said(), true));

@@ -156,7 +156,7 @@ impl Designer {
                 let body = Said::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));
                 let title = Text::new("放弃改动？", "discard the changes?");
                 let key = ("question-discard", Text::new("放弃", "DISCARD"));
-                self.question = Some((About::Discard, Question::new(title, body, key)));
+                self.question.ask(About::Discard, Question::new(title, body, key));
             }
             Act::Discard | Act::End => (self.editing, self.board, self.on_keys) = (false, false, false),
             Act::Show => out.push(Command::OpenPage(Page::Grinding)),

@@ -21,7 +21,7 @@ use crate::hmi::asking::{self, Guarded, Heard, Why};
 use crate::hmi::entry::Edit;
 use crate::hmi::letters::{self, Letter};
 use crate::hmi::login::Login;
-use crate::hmi::question::Question;
+use crate::hmi::question::Asked;
 use crate::hmi::view::View;
 use crate::hmi::widget::{self, Look, Walk};
 use crate::hmi::{pictogram, theme};
@@ -101,7 +101,7 @@ pub struct Designer {
     /// The page whose file was asked for last, when, and how often.
     asked: (u32, f64, u8),
     asking: Guarded<Awaited>,
-    question: Option<(About, Question)>,
+    question: Asked<About>,
     told: Option<(Said, bool)>,
     walk: Walk,
     /// The keyboard walks over the keys instead of the text.
@@ -115,7 +115,8 @@ impl Designer {
             self.wanted = program;
             self.stale = true;
         }
-        (self.editing, self.board, self.on_keys, self.question) = (false, false, false, None);
+        (self.editing, self.board, self.on_keys) = (false, false, false);
+        self.question.close();
     }
 
     /// The page that is designed: 1000 and the number of its files; 0: the program has none.
@@ -172,7 +173,7 @@ impl Designer {
             );
             return out;
         }
-        if self.question.is_none() && !login.is_open() {
+        if !self.question.is_open() && !login.is_open() {
             self.take_typed(view, typed, &mut out);
         }
         self.read_text();
@@ -197,12 +198,8 @@ impl Designer {
         {
             self.letter(&letter);
         }
-        if let Some((about, mut question)) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(key) if question.acts(key) => self.answer(about, key, &mut out),
-                Some(_) => {}
-                None => self.question = Some((about, question)),
-            }
+        if let Some((about, Some(key))) = self.question.ui(ui, rect, view, typed.edits) {
+            self.answer(about, key, &mut out);
         }
         out
     }
@@ -221,7 +218,7 @@ impl Designer {
                     (self.told, self.stale) = (Some((deed.said, false)), true);
                 }
                 Heard::Answer(Awaited::Save(_), Err(Refusal::Conflict)) => {
-                    self.question = Some((About::Conflict, asking::conflict()));
+                    self.question.ask(About::Conflict, asking::conflict());
                 }
                 Heard::Answer(_, Err(refusal)) => self.refuse(refusal.said()),
             }

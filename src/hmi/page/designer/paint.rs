@@ -208,7 +208,7 @@ impl Designer {
         );
         let key = ("question-picture", Text::new("换用", "TAKE"));
         let question = Question::new(Text::new("换图片？", "take the picture?"), body, key);
-        self.question = Some((About::Picture(chosen.from, name.clone()), question));
+        self.question.ask(About::Picture(chosen.from, name.clone()), question);
     }
 
     /// The mistakes by line; a touch leads to the line.

@@ -14,7 +14,7 @@ use crate::hmi::login::Login;
 use crate::hmi::page::Typed;
 use crate::hmi::page::input_line::{self, Told};
 use crate::hmi::page::scroll::Scroll;
-use crate::hmi::question::Question;
+use crate::hmi::question::{Asked, Question};
 use crate::hmi::theme;
 use crate::hmi::typing::{Heard, Typing};
 use crate::hmi::view::{View, card, fit, frame, paragraph, put};
@@ -68,7 +68,7 @@ pub struct Screw {
     /// The value being typed.
     pub typing: Typing,
     waiting: Option<Wish>,
-    question: Option<Question>,
+    question: Asked<()>,
     asking: Asking<Carry>,
     told: Option<(Said, bool)>,
 }
@@ -85,7 +85,7 @@ impl Screw {
         }
         self.hear(view, axis, login, &mut out);
         let table = &view.snapshot.screws[axis];
-        if self.question.is_none() && !login.is_open() {
+        if !self.question.is_open() && !login.is_open() {
             self.letters(typed.text, &axes);
             for edit in typed.edits {
                 self.edit(*edit, view, (axis, table), login, &mut out);
@@ -106,12 +106,8 @@ impl Screw {
         self.words(ui, words.shrink2(vec2(0.0, theme::GAP)), view, axis);
         self.keys(ui, keys, view, (axis, table), (login, &mut out));
         self.input(ui, input, view, axis, table);
-        if let Some(mut question) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(0) => self.wish(view, axis, Wish::Table(ScrewTable::default()), login, &mut out),
-                Some(_) => {}
-                None => self.question = Some(question),
-            }
+        if let Some(((), Some(_))) = self.question.ui(ui, rect, view, typed.edits) {
+            self.wish(view, axis, Wish::Table(ScrewTable::default()), login, &mut out);
         }
         out
     }
@@ -421,7 +417,7 @@ impl Screw {
             0 => self.add(view, (axis, table), login, out),
             1 => self.remove(view, (axis, table), login, out),
             2 if table.points().is_empty() => {}
-            2 => self.question = Some(clearing(axis, table)),
+            2 => self.question.ask((), clearing(axis, table)),
             3 => self.wish(view, axis, Wish::Import, login, out),
             _ => {
                 out.push(self.asking.ask(Carry, FileRequest::ScrewOut(axis, table.clone())));

@@ -14,7 +14,7 @@ use super::Typed;
 use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{Said, Text};
-use crate::hmi::question::Question;
+use crate::hmi::question::{Asked, Question};
 use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit, length, put};
 use crate::hmi::widget::{Look, Walk};
@@ -72,7 +72,7 @@ pub struct Process {
     span: f64,
     end: Option<Micros>,
     /// Whether all of it is to be forgotten.
-    question: Option<Question>,
+    question: Asked<()>,
     walk: Walk,
 }
 
@@ -87,7 +87,7 @@ impl Default for Process {
             taken: None,
             span: SPANS[0],
             end: None,
-            question: None,
+            question: Asked::default(),
             walk,
         }
     }
@@ -177,7 +177,7 @@ impl Process {
     /// Draws the page.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
         ui.ctx().request_repaint_after(std::time::Duration::from_micros(EVERY.0));
-        self.walk.begin(if self.question.is_none() { typed.edits } else { &[] });
+        self.walk.begin(if self.question.is_open() { &[] } else { typed.edits });
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (body, keys) = inside.split_top_bottom_at_y(inside.max.y - KEYS);
         let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
@@ -192,16 +192,10 @@ impl Process {
         self.cycles(ui, cut(parts), view);
         self.wheel(ui, wheel, view);
         let out = self.keys(ui, keys, view);
-        if let Some(mut question) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(key) if question.acts(key) => {
-                    self.samples.clear();
-                    self.parts.clear();
-                    self.end = None;
-                }
-                Some(_) => {}
-                None => self.question = Some(question),
-            }
+        if let Some(((), Some(_))) = self.question.ui(ui, rect, view, typed.edits) {
+            self.samples.clear();
+            self.parts.clear();
+            self.end = None;
         }
         out
     }
@@ -326,7 +320,7 @@ impl Process {
                     self.span = longer.unwrap_or(SPANS[0]);
                 }
                 "process-live" => self.end = None,
-                "process-clear" => self.question = Some(self.clearing()),
+                "process-clear" => self.question.ask((), self.clearing()),
                 _ => out.push(Command::Page(PageCommand::File(
                     Ticket::unheard(Asker::Screen),
                     FileRequest::Table(self.table(view.snapshot)),

@@ -18,7 +18,7 @@ use crate::hmi::asking::{self, Guarded, Heard, Why};
 use crate::hmi::entry::Edit;
 use crate::hmi::letters::{self, Letter};
 use crate::hmi::login::Login;
-use crate::hmi::question::Question;
+use crate::hmi::question::Asked;
 use crate::hmi::view::{View, card, fit, frame, put};
 use crate::hmi::widget::{Look, Walk, whole_lines};
 use crate::hmi::{frame as lines, pictogram, theme};
@@ -86,7 +86,7 @@ pub struct Program {
     replacing: bool,
     work: Option<Work>,
     asking: Guarded<Awaited>,
-    question: Option<(About, Question)>,
+    question: Asked<About>,
     told: Option<(Said, bool)>,
     looked: (u64, usize, f64),
     walk: Walk,
@@ -130,7 +130,7 @@ impl Program {
             empty::show(ui, view, rect, pictogram::NO_PAGE, view.say("没有装入程序", "no program is loaded"), remedy);
             return out;
         }
-        let free = self.question.is_none() && !login.is_open();
+        let free = !self.question.is_open() && !login.is_open();
         if free {
             self.take_typed(view, typed, login, &mut out);
         }
@@ -154,12 +154,8 @@ impl Program {
         }
         self.go_on(ui);
         self.look(ui, list, &mut out);
-        if let Some((about, mut question)) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(key) if question.acts(key) => self.answer(about, key, view, &mut out),
-                Some(_) => {}
-                None => self.question = Some((about, question)),
-            }
+        if let Some((about, Some(key))) = self.question.ui(ui, rect, view, typed.edits) {
+            self.answer(about, key, view, &mut out);
         }
         out
     }
@@ -178,7 +174,7 @@ impl Program {
                     self.told = Some((deed.said, false));
                 }
                 Heard::Answer(Awaited::Save(_), Err(Refusal::Conflict)) => {
-                    self.question = Some((About::Conflict, asking::conflict()));
+                    self.question.ask(About::Conflict, asking::conflict());
                 }
                 Heard::Answer(Awaited::Edit | Awaited::Save(_), Err(refusal)) => self.refuse(refusal.said()),
             }
