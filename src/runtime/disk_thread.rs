@@ -19,7 +19,7 @@ use crate::link::command::Command;
 use crate::link::files::{FileAnswer, FileRequest, Refusal};
 use crate::link::media::Set;
 use crate::link::page_command::{PageAnswer, PageCommand};
-use crate::store::{Changed, Watch};
+use crate::store::{Changed, FolderError, Watch};
 
 /// How long the thread waits for wishes before it looks at the folders again.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
@@ -128,9 +128,7 @@ fn hand_on(end: &DiskEnd, jobs: &Sender<Job>, job: &Job) {
 }
 
 fn deliver(commands: &Sender<Command>, deliveries: &Sender<Delivery>, folders: &Folders, changed: Changed) {
-    let failed = |error: &dyn std::fmt::Display| {
-        drop(commands.send(Command::DiskFailed(Said::new(error.to_string(), error.to_string()))));
-    };
+    let failed = |error: &FolderError| drop(commands.send(Command::DiskFailed(error.said())));
     match changed {
         Changed::Programs => match folders.read_programs() {
             Ok((programs, directory)) => {

@@ -318,7 +318,7 @@ fn plain_name<'a>(class: &FileClass, name: &'a str) -> Result<&'a str, FolderErr
     if outside { Err(FolderError::BadName { name: name.to_owned(), like: class.name(1001) }) } else { Ok(name) }
 }
 
-fn read_plain(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
+pub(super) fn read_plain(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
     let here = || path.to_path_buf();
     whole_file::read(path, limit).map_err(|refused| match refused {
         ReadError::Io(fault) if fault.is_missing() => {

@@ -27,7 +27,7 @@ use crate::units::Micros;
 const PRESENT: f32 = 158.0;
 const PAST: f32 = 56.0;
 /// Width of the captions beside cause and remedy.
-const CAPTION: f32 = 64.0;
+const CAPTION: f32 = 80.0;
 
 /// An alarm, wherever it stands in its list while others come and go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -257,7 +257,7 @@ fn present_row(painter: &Painter, view: &View<'_>, place: Rect, alarm: &AlarmVie
     let parts = [
         (view.say("原因", "cause"), cause),
         (view.say("处理", "remedy"), alarm.remedy.get(view.lang)),
-        (view.say("清除", "clears"), alarm::reset_rule(alarm.number).name().get(view.lang)),
+        (view.say("清除", "goes away"), alarm::reset_rule(alarm.number).name().get(view.lang)),
     ];
     parts_below(painter, view, below, &parts);
 }
