@@ -272,8 +272,7 @@ impl Interpreter {
                     second_half: self.second_half,
                 };
                 if self.words.has(b'O') && !at_head(text, at) {
-                    let o = self.words.list().iter().find(|word| word.letter == b'O');
-                    return wrong(o.map_or(at, |word| word.at as usize), E::MisplacedO);
+                    return wrong(self.words.look(b'O').map_or(at, |word| word.at as usize), E::MisplacedO);
                 }
                 let done = dialect::run(&mut running).and_then(|step| self.prepare(step, &cursor, block));
                 match &done {
