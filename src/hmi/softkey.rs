@@ -64,8 +64,8 @@ fn one(ui: &Ui, view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chos
     let ink = if chosen { view.theme.info } else { view.theme.text };
     let tag = Rect::from_min_size(place.min + vec2(7.0, 3.0), vec2(30.0, 16.0));
     put(painter, tag, Align2::LEFT_CENTER, &format!("F{}", index + 1), theme::SMALL, view.theme.quiet);
-    let words = Rect::from_min_max(pos2(place.min.x + 4.0, place.min.y + 16.0), place.max - vec2(4.0, 2.0));
-    fit(painter, words, Align2::CENTER_CENTER, words(soft, view), theme::TITLE, ink);
+    let inside = Rect::from_min_max(pos2(place.min.x + 4.0, place.min.y + 16.0), place.max - vec2(4.0, 2.0));
+    fit(painter, inside, Align2::CENTER_CENTER, words(soft, view), theme::TITLE, ink);
     if chosen {
         let bar = Rect::from_min_size(pos2(place.min.x + 6.0, place.max.y - 4.0), vec2(place.width() - 12.0, 3.0));
         painter.rect_filled(bar, 1.0, view.theme.info);
