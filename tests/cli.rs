@@ -388,3 +388,20 @@ fn damaged_data_are_kept_and_told() {
         .any(|entry| entry.unwrap().file_name().to_string_lossy().contains("damaged"));
     assert!(kept, "the damaged file is kept");
 }
+
+#[test]
+#[cfg(feature = "hmi")]
+fn t6_a_picture_of_a_page_has_a_clock_and_is_the_same_every_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let shot = |name: &str, clock: &[&str]| {
+        let out = folder.path().join(name);
+        let done = kt830(&[&["shot", "settings", "--out", &out.to_string_lossy()], clock].concat());
+        assert_eq!(status(&done), 0, "{done:?}");
+        std::fs::read(out).unwrap()
+    };
+    let first = shot("a.png", &[]);
+    assert_eq!(first, shot("b.png", &["--clock", "2026-11-21 15:01:56"]), "the clock of a picture is fixed");
+    assert_ne!(first, shot("c.png", &["--clock", "2026-12-24 08:00:00"]));
+    let wrong = kt830(&["shot", "settings", "--out", "d.png", "--clock", "noon"]);
+    assert!(status(&wrong) == 2 && errors(&wrong).contains("2026-11-21 15:01:56"), "{}", errors(&wrong));
+}

@@ -319,7 +319,7 @@ fn s5_the_printed_program_is_stopped_by_the_check_at_n340_and_not_run() {
 fn s5_the_check_of_the_printed_program_names_the_loop_that_does_not_end() {
     let file = "programs/802d/as-printed/PRINTED.MPF";
     for (lang, loops, up_to) in [
-        ("zh", ":57:1: warning: 检查没有走完这个循环：它不结束", "74 行  检查没有走到程序结束；到该循环开始重复为止 "),
+        ("zh", ":57:1: 警告：检查没有走完这个循环：它不结束", "74 行  检查没有走到程序结束；到该循环开始重复为止 "),
         (
             "en",
             ":57:1: warning: the check left this loop: it does not end",
@@ -549,9 +549,20 @@ fn s3_page_texts_name_r_parameters() {
     assert_eq!((wrong.line, wrong.column), (2, 1));
 }
 
-/// A block that is wrong is an alarm with program, line and column when the machine gets there; nothing of it is done.
+/// A block that is written wrong is an alarm with program, line and column before the program moves; what only its
+/// values make wrong is one when the machine gets there, and nothing of the block is done.
 #[test]
 fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
+    for (block, said) in [
+        ("G0 X=R[300*R1]", "WRONG 第3行 第6列：没有参数 R300"),
+        ("R2=1/(R1-R1)", "WRONG 第3行 第5列：除数为零"),
+        ("G2 X=R1*600 CR=R1 F600", "WRONG 第3行 第13列：圆弧半径 CR=1 无效"),
+    ] {
+        let mut rig = wrong(block);
+        let alarms = rig.snapshot().alarms.clone();
+        assert!(alarms[0].text.zh.contains(said), "{block}: {}", alarms[0].text.zh);
+        tell(&mut rig, "expect X 690 ±0.001\nexpect output wheel off");
+    }
     for (block, said) in [
         ("R1=5 G0 X=R300", "WRONG 第3行 第11列：没有参数 R300"),
         ("R1=5 G0 X600 GOTOF AA1", "WRONG 第3行 第14列：无法识别的字 'GOTOF'"),
@@ -561,14 +572,20 @@ fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
         ("G0 X600 L10", "WRONG 第3行 第1列：L10 与 G0 不能同段"),
         ("L99", "WRONG 第3行 第1列：找不到程序 L99"),
     ] {
-        let mut rig = vgrind(1, "");
-        let text = format!("; 错误\nG90 G0 X690\n{block}\nG0 X600\nAA1:M2\n");
-        rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", text.into_bytes()));
-        tell(&mut rig, "load WRONG\nmode auto\nset R1 = 1\nkey cycle-start\nwait 3 s\nexpect alarm any\nexpect R1 1");
+        let mut rig = wrong(block);
         let alarms = rig.snapshot().alarms.clone();
         assert!(alarms[0].text.zh.contains(said), "{block}: {}", alarms[0].text.zh);
-        tell(&mut rig, "expect X 690 ±0.001\nexpect output wheel off");
+        tell(&mut rig, "expect X 700 ±0.000001\nexpect output wheel off");
     }
+}
+
+/// Has started a program of a move to X690 and this block.
+fn wrong(block: &str) -> Rig {
+    let mut rig = vgrind(1, "");
+    let text = format!("; 错误\nG90 G0 X690\n{block}\nG0 X600\nAA1:M2\n");
+    rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", text.into_bytes()));
+    tell(&mut rig, "load WRONG\nmode auto\nset R1 = 1\nkey cycle-start\nwait 3 s\nexpect alarm any\nexpect R1 1");
+    rig
 }
 
 /// Jumps and conditions in a run as in the check; a message stays until MSG().
@@ -586,4 +603,45 @@ fn s1_a_message_stays_until_the_next_and_repeats_are_counted() {
     assert_eq!(told(&mut rig).as_deref(), Some("精磨"));
     tell(&mut rig, "key reset");
     assert_eq!(told(&mut rig).as_deref(), Some("精磨"));
+}
+
+/// What the language's rules forbid is told at its place before anything moves, in subprograms too.
+#[test]
+fn s1_a_program_with_a_mistake_does_not_start() {
+    #[rustfmt::skip]
+    const ROWS: &[(&str, u32, u16, &str, &str)] = &[
+        ("IF R1>5 GOTOF AA9", 15, 91, "there is no label AA9", "找不到标号 AA9"),
+        ("GOTOF AA1", 7, 92, "label AA1 does not lie that way", "标号 AA1 不在跳转方向上"),
+        ("GOTOB BB1", 7, 92, "label BB1 does not lie that way", "标号 BB1 不在跳转方向上"),
+        ("MSG(\"abc)", 5, 93, "the quotes do not match", "引号不匹配"),
+        ("MSG(“abc\")", 5, 93, "the quotes do not match", "引号不匹配"),
+        ("R300=1", 1, 90, "there is no parameter R300", "没有参数 R300"),
+        ("R1=R301", 4, 90, "there is no parameter R301", "没有参数 R301"),
+        ("G77", 1, 55, "unknown code G77", "没有 G77 指令"),
+        ("GOTO AA1", 1, 63, "there is no GOTO", "没有 GOTO 指令"),
+    ];
+    for (block, column, alarm, en, zh) in ROWS {
+        let mut rig = vgrind(1, "");
+        let text = format!("N10 G90 G94 F600 G0 X650\nAA1:M3\n{block}\nBB1:M2\n");
+        rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", text.into_bytes()));
+        tell(&mut rig, "load WRONG\nmode auto");
+        let before = rig.controller().set_point();
+        tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s\nexpect output wheel off");
+        assert_eq!(rig.controller().set_point(), before, "{block}");
+        let told = &rig.snapshot().alarms[0];
+        let (said_en, said_zh) = (told.text.en.to_string(), told.text.zh.to_string());
+        assert!(said_en.starts_with(&format!("WRONG line 3, column {column}: {en} – ")), "{block}: {said_en}");
+        assert!(said_zh.starts_with(&format!("WRONG 第3行 第{column}列：{zh} – ")), "{block}: {said_zh}");
+        assert_eq!(told.number, *alarm, "{block}");
+    }
+    let mut rig = vgrind(1, "");
+    let main = "N10 G90 G94 F600 G0 X650\nL77\nM2\n";
+    rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", main.as_bytes().to_vec()));
+    rig.add_program(disk::program(program::number("L77"), "L77.SPF", b"G0 X600\nGOTOF AA1\nRET\n".to_vec()));
+    tell(&mut rig, "load WRONG\nmode auto");
+    let before = rig.controller().set_point();
+    tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s");
+    assert_eq!(rig.controller().set_point(), before);
+    let said = rig.snapshot().alarms[0].text.en.to_string();
+    assert!(said.starts_with("L77 line 2, column 7: there is no label AA1"), "{said}");
 }

@@ -115,6 +115,12 @@ pub fn part(shared: &Shared, number: u32) -> Result<Option<PartFile>, CallError>
     }
 }
 
+/// The values of a part's program, but for those that the call sets.
+pub fn own_values(part: &PartFile, sets: &[(u16, f64)]) -> impl Iterator<Item = (u16, f64)> {
+    let set = |number: u16| sets.iter().any(|(set, _)| *set == number);
+    part.variables.iter().map(|(number, value)| (*number, *value)).filter(move |(number, _)| !set(*number))
+}
+
 /// A part file.
 ///
 /// # Errors
@@ -170,6 +176,12 @@ pub fn mount(rig: &mut Rig, shared: &Shared, number: u32) -> Result<(), CallErro
     };
     if let Some(part) = given.map_or_else(|| part(shared, number), |bar| Ok(Some(bar)))? {
         rig.mount(&part);
+        // A fresh control has the values of its kind: the part's program wants its own.
+        if shared.data.is_none() {
+            for (number, value) in own_values(&part, &shared.sets) {
+                rig.send(Command::SetVariable(number, Some(value)));
+            }
+        }
     }
     rig.send(Command::LoadProgram(number));
     Ok(())

@@ -30,9 +30,25 @@ const LONGEST_STILL: Micros = Micros::from_millis(10_000_000);
 /// Ticks after the end until the axes have settled to the last micrometre: ten lags of 20 ms.
 const SETTLE_TICKS: u32 = 200;
 
+/// What a run came to.
+pub struct Ran {
+    /// How it ended.
+    pub end: End,
+    /// The number that the program ran under.
+    pub program: u32,
+    /// The report as it is printed.
+    pub report: String,
+    /// Its alarms: program and line if it has one, and the text.
+    pub alarms: Vec<(Option<(u32, u32)>, Said)>,
+    /// What it waits for at its end, or the message that it leaves.
+    pub told: Option<Said>,
+    /// The program has left the number of an error of its own (R62).
+    pub refused_itself: bool,
+}
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum End {
+pub enum End {
     /// M30 and the like.
     Finished,
     /// An alarm.
@@ -51,7 +67,7 @@ enum End {
 
 impl End {
     /// The word of the report; what stopped short of the end is told apart by the exit status and the message.
-    const fn word(self) -> &'static str {
+    pub const fn word(self) -> &'static str {
         match self {
             Self::Finished => "finished",
             Self::Alarm => "alarm",
@@ -65,6 +81,16 @@ impl End {
 /// # Errors
 /// The call or a file is wrong.
 pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
+    let ran = job(shared, call)?;
+    out(ran.report);
+    Ok(if matches!(ran.end, End::Finished | End::Pause) && !ran.refused_itself { FINE } else { FAILED })
+}
+
+/// Runs the program.
+///
+/// # Errors
+/// The call or a file is wrong.
+pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
     let mut rig = bench::rig(shared)?;
     let number = bench::find_program(&mut rig, &call.program)?;
     bench::mount(&mut rig, shared, number)?;
@@ -98,12 +124,19 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
     if let Some(why) = &why {
         eprintln!("kt830: stopped: {}", why.get(shared.lang));
     }
+    let flag = r_parameter::error_flag(rig.kind());
+    let refused_itself = flag.and_then(|flag| rig.controller().variable(flag)).is_some_and(|flag| flag.abs() > 0.0);
+    let snapshot = rig.snapshot();
+    let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| (alarm.place, alarm.text.clone())).collect();
+    let told = why.clone().or_else(|| snapshot.waiting_for.clone());
+    // The text may have come to its end beside an alarm.
+    let end = if end == End::Finished && !alarms.is_empty() { End::Alarm } else { end };
     let report = Report { end, why, seconds, blocks: rig.controller().blocks(), before, batch };
-    match shared.format {
-        Format::Json => out(report.json(&mut rig, shared.lang)),
-        Format::Text => out(report.text(&mut rig, shared.lang)),
-    }
-    Ok(if matches!(end, End::Finished | End::Pause) { FINE } else { FAILED })
+    let report = match shared.format {
+        Format::Json => report.json(&mut rig, shared.lang).to_string(),
+        Format::Text => report.text(&mut rig, shared.lang),
+    };
+    Ok(Ran { end, program: number, report, alarms, told, refused_itself })
 }
 
 /// Cycle start, and on to the end of the program, an alarm, or where somebody would be needed.

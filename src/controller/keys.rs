@@ -141,10 +141,11 @@ impl Controller {
             Answer::Taken => {}
             Answer::NoEffect(reason) | Answer::Denied(reason) => self.refuse(reason),
             Answer::Refused(number, reason) => {
-                self.refuse(reason);
+                let reason = self.machine.reason(reason, request, &self.params);
+                self.refuse(reason.clone());
                 // Alarm 180 is raised by the supervision, which also knows when it may go (K3.7).
                 if number != alarm::HYDRAULIC {
-                    self.raise(number, Some(reason.into()));
+                    self.raise(number, Some(reason));
                 }
             }
         }

@@ -130,7 +130,7 @@ impl Controller {
                 self.effects.push(Effect::Ask(PageWish::KeepPort(port.clone())));
             }
             PageCommand::SetDate(wanted) => self.set_date(*wanted),
-            PageCommand::File(request) => self.take_file(request),
+            PageCommand::File(ticket, request) => self.take_file(*ticket, request),
             PageCommand::Answered(answer) => self.hear(answer),
         }
     }
@@ -193,7 +193,7 @@ impl Controller {
                 self.say(Said::new(format!("下次启动为 {}", name.zh), format!("from the next start: {}", name.en)));
             }
             PageAnswer::LangKept => {}
-            PageAnswer::File(answer) => self.hear_file(answer),
+            PageAnswer::File(ticket, answer) => self.hear_file(*ticket, answer),
             PageAnswer::Failed(why) => {
                 self.pages.answer(Some(Text::new("保存失败", "could not be stored")));
                 self.refuse(why.clone());

@@ -22,7 +22,7 @@ use crate::defs::page::Page;
 use crate::defs::soft_key::{self, SoftAct};
 use crate::defs::text::{Lang, Text};
 use crate::link::command::Picture;
-use crate::link::files::FileRequest;
+use crate::link::files::{Asker, FileRequest, Ticket};
 use crate::link::media::Print;
 use crate::link::page_command::{BRIGHTNESS, PageCommand};
 use crate::link::{Command, Snapshot};
@@ -257,7 +257,7 @@ impl Hmi {
     fn turn_help(&mut self, view: &View<'_>) {
         self.help = !self.help && view.snapshot.page != Page::Help;
         if self.help {
-            self.pages.help.open(view, view.snapshot.page);
+            self.pages.open_help(view);
         }
     }
 
@@ -290,7 +290,7 @@ impl Hmi {
         let print = |image: Arc<ColorImage>| {
             let rgb: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
             let print = Print { width: image.width() as u32, height: image.height() as u32, rgb: rgb.into() };
-            Command::Page(PageCommand::File(FileRequest::Print(print)))
+            Command::Page(PageCommand::File(Ticket::unheard(Asker::Screen), FileRequest::Print(print)))
         };
         pictures.into_iter().map(print).collect()
     }

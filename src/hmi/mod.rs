@@ -5,6 +5,7 @@
 //! Source: spec H1–H10, K2, K7.
 
 pub mod app;
+mod asking;
 pub mod entry;
 mod frame;
 mod help;

@@ -24,7 +24,7 @@ pub const fn rows(view: &View<'_>) -> usize {
     soft_key::rows(view.snapshot.simulated.is_some())
 }
 
-fn words(soft: &SoftKey, view: &View<'_>) -> &'static str {
+fn label(soft: &SoftKey, view: &View<'_>) -> &'static str {
     soft.label_on(view.snapshot.kind).get(view.lang)
 }
 
@@ -56,7 +56,7 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(Soft
 
 fn one(ui: &Ui, view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chosen: bool) -> bool {
     let response = ui.interact(place, Id::unique(("soft", index)), Sense::CLICK);
-    let name = format!("{} f{}", words(soft, view), index + 1);
+    let name = format!("{} f{}", label(soft, view), index + 1);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
     let face = Face { pressed: response.is_pointer_button_down_on(), ..Face::default() };
     let painter = ui.painter();
@@ -64,8 +64,8 @@ fn one(ui: &Ui, view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chos
     let ink = if chosen { view.theme.info } else { view.theme.text };
     let tag = Rect::from_min_size(place.min + vec2(7.0, 3.0), vec2(30.0, 16.0));
     put(painter, tag, Align2::LEFT_CENTER, &format!("F{}", index + 1), theme::SMALL, view.theme.quiet);
-    let inside = Rect::from_min_max(pos2(place.min.x + 4.0, place.min.y + 16.0), place.max - vec2(4.0, 2.0));
-    fit(painter, inside, Align2::CENTER_CENTER, words(soft, view), theme::TITLE, ink);
+    let words = Rect::from_min_max(pos2(place.min.x + 4.0, place.min.y + 16.0), place.max - vec2(4.0, 2.0));
+    fit(painter, words, Align2::CENTER_CENTER, label(soft, view), theme::TITLE, ink);
     if chosen {
         let bar = Rect::from_min_size(pos2(place.min.x + 6.0, place.max.y - 4.0), vec2(place.width() - 12.0, 3.0));
         painter.rect_filled(bar, 1.0, view.theme.info);

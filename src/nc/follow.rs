@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::fault::{Fault, Stop, Wrong, fault_in};
 use super::interpreter::{Block, Interpreter, Next, Stepped};
+use super::memory::Memory;
 use super::op::Op;
 use super::source::Source;
 use super::world::{CheckWorld, World};
@@ -40,6 +41,11 @@ impl Interpreter {
     /// Goes past a fault; for a check that wants to see the rest without what follows from it.
     pub(crate) fn skip(&mut self, error: E) {
         self.second_half = false;
+        // The feed was meant to stay: later blocks are not blamed for it.
+        if self.modals.feed.is_none() {
+            let word = self.words.list().iter().find(|word| word.letter == b'F');
+            self.modals.feed = word.map(|word| word.value).filter(|feed| *feed > 0.0);
+        }
         if matches!(error, E::SubWithoutReturn | E::EndInSub) {
             let _ = self.flow.return_to(None, 0); // without a target it always succeeds
             return;
@@ -51,6 +57,11 @@ impl Interpreter {
     /// Leaves the outermost loop that is open; for a check that sees no end of it.
     pub(crate) fn leave_loop(&mut self) -> bool {
         self.flow.leave_loops()
+    }
+
+    /// Gives back the values of the common variables; for a check that goes on from an earlier place.
+    pub(crate) fn put_memory(&mut self, memory: Memory) {
+        self.memory = memory;
     }
 
     /// Whether M99 has begun the main program again.

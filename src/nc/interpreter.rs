@@ -76,9 +76,9 @@ pub enum Next {
 /// Reads a program, ahead of its execution.
 pub struct Interpreter {
     pub(super) flow: Flow,
-    library: Arc<dyn Library + Send + Sync>,
+    pub(super) library: Arc<dyn Library + Send + Sync>,
     pub(super) settings: Settings,
-    memory: Memory,
+    pub(super) memory: Memory,
     pub(super) modals: Modals,
     pub(super) words: Words,
     pub(super) ended: bool,
@@ -272,7 +272,8 @@ impl Interpreter {
                     second_half: self.second_half,
                 };
                 if self.words.has(b'O') && !at_head(text, at) {
-                    return wrong(at, E::MisplacedO);
+                    let o = self.words.list().iter().find(|word| word.letter == b'O');
+                    return wrong(o.map_or(at, |word| word.at as usize), E::MisplacedO);
                 }
                 let done = dialect::run(&mut running).and_then(|step| self.prepare(step, &cursor, block));
                 match &done {
@@ -352,10 +353,6 @@ impl Interpreter {
                 if holds {
                     self.pass(cursor);
                 }
-            }
-            // What follows END on its line would be lost when the loop is left.
-            Content::EndLoop { number, at } if statement::goes_on(cursor) => {
-                return wrong1(at, E::BadStatement, format!("END{number};…"));
             }
             Content::EndLoop { number, at } => self.flow.end_loop(number, at)?,
             // The `%` at the head of a text only opens it.

@@ -316,9 +316,9 @@ impl Rig {
     /// Does at once what the window's control has a thread for.
     fn work(&mut self, job: &Job) {
         let inbox = &mut self.inbox;
-        let changed = self
-            .office
-            .work(job, &mut |answer| inbox.push(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+        let changed = self.office.work(job, &mut |answer| {
+            inbox.push(Command::Page(PageCommand::Answered(PageAnswer::File(job.ticket, answer))))
+        });
         if changed.programs
             && let Ok((programs, directory)) = self.folders.read_programs()
         {

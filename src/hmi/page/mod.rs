@@ -100,7 +100,14 @@ impl Pages {
         self.mdi.open();
         self.wheel = wheel::WheelChange::default();
         self.tools = tools::Tools::default();
-        self.help.open(view, Page::Help);
+        self.help.open(view, Page::Help, None);
+    }
+
+    /// Opens the help at what the operator looks at: the open page; on the alarm page the alarm that is chosen.
+    pub fn open_help(&mut self, view: &View<'_>) {
+        let page = view.snapshot.page;
+        let alarm = self.alarms.number(view).filter(|_| page == Page::Alarm);
+        self.help.open(view, page, alarm);
     }
 
     /// What goes on while no page is looked at.
@@ -224,7 +231,7 @@ impl Pages {
                 self.diagnosis.ui(ui, rect, view, typed);
                 Vec::new()
             }
-            Page::Alarm => self.alarms.ui(ui, rect, view, typed),
+            Page::Alarm => self.alarms.ui(ui, rect, view, typed, &self.help),
             Page::Help => {
                 self.help.page(ui, view, rect, typed);
                 Vec::new()

@@ -120,6 +120,40 @@ fn screen_key(ui: &Ui, rect: Rect, view: &View<'_>, key: Key, out: &mut Vec<Comm
     }
 }
 
+/// A group of a column of positions: its caption, and what each axis has there.
+pub type ColumnGroup<'a> = (&'a str, &'a dyn Fn(Axis, &AxisView) -> Option<f64>);
+
+/// The column of positions beside the fields of a page: groups of all axes, one below the other; what an axis lacks is
+/// not set. Gives what is left below them.
+pub fn column(ui: &Ui, rect: Rect, view: &View<'_>, groups: &[ColumnGroup<'_>]) -> Rect {
+    let painter = ui.painter();
+    card(painter, rect, view.theme.surface, view.theme.line);
+    let inside = rect.shrink2(vec2(10.0, 8.0));
+    let mut at = inside.min.y;
+    let mut row = |height: f32| {
+        let place = Rect::from_min_size(pos2(inside.min.x, at), vec2(inside.width(), height));
+        at += height;
+        place
+    };
+    put(painter, row(28.0), Align2::LEFT_CENTER, view.say("位置", "POSITION"), theme::TITLE, view.theme.text);
+    for (name, value) in groups {
+        row(8.0);
+        fit(painter, row(24.0), Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+        for (axis, state) in view.snapshot.axes.iter().filter(|(_, state)| state.present) {
+            let place = row(32.0);
+            let ink = if state.moving { view.theme.info } else { view.theme.text };
+            put(painter, place, Align2::LEFT_CENTER, &axis.to_string(), theme::SECONDARY, ink);
+            let place = Rect::from_min_max(place.min + vec2(22.0, 0.0), place.max);
+            let (words, size, ink) = match value(axis, state) {
+                Some(value) => (length(value), theme::SECONDARY, view.theme.text),
+                None => (view.say("未设置", "not set").to_owned(), theme::LABEL, view.theme.quiet),
+            };
+            fit(painter, place, Align2::RIGHT_CENTER, &words, size, ink);
+        }
+    }
+    Rect::from_min_max(row(0.0).min, inside.max)
+}
+
 /// 输入 and 取消: the answers to “是否设置 X 轴修整点”.
 fn answer_keys(ui: &Ui, axes: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     let row = Rect::from_min_max(pos2(axes.min.x, axes.max.y - 50.0), axes.max);

@@ -4,17 +4,16 @@ use super::motion::coordinate;
 use super::out_of_range;
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::Running;
-use crate::nc::fault::{Outcome, wrong, wrong2};
+use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::Motion;
 use crate::nc::op::{Op, Threading};
 use crate::nc::words::Word;
-use crate::units::Axis;
+use crate::units::{Axis, MM_PER_INCH};
 
 /// Leads of G33, mm.
 const LEADS: (f64, f64) = (0.25, 12.0);
 /// Turns an inch of G32.
 const TURNS: (f64, f64) = (3.0, 33.5);
-const MM_PER_INCH: f64 = 25.4;
 /// The last millimetres of Z, in which the tool is drawn back.
 const RUN_OUT_MM: f64 = 1.2;
 /// The way before the part that the axes need, in leads.
@@ -80,7 +79,7 @@ fn turns_an_inch(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     let fraction = match denominator {
         none if none < 1.0 => 0.0,
         denominator if denominator >= 2.0 => 1.0 / denominator,
-        _ => return refused(),
+        _ => return wrong1(word.at as usize, E::ThreadFraction, format!("F{}", word.value)),
     };
     let turns = number(&written[..whole]) + fraction;
     if word.value < 0.0 || !(TURNS.0..=TURNS.1).contains(&turns) { refused() } else { Ok(turns) }
