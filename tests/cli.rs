@@ -337,6 +337,31 @@ fn t5_a_key_that_is_refused_is_no_failure() {
 }
 
 #[test]
+fn k7_1_a_story_turns_the_views_of_the_position_page_and_sees_them() {
+    if !cfg!(feature = "hmi") {
+        return; // without the screen there is nothing to see
+    }
+    let story = "kind gc\npower on\npage position\nexpect page position shows \"综合坐标\"\nkey f1\n\
+        expect page position shows \"相对坐标\"\nkey f3\nexpect page position shows \"机床坐标\"\nkey f2\n\
+        expect page position shows \"综合坐标\"\nkey f4\npage position\nkey next-row\nkey f2\n\
+        expect page diagnosis shows \"诊断\"\n";
+    let (_folder, path) = file("a.story", story.as_bytes());
+    let out = kt830(&["play", &path]);
+    assert_eq!(status(&out), 0, "{}", String::from_utf8_lossy(&out.stdout));
+    // A picture after a story shows the view that the story has turned to; nothing else differs.
+    let shot = |name: &str, story: &str| {
+        let (folder, path) = file("b.story", story.as_bytes());
+        let picture = folder.path().join(name);
+        let out = kt830(&["shot", "position", "--out", &picture.to_string_lossy(), "--story", &path]);
+        assert_eq!(status(&out), 0, "{}", errors(&out));
+        std::fs::read(picture).unwrap()
+    };
+    let all = shot("all.png", "kind gc\npower on\nmode jog\nkey f1\nkey f2\n");
+    let machine = shot("machine.png", "kind gc\npower on\nmode jog\nkey f1\nkey f3\n");
+    assert!(all != machine);
+}
+
+#[test]
 fn t5_the_faults_are_told_by_a_story() {
     let (_folder, path) = file("a.story", b"kind gc\npower on\nfault list\nwait 1 s\nexpect no alarm\n");
     let out = kt830(&["play", &path]);

@@ -73,6 +73,9 @@ fn k4_2_the_question_comes_in_the_relative_view_alone() {
     tell(&mut rig, "key f3\nkey input\nexpect message \"没有要输入\"");
     tell(&mut rig, "key f1\nkey address-z\npage alarm\nkey input\nexpect message \"没有要输入\"");
     assert!(rig.snapshot().dressing_point.iter().all(|(_, point)| point.is_none()));
+    // Answered while the axis still brakes: the question stays until it stands.
+    tell(&mut rig, "page position\nhold X+ 0.5 s\nkey address-x\nkey input\nexpect message \"还在运动\"\nwait 0.5 s");
+    tell(&mut rig, "key input\nexpect message \"X 轴修整点设置成功\"");
     // The power comes back to the main view.
     tell(
         &mut rig,

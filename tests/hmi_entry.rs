@@ -161,6 +161,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
         let next = (row + 1) % SOFT_ROWS.len();
         assert_eq!(sent(&mut screen), [format!("TurnSoftRow({next})")]);
         screen.state_mut().snapshot.soft_row = next;
+        screen.step();
     }
 }
 
@@ -187,6 +188,17 @@ fn k4_2_on_the_relative_page_letters_and_answers_are_keys() {
     }
     touch(&mut screen, "清零 Z");
     assert_eq!(sent(&mut screen), ["ClearRelative(Z)"]);
+}
+
+#[test]
+fn k2_4_in_the_other_views_the_address_key_is_asked_why_not() {
+    let mut screen = open(snapshot(Page::Position));
+    assert!(screen.query_by_label("X address-x").is_none(), "the letter is no key in the view 综合");
+    press(&mut screen, egui::Key::X);
+    assert_eq!(sent(&mut screen), ["Press(AddressX)", "Release(AddressX)"], "the core says why");
+    let mut screen = open(snapshot(Page::Alarm));
+    press(&mut screen, egui::Key::X);
+    assert!(sent(&mut screen).is_empty());
 }
 
 #[test]

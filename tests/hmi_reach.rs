@@ -87,6 +87,7 @@ fn p1_a_real_machine_has_no_way_to_a_simulator() {
             let Command::TurnSoftRow(row) = command else { panic!("{command:?}: what is not there opens nothing") };
             screen.state_mut().snapshot.soft_row = row;
         }
+        screen.step();
     }
     assert!(rows.iter().all(|row| row.iter().filter(|shown| **shown).count() == 1), "{rows:?}");
     assert_eq!(rows[0], rows[4], "four rows, then the first again");

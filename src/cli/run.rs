@@ -268,12 +268,12 @@ impl Report {
         for alarm in &snapshot.alarms {
             lines.push(format!("alarm {:03}  {}  {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang)));
         }
-        if self.end != End::Finished && !snapshot.message.text.get(lang).is_empty() {
-            lines.push(snapshot.message.text.get(lang).to_owned());
+        let told = self.why.as_ref().or(snapshot.waiting_for.as_ref());
+        let message = &snapshot.message.text;
+        if self.end != End::Finished && !message.get(lang).is_empty() && told != Some(message) {
+            lines.push(message.get(lang).to_owned());
         }
-        if let Some(told) = self.why.as_ref().or(snapshot.waiting_for.as_ref()) {
-            lines.push(told.get(lang).to_owned());
-        }
+        lines.extend(told.map(|told| told.get(lang).to_owned()));
         for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {
             lines.push(format!("{axis}  work {:10.3}  machine {:10.3}", view.work, view.machine));
         }

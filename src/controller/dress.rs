@@ -80,12 +80,13 @@ impl Controller {
 
     /// 输入 answers the question: the present machine coordinate is stored.
     pub(super) fn set_dress_point(&mut self) {
-        let Some(axis) = self.dress.asked.take() else {
+        let Some(axis) = self.dress.asked else {
             return self.refuse(Said::new("没有要输入的内容", "there is nothing to enter"));
         };
         if !self.axes.is_at_rest() {
-            return self.refuse(Said::new("轴还在运动，请稍候", "the axes still move"));
+            return self.refuse(Said::new("轴还在运动，请稍候", "the axes still move")); // the question stays
         }
+        self.dress.asked = None;
         let at = self.axes.actual()[axis];
         self.dress.points[axis] = Some(at);
         self.effects.push(Effect::DressPoint(axis, at));

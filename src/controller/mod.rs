@@ -197,10 +197,8 @@ pub struct Controller {
     alarms: Alarms,
     calendar: calendar::Calendar,
     message: Message,
-    /// The command that is being taken has been refused.
-    refused: bool,
-    /// Why a command of this tick was refused, if one was.
-    refusal: Option<Said>,
+    /// Why a command of the last tick was refused, if one was.
+    refused: Option<Said>,
     waiting_for: Option<Said>,
     screens: Arc<Screens>,
     directory: Arc<Vec<DirectoryRow>>,
@@ -279,8 +277,7 @@ impl Controller {
             alarms: Alarms::new(retained.alarms),
             calendar: calendar::Calendar::new(retained.clock_offset_s),
             message: Message::default(),
-            refused: false,
-            refusal: None,
+            refused: None,
             waiting_for: None,
             screens: Arc::default(),
             directory: Arc::default(),
@@ -333,14 +330,11 @@ impl Controller {
         self.now = now;
         self.alarms.at(now, self.calendar.stamp(now));
         self.read_inputs(image);
-        self.refusal = None;
+        self.refused = None;
         for command in commands {
-            self.refused = false;
             self.take(command);
-            if self.refused {
-                self.refusal = Some(self.message.text.clone());
-            }
         }
+        let refused = self.refused.take();
         self.watch();
         self.step_restart();
         self.step_run();
@@ -353,6 +347,7 @@ impl Controller {
         self.settle();
         self.write_outputs();
         self.keep_alarms();
+        self.refused = refused; // what is refused further on was asked for by nobody in this tick
         &self.outputs
     }
 
@@ -396,7 +391,7 @@ impl Controller {
     /// What was asked for is not done; why.
     fn refuse(&mut self, text: impl Into<Said>) {
         self.warn(text);
-        self.refused = true;
+        self.refused = Some(self.message.text.clone());
     }
 
     /// Something is the matter that nobody has asked for.
@@ -407,7 +402,7 @@ impl Controller {
     /// Why a command of the last tick was refused; none where all were done.
     #[must_use]
     pub const fn refusal(&self) -> Option<&Said> {
-        self.refusal.as_ref()
+        self.refused.as_ref()
     }
 
     /// A parameter that the control itself changes.
