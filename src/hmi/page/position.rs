@@ -120,6 +120,9 @@ fn screen_key(ui: &Ui, rect: Rect, view: &View<'_>, key: Key, out: &mut Vec<Comm
     }
 }
 
+/// Room that is wanted below a column of positions.
+const BELOW: f32 = 84.0;
+
 /// A group of a column of positions: its caption, and what each axis has there.
 pub type ColumnGroup<'a> = (&'a str, &'a dyn Fn(Axis, &AxisView) -> Option<f64>);
 
@@ -129,6 +132,10 @@ pub fn column(ui: &Ui, rect: Rect, view: &View<'_>, groups: &[ColumnGroup<'_>]) 
     let painter = ui.painter();
     card(painter, rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(10.0, 8.0));
+    let axes = view.snapshot.axes.iter().filter(|(_, state)| state.present).count();
+    let height = |gap: f32, line: f32| 28.0 + groups.len() as f32 * (gap + 24.0 + axes as f32 * line);
+    // Closer where three axes would leave no room for what stands below.
+    let (gap, line) = if height(8.0, 32.0) + BELOW > inside.height() { (4.0, 28.0) } else { (8.0, 32.0) };
     let mut at = inside.min.y;
     let mut row = |height: f32| {
         let place = Rect::from_min_size(pos2(inside.min.x, at), vec2(inside.width(), height));
@@ -137,10 +144,10 @@ pub fn column(ui: &Ui, rect: Rect, view: &View<'_>, groups: &[ColumnGroup<'_>]) 
     };
     put(painter, row(28.0), Align2::LEFT_CENTER, view.say("位置", "POSITION"), theme::TITLE, view.theme.text);
     for (name, value) in groups {
-        row(8.0);
+        row(gap);
         fit(painter, row(24.0), Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
         for (axis, state) in view.snapshot.axes.iter().filter(|(_, state)| state.present) {
-            let place = row(32.0);
+            let place = row(line);
             let ink = if state.moving { view.theme.info } else { view.theme.text };
             put(painter, place, Align2::LEFT_CENTER, &axis.to_string(), theme::SECONDARY, ink);
             let place = Rect::from_min_max(place.min + vec2(22.0, 0.0), place.max);
