@@ -11,6 +11,7 @@ use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::program;
 use kt830::defs::screw::ScrewTable;
+use kt830::defs::signal::Output as SignalOutput;
 use kt830::io::sim::{Along, MachineFile, PartFile, SurfaceFile};
 use kt830::link::command::Command;
 use kt830::link::snapshot::RunState;
@@ -239,6 +240,90 @@ fn s4_every_wrong_value_is_named_and_every_exit_stops_the_wheel() {
         tell(&mut rig, "mode mdi\nmdi MSG()");
         assert!(rig.snapshot().waiting_for.is_none());
     }
+}
+
+/// A value that the program can judge is judged before anything starts or moves: the way of a wrong one ends in the diamond
+/// or the part.
+fn refused_at_the_start(rig: &mut Rig, values: &str, (message, flag): (&str, f64)) {
+    let kept: Vec<_> = (R0 + 1..R0 + 48).map(|number| (number, rig.controller().variable(number))).collect();
+    tell(rig, values);
+    let from = rig.controller().set_point();
+    run(rig, |rig| {
+        let output = |output: SignalOutput| rig.controller().output_set().has(output);
+        let any = output(SignalOutput::Wheel) || output(SignalOutput::TableRotation) || output(SignalOutput::Coolant);
+        assert!(!any, "{values}: something has been started");
+        assert_eq!(rig.controller().set_point(), from, "{values}: something has moved");
+    });
+    tell(rig, &format!("expect message \"{message}\"\nexpect R62 {flag}\nexpect no alarm\nexpect no event"));
+    assert_eq!(rig.snapshot().waiting_for.as_ref().map(|said| said.zh.as_str()), Some(message), "{values}");
+    for (number, value) in kept {
+        rig.send(Command::SetVariable(number, value));
+    }
+    rig.step();
+}
+
+/// Wrong values of L1, which both programs begin with.
+const WRONG_VALUES: [(&str, (&str, f64)); 27] = [
+    ("set R7 = 36", ("错误01:转速过高", 1.0)), // above the wheel's 35 m/s
+    ("set R6 = 1900", ("错误01:转速过高", 1.0)), // 60000 · 30 / (π · 300) = 1910
+    ("set R5 = 1920", ("错误02:转速过低", 2.0)),
+    ("set R5 = 0\nset R7 = 0", ("错误02:转速过低", 2.0)), // no lower limit, and yet it must turn
+    ("set R42 = -0.1", ("错误03:安全让刀参数错误", 3.0)),
+    ("set R43 = 0", ("错误03:安全让刀参数错误", 3.0)),
+    ("set R44 = 0", ("错误03:安全让刀参数错误", 3.0)),
+    ("set R4 = 0", ("错误04:砂轮参数错误", 4.0)),
+    ("set R10 = -1", ("错误04:砂轮参数错误", 4.0)),
+    ("set R36 = -0.03", ("错误04:砂轮参数错误", 4.0)),
+    ("set R37 = 0", ("错误04:砂轮参数错误", 4.0)),
+    ("set R38 = 0", ("错误04:砂轮参数错误", 4.0)),
+    ("set R39 = -1", ("错误04:砂轮参数错误", 4.0)),
+    ("set R3 = 210", ("错误05:砂轮直径超出范围", 5.0)),
+    ("set R3 = 400", ("错误05:砂轮直径超出范围", 5.0)),
+    ("set R1 = 299.99", ("错误05:砂轮直径超出范围", 5.0)), // 300 − 0.03 once dressed
+    ("set R15 = -1", ("错误07:行程参数错误", 7.0)),
+    ("set R14 = 90", ("错误07:行程参数错误", 7.0)),
+    ("set R28 = 0", ("错误10:粗磨参数错误", 10.0)),
+    ("set R29 = 0", ("错误10:粗磨参数错误", 10.0)),
+    ("set R22 = 0", ("错误11:精磨参数错误", 11.0)),
+    ("set R23 = -5", ("错误11:精磨参数错误", 11.0)),
+    ("set R25 = -0.1", ("错误11:精磨参数错误", 11.0)),
+    ("set R32 = -1", ("错误12:光磨参数错误", 12.0)),
+    ("set R32 = 2.5", ("错误12:光磨参数错误", 12.0)),
+    ("set R33 = 0", ("错误12:光磨参数错误", 12.0)),
+    ("set R22 = 0\nset R43 = 0", ("错误03:安全让刀参数错误", 3.0)), // the first of two
+];
+
+#[test]
+fn s4_values_that_can_be_judged_are_judged_before_anything_starts() {
+    let own = [
+        ("set R20 = 200", ("错误10:粗磨参数错误", 10.0)),
+        ("set R18 = 201", ("错误10:粗磨参数错误", 10.0)),
+        ("set R46 = 500", ("错误07:行程参数错误", 7.0)), // 200.5 + 0.1 + 300: the wheel's centre beside the part
+    ];
+    let mut rig = vgrind(1, "");
+    for (values, told) in WRONG_VALUES.into_iter().chain(own) {
+        refused_at_the_start(&mut rig, values, told);
+    }
+}
+
+#[test]
+fn s6_values_of_a_bore_that_can_be_judged_are_judged_before_anything_starts() {
+    let own = [
+        ("set R20 = 500", ("错误10:粗磨参数错误", 10.0)),
+        ("set R47 = 100", ("错误07:行程参数错误", 7.0)), // R21 = 105
+    ];
+    let mut rig = vbore(1, BORE);
+    for (values, told) in WRONG_VALUES.into_iter().chain(own) {
+        refused_at_the_start(&mut rig, values, told);
+    }
+}
+
+/// The checks of L20 and L30 stay as a second line: a value changed in the run still ends it.
+#[test]
+fn s4_a_value_that_goes_wrong_in_the_run_is_still_found() {
+    let mut rig = vgrind(1, "");
+    tell(&mut rig, "param P6.3 1\nkey cycle-start\nwait 3 s\nset R43 = 0\nwait until idle max 600 s");
+    tell(&mut rig, "expect message \"错误03:安全让刀参数错误\"\nexpect R62 3\nexpect output wheel off\nexpect no alarm");
 }
 
 /// L10 grinds a cone along R14: 2 · 70 · tan 1° = 2.4437 mm of diameter between R21 and R19.
