@@ -153,6 +153,9 @@ pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
         )));
     }
     let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
+    // L1: every file of a lathe has a name, be it one letter.
+    let by_name = own_programs(rig.kind()).is_some() && !stem.is_empty();
+    let named = if by_name { Some(crate::defs::program::number(&stem)) } else { named };
     let number = named.unwrap_or(UNNUMBERED);
     rig.add_programs(beside(path));
     rig.add_program(program(number, word, bytes));
