@@ -8,6 +8,9 @@ use std::ops::{Add, Index, IndexMut, Sub};
 
 use serde::{Deserialize, Serialize};
 
+/// Millimetres of an inch.
+pub const MM_PER_INCH: f64 = 25.4;
+
 /// A moment or a span of controller time, in microseconds since power-on. Never wall-clock time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Micros(pub u64);

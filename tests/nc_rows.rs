@@ -119,6 +119,15 @@ fn b1_block_skip_leaves_out_blocks_with_a_slash_only_when_the_switch_is_set() {
 }
 
 #[test]
+fn b1_a_mark_of_utf8_and_comment_lines_may_stand_before_the_first_block() {
+    for head in ["\u{feff}%\nO1001\n", "\u{feff}O1001\n", "// c\n%\nO1001\n", "%(A)\n\n; b\nO1001 (C)\n"] {
+        let text = format!("{head}G0 X10\nM30\n%\nG0 X20\n");
+        assert_eq!(lines(&text, Settings::lathe()), ["rapid x=5 y=0 z=0 [X]", "m code=30"], "{head:?}");
+    }
+    assert!(refused("G0 X1\nO1001").contains("O"), "behind a block it is no head");
+}
+
+#[test]
 fn b1_gbk_comments_are_read_and_columns_count_characters() {
     // 外圆 in GBK.
     let mut text = b"O1001 (\xcd\xe2\xd4\xb2)\nG0 (\xcd\xe2\xd4\xb2) X1 Q9\n".to_vec();

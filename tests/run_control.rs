@@ -60,6 +60,38 @@ fn b5_single_block_stops_after_each_block() {
 }
 
 #[test]
+fn k3_14_m00_in_single_block_stops_once() {
+    let mut rig = ready_with("G04 P100\nM00\n#100=1\n#100=2\nM30");
+    tell(&mut rig, "key single-block\nmode auto\nkey cycle-start\nwait until stopped max 2 s");
+    tell(&mut rig, "key cycle-start\nwait until stopped max 2 s\nkey cycle-start\nwait until stopped max 2 s");
+    tell(&mut rig, "expect #100 1\nkey cycle-start\nwait until stopped max 2 s\nexpect #100 2");
+}
+
+#[test]
+fn b3_an_output_reads_as_the_block_before_has_switched_it() {
+    let text = "M50\nIF[#1120 EQ 1]GOTO 20\n#100=9\nN20 M51\n#101=#1120\nM08\n#102=#1101\nM09\n#103=#1101\n\
+                #1139=1\nIF[#1139 EQ 1]THEN #104=1\nM21 P40\n#105=#1139\nM22 P40\n#106=#1139\nM30";
+    let mut rig = ready_with(text);
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 5 s\nexpect no alarm");
+    let values = rig.snapshot().variables[100..107].to_vec();
+    let numbers = [0.0, 1.0, 0.0, 1.0, 1.0, 0.0].map(Some);
+    assert_eq!(values[0], None, "the jump was taken");
+    assert_eq!(values[1..], numbers);
+}
+
+#[test]
+fn b3_in_inches_places_read_in_inches() {
+    // 25.4 mm are an inch; X by its diameter, from X 50.8 to X 25.4.
+    let text = "G21 G00 X-50.8 Z-127\nG20\n#100=#5041\n#101=#5043\nG00 X[#5041+1]\nG21\n#102=#5041\nM30";
+    let mut rig = ready_with(text);
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s\nexpect no alarm\nexpect X -25.4 ±0.0015");
+    for (number, inches) in [(100, -2.0), (102, -25.4)] {
+        let value = rig.snapshot().variables[number].unwrap();
+        assert!((value - inches).abs() < 0.0005, "#{number} {value}");
+    }
+}
+
+#[test]
 fn b5_single_block_switched_on_in_a_run_stops_at_the_end_of_that_block() {
     // Thirty short blocks, all of them read ahead; the first stop is far from the end.
     let text: String = (0..30).map(|n| format!("N{n} G98 G01 U-0.5 F300\n")).collect();

@@ -160,6 +160,11 @@ impl Controller {
                 Did::Done | Did::Stop => {
                     run.items.pop_front();
                     run.fed = run.fed.saturating_sub(1);
+                    // A block that ends with its own stop (M00) is not stopped at once more by single block.
+                    if matches!((&did, run.items.front()), (Did::Stop, Some(Item::End))) {
+                        run.items.pop_front();
+                        run.fed = run.fed.saturating_sub(1);
+                    }
                     run.doing = Doing::Nothing;
                     run.settle_since = None;
                 }

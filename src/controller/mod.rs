@@ -17,6 +17,7 @@ mod effect;
 mod executor;
 pub mod files;
 mod filter;
+pub mod foresight;
 mod gauge;
 mod hand;
 mod hold;

@@ -79,7 +79,8 @@ impl Controller {
         self.axes.give_to_hand();
     }
 
-    pub(super) fn write_outputs(&mut self) {
+    /// What is on as things stand, and the terminals that carry it.
+    pub(super) fn switched_on(&self) -> (OutputSet, Terminals) {
         let mut on = self.machine.outputs(&self.params);
         // K5.15: red for an alarm that stops or blocks, yellow for a program that waits, green for work.
         on.set(Output::TowerRed, self.alarms.block_start());
@@ -87,11 +88,17 @@ impl Controller {
         on.set(Output::TowerYellow, matches!(self.phase, Phase::Holding | Phase::Held | Phase::Stopped));
         // K6.1, K2.4: what shares its port or has none switches nothing, and its lamp says so.
         let on = on.without(self.dead_outputs);
-        self.output_set = on;
-        self.outputs.terminals = self.machine.port_terminals();
+        let mut terminals = self.machine.port_terminals();
         for output in on.iter() {
-            self.outputs.terminals.set(self.params.output_port(output), true);
+            terminals.set(self.params.output_port(output), true);
         }
+        (on, terminals)
+    }
+
+    pub(super) fn write_outputs(&mut self) {
+        let on;
+        (on, self.outputs.terminals) = self.switched_on();
+        self.output_set = on;
         let volts = |rpm: f64, most: f64| (FULL_SCALE_VOLTS * rpm / most).clamp(0.0, FULL_SCALE_VOLTS);
         let wheel = if on.has(Output::Wheel) || self.machine.spindle_direction().is_some() {
             self.wheel_rpm_given()

@@ -132,7 +132,8 @@ impl Controller {
             return Some(switched(self.image.terminals.level(index as u8 + 1) ^ inverted));
         }
         if let Some(index) = of(variable::OUTPUTS) {
-            return Some(switched(self.outputs.terminals.level(index as u8 + 1)));
+            // What the block before has switched counts at once, a tick before the terminals have it.
+            return Some(switched(self.switched_on().1.level(index as u8 + 1)));
         }
         if let Some(index) = of(variable::GAUGE_FOUND) {
             return Some(self.gauge_found[index]);
@@ -230,6 +231,12 @@ impl Controller {
         let (geometry, wear) = (self.frames.geometry[index], self.frames.wear[index]);
         self.effects.push(Effect::Offset { number: index + 1, geometry, wear });
     }
+}
+
+/// The table of offsets that a variable belongs to.
+pub(super) fn offset_of_variable(number: u32) -> Option<Part> {
+    let of = |table| offset_of(table, number).is_some();
+    if of(&WEAR) { Some(Part::Wear) } else { of(&GEOMETRY).then_some(Part::Geometry) }
 }
 
 /// Which offset and axis a number of a table names.

@@ -74,14 +74,18 @@ impl Controller {
         none.into_iter().for_each(|row| self.keep_param(row.address(), 0.0));
     }
 
-    /// The speed that the program asks of the wheel, rpm: S in the unit it was written in, with the wheel as it is now.
+    /// The speed that the program asks of the wheel, rpm, with the wheel as it is now.
     pub(super) fn wheel_rpm(&self) -> f64 {
-        let (value, mode) = self.wheel_speed;
-        let girth_m = std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER) / 1_000.0;
-        match mode {
-            SpeedMode::Rpm => value,
-            SpeedMode::MetresPerSecond => value * MINUTE / girth_m,
-            SpeedMode::SurfaceSpeed => (value / girth_m).min(self.wheel_rpm_limit.unwrap_or(f64::INFINITY)),
-        }
+        rpm_of(self.wheel_speed, self.wheel_rpm_limit, self.params.get(param::WHEEL_DIAMETER))
+    }
+}
+
+/// Speed of a wheel, rpm, for S in the unit it was written in; `limit` holds under G96.
+pub(super) fn rpm_of((value, mode): (f64, SpeedMode), limit: Option<f64>, diameter_mm: f64) -> f64 {
+    let girth_m = std::f64::consts::PI * diameter_mm / 1_000.0;
+    match mode {
+        SpeedMode::Rpm => value,
+        SpeedMode::MetresPerSecond => value * MINUTE / girth_m,
+        SpeedMode::SurfaceSpeed => (value / girth_m).min(limit.unwrap_or(f64::INFINITY)),
     }
 }

@@ -78,6 +78,12 @@ ranges! {
     DRESSINGS = 5_805, 1, Read, "换砂轮后修整次数 (P97)", "dressings since the wheel was changed (P97)";
 }
 
+/// Whether a variable is a place, or a distance between places: it is read in the unit of the words.
+#[must_use]
+pub fn is_place(number: u32) -> bool {
+    [GAUGE_FOUND, BLOCK_END, MACHINE, WORK, SKIP].iter().any(|range| range.index(number).is_some())
+}
+
 /// The range of a number.
 #[must_use]
 pub fn find(number: u32) -> Option<&'static SystemVariables> {

@@ -277,7 +277,7 @@ impl Run<'_> {
                         self.text_end = Some(line);
                         Ok(())
                     }
-                    Content::Goto { n, at } if n > 0 && source.find_block(n, line).is_none() => {
+                    Content::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {
                         super::fault::wrong1(at, E::MissingTarget, format!("N{n}"))
                     }
                     Content::Jump { label, forward, .. } => source.find_label(label, line, forward).map(drop),

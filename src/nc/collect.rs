@@ -63,7 +63,7 @@ impl Interpreter {
 
     /// The operations of the contour's blocks; the flow then stands behind the last.
     fn read_contour(&mut self, cycle: &ContourCycle, world: &mut dyn World, start: PerAxis<f64>) -> Outcome<Vec<Op>> {
-        if self.flow.source.find_block(cycle.last, self.flow.line).is_none() {
+        if self.flow.source.find_block(cycle.last, self.flow.at).is_none() {
             return wrong1(cycle.at, E::MissingTarget, format!("N{}", cycle.last));
         }
         self.flow.go_to_block(cycle.first, cycle.at)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::expression::Value;
 use super::fault::{Outcome, wrong1, wrong2};
-use super::source::{LOOP_DEPTH, Source};
+use super::source::{LOOP_DEPTH, LoopEnd, Source};
 use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 
@@ -49,8 +49,8 @@ pub(crate) struct Call {
 #[derive(Clone, Copy, Debug, Default)]
 struct Open {
     number: u8,
-    while_line: u32,
-    end_line: u32,
+    while_at: usize,
+    end: LoopEnd,
 }
 
 /// A counted loop under way, lines from 0.
@@ -171,14 +171,21 @@ impl Flow {
         self.mid_line = false;
     }
 
+    /// Goes to the block that begins at a byte.
+    pub fn go_to(&mut self, at: usize) {
+        self.line = self.source.line_of(at);
+        self.at = at;
+        self.mid_line = at != self.source.start(self.line);
+    }
+
     /// GOTO: the next block of that number, or the first of the program; loops that the target lies outside are left.
     pub fn go_to_block(&mut self, n: u32, at: usize) -> Outcome<()> {
-        let Some(line) = self.source.find_block(n, self.line) else {
+        let Some(target) = self.source.find_block(n, self.at) else {
             return wrong1(at, E::MissingTarget, format!("N{n}"));
         };
-        let stays = |open: &Open| open.while_line < line && line <= open.end_line;
+        let stays = |open: &Open| open.while_at < target && target <= open.end.at as usize;
         self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
-        self.go_to_line(line);
+        self.go_to(target);
         Ok(())
     }
 
@@ -187,34 +194,33 @@ impl Flow {
         self.source.find_label(label, self.line, forward)
     }
 
-    /// WHILE in the present line: into the loop, or behind its END.
+    /// WHILE in the present block: into the loop, or behind its END.
     pub fn begin_loop(&mut self, holds: bool, number: u8, at: usize) -> Outcome<()> {
-        let found = self.source.loop_at(self.line).filter(|found| found.number == number);
-        let Some((found, end_line)) = found.and_then(|found| found.end_line.map(|end| (found, end))) else {
+        let found = self.source.loop_at(self.at).filter(|found| found.number == number);
+        let Some((while_at, end)) = found.and_then(|found| Some((found.while_at as usize, found.end?))) else {
             return wrong1(at, E::LoopMismatch, format!("WHILE … DO{number}"));
         };
         let top = self.depth.checked_sub(1).map(|top| self.loops[top]);
-        let again = top.is_some_and(|top| top.while_line == found.while_line);
+        let again = top.is_some_and(|top| top.while_at == while_at);
         if !again {
             if self.loops[..self.depth].iter().any(|open| open.number == number) || self.depth == LOOP_DEPTH {
                 return wrong1(at, E::DoNumber, number.to_string());
             }
-            self.loops[self.depth] = Open { number, while_line: found.while_line, end_line };
+            self.loops[self.depth] = Open { number, while_at, end };
             self.depth += 1;
         }
         if !holds {
             self.depth -= 1;
-            self.go_to_line(end_line + 1);
+            self.go_to(end.behind as usize);
         }
         Ok(())
     }
 
     /// END: back to its WHILE.
     pub fn end_loop(&mut self, number: u8, at: usize) -> Outcome<()> {
-        let line = self.line;
         match self.depth.checked_sub(1).map(|top| self.loops[top]) {
-            Some(top) if top.number == number && top.end_line == line => {
-                self.go_to_line(top.while_line);
+            Some(top) if top.number == number && top.end.at as usize == self.at => {
+                self.go_to(top.while_at);
                 Ok(())
             }
             Some(_) | None => wrong1(at, E::LoopMismatch, format!("END{number}")),
@@ -227,7 +233,7 @@ impl Flow {
             return false;
         }
         self.depth = 0;
-        self.go_to_line(self.loops[0].end_line + 1);
+        self.go_to(self.loops[0].end.behind as usize);
         true
     }
 
@@ -370,7 +376,7 @@ impl Flow {
             };
         };
         if let Some(n) = target
-            && level.source.find_block(n, level.line).is_none()
+            && level.source.find_block(n, level.at).is_none()
         {
             return wrong1(at, E::MissingTarget, format!("{} N{n}", level.source.title()));
         }

@@ -353,10 +353,6 @@ impl Interpreter {
                     self.pass(cursor);
                 }
             }
-            // What follows END on its line would be lost when the loop is left.
-            Content::EndLoop { number, at } if statement::goes_on(cursor) => {
-                return wrong1(at, E::BadStatement, format!("END{number};…"));
-            }
             Content::EndLoop { number, at } => self.flow.end_loop(number, at)?,
             // The `%` at the head of a text only opens it.
             Content::TextEnd { at } if at_head(text, at) && !text[..at].contains(&b'%') => self.pass(cursor),

@@ -11,7 +11,8 @@ use super::settings::Settings;
 use super::source::Source;
 use super::world::{Live, World};
 use crate::defs::program_error::ProgramError as E;
-use crate::units::{Axis, PerAxis};
+use crate::defs::variable;
+use crate::units::{Axis, MM_PER_INCH, PerAxis};
 
 /// System variables of the axes' positions, first of the axes that the machine has.
 const MACHINE_POSITION: u32 = 5_021;
@@ -98,6 +99,9 @@ impl LiveScope<'_> {
                 .variable(number, self.settings.is_mill())
                 .map_or_else(|| wrong1(at, E::BadVariable, format!("#{number}")), Ok),
             434..=439 | 1000.. => match self.world.system(number) {
+                Live::Value(Some(length)) if self.modals.inch && variable::is_place(number) => {
+                    Ok(Some(length / MM_PER_INCH))
+                }
                 Live::Value(value) => Ok(value),
                 Live::Drain => Err(Box::new(Stop::Drain)),
                 Live::Unknown => wrong1(at, E::BadVariable, format!("#{number}")),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use encoding_rs::GB18030;
 
 use super::fault::{Outcome, Place, wrong1, wrong2};
+use super::statement;
 use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 
@@ -39,8 +40,10 @@ pub struct Source {
     bytes: Arc<[u8]>,
     utf8: bool,
     lines: Vec<u32>,
-    /// (N, line from 0), sorted.
+    /// (N, byte at which its block begins), sorted: blocks that begin a line.
     labels: Vec<(u32, u32)>,
+    /// The same of blocks behind a `;`.
+    inner: Vec<(u32, u32)>,
     /// (label in upper case, line from 0), sorted.
     names: Vec<(Box<[u8]>, u32)>,
     loops: Vec<Loop>,
@@ -55,12 +58,19 @@ pub(crate) struct CountedLoop {
     pub end_line: Option<u32>,
 }
 
-/// WHILE and its END, lines from 0.
+/// WHILE and its END, by the bytes at which their blocks begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Loop {
     pub number: u8,
-    pub while_line: u32,
-    pub end_line: Option<u32>,
+    pub while_at: u32,
+    pub end: Option<LoopEnd>,
+}
+
+/// The block of END and the one behind it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct LoopEnd {
+    pub at: u32,
+    pub behind: u32,
 }
 
 impl Source {
@@ -81,6 +91,7 @@ impl Source {
             utf8,
             lines,
             labels: Vec::new(),
+            inner: Vec::new(),
             names: Vec::new(),
             loops: Vec::new(),
             counted: Vec::new(),
@@ -157,15 +168,21 @@ impl Source {
         self.lines.get(line as usize).map_or(self.bytes.len(), |start| *start as usize)
     }
 
-    /// The line (from 0) of a block number: the next one after `line`, else the first of the text.
-    pub(crate) fn find_block(&self, n: u32, line: u32) -> Option<u32> {
-        let from = self.labels.partition_point(|label| *label < (n, line + 1));
-        let first = self.labels.partition_point(|label| *label < (n, 0));
-        [from, first]
-            .into_iter()
-            .filter_map(|index| self.labels.get(index))
-            .find(|label| label.0 == n)
-            .map(|label| label.1)
+    /// The line (from 0) that a byte lies in.
+    pub(crate) fn line_of(&self, at: usize) -> u32 {
+        self.lines.partition_point(|start| *start as usize <= at).saturating_sub(1) as u32
+    }
+
+    /// The byte at which the block of a number begins: the next one behind the byte `at`, else the first of the text.
+    pub(crate) fn find_block(&self, n: u32, at: usize) -> Option<usize> {
+        let from = |from: u32| {
+            let next = |labels: &[(u32, u32)]| {
+                let index = labels.partition_point(|label| *label < (n, from));
+                labels.get(index).filter(|label| label.0 == n).map(|label| label.1)
+            };
+            next(&self.labels).into_iter().chain(next(&self.inner)).min()
+        };
+        from(at as u32 + 1).or_else(|| from(0)).map(|found| found as usize)
     }
 
     /// The line of the nearest label of a name – its bytes in the text – behind `line`, or from there back to the head.
@@ -192,6 +209,7 @@ impl Source {
     pub(crate) fn only_block(&self, n: u32) -> Result<Option<u32>, ()> {
         let first = self.labels.partition_point(|label| *label < (n, 0));
         let is = |index: usize| self.labels.get(index).filter(|label| label.0 == n).map(|label| label.1);
+        let is = |index: usize| is(index).map(|at| self.line_of(at as usize));
         if is(first + 1).is_some() { Err(()) } else { Ok(is(first)) }
     }
 
@@ -201,9 +219,9 @@ impl Source {
         self.counted.get(index).copied()
     }
 
-    /// The loop that opens in a line (from 0).
-    pub(crate) fn loop_at(&self, line: u32) -> Option<Loop> {
-        let index = self.loops.binary_search_by_key(&line, |found| found.while_line).ok()?;
+    /// The loop that opens in the block that begins at a byte.
+    pub(crate) fn loop_at(&self, at: usize) -> Option<Loop> {
+        let index = self.loops.binary_search_by_key(&(at as u32), |found| found.while_at).ok()?;
         self.loops.get(index).copied()
     }
 
@@ -234,51 +252,87 @@ impl Source {
     }
 
     fn index(&mut self) {
-        let mut open = [0_usize; LOOP_DEPTH];
-        let mut depth = 0;
-        let mut open_counted = Vec::new();
+        let mut open = Opened::default();
+        let divided = self.bytes.contains(&b';');
         for line in 0..self.lines.len() as u32 {
-            let text = &self.bytes[self.start(line)..];
-            let (n, rest) = head(text);
+            let start = self.start(line);
+            let end = self.start(line + 1);
+            let (n, rest) = head(&self.bytes[start..]);
             if let Some(n) = n {
-                self.labels.push((n, line));
+                self.labels.push((n, start as u32));
             }
             if let Some(name) = label(rest) {
                 self.names.push((name.to_ascii_uppercase().into_boxed_slice(), line));
             }
             match rest.first() {
                 Some(b'G' | b'g') if is_code(rest, b"G22") => {
-                    open_counted.push(self.counted.len());
+                    open.counted.push(self.counted.len());
                     self.counted.push(CountedLoop { line, end_line: None });
                 }
                 Some(b'G' | b'g') if is_code(rest, b"G80") => {
-                    if let Some(place) = open_counted.pop().and_then(|index| self.counted.get_mut(index)) {
+                    if let Some(place) = open.counted.pop().and_then(|index| self.counted.get_mut(index)) {
                         place.end_line = Some(line);
                     }
                 }
-                Some(b'W' | b'w') if starts(rest, b"WHILE") => {
-                    let number = do_number(rest);
-                    if let Some(place) = open.get_mut(depth) {
-                        *place = self.loops.len();
-                        depth += 1;
-                    }
-                    self.loops.push(Loop { number, while_line: line, end_line: None });
-                }
-                Some(b'E' | b'e') if starts(rest, b"END") => {
-                    let number = digits(&rest[3..]).unwrap_or(0) as u8;
-                    let Some(place) = depth.checked_sub(1).and_then(|top| self.loops.get_mut(open[top])) else {
-                        continue;
-                    };
-                    if place.number == number {
-                        place.end_line = Some(line);
-                        depth -= 1;
-                    }
-                }
+                Some(b'W' | b'w' | b'E' | b'e') => open.loops(&mut self.loops, rest, start, end),
                 _ => {}
+            }
+            if divided && self.bytes[start..end].contains(&b';') {
+                self.index_behind(start, end, &mut open);
             }
         }
         self.labels.sort();
+        self.inner.sort();
         self.names.sort();
+    }
+
+    /// Block numbers and loops behind the `;` of a line.
+    #[cold]
+    fn index_behind(&mut self, start: usize, end: usize, open: &mut Opened) {
+        let bytes = Arc::clone(&self.bytes);
+        let mut at = start;
+        while let Some(next) = statement::behind(&bytes[..end], at, at > start) {
+            // The block before ended here: so did its END.
+            if let Some(LoopEnd { behind, .. }) =
+                self.loops.iter_mut().rev().find_map(|found| found.end.as_mut().filter(|end| end.at as usize == at))
+            {
+                *behind = next as u32;
+            }
+            let (n, rest) = head(&bytes[next..end]);
+            if let Some(n) = n {
+                self.inner.push((n, next as u32));
+            }
+            open.loops(&mut self.loops, rest, next, end);
+            at = next;
+        }
+    }
+}
+
+/// What is open while a text is gone through.
+#[derive(Default)]
+struct Opened {
+    loops: [usize; LOOP_DEPTH],
+    depth: usize,
+    counted: Vec<usize>,
+}
+
+impl Opened {
+    /// Opens or closes a loop if the block does, whose line ends at `end`.
+    fn loops(&mut self, loops: &mut Vec<Loop>, block: &[u8], at: usize, end: usize) {
+        if starts(block, b"WHILE") {
+            if let Some(place) = self.loops.get_mut(self.depth) {
+                *place = loops.len();
+                self.depth += 1;
+            }
+            loops.push(Loop { number: do_number(block), while_at: at as u32, end: None });
+        } else if starts(block, b"END") {
+            let number = digits(&block[3..]).unwrap_or(0) as u8;
+            let top = self.depth.checked_sub(1).and_then(|top| loops.get_mut(self.loops[top]));
+            if let Some(place) = top.filter(|place| place.number == number) {
+                place.end = Some(LoopEnd { at: at as u32, behind: end as u32 });
+                self.depth -= 1;
+            }
+        }
     }
 }
 
@@ -379,12 +433,12 @@ fn label(text: &[u8]) -> Option<&[u8]> {
     (after == Some(&b':')).then_some(name)
 }
 
-/// The number after the last DO of a line, 0 if there is none.
-fn do_number(line: &[u8]) -> u8 {
-    let end = line_end(line).unwrap_or(line.len());
-    let line = &line[..end];
-    let place = line.windows(2).rposition(|pair| pair.eq_ignore_ascii_case(b"DO"));
-    place.and_then(|place| digits(&line[place + 2..])).map_or(0, |number| number.min(255) as u8)
+/// The number after the last DO of a block, 0 if there is none.
+fn do_number(block: &[u8]) -> u8 {
+    let end = block.iter().position(|byte| matches!(byte, b'\r' | b'\n' | b';')).unwrap_or(block.len());
+    let block = &block[..end];
+    let place = block.windows(2).rposition(|pair| pair.eq_ignore_ascii_case(b"DO"));
+    place.and_then(|place| digits(&block[place + 2..])).map_or(0, |number| number.min(255) as u8)
 }
 
 /// The ASCII character that was meant by a wide one.
@@ -405,15 +459,13 @@ fn ascii_for(character: char) -> Option<char> {
     }
 }
 
-/// Whether nothing but `%`, blanks and comment lines stands before a byte.
+/// Whether nothing but `%`, blanks and comments stands before a byte.
 pub(crate) fn at_head(text: &[u8], at: usize) -> bool {
-    let mut comment = false;
-    text.get(..at).unwrap_or_default().iter().all(|byte| {
-        comment = match byte {
-            b'\r' | b'\n' => false,
-            b';' | b'(' => true,
-            _ => comment,
-        };
-        comment || matches!(byte, b'%' | b' ' | b'\t' | b'\r' | b'\n')
+    let head = text.get(..at).unwrap_or_default();
+    let head = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
+    head.split(|byte| matches!(byte, b'\r' | b'\n')).all(|line| {
+        let line = blank(line);
+        let line = blank(line.strip_prefix(b"%").unwrap_or(line));
+        line.is_empty() || line[0] == b';' || line.starts_with(b"//")
     })
 }

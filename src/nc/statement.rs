@@ -261,10 +261,41 @@ fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
 fn is_block(mut cursor: Cursor<'_>) -> bool {
     let mut words = Words::default();
     while cursor.take(b';') || cursor.take(b' ') {}
-    let read = cursor.blank().and_then(|()| body(&mut cursor, &mut Blank, &mut words, 0));
+    let read = block(&mut cursor, &mut words);
     let closed = cursor.blank().is_ok() && matches!(cursor.peek(), b'\r' | b'\n' | b';');
     let complete = closed && words.bare.is_none();
-    complete && matches!(read, Ok(content) if content != Content::Nothing)
+    complete && matches!(read, Ok(content) if content != Content::Nothing || words.n.is_some())
+}
+
+/// A block for its writing alone, with its `/` and its number.
+fn block(cursor: &mut Cursor<'_>, words: &mut Words) -> Outcome<Content> {
+    cursor.blank()?;
+    if cursor.peek() == b'/' && cursor.peek_at(1) != b'/' {
+        cursor.at += 1;
+        cursor.blank()?;
+    }
+    if matches!(cursor.peek(), b'N' | b'n') {
+        words.n = Some(block_number(cursor)?);
+        cursor.blank()?;
+    }
+    body(cursor, &mut Blank, words, 0)
+}
+
+/// Where the block behind the next `;` begins, for the block that begins at `at`; `text` ends with its line.
+pub(crate) fn behind(text: &[u8], at: usize, mid_line: bool) -> Option<usize> {
+    let mut cursor = Cursor { text, at };
+    cursor.blank().ok()?;
+    if cursor.peek() == b';' && !mid_line {
+        return None;
+    }
+    while !matches!(cursor.peek(), b';' | b'\r' | b'\n') {
+        if cursor.peek() == b'/' && cursor.peek_at(1) == b'/' {
+            return None;
+        }
+        cursor.at += 1;
+        cursor.blank().ok()?;
+    }
+    (cursor.take(b';') && is_block(cursor)).then_some(cursor.at)
 }
 
 /// No values: for text that is read only for its writing.

@@ -25,20 +25,23 @@ pub(super) fn macro_call(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<
         (None, Some(call)) => (call, "G66"),
         (None, None) => return Ok(Step::Next),
     };
-    if let Some(m) = words.m().first() {
-        return wrong2(m.at as usize, E::NotTogether, name, format!("M{:02}", m.number));
+    if let Some(m) = words.m().get(1) {
+        return wrong1(m.at as usize, E::DoubleWord, "M");
     }
     if let Some(other) = words.g().iter().find(|other| other.at != code.at) {
         return wrong2(other.at as usize, E::NotTogether, name, format!("G{:02}", other.number));
     }
-    if name == "G65" && words.has(b'H') {
+    if name == "G65" && calculates(running) {
         words.use_all();
         return macro_a::run(running);
     }
     let Some(p) = words.take(b'P') else { return wrong2(code.at as usize, E::MissingWord, name, "P") };
     let program = integer(p, 1, 9_999)?;
     let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, REPEATS))?;
-    let arguments = Box::new(arguments(words.list())?);
+    let mut arguments = Box::new(arguments(words.list())?);
+    if let Some(m) = words.m().first() {
+        arguments[12] = Some(f64::from(m.number));
+    }
     words.use_all();
     Ok(if name == "G65" {
         Step::Call(Call { program, times, callee: Callee::Macro(arguments), at: p.at as usize })
@@ -47,8 +50,26 @@ pub(super) fn macro_call(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<
     })
 }
 
-/// System I: each letter its own variable. System II, as soon as I, J or K stands twice: A B C and up to ten sets of
-/// I J K. A letter out of turn (K before I) begins the next set.
+/// DECISION: `G65 Hm` with nothing but P, Q and R calculates; H is the argument #11 if P stands before it and names a
+/// program: a plain number, where no jump or alarm takes one.
+fn calculates(running: &Running<'_, '_>) -> bool {
+    let words = running.words;
+    let find = |letter| words.list().iter().find(|word| word.letter == letter);
+    let Some(h) = find(b'H') else { return false };
+    let own = |word: &Word| matches!(word.letter, b'H' | b'P' | b'Q' | b'R' | b'O');
+    if !(words.m().is_empty() && words.list().iter().all(own)) {
+        return false;
+    }
+    let takes_number = (80.0..=86.0).contains(&h.value) || (99.0..100.0).contains(&h.value);
+    find(b'P').is_none_or(|p| {
+        let behind = running.text.get(p.at as usize + 1..).unwrap_or_default();
+        let plain = behind.iter().find(|byte| **byte != b' ').is_some_and(u8::is_ascii_digit);
+        takes_number || h.at < p.at || !plain
+    })
+}
+
+/// System I: each letter its own variable. System II: where I, J or K stands twice, up to ten sets of them; a letter out
+/// of turn (K before I) begins the next set. Where both give a variable, the later word counts.
 fn arguments(words: &[Word]) -> Outcome<Locals> {
     let mut locals: Locals = [None; 33];
     let mut seen = 0_u32;
@@ -82,8 +103,8 @@ fn arguments(words: &[Word]) -> Outcome<Locals> {
                 }
                 seen |= bit;
                 match system_1(letter) {
-                    Some(index) if !second || index <= 3 => index,
-                    Some(_) | None => return wrong1(at, E::UnknownWord, char::from(letter)),
+                    Some(index) => index,
+                    None => return wrong1(at, E::UnknownWord, char::from(letter)),
                 }
             }
         };
@@ -145,5 +166,13 @@ mod tests {
             assert_eq!(locals[index - 1], Some(value), "#{index}");
         }
         assert_eq!(locals[7], None);
+    }
+
+    #[test]
+    fn b3_of_both_argument_systems_the_later_word_counts() {
+        let list = [(b'A', 1.0), (b'B', 2.0), (b'I', -3.0), (b'I', 4.0), (b'D', 5.0)];
+        let locals = arguments(&list.map(|(letter, value)| word(letter, value))).unwrap();
+        // The second I is #7, which D gives anew.
+        assert_eq!((locals[0], locals[1], locals[3], locals[6]), (Some(1.0), Some(2.0), Some(-3.0), Some(5.0)));
     }
 }

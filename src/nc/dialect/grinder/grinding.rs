@@ -123,7 +123,7 @@ fn coordinate(running: &Running<'_, '_>, axis: Axis, word: Word) -> Outcome<f64>
 
 /// A speed word, mm/min.
 fn speed(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
-    let unit = if running.modals.inch { super::MM_PER_INCH } else { 1.0 };
+    let unit = if running.modals.inch { crate::units::MM_PER_INCH } else { 1.0 };
     if word.value <= 0.0 || word.value > LIMIT {
         return out_of_range(char::from(word.letter), word, "0–99999.999");
     }

@@ -21,9 +21,7 @@ use crate::nc::fault::{Outcome, wrong1};
 use crate::nc::op::{Op, PathMode};
 use crate::nc::settings::Settings;
 use crate::nc::words::{Kind, Word, Words};
-use crate::units::Axis;
-
-const MM_PER_INCH: f64 = 25.4;
+use crate::units::{Axis, MM_PER_INCH};
 
 /// The letters X Y Z U V W.
 const AXIS_WORDS: u32 = 1 << (b'X' - b'A')

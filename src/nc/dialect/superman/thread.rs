@@ -8,13 +8,12 @@ use crate::nc::fault::{Outcome, wrong, wrong2};
 use crate::nc::modal::Motion;
 use crate::nc::op::{Op, Threading};
 use crate::nc::words::Word;
-use crate::units::Axis;
+use crate::units::{Axis, MM_PER_INCH};
 
 /// Leads of G33, mm.
 const LEADS: (f64, f64) = (0.25, 12.0);
 /// Turns an inch of G32.
 const TURNS: (f64, f64) = (3.0, 33.5);
-const MM_PER_INCH: f64 = 25.4;
 /// The last millimetres of Z, in which the tool is drawn back.
 const RUN_OUT_MM: f64 = 1.2;
 /// The way before the part that the axes need, in leads.
