@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kt830::defs::kind::Kind;
-use kt830::defs::param::ParamAddress;
+use kt830::defs::param::{ParamAddress, Params};
 use kt830::io::sim::EventKind;
 use kt830::link::command::Command;
 use kt830::nc::{CheckWorld, Library, Memory, NoLibrary, Settings, Source, check, check_with};
@@ -420,6 +420,36 @@ fn l2_speeds_and_places_come_from_the_parameters() {
         &mut rig,
         "key cycle-start\nwait 0.6 s\nexpect state running\nwait 0.8 s\nexpect state idle\nexpect X -10 ±0.001",
     );
+}
+
+/// L2: rapids of 2000 to 6000 mm/min along Z, half of that along X.
+#[test]
+fn l2_the_rapids_of_the_parameters_keep_the_range() {
+    let mut values = Params::factory(Kind::Lathe);
+    let mut write = |at: &str, value: f64| values.write(ParamAddress::parse(at).unwrap(), value).is_ok();
+    for (at, low, high) in [("P30", 1_000.0, 3_000.0), ("P32", 2_000.0, 6_000.0)] {
+        assert!(write(at, low) && write(at, high) && !write(at, low - 1.0) && !write(at, high + 1.0), "{at}");
+    }
+    assert!(Params::factory(Kind::Gc).write(ParamAddress::parse("P32").unwrap(), 10_000.0).is_ok());
+}
+
+/// A file of any name is reported by it.
+#[test]
+fn l1_files_of_one_letter_are_reported_by_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["A", "P1", "G22_X", "22"] {
+        let path = folder.path().join(format!("{name}.NC"));
+        std::fs::write(&path, "N0010G04F1\nN0020G33W-20F2\nN0030M02\n").unwrap();
+        let out = std::process::Command::new(env!("CARGO_BIN_EXE_kt830"))
+            .args(["run", "--kind", "lathe", "--format", "json", "--data"])
+            .arg(folder.path().join("data"))
+            .arg(&path)
+            .output()
+            .unwrap();
+        let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+        assert_eq!(told["alarms"][0]["program"], name, "{told}");
+        assert!(told["alarms"][0]["text"].as_str().unwrap().contains(&format!("{name} ")), "{told}");
+    }
 }
 
 #[test]
