@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use kt830::defs::kind::Kind;
 use kt830::defs::param::{ParamAddress, Params};
+use kt830::defs::program_error::ProgramError as E;
 use kt830::io::sim::EventKind;
 use kt830::link::command::Command;
 use kt830::nc::{CheckWorld, Library, Memory, NoLibrary, Settings, Source, check, check_with};
@@ -165,7 +166,8 @@ fn l5_threads_keep_their_lead_within_five_micrometres_at_the_limit_speed() {
 fn l5_fine_threads_are_in_step_after_three_leads() {
     // N = 1200/T − 80: 4720 rpm at 0.25 mm, 3348 at 0.35, 2320 at 0.5; 20 at 12.
     for (lead, rpm) in [(0.25, 4_720), (0.35, 3_300), (0.5, 2_320), (12.0, 20)] {
-        let text = format!("N0010G92X100Z50\nN0020M03S{rpm}\nN0025G04F5\nN0030G01U-2F300\nN0040G33W-40F{lead}\nN0050M02");
+        let text =
+            format!("N0010G92X100Z50\nN0020M03S{rpm}\nN0025G04F5\nN0030G01U-2F300\nN0040G33W-40F{lead}\nN0050M02");
         let rig = run(&text);
         let cut = rig.controller().threads()[0];
         // All of it is measured but the three leads and the run-out.
@@ -225,10 +227,25 @@ fn l5_the_block_ends_drawn_back_by_two_leads_and_two_millimetres() {
 #[test]
 fn l5_a_spindle_that_stands_or_turns_too_fast_ends_the_run() {
     let mut rig = lathe("N0010G92X100Z20\nN0030G01U-2F300\nN0040G33W-30F3\nN0060M02");
-    tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nexpect alarm 212\nexpect Z 20 ±0.001");
-    let mut rig = lathe("N0010G92X100Z20\nN0020M03S400\nN0030G01U-2F300\nN0040G33W-30F3\nN0060M02");
+    tell(
+        &mut rig,
+        "key cycle-start\nwait until alarm max 20 s\nexpect alarm 212\nexpect Z 20 ±0.001\nexpect X 98 ±0.001",
+    );
+    let told = &rig.snapshot().alarms[0].text;
+    assert_eq!(told.en.to_string(), "the spindle stands: O7000 line 3, column 6");
+    let mut rig = lathe("N0010G92X100Z20\nN0020M03S400\nN0030G01U-2F300\nN0040W-30G33F3\nN0060M02");
     // 1200/3 − 80 = 320 rpm.
-    tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nexpect alarm 211\nexpect Z 20 ±0.001");
+    tell(
+        &mut rig,
+        "key cycle-start\nwait until alarm max 20 s\nexpect alarm 211\nexpect Z 20 ±0.001\nexpect X 98 ±0.001",
+    );
+    let told = &rig.snapshot().alarms[0].text;
+    let (en, zh) = (told.en.to_string(), told.zh.to_string());
+    assert_eq!(
+        en,
+        "spindle too fast for the thread: O7000 line 4, column 10: 400 rpm, a lead of 3.000 mm allows 320 rpm"
+    );
+    assert!(zh.starts_with("螺纹加工主轴转速过高：O7000 第4行 第10列："), "{zh}");
 }
 
 #[test]
@@ -267,7 +284,8 @@ fn l8_t20_after_tool_3_moves_by_what_their_tips_differ() {
 /// The first T of a program is compensated against the tool in front, T1 before it or not.
 #[test]
 fn l8_the_first_compensated_tool_counts_from_the_one_in_front() {
-    for text in ["N0010T20\nN0020M02", "N0010T1\nN0020T20\nN0030M02", "N0010T01\nN0020T2\nN0025T1\nN0030T20\nN0040M02"] {
+    for text in ["N0010T20\nN0020M02", "N0010T1\nN0020T20\nN0030M02", "N0010T01\nN0020T2\nN0025T1\nN0030T20\nN0040M02"]
+    {
         let mut rig = lathe(text);
         for (number, u, w) in [(1, 0.5, 0.5), (2, 1.5, 2.0)] {
             rig.send(Command::SetGeometry(number, PerAxis([u / 2.0, 0.0, w])));
@@ -294,6 +312,7 @@ fn l8_a_station_that_does_not_come_is_an_alarm() {
     let mut rig = lathe("N0010T3\nN0020G01U-10F300\nN0030M02");
     tell(&mut rig, "input station-3 off\nkey cycle-start\nwait 4 s\nexpect output post-forward on\nexpect no alarm");
     tell(&mut rig, "wait 2 s\nexpect alarm 210\nexpect output post-forward off\nexpect X 0 ±0.001");
+    assert_eq!(rig.snapshot().alarms[0].place, Some((7_000, 1)));
 }
 
 #[test]
@@ -327,7 +346,10 @@ fn l6_an_origin_beyond_the_soft_limit_is_homed_and_left_towards_the_inside() {
     tell(&mut rig, "param P47 50\nhome all\nexpect no alarm\nexpect machine Z 50 ±0.001");
     // Not outwards, by key, step or program; inwards by as much as is asked and no more.
     tell(&mut rig, "mode jog\nhold Z+ 0.5 s\nwait 1 s\nexpect machine Z 50 ±0.001");
-    tell(&mut rig, "handwheel Z -10 x0.1\nwait 1 s\nexpect machine Z 49 ±0.001\nhandwheel Z 10 x0.1\nwait 1 s\nexpect machine Z 49 ±0.001");
+    tell(
+        &mut rig,
+        "handwheel Z -10 x0.1\nwait 1 s\nexpect machine Z 49 ±0.001\nhandwheel Z 10 x0.1\nwait 1 s\nexpect machine Z 49 ±0.001",
+    );
     tell(&mut rig, "mode mdi\nmdi G01W-100F2000\nwait 6 s\nexpect machine Z -51 ±0.001\nexpect no alarm");
     tell(&mut rig, "mdi G01W53F2000\nwait 1 s\nexpect alarm 101\nexpect machine Z -51 ±0.001");
 }
@@ -491,4 +513,83 @@ fn l7_a_spindle_stopped_in_a_pause_must_turn_again_before_the_run_goes_on() {
     tell(&mut rig, "key cycle-start\nwait until stopped max 20 s\nkey spindle-stop\nwait 1 s\nkey cycle-start");
     tell(&mut rig, "wait 0.2 s\nexpect state stopped\nkey spindle-forward\nwait 3 s\nkey cycle-start");
     tell(&mut rig, "wait until idle max 20 s\nexpect no alarm");
+}
+
+/// Starts the program and tells its alarm in English and Chinese; nothing may have moved.
+fn refused(text: &str) -> (u16, [String; 2]) {
+    let mut rig = lathe(text);
+    let before = rig.controller().set_point();
+    tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s");
+    assert_eq!(rig.controller().set_point(), before, "{text}");
+    tell(&mut rig, "expect output spindle-forward off\nexpect X 0 ±0.000001\nexpect Z 0 ±0.000001");
+    let alarms = &rig.snapshot().alarms;
+    assert_eq!(alarms.len(), 1, "{text}: {alarms:?}");
+    (alarms[0].number, [alarms[0].text.en.to_string(), alarms[0].text.zh.to_string()])
+}
+
+/// Every mistake that the manual names: its own number and text, line and column; nothing has moved, not even the block
+/// before it.
+#[test]
+fn l1_to_l7_a_program_with_a_mistake_does_not_start() {
+    // A block, its column, the alarm, and what is said of it.
+    #[rustfmt::skip]
+    const ROWS: &[(&str, u32, E, &str, &str)] = &[
+        ("G00X10U5", 12, E::AbsoluteAndIncremental, "X and U name the same axis", "X 与 U 指同一轴"),
+        ("G01Z10W5F300", 12, E::AbsoluteAndIncremental, "Z and W name the same axis", "Z 与 W 指同一轴"),
+        ("M97L0100", 9, E::SeveralTargets, "there are several blocks N0100", "程序段 N0100 不唯一"),
+        ("M98L0100", 9, E::SeveralTargets, "there are several blocks N0100", "程序段 N0100 不唯一"),
+        ("M97L0990", 9, E::MissingTarget, "there is no block N0990", "找不到程序段 N0990"),
+        ("M98L0990", 9, E::MissingTarget, "there is no block N0990", "找不到程序段 N0990"),
+        ("M97L0020", 9, E::JumpToItself, "N0020 jumps to itself", "N0020 跳转到本段"),
+        ("G92X100", 6, E::MissingWord, "G92 needs Z", "G92 缺少 Z"),
+        ("G92Z100", 6, E::MissingWord, "G92 needs X", "G92 缺少 X"),
+        ("G92U5Z100", 9, E::PresetByDistance, "G92 takes no U W", "G92 不能用 U W"),
+        ("G23U0W-50F240", 9, E::RectangleSide, "the side of the rectangle along X has no length", "矩形循环 X 方向边长为零"),
+        ("G23U-5W0F240", 12, E::RectangleSide, "the side of the rectangle along Z has no length", "矩形循环 Z 方向边长为零"),
+        ("G02U0W0R100", 13, E::FullCircleByRadius, "a full circle cannot be written with R", "整圆不能用 R 编程"),
+        ("G02U0W-100.05I0K-50F300", 19, E::ArcEndOff, "the arc's end lies 0.050 mm off the circle", "圆弧终点偏离圆周 0.050 mm"),
+        ("G02U0.4W0I0.4K0", 15, E::ArcTooSmall, "the arc's radius of 0.200 mm has to be above 0.2 mm", "圆弧半径 0.200 mm 应大于 0.2 mm"),
+        ("G03U0W0.2R0.15", 15, E::ArcTooSmall, "the arc's radius of 0.150 mm has to be above 0.2 mm", "圆弧半径 0.150 mm 应大于 0.2 mm"),
+        ("G00U-2F1999", 12, E::OutOfRange, "F1999 is out of range 2000–6000 mm/min", "F1999 超出范围 2000–6000 mm/min"),
+        ("G01U-2F2001", 12, E::OutOfRange, "F2001 is out of range 6–2000 mm/min", "F2001 超出范围 6–2000 mm/min"),
+        ("G02U20W-10R10F601", 19, E::OutOfRange, "F601 is out of range 6–600 mm/min", "F601 超出范围 6–600 mm/min"),
+        ("G04F0", 9, E::OutOfRange, "F0 is out of range 0.01–9999.99 s", "F0 超出范围 0.01–9999.99 s"),
+        ("G33W-50F12.5", 13, E::OutOfRange, "F12.5 is out of range 0.25–12 mm", "F12.5 超出范围 0.25–12 mm"),
+        ("G33Z-50F1.5", 9, E::IncrementalOnly, "a thread is written with U and W, not with Z", "螺纹必须用增量 U、W 编程，不能用 Z"),
+        ("G80", 6, E::LoopUnpaired, "G80 has no G22", "G80 没有配对的 G22"),
+        ("G22L2", 6, E::LoopUnpaired, "G22 has no G80", "G22 没有配对的 G80"),
+        ("M99", 6, E::ReturnWithoutCall, "M99 without M98", "M99 没有对应的 M98"),
+        ("G54", 6, E::NoSuchCode, "unknown code G54", "没有 G54 指令"),
+    ];
+    let mut wrong = Vec::new();
+    for (block, column, error, en, zh) in ROWS {
+        let text = format!("N0010G01U-2W-1F300\nN0015M03\nN0020{block}\nN0100G04F1\nN0100G04F1\nN0900M02\n");
+        let (number, said) = refused(&text);
+        if !said[0].starts_with(&format!("O7000 line 3, column {column}: {en} – "))
+            || !said[1].starts_with(&format!("O7000 第3行 第{column}列：{zh} – "))
+            || number != error.number()
+        {
+            wrong.push(format!("{block}: {number} {said:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // No X infeed anywhere before the thread.
+    let (number, said) = refused("N0010G00W5\nN0015M03\nN0020G33W-50F1.5\nN0030M02\n");
+    assert!(said[0].starts_with("O7000 line 3, column 6: no move of X before the thread"), "{said:?}");
+    assert_eq!(number, E::NoInfeed.number());
+    // A mistake in a block that the run would not come to, and in a subprogram.
+    let (_, said) = refused("N0010G00W5\nN0020M97L0040\nN0030X5U5\nN0040M02\n");
+    assert!(said[0].starts_with("O7000 line 3, column 8: X and U"), "{said:?}");
+    let (_, said) = refused("N0010G00W5\nN0020M98L0040\nN0030M02\nN0040G02U0W0R100\nN0050M99\n");
+    assert!(said[0].starts_with("O7000 line 4, column 13: a full circle"), "{said:?}");
+}
+
+/// A loop that does not end is started: its operator will end it.
+#[test]
+fn l7_a_program_that_never_ends_starts_after_its_proof() {
+    let mut rig = lathe("N0010G01U-2F600\nN0020U2\nN0030M97L0010\nN0040M02\n");
+    tell(
+        &mut rig,
+        "key cycle-start\nwait 3 s\nexpect state running\nexpect no alarm\nwait until X<-1 max 5 s\nkey reset",
+    );
 }

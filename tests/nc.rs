@@ -125,3 +125,29 @@ fn l1_to_l8_wrong_programs_name_every_error_with_line_and_column() {
 fn b1_an_empty_library_has_no_programs() {
     assert!(NoLibrary.find(1).is_none());
 }
+
+/// What to do about it, in the words of the 超人 lathe: no variables, no brackets, no J.
+#[test]
+fn l1_remedies_name_what_this_language_has() {
+    let rows = [
+        ("G01X", "write its value", "请在其后写出数值"),
+        ("G02U10W-5", "write the radius R, or the centre I K", "请写半径 R，或圆心坐标 I K"),
+        ("G32W-50F14.1", "33.2 is 33½", "33.2 是 33½"),
+    ];
+    for (block, en, zh) in rows {
+        let text = format!("N0010G01U-1F300\nN0015M03\nN0020{block}\nN0030M02\n");
+        let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+        let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes()));
+        let checked = kt830::nc::check(&source, &library, &Settings::superman());
+        let [fault] = checked.faults.as_slice() else { panic!("{block}: {:?}", checked.faults) };
+        assert!(fault.remedy(Lang::En).contains(en), "{block}: {}", fault.remedy(Lang::En));
+        assert!(fault.remedy(Lang::Zh).contains(zh), "{block}: {}", fault.remedy(Lang::Zh));
+    }
+    // 256 loops one in the other.
+    let text = format!("{}{}N0003M02\n", "N0001G22L0001\n".repeat(256), "N0002G80\n".repeat(256));
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes()));
+    let checked = kt830::nc::check(&source, &library, &Settings::superman());
+    assert_eq!(checked.faults[0].cause(Lang::En), "G22 nested deeper than 255");
+    assert_eq!(checked.faults[0].cause(Lang::Zh), "G22 嵌套超过 255 层");
+}

@@ -88,3 +88,31 @@ fn s1_wrong_programs_name_every_error_with_line_and_column() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// What to do about it, in the words of this language: no G98, no [expression], no J, no comment in brackets.
+#[test]
+fn s1_remedies_name_what_this_language_has() {
+    let rows = [
+        ("G1 X5", "give F in this block or before; G94/G95 asks for a new one", "G94/G95"),
+        ("G2 X10 F100", "write the radius CR=, or the centre I K", "CR="),
+        ("G2 X10 R5.5", "write CR=5.5", "CR=5.5"),
+        ("G98 F100", "there are G94 (mm/min) G95 (mm/r)", "G94 (mm/min)"),
+        ("G0 X", "write its value", "请在其后写出数值"),
+        ("X10 (comment)", "type ; instead", "半角英文字符 ;"),
+        ("R1=FOO(1)", "there are SIN COS TAN ASIN ACOS SQRT ABS TRUNC ROUND LN EXP POT ATAN2", "可用 SIN COS"),
+        ("IF: R1=1", "and is no word of the language", "且不能是指令字"),
+    ];
+    for (block, en, zh) in rows {
+        let (_, checked) = run(&Arc::new(Source::new(7_000, "T.MPF", format!("{block}\nM2\n").into_bytes())));
+        let [fault] = checked.faults.as_slice() else { panic!("{block}: {:?}", checked.faults) };
+        assert!(fault.remedy(Lang::En).contains(en), "{block}: {}", fault.remedy(Lang::En));
+        assert!(fault.remedy(Lang::Zh).contains(zh), "{block}: {}", fault.remedy(Lang::Zh));
+    }
+}
+
+#[test]
+fn s1_exp_is_the_inverse_of_ln() {
+    let (ops, checked) = run(&Arc::new(Source::new(7_000, "T.MPF", b"R1=LN(EXP(2))\nR2=EXP(0)\nM2\n".to_vec())));
+    assert_eq!(mistakes(&checked), [""; 0]);
+    assert!(ops.contains("set variable=601 value=2\n") && ops.contains("set variable=602 value=1\n"), "{ops}");
+}

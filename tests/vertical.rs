@@ -245,7 +245,8 @@ fn s4_every_wrong_value_is_named_and_every_exit_stops_the_wheel() {
 /// A value that the program can judge is judged before anything starts or moves: the way of a wrong one ends in the diamond
 /// or the part.
 fn refused_at_the_start(rig: &mut Rig, values: &str, (message, flag): (&str, f64)) {
-    let kept: Vec<_> = (R0 as u16 + 1..R0 as u16 + 48).map(|number| (number, rig.controller().variable(number.into()))).collect();
+    let kept: Vec<_> =
+        (R0 as u16 + 1..R0 as u16 + 48).map(|number| (number, rig.controller().variable(number.into()))).collect();
     tell(rig, values);
     let from = rig.controller().set_point();
     run(rig, |rig| {
@@ -264,7 +265,7 @@ fn refused_at_the_start(rig: &mut Rig, values: &str, (message, flag): (&str, f64
 
 /// Wrong values of L1, which both programs begin with.
 const WRONG_VALUES: [(&str, (&str, f64)); 27] = [
-    ("set R7 = 36", ("错误01:转速过高", 1.0)), // above the wheel's 35 m/s
+    ("set R7 = 36", ("错误01:转速过高", 1.0)),   // above the wheel's 35 m/s
     ("set R6 = 1900", ("错误01:转速过高", 1.0)), // 60000 · 30 / (π · 300) = 1910
     ("set R5 = 1920", ("错误02:转速过低", 2.0)),
     ("set R5 = 0\nset R7 = 0", ("错误02:转速过低", 2.0)), // no lower limit, and yet it must turn
@@ -323,7 +324,10 @@ fn s6_values_of_a_bore_that_can_be_judged_are_judged_before_anything_starts() {
 fn s4_a_value_that_goes_wrong_in_the_run_is_still_found() {
     let mut rig = vgrind(1, "");
     tell(&mut rig, "param P6.3 1\nkey cycle-start\nwait 3 s\nset R43 = 0\nwait until idle max 600 s");
-    tell(&mut rig, "expect message \"错误03:安全让刀参数错误\"\nexpect R62 3\nexpect output wheel off\nexpect no alarm");
+    tell(
+        &mut rig,
+        "expect message \"错误03:安全让刀参数错误\"\nexpect R62 3\nexpect output wheel off\nexpect no alarm",
+    );
 }
 
 /// L10 grinds a cone along R14: 2 · 70 · tan 1° = 2.4437 mm of diameter between R21 and R19.
@@ -430,7 +434,7 @@ fn s1_an_alarm_in_a_subprogram_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let main = folder.path().join("TEST.MPF");
     std::fs::write(&main, "L53\nM2\n").unwrap();
-    std::fs::write(folder.path().join("L53.SPF"), "G90 G0 X690\nG0 X=R1/R2\nRET\n").unwrap();
+    std::fs::write(folder.path().join("L53.SPF"), "G90 G0 X690\nG0 X=R98/R99\nRET\n").unwrap();
     let call = ["run", "--kind", "vertical", "--lang", "en", "--format", "json", main.to_str().unwrap()];
     let out = kt830(&call);
     let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
@@ -466,7 +470,7 @@ fn s1_a_feed_per_revolution_without_a_turning_part_says_so() {
 fn s5_the_check_of_the_printed_program_names_the_loop_that_does_not_end() {
     let file = "programs/802d/as-printed/PRINTED.MPF";
     for (lang, loops, up_to) in [
-        ("zh", ":57:1: warning: 检查没有走完这个循环：它不结束", "74 行  检查没有走到程序结束；到该循环开始重复为止 "),
+        ("zh", ":57:1: 警告：检查没有走完这个循环：它不结束", "74 行  检查没有走到程序结束；到该循环开始重复为止 "),
         (
             "en",
             ":57:1: warning: the check left this loop: it does not end",
@@ -696,9 +700,20 @@ fn s3_page_texts_name_r_parameters() {
     assert_eq!((wrong.line, wrong.column), (2, 1));
 }
 
-/// A block that is wrong is an alarm with program, line and column when the machine gets there; nothing of it is done.
+/// A block that is written wrong is an alarm with program, line and column before the program moves; what only its
+/// values make wrong is one when the machine gets there, and nothing of the block is done.
 #[test]
 fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
+    for (block, said) in [
+        ("G0 X=R[300*R1]", "WRONG 第3行 第6列：没有参数 R300"),
+        ("R2=1/(R1-R1)", "WRONG 第3行 第5列：除数为零"),
+        ("G2 X=R1*600 CR=R1 F600", "WRONG 第3行 第13列：圆弧半径 CR=1 无效"),
+    ] {
+        let mut rig = wrong(block);
+        let alarms = rig.snapshot().alarms.clone();
+        assert!(alarms[0].text.zh.contains(said), "{block}: {}", alarms[0].text.zh);
+        tell(&mut rig, "expect X 690 ±0.001\nexpect output wheel off");
+    }
     for (block, said) in [
         ("R1=5 G0 X=R300", "WRONG 第3行 第11列：没有参数 R300"),
         ("R1=5 G0 X600 GOTOF AA1", "WRONG 第3行 第14列：无法识别的字 'GOTOF'"),
@@ -708,14 +723,20 @@ fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
         ("G0 X600 L10", "WRONG 第3行 第1列：L10 与 G0 不能同段"),
         ("L99", "WRONG 第3行 第1列：找不到程序 L99"),
     ] {
-        let mut rig = vgrind(1, "");
-        let text = format!("; 错误\nG90 G0 X690\n{block}\nG0 X600\nAA1:M2\n");
-        rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", text.into_bytes()));
-        tell(&mut rig, "load WRONG\nmode auto\nset R1 = 1\nkey cycle-start\nwait 3 s\nexpect alarm any\nexpect R1 1");
+        let mut rig = wrong(block);
         let alarms = rig.snapshot().alarms.clone();
         assert!(alarms[0].text.zh.contains(said), "{block}: {}", alarms[0].text.zh);
-        tell(&mut rig, "expect X 690 ±0.001\nexpect output wheel off");
+        tell(&mut rig, "expect X 700 ±0.000001\nexpect output wheel off");
     }
+}
+
+/// Has started a program of a move to X690 and this block.
+fn wrong(block: &str) -> Rig {
+    let mut rig = vgrind(1, "");
+    let text = format!("; 错误\nG90 G0 X690\n{block}\nG0 X600\nAA1:M2\n");
+    rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", text.into_bytes()));
+    tell(&mut rig, "load WRONG\nmode auto\nset R1 = 1\nkey cycle-start\nwait 3 s\nexpect alarm any\nexpect R1 1");
+    rig
 }
 
 /// Jumps and conditions in a run as in the check; a message stays until MSG().
@@ -733,4 +754,45 @@ fn s1_a_message_stays_until_the_next_and_repeats_are_counted() {
     assert_eq!(told(&mut rig).as_deref(), Some("精磨"));
     tell(&mut rig, "key reset");
     assert_eq!(told(&mut rig).as_deref(), Some("精磨"));
+}
+
+/// What the language's rules forbid is told at its place before anything moves, in subprograms too.
+#[test]
+fn s1_a_program_with_a_mistake_does_not_start() {
+    #[rustfmt::skip]
+    const ROWS: &[(&str, u32, u16, &str, &str)] = &[
+        ("IF R1>5 GOTOF AA9", 15, 91, "there is no label AA9", "找不到标号 AA9"),
+        ("GOTOF AA1", 7, 92, "label AA1 does not lie that way", "标号 AA1 不在跳转方向上"),
+        ("GOTOB BB1", 7, 92, "label BB1 does not lie that way", "标号 BB1 不在跳转方向上"),
+        ("MSG(\"abc)", 5, 93, "the quotes do not match", "引号不匹配"),
+        ("MSG(“abc\")", 5, 93, "the quotes do not match", "引号不匹配"),
+        ("R300=1", 1, 90, "there is no parameter R300", "没有参数 R300"),
+        ("R1=R301", 4, 90, "there is no parameter R301", "没有参数 R301"),
+        ("G77", 1, 55, "unknown code G77", "没有 G77 指令"),
+        ("GOTO AA1", 1, 63, "there is no GOTO", "没有 GOTO 指令"),
+    ];
+    for (block, column, alarm, en, zh) in ROWS {
+        let mut rig = vgrind(1, "");
+        let text = format!("N10 G90 G94 F600 G0 X650\nAA1:M3\n{block}\nBB1:M2\n");
+        rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", text.into_bytes()));
+        tell(&mut rig, "load WRONG\nmode auto");
+        let before = rig.controller().set_point();
+        tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s\nexpect output wheel off");
+        assert_eq!(rig.controller().set_point(), before, "{block}");
+        let told = &rig.snapshot().alarms[0];
+        let (said_en, said_zh) = (told.text.en.to_string(), told.text.zh.to_string());
+        assert!(said_en.starts_with(&format!("WRONG line 3, column {column}: {en} – ")), "{block}: {said_en}");
+        assert!(said_zh.starts_with(&format!("WRONG 第3行 第{column}列：{zh} – ")), "{block}: {said_zh}");
+        assert_eq!(told.number, *alarm, "{block}");
+    }
+    let mut rig = vgrind(1, "");
+    let main = "N10 G90 G94 F600 G0 X650\nL77\nM2\n";
+    rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", main.as_bytes().to_vec()));
+    rig.add_program(disk::program(program::number("L77"), "L77.SPF", b"G0 X600\nGOTOF AA1\nRET\n".to_vec()));
+    tell(&mut rig, "load WRONG\nmode auto");
+    let before = rig.controller().set_point();
+    tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s");
+    assert_eq!(rig.controller().set_point(), before);
+    let said = rig.snapshot().alarms[0].text.en.to_string();
+    assert!(said.starts_with("L77 line 2, column 7: there is no label AA1"), "{said}");
 }

@@ -51,6 +51,26 @@ pub fn folders(shared: &Shared) -> Result<Folders, CallError> {
     }
 }
 
+/// What a check begins with: retained values with `--data`, as far as nobody else holds them open, else the factory's.
+///
+/// # Errors
+/// As [`begin`].
+pub fn retained(shared: &Shared) -> Result<Retained, CallError> {
+    let kept = shared.data.is_some().then(|| {
+        let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+        Keeper::open(data.root(), shared.kind).map(|(_, found)| found.retained).map_err(CallError::new)
+    });
+    let retained = match kept {
+        Some(Ok(retained)) => retained,
+        Some(Err(error)) => {
+            eprintln!("kt830: {error}; the check goes by factory values");
+            Retained::factory(shared.kind)
+        }
+        None => Retained::factory(shared.kind),
+    };
+    begin(shared, retained)
+}
+
 /// What the control begins with: `--param` and `--set` applied to factory or retained values.
 ///
 /// # Errors
@@ -115,6 +135,12 @@ pub fn part(shared: &Shared, number: u32) -> Result<Option<PartFile>, CallError>
     }
 }
 
+/// The values of a part's program, but for those that the call sets.
+pub fn own_values(part: &PartFile, sets: &[(u16, f64)]) -> impl Iterator<Item = (u16, f64)> {
+    let set = |number: u16| sets.iter().any(|(set, _)| *set == number);
+    part.variables.iter().map(|(number, value)| (*number, *value)).filter(move |(number, _)| !set(*number))
+}
+
 /// A part file.
 ///
 /// # Errors
@@ -173,6 +199,12 @@ pub fn mount(rig: &mut Rig, shared: &Shared, number: u32) -> Result<(), CallErro
     };
     if let Some(part) = given.map_or_else(|| part(shared, number), |bar| Ok(Some(bar)))? {
         rig.mount(&part);
+        // A fresh control has the values of its kind: the part's program wants its own.
+        if shared.data.is_none() {
+            for (number, value) in own_values(&part, &shared.sets) {
+                rig.send(Command::SetVariable(number, Some(value)));
+            }
+        }
     }
     rig.send(Command::LoadProgram(number));
     Ok(())

@@ -7,15 +7,25 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::args::{Check, Format, Run, Shared};
+use super::limits::Limits;
 use super::rehearse::{Passed, Rehearsal};
-use super::{CallError, FINE, WRONG_CALL, bench, out};
+use super::run::Ran;
+use super::{CallError, FAILED, FINE, WRONG_CALL, bench, out};
+use crate::controller::foresight::Foresight;
 use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings, references};
-use crate::defs::text::Said;
+use crate::defs::text::{Said, Text};
 use crate::defs::{param, r_parameter};
 use crate::io::sim::PartFile;
 use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Place, Settings, Source, World, check_with};
+use crate::runtime::bar;
 use crate::runtime::disk::{beside, parse_page_text, parse_picture, program};
 use crate::units::{Axis, PerAxis};
+
+/// Before what is allowed and seldom meant.
+const WARNING: Text = Text::new("警告：", "warning: ");
+
+/// Nothing is wrong.
+const OK: Text = Text::new("ok", "ok");
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +54,7 @@ pub fn check(shared: &Shared, call: &Check) -> Result<u8, CallError> {
             CallError::new(format!("{}: {error}; check the path, or whether the file may be read", path.display()))
         })?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let wrong = match class(&name) {
+        let found = match class(&name) {
             Class::Program => check_program(shared, call, path, bytes)?,
             Class::PageText => {
                 let done = parse_page_text(&name, &bytes);
@@ -55,13 +65,7 @@ pub fn check(shared: &Shared, call: &Check) -> Result<u8, CallError> {
                 tell_file(shared, path, done.map(drop).map_err(|fault| vec![wrong_file(shared, &fault)]))
             }
         };
-        if wrong {
-            status = WRONG_CALL;
-        }
-        if call.simulate && class(&name) == Class::Program && !wrong {
-            let run = Run { program: path.display().to_string(), through_stops: true, parts: 1, trace: None };
-            status = status.max(super::run::run(shared, &run)?);
-        }
+        status = status.max(found);
     }
     Ok(status)
 }
@@ -92,22 +96,23 @@ fn wrong_program(shared: &Shared, number: u32, fault: &Fault) -> Wrong {
     Wrong { line: fault.place.line, column: fault.column, message }
 }
 
-/// Tells what came of a page text or picture; true if something is wrong.
-fn tell_file(shared: &Shared, path: &Path, done: Result<(), Vec<Wrong>>) -> bool {
+/// Tells what came of a page text or picture; the exit status.
+fn tell_file(shared: &Shared, path: &Path, done: Result<(), Vec<Wrong>>) -> u8 {
     let wrong = done.err().unwrap_or_default();
     let file = path.display().to_string();
     match shared.format {
         Format::Json => out(json!({"file": file, "errors": errors(&wrong)})),
-        Format::Text => tell_errors(&file, &wrong),
+        Format::Text => tell_errors(shared, &file, &wrong, &OK.into()),
     }
-    !wrong.is_empty()
+    if wrong.is_empty() { FINE } else { WRONG_CALL }
 }
 
 fn errors(wrong: &[Wrong]) -> Value {
     wrong.iter().map(|at| json!({"line": at.line, "column": at.column, "message": at.message})).collect()
 }
 
-fn tell_errors(file: &str, wrong: &[Wrong]) {
+/// Every error, or the verdict where there is none.
+fn tell_errors(shared: &Shared, file: &str, wrong: &[Wrong], verdict: &Said) {
     for at in wrong {
         out(match at.line {
             0 => format!("{file}: {}", at.message),
@@ -115,13 +120,71 @@ fn tell_errors(file: &str, wrong: &[Wrong]) {
         });
     }
     if wrong.is_empty() {
-        out(format!("{file}: ok"));
+        out(format!("{file}: {}", verdict.get(shared.lang)));
     }
 }
 
-fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> Result<bool, CallError> {
+/// What the check of a program found.
+struct Found {
+    checked: Checked,
+    /// What is no mistake of the text: beyond the finished size or a soft limit, refused by the machine.
+    moves: Vec<Wrong>,
+    source: Arc<Source>,
+    settings: Settings,
+}
+
+fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> Result<u8, CallError> {
+    let found = look_at_program(shared, call, path, bytes)?;
+    let wrong = !found.checked.faults.is_empty() || !found.moves.is_empty();
+    let ran = match call.simulate && !wrong {
+        true => {
+            let run = Run { program: path.display().to_string(), through_stops: true, parts: 1, trace: None };
+            Some(super::run::job(shared, &run)?)
+        }
+        false => None,
+    };
+    let met = ran.as_ref().map(|ran| met(shared, &found.source, ran)).unwrap_or_default();
+    tell_program(shared, call, path, &found, ran.as_ref().map(|ran| (ran, met.as_slice())));
+    let status = match &ran {
+        _ if wrong => WRONG_CALL,
+        Some(ran) if ran.end != "finished" || !met.is_empty() => FAILED,
+        Some(_) | None => FINE,
+    };
+    if let Some(ran) = ran {
+        out(ran.report);
+    }
+    Ok(status)
+}
+
+/// What was wrong in the run: its alarms, or the error that the program itself has told.
+fn met(shared: &Shared, source: &Source, ran: &Ran) -> Vec<Wrong> {
+    let mut met: Vec<_> = ran
+        .alarms
+        .iter()
+        .map(|(place, said)| {
+            let line = place.filter(|(program, _)| *program == source.number()).map_or(0, |(_, line)| line);
+            Wrong { line, column: 1, message: said.get(shared.lang).to_owned() }
+        })
+        .collect();
+    if let (true, Some(told)) = (ran.refused_itself, &ran.told) {
+        let tells = |line: &u32| source.line(*line).is_some_and(|text| text.contains(&told.zh));
+        let line = (1..=source.line_count() as u32).find(tells).unwrap_or(0);
+        let column = source.line(line).and_then(|text| text.find("MSG").map(|at| text[..at].chars().count()));
+        met.push(Wrong {
+            line,
+            column: column.map_or(1, |at| at as u32 + 1),
+            message: told.get(shared.lang).to_owned(),
+        });
+    } else if ran.refused_itself {
+        let said = Said::new("程序以自己的错误结束 (R62)", "the program has ended in an error of its own (R62)");
+        met.push(Wrong { line: 0, column: 1, message: said.get(shared.lang).to_owned() });
+    }
+    met
+}
+
+fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> Result<Found, CallError> {
     let number = number_of(path);
-    let retained = bench::begin(shared, Retained::factory(shared.kind))?;
+    let retained = bench::retained(shared)?;
     let settings = nc_settings(shared.kind, &retained.params);
     let axes = settings.axes;
     let folders = bench::folders(shared)?;
@@ -134,12 +197,13 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     for (variable, row) in PARAM_VARIABLES {
         world.set_system(variable.first, Some(retained.params.get(row)));
     }
+    let source = program(number, &path.display().to_string(), bytes).source;
     let part = bench::part(shared, number)?;
+    let mut limits = in_machine(shared, &world, &retained, (&source, part.as_ref()), &settings)?;
     if let Some(part) = part.as_ref().filter(|_| !settings.zero_at_start) {
         world = start(world, retained.frames.clone(), part);
-        preset(&mut memory, part);
+        preset(&mut memory, part, &shared.sets);
     }
-    let source = program(number, &path.display().to_string(), bytes).source;
     let mut show = |op: &Op| match shared.format {
         Format::Json => out(with_frame(op, op.json(axes), part.as_ref(), axes)),
         Format::Text => out(op),
@@ -149,17 +213,65 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
         let width_mm = retained.params.get(param::WHEEL_WIDTH);
         Rehearsal::new(finished, width_mm, settings.system, (world.position(), memory.clone()))
     });
+    let mut foresight = Foresight::new(shared.kind, &retained.params);
+    // A loop that does not end here is shown once, up to where it repeats: only a run before tells where that is.
+    let repeated = match call.ops {
+        true => check_with(&source, &library, &settings, memory.clone(), &mut world.clone(), &mut |_| {}).repeated,
+        false => Vec::new(),
+    };
+    let mut shown = 0;
     let checked = check_with(&source, &library, &settings, memory, &mut world, &mut |block| {
         if let Some(rehearsal) = &mut rehearsal {
             rehearsal.see(block, &|at| text_of(&source, &library, at).1);
         }
-        if call.ops {
+        if let Some(limits) = &mut limits {
+            limits.see(block);
+        }
+        foresight.see(block);
+        if call.ops && !repeated.iter().any(|repeated| repeated.contains(&shown)) {
             block.ops.iter().for_each(&mut show);
         }
+        shown += 1;
     });
     let passed = rehearsal.and_then(Rehearsal::passed).map(|passed| wrong_move(shared, &source, &library, &passed));
-    tell_program(shared, call, path, (&checked, passed.as_ref()), &settings);
-    Ok(!checked.faults.is_empty() || passed.is_some())
+    // A loop that does not end goes on into the limits: that it does not end is told.
+    let beyond = limits.filter(|_| checked.repeated.is_empty()).map(Limits::found).unwrap_or_default();
+    let foreseen = foresight.found().into_iter().chain(beyond).map(|foreseen| {
+        let own = foreseen.at.program == source.number();
+        let sub = if own { String::new() } else { program_title(foreseen.at.program) };
+        Wrong { line: foreseen.at.line, column: 1, message: format!("{sub}{}", foreseen.said.get(shared.lang)) }
+    });
+    let mut moves: Vec<_> = passed.into_iter().chain(foreseen).collect();
+    moves.sort_by_key(|wrong| wrong.line);
+    Ok(Found { checked, moves, source, settings })
+}
+
+/// A subprogram before what is wrong in it.
+fn program_title(number: u32) -> String {
+    format!("{}: ", crate::defs::program::title(number))
+}
+
+/// Follows the machine coordinates, where the part (or a lathe's bar) says where the program begins in the machine.
+fn in_machine<'a>(
+    shared: &Shared,
+    world: &CheckWorld,
+    retained: &'a Retained,
+    (source, part): (&Arc<Source>, Option<&PartFile>),
+    settings: &Settings,
+) -> Result<Option<Limits<'a>>, CallError> {
+    let shown = PerAxis::from_fn(|axis| if axis == Axis::X && settings.diameter { 2.0 } else { 1.0 });
+    let frames = retained.frames.clone();
+    if !settings.zero_at_start {
+        return Ok(part.map(|part| Limits::new(start(world.clone(), frames, part), &retained.params, shown)));
+    }
+    // L3: the program's zero is where it begins.
+    let bar = if shared.part.is_some() { None } else { bar::of_program(shared.kind, &retained.params, source) };
+    let Some(part) = bar.as_ref().or(part) else { return Ok(None) };
+    let mut frames = frames;
+    let machine = PerAxis([part.start_mm.x, part.start_mm.y, part.start_mm.z]);
+    frames.preset(machine, &PerAxis([Some(0.0), None, Some(0.0)]));
+    let world = world.clone().at(frames.work_from_machine(machine)).with_frames(frames);
+    Ok(Some(Limits::new(world, &retained.params, shown)))
 }
 
 /// The text of a block, and the subprogram that it stands in.
@@ -211,27 +323,38 @@ fn start(world: CheckWorld, mut frames: Frames, part: &PartFile) -> CheckWorld {
     world.at(at).with_frames(frames)
 }
 
-/// The part's values for variables that have none.
-fn preset(memory: &mut Memory, part: &PartFile) {
-    for (number, value) in &part.variables {
-        let number = u32::from(*number);
-        if matches!(memory.get(number), Ok(None)) {
-            let _ = memory.set(number, Some(*value)); // a part presets only what a page may show
-        }
+/// The part's values for variables that the call does not set.
+fn preset(memory: &mut Memory, part: &PartFile, sets: &[(u16, f64)]) {
+    for (number, value) in bench::own_values(part, sets) {
+        let _ = memory.set(u32::from(number), Some(value)); // a part presets only what a page may show
     }
 }
 
-fn tell_program(
-    shared: &Shared,
-    call: &Check,
-    path: &Path,
-    (checked, passed): (&Checked, Option<&Wrong>),
-    settings: &Settings,
-) {
+/// The verdict where nothing is wrong: of the check, and of the run that came after it.
+fn verdict(checked: &Checked, ran: Option<&Ran>) -> Said {
+    match ran {
+        Some(ran) if ran.end != "finished" => {
+            let why = ran.told.clone().unwrap_or_default();
+            let by = |text: &str| if text.is_empty() { String::new() } else { format!(": {text}") };
+            Said::new(
+                format!("未发现错误，但模拟运行没有到程序结束{}", by(&why.zh)),
+                format!("no error found, but the simulated run did not come to its end{}", by(&why.en)),
+            )
+        }
+        // What the check gave up was run to its end.
+        Some(_) => OK.into(),
+        None if checked.finished => OK.into(),
+        None => Text::new("未发现错误，但没有检查到结束", "no error found, but not checked to its end").into(),
+    }
+}
+
+fn tell_program(shared: &Shared, call: &Check, path: &Path, found: &Found, ran: Option<(&Ran, &[Wrong])>) {
+    let Found { checked, moves, settings, .. } = found;
     let number = number_of(path);
     let file = path.display().to_string();
     let faults = checked.faults.iter().map(|fault| wrong_program(shared, number, fault));
-    let wrong: Vec<_> = faults.chain(passed.cloned()).collect();
+    let met = ran.map_or(&[][..], |(_, met)| met);
+    let wrong: Vec<_> = faults.chain(moves.iter().chain(met).cloned()).collect();
     let warnings: Vec<_> = checked.warnings.iter().map(|fault| wrong_program(shared, number, fault)).collect();
     let shown = |axis: Axis, value: f64| if axis == Axis::X && settings.diameter { value * 2.0 } else { value };
     let extents: Vec<(Axis, f64, f64)> = checked.extents.map_or_else(Vec::new, |(low, high)| {
@@ -243,15 +366,20 @@ fn tell_program(
         Format::Json => {
             let extents: serde_json::Map<String, Value> =
                 extents.iter().map(|(axis, low, high)| (axis.to_string(), json!([low, high]))).collect();
-            out(json!({"file": file, "errors": errors(&wrong), "warnings": errors(&warnings),
+            let mut told = json!({"file": file, "errors": errors(&wrong), "warnings": errors(&warnings),
                        "finished": checked.finished, "seconds": checked.seconds, "length": checked.length_mm,
-                       "extents": extents}));
+                       "extents": extents});
+            if let Some((ran, _)) = ran {
+                told["simulated"] = json!(ran.end);
+            }
+            out(told);
         }
         Format::Text => {
             for at in &warnings {
-                eprintln!("{file}:{}:{}: warning: {}", at.line, at.column, at.message);
+                let warning = WARNING.get(shared.lang);
+                eprintln!("{file}:{}:{}: {warning}{}", at.line, at.column, at.message);
             }
-            tell_errors(&file, &wrong);
+            tell_errors(shared, &file, &wrong, &verdict(checked, ran.map(|(ran, _)| ran)));
             let ranges: Vec<_> = extents.iter().map(|(axis, low, high)| format!("{axis} {low:.3}…{high:.3}")).collect();
             out(format!("{}  {}", summary(checked).get(shared.lang), ranges.join("  ")));
         }

@@ -6,6 +6,7 @@ mod bench;
 mod check;
 mod demo;
 mod eyes;
+mod limits;
 mod play;
 mod rehearse;
 mod run;

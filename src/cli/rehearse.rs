@@ -143,7 +143,8 @@ impl Rehearsal {
 fn in_axis_words(line: &str) -> Vec<u32> {
     let code = line.split(';').next().unwrap_or_default().to_ascii_uppercase();
     let (bytes, mut found, mut leads, mut at) = (code.as_bytes(), Vec::new(), false, 0);
-    let count = |from: usize, is: fn(&u8) -> bool| bytes.get(from..).unwrap_or_default().iter().take_while(|b| is(b)).count();
+    let count =
+        |from: usize, is: fn(&u8) -> bool| bytes.get(from..).unwrap_or_default().iter().take_while(|b| is(b)).count();
     while at < bytes.len() {
         let letters = count(at, u8::is_ascii_alphabetic);
         if letters == 0 {

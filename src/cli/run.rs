@@ -11,7 +11,7 @@ use super::args::{Format, Run, Shared};
 use super::{CallError, FAILED, FINE, bench, out};
 use crate::defs::key::Key;
 use crate::defs::r_parameter;
-use crate::defs::text::Lang;
+use crate::defs::text::{Lang, Said};
 use crate::io::sim::PartReport;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot, VARIABLES};
@@ -30,11 +30,35 @@ const LONGEST_STILL: Micros = Micros::from_millis(10_000_000);
 /// Ticks after the end until the axes have settled to the last micrometre: ten lags of 20 ms.
 const SETTLE_TICKS: u32 = 200;
 
+/// What a run came to.
+pub struct Ran {
+    /// `finished`, `stopped` or `alarm`.
+    pub end: &'static str,
+    /// The report as it is printed.
+    pub report: String,
+    /// Its alarms: program and line if it has one, and the text.
+    pub alarms: Vec<(Option<(u32, u32)>, Said)>,
+    /// What it waits for at its end, or the message that it leaves.
+    pub told: Option<Said>,
+    /// The program has left the number of an error of its own (R62).
+    pub refused_itself: bool,
+}
+
 /// Runs the program and prints the report.
 ///
 /// # Errors
 /// The call or a file is wrong.
 pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
+    let ran = job(shared, call)?;
+    out(ran.report);
+    Ok(if ran.end == "alarm" { FAILED } else { FINE })
+}
+
+/// Runs the program.
+///
+/// # Errors
+/// The call or a file is wrong.
+pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
     let mut rig = bench::rig(shared)?;
     let number = bench::find_program(&mut rig, &call.program)?;
     bench::mount(&mut rig, shared, number)?;
@@ -68,11 +92,15 @@ pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
         tell_why(&mut rig, shared.lang, started);
     }
     let report = Report { end, seconds, blocks: rig.controller().blocks(), before, batch };
-    match shared.format {
-        Format::Json => out(report.json(&mut rig, shared.lang)),
-        Format::Text => out(report.text(&mut rig, shared.lang)),
-    }
-    Ok(if end == "alarm" { FAILED } else { FINE })
+    let report = match shared.format {
+        Format::Json => report.json(&mut rig, shared.lang).to_string(),
+        Format::Text => report.text(&mut rig, shared.lang),
+    };
+    let flag = r_parameter::error_flag(rig.kind());
+    let refused_itself = flag.and_then(|flag| rig.controller().variable(flag)).is_some_and(|flag| flag.abs() > 0.0);
+    let snapshot = rig.snapshot();
+    let alarms = snapshot.alarms.iter().map(|alarm| (alarm.place, alarm.text.clone())).collect();
+    Ok(Ran { end, report, alarms, told: snapshot.waiting_for.clone(), refused_itself })
 }
 
 /// Cycle start, and on to the end of the program, an alarm, or where somebody would be needed.

@@ -305,7 +305,10 @@ impl Controller {
     pub(super) fn no_drive(&mut self) -> Did {
         self.raise(
             alarm::DRIVE_BLOCKED,
-            Some(Said::new("每转进给需要工件转动，先用 M63 启动", "a feed per revolution needs the workpiece turning: M63 first")),
+            Some(Said::new(
+                "每转进给需要工件转动，先用 M63 启动",
+                "a feed per revolution needs the workpiece turning: M63 first",
+            )),
         );
         Did::Wait
     }

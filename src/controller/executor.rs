@@ -10,9 +10,9 @@ use super::system::{RunWorld, nc_settings};
 use super::{Controller, Event, Phase};
 use crate::defs::alarm;
 use crate::defs::param;
-use crate::defs::text::{Lang, Said};
+use crate::defs::text::Said;
 use crate::motion::{Move, Override};
-use crate::nc::{self, Modals, Next, Source};
+use crate::nc::{self, CheckWorld, Modals, Next, Proved, Source};
 use crate::units::{Axis, PerAxis};
 
 /// Most blocks read in a tick.
@@ -45,8 +45,9 @@ impl Controller {
         planned.system = self.row.system;
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
+        let proof = (origin == Origin::Program).then(|| self.proof(&source, &settings)).flatten();
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
-        run.origin = origin;
+        (run.origin, run.proof) = (origin, proof);
         // The planner remembers what it has finished, runs gone by included.
         run.next_tag = self.axes.path.finished_tag().map_or(1, |tag| tag + 1);
         self.run = Some(Box::new(run));
@@ -231,7 +232,33 @@ impl Controller {
         }
     }
 
+    /// The proof of a program that stands where it would start, if its language can be proved.
+    fn proof(&self, source: &Arc<Source>, settings: &nc::Settings) -> Option<nc::Proof> {
+        let library: Arc<dyn nc::Library + Send + Sync> = Arc::clone(&self.programs) as _;
+        let world = CheckWorld::new(settings)
+            .with_references(super::references(&self.params))
+            .with_frames(self.frames.clone())
+            .at(self.frames.work_from_machine(self.axes.set()))
+            .with_block_skip(self.switches.block_skip);
+        nc::Proof::new(source, &library, settings, world)
+    }
+
+    /// Whether the text may be read for the run: its proof is over. A mistake found by it is the program's alarm.
+    fn is_proved(&self, run: &mut Run) -> bool {
+        let Some(proof) = &mut run.proof else { return true };
+        match proof.advance() {
+            Proved::Busy => return false,
+            Proved::Clean => {}
+            Proved::Wrong(fault) => run.end_by(&fault),
+        }
+        run.proof = None;
+        true
+    }
+
     fn read_ahead(&mut self, run: &mut Run) {
+        if !self.is_proved(run) {
+            return;
+        }
         if run.reading == Reading::Barrier && run.items.is_empty() {
             run.reading = Reading::Open;
         }
@@ -253,11 +280,7 @@ impl Controller {
                     run.items.push_back(Item::Do(Act::Finish));
                     run.reading = Reading::Over;
                 }
-                Err(fault) => {
-                    run.reading = Reading::Over;
-                    let said = Said::new(fault.text(Lang::Zh), fault.text(Lang::En));
-                    run.items.push_back(Item::Do(Act::Alarm(fault.alarm(), said, fault.place)));
-                }
+                Err(fault) => run.end_by(&fault),
             }
         }
     }

@@ -15,7 +15,7 @@ use super::oscillation::Stroke;
 use super::planned::{Forbidden, Named, Planned};
 use crate::defs::mcode::{Action, MCode, Request};
 use crate::defs::param::Params;
-use crate::defs::text::Said;
+use crate::defs::text::{Lang, Said};
 use crate::motion::{End, Rate, Shape, Thread, Turn};
 use crate::nc::{self, AxisSet, Block, Frames, Gauging, Interpreter, Library, Memory, Place, Source, SpeedMode};
 use crate::units::{Axis, Micros, PerAxis};
@@ -258,6 +258,8 @@ pub struct Run {
     pub parted: Option<Parted>,
     /// What turned when the run was paused: wheel, headstock (table, roll).
     pub turned: [bool; 2],
+    /// The proof of the text before anything of it is done.
+    pub proof: Option<nc::Proof>,
 }
 
 impl Run {
@@ -287,7 +289,15 @@ impl Run {
             gauging: None,
             parted: None,
             turned: [false; 2],
+            proof: None,
         }
+    }
+
+    /// Nothing more is read: the program's mistake is told when everything before it is done.
+    pub fn end_by(&mut self, fault: &nc::Fault) {
+        self.reading = Reading::Over;
+        let said = Said::new(fault.text(Lang::Zh), fault.text(Lang::En));
+        self.items.push_back(Item::Do(Act::Alarm(fault.alarm(), said, fault.place)));
     }
 
     /// Turns the block just read into items.

@@ -77,6 +77,15 @@ impl Controller {
         1_200.0 / lead_mm - 80.0
     }
 
+    /// Program, line and column of the thread under way: of its code, or of its block where the code is in force before.
+    fn place_of_thread(&self) -> Said {
+        let (program, line) = (self.place.program, self.place.line);
+        let text = self.programs.get(program).and_then(|program| program.source.line(line)).unwrap_or_default();
+        let found = ["G33", "G32"].into_iter().find_map(|code| text.to_ascii_uppercase().find(code)).unwrap_or(0);
+        let (title, column) = (self.title(program), text[..found].chars().count() + 1);
+        Said::new(format!("{title} 第{line}行 第{column}列"), format!("{title} line {line}, column {column}"))
+    }
+
     /// One tick of a thread.
     pub(super) fn thread(&mut self, run: &mut Run, thread: &Thread) -> Did {
         if run.doing == Doing::Threading {
@@ -86,15 +95,16 @@ impl Controller {
             return Did::Wait;
         }
         if self.machine.spindle_direction().is_none() || self.lathe.spindle.rpm.abs() < 1.0 {
-            self.raise(alarm::SPINDLE_STANDS, None);
+            self.raise(alarm::SPINDLE_STANDS, Some(self.place_of_thread()));
             return Did::Wait;
         }
         let (rpm, limit) = (self.lathe.spindle.rpm.abs(), Self::thread_limit(thread.lead_mm));
         // The speed is measured: a turn or two a minute above are no fault of the program.
         if rpm > limit * 1.01 + 1.0 {
+            let (at, lead_mm) = (self.place_of_thread(), thread.lead_mm);
             let said = Said::new(
-                format!("主轴 {rpm:.0} r/min，导程 {:.3} mm 最高 {limit:.0} r/min", thread.lead_mm),
-                format!("{rpm:.0} rpm, a lead of {:.3} mm allows {limit:.0} rpm", thread.lead_mm),
+                format!("{}：主轴 {rpm:.0} r/min，导程 {lead_mm:.3} mm 最高 {limit:.0} r/min", at.zh),
+                format!("{}: {rpm:.0} rpm, a lead of {lead_mm:.3} mm allows {limit:.0} rpm", at.en),
             );
             self.raise(alarm::THREAD_SPEED, Some(said));
             return Did::Wait;

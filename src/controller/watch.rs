@@ -75,12 +75,17 @@ impl Controller {
             (Input::LimitYPlus, Input::LimitYMinus),
             (Input::LimitZPlus, Input::LimitZMinus),
         ];
+        let faults: Vec<_> = self.axes.present().filter(|axis| self.inputs.has(drives[*axis as usize])).collect();
+        if !faults.is_empty() {
+            // A crash trips all drives at once: the axes that move are the ones to look at.
+            let moving: Vec<_> = faults.iter().filter(|axis| self.is_moving(**axis)).collect();
+            let told = if moving.is_empty() { faults.iter().collect() } else { moving };
+            let names = told.into_iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+            self.raise(alarm::DRIVE_FAULT, Some(Said::new(names.clone(), names)));
+            self.axes.forget_zero();
+        }
         for axis in self.axes.present() {
             let name = || Some(Said::new(axis.to_string(), axis.to_string()));
-            if self.inputs.has(drives[axis as usize]) {
-                self.raise(alarm::DRIVE_FAULT, name());
-                self.axes.forget_zero();
-            }
             let (plus, minus) = limits[axis as usize];
             for (bit, switch) in [(0, plus), (1, minus)] {
                 let mask = 1 << (2 * axis as u8 + bit);

@@ -49,7 +49,7 @@ program_errors! {
         "数字只能含一个小数点和最多 40 位", "write digits with at most one decimal point, 40 at most";
     /// A letter without a number.
     MissingNumber = 3, "missing-number", "'{}' 后缺少数字", "number missing after '{}'",
-        "请在字母后输入数值、变量或 [表达式]", "give a value, a variable or an [expression] after the letter";
+        "请在其后写出数值", "write its value";
     /// A character that is not ASCII outside a comment.
     ForeignCharacter = 4, "foreign-character", "注释以外出现字符 '{}'", "character '{}' outside a comment",
         "请改用半角英文字符 {2}", "type {2} instead";
@@ -88,16 +88,16 @@ program_errors! {
         "请删除该字", "delete the word";
     /// An arc with neither centre nor radius.
     ArcWithoutCentre = 16, "arc-without-centre", "圆弧缺少圆心或半径", "arc without centre or radius",
-        "请输入 R，或圆心坐标 I J K", "give R, or the centre by I, J, K";
+        "请写半径 {}，或圆心坐标 {2}", "write the radius {}, or the centre {2}";
     /// The end of an arc does not lie on its circle.
     ArcEndOff = 17, "arc-end-off", "圆弧终点偏离圆周 {} mm", "the arc's end lies {} mm off the circle",
         "请核对终点与圆心", "check end and centre";
     /// A radius that cannot reach the end.
     ArcRadius = 18, "arc-radius", "圆弧半径 {} 无效", "arc radius {} is not possible",
-        "半径不能为零，也不能小于弦长的一半；整圆请用 I J K", "not zero and at least half the chord; for a full circle give I, J, K";
+        "半径不能为零，也不能小于弦长的一半；整圆请用圆心编程", "not zero and at least half the chord; for a full circle give its centre";
     /// No feed yet.
     FeedMissing = 19, "feed-missing", "没有进给速度 F", "no feed F has been given",
-        "请在切削段之前或段内输入 F", "give F in this block or before; G98/G99 asks for a new one";
+        "请在切削段之前或段内输入 F；{} 之后须重新输入", "give F in this block or before; {} asks for a new one";
     /// A value outside its range.
     OutOfRange = 20, "out-of-range", "{} 超出范围 {2}", "{} is out of range {2}",
         "请修改数值", "change the value";
@@ -126,8 +126,8 @@ program_errors! {
     MissingProgram = 28, "missing-program", "找不到程序 {}", "there is no program {}",
         "请检查程序号，或拷入该程序", "check its number, or copy the program in";
     /// Too many levels of subprograms or macros.
-    TooDeep = 29, "too-deep", "{}嵌套超过 {2} 层", "{} calls nested deeper than {2}",
-        "请减少调用层数", "call fewer levels";
+    TooDeep = 29, "too-deep", "{} 嵌套超过 {2} 层", "{} nested deeper than {2}",
+        "请减少嵌套层数", "nest fewer levels";
     /// WHILE without END or END without WHILE.
     LoopMismatch = 30, "loop-mismatch", "{} 没有配对", "{} has no partner",
         "WHILE […] DO m 与 END m 必须配对且不交叉", "WHILE […] DO m and END m go in pairs and do not cross";
@@ -163,7 +163,7 @@ program_errors! {
         "一个文件只存一个程序", "keep one program in a file";
     /// An axis outside the plane of the arc.
     AxisOutsidePlane = 41, "axis-outside-plane", "{} 不在所选平面内", "{} lies outside the plane of the arc",
-        "请选择平面 G17/G18/G19 或删除该字", "choose the plane with G17, G18, G19 or delete the word";
+        "请选择圆弧所在平面，或删除该字", "choose the arc's plane, or delete the word";
     /// An input is not assigned.
     NoInput = 42, "no-input", "{} 没有指定输入口", "{} has no input to look at",
         "请输入 L，或在参数中设定输入口", "give L, or set the input by parameter";
@@ -188,9 +188,27 @@ program_errors! {
     /// Turns to wait for, and no speed that says how long one takes.
     DwellWithoutSpeed = 60, "dwell-without-speed", "{} 按转数停顿，但没有以 r/min 给出的转速", "{} counts turns, but there is no speed in rpm",
         "请先用 S 给出转速 (G97)，或改用 G4 F 秒", "program S (G97) before it, or dwell by G4 F in seconds";
+    /// A radius of the SINUMERIK written as that of other languages.
+    RadiusByCr = 58, "radius-by-cr", "圆弧半径不能写成 {}", "an arc's radius is not written {}",
+        "半径写成 {2}", "write {2}";
+    /// A function that the language does not have.
+    UnknownFunction = 59, "unknown-function", "没有函数 {}", "there is no function {}",
+        "可用 {2}", "there are {2}";
+    /// Turns an inch whose fraction cannot be.
+    ThreadFraction = 67, "thread-fraction", "每寸牙数 {} 的小数部分无效", "the fraction of {} turns an inch is not possible",
+        "小数点后是分数的分母：33.2 是 33½，分母从 2 起", "the digits behind the point are its denominator: 33.2 is 33½; it is 2 or more";
+    /// A jump into a counted loop (L4).
+    IntoLoop = 68, "into-loop", "跳转进入了循环：没有经过第 {} 行的 G22", "a jump led into the loop: the G22 in line {} was not passed",
+        "跳到 G22 段，或循环之外", "jump to the block of G22, or outside the loop";
+    /// More codes than a block can have.
+    TooManyCodes = 69, "too-many-codes", "一段中 {} 超过 {2} 个", "more than {2} {} in one block",
+        "请分成几个程序段", "write them in several blocks";
+    /// Nothing to run (L1).
+    EmptyProgram = 99, "empty-program", "程序没有程序段", "the program has no blocks",
+        "请输入程序，最后一段写 {}", "write its blocks, {} the last";
     /// A label that does not begin as one.
     BadLabel = 61, "bad-label", "标号 {} 无效", "{} cannot be a label",
-        "标号前两位必须是字母或下划线，例如 AA1:", "a label begins with two letters or underscores, as AA1: does";
+        "标号前两位必须是字母或下划线，且不能是指令字，例如 AA1:", "a label begins with two letters or underscores, as AA1: does, and is no word of the language";
     /// A jump that leads nowhere.
     LabelLeftOut = 62, "label-left-out", "{} 后缺少标号", "no label after {}",
         "请写出标号，例如 {} AA1", "write the label, as in {} AA1";
@@ -212,6 +230,9 @@ program_errors! {
     /// A label that lies on the other side of the jump.
     LabelElsewhere = 92, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} does not lie that way",
         "GOTOF 只朝程序结束方向找，GOTOB 只朝程序开头方向找；请改用 {2}", "GOTOF looks onwards only, GOTOB back only: use {2}";
+    /// A label that stands before several blocks (S1).
+    SeveralLabels = 57, "several-labels", "标号 {} 不唯一", "there are several blocks {}",
+        "同一程序中每个标号只能出现一次", "write each label once in a program";
     /// A quote without its partner.
     UnbalancedQuote = 93, "unbalanced-quote", "引号不匹配", "the quotes do not match",
         "MSG(\"文字\")：同一行内成对使用同一种引号", "MSG(\"text\"): a pair of the same quotes on one line";

@@ -14,6 +14,18 @@ pub const fn of_r(n: u32) -> Option<u32> {
     if n < R_COUNT { Some(R_FIRST + n) } else { None }
 }
 
+/// R62, where the programs of the vertical grinder leave the number of their own error (seed 002's table); 0: none.
+const ERROR_FLAG: u32 = 62;
+
+/// The variable in which programs of a kind leave the number of their own error.
+#[must_use]
+pub const fn error_flag(kind: Kind) -> Option<u32> {
+    match kind.system() {
+        System::Sinumerik => of_r(ERROR_FLAG),
+        System::LatheA | System::Mill | System::SuperMan => None,
+    }
+}
+
 /// What a variable is called where programs are written in this language.
 #[must_use]
 pub fn name(number: u32, system: System) -> String {

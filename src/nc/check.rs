@@ -1,18 +1,16 @@
 //! The check of a whole program: every mistake, path length, time and extents, without a machine. Source: spec B1, T4.
 
 use std::collections::HashSet;
+use std::ops::Range;
 use std::sync::Arc;
 
-use super::dialect;
-use super::fault::{Fault, Place, Stop, Wrong, fault_in};
+use super::fault::{Fault, Place, Wrong};
 use super::interpreter::{Block, Interpreter};
-use super::lexer::Cursor;
 use super::memory::Memory;
 use super::settings::Settings;
-use super::source::{Library, Source, at_head};
-use super::statement::{self, Blank, Content, Head};
-use super::words::Words;
-use super::world::CheckWorld;
+use super::source::{Library, Source};
+use super::unread::{self, Unread};
+use super::world::{CheckWorld, Come};
 use crate::defs::program_error::ProgramError as E;
 use crate::units::PerAxis;
 
@@ -38,9 +36,11 @@ pub struct Checked {
     pub extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
     /// Lines of the text.
     pub lines: usize,
-    /// Blocks that had operations.
+    /// Blocks that had operations; of a loop that does not end here, up to where it began to repeat.
     pub blocks: u64,
-    /// The run came to its end (or to its M99) and was not given up.
+    /// Of all blocks that `sink` has seen, from 0: those of a loop that does not end here, from where it began to repeat.
+    pub repeated: Vec<Range<u64>>,
+    /// The run came to its end (or to its M99), and no loop was left on the way.
     pub finished: bool,
 }
 
@@ -74,236 +74,247 @@ pub fn check_until(
     world: &mut CheckWorld,
     sink: &mut dyn FnMut(&Block) -> bool,
 ) -> Checked {
-    let mut interpreter = Interpreter::new(Arc::clone(source), Arc::clone(library), settings.clone(), memory);
-    interpreter.nulls = Some(Vec::new());
-    interpreter.notes = Some(Vec::new());
-    let mut run = Run {
-        source,
-        settings,
-        found: Checked::default(),
-        visited: Visited::new(source.line_count()),
-        told: HashSet::new(),
-        text_end: None,
-        repeated: Way::default(),
-    };
-    if run.follow(&mut interpreter, world, sink) {
-        run.read_the_rest();
-    }
-    let repeated = run.repeated;
-    let mut found = run.found;
-    found.faults.sort_by_key(|fault| (fault.place.program != source.number(), fault.place.program, fault.place.line));
-    found.length_mm = world.length_mm() - repeated.length_mm;
-    found.seconds = world.seconds() - repeated.seconds;
-    found.extents = world.extents();
-    found.lines = source.line_count();
-    found
+    let mut checking = Checking::new(source, library, settings, memory);
+    while checking.advance(world, sink, u32::MAX) {}
+    checking.found(world)
 }
 
 /// Reads the lines of a text for their writing alone, as far as that can be judged without the rest of the program:
 /// where a jump leads is not looked at.
 #[must_use]
 pub fn look(source: &Arc<Source>, settings: &Settings) -> Vec<Fault> {
-    let visited = Visited::new(source.line_count());
-    let found = Checked::default();
-    let repeated = Way::default();
-    let mut run = Run { source, settings, found, visited, told: HashSet::new(), text_end: None, repeated };
-    run.read_the_rest();
-    run.found.faults.retain(|fault| !matches!(fault.error, E::MissingTarget | E::MissingLabel | E::LabelElsewhere));
-    run.found.faults
+    const ELSEWHERE: [E; 6] =
+        [E::MissingTarget, E::SeveralTargets, E::MissingLabel, E::SeveralLabels, E::LabelElsewhere, E::LoopUnpaired];
+    let (mut unread, mut faults) = (Unread::new(source.line_count()), Vec::new());
+    while unread.advance((source, settings), None, u32::MAX, &mut |fault| faults.push(fault)) {}
+    faults.retain(|fault: &Fault| !ELSEWHERE.contains(&fault.error));
+    faults
 }
 
-/// One bit a line.
-struct Visited(Vec<u64>);
-
-impl Visited {
-    fn new(lines: usize) -> Self {
-        Self(vec![0; lines / 64 + 1])
-    }
-
-    /// Marks a line; whether it is new.
-    #[inline]
-    fn mark(&mut self, line: u32) -> bool {
-        let Some(word) = self.0.get_mut(line as usize / 64) else { return false };
-        let bit = 1 << (line % 64);
-        let new = *word & bit == 0;
-        *word |= bit;
-        new
-    }
-}
-
-struct Run<'r> {
-    source: &'r Arc<Source>,
-    settings: &'r Settings,
-    found: Checked,
-    visited: Visited,
-    told: HashSet<(u32, u32, E)>,
-    /// The line (from 0) behind which nothing counts: its `%` ended the run.
-    text_end: Option<u32>,
-    /// What loops that do not end here have come to.
-    repeated: Way,
-}
-
-/// Way and time of a world.
-#[derive(Clone, Copy, Debug, Default)]
-struct Way {
-    length_mm: f64,
-    seconds: f64,
-}
-
-impl Way {
-    fn of(world: &CheckWorld) -> Self {
-        Self { length_mm: world.length_mm(), seconds: world.seconds() }
-    }
-}
-
-/// How far a run has come: to its last line that was new.
-#[derive(Clone, Copy, Debug, Default)]
+/// How far a run has come: to where it first went over lines that were not new any more.
+#[derive(Clone, Debug)]
 struct Progress {
-    way: Way,
+    /// No new line since.
+    over: bool,
+    come: Come,
+    memory: Memory,
+    /// Blocks that were shown, and mistakes that were found.
+    shown: u64,
+    faults: usize,
     /// The main program's line, from 0, at present.
     line: u32,
     /// Where it went back since, last.
     back: Option<u32>,
 }
 
-impl Progress {
-    /// A line of the main program; `new` if the run has not been there.
-    #[inline]
-    fn see(&mut self, line: u32, new: bool, world: &CheckWorld) {
-        if new {
-            (self.way, self.back) = (Way::of(world), None);
-        } else if line < self.line {
-            self.back = Some(self.line);
-        }
-        self.line = line;
-    }
+/// A check under way: a program followed without a machine, then the lines that the run did not come to.
+pub struct Checking {
+    source: Arc<Source>,
+    settings: Settings,
+    interpreter: Interpreter,
+    block: Block,
+    found: Checked,
+    /// The lines that the run has not come to, once it is over.
+    unread: Unread,
+    over: bool,
+    told: HashSet<(u32, u32, E)>,
+    progress: Progress,
+    /// Blocks without a new line, and how many make a loop that does not end here.
+    standstill: u32,
+    limit: u32,
+    /// Loops that were left.
+    left: u32,
+    /// How many may be.
+    leaves: u32,
+    /// A word was left out somewhere: what is in force may differ from what it will be in the run.
+    left_out: bool,
+    /// Blocks that `sink` has seen.
+    shown: u64,
 }
 
-impl Run<'_> {
-    /// Runs the program; false when the sink had enough.
-    fn follow(
-        &mut self,
-        interpreter: &mut Interpreter,
-        world: &mut CheckWorld,
-        sink: &mut dyn FnMut(&Block) -> bool,
-    ) -> bool {
-        let mut block = Block::new(self.settings);
-        let (mut standstill, mut left, mut progress) = (0, 0, Progress::default());
-        // A word was left out somewhere: what is in force may differ from what it will be in the run.
-        let mut left_out = false;
-        while !interpreter.has_ended() {
-            let (source, line) = interpreter.at_line();
-            let main = Arc::ptr_eq(source, self.source);
-            let new = main && self.visited.mark(line);
-            if main {
-                progress.see(line, new, world);
+impl Checking {
+    /// Stands at the head of a program.
+    #[must_use]
+    pub fn new(
+        source: &Arc<Source>,
+        library: &Arc<dyn Library + Send + Sync>,
+        settings: &Settings,
+        memory: Memory,
+    ) -> Self {
+        let mut interpreter =
+            Interpreter::new(Arc::clone(source), Arc::clone(library), settings.clone(), memory.clone());
+        interpreter.nulls = Some(Vec::new());
+        interpreter.notes = Some(Vec::new());
+        let come = Come::default();
+        Self {
+            source: Arc::clone(source),
+            settings: settings.clone(),
+            interpreter,
+            block: Block::new(settings),
+            found: Checked::default(),
+            unread: Unread::new(source.line_count()),
+            over: false,
+            told: HashSet::new(),
+            progress: Progress { over: false, come, memory, shown: 0, faults: 0, line: 0, back: None },
+            standstill: 0,
+            limit: STANDSTILL_LIMIT,
+            left: 0,
+            leaves: LEFT_LOOPS,
+            left_out: false,
+            shown: 0,
+        }
+    }
+
+    /// With so many blocks without a new line as the sign of a loop that does not end here; nothing behind it is run.
+    #[must_use]
+    pub const fn with_limit(mut self, blocks: u32) -> Self {
+        (self.limit, self.leaves) = (blocks, 0);
+        self
+    }
+
+    /// The mistakes found so far, as they were met.
+    #[must_use]
+    pub fn faults(&self) -> &[Fault] {
+        &self.found.faults
+    }
+
+    /// What was found, when it is over.
+    #[must_use]
+    pub fn found(self, world: &CheckWorld) -> Checked {
+        let number = self.source.number();
+        let mut found = self.found;
+        found.faults.sort_by_key(|fault| (fault.place.program != number, fault.place.program, fault.place.line));
+        (found.length_mm, found.seconds, found.extents) = (world.length_mm(), world.seconds(), world.extents());
+        found.blocks = self.shown - found.repeated.iter().map(|range| range.end - range.start).sum::<u64>();
+        found.lines = self.source.line_count();
+        found
+    }
+
+    /// Goes on for at most so many blocks, or lines that the run has not come to; `false` when it is over, or when
+    /// `sink` had enough.
+    pub fn advance(&mut self, world: &mut CheckWorld, sink: &mut dyn FnMut(&Block) -> bool, most: u32) -> bool {
+        if self.over {
+            let mut faults = Vec::new();
+            let library = Arc::clone(&self.interpreter.library);
+            let text = (&*self.source, &self.settings);
+            let more = self.unread.advance(text, Some(&*library), most, &mut |fault| faults.push(fault));
+            faults.into_iter().for_each(|fault| self.fault(fault));
+            return more;
+        }
+        for _ in 0..most {
+            if self.interpreter.has_ended() {
+                return self.end(true);
             }
-            standstill = if new { 0 } else { standstill + 1 };
-            if standstill > STANDSTILL_LIMIT {
-                self.give_up(interpreter, progress, world);
-                progress.way = Way::of(world);
-                left += 1;
-                if left > LEFT_LOOPS || !interpreter.leave_loop() {
-                    return true;
+            let main = self.look_at_line(world);
+            if self.standstill > self.limit {
+                self.give_up(world);
+                if self.left > self.leaves || !self.interpreter.leave_loop() {
+                    return self.end(false);
                 }
-                standstill = 0;
+                self.standstill = 0;
+                continue;
             }
-            match interpreter.single(world, &mut block) {
+            match self.interpreter.single(world, &mut self.block) {
                 Ok(more) => {
-                    left_out = left_out || interpreter.has_met_null();
-                    if !block.ops.is_empty() {
-                        self.found.blocks += 1;
-                        block.ops.iter().for_each(|op| world.apply(op));
-                        if !sink(&block) {
+                    self.left_out = self.left_out || self.interpreter.has_met_null();
+                    if !self.block.ops.is_empty() {
+                        self.shown += 1;
+                        self.block.ops.iter().for_each(|op| world.apply(op));
+                        if !sink(&self.block) {
                             return false;
                         }
                     }
-                    if !more && main {
-                        self.text_end = Some(line);
+                    if let (false, Some(line)) = (more, main) {
+                        self.unread.text_end = Some(line);
                     }
-                    if !more || interpreter.has_restarted() {
-                        break;
+                    if !more || self.interpreter.has_restarted() {
+                        return self.end(true);
                     }
                 }
                 Err(fault) => {
-                    left_out = left_out || interpreter.has_met_null();
+                    self.left_out = self.left_out || self.interpreter.has_met_null();
                     let error = fault.error;
-                    self.judge(fault, interpreter.has_met_null(), left_out);
-                    interpreter.skip(error);
+                    self.judge(fault);
+                    self.interpreter.skip(error);
                 }
             }
-            if interpreter.has_remarks() {
-                interpreter.remarks().into_iter().for_each(|fault| self.warn(fault));
+            if self.interpreter.has_remarks() {
+                self.interpreter.remarks().into_iter().for_each(|fault| self.warn(fault));
             }
         }
-        self.found.finished = true;
         true
     }
 
-    /// Tells of a loop that does not end here, at the line that leads back into it; its repetitions do not count.
-    fn give_up(&mut self, interpreter: &Interpreter, progress: Progress, world: &CheckWorld) {
-        let (place, title) = match progress.back {
-            Some(line) => (Place { program: self.source.number(), line: line + 1, n: None }, self.source.title()),
-            None => (interpreter.place(), interpreter.at_line().0.title()),
-        };
-        self.warn(Fault::new(title, place, 1, Wrong { at: 0, error: E::Endless, details: Default::default() }));
-        let now = Way::of(world);
-        self.repeated.length_mm += now.length_mm - progress.way.length_mm;
-        self.repeated.seconds += now.seconds - progress.way.seconds;
+    /// Marks the line that is read next; its number, from 0, if it is one of the main program.
+    #[inline]
+    fn look_at_line(&mut self, world: &CheckWorld) -> Option<u32> {
+        let (source, line) = self.interpreter.at_line();
+        let main = Arc::ptr_eq(source, &self.source);
+        let new = main && self.unread.visited.mark(line);
+        self.standstill = if new { 0 } else { self.standstill + 1 };
+        if main {
+            let progress = &mut self.progress;
+            if new {
+                progress.over = false;
+            } else {
+                if !progress.over {
+                    progress.come = world.come();
+                    progress.memory.clone_from(self.interpreter.memory());
+                    (progress.over, progress.back) = (true, None);
+                    (progress.shown, progress.faults) = (self.shown, self.found.faults.len());
+                }
+                if line < progress.line {
+                    progress.back = Some(progress.line);
+                }
+            }
+            progress.line = line;
+        }
+        main.then_some(line)
     }
 
-    /// Lines that the run did not come to are read for their writing.
-    fn read_the_rest(&mut self) {
-        let source = Arc::clone(self.source);
-        let text = source.bytes();
-        let mut words = Words::default();
-        for line in 0..source.line_count() as u32 {
-            if self.text_end.is_some_and(|end| line > end) {
-                return;
-            }
-            if !self.visited.mark(line) {
-                continue;
-            }
-            let mut cursor = Cursor::window(text, source.start(line));
-            let mut head = Head { mid_line: false, block_skip: false };
-            loop {
-                let at = cursor.at;
-                let read = dialect::read(self.settings.system, &mut cursor, &mut Blank, &mut words, head);
-                let cut = cursor.is_cut(text);
-                let read = read.and_then(|content| match content {
-                    _ if cut => super::fault::wrong(at, E::BlockTooLong),
-                    Content::Words => dialect::look(&words, self.settings, (text, at)),
-                    Content::TextEnd { at } if !at_head(text, at) => {
-                        self.text_end = Some(line);
-                        Ok(())
-                    }
-                    Content::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {
-                        super::fault::wrong1(at, E::MissingTarget, format!("N{n}"))
-                    }
-                    Content::Jump { label, forward, .. } => source.find_label(label, line, forward).map(drop),
-                    _ => Ok(()),
-                });
-                if let Err(stop) = read {
-                    if let Stop::Wrong(wrong) = *stop {
-                        self.fault(fault_in(&source, words.n, wrong));
-                    }
-                    break;
-                }
-                if !statement::goes_on(&cursor) || cursor.at <= at {
-                    break;
-                }
-                head.mid_line = true;
-            }
+    /// Tells of a loop that does not end here, at the line that leads back into it. Its repetitions do not count: way,
+    /// values and place are as when it began to repeat.
+    fn give_up(&mut self, world: &mut CheckWorld) {
+        let (place, title) = match self.progress.back {
+            Some(line) => (Place { program: self.source.number(), line: line + 1, n: None }, self.source.title()),
+            None => (self.interpreter.place(), self.interpreter.at_line().0.title()),
+        };
+        self.warn(Fault::new(title, place, 1, Wrong { at: 0, error: E::Endless, details: Default::default() }));
+        let Progress { come, memory, shown, faults, .. } = &self.progress;
+        world.go_back(*come);
+        self.interpreter.put_memory(memory.clone());
+        if *shown < self.shown {
+            self.found.repeated.push(*shown..self.shown);
         }
+        // A value that has grown with every repetition is no mistake of the text.
+        let (kept, mut index) = (*faults, 0);
+        self.found.faults.retain(|fault| {
+            index += 1;
+            index <= kept || !matches!(fault.error, E::OutOfRange | E::Overflow)
+        });
+        (self.progress.shown, self.progress.faults) = (self.shown, self.found.faults.len());
+        self.left += 1;
+    }
+
+    /// The run is over: lines that it did not come to are still to be read.
+    fn end(&mut self, finished: bool) -> bool {
+        self.found.finished = finished && self.left == 0;
+        self.over = true;
+        unread::whole(&self.source, &self.settings).into_iter().for_each(|fault| self.fault(fault));
+        true
     }
 
     /// What variables without a value cause is no mistake of the text: the operator will have given them.
-    fn judge(&mut self, fault: Fault, null_here: bool, left_out: bool) {
+    fn judge(&mut self, fault: Fault) {
+        let (null_here, left_out) = (self.interpreter.has_met_null(), self.left_out);
         let by_null = match fault.error {
-            E::MissingWord | E::ArcWithoutCentre | E::ArcEndOff | E::ArcRadius => null_here,
+            E::MissingWord | E::ArcWithoutCentre => null_here,
+            E::ArcEndOff | E::ArcRadius => null_here || self.left > 0,
             E::DivisionByZero => null_here && fault.detail().is_empty(),
             E::Domain | E::OutOfRange | E::BadVariable | E::SwitchVariable => null_here,
             E::FeedMissing => left_out,
+            // Where the run would stand behind a loop that was left is not known.
+            E::ArcTooSmall | E::FullCircleByRadius | E::RectangleSide => self.left > 0,
             _ => false,
         };
         if by_null { self.warn(fault) } else { self.fault(fault) }

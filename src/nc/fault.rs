@@ -137,6 +137,7 @@ pub(crate) fn wrong2<T>(
 /// Gives a mistake its place.
 pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fault {
     if wrong.error == ProgramError::ForeignCharacter
+        && wrong.details[1].is_empty()
         && let Some((character, instead)) = source.foreign(wrong.at)
     {
         if character == char::REPLACEMENT_CHARACTER {

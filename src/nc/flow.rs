@@ -229,6 +229,17 @@ impl Flow {
 
     /// Goes behind the outermost loop that is open; `false` if none is.
     pub fn leave_loops(&mut self) -> bool {
+        // A subprogram of the same text returns to the loop that calls it.
+        while self.counted.len() == self.base && !self.counted.is_empty() {
+            if self.return_to(None, 0).is_err() {
+                return false;
+            }
+        }
+        if let Some(outermost) = self.counted.get(self.base).copied() {
+            self.counted.truncate(self.base);
+            self.go_to_line(outermost.end_line + 1);
+            return true;
+        }
         if self.depth == 0 {
             return false;
         }
@@ -360,7 +371,10 @@ impl Flow {
                 self.counted.pop();
                 Ok(true)
             }
-            Some(_) | None => wrong2(at, E::LoopUnpaired, "G80", "G22"),
+            Some(_) | None => match self.source.counted_before(line) {
+                Some(begun) => wrong1(at, E::IntoLoop, (begun + 1).to_string()),
+                None => wrong2(at, E::LoopUnpaired, "G80", "G22"),
+            },
         }
     }
 

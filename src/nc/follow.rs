@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::fault::{Fault, Stop, Wrong, fault_in};
 use super::interpreter::{Block, Interpreter, Next, Stepped};
+use super::memory::Memory;
 use super::op::Op;
 use super::source::Source;
 use super::world::{CheckWorld, World};
@@ -51,6 +52,11 @@ impl Interpreter {
     /// Leaves the outermost loop that is open; for a check that sees no end of it.
     pub(crate) fn leave_loop(&mut self) -> bool {
         self.flow.leave_loops()
+    }
+
+    /// Gives back the values of the common variables; for a check that goes on from an earlier place.
+    pub(crate) fn put_memory(&mut self, memory: Memory) {
+        self.memory = memory;
     }
 
     /// Whether M99 has begun the main program again.

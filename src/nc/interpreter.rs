@@ -76,9 +76,9 @@ pub enum Next {
 /// Reads a program, ahead of its execution.
 pub struct Interpreter {
     pub(super) flow: Flow,
-    library: Arc<dyn Library + Send + Sync>,
+    pub(super) library: Arc<dyn Library + Send + Sync>,
     pub(super) settings: Settings,
-    memory: Memory,
+    pub(super) memory: Memory,
     pub(super) modals: Modals,
     pub(super) words: Words,
     pub(super) ended: bool,

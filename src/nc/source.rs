@@ -228,6 +228,16 @@ impl Source {
         self.counted.get(index).copied()
     }
 
+    /// The first line (from 0) of the counted loop that ends in a line.
+    pub(crate) fn counted_before(&self, end_line: u32) -> Option<u32> {
+        self.counted.iter().find(|found| found.end_line == Some(end_line)).map(|found| found.line)
+    }
+
+    /// The labels that stand before several blocks: line (from 0) of each but the first, and the label.
+    pub(crate) fn repeated_labels(&self) -> impl Iterator<Item = (u32, &[u8])> {
+        self.names.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| (pair[1].1, &*pair[1].0))
+    }
+
     /// The loop that opens in the block that begins at a byte.
     pub(crate) fn loop_at(&self, at: usize) -> Option<Loop> {
         let index = self.loops.binary_search_by_key(&(at as u32), |found| found.while_at).ok()?;

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use super::expression::{Scope, Value, primary, whole};
-use super::fault::{Outcome, wrong, wrong1};
+use super::fault::{Outcome, wrong, wrong1, wrong2};
 use super::lexer::Cursor;
 use crate::defs::program_error::ProgramError as E;
 
@@ -157,7 +157,9 @@ impl Words {
 
     /// Adds a variable that the block sets.
     pub fn push_set(&mut self, set: Set) -> Outcome<()> {
-        let Some(place) = self.sets.get_mut(self.set_count) else { return wrong(set.at as usize, E::BlockTooLong) };
+        let Some(place) = self.sets.get_mut(self.set_count) else {
+            return wrong2(set.at as usize, E::TooManyCodes, "R", SETS.to_string());
+        };
         *place = set;
         self.set_count += 1;
         Ok(())
@@ -301,7 +303,9 @@ fn push_code<const COUNT: usize>(
             }
         },
     };
-    let Some(place) = codes.get_mut(*count) else { return wrong(at as usize, E::BlockTooLong) };
+    let Some(place) = codes.get_mut(*count) else {
+        return wrong2(at as usize, E::TooManyCodes, name, COUNT.to_string());
+    };
     *place = Code { number, at };
     *count += 1;
     Ok(())

@@ -8,6 +8,15 @@ use super::settings::Settings;
 use crate::defs::variable::{self, Access};
 use crate::units::{Axis, PerAxis};
 
+/// What a plain world has come to: its place, way and time.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Come {
+    position: PerAxis<f64>,
+    length_mm: f64,
+    seconds: f64,
+    extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
+}
+
 /// The answer to a question for a live value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Live {
@@ -161,6 +170,23 @@ impl CheckWorld {
     #[must_use]
     pub const fn extents(&self) -> Option<(PerAxis<f64>, PerAxis<f64>)> {
         self.extents
+    }
+
+    /// What it has come to.
+    pub(crate) const fn come(&self) -> Come {
+        let Self { position, length_mm, seconds, extents, .. } = *self;
+        Come { position, length_mm, seconds, extents }
+    }
+
+    /// Goes back to what it had come to.
+    pub(crate) const fn go_back(&mut self, to: Come) {
+        let Come { position, length_mm, seconds, extents } = to;
+        (self.position, self.length_mm, self.seconds, self.extents) = (position, length_mm, seconds, extents);
+    }
+
+    /// Begins its extents anew.
+    pub const fn forget_extents(&mut self) {
+        self.extents = None;
     }
 
     /// Does one operation.

@@ -29,7 +29,7 @@ shipped! {
     subprograms "9000" "9001" "9010" "9011" "9012" "9020";
     sheets "801" "802" "803";
     named "802d/VGRIND.MPF" "802d/L1.SPF" "802d/L3.SPF" "802d/L10.SPF" "802d/L20.SPF" "802d/L30.SPF"
-          "802d/VBORE.MPF" "802d/L11.SPF" "802d/L21.SPF" "802d/L31.SPF"
+          "802d/VBORE.MPF" "802d/L11.SPF" "802d/L21.SPF" "802d/L31.SPF" "802d/RBORE.MPF" "802d/RGRIND.MPF"
 }
 
 /// The programs of the lathe, by name.

@@ -20,6 +20,7 @@ use super::modal::Modals;
 use super::op::Op;
 use super::scope::LiveScope;
 use super::settings::{Settings, System};
+use super::source::Source;
 use super::statement::{self, Content, Head};
 use super::words::Words;
 
@@ -102,13 +103,62 @@ pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     }
 }
 
-/// Looks at a block of words that is not executed – the program's text and where the block begins in it – whether it is
-/// written as it must be and its codes exist.
-pub(crate) fn look(words: &Words, settings: &Settings, written: (&[u8], usize)) -> Outcome<()> {
+/// A block that is not executed: its program, its first byte there, its line from 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unrun<'r> {
+    pub source: &'r Source,
+    pub at: usize,
+    pub line: u32,
+}
+
+/// Looks at a block of words that is not executed, whether it is written as it must be, its codes exist, and what it
+/// names is there.
+pub(crate) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Outcome<()> {
     match settings.system {
         System::LatheA | System::Mill => grinder::look(words, settings),
-        System::Sinumerik => sinumerik::look(words),
-        System::SuperMan => superman::look(words, settings, written),
+        System::Sinumerik => sinumerik::look(words, block.source.bytes()),
+        System::SuperMan => superman::look(words, settings, block),
+    }
+}
+
+/// The program that a block calls, where its number is written and it is called at least once, and the byte of the call.
+pub(crate) fn called(words: &Words, settings: &Settings) -> Option<(u32, usize)> {
+    match settings.system {
+        System::Sinumerik => sinumerik::called(words),
+        System::LatheA | System::Mill | System::SuperMan => None,
+    }
+}
+
+/// How far a program can be proved before it starts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Provable {
+    /// It has neither variables nor conditions: what it will do is known.
+    Whole,
+    /// Its text, and the texts that it calls; values come in the run.
+    Text,
+    /// Not at all: what a macro calculates and the machine answers decides.
+    No,
+}
+
+/// How far programs of a language can be proved.
+pub(crate) const fn provable(settings: &Settings) -> Provable {
+    match settings.system {
+        System::SuperMan => Provable::Whole,
+        System::Sinumerik => Provable::Text,
+        System::LatheA | System::Mill => Provable::No,
+    }
+}
+
+/// Whether a language has labels (`AA1:`), each once in a program.
+pub(crate) const fn has_labels(settings: &Settings) -> bool {
+    matches!(settings.system, System::Sinumerik)
+}
+
+/// What ends a program of a language in which one without blocks is a mistake (L1).
+pub(crate) const fn asks_for_blocks(settings: &Settings) -> Option<&'static str> {
+    match settings.system {
+        System::SuperMan if settings.numbered => Some("M02"),
+        System::SuperMan | System::LatheA | System::Mill | System::Sinumerik => None,
     }
 }
 

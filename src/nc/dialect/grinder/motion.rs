@@ -68,7 +68,7 @@ pub(super) fn axis_value(running: &Running<'_, '_>, axis: Axis, word: Word) -> O
 pub(super) fn feed(running: &Running<'_, '_>) -> Outcome<Feed> {
     match running.modals.feed() {
         Some(feed) => Ok(feed),
-        None => wrong(first_place(running), E::FeedMissing),
+        None => wrong1(first_place(running), E::FeedMissing, "G98/G99"),
     }
 }
 
@@ -125,7 +125,7 @@ fn along_arc(running: &mut Running<'_, '_>, turn: i8) -> Outcome<()> {
     let offsets = [first, second].map(|axis| running.words.take(centre_letter(axis)));
     let radius = running.words.take(b'R');
     let center = match (offsets, radius) {
-        ([None, None], None) => return wrong(first_place(running), E::ArcWithoutCentre),
+        ([None, None], None) => return wrong2(first_place(running), E::ArcWithoutCentre, "R", "I J K"),
         ([None, None], Some(radius)) => by_radius(running, from, target.to, radius, turn)?,
         ([a, b], None) => by_offsets(running, from, target.to, [a, b])?,
         ([a, b], Some(radius)) => {

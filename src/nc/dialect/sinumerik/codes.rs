@@ -2,7 +2,7 @@
 
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::Running;
-use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::fault::{Outcome, wrong2};
 use crate::nc::modal::Motion;
 use crate::nc::op::{PathMode, Plane, SpeedMode};
 use crate::nc::words::{Code, Words};
@@ -55,17 +55,51 @@ const fn group(code: u32) -> Option<Group> {
 fn look_up(code: Code) -> Outcome<Group> {
     match group(code.number) {
         Some(group) => Ok(group),
-        None => wrong1(code.at as usize, E::UnknownG, format!("G{}", code.number)),
+        // Other languages tell the unit of F by these.
+        None if code.number == 98 => wrong2(code.at as usize, E::NoSuchCode, "G98", "G94 (mm/min) G95 (mm/r)"),
+        None if code.number == 99 => wrong2(code.at as usize, E::NoSuchCode, "G99", "G95 (mm/r) G94 (mm/min)"),
+        None => {
+            let known: Vec<_> = (0..100).filter(|code| group(*code).is_some()).map(|code| format!("G{code}")).collect();
+            wrong2(code.at as usize, E::NoSuchCode, format!("G{}", code.number), known.join(" "))
+        }
+    }
+}
+
+/// The group of a code; no other code of it may stand before in the block.
+fn by_itself(words: &Words, index: usize) -> Outcome<Group> {
+    let code = words.g()[index];
+    let group = look_up(code)?;
+    match words.g()[..index].iter().find(|before| self::group(before.number) == Some(group)) {
+        Some(before) => {
+            let [first, second] = [*before, code].map(|code| format!("G{}", code.number));
+            wrong2(code.at as usize, E::DoubleGroup, first, second)
+        }
+        None => Ok(group),
     }
 }
 
 /// Looks at the codes of a block that is not executed.
-pub(in crate::nc::dialect) fn look(words: &Words) -> Outcome<()> {
-    words.g().iter().try_for_each(|code| look_up(*code).map(drop))?;
-    match words.m().iter().find(|code| !super::is_known(code.number)) {
-        Some(code) => wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
-        None => Ok(()),
+pub(super) fn look(words: &Words) -> Outcome<()> {
+    (0..words.g().len()).try_for_each(|index| by_itself(words, index).map(drop))?;
+    words.m().iter().try_for_each(|code| super::known(*code))?;
+    one_direction(words)
+}
+
+/// Codes of which a block takes one: the spindle's, the coolant's.
+const EXCLUSIVE: [&[u32]; 2] = [&[3, 4, 5], &[7, 8, 9]];
+
+/// M3 and M4 in one block contradict each other.
+pub(in crate::nc::dialect) fn one_direction(words: &Words) -> Outcome<()> {
+    for codes in EXCLUSIVE {
+        let mut found = words.m().iter().filter(|code| codes.contains(&code.number));
+        if let (Some(first), Some(second)) = (found.next(), found.next())
+            && first.number != second.number
+        {
+            let [a, b] = [first, second].map(|code| format!("M{}", code.number));
+            return wrong2(second.at as usize, E::DoubleGroup, a, b);
+        }
     }
+    Ok(())
 }
 
 /// Reads the G codes.
@@ -73,13 +107,7 @@ pub(super) fn read(running: &mut Running<'_, '_>) -> Outcome<Plan> {
     let mut plan = Plan::default();
     let words = running.words;
     for (index, code) in words.g().iter().enumerate() {
-        let group = look_up(*code)?;
-        let before = words.g()[..index].iter().find(|before| self::group(before.number) == Some(group));
-        // G96 stands beside G95 in many programs: it takes the feed per revolution along.
-        if let Some(before) = before {
-            let [first, second] = [before, code].map(|code| format!("G{}", code.number));
-            return wrong2(code.at as usize, E::DoubleGroup, first, second);
-        }
+        let group = by_itself(words, index)?;
         apply(running, &mut plan, group, *code);
     }
     Ok(plan)

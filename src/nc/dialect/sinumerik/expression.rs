@@ -16,7 +16,7 @@ use crate::units::Axis;
 const DEPTH: usize = 32;
 
 /// The functions, by what the family calls them.
-const NAMES: [(&str, &str); 10] = [
+const NAMES: [(&str, &str); 11] = [
     ("SIN", "SIN"),
     ("COS", "COS"),
     ("TAN", "TAN"),
@@ -27,7 +27,16 @@ const NAMES: [(&str, &str); 10] = [
     ("TRUNC", "FIX"),
     ("ROUND", "ROUND"),
     ("LN", "LN"),
+    ("EXP", "EXP"),
 ];
+
+/// The functions that take other arguments.
+const OTHERS: [&str; 2] = ["POT", "ATAN2"];
+
+/// What the functions are called.
+pub(super) fn function_names() -> impl Iterator<Item = &'static str> {
+    NAMES.into_iter().map(|(name, _)| name).chain(OTHERS)
+}
 
 /// Skips spaces; a bracket is no comment here.
 pub(super) fn blanks(cursor: &mut Cursor<'_>) {
@@ -152,6 +161,15 @@ impl<S: Scope> Reader<'_, '_, S> {
         Ok(value)
     }
 
+    /// The argument of a function, in round brackets.
+    fn argument(&mut self, function: &str, at: usize) -> Outcome<f64> {
+        blanks(self.cursor);
+        match self.cursor.peek() {
+            b'(' => self.bracket(),
+            _ => wrong2(at, E::MissingWord, function, "( )"),
+        }
+    }
+
     fn close(&mut self, open: usize) -> Outcome<()> {
         blanks(self.cursor);
         match self.cursor.peek() {
@@ -242,11 +260,11 @@ impl<S: Scope> Reader<'_, '_, S> {
     fn function(&mut self) -> Outcome<f64> {
         let at = self.cursor.at;
         if self.word("POT") {
-            let value = self.bracket()?;
+            let value = self.argument("POT", at)?;
             return self.finite(value * value, at);
         }
         if self.word("ATAN2") {
-            return self.arc_tangent();
+            return self.arc_tangent(at);
         }
         let found = NAMES.into_iter().find(|(name, _)| self.word(name));
         let act = found.and_then(|(_, name)| FUNCTIONS.into_iter().find(|(other, _)| *other == name));
@@ -256,9 +274,15 @@ impl<S: Scope> Reader<'_, '_, S> {
             if word.len() == 1 && matches!(self.cursor.peek_at(1), b'0'..=b'9' | b'.' | b'+' | b'-' | b'=') {
                 return wrong1(at, E::MissingNumber, "=");
             }
-            return wrong1(at, E::UnknownWord, String::from_utf8_lossy(word).to_ascii_uppercase());
+            let shown = String::from_utf8_lossy(word).to_ascii_uppercase();
+            self.cursor.at += word.len();
+            blanks(self.cursor);
+            return match self.cursor.peek() {
+                b'(' => wrong2(at, E::UnknownFunction, shown, function_names().collect::<Vec<_>>().join(" ")),
+                _ => wrong1(at, E::UnknownWord, shown),
+            };
         };
-        let argument = self.bracket()?;
+        let argument = self.argument(shown, at)?;
         match act(argument) {
             Some(value) => self.finite(value, at),
             None if S::STRICT => wrong2(at, E::Domain, shown, argument.to_string()),
@@ -267,17 +291,21 @@ impl<S: Scope> Reader<'_, '_, S> {
     }
 
     /// `ATAN2(y, x)`, degrees from the first axis.
-    fn arc_tangent(&mut self) -> Outcome<f64> {
-        let open = self.cursor.at;
+    fn arc_tangent(&mut self, at: usize) -> Outcome<f64> {
         blanks(self.cursor);
+        let open = self.cursor.at;
         if !self.cursor.take(b'(') {
-            return wrong(open, E::UnbalancedRound);
+            return wrong2(at, E::MissingWord, "ATAN2", "(y, x)");
         }
         self.enter(open)?;
         let y = self.sum()?;
         blanks(self.cursor);
         if !self.cursor.take(b',') {
-            return unexpected(self.cursor);
+            return match self.cursor.peek() {
+                b')' => wrong2(at, E::MissingWord, "ATAN2", "(y, x)"),
+                b'\r' | b'\n' | b';' => wrong(open, E::UnbalancedRound),
+                _ => unexpected(self.cursor),
+            };
         }
         let x = self.sum()?;
         self.depth -= 1;

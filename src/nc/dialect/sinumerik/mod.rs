@@ -10,7 +10,6 @@ mod expression;
 mod motion;
 mod read;
 
-pub(super) use self::codes::look;
 pub(super) use self::read::read;
 
 use self::codes::Plan;
@@ -23,7 +22,49 @@ use crate::defs::program_error::ProgramError as E;
 use crate::nc::fault::{Outcome, wrong1, wrong2};
 use crate::nc::flow::{Call, Callee};
 use crate::nc::op::Op;
-use crate::nc::words::{Code, Word};
+use crate::nc::words::{Code, Kind, Word, Words};
+
+/// Looks at a block that is not executed: its codes, each address once, addresses that exist, a call by itself.
+pub(super) fn look(words: &Words, text: &[u8]) -> Outcome<()> {
+    codes::look(words)?;
+    if let Some(at) = words.double {
+        let letter = text.get(at as usize).map_or('?', |byte| char::from(byte.to_ascii_uppercase()));
+        return wrong1(at as usize, E::DoubleWord, letter);
+    }
+    if let Some(call) = words.look(b'L') {
+        return alone(words, call);
+    }
+    match words.list().iter().find(|word| !LETTERS.contains(&word.letter)) {
+        Some(word) => unknown_word(text, *word),
+        None => Ok(()),
+    }
+}
+
+/// The letters of words beside N, G, M and L.
+const LETTERS: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', RADIUS];
+
+/// A call stands in a block of its own.
+fn alone(words: &Words, call: Word) -> Outcome<()> {
+    let name = || format!("L{}", call.value);
+    if let Some(code) = words.g().first() {
+        return wrong2(code.at as usize, E::NotTogether, name(), format!("G{}", code.number));
+    }
+    if let Some(code) = words.m().first() {
+        return wrong2(code.at as usize, E::NotTogether, name(), format!("M{}", code.number));
+    }
+    match words.list().iter().find(|word| !matches!(word.letter, b'L' | b'P')) {
+        Some(word) => wrong2(word.at as usize, E::NotTogether, name(), letter(*word)),
+        None => Ok(()),
+    }
+}
+
+/// The subprogram that a block calls, and where; `P0` does not call it.
+pub(super) fn called(words: &Words) -> Option<(u32, usize)> {
+    let call = words.look(b'L')?;
+    let never = words.look(b'P').is_some_and(|word| word.kind == Kind::Digits && word.value <= 0.0);
+    let number = crate::nc::expression::whole(call.value).and_then(|number| u32::try_from(number).ok())?;
+    (!never && number <= L_LAST).then(|| (program::of_l(number), call.at as usize))
+}
 
 /// How often a subprogram can be repeated.
 const REPEATS: u32 = 9_999;
@@ -62,7 +103,7 @@ fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
     }
     m_codes(running, true)?;
     match running.words.unused() {
-        Some(word) => unknown_word(running, word),
+        Some(word) => unknown_word(running.text, word),
         None => Ok(flow),
     }
 }
@@ -81,16 +122,7 @@ fn subprogram(running: &Running<'_, '_>, plan: &Plan, call: Word) -> Outcome<Ste
     let words = running.words;
     let times = words.take(b'P').map_or(Ok(1), |word| integer(word, 0, REPEATS))?;
     let program = program::of_l(integer(call, 0, L_LAST)?);
-    let name = || format!("L{}", call.value);
-    if let Some(code) = words.g().first() {
-        return wrong2(code.at as usize, E::NotTogether, name(), format!("G{}", code.number));
-    }
-    if let Some(code) = words.m().first() {
-        return wrong2(code.at as usize, E::NotTogether, name(), format!("M{}", code.number));
-    }
-    if let Some(word) = words.unused() {
-        return wrong2(word.at as usize, E::NotTogether, name(), letter(word));
-    }
+    alone(words, call)?;
     debug_assert!(!plan.frame && !plan.path, "without G codes there is nothing to change");
     let at = call.at as usize;
     Ok(match times {
@@ -108,10 +140,9 @@ const fn acts_after_motion(code: u32) -> bool {
 fn m_codes(running: &mut Running<'_, '_>, after: bool) -> Outcome<Step> {
     let words = running.words;
     let mut flow = Step::Next;
+    codes::one_direction(words)?;
     for code in words.m() {
-        if !is_known(code.number) {
-            return wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number));
-        }
+        known(*code)?;
         if let (2 | RETURN | 30, Some(other)) = (code.number, words.m().iter().find(|other| other.at != code.at)) {
             let [first, second] = [code, other].map(|code| format!("M{}", code.number));
             return wrong2(code.at as usize, E::NotTogether, first, second);
@@ -139,9 +170,16 @@ fn hand_out(running: &mut Running<'_, '_>, code: Code) {
     running.ops.push(Op::M { code, s: None, p: None, l: None });
 }
 
-/// M codes of the machine that need no words, and M17.
-fn is_known(code: u32) -> bool {
-    code == RETURN || u16::try_from(code).is_ok_and(|code| mcode::find_in(System::Sinumerik, code).is_some())
+/// M codes of the machine that need no words, and M17; the mistake names those that there are.
+fn known(code: Code) -> Outcome<()> {
+    let exists =
+        |number: u32| u16::try_from(number).is_ok_and(|code| mcode::find_in(System::Sinumerik, code).is_some());
+    if code.number == RETURN || exists(code.number) {
+        return Ok(());
+    }
+    let known: Vec<_> =
+        (0..100).filter(|number| *number == RETURN || exists(*number)).map(|n| format!("M{n}")).collect();
+    wrong2(code.at as usize, E::NoSuchCode, format!("M{}", code.number), known.join(" "))
 }
 
 /// A word that must be a whole number in a range.
@@ -166,9 +204,9 @@ fn out_of_range<T>(word: Word, range: &str) -> Outcome<T> {
 
 /// The word as written, up to the next blank.
 #[cold]
-fn unknown_word<T>(running: &Running<'_, '_>, word: Word) -> Outcome<T> {
+fn unknown_word<T>(text: &[u8], word: Word) -> Outcome<T> {
     let at = word.at as usize;
-    let rest = running.text.get(at..).unwrap_or_default();
+    let rest = text.get(at..).unwrap_or_default();
     let length = rest.iter().position(|byte| matches!(byte, b' ' | b'\t' | b'\r' | b'\n' | b';')).unwrap_or(rest.len());
     wrong1(at, E::UnknownWord, String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase())
 }

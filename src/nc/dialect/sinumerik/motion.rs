@@ -6,7 +6,7 @@ use super::{RADIUS, letter, out_of_range, within};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::block::LIMIT;
 use crate::nc::dialect::{Running, arc};
-use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::nc::fault::{Outcome, wrong1, wrong2};
 use crate::nc::modal::Motion;
 use crate::nc::op::{AxisSet, Feed, Op, SpeedMode};
 use crate::nc::words::{Code, Word};
@@ -73,7 +73,7 @@ fn first_place(running: &Running<'_, '_>) -> usize {
 fn feed(running: &Running<'_, '_>) -> Outcome<Feed> {
     match running.modals.feed() {
         Some(feed) => Ok(feed),
-        None => wrong(first_place(running), E::FeedMissing),
+        None => wrong1(first_place(running), E::FeedMissing, "G94/G95"),
     }
 }
 
@@ -115,12 +115,15 @@ fn along_arc(running: &Running<'_, '_>, turn: i8) -> Outcome<Op> {
     if let Some(outside) = words.iter().find(|axis| *axis != first && *axis != second) {
         return wrong1(first_place(running), E::AxisOutsidePlane, outside.letter());
     }
+    if let Some(word) = running.words.look(b'J') {
+        return wrong1(word.at as usize, E::AxisOutsidePlane, "J");
+    }
     let feed = feed(running)?;
     let distance = |letter| running.words.take(letter);
     let offsets = [(Axis::X, distance(b'I')), (Axis::Z, distance(b'K'))];
     let given = offsets.iter().find_map(|(_, word)| *word);
     let center = match (given, running.words.take(RADIUS)) {
-        (None, None) => return wrong(first_place(running), E::ArcWithoutCentre),
+        (None, None) => return wrong2(first_place(running), E::ArcWithoutCentre, "CR=", "I K"),
         (Some(other), Some(radius)) => return wrong2(radius.at as usize, E::NotTogether, "CR", letter(other)),
         (None, Some(word)) => {
             let tolerance = running.settings.arc_tolerance_mm;

@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use super::expression::{blanks, evaluate, evaluate_after, parameter};
+use super::expression::{blanks, evaluate, evaluate_after, function_names, parameter};
 use super::{RADIUS, RETURN};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::expression::{Frame, Scope, equal};
-use crate::nc::fault::{Outcome, wrong, wrong1};
+use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::lexer::Cursor;
 use crate::nc::source::name;
 use crate::nc::statement::{Content, Head};
@@ -44,6 +44,9 @@ pub(in crate::nc::dialect) fn read<S: Scope>(
     match cursor.peek() {
         b'\r' | b'\n' => {}
         b';' => cursor.rest_of_line(),
+        // A comment of other languages.
+        b'(' => return wrong2(cursor.at, E::ForeignCharacter, "(", ";"),
+        sign @ (b'[' | b']') => return wrong1(cursor.at, E::UnexpectedCharacter, char::from(sign)),
         _ => return unexpected(cursor),
     }
     Ok(content)
@@ -85,6 +88,12 @@ fn shown(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).to_ascii_uppercase()
 }
 
+/// Words of the language, which no label can be.
+fn is_reserved(word: &[u8]) -> bool {
+    const WORDS: [&str; 11] = ["IF", "GOTOF", "GOTOB", "GOTO", "GOTOC", "MSG", "STOPRE", "RET", "CR", "DIV", "MOD"];
+    WORDS.into_iter().chain(function_names()).any(|reserved| word.eq_ignore_ascii_case(reserved.as_bytes()))
+}
+
 /// Skips the label of the line.
 fn label(cursor: &mut Cursor<'_>) -> Outcome<()> {
     let word = written(cursor);
@@ -93,7 +102,7 @@ fn label(cursor: &mut Cursor<'_>) -> Outcome<()> {
     if word.is_empty() || !ahead.take(b':') {
         return Ok(());
     }
-    if name(word).is_none() {
+    if name(word).is_none() || is_reserved(word) {
         return wrong1(cursor.at, E::BadLabel, shown(word));
     }
     blanks(&mut ahead);
@@ -154,6 +163,7 @@ fn jump(cursor: &mut Cursor<'_>, forward: bool, holds: bool) -> Outcome<Content>
     blanks(cursor);
     let at = cursor.at;
     match (name(written(cursor)), written(cursor)) {
+        (Some(label), _) if is_reserved(label) => wrong1(at, E::BadLabel, shown(label)),
         (Some(label), _) => {
             cursor.at += label.len();
             Ok(Content::Jump { label: at..cursor.at, forward, holds })
@@ -265,6 +275,9 @@ fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Word
         return Ok(false);
     }
     if letter == b'R' {
+        if words.g().iter().any(|code| matches!(code.number, 2 | 3)) {
+            refuse_radius(cursor)?;
+        }
         let variable = parameter(cursor, scope, words.sets())?;
         let value = assigned(cursor, scope, words, at)?;
         words.push_set(Set { variable, value, at: start })?;
@@ -288,6 +301,18 @@ fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Word
     }
     words.add(Word { value, at: start, letter, kind })?;
     Ok(true)
+}
+
+/// `R5` in the block of an arc, with no `=` behind it, means its radius in other languages.
+fn refuse_radius(cursor: &Cursor<'_>) -> Outcome<()> {
+    let rest = &cursor.text[cursor.at + 1..];
+    let length = rest.iter().take_while(|byte| matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+')).count();
+    let after = rest[length..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
+    if length == 0 || after == Some(&b'=') {
+        return Ok(());
+    }
+    let number = String::from_utf8_lossy(&rest[..length]).into_owned();
+    wrong2(cursor.at, E::RadiusByCr, format!("R{number}"), format!("CR={number}"))
 }
 
 fn is_number(digits: &[u8]) -> bool {

@@ -4,10 +4,10 @@ use super::{NUMBERS, integer, out_of_range};
 use crate::defs::kind::System;
 use crate::defs::mcode::{self, MCode};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{Running, Step};
+use crate::nc::dialect::{Running, Step, Unrun};
 use crate::nc::fault::{Outcome, wrong1, wrong2};
 use crate::nc::op::{Op, SpeedMode};
-use crate::nc::words::Code;
+use crate::nc::words::{Code, Words};
 use crate::units::{Axis, PerAxis};
 
 /// The least and the greatest speed that can be written, rpm: M05 stops the spindle, S0 does not.
@@ -29,6 +29,39 @@ pub(super) fn exists(code: Code) -> Outcome<()> {
     }
     let known: Vec<_> = mcode::table(System::SuperMan).iter().map(|row| format!("M{:02}", row.code)).collect();
     wrong2(code.at as usize, E::NoSuchCode, format!("M{:02}", code.number), known.join(" "))
+}
+
+/// Looks at an M code of a block that is not executed, and at the block to which it leads.
+pub(super) fn look(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> {
+    exists(code)?;
+    if !matches!(code.number, 97 | 98) {
+        return Ok(());
+    }
+    let Some(word) = words.look(b'L') else {
+        return wrong2(code.at as usize, E::MissingWord, format!("M{:02}", code.number), "L");
+    };
+    let n = integer(word, 0, NUMBERS)?;
+    let named = |error| wrong1(word.at as usize, error, format!("N{n:04}"));
+    match block.source.only_block(n) {
+        Ok(Some(line)) if line == block.line && code.number == 97 => named(E::JumpToItself),
+        Ok(Some(line)) if code.number == 98 && block.source.main_end().is_some_and(|end| line < end) => {
+            named(E::SubBeforeMain)
+        }
+        Ok(Some(_)) => Ok(()),
+        Ok(None) => named(E::MissingTarget),
+        Err(()) => named(E::SeveralTargets),
+    }
+}
+
+/// Looks at a G22 that is not executed.
+pub(super) fn look_at_loop(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> {
+    let at = code.at as usize;
+    let Some(word) = words.look(b'L') else { return wrong2(at, E::MissingWord, "G22", "L") };
+    integer(word, 0, REPEATS)?;
+    match block.source.counted_at(block.line) {
+        Some(found) if found.end_line.is_some() => Ok(()),
+        Some(_) | None => wrong2(at, E::LoopUnpaired, "G22", "G80"),
+    }
 }
 
 /// S: revolutions a minute (D: the manual leaves it to the customer), no faster than the spindle can turn (P64).
@@ -68,18 +101,39 @@ const fn stands_alone(code: u32) -> bool {
     matches!(code, 0 | 2 | 97..=99)
 }
 
+/// Codes of which a block takes one: the spindle's, the coolant's.
+const EXCLUSIVE: [&[u32]; 2] = [&[3, 4, 5], &[7, 8]];
+
+/// Codes that stand alone, or exclude each other; a code that leads elsewhere takes no F.
+pub(super) fn alone(words: &Words) -> Outcome<()> {
+    let name = |code: &Code| format!("M{:02}", code.number);
+    for code in words.m().iter().filter(|code| stands_alone(code.number)) {
+        if let Some(other) = words.m().iter().find(|other| other.at != code.at) {
+            return wrong2(code.at as usize, E::NotTogether, name(code), name(other));
+        }
+        if let Some(feed) = words.look(b'F').filter(|_| code.number != 0 && words.g().is_empty()) {
+            return wrong2(feed.at as usize, E::NotTogether, name(code), "F");
+        }
+    }
+    for codes in EXCLUSIVE {
+        let mut found = words.m().iter().filter(|code| codes.contains(&code.number));
+        if let (Some(first), Some(second)) = (found.next(), found.next())
+            && first.number != second.number
+        {
+            return wrong2(second.at as usize, E::DoubleGroup, name(first), name(second));
+        }
+    }
+    Ok(())
+}
+
 /// Checks the M codes, hands out those that act before the move, and says where the program goes on.
 pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Code, Step)>> {
     let words = running.words;
     let mut flow = None;
+    alone(words)?;
     for code in words.m() {
         let name = format!("M{:02}", code.number);
         exists(*code)?;
-        if stands_alone(code.number)
-            && let Some(other) = words.m().iter().find(|other| other.at != code.at)
-        {
-            return wrong2(code.at as usize, E::NotTogether, name, format!("M{:02}", other.number));
-        }
         running.modals.m = Some(code.number as u8);
         let target = || match words.take(b'L') {
             Some(word) => Ok((integer(word, 0, NUMBERS)?, word.at as usize)),

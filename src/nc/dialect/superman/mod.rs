@@ -7,7 +7,7 @@ mod auxiliary;
 mod motion;
 mod thread;
 
-use super::{Running, Step};
+use super::{Running, Step, Unrun};
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::Motion;
@@ -57,13 +57,15 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
 }
 
 /// Looks at the writing and the codes of a block that is not executed.
-pub(super) fn look(words: &Words, settings: &Settings, written: (&[u8], usize)) -> Outcome<()> {
-    check_writing(words, settings, written)?;
+pub(super) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Outcome<()> {
+    let text: &[u8] = block.source.bytes();
+    check_writing(words, settings, (text, block.at))?;
     let code = g_code(words)?;
-    words.m().iter().try_for_each(|code| auxiliary::exists(*code))?;
+    words.m().iter().try_for_each(|code| auxiliary::look(*code, words, block))?;
+    auxiliary::alone(words)?;
     motion::one_word_each(words)?;
     if let Some(word) = words.list().iter().find(|word| !LETTERS.contains(&word.letter)) {
-        return unknown_word(written.0, *word);
+        return unknown_word(text, *word);
     }
     let Some(code) = code else { return Ok(()) };
     let feed = |motion| words.look(b'F').map_or(Ok(()), |word| motion::feed_in_range(word, motion));
@@ -72,6 +74,7 @@ pub(super) fn look(words: &Words, settings: &Settings, written: (&[u8], usize)) 
         2 => feed(Motion::ArcClockwise),
         3 => feed(Motion::ArcCounterClockwise),
         4 => words.look(b'F').map_or(Ok(()), motion::dwell_in_range),
+        22 => auxiliary::look_at_loop(code, words, block),
         92 => motion::whole_preset(words, code.at as usize),
         _ => Ok(()),
     }

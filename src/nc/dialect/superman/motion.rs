@@ -174,7 +174,7 @@ pub(super) fn arc(running: &mut Running<'_, '_>, place: usize, iso_opposite: i8)
     let Target { to, words, incremental } = target(running, from)?;
     let offsets = [running.words.take(b'I'), running.words.take(b'K')];
     let center = match (offsets, running.words.take(b'R')) {
-        ([None, None], None) => return wrong(place, E::ArcWithoutCentre),
+        ([None, None], None) => return wrong2(place, E::ArcWithoutCentre, "R", "I K"),
         ([None, None], Some(radius)) => by_radius(from, to, radius, turn)?,
         ([i, k], None) => by_offsets(running, place, (from, to), [i, k])?,
         ([i, k], Some(radius)) => {

@@ -4,7 +4,7 @@ use super::motion::coordinate;
 use super::out_of_range;
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::Running;
-use crate::nc::fault::{Outcome, wrong, wrong2};
+use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
 use crate::nc::modal::Motion;
 use crate::nc::op::{Op, Threading};
 use crate::nc::words::Word;
@@ -79,7 +79,7 @@ fn turns_an_inch(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     let fraction = match denominator {
         none if none < 1.0 => 0.0,
         denominator if denominator >= 2.0 => 1.0 / denominator,
-        _ => return refused(),
+        _ => return wrong1(word.at as usize, E::ThreadFraction, format!("F{}", word.value)),
     };
     let turns = number(&written[..whole]) + fraction;
     if word.value < 0.0 || !(TURNS.0..=TURNS.1).contains(&turns) { refused() } else { Ok(turns) }

@@ -1,0 +1,74 @@
+//! The soft limits in a check: where the part file says where the work zero and the start lie in the machine, a move beyond
+//! a limit is told with its block, as the run would. Source: spec B5, T4.
+
+use crate::controller::axes::soft_limits;
+use crate::controller::foresight::Foreseen;
+use crate::defs::param::Params;
+use crate::defs::text::Said;
+use crate::nc::{Block, CheckWorld, Op};
+use crate::units::{Axis, PerAxis};
+
+/// Rounding slack of a limit, mm: far below the resolution.
+const SLACK_MM: f64 = 1e-6;
+/// Most blocks that are told.
+const MOST: usize = 20;
+
+/// Follows the blocks of a check.
+pub struct Limits<'a> {
+    world: CheckWorld,
+    params: &'a Params,
+    /// What a millimetre of slide travel is shown as.
+    shown: PerAxis<f64>,
+    found: Vec<Foreseen>,
+}
+
+impl<'a> Limits<'a> {
+    /// Begins where the check begins; the world's frames are the machine's.
+    #[must_use]
+    pub const fn new(world: CheckWorld, params: &'a Params, shown: PerAxis<f64>) -> Self {
+        Self { world, params, shown, found: Vec::new() }
+    }
+
+    /// Looks at a block.
+    pub fn see(&mut self, block: &Block) {
+        for op in &block.ops {
+            self.world.forget_extents();
+            self.world.apply(op);
+            // Homing looks for its switch wherever that is.
+            if matches!(op, Op::HomeSwitch { .. }) || self.found.len() >= MOST {
+                continue;
+            }
+            if self.found.last().is_some_and(|last| last.at == block.at) {
+                continue;
+            }
+            let Some(said) = self.beyond() else { continue };
+            self.found.push(Foreseen { at: block.at, said });
+        }
+    }
+
+    /// What was found.
+    #[must_use]
+    pub fn found(self) -> Vec<Foreseen> {
+        self.found
+    }
+
+    /// Where the last operation has left the limits of an axis that it moved.
+    fn beyond(&self) -> Option<Said> {
+        let (low, high) = self.world.extents()?;
+        let frames = self.world.frames();
+        let (low, high) = (frames.machine_from_work(low), frames.machine_from_work(high));
+        Axis::ALL.into_iter().filter(|axis| high[*axis] - low[*axis] > 0.0).find_map(|axis| {
+            let (least, most) = soft_limits(self.params, axis);
+            let (at, limit) = match (low[axis], high[axis]) {
+                (at, _) if at < least - SLACK_MM => (at, least),
+                (_, at) if at > most + SLACK_MM => (at, most),
+                _ => return None,
+            };
+            let (at, limit) = (at * self.shown[axis], limit * self.shown[axis]);
+            Some(Said::new(
+                format!("{axis} 到 {at:.3}，超出软限位 {limit:.3} (机床坐标)"),
+                format!("{axis} goes to {at:.3}, beyond the soft limit {limit:.3} (machine)"),
+            ))
+        })
+    }
+}
