@@ -223,10 +223,28 @@ fn k7_4_k5_12_page_files_name_what_is_wrong() {
 #[test]
 fn t3_a_loop_that_moves_nothing_ends_the_run_by_itself() {
     let (_folder, path) = file("O2004.NC", b"N10 #100=1\nGOTO 10\nM30\n");
-    let report = json(&["run", &path, "--format", "json"]);
-    assert_eq!(report["end"], "stopped");
-    let out = kt830(&["run", &path]);
-    assert!(String::from_utf8_lossy(&out.stderr).contains("does not end"));
+    let out = kt830(&["run", &path, "--format", "json", "--lang", "en"]);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((status(&out), &report["end"]), (1, &"stopped".into()), "{report}");
+    assert!(report["message"].as_str().unwrap().contains("does not end"), "{report}");
+    let out = kt830(&["run", &path, "--lang", "en"]);
+    assert_eq!(status(&out), 1);
+    assert!(errors(&out).contains("does not end"));
+    assert!(String::from_utf8_lossy(&out.stdout).contains("does not end"));
+}
+
+#[test]
+fn t3_a_wait_that_nobody_answers_fails_and_a_pause_does_not() {
+    let (_folder, path) = file("O2005.NC", b"M80\nM30\n");
+    let out = kt830(&["run", &path, "--format", "json", "--lang", "en"]);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((status(&out), &report["end"]), (1, &"stopped".into()), "{report}");
+    assert!(report["message"].as_str().unwrap().contains("M80"), "{report}");
+    assert!(errors(&out).contains("stopped"));
+    let (_folder, path) = file("O2006.NC", b"M00\nM30\n");
+    let out = kt830(&["run", &path, "--format", "json"]);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((status(&out), &report["end"]), (0, &"stopped".into()), "M00 ends a run as it is asked to");
 }
 
 #[test]
@@ -289,13 +307,48 @@ fn t5_a_part_file_that_is_not_there_is_a_wrong_call() {
 }
 
 #[test]
-fn t5_a_refused_statement_tells_why_and_the_story_goes_on() {
-    let (_folder, path) = file("a.story", b"kind gc\npower on\nparam P270 99999\nexpect message \"P270\"\n");
+fn t5_a_setting_that_the_control_refuses_fails_with_its_reason() {
+    for (line, why) in [
+        ("param P270 99999", "60000"),
+        ("param P270 -1", "60000"),
+        ("param P999 1", "P999"),
+        ("set #1 = 2", "#1"),
+        ("set #570 = 2", "#570"),
+        ("load O1999", "O1999"),
+        ("load foo", "foo"),
+    ] {
+        let (_folder, path) = file("a.story", format!("kind gc\npower on\n{line}\nwait 1 s\n").as_bytes());
+        let out = kt830(&["play", &path]);
+        let told = String::from_utf8_lossy(&out.stdout).into_owned();
+        assert_eq!(status(&out), 1, "{told}");
+        let last = told.lines().last().unwrap();
+        assert!(last.contains("FAIL") && last.contains(line) && last.contains(why), "{told}");
+        assert!(!last.contains("MPF"), "{told}");
+    }
+}
+
+#[test]
+fn t5_a_key_that_is_refused_is_no_failure() {
+    let story =
+        "kind gc\npower on\nmode jog\nkey wheel-start\nexpect output wheel off\ntype #570 2\nmode auto\nmdi M03\n";
+    let (_folder, path) = file("a.story", story.as_bytes());
+    let out = kt830(&["play", &path]);
+    assert_eq!(status(&out), 0, "{}", String::from_utf8_lossy(&out.stdout));
+}
+
+#[test]
+fn t5_the_faults_are_told_by_a_story() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\nfault list\nwait 1 s\nexpect no alarm\n");
     let out = kt830(&["play", &path]);
     let told = String::from_utf8_lossy(&out.stdout).into_owned();
     assert_eq!(status(&out), 0, "{told}");
-    let line = told.lines().find(|line| line.contains("99999")).unwrap();
-    assert!(line.contains("60000"), "the range is told: {line}");
+    for words in ["stuck-on NAME", "drive-x", "bus-silent N", "X 驱动故障", "hydraulic pressure lost"] {
+        assert!(told.contains(words), "{told}");
+    }
+    let out = kt830(&["play", &path, "--format", "json"]);
+    let line = String::from_utf8_lossy(&out.stdout).lines().nth(2).map(str::to_owned).unwrap();
+    let told: Value = serde_json::from_str(&line).unwrap();
+    assert_eq!((told["faults"].as_array().unwrap().len(), &told["ok"]), (19, &true.into()));
 }
 
 #[test]
@@ -309,4 +362,21 @@ fn damaged_data_are_kept_and_told() {
         .unwrap()
         .any(|entry| entry.unwrap().file_name().to_string_lossy().contains("damaged"));
     assert!(kept, "the damaged file is kept");
+}
+
+#[test]
+#[cfg(feature = "hmi")]
+fn t6_a_picture_of_a_page_has_a_clock_and_is_the_same_every_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let shot = |name: &str, clock: &[&str]| {
+        let out = folder.path().join(name);
+        let done = kt830(&[&["shot", "settings", "--out", &out.to_string_lossy()], clock].concat());
+        assert_eq!(status(&done), 0, "{done:?}");
+        std::fs::read(out).unwrap()
+    };
+    let first = shot("a.png", &[]);
+    assert_eq!(first, shot("b.png", &["--clock", "2026-11-21 15:01:56"]), "the clock of a picture is fixed");
+    assert_ne!(first, shot("c.png", &["--clock", "2026-12-24 08:00:00"]));
+    let wrong = kt830(&["shot", "settings", "--out", "d.png", "--clock", "noon"]);
+    assert!(status(&wrong) == 2 && errors(&wrong).contains("2026-11-21 15:01:56"), "{}", errors(&wrong));
 }

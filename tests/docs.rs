@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use kt830::defs::alarm::ALARMS;
+use kt830::defs::fault::FAULTS;
 use kt830::defs::gcode::G_CODES;
 use kt830::defs::key::Key;
 use kt830::defs::mcode::{MCODES, REQUESTS};
@@ -25,6 +26,7 @@ fn tables() -> String {
     interlocks(&mut text);
     params(&mut text);
     signals(&mut text);
+    faults(&mut text);
     text
 }
 
@@ -130,6 +132,17 @@ fn signals(text: &mut String) {
         let (name, port) = (output.name(), params.output_port(*output));
         writeln!(text, "| {} | {} | `{}` | P{} | {port} |", name.zh, name.en, output.id(), output.port_param())
             .unwrap();
+    }
+}
+
+fn faults(text: &mut String) {
+    text.push_str(
+        "\n## 模拟机床的故障 Faults of the simulated machine\n\n故事里写 `fault 名称`；NAME 为输入的 id，N 为周期数。`fault list` 打印本表。In a \
+         story: `fault` and the name; NAME is the id of an input, N a number of ticks. `fault list` prints this table.\n\n\
+         | 名称 name | 故障 | fault |\n|---|---|---|\n",
+    );
+    for row in FAULTS {
+        writeln!(text, "| `{}` | {} | {} |", row.usage(), row.text.zh, row.text.en).unwrap();
     }
 }
 

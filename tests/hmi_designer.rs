@@ -14,6 +14,7 @@ use std::path::PathBuf;
 use egui_kittest::kittest::Queryable;
 use encoding_rs::GBK;
 use hmi_bench::Bench;
+use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::runtime::disk::Folders;
@@ -251,4 +252,93 @@ fn k7_2_the_designer_is_reached_from_grinding_program_and_directory() {
     shop.bench.turn();
     shop.bench.touch("页面 design-page");
     assert!(shop.bench.shows("O2000 没有磨削页面"));
+}
+
+/// Turns the wheel of the mouse over the list on the right.
+fn scroll(bench: &mut Bench, by: f32) {
+    let at = egui::pos2(600.0, 400.0);
+    for _ in 0..2 {
+        bench.screen.event(egui::Event::PointerMoved(at));
+        bench.screen.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, by),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: egui::Modifiers::NONE,
+        });
+        (0..8).for_each(|_| bench.turn());
+    }
+}
+
+#[test]
+fn k7_4_what_a_called_program_reads_may_stand_on_another_page() {
+    // O1002 calls O9011, whose values stand on the page of O1011: C0011.TXT.
+    let mut rig = told::rig();
+    told::tell(&mut rig, "load O1002");
+    let mut bench = Bench::new(rig, Page::Designer);
+    // The key tells how many are missing: none.
+    bench.touch("变量 page-variables");
+    assert!(!bench.shows("页面上没有"));
+    scroll(&mut bench, -600.0);
+    assert!(bench.shows("在页面 C0011.TXT"));
+}
+
+#[test]
+fn k7_4_a_long_line_is_followed_sideways() {
+    let mut shop = Shop::new();
+    shop.edit();
+    let long = "很长的名称".repeat(12);
+    shop.bench.write(&long);
+    let cursor_in_sight = |bench: &Bench| {
+        let text = format!("{long}{}", PAGE.lines().next().unwrap());
+        let painted = (0..text.chars().count()).map(|left| text.chars().skip(left).collect::<String>());
+        painted.enumerate().find(|(_, tail)| bench.shows(tail)).map(|(left, _)| left)
+    };
+    assert!(cursor_in_sight(&shop.bench).is_some_and(|left| left > 20), "the line was brought along");
+    shop.bench.press(egui::Key::Home);
+    assert_eq!(cursor_in_sight(&shop.bench), Some(0));
+}
+
+#[test]
+fn h6_what_is_typed_after_tab_goes_into_the_text() {
+    let mut shop = Shop::new();
+    shop.edit();
+    shop.bench.touch("键盘 page-board");
+    shop.bench.press(egui::Key::Tab);
+    shop.bench.write("甲");
+    shop.bench.press(egui::Key::Tab);
+    shop.bench.touch("7 letter-7");
+    shop.bench.press(egui::Key::ArrowRight);
+    shop.bench.write("乙");
+    let title = PAGE.lines().next().unwrap();
+    let mut signs = title.chars();
+    let first = signs.next().unwrap();
+    assert!(shop.save().starts_with(&format!("甲7{first}乙{}", signs.as_str())), "{}", shop.page());
+}
+
+#[test]
+fn h6_a_page_changed_elsewhere_can_be_read_from_the_disk() {
+    let mut shop = Shop::new();
+    shop.edit();
+    shop.bench.write("一");
+    let other = PAGE.replace("测试", "别处");
+    fs::write(shop.path("screens/C0003.TXT"), GBK.encode(&other).0).unwrap();
+    shop.bench.touch("保存 page-save");
+    assert!(shop.bench.shows("文件已被别处改动"));
+    shop.bench.touch("读磁盘 question-read");
+    assert!(shop.bench.shows("别处参数设置"), "{}", shop.refusal());
+    assert_eq!(shop.page(), other);
+    shop.bench.write("二");
+    assert_eq!(shop.save(), format!("二{other}"));
+}
+
+#[test]
+fn s3_a_page_of_the_kind_is_called_by_its_title_and_offers_on_all_its_sheets() {
+    let mut rig = told::ready_of(Kind::Vertical);
+    told::tell(&mut rig, "load VGRIND");
+    let mut bench = Bench::new(rig, Page::Designer);
+    assert!(bench.shows("R 参数") && !bench.shows("O1801"));
+    bench.touch("变量 page-variables");
+    scroll(&mut bench, -500.0);
+    assert!(bench.shows("在页面 C080"));
 }

@@ -15,7 +15,7 @@ use hmi_bench::Bench;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::link::Command;
-use kt830::link::files::{FileRequest, Refusal};
+use kt830::link::files::{Asker, FileRequest, Refusal, Ticket};
 use kt830::link::page_command::PageCommand;
 use kt830::runtime::disk::Folders;
 use tempfile::TempDir;
@@ -132,7 +132,10 @@ fn b6_programs_are_edited_in_edit_mode_only_and_not_in_a_run() {
     // The core says no by itself, whatever a page asks.
     let save = |force| {
         let text = "M30\n".into();
-        Command::Page(PageCommand::File(FileRequest::Save { number: 1_234, text, base: 0, force }))
+        Command::Page(PageCommand::File(
+            Ticket::unheard(Asker::Editor),
+            FileRequest::Save { number: 1_234, text, base: 0, force },
+        ))
     };
     let mut rig = told::ready_with("G04 P9000\nM30\n");
     told::tell(&mut rig, "param P22.5 0\nmode auto\nkey cycle-start\nwait 0.1 s\nexpect state running");
@@ -155,7 +158,8 @@ fn b6_what_was_changed_elsewhere_is_not_overwritten_unasked() {
     shop.bench.touch("取消 question-no");
     assert_eq!(shop.file(), "O1234 (ANOTHER)\n");
     assert!(shop.text().starts_with('/'), "what was typed is not lost");
-    assert_eq!(shop.bench.rig.snapshot().files.refused, Some(Refusal::Conflict));
+    let last = shop.bench.rig.snapshot().files.answers.last().map(|answer| answer.result.clone());
+    assert_eq!(last, Some(Err(Refusal::Conflict)));
     shop.bench.touch("保存 edit-save");
     shop.bench.touch("覆盖 question-overwrite");
     assert!(shop.file().starts_with("/O1234 (A)"));
@@ -163,6 +167,15 @@ fn b6_what_was_changed_elsewhere_is_not_overwritten_unasked() {
     shop.bench.write("/");
     shop.bench.touch("保存 edit-save");
     assert!(shop.file().starts_with("//O1234 (A)"));
+    // The disk's takes the place of what was typed, and editing goes on.
+    shop.bench.write("/");
+    fs::write(shop.path(), "O1234 (ANOTHER)\n").unwrap();
+    shop.bench.touch("保存 edit-save");
+    shop.bench.touch("读磁盘 question-read");
+    assert_eq!((shop.text().as_str(), shop.file().as_str()), ("O1234 (ANOTHER)\n", "O1234 (ANOTHER)\n"));
+    shop.bench.write("/");
+    shop.bench.touch("保存 edit-save");
+    assert_eq!(shop.file(), "/O1234 (ANOTHER)\n");
 }
 
 #[test]

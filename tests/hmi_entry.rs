@@ -12,8 +12,8 @@ use hmi_sample::{C0001, snapshot};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::screen;
+use kt830::defs::soft_key::{Coordinates, ROWS as SOFT_ROWS, SoftAct, row as soft_row};
 use kt830::defs::text::Lang;
-use kt830::hmi::{SOFT_ROWS, SoftAct, soft_row};
 use kt830::link::Snapshot;
 use kt830::link::command::{ScreenFiles, Screens};
 use std::sync::Arc;
@@ -149,7 +149,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
         for (index, soft) in soft_row(Kind::Gc, row).enumerate() {
             let wanted = match soft.act {
                 SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
-                SoftAct::Position(_) => Some("OpenPage(Position)".to_owned()),
+                SoftAct::Position(coordinates) => Some(format!("ShowCoordinates({coordinates:?})")),
                 SoftAct::Print => None,
             };
             touch(&mut screen, &format!("{} f{}", soft.label.zh, index + 1));
@@ -158,6 +158,9 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
             assert_eq!(sent(&mut screen), Vec::from_iter(wanted), "{}", soft.label.en);
         }
         touch(&mut screen, "▶ next-row");
+        let next = (row + 1) % SOFT_ROWS.len();
+        assert_eq!(sent(&mut screen), [format!("TurnSoftRow({next})")]);
+        screen.state_mut().snapshot.soft_row = next;
     }
 }
 
@@ -175,9 +178,9 @@ fn b6_the_directory_loads_by_its_own_key_only() {
 
 #[test]
 fn k4_2_on_the_relative_page_letters_and_answers_are_keys() {
-    let mut screen = open(snapshot(Page::Position));
-    touch(&mut screen, "相对 f1");
-    sent(&mut screen);
+    let mut machine = snapshot(Page::Position);
+    machine.coordinates = Coordinates::Relative;
+    let mut screen = open(machine);
     for (label, key) in [("X address-x", "AddressX"), ("输入 input", "Input"), ("取消 cancel", "Cancel")] {
         touch(&mut screen, label);
         assert_eq!(sent(&mut screen), [format!("Press({key})"), format!("Release({key})")]);

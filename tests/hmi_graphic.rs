@@ -12,7 +12,7 @@ use hmi_bench::Bench;
 use kt830::defs::page::Page;
 use kt830::link::Command;
 use kt830::link::drawing::Way;
-use kt830::link::files::FileRequest;
+use kt830::link::files::{Asker, FileRequest, Ticket};
 use kt830::link::page_command::PageCommand;
 use kt830::units::Axis;
 
@@ -73,7 +73,7 @@ fn h8_what_does_not_end_is_left_and_a_missing_program_is_refused() {
     let mut bench = bench("N1 G00 X10\nGOTO 1\nM30\n");
     bench.turn();
     assert!(bench.shows("未到程序结束") || bench.shows("检查无错误"));
-    bench.rig.send(Command::Page(PageCommand::File(FileRequest::Draw(4_321))));
+    bench.rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Graphic), FileRequest::Draw(4_321))));
     bench.turn();
     assert!(bench.message().contains("O4321"), "{}", bench.message());
 }

@@ -15,10 +15,12 @@ use kt830::defs::key::Key;
 use kt830::defs::kind::{Kind, System};
 use kt830::defs::mcode;
 use kt830::defs::page::Page;
+use kt830::defs::param_row;
 use kt830::defs::program_error::ProgramError;
+use kt830::defs::soft_key::{ROWS as SOFT_ROWS, row as soft_row};
 use kt830::defs::text::{Lang, Text};
 use kt830::hmi::shot::Stage;
-use kt830::hmi::{HelpSection, Hmi, SOFT_ROWS, help_entries, soft_row};
+use kt830::hmi::{HelpSection, Hmi, help_entries};
 
 fn touch(screen: &mut Screen, label: &str) {
     screen.get_by_label(label).click();
@@ -266,4 +268,96 @@ fn h9_no_help_text_is_cut() {
         }
     }
     assert!(wrong.is_empty(), "{} texts:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// The entries that a search lists, the best first, as the page sorts them.
+fn found(kind: Kind, search: &str) -> Vec<String> {
+    let mut all: Vec<_> = help_entries(kind).into_iter().filter(|entry| entry.has(search)).collect();
+    all.sort_by_key(|entry| entry.rank(search));
+    all.into_iter().map(|entry| entry.id).collect()
+}
+
+#[test]
+fn b6_a_search_prefers_whole_words() {
+    for kind in [Kind::Gc, Kind::Gs] {
+        let clock = found(kind, "clock");
+        assert_eq!(clock[0], "page-settings", "{clock:?}");
+        assert!(clock.iter().any(|id| id == "g-G02"), "a part of a word is found as well: {clock:?}");
+    }
+    assert_eq!(found(Kind::Gc, "180")[0], "alarm-180");
+    assert_eq!(found(Kind::Gc, "M03")[0], "m-M03");
+    assert_eq!(found(Kind::Gc, "时钟")[0], "page-settings");
+}
+
+#[test]
+fn b6_a_parameter_is_found_with_its_meaning_range_and_value() {
+    assert_eq!(found(Kind::Gc, "P370")[0], "param-P370");
+    assert_eq!(found(Kind::Gc, "P17.0")[0], "param-P17.0");
+    let serial: Vec<String> = found(Kind::Lathe, "RS232").into_iter().filter(|id| id.starts_with("param-")).collect();
+    assert_eq!(serial, ["param-P370", "param-P371", "param-P372", "param-P373"]);
+    let all = help_entries(Kind::Gc);
+    let entry = all.iter().find(|entry| entry.id == "param-P370").unwrap();
+    let row = param_row::rows(Kind::Gc).into_iter().find(|row| row.at.number == 370).unwrap();
+    for lang in [Lang::Zh, Lang::En] {
+        let text = entry.text(lang);
+        for words in [row.name.get(lang), row.range().get(lang), "9600", row.level.name().get(lang)] {
+            assert!(text.contains(words), "{words} in {text}");
+        }
+    }
+    // Every parameter of every kind, and the value that it has now.
+    for kind in Kind::ALL {
+        let all = help_entries(kind);
+        for row in param_row::rows(kind) {
+            assert_eq!(all.iter().filter(|entry| entry.id == format!("param-{}", row.at)).count(), 1, "{}", row.at);
+        }
+    }
+    let mut screen = open(snapshot(Page::Help));
+    write(&mut screen, "p270");
+    assert!(painted(&screen).iter().any(|text| text == "3000"), "{:?}", painted(&screen));
+}
+
+fn painted(screen: &Screen) -> Vec<String> {
+    fn collect(shape: &egui::Shape, found: &mut Vec<String>) {
+        match shape {
+            egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, found)),
+            egui::Shape::Text(text) => found.push(text.galley.job.text.clone()),
+            _ => {}
+        }
+    }
+    let mut found = Vec::new();
+    screen.output().shapes.iter().for_each(|clipped| collect(&clipped.shape, &mut found));
+    found
+}
+
+#[test]
+fn h6_a_long_entry_is_read_to_its_end_beside_the_letters() {
+    let longest = |all: Vec<kt830::hmi::HelpEntry>| all.into_iter().max_by_key(|entry| entry.text(Lang::En).len());
+    let entry = longest(help_entries(Kind::Gc)).unwrap();
+    let (_, last) = entry.parts.last().unwrap();
+    let end = last.en.split(' ').next_back().unwrap().to_owned();
+    let mut stage = Stage::new(Hmi::new(Lang::En), (1_024, 768));
+    let machine = snapshot(Page::Help);
+    stage.frame(&machine);
+    for letter in format!("/{}", entry.id).split_inclusive(|_| true) {
+        stage.events.push(egui::Event::Text(letter.to_owned()));
+        stage.frame(&machine);
+    }
+    let right = |stage: &Stage| -> Vec<String> {
+        let texts = stage.texts().into_iter().filter(|(_, ink, ..)| ink.min.x > 320.0 && ink.max.x < 760.0);
+        texts.map(|(text, ..)| text).collect()
+    };
+    stage.frame(&machine);
+    assert!(!right(&stage).iter().any(|text| text.ends_with(&end)), "{} has room: {:?}", entry.id, right(&stage));
+    for _ in 0..40 {
+        stage.events.push(egui::Event::PointerMoved(egui::pos2(600.0, 200.0)));
+        stage.events.push(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, -100.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Wheel,
+            modifiers: egui::Modifiers::NONE,
+        });
+        stage.frame(&machine);
+    }
+    assert!(right(&stage).iter().any(|text| text.ends_with(&end)), "{}: {end} not in {:?}", entry.id, right(&stage));
 }

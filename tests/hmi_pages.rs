@@ -197,7 +197,7 @@ fn h9_nothing_is_cut_or_overlaps() {
 }
 
 /// The keys that lead to what a page shows only when it is used.
-const USES: [(Page, &[&str]); 29] = [
+const USES: [(Page, &[&str]); 30] = [
     (Page::Designer, &["→", "→", "⏎"]),
     (Page::Designer, &["→", "→", "→", "⏎"]),
     (Page::Designer, &["→", "→", "→", "→", "⏎"]),
@@ -205,6 +205,7 @@ const USES: [(Page, &[&str]); 29] = [
     (Page::Diagnosis, &["→", "→"]),
     (Page::Diagnosis, &["→", "→", "→"]),
     (Page::Alarm, &["→"]),
+    (Page::Alarm, &["→", "⏎"]),
     (Page::Params, &["/", "p27"]),
     (Page::Params, &["/", "nothing of the kind"]),
     (Page::Params, &["p300", "⏎", "65", "⏎"]),

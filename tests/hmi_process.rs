@@ -18,7 +18,7 @@ use kt830::defs::param::{self, Number};
 use kt830::link::Command;
 use kt830::link::files::FileRequest;
 use kt830::link::page_command::PageCommand;
-use kt830::units::Micros;
+use kt830::units::{Axis, Micros};
 
 /// A machine that measures into #540, nominal #541 = 40, +0.010 −0.005.
 fn measuring() -> Screen {
@@ -66,7 +66,7 @@ fn table(screen: &mut Screen) -> String {
     screen.step();
     let sent = std::mem::take(&mut screen.state_mut().sent);
     let text = sent.into_iter().find_map(|command| match command {
-        Command::Page(PageCommand::File(FileRequest::Table(text))) => Some(text),
+        Command::Page(PageCommand::File(_, FileRequest::Table(text))) => Some(text),
         _ => None,
     });
     text.unwrap()
@@ -183,4 +183,54 @@ fn k5_17_the_dressings_that_are_left_are_told() {
     screen.step();
     screen.step();
     assert!(!shows(&screen, "2499"));
+    // A smaller one, none of the two ever dressed; then a dressing takes 0.08: 49.92 / 0.08 = 624 more.
+    for (diameter, dressings) in [(450.0, 0.0), (449.92, 1.0)] {
+        let machine = &mut screen.state_mut().snapshot;
+        set(machine, param::WHEEL_DIAMETER, diameter);
+        set(machine, param::DRESSINGS, dressings);
+        screen.step();
+        screen.step();
+    }
+    assert!(left(&screen, "624"));
+}
+
+#[test]
+fn process_the_table_has_columns_for_what_the_machine_has() {
+    let mut screen = measuring();
+    pass(&mut screen, 1);
+    let both = table(&mut screen);
+    assert!(both.starts_with("seconds,X,Z,feed_mm_min,wheel_load_percent,gauges\r\n"), "{both}");
+    let columns = both.split("\r\n").next().unwrap().split(',').count();
+    assert!(both.split("\r\n").take(5).all(|line| line.split(',').count() == columns), "{both}");
+    // A machine that has a Y, and no signal of the load: its column stays empty.
+    let machine = &mut screen.state_mut().snapshot;
+    machine.axes[Axis::Y] = machine.axes[Axis::X];
+    machine.simulated = None;
+    pass(&mut screen, 1);
+    let three = table(&mut screen);
+    assert!(three.starts_with("seconds,X,Y,Z,feed_mm_min,wheel_load_percent,gauges\r\n"), "{three}");
+    let last = three.split("\r\n\r\n").next().unwrap().lines().last().unwrap();
+    let cells: Vec<&str> = last.split(',').collect();
+    assert_eq!((cells.len(), cells[5]), (7, ""), "{last}");
+}
+
+#[test]
+fn b6_what_was_recorded_is_cleared_only_when_asked() {
+    let mut screen = measuring();
+    finish(&mut screen, 40.0);
+    pass(&mut screen, 2);
+    let touch = |screen: &mut Screen, label: &str| {
+        screen.get_by_label(label).click();
+        screen.step();
+        screen.step();
+    };
+    touch(&mut screen, "清除 process-clear");
+    assert!(shows(&screen, "清除过程数据？") && shows(&screen, "1 个工件"));
+    touch(&mut screen, "取消 question-no");
+    let kept = table(&mut screen).lines().count();
+    assert!(kept > 20, "{kept}");
+    touch(&mut screen, "清除 process-clear");
+    touch(&mut screen, "清除 question-clear");
+    let left = table(&mut screen).lines().count();
+    assert!(left < 10, "{left} lines");
 }

@@ -15,6 +15,7 @@ use hmi_hands::{Hand, Operator};
 use kt830::defs::key::{Group, Key};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
+use kt830::link::Command;
 
 /// The panel stands beside every page; its own word in the page table is for pictures of it.
 fn pages(kind: Kind) -> impl Iterator<Item = Page> {
@@ -82,9 +83,11 @@ fn p1_a_real_machine_has_no_way_to_a_simulator() {
         rows.push(["相对 f1", "参数 f1", "程序 f1", "过程 f1"].map(|label| screen.query_by_label(label).is_some()));
         screen.key_press(egui::Key::F6);
         (0..3).for_each(|_| screen.step());
+        for command in std::mem::take(&mut screen.state_mut().sent) {
+            let Command::TurnSoftRow(row) = command else { panic!("{command:?}: what is not there opens nothing") };
+            screen.state_mut().snapshot.soft_row = row;
+        }
     }
     assert!(rows.iter().all(|row| row.iter().filter(|shown| **shown).count() == 1), "{rows:?}");
     assert_eq!(rows[0], rows[4], "four rows, then the first again");
-    // Nor does a key that is not there open it.
-    assert!(screen.state().sent.is_empty(), "{:?}", screen.state().sent);
 }

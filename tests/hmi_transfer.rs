@@ -5,6 +5,7 @@
 
 mod hmi_bench;
 mod hmi_desk;
+mod hmi_sample;
 mod told;
 
 use std::fs;
@@ -12,11 +13,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{Color32, ColorImage};
+use egui_kittest::kittest::Queryable;
 use hmi_bench::Bench;
+use hmi_desk::{Screen, open};
+use hmi_sample::busy;
 use kt830::defs::page::Page;
-use kt830::defs::text::Lang;
+use kt830::defs::text::{Lang, Said};
 use kt830::link::Command;
-use kt830::link::page_command::{Guard, PageCommand, Secret};
+use kt830::link::files::{Asker, Deed, FileAnswer, FileRequest, Refusal, Ticket};
+use kt830::link::page_command::{Guard, PageAnswer, PageCommand, Secret};
 use kt830::runtime::disk::Folders;
 use tempfile::TempDir;
 
@@ -429,4 +434,58 @@ fn l9_the_page_carries_over_rs232() {
     assert_eq!(fs::read(shop.path("programs/O0077.NC")).unwrap(), b"G00 X1\r\nM30\r\n", "{}", shop.refusal());
     assert!(shop.bench.rig.has_program(77));
     drop(kept);
+}
+
+/// A screen on the page of transfers with a medium in it, and the ticket of the copy it has asked for.
+fn copying() -> (Screen, Ticket) {
+    let mut machine = busy(Page::Transfer);
+    Arc::make_mut(&mut machine.files).busy = None;
+    let mut screen = open(machine);
+    screen.get_by_label("本机 → U 盘 transfer-out").click();
+    screen.step();
+    screen.step();
+    let sent = screen.state_mut().sent.drain(..).find_map(|command| match command {
+        Command::Page(PageCommand::File(ticket, FileRequest::Transfer(_))) => Some(ticket),
+        _ => None,
+    });
+    (screen, sent.expect("a copy was asked for"))
+}
+
+fn answer(screen: &mut Screen, ticket: Ticket, result: Result<Deed, Refusal>) {
+    Arc::make_mut(&mut screen.state_mut().snapshot.files).answer(ticket, result);
+    screen.step();
+    screen.step();
+}
+
+#[test]
+fn h8_the_transfer_page_hears_its_own_answers_only() {
+    let (mut screen, ticket) = copying();
+    let shown = |screen: &Screen| screen.state().hmi.refusal(Lang::Zh).map(|(_, why)| why).unwrap_or_default();
+    let because = |words: &str| Refusal::Because(Said::new(words, words));
+    // What others have asked for, with the same number and with another one.
+    answer(&mut screen, Ticket { asker: Asker::Editor, ..ticket }, Err(Refusal::Password));
+    assert!(screen.query_by_label("密码 password").is_none(), "the editor's password is not this page's");
+    answer(&mut screen, Ticket { asker: Asker::Screw, ..ticket }, Err(because("甲")));
+    answer(&mut screen, Ticket::unheard(Asker::Transfer), Err(because("乙")));
+    assert_eq!(shown(&screen), "");
+    answer(&mut screen, ticket, Err(because("丙")));
+    assert_eq!(shown(&screen), "丙");
+}
+
+#[test]
+fn h8_a_refusal_of_another_request_does_not_end_the_work_under_way() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("O1234.NC"), "M30\n").unwrap();
+    let screens = told::folders().screens;
+    let mut rig = told::rig_in(Folders { programs: folder.path().to_owned(), screens, named: false });
+    told::tell(&mut rig, "param P22.5 0\nmode edit\nload O1234");
+    let ticket = Ticket { asker: Asker::Directory, number: 1 };
+    rig.send(Command::Page(PageCommand::File(ticket, FileRequest::Rename { from: 1_234, to: 1_235 })));
+    // In the same tick: the office had no room for something else.
+    let other = PageAnswer::File(Ticket { asker: Asker::Screen, number: 1 }, FileAnswer::Refused(Refusal::Conflict));
+    rig.send(Command::Page(PageCommand::Answered(other)));
+    (0..3).for_each(|_| rig.step());
+    assert_eq!(rig.snapshot().program.number, 1_235, "the current program goes by its new number");
+    let answers: Vec<_> = rig.snapshot().files.answers.iter().map(|answer| answer.ticket.asker).collect();
+    assert_eq!(answers, [Asker::Screen, Asker::Directory]);
 }

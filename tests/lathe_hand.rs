@@ -14,7 +14,7 @@ use kt830::defs::param::ParamAddress;
 use kt830::defs::program::number;
 use kt830::link::Command;
 use kt830::link::drawing::Drawing;
-use kt830::link::files::FileRequest;
+use kt830::link::files::{Asker, FileRequest, Ticket};
 use kt830::link::page_command::PageCommand;
 use kt830::runtime::disk::{Folders, program};
 use kt830::runtime::rig::Rig;
@@ -96,7 +96,7 @@ fn l9_a_program_with_a_name_is_edited_copied_and_deleted() {
     std::fs::write(folder.path().join("PIN.NC"), "N0010G04F1\r\nN0020M02\r\n").unwrap();
     let mut rig = lathe(folder.path());
     let ask = |rig: &mut Rig, request: FileRequest| {
-        rig.send(Command::Page(PageCommand::File(request)));
+        rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Directory), request)));
         (0..5).for_each(|_| rig.step());
     };
     tell(&mut rig, "load PIN\nmode edit\nparam P22.5 0");
@@ -127,7 +127,7 @@ fn drawn(text: &str, params: &[(&str, f64)]) -> Arc<Drawing> {
         rig.send(Command::SetParam(ParamAddress::parse(at).unwrap(), *value));
     }
     tell(&mut rig, "load PART");
-    rig.send(Command::Page(PageCommand::File(FileRequest::Draw(number("PART")))));
+    rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Graphic), FileRequest::Draw(number("PART")))));
     (0..5).for_each(|_| rig.step());
     rig.snapshot().files.drawing.clone().unwrap()
 }

@@ -119,6 +119,13 @@ fn b1_block_skip_leaves_out_blocks_with_a_slash_only_when_the_switch_is_set() {
 }
 
 #[test]
+fn b2_g40_is_in_force_already_and_g41_is_refused_by_name() {
+    let moved = ["rapid x=5 y=0 z=0 [X]", "m code=30"];
+    assert_eq!(lines("G40 G98\nG00 X10\nM30", Settings::lathe()), moved);
+    assert!(refused("G41 G01 X10 F100").contains("G41"));
+}
+
+#[test]
 fn b1_a_mark_of_utf8_and_comment_lines_may_stand_before_the_first_block() {
     for head in ["\u{feff}%\nO1001\n", "\u{feff}O1001\n", "// c\n%\nO1001\n", "%(A)\n\n; b\nO1001 (C)\n"] {
         let text = format!("{head}G0 X10\nM30\n%\nG0 X20\n");

@@ -8,6 +8,8 @@ mod told;
 
 use kt830::defs::key::{Group, Key, Mode};
 use kt830::defs::kind::Kind;
+use kt830::defs::page::Page;
+use kt830::defs::soft_key::Coordinates;
 use kt830::link::{Command, Snapshot};
 use kt830::runtime::disk::{Folders, program};
 use kt830::runtime::rig::Rig;
@@ -94,10 +96,11 @@ fn seen(snapshot: &Snapshot) -> String {
     let lamps: Vec<(bool, bool)> = snapshot.keys.iter().map(|key| (key.lamp, key.working)).collect();
     let alarms: Vec<u16> = snapshot.alarms.iter().map(|alarm| alarm.number).collect();
     let overrides = (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override);
+    let rows = (snapshot.coordinates, snapshot.soft_row);
     let switches = (snapshot.single_block, snapshot.handwheel_axis, snapshot.step_mm.to_bits());
     format!(
         "{:?}",
-        (snapshot.page, snapshot.mode, snapshot.state, overrides, switches, snapshot.outputs, lamps, alarms)
+        (snapshot.page, rows, snapshot.mode, snapshot.state, overrides, switches, snapshot.outputs, lamps, alarms)
     )
 }
 
@@ -176,4 +179,40 @@ fn k2_1_every_key_of_a_kind_is_a_key_of_the_panel_or_of_the_screen() {
         let panel = keys.iter().filter(|key| key.row().group != Group::Screen).count();
         assert!(panel >= 44 && keys.len() > panel, "{kind:?}: {panel} of {}", keys.len());
     }
+}
+
+/// K7.1: F1 相对, F2 综合, F3 机床, F4 磨削, F5 砂轮修整; ▶ turns to the second row, whose keys then act.
+#[test]
+fn k7_1_the_soft_keys_of_a_story_are_those_of_the_screen() {
+    let mut rig = told::rig();
+    let is = |rig: &mut Rig| (rig.snapshot().page, rig.snapshot().coordinates, rig.snapshot().soft_row);
+    told::tell(&mut rig, "page position");
+    assert_eq!(is(&mut rig), (Page::Position, Coordinates::All, 0));
+    for (key, coordinates) in [
+        ("f1", Coordinates::Relative),
+        ("f3", Coordinates::Machine),
+        ("f2", Coordinates::All),
+        ("f1", Coordinates::Relative),
+    ] {
+        told::tell(&mut rig, &format!("key {key}"));
+        assert_eq!(is(&mut rig), (Page::Position, coordinates, 0), "{key}");
+    }
+    told::tell(&mut rig, "key f1\nexpect message \"已是“相对”\"");
+    for (row, keys, page) in [
+        (0, "key f4", Page::Grinding),
+        (0, "key f5", Page::Dressing),
+        (1, "key next-row\nkey f1", Page::Params),
+        (1, "key next-row\nkey f2", Page::Diagnosis),
+        (1, "key next-row\nkey f3", Page::Graphic),
+        (1, "key next-row\nkey f4", Page::Transfer),
+        (2, "key next-row\nkey next-row\nkey f1", Page::Program),
+    ] {
+        told::tell(&mut rig, &format!("page position\n{keys}"));
+        assert_eq!(rig.snapshot().page, page, "row {row}: {keys}");
+    }
+    told::tell(&mut rig, "page position\nkey next-row\nkey f5\nexpect message \"屏幕打印\"");
+    // From the second row: the fifth has the simulator alone, then comes the first.
+    told::tell(&mut rig, "key next-row\nkey next-row\nkey next-row");
+    told::tell(&mut rig, "key f2\nexpect message \"没有 F2\"\nkey next-row\nkey f3");
+    assert_eq!(is(&mut rig), (Page::Position, Coordinates::Machine, 0));
 }

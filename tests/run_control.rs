@@ -16,7 +16,7 @@ fn b5_cycle_start_without_a_program_or_in_another_mode_says_so() {
     let mut rig = ready();
     tell(&mut rig, "mode auto\nkey cycle-start\nexpect message \"没有程序\"\nexpect state idle");
     tell(&mut rig, "load O1002\nmode jog\nkey cycle-start\nexpect message \"自动\"\nexpect state idle");
-    tell(&mut rig, "load O4711\nexpect message \"O4711\"");
+    assert!(told::refused(&mut rig, "load O4711").contains("程序目录中没有 O4711"));
 }
 
 #[test]

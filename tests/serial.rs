@@ -17,7 +17,7 @@ use std::time::Duration;
 use kt830::defs::alarm;
 use kt830::defs::kind::Kind;
 use kt830::link::Command;
-use kt830::link::files::{FileAnswer, FileRequest, Refusal};
+use kt830::link::files::{Asker, FileAnswer, FileRequest, Refusal, Ticket};
 use kt830::link::media::{Direction, Set, Transfer};
 use kt830::link::page_command::{Guard, PageCommand, Secret};
 use kt830::runtime::disk::Folders;
@@ -313,10 +313,15 @@ fn l9_a_program_that_cannot_be_stored_or_sent_is_named() {
     assert_eq!(number(&shop.ask(Direction::Out, &["../O0001.NC"], None)), Some(alarm::SERIAL_STORE));
 }
 
+/// Why the last request was refused.
+fn refusal(rig: &mut Rig) -> Option<Refusal> {
+    rig.snapshot().files.answers.last()?.result.clone().err()
+}
+
 fn request(rig: &mut Rig, direction: Direction, names: &[&str]) {
     let names = names.iter().map(|name| (*name).to_owned()).collect();
     let ask = Transfer { set: Set::Serial, direction, names, overwrite: None, convert: None };
-    rig.send(Command::Page(PageCommand::File(FileRequest::Transfer(ask))));
+    rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Transfer), FileRequest::Transfer(ask))));
     (0..4).for_each(|_| rig.step());
 }
 
@@ -327,7 +332,7 @@ fn l9_the_control_receives_a_program_with_its_password_and_tells_an_alarm() {
         Folders { programs: shop.folder.path().to_path_buf(), screens: told::folders().screens, named: false };
     let mut rig = told::rig_of(Kind::Gc, folders);
     request(&mut rig, Direction::In, &[]);
-    assert_eq!(rig.snapshot().files.refused, Some(Refusal::Password));
+    assert_eq!(refusal(&mut rig), Some(Refusal::Password));
     rig.send(Command::Page(PageCommand::Unlock(Guard::Program, Secret::new("187350".into()))));
     (0..4).for_each(|_| rig.step());
     request(&mut rig, Direction::In, &[]);
@@ -336,7 +341,7 @@ fn l9_the_control_receives_a_program_with_its_password_and_tells_an_alarm() {
     let sender = shop.sender(b"%\r\nO1234 (NEW)\r\nM30\r\n%\r\n");
     request(&mut rig, Direction::In, &[]);
     drop(sender.join().unwrap());
-    assert!(rig.has_program(1_234), "{:?}", rig.snapshot().files.refused);
+    assert!(rig.has_program(1_234), "{:?}", refusal(&mut rig));
     assert!(rig.snapshot().alarms.is_empty(), "a new transmission takes the old alarm away");
 }
 

@@ -339,3 +339,25 @@ fn the_data_directory_is_made_or_refused_with_path_and_remedy() {
     let told = DataDir::resolve(Some(&file)).unwrap_err().to_string();
     assert!(told.contains("file") && told.contains("move away") && told.contains("--data"), "{told}");
 }
+
+#[test]
+#[cfg(unix)]
+fn k7_3_a_page_file_that_cannot_be_read_is_told_by_its_name_in_both_languages() {
+    let root = tempfile::tempdir().unwrap();
+    let (programs, screens) = (root.path().join("programs"), root.path().join("screens"));
+    fs::create_dir(&programs).unwrap();
+    fs::create_dir(&screens).unwrap();
+    for picture in ["B0004.BMP", "B0005.BMP"] {
+        fs::write(screens.join(picture), "BM").unwrap();
+    }
+    fs::write(root.path().join("elsewhere"), "a;%").unwrap();
+    std::os::unix::fs::symlink(root.path().join("elsewhere"), screens.join("C0005.TXT")).unwrap();
+    let found = kt830::runtime::disk::Folders { programs, screens, named: false }.read_screens().unwrap();
+    let said = |number: u32| found.find(number).unwrap().text.as_ref().unwrap_err().said();
+    assert_eq!(said(1_004).zh, "C0004.TXT：文件不存在，请拷入 screens 目录");
+    assert!(said(1_005).zh.contains("C0005.TXT 是链接"), "{}", said(1_005).zh);
+    for number in [1_004, 1_005] {
+        assert!(!said(number).zh.contains(" is ") && !said(number).zh.contains('/'), "{}", said(number).zh);
+        assert!(!said(number).en.contains('/'), "{}", said(number).en);
+    }
+}

@@ -42,7 +42,7 @@ fn b3_wear_written_by_a_program_moves_the_blocks_after_it() {
 fn k4_2_a_dressing_makes_the_wheel_smaller_and_everything_follows() {
     // 0.04 mm of diameter: 0.02 mm of radius into the wear, towards the part, and off the dressing point.
     let mut rig = ready_with("T0101\n#5801=#5801-0.04\nG00 X-70\n#100=#5801\n#101=#5805\nM30");
-    tell(&mut rig, "param P96 7\nmode jog\npage position\nkey address-x\nkey input\nexpect message \"成功\"");
+    tell(&mut rig, "param P96 7\nmode jog\npage position\nkey f1\nkey address-x\nkey input\nexpect message \"成功\"");
     let (point, before) = (rig.snapshot().dressing_point[Axis::X].unwrap(), value(&mut rig, param::WHEEL_DIAMETER));
     tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s\nexpect no alarm\nexpect X -70 ±0.001");
     tell(&mut rig, "expect wear 1 X -0.04 ±0.00001");
@@ -58,7 +58,7 @@ fn k4_2_a_dressing_makes_the_wheel_smaller_and_everything_follows() {
 fn k4_2_the_dressing_point_stays_or_goes_the_other_way_by_p98() {
     for (side, factor) in [(0, 0.0), (1, 1.0)] {
         let mut rig = ready_with("T0101\n#5801=#5801-0.04\nM30");
-        tell(&mut rig, &format!("param P98 {side}\nmode jog\npage position\nkey address-x\nkey input"));
+        tell(&mut rig, &format!("param P98 {side}\nmode jog\npage position\nkey f1\nkey address-x\nkey input"));
         let point = rig.snapshot().dressing_point[Axis::X].unwrap();
         tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s");
         assert!((rig.snapshot().dressing_point[Axis::X].unwrap() - (point + 0.04 * factor)).abs() < 1e-9);

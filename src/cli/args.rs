@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 
+use crate::defs::date::Date;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -176,9 +177,16 @@ pub struct Shot {
     /// Size of the screen in pixels
     #[arg(long, default_value = "1024x768", value_parser = size)]
     pub size: (u32, u32),
+    /// What the clock reads at power-on
+    #[arg(long, value_name = "DATE TIME", default_value = "2026-11-21 15:01:56", value_parser = clock)]
+    pub clock: Date,
     /// A story that leads to what is to be seen
     #[arg(long)]
     pub story: Option<PathBuf>,
+}
+
+fn clock(words: &str) -> Result<Date, String> {
+    Date::parse(words).ok_or_else(|| "date and time read \"2026-11-21 15:01:56\"".to_owned())
 }
 
 fn kind(word: &str) -> Result<Kind, String> {

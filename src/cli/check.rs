@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::args::{Check, Format, Run, Shared};
 use super::limits::Limits;
 use super::rehearse::{Passed, Rehearsal};
-use super::run::Ran;
+use super::run::{End, Ran};
 use super::{CallError, FAILED, FINE, WRONG_CALL, bench, out};
 use crate::controller::foresight::Foresight;
 use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings, references};
@@ -147,7 +147,7 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     tell_program(shared, call, path, &found, ran.as_ref().map(|ran| (ran, met.as_slice())));
     let status = match &ran {
         _ if wrong => WRONG_CALL,
-        Some(ran) if ran.end != "finished" || !met.is_empty() => FAILED,
+        Some(ran) if ran.end != End::Finished || !met.is_empty() => FAILED,
         Some(_) | None => FINE,
     };
     if let Some(ran) = ran {
@@ -162,7 +162,7 @@ fn met(shared: &Shared, source: &Source, ran: &Ran) -> Vec<Wrong> {
         .alarms
         .iter()
         .map(|(place, said)| {
-            let line = place.filter(|(program, _)| *program == source.number()).map_or(0, |(_, line)| line);
+            let line = place.filter(|(program, _)| *program == ran.program).map_or(0, |(_, line)| line);
             Wrong { line, column: 1, message: said.get(shared.lang).to_owned() }
         })
         .collect();
@@ -333,7 +333,7 @@ fn preset(memory: &mut Memory, part: &PartFile, sets: &[(u16, f64)]) {
 /// The verdict where nothing is wrong: of the check, and of the run that came after it.
 fn verdict(checked: &Checked, ran: Option<&Ran>) -> Said {
     match ran {
-        Some(ran) if ran.end != "finished" => {
+        Some(ran) if ran.end != End::Finished => {
             let why = ran.told.clone().unwrap_or_default();
             let by = |text: &str| if text.is_empty() { String::new() } else { format!(": {text}") };
             Said::new(
@@ -370,7 +370,7 @@ fn tell_program(shared: &Shared, call: &Check, path: &Path, found: &Found, ran: 
                        "finished": checked.finished, "seconds": checked.seconds, "length": checked.length_mm,
                        "extents": extents});
             if let Some((ran, _)) = ran {
-                told["simulated"] = json!(ran.end);
+                told["simulated"] = json!(ran.end.word());
             }
             out(told);
         }

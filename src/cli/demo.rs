@@ -80,6 +80,7 @@ fn headless(shared: &Shared, call: &Demo, told: &Story, mut rig: Rig) -> Result<
         player.rig().step();
         picture(shared, call, player.rig(), 0)?;
     }
+    drop(player);
     let part = rig.machine().measure();
     for at in &part.diameters {
         out(format!("part diameter at Z{:.3}  {:.4}", at.z, at.d));
@@ -159,6 +160,7 @@ mod live {
             // What a page shows is for the person to see; a demo goes on when an expectation fails.
             drop(player.play(line));
         }
+        drop(player);
         let touched = rig.is_touched();
         let mut quiet_since = rig.now();
         let quiet = if touched { IDLE } else { PAUSE };

@@ -7,6 +7,7 @@ use serde_json::json;
 
 use super::args::{Format, Play, Shared};
 use super::{CallError, FAILED, FINE, bench, out};
+use crate::defs::fault::{FAULTS, FaultRow};
 use crate::defs::kind::Kind;
 use crate::link::snapshot::Tone;
 use crate::story::{Line, Player, parse, parse::Statement, play::around};
@@ -57,6 +58,11 @@ pub fn play(shared: &Shared, call: &Play) -> Result<u8, CallError> {
         let message = &rig.snapshot().message;
         let refused = (message.tone == Tone::Refused && message.since > before).then(|| message.text.get(shared.lang));
         tell(shared.format, line, (&done, refused), seconds);
+        if line.statement == Statement::FaultList && shared.format == Format::Text {
+            for row in FAULTS {
+                out(format!("{:14}{:20} {} {}", "", row.usage(), row.text.zh, row.text.en));
+            }
+        }
         if done.is_err() {
             eprintln!("{}", around(player.rig()));
             return Ok(FAILED);
@@ -72,6 +78,10 @@ fn tell(format: Format, line: &Line, (done, refused): (&Result<(), String>, Opti
             let mut told = json!({"line": line.number, "statement": text, "ok": done.is_ok(), "seconds": seconds});
             if let Err(why) = done {
                 told["why"] = json!(why);
+            }
+            if line.statement == Statement::FaultList {
+                let row = |row: FaultRow| json!({"fault": row.usage(), "zh": row.text.zh, "en": row.text.en});
+                told["faults"] = FAULTS.map(row).into();
             }
             if let Some(refused) = refused {
                 told["refused"] = json!(refused);

@@ -32,8 +32,10 @@ const SETTLE_TICKS: u32 = 200;
 
 /// What a run came to.
 pub struct Ran {
-    /// `finished`, `stopped` or `alarm`.
-    pub end: &'static str,
+    /// How it ended.
+    pub end: End,
+    /// The number that the program ran under.
+    pub program: u32,
     /// The report as it is printed.
     pub report: String,
     /// Its alarms: program and line if it has one, and the text.
@@ -44,14 +46,44 @@ pub struct Ran {
     pub refused_itself: bool,
 }
 
-/// Runs the program and prints the report.
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// M30 and the like.
+    Finished,
+    /// An alarm.
+    Alarm,
+    /// M00, M01: as the program asks.
+    Pause,
+    /// Held by a rule of the machine: nobody stands beside it to press feed hold.
+    Held,
+    /// It waits for an input that nobody gives (M80–M89).
+    Waiting,
+    /// It has run for longer than a working day.
+    Endless,
+    /// Nothing has moved for so long that it is a loop without end.
+    Still,
+}
+
+impl End {
+    /// The word of the report; what stopped short of the end is told apart by the exit status and the message.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Finished => "finished",
+            Self::Alarm => "alarm",
+            Self::Pause | Self::Held | Self::Waiting | Self::Endless | Self::Still => "stopped",
+        }
+    }
+}
+
+/// Runs the program and prints the report. A run that an alarm, a rule or its own endlessness has ended fails.
 ///
 /// # Errors
 /// The call or a file is wrong.
 pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
     let ran = job(shared, call)?;
     out(ran.report);
-    Ok(if ran.end == "alarm" { FAILED } else { FINE })
+    Ok(if matches!(ran.end, End::Finished | End::Pause) && !ran.refused_itself { FINE } else { FAILED })
 }
 
 /// Runs the program.
@@ -80,7 +112,7 @@ pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
             rig.step();
         }
         batch.push(rig.machine().measure());
-        if end != "finished" || batch.len() >= call.parts as usize {
+        if end != End::Finished || batch.len() >= call.parts as usize {
             break (end, seconds);
         }
         // The next part comes in as the first one: the machine stays as it is, the wheel and its wear too.
@@ -88,23 +120,27 @@ pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
             rig.machine_mut().set_part(Some(&part));
         }
     };
-    if end == "stopped" {
-        tell_why(&mut rig, shared.lang, started);
+    let why = why(&mut rig, end);
+    if let Some(why) = &why {
+        eprintln!("kt830: stopped: {}", why.get(shared.lang));
     }
-    let report = Report { end, seconds, blocks: rig.controller().blocks(), before, batch };
+    let flag = r_parameter::error_flag(rig.kind());
+    let refused_itself = flag.and_then(|flag| rig.controller().variable(flag)).is_some_and(|flag| flag.abs() > 0.0);
+    let snapshot = rig.snapshot();
+    let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| (alarm.place, alarm.text.clone())).collect();
+    let told = why.clone().or_else(|| snapshot.waiting_for.clone());
+    // The text may have come to its end beside an alarm.
+    let end = if end == End::Finished && !alarms.is_empty() { End::Alarm } else { end };
+    let report = Report { end, why, seconds, blocks: rig.controller().blocks(), before, batch };
     let report = match shared.format {
         Format::Json => report.json(&mut rig, shared.lang).to_string(),
         Format::Text => report.text(&mut rig, shared.lang),
     };
-    let flag = r_parameter::error_flag(rig.kind());
-    let refused_itself = flag.and_then(|flag| rig.controller().variable(flag)).is_some_and(|flag| flag.abs() > 0.0);
-    let snapshot = rig.snapshot();
-    let alarms = snapshot.alarms.iter().map(|alarm| (alarm.place, alarm.text.clone())).collect();
-    Ok(Ran { end, report, alarms, told: snapshot.waiting_for.clone(), refused_itself })
+    Ok(Ran { end, program: number, report, alarms, told, refused_itself })
 }
 
 /// Cycle start, and on to the end of the program, an alarm, or where somebody would be needed.
-fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<&'static str, CallError> {
+fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<End, CallError> {
     let started = rig.now();
     let mut moved = (started, rig.controller().blocks());
     rig.send(Command::Press(Key::CycleStart));
@@ -119,16 +155,14 @@ fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<
         let young = rig.now().since(started).0 < u64::from(START_TICKS) * rig.tick_time().0;
         match rig.controller().state() {
             RunState::Stopped if call.through_stops => rig.send(Command::Press(Key::CycleStart)),
-            RunState::Stopped | RunState::Held => return Ok("stopped"),
-            RunState::Idle if !young => return Ok("finished"),
-            RunState::Alarm if rig.controller().is_at_rest() => return Ok("alarm"),
+            RunState::Stopped => return Ok(End::Pause),
+            RunState::Held => return Ok(End::Held),
+            RunState::Idle if !young => return Ok(End::Finished),
+            RunState::Alarm if rig.controller().is_at_rest() => return Ok(End::Alarm),
             // Nobody stands beside a headless run to give the input.
-            RunState::Waiting => return Ok("stopped"),
-            RunState::Running if rig.now().since(started) > LONGEST => return Ok("stopped"),
-            RunState::Running if is_still(rig, moved) => {
-                eprintln!("kt830: stopped: nothing has moved for so long that the program does not end");
-                return Ok("stopped");
-            }
+            RunState::Waiting => return Ok(End::Waiting),
+            RunState::Running if rig.now().since(started) > LONGEST => return Ok(End::Endless),
+            RunState::Running if is_still(rig, moved) => return Ok(End::Still),
             RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
         }
     }
@@ -139,18 +173,34 @@ fn is_still(rig: &Rig, (since, block): (Micros, u64)) -> bool {
     rig.now().since(since) > LONGEST_STILL || rig.controller().blocks() - block > MOST_STILL
 }
 
-/// A run that stopped by itself says why, on standard error.
-fn tell_why(rig: &mut Rig, lang: Lang, started: Micros) {
-    if rig.now().since(started) > LONGEST {
-        eprintln!("kt830: stopped after {} s of simulated time: the program does not end", LONGEST.as_secs_f64());
-    } else if let Some(what) = &rig.snapshot().waiting_for {
-        eprintln!("kt830: stopped: {}", what.get(lang));
+/// Why a run stopped that a program has not paused by itself; at M00 what its MSG tells.
+fn why(rig: &mut Rig, end: End) -> Option<Said> {
+    let snapshot = rig.snapshot();
+    let told = snapshot.waiting_for.clone();
+    match end {
+        End::Finished | End::Alarm => None,
+        End::Pause => told,
+        End::Held => Some(snapshot.message.text.clone()),
+        End::Waiting => Some(told.unwrap_or_else(|| Said::new("等待的信号没有来", "what it waits for does not come"))),
+        End::Endless => {
+            let seconds = LONGEST.as_secs_f64();
+            Some(Said::new(
+                format!("模拟时间 {seconds} s 后停止：程序不会结束"),
+                format!("after {seconds} s of simulated time: the program does not end"),
+            ))
+        }
+        End::Still => Some(Said::new(
+            "长时间没有任何移动：程序不会结束",
+            "nothing has moved for so long that the program does not end",
+        )),
     }
 }
 
 /// What is told at the end.
 struct Report {
-    end: &'static str,
+    end: End,
+    /// Why it stopped.
+    why: Option<Said>,
     seconds: f64,
     blocks: u64,
     before: Box<[Option<f64>; VARIABLES]>,
@@ -175,13 +225,13 @@ impl Report {
             variables.insert(r_parameter::name_on(number as u32, rig.kind()), json!(value));
         }
         let mut told = json!({
-            "end": self.end,
+            "end": self.end.word(),
             "alarms": alarms,
             "seconds": self.seconds,
             "blocks": self.blocks,
             "work": positions(&snapshot, |axis| axis.work),
             "machine": positions(&snapshot, |axis| axis.machine),
-            "message": snapshot.waiting_for.as_ref().map(|told| told.get(lang)),
+            "message": self.why.as_ref().or(snapshot.waiting_for.as_ref()).map(|told| told.get(lang)),
             "parts": snapshot.parts,
             "variables": variables,
             "part": rig.machine().measure(),
@@ -208,15 +258,20 @@ impl Report {
 
     fn text(&self, rig: &mut Rig, lang: Lang) -> String {
         let snapshot = rig.snapshot().clone();
-        let mut lines =
-            vec![format!("{}  {:.3} s  {} blocks  {} parts", self.end, self.seconds, self.blocks, snapshot.parts)];
+        let mut lines = vec![format!(
+            "{}  {:.3} s  {} blocks  {} parts",
+            self.end.word(),
+            self.seconds,
+            self.blocks,
+            snapshot.parts
+        )];
         for alarm in &snapshot.alarms {
             lines.push(format!("alarm {:03}  {}  {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang)));
         }
-        if self.end != "finished" && !snapshot.message.text.get(lang).is_empty() {
+        if self.end != End::Finished && !snapshot.message.text.get(lang).is_empty() {
             lines.push(snapshot.message.text.get(lang).to_owned());
         }
-        if let Some(told) = &snapshot.waiting_for {
+        if let Some(told) = self.why.as_ref().or(snapshot.waiting_for.as_ref()) {
             lines.push(told.get(lang).to_owned());
         }
         for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {

@@ -26,6 +26,7 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
     let kind = told.as_ref().map_or(shared.kind, |story| story.kind);
     let shared = Shared { kind, ..shared.clone() };
     let mut rig = bench::rig(&shared)?;
+    rig.send(Command::Calendar(call.clock));
     match &told {
         Some(told) => {
             let path = call.story.as_deref().unwrap_or(Path::new("."));
@@ -54,6 +55,8 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             }
             rig.step();
             rig.make_ready();
+            // Made ready it has been off.
+            rig.send(Command::Calendar(call.clock));
             mount(&mut rig)?;
         }
     }

@@ -86,8 +86,8 @@ impl Alarms {
             Some(detail) if alarm::find(number).is_some() => {
                 Said::new(format!("{}：{}", text.zh, detail.zh), format!("{}: {}", text.en, detail.en))
             }
-            Some(detail) => detail,
-            None => text,
+            Some(detail) if !detail.zh.trim().is_empty() => detail,
+            Some(_) | None => text,
         };
         let alarm = AlarmView { number, text, remedy, since: now, place };
         self.remember(&alarm);

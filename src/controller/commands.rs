@@ -37,6 +37,8 @@ impl Controller {
             Command::Hold(key) => self.hand.keep(*key, self.now),
             Command::Handwheel(detents) => self.turn_handwheel(*detents),
             Command::OpenPage(page) => self.open_page(*page),
+            Command::ShowCoordinates(coordinates) => self.show_coordinates(*coordinates),
+            Command::TurnSoftRow(row) => self.turn_soft_row(*row),
             Command::TurnSheet(sheet) => self.turn_sheet(*sheet),
             Command::LoadProgram(number) => self.load_program(*number),
             Command::RestartAt(line) => self.restart_at(*line),
@@ -137,10 +139,12 @@ impl Controller {
             return self.refuse(NOT_IN_RUN);
         }
         if self.programs.get(number).is_none() {
-            return self.refuse(Said::new(
-                format!("程序目录中没有 {}", program::title(number)),
-                format!("the programs folder has no {}", program::title(number)),
-            ));
+            // Of a name there is the number alone.
+            let title = if program::is_named(number) { String::new() } else { program::title(number) };
+            return self.refuse(match title.as_str() {
+                "" => Said::new("程序目录中没有这个程序", "the programs folder has no such program"),
+                title => Said::new(format!("程序目录中没有 {title}"), format!("the programs folder has no {title}")),
+            });
         }
         self.current = number;
         self.restart = None;

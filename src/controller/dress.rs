@@ -3,12 +3,15 @@
 //! The lamp of 回修整点 is the state: lit, an axis key runs its axis to the point; dark, it jogs.
 //! Source: spec K4.2.
 
+use super::planned::Forbidden;
 use super::{Controller, Effect, MINUTE_HZ, Phase};
+use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::page::Page;
 use crate::defs::param;
-use crate::defs::text::Said;
+use crate::defs::soft_key::Coordinates;
+use crate::defs::text::{Said, Text};
 use crate::machine::Answer;
 use crate::units::{Axis, PerAxis};
 
@@ -34,13 +37,29 @@ impl Dress {
         self.returning = false;
         self.asked = None;
     }
+
+    /// The view in which it was asked is left: what is answered elsewhere is no answer.
+    pub const fn withdraw(&mut self) {
+        self.asked = None;
+    }
 }
 
 impl Controller {
-    /// X, Y or Z on the position page in manual mode asks whether to set the axis's point here.
+    /// X, Y or Z in manual mode, in the view 相对 of the position page, asks whether to set the axis's point here.
     pub(super) fn ask_dress_point(&mut self, axis: Axis) {
-        let refusal = if self.mode != Mode::Manual || self.page != Page::Position {
-            Some(Said::new("手动方式、位置页面下设置修整点", "the dressing point is set in JOG on the position page"))
+        let elsewhere = if self.mode != Mode::Manual {
+            Some(Text::new("不是手动方式", "the mode is not JOG"))
+        } else if self.page != Page::Position {
+            Some(Text::new("不在位置页面", "this is not the position page"))
+        } else {
+            (self.pages.coordinates != Coordinates::Relative)
+                .then_some(Text::new("不是相对坐标", "these are not the relative coordinates"))
+        };
+        let refusal = if let Some(why) = elsewhere {
+            Some(Said::new(
+                format!("{}：修整点在手动方式、位置页面 F1“相对”下设置", why.zh),
+                format!("{}: dressing points are set in JOG, position page, F1 RELATIVE", why.en),
+            ))
         } else if !self.axes.is_homed(axis) {
             Some(Said::new(
                 format!("{axis} 轴未回零，不能设置修整点"),
@@ -97,16 +116,18 @@ impl Controller {
         }
     }
 
-    /// An axis key with the lamp lit: one press, either sign, runs the axis to its point at P243.
+    /// An axis key with the lamp lit: one press, either sign, runs the axis to its point at P243. Without a
+    /// point, or not homed since power-on, it is the alarm of G27, and nothing moves.
     pub(super) fn return_to_dress_point(&mut self, axis: Axis) {
         let Some(point) = self.dress.points[axis] else {
-            return self.refuse(Said::new(format!("{axis} 轴没有设置修整点"), format!("{axis} has no dressing point")));
+            let why = self.forbidden(&Forbidden::NoDressPoint(axis));
+            self.refuse(why.clone());
+            return self.raise(alarm::NO_DRESS_POINT, Some(why));
         };
         if !self.axes.is_homed(axis) {
-            return self.refuse(Said::new(
-                format!("{axis} 轴未回零，不能回修整点"),
-                format!("{axis} is not homed: no return"),
-            ));
+            let why = Said::new(format!("{axis} 轴未回零，不能回修整点"), format!("{axis} is not homed: no return"));
+            self.refuse(why.clone());
+            return self.raise(alarm::NOT_HOMED, Some(why));
         }
         let still = matches!(self.phase, Phase::Idle) || self.is_free_for_hand();
         if !still || !matches!(self.ask(Request::MoveByHand), Answer::Taken) || !self.part_from_run() {

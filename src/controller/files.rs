@@ -12,7 +12,7 @@ use crate::defs::kind::Kind;
 use crate::defs::param::{self, Params};
 use crate::defs::text::{Said, Text};
 use crate::link::drawing::StockBox;
-use crate::link::files::{FileAnswer, FileRequest, FilesView, Refusal, Restored};
+use crate::link::files::{Deed, FileAnswer, FileRequest, FilesView, Refusal, Restored, Ticket};
 use crate::link::media::{Direction, Set, Transfer};
 use crate::link::snapshot::{Snapshot, Tone};
 use crate::nc::{Frames, Memory, REFERENCES, Settings};
@@ -30,6 +30,8 @@ const CARRY_IN_RUN: Text = Text::new("程序运行中不能读入", "nothing is 
 /// One piece of work for the thread beside the tick, with what it needs of the core.
 #[derive(Clone, Debug)]
 pub struct Job {
+    /// Comes back with every answer.
+    pub ticket: Ticket,
     /// What is asked.
     pub request: FileRequest,
     /// How programs are read.
@@ -80,7 +82,7 @@ pub struct Start {
 
 impl PartialEq for Job {
     fn eq(&self, other: &Self) -> bool {
-        self.request == other.request
+        (self.ticket, &self.request) == (other.ticket, &other.request)
     }
 }
 
@@ -88,51 +90,49 @@ impl PartialEq for Job {
 #[derive(Clone, Debug, Default)]
 pub struct Files {
     view: Arc<FilesView>,
-    /// The request that is not answered yet.
-    pending: Option<Box<FileRequest>>,
+    /// The request that is not answered yet: only an answer with its own ticket ends it.
+    pending: Option<(Ticket, Box<FileRequest>)>,
     /// What is to be ground and what holds it, as far as it is known.
     pub(super) stock: Arc<[StockBox]>,
 }
 
 impl Controller {
     /// Takes one request of a page.
-    pub(super) fn take_file(&mut self, request: &FileRequest) {
+    pub(super) fn take_file(&mut self, ticket: Ticket, request: &FileRequest) {
         match request {
             FileRequest::Look { .. }
             | FileRequest::Media
             | FileRequest::Print(_)
             | FileRequest::Table(_)
             | FileRequest::ReadPage { .. } => {
-                return self.order(request);
+                return self.order(ticket, request);
             }
             FileRequest::Cancel => {
                 if self.files.pending.is_some() {
-                    self.order(request);
+                    self.order(ticket, request);
                 }
                 return;
             }
             FileRequest::MayEdit(number) => {
-                let answer = match self.may_edit(*number) {
-                    Ok(()) => FileAnswer::Done(Said::new("可以编辑", "ready for editing")),
-                    Err(refusal) => FileAnswer::Refused(refusal),
-                };
-                return self.note_answer(&answer);
+                let may = self.may_edit(*number);
+                let ready = Deed { said: Said::new("可以编辑", "ready for editing"), saved: None };
+                return Arc::make_mut(&mut self.files.view).answer(ticket, may.map(|()| ready));
             }
             _ => {}
         }
         if let Err(refusal) = self.may(request) {
-            self.note_answer(&FileAnswer::Refused(refusal.clone()));
-            return self.refuse(refusal.said());
+            self.refuse(refusal.said());
+            return Arc::make_mut(&mut self.files.view).answer(ticket, Err(refusal));
         }
         if matches!(request, FileRequest::Transfer(transfer) if transfer.set == Set::Serial) {
             // What the last transmission came to is old news now.
             alarm::SERIAL.for_each(|number| self.alarms.clear(number));
         }
-        self.files.pending = Some(Box::new(request.clone()));
-        self.order(request);
+        self.files.pending = Some((ticket, Box::new(request.clone())));
+        self.order(ticket, request);
     }
 
-    fn order(&mut self, request: &FileRequest) {
+    fn order(&mut self, ticket: Ticket, request: &FileRequest) {
         let settings = super::nc_settings(self.kind, &self.params);
         let holdings = matches!(request, FileRequest::Transfer(_)).then(|| {
             let (params, memory, frames) = (self.params.clone(), self.memory.clone(), self.frames.clone());
@@ -153,7 +153,7 @@ impl Controller {
             })
         });
         let (programs, date) = (Arc::clone(&self.programs), self.calendar.date(self.now));
-        let job = Job { request: request.clone(), settings, programs, holdings, start, date };
+        let job = Job { ticket, request: request.clone(), settings, programs, holdings, start, date };
         self.effects.push(Effect::Job(Box::new(job)));
     }
 
@@ -263,55 +263,72 @@ impl Controller {
     }
 
     /// The answer of the work.
-    pub(super) fn hear_file(&mut self, answer: &FileAnswer) {
+    pub(super) fn hear_file(&mut self, ticket: Ticket, answer: &FileAnswer) {
         match answer {
-            FileAnswer::Done(said) => {
-                if let Some(request) = self.files.pending.take() {
-                    if matches!(*request, FileRequest::Record(_)) {
-                        self.teach_kept();
-                    }
-                    self.follow_up(&request);
-                }
-                self.say(said.clone());
-            }
-            FileAnswer::Saved { said, .. } => {
-                self.files.pending = None;
-                self.say(said.clone());
-            }
-            FileAnswer::Restored(_) if self.run.is_some() => {
-                return self.hear_file(&FileAnswer::Refused(Refusal::Because(CARRY_IN_RUN.into())));
+            FileAnswer::Done(said) => self.done(ticket, said.clone(), None),
+            FileAnswer::Saved { said, number, stamp } => self.done(ticket, said.clone(), Some((*number, *stamp))),
+            FileAnswer::Restored(_) | FileAnswer::Screw(..) if self.run.is_some() => {
+                self.not_done(ticket, Refusal::Because(CARRY_IN_RUN.into()));
             }
             FileAnswer::Restored(restored) => {
                 let said = self.restore(restored);
-                return self.hear_file(&FileAnswer::Done(said));
-            }
-            FileAnswer::Screw(..) if self.run.is_some() => {
-                return self.hear_file(&FileAnswer::Refused(Refusal::Because(CARRY_IN_RUN.into())));
+                self.done(ticket, said, None);
             }
             FileAnswer::Screw(axis, table, file) => {
                 self.set_screw(*axis, table);
                 let points = table.points().len();
-                return self.hear_file(&FileAnswer::Done(Said::new(
+                let said = Said::new(
                     format!("{axis} 轴：已从 {file} 读入 {points} 点"),
                     format!("axis {axis}: {points} points from {file}"),
-                )));
+                );
+                self.done(ticket, said, None);
             }
-            FileAnswer::Printed(Ok(said)) => self.say(said.clone()),
-            FileAnswer::Printed(Err(refusal)) => self.refuse(refusal.said()),
-            FileAnswer::Drawn(_) => self.files.pending = None,
-            FileAnswer::Refused(refusal) => {
-                self.files.pending = None;
-                match refusal {
-                    Refusal::Alarm(number, detail) => self.raise(*number, Some(detail.clone())),
-                    other => self.refuse(other.said()),
+            FileAnswer::Drawn(drawing) => {
+                self.end_pending(ticket);
+                let view = Arc::make_mut(&mut self.files.view);
+                view.drawing = Some(Arc::clone(drawing));
+                view.answer(ticket, Ok(Deed::default()));
+            }
+            FileAnswer::Refused(refusal) => self.not_done(ticket, refusal.clone()),
+            FileAnswer::Progress(..) | FileAnswer::Bytes(..) => self.note_progress(ticket, answer),
+            FileAnswer::Media(media) => {
+                if self.files.view.media.as_deref() != Some(media) {
+                    Arc::make_mut(&mut self.files.view).media = Some(Arc::new(media.clone()));
                 }
             }
-            // It is an answer to no work: what is under way goes on.
-            FileAnswer::Unread(refusal) => return self.refuse(refusal.said()),
-            FileAnswer::Media(_) | FileAnswer::Looked(_) | FileAnswer::Page(_) => {}
-            FileAnswer::Progress(..) | FileAnswer::Bytes(..) => {}
+            FileAnswer::Looked(looked) => {
+                Arc::make_mut(&mut self.files.view).looked = Arc::new(looked.clone());
+            }
+            FileAnswer::Page(page) => Arc::make_mut(&mut self.files.view).page = Some(Arc::clone(page)),
         }
-        self.note_answer(answer);
+    }
+
+    fn done(&mut self, ticket: Ticket, said: Said, saved: Option<(u32, u64)>) {
+        if let Some(request) = self.end_pending(ticket) {
+            if matches!(request, FileRequest::Record(_)) {
+                self.teach_kept();
+            }
+            self.follow_up(&request);
+        }
+        self.say(said.clone());
+        Arc::make_mut(&mut self.files.view).answer(ticket, Ok(Deed { said, saved }));
+    }
+
+    fn not_done(&mut self, ticket: Ticket, refusal: Refusal) {
+        self.end_pending(ticket);
+        match &refusal {
+            Refusal::Alarm(number, detail) => self.raise(*number, Some(detail.clone())),
+            other => self.refuse(other.said()),
+        }
+        Arc::make_mut(&mut self.files.view).answer(ticket, Err(refusal));
+    }
+
+    /// The work under way is over, if this is its ticket; gives what was asked.
+    fn end_pending(&mut self, ticket: Ticket) -> Option<FileRequest> {
+        let (_, request) = self.files.pending.take_if(|(of, _)| *of == ticket)?;
+        let view = Arc::make_mut(&mut self.files.view);
+        (view.busy, view.bytes) = (None, None);
+        Some(*request)
     }
 
     /// A current program that has another number, or is no more.
@@ -326,42 +343,17 @@ impl Controller {
         self.effects.push(Effect::CurrentProgram(current));
     }
 
-    fn note_answer(&mut self, answer: &FileAnswer) {
+    /// How far the work under way is; what comes late of another is nobody's.
+    fn note_progress(&mut self, ticket: Ticket, answer: &FileAnswer) {
+        if self.files.pending.as_ref().is_none_or(|(of, _)| *of != ticket) {
+            return;
+        }
         let view = Arc::make_mut(&mut self.files.view);
         match answer {
-            FileAnswer::Looked(looked) => {
-                view.looked = Arc::new(looked.clone());
-                return;
-            }
-            FileAnswer::Progress(what, thousandths) => {
-                view.busy = Some((*what, *thousandths));
-                return;
-            }
-            FileAnswer::Bytes(what, bytes) => {
-                (view.busy, view.bytes) = (Some((*what, 0)), Some(*bytes));
-                return;
-            }
-            FileAnswer::Media(media) => {
-                if view.media.as_deref() != Some(media) {
-                    view.media = Some(Arc::new(media.clone()));
-                }
-                return;
-            }
-            FileAnswer::Page(page) => {
-                view.page = Some(Arc::clone(page));
-                return;
-            }
-            FileAnswer::Restored(_) | FileAnswer::Screw(..) | FileAnswer::Printed(_) | FileAnswer::Unread(_) => return,
-            FileAnswer::Drawn(drawing) => (view.refused, view.drawing) = (None, Some(Arc::clone(drawing))),
-            FileAnswer::Done(said) => (view.refused, view.done) = (None, said.clone()),
-            FileAnswer::Saved { said, number, stamp } => {
-                (view.refused, view.done) = (None, said.clone());
-                view.saved = (*number, *stamp);
-            }
-            FileAnswer::Refused(refusal) => view.refused = Some(refusal.clone()),
+            FileAnswer::Progress(what, thousandths) => view.busy = Some((*what, *thousandths)),
+            FileAnswer::Bytes(what, bytes) => (view.busy, view.bytes) = (Some((*what, 0)), Some(*bytes)),
+            _ => {}
         }
-        (view.busy, view.bytes) = (None, None);
-        view.answers = view.answers.wrapping_add(1);
     }
 
     /// Writes what the pages see of the work.

@@ -177,7 +177,8 @@ impl<'a> Foresight<'a> {
     fn ask(&mut self, request: Request, name: &str) -> Option<Said> {
         let inputs = self.inputs();
         if let Some(rule) = self.machine.forbidding(request, self.now, inputs, self.params) {
-            let (zh, en) = (format!("{name}：{}", rule.reason.zh), format!("{name}: {}", rule.reason.en));
+            let reason = self.machine.reason(rule.reason, request, self.params);
+            let (zh, en) = (format!("{name}：{}", reason.zh), format!("{name}: {}", reason.en));
             return match rule.outcome {
                 Outcome::NoEffect => None,
                 Outcome::Deny => Some(Said::new(zh, en)),

@@ -143,9 +143,25 @@ impl AxisHoming {
         }
     }
 
+    /// To the zero point, until the axis stands there.
+    fn to_zero(&mut self, mover: &mut AxisMover, at: f64, stood: u32) -> Progress {
+        let HomingPlan { coordinate, slow_mm_s, width_mm, .. } = self.plan;
+        mover.position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
+        let rest = mover.is_at_rest();
+        let stood = if rest { stood + 1 } else { 0 };
+        self.step = Step::ToZero { stood };
+        if rest && (at - coordinate).abs() <= width_mm {
+            Progress::Done
+        } else if stood > SETTLE_TICKS {
+            Progress::Failed(Failure::NoZero)
+        } else {
+            Progress::Going
+        }
+    }
+
     /// One tick. `raw` is the switch before the filter, `at` the axis position from the encoder.
     pub fn tick(&mut self, mover: &mut AxisMover, switch: bool, raw: bool, at: f64) -> Progress {
-        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate, past, width_mm } = self.plan;
+        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, past, .. } = self.plan;
         let rest = mover.is_at_rest();
         self.note_edge(raw, at);
         if let Some(step) = self.step_past(mover, switch, at).filter(|_| past) {
@@ -186,16 +202,7 @@ impl AxisHoming {
                 self.step = Step::ToZero { stood: 0 };
                 return Progress::SetZero { edge };
             }
-            Step::ToZero { stood } => {
-                mover.position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
-                let stood = if mover.is_at_rest() { stood + 1 } else { 0 };
-                self.step = Step::ToZero { stood };
-                return match mover.is_at_rest() && (at - coordinate).abs() <= width_mm {
-                    true => Progress::Done,
-                    false if stood > SETTLE_TICKS => Progress::Failed(Failure::NoZero),
-                    false => Progress::Going,
-                };
-            }
+            Step::ToZero { stood } => return self.to_zero(mover, at, stood),
             Step::SeekFast { from } | Step::BackOff { from } if too_far(from, travel_mm) => {
                 mover.stop();
                 return Progress::Failed(Failure::NoSwitch);

@@ -5,7 +5,6 @@ use super::{Controller, Phase, retract};
 use crate::defs::alarm;
 use crate::defs::key::{Group, Key, Mode};
 use crate::defs::mcode::Request;
-use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{Said, Text};
@@ -16,8 +15,6 @@ use crate::units::Axis;
 const FEED_OVERRIDE_MOST: u16 = 150;
 const SPINDLE_OVERRIDE: std::ops::RangeInclusive<u16> = 50..=120;
 const OVERRIDE_STEP: u16 = 10;
-
-const OF_THE_SCREEN: Text = Text::new("此键只在屏幕上换软键行", "this key turns the soft keys on the screen alone");
 
 impl Controller {
     /// Why a key would do nothing now, if it would.
@@ -88,21 +85,14 @@ impl Controller {
             Key::AddressZ => self.ask_dress_point(Axis::Z),
             Key::Input => self.set_dress_point(),
             Key::Cancel => self.cancel_dress_point(),
-            Key::F1 | Key::F2 | Key::F3 => self.turn_to(Page::Position),
-            Key::F4 => self.turn_to(Page::of_f(self.kind, false)),
-            Key::F5 => self.turn_to(Page::of_f(self.kind, true)),
-            Key::NextRow => self.refuse(OF_THE_SCREEN),
+            Key::F1 => self.press_soft_key(0),
+            Key::F2 => self.press_soft_key(1),
+            Key::F3 => self.press_soft_key(2),
+            Key::F4 => self.press_soft_key(3),
+            Key::F5 => self.press_soft_key(4),
+            Key::NextRow => self.turn_soft_row(self.pages.soft_row + 1),
             _ => self.press_override(key),
         }
-    }
-
-    /// A soft key of the first row that came as a key of the panel.
-    fn turn_to(&mut self, page: Page) {
-        if self.page == page {
-            let name = page.title();
-            self.say(Said::new(format!("已是{}页面", name.zh), format!("page {} is open", name.en)));
-        }
-        self.open_page(page);
     }
 
     fn press_override(&mut self, key: Key) {
@@ -151,10 +141,11 @@ impl Controller {
             Answer::Taken => {}
             Answer::NoEffect(reason) | Answer::Denied(reason) => self.refuse(reason),
             Answer::Refused(number, reason) => {
-                self.refuse(reason);
+                let reason = self.machine.reason(reason, request, &self.params);
+                self.refuse(reason.clone());
                 // Alarm 180 is raised by the supervision, which also knows when it may go (K3.7).
                 if number != alarm::HYDRAULIC {
-                    self.raise(number, Some(reason.into()));
+                    self.raise(number, Some(reason));
                 }
             }
         }

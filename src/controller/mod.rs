@@ -197,6 +197,10 @@ pub struct Controller {
     alarms: Alarms,
     calendar: calendar::Calendar,
     message: Message,
+    /// The command that is being taken has been refused.
+    refused: bool,
+    /// Why a command of this tick was refused, if one was.
+    refusal: Option<Said>,
     waiting_for: Option<Said>,
     screens: Arc<Screens>,
     directory: Arc<Vec<DirectoryRow>>,
@@ -275,6 +279,8 @@ impl Controller {
             alarms: Alarms::new(retained.alarms),
             calendar: calendar::Calendar::new(retained.clock_offset_s),
             message: Message::default(),
+            refused: false,
+            refusal: None,
             waiting_for: None,
             screens: Arc::default(),
             directory: Arc::default(),
@@ -328,8 +334,13 @@ impl Controller {
         self.now = now;
         self.alarms.at(now, self.calendar.stamp(now));
         self.read_inputs(image);
+        self.refusal = None;
         for command in commands {
+            self.refused = false;
             self.take(command);
+            if self.refused {
+                self.refusal = Some(self.message.text.clone());
+            }
         }
         self.watch();
         self.step_restart();
@@ -383,8 +394,21 @@ impl Controller {
         self.message = Message { text: text.into(), tone: Tone::Note, since: self.now };
     }
 
+    /// What was asked for is not done; why.
     fn refuse(&mut self, text: impl Into<Said>) {
+        self.warn(text);
+        self.refused = true;
+    }
+
+    /// Something is the matter that nobody has asked for.
+    fn warn(&mut self, text: impl Into<Said>) {
         self.message = Message { text: text.into(), tone: Tone::Refused, since: self.now };
+    }
+
+    /// Why a command of the last tick was refused; none where all were done.
+    #[must_use]
+    pub const fn refusal(&self) -> Option<&Said> {
+        self.refusal.as_ref()
     }
 
     /// A parameter that the control itself changes.

@@ -1,15 +1,19 @@
-//! The open page, and alarm 66 for the files of the grinding and the dressing page.
-//! Source: spec K7.3, K7.6.
+//! The open page and its soft keys, and alarm 66 for the files of the grinding and the dressing page.
+//! Source: spec K7.1, K7.3, K7.6.
 
 use super::Controller;
 use crate::defs::alarm;
 use crate::defs::page::Page;
-use crate::defs::text::Said;
+use crate::defs::soft_key::{self, Coordinates, SoftAct};
+use crate::defs::text::{Said, Text};
 use crate::link::command::FileFault;
 use crate::link::snapshot::PAGED_PROGRAMS;
 
 /// What the number of a page's files is counted from.
 const PAGE_FILES: u32 = 1_000;
+
+/// The picture is taken where it is painted.
+const PRINT: Text = Text::new("屏幕打印：在屏幕上点此软键", "the screen is printed by touching the key on it");
 
 impl Controller {
     pub(super) fn open_page(&mut self, page: Page) {
@@ -20,8 +24,48 @@ impl Controller {
                 format!("this machine has no page {}", title.en),
             ));
         }
-        self.page = page;
+        if self.page != page {
+            self.page = page;
+            self.pages.soft_row = soft_key::row_of(page);
+            self.dress.withdraw();
+        }
         self.check_page_files();
+    }
+
+    /// Another view of the position page; from another page it opens that.
+    pub(super) fn show_coordinates(&mut self, coordinates: Coordinates) {
+        if self.pages.coordinates != coordinates {
+            self.pages.coordinates = coordinates;
+            self.dress.withdraw();
+        }
+        self.open_page(Page::Position);
+    }
+
+    /// Another row of soft keys; beyond the last comes the first.
+    pub(super) fn turn_soft_row(&mut self, row: usize) {
+        self.pages.soft_row = row % soft_key::ROWS.len();
+    }
+
+    /// A soft key that came as a key of the panel: what stands in its row is done, as at a touch.
+    pub(super) fn press_soft_key(&mut self, index: usize) {
+        let row = self.pages.soft_row;
+        let Some(soft) = soft_key::row(self.kind, row).nth(index) else {
+            let (row, key) = (row + 1, index + 1);
+            return self.refuse(Said::new(
+                format!("第 {row} 行软键没有 F{key}，按 ▶ 换行"),
+                format!("row {row} of the soft keys has no F{key}: turn it by ▶"),
+            ));
+        };
+        let before = (self.page, self.pages.coordinates);
+        match soft.act {
+            SoftAct::Open(page) => self.open_page(page),
+            SoftAct::Position(coordinates) => self.show_coordinates(coordinates),
+            SoftAct::Print => return self.refuse(PRINT),
+        }
+        if before == (self.page, self.pages.coordinates) {
+            let name = soft.label_on(self.kind);
+            self.say(Said::new(format!("已是“{}”", name.zh), format!("{} is open", name.en)));
+        }
     }
 
     /// Another sheet of the grinding page; beyond the last comes the first.

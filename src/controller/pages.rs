@@ -11,6 +11,7 @@ use crate::defs::kind::Kind;
 use crate::defs::param::{Level, ParamAddress, Params};
 use crate::defs::param_row;
 use crate::defs::signal::Output;
+use crate::defs::soft_key::Coordinates;
 use crate::defs::text::{Said, Text};
 use crate::link::internal::{Internal, InternalSet};
 use crate::link::page_command::{BRIGHTNESS, Guard, PASSWORD_LENGTH, PageAnswer, PageCommand, PageWish};
@@ -30,6 +31,10 @@ const FORM: Text = Text::new("新密码为 4 到 16 位数字", "a new password 
 /// What the core keeps for the pages.
 #[derive(Clone, Debug)]
 pub struct Pages {
+    /// What the position page shows.
+    pub coordinates: Coordinates,
+    /// Which row of soft keys is shown, from 0.
+    pub soft_row: usize,
     /// Which sheet of the grinding page is shown.
     pub sheet: usize,
     /// What the program tells until it tells something else (MSG).
@@ -46,6 +51,8 @@ impl Pages {
     /// At power-on every level is closed.
     pub fn new(kind: Kind, params: &Params) -> Self {
         Self {
+            coordinates: Coordinates::default(),
+            soft_row: 0,
             sheet: 0,
             note: None,
             params: Arc::new(params.clone()),
@@ -123,7 +130,7 @@ impl Controller {
                 self.effects.push(Effect::Ask(PageWish::KeepPort(port.clone())));
             }
             PageCommand::SetDate(wanted) => self.set_date(*wanted),
-            PageCommand::File(request) => self.take_file(request),
+            PageCommand::File(ticket, request) => self.take_file(*ticket, request),
             PageCommand::Answered(answer) => self.hear(answer),
         }
     }
@@ -186,7 +193,7 @@ impl Controller {
                 self.say(Said::new(format!("下次启动为 {}", name.zh), format!("from the next start: {}", name.en)));
             }
             PageAnswer::LangKept => {}
-            PageAnswer::File(answer) => self.hear_file(answer),
+            PageAnswer::File(ticket, answer) => self.hear_file(*ticket, answer),
             PageAnswer::Failed(why) => {
                 self.pages.answer(Some(Text::new("保存失败", "could not be stored")));
                 self.refuse(why.clone());

@@ -175,8 +175,8 @@ impl Planned {
             Op::OscillationOn { stroke: None, .. } => Act::Cylinder(true),
             Op::OscillationOn { stroke: Some((axis, to)), ramp_ms, strokes_min } => {
                 let to = to + self.frames.machine_minus_work(*axis);
-                if self.oscillating.is_some() {
-                    return Err(Forbidden::Oscillating(*axis));
+                if let Some(other) = self.oscillating {
+                    return Err(Forbidden::Oscillating(other));
                 }
                 if (to - self.machine[*axis]).abs() < LEAST_STROKE_MM {
                     return Err(Forbidden::NoStroke(*axis));

@@ -34,6 +34,7 @@ impl Controller {
         out.mode = self.mode;
         out.state = self.state();
         out.page = self.page;
+        (out.coordinates, out.soft_row) = (self.pages.coordinates, self.pages.soft_row);
         out.own_page = self.own_page();
         out.grinding_pages = self.grinding_pages();
         out.diameter = self.is_diameter();

@@ -12,8 +12,7 @@ use crate::defs::key::Mode;
 use crate::defs::param;
 use crate::defs::signal::{Input, Output};
 use crate::defs::text::{Said, Text};
-use crate::link::files::FileRequest;
-use crate::link::page_command::PageCommand;
+use crate::link::files::{Asker, FileRequest, Ticket};
 use crate::link::teach::{TeachCommand, TeachView};
 use crate::units::{Axis, PerAxis};
 
@@ -83,7 +82,7 @@ impl Controller {
             TeachCommand::Keep if self.teach.blocks.len() > 1 => {
                 self.end_piece();
                 let text = self.teach.text();
-                self.take_page(&PageCommand::File(FileRequest::Record(text)));
+                self.take_file(Ticket::unheard(Asker::Teach), &FileRequest::Record(text));
             }
             TeachCommand::Stop | TeachCommand::Undo | TeachCommand::Keep => return self.refuse(NOT_ON),
         }

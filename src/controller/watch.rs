@@ -134,7 +134,7 @@ impl Controller {
             self.alarms.raise(number, detail, self.now, place);
             if let Some(alarm) = self.alarms.present().last().filter(|_| self.message.since < self.now) {
                 let text = alarm.text.clone();
-                self.refuse(text);
+                self.warn(text);
             }
         } else if !stopped {
             return;

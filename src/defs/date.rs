@@ -40,6 +40,15 @@ impl Date {
         [year, month, day, rest / HOUR, rest / MINUTE % 60, rest % MINUTE]
     }
 
+    /// A date as it is shown, `2026-11-21 15:01:56`; none if it is written otherwise or there is no such day or time.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        let (day, time) = text.split_once(' ')?;
+        let numbers = day.split('-').chain(time.split(':')).map(|part| part.parse::<i64>());
+        let parts = numbers.collect::<Result<Vec<_>, _>>().ok()?;
+        Self::of(parts.try_into().ok()?)
+    }
+
     /// `15:01:56`
     #[must_use]
     pub fn time(self) -> String {
@@ -102,6 +111,10 @@ mod tests {
             assert_eq!(Date::of(Date(seconds).parts()), Some(Date(seconds)));
         }
         assert_eq!(Date(1_795_273_316).compact(), "20261121-150156");
+        assert_eq!(Date::parse("2026-11-21 15:01:56"), Some(Date(1_795_273_316)));
+        for wrong in ["2026-11-21", "2026-11-21 15:01", "2026-02-30 15:01:56", "21.11.2026 15:01:56", "", "a b"] {
+            assert_eq!(Date::parse(wrong), None, "{wrong}");
+        }
         assert!((0..60_000).all(|day| Date::of(Date(day * DAY).parts()) == Some(Date(day * DAY))));
     }
 

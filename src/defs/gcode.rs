@@ -137,9 +137,9 @@ g_codes! {
     36 "oscillation-off" Once Yes Yes "振荡关闭" "oscillation off"
         "G36：振荡回到起始端停止，然后执行下一段。"
         "G36: the oscillation ends at the end where it began, then the next block runs.";
-    40 "compensation-off" Compensation Later Later "取消半径补偿" "wheel radius compensation off"
-        "取消砂轮半径补偿，本版本不提供。"
-        "Wheel radius compensation off, not in this version.";
+    40 "compensation-off" Compensation Yes Yes "取消半径补偿" "wheel radius compensation off"
+        "取消砂轮半径补偿：本版本没有半径补偿，可以写，无作用。"
+        "Wheel radius compensation off: there is none in this version, so it changes nothing.";
     41 "compensation-left" Compensation Later Later "左侧半径补偿" "wheel radius compensation left"
         "左侧砂轮半径补偿，本版本不提供：程序在该段前停止并说明。"
         "Wheel radius compensation left, not in this version: the program stops before the block.";

@@ -54,8 +54,8 @@ pages! {
     Position = "position", "位置", "position",
         "轴在哪里：相对、综合、机床坐标，余移动量，生效的代码和程序段。",
         "Where the axes stand: relative, all, machine; what is left to go, codes in force, the running block.",
-        "相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。",
-        "On RELATIVE, in JOG, press X, Y or Z, then INPUT: the place becomes the axis' dressing point (homed axes only).";
+        "F1 相对、F2 综合、F3 机床。相对坐标下按地址键 X、Y、Z，再按输入：手动方式把该轴当前位置设为修整点（须已回零）。",
+        "F1 RELATIVE, F2 ALL, F3 MACHINE. On RELATIVE, in JOG, press X, Y or Z, then INPUT: the place becomes the axis' dressing point (homed axes only).";
     Grinding = "grinding", "磨削", "grinding",
         "O1001–O1020 的磨削参数：左栏、右栏最多各十项，右边是图；键入的值下一次运行生效。",
         "The values of O1001 to O1020, up to ten in each column beside the picture; the next run grinds to what is typed.",
@@ -139,11 +139,11 @@ pages! {
     Alarm = "alarm", "报警", "alarms",
         "当前报警的原因和处理，以及最近 1000 条历史，断电保留。",
         "The alarms present with cause and remedy, and the last 1000, kept over power-off.",
-        "排除原因后按复位；会自动消失的不用复位。",
-        "Remove the cause, then RESET; some go by themselves.";
+        "排除原因后按复位；会自动消失的不用复位。触摸一行（或 ↑ ↓ 输入）：历史中显示原因、处理和清除方式，再按 ? 打开它的帮助。",
+        "Remove the cause, then RESET; some go by themselves. Touch a row (or ↑ ↓ INPUT): the history tells its cause and remedy; then ? opens its help.";
     Settings = "settings", "设置", "settings",
-        "日期时间、语言、颜色、亮度、开关、密码、机型。",
-        "Date and time, language, colours, brightness, switches, passwords, kind of machine.",
+        "时钟（日期、时间）、语言、颜色、亮度、开关、密码、机型。",
+        "The clock (date and time), language, colours, brightness, switches, passwords, kind of machine.",
         "密码每级一个；机型下次开机生效。",
         "A password a level; the kind takes effect at the next power-on.";
     Simulator = "simulator", "模拟", "simulator",
@@ -157,9 +157,9 @@ pages! {
         "面板在屏幕右侧（竖屏在下方），各键的作用见“按键”。",
         "It stands right of the page, below it on a portrait display; see KEYS for each of them.";
     Help = "help", "帮助", "help",
-        "按键、软键、报警、G 和 M 代码的说明，可以查找。",
-        "What keys, soft keys, alarms, G and M codes mean, with a search.",
-        "上面选类别，左边选条目；任何页面按 ? 或 F12 打开，先显示该页面。",
+        "按键、软键、报警、G 和 M 代码、参数的说明，可以查找。",
+        "What keys, soft keys, alarms, G and M codes and parameters mean, with a search.",
+        "上面选类别，左边选条目，右边长的说明可以拖动；任何页面按 ? 或 F12 打开，先显示该页面。",
         "Choose a section above and an entry on the left. ? or F12 open it on any page, first with that page.";
 }
 
@@ -186,17 +186,6 @@ impl Page {
             _ => self.title(),
         }
     }
-
-    /// The page of the panel's keys F4 (磨削) and F5 (砂轮修整).
-    #[must_use]
-    pub const fn of_f(kind: Kind, fifth: bool) -> Self {
-        match (kind.face().turns_part, fifth) {
-            (false, false) => Self::Grinding,
-            (false, true) => Self::Dressing,
-            (true, false) => Self::Teach,
-            (true, true) => Self::Tools,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -209,7 +198,6 @@ mod tests {
         assert!(!Page::Grinding.is_on(Kind::Lathe) && !Page::Wheel.is_on(Kind::Lathe));
         for kind in [Kind::Gc, Kind::Gs, Kind::Ga, Kind::Vertical] {
             assert!(Page::Grinding.is_on(kind) && Page::Wheel.is_on(kind) && !Page::Teach.is_on(kind));
-            assert_eq!((Page::of_f(kind, false), Page::of_f(kind, true)), (Page::Grinding, Page::Dressing));
         }
         assert!(Page::ALL.iter().all(|page| Kind::ALL.iter().any(|kind| page.is_on(*kind))));
     }

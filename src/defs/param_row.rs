@@ -40,6 +40,24 @@ pub struct ParamRow {
     pub sort: Sort,
 }
 
+impl ParamRow {
+    /// The values that it takes, with their unit.
+    #[must_use]
+    pub fn range(&self) -> Said {
+        let (min, max) = (self.min, self.max);
+        match self.sort {
+            Sort::Bit => Said::new("0 或 1", "0 or 1"),
+            Sort::Number => {
+                let words = format!("{min} … {max} {}", self.unit);
+                Said::new(words.trim_end(), words.trim_end())
+            }
+            Sort::Input(_) | Sort::Output(_) => {
+                Said::new(format!("{min} … {max} (0 未接)"), format!("{min} … {max} (0 none)"))
+            }
+        }
+    }
+}
+
 /// Every parameter of a kind: bits, then numbers, then ports, each by number.
 #[must_use]
 pub fn rows(kind: Kind) -> Vec<ParamRow> {

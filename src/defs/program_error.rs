@@ -160,7 +160,7 @@ program_errors! {
         "请输入不带小数的数值", "give a number without a fraction";
     /// The O number in the wrong place.
     MisplacedO = 40, "misplaced-o", "O 号只能在程序开头", "the O number stands only at the head of the program",
-        "一个文件只存一个程序", "keep one program in a file";
+        "一个文件只存一个程序；零要写成数字 0，不是字母 O", "keep one program in a file; a zero is the digit 0, not the letter O";
     /// An axis outside the plane of the arc.
     AxisOutsidePlane = 41, "axis-outside-plane", "{} 不在所选平面内", "{} lies outside the plane of the arc",
         "请选择圆弧所在平面，或删除该字", "choose the arc's plane, or delete the word";

@@ -9,20 +9,20 @@ use super::entry::Entry;
 use super::frame::Touched;
 use super::keyboard::{self, Asked};
 use super::layout::Regions;
-use super::page::position::Shown;
 use super::page::{Pages, Typed};
 use super::panel::Panel;
 use super::panel::places::{PanelLayout, places};
 use super::press::Presses;
-use super::softkey::{self, Pressed, SoftAct};
+use super::softkey::{self, Pressed};
 use super::theme::{self, Theme};
 use super::view::View;
 use super::{frame, pad};
 use crate::defs::date::Date;
 use crate::defs::page::Page;
+use crate::defs::soft_key::{self, SoftAct};
 use crate::defs::text::{Lang, Text};
 use crate::link::command::Picture;
-use crate::link::files::FileRequest;
+use crate::link::files::{Asker, FileRequest, Ticket};
 use crate::link::media::Print;
 use crate::link::page_command::{BRIGHTNESS, PageCommand};
 use crate::link::{Command, Snapshot};
@@ -39,7 +39,6 @@ pub struct Hmi {
     brightness: u8,
     page: Option<Page>,
     program: (u32, Option<u32>),
-    soft_row: usize,
     pages: Pages,
     panel: Panel,
     presses: Presses,
@@ -62,7 +61,6 @@ impl Hmi {
             brightness: *BRIGHTNESS.end(),
             page: None,
             program: (0, None),
-            soft_row: 0,
             pages: Pages::default(),
             panel: Panel::default(),
             presses: Presses::default(),
@@ -162,7 +160,6 @@ impl Hmi {
     fn notice(&mut self, ui: &Ui, snapshot: &Snapshot) {
         if self.page != Some(snapshot.page) {
             self.page = Some(snapshot.page);
-            self.soft_row = softkey::row_of(snapshot.page);
             self.help = false;
             let theme = self.theme;
             let (light, brightness) = (self.light, self.brightness);
@@ -237,20 +234,21 @@ impl Hmi {
             None => {}
         }
         frame::status_line(ui, view, regions.status);
-        let (page, shown) = (view.snapshot.page, self.pages.shown);
+        let (page, shown) = (view.snapshot.page, view.snapshot.coordinates);
         let chosen = |act: SoftAct| match act {
             SoftAct::Open(other) => other == page,
             SoftAct::Position(other) => page == Page::Position && other == shown,
             SoftAct::Print => false,
         };
-        let touched = softkey::ui(ui, view, regions.soft, self.soft_row, chosen);
-        let rows = softkey::rows(view.snapshot);
-        self.soft_row %= rows;
-        let by_key = asked.soft.and_then(|index| softkey::row(view.snapshot.kind, self.soft_row).nth(index));
+        let rows = softkey::rows(view);
+        let row = view.snapshot.soft_row % rows;
+        let touched = softkey::ui(ui, view, regions.soft, row, chosen);
+        // What is read on the key is done, also where the core has turned the row since.
+        let by_key = asked.soft.and_then(|index| soft_key::row(view.snapshot.kind, row).nth(index));
         match touched.or(by_key.map(|soft| Pressed::Act(soft.act))) {
             Some(Pressed::Act(act)) => self.soft(ui, act, out),
-            Some(Pressed::Next) => self.soft_row = (self.soft_row + 1) % rows,
-            None if asked.next_row => self.soft_row = (self.soft_row + 1) % rows,
+            Some(Pressed::Next) => out.push(Command::TurnSoftRow((row + 1) % rows)),
+            None if asked.next_row => out.push(Command::TurnSoftRow((row + 1) % rows)),
             None => {}
         }
     }
@@ -259,17 +257,14 @@ impl Hmi {
     fn turn_help(&mut self, view: &View<'_>) {
         self.help = !self.help && view.snapshot.page != Page::Help;
         if self.help {
-            self.pages.help.open(view, view.snapshot.page);
+            self.pages.open_help(view);
         }
     }
 
     fn soft(&mut self, ui: &Ui, act: SoftAct, out: &mut Vec<Command>) {
         match act {
             SoftAct::Open(page) => out.push(Command::OpenPage(page)),
-            SoftAct::Position(shown) => {
-                self.pages.shown = shown;
-                out.push(Command::OpenPage(Page::Position));
-            }
+            SoftAct::Position(coordinates) => out.push(Command::ShowCoordinates(coordinates)),
             SoftAct::Print => self.print(ui),
         }
     }
@@ -295,7 +290,7 @@ impl Hmi {
         let print = |image: Arc<ColorImage>| {
             let rgb: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
             let print = Print { width: image.width() as u32, height: image.height() as u32, rgb: rgb.into() };
-            Command::Page(PageCommand::File(FileRequest::Print(print)))
+            Command::Page(PageCommand::File(Ticket::unheard(Asker::Screen), FileRequest::Print(print)))
         };
         pictures.into_iter().map(print).collect()
     }
@@ -309,8 +304,9 @@ impl Hmi {
             }
             self.presses.key_down(shortcut.physical, shortcut.modifiers, shortcut.key, now, out);
         }
-        let relative = view.snapshot.page == Page::Position && self.pages.shown == Shown::Relative;
-        for key in asked.addresses.iter().filter(|_| relative && !self.help) {
+        // In every view of the page: where no point is set, the core says why.
+        let position = view.snapshot.page == Page::Position;
+        for key in asked.addresses.iter().filter(|_| position && !self.help) {
             out.extend([Command::Press(*key), Command::Release(*key)]);
         }
         if asked.detents != 0 {

@@ -49,6 +49,9 @@ pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) -> Option<Touched> {
     fit(painter, place, Align2::RIGHT_CENTER, &program, theme::LABEL, view.theme.text);
     let title = Rect::from_min_max(row.min, pos2(place.min.x - theme::PAD, row.max.y));
     let kind = view.snapshot.kind.name().get(view.lang).split(' ').next().unwrap_or_default();
+    let mut letters = kind.chars();
+    let first: String = letters.next().map(char::to_uppercase).into_iter().flatten().collect();
+    let kind = first + letters.as_str();
     let word = format!("{kind} · {}", view.snapshot.page.title_on(view.snapshot.kind).get(view.lang));
     fit(painter, title, Align2::LEFT_CENTER, &word, theme::TITLE, view.theme.text);
     touched

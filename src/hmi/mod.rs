@@ -5,6 +5,7 @@
 //! Source: spec H1–H10, K2, K7.
 
 pub mod app;
+mod asking;
 pub mod entry;
 mod frame;
 mod help;
@@ -33,4 +34,3 @@ pub use app::Hmi;
 pub use help::{HelpEntry, Section as HelpSection, entries as help_entries};
 pub use keyboard::{SHORTCUTS, Shortcut};
 pub use shot::{page_text, shot};
-pub use softkey::{ROWS as SOFT_ROWS, SoftAct, SoftKey, row as soft_row};

@@ -9,6 +9,41 @@ use super::view::{View, card, fit, paragraph};
 use super::widget::{Look, Walk};
 use crate::defs::text::{Said, Text};
 
+/// The question that lies over a page now, with what it is about.
+#[derive(Debug)]
+pub struct Asked<A>(Option<(A, Question)>);
+
+impl<A> Default for Asked<A> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<A> Asked<A> {
+    /// Asks; a question that was open is forgotten.
+    pub fn ask(&mut self, about: A, question: Question) {
+        self.0 = Some((about, question));
+    }
+
+    /// Takes it away unanswered.
+    pub fn close(&mut self) {
+        self.0 = None;
+    }
+
+    /// Whether one is open: nothing else on the page takes what is typed.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// Draws it. Once it is answered: what it was about, and the place of the key that acts; none: 取消.
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> Option<(A, Option<usize>)> {
+        let key = self.0.as_mut()?.1.ui(ui, rect, view, edits)?;
+        let (about, question) = self.0.take()?;
+        Some((about, Some(key).filter(|key| key + 1 < question.keys.len())))
+    }
+}
+
 /// A question.
 #[derive(Clone, Debug)]
 pub struct Question {
@@ -40,7 +75,7 @@ impl Question {
     }
 
     /// Draws it; gives the number of the key that was chosen, the last one is 取消.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> Option<usize> {
+    fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> Option<usize> {
         ui.interact(rect, Id::unique("question-veil"), Sense::CLICK | Sense::DRAG);
         let painter = ui.painter();
         painter.rect_filled(rect, 0.0, view.theme.ground.gamma_multiply(0.86));

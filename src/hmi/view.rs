@@ -94,6 +94,20 @@ pub fn paragraph(painter: &Painter, rect: Rect, text: &str, size: f32, colour: C
     place(painter, rect, Align2::LEFT_TOP, galley, colour)
 }
 
+/// Text of so many lines at most, in the middle of a rectangle's height.
+pub fn rows(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32, most: usize) -> Rect {
+    let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
+    job.wrap.max_rows = most;
+    place(painter, rect, Align2::LEFT_CENTER, painter.layout_job(job), colour)
+}
+
+/// Text of several lines, each in the middle of a rectangle's width, from its top.
+pub fn centred(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32) {
+    let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
+    job.halign = egui::Align::Center;
+    painter.galley(Pos2::new(rect.center().x.round(), rect.min.y.round()), painter.layout_job(job), colour);
+}
+
 fn place(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley>, colour: Color32) -> Rect {
     let at = align.align_size_within_rect(galley.size(), rect);
     // Whole points: nothing moves by a pixel when a digit changes (H5).

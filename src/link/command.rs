@@ -13,6 +13,7 @@ use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::screen::PageText;
 use crate::defs::screw::ScrewTable;
+use crate::defs::soft_key::Coordinates;
 use crate::defs::text::Said;
 use crate::units::{Axis, PerAxis};
 
@@ -30,6 +31,10 @@ pub enum Command {
     Handwheel(i32),
     /// Another page was opened.
     OpenPage(Page),
+    /// The position page is opened, or turned, to these coordinates (K7.1).
+    ShowCoordinates(Coordinates),
+    /// The soft keys are turned to this row, from 0.
+    TurnSoftRow(usize),
     /// The grinding page turns to one of its sheets, from 0, where it has several.
     TurnSheet(usize),
     /// Make a program of the folder the current one.

@@ -1,5 +1,6 @@
 //! What the pages ask of the folders and of the long calculations, and how that is answered. The core says whether it may
-//! be; the work is done beside the tick, and the answer comes back as a command.
+//! be; the work is done beside the tick, and the answer comes back as a command. Every request carries a ticket and every
+//! answer that of its request: a page hears what it asked for and nothing else.
 //! Source: spec B6 (程序), K6.2, K7.8, H8 (progress, cancel).
 
 use std::sync::Arc;
@@ -19,6 +20,47 @@ use crate::units::{Axis, PerAxis};
 pub const LOOKED_LINES: usize = 120;
 /// What no screen is wide enough for is not looked at either.
 pub const LOOKED_CHARS: usize = 1_000;
+
+/// Answers that the pages can still read: more than come between two frames.
+const ANSWERS: usize = 16;
+
+/// Who asks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Asker {
+    /// The program page.
+    Editor,
+    /// The page designer.
+    Designer,
+    /// The directory.
+    Directory,
+    /// The page of USB and RS232.
+    Transfer,
+    /// The tables of the screws.
+    Screw,
+    /// The drawing.
+    Graphic,
+    /// The teach-in.
+    Teach,
+    /// The screen itself: its pictures, and tables that are kept.
+    Screen,
+}
+
+/// The number of a request, given by the one that asks; its answer brings it back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Ticket {
+    /// Who asks.
+    pub asker: Asker,
+    /// Counts the requests of one asker.
+    pub number: u32,
+}
+
+impl Ticket {
+    /// The ticket of a request whose answer nobody waits for.
+    #[must_use]
+    pub const fn unheard(asker: Asker) -> Self {
+        Self { asker, number: 0 }
+    }
+}
 
 /// One request.
 #[derive(Clone, Debug, PartialEq)]
@@ -213,10 +255,6 @@ pub enum FileAnswer {
     Media(MediaView),
     /// A page text that was asked for.
     Page(Arc<PageFile>),
-    /// Why that page text cannot be read.
-    Unread(Refusal),
-    /// Where a picture of the screen is, or why it is not kept.
-    Printed(Result<Said, Refusal>),
     /// Values of a file: the core takes them.
     Restored(Box<Restored>),
     /// A table of an axis' screw, and what it was read from; the core takes it.
@@ -229,17 +267,29 @@ pub enum FileAnswer {
     Bytes(Text, u64),
 }
 
+/// What was done.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Deed {
+    /// What is said of it.
+    pub said: Said,
+    /// The number of the text that was saved, and its stamp.
+    pub saved: Option<(u32, u64)>,
+}
+
+/// How a request ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Answered {
+    /// Whose request it was.
+    pub ticket: Ticket,
+    /// What was done, or why not.
+    pub result: Result<Deed, Refusal>,
+}
+
 /// What the pages see of that work.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FilesView {
-    /// Counts the answers, so that a page sees a new one.
-    pub answers: u32,
-    /// Why the last request was refused; none: it was done.
-    pub refused: Option<Refusal>,
-    /// What was done last.
-    pub done: Said,
-    /// The program that was saved last, and its stamp.
-    pub saved: (u32, u64),
+    /// How the last requests ended, the latest last.
+    pub answers: Vec<Answered>,
     /// What stands on both sides of a transfer, as it was looked at last.
     pub media: Option<Arc<MediaView>>,
     /// The page text that was read last.
@@ -252,4 +302,14 @@ pub struct FilesView {
     pub bytes: Option<u64>,
     /// What was found in the lines that were looked at last.
     pub looked: Arc<Looked>,
+}
+
+impl FilesView {
+    /// Keeps an answer for the one that waits for it; the oldest makes room.
+    pub fn answer(&mut self, ticket: Ticket, result: Result<Deed, Refusal>) {
+        if self.answers.len() >= ANSWERS {
+            self.answers.remove(0);
+        }
+        self.answers.push(Answered { ticket, result });
+    }
 }

@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use super::files::{FileAnswer, FileRequest};
+use super::files::{FileAnswer, FileRequest, Ticket};
 use crate::defs::date::Date;
 use crate::defs::kind::Kind;
 use crate::defs::param::{Level, ParamAddress};
@@ -123,7 +123,7 @@ pub enum PageCommand {
     /// Date and time of day, from now on.
     SetDate(Date),
     /// What concerns programs and folders, and the long calculations.
-    File(FileRequest),
+    File(Ticket, FileRequest),
     /// The disk's answer to a wish.
     Answered(PageAnswer),
 }
@@ -166,7 +166,7 @@ pub enum PageAnswer {
     /// The language is kept.
     LangKept,
     /// An answer of the work beside the tick.
-    File(FileAnswer),
+    File(Ticket, FileAnswer),
     /// The disk refused.
     Failed(Said),
 }

@@ -58,18 +58,3 @@ pub struct SimView {
     /// The working room of a lathe (L10).
     pub room: Option<RoomView>,
 }
-
-/// The faults that need no further word.
-pub const FAULTS: [(&str, &str, &str); 11] = [
-    ("pressure-loss", "液压压力丢失", "hydraulic pressure lost"),
-    ("drive-x", "X 驱动故障", "X drive fault"),
-    ("drive-y", "Y 驱动故障", "Y drive fault"),
-    ("drive-z", "Z 驱动故障", "Z drive fault"),
-    ("following-x", "X 跟随误差", "X following error"),
-    ("following-y", "Y 跟随误差", "Y following error"),
-    ("following-z", "Z 跟随误差", "Z following error"),
-    ("gauge-dead", "量仪无信号", "gauge dead"),
-    ("coolant-missing", "冷却无流量", "no coolant flow"),
-    ("lubrication-missing", "润滑液位低", "lubrication low"),
-    ("supply-loss", "电源丢失", "supply lost"),
-];

@@ -21,6 +21,7 @@ use crate::defs::param::{Level, Params};
 use crate::defs::program;
 use crate::defs::screw::ScrewTable;
 use crate::defs::signal::{InputSet, OutputSet, Terminals};
+use crate::defs::soft_key::Coordinates;
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -217,6 +218,10 @@ pub struct Snapshot {
     pub state: RunState,
     /// Open page.
     pub page: Page,
+    /// What the position page shows.
+    pub coordinates: Coordinates,
+    /// Which row of soft keys is shown, from 0.
+    pub soft_row: usize,
     /// Whether X is shown as a diameter.
     pub diameter: bool,
     /// The axes.
@@ -385,6 +390,8 @@ impl Snapshot {
             mode: Mode::default(),
             state: RunState::default(),
             page: Page::default(),
+            coordinates: Coordinates::default(),
+            soft_row: 0,
             diameter: false,
             axes: PerAxis::default(),
             program: ProgramView::default(),

@@ -26,7 +26,7 @@ use crate::defs::alarm::{self, Reaction};
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet, Output, OutputSet, Terminals};
-use crate::defs::text::Text;
+use crate::defs::text::{Said, Text};
 use crate::units::Micros;
 use cylinder::Cylinder;
 use fluids::Fluids;
@@ -302,6 +302,18 @@ impl Machine {
             facts.port_owned = matches!(ports::owner(port, params, self.row.kind), Owner::Interlocked(_));
         }
         interlock::forbidding(self.rules, request, &facts)
+    }
+
+    /// A rule's reason, with what it cannot know: the port that a program has named, and whose it is.
+    #[must_use]
+    pub fn reason(&self, reason: Text, request: Request, params: &Params) -> Said {
+        let (Request::Port(port, _) | Request::Pulse(port, _)) = request else { return reason.into() };
+        let Owner::Interlocked(output) = ports::owner(port, params, self.row.kind) else { return reason.into() };
+        let name = output.name();
+        Said::new(
+            format!("{} (输出口 {port}：{})", reason.zh, name.zh),
+            format!("{} (port {port}: {})", reason.en, name.en),
+        )
     }
 
     /// Asks for a change. The interlock table decides; a refused request changes nothing.

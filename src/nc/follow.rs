@@ -41,6 +41,11 @@ impl Interpreter {
     /// Goes past a fault; for a check that wants to see the rest without what follows from it.
     pub(crate) fn skip(&mut self, error: E) {
         self.second_half = false;
+        // The feed was meant to stay: later blocks are not blamed for it.
+        if self.modals.feed.is_none() {
+            let word = self.words.list().iter().find(|word| word.letter == b'F');
+            self.modals.feed = word.map(|word| word.value).filter(|feed| *feed > 0.0);
+        }
         if matches!(error, E::SubWithoutReturn | E::EndInSub) {
             let _ = self.flow.return_to(None, 0); // without a target it always succeeds
             return;

@@ -272,7 +272,8 @@ impl Interpreter {
                     second_half: self.second_half,
                 };
                 if self.words.has(b'O') && !at_head(text, at) {
-                    return wrong(at, E::MisplacedO);
+                    let o = self.words.list().iter().find(|word| word.letter == b'O');
+                    return wrong(o.map_or(at, |word| word.at as usize), E::MisplacedO);
                 }
                 let done = dialect::run(&mut running).and_then(|step| self.prepare(step, &cursor, block));
                 match &done {

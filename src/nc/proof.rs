@@ -24,9 +24,9 @@ const LIMIT: u32 = 100_000;
 const TEXTS: usize = 100;
 
 /// A proof under way.
-pub struct Proof(Kind);
+pub struct Proof(Manner);
 
-enum Kind {
+enum Manner {
     Whole(Box<Checking>, Box<CheckWorld>),
     Text(Box<Texts>),
 }
@@ -66,9 +66,9 @@ impl Proof {
         Some(Self(match dialect::provable(settings) {
             Provable::Whole => {
                 let checking = Checking::new(source, library, settings, Memory::default()).with_limit(LIMIT);
-                Kind::Whole(Box::new(checking), Box::new(world))
+                Manner::Whole(Box::new(checking), Box::new(world))
             }
-            Provable::Text => Kind::Text(Box::new(Texts {
+            Provable::Text => Manner::Text(Box::new(Texts {
                 settings: settings.clone(),
                 library: Arc::clone(library),
                 source: Arc::clone(source),
@@ -84,7 +84,7 @@ impl Proof {
     /// Looks at the next piece.
     pub fn advance(&mut self) -> Proved {
         match &mut self.0 {
-            Kind::Whole(checking, world) => {
+            Manner::Whole(checking, world) => {
                 let more = checking.advance(world, &mut |_| true, PIECE);
                 match checking.faults().first() {
                     Some(fault) => Proved::Wrong(fault.clone()),
@@ -92,7 +92,7 @@ impl Proof {
                     None => Proved::Clean,
                 }
             }
-            Kind::Text(texts) => texts.advance(),
+            Manner::Text(texts) => texts.advance(),
         }
     }
 }

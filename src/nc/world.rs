@@ -247,12 +247,7 @@ impl CheckWorld {
                 let (axes, from) = (*axes, self.position);
                 self.rapid(PerAxis::from_fn(|axis| if axes.contains(axis) { home[axis] } else { from[axis] }));
             }
-            Op::Post { station, by } => {
-                self.frames.change_tool(*station, *by);
-                if let (Some(start), Some(by)) = (&mut self.start, by) {
-                    *start = PerAxis::from_fn(|axis| start[axis] + by[axis]);
-                }
-            }
+            Op::Post { station, by } => self.change_tool(*station, *by),
             Op::S { .. } | Op::Path(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
             // Where the dressing point is, only the machine knows.
             Op::DressReturn { .. } => {}
@@ -260,6 +255,14 @@ impl CheckWorld {
             Op::OscillationOn { .. } => self.stroke_end = Some(false),
             Op::OscillationOff => self.stroke_end = None,
             Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } | Op::Note { .. } => {}
+        }
+    }
+
+    /// Another tool in front; with compensation the slides and the place of the tip at the start move by what they differ.
+    fn change_tool(&mut self, station: u8, by: Option<PerAxis<f64>>) {
+        self.frames.change_tool(station, by);
+        if let (Some(start), Some(by)) = (&mut self.start, by) {
+            *start = PerAxis::from_fn(|axis| start[axis] + by[axis]);
         }
     }
 

@@ -241,14 +241,13 @@ fn fault(file: &str, zh: impl Into<String>, en: impl Into<String>) -> FileFault 
     FileFault { file: file.to_owned(), place: None, said: Said::new(zh, en) }
 }
 
+/// A file of a page; alarm 66 tells what is wrong with it.
 fn read(folder: &Folder, class: &FileClass, number: u16) -> Result<crate::store::Read, FileFault> {
-    folder.read(class, number).map_err(|error| {
-        let name = class.name(number);
-        fault(
-            &name,
-            format!("不能读出，请重新拷入 screens 目录 ({error})"),
-            format!("cannot be read, copy it again ({error})"),
-        )
+    folder.read(class, number).map_err(|error| match error {
+        FolderError::Missing { name, .. } => {
+            fault(&name, "文件不存在，请拷入 screens 目录", "missing: copy it into the screens folder")
+        }
+        other => FileFault { file: class.name(number), place: None, said: other.said() },
     })
 }
 

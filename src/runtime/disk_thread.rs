@@ -19,7 +19,7 @@ use crate::link::command::Command;
 use crate::link::files::{FileAnswer, FileRequest, Refusal};
 use crate::link::media::Set;
 use crate::link::page_command::{PageAnswer, PageCommand};
-use crate::store::{Changed, Watch};
+use crate::store::{Changed, FolderError, Watch};
 
 /// How long the thread waits for wishes before it looks at the folders again.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
@@ -72,7 +72,7 @@ fn open_office(end: &DiskEnd, folders: &Folders, office: Office, name: &str) -> 
     let spawned = std::thread::Builder::new().name(name.into()).spawn(move || {
         for job in waiting {
             let changed = office.work(&job, &mut |answer| {
-                drop(commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+                drop(commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(job.ticket, answer)))));
             });
             if changed.programs {
                 deliver(&commands, &deliveries, &folders, Changed::Programs);
@@ -116,19 +116,19 @@ fn is_serial(job: &Job) -> bool {
     matches!(&job.request, FileRequest::Transfer(ask) if ask.set == Set::Serial)
 }
 
-/// The office takes a job, or says that it has too many: the disk thread never waits for it.
+/// The office takes a job, or says that it has too many: the disk thread never waits for it. What a page looks at again
+/// by itself needs no answer.
 fn hand_on(end: &DiskEnd, jobs: &Sender<Job>, job: &Job) {
-    if jobs.try_send(job.clone()).is_err() && !matches!(job.request, FileRequest::Look { .. }) {
+    let asked_again = matches!(job.request, FileRequest::Look { .. } | FileRequest::Media);
+    if jobs.try_send(job.clone()).is_err() && !asked_again {
         let busy = Said::new("上一项工作未完成，请稍候", "the work before is not done: wait");
         let answer = FileAnswer::Refused(Refusal::Because(busy));
-        drop(end.commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+        drop(end.commands.send(Command::Page(PageCommand::Answered(PageAnswer::File(job.ticket, answer)))));
     }
 }
 
 fn deliver(commands: &Sender<Command>, deliveries: &Sender<Delivery>, folders: &Folders, changed: Changed) {
-    let failed = |error: &dyn std::fmt::Display| {
-        drop(commands.send(Command::DiskFailed(Said::new(error.to_string(), error.to_string()))));
-    };
+    let failed = |error: &FolderError| drop(commands.send(Command::DiskFailed(error.said())));
     match changed {
         Changed::Programs => match folders.read_programs() {
             Ok((programs, directory)) => {

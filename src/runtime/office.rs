@@ -120,18 +120,18 @@ impl Office {
             }
             FileRequest::Print(picture) => {
                 let done = transfer::print(picture, date, self.prints.as_deref(), self.stick().as_ref());
-                tell(FileAnswer::Printed(done));
+                tell(done.map_or_else(FileAnswer::Refused, FileAnswer::Done));
                 return Changed::default();
             }
             FileRequest::Table(text) => {
                 let stick = self.stick();
                 let done = transfer::keep(text.as_bytes(), (date, "CSV"), self.prints.as_deref(), stick.as_ref());
-                tell(FileAnswer::Printed(done));
+                tell(done.map_or_else(FileAnswer::Refused, FileAnswer::Done));
                 return Changed::default();
             }
             FileRequest::ReadPage { page, program } => {
                 let read = self.page_desk().read(*page, *program, job);
-                tell(read.map_or_else(FileAnswer::Unread, |read| FileAnswer::Page(Arc::new(read))));
+                tell(read.map_or_else(FileAnswer::Refused, |read| FileAnswer::Page(Arc::new(read))));
                 return Changed::default();
             }
             FileRequest::SavePage { page, text, base, force } => {
@@ -159,7 +159,8 @@ impl Office {
             FileRequest::Rename { from, to } => rename(&programs, *from, *to),
             FileRequest::Delete(number) => delete(&programs, &called(*number)),
         };
-        let changed = Changed { programs: done.is_ok(), screens: false };
+        // Somebody else has changed the file: the core is to see it as well.
+        let changed = Changed { programs: done.is_ok() || done == Err(Refusal::Conflict), screens: false };
         tell(done.unwrap_or_else(FileAnswer::Refused));
         changed
     }
@@ -280,21 +281,9 @@ pub(super) fn because(error: &dyn std::fmt::Display) -> Refusal {
     Refusal::Because(Said::new(error.to_string(), error.to_string()))
 }
 
-/// The common refusals of a folder in both languages.
+/// What a folder refuses.
 pub(super) fn refused(error: &FolderError) -> Refusal {
-    let zh = match error {
-        FolderError::Missing { name, .. } => format!("{name} 不存在"),
-        FolderError::Exists { path } => {
-            format!("{} 已存在，请换一个号", path.file_name().unwrap_or_default().display())
-        }
-        FolderError::TooLarge { .. } => "文件太大".to_owned(),
-        FolderError::NotPlain { path } => format!("{} 是链接或目录，不能使用", path.display()),
-        FolderError::Changing { .. } => "文件正在被写入，请稍后再试".to_owned(),
-        FolderError::BadName { name, .. } => format!("{name} 不是有效的文件名"),
-        FolderError::BadNumber { number } => format!("{number} 不是有效的程序号，应为 1-9999"),
-        FolderError::Io(fault) => fault.zh(),
-    };
-    Refusal::Because(Said::new(zh, error.to_string()))
+    Refusal::Because(error.said())
 }
 
 fn file_number(number: u32) -> Result<u16, Refusal> {

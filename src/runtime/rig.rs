@@ -316,9 +316,9 @@ impl Rig {
     /// Does at once what the window's control has a thread for.
     fn work(&mut self, job: &Job) {
         let inbox = &mut self.inbox;
-        let changed = self
-            .office
-            .work(job, &mut |answer| inbox.push(Command::Page(PageCommand::Answered(PageAnswer::File(answer)))));
+        let changed = self.office.work(job, &mut |answer| {
+            inbox.push(Command::Page(PageCommand::Answered(PageAnswer::File(job.ticket, answer))))
+        });
         if changed.programs
             && let Ok((programs, directory)) = self.folders.read_programs()
         {
@@ -350,6 +350,12 @@ impl Rig {
     pub fn power_cut(&mut self) {
         self.powered = false;
         self.machine.write(self.now, &OutputImage { set_point_mm: self.image.encoder_mm, ..OutputImage::default() });
+    }
+
+    /// Whether the control has power.
+    #[must_use]
+    pub const fn is_powered(&self) -> bool {
+        self.powered
     }
 
     /// The power comes (again): a cold start with the data so far.

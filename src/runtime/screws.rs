@@ -4,6 +4,7 @@
 
 use std::path::Path;
 
+use super::office::refused;
 use super::transfer::{keep_as, no_stick};
 use crate::defs::date::Date;
 use crate::defs::screw::ScrewTable;
@@ -40,8 +41,7 @@ pub fn read(axis: Axis, stick: Option<&Stick>) -> Result<FileAnswer, Refusal> {
         Refusal::Because(Said::new(format!("U 盘上没有 {stem}.CSV"), format!("there is no {stem}.CSV on the medium")))
     })?;
     let wrong = |zh: String, en: String| Refusal::Because(Said::new(format!("{name} {zh}"), format!("{name} {en}")));
-    let bytes = read_whole(&stick.root().join(&name), LIMIT)
-        .map_err(|error| wrong(format!("不能读出：{error}"), format!("cannot be read: {error}")))?;
+    let bytes = read_whole(&stick.root().join(&name), LIMIT).map_err(|error| refused(&error))?;
     let text = decode(&bytes)
         .map_err(|error| wrong(format!("第 {} 行不是 GBK 或 UTF-8 文字", error.line), error.to_string()))?;
     let table = ScrewTable::parse(&text.text).map_err(|fault| {

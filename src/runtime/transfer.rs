@@ -299,7 +299,7 @@ impl Carrier<'_> {
         let bytes = archive.into_inner().map_err(|error| because(&error))?;
         let path = self.stick.root().join(&name);
         write_whole(&path, &bytes).map_err(|fault| of_disk(&fault))?;
-        let back = read_whole(&path, ARCHIVE_LIMIT).map_err(|error| because(&error))?;
+        let back = read_whole(&path, ARCHIVE_LIMIT).map_err(|error| refused(&error))?;
         if stamp(&back) != stamp(&bytes) {
             return Err(say(
                 format!("{name} 校验不符，请换 U 盘"),
@@ -311,7 +311,7 @@ impl Carrier<'_> {
 
     /// Everything out of an archive: it is examined whole before the first file is touched.
     fn restore(&self, ask: &Transfer, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
-        let files = self.stick.files().map_err(|error| because(&error))?;
+        let files = self.stick.files().map_err(|fault| refused(&fault.into()))?;
         let chosen = files
             .iter()
             .rev()
@@ -321,7 +321,7 @@ impl Carrier<'_> {
         if ask.overwrite.is_none() {
             return Err(Refusal::Overwrite(vec![name.clone()]));
         }
-        let bytes = read_whole(&self.stick.root().join(name), ARCHIVE_LIMIT).map_err(|error| because(&error))?;
+        let bytes = read_whole(&self.stick.root().join(name), ARCHIVE_LIMIT).map_err(|error| refused(&error))?;
         let shelf = self.folders.shelf();
         let (values, contents) = unpack(name, &bytes, &shelf)?;
         let restored = self.restored(&values)?;

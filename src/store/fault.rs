@@ -23,10 +23,20 @@ impl IoFault {
         move |cause| Self { path, act, cause }
     }
 
+    fn name(&self) -> String {
+        self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
+    }
+
+    /// The same by the file's name alone.
+    #[must_use]
+    pub fn en(&self) -> String {
+        format!("{}: {} ({})", self.name(), remedy(self.cause.kind()), self.cause)
+    }
+
     /// The same in Chinese; the system's own words stay as they are.
     #[must_use]
     pub fn zh(&self) -> String {
-        let name = self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy();
+        let name = self.name();
         let remedy = match self.cause.kind() {
             ErrorKind::NotFound => "找不到，请检查 U 盘是否插好",
             ErrorKind::PermissionDenied => "没有权限",

@@ -10,6 +10,7 @@ use super::fault::IoFault;
 use super::file_class::{FileClass, LARGEST_NUMBER};
 use super::listing::{self, Entry, Listing};
 use super::whole_file::{self, ReadError, UNFINISHED};
+use crate::defs::text::Said;
 
 /// Why a file of a folder was not read, written, renamed or deleted. Nothing was changed.
 #[derive(Debug, thiserror::Error)]
@@ -67,6 +68,51 @@ pub enum FolderError {
     /// The operating system refused.
     #[error(transparent)]
     Io(#[from] IoFault),
+}
+
+impl FolderError {
+    /// What the screen says of it: the file by its name alone, whatever folder it stands in.
+    #[must_use]
+    pub fn said(&self) -> Said {
+        let two = |zh: String, en: String| Said::new(zh, en);
+        match self {
+            Self::Missing { name, .. } => two(format!("{name} 不存在"), format!("{name} is not there")),
+            Self::Exists { path } => {
+                let name = shown(path);
+                two(format!("{name} 已存在，请换一个号"), format!("{name} is there already: choose another number"))
+            }
+            Self::TooLarge { path, size, limit } => {
+                let name = shown(path);
+                two(
+                    format!("{name} 太大：{size} 字节，最多 {limit}"),
+                    format!("{name} is too large: {size} bytes, {limit} at most"),
+                )
+            }
+            Self::NotPlain { path } => {
+                let name = shown(path);
+                two(
+                    format!("{name} 是链接或目录，请换成文件本身"),
+                    format!("{name} is a link or a folder: put the file itself there"),
+                )
+            }
+            Self::Changing { path } => {
+                let name = shown(path);
+                two(
+                    format!("{name} 正在被写入，请稍后再试"),
+                    format!("{name} is still being written: wait and try again"),
+                )
+            }
+            Self::BadName { name, like } => two(
+                format!("{name} 不是有效的文件名，应像 {like}"),
+                format!("{name} is not a file name: one like {like} is"),
+            ),
+            Self::BadNumber { number } => two(
+                format!("{number} 不是有效的程序号，应为 1-9999"),
+                format!("{number} is not a program number: 1 to 9999 are"),
+            ),
+            Self::Io(fault) => two(fault.zh(), fault.en()),
+        }
+    }
 }
 
 /// A file's name and content.
@@ -272,7 +318,7 @@ fn plain_name<'a>(class: &FileClass, name: &'a str) -> Result<&'a str, FolderErr
     if outside { Err(FolderError::BadName { name: name.to_owned(), like: class.name(1001) }) } else { Ok(name) }
 }
 
-fn read_plain(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
+pub(super) fn read_plain(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
     let here = || path.to_path_buf();
     whole_file::read(path, limit).map_err(|refused| match refused {
         ReadError::Io(fault) if fault.is_missing() => {

@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::fault::IoFault;
-use super::whole_file::{self, ReadError};
+use super::folder::{self, FolderError};
+use super::whole_file;
 
 /// Where systems put what is plugged in: the folders of media lie one or two levels below.
 const ROOTS: [&str; 4] = ["/media", "/run/media", "/mnt", "/Volumes"];
@@ -119,9 +120,6 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
 ///
 /// # Errors
 /// Why it was not read.
-pub fn read_whole(path: &Path, limit: u64) -> Result<Vec<u8>, String> {
-    whole_file::read(path, limit).map_err(|refused| match refused {
-        ReadError::Io(fault) => fault.to_string(),
-        other => format!("{}: {other}", path.display()),
-    })
+pub fn read_whole(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
+    folder::read_plain(path, limit)
 }

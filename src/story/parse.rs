@@ -161,6 +161,8 @@ pub enum Statement {
     Input(String, Force),
     /// `fault pressure-loss`
     Fault(String),
+    /// `fault list`: nothing is suffered, all names are told
+    FaultList,
     /// `wait 2 s`
     Wait(f64),
     /// `wait until idle max 60 s`
@@ -295,7 +297,11 @@ impl Words {
             "load" if own_programs(kind).is_some() => {
                 Statement::LoadNamed(self.word("the name of a program, such as SHAFT")?)
             }
-            "load" => Statement::Load(self.one_of("a program such as O1001", program)?),
+            "load" => {
+                let (number, name) = self
+                    .one_of("a program such as O1001", |word| program(word).map(|number| (number, word.to_owned())))?;
+                if defs::program::is_named(number) { Statement::LoadNamed(name) } else { Statement::Load(number) }
+            }
             "mode" => Statement::Mode(self.one_of("edit, auto, mdi, home, handwheel, step or jog", Mode::from_id)?),
             "home" => self.one_of("`all`", |word| (word == "all").then_some(Statement::HomeAll))?,
             "key" => Statement::Key(self.key(kind)?),
@@ -406,6 +412,9 @@ impl Words {
     fn fault(&mut self) -> Result<Statement, StoryError> {
         self.word("a fault")?;
         let text = self.text.trim_start_matches("fault").trim().to_owned();
+        if text == "list" {
+            return Ok(Statement::FaultList);
+        }
         if let Err(error) = SimulatedMachine::check_fault(&text) {
             return Err(self.error(error.to_string()));
         }
@@ -618,6 +627,7 @@ mod tests {
         assert_eq!(one("input 12 off"), Statement::Input("12".into(), Force::To(false)));
         assert_eq!(one("input hydraulic-pressure free"), Statement::Input("hydraulic-pressure".into(), Force::Free));
         assert_eq!(one("fault stuck-on home-x"), Statement::Fault("stuck-on home-x".into()));
+        assert_eq!(one("fault list"), Statement::FaultList);
         assert_eq!(one("wait 200 ms"), Statement::Wait(0.2));
         assert_eq!(one("wait until X<10.5 max 5 s"), Statement::WaitUntil(Until::Axis(Axis::X, true, 10.5), 5.0));
         assert_eq!(one("wait until idle"), Statement::WaitUntil(Until::State(RunState::Idle), 60.0));

@@ -38,6 +38,19 @@ pub struct Player<'a> {
     eyes: Option<Box<dyn Eyes>>,
     folder: PathBuf,
     part_given: bool,
+    /// Jog keys that a finger is on: they are heard of as the screen's are, until they are let go.
+    held: Vec<Key>,
+    /// When they are heard of next.
+    heard: Micros,
+}
+
+/// The story is over: no finger stays on a key.
+impl Drop for Player<'_> {
+    fn drop(&mut self) {
+        for key in self.held.drain(..) {
+            self.rig.send(Command::Release(key));
+        }
+    }
 }
 
 impl<'a> Player<'a> {
@@ -45,7 +58,7 @@ impl<'a> Player<'a> {
     /// already, so loading a program does not bring another.
     #[must_use]
     pub fn new(rig: &'a mut Rig, eyes: Option<Box<dyn Eyes>>, folder: &Path, part_given: bool) -> Self {
-        Self { rig, eyes, folder: folder.to_owned(), part_given }
+        Self { rig, eyes, folder: folder.to_owned(), part_given, held: Vec::new(), heard: Micros::ZERO }
     }
 
     /// The rig, to look at.
@@ -62,25 +75,30 @@ impl<'a> Player<'a> {
         match &line.statement {
             Statement::Kind(_) => Ok(()),
             Statement::PowerOn => {
+                self.held.clear();
                 self.rig.power_on();
                 self.answer()
             }
             Statement::PowerCut => {
+                self.held.clear();
                 self.rig.power_cut();
                 Ok(())
             }
-            Statement::Param(at, value) => self.send(Command::SetParam(*at, *value)),
-            Statement::Set(number, value) => self.send(Command::SetVariable(*number, *value)),
+            Statement::Param(at, value) => self.set(Command::SetParam(*at, *value)),
+            Statement::Set(number, value) => self.set(Command::SetVariable(*number, *value)),
             Statement::Load(number) => self.load(*number),
             Statement::LoadNamed(name) => match self.rig.program_named(name) {
                 Some(number) => self.load(number),
-                None => Err(format!("there is no program {name}")),
+                None => Err(format!("程序目录中没有 {name}; the programs folder has no {name}")),
             },
             Statement::Mode(mode) => self.press(mode.key()),
             Statement::HomeAll => self.home_all(),
             Statement::Key(key) => self.press(*key),
-            Statement::Press(key) => self.send(Command::Press(*key)),
-            Statement::Release(key) => self.send(Command::Release(*key)),
+            Statement::Press(key) => {
+                self.finger_on(*key);
+                self.answer()
+            }
+            Statement::Release(key) => self.finger_off(*key),
             Statement::Hold(key, seconds) => self.hold(*key, *seconds),
             Statement::Handwheel(axis, detents, step) => self.handwheel(*axis, *detents, *step),
             Statement::Mdi(text) => {
@@ -106,6 +124,7 @@ impl<'a> Player<'a> {
                 self.rig.machine_mut().fault(text).map_err(|error| error.to_string())?;
                 self.answer()
             }
+            Statement::FaultList => Ok(()),
             Statement::Wait(seconds) => {
                 self.wait(Micros::from_secs_f64(*seconds));
                 Ok(())
@@ -121,9 +140,20 @@ impl<'a> Player<'a> {
         }
     }
 
+    /// One tick; keys under a finger are heard of.
+    fn step(&mut self) {
+        self.rig.step();
+        if !self.held.is_empty() && self.rig.now() >= self.heard {
+            self.heard = self.rig.now() + HOLD_EVERY;
+            for key in &self.held {
+                self.rig.send(Command::Hold(*key));
+            }
+        }
+    }
+
     fn ticks(&mut self, count: u32) {
         for _ in 0..count {
-            self.rig.step();
+            self.step();
         }
     }
 
@@ -139,6 +169,39 @@ impl<'a> Player<'a> {
         self.answer()
     }
 
+    /// A setting past the panel: nobody looks for a message, so what the control refuses ends the story (T5).
+    fn set(&mut self, command: Command) -> Result<(), String> {
+        self.rig.send(command);
+        self.settled()
+    }
+
+    /// What the control has made of the settings that it was just given.
+    fn settled(&mut self) -> Result<(), String> {
+        if !self.rig.is_powered() {
+            return Err("the control has no power".to_owned());
+        }
+        self.step();
+        let refused = self.rig.controller().refusal().map(|said| format!("{}; {}", said.zh, said.en));
+        self.ticks(ANSWER_TICKS - 1);
+        self.run_until(ANSWER_MOST, |rig| !rig.controller().is_braking());
+        refused.map_or(Ok(()), Err)
+    }
+
+    fn finger_on(&mut self, key: Key) {
+        self.rig.send(Command::Press(key));
+        if key.jog().is_some() && !self.held.contains(&key) {
+            if self.held.is_empty() {
+                self.heard = self.rig.now() + HOLD_EVERY;
+            }
+            self.held.push(key);
+        }
+    }
+
+    fn finger_off(&mut self, key: Key) -> Result<(), String> {
+        self.held.retain(|held| *held != key);
+        self.send(Command::Release(key))
+    }
+
     fn press(&mut self, key: Key) -> Result<(), String> {
         self.send(Command::Press(key))?;
         self.send(Command::Release(key))
@@ -147,7 +210,7 @@ impl<'a> Player<'a> {
     fn wait(&mut self, span: Micros) {
         let end = self.rig.now() + span;
         while self.rig.now() < end && !self.rig.is_touched() {
-            self.rig.step();
+            self.step();
         }
     }
 
@@ -158,7 +221,7 @@ impl<'a> Player<'a> {
             if self.rig.now() >= end || self.rig.is_touched() {
                 return false;
             }
-            self.rig.step();
+            self.step();
         }
         true
     }
@@ -171,16 +234,12 @@ impl<'a> Player<'a> {
     }
 
     fn load(&mut self, number: u32) -> Result<(), String> {
-        self.send(Command::LoadProgram(number))?;
-        let snapshot = self.rig.snapshot();
-        if snapshot.program.number != number {
-            return Ok(()); // refused, and the message says why
-        }
+        self.set(Command::LoadProgram(number))?;
         if !self.part_given
             && let Some(part) = self.rig.bar(number).or_else(|| PartFile::builtin(number).ok().flatten())
         {
             self.rig.mount(&part);
-            self.ticks(ANSWER_TICKS);
+            self.settled()?;
         }
         Ok(())
     }
@@ -191,14 +250,14 @@ impl<'a> Player<'a> {
         let part = PartFile::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
         self.rig.mount(&part);
         self.part_given = true;
-        self.answer()
+        self.settled()
     }
 
     fn screw(&mut self, axis: Axis, file: &str) -> Result<(), String> {
         let path = self.folder.join(file);
         let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         let table = ScrewTable::parse(&text).map_err(|fault| format!("{} {fault}", path.display()))?;
-        self.send(Command::SetScrew(axis, table))
+        self.set(Command::SetScrew(axis, table))
     }
 
     /// What the operator does: mode home, one axis key after the other.
@@ -222,16 +281,11 @@ impl<'a> Player<'a> {
 
     fn hold(&mut self, key: Key, seconds: f64) -> Result<(), String> {
         let end = self.rig.now() + Micros::from_secs_f64(seconds);
-        self.rig.send(Command::Press(key));
-        let mut next = self.rig.now() + HOLD_EVERY;
+        self.finger_on(key);
         while self.rig.now() < end {
-            self.rig.step();
-            if self.rig.now() >= next {
-                self.rig.send(Command::Hold(key));
-                next = next + HOLD_EVERY;
-            }
+            self.step();
         }
-        self.send(Command::Release(key))
+        self.finger_off(key)
     }
 
     fn handwheel(&mut self, axis: Axis, detents: i32, step: Key) -> Result<(), String> {

@@ -115,7 +115,7 @@ fn k4_2_o1011_dresses_from_the_dressing_point() {
     crate::told::tell(
         &mut shop.rig,
         "mode mdi\nmdi G53 G00 X0\nwait until idle\nmdi G53 G00 Z-60\nwait until idle\nmdi G53 G00 X-318\nwait until idle
-mdi G53 G01 X-320 F200\nwait until idle\nwait 0.5 s\nmode jog\npage position\nkey address-x\nkey input
+mdi G53 G01 X-320 F200\nwait until idle\nwait 0.5 s\nmode jog\npage position\nkey f1\nkey address-x\nkey input
 key address-z\nkey input\nmode auto",
     );
     for times in 1..=2 {

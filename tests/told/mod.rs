@@ -68,6 +68,12 @@ pub fn tell(rig: &mut Rig, text: &str) {
     }
 }
 
+/// Plays one line that the control must refuse; gives what it said.
+pub fn refused(rig: &mut Rig, line: &str) -> String {
+    let (_, lines) = parse(line, rig.kind()).unwrap_or_else(|error| panic!("{error} in\n{line}"));
+    Player::new(rig, None, &PathBuf::from("."), true).play(&lines[0]).expect_err(line)
+}
+
 /// A story from a cold start on a machine of a kind.
 pub fn story_on(kind: Kind, text: &str) -> Rig {
     let mut rig = rig_of(kind, folders_of(kind));

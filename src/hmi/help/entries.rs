@@ -9,10 +9,12 @@ use crate::defs::key::{self, Key};
 use crate::defs::kind::Kind;
 use crate::defs::mcode;
 use crate::defs::page::Page;
+use crate::defs::param::ParamAddress;
+use crate::defs::param_row::{self, ParamRow};
 use crate::defs::program_error::ProgramError;
+use crate::defs::soft_key::{self, SoftAct};
 use crate::defs::text::{Lang, Said, Text};
 use crate::hmi::keyboard::SHORTCUTS;
-use crate::hmi::softkey::{self, SoftAct};
 
 /// A part of the help.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,11 +32,14 @@ pub enum Section {
     GCodes,
     /// M codes.
     MCodes,
+    /// The parameters.
+    Params,
 }
 
 impl Section {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::Pages, Self::SoftKeys, Self::Keys, Self::Alarms, Self::GCodes, Self::MCodes];
+    pub const ALL: [Self; 7] =
+        [Self::Pages, Self::SoftKeys, Self::Keys, Self::Alarms, Self::GCodes, Self::MCodes, Self::Params];
 
     /// The label of its tab.
     #[must_use]
@@ -46,6 +51,7 @@ impl Section {
             Self::Alarms => Text::new("报警", "ALARMS"),
             Self::GCodes => Text::new("G 代码", "G CODES"),
             Self::MCodes => Text::new("M 代码", "M CODES"),
+            Self::Params => Text::new("参数", "PARAMS"),
         }
     }
 
@@ -59,6 +65,7 @@ impl Section {
             Self::Alarms => "help-alarms",
             Self::GCodes => "help-g",
             Self::MCodes => "help-m",
+            Self::Params => "help-params",
         }
     }
 }
@@ -76,6 +83,15 @@ pub enum About {
     Alarm(u16),
     /// A code.
     Code,
+    /// A parameter.
+    Param(ParamAddress),
+}
+
+impl About {
+    /// An alarm of any number; those that programs raise by `#3000` share one entry.
+    pub(super) fn alarm(number: u16) -> Self {
+        Self::Alarm(number.min(alarm::USER_FIRST))
+    }
 }
 
 /// One entry.
@@ -112,16 +128,20 @@ impl HelpEntry {
         search.to_lowercase().split_whitespace().all(|word| self.haystack.contains(word))
     }
 
-    /// How well it fits a search: its own sign before its name before its text.
+    /// How well it fits a search: its own sign, then whole words in its name or its text, then parts of words.
     #[must_use]
     pub fn rank(&self, search: &str) -> u8 {
         let search = search.trim().to_lowercase();
-        let name = format!("{} {}", self.name.zh, self.name.en).to_lowercase();
+        let (sign, name) = (self.sign.to_lowercase(), format!("{} {}", self.name.zh, self.name.en).to_lowercase());
+        let all_in = |text: &str| search.split_whitespace().all(|word| stands_in(text, word));
         match () {
-            () if self.sign.to_lowercase() == search => 0,
-            () if name.contains(&search) => 1,
-            () if self.sign.to_lowercase().contains(&search) => 2,
-            () => 3,
+            () if sign == search => 0,
+            () if all_in(&name) => 1,
+            () if sign.starts_with(&search) => 2,
+            () if all_in(&self.haystack) => 3,
+            () if name.contains(&search) => 4,
+            () if sign.contains(&search) => 5,
+            () => 6,
         }
     }
 
@@ -131,6 +151,18 @@ impl HelpEntry {
         let parts = self.parts.iter().map(|(caption, said)| format!("{}: {}", caption.get(lang), said.get(lang)));
         parts.collect::<Vec<_>>().join("\n")
     }
+}
+
+/// Whether a word stands whole in a text: `clock` not in `clockwise`. Chinese knows no gaps between words.
+fn stands_in(text: &str, word: &str) -> bool {
+    let joins = |sign: Option<char>, edge: Option<char>| {
+        let is_part = |sign: char| sign.is_ascii_alphanumeric();
+        sign.is_some_and(is_part) && edge.is_some_and(is_part)
+    };
+    text.match_indices(word).any(|(at, _)| {
+        let (before, after) = (text[..at].chars().next_back(), text[at + word.len()..].chars().next());
+        !joins(before, word.chars().next()) && !joins(after, word.chars().next_back())
+    })
 }
 
 const WHAT: Text = Text::new("作用", "what it does");
@@ -154,11 +186,28 @@ pub fn entries(kind: Kind) -> Vec<HelpEntry> {
     alarms(&mut all);
     g_codes(kind, &mut all);
     all.extend(mcode::on(kind).map(of_mcode));
+    all.extend(param_row::rows(kind).iter().map(of_param));
     all
 }
 
+fn of_param(row: &ParamRow) -> HelpEntry {
+    let sign = row.at.to_string();
+    let unit = if row.unit.is_empty() { String::new() } else { format!(" {}", row.unit) };
+    let factory = format!("{}{unit}", row.factory);
+    let where_ = Said::new(format!("参数页，查找 {sign}"), format!("page parameters, search {sign}"));
+    let parts = vec![
+        (WHAT, row.name.clone()),
+        (Text::new("范围", "range"), row.range()),
+        (Text::new("出厂值", "factory"), Said::new(factory.clone(), factory)),
+        (Text::new("级别", "level"), row.level.name().into()),
+        (Text::new("位置", "where"), where_),
+    ];
+    let id = format!("param-{sign}");
+    HelpEntry::new(Section::Params, About::Param(row.at), id, sign, row.name.clone(), parts)
+}
+
 fn of_page(page: Page, kind: Kind) -> HelpEntry {
-    let keys: Vec<Text> = softkey::row(kind, softkey::row_of(page)).map(|soft| soft.label_on(kind)).collect();
+    let keys: Vec<Text> = soft_key::row(kind, soft_key::row_of(page)).map(|soft| soft.label_on(kind)).collect();
     let list = |text: fn(&Text) -> &'static str| {
         let words = keys.iter().enumerate().map(|(index, label)| format!("F{} {}", index + 1, text(label)));
         words.collect::<Vec<_>>().join(" · ")
@@ -174,8 +223,8 @@ fn of_page(page: Page, kind: Kind) -> HelpEntry {
 }
 
 fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
-    for row in 0..softkey::ROWS.len() {
-        for (index, soft) in softkey::row(kind, row).enumerate() {
+    for row in 0..soft_key::ROWS.len() {
+        for (index, soft) in soft_key::row(kind, row).enumerate() {
             let place = Said::new(
                 format!("▶ 翻到第 {} 行，F{}", row + 1, index + 1),
                 format!("▶ to row {}, then F{}", row + 1, index + 1),

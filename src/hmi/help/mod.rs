@@ -1,5 +1,5 @@
-//! Help on every page: what the page is for, what a key does, what an alarm means, what a G or M code does; searched by
-//! number or word. A page of its own, and a sheet over any other page. Every text is from the tables in `defs`.
+//! Help on every page: what the page is for, what a key does, what an alarm means, what a G or M code or a parameter does;
+//! searched by number or word. A page of its own, and a sheet over any other page. Every text is from the tables in `defs`.
 //! Source: spec B6, H6, K2.1, K2.4.
 
 mod entries;
@@ -23,6 +23,8 @@ use crate::defs::page::Page;
 
 /// Height of a line of the list.
 const ROW: f32 = 46.0;
+/// Height of a line of an entry's text.
+const TEXT: f32 = 23.0;
 /// Width of the key that closes the sheet.
 const CLOSE: f32 = 92.0;
 /// Characters that a search may have.
@@ -44,21 +46,28 @@ pub struct Help {
     listed: Vec<usize>,
     cursor: usize,
     scroll: Scroll,
+    /// How far down the chosen entry is read, and which one that is.
+    reading: (Scroll, Option<usize>),
 }
 
 impl Help {
-    /// Opens at what the operator looks at: the open page; on the alarm page the first alarm.
-    pub fn open(&mut self, view: &View<'_>, page: Page) {
+    /// Opens at an alarm, else at a page.
+    pub fn open(&mut self, view: &View<'_>, page: Page, alarm: Option<u16>) {
         self.fill(view);
         (self.map, self.searching) = (false, false);
         self.search.clear();
-        let alarm = view.snapshot.alarms.first().filter(|_| page == Page::Alarm);
         let (section, about) = match alarm {
-            Some(alarm) => (Section::Alarms, About::Alarm(alarm.number.min(crate::defs::alarm::USER_FIRST))),
+            Some(number) => (Section::Alarms, About::alarm(number)),
             None => (Section::Pages, About::Page(page)),
         };
         self.turn(section);
         self.cursor = self.listed.iter().position(|index| self.all[*index].about == about).unwrap_or(0);
+    }
+
+    /// What there is on an alarm.
+    #[must_use]
+    pub fn alarm(&self, number: u16) -> Option<&HelpEntry> {
+        self.all.iter().find(|entry| entry.about == About::alarm(number))
     }
 
     /// Whether words are being typed.
@@ -266,7 +275,7 @@ impl Help {
             Section::Pages => 0.0,
             Section::Keys => 92.0,
             Section::Alarms => 82.0,
-            Section::SoftKeys | Section::GCodes | Section::MCodes => 64.0,
+            Section::SoftKeys | Section::GCodes | Section::MCodes | Section::Params => 64.0,
         };
         let (sign, words) = inside.split_left_right_at_x(inside.min.x + sign_width);
         let ink = if is_present(view, entry.about) { view.theme.alarm_text } else { view.theme.info };
@@ -279,26 +288,55 @@ impl Help {
         }
     }
 
-    /// The chosen entry in full.
-    fn detail(&self, ui: &Ui, view: &View<'_>, rect: Rect) {
+    /// The chosen entry in full: longer than its place it is read under a finger, as beside the letters.
+    fn detail(&mut self, ui: &Ui, view: &View<'_>, rect: Rect) {
         let painter = ui.painter();
         card(painter, rect, view.theme.surface, view.theme.line);
-        let Some(entry) = self.listed.get(self.cursor).map(|index| &self.all[*index]) else { return };
+        let Some(index) = self.listed.get(self.cursor).copied() else { return };
+        let entry = &self.all[index];
         let response = ui.interact(rect, Id::unique("help-detail"), Sense::HOVER);
         response.widget_info(|| WidgetInfo::labeled(Role::Label, true, entry.text(view.lang)));
         let inside = rect.shrink(theme::PAD);
         let head = Rect::from_min_size(inside.min, vec2(inside.width(), 40.0));
         let title = format!("{} {}", entry.sign, entry.name.get(view.lang));
         name_of(painter, head, title.trim(), theme::SECONDARY, view.theme.text);
-        let mut top = head.max.y + theme::GAP;
-        if let Some(words) = now(view, entry.about) {
-            top = part(painter, view, inside, top, (view.say("现在", "now"), &words), view.theme.hold);
+        let room = Rect::from_min_max(pos2(inside.min.x, head.max.y + theme::GAP), inside.max);
+        let lines = lines_of(painter, view, entry, room.width() - 8.0);
+        let list = whole_lines(room, TEXT);
+        let (scroll, of) = &mut self.reading;
+        if *of != Some(index) {
+            (*scroll, *of) = (Scroll::default(), Some(index));
         }
-        for (caption, said) in &entry.parts {
-            let ink = view.theme.text;
-            top = part(painter, view, inside, top, (caption.get(view.lang), said.get(view.lang)), ink);
+        let (first, last) = scroll.follow(ui, "help-text", list, TEXT, lines.len());
+        // Some signs begin left of their place.
+        let painter = &painter.with_clip_rect(list.expand2(vec2(2.0, 0.0)));
+        for (at, (words, size, ink)) in lines.iter().enumerate().take(last).skip(first) {
+            let top = list.min.y + ((at as f64 - scroll.top) * f64::from(TEXT)) as f32;
+            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width(), TEXT));
+            // A caption stands at the text below it.
+            let align = if *size < theme::LABEL { Align2::LEFT_BOTTOM } else { Align2::LEFT_CENTER };
+            fit(painter, place, align, words, *size, *ink);
         }
+        scroll.bar(ui, view, list, TEXT, lines.len());
     }
+}
+
+/// The lines of an entry: a caption, then its text wrapped to a width.
+fn lines_of(painter: &Painter, view: &View<'_>, entry: &HelpEntry, width: f32) -> Vec<(String, f32, Color32)> {
+    let mut lines = Vec::new();
+    let mut part = |caption: &str, words: &str, ink: Color32| {
+        lines.push((caption.to_owned(), theme::SMALL, view.theme.quiet));
+        let size = theme::TITLE - 1.0;
+        let text = painter.layout(words.to_owned(), theme::font(size), ink, width);
+        lines.extend(text.rows.iter().map(|row| (row.text(), size, ink)));
+    };
+    if let Some(words) = now(view, entry.about) {
+        part(view.say("现在", "now"), &words, view.theme.hold);
+    }
+    for (caption, said) in &entry.parts {
+        part(caption.get(view.lang), said.get(view.lang), view.theme.text);
+    }
+    lines
 }
 
 /// A name in one line, or in two small ones.
@@ -310,19 +348,6 @@ fn name_of(painter: &Painter, rect: Rect, words: &str, size: f32, ink: Color32) 
     } else {
         fit(painter, rect, Align2::LEFT_CENTER, words, size, ink);
     }
-}
-
-/// A caption and the text below it; gives where the next one begins. What has no room while the letters are open is
-/// left out whole.
-fn part(painter: &Painter, view: &View<'_>, inside: Rect, top: f32, words: (&str, &str), ink: Color32) -> f32 {
-    let height = painter.layout(words.1.to_owned(), theme::font(theme::TITLE - 1.0), ink, inside.width()).size().y;
-    if top + 20.0 + height > inside.max.y + theme::GAP {
-        return inside.max.y;
-    }
-    let caption = Rect::from_min_size(pos2(inside.min.x, top), vec2(inside.width(), 20.0));
-    fit(painter, caption, Align2::LEFT_CENTER, words.0, theme::SMALL, view.theme.quiet);
-    let room = Rect::from_min_max(caption.left_bottom(), inside.max.max(caption.max));
-    paragraph(painter, room, words.1, theme::TITLE - 1.0, ink).max.y + theme::GAP
 }
 
 fn is_present(view: &View<'_>, about: About) -> bool {
@@ -337,6 +362,7 @@ fn now(view: &View<'_>, about: About) -> Option<String> {
             let alarm = view.snapshot.alarms.iter().find(|alarm| alarm.number == number)?;
             Some(alarm.text.get(view.lang).to_owned())
         }
+        About::Param(at) => view.snapshot.params.read(at).ok().map(|value| value.to_string()),
         About::Page(_) | About::Soft(_) | About::Code => None,
     }
 }

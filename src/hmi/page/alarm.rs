@@ -1,32 +1,46 @@
-//! The alarms: those present with cause and remedy, and what came and went, also before the last power-off.
+//! The alarms: those present with cause and remedy, and what came and went, also before the last power-off. One of them
+//! can be chosen: help opens at it, and the history tells its cause, its remedy and how it goes away.
 //! Source: spec B6, B8, H7.
 
 use std::sync::Arc;
 
-use egui::{Align2, Rect, Ui, pos2, vec2};
+use egui::accesskit::Role;
+use egui::{Align2, Id, Painter, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::Typed;
 use super::scroll::Scroll;
-use crate::defs::alarm::ALARMS;
+use crate::defs::alarm::{self, ALARMS};
 use crate::defs::history::PastAlarm;
 use crate::defs::text::Lang;
 use crate::hmi::entry::Edit;
-use crate::hmi::view::{View, card, fit, moment, paragraph, put};
+use crate::hmi::help::Help;
+use crate::hmi::view::{View, card, fit, frame, moment, paragraph, put};
 use crate::hmi::widget::Look;
 use crate::hmi::{theme, widget};
 use crate::link::Command;
-use crate::link::files::FileRequest;
+use crate::link::files::{Asker, FileRequest, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::link::snapshot::AlarmView;
+use crate::units::Micros;
 
 /// Height of an alarm that is present, and of a line of the history.
-const PRESENT: f32 = 138.0;
+const PRESENT: f32 = 158.0;
 const PAST: f32 = 56.0;
+/// Width of the captions beside cause and remedy.
+const CAPTION: f32 = 80.0;
+
+/// An alarm, wherever it stands in its list while others come and go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    Present(u16, Micros),
+    Past(u64),
+}
 
 /// What the page keeps.
 #[derive(Debug, Default)]
 pub struct Alarms {
     history: bool,
+    chosen: Option<Which>,
     scroll: Scroll,
 }
 
@@ -36,34 +50,25 @@ impl Alarms {
         *self = Self::default();
     }
 
+    /// The number of the alarm that is chosen; without a choice the first of those present.
+    #[must_use]
+    pub fn number(&self, view: &View<'_>) -> Option<u16> {
+        let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
+        let chosen = self.chosen.and_then(|chosen| match chosen {
+            Which::Present(number, _) => Some(number),
+            Which::Past(count) => past.iter().find(|past| past.count == count).map(|past| past.number),
+        });
+        chosen.or_else(|| present.first().map(|alarm| alarm.number))
+    }
+
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
-        let mut out = Vec::new();
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, help: &Help) -> Vec<Command> {
         let inside = rect.shrink(theme::PAD);
         let (bar, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS);
-        let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
-        let keys = [
-            ("alarms-present", format!("{} {}", view.say("当前", "PRESENT"), present.len())),
-            ("alarm-history", format!("{} {}", view.say("历史", "HISTORY"), past.len())),
-        ];
-        let bar = Rect::from_min_size(bar.min, vec2(bar.width().min(420.0), bar.height()));
-        let touched = widget::tabs(ui, view, bar, &keys, usize::from(self.history)).map(|index| index == 1);
-        let turned = typed.edits.iter().any(|edit| matches!(edit, Edit::Left | Edit::Right | Edit::Next));
-        let wanted = touched.unwrap_or(self.history != turned);
-        if wanted != self.history {
-            (self.history, self.scroll) = (wanted, Scroll::default());
-        }
-        if self.history {
-            let key = Rect::from_min_max(pos2(inside.max.x - 150.0, bar.min.y), pos2(inside.max.x, bar.max.y));
-            let look = Look { on: false, locked: past.is_empty() };
-            if widget::push(ui, view, key, "alarm-export", view.say("导出 CSV", "EXPORT CSV"), look) && !past.is_empty()
-            {
-                out.push(Command::Page(PageCommand::File(FileRequest::Table(table(view.lang, past)))));
-            }
-        }
+        let out = self.bar(ui, bar, view, typed);
         let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::PAD), rest.max);
-        let count = if self.history { past.len() } else { present.len() };
-        if count == 0 {
+        let rows = self.rows(view);
+        if rows.is_empty() {
             let words = if self.history {
                 view.say("没有报警记录", "no alarm is remembered")
             } else {
@@ -74,25 +79,158 @@ impl Alarms {
             return out;
         }
         let line = if self.history { PAST } else { PRESENT };
-        let list = widget::whole_lines(rest, line);
+        self.walk(&rows, typed.edits, widget::whole_lines(rest, line), line);
+        let chosen = self.chosen.filter(|chosen| rows.contains(chosen));
+        let told = chosen.filter(|_| self.history).and(self.number(view)).and_then(|number| help.alarm(number));
+        let below = told.map_or(0.0, |entry| {
+            let parts = entry.parts.iter().map(|(caption, said)| (caption.get(view.lang), said.get(view.lang)));
+            let place = Rect::from_min_max(pos2(rest.min.x, rest.min.y + rest.height() / 3.0), rest.max);
+            detail(ui.painter(), view, place, parts.collect())
+        });
+        let list = widget::whole_lines(Rect::from_min_max(rest.min, rest.max - vec2(0.0, below)), line);
         if typed.pages != 0 {
             self.scroll.page(typed.pages, list, line);
         }
-        let (first, last) = self.scroll.follow(ui, "alarms", list, line, count);
-        for index in first..last {
+        if let Some(at) = rows.iter().position(|row| Some(*row) == chosen).filter(|_| !self.scroll.by_hand) {
+            self.scroll.reveal(at, list, line);
+        }
+        let (first, last) = self.scroll.follow(ui, "alarms", list, line, rows.len());
+        for (index, row) in rows.iter().enumerate().take(last).skip(first) {
             let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(line)) as f32;
             let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, line - theme::GAP));
-            let ui_painter = ui.painter().with_clip_rect(list);
-            if self.history {
-                // The latest on top.
-                past.iter().rev().nth(index).into_iter().for_each(|past| gone(&ui_painter, view, place, past));
-            } else if let Some(alarm) = present.get(index) {
-                present_row(&ui_painter, view, place, alarm);
-            }
+            self.row(ui, view, (list, place), *row);
         }
-        self.scroll.bar(ui, view, list, line, count);
+        self.scroll.bar(ui, view, list, line, rows.len());
         out
     }
+
+    /// The tabs, and the key that keeps the history as a table.
+    fn bar(&mut self, ui: &Ui, bar: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
+        let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
+        let keys = [
+            ("alarms-present", format!("{} {}", view.say("当前", "PRESENT"), present.len())),
+            ("alarm-history", format!("{} {}", view.say("历史", "HISTORY"), past.len())),
+        ];
+        let tabs = Rect::from_min_size(bar.min, vec2(bar.width().min(420.0), bar.height()));
+        let touched = widget::tabs(ui, view, tabs, &keys, usize::from(self.history)).map(|index| index == 1);
+        let turned = typed.edits.iter().any(|edit| matches!(edit, Edit::Left | Edit::Right | Edit::Next));
+        let wanted = touched.unwrap_or(self.history != turned);
+        if wanted != self.history {
+            *self = Self { history: wanted, ..Self::default() };
+        }
+        if self.history {
+            let key = Rect::from_min_max(pos2(bar.max.x - 150.0, bar.min.y), bar.max);
+            let look = Look { on: false, locked: past.is_empty() };
+            if widget::push(ui, view, key, "alarm-export", view.say("导出 CSV", "EXPORT CSV"), look) && !past.is_empty()
+            {
+                let (ticket, request) = (Ticket::unheard(Asker::Screen), FileRequest::Table(table(view.lang, past)));
+                return vec![Command::Page(PageCommand::File(ticket, request))];
+            }
+        }
+        Vec::new()
+    }
+
+    /// The rows of the tab: of the history the latest on top.
+    fn rows(&self, view: &View<'_>) -> Vec<Which> {
+        if self.history {
+            view.snapshot.alarm_history.iter().rev().map(|past| Which::Past(past.count)).collect()
+        } else {
+            view.snapshot.alarms.iter().map(|alarm| Which::Present(alarm.number, alarm.since)).collect()
+        }
+    }
+
+    /// What was typed goes through the rows; 取消 chooses none.
+    fn walk(&mut self, rows: &[Which], edits: &[Edit], list: Rect, line: f32) {
+        for edit in edits {
+            let at = self.chosen.and_then(|chosen| rows.iter().position(|row| *row == chosen));
+            // Without a choice it begins at the first one in sight.
+            let first = self.scroll.lines(list, line).start;
+            let to = match (edit, at) {
+                (Edit::Down | Edit::Up | Edit::Enter, None) => first,
+                (Edit::Down, Some(at)) => at + 1,
+                (Edit::Up, Some(at)) => at.saturating_sub(1),
+                (Edit::LineStart, _) => 0,
+                (Edit::LineEnd, _) => rows.len(),
+                (Edit::Cancel, _) => {
+                    self.chosen = None;
+                    continue;
+                }
+                _ => continue,
+            };
+            self.chosen = rows.get(to.min(rows.len() - 1)).copied();
+            self.scroll.by_hand = false;
+        }
+    }
+
+    fn row(&mut self, ui: &Ui, view: &View<'_>, (list, place): (Rect, Rect), row: Which) {
+        let painter = &ui.painter().with_clip_rect(list);
+        let chosen = self.chosen == Some(row);
+        let name = match row {
+            Which::Present(number, since) => {
+                let is = |alarm: &&AlarmView| alarm.number == number && alarm.since == since;
+                let Some(alarm) = view.snapshot.alarms.iter().find(is) else { return };
+                present_row(painter, view, place, alarm, chosen);
+                format!("{number:03} {} alarm-{number}", alarm.text.get(view.lang))
+            }
+            Which::Past(count) => {
+                let Some(past) = view.snapshot.alarm_history.iter().find(|past| past.count == count) else { return };
+                gone(painter, view, place, past, chosen);
+                format!("{:03} {} past-{count}", past.number, past.text.get(view.lang))
+            }
+        };
+        let response = ui.interact(place.intersect(list), Id::unique(("alarm-row", &name)), Sense::CLICK);
+        response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
+        if response.clicked() {
+            self.chosen = (!chosen).then_some(row);
+            // What is told must not cover the row.
+            self.scroll.by_hand = false;
+        }
+    }
+}
+
+/// The card of a row: an edge in red while the alarm is there, a frame while it is chosen; gives the room for its number
+/// and for its words.
+fn row_card(painter: &Painter, view: &View<'_>, place: Rect, (here, chosen): (bool, bool)) -> (Rect, Rect) {
+    let fill = if chosen { view.theme.raised } else { view.theme.surface };
+    card(painter, place, fill, view.theme.line);
+    let edge = if here { view.theme.alarm } else { view.theme.line };
+    painter.rect_filled(Rect::from_min_size(place.min, vec2(4.0, place.height())), 0.0, edge);
+    if chosen {
+        frame(painter, place, view.theme.focus);
+    }
+    let inside = place.shrink2(vec2(theme::PAD, 3.0));
+    inside.split_left_right_at_x(inside.min.x + 60.0)
+}
+
+/// Captions with their words, one below the other; gives where the next thing begins.
+fn parts_below(painter: &Painter, view: &View<'_>, room: Rect, parts: &[(&str, &str)]) -> f32 {
+    let mut top = room.min.y;
+    for (caption, words) in parts.iter().filter(|(_, words)| !words.is_empty()) {
+        let label = Rect::from_min_size(pos2(room.min.x, top), vec2(CAPTION - 4.0, 22.0));
+        fit(painter, label, Align2::LEFT_TOP, caption, theme::LABEL, view.theme.quiet);
+        let words_room = Rect::from_min_max(pos2(room.min.x + CAPTION, top), pos2(room.max.x, top + 44.0));
+        top = paragraph(painter, words_room, words, theme::LABEL, view.theme.text).max.y + 2.0;
+    }
+    top
+}
+
+/// What there is to say on the chosen alarm, in a card at the lower edge of a room as high as it takes; gives that height
+/// and the gap above it.
+fn detail(painter: &Painter, view: &View<'_>, room: Rect, parts: Vec<(&str, &str)>) -> f32 {
+    let width = room.width() - 2.0 * theme::PAD - CAPTION;
+    let height = |words: &str| {
+        let text = painter.layout(words.to_owned(), theme::font(theme::LABEL), view.theme.text, width);
+        text.size().y.min(44.0) + 2.0
+    };
+    let all = parts.iter().map(|(_, words)| height(words)).sum::<f32>() + 2.0 * theme::GAP + 22.0;
+    let place = Rect::from_min_max(pos2(room.min.x, (room.max.y - all).max(room.min.y)), room.max);
+    card(painter, place, view.theme.surface, view.theme.focus);
+    let inside = place.shrink2(vec2(theme::PAD, theme::GAP));
+    let top = parts_below(painter, view, inside, &parts);
+    let hint = Rect::from_min_size(pos2(inside.min.x + CAPTION, top), vec2(width, 20.0));
+    let words = view.say("? 帮助中打开这一条", "? opens it in the help");
+    fit(painter, hint, Align2::LEFT_CENTER, words, theme::SMALL, view.theme.quiet);
+    place.height() + theme::PAD
 }
 
 /// `O1001 第7行`, or nothing outside a run.
@@ -103,12 +241,9 @@ fn place_word(view: &View<'_>, place: Option<(u32, u32)>) -> Option<String> {
     })
 }
 
-fn present_row(painter: &egui::Painter, view: &View<'_>, place: Rect, alarm: &AlarmView) {
-    card(painter, place, view.theme.surface, view.theme.line);
-    painter.rect_filled(Rect::from_min_size(place.min, vec2(4.0, place.height())), 0.0, view.theme.alarm);
-    let inside = place.shrink2(vec2(theme::PAD, theme::GAP));
-    let (number, words) = inside.split_left_right_at_x(inside.min.x + 60.0);
-    let (top, below) = words.split_top_bottom_at_y(words.min.y + 30.0);
+fn present_row(painter: &Painter, view: &View<'_>, place: Rect, alarm: &AlarmView, chosen: bool) {
+    let (number, words) = row_card(painter, view, place, (true, chosen));
+    let (top, below) = words.split_top_bottom_at_y(words.min.y + 33.0);
     let (title, when) = top.split_left_right_at_x(top.max.x - 196.0);
     let head = Rect::from_min_size(number.min, vec2(number.width(), top.height()));
     put(painter, head, Align2::LEFT_CENTER, &format!("{:03}", alarm.number), theme::SECONDARY, view.theme.alarm_text);
@@ -119,23 +254,17 @@ fn present_row(painter: &egui::Painter, view: &View<'_>, place: Rect, alarm: &Al
     }
     fit(painter, when, Align2::RIGHT_CENTER, &word, theme::LABEL, view.theme.quiet);
     let cause = ALARMS.iter().find(|row| row.number == alarm.number).map_or("", |row| row.cause.get(view.lang));
-    let parts = [(view.say("原因", "cause"), cause), (view.say("处理", "remedy"), alarm.remedy.get(view.lang))];
-    let mut top = below.min.y;
-    for (name, words) in parts.into_iter().filter(|(_, words)| !words.is_empty()) {
-        let label = Rect::from_min_size(pos2(below.min.x, top), vec2(60.0, 22.0));
-        fit(painter, label, Align2::LEFT_TOP, name, theme::LABEL, view.theme.quiet);
-        let room = Rect::from_min_max(pos2(below.min.x + 64.0, top), pos2(below.max.x, top + 44.0));
-        top = paragraph(painter, room, words, theme::LABEL, view.theme.text).max.y + 2.0;
-    }
+    let parts = [
+        (view.say("原因", "cause"), cause),
+        (view.say("处理", "remedy"), alarm.remedy.get(view.lang)),
+        (view.say("清除", "goes away"), alarm::reset_rule(alarm.number).name().get(view.lang)),
+    ];
+    parts_below(painter, view, below, &parts);
 }
 
-fn gone(painter: &egui::Painter, view: &View<'_>, place: Rect, past: &PastAlarm) {
+fn gone(painter: &Painter, view: &View<'_>, place: Rect, past: &PastAlarm, chosen: bool) {
     let here = past.ended.is_none();
-    card(painter, place, view.theme.surface, view.theme.line);
-    let edge = if here { view.theme.alarm } else { view.theme.line };
-    painter.rect_filled(Rect::from_min_size(place.min, vec2(4.0, place.height())), 0.0, edge);
-    let inside = place.shrink2(vec2(theme::PAD, 3.0));
-    let (number, words) = inside.split_left_right_at_x(inside.min.x + 60.0);
+    let (number, words) = row_card(painter, view, place, (here, chosen));
     let ink = if here { view.theme.alarm_text } else { view.theme.text };
     put(painter, number, Align2::LEFT_CENTER, &format!("{:03}", past.number), theme::SECONDARY, ink);
     let (top, below) = words.split_top_bottom_at_fraction(0.54);

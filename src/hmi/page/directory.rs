@@ -9,19 +9,20 @@ use super::scroll::Scroll;
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
 use crate::defs::text::{Said, Text};
+use crate::hmi::asking::{Asking, Why};
 use crate::hmi::entry::Edit;
 use crate::hmi::keycap::{self, Face};
 use crate::hmi::login::Login;
 use crate::hmi::page::Typed;
 use crate::hmi::page::input_line::{self, Told};
-use crate::hmi::question::Question;
+use crate::hmi::question::{Asked, Question};
 use crate::hmi::typing::Typing;
-use crate::hmi::view::{View, card, fit, frame, put};
+use crate::hmi::view::{self, View, card, fit, frame, put};
 use crate::hmi::widget::{Look, Walk, whole_lines};
 use crate::hmi::{frame as lines, pictogram, theme};
 use crate::link::Command;
-use crate::link::files::{FileRequest, Refusal};
-use crate::link::page_command::{Guard, PageCommand};
+use crate::link::files::{Asker, FileRequest, Refusal};
+use crate::link::page_command::Guard;
 use crate::link::snapshot::{DirectoryRow, RunState};
 
 /// Height of a row.
@@ -39,6 +40,14 @@ enum Deed {
     Delete,
 }
 
+/// A program is to be made, copied, renamed or deleted.
+#[derive(Debug)]
+struct Change;
+
+impl Why for Change {
+    const ASKER: Asker = Asker::Directory;
+}
+
 /// What the page keeps.
 #[derive(Debug, Default)]
 pub struct Directory {
@@ -48,13 +57,13 @@ pub struct Directory {
     deed: Option<Deed>,
     /// What is typed.
     pub typing: Typing,
-    question: Option<Question>,
+    question: Asked<()>,
     /// A request that waits for its answer, or for the password.
     asked: Option<FileRequest>,
     waiting: bool,
+    asking: Asking<Change>,
     walk: Walk,
     on_keys: bool,
-    seen: u32,
     /// The page was just opened: the chosen row is brought into sight.
     reveal: bool,
     /// Programs by name are called by more than O and four digits.
@@ -68,7 +77,7 @@ impl Directory {
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
         self.hear(view, login, &mut out);
-        let free = self.question.is_none() && !login.is_open();
+        let free = !self.question.is_open() && !login.is_open();
         let edits = if free { typed.edits } else { &[] };
         let (body, below) = rect.split_top_bottom_at_y(rect.max.y - KEYS - theme::GAP);
         let edits = if self.deed.is_some() {
@@ -82,12 +91,10 @@ impl Directory {
             self.page_of = view.snapshot.directory.get(self.cursor).map(|row| row.number);
             out.push(Command::OpenPage(Page::Designer));
         }
-        if let Some(mut question) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(0) => self.send(&mut out),
-                Some(_) => self.asked = None,
-                None => self.question = Some(question),
-            }
+        match self.question.ui(ui, rect, view, typed.edits) {
+            Some(((), Some(_))) => self.send(&mut out),
+            Some(((), None)) => self.asked = None,
+            None => {}
         }
         out
     }
@@ -100,7 +107,7 @@ impl Directory {
 
     fn send(&mut self, out: &mut Vec<Command>) {
         if let Some(request) = &self.asked {
-            out.push(Command::Page(PageCommand::File(request.clone())));
+            out.push(self.asking.ask(Change, request.clone()));
         }
     }
 
@@ -110,17 +117,16 @@ impl Directory {
             self.waiting = false;
             if view.snapshot.access.program { self.send(out) } else { self.asked = None }
         }
-        let files = &view.snapshot.files;
-        if std::mem::replace(&mut self.seen, files.answers) == files.answers || self.asked.is_none() {
+        let Some((Change, answer)) = self.asking.hear(&view.snapshot.files).filter(|_| self.asked.is_some()) else {
             return;
-        }
-        match &files.refused {
-            Some(Refusal::Password) => {
+        };
+        match answer {
+            Err(Refusal::Password) => {
                 self.waiting = true;
                 login.unlock(view, Guard::Program);
                 return;
             }
-            Some(refusal) => {
+            Err(refusal) => {
                 // The number stays, with the reason, to be mended.
                 self.deed = match self.asked {
                     Some(FileRequest::New(_)) => Some(Deed::New),
@@ -130,7 +136,7 @@ impl Directory {
                 };
                 self.typing.refused = Some(refusal.said());
             }
-            None => (self.deed, self.typing) = (None, Typing::default()),
+            Ok(_) => (self.deed, self.typing) = (None, Typing::default()),
         }
         self.asked = None;
     }
@@ -183,7 +189,7 @@ impl Directory {
             );
             self.asked = Some(FileRequest::Delete(number));
             let key = ("question-delete", Text::new("删除", "DELETE"));
-            self.question = Some(Question::new(Text::new("删除程序？", "delete the program?"), body, key));
+            self.question.ask((), Question::new(Text::new("删除程序？", "delete the program?"), body, key));
             return;
         }
         self.deed = Some(deed);
@@ -317,14 +323,9 @@ impl Directory {
         let (rest, action) = rest.split_left_right_at_x(rest.max.x - 96.0);
         let (comment, facts) = rest.split_left_right_at_x(rest.max.x - 210.0);
         let comment = Rect::from_min_max(comment.min, comment.max - vec2(theme::PAD, 0.0));
-        fit(
-            painter,
-            comment,
-            Align2::LEFT_CENTER,
-            &row.comment.replace('\u{FFFD}', "?"),
-            theme::LABEL,
-            view.theme.text,
-        );
+        // A long one takes two lines of the same size.
+        let words = row.comment.replace('\u{FFFD}', "?");
+        view::rows(painter, comment, &words, theme::LABEL, view.theme.text, 2);
         let (size, date) = facts.split_left_right_at_fraction(0.34);
         put(painter, size, Align2::RIGHT_CENTER, &size_word(row.size), theme::LABEL, view.theme.quiet);
         let date = Rect::from_min_max(date.min, date.max - vec2(theme::PAD, 0.0));
@@ -340,7 +341,8 @@ impl Directory {
     pub fn open(&mut self, view: &View<'_>) {
         let number = view.snapshot.program.number;
         self.cursor = view.snapshot.directory.iter().position(|row| row.number == number).unwrap_or(0);
-        (self.deed, self.question, self.asked, self.on_keys, self.reveal) = (None, None, None, false, true);
+        (self.deed, self.asked, self.on_keys, self.reveal) = (None, None, false, true);
+        self.question.close();
         self.typing = Typing::default();
     }
 }

@@ -1,11 +1,12 @@
-//! Designed empty states: what is missing, and what to do about it.
+//! Designed empty states: what is missing, and what to do about it; the picture of a page, or why it has none.
 //! Source: spec H8.
 
-use egui::{Align2, Rect, Ui, pos2, vec2};
+use egui::{Align2, Rect, TextureId, Ui, pos2, vec2};
 
 use crate::hmi::pictogram::{self, Mark};
 use crate::hmi::theme;
-use crate::hmi::view::{View, fit, paragraph};
+use crate::hmi::view::{View, card, centred, fit};
+use crate::link::command::FileFault;
 
 /// A sign, a sentence, and the remedy below it.
 pub fn show(ui: &Ui, view: &View<'_>, rect: Rect, marks: &[Mark], what: &str, remedy: &str) {
@@ -17,5 +18,28 @@ pub fn show(ui: &Ui, view: &View<'_>, rect: Rect, marks: &[Mark], what: &str, re
     fit(painter, line, Align2::CENTER_CENTER, what, theme::SECONDARY, view.theme.text);
     let width = (rect.width() - 24.0).min(440.0);
     let below = Rect::from_min_size(pos2(rect.center().x - width / 2.0, line.max.y + 10.0), vec2(width, 120.0));
-    paragraph(painter, below, remedy, theme::LABEL, view.theme.quiet);
+    centred(painter, below, remedy, theme::LABEL, view.theme.quiet);
+}
+
+/// The picture of a page in its frame, as large as there is room; else the name of its file and what is wrong with it.
+pub fn picture(
+    ui: &Ui,
+    rect: Rect,
+    view: &View<'_>,
+    texture: Option<TextureId>,
+    (file, fault): (&str, Option<&FileFault>),
+) {
+    let scale = (rect.width() / theme::PICTURE.x).min(1.0);
+    let place = Rect::from_min_size(rect.min, theme::PICTURE * scale + vec2(2.0, 2.0));
+    card(ui.painter(), place, view.theme.surface, view.theme.line);
+    if let Some(texture) = texture {
+        let full = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        ui.painter().image(texture, place.shrink(1.0), full, theme::UNTINTED);
+        return;
+    }
+    let words = match fault {
+        Some(fault) => fault.said().get(view.lang).to_owned(),
+        None => format!("{file}：{}", view.say("应为 200×400、24 位", "200×400, 24 bit")),
+    };
+    show(ui, view, place.shrink(4.0), pictogram::NO_PICTURE, view.say("没有图片", "no picture"), &words);
 }

@@ -4,13 +4,14 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
 
+use super::position::ColumnGroup;
 use super::{empty, position};
 use crate::defs::page::Page;
 use crate::defs::screen::{PageText, ROWS, Row};
 use crate::defs::text::Lang;
 use crate::defs::{r_name, r_parameter};
 use crate::hmi::entry::{self, Edit, Entry};
-use crate::hmi::view::{View, card, fit, frame, length, paragraph, put};
+use crate::hmi::view::{View, fit, frame, length, paragraph};
 use crate::hmi::widget::{self, Look};
 use crate::hmi::{frame as lines, keycap, pictogram, theme};
 use crate::link::Command;
@@ -22,6 +23,8 @@ const SIDE_BY_SIDE: f32 = 236.0;
 const VALUE: f32 = 104.0;
 /// Height of a field from which label and value stand one above the other in their usual sizes.
 const STACKED: f32 = 46.0;
+/// The same for smaller ones.
+const CLOSE: f32 = 36.0;
 
 /// Draws the page; what was typed comes in as edits.
 pub fn ui(
@@ -109,38 +112,14 @@ fn variables(column: &[Option<Row>; ROWS]) -> Vec<u16> {
 
 /// Left: 位置, [绝对坐标], [移动余量], O and N.
 fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
-    let painter = ui.painter();
-    card(painter, rect, view.theme.surface, view.theme.line);
-    let inside = rect.shrink2(vec2(10.0, 8.0));
-    let mut at = inside.min.y;
-    let mut row = |height: f32| {
-        let place = Rect::from_min_size(pos2(inside.min.x, at), vec2(inside.width(), height));
-        at += height;
-        place
-    };
-    put(painter, row(28.0), Align2::LEFT_CENTER, view.say("位置", "POSITION"), theme::TITLE, view.theme.text);
-    for to_go in [false, true] {
-        let name = if to_go { view.say("[移动余量]", "[to go]") } else { view.say("[绝对坐标]", "[absolute]") };
-        row(8.0);
-        put(painter, row(24.0), Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
-        for (axis, state) in view.snapshot.axes.iter().filter(|(_, state)| state.present) {
-            let place = row(32.0);
-            let ink = if state.moving { view.theme.info } else { view.theme.text };
-            put(painter, place, Align2::LEFT_CENTER, &axis.to_string(), theme::SECONDARY, ink);
-            fit(
-                painter,
-                place,
-                Align2::RIGHT_CENTER,
-                &length(if to_go { state.to_go } else { state.work }),
-                theme::SECONDARY,
-                view.theme.text,
-            );
-        }
-    }
-    row(14.0);
-    let block = row(26.0);
-    lines::program(painter, view, block, theme::LABEL);
-    position::process(ui, Rect::from_min_max(pos2(inside.min.x, block.max.y + 8.0), inside.max), view);
+    let groups: [ColumnGroup<'_>; 2] = [
+        (view.say("[绝对坐标]", "[absolute]"), &|_, state| Some(state.work)),
+        (view.say("[移动余量]", "[to go]"), &|_, state| Some(state.to_go)),
+    ];
+    let rest = position::column(ui, rect, view, &groups);
+    let block = Rect::from_min_size(rest.min + vec2(0.0, 14.0), vec2(rest.width(), 26.0));
+    lines::program(ui.painter(), view, block, theme::LABEL);
+    position::process(ui, Rect::from_min_max(pos2(rest.min.x, block.max.y + 8.0), rest.max), view);
 }
 
 /// Where each field of the two columns stands, in reading order.
@@ -188,6 +167,8 @@ enum Way {
     Stacked,
     /// One above the other in smaller sizes, where a field is too low for more.
     Close,
+    /// The same where it is lower still: in the preview of a page.
+    Tight,
 }
 
 impl Way {
@@ -200,10 +181,11 @@ impl Way {
             ui.painter().layout_no_wrap(label_of(view, row), font, view.theme.text).size().x <= room
         };
         let beside = width >= SIDE_BY_SIDE && columns.into_iter().flatten().flatten().all(fits);
-        match (beside, height >= STACKED) {
-            (true, _) => Self::Beside,
-            (false, true) => Self::Stacked,
-            (false, false) => Self::Close,
+        match beside {
+            true => Self::Beside,
+            false if height >= STACKED => Self::Stacked,
+            false if height >= CLOSE => Self::Close,
+            false => Self::Tight,
         }
     }
 }
@@ -217,16 +199,28 @@ pub fn preview(
     files: Option<&ScreenFiles>,
     texture: Option<TextureId>,
 ) {
-    let (middle, picture) = rect.split_left_right_at_x(rect.max.x - theme::PICTURE.x - 2.0);
-    let middle = Rect::from_min_max(middle.min, middle.max - vec2(theme::GAP, 0.0));
+    let columns = [&text.left, &text.right];
+    let split = |scale: f32| {
+        let (middle, picture) = rect.split_left_right_at_x(rect.max.x - theme::PICTURE.x * scale - 2.0);
+        (Rect::from_min_max(middle.min, middle.max - vec2(theme::GAP, 0.0)), picture)
+    };
+    // On its page every label has its room: where the preview has less, the picture makes way.
+    let fits = |middle: Rect| {
+        let room = (middle.width() - theme::GAP) / 2.0 - 16.0;
+        let font = theme::font(theme::SMALL);
+        let width =
+            |row: &Row| ui.painter().layout_no_wrap(label_of(view, row), font.clone(), view.theme.text).size().x;
+        columns.into_iter().flatten().flatten().all(|row| width(row) <= room)
+    };
+    let scale = [1.0, 0.75, 0.5].into_iter().find(|scale| fits(split(*scale).0)).unwrap_or(0.5);
+    let (middle, picture) = split(scale);
     let (title, body) = middle.split_top_bottom_at_y(middle.min.y + 34.0);
     lines::title(ui, view, title, &heading(view, text));
-    let columns = [&text.left, &text.right];
     let way = Way::of(ui, view, body, columns);
     for (place, row) in field_places(body, columns) {
         field(ui, place, view, (row, way), (None, false));
     }
-    show_picture(ui, picture, view, files, texture);
+    show_picture(ui, Rect::from_min_size(picture.min, theme::PICTURE * scale), view, files, texture);
 }
 
 /// The title as the page shows it (K7.2).
@@ -239,13 +233,17 @@ fn heading(view: &View<'_>, text: &PageText) -> String {
 fn field(ui: &Ui, place: Rect, view: &View<'_>, (row, way): (&Row, Way), (chosen, pressed): (Option<&Entry>, bool)) {
     let painter = ui.painter();
     keycap::plate(painter, view.theme, place, keycap::Face { pressed, ..keycap::Face::default() });
-    let inside = place.shrink2(vec2(8.0, if way == Way::Close { 2.0 } else { 3.0 }));
+    let (edge, small, large) = match way {
+        Way::Beside | Way::Stacked => (3.0, theme::LABEL, theme::SECONDARY),
+        Way::Close => (2.0, theme::SMALL, theme::TITLE),
+        Way::Tight => (1.0, theme::SMALL, theme::LABEL),
+    };
+    let inside = place.shrink2(vec2(8.0, edge));
     let (label, value) = match way {
         Way::Beside => inside.split_left_right_at_x(inside.max.x - VALUE),
         Way::Stacked | Way::Close => inside.split_top_bottom_at_fraction(0.46),
+        Way::Tight => inside.split_top_bottom_at_fraction(0.5),
     };
-    let (small, large) =
-        if way == Way::Close { (theme::SMALL, theme::TITLE) } else { (theme::LABEL, theme::SECONDARY) };
     let ink = if chosen.is_some() { view.theme.text } else { view.theme.quiet };
     fit(painter, label, Align2::LEFT_CENTER, &label_of(view, row), small, ink);
     let (words, colour) = match chosen {
@@ -292,20 +290,9 @@ fn input_line(ui: &Ui, rect: Rect, view: &View<'_>, entry: &Entry, columns: [&[O
 }
 
 fn show_picture(ui: &Ui, rect: Rect, view: &View<'_>, files: Option<&ScreenFiles>, texture: Option<TextureId>) {
-    let painter = ui.painter();
-    let place = Rect::from_min_size(rect.min, theme::PICTURE + vec2(2.0, 2.0));
-    card(painter, place, view.theme.surface, view.theme.line);
-    let full = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-    if let Some(texture) = texture {
-        painter.image(texture, place.shrink(1.0), full, theme::UNTINTED);
-    } else {
-        let number = view.snapshot.grinding_page().unwrap_or_default();
-        let words = match files.map(|files| &files.picture) {
-            Some(Err(fault)) => fault.said().get(view.lang).to_owned(),
-            _ => format!("B{:04}.BMP：{}", number % 1_000, view.say("应为 200×400、24 位", "200×400, 24 bit")),
-        };
-        empty::show(ui, view, place.shrink(4.0), pictogram::NO_PICTURE, view.say("没有图片", "no picture"), &words);
-    }
+    let number = view.snapshot.grinding_page().unwrap_or_default() % 1_000;
+    let fault = files.and_then(|files| files.picture.as_ref().err());
+    empty::picture(ui, rect, view, texture, (&format!("B{number:04}.BMP"), fault));
 }
 
 /// The key of the next sheet, at the end of the title.
@@ -328,7 +315,10 @@ fn name(view: &View<'_>, variable: u16) -> String {
 }
 
 fn text_fault(ui: &Ui, places: &Places, view: &View<'_>, fault: &FileFault) {
-    let what = view.say("页面文件格式错误", "the page file is not of the format");
+    let what = match fault.place {
+        Some(_) => view.say("页面文件格式错误", "the page file is not of the format"),
+        None => view.say("没有可用的页面文件", "there is no page file to show"),
+    };
     lines::title(ui, view, places.title, what);
     empty::show(ui, view, places.body, pictogram::NO_PAGE, &fault.file, "");
     let below = Rect::from_min_max(pos2(places.body.min.x + 8.0, places.body.center().y + 20.0), places.body.max);

@@ -36,7 +36,6 @@ use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::link::Command;
-use position::Shown;
 
 /// What was typed in this frame.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,8 +53,6 @@ pub struct Typed<'a> {
 /// What all the pages keep.
 #[derive(Debug, Default)]
 pub struct Pages {
-    /// Coordinates of the position page.
-    pub shown: Shown,
     /// Value typed on the grinding page.
     pub entry: Entry,
     /// What keys, alarms and codes mean.
@@ -103,7 +100,14 @@ impl Pages {
         self.mdi.open();
         self.wheel = wheel::WheelChange::default();
         self.tools = tools::Tools::default();
-        self.help.open(view, Page::Help);
+        self.help.open(view, Page::Help, None);
+    }
+
+    /// Opens the help at what the operator looks at: the open page; on the alarm page the alarm that is chosen.
+    pub fn open_help(&mut self, view: &View<'_>) {
+        let page = view.snapshot.page;
+        let alarm = self.alarms.number(view).filter(|_| page == Page::Alarm);
+        self.help.open(view, page, alarm);
     }
 
     /// What goes on while no page is looked at.
@@ -203,7 +207,7 @@ impl Pages {
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
                 let mut out = answers(typed.edits);
-                out.extend(position::ui(ui, rect, view, self.shown));
+                out.extend(position::ui(ui, rect, view));
                 out
             }
             Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
@@ -227,7 +231,7 @@ impl Pages {
                 self.diagnosis.ui(ui, rect, view, typed);
                 Vec::new()
             }
-            Page::Alarm => self.alarms.ui(ui, rect, view, typed),
+            Page::Alarm => self.alarms.ui(ui, rect, view, typed, &self.help),
             Page::Help => {
                 self.help.page(ui, view, rect, typed);
                 Vec::new()

@@ -6,6 +6,7 @@ use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::program::listing;
 use crate::defs::key::Key;
+use crate::defs::soft_key::Coordinates;
 use crate::hmi::keycap::{self, Face};
 use crate::hmi::view::{View, card, fit, length, put};
 use crate::hmi::{frame as lines, pictogram, theme};
@@ -13,36 +14,20 @@ use crate::link::Command;
 use crate::link::snapshot::AxisView;
 use crate::units::Axis;
 
-/// Which coordinates the page shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Shown {
-    /// F1 相对
-    Relative,
-    /// F2 综合
-    #[default]
-    All,
-    /// F3 机床
-    Machine,
-}
-
 /// Draws the page.
-pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>, shown: Shown) -> Vec<Command> {
+pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>) -> Vec<Command> {
+    let shown = view.snapshot.coordinates;
     let mut out = Vec::new();
     let inside = rect.shrink(theme::PAD);
     let side = if inside.width() > 900.0 { 250.0 } else { 190.0 };
     let (main, right) = inside.split_left_right_at_x(inside.max.x - side);
     let main = Rect::from_min_max(main.min, main.max - vec2(theme::PAD, 0.0));
     let (title, axes) = main.split_top_bottom_at_y(main.min.y + 34.0);
-    let words = match shown {
-        Shown::Relative => view.say("相对坐标", "relative"),
-        Shown::All => view.say("综合坐标", "all coordinates"),
-        Shown::Machine => view.say("机床坐标", "machine"),
-    };
-    lines::title(ui, view, title, words);
+    lines::title(ui, view, title, shown.title().get(view.lang));
     let unit = if view.snapshot.diameter { view.say("mm · X 直径", "mm · X diameter") } else { "mm" };
     put(ui.painter(), title, Align2::RIGHT_CENTER, unit, theme::LABEL, view.theme.quiet);
     let present: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present).collect();
-    let keys = shown == Shown::Relative;
+    let keys = shown == Coordinates::Relative;
     let room = axes.height() - if keys { 60.0 } else { 0.0 };
     let height = ((room - theme::GAP * 2.0) / present.len().max(2) as f32 - theme::GAP).clamp(90.0, 190.0);
     let used = present.len() as f32 * (height + theme::GAP);
@@ -61,7 +46,7 @@ pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>, shown: Shown) -> Vec<Command> {
 }
 
 /// Letter, house, large digits on one decimal point; smaller companions beneath.
-fn axis_card(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Shown, out: &mut Vec<Command>) {
+fn axis_card(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Coordinates, out: &mut Vec<Command>) {
     let painter = ui.painter();
     let state = &view.snapshot.axes[axis];
     let edge = if state.moving { view.theme.info } else { view.theme.line };
@@ -77,7 +62,7 @@ fn axis_card(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Shown, out
     let tag = Rect::from_min_size(pos2(digits.min.x, letter.center().y - 11.0), vec2(80.0, 22.0));
     put(painter, tag, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
     digits.min.x += 40.0;
-    if shown == Shown::Relative {
+    if shown == Coordinates::Relative {
         let (rest, key) = digits.split_left_right_at_x(digits.max.x - 76.0);
         digits = rest;
         clear_key(ui, Rect::from_center_size(key.center() + vec2(6.0, 0.0), vec2(64.0, 48.0)), view, axis, out);
@@ -98,21 +83,21 @@ fn axis_card(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Shown, out
 }
 
 /// The large figure and its companions.
-fn figures<'a>(view: &View<'a>, axis: &AxisView, shown: Shown) -> (&'a str, f64, Vec<(&'a str, f64)>) {
+fn figures<'a>(view: &View<'a>, axis: &AxisView, shown: Coordinates) -> (&'a str, f64, Vec<(&'a str, f64)>) {
     let relative = (view.say("相对", "REL"), axis.relative);
     let machine = (view.say("机床", "MACHINE"), axis.machine);
     let to_go = (view.say("余量", "TO GO"), axis.to_go);
     match shown {
-        Shown::Relative => (relative.0, axis.relative, vec![machine, to_go]),
-        Shown::All => (view.say("绝对", "ABS"), axis.work, vec![relative, machine, to_go]),
-        Shown::Machine => (machine.0, axis.machine, vec![relative, to_go]),
+        Coordinates::Relative => (relative.0, axis.relative, vec![machine, to_go]),
+        Coordinates::All => (view.say("绝对", "ABS"), axis.work, vec![relative, machine, to_go]),
+        Coordinates::Machine => (machine.0, axis.machine, vec![relative, to_go]),
     }
 }
 
 /// On the relative page the letter is the address key (K4.2).
-fn axis_letter(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Shown, out: &mut Vec<Command>) {
+fn axis_letter(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Coordinates, out: &mut Vec<Command>) {
     let ink = if view.snapshot.axes[axis].moving { view.theme.info } else { view.theme.text };
-    if shown == Shown::Relative {
+    if shown == Coordinates::Relative {
         let key = match axis {
             Axis::X => Key::AddressX,
             Axis::Y => Key::AddressY,
@@ -133,6 +118,40 @@ fn screen_key(ui: &Ui, rect: Rect, view: &View<'_>, key: Key, out: &mut Vec<Comm
     if response.clicked() {
         out.extend([Command::Press(key), Command::Release(key)]);
     }
+}
+
+/// A group of a column of positions: its caption, and what each axis has there.
+pub type ColumnGroup<'a> = (&'a str, &'a dyn Fn(Axis, &AxisView) -> Option<f64>);
+
+/// The column of positions beside the fields of a page: groups of all axes, one below the other; what an axis lacks is
+/// not set. Gives what is left below them.
+pub fn column(ui: &Ui, rect: Rect, view: &View<'_>, groups: &[ColumnGroup<'_>]) -> Rect {
+    let painter = ui.painter();
+    card(painter, rect, view.theme.surface, view.theme.line);
+    let inside = rect.shrink2(vec2(10.0, 8.0));
+    let mut at = inside.min.y;
+    let mut row = |height: f32| {
+        let place = Rect::from_min_size(pos2(inside.min.x, at), vec2(inside.width(), height));
+        at += height;
+        place
+    };
+    put(painter, row(28.0), Align2::LEFT_CENTER, view.say("位置", "POSITION"), theme::TITLE, view.theme.text);
+    for (name, value) in groups {
+        row(8.0);
+        fit(painter, row(24.0), Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
+        for (axis, state) in view.snapshot.axes.iter().filter(|(_, state)| state.present) {
+            let place = row(32.0);
+            let ink = if state.moving { view.theme.info } else { view.theme.text };
+            put(painter, place, Align2::LEFT_CENTER, &axis.to_string(), theme::SECONDARY, ink);
+            let place = Rect::from_min_max(place.min + vec2(22.0, 0.0), place.max);
+            let (words, size, ink) = match value(axis, state) {
+                Some(value) => (length(value), theme::SECONDARY, view.theme.text),
+                None => (view.say("未设置", "not set").to_owned(), theme::LABEL, view.theme.quiet),
+            };
+            fit(painter, place, Align2::RIGHT_CENTER, &words, size, ink);
+        }
+    }
+    Rect::from_min_max(row(0.0).min, inside.max)
 }
 
 /// 输入 and 取消: the answers to “是否设置 X 轴修整点”.

@@ -59,6 +59,13 @@ impl Scroll {
         }
     }
 
+    /// Brings a line into sight by no more than it takes.
+    pub fn reveal(&mut self, row: usize, rect: Rect, line: f32) {
+        let visible = f64::from((rect.height() / line).floor()).max(1.0);
+        let row = row as f64;
+        self.top = self.top.clamp((row + 1.0 - visible).max(0.0), row);
+    }
+
     /// A slim bar that says how far down the list stands.
     pub fn bar(&self, ui: &Ui, view: &View<'_>, rect: Rect, line: f32, count: usize) {
         let visible = f64::from(rect.height() / line);

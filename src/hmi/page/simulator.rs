@@ -4,13 +4,14 @@
 use egui::{Align2, Rect, Ui, pos2, vec2};
 
 use super::{Typed, empty};
+use crate::defs::fault;
 use crate::defs::signal::Input;
 use crate::defs::text::Text;
 use crate::hmi::view::{View, card, fit, length, put};
 use crate::hmi::widget::{self, Look, Walk, whole_lines};
 use crate::hmi::{pictogram, theme};
 use crate::link::Command;
-use crate::link::simulated::{FAULTS, SimCommand, SimView};
+use crate::link::simulated::{SimCommand, SimView};
 
 /// Height of a key.
 const ROW: f32 = 48.0;
@@ -111,11 +112,12 @@ impl Simulator {
     fn faults(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, sim: &SimView) -> Option<SimCommand> {
         let mut done = None;
         let half = (rect.width() + theme::GAP) / 2.0;
-        for (index, (name, zh, en)) in FAULTS.into_iter().enumerate() {
+        for (index, row) in fault::plain().enumerate() {
+            let name = row.name;
             let corner = rect.min + vec2((index % 2) as f32 * half, (index / 2) as f32 * (ROW + 8.0));
             let place = Rect::from_min_size(corner, vec2(half - theme::GAP, ROW));
             let on = sim.faults.contains(&name);
-            if self.walk.push(ui, view, place, (name, view.say(zh, en)), Look { on, locked: false }) {
+            if self.walk.push(ui, view, place, (name, row.text.get(view.lang)), Look { on, locked: false }) {
                 done = Some(SimCommand::Fault(name, !on));
             }
         }

@@ -11,13 +11,14 @@ use super::line::LineSide;
 use super::scroll::Scroll;
 use crate::defs::kind::Kind;
 use crate::defs::text::{Said, Text};
+use crate::hmi::asking::{Asking, Why};
 use crate::hmi::login::Login;
-use crate::hmi::question::Question;
+use crate::hmi::question::{Asked, Question};
 use crate::hmi::view::{View, card, fit, frame, paragraph, put};
 use crate::hmi::widget::{Look, Walk, whole_lines};
 use crate::hmi::{frame as lines, theme};
 use crate::link::Command;
-use crate::link::files::{FileRequest, Refusal};
+use crate::link::files::{Asker, FileRequest, Refusal, Ticket};
 use crate::link::media::{Direction, MediaFile, MediaView, Set, Transfer as Ask};
 use crate::link::page_command::{Guard, PageCommand};
 
@@ -25,8 +26,27 @@ use crate::link::page_command::{Guard, PageCommand};
 const ROW: f32 = 46.0;
 /// Height of the keys below.
 const KEYS: f32 = 52.0;
+/// The place of the key that overwrites in the question of it.
+const OVERWRITE: usize = 0;
 /// Seconds between two looks at the medium while the page is open.
 const LOOK_EVERY: f64 = 2.0;
+
+/// Files are carried.
+#[derive(Debug)]
+struct Carry;
+
+impl Why for Carry {
+    const ASKER: Asker = Asker::Transfer;
+}
+
+/// What a question is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum About {
+    /// Files that are there already.
+    Overwrite,
+    /// Pictures of another form.
+    Convert,
+}
 
 /// What the page keeps.
 #[derive(Debug, Default)]
@@ -39,11 +59,9 @@ pub struct Transfer {
     asked: Option<Ask>,
     /// The transfer waits for a password.
     waiting: Option<Guard>,
-    question: Option<Question>,
-    /// The question is whether pictures are to be converted.
-    converting: bool,
+    question: Asked<About>,
     told: Option<(Said, bool)>,
-    seen: u32,
+    asking: Asking<Carry>,
     looked: f64,
     /// The RS232 half.
     line: LineSide,
@@ -54,13 +72,14 @@ pub struct Transfer {
 impl Transfer {
     /// The page was opened anew.
     pub fn open(&mut self) {
-        *self = Self { set: self.set, looked: f64::NEG_INFINITY, ..Self::default() };
+        let asking = std::mem::take(&mut self.asking);
+        *self = Self { set: self.set, asking, looked: f64::NEG_INFINITY, ..Self::default() };
     }
 
     /// Whether the numeric pad is wanted.
     #[must_use]
     pub fn wants_pad(&self) -> bool {
-        self.set == Set::Serial && self.line.pad && self.question.is_none()
+        self.set == Set::Serial && self.line.pad && !self.question.is_open()
     }
 
     /// Why the last transfer was refused.
@@ -80,7 +99,7 @@ impl Transfer {
             out.push(request(FileRequest::Media));
         }
         ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(LOOK_EVERY));
-        let free = self.question.is_none() && !login.is_open();
+        let free = !self.question.is_open() && !login.is_open();
         let edits = match free {
             true if self.set == Set::Serial => self.line.take(typed.edits),
             true => typed.edits.to_vec(),
@@ -111,24 +130,20 @@ impl Transfer {
         }
         self.told(ui, told, view);
         self.keys(ui, keys, view, media, &mut out);
-        if let Some(mut question) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(0) if self.converting => {
-                    self.asked.iter_mut().for_each(|ask| ask.convert = Some(true));
-                    let overwrite = self.asked.as_ref().and_then(|ask| ask.overwrite);
-                    self.again(overwrite, &mut out);
-                }
-                Some(0) => self.again(Some(true), &mut out),
-                Some(1) if self.set.files().has_list() && !self.converting => self.again(Some(false), &mut out),
-                Some(_) => self.asked = None,
-                None => self.question = Some(question),
+        match self.question.ui(ui, rect, view, typed.edits) {
+            Some((About::Convert, Some(_))) => {
+                self.asked.iter_mut().for_each(|ask| ask.convert = Some(true));
+                let overwrite = self.asked.as_ref().and_then(|ask| ask.overwrite);
+                self.again(overwrite, &mut out);
             }
+            Some((About::Overwrite, Some(key))) => self.again(Some(key == OVERWRITE), &mut out),
+            Some((_, None)) => self.asked = None,
+            None => {}
         }
         out
     }
 
     fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        let files = &view.snapshot.files;
         let access = view.snapshot.access;
         if let Some(guard) = self.waiting.filter(|_| !login.is_open()) {
             self.waiting = None;
@@ -140,25 +155,27 @@ impl Transfer {
                 self.asked = None;
             }
         }
-        if std::mem::replace(&mut self.seen, files.answers) == files.answers || self.asked.is_none() {
+        let Some((Carry, answer)) = self.asking.hear(&view.snapshot.files).filter(|_| self.asked.is_some()) else {
             return;
-        }
+        };
         self.looked = f64::NEG_INFINITY;
-        match &files.refused {
-            None => {
+        match answer {
+            Ok(deed) => {
                 self.asked = None;
                 self.chosen = Default::default();
-                self.told = Some((files.done.clone(), false));
+                self.told = Some((deed.said, false));
             }
-            Some(Refusal::Password | Refusal::Builder) => {
-                let builder = files.refused == Some(Refusal::Builder);
-                let guard = if builder { Guard::Builder } else { Guard::Program };
+            Err(refusal @ (Refusal::Password | Refusal::Builder)) => {
+                let guard = if refusal == Refusal::Builder { Guard::Builder } else { Guard::Program };
                 self.waiting = Some(guard);
                 login.unlock(view, guard);
             }
-            Some(Refusal::Overwrite(names)) => (self.question, self.converting) = (Some(self.overwrite(names)), false),
-            Some(Refusal::Convert(faults)) => (self.question, self.converting) = (Some(conversion(faults)), true),
-            Some(refusal) => {
+            Err(Refusal::Overwrite(names)) => {
+                let question = self.overwrite(&names);
+                self.question.ask(About::Overwrite, question);
+            }
+            Err(Refusal::Convert(faults)) => self.question.ask(About::Convert, conversion(&faults)),
+            Err(refusal) => {
                 self.asked = None;
                 self.told = Some((refusal.said(), true));
             }
@@ -192,7 +209,7 @@ impl Transfer {
     fn again(&mut self, overwrite: Option<bool>, out: &mut Vec<Command>) {
         if let Some(ask) = &mut self.asked {
             ask.overwrite = overwrite;
-            out.push(request(FileRequest::Transfer(ask.clone())));
+            out.push(self.asking.ask(Carry, FileRequest::Transfer(ask.clone())));
         }
     }
 
@@ -218,7 +235,8 @@ impl Transfer {
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP));
             let look = Look { on: set == self.set, locked: false };
             if self.walk.push(ui, view, place, (set.id(), set.name().get(view.lang)), look) && self.asked.is_none() {
-                *self = Self { set, seen: self.seen, looked: self.looked, walk: self.walk, ..Self::default() };
+                let asking = std::mem::take(&mut self.asking);
+                *self = Self { set, asking, looked: self.looked, walk: self.walk, ..Self::default() };
             }
         }
     }
@@ -387,8 +405,9 @@ fn conversion(faults: &[Said]) -> Question {
     Question::new(title, Said::new(list(true), list(false)), ("question-convert", Text::new("转换", "CONVERT")))
 }
 
+/// A request that brings its answer to all who look at it, or none.
 const fn request(request: FileRequest) -> Command {
-    Command::Page(PageCommand::File(request))
+    Command::Page(PageCommand::File(Ticket::unheard(Asker::Transfer), request))
 }
 
 const fn about(set: Set, view: &View<'_>) -> &'static str {

@@ -7,34 +7,11 @@ use crate::units::{Axis, PerAxis};
 /// Longest fault of the bus, ticks.
 const BUS_TICKS_LIMIT: u32 = 1_000_000;
 
-/// The names, as the manual lists them; NAME is an input's id, N a number of ticks.
-const NAMES: &[&str] = &[
-    "stuck-on NAME",
-    "stuck-off NAME",
-    "bounce NAME",
-    "pressure-loss",
-    "drive-x",
-    "drive-y",
-    "drive-z",
-    "following-x",
-    "following-y",
-    "following-z",
-    "worn-screw-x",
-    "worn-screw-y",
-    "worn-screw-z",
-    "gauge-dead",
-    "coolant-missing",
-    "lubrication-missing",
-    "bus-late N",
-    "bus-silent N",
-    "supply-loss",
-];
-
 /// Why a fault or an input was not taken.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
     /// No fault of this name.
-    #[error("there is no fault '{0}'")]
+    #[error("there is no fault '{0}'; `fault list` tells them all")]
     Unknown(String),
     /// The fault wants an input's id.
     #[error("'{0}' is not the id of an input")]
@@ -172,12 +149,6 @@ impl SimulatedMachine {
         Ok(())
     }
 
-    /// The names of all faults; NAME stands for an input's id, N for a number of ticks.
-    #[must_use]
-    pub const fn fault_names() -> &'static [&'static str] {
-        NAMES
-    }
-
     /// Forces an input, by id or port, logically on or off whatever its polarity; `None` lets it go.
     ///
     /// # Errors
@@ -212,11 +183,12 @@ impl SimulatedMachine {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::defs::fault::FAULTS;
 
     #[test]
     fn p8_every_name_listed_can_be_said() {
-        for name in NAMES {
-            let text = name.replace("NAME", "home-x").replace(" N", " 3");
+        for row in FAULTS {
+            let text = row.usage().replace("NAME", "home-x").replace(" N", " 3");
             assert!(Fault::parse(&text, false).is_ok(), "{text}");
         }
         assert_eq!(Fault::parse("Drive-X", false), Ok(Fault::Drive(Axis::X)));
@@ -225,7 +197,7 @@ mod tests {
     #[test]
     fn p8_a_wrong_fault_says_what_is_wrong() {
         let said = |text| Fault::parse(text, false).unwrap_err().to_string();
-        assert_eq!(said("earthquake"), "there is no fault 'earthquake'");
+        assert_eq!(said("earthquake"), "there is no fault 'earthquake'; `fault list` tells them all");
         assert_eq!(said("stuck-on wheel"), "'wheel' is not the id of an input");
         assert_eq!(said("bus-late"), "'' is not a number of ticks from 1 to 1000000");
         assert_eq!(said("supply-loss now"), "'supply-loss' takes nothing more, not 'now'");

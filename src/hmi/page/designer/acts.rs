@@ -13,6 +13,7 @@ use crate::hmi::theme;
 use crate::hmi::view::View;
 use crate::hmi::widget::Look;
 use crate::link::Command;
+use crate::link::command::ScreenFiles;
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,27 +89,40 @@ pub struct VariableRow {
     pub comment: String,
     /// Its label on the page.
     pub label: Option<String>,
-    /// The program reads it, nothing in the program gives it a value, and the page does not offer it.
+    /// Another page that offers it.
+    pub elsewhere: Option<u32>,
+    /// It is read, nothing gives it a value, and no page offers it: what the program reads itself has to stand on its own
+    /// page, what a program called by it reads may stand on another one.
     pub missing: bool,
 }
 
 impl Designer {
     /// What the program uses and what the page offers: what is missing first, what only the program needs last.
-    pub(super) fn variables(&self) -> Vec<VariableRow> {
+    pub(super) fn variables(&self, view: &View<'_>) -> Vec<VariableRow> {
         let uses = self.file.as_ref().and_then(|file| file.uses.as_deref()).unwrap_or_default();
         let label =
             |variable: u16| self.reading.page.rows().find(|row| row.variable == variable).map(|row| row.label.clone());
+        let number = self.document.number;
+        let offers = |variable: u16| {
+            let of_page = |(other, files): &&(u32, ScreenFiles)| {
+                let text = files.text.as_ref().ok().filter(|_| *other != number);
+                text.is_some_and(|text| text.rows().any(|row| row.variable == variable))
+            };
+            view.snapshot.screens.pages.iter().find(of_page).map(|(other, _)| *other)
+        };
         let mut rows: Vec<_> = uses
             .iter()
             .map(|used| {
                 let label = label(used.variable);
+                let elsewhere = offers(used.variable).filter(|_| used.place.0 != number);
                 VariableRow {
                     variable: used.variable,
                     reads: used.reads,
                     writes: used.writes,
                     place: Some(used.place),
                     comment: used.comment.clone(),
-                    missing: used.reads && !used.writes && label.is_none(),
+                    missing: used.reads && !used.writes && label.is_none() && elsewhere.is_none(),
+                    elsewhere,
                     label,
                 }
             })
@@ -142,7 +156,7 @@ impl Designer {
                 let body = Said::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));
                 let title = Text::new("放弃改动？", "discard the changes?");
                 let key = ("question-discard", Text::new("放弃", "DISCARD"));
-                self.question = Some((About::Discard, Question::new(title, body, key)));
+                self.question.ask(About::Discard, Question::new(title, body, key));
             }
             Act::Discard | Act::End => (self.editing, self.board, self.on_keys) = (false, false, false),
             Act::Show => out.push(Command::OpenPage(Page::Grinding)),
@@ -177,7 +191,7 @@ impl Designer {
                 self.document.go(line as usize - 1, column as usize - 1);
                 let at = self.document.cursor;
                 self.document.replace(at, at, &text);
-                self.scroll.by_hand = false;
+                self.place.scroll.by_hand = false;
                 let (zh, en) = (format!("已加入 {name}，请改名称"), format!("{name} is added: give it its name"));
                 (self.told, self.tab) = (Some((Said::new(zh, en), false)), Tab::Variables);
             }

@@ -17,15 +17,16 @@ use super::{Typed, empty};
 use crate::defs::key::Mode;
 use crate::defs::screen::{self, Reading};
 use crate::defs::text::{Said, Text};
+use crate::hmi::asking::{self, Guarded, Heard, Why};
 use crate::hmi::entry::Edit;
 use crate::hmi::letters::{self, Letter};
 use crate::hmi::login::Login;
-use crate::hmi::question::Question;
+use crate::hmi::question::Asked;
 use crate::hmi::view::View;
 use crate::hmi::widget::{self, Look, Walk};
 use crate::hmi::{pictogram, theme};
-use crate::link::files::{FileRequest, Refusal};
-use crate::link::page_command::{Guard, PageCommand};
+use crate::link::files::{Asker, FileRequest, Refusal, Ticket};
+use crate::link::page_command::PageCommand;
 use crate::link::page_file::{PageFile, PictureFrom};
 use crate::link::snapshot::{PAGED_PROGRAMS, RunState};
 use crate::link::{Command, Snapshot};
@@ -56,12 +57,14 @@ const TABS: [Tab; 4] = [Tab::Preview, Tab::Variables, Tab::Pictures, Tab::Faults
 enum Awaited {
     /// Whether the text may be edited.
     Edit,
-    /// The password; then it is asked again.
-    Password,
     /// The text of this version is being saved.
     Save(u64),
     /// A picture is being taken.
     Picture,
+}
+
+impl Why for Awaited {
+    const ASKER: Asker = Asker::Designer;
 }
 
 /// What a question is about.
@@ -86,7 +89,7 @@ pub struct Designer {
     reading: Reading,
     /// The version of the document that was read.
     read: Option<(u32, u64, u64)>,
-    scroll: Scroll,
+    place: listing::Place,
     list: Scroll,
     /// The chosen row of the list on the right.
     row: usize,
@@ -97,10 +100,9 @@ pub struct Designer {
     stale: bool,
     /// The page whose file was asked for last, when, and how often.
     asked: (u32, f64, u8),
-    awaited: Option<Awaited>,
-    question: Option<(About, Question)>,
+    asking: Guarded<Awaited>,
+    question: Asked<About>,
     told: Option<(Said, bool)>,
-    seen: u32,
     walk: Walk,
     /// The keyboard walks over the keys instead of the text.
     on_keys: bool,
@@ -113,7 +115,8 @@ impl Designer {
             self.wanted = program;
             self.stale = true;
         }
-        (self.editing, self.board, self.on_keys, self.question) = (false, false, false, None);
+        (self.editing, self.board, self.on_keys) = (false, false, false);
+        self.question.close();
     }
 
     /// The page that is designed: 1000 and the number of its files; 0: the program has none.
@@ -170,7 +173,7 @@ impl Designer {
             );
             return out;
         }
-        if self.question.is_none() && !login.is_open() {
+        if !self.question.is_open() && !login.is_open() {
             self.take_typed(view, typed, &mut out);
         }
         self.read_text();
@@ -195,57 +198,30 @@ impl Designer {
         {
             self.letter(&letter);
         }
-        if let Some((about, mut question)) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(0) => self.answer(about, &mut out),
-                Some(_) => {}
-                None => self.question = Some((about, question)),
-            }
+        if let Some((about, Some(key))) = self.question.ui(ui, rect, view, typed.edits) {
+            self.answer(about, key, &mut out);
         }
         out
     }
 
     /// The answers of the core.
     fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        let files = &view.snapshot.files;
-        if self.awaited == Some(Awaited::Password) && !login.is_open() {
-            self.awaited = None;
-            if view.snapshot.access.program {
-                self.wish_edit(view, out);
-            }
-        }
-        if std::mem::replace(&mut self.seen, files.answers) == files.answers {
-            return;
-        }
-        match (self.awaited.take(), &files.refused) {
-            (None | Some(Awaited::Password), _) => {}
-            (Some(Awaited::Edit), None) => (self.editing, self.told) = (true, None),
-            (Some(_), Some(Refusal::Password)) => {
-                self.awaited = Some(Awaited::Password);
-                login.unlock(view, Guard::Program);
-            }
-            (Some(Awaited::Save(version)), None) => {
-                let (number, stamp) = files.saved;
-                if number == self.document.number {
-                    let same = version == self.document.version;
-                    self.document.saved(stamp);
-                    self.document.changed = !same;
+        while let Some(heard) = self.asking.hear(view, login) {
+            match heard {
+                Heard::Open => self.wish_edit(view, out),
+                Heard::Answer(Awaited::Edit, Ok(_)) => (self.editing, self.told) = (true, None),
+                Heard::Answer(Awaited::Save(version), Ok(deed)) => {
+                    self.document.hear_saved(version, &deed);
+                    (self.told, self.stale) = (Some((deed.said, false)), true);
                 }
-                (self.told, self.stale) = (Some((files.done.clone(), false)), true);
+                Heard::Answer(Awaited::Picture, Ok(deed)) => {
+                    (self.told, self.stale) = (Some((deed.said, false)), true);
+                }
+                Heard::Answer(Awaited::Save(_), Err(Refusal::Conflict)) => {
+                    self.question.ask(About::Conflict, asking::conflict());
+                }
+                Heard::Answer(_, Err(refusal)) => self.refuse(refusal.said()),
             }
-            (Some(Awaited::Picture), None) => {
-                (self.told, self.stale) = (Some((files.done.clone(), false)), true);
-            }
-            (Some(Awaited::Save(_)), Some(Refusal::Conflict)) => {
-                let body = Said::new(
-                    "打开之后磁盘上的文件已被改动。覆盖后别处的改动会丢失。",
-                    "The file was changed on the disk since it was opened. Overwriting loses that change.",
-                );
-                let title = Text::new("文件已被别处改动", "the file was changed elsewhere");
-                let key = ("question-overwrite", Text::new("覆盖", "OVERWRITE"));
-                self.question = Some((About::Conflict, Question::new(title, body, key)));
-            }
-            (Some(_), Some(refusal)) => self.refuse(refusal.said()),
         }
     }
 
@@ -263,7 +239,8 @@ impl Designer {
             self.stale = false;
             let page = if self.document.changed { self.document.number } else { number };
             let program = if PAGED_PROGRAMS.contains(&page) { page } else { view.snapshot.program.number };
-            out.push(Command::Page(PageCommand::File(FileRequest::ReadPage { page, program })));
+            let ticket = Ticket::unheard(Asker::Designer);
+            out.push(Command::Page(PageCommand::File(ticket, FileRequest::ReadPage { page, program })));
             if other {
                 (self.file, self.document) = (None, Document::default());
             }
@@ -298,20 +275,25 @@ impl Designer {
         if self.file.as_ref().is_some_and(|file| file.mistaken) {
             return self.refuse(Said::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
         }
-        self.awaited = Some(Awaited::Edit);
         let number = self.number(view.snapshot);
-        out.push(Command::Page(PageCommand::File(FileRequest::MayEdit(number))));
+        out.push(self.asking.ask(Awaited::Edit, FileRequest::MayEdit(number)));
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
-        self.awaited = Some(Awaited::Save(self.document.version));
         let (page, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
-        out.push(Command::Page(PageCommand::File(FileRequest::SavePage { page, text, base, force })));
+        let request = FileRequest::SavePage { page, text, base, force };
+        out.push(self.asking.ask(Awaited::Save(self.document.version), request));
     }
 
-    fn answer(&mut self, about: About, out: &mut Vec<Command>) {
+    /// A key of a question other than 取消, by its place.
+    fn answer(&mut self, about: About, key: usize, out: &mut Vec<Command>) {
         match about {
-            About::Conflict => self.save(true, out),
+            About::Conflict if key == asking::OVERWRITE => self.save(true, out),
+            // The file is asked for, and takes the place of a text that is not changed.
+            About::Conflict => {
+                (self.document.changed, self.stale) = (false, true);
+                self.told = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
+            }
             About::Discard => {
                 if let Some(file) = &self.file {
                     self.document = Document::open(file.number, file.stamp, &file.text);
@@ -319,9 +301,8 @@ impl Designer {
                 (self.editing, self.board, self.stale) = (false, false, true);
             }
             About::Picture(from, name) => {
-                self.awaited = Some(Awaited::Picture);
                 let page = self.document.number;
-                out.push(Command::Page(PageCommand::File(FileRequest::TakePicture { page, from, name })));
+                out.push(self.asking.ask(Awaited::Picture, FileRequest::TakePicture { page, from, name }));
             }
         }
     }
@@ -333,6 +314,8 @@ impl Designer {
                 self.act(act, view, out);
             }
         }
+        // What is typed is for the text, wherever Tab has led: nothing of it is lost.
+        self.on_keys &= !typed.text.contains(|sign: char| !sign.is_control() && sign != ' ');
         let text = self.editing && !self.on_keys;
         self.walk.begin(if text { &[] } else { typed.edits });
         if text {
@@ -355,10 +338,11 @@ impl Designer {
     fn sign(&mut self, sign: char) {
         self.told = None;
         self.document.type_sign(sign);
-        self.scroll.by_hand = false;
+        self.place.scroll.by_hand = false;
     }
 
     fn letter(&mut self, letter: &Letter) {
+        self.on_keys = false;
         match letter {
             Letter::Sign(sign) => self.sign(*sign),
             Letter::Word(word) => word.chars().for_each(|sign| self.sign(sign)),
@@ -370,7 +354,7 @@ impl Designer {
     fn edit(&mut self, edit: Edit) {
         self.told = None;
         if self.document.edit(edit) {
-            self.scroll.by_hand = false;
+            self.place.scroll.by_hand = false;
         }
     }
 
@@ -389,7 +373,7 @@ impl Designer {
         let count = |words: &str, count: usize| {
             if count > 0 { format!("{words} {count}") } else { words.trim_end_matches(['缺', ' ']).to_owned() }
         };
-        let missing = self.variables().iter().filter(|row| row.missing).count();
+        let missing = self.variables(view).iter().filter(|row| row.missing).count();
         let keys = [
             ("page-preview", view.say("预览", "PREVIEW").to_owned()),
             ("page-variables", count(view.say("变量 缺", "VARS"), missing)),

@@ -49,7 +49,11 @@ impl Designer {
         let words = format!("{} {}:{}", view.say("行", "line"), line + 1, column + 1);
         let right = put(ui.painter(), rect, Align2::RIGHT_CENTER, &words, theme::LABEL, view.theme.quiet);
         let name = self.file.as_ref().map_or("", |file| file.name.as_str());
-        let title = format!("{name} · {}", view.snapshot.title(self.document.number));
+        let of = match view.snapshot.own_page {
+            Some(_) => Page::Grinding.title_on(view.snapshot.kind).get(view.lang).to_owned(),
+            None => view.snapshot.title(self.document.number),
+        };
+        let title = format!("{name} · {of}");
         let place = Rect::from_min_max(rect.min, pos2(rect.min.x + 260.0, rect.max.y));
         lines::title(ui, view, place, &title);
         let fresh = self.file.as_ref().is_some_and(|file| file.stamp == 0);
@@ -79,41 +83,44 @@ impl Designer {
         let (list, height) = (whole_lines(rect.shrink2(vec2(3.0, 4.0)), Self::line()), Self::line());
         let count = self.document.lines();
         if pages != 0 {
-            self.scroll.page(pages, list, height);
+            self.place.scroll.page(pages, list, height);
         }
         let (line, column) = self.document.place();
-        if !self.scroll.by_hand {
-            self.scroll.show(line, list, height);
+        if !self.place.scroll.by_hand {
+            self.place.scroll.show(line, list, height);
+            let room = list.width() - NUMBER;
+            self.place.follow_cursor(ui.painter(), &self.document.rope, (line, column), room);
         }
         let tap = ui.interact(list, Id::unique("page-text"), Sense::CLICK);
         tap.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "page-text"));
-        let (first, last) = self.scroll.follow(ui, "page-lines", list, height, count);
+        let (first, last) = self.place.scroll.follow(ui, "page-lines", list, height, count);
+        self.place.drag(ui, "page-lines", &self.document.rope, first..last.min(count));
         let shift = listing::NUMBER - NUMBER;
         if tap.clicked()
             && let Some(at) = tap.interact_pointer_pos()
         {
-            let row = (f64::from((at.y - list.min.y) / height) + self.scroll.top).floor().max(0.0) as usize;
+            let row = (f64::from((at.y - list.min.y) / height) + self.place.scroll.top).floor().max(0.0) as usize;
             if row < count {
                 let x = at.x - list.min.x - NUMBER;
-                let column = listing::column_at(ui.painter(), view, &self.document.rope, (row, 0), x);
+                let column = listing::column_at(ui.painter(), view, &self.document.rope, (row, self.place.left), x);
                 self.document.go(row, column);
                 self.on_keys = false;
             }
         }
         let painter = &ui.painter().with_clip_rect(list);
         for row in first..last.min(count) {
-            let top = list.min.y + ((row as f64 - self.scroll.top) * f64::from(height)) as f32;
+            let top = list.min.y + ((row as f64 - self.place.scroll.top) * f64::from(height)) as f32;
             // The numbers of a page text have two digits: the room for more is left of the list.
             let place = Rect::from_min_max(pos2(list.min.x - shift, top), pos2(list.max.x - 8.0, top + height));
             let cursor = (self.editing && row == line).then_some(column);
             let mark = Mark { wrong: false, cursor, ..Mark::default() };
-            listing::row(painter, place, view, &self.document.rope, (row, 0), mark);
+            listing::row(painter, place, view, &self.document.rope, (row, self.place.left), mark);
             if self.fault(row).is_some() {
                 let bar = Rect::from_min_size(pos2(list.min.x, top), vec2(4.0, height));
                 painter.rect_filled(bar, 0.0, view.theme.alarm);
             }
         }
-        self.scroll.bar(ui, view, list, height, count);
+        self.place.scroll.bar(ui, view, list, height, count);
     }
 
     /// A refusal, the mistake in the cursor's line, else how many there are.
@@ -143,7 +150,7 @@ impl Designer {
 
     /// What the program uses and what the page offers.
     pub(super) fn variable_list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        let rows = self.variables();
+        let rows = self.variables(view);
         if self.file.as_ref().is_some_and(|file| file.uses.is_none()) {
             let words =
                 view.say("程序不在目录中：不知道它用哪些变量", "the program is not there: its variables are not known");
@@ -201,7 +208,7 @@ impl Designer {
         );
         let key = ("question-picture", Text::new("换用", "TAKE"));
         let question = Question::new(Text::new("换图片？", "take the picture?"), body, key);
-        self.question = Some((About::Picture(chosen.from, name.clone()), question));
+        self.question.ask(About::Picture(chosen.from, name.clone()), question);
     }
 
     /// The mistakes by line; a touch leads to the line.
@@ -231,7 +238,7 @@ impl Designer {
         });
         if let Some(fault) = chosen.map(|index| &faults[index]) {
             self.document.go(fault.line as usize - 1, fault.column as usize - 1);
-            (self.scroll.by_hand, self.on_keys) = (false, false);
+            (self.place.scroll.by_hand, self.on_keys) = (false, false);
         }
     }
 
@@ -303,12 +310,17 @@ impl Designer {
         let room = row_place.max.x - 10.0;
         let words = Rect::from_min_max(rest.min, pos2(room, rest.max.y));
         let (top, below) = words.split_top_bottom_at_fraction(0.52);
-        let (label, ink) = match (&row.label, row.missing, row.place) {
-            (Some(label), ..) => (label.as_str(), view.theme.text),
-            (None, true, _) => (view.say("页面上没有", "not on the page"), view.theme.alarm_text),
-            (None, false, _) => (view.say("程序内部使用", "the program's own"), view.theme.quiet),
+        let (label, ink) = match (&row.label, row.elsewhere) {
+            (Some(label), _) => (label.clone(), view.theme.text),
+            (None, Some(page)) => {
+                (format!("{} C{:04}.TXT", view.say("在页面", "on the page"), page % 1_000), view.theme.text)
+            }
+            (None, None) if row.missing => {
+                (view.say("页面上没有", "not on the page").to_owned(), view.theme.alarm_text)
+            }
+            (None, None) => (view.say("程序内部使用", "the program's own").to_owned(), view.theme.quiet),
         };
-        fit(painter, top, Align2::LEFT_CENTER, label, theme::LABEL, ink);
+        fit(painter, top, Align2::LEFT_CENTER, &label, theme::LABEL, ink);
         let how = match (row.reads, row.writes) {
             (true, true) => view.say("读写", "read, written"),
             (true, false) => view.say("读", "read"),

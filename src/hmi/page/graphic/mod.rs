@@ -11,13 +11,14 @@ use egui::{Align2, Id, Rect, Sense, Ui, Vec2, pos2, vec2};
 
 use super::{Typed, empty};
 use crate::defs::text::Text;
+use crate::hmi::asking::{Asking, Why};
 use crate::hmi::entry::Edit;
 use crate::hmi::view::{View, card, fit, length, paragraph};
 use crate::hmi::widget::{Look, Walk};
 use crate::hmi::{frame as lines, pictogram, theme};
 use crate::link::Command;
 use crate::link::drawing::{Around, Drawing};
-use crate::link::files::FileRequest;
+use crate::link::files::{Asker, FileRequest, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::units::Axis;
 use paint::{Camera, Canvas};
@@ -38,14 +39,23 @@ const MOVE: f32 = 0.15;
 /// The plane that is looked at: the axis to the right and the one upwards.
 pub type PlaneOf = (Axis, Axis);
 
+/// A path was asked for.
+#[derive(Debug)]
+struct Path;
+
+impl Why for Path {
+    const ASKER: Asker = Asker::Graphic;
+}
+
 /// What the page keeps.
 #[derive(Debug, Default)]
 pub struct Graphic {
     camera: Option<Camera>,
     plane: usize,
     canvas: Canvas,
-    /// Program and text for which a path was asked, when, and how many answers there were then.
-    asked: Option<((u32, u64), f64, u32)>,
+    /// Program and text for which a path was asked, and when.
+    asked: Option<((u32, u64), f64)>,
+    asking: Asking<Path>,
     /// The way really gone, X Y Z.
     trail: Vec<[f32; 3]>,
     /// Places along Z that were touched to be measured, two at most (L10).
@@ -88,11 +98,12 @@ impl Graphic {
         let drawing = view.snapshot.files.drawing.as_ref().filter(|drawing| drawing.number == program.number);
         let fresh = drawing.is_some_and(|drawing| drawing.stamp == program.stamp);
         let wanted = (program.number, program.stamp);
-        let (now, answers) = (ui.input(|input| input.time), view.snapshot.files.answers);
+        let now = ui.input(|input| input.time);
+        while self.asking.hear(&view.snapshot.files).is_some() {}
         // A request that nobody answered is made again; one that was refused or cancelled is not.
-        let due = self.asked.is_none_or(|(of, when, before)| of != wanted || before == answers && now - when > AGAIN);
+        let due = self.asked.is_none_or(|(of, when)| of != wanted || self.asking.waits() && now - when > AGAIN);
         if !fresh && due && view.snapshot.files.busy.is_none() {
-            self.redraw(wanted, view, now, &mut out);
+            self.redraw(wanted, now, &mut out);
         }
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
@@ -113,9 +124,9 @@ impl Graphic {
         out
     }
 
-    fn redraw(&mut self, wanted: (u32, u64), view: &View<'_>, now: f64, out: &mut Vec<Command>) {
-        self.asked = Some((wanted, now, view.snapshot.files.answers));
-        out.push(Command::Page(PageCommand::File(FileRequest::Draw(wanted.0))));
+    fn redraw(&mut self, wanted: (u32, u64), now: f64, out: &mut Vec<Command>) {
+        self.asked = Some((wanted, now));
+        out.push(self.asking.ask(Path, FileRequest::Draw(wanted.0)));
     }
 
     fn canvas(
@@ -215,9 +226,9 @@ impl Graphic {
                 }
                 "graphic-redraw" => {
                     let wanted = (view.snapshot.program.number, view.snapshot.program.stamp);
-                    self.redraw(wanted, view, ui.input(|input| input.time), out);
+                    self.redraw(wanted, ui.input(|input| input.time), out);
                 }
-                _ => out.push(Command::Page(PageCommand::File(FileRequest::Cancel))),
+                _ => out.push(Command::Page(PageCommand::File(Ticket::unheard(Asker::Graphic), FileRequest::Cancel))),
             }
             ui.ctx().request_repaint();
         }

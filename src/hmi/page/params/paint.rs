@@ -303,14 +303,8 @@ pub fn input_line(
     let (ink, told) = match refused {
         Some(reason) => (view.theme.alarm_text, (reason.get(view.lang).to_owned(), view.theme.alarm_text)),
         None => {
-            let range = match row.sort {
-                Sort::Bit => view.say("0 或 1", "0 or 1").to_owned(),
-                Sort::Number => format!("{} … {} {}", row.min, row.max, row.unit),
-                Sort::Input(_) | Sort::Output(_) => {
-                    format!("{} … {} ({})", row.min, row.max, view.say("0 未接", "0 none"))
-                }
-            };
-            let old = value(view, row.at);
+            let (range, old) = (row.range(), value(view, row.at));
+            let range = range.get(view.lang);
             let words = format!("{} {range} · {} {old}", view.say("范围", "range"), view.say("原值", "was"));
             (view.theme.text, (words, view.theme.quiet))
         }

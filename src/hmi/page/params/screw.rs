@@ -8,18 +8,19 @@ use egui::{Align2, Id, Painter, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2
 use crate::defs::param::Level;
 use crate::defs::screw::{MOST_POINTS, Point, ScrewTable};
 use crate::defs::text::{Said, Text};
+use crate::hmi::asking::{Asking, Why};
 use crate::hmi::entry::Edit;
 use crate::hmi::login::Login;
 use crate::hmi::page::Typed;
 use crate::hmi::page::input_line::{self, Told};
 use crate::hmi::page::scroll::Scroll;
-use crate::hmi::question::Question;
+use crate::hmi::question::{Asked, Question};
 use crate::hmi::theme;
 use crate::hmi::typing::{Heard, Typing};
 use crate::hmi::view::{View, card, fit, frame, paragraph, put};
 use crate::hmi::widget::{self, Look};
 use crate::link::Command;
-use crate::link::files::FileRequest;
+use crate::link::files::{Asker, FileRequest};
 use crate::link::page_command::{Guard, PageCommand};
 use crate::units::Axis;
 
@@ -47,6 +48,14 @@ enum Wish {
     Import,
 }
 
+/// A table goes to a medium, or comes from one.
+#[derive(Debug)]
+struct Carry;
+
+impl Why for Carry {
+    const ASKER: Asker = Asker::Screw;
+}
+
 /// What the sheet keeps.
 #[derive(Debug, Default)]
 pub struct Screw {
@@ -59,9 +68,8 @@ pub struct Screw {
     /// The value being typed.
     pub typing: Typing,
     waiting: Option<Wish>,
-    question: Option<Question>,
-    /// An import was asked for; so many answers had come before.
-    asked: Option<u32>,
+    question: Asked<()>,
+    asking: Asking<Carry>,
     told: Option<(Said, bool)>,
 }
 
@@ -77,7 +85,7 @@ impl Screw {
         }
         self.hear(view, axis, login, &mut out);
         let table = &view.snapshot.screws[axis];
-        if self.question.is_none() && !login.is_open() {
+        if !self.question.is_open() && !login.is_open() {
             self.letters(typed.text, &axes);
             for edit in typed.edits {
                 self.edit(*edit, view, (axis, table), login, &mut out);
@@ -98,12 +106,8 @@ impl Screw {
         self.words(ui, words.shrink2(vec2(0.0, theme::GAP)), view, axis);
         self.keys(ui, keys, view, (axis, table), (login, &mut out));
         self.input(ui, input, view, axis, table);
-        if let Some(mut question) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(0) => self.wish(view, axis, Wish::Table(ScrewTable::default()), login, &mut out),
-                Some(_) => {}
-                None => self.question = Some(question),
-            }
+        if let Some(((), Some(_))) = self.question.ui(ui, rect, view, typed.edits) {
+            self.wish(view, axis, Wish::Table(ScrewTable::default()), login, &mut out);
         }
         out
     }
@@ -112,17 +116,15 @@ impl Screw {
     fn hear(&mut self, view: &View<'_>, axis: Axis, login: &Login, out: &mut Vec<Command>) {
         if let Some(wish) = self.waiting.take() {
             if view.snapshot.access.level >= Level::Builder {
-                self.send(view, axis, wish, out);
+                self.send(axis, wish, out);
             } else if login.is_open() {
                 self.waiting = Some(wish);
             }
         }
-        let files = &view.snapshot.files;
-        if self.asked.is_some_and(|answers| answers != files.answers) {
-            self.asked = None;
-            self.told = Some(match &files.refused {
-                Some(refusal) => (refusal.said(), true),
-                None => (files.done.clone(), false),
+        while let Some((Carry, answer)) = self.asking.hear(&view.snapshot.files) {
+            self.told = Some(match answer {
+                Ok(deed) => (deed.said, false),
+                Err(refusal) => (refusal.said(), true),
             });
         }
     }
@@ -130,22 +132,21 @@ impl Screw {
     fn wish(&mut self, view: &View<'_>, axis: Axis, wish: Wish, login: &mut Login, out: &mut Vec<Command>) {
         self.told = None;
         if view.snapshot.access.level >= Level::Builder {
-            self.send(view, axis, wish, out);
+            self.send(axis, wish, out);
         } else {
             self.waiting = Some(wish);
             login.unlock(view, Guard::Builder);
         }
     }
 
-    fn send(&mut self, view: &View<'_>, axis: Axis, wish: Wish, out: &mut Vec<Command>) {
+    fn send(&mut self, axis: Axis, wish: Wish, out: &mut Vec<Command>) {
         match wish {
             Wish::Table(table) => {
                 self.typing.send(self.row * VALUES.len() + self.column);
                 out.push(Command::Page(PageCommand::EditScrew(axis, table)));
             }
             Wish::Import => {
-                self.asked = Some(view.snapshot.files.answers);
-                out.push(Command::Page(PageCommand::File(FileRequest::ScrewIn(axis))));
+                out.push(self.asking.ask(Carry, FileRequest::ScrewIn(axis)));
             }
         }
     }
@@ -416,11 +417,10 @@ impl Screw {
             0 => self.add(view, (axis, table), login, out),
             1 => self.remove(view, (axis, table), login, out),
             2 if table.points().is_empty() => {}
-            2 => self.question = Some(clearing(axis, table)),
+            2 => self.question.ask((), clearing(axis, table)),
             3 => self.wish(view, axis, Wish::Import, login, out),
             _ => {
-                self.asked = Some(view.snapshot.files.answers);
-                out.push(Command::Page(PageCommand::File(FileRequest::ScrewOut(axis, table.clone()))));
+                out.push(self.asking.ask(Carry, FileRequest::ScrewOut(axis, table.clone())));
             }
         }
     }

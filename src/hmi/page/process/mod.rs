@@ -13,10 +13,12 @@ use egui::{Align2, Color32, Id, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, W
 use super::Typed;
 use crate::defs::param;
 use crate::defs::signal::Input;
+use crate::defs::text::{Said, Text};
+use crate::hmi::question::{Asked, Question};
 use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit, length, put};
 use crate::hmi::widget::{Look, Walk};
-use crate::link::files::FileRequest;
+use crate::link::files::{Asker, FileRequest, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
@@ -45,7 +47,8 @@ struct Sample {
     at: Micros,
     axes: [f64; 3],
     feed_mm_min: f64,
-    load_percent: f64,
+    /// None where the machine has no signal of it.
+    load_percent: Option<f64>,
     gauges: u8,
 }
 
@@ -68,13 +71,25 @@ pub struct Process {
     /// How much time is looked at, seconds, and where it ends; none: now.
     span: f64,
     end: Option<Micros>,
+    /// Whether all of it is to be forgotten.
+    question: Asked<()>,
     walk: Walk,
 }
 
 impl Default for Process {
     fn default() -> Self {
         let (samples, parts, walk) = (VecDeque::new(), VecDeque::new(), Walk::default());
-        Self { samples, parts, counted: None, dressed: None, taken: None, span: SPANS[0], end: None, walk }
+        Self {
+            samples,
+            parts,
+            counted: None,
+            dressed: None,
+            taken: None,
+            span: SPANS[0],
+            end: None,
+            question: Asked::default(),
+            walk,
+        }
     }
 }
 
@@ -102,7 +117,7 @@ impl Process {
             at: snapshot.now,
             axes: Axis::ALL.map(|axis| snapshot.axes[axis].work),
             feed_mm_min: snapshot.feed_mm_min,
-            load_percent: snapshot.simulated.as_ref().map_or(0.0, |sim| sim.wheel_load_percent),
+            load_percent: snapshot.simulated.as_ref().map(|sim| sim.wheel_load_percent),
             gauges: gauges.fold(0, |bits, (index, _)| bits | 1 << index),
         });
         if self.samples.len() > SAMPLES {
@@ -119,10 +134,8 @@ impl Process {
                 self.dressed = Some(now);
             }
             Some((count, _)) if now.0 < count => (self.taken, self.dressed) = (None, Some(now)),
-            Some((_, diameter)) if now.1 > diameter => self.dressed = Some(now),
-            // The diameter comes before the count is up: the old one stays until then.
-            Some(_) => {}
-            None => self.dressed = Some(now),
+            // Without a dressing it is another wheel, or was measured anew: P97 may be 0 before and after.
+            Some(_) | None => self.dressed = Some(now),
         }
     }
 
@@ -164,7 +177,7 @@ impl Process {
     /// Draws the page.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
         ui.ctx().request_repaint_after(std::time::Duration::from_micros(EVERY.0));
-        self.walk.begin(typed.edits);
+        self.walk.begin(if self.question.is_open() { &[] } else { typed.edits });
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (body, keys) = inside.split_top_bottom_at_y(inside.max.y - KEYS);
         let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
@@ -178,7 +191,13 @@ impl Process {
         self.trend(ui, cut(trend), view);
         self.cycles(ui, cut(parts), view);
         self.wheel(ui, wheel, view);
-        self.keys(ui, keys, view)
+        let out = self.keys(ui, keys, view);
+        if let Some(((), Some(_))) = self.question.ui(ui, rect, view, typed.edits) {
+            self.samples.clear();
+            self.parts.clear();
+            self.end = None;
+        }
+        out
     }
 
     fn curves(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
@@ -195,7 +214,7 @@ impl Process {
         add("F mm/min".to_owned(), view.theme.hold, Box::new(|sample| sample.feed_mm_min));
         if snapshot.simulated.is_some() {
             let name = view.say("砂轮负载 %", "wheel load %");
-            add(name.to_owned(), view.theme.alarm_text, Box::new(|sample| sample.load_percent));
+            add(name.to_owned(), view.theme.alarm_text, Box::new(|sample| sample.load_percent.unwrap_or(0.0)));
         }
         let gauge = 26.0;
         let height = (rect.height() - gauge) / rows.len() as f32;
@@ -301,25 +320,41 @@ impl Process {
                     self.span = longer.unwrap_or(SPANS[0]);
                 }
                 "process-live" => self.end = None,
-                "process-clear" => {
-                    self.samples.clear();
-                    self.parts.clear();
-                    self.end = None;
-                }
-                _ => out.push(Command::Page(PageCommand::File(FileRequest::Table(self.table())))),
+                "process-clear" => self.question.ask((), self.clearing()),
+                _ => out.push(Command::Page(PageCommand::File(
+                    Ticket::unheard(Asker::Screen),
+                    FileRequest::Table(self.table(view.snapshot)),
+                ))),
             }
         }
         out
     }
 
-    /// The samples, a line each; then the parts.
-    fn table(&self) -> String {
-        let mut text = String::from("seconds,X,Y,Z,feed_mm_min,wheel_load_percent,gauges\r\n");
+    /// What is forgotten cannot be brought back: how much it is.
+    fn clearing(&self) -> Question {
+        let ends = self.samples.front().zip(self.samples.back());
+        let seconds = ends.map_or(0.0, |(first, last)| last.at.since(first.at).as_secs_f64());
+        let parts = self.parts.len();
+        let body = Said::new(
+            format!("{seconds:.0} 秒的曲线和 {parts} 个工件的尺寸将丢失；需要时先存为 CSV。"),
+            format!("{seconds:.0} s of curves and the sizes of {parts} parts are lost; SAVE CSV keeps them."),
+        );
+        let key = ("question-clear", Text::new("清除", "CLEAR"));
+        Question::new(Text::new("清除过程数据？", "clear what was recorded?"), body, key)
+    }
+
+    /// The samples, a line each; then the parts. A column of an axis only where the machine has it; what has no signal
+    /// is empty.
+    fn table(&self, snapshot: &Snapshot) -> String {
+        let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present).collect();
+        let letters: String = axes.iter().map(|axis| format!("{},", axis.letter())).collect();
+        let mut text = format!("seconds,{letters}feed_mm_min,wheel_load_percent,gauges\r\n");
         for sample in &self.samples {
-            let ([x, y, z], seconds) = (sample.axes, sample.at.as_secs_f64());
-            let (feed, load, gauges) = (sample.feed_mm_min, sample.load_percent, sample.gauges);
+            let (seconds, feed, gauges) = (sample.at.as_secs_f64(), sample.feed_mm_min, sample.gauges);
+            let places: String = axes.iter().map(|axis| format!("{:.4},", sample.axes[*axis as usize])).collect();
+            let load = sample.load_percent.map_or_else(String::new, |load| format!("{load:.1}"));
             // Writing into a string does not fail.
-            let _ = write!(text, "{seconds:.3},{x:.4},{y:.4},{z:.4},{feed:.1},{load:.1},{gauges:06b}\r\n");
+            let _ = write!(text, "{seconds:.3},{places}{feed:.1},{load},{gauges:06b}\r\n");
         }
         text.push_str("\r\npart,cycle_seconds,size,nominal,lower,upper,within\r\n");
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));

@@ -138,7 +138,7 @@ impl Program {
                 let body = Said::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));
                 let title = Text::new("放弃改动？", "discard the changes?");
                 let key = ("question-discard", Text::new("放弃", "DISCARD"));
-                self.question = Some((About::Discard, Question::new(title, body, key)));
+                self.question.ask(About::Discard, Question::new(title, body, key));
             }
             Act::Stop => self.work = None,
             // B5: the control reads up to the line, and says in its message line what is in force there.

@@ -3,6 +3,7 @@
 //! Source: spec B6 (程序: edit, copy, undo).
 
 use crate::hmi::entry::Edit;
+use crate::link::files::Deed;
 use ropey::{Rope, RopeSlice};
 
 /// Steps that can be taken back.
@@ -236,9 +237,13 @@ impl Document {
         (!self.undo.is_empty(), !self.redo.is_empty())
     }
 
-    /// The text of this version is in the file.
-    pub const fn saved(&mut self, stamp: u64) {
-        (self.base, self.changed) = (stamp, false);
+    /// The text of a version is in its file; what was typed since is not.
+    pub fn hear_saved(&mut self, version: u64, deed: &Deed) {
+        if let Some((number, stamp)) = deed.saved
+            && number == self.number
+        {
+            (self.base, self.changed) = (stamp, version != self.version);
+        }
     }
 
     fn restore(&mut self, past: Past) {

@@ -43,6 +43,9 @@ const fn ink(piece: Piece, theme: &Theme) -> Color32 {
     }
 }
 
+/// Words behind which a number may stand without a gap.
+const OPERATORS: [&str; 10] = ["EQ", "NE", "GT", "GE", "LT", "LE", "AND", "OR", "XOR", "MOD"];
+
 /// The first piece of a text and its length in bytes.
 fn piece(text: &str, first: bool) -> (Piece, usize) {
     let Some(sign) = text.chars().next() else { return (Piece::Plain, 0) };
@@ -56,16 +59,22 @@ fn piece(text: &str, first: bool) -> (Piece, usize) {
         let digits = text[1..].bytes().take_while(|byte| sign == '#' && byte.is_ascii_digit()).count();
         return (Piece::Macro, 1 + digits);
     }
-    if !sign.is_ascii_alphabetic() {
-        let letter = |sign: char| sign.is_ascii_alphabetic() || ";%(#[]=+*".contains(sign);
+    if !sign.is_ascii_alphabetic() && sign != '_' {
+        let letter = |sign: char| sign.is_ascii_alphabetic() || ";%(#[]=+*_".contains(sign);
         let length = text.char_indices().skip(1).find(|(_, sign)| letter(*sign)).map_or(text.len(), |(at, _)| at);
         // A slash that begins a comment ends the piece too.
         let comment = text[sign.len_utf8()..].find("//").map_or(text.len(), |at| at + sign.len_utf8());
         return (Piece::Plain, length.min(comment));
     }
+    let word = text.bytes().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
+    if text[word..].starts_with(':') {
+        return (Piece::Macro, word + 1);
+    }
     let letters = text.bytes().take_while(u8::is_ascii_alphabetic).count();
     if letters > 1 {
-        return (Piece::Macro, letters);
+        // A label is a word with its digits; an operator ends before its number.
+        let operator = OPERATORS.iter().any(|known| known.eq_ignore_ascii_case(&text[..letters]));
+        return (Piece::Macro, if operator { letters } else { word });
     }
     let number = text[1..].bytes().take_while(|byte| byte.is_ascii_digit() || *byte == b'.').count();
     let kind = match sign.to_ascii_uppercase() {
@@ -90,5 +99,18 @@ mod tests {
         assert_eq!(piece("G01X1", true), (Piece::Code, 3));
         assert_eq!(piece("(a)b", false), (Piece::Quiet, 3));
         assert_eq!(piece("#100=1", true), (Piece::Macro, 4));
+        assert_eq!(piece("EQ5", true), (Piece::Macro, 2));
+        assert_eq!(piece("X1Y2", true), (Piece::Plain, 2));
+    }
+
+    #[test]
+    fn s1_labels_and_jumps_to_them_are_of_one_colour() {
+        assert_eq!(piece("AA1:IF R60<R18 GOTOF BB2", false), (Piece::Macro, 4));
+        assert_eq!(piece("_A1: G0", true), (Piece::Macro, 4));
+        assert_eq!(piece("BB2", false), (Piece::Macro, 3));
+        assert_eq!(piece("GOTOF BB2", false), (Piece::Macro, 5));
+        for text in ["N210 AA1:IF R60<R18+R25 GOTOF AA2", "LSA1: L3 P=R32", "_9:", "标签:"] {
+            assert_eq!(job(text, 15.0, &theme::DARK).text, text);
+        }
     }
 }

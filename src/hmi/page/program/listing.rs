@@ -1,7 +1,7 @@
 //! The lines of a program as they are painted: the visible ones alone, however many there are.
 //! Source: spec B6, K7.
 
-use egui::{Align2, Painter, Rect, Ui, pos2, vec2};
+use egui::{Align2, Color32, Id, Painter, Rect, Ui, pos2, vec2};
 use ropey::Rope;
 
 use super::document::trimmed;
@@ -15,6 +15,10 @@ use crate::link::snapshot::ProgramView;
 pub const LINE: f32 = 28.0;
 /// Room for the line number.
 pub const NUMBER: f32 = 76.0;
+/// Room that stays free right of the cursor.
+const AHEAD: f32 = 40.0;
+/// About the width of a column.
+const COLUMN: f32 = 11.0;
 /// Most characters of a line that are laid out.
 const WIDEST: usize = 200;
 
@@ -118,4 +122,40 @@ pub struct Place {
     pub line: u32,
     /// Columns left of the first visible one.
     pub left: usize,
+    /// What a finger has moved sideways of a column, points.
+    rest: f32,
+}
+
+impl Place {
+    /// A cursor right of the page brings the text along, to the middle of a room so wide.
+    pub fn follow_cursor(&mut self, painter: &Painter, rope: &Rope, (line, column): (usize, usize), room: f32) {
+        let slice = rope.line(line);
+        let column = column.min(trimmed(slice));
+        let width = |from: usize| match column.saturating_sub(from) {
+            0..=WIDEST => {
+                let text: String = slice.slice(from.min(column)..column).into();
+                painter.layout_no_wrap(text, theme::font(theme::TITLE - 1.0), Color32::PLACEHOLDER).size().x
+            }
+            _ => f32::INFINITY,
+        };
+        if width(0) <= room - AHEAD {
+            self.left = 0;
+        } else if column < self.left || width(self.left) > room - AHEAD {
+            let fits = |from: &usize| width(*from) <= room / 2.0;
+            self.left = (0..column).rev().take_while(fits).last().unwrap_or(column);
+        }
+    }
+
+    /// Follows a finger that drags the list of this id sideways, as far as the lines in sight are long.
+    pub fn drag(&mut self, ui: &Ui, id: &str, rope: &Rope, lines: std::ops::Range<usize>) {
+        if !ui.ctx().is_being_dragged(Id::unique(id)) {
+            self.rest = 0.0;
+            return;
+        }
+        self.rest -= ui.input(|input| input.pointer.delta().x);
+        let longest = lines.map(|line| trimmed(rope.line(line))).max().unwrap_or(0);
+        let columns = (self.rest / COLUMN).trunc();
+        self.rest -= columns * COLUMN;
+        self.left = self.left.saturating_add_signed(columns as isize).min(longest.saturating_sub(1));
+    }
 }

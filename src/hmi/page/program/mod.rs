@@ -14,16 +14,17 @@ use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
 use super::{Typed, empty};
 use crate::defs::key::Mode;
 use crate::defs::text::{Said, Text};
+use crate::hmi::asking::{self, Guarded, Heard, Why};
 use crate::hmi::entry::Edit;
 use crate::hmi::letters::{self, Letter};
 use crate::hmi::login::Login;
-use crate::hmi::question::Question;
+use crate::hmi::question::Asked;
 use crate::hmi::view::{View, card, fit, frame, put};
 use crate::hmi::widget::{Look, Walk, whole_lines};
 use crate::hmi::{frame as lines, pictogram, theme};
 use crate::link::Command;
-use crate::link::files::{FileRequest, LOOKED_CHARS, LOOKED_LINES, Refusal};
-use crate::link::page_command::{Guard, PageCommand};
+use crate::link::files::{Asker, FileRequest, LOOKED_CHARS, LOOKED_LINES, Refusal, Ticket};
+use crate::link::page_command::PageCommand;
 use crate::link::snapshot::RunState;
 use document::{Document, trimmed};
 use keys::Act;
@@ -55,10 +56,12 @@ enum Ask {
 enum Awaited {
     /// Whether the text may be edited.
     Edit,
-    /// The password; then it is asked again.
-    Password,
     /// The text of this version is being saved.
     Save(u64),
+}
+
+impl Why for Awaited {
+    const ASKER: Asker = Asker::Editor;
 }
 
 /// What a question is about.
@@ -82,10 +85,9 @@ pub struct Program {
     /// Replacing one by one: the next key says whether this place is.
     replacing: bool,
     work: Option<Work>,
-    awaited: Option<Awaited>,
-    question: Option<(About, Question)>,
+    asking: Guarded<Awaited>,
+    question: Asked<About>,
     told: Option<(Said, bool)>,
-    seen: u32,
     looked: (u64, usize, f64),
     walk: Walk,
     /// The keyboard walks over the keys instead of the text.
@@ -128,7 +130,7 @@ impl Program {
             empty::show(ui, view, rect, pictogram::NO_PAGE, view.say("没有装入程序", "no program is loaded"), remedy);
             return out;
         }
-        let free = self.question.is_none() && !login.is_open();
+        let free = !self.question.is_open() && !login.is_open();
         if free {
             self.take_typed(view, typed, login, &mut out);
         }
@@ -152,57 +154,30 @@ impl Program {
         }
         self.go_on(ui);
         self.look(ui, list, &mut out);
-        if let Some((about, mut question)) = self.question.take() {
-            match question.ui(ui, rect, view, typed.edits) {
-                Some(0) => self.answer(about, view, &mut out),
-                Some(_) => {}
-                None => self.question = Some((about, question)),
-            }
+        if let Some((about, Some(key))) = self.question.ui(ui, rect, view, typed.edits) {
+            self.answer(about, key, view, &mut out);
         }
         out
     }
 
     /// The answers of the core.
     fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        let files = &view.snapshot.files;
-        if self.awaited == Some(Awaited::Password) && !login.is_open() {
-            self.awaited = None;
-            if view.snapshot.access.program {
-                self.wish_edit(out);
-            }
-        }
-        if std::mem::replace(&mut self.seen, files.answers) == files.answers {
-            return;
-        }
-        match (self.awaited.take(), &files.refused) {
-            (None | Some(Awaited::Password), _) => {}
-            (Some(Awaited::Edit), None) => {
-                (self.editing, self.told, self.entered) = (true, None, true);
-                self.place.scroll.by_hand = true;
-            }
-            (Some(Awaited::Edit | Awaited::Save(_)), Some(Refusal::Password)) => {
-                self.awaited = Some(Awaited::Password);
-                login.unlock(view, Guard::Program);
-            }
-            (Some(Awaited::Save(version)), None) => {
-                let (number, stamp) = files.saved;
-                if number == self.document.number {
-                    let same = version == self.document.version;
-                    self.document.saved(stamp);
-                    self.document.changed = !same;
+        while let Some(heard) = self.asking.hear(view, login) {
+            match heard {
+                Heard::Open => self.wish_edit(out),
+                Heard::Answer(Awaited::Edit, Ok(_)) => {
+                    (self.editing, self.told, self.entered) = (true, None, true);
+                    self.place.scroll.by_hand = true;
                 }
-                self.told = Some((files.done.clone(), false));
+                Heard::Answer(Awaited::Save(version), Ok(deed)) => {
+                    self.document.hear_saved(version, &deed);
+                    self.told = Some((deed.said, false));
+                }
+                Heard::Answer(Awaited::Save(_), Err(Refusal::Conflict)) => {
+                    self.question.ask(About::Conflict, asking::conflict());
+                }
+                Heard::Answer(Awaited::Edit | Awaited::Save(_), Err(refusal)) => self.refuse(refusal.said()),
             }
-            (Some(Awaited::Save(_)), Some(Refusal::Conflict)) => {
-                let body = Said::new(
-                    "打开之后磁盘上的文件已被改动。覆盖后别处的改动会丢失；取消则保留两者，可以改号另存。",
-                    "The file was changed on the disk since it was opened. Overwriting loses that change; with CANCEL both stay.",
-                );
-                let keys = ("question-overwrite", Text::new("覆盖", "OVERWRITE"));
-                let title = Text::new("文件已被别处改动", "the file was changed elsewhere");
-                self.question = Some((About::Conflict, Question::new(title, body, keys)));
-            }
-            (Some(Awaited::Edit | Awaited::Save(_)), Some(refusal)) => self.refuse(refusal.said()),
         }
     }
 
@@ -242,21 +217,25 @@ impl Program {
     }
 
     fn wish_edit(&mut self, out: &mut Vec<Command>) {
-        self.awaited = Some(Awaited::Edit);
-        out.push(Command::Page(PageCommand::File(FileRequest::MayEdit(self.document.number))));
+        out.push(self.asking.ask(Awaited::Edit, FileRequest::MayEdit(self.document.number)));
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
-        self.awaited = Some(Awaited::Save(self.document.version));
         let (number, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
-        out.push(Command::Page(PageCommand::File(FileRequest::Save { number, text, base, force })));
+        let request = FileRequest::Save { number, text, base, force };
+        out.push(self.asking.ask(Awaited::Save(self.document.version), request));
     }
 
-    fn answer(&mut self, about: About, view: &View<'_>, out: &mut Vec<Command>) {
-        match about {
-            About::Conflict => self.save(true, out),
-            About::Discard => {
-                let program = &view.snapshot.program;
+    /// A key of a question other than 取消, by its place.
+    fn answer(&mut self, about: About, key: usize, view: &View<'_>, out: &mut Vec<Command>) {
+        let program = &view.snapshot.program;
+        match (about, key) {
+            (About::Conflict, asking::OVERWRITE) => self.save(true, out),
+            (About::Conflict, _) => {
+                self.document = Document::open(program.number, program.stamp, &program.text);
+                self.told = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
+            }
+            (About::Discard, _) => {
                 self.document = Document::open(program.number, program.stamp, &program.text);
                 self.stop_editing();
             }
@@ -310,6 +289,8 @@ impl Program {
     }
 
     fn letter(&mut self, letter: &Letter, out: &mut Vec<Command>) {
+        // The letters are for the text, wherever Tab has led.
+        self.on_keys = false;
         match letter {
             Letter::Sign(sign) => self.sign(*sign),
             Letter::Word(word) => word.chars().for_each(|sign| self.sign(sign)),
@@ -333,7 +314,7 @@ impl Program {
         if self.work.is_some() {
             if edit == Edit::Cancel {
                 self.work = None;
-                out.push(Command::Page(PageCommand::File(FileRequest::Cancel)));
+                out.push(Command::Page(PageCommand::File(Ticket::unheard(Asker::Editor), FileRequest::Cancel)));
             }
             return;
         }
@@ -415,10 +396,12 @@ impl Program {
         if !self.place.scroll.by_hand {
             let followed = if self.editing || !current || program.line == 0 { line } else { program.line as usize - 1 };
             self.place.scroll.show(followed, list, LINE);
-            self.scroll_sideways(column, list);
+            let room = list.width() - listing::NUMBER;
+            self.place.follow_cursor(ui.painter(), &self.document.rope, (line, column), room);
         }
         let tap = ui.interact(list, Id::unique("listing-tap"), Sense::CLICK);
         let (first, last) = self.place.scroll.follow(ui, "listing", list, LINE, count);
+        self.place.drag(ui, "listing", &self.document.rope, first..last.min(count));
         if tap.clicked()
             && let Some(at) = tap.interact_pointer_pos()
         {
@@ -447,17 +430,6 @@ impl Program {
     fn come_into_sight(&mut self, sight: std::ops::Range<usize>, running: Option<usize>) {
         if !sight.contains(&self.document.place().0) {
             self.document.go(running.filter(|line| sight.contains(line)).unwrap_or(sight.start), 0);
-        }
-    }
-
-    /// A column right of the page brings the text along.
-    fn scroll_sideways(&mut self, column: usize, list: Rect) {
-        let columns = ((list.width() - listing::NUMBER) / 11.0).max(10.0) as usize;
-        if column < self.place.left || column + 4 > self.place.left + columns {
-            self.place.left = column.saturating_sub(columns / 2);
-        }
-        if column < columns.saturating_sub(4) {
-            self.place.left = 0;
         }
     }
 
@@ -545,7 +517,7 @@ impl Program {
         }
         let (number, token) = (self.document.number, self.token());
         let request = FileRequest::Look { number, first: first as u32 + 1, text, token };
-        out.push(Command::Page(PageCommand::File(request)));
+        out.push(Command::Page(PageCommand::File(Ticket::unheard(Asker::Editor), request)));
     }
 
     /// The keys that stand below the listing now, a row after the other.

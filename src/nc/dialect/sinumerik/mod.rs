@@ -58,10 +58,10 @@ fn alone(words: &Words, call: Word) -> Outcome<()> {
     }
 }
 
-/// The subprogram that a block calls, and where; `P0` does not call it.
+/// The subprogram that a block calls, and where; `P0` does not call it, and of `P=R32` only the run knows.
 pub(super) fn called(words: &Words) -> Option<(u32, usize)> {
     let call = words.look(b'L')?;
-    let never = words.look(b'P').is_some_and(|word| word.kind == Kind::Digits && word.value <= 0.0);
+    let never = words.look(b'P').is_some_and(|word| word.kind != Kind::Digits || word.value <= 0.0);
     let number = crate::nc::expression::whole(call.value).and_then(|number| u32::try_from(number).ok())?;
     (!never && number <= L_LAST).then(|| (program::of_l(number), call.at as usize))
 }

@@ -1,0 +1,70 @@
+//! What the simulated machine can suffer: the words of stories, the keys of the simulator page, the manual's list.
+//! Source: spec P8, tools.md ("Faults").
+
+use super::text::Text;
+
+/// What stands behind the name of a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Takes {
+    /// Nothing.
+    Nothing,
+    /// The id of an input.
+    Input,
+    /// A number of ticks.
+    Ticks,
+}
+
+/// One fault.
+#[derive(Clone, Copy, Debug)]
+pub struct FaultRow {
+    /// The word of stories.
+    pub name: &'static str,
+    /// What has to stand behind it.
+    pub takes: Takes,
+    /// What it is.
+    pub text: Text,
+}
+
+impl FaultRow {
+    /// As a story says it: NAME stands for the id of an input, N for a number of ticks.
+    #[must_use]
+    pub fn usage(&self) -> String {
+        match self.takes {
+            Takes::Nothing => self.name.to_owned(),
+            Takes::Input => format!("{} NAME", self.name),
+            Takes::Ticks => format!("{} N", self.name),
+        }
+    }
+}
+
+const fn row(name: &'static str, takes: Takes, zh: &'static str, en: &'static str) -> FaultRow {
+    FaultRow { name, takes, text: Text::new(zh, en) }
+}
+
+/// Every fault.
+pub const FAULTS: [FaultRow; 19] = [
+    row("stuck-on", Takes::Input, "输入一直接通", "an input that stays on"),
+    row("stuck-off", Takes::Input, "输入一直断开", "an input that stays off"),
+    row("bounce", Takes::Input, "输入抖动", "an input whose contact bounces"),
+    row("pressure-loss", Takes::Nothing, "液压压力丢失", "hydraulic pressure lost"),
+    row("drive-x", Takes::Nothing, "X 驱动故障", "X drive fault"),
+    row("drive-y", Takes::Nothing, "Y 驱动故障", "Y drive fault"),
+    row("drive-z", Takes::Nothing, "Z 驱动故障", "Z drive fault"),
+    row("following-x", Takes::Nothing, "X 跟随误差", "X following error"),
+    row("following-y", Takes::Nothing, "Y 跟随误差", "Y following error"),
+    row("following-z", Takes::Nothing, "Z 跟随误差", "Z following error"),
+    row("worn-screw-x", Takes::Nothing, "X 丝杠磨损", "X screw worn"),
+    row("worn-screw-y", Takes::Nothing, "Y 丝杠磨损", "Y screw worn"),
+    row("worn-screw-z", Takes::Nothing, "Z 丝杠磨损", "Z screw worn"),
+    row("gauge-dead", Takes::Nothing, "量仪无信号", "gauge dead"),
+    row("coolant-missing", Takes::Nothing, "冷却无流量", "no coolant flow"),
+    row("lubrication-missing", Takes::Nothing, "润滑液位低", "lubrication low"),
+    row("bus-late", Takes::Ticks, "总线迟到 N 个周期", "the bus answers a tick late for N ticks"),
+    row("bus-silent", Takes::Ticks, "总线 N 个周期无应答", "the bus does not answer for N ticks"),
+    row("supply-loss", Takes::Nothing, "电源丢失", "supply lost"),
+];
+
+/// The faults that need no further word.
+pub fn plain() -> impl Iterator<Item = &'static FaultRow> {
+    FAULTS.iter().filter(|row| row.takes == Takes::Nothing)
+}

@@ -1,0 +1,169 @@
+//! The soft keys F1–F5 and ▶: five rows, one table. The screen draws it and the core acts by it, so a key of a story
+//! does what a finger does.
+//! Source: spec K7.1, K7.2.
+
+use super::kind::Kind;
+use super::page::Page;
+use super::text::Text;
+
+/// Which coordinates the position page shows. The first view of a control is not the one where dressing points are
+/// set, against mistakes (K4.2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Coordinates {
+    /// F1 相对
+    Relative,
+    /// F2 综合
+    #[default]
+    All,
+    /// F3 机床
+    Machine,
+}
+
+impl Coordinates {
+    /// The title of the view.
+    #[must_use]
+    pub const fn title(self) -> Text {
+        match self {
+            Self::Relative => Text::new("相对坐标", "relative"),
+            Self::All => Text::new("综合坐标", "all coordinates"),
+            Self::Machine => Text::new("机床坐标", "machine"),
+        }
+    }
+}
+
+/// What a soft key does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SoftAct {
+    /// Opens a page.
+    Open(Page),
+    /// Opens the position page with these coordinates.
+    Position(Coordinates),
+    /// Keeps a picture of the screen.
+    Print,
+}
+
+impl SoftAct {
+    /// What the key does: of a page, what the page is for.
+    #[must_use]
+    pub const fn help(self) -> Text {
+        match self {
+            Self::Open(page) => page.help(),
+            Self::Position(Coordinates::Relative) => Text::new(
+                "位置页的相对坐标：可清零；在这里设修整点。",
+                "The position page with relative coordinates: to be set to zero; dressing points are set here.",
+            ),
+            Self::Position(Coordinates::All) => Text::new(
+                "位置页的综合坐标：绝对、相对、机床和余移动量。",
+                "The position page with all coordinates: absolute, relative, machine and what is left to go.",
+            ),
+            Self::Position(Coordinates::Machine) => Text::new(
+                "位置页的机床坐标：从机械零点量起。",
+                "The position page with machine coordinates, from the machine zero.",
+            ),
+            Self::Print => Text::new(
+                "把当前画面存成图片；位置在信息行说明。",
+                "Keeps a picture of the screen; the message line says where.",
+            ),
+        }
+    }
+}
+
+/// One soft key.
+#[derive(Clone, Copy, Debug)]
+pub struct SoftKey {
+    /// Label.
+    pub label: Text,
+    /// What it does.
+    pub act: SoftAct,
+}
+
+const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
+    SoftKey { label: Text::new(zh, en), act }
+}
+
+/// The rows that ▶ turns through; the simulator's is the last. A kind has at most five keys of each.
+pub const ROWS: [&[SoftKey]; 5] = [
+    &[
+        key("相对", "RELATIVE", SoftAct::Position(Coordinates::Relative)),
+        key("综合", "ALL", SoftAct::Position(Coordinates::All)),
+        key("机床", "MACHINE", SoftAct::Position(Coordinates::Machine)),
+        key("磨削", "GRINDING", SoftAct::Open(Page::Grinding)),
+        key("砂轮修整", "DRESSING", SoftAct::Open(Page::Dressing)),
+        key("录返", "TEACH-IN", SoftAct::Open(Page::Teach)),
+        key("刀具棒料", "TOOLS, BAR", SoftAct::Open(Page::Tools)),
+    ],
+    &[
+        key("参数", "PARAMS", SoftAct::Open(Page::Params)),
+        key("诊断", "DIAGNOSIS", SoftAct::Open(Page::Diagnosis)),
+        key("图形", "GRAPHIC", SoftAct::Open(Page::Graphic)),
+        key("U盘/通信", "USB/COMM", SoftAct::Open(Page::Transfer)),
+        key("屏幕打印", "PRINT", SoftAct::Print),
+    ],
+    &[
+        key("程序", "PROGRAM", SoftAct::Open(Page::Program)),
+        key("录入", "MDI", SoftAct::Open(Page::Mdi)),
+        key("目录", "DIRECTORY", SoftAct::Open(Page::Directory)),
+        key("刀补", "OFFSETS", SoftAct::Open(Page::Offset)),
+        key("宏变量", "MACRO", SoftAct::Open(Page::Macro)),
+    ],
+    &[
+        key("过程", "PROCESS", SoftAct::Open(Page::Process)),
+        key("报警", "ALARMS", SoftAct::Open(Page::Alarm)),
+        key("换砂轮", "WHEEL", SoftAct::Open(Page::Wheel)),
+        key("设置", "SETTINGS", SoftAct::Open(Page::Settings)),
+        key("帮助", "HELP", SoftAct::Open(Page::Help)),
+    ],
+    &[key("模拟", "SIMULATOR", SoftAct::Open(Page::Simulator))],
+];
+
+/// The keys of a row on a kind.
+pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = &'static SoftKey> {
+    let has = move |soft: &&SoftKey| !matches!(soft.act, SoftAct::Open(page) if !page.is_on(kind));
+    ROWS.get(row % ROWS.len()).into_iter().flat_map(|row| row.iter()).filter(has)
+}
+
+impl SoftKey {
+    /// Its label on a kind.
+    #[must_use]
+    pub fn label_on(&self, kind: Kind) -> Text {
+        match self.act {
+            SoftAct::Open(page @ (Page::Mdi | Page::Grinding)) if page.title_on(kind) != page.title() => {
+                page.title_on(kind)
+            }
+            _ => self.label,
+        }
+    }
+}
+
+/// The number of rows: where no machine is simulated, the last one is not there (P1).
+#[must_use]
+pub const fn rows(simulated: bool) -> usize {
+    if simulated { ROWS.len() } else { ROWS.len() - 1 }
+}
+
+/// The row that is turned to when a page opens.
+#[must_use]
+pub const fn row_of(page: Page) -> usize {
+    match page {
+        Page::Position | Page::Panel | Page::Dressing | Page::Teach | Page::Tools => 0,
+        Page::Grinding | Page::Params | Page::Diagnosis | Page::Graphic | Page::Transfer => 1,
+        Page::Program | Page::Designer | Page::Mdi | Page::Directory | Page::Offset | Page::Macro => 2,
+        Page::Process | Page::Alarm | Page::Wheel | Page::Settings | Page::Help => 3,
+        Page::Simulator => 4,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k7_1_the_first_row_is_that_of_the_position_page_and_none_has_more_than_five() {
+        let first = |kind| row(kind, 0).map(|soft| soft.label.zh).collect::<Vec<_>>();
+        assert_eq!(first(Kind::Gc), ["相对", "综合", "机床", "磨削", "砂轮修整"]);
+        assert_eq!(first(Kind::Lathe), ["相对", "综合", "机床", "录返", "刀具棒料"]);
+        for kind in Kind::ALL.iter().copied() {
+            assert!((0..ROWS.len()).all(|index| (1..=5).contains(&row(kind, index).count())), "{kind:?}");
+        }
+    }
+}
