@@ -144,7 +144,7 @@ impl AxisHoming {
     }
 
     /// To the zero point, until the axis stands there.
-    fn to_zero(&mut self, mover: &mut AxisMover, at: f64, stood: u32) -> Progress {
+    fn settle_at_zero(&mut self, mover: &mut AxisMover, at: f64, stood: u32) -> Progress {
         let HomingPlan { coordinate, slow_mm_s, width_mm, .. } = self.plan;
         mover.position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
         let rest = mover.is_at_rest();
@@ -202,7 +202,7 @@ impl AxisHoming {
                 self.step = Step::ToZero { stood: 0 };
                 return Progress::SetZero { edge };
             }
-            Step::ToZero { stood } => return self.to_zero(mover, at, stood),
+            Step::ToZero { stood } => return self.settle_at_zero(mover, at, stood),
             Step::SeekFast { from } | Step::BackOff { from } if too_far(from, travel_mm) => {
                 mover.stop();
                 return Progress::Failed(Failure::NoSwitch);
