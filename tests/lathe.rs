@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kt830::defs::kind::Kind;
-use kt830::defs::param::ParamAddress;
+use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::program_error::ProgramError as E;
 use kt830::io::sim::EventKind;
 use kt830::link::command::Command;
@@ -88,6 +88,44 @@ fn l3_g26_g27_g29_return_to_the_tool_change_point() {
     tell(&mut rig, "key cycle-start\nwait until idle max 20 s\nexpect X 100 ±0.001\nexpect Z 50 ±0.001");
 }
 
+/// The tool-change point is a place in the machine: homing and G92 give it other names, and it stays where it is (L3, L6).
+#[test]
+fn l3_the_tool_change_point_stays_where_it_is_when_homing_names_the_axes_anew() {
+    // The encoders count from where the power came: machine X −150, Z −450; the origin is X 0, Z 0.
+    for (text, x, z) in [
+        ("N0010G39\nN0018G29\nN0020M02", -150.0, -450.0),
+        ("N0010G92X100Z100\nN0020G36\nN0030G26\nN0040M02", -150.0, -450.0),
+        ("N0010G92X0Z0\nN0020G37\nN0030G27\nN0040M02", -150.0, -450.0),
+        ("N0010G36\nN0020G92X50Z10\nN0030G01U-20W-20F2000\nN0040G26\nN0050M02", -150.0, -450.0),
+    ] {
+        for ready in [false, true] {
+            let mut rig = rig_of(Kind::Lathe, folders());
+            rig.add_program(program(7_000, "PART.NC", text.as_bytes().to_vec()));
+            if ready {
+                tell(&mut rig, "home all");
+                tell(&mut rig, "mode mdi\nmdi G00X-300Z-450\nwait 10 s");
+            }
+            let before = rig.machine().slide_mm();
+            assert!((before[Axis::X] - x).abs() < 0.002 && (before[Axis::Z] - z).abs() < 0.002, "{before:?}");
+            tell(&mut rig, "load PART\nmode auto\nkey cycle-start\nwait until idle max 200 s\nexpect no alarm");
+            let after = rig.machine().slide_mm();
+            let off = |axis: Axis| (after[axis] - before[axis]).abs();
+            assert!(off(Axis::X) < 0.002 && off(Axis::Z) < 0.002, "{text}: {before:?} {after:?}");
+        }
+    }
+}
+
+#[test]
+fn l3_g26_by_mdi_leads_to_where_the_last_program_began() {
+    let mut rig = lathe("N0010G92X100Z50\nN0020G00X60Z20\nN0030M02");
+    let before = rig.machine().slide_mm();
+    // None has run yet: the tool is not led to a place that nobody named.
+    tell(&mut rig, "mode mdi\nmdi G26\nwait 1 s");
+    assert_eq!(rig.machine().slide_mm(), before);
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 20 s\nexpect X 60 ±0.001");
+    tell(&mut rig, "mode mdi\nmdi G26\nwait 3 s\nexpect X 100 ±0.001\nexpect Z 50 ±0.001\nexpect no alarm");
+}
+
 #[test]
 fn l7_m03_and_m05_are_pulses_and_m08_switches_the_coolant_off() {
     let mut rig = lathe("N0010M03\nN0020M07\nN0030G04F1\nN0040M08\nN0050G04F1\nN0060M05\nN0070M00\nN0080M02");
@@ -121,6 +159,62 @@ fn l5_threads_keep_their_lead_within_five_micrometres_at_the_limit_speed() {
         let cut = rig.controller().threads()[0];
         assert!(cut.length_mm > 60.0 && cut.error_mm < 0.005, "{cut:?}");
     }
+}
+
+/// Note 5: behind three leads the run-up is over; so it is with the finest threads at their limit speed.
+#[test]
+fn l5_fine_threads_are_in_step_after_three_leads() {
+    // N = 1200/T − 80: 4720 rpm at 0.25 mm, 3348 at 0.35, 2320 at 0.5; 20 at 12.
+    for (lead, rpm) in [(0.25, 4_720), (0.35, 3_300), (0.5, 2_320), (12.0, 20)] {
+        let text =
+            format!("N0010G92X100Z50\nN0020M03S{rpm}\nN0025G04F5\nN0030G01U-2F300\nN0040G33W-40F{lead}\nN0050M02");
+        let rig = run(&text);
+        let cut = rig.controller().threads()[0];
+        // All of it is measured but the three leads and the run-out.
+        assert!(cut.length_mm > 40.0 - 1.2 - 0.5, "{cut:?}");
+        assert!(cut.error_mm < 0.005, "{cut:?}");
+    }
+}
+
+/// A legal S turns the spindle at S, however slow; one that the spindle cannot turn at is refused with its range.
+#[test]
+fn l5_every_legal_s_turns_at_its_speed() {
+    for rpm in [1.0, 5.0, 20.0, 25.0, 26.0, 200.0, 5_000.0] {
+        let mut rig = lathe(&format!("N0010M03S{rpm}\nN0020G04F60\nN0030M02"));
+        tell(&mut rig, "key cycle-start\nwait 40 s");
+        let turns = rig.machine().main_spindle_rpm();
+        assert!((turns - rpm).abs() < 0.001 * rpm, "S{rpm}: {turns}");
+    }
+    for (s, most) in [("S0", "5000"), ("S5001", "5000"), ("S-1", "5000")] {
+        let mut rig = lathe(&format!("N0010M03{s}\nN0030M02"));
+        tell(&mut rig, "key cycle-start\nwait 1 s\nexpect alarm any\nexpect output spindle-forward off");
+        assert!(rig.snapshot().alarms[0].text.en.contains(&format!("1–{most} r/min (P64)")), "{s}");
+    }
+}
+
+/// The run-out draws a tool of 8 mm edge out of the bar at the speed of its axis: that is no rapid traverse into it.
+#[test]
+fn l5_the_run_out_of_a_legal_thread_is_no_crash() {
+    for lead in [1.5, 4.0, 12.0] {
+        let rpm = (1_200.0 / lead - 80.0_f64).floor();
+        let mut rig = params(
+            &format!(
+                "N0005G92X60Z50\nN0006M03S{rpm}\nN0010G00X46Z40\nN0020G01X43F300\nN0030G33W-70F{lead}\nN0040G26\nN0050M02"
+            ),
+            &[],
+        );
+        tell(&mut rig, "key cycle-start\nwait until idle max 600 s\nexpect no alarm\nexpect no event");
+    }
+}
+
+/// Forward first, then a thread in reverse: the phase counts the way the spindle turns.
+#[test]
+fn l5_a_thread_in_reverse_after_forward_keeps_its_lead() {
+    let text = "N0010G92X100Z20\nN0020M03S300\nN0022G04F3\nN0024M05\nN0026G04F3\nN0028M04S300\nN0030G01U-2F300\n\
+                N0040G33W-30F2\nN0050M02";
+    let rig = run(text);
+    let cut = rig.controller().threads()[0];
+    assert!(cut.length_mm > 28.0 && cut.error_mm < 0.005, "{cut:?}");
 }
 
 #[test]
@@ -187,6 +281,32 @@ fn l8_t20_after_tool_3_moves_by_what_their_tips_differ() {
     assert_eq!(rig.controller().set_point(), after, "T2 without compensation moves nothing");
 }
 
+/// The first T of a program is compensated against the tool in front, T1 before it or not.
+#[test]
+fn l8_the_first_compensated_tool_counts_from_the_one_in_front() {
+    for text in ["N0010T20\nN0020M02", "N0010T1\nN0020T20\nN0030M02", "N0010T01\nN0020T2\nN0025T1\nN0030T20\nN0040M02"]
+    {
+        let mut rig = lathe(text);
+        for (number, u, w) in [(1, 0.5, 0.5), (2, 1.5, 2.0)] {
+            rig.send(Command::SetGeometry(number, PerAxis([u / 2.0, 0.0, w])));
+        }
+        rig.step();
+        let before = rig.controller().set_point();
+        tell(&mut rig, "expect input station-1 on\nkey cycle-start\nwait until idle max 60 s\nexpect no alarm");
+        let after = rig.controller().set_point();
+        // (u1 − u2)/2 = −0.5 mm of slide, w1 − w2 = −1.5 mm.
+        assert!((after[Axis::X] - before[Axis::X] + 0.5).abs() < 1e-6, "{text}: {before:?} {after:?}");
+        assert!((after[Axis::Z] - before[Axis::Z] + 1.5).abs() < 1e-6, "{text}: {before:?} {after:?}");
+    }
+    // Station 2 is in front now: the same T20 once more moves nothing.
+    let mut rig = lathe("N0010T20\nN0020M02");
+    rig.send(Command::SetGeometry(2, PerAxis([0.75, 0.0, 2.0])));
+    tell(&mut rig, "key cycle-start\nwait until idle max 60 s");
+    let before = rig.controller().set_point();
+    tell(&mut rig, "key cycle-start\nwait until idle max 60 s\nexpect X 0 ±0.001");
+    assert_eq!(rig.controller().set_point(), before);
+}
+
 #[test]
 fn l8_a_station_that_does_not_come_is_an_alarm() {
     let mut rig = lathe("N0010T3\nN0020G01U-10F300\nN0030M02");
@@ -206,6 +326,43 @@ fn l6_g36_homes_x_then_z_and_the_coordinate_is_the_parameters() {
     );
     tell(&mut rig, "wait until idle max 120 s\nexpect no alarm\nexpect X 10 ±0.001\nexpect Z 2 ±0.001");
     assert!(rig.snapshot().axes[Axis::X].homed && rig.snapshot().axes[Axis::Z].homed);
+}
+
+/// The origin may lie beyond a soft limit: homing ends there all the same, and from there the axis goes inside only.
+#[test]
+fn l6_an_origin_beyond_the_soft_limit_is_homed_and_left_towards_the_inside() {
+    for (code, set, x, z) in [
+        ("G39", "param P47 2", 0.0, 2.0),
+        ("G39", "param P47 50", 0.0, 50.0),
+        ("G36", "param P45 120\nparam P47 3", 240.0, 3.0),
+    ] {
+        let mut rig = rig_of(Kind::Lathe, folders());
+        let text = format!("N0010{code}\nN0020M02");
+        rig.add_program(program(7_000, "PART.NC", text.into_bytes()));
+        tell(&mut rig, &format!("{set}\nload PART\nmode auto\nkey cycle-start\nwait until idle max 120 s"));
+        tell(&mut rig, &format!("expect no alarm\nexpect X {x} ±0.001\nexpect Z {z} ±0.001"));
+    }
+    let mut rig = rig_of(Kind::Lathe, folders());
+    tell(&mut rig, "param P47 50\nhome all\nexpect no alarm\nexpect machine Z 50 ±0.001");
+    // Not outwards, by key, step or program; inwards by as much as is asked and no more.
+    tell(&mut rig, "mode jog\nhold Z+ 0.5 s\nwait 1 s\nexpect machine Z 50 ±0.001");
+    tell(
+        &mut rig,
+        "handwheel Z -10 x0.1\nwait 1 s\nexpect machine Z 49 ±0.001\nhandwheel Z 10 x0.1\nwait 1 s\nexpect machine Z 49 ±0.001",
+    );
+    tell(&mut rig, "mode mdi\nmdi G01W-100F2000\nwait 6 s\nexpect machine Z -51 ±0.001\nexpect no alarm");
+    tell(&mut rig, "mdi G01W53F2000\nwait 1 s\nexpect alarm 101\nexpect machine Z -51 ±0.001");
+}
+
+/// A switch that never comes, or is never left, is an alarm.
+#[test]
+fn l6_a_home_switch_that_never_comes_or_never_goes_is_an_alarm() {
+    for (fault, most) in [("stuck-off home-z", 60), ("stuck-on home-z", 200)] {
+        let mut rig = rig_of(Kind::Lathe, folders());
+        rig.add_program(program(7_000, "PART.NC", b"N0010G39\nN0020M02".to_vec()));
+        tell(&mut rig, &format!("fault {fault}\nload PART\nmode auto\nkey cycle-start\nwait until alarm max {most} s"));
+        tell(&mut rig, "wait 1 s\nexpect alarm any");
+    }
 }
 
 #[test]
@@ -285,6 +442,36 @@ fn l2_speeds_and_places_come_from_the_parameters() {
         &mut rig,
         "key cycle-start\nwait 0.6 s\nexpect state running\nwait 0.8 s\nexpect state idle\nexpect X -10 ±0.001",
     );
+}
+
+/// L2: rapids of 2000 to 6000 mm/min along Z, half of that along X.
+#[test]
+fn l2_the_rapids_of_the_parameters_keep_the_range() {
+    let mut values = Params::factory(Kind::Lathe);
+    let mut write = |at: &str, value: f64| values.write(ParamAddress::parse(at).unwrap(), value).is_ok();
+    for (at, low, high) in [("P30", 1_000.0, 3_000.0), ("P32", 2_000.0, 6_000.0)] {
+        assert!(write(at, low) && write(at, high) && !write(at, low - 1.0) && !write(at, high + 1.0), "{at}");
+    }
+    assert!(Params::factory(Kind::Gc).write(ParamAddress::parse("P32").unwrap(), 10_000.0).is_ok());
+}
+
+/// A file of any name is reported by it.
+#[test]
+fn l1_files_of_one_letter_are_reported_by_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["A", "P1", "G22_X", "22"] {
+        let path = folder.path().join(format!("{name}.NC"));
+        std::fs::write(&path, "N0010G04F1\nN0020G33W-20F2\nN0030M02\n").unwrap();
+        let out = std::process::Command::new(env!("CARGO_BIN_EXE_kt830"))
+            .args(["run", "--kind", "lathe", "--format", "json", "--data"])
+            .arg(folder.path().join("data"))
+            .arg(&path)
+            .output()
+            .unwrap();
+        let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+        assert_eq!(told["alarms"][0]["program"], name, "{told}");
+        assert!(told["alarms"][0]["text"].as_str().unwrap().contains(&format!("{name} ")), "{told}");
+    }
 }
 
 #[test]

@@ -11,6 +11,7 @@ use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::program;
 use kt830::defs::screw::ScrewTable;
+use kt830::defs::signal::Output as SignalOutput;
 use kt830::io::sim::{Along, MachineFile, PartFile, SurfaceFile};
 use kt830::link::command::Command;
 use kt830::link::snapshot::RunState;
@@ -241,6 +242,94 @@ fn s4_every_wrong_value_is_named_and_every_exit_stops_the_wheel() {
     }
 }
 
+/// A value that the program can judge is judged before anything starts or moves: the way of a wrong one ends in the diamond
+/// or the part.
+fn refused_at_the_start(rig: &mut Rig, values: &str, (message, flag): (&str, f64)) {
+    let kept: Vec<_> =
+        (R0 as u16 + 1..R0 as u16 + 48).map(|number| (number, rig.controller().variable(number.into()))).collect();
+    tell(rig, values);
+    let from = rig.controller().set_point();
+    run(rig, |rig| {
+        let output = |output: SignalOutput| rig.controller().output_set().has(output);
+        let any = output(SignalOutput::Wheel) || output(SignalOutput::TableRotation) || output(SignalOutput::Coolant);
+        assert!(!any, "{values}: something has been started");
+        assert_eq!(rig.controller().set_point(), from, "{values}: something has moved");
+    });
+    tell(rig, &format!("expect message \"{message}\"\nexpect R62 {flag}\nexpect no alarm\nexpect no event"));
+    assert_eq!(rig.snapshot().waiting_for.as_ref().map(|said| said.zh.as_str()), Some(message), "{values}");
+    for (number, value) in kept {
+        rig.send(Command::SetVariable(number, value));
+    }
+    rig.step();
+}
+
+/// Wrong values of L1, which both programs begin with.
+const WRONG_VALUES: [(&str, (&str, f64)); 27] = [
+    ("set R7 = 36", ("错误01:转速过高", 1.0)),   // above the wheel's 35 m/s
+    ("set R6 = 1900", ("错误01:转速过高", 1.0)), // 60000 · 30 / (π · 300) = 1910
+    ("set R5 = 1920", ("错误02:转速过低", 2.0)),
+    ("set R5 = 0\nset R7 = 0", ("错误02:转速过低", 2.0)), // no lower limit, and yet it must turn
+    ("set R42 = -0.1", ("错误03:安全让刀参数错误", 3.0)),
+    ("set R43 = 0", ("错误03:安全让刀参数错误", 3.0)),
+    ("set R44 = 0", ("错误03:安全让刀参数错误", 3.0)),
+    ("set R4 = 0", ("错误04:砂轮参数错误", 4.0)),
+    ("set R10 = -1", ("错误04:砂轮参数错误", 4.0)),
+    ("set R36 = -0.03", ("错误04:砂轮参数错误", 4.0)),
+    ("set R37 = 0", ("错误04:砂轮参数错误", 4.0)),
+    ("set R38 = 0", ("错误04:砂轮参数错误", 4.0)),
+    ("set R39 = -1", ("错误04:砂轮参数错误", 4.0)),
+    ("set R3 = 210", ("错误05:砂轮直径超出范围", 5.0)),
+    ("set R3 = 400", ("错误05:砂轮直径超出范围", 5.0)),
+    ("set R1 = 299.99", ("错误05:砂轮直径超出范围", 5.0)), // 300 − 0.03 once dressed
+    ("set R15 = -1", ("错误07:行程参数错误", 7.0)),
+    ("set R14 = 90", ("错误07:行程参数错误", 7.0)),
+    ("set R28 = 0", ("错误10:粗磨参数错误", 10.0)),
+    ("set R29 = 0", ("错误10:粗磨参数错误", 10.0)),
+    ("set R22 = 0", ("错误11:精磨参数错误", 11.0)),
+    ("set R23 = -5", ("错误11:精磨参数错误", 11.0)),
+    ("set R25 = -0.1", ("错误11:精磨参数错误", 11.0)),
+    ("set R32 = -1", ("错误12:光磨参数错误", 12.0)),
+    ("set R32 = 2.5", ("错误12:光磨参数错误", 12.0)),
+    ("set R33 = 0", ("错误12:光磨参数错误", 12.0)),
+    ("set R22 = 0\nset R43 = 0", ("错误03:安全让刀参数错误", 3.0)), // the first of two
+];
+
+#[test]
+fn s4_values_that_can_be_judged_are_judged_before_anything_starts() {
+    let own = [
+        ("set R20 = 200", ("错误10:粗磨参数错误", 10.0)),
+        ("set R18 = 201", ("错误10:粗磨参数错误", 10.0)),
+        ("set R46 = 500", ("错误07:行程参数错误", 7.0)), // 200.5 + 0.1 + 300: the wheel's centre beside the part
+    ];
+    let mut rig = vgrind(1, "");
+    for (values, told) in WRONG_VALUES.into_iter().chain(own) {
+        refused_at_the_start(&mut rig, values, told);
+    }
+}
+
+#[test]
+fn s6_values_of_a_bore_that_can_be_judged_are_judged_before_anything_starts() {
+    let own = [
+        ("set R20 = 500", ("错误10:粗磨参数错误", 10.0)),
+        ("set R47 = 100", ("错误07:行程参数错误", 7.0)), // R21 = 105
+    ];
+    let mut rig = vbore(1, BORE);
+    for (values, told) in WRONG_VALUES.into_iter().chain(own) {
+        refused_at_the_start(&mut rig, values, told);
+    }
+}
+
+/// The checks of L20 and L30 stay as a second line: a value changed in the run still ends it.
+#[test]
+fn s4_a_value_that_goes_wrong_in_the_run_is_still_found() {
+    let mut rig = vgrind(1, "");
+    tell(&mut rig, "param P6.3 1\nkey cycle-start\nwait 3 s\nset R43 = 0\nwait until idle max 600 s");
+    tell(
+        &mut rig,
+        "expect message \"错误03:安全让刀参数错误\"\nexpect R62 3\nexpect output wheel off\nexpect no alarm",
+    );
+}
+
 /// L10 grinds a cone along R14: 2 · 70 · tan 1° = 2.4437 mm of diameter between R21 and R19.
 #[test]
 fn s6_the_stroke_follows_the_cone() {
@@ -312,6 +401,68 @@ fn s5_the_printed_program_is_stopped_by_the_check_at_n340_and_not_run() {
     let reason = "N340 infeed passes R18: R50=0.110 leads to the diameter 199.950, below R18=200.000; it was not run";
     assert!(said.contains(&format!("PRINTED.MPF:35:10: {reason}")), "{said}");
     assert!(!said.contains("part diameter"), "it has not run: {said}");
+}
+
+/// The infeed leads to the diameter, the feed does not: named is what the axis words were calculated with.
+#[test]
+fn s5_the_check_names_the_infeed_and_not_the_feed() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["L3", "L10", "L20", "L30"] {
+        let text = std::fs::read(format!("{}/programs/802d/{name}.SPF", env!("CARGO_MANIFEST_DIR"))).unwrap();
+        std::fs::write(folder.path().join(format!("{name}.SPF")), text).unwrap();
+    }
+    // Without the checks of L1 an allowance below 0 grinds to 199.9: by the R50 of the rough strokes.
+    std::fs::write(folder.path().join("L1.SPF"), "N10 R8=1900\nN20 RET\n").unwrap();
+    let main = folder.path().join("VGRIND.MPF");
+    std::fs::write(&main, include_str!("../programs/802d/VGRIND.MPF")).unwrap();
+    let call = ["check", "--kind", "vertical", "--simulate", "--lang", "en", main.to_str().unwrap()];
+    let out = kt830(&[&call[..], &SETS[..], &["--set", "R25=-0.1"]].concat());
+    let said = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert!(said.contains("N325 infeed passes R18: R50=0.020 leads to") || said.contains("N340 infeed"), "{said}");
+    assert!(!said.contains("R51="), "{said}");
+    // As printed with no allowance, the let-off behind the last rough stroke goes past the size: R43 in N390.
+    let printed = "programs/802d/as-printed/PRINTED.MPF";
+    let call = ["check", "--kind", "vertical", "--simulate", "--lang", "en", printed];
+    let out = kt830(&[&call[..], &SETS[..], &["--set", "R25=0"]].concat());
+    let said = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert!(said.contains("infeed passes R18: R50=") && !said.contains("R51="), "{said}");
+}
+
+/// A subprogram of the 802D has a name: a report says L53, the text as the JSON.
+#[test]
+fn s1_an_alarm_in_a_subprogram_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let main = folder.path().join("TEST.MPF");
+    std::fs::write(&main, "L53\nM2\n").unwrap();
+    std::fs::write(folder.path().join("L53.SPF"), "G90 G0 X690\nG0 X=R98/R99\nRET\n").unwrap();
+    let call = ["run", "--kind", "vertical", "--lang", "en", "--format", "json", main.to_str().unwrap()];
+    let out = kt830(&call);
+    let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((&told["alarms"][0]["program"], &told["alarms"][0]["line"]), (&"L53".into(), &2.into()), "{told}");
+}
+
+/// The slides tremble where they stand: the wheel that has run into the diamond has done so once, until it has left it.
+#[test]
+fn p8_one_crash_is_one_event_until_its_place_is_left() {
+    let mut rig = vgrind(1, "");
+    let text = "N10 G90 G94 M63 S1500 M3\nN20 G0 X=R46 Z=R47\nN30 R80=R11-R3+1\nN40 G0 X=R80 Z=R12\nN50 M2";
+    rig.add_program(disk::program(program::number("RAM"), "RAM.MPF", text.as_bytes().to_vec()));
+    tell(&mut rig, "load RAM\nmode auto\nkey cycle-start\nwait until alarm max 60 s\nwait 20 s\nexpect event crash");
+    let places = |rig: &Rig| rig.machine().events().iter().map(|event| event.place).collect::<Vec<_>>();
+    assert_eq!(places(&rig), ["dresser"]);
+    // Away and back again is another one.
+    tell(&mut rig, "key reset\nmode jog\nhold X- 1 s\nwait 2 s");
+    assert_eq!(places(&rig), ["dresser"]);
+    tell(&mut rig, "hold X+ 3 s\nwait 5 s");
+    assert_eq!(places(&rig), ["dresser", "dresser"]);
+}
+
+#[test]
+fn s1_a_feed_per_revolution_without_a_turning_part_says_so() {
+    let mut rig = vgrind(1, "");
+    rig.add_program(disk::program(program::number("TURN"), "TURN.MPF", b"G95 G1 X690 F0.2\nM2\n".to_vec()));
+    tell(&mut rig, "load TURN\nmode auto\nkey cycle-start\nwait 2 s\nexpect alarm \"每转进给需要工件转动\"");
+    assert!(!rig.snapshot().alarms[0].text.zh.contains("需要头架"));
 }
 
 /// As printed, L30 sets R60 back with every dressing: it never ends, and the check counts up to there and says so.

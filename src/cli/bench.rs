@@ -51,6 +51,26 @@ pub fn folders(shared: &Shared) -> Result<Folders, CallError> {
     }
 }
 
+/// What a check begins with: retained values with `--data`, as far as nobody else holds them open, else the factory's.
+///
+/// # Errors
+/// As [`begin`].
+pub fn retained(shared: &Shared) -> Result<Retained, CallError> {
+    let kept = shared.data.is_some().then(|| {
+        let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+        Keeper::open(data.root(), shared.kind).map(|(_, found)| found.retained).map_err(CallError::new)
+    });
+    let retained = match kept {
+        Some(Ok(retained)) => retained,
+        Some(Err(error)) => {
+            eprintln!("kt830: {error}; the check goes by factory values");
+            Retained::factory(shared.kind)
+        }
+        None => Retained::factory(shared.kind),
+    };
+    begin(shared, retained)
+}
+
 /// What the control begins with: `--param` and `--set` applied to factory or retained values.
 ///
 /// # Errors
@@ -159,6 +179,9 @@ pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
         )));
     }
     let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
+    // L1: every file of a lathe has a name, be it one letter.
+    let by_name = own_programs(rig.kind()).is_some() && !stem.is_empty();
+    let named = if by_name { Some(crate::defs::program::number(&stem)) } else { named };
     let number = named.unwrap_or(UNNUMBERED);
     rig.add_programs(beside(path));
     rig.add_program(program(number, word, bytes));

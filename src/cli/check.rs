@@ -16,7 +16,7 @@ use crate::controller::{PARAM_VARIABLES, Programs, Retained, nc_settings, refere
 use crate::defs::text::{Said, Text};
 use crate::defs::{param, r_parameter};
 use crate::io::sim::PartFile;
-use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Settings, Source, World, check_with};
+use crate::nc::{CheckWorld, Checked, Fault, Frames, Library, Memory, Op, Place, Settings, Source, World, check_with};
 use crate::runtime::bar;
 use crate::runtime::disk::{beside, parse_page_text, parse_picture, program};
 use crate::units::{Axis, PerAxis};
@@ -184,7 +184,7 @@ fn met(shared: &Shared, source: &Source, ran: &Ran) -> Vec<Wrong> {
 
 fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> Result<Found, CallError> {
     let number = number_of(path);
-    let retained = bench::begin(shared, Retained::factory(shared.kind))?;
+    let retained = bench::retained(shared)?;
     let settings = nc_settings(shared.kind, &retained.params);
     let axes = settings.axes;
     let folders = bench::folders(shared)?;
@@ -222,7 +222,7 @@ fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -
     let mut shown = 0;
     let checked = check_with(&source, &library, &settings, memory, &mut world, &mut |block| {
         if let Some(rehearsal) = &mut rehearsal {
-            rehearsal.see(block);
+            rehearsal.see(block, &|at| text_of(&source, &library, at).1);
         }
         if let Some(limits) = &mut limits {
             limits.see(block);
@@ -274,10 +274,16 @@ fn in_machine<'a>(
     Ok(Some(Limits::new(world, &retained.params, shown)))
 }
 
+/// The text of a block, and the subprogram that it stands in.
+fn text_of(source: &Source, library: &Arc<dyn Library + Send + Sync>, at: Place) -> (Option<Arc<Source>>, String) {
+    let sub = (at.program != source.number()).then(|| library.find(at.program)).flatten();
+    let line = sub.as_deref().unwrap_or(source).line(at.line).unwrap_or_default();
+    (sub, line)
+}
+
 /// A move that the rehearsal found, at the block that leads to it.
 fn wrong_move(shared: &Shared, source: &Source, library: &Arc<dyn Library + Send + Sync>, passed: &Passed) -> Wrong {
-    let sub = (passed.at.program != source.number()).then(|| library.find(passed.at.program)).flatten();
-    let line = sub.as_deref().unwrap_or(source).line(passed.at.line).unwrap_or_default();
+    let (sub, line) = text_of(source, library, passed.at);
     let name = passed.variable.map(|number| r_parameter::name_on(number, shared.kind)).unwrap_or_default();
     let column = line.find(&name).map_or(1, |at| line[..at].chars().count() as u32 + 1);
     let program = sub.map_or_else(String::new, |sub| format!("{}: ", sub.title()));

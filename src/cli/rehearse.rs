@@ -49,8 +49,9 @@ impl Rehearsal {
         Self { finished, wheel_width_mm, system, from, values, set_at: BTreeMap::new(), settings: 0, passed: None }
     }
 
-    /// Looks at a block; `used` are the variables that its words were calculated with.
-    pub fn see(&mut self, block: &Block) {
+    /// Looks at a block; `line` gives the text of a block, of which the variables that its axis words were calculated with
+    /// are wanted.
+    pub fn see(&mut self, block: &Block, line: &dyn Fn(Place) -> String) {
         for op in &block.ops {
             match op {
                 Op::Set { variable, value } => {
@@ -60,7 +61,7 @@ impl Rehearsal {
                 }
                 Op::Rapid { to, .. } | Op::Feed { to, .. } | Op::Arc { to, .. } | Op::Skip { to, .. } => {
                     if self.passed.is_none() {
-                        self.passed = self.passes(*to, block);
+                        self.passed = self.passes(*to, block, line);
                     }
                     self.from = *to;
                 }
@@ -79,7 +80,7 @@ impl Rehearsal {
         self.values.get(u32::from(number)).ok().flatten()
     }
 
-    fn passes(&self, to: PerAxis<f64>, block: &Block) -> Option<Passed> {
+    fn passes(&self, to: PerAxis<f64>, block: &Block, line: &dyn Fn(Place) -> String) -> Option<Passed> {
         let (size, wheel) = (self.value(self.finished.size)?, self.value(self.finished.wheel)?);
         let inside = self.finished.inside;
         // How far the rim is beyond the finished diameter, and where it would stand.
@@ -93,8 +94,10 @@ impl Rehearsal {
         }
         let (reached, size) = (worst.1, if inside { worst.1 - worst.0 } else { worst.1 + worst.0 });
         let (than_zh, than_en) = if inside { ("大于", "above") } else { ("小于", "below") };
-        let latest =
-            block.used.iter().filter_map(|used| self.set_at.get(used).map(|at| (at, *used))).max_by_key(|at| at.0.0);
+        // A feed leads nowhere: only what the places were calculated with counts.
+        let led = in_axis_words(&line(block.at));
+        let set = block.used.iter().filter(|used| led.contains(used));
+        let latest = set.filter_map(|used| self.set_at.get(used).map(|at| (at, *used))).max_by_key(|at| at.0.0);
         let at = latest.map_or(block.at, |((_, at), _)| *at);
         let name = r_parameter::name(u32::from(self.finished.size), self.system);
         let by = latest.map(|(_, used)| {
@@ -133,5 +136,45 @@ impl Rehearsal {
         };
         let ends = if (b - a).abs() > 0.0 { [share(low), share(high)] } else { [0.0, 1.0] };
         Some(ends.map(place))
+    }
+}
+
+/// The R parameters, as variables, in the words of a block that say where it leads: X, Y, Z, I, J, K and CR.
+fn in_axis_words(line: &str) -> Vec<u32> {
+    let code = line.split(';').next().unwrap_or_default().to_ascii_uppercase();
+    let (bytes, mut found, mut leads, mut at) = (code.as_bytes(), Vec::new(), false, 0);
+    let count =
+        |from: usize, is: fn(&u8) -> bool| bytes.get(from..).unwrap_or_default().iter().take_while(|b| is(b)).count();
+    while at < bytes.len() {
+        let letters = count(at, u8::is_ascii_alphabetic);
+        if letters == 0 {
+            at += 1;
+            continue;
+        }
+        let (word, digits) = (&code[at..at + letters], count(at + letters, u8::is_ascii_digit));
+        at += letters + digits;
+        let rest = code[at..].trim_start();
+        let assigns = rest.starts_with('=') && !rest.starts_with("==");
+        if word == "R" && digits > 0 && !assigns {
+            if let Some(variable) = r_parameter::parse(&code[at - digits - 1..at]).filter(|_| leads) {
+                found.push(u32::from(variable));
+            }
+        } else if assigns || digits > 0 {
+            leads = matches!(word, "X" | "Y" | "Z" | "I" | "J" | "K" | "CR");
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn s5_a_feed_is_no_place() {
+        let of = |line: &str| in_axis_words(line).into_iter().map(|number| number - 600).collect::<Vec<_>>();
+        assert_eq!(of("N10 G91 G1 X=-R50 F=R51 ;R1"), [50]);
+        assert_eq!(of("G1 F=R51 X=2*(R21-R19)*TAN(R14) Z = R19 - R21 R7=R8"), [21, 19, 14, 19, 21]);
+        assert_eq!(of("G2 X10 CR=R3 F=R4 S=R5"), [3]);
     }
 }

@@ -322,9 +322,9 @@ fn turns_part(rig: &Rig) -> bool {
     rig.kind().face().turns_part
 }
 
-/// A program as a report names it: by its number, or by its name where it has one.
+/// A program as a report names it: by its number, or by its name where it has one, L53 of the 802D among them.
 fn program_word(rig: &Rig, number: u32) -> Value {
-    let by_name = crate::defs::program::is_named(number);
+    let by_name = crate::defs::program::is_named(number) || crate::defs::program::is_l(number);
     rig.program_source(number).filter(|_| by_name).map_or_else(|| json!(number), |source| json!(source.title()))
 }
 

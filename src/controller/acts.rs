@@ -49,6 +49,7 @@ impl Controller {
             }
             Act::Preset(values) => self.preset(run, values),
             Act::Frames(frames) => {
+                self.carry_start(frames.shift);
                 self.put_frames(frames);
                 Did::Done
             }
@@ -304,7 +305,10 @@ impl Controller {
     pub(super) fn no_drive(&mut self) -> Did {
         self.raise(
             alarm::DRIVE_BLOCKED,
-            Some(Said::new("每转进给需要头架转动", "a feed per revolution needs the headstock turning")),
+            Some(Said::new(
+                "每转进给需要工件转动，先用 M63 启动",
+                "a feed per revolution needs the workpiece turning: M63 first",
+            )),
         );
         Did::Wait
     }

@@ -115,15 +115,15 @@ impl Axes {
         self.screws.configure(params);
     }
 
-    /// Soft limits hold from homing on (B5).
-    fn bound(&mut self, axis: Axis, params: &Params) {
+    /// Soft limits hold from homing on (B5). An axis that homing has left beyond one of them goes back inside only.
+    pub fn bound(&mut self, axis: Axis, params: &Params) {
         let bounds = self.homed[axis].then(|| soft_limits(params, axis));
         self.movers[axis].set_bounds(bounds);
     }
 
     /// Declares the machine zero of an axis: the encoder position `edge` (in today's machine frame) is `coordinate`.
-    /// The axis must stand.
-    pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64, params: &Params) {
+    /// The axis must stand; [`Self::bound`] puts the soft limits in force once it is at its zero point.
+    pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64) {
         let shift = coordinate - edge;
         self.zero_mm[axis] += shift;
         self.encoder[axis] += shift;
@@ -131,7 +131,6 @@ impl Axes {
         self.set[axis] += shift;
         self.movers[axis].set_position(self.set[axis]);
         self.homed[axis] = true;
-        self.bound(axis, params);
         // From here on the table counts; the axis does not move for it, its zero does.
         self.zero_mm[axis] += self.screws.settle(axis, self.set[axis], self.minus[axis]);
     }

@@ -5,7 +5,6 @@ use super::axes::{Owner, soft_limits};
 use super::hand::HandLimits;
 use super::homing::{AxisHoming, HomingPlan, Progress};
 use super::{Controller, Event, Homing, MINUTE_HZ, Phase};
-use crate::defs::alarm;
 use crate::defs::key::{Key, Mode};
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Bit};
@@ -185,13 +184,13 @@ impl Controller {
             match progress {
                 Progress::Going => {}
                 Progress::SetZero { edge } => {
-                    let coordinate = self.params.of_axis(param::HOME_X, axis);
-                    self.axes.set_zero(axis, edge, coordinate, &self.params);
+                    self.found_zero(axis, edge);
                 }
-                Progress::Done => self.next_homing(next),
-                Progress::Failed => {
-                    self.raise(alarm::HOMING_FAILED, Some(Said::new(axis.to_string(), axis.to_string())));
+                Progress::Done => {
+                    self.axes.bound(axis, &self.params);
+                    self.next_homing(next);
                 }
+                Progress::Failed(why) => self.homing_failed(axis, why),
             }
         } else if matches!(self.phase, Phase::Idle) || self.is_free_for_hand() && self.axes.owner() == Owner::Hand {
             let limits = HandLimits {

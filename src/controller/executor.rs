@@ -31,6 +31,9 @@ impl Controller {
         let kept = self.mdi_modals.take().filter(|_| origin == Origin::Mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
         self.frames.activate(modals.frame);
+        if settings.zero_at_start {
+            self.begin_turning(origin == Origin::Program);
+        }
         if settings.zero_at_start && origin == Origin::Program {
             // L3: at the start, work zero, reference point and start point are one.
             self.frames.preset(self.axes.set(), &PerAxis([Some(0.0), None, Some(0.0)]));

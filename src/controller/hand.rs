@@ -79,7 +79,8 @@ impl Hand {
         let mut to = from + distance;
         if axes.is_homed(axis) {
             let (low, high) = super::axes::soft_limits(params, axis);
-            to = to.clamp(low, high);
+            // From beyond a limit (L6: the origin may lie there) a step leads back by its length and no more.
+            to = to.clamp(low.min(from), high.max(from));
         }
         self.target[axis] = Some((to, None));
     }

@@ -26,6 +26,12 @@ pub struct HomingPlan {
 /// Back-off is this many times the slow speed: its place does not matter.
 const BACK_OFF_FACTOR: f64 = 10.0;
 
+/// Greatest way that the slow part of a homing may take to leave or meet a switch, mm: a bump is far shorter.
+const SLOW_WAY_MM: f64 = 50.0;
+
+/// Ticks for which an axis may stand at its zero point without being in position.
+const SETTLE_TICKS: u32 = 5_000;
+
 /// Longest pause of a bouncing contact, ticks: longer than the 5 ms of a switch and the input filter together.
 const BOUNCE_TICKS: u32 = 20;
 
@@ -53,7 +59,18 @@ enum Step {
     StopSlow {
         edge: f64,
     },
-    ToZero,
+    ToZero {
+        stood: u32,
+    },
+}
+
+/// Why a homing came to nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Failure {
+    /// The switch was not met, or not left, within the way it may take.
+    NoSwitch,
+    /// The axis stands and is not where its zero point is.
+    NoZero,
 }
 
 /// What homing tells the controller in a tick.
@@ -68,8 +85,8 @@ pub enum Progress {
     },
     /// The axis stands at its zero point.
     Done,
-    /// No switch within the travel.
-    Failed,
+    /// It has come to nothing.
+    Failed(Failure),
 }
 
 /// The homing of one axis.
@@ -126,16 +143,32 @@ impl AxisHoming {
         }
     }
 
+    /// To the zero point, until the axis stands there.
+    fn settle_at_zero(&mut self, mover: &mut AxisMover, at: f64, stood: u32) -> Progress {
+        let HomingPlan { coordinate, slow_mm_s, width_mm, .. } = self.plan;
+        mover.position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
+        let rest = mover.is_at_rest();
+        let stood = if rest { stood + 1 } else { 0 };
+        self.step = Step::ToZero { stood };
+        if rest && (at - coordinate).abs() <= width_mm {
+            Progress::Done
+        } else if stood > SETTLE_TICKS {
+            Progress::Failed(Failure::NoZero)
+        } else {
+            Progress::Going
+        }
+    }
+
     /// One tick. `raw` is the switch before the filter, `at` the axis position from the encoder.
     pub fn tick(&mut self, mover: &mut AxisMover, switch: bool, raw: bool, at: f64) -> Progress {
-        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate, past, width_mm } = self.plan;
+        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, past, .. } = self.plan;
         let rest = mover.is_at_rest();
         self.note_edge(raw, at);
         if let Some(step) = self.step_past(mover, switch, at).filter(|_| past) {
             self.step = step;
             return Progress::Going;
         }
-        let too_far = |from: f64| (at - from).abs() > travel_mm;
+        let too_far = |from: f64, most_mm: f64| (at - from).abs() > most_mm;
         self.step = match self.step {
             Step::Begin if switch => {
                 mover.velocity_target(-direction * slow_mm_s * BACK_OFF_FACTOR);
@@ -166,19 +199,17 @@ impl AxisHoming {
                 Step::StopSlow { edge: self.edge.unwrap_or(at) }
             }
             Step::StopSlow { edge } if rest => {
-                self.step = Step::ToZero;
+                self.step = Step::ToZero { stood: 0 };
                 return Progress::SetZero { edge };
             }
-            Step::ToZero => {
-                mover.position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
-                let there = mover.is_at_rest() && (at - coordinate).abs() <= width_mm;
-                return if there { Progress::Done } else { Progress::Going };
-            }
-            Step::SeekFast { from } | Step::BackOff { from } | Step::SeekSlow { from } | Step::Past { from }
-                if too_far(from) =>
-            {
+            Step::ToZero { stood } => return self.settle_at_zero(mover, at, stood),
+            Step::SeekFast { from } | Step::BackOff { from } if too_far(from, travel_mm) => {
                 mover.stop();
-                return Progress::Failed;
+                return Progress::Failed(Failure::NoSwitch);
+            }
+            Step::SeekSlow { from } | Step::Past { from } if too_far(from, travel_mm.min(SLOW_WAY_MM)) => {
+                mover.stop();
+                return Progress::Failed(Failure::NoSwitch);
             }
             step @ (Step::SeekFast { .. }
             | Step::StopFast

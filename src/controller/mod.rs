@@ -319,7 +319,8 @@ impl Controller {
     pub fn make_ready(&mut self, encoder_zero_mm: PerAxis<f64>) {
         for axis in Axis::ALL {
             let at = self.axes.actual()[axis];
-            self.axes.set_zero(axis, at, self.image.encoder_mm[axis] + encoder_zero_mm[axis], &self.params);
+            self.axes.set_zero(axis, at, self.image.encoder_mm[axis] + encoder_zero_mm[axis]);
+            self.axes.bound(axis, &self.params);
         }
         self.machine.make_ready(&self.params);
         self.mode = Mode::Auto;

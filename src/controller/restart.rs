@@ -18,7 +18,7 @@ use crate::defs::variable;
 use crate::link::edit::ModalView;
 use crate::link::snapshot::RestartView;
 use crate::motion::Shape;
-use crate::nc::{self, AxisSet, CheckWorld, Memory, Modals, Next, Op, SpeedMode};
+use crate::nc::{self, AxisSet, CheckWorld, Memory, Modals, Next, Op, SpeedMode, World};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Most ticks that the blocks before are read: some two million blocks. A loop that waits for the machine does not end.
@@ -291,7 +291,7 @@ impl Controller {
         true
     }
 
-    fn begin_at(&mut self, Restart { mut run, switched, .. }: Restart) {
+    fn begin_at(&mut self, Restart { mut run, world, switched, .. }: Restart) {
         let (from, to, wheel_axis) = (self.axes.set(), run.planned.machine, self.row.slow_axis);
         let mut beside = to;
         beside[wheel_axis] = from[wheel_axis];
@@ -308,6 +308,7 @@ impl Controller {
             }
         }
         self.frames.clone_from(&run.planned.frames);
+        self.lathe.start = Some(self.frames.machine_from_work(world.start()));
         self.wheel_speed = switched.speed.unwrap_or(self.wheel_speed);
         self.wheel_rpm_limit = switched.limit.or(self.wheel_rpm_limit);
         let speed = Speed::PerMinute(self.params.get(param::WHEEL_ON_SPEED));

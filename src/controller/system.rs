@@ -73,6 +73,13 @@ impl World for RunWorld<'_> {
         self.planned.frames.tool
     }
 
+    fn start(&self) -> PerAxis<f64> {
+        let Some(start) = self.controller.lathe.start else { return self.position() };
+        // L8: what a tool read ahead moves the slides by, it moves the place of its tip by.
+        let (there, now) = (self.planned.frames.shift, self.controller.frames.shift);
+        self.planned.frames.work_from_machine(PerAxis::from_fn(|axis| start[axis] + there[axis] - now[axis]))
+    }
+
     fn block_skip(&self) -> bool {
         self.controller.switches.block_skip
     }
@@ -102,6 +109,8 @@ pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
             origin: PerAxis::from_fn(|axis| params.of_axis(param::HOME_X, axis)),
             arcs_opposite: !params.bit(param::ARCS_AS_ISO),
             spindle_rpm: params.get(param::WHEEL_RPM),
+            most_rpm: params.get(param::WHEEL_RPM_MAX),
+            run_up: (params.of_axis(param::ACCELERATION_X, Axis::Z), params.of_axis(param::JERK_X, Axis::Z)),
         },
         ..Settings::of(row.system)
     }

@@ -3,7 +3,7 @@
 
 use super::acts::Did;
 use super::axes::MINUTE;
-use super::homing::Progress;
+use super::homing::{Failure, Progress};
 use super::run::{Doing, Run};
 use super::{Controller, Homing};
 use crate::defs::alarm;
@@ -13,7 +13,7 @@ use crate::defs::text::Said;
 use crate::link::snapshot::ThreadCut;
 use crate::machine::Answer;
 use crate::motion::{Thread, ThreadMover};
-use crate::units::{Axis, Micros};
+use crate::units::{Axis, Micros, PerAxis};
 
 /// Most threads that are remembered.
 const THREADS: usize = 256;
@@ -56,6 +56,8 @@ pub struct Lathe {
     threads: Vec<ThreadCut>,
     /// An axis that a program sends to its switch.
     pub homing: Option<Homing>,
+    /// The tool-change point: where the tip was when the last program began, machine frame (L3).
+    pub start: Option<PerAxis<f64>>,
 }
 
 /// The deviation of Z from its place in the thread under way, mm.
@@ -112,7 +114,7 @@ impl Controller {
             *thread,
             from,
             self.axes.path_limits(&self.params),
-            self.lathe.spindle.turns,
+            (self.lathe.spindle.turns, self.params.get(param::DRIVE_LAG) / 1_000.0),
         ));
         self.lathe.measuring = Some(Measured {
             line: self.place.line,
@@ -132,9 +134,9 @@ impl Controller {
         let actual = self.axes.actual()[Axis::Z];
         match self.axes.thread() {
             Some(mover) => {
+                // Note 5: behind three leads the run-up has to be over, whether it is or not.
                 let far = (actual - measured.begun_mm).abs() >= APPROACH_LEADS * measured.lead_mm;
-                if let Some(belongs) = mover.belongs_mm(self.lathe.spindle.turns).filter(|_| mover.is_in_step() && far)
-                {
+                if let Some(belongs) = mover.belongs_mm(self.lathe.spindle.turns).filter(|_| far) {
                     let off = actual - belongs;
                     measured.least = measured.least.min(off);
                     measured.most = measured.most.max(off);
@@ -182,14 +184,53 @@ impl Controller {
         match progress {
             Progress::Going => self.lathe.homing = Some(homing),
             Progress::SetZero { edge } => {
-                let coordinate = self.params.of_axis(param::HOME_X, axis);
-                self.axes.set_zero(axis, edge, coordinate, &self.params);
+                self.found_zero(axis, edge);
                 self.lathe.homing = Some(homing);
             }
-            Progress::Done => {}
-            Progress::Failed => self.raise(alarm::HOMING_FAILED, Some(Said::new(axis.to_string(), axis.to_string()))),
+            Progress::Done => self.axes.bound(axis, &self.params),
+            Progress::Failed(why) => self.homing_failed(axis, why),
         }
         Did::Wait
+    }
+
+    /// The switch of an axis was at this machine coordinate of today: from now on it is at the parameter's. The tool-change
+    /// point stays where it is in the machine (L3).
+    pub(super) fn found_zero(&mut self, axis: Axis, edge: f64) {
+        let coordinate = self.params.of_axis(param::HOME_X, axis);
+        self.axes.set_zero(axis, edge, coordinate);
+        if let Some(start) = &mut self.lathe.start {
+            start[axis] += coordinate - edge;
+        }
+    }
+
+    /// A homing that came to nothing: the axis, and what it waited for.
+    pub(super) fn homing_failed(&mut self, axis: Axis, why: Failure) {
+        let n = param::HOME_X.number + axis as u16;
+        let said = match why {
+            Failure::NoSwitch => Said::new(axis.to_string(), axis.to_string()),
+            Failure::NoZero => Said::new(
+                format!("{axis} 到不了零点坐标 P{n}={:.3}", self.params.of_axis(param::HOME_X, axis)),
+                format!("{axis} does not come to its coordinate P{n}={:.3}", self.params.of_axis(param::HOME_X, axis)),
+            ),
+        };
+        self.raise(alarm::HOMING_FAILED, Some(said));
+    }
+
+    /// A tool with compensation has moved the slides: the place of its tip is theirs.
+    pub(super) fn carry_start(&mut self, shift: PerAxis<f64>) {
+        if let Some(start) = &mut self.lathe.start {
+            *start = PerAxis::from_fn(|axis| start[axis] + shift[axis] - self.frames.shift[axis]);
+        }
+    }
+
+    /// A program begins: its tool-change point is here, and the tool in front is the one that its switch shows (L3, L8).
+    pub(super) fn begin_turning(&mut self, program: bool) {
+        if program {
+            self.lathe.start = Some(self.axes.set());
+        }
+        if let Some(station) = crate::machine::turning::found(self.inputs) {
+            self.frames.tool = u32::from(station);
+        }
     }
 
     /// One tick of the tool post.

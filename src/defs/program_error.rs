@@ -279,7 +279,7 @@ program_errors! {
     IncrementalOnly = 74, "incremental-only", "螺纹必须用增量 U、W 编程，不能用 {}", "a thread is written with U and W, not with {}",
         "把 {} 改为增量", "write {} as a distance";
     /// The way before a thread is short.
-    ApproachShort = 75, "approach-short", "螺纹起刀点距工件只有 {} mm，少于 3 倍导程 {2} mm", "the thread begins {} mm before the part, less than three leads ({2} mm)",
+    ApproachShort = 75, "approach-short", "螺纹起刀点距工件只有 {} mm，少于 3 倍导程或升速距离 {2} mm", "the thread begins {} mm before the part, less than three leads or the run-up ({2} mm)",
         "起刀点离工件 3–5 倍导程", "begin three to five leads before the part";
     /// The spindle is faster than a thread allows.
     SpindleTooFast = 76, "spindle-too-fast", "主轴转速 {} 超过螺纹允许的 {2} r/min", "the spindle's {} rpm exceed the {2} rpm that the thread allows",

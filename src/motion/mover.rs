@@ -136,7 +136,7 @@ impl AxisMover {
             Demand::Rest => Profile::to_velocity(start, 0.0, limits),
             Demand::Velocity(velocity) => self.jog(velocity),
             Demand::Position { target, velocity } if velocity > 0.0 => {
-                let target = self.bounds.map_or(target, |(low, high)| target.max(low).min(high.max(low)));
+                let target = self.within(target);
                 Profile::to_position(start, target, AxisLimits { velocity_mm_s: velocity, ..limits })
             }
             Demand::Position { .. } | Demand::Stop => self.halt(limits),
@@ -145,6 +145,13 @@ impl AxisMover {
                 Profile::to_velocity(start, 0.0, AxisLimits { jerk_mm_s3, ..limits })
             }
         };
+    }
+
+    /// A target cut to the bounds; from outside they are taken to where the axis stands, so that it goes inward only and no
+    /// farther than asked.
+    fn within(&self, target: f64) -> f64 {
+        let from = self.state.position;
+        self.bounds.map_or(target, |(low, high)| target.max(low.min(from)).min(high.max(low).max(from)))
     }
 
     /// Brakes; where braking alone would cross a bound that was set too late, ends on the bound.

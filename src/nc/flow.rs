@@ -311,7 +311,9 @@ impl Flow {
     /// Opens a subprogram of the same text; the flow still stands at the calling block, which ends at `behind`.
     pub fn call_local(&mut self, n: u32, at: usize) -> Outcome<()> {
         let line = self.only_block(n, at)?;
-        if self.is_main() && line <= self.line.saturating_sub(1) {
+        // L7: behind the main program, which its M02 ends.
+        let within = self.source.main_end().is_some_and(|end| line < end);
+        if within || self.is_main() && line <= self.line.saturating_sub(1) {
             return wrong1(at, E::SubBeforeMain, format!("N{n:04}"));
         }
         if self.levels.len() >= COUNTED_DEPTH {

@@ -3,7 +3,6 @@
 use super::dialect::{self, RepeatWords, Spelling};
 use super::op::{Feed, PathMode, Plane, SpeedMode};
 use super::settings::{Settings, SpeedUnit, System};
-use crate::units::PerAxis;
 
 /// The function of group 01 in force.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -108,8 +107,6 @@ pub struct Modals {
     pub(crate) infeed: i8,
     /// The program has switched the main spindle on (L5).
     pub(crate) spindle_on: bool,
-    /// Where the program began, in today's work coordinates: the tool-change point (L3).
-    pub(crate) start: PerAxis<f64>,
     /// K5.11: a second tool was called.
     pub(crate) several_tools: bool,
     /// K5.11: G50 was used.
@@ -149,7 +146,6 @@ impl Modals {
             lead: None,
             infeed: 0,
             spindle_on: false,
-            start: PerAxis::default(),
             several_tools: false,
             preset: false,
         }

@@ -29,6 +29,10 @@ pub struct Turning {
     pub arcs_opposite: bool,
     /// Speed of the spindle without an S, rpm.
     pub spindle_rpm: f64,
+    /// The highest speed of the spindle, rpm.
+    pub most_rpm: f64,
+    /// Acceleration and jerk of Z, mm/s², mm/s³: the run-up of a thread.
+    pub run_up: (f64, f64),
 }
 
 impl Default for Turning {
@@ -41,6 +45,8 @@ impl Default for Turning {
             origin: PerAxis([0.0; 3]),
             arcs_opposite: true,
             spindle_rpm: 200.0,
+            most_rpm: 5_000.0,
+            run_up: (800.0, 20_000.0),
         }
     }
 }

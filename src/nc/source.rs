@@ -1,7 +1,7 @@
 //! A program's text with its lines, block numbers and loops found once, when it is loaded. Source: spec B1.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use encoding_rs::GB18030;
 
@@ -49,6 +49,8 @@ pub struct Source {
     loops: Vec<Loop>,
     /// Counted loops (G22 … G80), by their first line.
     counted: Vec<CountedLoop>,
+    /// The line (from 0) of the first M02, once somebody has asked.
+    main_end: OnceLock<Option<u32>>,
 }
 
 /// G22 and its G80, lines from 0.
@@ -95,6 +97,7 @@ impl Source {
             names: Vec::new(),
             loops: Vec::new(),
             counted: Vec::new(),
+            main_end: OnceLock::new(),
         };
         source.index();
         source
@@ -211,6 +214,12 @@ impl Source {
         let is = |index: usize| self.labels.get(index).filter(|label| label.0 == n).map(|label| label.1);
         let is = |index: usize| is(index).map(|at| self.line_of(at as usize));
         if is(first + 1).is_some() { Err(()) } else { Ok(is(first)) }
+    }
+
+    /// The line (from 0) in which the main program ends: the first with an M02 (L7).
+    pub(crate) fn main_end(&self) -> Option<u32> {
+        let ends = |line: u32| has_code(&self.bytes[self.start(line)..self.start(line + 1)], b'M', 2);
+        *self.main_end.get_or_init(|| (0..self.lines.len() as u32).find(|line| ends(*line)))
     }
 
     /// The counted loop that opens in a line (from 0).
@@ -397,6 +406,23 @@ fn starts(bytes: &[u8], word: &[u8]) -> bool {
 }
 
 /// Whether a line begins with a code and no further digit.
+/// Whether a line has a code outside its comments, leading zeros or not.
+fn has_code(line: &[u8], letter: u8, number: u32) -> bool {
+    let mut depth = 0_u32;
+    for (at, byte) in line.iter().enumerate() {
+        match byte {
+            b';' if depth == 0 => return false,
+            b'(' => depth += 1,
+            b')' => depth = depth.saturating_sub(1),
+            _ if depth == 0 && byte.to_ascii_uppercase() == letter && digits(&line[at + 1..]) == Some(number) => {
+                return true;
+            }
+            _ => {}
+        }
+    }
+    false
+}
+
 fn is_code(bytes: &[u8], word: &[u8]) -> bool {
     starts(bytes, word) && !bytes.get(word.len()).is_some_and(u8::is_ascii_digit)
 }

@@ -38,9 +38,14 @@ pub trait World {
     fn compensation(&self, _tool: u32) -> PerAxis<f64> {
         PerAxis::default()
     }
-    /// The tool in force, 0 none.
+    /// The tool in front, 0 none.
     fn tool(&self) -> u32 {
         0
+    }
+    /// The tool-change point: where the program began, active work frame, radius mm. It is a place of the tip in the
+    /// machine, whatever G92 and homing call it (L3).
+    fn start(&self) -> PerAxis<f64> {
+        self.position()
     }
     /// The 跳段 switch: blocks with `/` are left out.
     fn block_skip(&self) -> bool;
@@ -53,6 +58,8 @@ pub struct CheckWorld {
     diameter: bool,
     rapid_mm_min: PerAxis<f64>,
     position: PerAxis<f64>,
+    /// Where the first operation found the tip, machine coordinates (L3).
+    start: Option<PerAxis<f64>>,
     frames: Frames,
     references: [PerAxis<f64>; REFERENCES],
     system: BTreeMap<u32, Option<f64>>,
@@ -79,7 +86,9 @@ impl CheckWorld {
             diameter: settings.diameter,
             rapid_mm_min: settings.rapid_mm_min,
             position: PerAxis::default(),
-            frames: Frames::default(),
+            start: None,
+            // L8: a tool post that was never turned has station 1 in front.
+            frames: Frames { tool: u32::from(settings.zero_at_start), ..Frames::default() },
             references: [PerAxis::default(); REFERENCES],
             system: BTreeMap::new(),
             only_known: false,
@@ -102,7 +111,8 @@ impl CheckWorld {
     /// With these work frames and offsets; the work position stays as it is.
     #[must_use]
     pub fn with_frames(mut self, frames: Frames) -> Self {
-        self.frames = frames;
+        let tool = if frames.tool == 0 { self.frames.tool } else { frames.tool };
+        self.frames = Frames { tool, ..frames };
         self
     }
 
@@ -181,6 +191,8 @@ impl CheckWorld {
 
     /// Does one operation.
     pub fn apply(&mut self, op: &Op) {
+        let machine = self.frames.machine_from_work(self.position);
+        self.start.get_or_insert(machine);
         match op {
             Op::Rapid { to, feed: None, .. } => self.rapid(*to),
             Op::Rapid { to, feed: Some(feed), .. } | Op::Feed { to, feed, .. } | Op::Skip { to, feed, .. } => {
@@ -235,7 +247,7 @@ impl CheckWorld {
                 let (axes, from) = (*axes, self.position);
                 self.rapid(PerAxis::from_fn(|axis| if axes.contains(axis) { home[axis] } else { from[axis] }));
             }
-            Op::Post { station, by } => self.frames.change_tool(*station, *by),
+            Op::Post { station, by } => self.change_tool(*station, *by),
             Op::S { .. } | Op::Path(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
             // Where the dressing point is, only the machine knows.
             Op::DressReturn { .. } => {}
@@ -243,6 +255,14 @@ impl CheckWorld {
             Op::OscillationOn { .. } => self.stroke_end = Some(false),
             Op::OscillationOff => self.stroke_end = None,
             Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } | Op::Note { .. } => {}
+        }
+    }
+
+    /// Another tool in front; with compensation the slides and the place of the tip at the start move by what they differ.
+    fn change_tool(&mut self, station: u8, by: Option<PerAxis<f64>>) {
+        self.frames.change_tool(station, by);
+        if let (Some(start), Some(by)) = (&mut self.start, by) {
+            *start = PerAxis::from_fn(|axis| start[axis] + by[axis]);
         }
     }
 
@@ -350,6 +370,10 @@ impl World for CheckWorld {
 
     fn tool(&self) -> u32 {
         self.frames.tool
+    }
+
+    fn start(&self) -> PerAxis<f64> {
+        self.start.map_or(self.position, |start| self.frames.work_from_machine(start))
     }
 
     fn block_skip(&self) -> bool {

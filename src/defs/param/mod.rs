@@ -4,7 +4,7 @@
 mod table;
 
 pub use table::*;
-use table::{FACTORY_BITS_OF_KIND, FACTORY_OF_KIND, factory_input_port, factory_output_port};
+use table::{FACTORY_BITS_OF_KIND, FACTORY_OF_KIND, RANGE_OF_KIND, factory_input_port, factory_output_port};
 
 use serde::{Deserialize, Serialize};
 
@@ -175,6 +175,8 @@ impl std::fmt::Display for ParamAddress {
 /// The values of all parameters of one machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
+    /// The kind of machine, whose ranges hold.
+    kind: Kind,
     numbers: Box<[f64; PARAM_LIMIT]>,
     bits: Box<[u8; PARAM_LIMIT]>,
 }
@@ -183,7 +185,7 @@ impl Params {
     /// The factory values of a kind.
     #[must_use]
     pub fn factory(kind: Kind) -> Self {
-        let mut params = Self { numbers: Box::new([0.0; PARAM_LIMIT]), bits: Box::new([0; PARAM_LIMIT]) };
+        let mut params = Self { kind, numbers: Box::new([0.0; PARAM_LIMIT]), bits: Box::new([0; PARAM_LIMIT]) };
         for row in NUMBERS {
             params.numbers[usize::from(row.number)] = row.factory;
         }
@@ -295,6 +297,8 @@ impl Params {
             return Ok(());
         }
         let (min, max, whole) = find_number(at.number).ok_or(ParamError::Unknown(at.number))?;
+        let narrower = RANGE_OF_KIND.iter().find(|(kind, row, ..)| *kind == self.kind && row.number == at.number);
+        let (min, max) = narrower.map_or((min, max), |(_, _, min, max)| (*min, *max));
         if !(min..=max).contains(&value) {
             return Err(ParamError::Range { number: at.number, min, max, value });
         }

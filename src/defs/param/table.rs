@@ -139,6 +139,7 @@ numbers! {
     SPINDLE_RUN_UP = 387, 0 => 60_000, 2_000, "ms", Builder, "主轴启动延时", "spindle run-up delay";
     POST_TIME = 388, 0 => 60_000, 5_000, "ms", Builder, "刀架转位超时", "tool post time-out";
     POST_CLAMP_TIME = 389, 0 => 10_000, 500, "ms", Builder, "刀架反转锁紧时间", "time of the tool post's clamping";
+    DRIVE_LAG = 391, 0 => 200, 20, "ms", Builder, "螺纹：驱动滞后时间", "threads: how long the drives lag behind";
     LINE_FEED = 380, 6 => 2_000, 300, "mm/min", User, "G01 默认速度", "feed of G01 without F";
     ARC_FEED = 381, 6 => 600, 300, "mm/min", User, "G02/G03 默认速度", "feed of G02 and G03 without F";
     RAPID_Z_PER_X = 382, 0.1 => 10, 2, "mm/mm", Builder, "G00 联动时 Z 与 X 位移比", "Z to X travel while both run in G00";
@@ -223,6 +224,10 @@ pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
     (Kind::Lathe, HYDRAULIC_DELAY, 0.0),
     (Kind::Lathe, HOME_FAST, 2_000.0),
 ];
+
+/// Ranges that are narrower on a kind: L2 has rapids of 2000–6000 mm/min on Z and half of that on X.
+pub(super) const RANGE_OF_KIND: &[(Kind, Number, f64, f64)] =
+    &[(Kind::Lathe, RAPID_X, 1_000.0, 3_000.0), (Kind::Lathe, RAPID_Z, 2_000.0, 6_000.0)];
 
 /// Factory bits of the kinds that have no column in the table of bits, where they differ from the column they begin with.
 pub(super) const FACTORY_BITS_OF_KIND: &[(Kind, Bit, bool)] = &[

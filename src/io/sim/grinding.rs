@@ -242,15 +242,13 @@ impl Grinding {
             volume += met.volume_mm3;
             lost |= met.lost;
             if let Some((kind, place)) = met.told {
-                crashed |= kind == EventKind::Crash;
-                log.push(self.event(kind, place, scene));
+                crashed |= log.push(self.event(kind, place, scene)) && kind == EventKind::Crash;
             }
         }
         self.gone |= lost;
         for index in 0..self.obstacles.len() {
             if self.obstacles[index].newly_hit(&pass, wheel, scene.tailstock_back_mm) {
-                crashed = true;
-                log.push(self.event(EventKind::Crash, self.obstacles[index].name, scene));
+                crashed |= log.push(self.event(EventKind::Crash, self.obstacles[index].name, scene));
             }
         }
         if volume > 0.0 {
@@ -275,8 +273,7 @@ impl Grinding {
             return false;
         }
         self.gone = true;
-        log.push(self.event(EventKind::Crash, "part, not held on the table", scene));
-        true
+        log.push(self.event(EventKind::Crash, "part, not held on the table", scene))
     }
 
     /// How far the tip of the plane gauge is pressed in, mm; `None` in the air or with the arm in.
@@ -302,10 +299,7 @@ impl Grinding {
         let broken = self.pressed_mm(scene).is_some_and(|mm| mm > self.machine.probe.travel_mm);
         let newly = broken && !self.broke_probe;
         self.broke_probe = broken;
-        if newly {
-            log.push(self.event(EventKind::Crash, "gauge", scene));
-        }
-        newly
+        newly && log.push(self.event(EventKind::Crash, "gauge", scene))
     }
 
     /// The dresser cuts back the slices of the rim that stand over it.
@@ -346,8 +340,7 @@ impl Grinding {
         if too_deep || (standing && depth > self.machine.cutting.crash_standing_mm) {
             self.broke_dresser = true;
             let place = if !too_deep && roll_stands { "dresser, roll standing" } else { "dresser" };
-            log.push(self.event(EventKind::Crash, place, scene));
-            return true;
+            return log.push(self.event(EventKind::Crash, place, scene));
         }
         if !standing {
             for slice in slices {

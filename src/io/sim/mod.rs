@@ -171,6 +171,7 @@ impl SimulatedMachine {
     /// for another kind of machine does not fit in.
     pub fn set_part(&mut self, part: Option<&PartFile>) {
         let part = part.filter(|part| part.kind == self.file.kind);
+        self.log.begin_part();
         self.grinding.set_part(part, &mut self.chance);
         if let Some(turning) = &mut self.turning {
             turning.set_part(part);
@@ -219,6 +220,7 @@ impl SimulatedMachine {
     }
 
     fn step(&mut self, dt_s: f64) {
+        self.log.stand(PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm)));
         let mut crashed = self.move_axes(dt_s);
         let on = self.on;
         self.spindles.step(&self.file, on, (self.outputs.wheel_volts, self.outputs.analog_2_volts), dt_s);
@@ -232,10 +234,9 @@ impl SimulatedMachine {
         }
         let scene = self.scene(dt_s);
         crashed |= match &mut self.turning {
-            Some(turning) => turning.cut(&scene).is_some_and(|place| {
-                self.log.push(self.grinding.event(EventKind::Crash, place, &scene));
-                true
-            }),
+            Some(turning) => turning
+                .cut(&scene)
+                .is_some_and(|place| self.log.push(self.grinding.event(EventKind::Crash, place, &scene))),
             None => self.grinding.step(&scene, &mut self.wheel, &mut self.log),
         };
         self.supervise_speed(&scene);
@@ -288,9 +289,8 @@ impl SimulatedMachine {
             if struck.speed_mm_s < self.file.cutting.stop_crash_mm_s {
                 continue;
             }
-            crashed = true;
             let at = self.grinding.event(EventKind::Crash, stop_name(axis, struck.plus), &self.scene(dt_s));
-            self.log.push(Event { speed: struck.speed_mm_s * 60.0, ..at });
+            crashed |= self.log.push(Event { speed: struck.speed_mm_s * 60.0, ..at });
         }
         crashed
     }

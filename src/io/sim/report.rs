@@ -2,8 +2,12 @@
 
 use serde::Serialize;
 
+use crate::units::{Axis, PerAxis};
+
 /// Most events kept; the rest is only counted.
 const EVENT_LIMIT: usize = 256;
+/// A crash is left once a slide stands farther off than it can tremble, mm.
+const LEFT_MM: f64 = 0.05;
 
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -68,16 +72,44 @@ pub struct Event {
 pub(super) struct EventLog {
     events: Vec<Event>,
     lost: u64,
+    /// Where the slides stand.
+    slide_mm: PerAxis<f64>,
+    /// What has crashed and has not been left since: its place, and where the slides stood.
+    crashed: Vec<(&'static str, PerAxis<f64>)>,
 }
 
 impl EventLog {
     /// An empty log with its room.
     pub(super) fn new() -> Self {
-        Self { events: Vec::with_capacity(EVENT_LIMIT), lost: 0 }
+        Self { events: Vec::with_capacity(EVENT_LIMIT), lost: 0, slide_mm: PerAxis::default(), crashed: Vec::new() }
     }
 
-    /// Notes an event; beyond the limit it is only counted.
-    pub(super) fn push(&mut self, event: Event) {
+    /// The slides stand here now; a crash that they have left by more than a tremble is over.
+    pub(super) fn stand(&mut self, slide_mm: PerAxis<f64>) {
+        self.slide_mm = slide_mm;
+        let near = |at: &PerAxis<f64>| Axis::ALL.into_iter().all(|axis| (at[axis] - slide_mm[axis]).abs() < LEFT_MM);
+        self.crashed.retain(|(_, at)| near(at));
+    }
+
+    /// Another part: what it meets is new.
+    pub(super) fn begin_part(&mut self) {
+        self.crashed.clear();
+    }
+
+    /// Notes an event; beyond the limit it is only counted. False: the same crash still, told already.
+    pub(super) fn push(&mut self, event: Event) -> bool {
+        if event.kind == EventKind::Crash {
+            if let Some((_, at)) = self.crashed.iter_mut().find(|(place, _)| *place == event.place) {
+                *at = self.slide_mm;
+                return false;
+            }
+            self.crashed.push((event.place, self.slide_mm));
+        }
+        self.note(event);
+        true
+    }
+
+    fn note(&mut self, event: Event) {
         if self.events.len() < EVENT_LIMIT {
             self.events.push(event);
         } else {

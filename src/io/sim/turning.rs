@@ -12,13 +12,13 @@ use crate::defs::signal::{Output, OutputSet};
 use crate::defs::turning_tool::TurningTool;
 use crate::units::Axis;
 
-/// Below this an analog output carries no speed, V.
-const NO_VOLTS: f64 = 0.05;
+/// Below this an analog output carries no speed, V: the least S is 1 rpm, which is 0.002 V where 10 V are 5000 rpm.
+const NO_VOLTS: f64 = 0.000_5;
 const FULL_VOLTS: f64 = 10.0;
 /// How far from its place a station's switch still is on, in steps.
 const SWITCH_WIDTH: f64 = 0.08;
-/// Slower than this the part stands, rpm.
-const STANDS_RPM: f64 = 5.0;
+/// Slower than this the part stands, rpm: less than any S that can be written.
+const STANDS_RPM: f64 = 0.5;
 /// Faster than any feed (2000 mm/min along Z, half of it along X, and some): rapid traverse, mm/s.
 const RAPID_X_MM_S: f64 = 20.0;
 const RAPID_Z_MM_S: f64 = 35.0;
@@ -141,8 +141,9 @@ impl Turning {
         let tool = self.tool().clone();
         let x = scene.slide_mm[Axis::X] + tool.tip_mm.0 - self.zero.x;
         let z = scene.slide_mm[Axis::Z] + tool.tip_mm.1 - self.zero.z;
-        let speed = |axis: Axis| scene.speed_mm_s[axis].abs();
-        let rapid = speed(Axis::X) > RAPID_X_MM_S || speed(Axis::Z) > RAPID_Z_MM_S;
+        // A tool that is drawn out of the bar, as at the end of a thread, runs into nothing by its speed along X.
+        let inwards = -scene.speed_mm_s[Axis::X];
+        let rapid = inwards > RAPID_X_MM_S || scene.speed_mm_s[Axis::Z].abs() > RAPID_Z_MM_S;
         let stands = self.rpm.abs() < STANDS_RPM;
         let mut met = reaches_any(&tool, (x, z), &self.bodies).then_some("chuck");
         if let Some(bar) = &mut self.bar {

@@ -83,7 +83,13 @@ pub(crate) fn read<S: Scope>(
     head: Head,
 ) -> Outcome<Content> {
     match system {
-        System::LatheA | System::Mill | System::SuperMan => statement::read(cursor, scope, words, head),
+        System::LatheA | System::Mill => statement::read(cursor, scope, words, head),
+        System::SuperMan => {
+            let content = statement::read(cursor, scope, words, head)?;
+            // L1: a line is one block; what stands behind `;` is a comment, whatever it says.
+            cursor.rest_of_line();
+            Ok(content)
+        }
         System::Sinumerik => sinumerik::read(cursor, scope, words, head),
     }
 }

@@ -270,6 +270,10 @@ impl<S: Scope> Reader<'_, '_, S> {
         let act = found.and_then(|(_, name)| FUNCTIONS.into_iter().find(|(other, _)| *other == name));
         let (Some((shown, _)), Some((_, act))) = (found, act) else {
             let word = name(&self.cursor.text[at..]).unwrap_or(&self.cursor.text[at..=at]);
+            // `X= F100`: the next word begins where a value is wanted.
+            if word.len() == 1 && matches!(self.cursor.peek_at(1), b'0'..=b'9' | b'.' | b'+' | b'-' | b'=') {
+                return wrong1(at, E::MissingNumber, "=");
+            }
             let shown = String::from_utf8_lossy(word).to_ascii_uppercase();
             self.cursor.at += word.len();
             blanks(self.cursor);

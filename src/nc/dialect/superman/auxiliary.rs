@@ -10,8 +10,8 @@ use crate::nc::op::{Op, SpeedMode};
 use crate::nc::words::{Code, Words};
 use crate::units::{Axis, PerAxis};
 
-/// The highest speed that can be written, rpm.
-const SPEEDS: f64 = 9_999.0;
+/// The least and the greatest speed that can be written, rpm: M05 stops the spindle, S0 does not.
+const SPEEDS: (f64, f64) = (1.0, 9_999.0);
 /// M05.
 const SPINDLE_STOP: u32 = 5;
 /// How often a loop can run.
@@ -44,6 +44,9 @@ pub(super) fn look(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> 
     let named = |error| wrong1(word.at as usize, error, format!("N{n:04}"));
     match block.source.only_block(n) {
         Ok(Some(line)) if line == block.line && code.number == 97 => named(E::JumpToItself),
+        Ok(Some(line)) if code.number == 98 && block.source.main_end().is_some_and(|end| line < end) => {
+            named(E::SubBeforeMain)
+        }
         Ok(Some(_)) => Ok(()),
         Ok(None) => named(E::MissingTarget),
         Err(()) => named(E::SeveralTargets),
@@ -61,11 +64,12 @@ pub(super) fn look_at_loop(code: Code, words: &Words, block: &Unrun<'_>) -> Outc
     }
 }
 
-/// S: revolutions a minute (D: the manual leaves it to the customer).
+/// S: revolutions a minute (D: the manual leaves it to the customer), no faster than the spindle can turn (P64).
 pub(super) fn speed(running: &mut Running<'_, '_>) -> Outcome<()> {
     let Some(word) = running.words.take(b'S') else { return Ok(()) };
-    if !(0.0..=SPEEDS).contains(&word.value) {
-        return out_of_range(word, "0–9999");
+    let most = running.settings.turning.most_rpm.min(SPEEDS.1);
+    if !(SPEEDS.0..=most).contains(&word.value) {
+        return out_of_range(word, &format!("{}–{most} r/min (P64)", SPEEDS.0));
     }
     running.modals.speed = Some(word.value);
     running.ops.push(Op::S { value: word.value, mode: SpeedMode::Rpm });

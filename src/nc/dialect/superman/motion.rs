@@ -314,15 +314,8 @@ pub(super) fn preset(running: &mut Running<'_, '_>, place: usize) -> Outcome<()>
     whole_preset(running.words, place)?;
     let from = running.scope.position();
     let Target { to, .. } = target(running, from)?;
-    rename(running, from, to);
     running.ops.push(Op::Preset { values: PerAxis([Some(to[Axis::X]), None, Some(to[Axis::Z])]) });
     Ok(())
-}
-
-/// The present position gets another name: so does the tool-change point.
-fn rename(running: &mut Running<'_, '_>, from: PerAxis<f64>, to: PerAxis<f64>) {
-    let start = running.modals.start;
-    running.modals.start = PerAxis::from_fn(|axis| start[axis] + to[axis] - from[axis]);
 }
 
 /// A function that takes no coordinates.
@@ -335,7 +328,7 @@ fn no_coordinates(running: &Running<'_, '_>, place: usize) -> Outcome<()> {
 /// G26, G27, G29: to the tool-change point, X before Z.
 pub(super) fn return_to_start(running: &mut Running<'_, '_>, place: usize, x: bool, z: bool) -> Outcome<()> {
     no_coordinates(running, place)?;
-    let (mut at, start) = (running.scope.position(), running.modals.start);
+    let (mut at, start) = (running.scope.position(), running.scope.world.start());
     for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
         at[axis] = start[axis];
         running.ops.push(Op::Rapid { to: at, feed: None, words: AxisSet::of(axis), incremental: AxisSet::NONE });

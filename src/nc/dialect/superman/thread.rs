@@ -85,19 +85,28 @@ fn turns_an_inch(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     if word.value < 0.0 || !(TURNS.0..=TURNS.1).contains(&turns) { refused() } else { Ok(turns) }
 }
 
+/// The way on which Z comes up to a speed, mm/s, by its acceleration and jerk: half of the time at that speed.
+fn run_up_mm(speed: f64, (accel, jerk): (f64, f64)) -> f64 {
+    let seconds =
+        if speed * jerk <= accel * accel { 2.0 * (speed / jerk).sqrt() } else { speed / accel + accel / jerk };
+    speed * seconds / 2.0
+}
+
 /// What the check says about the way before the part and the speed of the spindle; the run looks at the spindle itself.
 fn remark(running: &mut Running<'_, '_>, place: usize, lead: f64, along: f64) {
     let z = running.scope.position()[Axis::Z];
+    let speed = running.modals.speed.unwrap_or(running.settings.turning.spindle_rpm);
+    // Note 5: the way of the run-up is that of the axis where three leads are less.
+    let needed = (APPROACH_LEADS * lead).max(run_up_mm(lead * speed / 60.0, running.settings.turning.run_up));
     // The part's face lies at Z 0 where the thread comes in over it.
     let enters = if along < 0.0 { z >= 0.0 && z + along < 0.0 } else { z <= 0.0 && z + along > 0.0 };
-    if enters && z.abs() < APPROACH_LEADS * lead {
-        let details = [format!("{:.3}", z.abs()), format!("{:.3}", APPROACH_LEADS * lead)];
+    if enters && z.abs() < needed {
+        let details = [format!("{:.3}", z.abs()), format!("{needed:.3}")];
         running.scope.note(place, E::ApproachShort, details);
     }
     if !running.modals.spindle_on {
         running.scope.note(place, E::ThreadSpindle, [String::new(), String::new()]);
     }
-    let speed = running.modals.speed.unwrap_or(running.settings.turning.spindle_rpm);
     let limit = speed_limit(lead);
     if speed > limit {
         running.scope.note(place, E::SpindleTooFast, [format!("{speed}"), format!("{limit:.0}")]);
