@@ -434,7 +434,7 @@ fn s1_an_alarm_in_a_subprogram_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let main = folder.path().join("TEST.MPF");
     std::fs::write(&main, "L53\nM2\n").unwrap();
-    std::fs::write(folder.path().join("L53.SPF"), "G90 G0 X690\nG0 X=R98/R99\nRET\n").unwrap();
+    std::fs::write(folder.path().join("L53.SPF"), "G4 F0.1\nG0 X=R98/R99\nRET\n").unwrap();
     let call = ["run", "--kind", "vertical", "--lang", "en", "--format", "json", main.to_str().unwrap()];
     let out = kt830(&call);
     let told: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
