@@ -88,12 +88,13 @@ fn b3_the_macro_page_shows_variables_as_executed_in_every_tick() {
     counts_as_executed(&mut rig, "#100");
 }
 
-/// The loop's look-ahead is real: without waiting for the machine the reader comes to an error 25 blocks ahead at once.
+/// The loop's look-ahead is real: without waiting for the machine the reader comes to an error 25 blocks ahead at
+/// once, which only the values make (a mistake of the text would be told before the start).
 #[test]
 fn s2_the_reader_of_that_loop_is_far_ahead() {
     let mut rig = vertical();
     let text =
-        format!("R61=0\nG90 G94 F600\nAA1:R61=R61+1\nG1 G91 X-{}\nIF R61<25 GOTOB AA1\nR300=1\nM2", 2.0 * STEP_MM);
+        format!("R61=0\nG90 G94 F600\nAA1:R61=R61+1\nG1 G91 X-{}\nIF R61<25 GOTOB AA1\nR62=1/R99\nM2", 2.0 * STEP_MM);
     rig.add_program(disk::program(program::number("AHEAD"), "AHEAD.MPF", text.into_bytes()));
     tell(&mut rig, "mode mdi\nmdi G90 G0 X690\nwait 2 s\nload AHEAD\nmode auto\nkey cycle-start\nwait 0.3 s");
     // 0.3 s are a few of the 25 steps, and what is shown is what is done.

@@ -14,6 +14,7 @@ use kt830::defs::page::Page;
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::screen::{self, VariableUse};
 use kt830::defs::signal::Input;
+use kt830::defs::soft_key;
 use kt830::defs::text::{Lang, Said, Text};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
@@ -82,6 +83,7 @@ pub fn snapshot(page: Page) -> Snapshot {
     let mut snapshot = Snapshot::new(Kind::Gc);
     snapshot.now = Micros(54_116_000_000);
     snapshot.page = page;
+    snapshot.soft_row = soft_key::row_of(page);
     snapshot.files = Arc::new(FilesView { page: Some(Arc::new(page_file())), ..FilesView::default() });
     snapshot.mode = Mode::Manual;
     snapshot.diameter = true;
