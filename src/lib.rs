@@ -30,7 +30,7 @@
 //!
 //! # The path of a move
 //!
-//! text → [`nc::Interpreter::next`] → [`nc::Op`] (radius mm, work frame) → `controller::run` turns it into machine
+//! text → on the lathe and the 802D [`nc::Proof`]: the whole of it before anything moves → [`nc::Interpreter::next`] → [`nc::Op`] (radius mm, work frame) → `controller::run` turns it into machine
 //! coordinates and checks the soft limits → `controller::executor` hands it to [`motion::Path`], in order with the acts
 //! between the moves → [`motion::Path::tick`], one set-point a tick → [`io::OutputImage`]. Variables, frames and block numbers
 //! change when the machine gets there, not when the reader does.

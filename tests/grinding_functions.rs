@@ -114,6 +114,14 @@ fn k4_2_the_return_by_key_without_a_point_is_the_alarm_of_g27() {
 }
 
 #[test]
+fn k6_3_a_held_run_survives_a_return_that_has_no_point() {
+    let mut rig = ready_with("M00\n#100=1\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until stopped max 2 s\nmode jog\nkey dress-return\nkey x-plus");
+    tell(&mut rig, "expect no alarm\nexpect message \"修整点\"\nkey dress-return\nmode auto\nkey cycle-start");
+    tell(&mut rig, "wait until idle max 2 s\nexpect #100 1");
+}
+
+#[test]
 fn k4_2_g27_goes_to_the_point_in_machine_coordinates() {
     // G50 and G55 change nothing about it; F is its own; P243 = 1000 mm/min without F: 20 mm of slide in 1.2 s.
     let mut rig = ready_with("G50 X500\nG55\nG27 X\nM00\nG27 Z X F3000\nM00\nG27 F60\nM30");

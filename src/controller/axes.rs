@@ -122,7 +122,7 @@ impl Axes {
     }
 
     /// Declares the machine zero of an axis: the encoder position `edge` (in today's machine frame) is `coordinate`.
-    /// The axis must stand; [`Self::bound`] puts the soft limits in force once it is at its zero point.
+    /// The axis must stand; it is homed once it is at its zero point, see [`Self::finish_homing`].
     pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64) {
         let shift = coordinate - edge;
         self.zero_mm[axis] += shift;
@@ -130,9 +130,14 @@ impl Axes {
         self.actual[axis] += shift;
         self.set[axis] += shift;
         self.movers[axis].set_position(self.set[axis]);
-        self.homed[axis] = true;
         // From here on the table counts; the axis does not move for it, its zero does.
         self.zero_mm[axis] += self.screws.settle(axis, self.set[axis], self.minus[axis]);
+    }
+
+    /// An axis with its zero is where homing leaves it: from now on it is homed, and its soft limits hold.
+    pub fn finish_homing(&mut self, axis: Axis, params: &Params) {
+        self.homed[axis] = true;
+        self.bound(axis, params);
     }
 
     /// Homing looks for the switch beyond any limit.

@@ -187,7 +187,7 @@ impl Controller {
                     self.found_zero(axis, edge);
                 }
                 Progress::Done => {
-                    self.axes.bound(axis, &self.params);
+                    self.axes.finish_homing(axis, &self.params);
                     self.next_homing(next);
                 }
                 Progress::Failed(why) => self.homing_failed(axis, why),

@@ -118,17 +118,16 @@ impl Controller {
     }
 
     /// An axis key with the lamp lit: one press, either sign, runs the axis to its point at P243. Without a
-    /// point, or not homed since power-on, it is the alarm of G27, and nothing moves.
+    /// point, or not homed since power-on, it is the alarm of G27, and nothing moves; a held run is told so and survives
+    /// (K6.3).
     pub(super) fn return_to_dress_point(&mut self, axis: Axis) {
         let Some(point) = self.dress.points[axis] else {
             let why = self.forbidden(&Forbidden::NoDressPoint(axis));
-            self.refuse(why.clone());
-            return self.raise(alarm::NO_DRESS_POINT, Some(why));
+            return self.no_return(alarm::NO_DRESS_POINT, why);
         };
         if !self.axes.is_homed(axis) {
             let why = Said::new(format!("{axis} 轴未回零，不能回修整点"), format!("{axis} is not homed: no return"));
-            self.refuse(why.clone());
-            return self.raise(alarm::NOT_HOMED, Some(why));
+            return self.no_return(alarm::NOT_HOMED, why);
         }
         let still = matches!(self.phase, Phase::Idle) || self.is_free_for_hand();
         if !still || !matches!(self.ask(Request::MoveByHand), Answer::Taken) || !self.part_from_run() {
@@ -136,5 +135,12 @@ impl Controller {
         }
         let speed = self.params.get(param::DRESS_RETURN_SPEED) * MINUTE_HZ;
         self.hand.lead(axis, point, speed);
+    }
+
+    fn no_return(&mut self, number: u16, why: Said) {
+        self.refuse(why.clone());
+        if !self.phase.is_run_open() {
+            self.raise(number, Some(why));
+        }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::acts::Did;
 use super::planned::{Forbidden, Planned};
-use super::run::{Act, Doing, Item, MOST_ITEMS, Origin, Reading, Run, Speed};
+use super::run::{Act, Doing, Item, MOST_ITEMS, Origin, Proving, Reading, Run, Speed};
 use super::system::{RunWorld, nc_settings};
 use super::{Controller, Event, Phase};
 use crate::defs::alarm;
@@ -30,6 +30,7 @@ impl Controller {
         self.forget_note(origin == Origin::Mdi);
         let kept = self.mdi_modals.take().filter(|_| origin == Origin::Mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
+        let before = (self.frames.clone(), self.lathe.start);
         self.frames.activate(modals.frame);
         if settings.zero_at_start {
             self.begin_turning(origin == Origin::Program);
@@ -47,7 +48,8 @@ impl Controller {
         let library = Arc::clone(&self.programs);
         let proof = (origin == Origin::Program).then(|| self.proof(&source, &settings)).flatten();
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
-        (run.origin, run.proof) = (origin, proof);
+        run.origin = origin;
+        run.proving = proof.map(|proof| Box::new(Proving { proof, told: false, before }));
         // The planner remembers what it has finished, runs gone by included.
         run.next_tag = self.axes.path.finished_tag().map_or(1, |tag| tag + 1);
         self.run = Some(Box::new(run));
@@ -75,7 +77,7 @@ impl Controller {
         }
         if run.splitting && matches!(self.phase, Phase::Running) {
             self.take_back_moves(&mut run);
-        } else if matches!(self.phase, Phase::Running) && !close {
+        } else if matches!(self.phase, Phase::Running) && !close && self.is_proved(&mut run) {
             self.feed(&mut run);
             self.read_ahead(&mut run);
             self.feed(&mut run);
@@ -233,7 +235,7 @@ impl Controller {
     }
 
     /// The proof of a program that stands where it would start, if its language can be proved.
-    fn proof(&self, source: &Arc<Source>, settings: &nc::Settings) -> Option<nc::Proof> {
+    pub(super) fn proof(&self, source: &Arc<Source>, settings: &nc::Settings) -> Option<nc::Proof> {
         let library: Arc<dyn nc::Library + Send + Sync> = Arc::clone(&self.programs) as _;
         let world = CheckWorld::new(settings)
             .with_references(super::references(&self.params))
@@ -243,22 +245,29 @@ impl Controller {
         nc::Proof::new(source, &library, settings, world)
     }
 
-    /// Whether the text may be read for the run: its proof is over. A mistake found by it is the program's alarm.
-    fn is_proved(&self, run: &mut Run) -> bool {
-        let Some(proof) = &mut run.proof else { return true };
-        match proof.advance() {
-            Proved::Busy => return false,
+    /// Whether the run may begin: its proof is over. A mistake found by it is the program's alarm, and all is as before.
+    fn is_proved(&mut self, run: &mut Run) -> bool {
+        let Some(proving) = &mut run.proving else { return true };
+        match proving.proof.advance() {
+            Proved::Busy => {
+                if !std::mem::replace(&mut proving.told, true) {
+                    self.say(Said::new("正在检查程序…", "looking through the program …"));
+                }
+                return false;
+            }
             Proved::Clean => {}
-            Proved::Wrong(fault) => run.end_by(&fault),
+            Proved::Wrong(fault) => {
+                (self.frames, self.lathe.start) = proving.before.clone();
+                run.items.clear();
+                run.fed = 0;
+                run.end_by(&fault);
+            }
         }
-        run.proof = None;
+        run.proving = None;
         true
     }
 
     fn read_ahead(&mut self, run: &mut Run) {
-        if !self.is_proved(run) {
-            return;
-        }
         if run.reading == Reading::Barrier && run.items.is_empty() {
             run.reading = Reading::Open;
         }

@@ -320,7 +320,7 @@ impl Controller {
         for axis in Axis::ALL {
             let at = self.axes.actual()[axis];
             self.axes.set_zero(axis, at, self.image.encoder_mm[axis] + encoder_zero_mm[axis]);
-            self.axes.bound(axis, &self.params);
+            self.axes.finish_homing(axis, &self.params);
         }
         self.machine.make_ready(&self.params);
         self.mode = Mode::Auto;

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use super::planned::Planned;
-use super::run::{Item, Origin, PlannedMove, Run, Speed};
+use super::run::{Item, Origin, PlannedMove, Proving, Run, Speed};
 use super::system::nc_settings;
 use super::{Controller, Effect, Event, Phase};
 use crate::defs::key::Mode;
@@ -143,7 +143,10 @@ impl Controller {
         let planned = Planned::new(frames, self.axes.set(), self.dress.points, modals.path);
         let library = Arc::clone(&self.programs);
         let start = (self.memory.clone(), planned);
-        let run = Box::new(Run::new(source, library, (settings, modals), start, self.now));
+        let proof = self.proof(&source, &settings);
+        let before = (self.frames.clone(), self.lathe.start);
+        let mut run = Box::new(Run::new(source, library, (settings, modals), start, self.now));
+        run.proving = proof.map(|proof| Box::new(Proving { proof, told: false, before }));
         let switched = Switched::default();
         self.restart = Some(Box::new(Restart { line, run, world, switched, ticks: 0, found: false }));
         self.say(Said::new(format!("正在查找第 {line} 行…"), format!("reading up to line {line} …")));

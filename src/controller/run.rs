@@ -226,6 +226,16 @@ pub enum Origin {
     Retract,
 }
 
+/// A program that is looked through before it begins.
+pub struct Proving {
+    /// As far as it has come.
+    pub proof: nc::Proof,
+    /// The operator knows.
+    pub told: bool,
+    /// Frames, and the tool-change point of a lathe, before the start: a refused program changes nothing.
+    pub before: (Frames, Option<PerAxis<f64>>),
+}
+
 /// One run of a program or an MDI line.
 pub struct Run {
     /// The reader of the text.
@@ -259,7 +269,7 @@ pub struct Run {
     /// What turned when the run was paused: wheel, headstock (table, roll).
     pub turned: [bool; 2],
     /// The proof of the text before anything of it is done.
-    pub proof: Option<nc::Proof>,
+    pub proving: Option<Box<Proving>>,
 }
 
 impl Run {
@@ -289,7 +299,7 @@ impl Run {
             gauging: None,
             parted: None,
             turned: [false; 2],
-            proof: None,
+            proving: None,
         }
     }
 

@@ -187,7 +187,7 @@ impl Controller {
                 self.found_zero(axis, edge);
                 self.lathe.homing = Some(homing);
             }
-            Progress::Done => self.axes.bound(axis, &self.params),
+            Progress::Done => self.axes.finish_homing(axis, &self.params),
             Progress::Failed(why) => self.homing_failed(axis, why),
         }
         Did::Wait

@@ -298,7 +298,8 @@ impl Checking {
     fn end(&mut self, finished: bool) -> bool {
         self.found.finished = finished && self.left == 0;
         self.over = true;
-        unread::whole(&self.source, &self.settings).into_iter().for_each(|fault| self.fault(fault));
+        let source = Arc::clone(&self.source);
+        unread::whole(&source, &self.settings).for_each(|fault| self.fault(fault));
         true
     }
 

@@ -101,7 +101,7 @@ impl Texts {
     fn advance(&mut self) -> Proved {
         let mut first = None;
         if !std::mem::replace(&mut self.begun, true) {
-            first = unread::whole(&self.source, &self.settings).into_iter().next();
+            first = unread::whole(&self.source, &self.settings).next();
         }
         let text = (&*self.source, &self.settings);
         let more = self.unread.advance(text, Some(&*self.library), PIECE, &mut |fault| {

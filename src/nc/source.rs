@@ -277,6 +277,7 @@ impl Source {
             let start = self.start(line);
             let end = self.start(line + 1);
             let (n, rest) = head(&self.bytes[start..]);
+            open.closed = None;
             if let Some(n) = n {
                 self.labels.push((n, start as u32));
             }
@@ -312,10 +313,9 @@ impl Source {
         let mut at = start;
         while let Some(next) = statement::behind(&bytes[..end], at, at > start) {
             // The block before ended here: so did its END.
-            if let Some(LoopEnd { behind, .. }) =
-                self.loops.iter_mut().rev().find_map(|found| found.end.as_mut().filter(|end| end.at as usize == at))
-            {
-                *behind = next as u32;
+            let closed = open.closed.and_then(|index| self.loops.get_mut(index));
+            if let Some(end) = closed.and_then(|found| found.end.as_mut()) {
+                end.behind = next as u32;
             }
             let (n, rest) = head(&bytes[next..end]);
             if let Some(n) = n {
@@ -332,12 +332,15 @@ impl Source {
 struct Opened {
     loops: [usize; LOOP_DEPTH],
     depth: usize,
+    /// The loop that the last block has closed.
+    closed: Option<usize>,
     counted: Vec<usize>,
 }
 
 impl Opened {
     /// Opens or closes a loop if the block does, whose line ends at `end`.
     fn loops(&mut self, loops: &mut Vec<Loop>, block: &[u8], at: usize, end: usize) {
+        self.closed = None;
         if starts(block, b"WHILE") {
             if let Some(place) = self.loops.get_mut(self.depth) {
                 *place = loops.len();
@@ -346,9 +349,10 @@ impl Opened {
             loops.push(Loop { number: do_number(block), while_at: at as u32, end: None });
         } else if starts(block, b"END") {
             let number = digits(&block[3..]).unwrap_or(0) as u8;
-            let top = self.depth.checked_sub(1).and_then(|top| loops.get_mut(self.loops[top]));
-            if let Some(place) = top.filter(|place| place.number == number) {
+            let Some(index) = self.depth.checked_sub(1).map(|top| self.loops[top]) else { return };
+            if let Some(place) = loops.get_mut(index).filter(|place| place.number == number) {
                 place.end = Some(LoopEnd { at: at as u32, behind: end as u32 });
+                self.closed = Some(index);
                 self.depth -= 1;
             }
         }
@@ -405,7 +409,6 @@ fn starts(bytes: &[u8], word: &[u8]) -> bool {
     bytes.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word))
 }
 
-/// Whether a line begins with a code and no further digit.
 /// Whether a line has a code outside its comments, leading zeros or not.
 fn has_code(line: &[u8], letter: u8, number: u32) -> bool {
     let mut depth = 0_u32;
@@ -423,6 +426,7 @@ fn has_code(line: &[u8], letter: u8, number: u32) -> bool {
     false
 }
 
+/// Whether a line begins with a code and no further digit.
 fn is_code(bytes: &[u8], word: &[u8]) -> bool {
     starts(bytes, word) && !bytes.get(word.len()).is_some_and(u8::is_ascii_digit)
 }

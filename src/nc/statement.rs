@@ -261,14 +261,14 @@ fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
 fn is_block(mut cursor: Cursor<'_>) -> bool {
     let mut words = Words::default();
     while cursor.take(b';') || cursor.take(b' ') {}
-    let read = block(&mut cursor, &mut words);
+    let said = block(&mut cursor, &mut words);
     let closed = cursor.blank().is_ok() && matches!(cursor.peek(), b'\r' | b'\n' | b';');
-    let complete = closed && words.bare.is_none();
-    complete && matches!(read, Ok(content) if content != Content::Nothing || words.n.is_some())
+    closed && words.bare.is_none() && matches!(said, Ok(true))
 }
 
-/// A block for its writing alone, with its `/` and its number.
-fn block(cursor: &mut Cursor<'_>, words: &mut Words) -> Outcome<Content> {
+/// Reads a block for its writing alone, with its `/` and its number; whether it says anything beside them. An IF says
+/// something whether it holds or not.
+fn block(cursor: &mut Cursor<'_>, words: &mut Words) -> Outcome<bool> {
     cursor.blank()?;
     if cursor.peek() == b'/' && cursor.peek_at(1) != b'/' {
         cursor.at += 1;
@@ -278,12 +278,14 @@ fn block(cursor: &mut Cursor<'_>, words: &mut Words) -> Outcome<Content> {
         words.n = Some(block_number(cursor)?);
         cursor.blank()?;
     }
-    body(cursor, &mut Blank, words, 0)
+    let at = cursor.at;
+    body(cursor, &mut Blank, words, 0)?;
+    Ok(cursor.at > at)
 }
 
 /// Where the block behind the next `;` begins, for the block that begins at `at`; `text` ends with its line.
 pub(crate) fn behind(text: &[u8], at: usize, mid_line: bool) -> Option<usize> {
-    let mut cursor = Cursor { text, at };
+    let mut cursor = Cursor::window(text, at);
     cursor.blank().ok()?;
     if cursor.peek() == b';' && !mid_line {
         return None;

@@ -87,35 +87,29 @@ impl Unread {
 }
 
 /// What is wrong with a text as a whole: labels that are not unique, no blocks at all.
-pub(crate) fn whole(source: &Source, settings: &Settings) -> Vec<Fault> {
+pub(crate) fn whole<'a>(source: &'a Source, settings: &Settings) -> impl Iterator<Item = Fault> + use<'a> {
     let told = |at: usize, error: E, detail: String| {
         fault_in(source, None, Wrong { at, error, details: [detail, String::new()] })
     };
-    let mut found = Vec::new();
-    if let Some(end) = dialect::asks_for_blocks(settings)
-        && (1..=source.line_count() as u32).all(|line| source.line(line).is_none_or(|text| is_blank(&text)))
-    {
-        found.push(told(0, E::EmptyProgram, end.to_owned()));
-    }
-    if dialect::has_labels(settings) {
-        for (line, label) in source.repeated_labels() {
-            let text = source.bytes().get(source.start(line)..).unwrap_or_default();
-            let upper = text.get(..text.len().min(LABEL_WITHIN)).unwrap_or_default().to_ascii_uppercase();
-            let at = upper.windows(label.len()).position(|part| part == label).unwrap_or(0);
-            let label = String::from_utf8_lossy(label).into_owned();
-            found.push(told(source.start(line) + at, E::SeveralLabels, label));
-        }
-    }
-    found
+    let empty = dialect::asks_for_blocks(settings)
+        .filter(|_| source.bytes().split(|byte| matches!(byte, b'\r' | b'\n')).all(is_blank))
+        .map(|end| told(0, E::EmptyProgram, end.to_owned()));
+    let labels = dialect::has_labels(settings).then(|| source.repeated_labels()).into_iter().flatten();
+    let labels = labels.map(move |(line, label)| {
+        let text = source.bytes().get(source.start(line)..).unwrap_or_default();
+        let upper = text.get(..text.len().min(LABEL_WITHIN)).unwrap_or_default().to_ascii_uppercase();
+        let at = upper.windows(label.len()).position(|part| part == label).unwrap_or(0);
+        told(source.start(line) + at, E::SeveralLabels, String::from_utf8_lossy(label).into_owned())
+    });
+    empty.into_iter().chain(labels)
 }
 
 /// Bytes of a line in which its label stands.
 const LABEL_WITHIN: usize = 256;
 
 /// Whether a line has no block.
-fn is_blank(text: &str) -> bool {
-    let text = text.trim();
-    text.is_empty() || text.starts_with([';', '%', '('])
+fn is_blank(line: &[u8]) -> bool {
+    line.trim_ascii_start().first().is_none_or(|first| matches!(first, b';' | b'%' | b'('))
 }
 
 /// Reads the blocks of a line; true where the text ends in it.

@@ -74,8 +74,18 @@ pub(super) struct EventLog {
     lost: u64,
     /// Where the slides stand.
     slide_mm: PerAxis<f64>,
-    /// What has crashed and has not been left since: its place, and where the slides stood.
-    crashed: Vec<(&'static str, PerAxis<f64>)>,
+    /// What has crashed and has not been left since.
+    crashed: Vec<Crashed>,
+}
+
+/// A crash that lasts.
+#[derive(Clone, Copy, Debug)]
+struct Crashed {
+    place: &'static str,
+    /// Where the slides stood when it was met last.
+    slide_mm: PerAxis<f64>,
+    /// It was met in the step before.
+    met: bool,
 }
 
 impl EventLog {
@@ -87,8 +97,10 @@ impl EventLog {
     /// The slides stand here now; a crash that they have left by more than a tremble is over.
     pub(super) fn stand(&mut self, slide_mm: PerAxis<f64>) {
         self.slide_mm = slide_mm;
-        let near = |at: &PerAxis<f64>| Axis::ALL.into_iter().all(|axis| (at[axis] - slide_mm[axis]).abs() < LEFT_MM);
-        self.crashed.retain(|(_, at)| near(at));
+        self.crashed.retain_mut(|crashed| {
+            let near = Axis::ALL.into_iter().all(|axis| (crashed.slide_mm[axis] - slide_mm[axis]).abs() < LEFT_MM);
+            std::mem::replace(&mut crashed.met, false) || near
+        });
     }
 
     /// Another part: what it meets is new.
@@ -99,11 +111,12 @@ impl EventLog {
     /// Notes an event; beyond the limit it is only counted. False: the same crash still, told already.
     pub(super) fn push(&mut self, event: Event) -> bool {
         if event.kind == EventKind::Crash {
-            if let Some((_, at)) = self.crashed.iter_mut().find(|(place, _)| *place == event.place) {
-                *at = self.slide_mm;
+            let slide_mm = self.slide_mm;
+            if let Some(crashed) = self.crashed.iter_mut().find(|crashed| crashed.place == event.place) {
+                (crashed.slide_mm, crashed.met) = (slide_mm, true);
                 return false;
             }
-            self.crashed.push((event.place, self.slide_mm));
+            self.crashed.push(Crashed { place: event.place, slide_mm, met: true });
         }
         self.note(event);
         true
