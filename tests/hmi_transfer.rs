@@ -286,6 +286,16 @@ fn k7_8_the_screen_is_kept_as_a_picture() {
     shop.bench.screen.state().hmi.prints().lock().unwrap().push(Arc::new(image));
     shop.bench.turn();
     assert_eq!(fs::read_dir(shop.path("prints")).unwrap().count(), 1);
+    // P22.1: as BMP.
+    told::tell(&mut shop.bench.rig, "param P22.1 1");
+    shop.bench.turn();
+    let image = ColorImage::filled([4, 3], Color32::from_rgb(1, 2, 3));
+    shop.bench.screen.state().hmi.prints().lock().unwrap().push(Arc::new(image));
+    shop.bench.turn();
+    let files = fs::read_dir(shop.path("prints")).unwrap().map(|file| file.unwrap().path());
+    let bmp = files.filter(|path| path.extension().is_some_and(|end| end == "BMP")).collect::<Vec<_>>();
+    assert!(bmp.len() == 1 && fs::read(&bmp[0]).unwrap().starts_with(b"BM"), "{bmp:?}");
+    assert_eq!(image::open(&bmp[0]).unwrap().to_rgb8().get_pixel(3, 2).0, [1, 2, 3]);
 }
 
 #[test]

@@ -19,6 +19,7 @@ use super::view::View;
 use super::{frame, pad};
 use crate::defs::date::Date;
 use crate::defs::page::Page;
+use crate::defs::param;
 use crate::defs::soft_key::{self, SoftAct};
 use crate::defs::text::{Lang, Text};
 use crate::link::command::Picture;
@@ -133,7 +134,7 @@ impl Hmi {
         let shown = if self.help { Page::Help } else { snapshot.page };
         let words = self.pages.takes_words(shown) && !snapshot.state.moves();
         let asked = keyboard::read(ui, snapshot.kind, words);
-        out.extend(self.printed());
+        out.extend(self.printed(snapshot.params.bit(param::PRINT_AS_BMP)));
         self.physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
         self.draw_panel(ui, &panel, &view, &mut out);
@@ -285,11 +286,12 @@ impl Hmi {
     }
 
     /// The pictures that have come since the last frame go to the disk.
-    fn printed(&self) -> Vec<Command> {
+    fn printed(&self, bmp: bool) -> Vec<Command> {
         let pictures = std::mem::take(&mut *self.prints.lock().unwrap_or_else(PoisonError::into_inner));
         let print = |image: Arc<ColorImage>| {
             let rgb: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
-            let print = Print { width: image.width() as u32, height: image.height() as u32, rgb: rgb.into() };
+            let (width, height) = (image.width() as u32, image.height() as u32);
+            let print = Print { width, height, rgb: rgb.into(), bmp };
             Command::Page(PageCommand::File(Ticket::unheard(Asker::Screen), FileRequest::Print(print)))
         };
         pictures.into_iter().map(print).collect()

@@ -129,6 +129,8 @@ pub struct Print {
     pub height: u32,
     /// Red, green, blue of each pixel, top row first.
     pub rgb: std::sync::Arc<[u8]>,
+    /// To be kept as BMP instead of PNG (P22.1).
+    pub bmp: bool,
 }
 
 impl std::fmt::Debug for Print {

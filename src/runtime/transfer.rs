@@ -499,11 +499,15 @@ pub fn print(picture: &Print, date: Date, folder: Option<&Path>, stick: Option<&
         return Err(say("没有图像", "there is no picture"));
     }
     let mut bytes = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
-    let colour = image::ExtendedColorType::Rgb8;
-    image::ImageEncoder::write_image(encoder, &picture.rgb, picture.width, picture.height, colour)
-        .map_err(|error| because(&error))?;
-    keep(&bytes, (date, "PNG"), folder, stick)
+    let (width, height, colour) = (picture.width, picture.height, image::ExtendedColorType::Rgb8);
+    let done = if picture.bmp {
+        image::codecs::bmp::BmpEncoder::new(&mut bytes).encode(&picture.rgb, width, height, colour)
+    } else {
+        let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
+        image::ImageEncoder::write_image(encoder, &picture.rgb, width, height, colour)
+    };
+    done.map_err(|error| because(&error))?;
+    keep(&bytes, (date, if picture.bmp { "BMP" } else { "PNG" }), folder, stick)
 }
 
 /// Keeps a file that people want to look at, on the medium if there is one; gives where it is.

@@ -53,6 +53,7 @@ bits! {
     WHEEL_RUNS_AFTER_M30 = 17 bit 2, NO, User, "M30 后砂轮不停", "wheel keeps running after M30";
     SWAP_OSCILLATION_FLAGS = 17 bit 3, NO, Builder, "#438/#439 互换", "#438 and #439 swapped";
     EDIT_OFFSETS = 22 bit 0, NO, User, "刀补界面允许修改", "offset page may be edited";
+    PRINT_AS_BMP = 22 bit 1, NO, User, "屏幕打印存为 BMP", "screen prints are kept as BMP";
     PROGRAM_PASSWORD = 22 bit 5, YES, User, "编辑程序需要密码", "program editing needs the password";
     SUBPROGRAM_PASSWORD = 23 bit 5, YES, User, "编辑 O9000-O9999 需要密码", "editing O9000-O9999 needs the password";
 }
