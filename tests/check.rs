@@ -3,8 +3,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test driver: a failure is the message")]
 
-use std::process::{Command, Output};
+mod called;
 
+use std::process::Output;
+
+use called::{kt830, kt830_in};
 use serde_json::Value;
 
 /// Checks a text as a file of that name.
@@ -12,30 +15,7 @@ fn check(kind: &str, name: &str, text: &str, words: &[&str]) -> Output {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(name);
     std::fs::write(&path, text).unwrap();
-    Command::new(env!("CARGO_BIN_EXE_kt830"))
-        .args(["check", "--kind", kind, name])
-        .args(words)
-        .current_dir(folder.path())
-        .env("XDG_DATA_HOME", folder.path())
-        .env("HOME", folder.path())
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .output()
-        .unwrap()
-}
-
-/// Calls the command in the repository.
-fn kt830(words: &[&str]) -> Output {
-    let data = tempfile::tempdir().unwrap();
-    Command::new(env!("CARGO_BIN_EXE_kt830"))
-        .args(words)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .env("XDG_DATA_HOME", data.path())
-        .env("HOME", data.path())
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .output()
-        .unwrap()
+    kt830_in(folder.path(), folder.path(), &[&["check", "--kind", kind, name], words].concat())
 }
 
 fn said(out: &Output) -> String {

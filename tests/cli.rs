@@ -2,24 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test driver: a failure is the message")]
 
+mod called;
+
 use std::path::Path;
 use std::process::{Command, Output};
 
+use called::kt830;
 use serde_json::Value;
-
-/// Runs the command in the repository with a data directory of its own and without a display.
-fn kt830(words: &[&str]) -> Output {
-    let data = tempfile::tempdir().unwrap();
-    Command::new(env!("CARGO_BIN_EXE_kt830"))
-        .args(words)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .env("XDG_DATA_HOME", data.path())
-        .env("HOME", data.path())
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .output()
-        .unwrap()
-}
 
 fn json(words: &[&str]) -> Value {
     let out = kt830(words);

@@ -3,10 +3,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test driver: a failure is the message")]
 
+mod called;
 mod told;
 
-use std::process::{Command as Process, Output};
-
+use called::kt830;
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::program;
@@ -374,19 +374,6 @@ fn s2_r_parameters_are_shown_as_executed_in_every_tick() {
         before = Some(now);
     });
     assert_eq!(seen, 30);
-}
-
-fn kt830(words: &[&str]) -> Output {
-    let data = tempfile::tempdir().unwrap();
-    Process::new(env!("CARGO_BIN_EXE_kt830"))
-        .args(words)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .env("XDG_DATA_HOME", data.path())
-        .env("HOME", data.path())
-        .env_remove("DISPLAY")
-        .env_remove("WAYLAND_DISPLAY")
-        .output()
-        .unwrap()
 }
 
 const SETS: [&str; 8] = ["--set", "R18=200", "--set", "R20=200.5", "--set", "R25=0.05", "--set", "R42=0.1"];
