@@ -7,7 +7,7 @@ mod hmi_desk;
 mod hmi_sample;
 
 use egui_kittest::kittest::Queryable;
-use hmi_desk::{Screen, open};
+use hmi_desk::{Screen, open, painted};
 use hmi_sample::{alarm, snapshot};
 use kt830::defs::alarm::ALARMS;
 use kt830::defs::gcode::{Exists, G_CODES};
@@ -314,19 +314,6 @@ fn b6_a_parameter_is_found_with_its_meaning_range_and_value() {
     let mut screen = open(snapshot(Page::Help));
     write(&mut screen, "p270");
     assert!(painted(&screen).iter().any(|text| text == "3000"), "{:?}", painted(&screen));
-}
-
-fn painted(screen: &Screen) -> Vec<String> {
-    fn collect(shape: &egui::Shape, found: &mut Vec<String>) {
-        match shape {
-            egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, found)),
-            egui::Shape::Text(text) => found.push(text.galley.job.text.clone()),
-            _ => {}
-        }
-    }
-    let mut found = Vec::new();
-    screen.output().shapes.iter().for_each(|clipped| collect(&clipped.shape, &mut found));
-    found
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use egui::{Event, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable;
-use hmi_desk::{Screen, open};
+use hmi_desk::{Screen, open, painted};
 use hmi_sample::running;
 use kt830::defs::page::Page;
 use kt830::defs::param::{self, Number};
@@ -43,21 +43,8 @@ fn finish(screen: &mut Screen, size: f64) {
     screen.step();
 }
 
-fn texts(screen: &Screen) -> Vec<String> {
-    fn collect(shape: &egui::Shape, found: &mut Vec<String>) {
-        match shape {
-            egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, found)),
-            egui::Shape::Text(text) => found.push(text.galley.job.text.clone()),
-            _ => {}
-        }
-    }
-    let mut found = Vec::new();
-    screen.output().shapes.iter().for_each(|clipped| collect(&clipped.shape, &mut found));
-    found
-}
-
 fn shows(screen: &Screen, words: &str) -> bool {
-    texts(screen).iter().any(|text| text.contains(words))
+    painted(screen).iter().any(|text| text.contains(words))
 }
 
 fn table(screen: &mut Screen) -> String {
@@ -148,7 +135,7 @@ fn h9_fingers_drag_and_draw_the_curves() {
     screen.step();
     assert!(shows(&screen, "时间 5 s"));
     // What stands is not moved by what comes.
-    let end = |screen: &Screen| texts(screen).into_iter().find(|text| text.starts_with("回到实时"));
+    let end = |screen: &Screen| painted(screen).into_iter().find(|text| text.starts_with("回到实时"));
     let before = end(&screen);
     pass(&mut screen, 3);
     assert_eq!(end(&screen), before);

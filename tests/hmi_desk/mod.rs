@@ -34,3 +34,17 @@ pub fn open(snapshot: Snapshot) -> Screen {
     screen.state_mut().sent.clear();
     screen
 }
+
+/// Every text of the last frame as it was painted.
+pub fn painted(screen: &Screen) -> Vec<String> {
+    fn collect(shape: &egui::Shape, found: &mut Vec<String>) {
+        match shape {
+            egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, found)),
+            egui::Shape::Text(text) => found.push(text.galley.job.text.clone()),
+            _ => {}
+        }
+    }
+    let mut found = Vec::new();
+    screen.output().shapes.iter().for_each(|clipped| collect(&clipped.shape, &mut found));
+    found
+}
