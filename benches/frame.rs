@@ -5,8 +5,8 @@
 // The figure is what a bench is for.
 #![allow(clippy::print_stdout)]
 
-#[path = "../tests/hmi_sample/mod.rs"]
-mod hmi_sample;
+#[path = "../tests/common/sample.rs"]
+mod sample;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -25,7 +25,7 @@ const FRAMES: u32 = 600;
 const BLOCKS: u32 = 1_000_000;
 
 fn main() {
-    bench("grinding page", hmi_sample::running(Page::Grinding), |_, _| Vec::new());
+    bench("grinding page", sample::running(Page::Grinding), |_, _| Vec::new());
     let drawn = million_blocks();
     bench("graphic page, a million blocks, moved", drawn.clone(), |_, frame| drag(frame));
     bench("graphic page, a million blocks, zoomed", drawn, |_, frame| {
@@ -79,7 +79,7 @@ fn drag(frame: u32) -> Vec<Event> {
 
 /// A wheel form of a million short moves, as a drawing.
 fn million_blocks() -> Snapshot {
-    let mut machine = hmi_sample::running(Page::Graphic);
+    let mut machine = sample::running(Page::Graphic);
     let points = (0..BLOCKS).map(|block| {
         let along = block as f32 / BLOCKS as f32;
         let way = if block % 1_000 == 0 { Way::Rapid } else { Way::Feed };
@@ -100,7 +100,7 @@ fn million_blocks() -> Snapshot {
 }
 
 fn million_lines() -> Snapshot {
-    let mut machine = hmi_sample::running(Page::Program);
+    let mut machine = sample::running(Page::Program);
     let text: String = (1..=BLOCKS).map(|line| format!("N{line} G01 X{line} Z-{line}.5 F300\n")).collect();
     machine.program.text = text.into();
     machine

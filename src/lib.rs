@@ -3,7 +3,7 @@
 //!
 //! # Rooms
 //!
-//! Who may import whom is checked by `tests/tidy.rs`; siblings never import each other.
+//! Who may import whom is checked by `tests/cli/tidy.rs`; siblings never import each other.
 //!
 //! | room | what it owns | imports |
 //! |---|---|---|

@@ -1,7 +1,7 @@
 //! The state of all units in small numbers: what the machine logic is in, apart from how long.
 //!
 //! Two machines with equal discrete states answer every request alike and go the same way from there, if no delay is
-//! longer than [`AGE_MOST`] ticks. The exhaustive search in `tests/machine_explore.rs` stands on that.
+//! longer than [`AGE_MOST`] ticks. The exhaustive search in `tests/long/machine_explore.rs` stands on that.
 
 use super::Machine;
 use super::magnet::Magnet;

@@ -1,0 +1,243 @@
+//! The check of a program as the user calls it: loops that do not end, what the run does not reach, verdict and exit
+//! status (rows T4, L1, L4, L7, S1).
+
+use std::process::Output;
+
+use crate::command::{kt830, kt830_in};
+use serde_json::Value;
+
+/// Checks a text as a file of that name.
+fn check(kind: &str, name: &str, text: &str, words: &[&str]) -> Output {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    kt830_in(folder.path(), folder.path(), &[&["check", "--kind", kind, name], words].concat())
+}
+
+fn said(out: &Output) -> String {
+    String::from_utf8_lossy(&out.stdout).into_owned()
+}
+
+fn warned(out: &Output) -> String {
+    String::from_utf8_lossy(&out.stderr).into_owned()
+}
+
+fn json(kind: &str, name: &str, text: &str) -> Value {
+    serde_json::from_slice(&check(kind, name, text, &["--format", "json"]).stdout).unwrap()
+}
+
+#[test]
+fn l7_targets_of_blocks_that_the_run_does_not_reach_are_looked_for() {
+    let text = "N0010M97L0100\nN0020M97L0990\nN0030M98L0990\nN0040M97L0040\nN0050M97L0060\nN0060G04F1\nN0060G04F1\n\
+                N0070M98\nN0080G22L2\nN0100M02\n";
+    let out = check("lathe", "A.NC", text, &["--lang", "en"]);
+    assert_eq!(out.status.code(), Some(2));
+    for line in [
+        "A.NC:2:9: there is no block N0990",
+        "A.NC:3:9: there is no block N0990",
+        "A.NC:4:9: N0040 jumps to itself",
+        "A.NC:5:9: there are several blocks N0060",
+        "A.NC:8:6: M98 needs L",
+        "A.NC:9:6: G22 has no G80",
+    ] {
+        assert!(said(&out).contains(line), "{line}: {}", said(&out));
+    }
+    assert_eq!(said(&out).lines().count(), 7, "{}", said(&out));
+}
+
+/// 2000 · 2000 passes are more than the check follows: what stands behind them is checked, and the verdict does not
+/// say that all is well.
+#[test]
+fn l4_a_loop_with_too_many_passes_is_left_and_the_verdict_says_so() {
+    let text =
+        "N0010G22L2000\nN0020G22L2000\nN0030G01U-1W1F300\nN0040U1W-1\nN0050G80\nN0060G80\nN0070G01W-5F300\nN0080M02\n";
+    let out = check("lathe", "LONG.NC", text, &["--lang", "en"]);
+    assert!(!said(&out).contains(": ok"), "{}", said(&out));
+    assert!(said(&out).starts_with("LONG.NC: no error found, but not checked to its end\n"), "{}", said(&out));
+    assert!(warned(&out).contains("LONG.NC:5:1: warning: the check left this loop"), "{}", warned(&out));
+    let zh = check("lathe", "LONG.NC", text, &["--lang", "zh"]);
+    assert!(said(&zh).starts_with("LONG.NC: 未发现错误，但没有检查到结束\n"), "{}", said(&zh));
+    assert!(warned(&zh).contains("LONG.NC:5:1: 警告：检查没有走完"), "{}", warned(&zh));
+    let told = json("lathe", "LONG.NC", text);
+    assert_eq!(told["finished"], false);
+    // One pass of 1 mm of diameter and 1 mm to and fro, then 5 mm.
+    assert_eq!(told["extents"]["X"], serde_json::json!([-1.0, 0.0]));
+    assert_eq!(told["extents"]["Z"], serde_json::json!([-5.0, 1.0]));
+    // An error behind the loop is found.
+    let out = check("lathe", "LONG.NC", &text.replace("W-5F300", "W-5F3"), &["--lang", "en"]);
+    assert!(said(&out).contains("LONG.NC:7:12: F3 is out of range 6–2000 mm/min"), "{}", said(&out));
+}
+
+#[test]
+fn l7_an_endless_program_is_measured_and_listed_once() {
+    let text = "N0010G01U-2F600\nN0020W-5\nN0030M97L0010\nN0040M02\n";
+    let told = json("lathe", "A.NC", text);
+    assert_eq!((&told["finished"], &told["errors"]), (&false.into(), &serde_json::json!([])));
+    assert_eq!(told["extents"], serde_json::json!({"X": [-2.0, 0.0], "Z": [-5.0, 0.0]}));
+    // 1 mm of slide at half of 600 mm/min, 5 mm at 600.
+    assert!((told["length"].as_f64().unwrap() - 6.0).abs() < 1e-9, "{told}");
+    assert!((told["seconds"].as_f64().unwrap() - 0.7).abs() < 1e-9, "{told}");
+    let out = check("lathe", "A.NC", text, &["--ops", "--lang", "en"]);
+    assert_eq!(said(&out).lines().filter(|line| line.starts_with("feed ")).count(), 2, "{}", said(&out));
+}
+
+#[test]
+fn s1_a_value_that_grows_in_an_endless_loop_is_no_error_of_its_line() {
+    let text = "N10 G90 G94 F600\nN20 R1=0\nAA1:R1=R1+10\nN40 G1 X=R1\nN50 GOTOB AA1\nN60 M2\n";
+    let told = json("vertical", "A.MPF", text);
+    assert_eq!((&told["finished"], &told["errors"]), (&false.into(), &serde_json::json!([])), "{told}");
+    assert_eq!(told["extents"]["X"], serde_json::json!([0.0, 10.0]));
+    let out = check("vertical", "A.MPF", text, &["--ops", "--lang", "en"]);
+    assert_eq!(said(&out).lines().filter(|line| line.starts_with("feed ")).count(), 1, "{}", said(&out));
+    // The same value as it is written is one.
+    let told = json("vertical", "A.MPF", &text.replace("R1=R1+10", "R1=100000"));
+    assert_eq!(told["errors"][0]["line"], 4, "{told}");
+}
+
+/// The tool goes along Z into the chuck: the alarm names Z, the verdict is not "ok", the status is 1.
+#[test]
+fn t4_l9_a_crash_of_the_simulated_run_is_the_verdict() {
+    let text = "N0010G92X60Z20\nN0020M03\nN0030G01Z-125F2000\nN0040M02\n";
+    for (lang, alarm) in [("en", "CRASH.NC:3:1: drive fault: Z"), ("zh", "CRASH.NC:3:1: 驱动报警：Z")] {
+        let out = check("lathe", "CRASH.NC", text, &["--simulate", "--lang", lang, "--param", "P384=45"]);
+        assert_eq!(out.status.code(), Some(1), "{out:?}");
+        assert_eq!(said(&out).lines().next(), Some(alarm), "{out:?}");
+        assert!(!said(&out).contains(": ok"), "{out:?}");
+    }
+    let words = ["--simulate", "--format", "json", "--param", "P384=45"];
+    let out = check("lathe", "CRASH.NC", text, &words);
+    let told: Vec<Value> = said(&out).lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!((&told[0]["simulated"], &told[0]["errors"][0]["line"]), (&"alarm".into(), &3.into()), "{out:?}");
+    // Short of the chuck all is well, and the bar is cut.
+    let fine = check("lathe", "CRASH.NC", &text.replace("-125", "1"), &["--simulate", "--param", "P384=45"]);
+    assert_eq!(fine.status.code(), Some(0), "{fine:?}");
+    assert!(said(&fine).starts_with("CRASH.NC: ok\n"), "{fine:?}");
+}
+
+/// Where the part says where the work zero lies, a move beyond a soft limit is an error of its block, as it is in the run.
+#[test]
+fn t4_b5_a_move_beyond_a_soft_limit_is_told_where_the_zero_is_known() {
+    // The bar's face is at machine Z −450; P43 is the least Z there.
+    let text = "N0010G92X60Z20\nN0020G00Z15\nN0030G00Z-5000\nN0040M02\n";
+    let out = check("lathe", "FAR.NC", text, &["--lang", "en", "--param", "P384=45"]);
+    assert_eq!(out.status.code(), Some(2), "{out:?}");
+    assert!(said(&out).starts_with("FAR.NC:3:1: Z goes to -5450.000, beyond the soft limit -"), "{}", said(&out));
+    // Without a bar nobody knows where the program will begin.
+    let out = check("lathe", "FAR.NC", text, &["--lang", "en"]);
+    assert_eq!(out.status.code(), Some(0), "{out:?}");
+    // VGRIND's part puts X0 at machine −450, radius: X −1000 is −950.
+    let part = "assets/parts/VGRIND.ron";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("FAR.MPF");
+    std::fs::write(&path, "G90 G0 X690\nG0 Z-2000\nM2\n").unwrap();
+    let words = ["check", "--kind", "vertical", "--lang", "en", "--part", part, path.to_str().unwrap()];
+    let out = kt830(&words);
+    assert_eq!(out.status.code(), Some(2), "{out:?}");
+    assert!(said(&out).contains("FAR.MPF:2:1: Z goes to -2500.000, beyond the soft limit -"), "{}", said(&out));
+}
+
+/// A program that ends in its own error is not "ok", and no size of 200 has come out.
+#[test]
+fn s4_a_program_that_refuses_itself_is_no_success() {
+    let words =
+        ["check", "--kind", "vertical", "--simulate", "--lang", "en", "--set", "R28=0", "programs/802d/VGRIND.MPF"];
+    let out = kt830(&words);
+    assert_eq!(out.status.code(), Some(1), "{out:?}");
+    assert!(said(&out).starts_with("programs/802d/VGRIND.MPF:29:6: 错误10:粗磨参数错误\n"), "{}", said(&out));
+}
+
+/// A program without a number runs under another one: its line is told all the same.
+#[test]
+fn t4_an_alarm_of_the_simulated_run_has_its_line() {
+    let text = "N10 G91 G94 F6000\nAA1:G1 X-10\nGOTOB AA1\nM2\n";
+    let out = check("vertical", "V.MPF", text, &["--simulate", "--lang", "en"]);
+    assert_eq!(out.status.code(), Some(1), "{out:?}");
+    assert!(said(&out).starts_with("V.MPF:2:1: software limit: "), "{}", said(&out));
+}
+
+/// VBORE has values of its own: from a fresh control it grinds its bore, and what the call sets counts.
+#[test]
+fn s6_the_bore_begins_with_values_of_its_own() {
+    let words = ["check", "--kind", "vertical", "--simulate", "--lang", "en", "programs/802d/VBORE.MPF"];
+    let out = kt830(&words);
+    assert_eq!(out.status.code(), Some(0), "{out:?}");
+    let told = said(&out);
+    assert!(told.starts_with("programs/802d/VBORE.MPF: ok\n") && told.contains("finished"), "{told}");
+    // 500 at Z105, 1 degree narrower downwards: at Z102 500 − 2 · 3 · tan 1° = 499.895.
+    let at = told.lines().find_map(|line| line.strip_prefix("part diameter at Z102.000  ")).unwrap();
+    assert!((at.parse::<f64>().unwrap() - 499.895).abs() < 0.004, "{told}");
+    // VGRIND's sizes: the wheel does not fit in, and the program says so itself.
+    let set = ["--set", "R20=200.5", "--set", "R18=200"];
+    let out = kt830(&[&words[..], &set[..]].concat());
+    assert_eq!(out.status.code(), Some(1), "{out:?}");
+    assert!(said(&out).starts_with("programs/802d/VBORE.MPF:84:10: 错误06:砂轮进不了孔\n"), "{}", said(&out));
+}
+
+/// RBORE and RGRIND set the values of the two programs and move nothing.
+#[test]
+fn s6_the_values_of_each_program_are_set_by_a_program() {
+    let run = |name: &str, set: &str| {
+        let file = format!("programs/802d/{name}.MPF");
+        let out = kt830(&["run", &file, "--kind", "vertical", "--format", "json", "--set", set]);
+        let told: Value = serde_json::from_slice(&out.stdout).unwrap();
+        assert_eq!((out.status.code(), &told["end"]), (Some(0), &"finished".into()), "{out:?}");
+        told["variables"].clone()
+    };
+    let bore = run("RBORE", "R18=200");
+    assert_eq!([&bore["R18"], &bore["R20"], &bore["R14"], &bore["R28"]], [500.0, 499.5, -1.0, 0.01]);
+    let grind = run("RGRIND", "R18=500");
+    assert_eq!(grind, serde_json::json!({"R18": 200.0}), "all others are as delivered");
+}
+
+#[test]
+fn k3_the_check_reads_the_interlock_table() {
+    // Kind, program, line, and the alarm that the run would end in.
+    for (kind, text, line, alarm) in [
+        ("gs", "M10\nM30", 1, 190),
+        ("gc", "G04 P1\nM94\nM30", 2, 190),
+        ("gc", "M21 P1\nM30", 1, 195),
+        ("gc", "#1100=1\nM30", 1, 195),
+        ("gc", "G35 Z-200 Q10\nG01 Z-160 F100\nM30", 2, 198),
+        ("gc", "#2001=1000\nM30", 1, 204),
+        ("gc", "#5801=-5\nM30", 1, 203),
+        ("gc", "S2000 M03\nM30", 1, 186),
+        ("gc", "M10\nM63\nM11\nM30", 3, 181),
+        ("ga", "M94\nM63\nM95\nM30", 3, 187),
+    ] {
+        let errors = json(kind, "O0500.NC", text)["errors"].clone();
+        assert_eq!(errors.as_array().map(Vec::len), Some(1), "{text:?} {errors}");
+        assert_eq!(errors[0]["line"], line, "{text:?} {errors}");
+        let message = errors[0]["message"].as_str().unwrap();
+        assert!(message.contains(&format!("报警 {alarm})")), "{text:?} {message}");
+    }
+    let unfit = check("gc", "O0500.NC", "M80\nM30", &["--param", "P279=0", "--lang", "en"]);
+    assert_eq!(unfit.status.code(), Some(2));
+    assert!(said(&unfit).contains("M80") && said(&unfit).contains("alarm 202"), "{}", said(&unfit));
+}
+
+#[test]
+fn k3_what_the_machine_allows_is_no_error() {
+    for (kind, text) in [
+        ("gc", "M11\nM10\nM63\nM65\nM11\nM10\nM03 S1000\nM70\nM75\nM05\nM30"),
+        ("gc", "G35 Z-200 Q10\nG00 X-10\nG36\nG01 Z-160 F100\nM80\nM21 P40\n#1139=0\nM30"),
+        ("gs", "M94\nM03 S1000\nM63\nM65\nM05\nM95\nM30"),
+        ("ga", "M63\nM65\nM95\nM94\nM63\nM30"),
+    ] {
+        let out = check(kind, "O0500.NC", text, &[]);
+        assert_eq!(out.status.code(), Some(0), "{kind} {text:?} {}", said(&out));
+    }
+}
+
+/// A loop that does not end inside a subprogram: what came before it counts.
+#[test]
+fn s1_an_endless_loop_of_a_subprogram_keeps_what_came_before() {
+    let folder = tempfile::tempdir().unwrap();
+    let main = folder.path().join("MAIN.MPF");
+    std::fs::write(&main, "G90 G94 F600\nG1 X100\nL7\nM2\n").unwrap();
+    std::fs::write(folder.path().join("L7.SPF"), "AA1:G91 G1 X-2\nGOTOB AA1\nRET\n").unwrap();
+    let out = kt830(&["check", "--kind", "vertical", "--format", "json", main.to_str().unwrap()]);
+    let told: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((&told["finished"], &told["extents"]["X"]), (&false.into(), &serde_json::json!([0.0, 100.0])), "{told}");
+    // 50 mm of slide at 600 mm/min.
+    assert!((told["length"].as_f64().unwrap() - 50.0).abs() < 1e-9, "{told}");
+}

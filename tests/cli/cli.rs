@@ -1,0 +1,392 @@
+//! The command line as a user calls it: results, exit statuses and messages (tools.md T1–T6).
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crate::command::kt830;
+use serde_json::Value;
+
+fn json(words: &[&str]) -> Value {
+    let out = kt830(words);
+    serde_json::from_slice(&out.stdout).unwrap_or_else(|error| panic!("{error}: {out:?}"))
+}
+
+fn status(out: &Output) -> i32 {
+    out.status.code().unwrap()
+}
+
+fn errors(out: &Output) -> String {
+    String::from_utf8_lossy(&out.stderr).into_owned()
+}
+
+/// A file of its own for one test.
+fn file(name: &str, bytes: &[u8]) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    let path = path.to_string_lossy().into_owned();
+    (folder, path)
+}
+
+fn diameter(report: &Value) -> f64 {
+    let all: Vec<f64> =
+        report["part"]["diameters"].as_array().unwrap().iter().map(|at| at["d"].as_f64().unwrap()).collect();
+    all.iter().sum::<f64>() / all.len() as f64
+}
+
+#[test]
+fn k1_the_kind_set_on_the_machine_holds_where_none_is_asked_for() {
+    let data = tempfile::tempdir().unwrap();
+    std::fs::write(data.path().join("settings.ron"), "(kind: Some(Gs))").unwrap();
+    let folder = data.path().to_string_lossy().into_owned();
+    let (_story, path) = file("magnet.story", b"power on\nkey magnetise\nwait 0.5 s\nexpect output magnetise on\n");
+    let stored = kt830(&["play", &path, "--data", &folder]);
+    assert_eq!(status(&stored), 0, "{stored:?}");
+    let asked = kt830(&["play", &path, "--data", &folder, "--kind", "gc"]);
+    assert_ne!(status(&asked), 0, "the command line goes first: GC has no such key");
+    std::fs::write(data.path().join("settings.ron"), "(kind: Some(Gx))").unwrap();
+    let wrong = kt830(&["play", &path, "--data", &folder]);
+    assert!(status(&wrong) == 2 && errors(&wrong).contains("settings.ron line 1"), "{}", errors(&wrong));
+}
+
+#[test]
+fn t3_o1002_grinds_to_the_asked_diameter_within_2_um() {
+    for asked in [40.0, 39.9, 40.1] {
+        let set = format!("#521={asked}");
+        let report = json(&["run", "O1002", "--kind", "gc", "--set", &set, "--format", "json"]);
+        assert_eq!(report["end"], "finished");
+        assert!((diameter(&report) - asked).abs() < 0.002, "asked {asked}, ground {}", diameter(&report));
+        assert_eq!(report["events"].as_array().unwrap().len(), 0);
+        assert_eq!(report["parts"], 1);
+    }
+}
+
+#[test]
+fn t3_a_batch_runs_the_program_for_every_part() {
+    let report = json(&["run", "O1002", "--parts", "3", "--format", "json"]);
+    assert_eq!((&report["end"], &report["parts"]), (&"finished".into(), &3.into()));
+    let batch = report["batch"].as_array().unwrap();
+    assert_eq!(batch.len(), 3);
+    for part in batch {
+        assert_eq!(part["diameters"].as_array().unwrap().len(), 5);
+        assert!((diameter(&serde_json::json!({"part": part})) - 40.0).abs() < 0.002);
+    }
+    // An alarm ends the batch with the part that it came with.
+    let out = kt830(&["run", "O1002", "--parts", "3", "--set", "#521=40.5", "--format", "json"]);
+    assert_eq!(status(&out), 1);
+    assert!(serde_json::from_slice::<Value>(&out.stdout).unwrap()["batch"].is_null());
+    assert_eq!(status(&kt830(&["run", "O1002", "--parts", "0"])), 2);
+}
+
+#[test]
+fn p5_without_spark_out_the_part_stays_larger() {
+    let report = json(&["run", "O1002", "--set", "#528=0", "--format", "json"]);
+    // Fine feed 0.3 mm/min = 5 µm/s; τ = 0.8 s leaves about 4 µm of radius, 8 µm of diameter.
+    assert!(diameter(&report) > 40.004, "{}", diameter(&report));
+}
+
+#[test]
+fn k7_9_o1001_grinds_both_jaw_faces_to_the_typed_allowances() {
+    let cases: [(&[&str], f64, f64); 3] = [
+        (&[], 10.0 - 0.25, 50.0 + 0.25),
+        (&["--set", "#505=0.03", "--set", "#516=0.04"], 10.0 - 0.23, 50.0 + 0.24),
+        (&["--set", "#506=0.3", "--set", "#507=1", "--set", "#502=10.01"], 10.01 - 0.35, 50.0 + 0.25),
+    ];
+    for (sets, left, right) in cases {
+        let mut words = vec!["run", "O1001", "--format", "json"];
+        words.extend_from_slice(sets);
+        let report = json(&words);
+        assert_eq!(report["end"], "finished");
+        for face in report["part"]["faces"].as_array().unwrap() {
+            let z = face["z"].as_f64().unwrap();
+            let wanted = if z < 30.0 { left } else { right };
+            assert!((z - wanted).abs() < 0.003, "{sets:?}: face at {z}, wanted {wanted}");
+        }
+    }
+}
+
+#[test]
+fn t1_without_a_display_it_says_what_to_use_instead() {
+    if cfg!(feature = "hmi") {
+        let out = kt830(&[]);
+        assert_eq!(status(&out), 2);
+        for word in ["display", "demo", "run", "shot"] {
+            assert!(errors(&out).contains(word), "{}", errors(&out));
+        }
+    }
+}
+
+#[test]
+fn t2_the_demo_grinds_a_part_without_a_display() {
+    let out = kt830(&["demo"]);
+    assert_eq!(status(&out), 0, "{}", errors(&out));
+    assert!(String::from_utf8_lossy(&out.stdout).contains("part diameter"));
+}
+
+#[test]
+fn t4_what_comes_along_has_no_mistake() {
+    let gc = ["1001", "1002", "1003", "1004", "1005", "1006", "1011", "1012", "9000", "9001", "9010", "9011", "9012"];
+    let kinds: [(&str, &[&str]); 3] = [
+        ("gc", &gc),
+        ("gs", &["1007", "1008", "1009", "1013", "9000", "9001", "9020"]),
+        ("ga", &["1010", "1014", "9000", "9001"]),
+    ];
+    let mut seen = std::collections::BTreeSet::new();
+    for (kind, numbers) in kinds {
+        let files: Vec<String> = numbers.iter().map(|number| format!("programs/O{number}.NC")).collect();
+        let mut words = vec!["check", "--kind", kind];
+        words.extend(files.iter().map(String::as_str));
+        let out = kt830(&words);
+        assert_eq!(status(&out), 0, "{}", String::from_utf8_lossy(&out.stdout));
+        // A subprogram by itself has no arguments; a program with its page's values gives no warning.
+        let warned = errors(&out).lines().filter(|line| line.starts_with("programs/O1")).count();
+        assert_eq!(warned, 0, "{}", errors(&out));
+        seen.extend(numbers.iter().map(|number| format!("O{number}.NC")));
+    }
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for entry in std::fs::read_dir(here.join("programs")).unwrap() {
+        let name = entry.unwrap().file_name().to_string_lossy().into_owned();
+        // Other dialects stand in folders of their own.
+        assert!(seen.contains(&name) || !name.ends_with(".NC"), "{name} is checked on no kind");
+    }
+    let mut pages: Vec<String> = std::fs::read_dir(here.join("screens"))
+        .unwrap()
+        .map(|entry| format!("screens/{}", entry.unwrap().file_name().to_string_lossy()))
+        .collect();
+    pages.insert(0, "check".to_owned());
+    let words: Vec<&str> = pages.iter().map(String::as_str).collect();
+    assert_eq!(status(&kt830(&words)), 0);
+}
+
+#[test]
+fn k7_3_a_control_that_is_set_up_anew_has_every_program_and_page() {
+    let (data, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let out = Command::new(env!("CARGO_BIN_EXE_kt830"))
+        .args(["run", "O1011", "--format", "json", "--data"])
+        .arg(data.path())
+        .current_dir(elsewhere.path())
+        .output()
+        .unwrap();
+    // O1011 calls O9011.
+    assert_eq!(serde_json::from_slice::<Value>(&out.stdout).unwrap()["end"], "finished", "{out:?}");
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for folder in ["programs", "screens"] {
+        for entry in std::fs::read_dir(here.join(folder)).unwrap() {
+            let entry = entry.unwrap();
+            let there = data.path().join(folder).join(entry.file_name());
+            let whole = entry.path().is_dir() || std::fs::read(&there).unwrap() == std::fs::read(entry.path()).unwrap();
+            assert!(whole, "{}", there.display());
+        }
+    }
+}
+
+#[test]
+fn t4_every_error_of_a_file_is_told_with_line_and_column() {
+    let (_folder, path) = file("O2001.NC", b"G00 X1\nG01 X1..5 F10\nG777\n#1=[1+\nM30\n");
+    let report = json(&["check", &path, "--format", "json"]);
+    let lines: Vec<_> = report["errors"].as_array().unwrap().iter().map(|at| at["line"].as_u64().unwrap()).collect();
+    assert_eq!(lines, [2, 3, 4]);
+    assert_eq!(status(&kt830(&["check", &path])), 2);
+    assert_eq!(status(&kt830(&["check", "programs/O1002.NC", "screens/C0001.TXT", "screens/B0001.BMP"])), 0);
+}
+
+#[test]
+fn k7_4_k5_12_page_files_name_what_is_wrong() {
+    let (_folder, path) = file("C0009.TXT", "标题；\n%".as_bytes());
+    let out = kt830(&["check", &path]);
+    assert!(status(&out) == 2 && String::from_utf8_lossy(&out.stdout).contains("全角"));
+    let mut picture = std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("screens/B0001.BMP")).unwrap();
+    picture[28] = 8;
+    let (_folder, path) = file("B0009.BMP", &picture);
+    assert!(String::from_utf8_lossy(&kt830(&["check", &path]).stdout).contains("24"));
+    picture[28] = 24;
+    picture[18] = 100;
+    let (_folder, path) = file("B0009.BMP", &picture);
+    assert!(String::from_utf8_lossy(&kt830(&["check", &path]).stdout).contains("200×400"));
+}
+
+#[test]
+fn t3_a_loop_that_moves_nothing_ends_the_run_by_itself() {
+    let (_folder, path) = file("O2004.NC", b"N10 #100=1\nGOTO 10\nM30\n");
+    let out = kt830(&["run", &path, "--format", "json", "--lang", "en"]);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((status(&out), &report["end"]), (1, &"stopped".into()), "{report}");
+    assert!(report["message"].as_str().unwrap().contains("does not end"), "{report}");
+    let out = kt830(&["run", &path, "--lang", "en"]);
+    assert_eq!(status(&out), 1);
+    assert!(errors(&out).contains("does not end"));
+    assert!(String::from_utf8_lossy(&out.stdout).contains("does not end"));
+}
+
+#[test]
+fn t3_a_wait_that_nobody_answers_fails_and_a_pause_does_not() {
+    let (_folder, path) = file("O2005.NC", b"M80\nM30\n");
+    let out = kt830(&["run", &path, "--format", "json", "--lang", "en"]);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((status(&out), &report["end"]), (1, &"stopped".into()), "{report}");
+    assert!(report["message"].as_str().unwrap().contains("M80"), "{report}");
+    assert!(errors(&out).contains("stopped"));
+    let (_folder, path) = file("O2006.NC", b"M00\nM30\n");
+    let out = kt830(&["run", &path, "--format", "json"]);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!((status(&out), &report["end"]), (0, &"stopped".into()), "M00 ends a run as it is asked to");
+}
+
+#[test]
+fn t3_a_run_that_ends_in_an_alarm_ends_with_1_and_names_its_place() {
+    let (_folder, path) = file("O2002.NC", b"#100=1\nG00 X-90\nG01 X[1/0] F10\nM30\n");
+    let out = kt830(&["run", &path, "--format", "json"]);
+    assert_eq!(status(&out), 1);
+    let report: Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(
+        (&report["end"], &report["alarms"][0]["program"], &report["alarms"][0]["line"]),
+        (&"alarm".into(), &2002.into(), &3.into())
+    );
+}
+
+#[test]
+fn a_wrong_call_ends_with_2_and_says_what_to_do() {
+    for words in [
+        &["run", "O4711"][..],
+        &["run", "O1002", "--set", "500=1"],
+        &["run", "O1002", "--set", "#570=2"],
+        &["run", "O1002", "--param", "P449=1"],
+        &["run", "O1002", "--part", "no-such.ron"],
+        &["play", "no-such.story"],
+        &["run", "O1002", "--kind", "xx"],
+        &["frobnicate"],
+    ] {
+        let out = kt830(words);
+        assert_eq!(status(&out), 2, "{words:?}");
+        assert!(!errors(&out).is_empty(), "{words:?}");
+    }
+}
+
+#[test]
+fn t5_a_story_that_cannot_be_read_is_a_wrong_call_and_one_that_fails_is_1() {
+    let (_folder, path) = file("a.story", "kind gc\npower on\njump\n".as_bytes());
+    let out = kt830(&["play", &path]);
+    assert!(status(&out) == 2 && errors(&out).contains("line 3, column 1"), "{}", errors(&out));
+    let (_folder, path) = file("b.story", "expect output wheel on\n".as_bytes());
+    assert_eq!(status(&kt830(&["play", &path])), 1);
+}
+
+#[test]
+fn t5_the_stories_that_come_along_play_to_their_end() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/stories");
+    let mut played = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let story = entry.unwrap().path();
+        let out = kt830(&["play", &story.to_string_lossy()]);
+        assert_eq!(status(&out), 0, "{}: {}{}", story.display(), String::from_utf8_lossy(&out.stdout), errors(&out));
+        played += 1;
+    }
+    assert!(played >= 6, "{played} stories");
+}
+
+#[test]
+fn t5_a_part_file_that_is_not_there_is_a_wrong_call() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\npart nowhere.ron\n");
+    let out = kt830(&["play", &path]);
+    assert!(status(&out) == 2 && errors(&out).contains("nowhere.ron"), "{}", errors(&out));
+}
+
+#[test]
+fn t5_a_setting_that_the_control_refuses_fails_with_its_reason() {
+    for (line, why) in [
+        ("param P270 99999", "60000"),
+        ("param P270 -1", "60000"),
+        ("param P999 1", "P999"),
+        ("set #1 = 2", "#1"),
+        ("set #570 = 2", "#570"),
+        ("load O1999", "O1999"),
+        ("load foo", "foo"),
+    ] {
+        let (_folder, path) = file("a.story", format!("kind gc\npower on\n{line}\nwait 1 s\n").as_bytes());
+        let out = kt830(&["play", &path]);
+        let told = String::from_utf8_lossy(&out.stdout).into_owned();
+        assert_eq!(status(&out), 1, "{told}");
+        let last = told.lines().last().unwrap();
+        assert!(last.contains("FAIL") && last.contains(line) && last.contains(why), "{told}");
+        assert!(!last.contains("MPF"), "{told}");
+    }
+}
+
+#[test]
+fn t5_a_key_that_is_refused_is_no_failure() {
+    let story =
+        "kind gc\npower on\nmode jog\nkey wheel-start\nexpect output wheel off\ntype #570 2\nmode auto\nmdi M03\n";
+    let (_folder, path) = file("a.story", story.as_bytes());
+    let out = kt830(&["play", &path]);
+    assert_eq!(status(&out), 0, "{}", String::from_utf8_lossy(&out.stdout));
+}
+
+#[test]
+fn k7_1_a_story_turns_the_views_of_the_position_page_and_sees_them() {
+    if !cfg!(feature = "hmi") {
+        return; // without the screen there is nothing to see
+    }
+    let story = "kind gc\npower on\npage position\nexpect page position shows \"综合坐标\"\nkey f1\n\
+        expect page position shows \"相对坐标\"\nkey f3\nexpect page position shows \"机床坐标\"\nkey f2\n\
+        expect page position shows \"综合坐标\"\nkey f4\npage position\nkey next-row\nkey f2\n\
+        expect page diagnosis shows \"诊断\"\n";
+    let (_folder, path) = file("a.story", story.as_bytes());
+    let out = kt830(&["play", &path]);
+    assert_eq!(status(&out), 0, "{}", String::from_utf8_lossy(&out.stdout));
+    // A picture after a story shows the view that the story has turned to; nothing else differs.
+    let shot = |name: &str, story: &str| {
+        let (folder, path) = file("b.story", story.as_bytes());
+        let picture = folder.path().join(name);
+        let out = kt830(&["shot", "position", "--out", &picture.to_string_lossy(), "--story", &path]);
+        assert_eq!(status(&out), 0, "{}", errors(&out));
+        std::fs::read(picture).unwrap()
+    };
+    let all = shot("all.png", "kind gc\npower on\nmode jog\nkey f1\nkey f2\n");
+    let machine = shot("machine.png", "kind gc\npower on\nmode jog\nkey f1\nkey f3\n");
+    assert!(all != machine);
+}
+
+#[test]
+fn t5_the_faults_are_told_by_a_story() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\nfault list\nwait 1 s\nexpect no alarm\n");
+    let out = kt830(&["play", &path]);
+    let told = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert_eq!(status(&out), 0, "{told}");
+    for words in ["stuck-on NAME", "drive-x", "bus-silent N", "X 驱动故障", "hydraulic pressure lost"] {
+        assert!(told.contains(words), "{told}");
+    }
+    let out = kt830(&["play", &path, "--format", "json"]);
+    let line = String::from_utf8_lossy(&out.stdout).lines().nth(2).map(str::to_owned).unwrap();
+    let told: Value = serde_json::from_str(&line).unwrap();
+    assert_eq!((told["faults"].as_array().unwrap().len(), &told["ok"]), (19, &true.into()));
+}
+
+#[test]
+fn damaged_data_are_kept_and_told() {
+    let data = tempfile::tempdir().unwrap();
+    std::fs::write(data.path().join("retained.redb"), b"this is no database").unwrap();
+    let folder = data.path().to_string_lossy().into_owned();
+    let out = kt830(&["run", "O1002", "--data", &folder, "--format", "json"]);
+    assert!(errors(&out).contains("damaged"), "{}", errors(&out));
+    let kept = std::fs::read_dir(data.path())
+        .unwrap()
+        .any(|entry| entry.unwrap().file_name().to_string_lossy().contains("damaged"));
+    assert!(kept, "the damaged file is kept");
+}
+
+#[test]
+#[cfg(feature = "hmi")]
+fn t6_a_picture_of_a_page_has_a_clock_and_is_the_same_every_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let shot = |name: &str, clock: &[&str]| {
+        let out = folder.path().join(name);
+        let done = kt830(&[&["shot", "settings", "--out", &out.to_string_lossy()], clock].concat());
+        assert_eq!(status(&done), 0, "{done:?}");
+        std::fs::read(out).unwrap()
+    };
+    let first = shot("a.png", &[]);
+    assert_eq!(first, shot("b.png", &["--clock", "2026-11-21 15:01:56"]), "the clock of a picture is fixed");
+    assert_ne!(first, shot("c.png", &["--clock", "2026-12-24 08:00:00"]));
+    let wrong = kt830(&["shot", "settings", "--out", "d.png", "--clock", "noon"]);
+    assert!(status(&wrong) == 2 && errors(&wrong).contains("2026-11-21 15:01:56"), "{}", errors(&wrong));
+}

@@ -1,0 +1,156 @@
+//! The tables of the manual come from `defs/`: this test writes them anew and fails when they were not up to date.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use kt830::defs::alarm::ALARMS;
+use kt830::defs::fault::FAULTS;
+use kt830::defs::gcode::G_CODES;
+use kt830::defs::key::Key;
+use kt830::defs::mcode::{MCODES, REQUESTS};
+use kt830::defs::param::{BITS, NUMBERS, Params};
+use kt830::defs::signal::{Input, Output};
+use kt830::defs::text::Text;
+use kt830::defs::variable::{Access, SYSTEM_VARIABLES};
+use kt830::defs::{kind::Kind, program_error::ProgramError};
+use kt830::machine::{interlock::Outcome, rules::RULES};
+
+fn tables() -> String {
+    let mut text = String::from("# 表 Tables\n\n本页由 `defs/` 生成，请勿手改。Generated from `defs/`; do not edit.\n");
+    keys(&mut text);
+    codes(&mut text);
+    variables(&mut text);
+    alarms(&mut text);
+    interlocks(&mut text);
+    params(&mut text);
+    signals(&mut text);
+    faults(&mut text);
+    text
+}
+
+fn keys(text: &mut String) {
+    text.push_str("\n## 面板按键 Panel keys\n\n| 按键 | key | id | 运行中 in a run | 作用 | what it does |\n|---|---|---|---|---|---|\n");
+    for key in Key::ALL {
+        let (row, run) = (key.row(), if key.row().in_run { "有效 acts" } else { "–" });
+        let (label, help) = (row.label, row.help);
+        writeln!(text, "| {} | {} | `{}` | {run} | {} | {} |", label.zh, label.en, row.id, help.zh, help.en).unwrap();
+    }
+}
+
+fn codes(text: &mut String) {
+    text.push_str("\n## M 代码 M codes\n\n| 代码 | 功能 | function | 依据 row | 说明 | what it does |\n|---|---|---|---|---|---|\n");
+    for row in MCODES {
+        let (name, help) = (row.name, row.help);
+        writeln!(text, "| M{:02} | {} | {} | {} | {} | {} |", row.code, name.zh, name.en, row.row, help.zh, help.en)
+            .unwrap();
+    }
+    text.push_str("\n## G 代码 G codes\n\n| 代码 | 功能 | function | 说明 | what it does |\n|---|---|---|---|---|\n");
+    for row in G_CODES {
+        let (name, help) = (row.text, row.help);
+        writeln!(text, "| G{:02} | {} | {} | {} | {} |", row.code, name.zh, name.en, help.zh, help.en).unwrap();
+    }
+}
+
+fn variables(text: &mut String) {
+    text.push_str("\n## 系统变量 System variables\n\n| 变量 | 含义 | meaning | 程序可 |\n|---|---|---|---|\n");
+    for row in SYSTEM_VARIABLES {
+        let access = match row.access {
+            Access::Read => "读 read",
+            Access::ReadWrite => "读写 read, write",
+            Access::Write => "写 write",
+        };
+        let last = row.first + row.count - 1;
+        let numbers = if row.count == 1 { format!("#{}", row.first) } else { format!("#{}–#{last}", row.first) };
+        writeln!(text, "| {numbers} | {} | {} | {access} |", row.name.zh, row.name.en).unwrap();
+    }
+}
+
+fn interlocks(text: &mut String) {
+    text.push_str(
+        "\n## 联锁 Interlocks\n\n从上到下，第一条成立的起作用。Read from the top; the first that applies answers. 拒绝：信息，程序在该段前等待；\
+         无效：信息，程序继续；报警：程序在该段前停止。deny: a message, a program waits before the block; no effect: a message, the program goes \
+         on; alarm: the program stops before the block.\n\n| 依据 row | 禁止 | forbids | 结果 outcome | 原因 | reason |\n|---|---|---|---|---|---|\n",
+    );
+    for rule in RULES {
+        let forbidden: Vec<_> = REQUESTS.iter().filter(|(request, _)| (rule.forbids)(*request)).collect();
+        assert!(!forbidden.is_empty(), "{} forbids nothing", rule.reason.en);
+        let names = |name: fn(&Text) -> &'static str, comma: &str| {
+            forbidden.iter().map(|(_, text)| name(text)).collect::<Vec<_>>().join(comma)
+        };
+        let (zh, en) = (names(|text| text.zh, "、"), names(|text| text.en, ", "));
+        let outcome = match rule.outcome {
+            Outcome::NoEffect => "无效 no effect".to_owned(),
+            Outcome::Deny => "拒绝 deny".to_owned(),
+            Outcome::Alarm(number) => format!("报警 alarm {number:03}"),
+        };
+        writeln!(text, "| {} | {zh} | {en} | {outcome} | {} | {} |", rule.row, rule.reason.zh, rule.reason.en).unwrap();
+    }
+}
+
+fn alarms(text: &mut String) {
+    text.push_str(
+        "\n## 报警 Alarms\n\n| 号 | 报警 | 原因 | 处理 | alarm | cause | remedy |\n|---|---|---|---|---|---|---|\n",
+    );
+    for row in ALARMS {
+        let (a, c, r) = (row.text, row.cause, row.remedy);
+        writeln!(text, "| {:03} | {} | {} | {} | {} | {} | {} |", row.number, a.zh, c.zh, r.zh, a.en, c.en, r.en)
+            .unwrap();
+    }
+    text.push_str("\n## 程序报警 Program alarms\n\n| 号 | 报警 | alarm |\n|---|---|---|\n");
+    for error in ProgramError::ALL {
+        writeln!(text, "| {:03} | {} | {} |", error.number(), error.text().zh, error.text().en).unwrap();
+    }
+}
+
+fn params(text: &mut String) {
+    text.push_str("\n## 参数 Parameters\n\n| 参数 | 名称 | name | 范围 range | 出厂 factory | 单位 unit |\n|---|---|---|---|---|---|\n");
+    for row in BITS {
+        // GC / GS / GA where they differ.
+        let [gc, gs, ga] = row.factory.map(u8::from);
+        let factory = if gc == gs && gs == ga { gc.to_string() } else { format!("{gc} / {gs} / {ga}") };
+        writeln!(text, "| P{}.{} | {} | {} | 0, 1 | {factory} | |", row.number, row.bit, row.name.zh, row.name.en)
+            .unwrap();
+    }
+    for row in NUMBERS {
+        let (name, range) = (row.name, format!("{} … {}", row.min, row.max));
+        writeln!(text, "| P{} | {} | {} | {range} | {} | {} |", row.number, name.zh, name.en, row.factory, row.unit)
+            .unwrap();
+    }
+}
+
+fn signals(text: &mut String) {
+    let params = Params::factory(Kind::Gc);
+    text.push_str("\n## 输入 Inputs\n\n| 输入 | input | id | 参数 | 出厂口 port |\n|---|---|---|---|---|\n");
+    for input in Input::ALL {
+        let (name, port) = (input.name(), params.input_port(*input));
+        writeln!(text, "| {} | {} | `{}` | P{} | {port} |", name.zh, name.en, input.id(), input.port_param()).unwrap();
+    }
+    text.push_str("\n## 输出 Outputs\n\n| 输出 | output | id | 参数 | 出厂口 port |\n|---|---|---|---|---|\n");
+    for output in Output::ALL {
+        let (name, port) = (output.name(), params.output_port(*output));
+        writeln!(text, "| {} | {} | `{}` | P{} | {port} |", name.zh, name.en, output.id(), output.port_param())
+            .unwrap();
+    }
+}
+
+fn faults(text: &mut String) {
+    text.push_str(
+        "\n## 模拟机床的故障 Faults of the simulated machine\n\n故事里写 `fault 名称`；NAME 为输入的 id，N 为周期数。`fault list` 打印本表。In a \
+         story: `fault` and the name; NAME is the id of an input, N a number of ticks. `fault list` prints this table.\n\n\
+         | 名称 name | 故障 | fault |\n|---|---|---|\n",
+    );
+    for row in FAULTS {
+        writeln!(text, "| `{}` | {} | {} |", row.usage(), row.text.zh, row.text.en).unwrap();
+    }
+}
+
+#[test]
+fn the_tables_of_the_manual_are_those_of_defs() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/manual/tables.md");
+    let wanted = tables();
+    let present = std::fs::read_to_string(&path).unwrap_or_default();
+    if present != wanted {
+        std::fs::write(&path, wanted).unwrap();
+        panic!("docs/manual/tables.md was not up to date; it has been written anew");
+    }
+}

@@ -1,0 +1,17 @@
+//! The command line, the files on disk, the documents and the house rules.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
+
+#[path = "../common/command.rs"]
+mod command;
+#[path = "../common/stories.rs"]
+mod stories;
+
+mod check;
+mod cli;
+mod docs;
+#[cfg(unix)]
+mod serial;
+mod store_files;
+mod store_retained;
+mod tidy;

@@ -1,0 +1,358 @@
+//! Programs over RS232, tried against a pseudo-terminal: the other side is a thread that reads and writes its end.
+//! Source: spec L9.
+
+use std::fs;
+use std::io::{ErrorKind, Read, Write};
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use kt830::defs::alarm;
+use kt830::defs::kind::Kind;
+use kt830::link::Command;
+use kt830::link::files::{Asker, FileAnswer, FileRequest, Refusal, Ticket};
+use kt830::link::media::{Direction, Set, Transfer};
+use kt830::link::page_command::{Guard, PageCommand, Secret};
+use kt830::runtime::disk::Folders;
+use kt830::runtime::rig::Rig;
+use kt830::runtime::serial::courier::Courier;
+use kt830::runtime::serial::line::Line;
+use kt830::runtime::serial::sheet::{Sheet, XOFF, XON};
+use kt830::runtime::serial::{SERIAL_LIMIT, Trouble};
+use kt830::store::Shelf;
+use serialport::{SerialPort, TTYPort};
+use tempfile::TempDir;
+
+/// The other side of the line, and a folder of programs on this one.
+struct Shop {
+    folder: TempDir,
+    other: Option<TTYPort>,
+    /// Keeps the pseudo-terminal alive while nobody has it open.
+    _kept: fs::File,
+    line: Line,
+    cancelled: AtomicBool,
+    held: Mutex<Vec<Sheet>>,
+    named: bool,
+}
+
+impl Shop {
+    fn new() -> Self {
+        let (mut other, own) = TTYPort::pair().expect("a pseudo-terminal");
+        other.set_timeout(Duration::from_millis(300)).unwrap();
+        let port = own.name().expect("its name");
+        let kept = fs::File::open(&port).unwrap();
+        let line = Line {
+            port,
+            baud: 115_200,
+            silence: Duration::from_millis(400),
+            start: Duration::from_secs(20),
+            leader: 4,
+            limit: SERIAL_LIMIT,
+        };
+        let (folder, other) = (tempfile::tempdir().unwrap(), Some(other));
+        Self {
+            folder,
+            other,
+            _kept: kept,
+            line,
+            cancelled: AtomicBool::new(false),
+            held: Mutex::default(),
+            named: false,
+        }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).unwrap_or_default()
+    }
+
+    fn ask(&self, direction: Direction, names: &[&str], overwrite: Option<bool>) -> Result<FileAnswer, Refusal> {
+        let shelf = Shelf::new(self.folder.path(), self.named);
+        let names = names.iter().map(|name| (*name).to_owned()).collect();
+        let ask = Transfer { set: Set::Serial, direction, names, overwrite, convert: None };
+        let (cancelled, held) = (&self.cancelled, &self.held);
+        Courier { shelf: &shelf, named: self.named, line: &self.line, cancelled, held }.carry(&ask, &mut |_| {})
+    }
+
+    /// The other side hears XON, then sends these bytes.
+    fn sender(&mut self, bytes: &[u8]) -> JoinHandle<TTYPort> {
+        let (mut port, bytes) = (self.other.take().unwrap(), bytes.to_vec());
+        thread::spawn(move || {
+            assert!(hear(&mut port, |heard| heard.contains(&XON)).contains(&XON));
+            port.write_all(&bytes).unwrap();
+            port
+        })
+    }
+
+    /// Receives while the other side sends these bytes.
+    fn receive(&mut self, bytes: &[u8], names: &[&str]) -> Result<FileAnswer, Refusal> {
+        let sender = self.sender(bytes);
+        let done = self.ask(Direction::In, names, None);
+        self.other = Some(sender.join().unwrap());
+        done
+    }
+
+    /// Sends a program while the other side listens to its end; what it heard.
+    fn send(&mut self, names: &[&str]) -> (Result<FileAnswer, Refusal>, Vec<u8>) {
+        let mut port = self.other.take().unwrap();
+        let listener = thread::spawn(move || {
+            let heard = hear(&mut port, |heard| heard.ends_with(b"%\r\n\0\0\0\0"));
+            (port, heard)
+        });
+        let done = self.ask(Direction::Out, names, None);
+        let (port, heard) = listener.join().unwrap();
+        self.other = Some(port);
+        (done, heard)
+    }
+}
+
+/// Reads until what was heard is enough; silence for three seconds before the first byte, or 300 ms after it, ends it too.
+fn hear(port: &mut TTYPort, enough: impl Fn(&[u8]) -> bool) -> Vec<u8> {
+    let (mut heard, mut buffer, mut silent) = (Vec::new(), [0; 8_192], 0);
+    while !enough(&heard) && silent < if heard.is_empty() { 10 } else { 1 } {
+        match port.read(&mut buffer) {
+            Ok(count) => {
+                heard.extend_from_slice(&buffer[..count]);
+                silent = 0;
+            }
+            Err(error) if error.kind() == ErrorKind::TimedOut => silent += 1,
+            // Nobody has the other end open yet.
+            Err(_) => silent += 1,
+        }
+    }
+    heard
+}
+
+fn number(done: &Result<FileAnswer, Refusal>) -> Option<u16> {
+    match done {
+        Err(Refusal::Alarm(number, _)) => Some(*number),
+        _ => None,
+    }
+}
+
+#[test]
+fn l9_a_program_is_sent_with_percents_and_cr_lf() {
+    let mut shop = Shop::new();
+    fs::write(shop.path("O1001.NC"), "O1001 (JAW)\nG00 X50\nM30\n").unwrap();
+    let (done, heard) = shop.send(&["O1001.NC"]);
+    assert!(matches!(done, Ok(FileAnswer::Done(_))), "{done:?}");
+    assert_eq!(heard, b"\0\0\0\0%\r\nO1001 (JAW)\r\nG00 X50\r\nM30\r\n%\r\n\0\0\0\0");
+}
+
+#[test]
+fn l9_a_program_is_received_stored_and_asked_about_before_it_overwrites() {
+    let mut shop = Shop::new();
+    let done = shop.receive(b"\0\0%\r\nO1234\r\nG00 X1\r\nM30\r\n%\r\n\0\0", &[]);
+    assert!(matches!(done, Ok(FileAnswer::Done(_))), "{done:?}");
+    assert_eq!(shop.text("O1234.NC"), "O1234\r\nG00 X1\r\nM30\r\n");
+    // The same again is no clash, another text is: it waits for the answer.
+    assert!(shop.receive(b"%\nO1234\nG00 X1\nM30\n%", &[]).is_ok(), "a closing % with nothing behind it");
+    let done = shop.receive(b"%\nO1234\nG00 X2\nM30\n%\n", &[]);
+    assert_eq!(done, Err(Refusal::Overwrite(vec!["O1234.NC".into()])));
+    assert_eq!(shop.text("O1234.NC"), "O1234\r\nG00 X1\r\nM30\r\n");
+    assert!(shop.ask(Direction::In, &[], Some(true)).is_ok());
+    assert_eq!(shop.text("O1234.NC"), "O1234\r\nG00 X2\r\nM30\r\n");
+    assert!(shop.ask(Direction::In, &[], Some(true)).is_err(), "it is held once");
+    assert!(shop.receive(b"%\nM30\n%\n", &["O0077.NC"]).is_ok());
+    assert_eq!(shop.text("O0077.NC"), "M30\r\n");
+}
+
+#[test]
+fn l9_the_lathes_programs_go_by_name() {
+    let mut shop = Shop::new();
+    shop.named = true;
+    fs::write(shop.path("shaft.NC"), "N0010M02\n").unwrap();
+    let (done, heard) = shop.send(&["shaft.NC"]);
+    assert!(done.is_ok(), "{done:?}");
+    assert_eq!(heard, b"\0\0\0\0%\r\n<shaft>\r\nN0010M02\r\n%\r\n\0\0\0\0");
+    let done = shop.receive(b"%\n<BOLT>\nN0010M02\n%\n", &[]);
+    assert!(done.is_ok(), "{done:?}");
+    assert_eq!(shop.text("BOLT.NC"), "N0010M02\r\n");
+    // The name counts without regard to case, as on a stick.
+    assert_eq!(shop.receive(b"%\n<SHAFT>\nN0020M02\n%\n", &[]), Err(Refusal::Overwrite(vec!["SHAFT.NC".into()])));
+    assert!(shop.ask(Direction::In, &[], Some(true)).is_ok());
+    assert_eq!(shop.text("shaft.NC"), "N0020M02\r\n");
+}
+
+#[test]
+fn s1_programs_of_the_802d_go_over_the_line() {
+    let mut shop = Shop::new();
+    let done = shop.receive(b"%_N_VGRIND_MPF\r\n;main\r\nR1=5\r\nM2\r\n%_N_L10_SPF\r\nRET\r\n%\r\n", &[]);
+    assert!(done.is_ok(), "{done:?}");
+    assert_eq!((shop.text("VGRIND.MPF"), shop.text("L10.SPF")), (";main\r\nR1=5\r\nM2\r\n".into(), "RET\r\n".into()));
+}
+
+/// A program of 300 000 blocks, 2.4 MB: far more than any buffer on the way holds.
+fn long() -> String {
+    let mut text = String::from("O0001\r\n");
+    text.extend(std::iter::repeat_n("G1X1.\r\n", 300_000));
+    text
+}
+
+#[test]
+fn l9_xoff_holds_the_sender_and_xon_lets_it_go_on() {
+    let mut shop = Shop::new();
+    shop.line.silence = Duration::from_secs(20);
+    fs::write(shop.path("O0001.NC"), long()).unwrap();
+    let mut port = shop.other.take().unwrap();
+    let listener = thread::spawn(move || {
+        let mut heard = hear(&mut port, |heard| heard.len() > 1_000);
+        port.write_all(&[XOFF]).unwrap();
+        // What was on its way still comes; then there is silence although we listen.
+        heard.extend(hear(&mut port, |_| false));
+        let held_at = heard.len();
+        port.write_all(&[XON]).unwrap();
+        heard.extend(hear(&mut port, |rest| rest.ends_with(b"\0\0\0\0")));
+        (held_at, heard)
+    });
+    let done = shop.ask(Direction::Out, &["O0001.NC"], None);
+    let (held_at, heard) = listener.join().unwrap();
+    assert!(done.is_ok(), "{done:?}");
+    let whole = [b"\0\0\0\0%\r\n", long().as_bytes(), b"%\r\n\0\0\0\0"].concat();
+    assert!(held_at < whole.len(), "held at {held_at} of {}", whole.len());
+    assert!(heard == whole, "{} of {} bytes", heard.len(), whole.len());
+}
+
+#[test]
+fn l9_a_receiver_that_holds_for_ever_is_an_alarm() {
+    let mut shop = Shop::new();
+    fs::write(shop.path("O0001.NC"), long()).unwrap();
+    let mut port = shop.other.take().unwrap();
+    let listener = thread::spawn(move || {
+        hear(&mut port, |heard| heard.len() > 1_000);
+        port.write_all(&[XOFF]).unwrap();
+        hear(&mut port, |_| false);
+        port
+    });
+    let done = shop.ask(Direction::Out, &["O0001.NC"], None);
+    assert_eq!(number(&done), Some(alarm::SERIAL_HELD), "{done:?}");
+    drop(listener.join().unwrap());
+}
+
+#[test]
+fn l9_nothing_and_half_a_program_are_alarms_and_nothing_is_stored() {
+    let mut shop = Shop::new();
+    shop.line.start = Duration::from_millis(300);
+    let done = shop.receive(b"", &[]);
+    assert_eq!(done, Err(Trouble::Silent(None).into()));
+    let done = shop.receive(b"%\nO1234\nG00 X1\nG0", &[]);
+    assert_eq!(done, Err(Trouble::Silent(Some(4)).into()));
+    assert!(!shop.path("O1234.NC").exists());
+}
+
+#[test]
+fn l9_garbled_data_parity_and_length_are_alarms_of_their_own() {
+    let mut shop = Shop::new();
+    shop.line.start = Duration::from_millis(300);
+    for (bytes, expected) in [
+        (b"%\nO1\nG0\0X1\nM30\n%\n".as_slice(), alarm::SERIAL_NOISE),
+        (b"\xF8\x03\x9C\xE0\x1C\xFE\xC7", alarm::SERIAL_NOISE),
+        // "%\r\nO1001\r\n" in 7 bits with even parity.
+        (b"\xA5\x8D\x0A\xCF\xB1\x30\x30\xB1\x8D\x0A\xA5\x8D\x0A\xCF\xB1", alarm::SERIAL_PARITY),
+        (b"O1001\nG00 X1\nM30\n", alarm::SERIAL_FORM),
+        (b"%\nG00 X1\nM30\n%\n", alarm::SERIAL_FORM),
+        (b"%\nO0001\nG00 (50% OF IT)\nM30\n%\n", alarm::SERIAL_FORM),
+    ] {
+        let done = shop.receive(bytes, &[]);
+        assert_eq!(number(&done), Some(expected), "{done:?}");
+    }
+    shop.line.limit = 20;
+    assert_eq!(number(&shop.receive(b"%\nO0001\nG00 X1\nG00 X2\nM30\n%\n", &[])), Some(alarm::SERIAL_TOO_LONG));
+    fs::write(shop.path("O0002.NC"), "O0002\nG00 X1\nG00 X2\nM30\n").unwrap();
+    assert_eq!(number(&shop.ask(Direction::Out, &["O0002.NC"], None)), Some(alarm::SERIAL_TOO_LONG));
+    assert_eq!(fs::read_dir(shop.folder.path()).unwrap().count(), 1, "nothing was stored");
+}
+
+#[test]
+fn l9_a_port_that_is_not_there_and_one_that_goes_are_alarms() {
+    let mut shop = Shop::new();
+    // The other end goes while it is waited for: the adapter was pulled out.
+    let mut port = shop.other.take().unwrap();
+    let gone = thread::spawn(move || hear(&mut port, |heard| heard.contains(&XON)));
+    let done = shop.ask(Direction::In, &[], None);
+    assert_eq!(number(&done), Some(alarm::SERIAL_GONE), "{done:?}");
+    gone.join().unwrap();
+    shop.line.port = "/dev/kt830-no-such-port".into();
+    assert_eq!(number(&shop.ask(Direction::In, &[], None)), Some(alarm::SERIAL_PORT));
+}
+
+#[test]
+fn h8_a_reception_is_cancelled() {
+    let mut shop = Shop::new();
+    let (mut port, shop) = (shop.other.take().unwrap(), shop);
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            assert!(hear(&mut port, |heard| heard.contains(&XON)).contains(&XON));
+            shop.cancelled.store(true, Ordering::Release);
+        });
+        assert_eq!(shop.ask(Direction::In, &[], None), Err(Trouble::Cancelled.into()));
+    });
+}
+
+#[test]
+fn l9_a_program_that_cannot_be_stored_or_sent_is_named() {
+    let mut shop = Shop::new();
+    fs::create_dir(shop.path("O0005.NC")).unwrap();
+    let done = shop.receive(b"%\nO0004\nM30\nO0005\nM30\n%\n", &[]);
+    assert_eq!(number(&done), Some(alarm::SERIAL_STORE), "{done:?}");
+    assert!(done.unwrap_err().said().zh.contains("已保存 O0004.NC"));
+    fs::write(shop.path("O0006.NC"), "O0006\nG00 X1 (50%)\n").unwrap();
+    let done = shop.ask(Direction::Out, &["O0006.NC"], None);
+    assert_eq!(number(&done), Some(alarm::SERIAL_TEXT));
+    assert!(done.unwrap_err().said().zh.contains("第2行"));
+    assert_eq!(number(&shop.ask(Direction::Out, &["../O0001.NC"], None)), Some(alarm::SERIAL_STORE));
+}
+
+/// Why the last request was refused.
+fn refusal(rig: &mut Rig) -> Option<Refusal> {
+    rig.snapshot().files.answers.last()?.result.clone().err()
+}
+
+fn request(rig: &mut Rig, direction: Direction, names: &[&str]) {
+    let names = names.iter().map(|name| (*name).to_owned()).collect();
+    let ask = Transfer { set: Set::Serial, direction, names, overwrite: None, convert: None };
+    rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Transfer), FileRequest::Transfer(ask))));
+    (0..4).for_each(|_| rig.step());
+}
+
+#[test]
+fn l9_the_control_receives_a_program_with_its_password_and_tells_an_alarm() {
+    let mut shop = Shop::new();
+    let folders = Folders {
+        programs: shop.folder.path().to_path_buf(),
+        screens: crate::stories::folders().screens,
+        named: false,
+    };
+    let mut rig = crate::stories::rig_of(Kind::Gc, folders);
+    request(&mut rig, Direction::In, &[]);
+    assert_eq!(refusal(&mut rig), Some(Refusal::Password));
+    rig.send(Command::Page(PageCommand::Unlock(Guard::Program, Secret::new("187350".into()))));
+    (0..4).for_each(|_| rig.step());
+    request(&mut rig, Direction::In, &[]);
+    assert_eq!(rig.snapshot().alarms.first().map(|alarm| alarm.number), Some(alarm::SERIAL_PORT), "none is chosen");
+    rig.plug_line(shop.line.port.clone());
+    let sender = shop.sender(b"%\r\nO1234 (NEW)\r\nM30\r\n%\r\n");
+    request(&mut rig, Direction::In, &[]);
+    drop(sender.join().unwrap());
+    assert!(rig.has_program(1_234), "{:?}", refusal(&mut rig));
+    assert!(rig.snapshot().alarms.is_empty(), "a new transmission takes the old alarm away");
+}
+
+#[test]
+fn l9_the_baud_rate_is_a_parameter_with_a_range() {
+    let mut rig = crate::stories::rig();
+    crate::stories::tell(&mut rig, "param P370 19200");
+    let line = Line::of(&rig.retained().params, "/dev/ttyS0".into());
+    assert_eq!((line.baud, line.silence, line.start), (19_200, Duration::from_secs(10), Duration::from_secs(120)));
+    for wrong in [0.0, 299.0, 115_201.0, 9_600.5] {
+        assert!(
+            rig.retained().params.clone().write(kt830::defs::param::SERIAL_BAUD.address(), wrong).is_err(),
+            "{wrong}"
+        );
+    }
+}

@@ -1,0 +1,287 @@
+//! Retained data over restarts, power cuts and damaged files.
+
+use std::fs;
+use std::path::Path;
+
+use kt830::defs::date::Date;
+use kt830::defs::history::{End, MOST_ALARMS_KEPT, PastAlarm};
+use kt830::defs::text::Said;
+use kt830::store::{Change, Generation, Loaded, Opened, Retained, RetainedError, ToolOffset};
+use kt830::units::PerAxis;
+
+fn open(folder: &Path) -> Opened {
+    Retained::open(folder).expect("opens")
+}
+
+fn variable(number: u16, value: f64) -> Change {
+    Change::Variable { number, value: Some(value) }
+}
+
+/// One of each kind.
+fn one_of_each() -> Vec<Change> {
+    let offset = ToolOffset { geometry: PerAxis([1.0, 2.0, 3.0]), wear: PerAxis([-0.005, 0.0, 0.01]) };
+    vec![
+        variable(500, 12.345),
+        Change::Param { key: "P16.0".to_owned(), value: Some(1.0) },
+        Change::Offset { number: 16, offset },
+        Change::Frame { index: 5, origin: PerAxis([-100.0, 0.0, 50.5]) },
+        Change::Number { key: "dressing point X".to_owned(), value: Some(-12.5) },
+        Change::Text { key: "program".to_owned(), value: Some("O1001 外圆".to_owned()) },
+        Change::Alarm(Box::new(alarm(7, "急停"))),
+    ]
+}
+
+/// An alarm of the history.
+fn alarm(count: u64, text: &str) -> PastAlarm {
+    let ended = Some((End::Reset, Some(Date(1_795_273_400))));
+    PastAlarm {
+        count,
+        number: 0,
+        text: Said::new(text, text),
+        place: Some((1_001, 7)),
+        came: Date(1_795_273_316),
+        ended,
+    }
+}
+
+/// A file of 400 variables, closed; returns what was in it.
+fn filled(folder: &Path) -> Loaded {
+    let mut retained = open(folder).retained;
+    let changes: Vec<Change> = (200..600).map(|number| variable(number, f64::from(number) / 8.0)).collect();
+    retained.commit(&changes).expect("commits");
+    retained.commit(&one_of_each()).expect("commits");
+    retained.load().expect("loads")
+}
+
+#[test]
+fn what_was_committed_is_there_after_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = open(folder.path());
+    assert!(first.fresh && first.damaged.is_none());
+    let mut retained = first.retained;
+    assert_eq!(retained.load().unwrap(), Loaded::default());
+    assert_eq!(retained.commit(&one_of_each()).unwrap(), Generation(1));
+    let before = retained.load().unwrap();
+    drop(retained);
+
+    let again = open(folder.path());
+    assert!(!again.fresh && again.damaged.is_none());
+    let mut retained = again.retained;
+    assert_eq!(retained.load().unwrap(), before);
+    assert_eq!(before.variables.get(&500), Some(&12.345));
+    assert_eq!(before.params.get("P16.0"), Some(&1.0));
+    assert_eq!(before.offsets[&16].wear, PerAxis([-0.005, 0.0, 0.01]));
+    assert_eq!(before.frames[&5], PerAxis([-100.0, 0.0, 50.5]));
+    assert_eq!(before.numbers.get("dressing point X"), Some(&-12.5));
+    assert_eq!(before.texts.get("program").map(String::as_str), Some("O1001 外圆"));
+    assert_eq!(retained.commit(&[]).unwrap(), Generation(2));
+}
+
+#[test]
+fn b3_a_variable_set_to_null_is_absent_and_the_later_change_of_a_commit_wins() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut retained = open(folder.path()).retained;
+    retained.commit(&[variable(500, 1.0), variable(500, 2.0), variable(501, 3.0)]).unwrap();
+    let clear = |key: &str| Change::Param { key: key.to_owned(), value: None };
+    retained.commit(&[Change::Variable { number: 501, value: None }, clear("P270")]).unwrap();
+    retained.commit(&[Change::Text { key: "never set".to_owned(), value: None }]).unwrap();
+    drop(retained);
+    let opened = open(folder.path());
+    assert!(opened.damaged.is_none(), "{:?}", opened.damaged);
+    let mut retained = opened.retained;
+    let loaded = retained.load().unwrap();
+    assert_eq!(loaded.variables.into_iter().collect::<Vec<_>>(), [(500, 2.0)]);
+    assert!(loaded.params.is_empty());
+}
+
+#[test]
+fn a_bad_change_refuses_the_whole_commit() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut retained = open(folder.path()).retained;
+    let zero = ToolOffset::default();
+    let bad = [
+        variable(500, f64::NAN),
+        Change::Param { key: String::new(), value: Some(1.0) },
+        Change::Param { key: "P".repeat(65), value: Some(1.0) },
+        Change::Offset { number: 0, offset: zero },
+        Change::Offset { number: 17, offset: zero },
+        Change::Frame { index: 6, origin: PerAxis([0.0; 3]) },
+        Change::Frame { index: 0, origin: PerAxis([0.0, f64::INFINITY, 0.0]) },
+        Change::Text { key: "note".to_owned(), value: Some("x".repeat(5000)) },
+    ];
+    for change in bad {
+        let refused = retained.commit(&[variable(501, 1.0), change.clone()]);
+        assert!(matches!(refused, Err(RetainedError::BadChange { .. })), "{change:?}: {refused:?}");
+    }
+    assert_eq!(retained.load().unwrap(), Loaded::default());
+}
+
+#[test]
+fn a_second_control_on_the_same_data_is_refused_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let first = open(folder.path());
+    let refused = Retained::open(folder.path()).expect_err("refused").to_string();
+    assert!(refused.contains("another kt830 is running on this data"), "{refused}");
+    drop(first);
+    assert!(!open(folder.path()).fresh);
+}
+
+/// Puts a damaged file in place and sees it kept, told, and a fresh start that works.
+fn check_damage(what: &str, bytes: &[u8]) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("retained.redb");
+    fs::write(&file, bytes).unwrap();
+    let opened = open(folder.path());
+    let report = opened.damaged.unwrap_or_else(|| panic!("{what}: not noticed"));
+    assert!(opened.fresh, "{what}");
+    assert!(!report.cause.is_empty(), "{what}");
+    assert_eq!(report.kept_as, folder.path().join("retained.damaged-1.redb"), "{what}");
+    assert!(fs::read(&report.kept_as).unwrap() == bytes, "{what}: not kept as it was");
+    let mut retained = opened.retained;
+    assert_eq!(retained.load().unwrap(), Loaded::default(), "{what}");
+    retained.commit(&[variable(500, 1.0)]).unwrap();
+    drop(retained);
+    let again = open(folder.path());
+    assert!(!again.fresh && again.damaged.is_none(), "{what}");
+}
+
+#[test]
+fn a_file_cut_off_anywhere_is_kept_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    filled(folder.path());
+    let whole = fs::read(folder.path().join("retained.redb")).unwrap();
+    for length in [0, 1, 9, 320, 4096, 4097, 8192, whole.len() / 2, whole.len() - 1] {
+        check_damage(&format!("cut to {length}"), &whole[..length]);
+    }
+}
+
+#[test]
+fn a_foreign_file_is_kept_and_told() {
+    check_damage("text", b"this is not a database at all, only a note that someone saved here");
+    check_damage("zeros", &vec![0; 100_000]);
+    let other = tempfile::tempdir().unwrap();
+    let path = other.path().join("other.redb");
+    let database = redb::Database::create(&path).unwrap();
+    let transaction = database.begin_write().unwrap();
+    transaction.open_table(redb::TableDefinition::<u64, u64>::new("meta")).unwrap().insert(1, 2).unwrap();
+    transaction.commit().unwrap();
+    drop(database);
+    check_damage("another program's database", &fs::read(&path).unwrap());
+}
+
+/// Flips one byte in each stretch of the file. What opens as whole must hold exactly what was committed.
+#[test]
+fn a_flipped_byte_never_gives_other_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = filled(folder.path());
+    let whole = fs::read(folder.path().join("retained.redb")).unwrap();
+    let trial = tempfile::tempdir().unwrap();
+    let (mut noticed, mut tried) = (0, 0);
+    let header = (0..320).step_by(7);
+    let pages = (4096..whole.len().min(300_000)).step_by(1021);
+    for offset in header.chain(pages) {
+        let mut flipped = whole.clone();
+        flipped[offset] ^= 0x10;
+        let place = trial.path().join(offset.to_string());
+        fs::create_dir(&place).unwrap();
+        fs::write(place.join("retained.redb"), &flipped).unwrap();
+        tried += 1;
+        match Retained::open(&place) {
+            Ok(Opened { damaged: Some(report), .. }) => {
+                noticed += 1;
+                assert!(fs::read(report.kept_as).unwrap() == flipped, "offset {offset}");
+            }
+            Ok(mut opened) => assert_eq!(opened.retained.load().unwrap(), good, "offset {offset}"),
+            Err(refused) => panic!("offset {offset}: {refused}"),
+        }
+        fs::remove_dir_all(&place).unwrap();
+    }
+    assert!(noticed > 10, "only {noticed} of {tried} noticed");
+}
+
+/// The file as it lies on the disk while the control runs: what a power cut after a commit leaves.
+#[test]
+fn a_power_cut_after_a_commit_loses_nothing_and_is_no_damage() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut retained = open(folder.path()).retained;
+    for round in 0..5_u16 {
+        retained.commit(&[variable(500 + round, f64::from(round)), variable(700, f64::from(round))]).unwrap();
+        let cut = tempfile::tempdir().unwrap();
+        fs::copy(retained.path(), cut.path().join("retained.redb")).unwrap();
+        let opened = open(cut.path());
+        assert!(opened.damaged.is_none(), "{:?}", opened.damaged);
+        let mut after = opened.retained;
+        assert_eq!(after.load().unwrap(), retained.load().unwrap());
+    }
+}
+
+#[test]
+fn a_file_of_a_newer_control_is_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    filled(folder.path());
+    let path = folder.path().join("retained.redb");
+    let database = redb::Database::open(&path).unwrap();
+    let transaction = database.begin_write().unwrap();
+    let meta = redb::TableDefinition::<&str, u64>::new("meta");
+    transaction.open_table(meta).unwrap().insert("kt830 retained format", 3).unwrap();
+    transaction.commit().unwrap();
+    drop(database);
+    let before = fs::read(&path).unwrap();
+    let refused = Retained::open(folder.path()).expect_err("refused");
+    assert!(matches!(refused, RetainedError::Newer { found: 3, known: 2, .. }), "{refused}");
+    assert!(fs::read(&path).unwrap() == before);
+}
+
+#[test]
+fn a_row_changed_behind_the_control_is_damage() {
+    let folder = tempfile::tempdir().unwrap();
+    filled(folder.path());
+    let path = folder.path().join("retained.redb");
+    let database = redb::Database::open(&path).unwrap();
+    let transaction = database.begin_write().unwrap();
+    let variables = redb::TableDefinition::<u16, f64>::new("variables");
+    transaction.open_table(variables).unwrap().insert(501, 999.0).unwrap();
+    transaction.commit().unwrap();
+    drop(database);
+    let opened = open(folder.path());
+    assert_eq!(opened.damaged.expect("noticed").cause, "rows do not fit their checksum");
+}
+
+#[test]
+fn b6_the_data_of_a_control_without_a_history_are_taken_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("retained.redb");
+    open(folder.path()).retained.commit(&[variable(500, 1.5)]).unwrap();
+    // As the format before had it: without the table of alarms.
+    let database = redb::Database::open(&path).unwrap();
+    let transaction = database.begin_write().unwrap();
+    assert!(transaction.delete_table(redb::TableDefinition::<u16, &str>::new("alarms")).unwrap());
+    let meta = redb::TableDefinition::<&str, u64>::new("meta");
+    transaction.open_table(meta).unwrap().insert("kt830 retained format", 1).unwrap();
+    transaction.commit().unwrap();
+    drop(database);
+    let opened = open(folder.path());
+    assert!(opened.damaged.is_none() && !opened.fresh);
+    let mut retained = opened.retained;
+    assert_eq!(retained.load().unwrap().variables[&500].to_bits(), 1.5_f64.to_bits());
+    retained.commit(&[Change::Alarm(Box::new(alarm(1, "急停")))]).unwrap();
+    drop(retained);
+    assert_eq!(open(folder.path()).retained.load().unwrap().alarms.len(), 1);
+}
+
+#[test]
+fn b6_the_history_takes_the_place_of_the_oldest() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut retained = open(folder.path()).retained;
+    let most = MOST_ALARMS_KEPT as u64;
+    let changes: Vec<Change> = (1..=most + 20).map(|count| Change::Alarm(Box::new(alarm(count, "x")))).collect();
+    retained.commit(&changes).unwrap();
+    let kept: Vec<u64> = retained.load().unwrap().alarms.values().map(|past| past.count).collect();
+    assert_eq!(kept.len(), MOST_ALARMS_KEPT);
+    assert_eq!((kept.iter().min(), kept.iter().max()), (Some(&21), Some(&(most + 20))));
+    let long = "长".repeat(2_000);
+    assert!(matches!(
+        retained.commit(&[Change::Alarm(Box::new(alarm(1, &long)))]),
+        Err(RetainedError::BadChange { .. })
+    ));
+}

@@ -1,0 +1,209 @@
+//! The house rules that a machine can check: who may import whom, how long a file and a function may be, and what the
+//! core never touches.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Rooms and the rooms they may import (beside themselves).
+const ROOMS: &[(&str, &[&str])] = &[
+    ("units", &[]),
+    ("defs", &["units"]),
+    ("link", &["units", "defs"]),
+    ("nc", &["units", "defs"]),
+    ("motion", &["units", "defs"]),
+    ("machine", &["units", "defs", "link"]),
+    ("io", &["units", "defs"]),
+    ("store", &["units", "defs"]),
+    ("controller", &["units", "defs", "link", "nc", "motion", "machine", "io"]),
+    ("runtime", &["units", "defs", "link", "nc", "machine", "io", "store", "controller"]),
+    ("story", &["units", "defs", "link", "io", "runtime"]),
+    ("hmi", &["units", "defs", "link"]),
+    ("cli", &["units", "defs", "link", "nc", "io", "store", "controller", "runtime", "story", "hmi"]),
+];
+
+/// Rooms without clock, file, thread or chance: time and hardware are arguments.
+const CORE: &[&str] = &["units", "defs", "link", "nc", "motion", "machine", "io", "controller"];
+
+/// What the core never names.
+const NOT_IN_CORE: &[&str] = &[
+    "std::time",
+    "Instant::now",
+    "SystemTime",
+    "std::fs",
+    "std::thread",
+    "std::net",
+    "std::env",
+    "thread_rng",
+    "chrono",
+];
+
+/// Most lines of a file without its tests, and of a function.
+const FILE_LINES: usize = 600;
+const FUNCTION_LINES: usize = 70;
+
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(sources(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// Path below `src`, and the text before the tests.
+fn rooms() -> Vec<(String, String)> {
+    let all = sources(&root()).into_iter().map(|path| {
+        let name = path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
+        let text = fs::read_to_string(&path).unwrap();
+        (name, text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default().to_owned())
+    });
+    all.collect()
+}
+
+fn room_of(name: &str) -> &str {
+    name.split(['/', '.']).next().unwrap()
+}
+
+#[test]
+fn rooms_import_only_whom_they_may() {
+    let mut wrong = Vec::new();
+    for (name, text) in rooms() {
+        let Some((room, allowed)) = ROOMS.iter().find(|(room, _)| *room == room_of(&name)) else { continue };
+        for (number, line) in text.lines().enumerate() {
+            let code = line.split("//").next().unwrap_or_default();
+            for piece in code.split("crate::").skip(1) {
+                let target: String = piece.chars().take_while(|sign| sign.is_alphanumeric() || *sign == '_').collect();
+                let known = ROOMS.iter().any(|(room, _)| *room == target);
+                if known && target != *room && !allowed.contains(&target.as_str()) {
+                    wrong.push(format!("{name}:{}: {room} may not import {target}", number + 1));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_file_belongs_to_a_room() {
+    for (name, _) in rooms() {
+        let known = ROOMS.iter().any(|(room, _)| *room == room_of(&name));
+        assert!(known || ["lib.rs", "main.rs"].contains(&name.as_str()), "{name} is in no room");
+    }
+}
+
+#[test]
+fn the_core_has_no_clock_file_thread_or_chance() {
+    let mut wrong = Vec::new();
+    for (name, text) in rooms() {
+        if !CORE.contains(&room_of(&name)) {
+            continue;
+        }
+        for (number, line) in text.lines().enumerate() {
+            let code = line.split("//").next().unwrap_or_default();
+            for word in NOT_IN_CORE {
+                if code.contains(word) {
+                    wrong.push(format!("{name}:{}: {word}", number + 1));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn files_and_functions_are_short() {
+    let mut wrong = Vec::new();
+    for (name, text) in rooms() {
+        let lines = text.lines().count();
+        if lines > FILE_LINES {
+            wrong.push(format!("{name}: {lines} lines"));
+        }
+        let mut open: Option<(usize, usize, String)> = None;
+        for (number, line) in text.lines().enumerate() {
+            let indent = line.len() - line.trim_start().len();
+            let begins =
+                line.trim_start().split(' ').take(5).any(|word| word == "fn") && !line.trim_start().starts_with("//");
+            if open.is_none() && begins && !line.trim_end().ends_with(';') {
+                open = Some((number, indent, line.trim().to_owned()));
+            }
+            if let Some((start, depth, head)) = &open
+                && indent == *depth
+                && line.trim() == "}"
+            {
+                let length = number - start + 1;
+                if length > FUNCTION_LINES {
+                    wrong.push(format!("{name}:{}: {length} lines: {head}", start + 1));
+                }
+                open = None;
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Where a kind or a language may be named: what differs from one to the other stands there as data or as a dialect.
+const NAMES_KINDS: &[&str] = &["machine/kind/", "nc/dialect/", "defs/", "hmi/panel/"];
+
+#[test]
+fn kinds_and_languages_are_told_apart_in_their_rooms_alone() {
+    let variants = |of: &str, names: &[&str]| names.iter().map(|name| format!("{of}::{name}")).collect::<Vec<_>>();
+    let kinds = ["Gc", "Gs", "Ga", "Vertical", "Lathe"];
+    let systems = ["LatheA", "Mill", "Sinumerik", "SuperMan"];
+    let named = [variants("Kind", &kinds), variants("System", &systems)].concat();
+    let mut wrong = Vec::new();
+    for (name, text) in rooms() {
+        let told = NAMES_KINDS.iter().find(|room| name.starts_with(**room));
+        for (number, line) in text.lines().enumerate() {
+            let code = line.split("//").next().unwrap_or_default();
+            for variant in &named {
+                let found = code.split(variant.as_str()).skip(1).any(|rest| {
+                    // Neither a longer name nor another enumeration's variant.
+                    !rest.starts_with(|sign: char| sign.is_alphanumeric() || sign == '_')
+                });
+                if found && told.is_none() {
+                    wrong.push(format!("{name}:{}: {variant}", number + 1));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn colours_stand_in_the_theme_alone() {
+    let mut wrong = Vec::new();
+    for (name, text) in rooms() {
+        let exempt = ["hmi/theme.rs", "hmi/raster.rs"].contains(&name.as_str());
+        if room_of(&name) != "hmi" || exempt {
+            continue;
+        }
+        for (number, line) in text.lines().enumerate() {
+            let code = line.split("//").next().unwrap_or_default();
+            if ["Color32::from_", "Color32::RED", "Color32::GREEN", "Color32::BLACK"]
+                .iter()
+                .any(|word| code.contains(word))
+            {
+                wrong.push(format!("{name}:{}: {}", number + 1, line.trim()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn no_test_is_switched_off() {
+    let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
+    let mark = ["#[ign", "ore"].concat();
+    for path in sources(&tests).into_iter().chain(sources(&root())) {
+        assert!(!fs::read_to_string(&path).unwrap().contains(&mark), "{}", path.display());
+    }
+}

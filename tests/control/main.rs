@@ -1,0 +1,22 @@
+//! The control as a whole: stories told to a fresh control on its simulated machine.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
+
+#[path = "../common/command.rs"]
+mod command;
+#[path = "../common/stories.rs"]
+mod stories;
+
+mod grinding_functions;
+mod held_run;
+mod lathe;
+mod lathe_hand;
+mod machine_rules;
+mod motion_mover;
+mod motion_path;
+mod panel_keys;
+mod restart;
+mod retract;
+mod run_control;
+mod vertical;
+mod wheel_size;

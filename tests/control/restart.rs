@@ -1,0 +1,100 @@
+//! Running from a chosen block, and going on after a power cut (B5).
+
+use crate::stories::{ready_with, tell};
+use kt830::link::Command;
+use kt830::runtime::rig::Rig;
+use kt830::units::Axis;
+
+/// X -80 (diameter), Z -150 at the start of a ready machine.
+const TEXT: &str = "G98 T0101\n#100=3\nM03\nG00 X-70 Z-140\nG01 X-72 F100\nW-20\n#101=#100+1\nM30";
+
+fn choose(rig: &mut Rig, line: u32) {
+    rig.send(Command::RestartAt(line));
+    tell(rig, "wait 0.1 s");
+}
+
+#[test]
+fn b5_a_run_from_a_block_shows_its_codes_and_place_and_waits_for_the_wheel() {
+    let mut rig = ready_with(TEXT);
+    tell(&mut rig, "mode auto");
+    choose(&mut rig, 6);
+    let view = rig.snapshot().restart.clone().unwrap();
+    assert_eq!((view.program, view.line, view.modals.g[0], view.modals.feed), (7_000, 6, 1, Some(100.0)));
+    assert_eq!((view.modals.tool, view.wheel, view.drive), ((1, 1), true, false));
+    assert_eq!((view.start[Axis::X], view.start[Axis::Z]), (Some(-72.0), Some(-140.0)));
+    tell(
+        &mut rig,
+        "expect message \"X-72.000\"\nexpect X -80 ±0.001\nkey cycle-start\nexpect state idle\nexpect message \"砂轮\"",
+    );
+    tell(&mut rig, "key wheel-start\nwait 10 s\nkey cycle-start\nwait until Z>-145 max 10 s\nexpect X -80 ±0.01");
+    tell(&mut rig, "wait until idle max 60 s\nexpect X -72 ±0.001\nexpect Z -160 ±0.001\nexpect #100 3\nexpect #101 4");
+}
+
+#[test]
+fn b5_what_cannot_be_reckoned_is_refused_with_its_reason() {
+    for (text, line, why) in [
+        ("G50 X0 Z0\nG01 W-1 F60\nM30", 2, "G50"),
+        ("G35 Z-160 Q20\nG01 U-1 F60\nM30", 2, "G35"),
+        ("N10 IF[#1012 EQ 0]GOTO 10\nG01 W-1 F60\nM30", 2, "等待机床"),
+        ("G01 W-1 F60\nM30\nG00 X0", 3, "运行不到"),
+        ("G01 W-1 F60\nM30", 9, "没有第 9 行"),
+        ("G01 Q7\nM30", 2, "第1行"),
+    ] {
+        let mut rig = ready_with(text);
+        tell(&mut rig, "mode auto");
+        rig.send(Command::RestartAt(line));
+        tell(&mut rig, "wait 6 s");
+        tell(&mut rig, &format!("expect message \"{why}\""));
+        assert!(rig.snapshot().restart.is_none(), "{text}");
+    }
+}
+
+#[test]
+fn b5_a_block_is_chosen_in_automatic_mode_and_forgotten_with_reset_mode_and_program() {
+    let mut rig = ready_with(TEXT);
+    tell(&mut rig, "mode jog");
+    choose(&mut rig, 6);
+    tell(&mut rig, "expect message \"自动方式\"");
+    for leave in ["key reset", "mode jog\nmode auto", "load O7000"] {
+        tell(&mut rig, "mode auto");
+        choose(&mut rig, 6);
+        assert!(rig.snapshot().restart.is_some());
+        tell(&mut rig, leave);
+        assert!(rig.snapshot().restart.is_none(), "{leave}");
+    }
+}
+
+#[test]
+fn b5_what_the_skipped_blocks_switch_off_again_is_not_asked_for() {
+    let mut rig = ready_with("G98 M03\nM63\nG01 W-10 F600\nM05\nM65\nG01 W-10 F600\nM30");
+    tell(&mut rig, "mode auto");
+    choose(&mut rig, 6);
+    let view = rig.snapshot().restart.clone().unwrap();
+    assert!(!view.wheel && !view.drive);
+    tell(&mut rig, "key cycle-start\nwait until idle max 20 s\nexpect Z -170 ±0.001");
+}
+
+#[test]
+fn b5_after_a_power_cut_the_interrupted_block_is_offered_once_the_axes_are_homed() {
+    let mut rig = ready_with("G98 G00 X-70 Z-140\nG01 X-72 F100\nW-60 F100\n#101=1\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until Z<-160 max 60 s\npower cut\npower on");
+    assert_eq!(rig.snapshot().interrupted, Some((7_000, 3)));
+    tell(&mut rig, "expect message \"第 3 行\"\nmode auto");
+    rig.send(Command::ResumeInterrupted);
+    tell(&mut rig, "wait 0.1 s\nexpect message \"回零\"\nkey hydraulic\nwait 4 s\nhome all\nmode auto");
+    rig.send(Command::ResumeInterrupted);
+    tell(&mut rig, "wait 0.1 s\nkey cycle-start\nwait until idle max 120 s\nexpect #101 1");
+    // W-60 from Z -140, whatever had been done of it.
+    tell(&mut rig, "expect Z -200 ±0.001\nexpect X -72 ±0.001\nexpect no alarm");
+    assert_eq!(rig.snapshot().interrupted, None);
+}
+
+#[test]
+fn b5_a_run_that_ended_leaves_nothing_to_resume() {
+    let mut rig = ready_with("G98 G01 W-5 F600\nM30");
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 20 s\npower cut\npower on");
+    assert_eq!(rig.snapshot().interrupted, None);
+    tell(&mut rig, "mode auto");
+    rig.send(Command::ResumeInterrupted);
+    tell(&mut rig, "wait 0.1 s\nexpect message \"没有断电中断\"");
+}

@@ -1,0 +1,131 @@
+//! What a program reads and writes of the machine: the wheel's diameter through its dressings, offsets, timers, ports
+//! (K4.2, K5.17, B2, B3).
+
+use crate::stories::{ready_with, tell};
+use kt830::defs::param;
+use kt830::runtime::rig::Rig;
+use kt830::units::Axis;
+
+/// Runs a text to its end, in automatic mode.
+fn ran(text: &str) -> Rig {
+    let mut rig = ready_with(text);
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s\nexpect no alarm");
+    rig
+}
+
+/// Runs a text into an alarm.
+fn alarmed(text: &str, number: u16) -> Rig {
+    let mut rig = ready_with(text);
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until alarm max 60 s");
+    tell(&mut rig, &format!("expect alarm {number}"));
+    rig
+}
+
+fn value(rig: &mut Rig, row: param::Number) -> f64 {
+    rig.snapshot().params.get(row)
+}
+
+#[test]
+fn b3_wear_written_by_a_program_moves_the_blocks_after_it() {
+    // Wear of 1.5 mm of diameter: the machine goes 0.75 mm further out for the same X.
+    let mut plain = ran("T0101\nG00 X-70\nM30");
+    let at = plain.snapshot().axes[Axis::X].machine;
+    let mut worn = ran("T0101\n#2001=#2001+1.5\nG00 X-70\nM30");
+    let moved = worn.snapshot().axes[Axis::X].machine - at;
+    assert!((moved - 1.5).abs() < 0.001, "machine X is shown as a diameter: {moved}");
+    tell(&mut worn, "expect X -70 ±0.001\nexpect wear 1 X 1.5 ±0.0001");
+}
+
+#[test]
+fn k4_2_a_dressing_makes_the_wheel_smaller_and_everything_follows() {
+    // 0.04 mm of diameter: 0.02 mm of radius into the wear, towards the part, and off the dressing point.
+    let mut rig = ready_with("T0101\n#5801=#5801-0.04\nG00 X-70\n#100=#5801\n#101=#5805\nM30");
+    tell(&mut rig, "param P96 7\nmode jog\npage position\nkey f1\nkey address-x\nkey input\nexpect message \"成功\"");
+    let (point, before) = (rig.snapshot().dressing_point[Axis::X].unwrap(), value(&mut rig, param::WHEEL_DIAMETER));
+    tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s\nexpect no alarm\nexpect X -70 ±0.001");
+    tell(&mut rig, "expect wear 1 X -0.04 ±0.00001");
+    assert!((value(&mut rig, param::WHEEL_DIAMETER) - (before - 0.04)).abs() < 1e-9);
+    assert!((rig.snapshot().dressing_point[Axis::X].unwrap() - (point - 0.04)).abs() < 1e-9, "shown as a diameter");
+    assert_eq!((value(&mut rig, param::DRESSINGS), value(&mut rig, param::PARTS_SINCE_DRESSING)), (1.0, 0.0));
+    let variable = |rig: &mut Rig, number: usize| rig.snapshot().variables[number];
+    assert!((variable(&mut rig, 100).unwrap() - (before - 0.04)).abs() < 1e-9);
+    assert_eq!(variable(&mut rig, 101), Some(1.0));
+}
+
+#[test]
+fn k4_2_the_dressing_point_stays_or_goes_the_other_way_by_p98() {
+    for (side, factor) in [(0, 0.0), (1, 1.0)] {
+        let mut rig = ready_with("T0101\n#5801=#5801-0.04\nM30");
+        tell(&mut rig, &format!("param P98 {side}\nmode jog\npage position\nkey f1\nkey address-x\nkey input"));
+        let point = rig.snapshot().dressing_point[Axis::X].unwrap();
+        tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s");
+        assert!((rig.snapshot().dressing_point[Axis::X].unwrap() - (point + 0.04 * factor)).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn k4_2_a_wheel_does_not_grow_and_needs_its_offset() {
+    for text in
+        ["T0101\n#5801=#5801+0.01\nG00 X-70\nM30", "T0101\n#5801=5\nG00 X-70\nM30", "#5801=#5801-0.04\nG00 X-70\nM30"]
+    {
+        let mut rig = alarmed(text, 203);
+        tell(&mut rig, "expect X -80 ±0.001\nexpect wear 1 X 0 ±0");
+        assert!((value(&mut rig, param::WHEEL_DIAMETER) - 600.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn b2_constant_surface_speed_follows_the_wheel_through_its_dressings() {
+    // 1 500 m/min on 600 mm: 1500 / (π·0.6) = 795.77 rpm; on 500 mm 954.93 rpm.
+    let mut rig = ready_with("T0101\nG96 S1500 M03\nM00\n#5801=500\nM00\nG97 S600\nM00\nG50 S700\nG96 S1500\nM00\nM30");
+    let rpm = |rig: &mut Rig, expected: f64| {
+        tell(rig, "key cycle-start\nwait until stopped max 60 s");
+        let rpm = rig.snapshot().wheel_rpm;
+        assert!((rpm - expected).abs() < 0.01, "{rpm} rpm");
+    };
+    tell(&mut rig, "mode auto");
+    for expected in [795.77, 954.93, 600.0, 700.0] {
+        rpm(&mut rig, expected);
+    }
+}
+
+#[test]
+fn k5_17_parts_since_the_last_dressing_are_counted_and_its_time_is_said() {
+    let mut rig = ready_with("M31\n#100=#5803\n#101=#5804\nM30");
+    tell(&mut rig, "param P95 2\nmode auto\nkey cycle-start\nwait until idle\nexpect #100 1 ±0\nexpect #101 2 ±0");
+    tell(&mut rig, "key cycle-start\nwait until idle\nexpect message \"应修整\"\nexpect #100 2 ±0");
+}
+
+#[test]
+fn b3_an_output_by_its_number_obeys_the_rule_of_m21() {
+    let mut rig = ran("#1139=1\nG04 X0.1\n#100=#1139\n#1139=0\nG04 X0.1\n#101=#1139\nM30");
+    tell(&mut rig, "expect #100 1 ±0\nexpect #101 0 ±0");
+    // Port 1 is the wheel's (P300).
+    let mut owned = alarmed("#1100=1\nG00 X-70\nM30", 195);
+    tell(&mut owned, "expect output wheel off\nexpect X -80 ±0.001");
+}
+
+#[test]
+fn b3_timers_are_set_and_the_wanted_parts_written() {
+    let mut rig = ran("#3001=0\n#3902=12\nG04 X2\n#100=#3001\n#101=#3902\nM30");
+    tell(&mut rig, "expect #101 12 ±0");
+    let waited = rig.snapshot().variables[100].unwrap();
+    assert!((2_000.0..2_100.0).contains(&waited), "2 s and the ticks around it: {waited} ms");
+}
+
+#[test]
+fn b3_what_is_no_variable_is_named() {
+    for text in ["#3003=1", "#4001=1", "#5041=1", "#2017=1", "#1000=1"] {
+        let mut rig = ready_with(&format!("{text}\nM30"));
+        tell(&mut rig, "mode auto\nkey cycle-start\nwait until alarm max 2 s\nexpect alarm any");
+    }
+}
+
+#[test]
+fn k4_1_a_wear_beyond_the_range_of_the_offset_page_is_refused_from_a_program_too() {
+    for text in ["G10 D1 U1000\nG00 X-70\nM30", "#2001=-1000\nG00 X-70\nM30"] {
+        let mut rig = alarmed(text, 204);
+        tell(&mut rig, "expect X -80 ±0.001\nexpect wear 1 X 0 ±0");
+    }
+    tell(&mut ran("G10 D1 U999.999\nM30"), "expect wear 1 X 999.999 ±0.0001");
+}

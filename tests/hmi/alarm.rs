@@ -1,0 +1,108 @@
+//! The alarm page: a row that is touched tells cause, remedy and how it goes away, and help opens at it.
+//! Source: spec B6 (报警), B8, H7.
+
+use std::sync::Arc;
+
+use crate::live_screen::Bench;
+use kt830::defs::alarm::{ALARMS, Alarm};
+use kt830::defs::page::Page;
+use kt830::defs::program_error::ProgramError;
+use kt830::defs::text::Said;
+use kt830::link::Snapshot;
+
+fn row(number: u16) -> &'static Alarm {
+    ALARMS.iter().find(|row| row.number == number).unwrap()
+}
+
+/// A bench that shows a snapshot that nothing changes.
+fn still(snapshot: Snapshot) -> Bench {
+    let mut bench = Bench::new(crate::stories::rig(), Page::Alarm);
+    bench.screen.state_mut().snapshot = snapshot;
+    bench.screen.step();
+    bench.screen.step();
+    bench
+}
+
+fn touch(bench: &mut Bench, label: &str) {
+    use egui_kittest::kittest::Queryable;
+    bench.screen.get_by_label(label).click();
+    bench.screen.step();
+    bench.screen.step();
+}
+
+fn press(bench: &mut Bench, key: egui::Key) {
+    bench.screen.key_press(key);
+    bench.screen.step();
+    bench.screen.step();
+}
+
+fn tells(bench: &Bench, alarm: &Alarm) -> bool {
+    [alarm.cause, alarm.remedy, alarm.reset.name()].iter().all(|text| bench.shows(text.zh))
+}
+
+#[test]
+fn b6_a_touched_row_of_the_history_tells_cause_remedy_and_reset_rule() {
+    let mut bench = Bench::new(crate::stories::ready(), Page::Alarm);
+    crate::stories::tell(
+        &mut bench.rig,
+        "key emergency-stop\nwait 0.1 s\nexpect alarm 0\nkey emergency-stop\nwait 0.1 s",
+    );
+    crate::stories::tell(&mut bench.rig, "key reset\nwait 0.1 s\nexpect no alarm");
+    bench.turn();
+    bench.touch("历史 1 alarm-history");
+    assert!(!bench.shows(row(0).cause.zh), "nothing is chosen yet");
+    bench.touch("000 急停 past-1");
+    assert!(tells(&bench, row(0)));
+    bench.touch("? help");
+    assert!(bench.shows(row(0).reaction.name().zh), "help opens at the alarm that is chosen");
+    bench.touch("关闭帮助 close-help");
+    assert!(tells(&bench, row(0)), "the choice stays while help lies over it");
+    bench.press(egui::Key::Escape);
+    assert!(!bench.shows(row(0).cause.zh), "取消 closes it");
+}
+
+#[test]
+fn b6_the_history_is_chosen_from_by_keyboard_too() {
+    let mut bench = still(crate::sample::troubled(Page::Alarm));
+    press(&mut bench, egui::Key::ArrowRight);
+    press(&mut bench, egui::Key::Enter);
+    assert!(tells(&bench, row(180)), "Enter: the latest, which stands on top");
+    press(&mut bench, egui::Key::ArrowDown);
+    assert!(tells(&bench, row(184)) && !bench.shows(row(180).cause.zh));
+    (0..60).for_each(|_| press(&mut bench, egui::Key::ArrowDown));
+    assert!(tells(&bench, row(102)), "the eldest, brought into sight");
+    bench.screen.state_mut().snapshot.alarm_history = Arc::default();
+    press(&mut bench, egui::Key::ArrowDown);
+    assert!(bench.shows("没有报警记录"));
+}
+
+#[test]
+fn b6_help_opens_at_the_chosen_one_of_the_present_alarms() {
+    let mut bench = still(crate::sample::alarm(Page::Alarm));
+    assert!(bench.shows(row(180).reset.name().zh), "the reset rule stands with every present alarm");
+    touch(&mut bench, "066 页面文件不全或格式错误 alarm-66");
+    touch(&mut bench, "? help");
+    assert!(bench.shows(row(66).reaction.name().zh) && !bench.shows(row(180).reaction.name().zh));
+    // Of those of a program, by their number; those of #3000 share one.
+    let mut snapshot = crate::sample::alarm(Page::Alarm);
+    snapshot.alarms[1].number = 3_007;
+    snapshot.alarms[1].text = Said::new("尺寸", "size");
+    let mut bench = still(snapshot);
+    press(&mut bench, egui::Key::ArrowDown);
+    press(&mut bench, egui::Key::ArrowDown);
+    press(&mut bench, egui::Key::F12);
+    assert!(bench.shows("3000–3999"), "the user's alarms");
+}
+
+#[test]
+fn b8_a_program_alarm_of_the_history_has_its_remedy() {
+    let error = ProgramError::UnexpectedCharacter;
+    let mut snapshot = crate::sample::troubled(Page::Alarm);
+    let history = Arc::make_mut(&mut snapshot.alarm_history);
+    let last = Arc::make_mut(history.last_mut().unwrap());
+    (last.number, last.text) = (error.number(), Said::new("此处不应出现 '?'", "unexpected '?'"));
+    let mut bench = still(snapshot);
+    press(&mut bench, egui::Key::ArrowRight);
+    press(&mut bench, egui::Key::Enter);
+    assert!(bench.shows(error.remedy().zh));
+}

@@ -1,0 +1,233 @@
+//! Typing on the grinding page, by touch and by keyboard, and the refusal. Soft keys and the directory.
+
+use crate::sample::{C0001, snapshot};
+use crate::screen::{Screen, open};
+use egui::Event;
+use egui_kittest::kittest::Queryable;
+use kt830::defs::kind::Kind;
+use kt830::defs::page::Page;
+use kt830::defs::screen;
+use kt830::defs::soft_key::{Coordinates, ROWS as SOFT_ROWS, SoftAct, row as soft_row};
+use kt830::defs::text::Lang;
+use kt830::link::Snapshot;
+use kt830::link::command::{ScreenFiles, Screens};
+use std::sync::Arc;
+
+fn touch(screen: &mut Screen, label: &str) {
+    screen.get_by_label(label).click();
+    for _ in 0..4 {
+        screen.step();
+    }
+}
+
+fn press(screen: &mut Screen, key: egui::Key) {
+    screen.key_press(key);
+    screen.step();
+    screen.step();
+}
+
+fn write(screen: &mut Screen, text: &str) {
+    screen.event(Event::Text(text.to_owned()));
+    screen.step();
+}
+
+fn sent(screen: &mut Screen) -> Vec<String> {
+    std::mem::take(&mut screen.state_mut().sent).iter().map(|command| format!("{command:?}")).collect()
+}
+
+#[test]
+fn h6_by_touch_a_value_is_typed_stored_and_the_next_field_chosen() {
+    let mut screen = open(snapshot(Page::Grinding));
+    touch(&mut screen, "左卡磨耗余量 #505");
+    for key in ["pad-0", "pad-point", "pad-0", "pad-3", "pad-5", "pad-back", "pad-sign"] {
+        touch(&mut screen, key);
+    }
+    assert_eq!(screen.state().hmi.entry().typing.text, "-0.03");
+    assert!(sent(&mut screen).is_empty(), "nothing is stored before 输入");
+    touch(&mut screen, "输入 input");
+    assert_eq!(sent(&mut screen), ["TypeVariable(505, Some(-0.03))"]);
+    assert_eq!(screen.state().hmi.entry().cursor, 5, "the next field is chosen");
+}
+
+#[test]
+fn h6_cancel_restores_then_closes_the_pad() {
+    let mut screen = open(snapshot(Page::Grinding));
+    touch(&mut screen, "卡尺X轴始磨位置 #500");
+    touch(&mut screen, "pad-9");
+    touch(&mut screen, "取消 cancel");
+    assert!(screen.state().hmi.entry().typing.text.is_empty());
+    touch(&mut screen, "取消 cancel");
+    assert!(screen.query_by_label("pad-9").is_none());
+    assert!(sent(&mut screen).is_empty());
+}
+
+#[test]
+fn h6_physical_keys_do_the_same() {
+    let mut screen = open(snapshot(Page::Grinding));
+    press(&mut screen, egui::Key::ArrowDown);
+    write(&mut screen, "-12.75");
+    press(&mut screen, egui::Key::Enter);
+    press(&mut screen, egui::Key::Tab);
+    write(&mut screen, "7");
+    press(&mut screen, egui::Key::Backspace);
+    write(&mut screen, "8");
+    press(&mut screen, egui::Key::Enter);
+    write(&mut screen, "1");
+    press(&mut screen, egui::Key::Escape);
+    press(&mut screen, egui::Key::ArrowRight);
+    assert_eq!(sent(&mut screen), ["TypeVariable(501, Some(-12.75))", "TypeVariable(504, Some(8.0))"]);
+    assert_eq!(screen.state().hmi.entry().cursor, 12, "the arrow goes to the field beside it");
+}
+
+#[test]
+fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
+    let mut machine = snapshot(Page::Grinding);
+    let text = screen::parse(&C0001.replace("#508", "#570")).map(Arc::new).expect("the sample is right");
+    let picture = crate::sample::picture("B0001.BMP");
+    let files = ScreenFiles { text: Ok(text), picture: Ok(picture) };
+    machine.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: None });
+    let mut screen = open(machine);
+    touch(&mut screen, "精磨进给方式 #570");
+    write(&mut screen, "2");
+    press(&mut screen, egui::Key::Enter);
+    assert!(sent(&mut screen).is_empty());
+    assert_eq!(screen.state().hmi.entry().reason(Lang::Zh), Some("只能输入 0 或 1"));
+    assert_eq!(screen.state().hmi.entry().typing.text, "2");
+    write(&mut screen, "1");
+    assert_eq!(screen.state().hmi.entry().reason(Lang::Zh), None);
+    press(&mut screen, egui::Key::Enter);
+    assert_eq!(sent(&mut screen), ["TypeVariable(570, Some(1.0))"]);
+    write(&mut screen, "100000");
+    press(&mut screen, egui::Key::Enter);
+    assert_eq!(screen.state().hmi.entry().reason(Lang::En), Some("out of range ±99999.999"));
+    assert!(sent(&mut screen).is_empty());
+}
+
+#[test]
+fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
+    let mut screen = open(snapshot(Page::Grinding));
+    let key = |pressed| Event::Key {
+        key: egui::Key::Num5,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: egui::Modifiers::ALT,
+    };
+    screen.input_mut().events.extend([key(true), Event::Text("5".to_owned()), key(false)]);
+    screen.step();
+    screen.step();
+    assert_eq!(sent(&mut screen), ["Press(Step001)", "Release(Step001)"]);
+    assert_eq!(screen.state().hmi.entry().typing.text, "");
+}
+
+#[test]
+fn h6_the_space_bar_types_where_words_are_typed_and_holds_everywhere_else() {
+    let held = ["Press(FeedHold)", "Release(FeedHold)"];
+    let struck = |machine: Snapshot| {
+        let mut screen = open(machine);
+        press(&mut screen, egui::Key::Space);
+        sent(&mut screen)
+    };
+    assert!(struck(snapshot(Page::Mdi)).is_empty());
+    assert_eq!(struck(crate::sample::running(Page::Mdi)), held, "while something runs it stops that");
+    assert_eq!(struck(snapshot(Page::Position)), held);
+    assert_eq!(struck(snapshot(Page::Program)), held, "the listing alone takes no words");
+}
+
+#[test]
+fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
+    let keys = [egui::Key::F1, egui::Key::F2, egui::Key::F3, egui::Key::F4, egui::Key::F5];
+    let mut machine = snapshot(Page::Position);
+    machine.simulated = crate::sample::busy(Page::Position).simulated;
+    let mut screen = open(machine);
+    for row in 0..SOFT_ROWS.len() {
+        for (index, soft) in soft_row(Kind::Gc, row).enumerate() {
+            let wanted = match soft.act {
+                SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
+                SoftAct::Position(coordinates) => Some(format!("ShowCoordinates({coordinates:?})")),
+                SoftAct::Print => None,
+            };
+            touch(&mut screen, &format!("{} f{}", soft.label.zh, index + 1));
+            assert_eq!(sent(&mut screen), Vec::from_iter(wanted.clone()), "{}", soft.label.en);
+            press(&mut screen, keys[index]);
+            assert_eq!(sent(&mut screen), Vec::from_iter(wanted), "{}", soft.label.en);
+        }
+        touch(&mut screen, "▶ next-row");
+        let next = (row + 1) % SOFT_ROWS.len();
+        assert_eq!(sent(&mut screen), [format!("TurnSoftRow({next})")]);
+        screen.state_mut().snapshot.soft_row = next;
+        screen.step();
+    }
+}
+
+#[test]
+fn b6_the_directory_loads_by_its_own_key_only() {
+    let mut screen = open(snapshot(Page::Directory));
+    touch(&mut screen, "O1002");
+    assert!(sent(&mut screen).is_empty(), "choosing does not load");
+    touch(&mut screen, "装入 load-program");
+    assert_eq!(sent(&mut screen), ["LoadProgram(1002)"]);
+    press(&mut screen, egui::Key::ArrowDown);
+    press(&mut screen, egui::Key::Enter);
+    assert_eq!(sent(&mut screen), ["LoadProgram(1003)"]);
+}
+
+#[test]
+fn k4_2_on_the_relative_page_letters_and_answers_are_keys() {
+    let mut machine = snapshot(Page::Position);
+    machine.coordinates = Coordinates::Relative;
+    let mut screen = open(machine);
+    for (label, key) in [("X address-x", "AddressX"), ("输入 input", "Input"), ("取消 cancel", "Cancel")] {
+        touch(&mut screen, label);
+        assert_eq!(sent(&mut screen), [format!("Press({key})"), format!("Release({key})")]);
+    }
+    touch(&mut screen, "清零 Z");
+    assert_eq!(sent(&mut screen), ["ClearRelative(Z)"]);
+}
+
+#[test]
+fn k2_4_in_the_other_views_the_address_key_is_asked_why_not() {
+    let mut screen = open(snapshot(Page::Position));
+    assert!(screen.query_by_label("X address-x").is_none(), "the letter is no key in the view 综合");
+    press(&mut screen, egui::Key::X);
+    assert_eq!(sent(&mut screen), ["Press(AddressX)", "Release(AddressX)"], "the core says why");
+    let mut screen = open(snapshot(Page::Alarm));
+    press(&mut screen, egui::Key::X);
+    assert!(sent(&mut screen).is_empty());
+}
+
+#[test]
+fn h8_a_program_without_page_leads_to_the_directory() {
+    let mut machine = snapshot(Page::Grinding);
+    machine.program.number = 2_000;
+    let mut screen = open(machine);
+    touch(&mut screen, "打开目录");
+    assert_eq!(sent(&mut screen), ["OpenPage(Directory)"]);
+}
+
+#[test]
+fn h7_chip_and_message_line_open_the_alarm_page() {
+    let mut screen = open(crate::sample::alarm(Page::Grinding));
+    touch(&mut screen, "报警 alarm-list");
+    assert_eq!(sent(&mut screen), ["OpenPage(Alarm)"]);
+    touch(&mut screen, "报警 alarm-chip");
+    assert_eq!(sent(&mut screen), ["OpenPage(Alarm)"]);
+    press(&mut screen, egui::Key::F7);
+    assert_eq!(sent(&mut screen), ["OpenPage(Alarm)"]);
+}
+
+#[test]
+fn k2_1_the_help_key_lays_the_keyboards_map_over_the_page() {
+    let mut screen = open(snapshot(Page::Grinding));
+    touch(&mut screen, "? help");
+    assert!(screen.query_by_label("关闭帮助 close-help").is_some());
+    touch(&mut screen, "关闭帮助 close-help");
+    assert!(screen.query_by_label("关闭帮助 close-help").is_none());
+    for closes in [egui::Key::F12, egui::Key::Escape] {
+        press(&mut screen, egui::Key::F12);
+        assert!(screen.query_by_label("关闭帮助 close-help").is_some());
+        press(&mut screen, closes);
+        assert!(screen.query_by_label("关闭帮助 close-help").is_none());
+    }
+    assert!(sent(&mut screen).is_empty());
+}

@@ -1,0 +1,31 @@
+//! The screen: pages, keys and entry, with and without a control behind them.
+
+#![cfg(feature = "hmi")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
+
+#[path = "../common/sample.rs"]
+mod sample;
+#[path = "../common/stories.rs"]
+mod stories;
+
+mod alarm;
+mod designer;
+mod editor;
+mod entry;
+mod graphic;
+mod help;
+mod lathe;
+mod live_screen;
+mod operators;
+mod pages;
+mod panel;
+mod process;
+mod reach;
+mod screen;
+mod screw;
+mod service;
+mod shift;
+mod simulator;
+mod transfer;
+mod values;
+mod vertical;

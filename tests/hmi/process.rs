@@ -1,0 +1,217 @@
+//! The process page: sizes of the parts between their limits, curves under fingers, dressings left, the table.
+//! Source: tools.md (page process), H9, K4.5, K5.17.
+
+use std::sync::Arc;
+
+use crate::sample::running;
+use crate::screen::{Screen, open, painted};
+use egui::{Event, Modifiers, PointerButton, pos2};
+use egui_kittest::kittest::Queryable;
+use kt830::defs::page::Page;
+use kt830::defs::param::{self, Number};
+use kt830::link::Command;
+use kt830::link::files::FileRequest;
+use kt830::link::page_command::PageCommand;
+use kt830::units::{Axis, Micros};
+
+/// A machine that measures into #540, nominal #541 = 40, +0.010 −0.005.
+fn measuring() -> Screen {
+    let mut machine = running(Page::Process);
+    set(&mut machine, param::TREND_SIZE, 540.0);
+    set(&mut machine, param::TREND_NOMINAL, 541.0);
+    set(&mut machine, param::TREND_UPPER, 0.010);
+    set(&mut machine, param::TREND_LOWER, -0.005);
+    machine.variables[541] = Some(40.0);
+    open(machine)
+}
+
+fn set(machine: &mut kt830::link::Snapshot, at: Number, value: f64) {
+    Arc::make_mut(&mut machine.params).write(at.address(), value).unwrap();
+}
+
+fn finish(screen: &mut Screen, size: f64) {
+    let machine = &mut screen.state_mut().snapshot;
+    machine.variables[540] = Some(size);
+    machine.parts += 1;
+    machine.now = Micros(machine.now.0 + 1_000_000);
+    screen.step();
+}
+
+fn shows(screen: &Screen, words: &str) -> bool {
+    painted(screen).iter().any(|text| text.contains(words))
+}
+
+fn table(screen: &mut Screen) -> String {
+    screen.get_by_label("存为 CSV process-export").click();
+    screen.step();
+    screen.step();
+    let sent = std::mem::take(&mut screen.state_mut().sent);
+    let text = sent.into_iter().find_map(|command| match command {
+        Command::Page(PageCommand::File(_, FileRequest::Table(text))) => Some(text),
+        _ => None,
+    });
+    text.unwrap()
+}
+
+/// Ten seconds pass, ten samples a second.
+fn pass(screen: &mut Screen, seconds: u64) {
+    for _ in 0..seconds * 10 {
+        let machine = &mut screen.state_mut().snapshot;
+        machine.now = Micros(machine.now.0 + 100_000);
+        screen.step();
+    }
+}
+
+#[test]
+fn process_sizes_are_shown_between_their_limits() {
+    let mut screen = measuring();
+    assert!(shows(&screen, "P375"), "what to do is said while nothing was measured");
+    finish(&mut screen, 40.004);
+    assert!(shows(&screen, "40.004 / 40.000 +0.010 -0.005") && !shows(&screen, "超差"));
+    // On its limit it is in, a micrometre beyond out.
+    finish(&mut screen, 40.010);
+    finish(&mut screen, 39.995);
+    assert!(!shows(&screen, "超差"));
+    finish(&mut screen, 40.011);
+    finish(&mut screen, 39.994);
+    assert!(shows(&screen, "超差 2"));
+    // Limits of another part do not touch those that were made.
+    screen.state_mut().snapshot.variables[541] = Some(50.0);
+    finish(&mut screen, 50.001);
+    assert!(shows(&screen, "50.001 / 50.000 +0.010 -0.005 · 超差 2"));
+    let table = table(&mut screen);
+    let rows: Vec<&str> = table.split("\r\n").skip_while(|line| !line.starts_with("part,")).collect();
+    assert_eq!(rows[0], "part,cycle_seconds,size,nominal,lower,upper,within");
+    assert!(rows[1].ends_with(",40.0040,40.0000,39.9950,40.0100,1"), "{}", rows[1]);
+    assert!(rows[4].ends_with(",40.0110,40.0000,39.9950,40.0100,0"), "{}", rows[4]);
+}
+
+#[test]
+fn process_without_limits_nothing_is_out() {
+    let mut screen = measuring();
+    let machine = &mut screen.state_mut().snapshot;
+    set(machine, param::TREND_NOMINAL, 0.0);
+    finish(&mut screen, 12.0);
+    assert!(shows(&screen, "12.000") && !shows(&screen, "超差") && !shows(&screen, "12.000 /"));
+    // A variable without a value is no size.
+    let mut screen = measuring();
+    screen.state_mut().snapshot.parts += 1;
+    screen.step();
+    assert!(shows(&screen, "P375"));
+}
+
+#[test]
+fn h9_fingers_drag_and_draw_the_curves() {
+    let mut screen = measuring();
+    pass(&mut screen, 30);
+    assert!(shows(&screen, "时间 10 s") && screen.query_by_label("实时 process-live").is_some());
+    let canvas = screen.get_by_label("曲线 process-curves").rect();
+    let (from, to) = (canvas.center(), canvas.center() + egui::vec2(120.0, 0.0));
+    let button = |pos, pressed| Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    screen.event(Event::PointerMoved(from));
+    screen.event(button(from, true));
+    screen.step();
+    screen.event(Event::PointerMoved(pos2(f32::midpoint(from.x, to.x), from.y)));
+    screen.step();
+    screen.event(Event::PointerMoved(to));
+    screen.step();
+    screen.event(button(to, false));
+    screen.step();
+    screen.step();
+    assert!(shows(&screen, "回到实时"), "dragged to the right the past is seen");
+    // Two fingers draw the time out: twice as large is half the span.
+    screen.event(Event::Zoom(2.0));
+    screen.step();
+    assert!(shows(&screen, "时间 5 s"));
+    // What stands is not moved by what comes.
+    let end = |screen: &Screen| painted(screen).into_iter().find(|text| text.starts_with("回到实时"));
+    let before = end(&screen);
+    pass(&mut screen, 3);
+    assert_eq!(end(&screen), before);
+    let key = screen.query_all_by_label_contains("process-live").next().unwrap();
+    key.click();
+    screen.step();
+    screen.step();
+    assert!(screen.query_by_label("实时 process-live").is_some());
+    assert!(screen.state().sent.is_empty(), "a swipe asks nothing of the machine");
+}
+
+#[test]
+fn k5_17_the_dressings_that_are_left_are_told() {
+    let mut screen = measuring();
+    let left = |screen: &Screen, value: &str| shows(screen, "还可修整次数") && shows(screen, value);
+    let machine = &mut screen.state_mut().snapshot;
+    set(machine, param::WHEEL_SMALLEST, 400.0);
+    set(machine, param::WHEEL_DIAMETER, 500.0);
+    set(machine, param::DRESSINGS, 3.0);
+    screen.step();
+    // A dressing takes 0.04: 99.96 / 0.04 = 2499 more.
+    let machine = &mut screen.state_mut().snapshot;
+    set(machine, param::WHEEL_DIAMETER, 499.96);
+    set(machine, param::DRESSINGS, 4.0);
+    screen.step();
+    screen.step();
+    assert!(left(&screen, "2499"));
+    // A new wheel is not known yet.
+    let machine = &mut screen.state_mut().snapshot;
+    set(machine, param::WHEEL_DIAMETER, 600.0);
+    set(machine, param::DRESSINGS, 0.0);
+    screen.step();
+    screen.step();
+    assert!(!shows(&screen, "2499"));
+    // A smaller one, none of the two ever dressed; then a dressing takes 0.08: 49.92 / 0.08 = 624 more.
+    for (diameter, dressings) in [(450.0, 0.0), (449.92, 1.0)] {
+        let machine = &mut screen.state_mut().snapshot;
+        set(machine, param::WHEEL_DIAMETER, diameter);
+        set(machine, param::DRESSINGS, dressings);
+        screen.step();
+        screen.step();
+    }
+    assert!(left(&screen, "624"));
+}
+
+#[test]
+fn process_the_table_has_columns_for_what_the_machine_has() {
+    let mut screen = measuring();
+    pass(&mut screen, 1);
+    let both = table(&mut screen);
+    assert!(both.starts_with("seconds,X,Z,feed_mm_min,wheel_load_percent,gauges\r\n"), "{both}");
+    let columns = both.split("\r\n").next().unwrap().split(',').count();
+    assert!(both.split("\r\n").take(5).all(|line| line.split(',').count() == columns), "{both}");
+    // A machine that has a Y, and no signal of the load: its column stays empty.
+    let machine = &mut screen.state_mut().snapshot;
+    machine.axes[Axis::Y] = machine.axes[Axis::X];
+    machine.simulated = None;
+    pass(&mut screen, 1);
+    let three = table(&mut screen);
+    assert!(three.starts_with("seconds,X,Y,Z,feed_mm_min,wheel_load_percent,gauges\r\n"), "{three}");
+    let last = three.split("\r\n\r\n").next().unwrap().lines().last().unwrap();
+    let cells: Vec<&str> = last.split(',').collect();
+    assert_eq!((cells.len(), cells[5]), (7, ""), "{last}");
+}
+
+#[test]
+fn b6_what_was_recorded_is_cleared_only_when_asked() {
+    let mut screen = measuring();
+    finish(&mut screen, 40.0);
+    pass(&mut screen, 2);
+    let touch = |screen: &mut Screen, label: &str| {
+        screen.get_by_label(label).click();
+        screen.step();
+        screen.step();
+    };
+    touch(&mut screen, "清除 process-clear");
+    assert!(shows(&screen, "清除过程数据？") && shows(&screen, "1 个工件"));
+    touch(&mut screen, "取消 question-no");
+    let kept = table(&mut screen).lines().count();
+    assert!(kept > 20, "{kept}");
+    touch(&mut screen, "清除 process-clear");
+    touch(&mut screen, "清除 question-clear");
+    let left = table(&mut screen).lines().count();
+    assert!(left < 10, "{left} lines");
+}

@@ -1,0 +1,63 @@
+//! The pages of the simulator and the process with the simulated machine behind them.
+
+use std::fs;
+
+use crate::live_screen::Bench;
+use kt830::defs::page::Page;
+use kt830::defs::signal::Input;
+use kt830::defs::text::Lang;
+use kt830::hmi::page_text;
+use kt830::link::Command;
+
+#[test]
+fn p3_inputs_are_forced_and_faults_come_and_go_by_touch() {
+    let mut bench = Bench::new(crate::stories::ready(), Page::Simulator);
+    let on = |bench: &mut Bench| {
+        crate::stories::tell(&mut bench.rig, "wait 0.1 s");
+        bench.rig.snapshot().inputs.has(Input::HydraulicPressure)
+    };
+    assert!(on(&mut bench));
+    bench.touch("自由 hydraulic-pressure");
+    assert!(!on(&mut bench), "forced off");
+    bench.turn();
+    bench.touch("强制 0 hydraulic-pressure");
+    assert!(on(&mut bench), "free again");
+    bench.touch("故障 sim-faults");
+    bench.touch("X 驱动故障 drive-x");
+    crate::stories::tell(&mut bench.rig, "wait 0.2 s\nexpect alarm any");
+    bench.turn();
+    bench.touch("X 驱动故障 drive-x");
+    crate::stories::tell(&mut bench.rig, "wait 0.2 s\nkey reset\nwait 0.2 s\nexpect no alarm");
+}
+
+#[test]
+fn p1_a_real_machine_has_no_simulator() {
+    let texts = page_text(&crate::sample::snapshot(Page::Simulator), Lang::Zh);
+    assert!(texts.iter().any(|text| text.contains("没有模拟机床")), "{texts:?}");
+}
+
+#[test]
+fn h9_the_process_is_kept_as_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rig = crate::stories::ready();
+    rig.plug_in(Some(folder.path().to_owned()), None);
+    let mut bench = Bench::new(rig, Page::Process);
+    for _ in 0..20 {
+        crate::stories::tell(&mut bench.rig, "wait 0.1 s");
+        bench.turn();
+    }
+    bench.touch("存为 CSV process-export");
+    assert!(bench.message().contains("已保存"), "{}", bench.message());
+    let file = fs::read_dir(folder.path()).unwrap().next().expect("a file").unwrap().path();
+    let text = fs::read_to_string(file).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    // GC has no Y unless one is fitted.
+    assert!(lines[0].starts_with("seconds,X,Z,") && lines.len() > 15, "{text}");
+    // An empty line stands between the samples and the parts.
+    let (samples, parts) = lines.split_at(lines.iter().position(|line| line.is_empty()).unwrap());
+    let columns = |of: &[&str], count: usize| of.iter().all(|line| line.split(',').count() == count);
+    assert!(columns(samples, 6) && columns(&parts[1..], 7), "{text}");
+    bench.touch("清除 process-clear");
+    bench.rig.send(Command::OpenPage(Page::Position));
+    bench.turn();
+}

@@ -1,0 +1,528 @@
+//! The pages of offsets, dressing, macro variables, MDI and wheel change with the real core behind them: accepted,
+//! refused, locked.
+
+use crate::live_screen::Bench;
+use egui::Key::{ArrowDown, ArrowRight, Enter, Escape};
+use egui_kittest::kittest::Queryable;
+use kt830::defs::key::Key;
+use kt830::defs::kind::Kind;
+use kt830::defs::page::Page;
+use kt830::defs::text::Lang;
+use kt830::hmi::page_text;
+use kt830::link::Command;
+use kt830::link::edit::{OffsetCommand, Part};
+use kt830::link::snapshot::RunState;
+use kt830::runtime::disk::Folders;
+use kt830::runtime::keeper::Keeper;
+use kt830::runtime::rig::{Rig, Setup};
+use kt830::units::Axis;
+
+/// A ready machine of a kind on a page, told something first.
+fn bench_of(kind: Kind, page: Page, story: &str) -> Bench {
+    let mut rig = crate::stories::ready_of(kind);
+    crate::stories::tell(&mut rig, story);
+    Bench::new(rig, page)
+}
+
+fn bench(page: Page, story: &str) -> Bench {
+    bench_of(Kind::Gc, page, story)
+}
+
+/// A program that stands in a dwell.
+fn running(page: Page, story: &str) -> Bench {
+    let mut rig = crate::stories::ready_with("G04 P60000\nM30");
+    crate::stories::tell(&mut rig, story);
+    crate::stories::tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.1 s\nexpect state running");
+    Bench::new(rig, page)
+}
+
+fn type_in(bench: &mut Bench, text: &str) {
+    bench.write(text);
+    bench.press(Enter);
+}
+
+fn wear(bench: &Bench, number: usize, axis: Axis) -> f64 {
+    bench.screen.state().snapshot.offsets[number - 1].wear[axis]
+}
+
+fn geometry(bench: &Bench, number: usize, axis: Axis) -> f64 {
+    bench.screen.state().snapshot.offsets[number - 1].geometry[axis]
+}
+
+/// Text and reason of what stands in red.
+fn red(bench: &Bench) -> Option<(String, String)> {
+    bench.screen.state().hmi.refusal(Lang::Zh)
+}
+
+/// Equal to the display's resolution.
+fn is(value: f64, wanted: f64) -> bool {
+    (value - wanted).abs() < 1e-9
+}
+
+#[test]
+fn b6_an_offset_takes_values_as_displayed() {
+    let mut bench = bench(Page::Offset, "param P22.0 1");
+    bench.touch("geometry-04-X");
+    for key in ["pad-1", "pad-2", "pad-point", "pad-5", "pad-sign", "输入 input"] {
+        bench.touch(key);
+    }
+    assert!(is(geometry(&bench, 4, Axis::X), -12.5), "the diameter that was typed");
+    assert!(is(bench.rig.retained().frames.geometry[3][Axis::X], -6.25), "radius inside");
+    // The next field is Z of the same offset, then the wear.
+    type_in(&mut bench, "3");
+    type_in(&mut bench, "0.02");
+    assert!(is(geometry(&bench, 4, Axis::Z), 3.0) && is(wear(&bench, 4, Axis::X), 0.02));
+}
+
+#[test]
+fn k4_1_u_and_w_add_to_the_wear() {
+    let mut bench = bench(Page::Offset, "param P22.0 1");
+    bench.touch("geometry-02-X");
+    for (letter, by) in [("u", "0.1"), ("u", "-0.03"), ("w", "-0.1")] {
+        bench.write(letter);
+        type_in(&mut bench, by);
+    }
+    assert!(is(wear(&bench, 2, Axis::X), 0.07) && is(wear(&bench, 2, Axis::Z), -0.1));
+    assert!(is(geometry(&bench, 2, Axis::X), 0.0));
+    // By touch, and once: the value after it is absolute.
+    bench.touch("wear-02-X");
+    bench.touch("增量 U/W how-increment");
+    type_in(&mut bench, "0.01");
+    assert!(is(wear(&bench, 2, Axis::X), 0.08));
+    type_in(&mut bench, "0.01");
+    assert!(is(wear(&bench, 2, Axis::X), 0.01));
+}
+
+#[test]
+fn k4_1_an_increment_without_its_point_is_refused() {
+    let mut bench = bench(Page::Offset, "param P22.0 1");
+    bench.write("u");
+    type_in(&mut bench, "15");
+    let (text, reason) = red(&bench).unwrap();
+    assert_eq!((text.as_str(), reason.as_str()), ("15", "超出范围 ±9.999"));
+    bench.rig.send(Command::AddWear { number: 1, axis: Axis::X, by: 15.0 });
+    bench.turn();
+    assert!(is(wear(&bench, 1, Axis::X), 0.0), "nor past the page");
+    bench.rig.send(Command::AddWear { number: 17, axis: Axis::X, by: 0.1 });
+    bench.turn();
+    assert_eq!(bench.message(), "刀补号应为 1-16");
+}
+
+#[test]
+fn k4_1_g10_and_the_page_add_to_the_same_wear() {
+    let mut bench = bench(Page::Offset, "param P22.0 1\nmdi G10 D4 U0.1 W-0.1\nwait until idle");
+    bench.touch("wear-04-X");
+    bench.write("u");
+    type_in(&mut bench, "0.05");
+    assert!(is(wear(&bench, 4, Axis::X), 0.15) && is(wear(&bench, 4, Axis::Z), -0.1));
+}
+
+#[test]
+fn k5_10_a_measurement_sets_the_geometry_and_clears_the_wear() {
+    let mut bench = bench(Page::Offset, "param P22.0 1\nmdi T0104");
+    bench.touch("wear-04-X");
+    type_in(&mut bench, "0.05");
+    bench.touch("wear-04-Z");
+    type_in(&mut bench, "0.07");
+    bench.touch("geometry-04-X");
+    bench.touch("测量值 how-measured");
+    type_in(&mut bench, "40.012");
+    let work = bench.rig.snapshot().axes[Axis::X].work;
+    assert!((work - 40.012).abs() < 1e-6, "the axis stands at what was measured, not at {work}");
+    assert!(is(wear(&bench, 4, Axis::X), 0.0), "its wear is cleared");
+    assert!(is(wear(&bench, 4, Axis::Z), 0.07), "the other axis keeps its own");
+    assert_eq!(bench.rig.snapshot().offset_in_force, 4);
+}
+
+#[test]
+fn k5_10_an_axis_without_zero_cannot_be_measured() {
+    let mut rig = crate::stories::rig();
+    crate::stories::tell(&mut rig, "param P22.0 1");
+    let mut bench = Bench::new(rig, Page::Offset);
+    bench.write("m");
+    type_in(&mut bench, "40");
+    assert_eq!(red(&bench), Some(("40".into(), "X 未回零，不能测量".into())));
+}
+
+#[test]
+fn k7_7_without_p22_0_wear_is_locked_and_the_typed_text_stays_in_red() {
+    let mut bench = bench(Page::Offset, "");
+    assert!(bench.says("P22.0=0"));
+    bench.touch("wear-03-Z");
+    type_in(&mut bench, "0.5");
+    assert_eq!(red(&bench), Some(("0.5".into(), "P22.0=0：不允许修改".into())));
+    assert!(is(wear(&bench, 3, Axis::Z), 0.0));
+    bench.write("w");
+    type_in(&mut bench, "0.5");
+    assert_eq!(red(&bench).unwrap().1, "P22.0=0：不允许修改");
+    bench.press(Escape);
+    bench.touch("geometry-03-X");
+    bench.touch("测量值 how-measured");
+    type_in(&mut bench, "10");
+    assert_eq!(red(&bench).unwrap().1, "P22.0=0：不允许修改");
+    assert!(is(geometry(&bench, 3, Axis::X), 0.0));
+    // The geometry as a value is not under the parameter.
+    bench.touch("geometry-05-Z");
+    type_in(&mut bench, "7");
+    assert!(is(geometry(&bench, 5, Axis::Z), 7.0));
+}
+
+#[test]
+fn k7_7_no_edit_while_a_program_runs_except_by_p6_3() {
+    let mut locked = running(Page::Offset, "param P22.0 1");
+    locked.write("u");
+    type_in(&mut locked, "0.1");
+    assert_eq!(red(&locked), Some(("0.1".into(), "程序运行中不能修改 (P6.3)".into())));
+    locked.touch("geometry-01-X");
+    type_in(&mut locked, "9");
+    assert!(red(&locked).is_some() && is(geometry(&locked, 1, Axis::X), 0.0));
+    let mut open = running(Page::Offset, "param P22.0 1\nparam P6.3 1");
+    open.write("u");
+    type_in(&mut open, "0.1");
+    assert!(red(&open).is_none() && is(wear(&open, 1, Axis::X), 0.1));
+    open.write("m");
+    type_in(&mut open, "1");
+    assert_eq!(red(&open).unwrap().1, "程序未结束，不能测量");
+}
+
+#[test]
+fn k7_7_an_edit_in_a_run_outlives_the_frames_that_were_read_ahead() {
+    let mut rig = crate::stories::ready_with("G04 P3000\nT0102\nG04 P3000\nM30");
+    crate::stories::tell(&mut rig, "param P22.0 1\nparam P6.3 1\nmode auto\nkey cycle-start\nwait 0.1 s");
+    let mut bench = Bench::new(rig, Page::Offset);
+    bench.touch("wear-02-Z");
+    type_in(&mut bench, "0.25");
+    crate::stories::tell(&mut bench.rig, "wait until idle");
+    assert!(is(wear(&bench, 2, Axis::Z), 0.25));
+}
+
+#[test]
+fn b6_offsets_outlive_the_power() {
+    let folder = tempfile::tempdir().unwrap();
+    let start = || {
+        let (keeper, found) = Keeper::open(folder.path(), Kind::Gc).unwrap();
+        let setup = Setup {
+            kind: Kind::Gc,
+            retained: found.retained,
+            keeper: Some(keeper),
+            folders: crate::stories::folders(),
+            seed: 1,
+        };
+        Bench::new(Rig::new(setup).unwrap(), Page::Offset)
+    };
+    {
+        let mut bench = start();
+        crate::stories::tell(&mut bench.rig, "param P22.0 1");
+        bench.touch("geometry-06-Z");
+        type_in(&mut bench, "-21.5");
+        bench.write("u");
+        type_in(&mut bench, "0.04");
+        assert!(is(wear(&bench, 6, Axis::X), 0.04));
+    }
+    let bench = start();
+    assert!(is(geometry(&bench, 6, Axis::Z), -21.5) && is(wear(&bench, 6, Axis::X), 0.04));
+}
+
+#[test]
+fn b6_each_kind_has_the_offsets_of_its_axes() {
+    for kind in Kind::ALL.iter().copied().filter(|kind| Page::Offset.is_on(*kind)) {
+        let bench = bench_of(kind, Page::Offset, "");
+        for axis in Axis::ALL {
+            let present = bench.screen.state().snapshot.axes[axis].present;
+            assert_eq!(bench.screen.query_by_label(&format!("wear-01-{axis}")).is_some(), present, "{kind:?} {axis}");
+        }
+    }
+    let mut bench = bench_of(Kind::Gs, Page::Offset, "param P22.0 1");
+    bench.write("v");
+    type_in(&mut bench, "-0.02");
+    assert!(is(wear(&bench, 1, Axis::Y), -0.02), "radius mm on the surface grinder");
+}
+
+#[test]
+fn k7_6_the_dressing_page_edits_the_same_wear_without_p22_0() {
+    let mut bench = bench(Page::Dressing, "");
+    assert!(bench.says("砂轮磨耗") && bench.says("[修整点 机床坐标]"));
+    bench.touch("wear-03-X");
+    type_in(&mut bench, "0.12");
+    bench.write("u");
+    // The cursor has gone on to Z of the same offset; U is X.
+    type_in(&mut bench, "0.01");
+    assert!(is(wear(&bench, 3, Axis::X), 0.13));
+    let geometry_there = OffsetCommand::Set { number: 3, part: Part::Geometry, axis: Axis::X, value: 1.0 };
+    bench.rig.send(Command::Offset(geometry_there));
+    bench.turn();
+    assert!(is(geometry(&bench, 3, Axis::X), 0.0), "the geometry is not this page's");
+    bench.rig.send(Command::OpenPage(Page::Offset));
+    bench.turn();
+    assert!(bench.says("0.130"), "the offset page shows the same");
+    let mut busy = running(Page::Dressing, "");
+    type_in(&mut busy, "0.5");
+    assert_eq!(red(&busy), Some(("0.5".into(), "程序运行中不能修改 (P6.3)".into())));
+}
+
+#[test]
+fn k7_6_the_dressing_page_shows_the_point_that_was_set() {
+    let mut bench = bench(Page::Dressing, "mode manual");
+    assert!(bench.says("未设置"));
+    bench.touch("相对 f1");
+    bench.touch("X address-x");
+    bench.touch("输入 input");
+    bench.touch("砂轮修整 f5");
+    let machine = bench.rig.snapshot().axes[Axis::X].machine;
+    assert_eq!(bench.rig.snapshot().dressing_point[Axis::X].map(f64::to_bits), Some(machine.to_bits()));
+    bench.turn();
+    let texts = page_text(bench.rig.snapshot(), Lang::Zh);
+    assert_eq!(texts.iter().filter(|text| *text == "未设置").count(), 1, "Z is still without");
+}
+
+#[test]
+fn k7_6_a_missing_picture_is_alarm_66_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let folders = Folders { screens: folder.path().to_owned(), ..crate::stories::folders() };
+    let mut bench = Bench::new(crate::stories::rig_in(folders), Page::Position);
+    assert!(bench.rig.snapshot().alarms.iter().all(|alarm| alarm.number != 66));
+    bench.touch("砂轮修整 f5");
+    let alarm = bench.rig.snapshot().alarms.iter().find(|alarm| alarm.number == 66).cloned().expect("alarm 66");
+    assert!(alarm.text.zh.contains("B0100.BMP"), "{}", alarm.text.zh);
+    assert!(bench.says("没有图片"));
+    bench.touch("综合 f2");
+    assert!(bench.rig.snapshot().alarms.iter().all(|alarm| alarm.number != 66), "it goes with the page");
+}
+
+#[test]
+fn k7_6_with_its_picture_there_is_no_alarm() {
+    let mut bench = bench(Page::Dressing, "");
+    assert!(bench.rig.snapshot().alarms.iter().all(|alarm| alarm.number != 66));
+    assert!(!bench.says("没有图片"));
+}
+
+#[test]
+fn b6_macro_variables_are_found_by_number_with_their_labels() {
+    let mut bench = bench(Page::Macro, "load O1001\nparam P22.0 1");
+    bench.write("#");
+    type_in(&mut bench, "505");
+    assert!(bench.shows("#505=") && bench.shows("左卡磨耗余量"));
+    type_in(&mut bench, "0.04");
+    assert_eq!(bench.rig.snapshot().variables[505], Some(0.04));
+    bench.touch("本页面 range-page");
+    assert!(bench.shows("#511") && !bench.shows("#101"), "only what the page text names");
+    bench.touch("查找 # find-variable");
+    for key in ["pad-4", "pad-4", "pad-0", "输入 input"] {
+        bench.touch(key);
+    }
+    assert_eq!(red(&bench).unwrap().1, "没有此变量：#100–#439、#500–#999");
+    bench.touch("#200 range-200");
+    type_in(&mut bench, "-1.5");
+    assert_eq!(bench.rig.snapshot().variables[200], Some(-1.5));
+}
+
+#[test]
+fn k7_7_macro_variables_are_locked_without_p22_0() {
+    let mut bench = bench(Page::Macro, "load O1001");
+    assert!(bench.says("P22.0=0：只能查看"));
+    bench.touch("#500 range-500");
+    type_in(&mut bench, "1.25");
+    assert_eq!(red(&bench), Some(("1.25".into(), "P22.0=0：不允许修改".into())));
+    assert_ne!(bench.rig.snapshot().variables[500], Some(1.25));
+    let mut busy = running(Page::Macro, "param P22.0 1");
+    type_in(&mut busy, "7");
+    assert_eq!(red(&busy), Some(("7".into(), "程序运行中不能修改 (P6.3)".into())));
+}
+
+#[test]
+fn k7_5_switch_variables_take_0_and_1_at_the_macro_page() {
+    let mut bench = bench(Page::Macro, "param P22.0 1");
+    bench.write("#");
+    type_in(&mut bench, "570");
+    type_in(&mut bench, "2");
+    assert_eq!(red(&bench).unwrap().1, "只能输入 0 或 1");
+    type_in(&mut bench, "1");
+    assert_eq!(bench.rig.snapshot().variables[570], Some(1.0));
+}
+
+#[test]
+fn b6_the_controls_own_variables_are_read_only() {
+    let mut bench = bench(Page::Macro, "param P22.0 1");
+    bench.touch("#434 range-434");
+    type_in(&mut bench, "1");
+    assert_eq!(red(&bench), Some(("1".into(), "#434 是只读变量".into())));
+}
+
+#[test]
+fn b6_an_mdi_line_is_put_ready_by_input_and_executed_by_cycle_start() {
+    let mut bench = bench(Page::Mdi, "mode mdi");
+    let before = bench.rig.snapshot().axes[Axis::Z].work;
+    for key in ["G01 word-G01", "W letter-W", "- letter-", "2 letter-2", "空格 letter- ", "F letter-F"] {
+        let label = if key == "- letter-" { "- letter--" } else { key };
+        bench.touch(label);
+    }
+    bench.write("600");
+    bench.touch("输入 letter-done");
+    assert_eq!(&*bench.rig.snapshot().mdi_ready, "G01 W-2 F600");
+    assert!(bench.says("按循环启动执行： G01 W-2 F600"));
+    assert!(is(bench.rig.snapshot().axes[Axis::Z].work, before), "the page moves nothing");
+    bench.rig.send(Command::Press(Key::CycleStart));
+    bench.turn();
+    crate::stories::tell(&mut bench.rig, "wait until idle");
+    assert!((bench.rig.snapshot().axes[Axis::Z].work - before + 2.0).abs() < 1e-3);
+    bench.turn();
+    assert!(bench.says("F 600") && bench.says("G01"), "the codes in force");
+    // The line stands in the history, and comes back by a touch.
+    bench.touch("mdi-line-0");
+    bench.press(Enter);
+    assert_eq!(&*bench.rig.snapshot().mdi_ready, "G01 W-2 F600");
+    bench.press(Escape);
+    assert!(bench.rig.snapshot().mdi_ready.is_empty(), "取消 takes it back");
+}
+
+#[test]
+fn b6_a_wrong_mdi_line_stays_in_red_with_its_reason() {
+    let mut bench = bench(Page::Mdi, "mode mdi");
+    type_in(&mut bench, "g01 u-1 q");
+    let (text, reason) = red(&bench).unwrap();
+    assert_eq!(text, "G01 U-1 Q");
+    assert!(!reason.is_empty() && bench.rig.snapshot().mdi_ready.is_empty());
+    bench.press(egui::Key::Backspace);
+    bench.press(egui::Key::Backspace);
+    bench.write(" f100");
+    bench.press(Enter);
+    assert_eq!(&*bench.rig.snapshot().mdi_ready, "G01 U-1 F100", "mended, not typed anew");
+    // Beyond a soft limit.
+    type_in(&mut bench, "G00 Z99999");
+    assert!(red(&bench).unwrap().1.contains("软限位"));
+}
+
+#[test]
+fn b6_mdi_needs_its_mode_and_a_line() {
+    let mut bench = bench(Page::Mdi, "mode auto");
+    assert!(bench.says("先按面板上的 录入 键"));
+    type_in(&mut bench, "G00 U-1");
+    assert_eq!(red(&bench), Some(("G00 U-1".into(), "录入方式下才能执行：先按 录入 键".into())));
+    bench.rig.send(Command::Press(Key::ModeMdi));
+    bench.turn();
+    bench.rig.send(Command::Press(Key::CycleStart));
+    bench.turn();
+    assert_eq!(bench.message(), "先输入一行，再按循环启动");
+    assert_eq!(bench.rig.snapshot().state, RunState::Idle);
+    bench.press(Enter);
+    assert_eq!(&*bench.rig.snapshot().mdi_ready, "G00 U-1", "the text was kept");
+}
+
+#[test]
+fn b6_a_ready_mdi_line_outlives_a_refused_cycle_start() {
+    let mut rig = crate::stories::rig();
+    crate::stories::tell(&mut rig, "mode mdi\nwait 4 s\nexpect alarm 180");
+    let mut bench = Bench::new(rig, Page::Mdi);
+    type_in(&mut bench, "M08");
+    assert_eq!(&*bench.rig.snapshot().mdi_ready, "M08");
+    bench.rig.send(Command::Press(Key::CycleStart));
+    bench.turn();
+    assert_eq!(&*bench.rig.snapshot().mdi_ready, "M08", "alarm 180 blocks: it waits on");
+    assert!(bench.rig.snapshot().state != RunState::Running);
+}
+
+#[test]
+fn b6_a_ready_mdi_line_goes_with_the_mode_and_with_reset() {
+    let mut bench = bench(Page::Mdi, "mode mdi");
+    for story in ["mode auto\nmode mdi", "key reset"] {
+        type_in(&mut bench, "G00 U-1");
+        assert!(!bench.rig.snapshot().mdi_ready.is_empty());
+        crate::stories::tell(&mut bench.rig, story);
+        assert!(bench.rig.snapshot().mdi_ready.is_empty(), "{story}");
+    }
+}
+
+/// Types the three values of a new wheel and confirms.
+fn change_wheel(bench: &mut Bench, values: [&str; 3]) {
+    for value in values {
+        type_in(bench, value);
+    }
+    bench.touch("已换砂轮 wheel-changed");
+    bench.touch("确认 wheel-confirm");
+}
+
+#[test]
+fn k5_17_a_new_wheel_blocks_cycle_start_until_it_is_dressed() {
+    let mut bench = bench(Page::Wheel, "param P77 600\nparam P79 45");
+    assert!(bench.says("砂轮已修整") && bench.says("1432"), "45 m/s on 600 mm");
+    change_wheel(&mut bench, ["500", "25", "35"]);
+    assert!(is(bench.param("P77"), 500.0) && is(bench.param("P78"), 25.0) && is(bench.param("P79"), 35.0));
+    assert!(is(bench.param("P6.7"), 1.0));
+    assert!(bench.says("已换砂轮，尚未修整") && bench.says("O1011–O1012") && bench.says("1336"));
+    crate::stories::tell(
+        &mut bench.rig,
+        "load O1002\nmode auto\nkey cycle-start\nwait 0.1 s\nexpect message \"先修整\"",
+    );
+    assert_eq!(bench.rig.snapshot().state, RunState::Idle);
+    // The dressing program may run, and takes the flag away at its M30.
+    let dressing = kt830::runtime::disk::program(1_011, "O1011.NC", b"G04 P100\nM30".to_vec());
+    bench.rig.add_program(dressing);
+    crate::stories::tell(&mut bench.rig, "load O1011\nkey cycle-start\nwait until idle");
+    assert!(is(bench.param("P6.7"), 0.0));
+    assert!(bench.says("砂轮已修整"));
+}
+
+#[test]
+fn k5_17_values_left_out_stay_and_nothing_changes_before_the_confirmation() {
+    let mut bench = bench(Page::Wheel, "");
+    bench.press(ArrowDown);
+    type_in(&mut bench, "32");
+    assert!(is(bench.param("P78"), 20.0));
+    bench.touch("已换砂轮 wheel-changed");
+    bench.touch("取消 wheel-cancel");
+    assert!(is(bench.param("P78"), 20.0) && is(bench.param("P6.7"), 0.0));
+    // By keyboard: on to the key, which asks, and once more.
+    bench.press(ArrowRight);
+    while bench.screen.query_by_label("确认 wheel-confirm").is_none() {
+        bench.press(Enter);
+    }
+    bench.press(Enter);
+    assert!(is(bench.param("P77"), 600.0) && is(bench.param("P78"), 32.0) && is(bench.param("P6.7"), 1.0));
+}
+
+#[test]
+fn k5_17_no_change_while_the_wheel_turns_or_a_program_is_open() {
+    let mut turning = bench(Page::Wheel, "mode manual\nkey wheel-start\nwait 1 s\nexpect output wheel on");
+    change_wheel(&mut turning, ["500", "25", "35"]);
+    assert!(turning.shows("砂轮还在转，先停砂轮"));
+    assert!(is(turning.param("P77"), 600.0) && is(turning.param("P6.7"), 0.0));
+    assert!(turning.shows("500"), "what was typed stays");
+    let mut open = running(Page::Wheel, "");
+    change_wheel(&mut open, ["500", "25", "35"]);
+    assert!(open.shows("程序未结束，先复位") && is(open.param("P77"), 600.0));
+}
+
+#[test]
+fn k5_17_a_size_out_of_range_is_refused_as_a_whole() {
+    let mut bench = bench(Page::Wheel, "");
+    type_in(&mut bench, "5");
+    assert_eq!(red(&bench), Some(("5".into(), "应为 10 … 2000 mm".into())));
+    bench.rig.send(Command::ChangeWheel { diameter_mm: 500.0, width_mm: 0.0, rated_m_s: 35.0 });
+    bench.turn();
+    assert!(bench.message().contains("P78"));
+    assert!(is(bench.param("P77"), 600.0) && is(bench.param("P6.7"), 0.0), "nothing of it");
+    bench.rig.send(Command::OpenPage(Page::Position));
+    bench.rig.send(Command::ChangeWheel { diameter_mm: 500.0, width_mm: 25.0, rated_m_s: 35.0 });
+    bench.turn();
+    assert!(is(bench.param("P77"), 600.0), "from its own page only");
+}
+
+#[test]
+fn h6_what_the_core_refuses_on_the_grinding_page_stays_in_red() {
+    let mut rig = crate::stories::ready_with("G04 P60000\nM30");
+    crate::stories::tell(&mut rig, "load O1001\nmode auto");
+    let mut bench = Bench::new(rig, Page::Grinding);
+    crate::stories::tell(&mut bench.rig, "load O1001\nkey single-block\nkey cycle-start\nwait 0.2 s");
+    let before = bench.rig.snapshot().variables[501];
+    bench.press(ArrowDown);
+    type_in(&mut bench, "12.5");
+    let said = Some(("12.5".into(), "程序运行中不能修改 (P6.3)".into()));
+    assert_eq!(red(&bench), said);
+    assert_eq!((bench.screen.state().hmi.entry().cursor, bench.rig.snapshot().variables[501]), (1, before));
+    // It outlasts the message line's five seconds, and goes with the next key.
+    crate::stories::tell(&mut bench.rig, "wait 6 s");
+    bench.turn();
+    assert_eq!(red(&bench), said);
+    bench.write("3");
+    assert_eq!((red(&bench), bench.screen.state().hmi.entry().typing.text.as_str()), (None, "3"));
+}

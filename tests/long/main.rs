@@ -1,0 +1,13 @@
+//! Long searches and batches: run optimised, `cargo test --release --test long`.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
+#![allow(clippy::print_stdout, reason = "the figures are for people: `--nocapture`")]
+
+#[path = "../common/stories.rs"]
+mod stories;
+
+mod machine_explore;
+mod machine_table;
+mod motion_limits;
+mod oscillation_hours;
+mod programs;

@@ -1,0 +1,137 @@
+//! The dressing programs: the wheel has the asked form and is sharp, the control knows its size, and a part that is ground
+//! afterwards has the size as before.
+
+use kt830::defs::key::Key;
+use kt830::defs::param;
+use kt830::io::sim::PartFile;
+use kt830::link::command::Command;
+
+use crate::shop::{End, PROGRAMS, Shop, part_of, shop, shop_with};
+
+/// Dresses a dull wheel: all of the rim back by the depth, mm, and the control told.
+fn dresses(program: u32, depth_mm: f64) {
+    let mut shop = shop(program);
+    shop.rig.machine_mut().set_wheel_dull(0.7);
+    let before = shop.rig.controller().system_value(5_801).unwrap();
+    for times in 1..=2 {
+        shop.grind();
+        let wanted = depth_mm * f64::from(times);
+        for (slice, mm) in shop.rig.machine().rim_mm().iter().enumerate() {
+            assert!((mm - wanted).abs() < 0.000_5, "O{program}, {times} times: slice {slice} is {mm} mm back");
+        }
+        assert!(shop.rig.machine().wheel().dull < 0.01, "O{program}: the wheel is sharp");
+        let booked = shop.rig.controller().system_value(5_801).unwrap();
+        assert!((before - booked - 2.0 * wanted).abs() < 1e-9, "O{program}: the control has {booked}");
+    }
+    assert_eq!(shop.rig.controller().system_value(5_805), Some(2.0));
+}
+
+#[test]
+fn p6_o1011_dresses_the_rim_of_the_cylindrical_grinder() {
+    // 2 · 0.02 + 0.01 of diameter.
+    dresses(1011, 0.025);
+}
+
+#[test]
+fn p6_o1013_dresses_by_the_roll_of_the_surface_grinder() {
+    dresses(1013, 0.03);
+}
+
+#[test]
+fn p6_o1014_dresses_the_rim_of_the_rotary_grinder() {
+    // 2 · 0.01 + 0.005.
+    dresses(1014, 0.025);
+}
+
+/// Deepest place of the form over a slice of 1 mm: radius 2 on the left, chamfer 1 by 30° on the right.
+fn form_mm(from: f64) -> f64 {
+    let left = if from < 2.0 { 2.0 - (4.0 - (2.0 - from).powi(2)).sqrt() } else { 0.0 };
+    let right = if from >= 19.0 { (from + 1.0 - 19.0) * 30.0_f64.to_radians().tan() } else { 0.0 };
+    left.max(right)
+}
+
+#[test]
+fn p6_o1012_dresses_radius_and_chamfer() {
+    // Layers of 0.1 mm of diameter: the same form in less time.
+    let mut shop = shop_with(1012, 1, |part| {
+        part.variables.insert(784, 0.1);
+    });
+    shop.grind();
+    for (slice, mm) in shop.rig.machine().rim_mm().iter().enumerate() {
+        // 0.02 of diameter off the highest place. A tick of 5 µm along the arc's steep foot is 0.14 mm deep.
+        let wanted = 0.01 + form_mm(slice as f64);
+        let tolerance = if slice == 0 { 0.15 } else { 0.006 };
+        assert!((mm - wanted).abs() < tolerance, "slice {slice}: {mm} mm, wanted {wanted}");
+    }
+    assert_eq!(shop.value(787), Some(2.0), "the next time it only dresses again");
+    let before = shop.rig.machine().rim_mm().to_vec();
+    shop.grind();
+    for (before, after) in before.iter().zip(shop.rig.machine().rim_mm()) {
+        assert!((after - before - 0.01).abs() < 0.15, "{before} {after}");
+    }
+}
+
+#[test]
+fn p6_o1012_wants_an_offset_in_force_and_one_form() {
+    for (variable, value, alarm) in
+        [(783, 0.02, 3043), (780, 30.0, 3041), (782, 80.0, 3042), (784, 0.5, 3045), (787, 3.0, 3010)]
+    {
+        let mut shop = shop(1012);
+        shop.set(variable, value);
+        let End::Alarm(number, text) = shop.run() else { panic!("#{variable}={value} was not refused") };
+        assert_eq!(number, alarm, "#{variable}={value}: {text}");
+    }
+}
+
+/// A part of another program goes into the machine, with its frame and values.
+fn change_over(shop: &mut Shop, program: u32) {
+    shop.part = part_of(program);
+    shop.load(program);
+    shop.rig.mount(&shop.part);
+    shop.rig.step();
+}
+
+#[test]
+fn k4_1_a_part_has_its_size_after_every_dressing() {
+    for (dressing, program, wanted) in [(1011, 1002, 40.0), (1014, 1010, 25.0)] {
+        let mut shop = shop(dressing);
+        shop.grind();
+        change_over(&mut shop, program);
+        shop.grind();
+        let worst = shop.worst_um(|_| wanted);
+        assert!(worst.abs() < 3.0, "O{program} after O{dressing}: {worst} µm");
+    }
+}
+
+#[test]
+fn k4_2_o1011_dresses_from_the_dressing_point() {
+    let mut shop = shop_with(1011, 1, |part| {
+        part.variables.insert(775, 1.0);
+    });
+    assert!(matches!(shop.run(), End::Alarm(196, _)), "no point has been set");
+    // The operator sets it where the new wheel's corner stands on the diamond.
+    shop.rig.send(Command::Press(Key::Reset));
+    shop.rig.step();
+    crate::stories::tell(
+        &mut shop.rig,
+        "mode mdi\nmdi G53 G00 X0\nwait until idle\nmdi G53 G00 Z-60\nwait until idle\nmdi G53 G00 X-318\nwait until idle
+mdi G53 G01 X-320 F200\nwait until idle\nwait 0.5 s\nmode jog\npage position\nkey f1\nkey address-x\nkey input
+key address-z\nkey input\nmode auto",
+    );
+    for times in 1..=2 {
+        shop.grind();
+        for mm in shop.rig.machine().rim_mm() {
+            assert!((mm - 0.025 * f64::from(times)).abs() < 0.001, "{times} times: {mm} mm");
+        }
+    }
+}
+
+#[test]
+fn k5_17_the_factory_range_of_dressing_programs_is_that_of_the_kind() {
+    for (program, kind) in PROGRAMS.into_iter().filter(|(program, _)| *program > 1010) {
+        let params = kt830::defs::param::Params::factory(kind);
+        let range = params.get(param::DRESSING_FIRST)..=params.get(param::DRESSING_LAST);
+        assert!(range.contains(&f64::from(program)), "O{program} on {kind:?}");
+        assert_eq!(PartFile::builtin(program).unwrap().unwrap().kind, kind);
+    }
+}

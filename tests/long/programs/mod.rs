@@ -1,0 +1,10 @@
+//! The programs that come with the control, each ground on its part to size on the simulated machine: rows K7.9, K7.10,
+//! K4.1–K4.5, P4–P7.
+
+mod batch;
+mod dressing;
+mod pages;
+mod refusals;
+mod retract;
+mod shop;
+mod sizes;

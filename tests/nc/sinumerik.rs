@@ -1,0 +1,116 @@
+//! The language of the SINUMERIK 802D: programs and their operations side by side, and wrong programs with their errors
+//! (row S1).
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use kt830::defs::program;
+use kt830::defs::text::Lang;
+use kt830::nc::{CheckWorld, Checked, Library, Memory, Settings, Source, check_with};
+
+/// Subprograms of one folder, by number.
+struct Folder(HashMap<u32, Arc<Source>>);
+
+impl Library for Folder {
+    fn find(&self, number: u32) -> Option<Arc<Source>> {
+        self.0.get(&number).cloned()
+    }
+}
+
+fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|found| found == extension));
+    files.sort();
+    files
+}
+
+fn source(path: &Path) -> Arc<Source> {
+    let name = path.file_name().unwrap().to_str().unwrap();
+    let number = program::number(program::stem(name));
+    Arc::new(Source::new(number, name.to_uppercase(), std::fs::read(path).unwrap()))
+}
+
+fn run(source: &Arc<Source>) -> (String, Checked) {
+    let settings = Settings::sinumerik();
+    let subs = files("tests/nc/802d/sub", "SPF").iter().map(|path| source_of(path)).collect();
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(Folder(subs));
+    let mut world = CheckWorld::new(&settings);
+    let mut ops = String::new();
+    let checked = check_with(source, &library, &settings, Memory::default(), &mut world, &mut |block| {
+        let name = if block.at.program == source.number() { source.title() } else { program::title(block.at.program) };
+        for op in &block.ops {
+            ops.push_str(&format!("{name}:{} {op}\n", block.at.line));
+        }
+    });
+    (ops, checked)
+}
+
+fn source_of(path: &Path) -> (u32, Arc<Source>) {
+    let source = source(path);
+    (source.number(), source)
+}
+
+/// What a text comes to, as one line a mistake.
+fn mistakes(checked: &Checked) -> Vec<String> {
+    checked
+        .faults
+        .iter()
+        .map(|fault| format!("{}:{} {}", fault.place.line, fault.column, fault.cause(Lang::En)))
+        .collect()
+}
+
+#[test]
+fn s1_golden_programs_give_their_operations() {
+    for path in files("tests/nc/802d", "MPF") {
+        let (ops, checked) = run(&source(&path));
+        assert_eq!(mistakes(&checked), [""; 0], "{}", path.display());
+        let expected = std::fs::read_to_string(path.with_extension("ops")).unwrap_or_default();
+        assert_eq!(ops, expected, "{}\n{ops}", path.display());
+    }
+}
+
+/// The first line says what is wrong: `; line:column cause`, several parted by ` | `.
+#[test]
+fn s1_wrong_programs_name_every_error_with_line_and_column() {
+    let mut wrong = Vec::new();
+    for path in files("tests/nc/802d/bad", "MPF") {
+        let (_, checked) = run(&source(&path));
+        let text = std::fs::read_to_string(&path).unwrap();
+        let expected = text.lines().next().unwrap().trim_start_matches([';', ' ']);
+        let found = mistakes(&checked).join(" | ");
+        if found != expected {
+            wrong.push(format!("{}\nfound    {found}\nexpected {expected}", path.display()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// What to do about it, in the words of this language: no G98, no [expression], no J, no comment in brackets.
+#[test]
+fn s1_remedies_name_what_this_language_has() {
+    let rows = [
+        ("G1 X5", "give F in this block or before; G94/G95 asks for a new one", "G94/G95"),
+        ("G2 X10 F100", "write the radius CR=, or the centre I K", "CR="),
+        ("G2 X10 R5.5", "write CR=5.5", "CR=5.5"),
+        ("G98 F100", "there are G94 (mm/min) G95 (mm/r)", "G94 (mm/min)"),
+        ("G0 X", "write its value", "请在其后写出数值"),
+        ("X10 (comment)", "type ; instead", "半角英文字符 ;"),
+        ("R1=FOO(1)", "there are SIN COS TAN ASIN ACOS SQRT ABS TRUNC ROUND LN EXP POT ATAN2", "可用 SIN COS"),
+        ("IF: R1=1", "and is no word of the language", "且不能是指令字"),
+    ];
+    for (block, en, zh) in rows {
+        let (_, checked) = run(&Arc::new(Source::new(7_000, "T.MPF", format!("{block}\nM2\n").into_bytes())));
+        let [fault] = checked.faults.as_slice() else { panic!("{block}: {:?}", checked.faults) };
+        assert!(fault.remedy(Lang::En).contains(en), "{block}: {}", fault.remedy(Lang::En));
+        assert!(fault.remedy(Lang::Zh).contains(zh), "{block}: {}", fault.remedy(Lang::Zh));
+    }
+}
+
+#[test]
+fn s1_exp_is_the_inverse_of_ln() {
+    let (ops, checked) = run(&Arc::new(Source::new(7_000, "T.MPF", b"R1=LN(EXP(2))\nR2=EXP(0)\nM2\n".to_vec())));
+    assert_eq!(mistakes(&checked), [""; 0]);
+    assert!(ops.contains("set variable=601 value=2\n") && ops.contains("set variable=602 value=1\n"), "{ops}");
+}

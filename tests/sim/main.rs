@@ -1,0 +1,13 @@
+//! The simulated machine and its physics.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test driver: a failure is the message")]
+
+#[path = "../common/stories.rs"]
+mod stories;
+
+mod bench;
+mod grinding;
+mod kinds;
+mod machine;
+mod story;
+mod table;
