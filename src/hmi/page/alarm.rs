@@ -1,5 +1,5 @@
-//! The alarms: those present with cause and remedy, and what came and went, also before the last power-off. One of them
-//! can be chosen: help opens at it, and the history tells its cause, its remedy and how it goes away.
+//! Alarm page: active alarms with cause and remedy, and the history, also from before the last power-off. One alarm can
+//! be selected: help opens at it, and the history shows its cause, its remedy and how it is cleared.
 //! Source: spec B6, B8, H7.
 
 use std::sync::Arc;
@@ -23,20 +23,20 @@ use crate::link::page_command::PageCommand;
 use crate::link::snapshot::AlarmView;
 use crate::units::Micros;
 
-/// Height of an alarm that is present, and of a line of the history.
+/// Heights of a row of an active alarm and of a row of the history.
 const PRESENT: f32 = 158.0;
 const PAST: f32 = 56.0;
 /// Width of the captions beside cause and remedy.
 const CAPTION: f32 = 80.0;
 
-/// An alarm, wherever it stands in its list while others come and go.
+/// Identifies an alarm while its place in the list changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Which {
     Present(u16, Micros),
     Past(u64),
 }
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Alarms {
     history: bool,
@@ -45,12 +45,12 @@ pub struct Alarms {
 }
 
 impl Alarms {
-    /// Shows what is present first, from the top.
+    /// Shows the active alarms from the top.
     pub fn open(&mut self) {
         *self = Self::default();
     }
 
-    /// The number of the alarm that is chosen; without a choice the first of those present.
+    /// Number of the selected alarm; without a selection the first active one.
     #[must_use]
     pub fn number(&self, view: &View<'_>) -> Option<u16> {
         let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
@@ -104,7 +104,7 @@ impl Alarms {
         out
     }
 
-    /// The tabs, and the key that keeps the history as a table.
+    /// The tabs, and the key that exports the history.
     fn bar(&mut self, ui: &Ui, bar: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
         let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
         let keys = [
@@ -130,7 +130,7 @@ impl Alarms {
         Vec::new()
     }
 
-    /// The rows of the tab: of the history the latest on top.
+    /// Rows of the tab; the history has the latest on top.
     fn rows(&self, view: &View<'_>) -> Vec<Which> {
         if self.history {
             view.snapshot.alarm_history.iter().rev().map(|past| Which::Past(past.count)).collect()
@@ -139,11 +139,11 @@ impl Alarms {
         }
     }
 
-    /// What was typed goes through the rows; 取消 chooses none.
+    /// Moves the selection; 取消 clears it.
     fn walk(&mut self, rows: &[Which], edits: &[Edit], list: Rect, line: f32) {
         for edit in edits {
             let at = self.chosen.and_then(|chosen| rows.iter().position(|row| *row == chosen));
-            // Without a choice it begins at the first one in sight.
+            // Without a selection the first visible row is next.
             let first = self.scroll.lines(list, line).start;
             let to = match (edit, at) {
                 (Edit::Down | Edit::Up | Edit::Enter, None) => first,
@@ -182,14 +182,14 @@ impl Alarms {
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
         if response.clicked() {
             self.chosen = (!chosen).then_some(row);
-            // What is told must not cover the row.
+            // The detail card must not cover the row.
             self.scroll.by_hand = false;
         }
     }
 }
 
-/// The card of a row: an edge in red while the alarm is there, a frame while it is chosen; gives the room for its number
-/// and for its words.
+/// Card of a row: red edge while the alarm is active, frame while it is selected. Returns the places of the number
+/// and of the texts.
 fn row_card(painter: &Painter, view: &View<'_>, place: Rect, (here, chosen): (bool, bool)) -> (Rect, Rect) {
     let fill = if chosen { view.theme.raised } else { view.theme.surface };
     card(painter, place, fill, view.theme.line);
@@ -202,7 +202,7 @@ fn row_card(painter: &Painter, view: &View<'_>, place: Rect, (here, chosen): (bo
     inside.split_left_right_at_x(inside.min.x + 60.0)
 }
 
-/// Captions with their words, one below the other; gives where the next thing begins.
+/// Captioned texts, one below the other; returns the top of the next item.
 fn parts_below(painter: &Painter, view: &View<'_>, room: Rect, parts: &[(&str, &str)]) -> f32 {
     let mut top = room.min.y;
     for (caption, words) in parts.iter().filter(|(_, words)| !words.is_empty()) {
@@ -214,8 +214,8 @@ fn parts_below(painter: &Painter, view: &View<'_>, room: Rect, parts: &[(&str, &
     top
 }
 
-/// What there is to say on the chosen alarm, in a card at the lower edge of a room as high as it takes; gives that height
-/// and the gap above it.
+/// Card with the texts of the selected alarm, at the lower edge of `room`, as high as the texts need. Returns its
+/// height and the gap above it.
 fn detail(painter: &Painter, view: &View<'_>, room: Rect, parts: Vec<(&str, &str)>) -> f32 {
     let width = room.width() - 2.0 * theme::PAD - CAPTION;
     let height = |words: &str| {
@@ -233,7 +233,7 @@ fn detail(painter: &Painter, view: &View<'_>, room: Rect, parts: Vec<(&str, &str
     place.height() + theme::PAD
 }
 
-/// `O1001 第7行`, or nothing outside a run.
+/// `O1001 第7行`; none outside a run.
 fn place_word(view: &View<'_>, place: Option<(u32, u32)>) -> Option<String> {
     place.map(|(program, line)| (view.snapshot.title(program), line)).map(|(program, line)| match view.lang {
         Lang::Zh => format!("{program} 第{line}行"),
@@ -277,7 +277,7 @@ fn gone(painter: &Painter, view: &View<'_>, place: Rect, past: &PastAlarm, chose
     }
 }
 
-/// `15:01:56 复位`, with the day where it is another one.
+/// `15:01:56 复位`, with the date if the alarm ended on another day.
 fn ended(view: &View<'_>, past: &PastAlarm) -> String {
     let Some((how, when)) = past.ended else { return view.say("仍在", "present").to_owned() };
     let how = how.name().get(view.lang);
@@ -288,7 +288,7 @@ fn ended(view: &View<'_>, past: &PastAlarm) -> String {
     }
 }
 
-/// The history as a table for a computer: UTF-8 with a mark, so that spreadsheets know it.
+/// The history as CSV: UTF-8 with byte order mark, so that spreadsheets detect the encoding.
 fn table(lang: Lang, history: &[Arc<PastAlarm>]) -> String {
     let head = match lang {
         Lang::Zh => "序号,报警号,出现,消除,方式,程序,行,内容",

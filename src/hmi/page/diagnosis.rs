@@ -1,5 +1,5 @@
-//! Diagnosis: every input, output and inner state, live, with its port and parameter; ports given twice; and why a key
-//! would do nothing now.
+//! Diagnosis: live state of every input, output and internal signal, with port and parameter; ports assigned twice; and
+//! why a key is blocked.
 //! Source: spec B6, K6.1, K2.4.
 
 use egui::{Align2, Painter, Rect, Ui, pos2, vec2};
@@ -14,15 +14,15 @@ use crate::hmi::view::{View, card, fit};
 use crate::hmi::{panel, theme, widget};
 use crate::link::internal::Internal;
 
-/// Height of a line, and of a line of the list of keys.
+/// Heights of a line of the port table and of the key list.
 const LINE: f32 = 30.0;
 const KEY_LINE: f32 = 34.0;
-/// Shares of the columns: state, name, id, port, level, contact, parameter.
+/// Column shares: state, name, id, port, level, contact, parameter.
 const SHARES: [f32; 7] = [58.0, 190.0, 196.0, 62.0, 56.0, 84.0, 66.0];
-/// Most conflicts listed over the table.
+/// Maximum number of conflicts shown above the table.
 const CONFLICTS: usize = 3;
 
-/// What is shown.
+/// Tabs of the page.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Tab {
     #[default]
@@ -34,14 +34,14 @@ enum Tab {
 
 const TABS: [Tab; 4] = [Tab::Inputs, Tab::Outputs, Tab::Internals, Tab::Keys];
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Diagnosis {
     tab: Tab,
     scroll: Scroll,
 }
 
-/// One line of the table of ports.
+/// One line of the port table.
 struct Line {
     on: bool,
     name: String,
@@ -117,7 +117,7 @@ impl Diagnosis {
         self.scroll.bar(ui, view, list, LINE, lines.len());
     }
 
-    /// The keys that would do nothing now, each with the reason.
+    /// Keys that are blocked now, each with the reason.
     fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, dead: &[(Key, &str)]) {
         if dead.is_empty() {
             let words = view.say("面板上所有按键现在都有效", "every key of the panel acts now");
@@ -152,14 +152,14 @@ impl Diagnosis {
     }
 }
 
-/// Panel keys of the kind that are blocked now, with the reason.
+/// Panel keys of this kind of machine that are blocked now, with the reason.
 fn dead_keys<'a>(view: &View<'a>) -> Vec<(Key, &'a str)> {
     let on_panel = |key: &&Key| key.is_on(view.snapshot.kind) && key.row().group != Group::Screen;
     let reason = |key: &Key| panel::state(view, *key).blocked.map(|why| (*key, why.get(view.lang)));
     Key::ALL.iter().filter(on_panel).filter_map(reason).collect()
 }
 
-/// Ports with more than one function, in amber over the table; gives what is left below.
+/// Ports with more than one function, in amber above the table; returns the rectangle below.
 fn conflicts(painter: &Painter, view: &View<'_>, rect: Rect) -> Rect {
     let params = &view.snapshot.params;
     let mut words = Vec::new();
@@ -281,7 +281,7 @@ fn port_line(painter: &Painter, view: &View<'_>, place: Rect, line: &Line) {
     put(param, &format!("P{}", line.param), quiet);
 }
 
-/// The inner states, in two columns.
+/// Internal signals, in two columns.
 fn internals(painter: &Painter, rect: Rect, view: &View<'_>) {
     let rows = Internal::ALL.len().div_ceil(2);
     let height = (rect.height() / rows as f32).min(LINE + 2.0);

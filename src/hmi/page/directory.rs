@@ -1,4 +1,4 @@
-//! The directory: every program with size, comment and date; one is chosen by touch and loaded by a key of its own.
+//! Program directory: every program with size, comment and date. A touch selects a program, the key 装入 loads it.
 //! Source: spec B6. A swipe scrolls and never loads (H9).
 
 use egui::accesskit::Role;
@@ -31,7 +31,7 @@ const ROW: f32 = 50.0;
 /// Height of the keys below.
 const KEYS: f32 = 46.0;
 
-/// What is done to a program.
+/// Actions on a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Deed {
     New,
@@ -40,7 +40,7 @@ enum Deed {
     Delete,
 }
 
-/// A program is to be made, copied, renamed or deleted.
+/// Request to create, copy, rename or delete a program.
 #[derive(Debug)]
 struct Change;
 
@@ -48,27 +48,27 @@ impl Why for Change {
     const ASKER: Asker = Asker::Directory;
 }
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Directory {
     scroll: Scroll,
     cursor: usize,
-    /// The number being typed for a deed.
+    /// The action whose program number is being typed.
     deed: Option<Deed>,
-    /// What is typed.
+    /// The number being typed.
     pub typing: Typing,
     question: Asked<()>,
-    /// A request that waits for its answer, or for the password.
+    /// Request that waits for an answer or for the password.
     asked: Option<FileRequest>,
     waiting: bool,
     asking: Asking<Change>,
     walk: Walk,
     on_keys: bool,
-    /// The page was just opened: the chosen row is brought into sight.
+    /// The page was just opened: scroll to the selected row.
     reveal: bool,
-    /// Programs by name are called by more than O and four digits.
+    /// Width of the name column; named programs need more than O and four digits.
     name_width: f32,
-    /// The program whose page is to be designed.
+    /// Program whose page is to be designed.
     pub page_of: Option<u32>,
 }
 
@@ -99,7 +99,7 @@ impl Directory {
         out
     }
 
-    /// Whether the numeric pad is to slide in.
+    /// Whether the numeric pad is shown.
     #[must_use]
     pub const fn wants_pad(&self) -> bool {
         self.deed.is_some() && self.typing.pad
@@ -111,7 +111,7 @@ impl Directory {
         }
     }
 
-    /// The answer: done, the password first, or why not.
+    /// Handles the answer: done, password needed, or refused.
     fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         if self.waiting && !login.is_open() {
             self.waiting = false;
@@ -127,7 +127,7 @@ impl Directory {
                 return;
             }
             Err(refusal) => {
-                // The number stays, with the reason, to be mended.
+                // The number stays with the reason, to be corrected.
                 self.deed = match self.asked {
                     Some(FileRequest::New(_)) => Some(Deed::New),
                     Some(FileRequest::Copy { .. }) => Some(Deed::Copy),
@@ -152,7 +152,7 @@ impl Directory {
         }
     }
 
-    /// The number is enough: what is asked of the core.
+    /// Sends the request for the typed number.
     fn enter(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
         let Some(deed) = self.deed.filter(|deed| *deed != Deed::Delete) else {
             (self.deed, self.typing) = (None, Typing::default());
@@ -197,7 +197,7 @@ impl Directory {
         self.typing.pad = true;
     }
 
-    /// The keys below, or the line of the number being typed; true when the page of the program is to be designed.
+    /// The keys below, or the input line of the number; true when the page of the program is to be designed.
     fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> bool {
         if edits.iter().any(|edit| matches!(edit, Edit::Right | Edit::Left)) {
             self.on_keys = true;
@@ -323,7 +323,7 @@ impl Directory {
         let (rest, action) = rest.split_left_right_at_x(rest.max.x - 96.0);
         let (comment, facts) = rest.split_left_right_at_x(rest.max.x - 210.0);
         let comment = Rect::from_min_max(comment.min, comment.max - vec2(theme::PAD, 0.0));
-        // A long one takes two lines of the same size.
+        // A long comment takes two lines of the same size.
         let words = row.comment.replace('\u{FFFD}', "?");
         view::rows(painter, comment, &words, theme::LABEL, view.theme.text, 2);
         let (size, date) = facts.split_left_right_at_fraction(0.34);
@@ -337,7 +337,7 @@ impl Directory {
         chosen && load_key(ui, action, view)
     }
 
-    /// Brings the current program back into sight when the page opens.
+    /// Scrolls to the current program when the page opens.
     pub fn open(&mut self, view: &View<'_>) {
         let number = view.snapshot.program.number;
         self.cursor = view.snapshot.directory.iter().position(|row| row.number == number).unwrap_or(0);
@@ -355,7 +355,7 @@ fn size_word(bytes: u64) -> String {
     }
 }
 
-/// 装入: the only place that loads by touch. The core says no while a program runs.
+/// 装入: the only key that loads by touch. The core refuses while a program runs.
 fn load_key(ui: &Ui, action: Rect, view: &View<'_>) -> bool {
     let place = Rect::from_center_size(action.center() + vec2(2.0, 0.0), vec2(96.0, theme::TARGET));
     let response = ui.interact(place, Id::unique("load"), Sense::CLICK);

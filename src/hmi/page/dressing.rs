@@ -1,5 +1,5 @@
-//! The dressing page: positions and dressing point, the wear of the offsets, the picture B0100.BMP.
-//! It is made for editing and does not ask for P22.0.
+//! Dressing page: positions, dressing point, wear offsets, and the picture B0100.BMP.
+//! Editing on this page does not need P22.0.
 //! Source: spec K7.6, K7.7 (D), K4.2.
 
 use egui::{Align2, Rect, TextureId, Ui, vec2};
@@ -13,10 +13,10 @@ use crate::hmi::{frame as lines, theme, widget};
 use crate::link::Command;
 use crate::link::edit::Part;
 
-/// What the page takes.
+/// Entry modes of this page.
 const HOWS: [How; 2] = [How::Absolute, How::Increment];
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Dressing {
     /// The wear table.
@@ -58,7 +58,7 @@ impl Dressing {
     }
 }
 
-/// Left: where the axes are, and where the dressing point is, both in machine coordinates.
+/// Left column: axis positions in work and machine coordinates, dressing point in machine coordinates.
 fn positions(ui: &Ui, rect: Rect, view: &View<'_>) {
     let snapshot = view.snapshot;
     let groups: [ColumnGroup<'_>; 3] = [

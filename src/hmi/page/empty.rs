@@ -1,4 +1,4 @@
-//! Designed empty states: what is missing, and what to do about it; the picture of a page, or why it has none.
+//! Empty states: what is missing and what to do about it; the picture of a page, or why there is none.
 //! Source: spec H8.
 
 use egui::{Align2, Rect, TextureId, Ui, pos2, vec2};
@@ -8,7 +8,7 @@ use crate::hmi::theme;
 use crate::hmi::view::{View, card, centred, fit};
 use crate::link::command::FileFault;
 
-/// A sign, a sentence, and the remedy below it.
+/// A pictogram, a sentence, and the remedy below it.
 pub fn show(ui: &Ui, view: &View<'_>, rect: Rect, marks: &[Mark], what: &str, remedy: &str) {
     let painter = ui.painter();
     let middle = pos2(rect.center().x, rect.min.y + rect.height() * 0.34);
@@ -21,7 +21,7 @@ pub fn show(ui: &Ui, view: &View<'_>, rect: Rect, marks: &[Mark], what: &str, re
     centred(painter, below, remedy, theme::LABEL, view.theme.quiet);
 }
 
-/// The picture of a page in its frame, as large as there is room; else the name of its file and what is wrong with it.
+/// The picture of a page in its frame, as large as it fits; otherwise its file name and the fault.
 pub fn picture(
     ui: &Ui,
     rect: Rect,

@@ -1,4 +1,4 @@
-//! The grinding page: positions, the customer's two columns of macro variables, the picture.
+//! Grinding page: positions, the customer's two columns of macro variables, the picture.
 //! Source: spec K7.2–K7.5, H6, H8; seed 000.
 
 use egui::accesskit::Role;
@@ -17,16 +17,16 @@ use crate::hmi::{frame as lines, keycap, pictogram, theme};
 use crate::link::Command;
 use crate::link::command::{FileFault, ScreenFiles};
 
-/// Column width from which label and value stand side by side, if every label fits.
+/// Column width from which label and value are side by side, if every label fits.
 const SIDE_BY_SIDE: f32 = 236.0;
 /// Width of a value beside its label.
 const VALUE: f32 = 104.0;
-/// Height of a field from which label and value stand one above the other in their usual sizes.
+/// Field height from which label and value are stacked in normal text sizes.
 const STACKED: f32 = 46.0;
-/// The same for smaller ones.
+/// The same for smaller text sizes.
 const CLOSE: f32 = 36.0;
 
-/// Draws the page; what was typed comes in as edits.
+/// Draws the page; `edits` is what was typed.
 pub fn ui(
     ui: &Ui,
     rect: Rect,
@@ -82,7 +82,7 @@ pub fn ui(
     out
 }
 
-/// Where things are.
+/// Rectangles of the page.
 struct Places {
     left: Rect,
     title: Rect,
@@ -110,7 +110,7 @@ fn variables(column: &[Option<Row>; ROWS]) -> Vec<u16> {
     column.iter().flatten().map(|row| row.variable).collect()
 }
 
-/// Left: 位置, [绝对坐标], [移动余量], O and N.
+/// Left column: 位置, [绝对坐标], [移动余量], O and N.
 fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     let groups: [ColumnGroup<'_>; 2] = [
         (view.say("[绝对坐标]", "[absolute]"), &|_, state| Some(state.work)),
@@ -122,7 +122,7 @@ fn position_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     position::process(ui, Rect::from_min_max(pos2(rest.min.x, block.max.y + 8.0), rest.max), view);
 }
 
-/// Where each field of the two columns stands, in reading order.
+/// Rectangle of each field of the two columns, in reading order.
 fn field_places(body: Rect, columns: [&[Option<Row>; ROWS]; 2]) -> impl Iterator<Item = (Rect, &Row)> {
     let width = (body.width() - theme::GAP) / 2.0;
     let height = ((body.height() - 9.0 * 4.0) / ROWS as f32).min(58.0);
@@ -150,7 +150,7 @@ fn fields(ui: &Ui, places: &Places, view: &View<'_>, columns: [&[Option<Row>; RO
     }
 }
 
-/// What a text of the file is called in the language of the page: what the control knows of it, else as written.
+/// A text of the page file in the screen language: the known translation, else as written.
 fn translated(view: &View<'_>, text: &str, english: impl FnOnce(&str) -> Option<String>) -> String {
     let known = if view.lang == Lang::En { english(text) } else { None };
     known.unwrap_or_else(|| text.to_owned())
@@ -160,14 +160,14 @@ fn label_of(view: &View<'_>, row: &Row) -> String {
     translated(view, &row.label, r_name::english_label)
 }
 
-/// How label and value stand in the fields of a sheet: all of them alike.
+/// Arrangement of label and value; the same in all fields of a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Way {
     Beside,
     Stacked,
-    /// One above the other in smaller sizes, where a field is too low for more.
+    /// Stacked in smaller text sizes, for low fields.
     Close,
-    /// The same where it is lower still: in the preview of a page.
+    /// Stacked in the smallest text sizes, for the preview of a page.
     Tight,
 }
 
@@ -190,7 +190,7 @@ impl Way {
     }
 }
 
-/// Title, fields and picture as a page text makes them, for the page designer: nothing of it acts.
+/// Preview for the page designer: title, fields and picture of a page text. Nothing in it reacts to input.
 pub fn preview(
     ui: &Ui,
     rect: Rect,
@@ -204,7 +204,7 @@ pub fn preview(
         let (middle, picture) = rect.split_left_right_at_x(rect.max.x - theme::PICTURE.x * scale - 2.0);
         (Rect::from_min_max(middle.min, middle.max - vec2(theme::GAP, 0.0)), picture)
     };
-    // On its page every label has its room: where the preview has less, the picture makes way.
+    // On the grinding page every label fits. The preview has less room, so it shrinks the picture.
     let fits = |middle: Rect| {
         let room = (middle.width() - theme::GAP) / 2.0 - 16.0;
         let font = theme::font(theme::SMALL);
@@ -223,13 +223,13 @@ pub fn preview(
     show_picture(ui, Rect::from_min_size(picture.min, theme::PICTURE * scale), view, files, texture);
 }
 
-/// The title as the page shows it (K7.2).
+/// The title as the grinding page shows it (K7.2).
 fn heading(view: &View<'_>, text: &PageText) -> String {
     let name = translated(view, &text.title, |title| r_name::english_title(title).map(str::to_owned));
     format!("{name}{}", view.say("参数设置", " · parameters"))
 }
 
-/// One label and its value; the chosen one is framed and shows what is being typed.
+/// One label and its value; the selected one is framed and shows the typed text.
 fn field(ui: &Ui, place: Rect, view: &View<'_>, (row, way): (&Row, Way), (chosen, pressed): (Option<&Entry>, bool)) {
     let painter = ui.painter();
     keycap::plate(painter, view.theme, place, keycap::Face { pressed, ..keycap::Face::default() });
@@ -258,7 +258,7 @@ fn field(ui: &Ui, place: Rect, view: &View<'_>, (row, way): (&Row, Way), (chosen
     }
 }
 
-/// The value of a variable as executed; a null variable is a dash.
+/// Value of a variable as executed; a null variable is a dash.
 fn shown(view: &View<'_>, variable: u16) -> String {
     let value = view.snapshot.variables.get(usize::from(variable)).copied().flatten();
     value.map_or_else(|| "—".to_owned(), length)
@@ -295,7 +295,7 @@ fn show_picture(ui: &Ui, rect: Rect, view: &View<'_>, files: Option<&ScreenFiles
     empty::picture(ui, rect, view, texture, (&format!("B{number:04}.BMP"), fault));
 }
 
-/// The key of the next sheet, at the end of the title.
+/// The key for the next page of the program, at the end of the title.
 fn turn_key(ui: &Ui, title: Rect, view: &View<'_>) -> bool {
     let (sheet, sheets) = view.snapshot.grinding_pages;
     let size = vec2(96.0, theme::TARGET);
@@ -309,7 +309,7 @@ fn turn_key(ui: &Ui, title: Rect, view: &View<'_>) -> bool {
     response.clicked()
 }
 
-/// What the variable is called on this kind of machine.
+/// Name of a variable on this kind of machine.
 fn name(view: &View<'_>, variable: u16) -> String {
     r_parameter::name_on(u32::from(variable), view.snapshot.kind)
 }
@@ -325,7 +325,7 @@ fn text_fault(ui: &Ui, places: &Places, view: &View<'_>, fault: &FileFault) {
     paragraph(ui.painter(), below, fault.said().get(view.lang), theme::LABEL, view.theme.alarm_text);
 }
 
-/// Any other program: nothing of the page is shown, but what to do.
+/// The program has no grinding page: shows what to do.
 fn no_page(ui: &Ui, rect: Rect, view: &View<'_>, number: u32, out: &mut Vec<Command>) {
     let name = view.snapshot.title(number);
     let what = match (number, view.lang) {

@@ -1,4 +1,4 @@
-//! The input line of the pages that take values: what is typed, what it is for, its range or why it was refused.
+//! Input line of the pages that take values: the typed text, what it is for, its range or why it was refused.
 //! Source: spec H6.
 
 use egui::{Align2, Rect, Stroke, Ui, pos2, vec2};
@@ -7,17 +7,17 @@ use crate::hmi::theme;
 use crate::hmi::typing::Typing;
 use crate::hmi::view::{View, fit};
 
-/// What the line says beside the text.
+/// What the line shows beside the typed text.
 pub struct Told<'a> {
-    /// What the value is for, with its sign: `#500=`, `磨耗 04 X +=`.
+    /// What the value is for, with an operator: `#500=`, `磨耗 04 X +=`.
     pub what: &'a str,
-    /// Its name.
+    /// Name of the value.
     pub name: &'a str,
     /// Range and old value.
     pub range: &'a str,
 }
 
-/// The page above, the line at its foot.
+/// Splits a page into body and input line.
 #[must_use]
 pub fn split(rect: Rect) -> (Rect, Rect) {
     rect.split_top_bottom_at_y(rect.max.y - theme::INPUT)

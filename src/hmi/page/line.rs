@@ -1,5 +1,5 @@
-//! The RS232 half of the transfer page: port, baud rate and form of the line, and what a program is stored as that comes
-//! without a number of its own. Source: spec L9.
+//! RS232 half of the transfer page: port, baud rate and data format, and the number under which a received program is
+//! stored if it has none. Source: spec L9.
 
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
@@ -16,15 +16,15 @@ use crate::link::Command;
 use crate::link::media::MediaView;
 use crate::link::page_command::{Guard, PageCommand};
 
-/// Most digits of a program's number.
+/// Maximum number of digits of a program number.
 const DIGITS: usize = 4;
 /// Height of the field and of the key.
 const FIELD: f32 = 48.0;
 
-/// What this half keeps.
+/// State of this half.
 #[derive(Debug, Default)]
 pub struct LineSide {
-    /// The number typed; empty: the program's own.
+    /// Typed number; empty: the number in the program applies.
     number: String,
     /// Whether the numeric pad is open.
     pub pad: bool,
@@ -33,7 +33,7 @@ pub struct LineSide {
 }
 
 impl LineSide {
-    /// Takes what belongs to the field; the rest is for the keys of the page.
+    /// Handles edits of the field; returns the rest for the keys of the page.
     pub fn take(&mut self, edits: &[Edit]) -> Vec<Edit> {
         let mut rest = Vec::new();
         for edit in edits {
@@ -62,10 +62,10 @@ impl LineSide {
         rest
     }
 
-    /// The file name asked for; none: the program's own.
+    /// File name for the typed number; none: the number in the program applies.
     ///
     /// # Errors
-    /// The number is none.
+    /// The number is not 1 to 9999.
     pub fn file(&mut self, kind: Kind) -> Result<Option<String>, Said> {
         if self.number.is_empty() {
             return Ok(None);
@@ -83,7 +83,7 @@ impl LineSide {
         }
     }
 
-    /// Draws it.
+    /// Draws the RS232 half.
     pub fn ui(
         &mut self,
         ui: &Ui,
@@ -174,7 +174,7 @@ impl LineSide {
     }
 }
 
-/// The port after the one that is chosen.
+/// The port after the selected one.
 fn next(media: &MediaView) -> Option<String> {
     let at = media.port.as_ref().and_then(|port| media.ports.iter().position(|other| other == port));
     let next = at.map_or(0, |at| at + 1) % media.ports.len().max(1);

@@ -1,4 +1,4 @@
-//! MDI: a line is typed by keyboard or letter pad, put ready by 输入 and executed by cycle start.
+//! MDI: a line is typed with the keyboard or the letter pad, loaded with 输入 and executed with cycle start.
 //! Source: spec B5, B6, H6.
 
 use egui::accesskit::Role;
@@ -16,29 +16,29 @@ use crate::hmi::{frame as lines, theme, widget};
 use crate::link::Command;
 use crate::link::snapshot::RunState;
 
-/// Lines of the history.
+/// Maximum number of lines in the history.
 const HISTORY: usize = 20;
 /// Height of a line of the history.
 const LINE: f32 = 46.0;
-/// Height of the input field and what is told below it.
+/// Height of the input field and of the message below it.
 const INPUT: f32 = 78.0;
-/// Most characters of a line.
+/// Maximum length of a line, characters.
 const LONGEST: usize = 120;
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Mdi {
     /// The line being typed.
     pub typing: Typing,
-    /// Lines that were put ready, the latest first.
+    /// Lines that were loaded, latest first.
     history: Vec<String>,
-    /// The line of the history that the arrows brought back.
+    /// History line recalled with the arrow keys.
     recalled: Option<usize>,
     scroll: Scroll,
 }
 
 impl Mdi {
-    /// The page was opened anew: the history stays, what was being typed too.
+    /// The page was opened again: history and typed text stay.
     pub fn open(&mut self) {
         self.recalled = None;
         self.scroll = Scroll::default();
@@ -104,7 +104,7 @@ impl Mdi {
 
     fn edit(&mut self, edit: Edit, view: &View<'_>, out: &mut Vec<Command>) {
         match edit {
-            // A refused line is mended, not typed anew.
+            // A refused line is corrected, not typed again.
             Edit::Back | Edit::Delete => {
                 self.typing.refused = None;
                 self.typing.text.pop();
@@ -127,7 +127,7 @@ impl Mdi {
                 Some(at) if at > 0 => self.recall(at - 1),
                 Some(_) | None => {}
             },
-            // Digits and signs come as text.
+            // Digits and signs arrive as text.
             Edit::Char(_) | Edit::Sign | Edit::Cancel | Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd => {}
         }
     }
@@ -140,7 +140,7 @@ impl Mdi {
         }
     }
 
-    /// The title, and what waits for cycle start.
+    /// The title, and the line that waits for cycle start.
     fn title(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let (name, told) = rect.split_left_right_at_x(rect.min.x + 196.0);
         lines::title(ui, view, name, view.say("录入 MDI", "MDI"));
@@ -157,7 +157,7 @@ impl Mdi {
         fit(ui.painter(), told, Align2::LEFT_CENTER, &words, theme::TITLE, ink);
     }
 
-    /// The history; a touch brings a line back.
+    /// The history; a touch recalls a line.
     fn lines(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, pages: i32) {
         let painter = ui.painter();
         card(painter, rect, view.theme.surface, view.theme.line);
@@ -199,7 +199,7 @@ impl Mdi {
         }
     }
 
-    /// The field, and why the line was refused.
+    /// The input field, and why the line was refused.
     fn input(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let painter = ui.painter();
         let (field, told) = rect.split_top_bottom_at_y(rect.min.y + 50.0);
@@ -219,21 +219,21 @@ impl Mdi {
     }
 }
 
-/// The codes in force.
+/// Modal codes in force.
 fn modals(ui: &Ui, rect: Rect, view: &View<'_>) {
     let painter = ui.painter();
     card(painter, rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(10.0, 6.0));
     let modals = &view.snapshot.modals;
     let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| value.to_string());
-    // The language of the lathe has one group only.
+    // The lathe dialect has one group only.
     let groups = if view.snapshot.kind.face().macros { modals.g.len() } else { 1 };
     let mut words: Vec<String> = modals.g.iter().take(groups).map(|code| format!("G{code:02}")).collect();
     words.push(format!("T{:02}{:02}", modals.tool.0, modals.tool.1));
     words.push(modals.m.map_or_else(|| "M—".to_owned(), |code| format!("M{code:02}")));
     words.push(format!("F {}", number(modals.feed)));
     words.push(format!("S {}", number(modals.speed)));
-    // Three in a line where the card is low.
+    // Three columns if the card is low.
     let columns = if inside.height() < 6.0 * 24.0 { 3 } else { 2 };
     let lines = words.len().div_ceil(columns);
     let height = (inside.height() / lines as f32).min(34.0);

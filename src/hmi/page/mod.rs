@@ -1,4 +1,4 @@
-//! The pages. Each one draws from the view, and keeps nothing but its cursor and its edit text.
+//! The pages. Each page draws from the view and keeps only its cursor and its edit text.
 
 pub mod alarm;
 pub mod designer;
@@ -37,27 +37,27 @@ use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::link::Command;
 
-/// What was typed in this frame.
+/// Keyboard input of this frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Typed<'a> {
-    /// Digits, moving, storing.
+    /// Digits, cursor moves, Enter and Cancel.
     pub edits: &'a [Edit],
-    /// Every sign, for the pages that take words.
+    /// All typed characters, for pages that accept text.
     pub text: &'a str,
-    /// Keys with Ctrl.
+    /// Keys pressed with Ctrl.
     pub controls: &'a [egui::Key],
-    /// Pages to scroll.
+    /// Number of pages to scroll.
     pub pages: i32,
 }
 
-/// What all the pages keep.
+/// State of all pages.
 #[derive(Debug, Default)]
 pub struct Pages {
-    /// Value typed on the grinding page.
+    /// Value being typed on the grinding page.
     pub entry: Entry,
-    /// What keys, alarms and codes mean.
+    /// Help on pages, keys, alarms and codes.
     pub help: Help,
-    /// The designer of page texts.
+    /// Page designer.
     pub designer: designer::Designer,
     program: program::Program,
     graphic: graphic::Graphic,
@@ -81,7 +81,7 @@ pub struct Pages {
 }
 
 impl Pages {
-    /// Another page was opened.
+    /// Resets the pages after another page was opened.
     pub fn open(&mut self, view: &View<'_>) {
         self.entry.restart();
         self.login.close();
@@ -103,20 +103,20 @@ impl Pages {
         self.help.open(view, Page::Help, None);
     }
 
-    /// Opens the help at what the operator looks at: the open page; on the alarm page the alarm that is chosen.
+    /// Opens the help for the open page; on the alarm page for the selected alarm.
     pub fn open_help(&mut self, view: &View<'_>) {
         let page = view.snapshot.page;
         let alarm = self.alarms.number(view).filter(|_| page == Page::Alarm);
         self.help.open(view, page, alarm);
     }
 
-    /// What goes on while no page is looked at.
+    /// Records path and process data; called in every frame, whichever page is open.
     pub fn follow(&mut self, view: &View<'_>) {
         self.graphic.follow(view);
         self.process.follow(view);
     }
 
-    /// Another program is current.
+    /// Drops the typed value; called when another program becomes current.
     pub fn restart_entry(&mut self) {
         self.entry.restart();
     }
@@ -127,7 +127,7 @@ impl Pages {
         self.params.typing.reason(lang).map(str::to_owned)
     }
 
-    /// Why the value typed on the open page was refused, and what was typed.
+    /// What was typed on the open page, and why it was refused.
     #[must_use]
     pub fn refusal(&self, page: Page, lang: Lang) -> Option<(String, String)> {
         let typing = match page {
@@ -153,13 +153,13 @@ impl Pages {
         Some((typing.text.clone(), typing.reason(lang)?.to_owned()))
     }
 
-    /// The text on the program page, with what was typed.
+    /// Text on the program page, with unsaved changes.
     #[must_use]
     pub const fn program_text(&self) -> &ropey::Rope {
         self.program.text()
     }
 
-    /// Whether words are being typed on the open page.
+    /// Whether the open page accepts text now.
     #[must_use]
     pub fn takes_words(&self, page: Page) -> bool {
         match page {
@@ -171,7 +171,7 @@ impl Pages {
         }
     }
 
-    /// Whether the numeric pad is to slide in.
+    /// Whether the numeric pad is shown.
     #[must_use]
     pub fn wants_pad(&self, view: &View<'_>) -> bool {
         if self.login.is_open() {
@@ -194,7 +194,7 @@ impl Pages {
         }
     }
 
-    /// Draws the open page; gives what it asks for.
+    /// Draws the open page; returns its commands.
     pub fn ui(
         &mut self,
         ui: &Ui,
@@ -242,7 +242,7 @@ impl Pages {
     }
 }
 
-/// On a page without fields Enter and Esc are the panel's own keys 输入 and 取消.
+/// On a page without fields Enter and Esc act as the panel keys 输入 and 取消.
 fn answers(edits: &[Edit]) -> Vec<Command> {
     let press = |key| [Command::Press(key), Command::Release(key)];
     let mut out = Vec::new();

@@ -1,4 +1,4 @@
-//! The position page: relative, all, machine. There is no 绝对 page (K7.1); the work frame stands on the grinding page.
+//! Position page: relative, all, machine. There is no 绝对 page (K7.1); the grinding page shows work coordinates.
 //! Source: spec K7.1, K4.2 (setting a dressing point), H5.
 
 use egui::accesskit::Role;
@@ -45,7 +45,7 @@ pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>) -> Vec<Command> {
     out
 }
 
-/// Letter, house, large digits on one decimal point; smaller companions beneath.
+/// One axis: letter, homed mark, large value, and smaller values below. The decimal points are aligned.
 fn axis_card(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Coordinates, out: &mut Vec<Command>) {
     let painter = ui.painter();
     let state = &view.snapshot.axes[axis];
@@ -82,7 +82,7 @@ fn axis_card(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Coordinate
     }
 }
 
-/// The large figure and its companions.
+/// The large value and the smaller ones.
 fn figures<'a>(view: &View<'a>, axis: &AxisView, shown: Coordinates) -> (&'a str, f64, Vec<(&'a str, f64)>) {
     let relative = (view.say("相对", "REL"), axis.relative);
     let machine = (view.say("机床", "MACHINE"), axis.machine);
@@ -108,7 +108,7 @@ fn axis_letter(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, shown: Coordina
     put(ui.painter(), rect, Align2::CENTER_CENTER, &axis.to_string(), theme::DIGITS, ink);
 }
 
-/// A key of the control screen: pressed and released in one.
+/// A screen key: one touch presses and releases it.
 fn screen_key(ui: &Ui, rect: Rect, view: &View<'_>, key: Key, out: &mut Vec<Command>) {
     let response = ui.interact(rect, Id::unique(("screen-key", key as u8)), Sense::CLICK);
     let name = keycap::accessible_name(key, view.lang);
@@ -120,21 +120,21 @@ fn screen_key(ui: &Ui, rect: Rect, view: &View<'_>, key: Key, out: &mut Vec<Comm
     }
 }
 
-/// Room that is wanted below a column of positions.
+/// Height to keep free below the position column.
 const BELOW: f32 = 84.0;
 
-/// A group of a column of positions: its caption, and what each axis has there.
+/// A group of the position column: its caption and the value of each axis.
 pub type ColumnGroup<'a> = (&'a str, &'a dyn Fn(Axis, &AxisView) -> Option<f64>);
 
-/// The column of positions beside the fields of a page: groups of all axes, one below the other; what an axis lacks is
-/// not set. Gives what is left below them.
+/// Position column beside the fields of a page: groups of all axes, one below the other. A missing value reads
+/// “not set”. Returns the rectangle below.
 pub fn column(ui: &Ui, rect: Rect, view: &View<'_>, groups: &[ColumnGroup<'_>]) -> Rect {
     let painter = ui.painter();
     card(painter, rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(10.0, 8.0));
     let axes = view.snapshot.axes.iter().filter(|(_, state)| state.present).count();
     let height = |gap: f32, line: f32| 28.0 + groups.len() as f32 * (gap + 24.0 + axes as f32 * line);
-    // Closer where three axes would leave no room for what stands below.
+    // Smaller spacing if three axes would leave too little height below.
     let (gap, line) = if height(8.0, 32.0) + BELOW > inside.height() { (4.0, 28.0) } else { (8.0, 32.0) };
     let mut at = inside.min.y;
     let mut row = |height: f32| {
@@ -187,14 +187,14 @@ fn clear_key(ui: &Ui, rect: Rect, view: &View<'_>, axis: Axis, out: &mut Vec<Com
     }
 }
 
-/// A house: homed since power-on; without it the machine coordinate means nothing yet.
+/// Homed mark: the axis was homed since power-on; before that its machine coordinate is not valid.
 fn house(ui: &Ui, view: &View<'_>, letter: Rect, state: &AxisView) {
     let place = Rect::from_center_size(pos2(letter.max.x + 18.0, letter.center().y), vec2(20.0, 20.0));
     let ink = if state.homed { view.theme.run } else { view.theme.line };
     pictogram::draw(ui.painter(), place, pictogram::HOUSE, ink);
 }
 
-/// Program, feed, wheel, time, count.
+/// Program, feed, wheel speed, cycle time, part count.
 fn side_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(theme::PAD, 10.0));
@@ -203,7 +203,7 @@ fn side_column(ui: &Ui, rect: Rect, view: &View<'_>) {
     process(ui, Rect::from_min_max(rest.min + vec2(0.0, 8.0), rest.max), view);
 }
 
-/// The figures of the process, one under the other; as many as there is room for.
+/// Process values, one below the other; as many as fit.
 pub fn process(ui: &Ui, rect: Rect, view: &View<'_>) {
     let snapshot = view.snapshot;
     let minutes = (snapshot.cycle_seconds / 60.0).floor();

@@ -1,21 +1,21 @@
-//! A long list under a finger: only the visible lines are laid out.
+//! Scrolling of a long list; only the visible lines are laid out.
 
 use egui::{Id, Rect, Sense, Ui, vec2};
 
 use crate::hmi::theme;
 use crate::hmi::view::View;
 
-/// Where a list stands.
+/// Scroll position of a list.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Scroll {
-    /// Lines above the first visible one; a fraction while the finger moves it.
+    /// Lines above the first visible one; fractional while a finger drags.
     pub top: f64,
-    /// The finger has moved the list: it no longer follows by itself.
+    /// The operator scrolled: the list no longer follows the cursor.
     pub by_hand: bool,
 }
 
 impl Scroll {
-    /// Follows finger and wheel; gives the lines to draw, first and one past the last.
+    /// Handles finger and mouse wheel; returns the lines to draw, first and one past the last.
     pub fn follow(&mut self, ui: &Ui, id: &str, rect: Rect, line: f32, count: usize) -> (usize, usize) {
         let response = ui.interact(rect, Id::unique(id), Sense::DRAG | Sense::HOVER);
         let mut moved = 0.0;
@@ -32,25 +32,25 @@ impl Scroll {
         let visible = (rect.height() / line).floor().max(1.0) as usize;
         self.top = self.top.clamp(0.0, count.saturating_sub(visible) as f64);
         let first = self.top.floor() as usize;
-        // A line that is out of sight is none: it would take no touch and still be told to a screen reader.
+        // An invisible line must not be drawn: it would take no touch but still be announced by a screen reader.
         let last = (self.top + f64::from(rect.height() / line) - 1e-3).ceil() as usize;
         (first, last.clamp(first, count.max(first)))
     }
 
-    /// The lines that are whole in sight.
+    /// The lines that are fully visible.
     #[must_use]
     pub fn lines(&self, rect: Rect, line: f32) -> std::ops::Range<usize> {
         let first = self.top.ceil() as usize;
         first..first + (rect.height() / line).floor() as usize
     }
 
-    /// By so many pages.
+    /// Scrolls by a number of pages.
     pub fn page(&mut self, pages: i32, rect: Rect, line: f32) {
         self.by_hand = true;
         self.top += f64::from(pages) * f64::from((rect.height() / line).floor() - 1.0);
     }
 
-    /// Brings a line to a third of the height.
+    /// Scrolls a line to a third of the height, unless it is well in view.
     pub fn show(&mut self, row: usize, rect: Rect, line: f32) {
         let visible = f64::from((rect.height() / line).floor());
         let row = row as f64;
@@ -59,14 +59,14 @@ impl Scroll {
         }
     }
 
-    /// Brings a line into sight by no more than it takes.
+    /// Scrolls by the least amount that makes a line visible.
     pub fn reveal(&mut self, row: usize, rect: Rect, line: f32) {
         let visible = f64::from((rect.height() / line).floor()).max(1.0);
         let row = row as f64;
         self.top = self.top.clamp((row + 1.0 - visible).max(0.0), row);
     }
 
-    /// A slim bar that says how far down the list stands.
+    /// A slim scroll bar.
     pub fn bar(&self, ui: &Ui, view: &View<'_>, rect: Rect, line: f32, count: usize) {
         let visible = f64::from(rect.height() / line);
         let all = count as f64;

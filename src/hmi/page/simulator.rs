@@ -1,4 +1,4 @@
-//! The simulator: inputs forced, faults, part and wheel, for learning at a laptop. A real machine has no such page.
+//! Simulator page: forced inputs, faults, part and wheel, for learning on a laptop. A real machine has no such page.
 //! Source: spec P1–P8.
 
 use egui::{Align2, Rect, Ui, pos2, vec2};
@@ -16,7 +16,7 @@ use crate::link::simulated::{SimCommand, SimView};
 /// Height of a key.
 const ROW: f32 = 48.0;
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Simulator {
     page: usize,
@@ -30,7 +30,7 @@ const TABS: [(&str, Text); 3] = [
     ("sim-part", Text::new("工件与砂轮", "PART, WHEEL")),
 ];
 
-/// The tab of the part; a kind has its own name for it.
+/// Index of the part tab; its name depends on the kind of machine.
 const PART: usize = 2;
 
 impl Simulator {
@@ -62,7 +62,7 @@ impl Simulator {
         done.map(Command::Simulate).into_iter().collect()
     }
 
-    /// Two columns of inputs; a touch goes on from free to on to off.
+    /// Two columns of inputs. A touch forces a free input to its opposite level, a forced 1 to 0; it frees a forced 0.
     fn inputs(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, sim: &SimView, pages: i32) -> Option<SimCommand> {
         let (list, keys) = rect.split_top_bottom_at_y(rect.max.y - ROW);
         let list = whole_lines(list, ROW);

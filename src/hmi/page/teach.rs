@@ -1,4 +1,4 @@
-//! Teach-in (录返): what is moved by hand becomes the blocks of a program. Source: spec L9.
+//! Teach-in (录返): records jogged moves as program blocks. Source: spec L9.
 
 use egui::{Align2, Rect, Ui, pos2, vec2};
 
@@ -18,18 +18,18 @@ use crate::units::Axis;
 const KEY: f32 = 54.0;
 /// Height of a block's line.
 const LINE: f32 = 30.0;
-/// Lengths of a step by hand that a key gives, mm; 0 leaves it to the panel's step keys.
+/// Jog step of each key, mm; 0: the panel's step keys apply.
 const STEPS: [(&str, f64); 6] =
     [("step-off", 0.0), ("step-0.1", 0.1), ("step-1", 1.0), ("step-5", 5.0), ("step-10", 10.0), ("step-50", 50.0)];
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Teach {
     walk: Walk,
     scroll: Scroll,
-    /// Blocks at the last frame: a new one is scrolled to.
+    /// Number of blocks in the last frame; a new block is scrolled to.
     seen: usize,
-    /// The password is being typed; then the recording is kept.
+    /// The password is being typed; then the recording is saved.
     waiting: bool,
 }
 
@@ -98,7 +98,7 @@ impl Teach {
         self.scroll.bar(ui, view, inside, LINE, blocks.len());
     }
 
-    /// The length of a step by hand (定长进给).
+    /// Keys for the jog step (定长进给).
     fn steps(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
         let (words, keys) = rect.split_left_right_at_x(rect.min.x + 104.0);
         fit(ui.painter(), words, Align2::LEFT_CENTER, view.say("定长 mm", "step mm"), theme::LABEL, view.theme.quiet);
@@ -136,18 +136,18 @@ impl Teach {
     }
 }
 
-/// Whether keeping a program asks for the password first (K6.2).
+/// Whether saving a program needs the password first (K6.2).
 fn asks(view: &View<'_>) -> bool {
     view.snapshot.params.bit(param::PROGRAM_PASSWORD) && !view.snapshot.access.program
 }
 
-/// One of so many keys side by side.
+/// Cell of a row of `count` equal keys.
 fn cell(row: Rect, index: usize, count: usize) -> Rect {
     let width = (row.width() - (count as f32 - 1.0) * theme::GAP) / count as f32;
     Rect::from_min_size(row.min + vec2(index as f32 * (width + theme::GAP), 0.0), vec2(width, row.height()))
 }
 
-/// Where the tool is, and what is switched.
+/// Tool position and status values.
 fn place(ui: &Ui, rect: Rect, view: &View<'_>) {
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(theme::PAD, 10.0));

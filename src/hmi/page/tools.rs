@@ -1,4 +1,4 @@
-//! Tools and bar of a lathe: shape and sizes of the four tools, as interference is reckoned with them, and the bar.
+//! Tools and bar of a lathe: shape and sizes of the four tools, as used for the interference check, and the bar.
 //! Source: spec L9 (tool and bar definitions).
 
 use egui::accesskit::Role;
@@ -16,7 +16,7 @@ use crate::hmi::view::{View, card, fit, frame, put};
 use crate::link::Command;
 use crate::link::page_command::PageCommand;
 
-/// Fields of a tool, and of the bar and the run.
+/// Fields of a tool; fields of the bar and of the run.
 const OF_TOOL: usize = 4;
 const OF_BAR: [(Number, Text); 3] = [
     (param::BAR_DIAMETER, Text::new("棒料直径", "bar diameter")),
@@ -27,15 +27,15 @@ const TOOLS: usize = ROWS.len();
 const FIELDS: usize = TOOLS * OF_TOOL + OF_BAR.len();
 const NAMES: [Text; OF_TOOL] =
     [Text::new("形状", "shape"), Text::new("刃宽", "width"), Text::new("刃高", "edge"), Text::new("刀杆", "shank")];
-/// Greatest height of a field.
+/// Maximum height of a field.
 const FIELD: f32 = 54.0;
-/// Least share of a card for the drawing of its tool.
+/// Minimum share of a card for the drawing of its tool.
 const DRAWING: f32 = 0.3;
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Tools {
-    /// What is being typed.
+    /// The value being typed.
     pub typing: Typing,
     cursor: usize,
 }
@@ -156,7 +156,7 @@ impl Tools {
         crate::hmi::view::paragraph(ui.painter(), note, words, theme::SMALL, view.theme.quiet);
     }
 
-    /// One field; a touch chooses it, a touch of a shape turns to the next one.
+    /// One field. A touch selects it; a touch on a shape changes to the next shape.
     fn field(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, field: usize, out: &mut Vec<Command>) {
         let (row, name) = row(field);
         let value = view.snapshot.params.get(row);
@@ -214,7 +214,7 @@ fn range(row: Number) -> String {
     format!("{} … {} {}", row.min, row.max, row.unit)
 }
 
-/// A tool over a line that stands for the part: shank grey, edge bright, the tip a dot.
+/// Draws a tool above the part line: shank grey, edge bright, tip a dot.
 fn draw(ui: &Ui, rect: Rect, view: &View<'_>, tool: &TurningTool) {
     let painter = ui.painter().with_clip_rect(rect);
     let outline = tool.outline_mm();
@@ -227,7 +227,7 @@ fn draw(ui: &Ui, rect: Rect, view: &View<'_>, tool: &TurningTool) {
     let at = |z: f64, height: f64| -> Pos2 { pos2(left + z as f32 * scale, ground - height as f32 * scale) };
     let mut body: Vec<Pos2> = outline.iter().map(|(z, height)| at(*z, *height)).collect();
     painter.hline(rect.x_range(), ground, Stroke::new(theme::HAIR, view.theme.line));
-    // One trapezium a piece: the outline need not be convex.
+    // One trapezium per segment, because the outline need not be convex.
     for pair in outline.windows(2) {
         let [a, b] = [pair[0], pair[1]];
         let quad = vec![at(a.0, a.1), at(b.0, b.1), at(b.0, tall), at(a.0, tall)];

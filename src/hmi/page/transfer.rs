@@ -22,16 +22,16 @@ use crate::link::files::{Asker, FileRequest, Refusal, Ticket};
 use crate::link::media::{Direction, MediaFile, MediaView, Set, Transfer as Ask};
 use crate::link::page_command::{Guard, PageCommand};
 
-/// Height of a file's row.
+/// Height of a row of the file list.
 const ROW: f32 = 46.0;
 /// Height of the keys below.
 const KEYS: f32 = 52.0;
-/// The place of the key that overwrites in the question of it.
+/// Index of the overwrite key in its question.
 const OVERWRITE: usize = 0;
-/// Seconds between two looks at the medium while the page is open.
+/// Seconds between two checks of the USB drive while the page is open.
 const LOOK_EVERY: f64 = 2.0;
 
-/// Files are carried.
+/// Request to transfer files.
 #[derive(Debug)]
 struct Carry;
 
@@ -39,20 +39,20 @@ impl Why for Carry {
     const ASKER: Asker = Asker::Transfer;
 }
 
-/// What a question is about.
+/// Subject of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum About {
-    /// Files that are there already.
+    /// Files that exist already.
     Overwrite,
-    /// Pictures of another form.
+    /// Pictures in another format.
     Convert,
 }
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Transfer {
     set: Set,
-    /// Chosen files of the control and of the medium.
+    /// Selected files on the control and on the USB drive.
     chosen: [BTreeSet<String>; 2],
     scroll: [Scroll; 2],
     walk: Walk,
@@ -65,18 +65,18 @@ pub struct Transfer {
     looked: f64,
     /// The RS232 half.
     line: LineSide,
-    /// When the work under way was first seen, and how far it was.
+    /// When the running work was first seen, s, and its progress then, per mille.
     begun: Option<(f64, u16)>,
 }
 
 impl Transfer {
-    /// The page was opened anew.
+    /// The page was opened.
     pub fn open(&mut self) {
         let asking = std::mem::take(&mut self.asking);
         *self = Self { set: self.set, asking, looked: f64::NEG_INFINITY, ..Self::default() };
     }
 
-    /// Whether the numeric pad is wanted.
+    /// Whether the numeric pad is shown.
     #[must_use]
     pub fn wants_pad(&self) -> bool {
         self.set == Set::Serial && self.line.pad && !self.question.is_open()
@@ -182,7 +182,7 @@ impl Transfer {
         }
     }
 
-    /// What is there already: overwrite, skip, or nothing at all.
+    /// Question about existing files: overwrite, skip or cancel.
     fn overwrite(&self, names: &[String]) -> Question {
         let list = names.iter().take(6).cloned().collect::<Vec<_>>().join("  ");
         let more = if names.len() > 6 { "  …" } else { "" };
@@ -241,7 +241,7 @@ impl Transfer {
         }
     }
 
-    /// One side: its name, what is free, its files.
+    /// One side: its name, free space, its files.
     fn side(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, (side, media): (usize, &MediaView), pages: i32) {
         let (head, body) = rect.split_top_bottom_at_y(rect.min.y + 34.0);
         let name = if side == 0 { view.say("本机", "this control") } else { view.say("U 盘", "USB medium") };
@@ -341,7 +341,7 @@ impl Transfer {
         }
     }
 
-    /// How long the work will take on, once enough of it is done to tell (H8).
+    /// Remaining time, once 2 % of the work are done since its start was seen (H8).
     fn left(&self, ui: &Ui, view: &View<'_>, share: u16) -> String {
         let Some((since, from)) = self.begun.filter(|(_, from)| share >= from + 20) else { return String::new() };
         let gone = ui.input(|input| input.time) - since;
@@ -391,7 +391,7 @@ impl Transfer {
     }
 }
 
-/// K5.12: pictures that are not of the form are named with what is wrong, and can be converted.
+/// K5.12: names pictures in a wrong format with their faults, and offers to convert them.
 fn conversion(faults: &[Said]) -> Question {
     let list = |zh: bool| {
         let lines = faults.iter().take(3).map(|said| if zh { said.zh.as_str() } else { said.en.as_str() });
@@ -405,7 +405,7 @@ fn conversion(faults: &[Said]) -> Question {
     Question::new(title, Said::new(list(true), list(false)), ("question-convert", Text::new("转换", "CONVERT")))
 }
 
-/// A request that brings its answer to all who look at it, or none.
+/// A request whose answer goes to every page, or that has none.
 const fn request(request: FileRequest) -> Command {
     Command::Page(PageCommand::File(Ticket::unheard(Asker::Transfer), request))
 }

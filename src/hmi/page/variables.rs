@@ -1,4 +1,4 @@
-//! The macro variables: by number, with the labels of the current page text beside them; found by their number.
+//! Macro variables by number, with the labels of the current page text; a variable can be found by its number.
 //! Source: spec B6, B3, K7.3, K7.5, K7.7.
 
 use egui::accesskit::Role;
@@ -19,35 +19,35 @@ use crate::link::Command;
 
 /// Height of a line.
 const LINE: f32 = 46.0;
-/// Digits of a number that is searched.
+/// Digits of a searched number.
 const DIGITS: usize = 3;
 
-/// A part of the list: its first and last variable.
+/// Ranges of the list: first and last variable.
 const RANGES: [(u16, u16); 4] = [(100, 199), (200, 433), (434, 439), (500, 999)];
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Variables {
     /// What is being typed: a value, or a number to find.
     pub typing: Typing,
     scroll: Scroll,
-    /// The chosen variable; 0 before the first.
+    /// The selected variable; 0 until one is selected.
     chosen: u16,
-    /// Only those that the current page text names.
+    /// Shows only variables of the current page text.
     labelled: bool,
-    /// A number is being typed to be found.
+    /// A number to find is being typed.
     searching: bool,
-    /// Variables in a line, as last drawn.
+    /// Variables per line, as last drawn.
     columns: usize,
 }
 
-/// The control's own variables (K4).
+/// Variables that the control sets (K4).
 const fn is_read_only(variable: u16) -> bool {
     matches!(variable, 434..=439)
 }
 
 impl Variables {
-    /// The page was opened anew; the place in the list stays.
+    /// The page was opened again; selection and filter stay.
     pub fn open(&mut self) {
         let (chosen, labelled) = (self.chosen, self.labelled);
         *self = Self { chosen, labelled, ..Self::default() };
@@ -83,7 +83,7 @@ impl Variables {
         out
     }
 
-    /// What is listed.
+    /// The listed variables.
     fn numbers(&self, view: &View<'_>) -> Vec<u16> {
         if self.labelled {
             let mut found: Vec<u16> = page(view).map(|row| row.variable).collect();
@@ -131,7 +131,7 @@ impl Variables {
         self.scroll.by_hand = false;
     }
 
-    /// The number that was typed is chosen, wherever it is listed.
+    /// Selects the typed number, wherever it is listed.
     fn find(&mut self) {
         let number = self.typing.text.get(..DIGITS.min(self.typing.text.len())).and_then(|text| text.parse().ok());
         match number.filter(|number| RANGES.iter().any(|(first, last)| (*first..=*last).contains(number))) {
@@ -160,7 +160,7 @@ impl Variables {
         }
     }
 
-    /// The ranges, the page's own, and the search.
+    /// The ranges, the variables of the page, and the search.
     fn tabs(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let mut keys: Vec<(&str, String)> = RANGES
             .iter()
@@ -275,7 +275,7 @@ impl Variables {
     }
 }
 
-/// Whose labels stand beside the numbers, and whether they may be edited.
+/// Whose labels are shown, and whether the values may be edited.
 fn head(ui: &Ui, rect: Rect, view: &View<'_>) {
     let painter = ui.painter();
     let number = view.snapshot.grinding_page().unwrap_or_default();
@@ -306,7 +306,7 @@ fn label_of<'a>(view: &View<'a>, variable: u16) -> &'a str {
     page(view).find(|row| row.variable == variable).map_or("", |row| row.label.as_str())
 }
 
-/// What the control's own variables mean (K4.3, K4.5).
+/// Names of the variables that the control sets (K4.3, K4.5).
 const fn own<'a>(view: &View<'a>, variable: u16) -> &'a str {
     match variable {
         434 => view.say("量仪 X", "gauge X"),
@@ -318,7 +318,7 @@ const fn own<'a>(view: &View<'a>, variable: u16) -> &'a str {
     }
 }
 
-/// The value as executed; a null variable is a dash.
+/// Value of a variable as executed; a null variable is a dash.
 fn shown(view: &View<'_>, variable: u16) -> String {
     let value = view.snapshot.variables.get(usize::from(variable)).copied().flatten();
     value.map_or_else(|| "—".to_owned(), length)

@@ -1,6 +1,6 @@
-//! Wheel change: what is mounted and how fast it may turn; the new wheel's size and rating; and that it must be dressed
-//! before the next cycle start.
-//! Source: spec K5.17, P2; seed 000 (the dressing point is set anew after the wheel was mounted).
+//! Wheel change: the mounted wheel and its permitted speed; size and rating of the new wheel. The new wheel must be
+//! dressed before the next cycle start.
+//! Source: spec K5.17, P2; seed 000 (the dressing point is set again after the wheel is mounted).
 
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
@@ -16,27 +16,27 @@ use crate::hmi::widget::{self, Look};
 use crate::hmi::{frame as lines, theme};
 use crate::link::Command;
 
-/// What is typed for a new wheel: parameter and name.
+/// Fields of a new wheel: parameter and name.
 const FIELDS: [(Number, Text); 3] = [
     (param::WHEEL_DIAMETER, Text::new("直径", "diameter")),
     (param::WHEEL_WIDTH, Text::new("宽度", "width")),
     (param::WHEEL_RATED_SPEED, Text::new("额定线速度", "rated speed")),
 ];
-/// The place behind the fields: the key that confirms.
+/// Cursor index of the confirm key, behind the fields.
 const CONFIRM: usize = FIELDS.len();
 /// Height of a field.
 const FIELD: f32 = 52.0;
 /// Height of the banner.
 const BANNER: f32 = 58.0;
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct WheelChange {
-    /// What is being typed.
+    /// The value being typed.
     pub typing: Typing,
     cursor: usize,
     typed: [Option<f64>; FIELDS.len()],
-    /// The question is open.
+    /// The confirmation is open.
     asking: bool,
     /// Why the core refused the change.
     refused: Option<Said>,
@@ -73,7 +73,7 @@ impl WheelChange {
         out
     }
 
-    /// Whether the numeric pad is wanted.
+    /// Whether the numeric pad is shown.
     #[must_use]
     pub const fn wants_pad(&self) -> bool {
         self.typing.pad && !self.asking
@@ -109,7 +109,7 @@ impl WheelChange {
         self.typing.clear();
     }
 
-    /// The typed value, checked against its parameter's range; nothing is changed before the key that confirms.
+    /// Checks the typed value against its parameter's range and keeps it. Nothing changes before the confirmation.
     fn store(&mut self) {
         if !self.typing.text.is_empty() {
             let row = FIELDS[self.cursor].0;
@@ -134,12 +134,12 @@ impl WheelChange {
         out.push(Command::ChangeWheel { diameter_mm, width_mm, rated_m_s });
     }
 
-    /// What is typed, and what is in force where nothing is.
+    /// Typed values; where nothing is typed, the values in force.
     fn values(&self, view: &View<'_>) -> [f64; 3] {
         std::array::from_fn(|index| self.typed[index].unwrap_or_else(|| view.snapshot.params.get(FIELDS[index].0)))
     }
 
-    /// The fields of the new wheel and the key that confirms it.
+    /// The fields of the new wheel and the confirm key.
     fn new_wheel(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
         let body = group(ui, view, rect, view.say("新砂轮", "new wheel"));
         for index in 0..FIELDS.len() {
@@ -213,7 +213,7 @@ impl WheelChange {
         }
     }
 
-    /// One field; true: it was touched.
+    /// One field; true if it was touched.
     fn field(&self, ui: &Ui, rect: Rect, view: &View<'_>, index: usize) -> bool {
         let (row, name) = FIELDS[index];
         let response = ui.interact(rect, Id::unique(("wheel-field", index)), Sense::CLICK);
@@ -258,12 +258,12 @@ fn range(row: Number) -> String {
     format!("{} … {} {}", row.min, row.max, row.unit)
 }
 
-/// The speed at which the rim reaches the rating, rpm.
+/// Speed at which the rim reaches its rating, r/min.
 fn most_rpm(diameter_mm: f64, rated_m_s: f64) -> f64 {
     (rated_m_s * 60_000.0 / (std::f64::consts::PI * diameter_mm)).floor()
 }
 
-/// Whether the speed without S is too much for these values.
+/// Whether the default speed (P73) exceeds the rating of these values.
 fn too_fast(view: &View<'_>, [diameter, _, rated]: [f64; 3]) -> bool {
     view.snapshot.params.get(param::WHEEL_RPM) > most_rpm(diameter, rated)
 }
@@ -275,7 +275,7 @@ fn question(view: &View<'_>, [diameter, width, rated]: [f64; 3]) -> String {
     format!("{what} {wheel}{then}")
 }
 
-/// What must come before the next cycle start.
+/// What is required before the next cycle start.
 fn banner(ui: &Ui, rect: Rect, view: &View<'_>) {
     let painter = ui.painter();
     let params = &view.snapshot.params;
@@ -301,7 +301,7 @@ fn banner(ui: &Ui, rect: Rect, view: &View<'_>) {
     fit(painter, below, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
 }
 
-/// What is mounted and how fast it turns.
+/// The mounted wheel and its speed.
 fn present(ui: &Ui, rect: Rect, view: &View<'_>) {
     let body = group(ui, view, rect, view.say("当前砂轮", "wheel mounted"));
     let params = &view.snapshot.params;
@@ -319,7 +319,7 @@ fn present(ui: &Ui, rect: Rect, view: &View<'_>) {
     ];
     let mut at = body.min.y;
     for (index, (name, value, unit)) in rows.into_iter().enumerate() {
-        // The rating above, what turns now below.
+        // The rating above, the present speed below.
         at += if index == 4 { 14.0 } else { 0.0 };
         let line = Rect::from_min_size(pos2(body.min.x, at), vec2(body.width(), 36.0));
         figure(ui, line, view, name, &value, unit);
@@ -340,7 +340,7 @@ fn present(ui: &Ui, rect: Rect, view: &View<'_>) {
     }
 }
 
-/// Name, figure, unit.
+/// Name, value, unit.
 fn figure(ui: &Ui, rect: Rect, view: &View<'_>, name: &str, value: &str, unit: &str) {
     let painter = ui.painter();
     let (value_place, unit_place) = rect.split_left_right_at_x(rect.max.x - 46.0);
@@ -350,7 +350,7 @@ fn figure(ui: &Ui, rect: Rect, view: &View<'_>, name: &str, value: &str, unit: &
     put(painter, unit_place, Align2::RIGHT_CENTER, unit, theme::SMALL, view.theme.quiet);
 }
 
-/// A card with a title; gives its inside.
+/// A card with a title; returns its inside.
 fn group(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) -> Rect {
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(theme::PAD + 2.0, theme::PAD));

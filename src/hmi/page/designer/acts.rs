@@ -1,4 +1,4 @@
-//! What the keys of the page designer do, and the variables that a page lacks.
+//! Actions of the keys of the page designer, and the list of variables that the page lacks.
 //! Source: spec K7.3, K7.4, K6.2.
 
 use egui::{Rect, Ui, pos2, vec2};
@@ -15,7 +15,7 @@ use crate::hmi::widget::Look;
 use crate::link::Command;
 use crate::link::command::ScreenFiles;
 
-/// What a key does.
+/// Action of a key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act {
     Edit,
@@ -25,7 +25,7 @@ pub enum Act {
     Save,
     Discard,
     End,
-    /// To the grinding page.
+    /// Opens the grinding page.
     Show,
 }
 
@@ -47,7 +47,7 @@ impl Act {
 const AT_REST: &[Act] = &[Act::Edit, Act::Show];
 const EDITING: &[Act] = &[Act::Board, Act::Undo, Act::Redo, Act::Save, Act::Discard, Act::End];
 
-/// The keyboard's key with Ctrl, as on the program page.
+/// Action of a keyboard key with Ctrl, as on the program page.
 pub const fn of_control(key: egui::Key) -> Option<Act> {
     Some(match key {
         egui::Key::S => Act::Save,
@@ -58,7 +58,7 @@ pub const fn of_control(key: egui::Key) -> Option<Act> {
     })
 }
 
-/// Draws the keys; gives the one that was pressed.
+/// Draws the keys; returns the pressed one.
 pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut Designer) -> Option<Act> {
     let acts = if page.editing { EDITING } else { AT_REST };
     let width = (rect.width() + theme::GAP) / EDITING.len() as f32;
@@ -77,7 +77,7 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut Designer) -> Option<A
     pressed
 }
 
-/// A variable as the list shows it.
+/// A variable in the list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct VariableRow {
     pub variable: u16,
@@ -85,19 +85,19 @@ pub struct VariableRow {
     pub writes: bool,
     /// Program and line of its first use.
     pub place: Option<(u32, u32)>,
-    /// The comment beside it there.
+    /// The comment beside its first use.
     pub comment: String,
     /// Its label on the page.
     pub label: Option<String>,
-    /// Another page that offers it.
+    /// Another page that shows it.
     pub elsewhere: Option<u32>,
-    /// It is read, nothing gives it a value, and no page offers it: what the program reads itself has to stand on its own
-    /// page, what a program called by it reads may stand on another one.
+    /// It is read, never written, and on no page. A variable read by the program itself must be on its own page; one
+    /// read by a called program may be on another page.
     pub missing: bool,
 }
 
 impl Designer {
-    /// What the program uses and what the page offers: what is missing first, what only the program needs last.
+    /// Variables of program and page: missing ones first, internal ones of the program last.
     pub(super) fn variables(&self, view: &View<'_>) -> Vec<VariableRow> {
         let uses = self.file.as_ref().and_then(|file| file.uses.as_deref()).unwrap_or_default();
         let label =
@@ -163,7 +163,7 @@ impl Designer {
         }
     }
 
-    /// A line of the page for a variable: in the first empty entry, else before the `%`.
+    /// Adds a page entry for a variable: in the first empty entry, else before the `%`.
     pub(super) fn add(&mut self, view: &View<'_>, row: &VariableRow) {
         if !self.editing {
             return self.refuse(Said::new("先按“编辑”", "press EDIT first"));

@@ -1,5 +1,5 @@
-//! The page designer: the text of a grinding page on the left, on the right the page as it will look, the variables that
-//! its program uses, the pictures that can be taken, the mistakes by line.
+//! Page designer: the text of a grinding page on the left. On the right a preview, the variables that its program uses,
+//! the available pictures, or the errors by line.
 //! Source: spec K5.12, K6.2, K7.2–K7.4.
 
 mod acts;
@@ -33,33 +33,33 @@ use crate::link::{Command, Snapshot};
 
 /// Height of a row of keys.
 const KEYS: f32 = 46.0;
-/// Height of the line that tells what is the matter.
+/// Height of the message line.
 const TOLD: f32 = 28.0;
 
-/// What the right half shows.
+/// Tabs of the right half.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Tab {
     /// The page as it will look.
     #[default]
     Preview,
-    /// What the program uses and the page offers.
+    /// Variables of program and page.
     Variables,
-    /// Pictures that can be taken.
+    /// Available pictures.
     Pictures,
-    /// The mistakes by line.
+    /// Errors by line.
     Faults,
 }
 
 const TABS: [Tab; 4] = [Tab::Preview, Tab::Variables, Tab::Pictures, Tab::Faults];
 
-/// Which answer of the core is waited for.
+/// Request whose answer is awaited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Awaited {
-    /// Whether the text may be edited.
+    /// May the text be edited?
     Edit,
-    /// The text of this version is being saved.
+    /// Save the text of this version.
     Save(u64),
-    /// A picture is being taken.
+    /// Replace the picture.
     Picture,
 }
 
@@ -67,7 +67,7 @@ impl Why for Awaited {
     const ASKER: Asker = Asker::Designer;
 }
 
-/// What a question is about.
+/// Subject of a question.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum About {
     Conflict,
@@ -75,41 +75,41 @@ enum About {
     Picture(PictureFrom, String),
 }
 
-/// Seconds after which a page file is asked for once more, and how often: a request can be lost, a file unreadable.
+/// Seconds before a page file is requested again, and maximum number of tries: a request can be lost, a file faulty.
 const ASK_AGAIN: f64 = 0.5;
 const TRIES: u8 = 3;
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Designer {
-    /// The page that was asked for in the directory; none: that of the current program.
+    /// Page selected in the directory; none: the page of the current program.
     wanted: Option<u32>,
     document: Document,
     file: Option<Arc<PageFile>>,
     reading: Reading,
-    /// The version of the document that was read.
+    /// Page, file stamp and version of the text that was parsed last.
     read: Option<(u32, u64, u64)>,
     place: listing::Place,
     list: Scroll,
-    /// The chosen row of the list on the right.
+    /// Selected row of the list on the right.
     row: usize,
     tab: Tab,
     editing: bool,
     board: bool,
-    /// The file is to be asked for.
+    /// The file must be requested.
     stale: bool,
-    /// The page whose file was asked for last, when, and how often.
+    /// Page of the last file request, its time in s, and the number of tries.
     asked: (u32, f64, u8),
     asking: Guarded<Awaited>,
     question: Asked<About>,
     told: Option<(Said, bool)>,
     walk: Walk,
-    /// The keyboard walks over the keys instead of the text.
+    /// The keyboard moves over the keys instead of the text.
     on_keys: bool,
 }
 
 impl Designer {
-    /// The page was opened anew; `program` was chosen in the directory.
+    /// The page was opened; `program` was selected in the directory.
     pub fn open(&mut self, view: &View<'_>, program: Option<u32>) {
         if view.snapshot.page == crate::defs::page::Page::Designer {
             self.wanted = program;
@@ -119,7 +119,7 @@ impl Designer {
         self.question.close();
     }
 
-    /// The page that is designed: 1000 and the number of its files; 0: the program has none.
+    /// Number of the page: 1000 plus the number of its files. A number outside `PAGED_PROGRAMS` has no page.
     #[must_use]
     pub fn number(&self, snapshot: &Snapshot) -> u32 {
         match self.wanted {
@@ -128,13 +128,13 @@ impl Designer {
         }
     }
 
-    /// Why the last thing asked for was refused.
+    /// Why the last request was refused.
     #[must_use]
     pub fn refusal(&self) -> Option<&Said> {
         self.told.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
     }
 
-    /// The text as it stands on the page.
+    /// The text with its unsaved changes.
     #[must_use]
     pub const fn text(&self) -> &Rope {
         &self.document.rope
@@ -183,7 +183,7 @@ impl Designer {
         let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
         let (body, below) = rest.split_top_bottom_at_y(rest.max.y - KEYS - TOLD);
         let (told, keys) = below.split_top_bottom_at_y(below.min.y + TOLD);
-        // The preview needs 200 for its picture and as much for either column.
+        // The preview needs 200 points for its picture and as much for each column.
         let share = if body.width() > 900.0 { 0.40 } else { 0.34 };
         let (text, right) = body.split_left_right_at_fraction(share);
         self.title(ui, title, view);
@@ -204,7 +204,7 @@ impl Designer {
         out
     }
 
-    /// The answers of the core.
+    /// Handles the answers of the core.
     fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         while let Some(heard) = self.asking.hear(view, login) {
             match heard {
@@ -225,7 +225,7 @@ impl Designer {
         }
     }
 
-    /// The file is asked for when the page opens or shows another one; an unsaved text stays.
+    /// Requests the file when the page opens or shows another file; keeps an unsaved text.
     fn follow(&mut self, view: &View<'_>, (number, now): (u32, f64), out: &mut Vec<Command>) {
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         if self.editing && (view.snapshot.mode != Mode::Edit || !idle) {
@@ -258,7 +258,7 @@ impl Designer {
         self.file = Some(Arc::clone(file));
     }
 
-    /// Reads the text for page and mistakes when it has changed.
+    /// Parses the text after a change.
     fn read_text(&mut self) {
         let now = (self.document.number, self.document.base, self.document.version);
         if self.read != Some(now) {
@@ -285,11 +285,11 @@ impl Designer {
         out.push(self.asking.ask(Awaited::Save(self.document.version), request));
     }
 
-    /// A key of a question other than 取消, by its place.
+    /// Handles a key of a question other than 取消, by its index.
     fn answer(&mut self, about: About, key: usize, out: &mut Vec<Command>) {
         match about {
             About::Conflict if key == asking::OVERWRITE => self.save(true, out),
-            // The file is asked for, and takes the place of a text that is not changed.
+            // The requested file replaces a text without changes.
             About::Conflict => {
                 (self.document.changed, self.stale) = (false, true);
                 self.told = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
@@ -307,14 +307,14 @@ impl Designer {
         }
     }
 
-    /// What the keyboard brought.
+    /// Handles keyboard input.
     fn take_typed(&mut self, view: &View<'_>, typed: &Typed<'_>, out: &mut Vec<Command>) {
         for control in typed.controls {
             if let Some(act) = acts::of_control(*control) {
                 self.act(act, view, out);
             }
         }
-        // What is typed is for the text, wherever Tab has led: nothing of it is lost.
+        // Typed characters always go to the text, even while Tab has moved to the keys.
         self.on_keys &= !typed.text.contains(|sign: char| !sign.is_control() && sign != ' ');
         let text = self.editing && !self.on_keys;
         self.walk.begin(if text { &[] } else { typed.edits });
@@ -358,7 +358,7 @@ impl Designer {
         }
     }
 
-    /// A key of the page: the keyboard walks over it unless it types into the text.
+    /// A key of the page; the keyboard moves over it unless it edits the text.
     fn key(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, words: (&str, &str), look: Look) -> bool {
         if self.on_keys || !self.editing {
             self.walk.push(ui, view, rect, words, look)
@@ -367,7 +367,7 @@ impl Designer {
         }
     }
 
-    /// The tabs and what the chosen one shows.
+    /// The tabs and the content of the selected one.
     fn right(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, picture: Option<TextureId>) {
         let (bar, rest) = rect.split_top_bottom_at_y(rect.min.y + widget::TABS - 2.0);
         let count = |words: &str, count: usize| {
@@ -386,13 +386,13 @@ impl Designer {
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, bar.height()));
             if self.key(ui, view, place, (name, label), Look { on: tab == self.tab, locked: false }) {
                 (self.tab, self.row, self.list) = (tab, 0, Scroll::default());
-                // A medium may have been plugged in since.
+                // A USB drive may have been plugged in since.
                 self.stale |= tab == Tab::Pictures;
             }
         }
         let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::GAP), rest.max);
         match self.tab {
-            // Where the letters leave no room for the page, its mistakes are told.
+            // The letter pad leaves no room for the preview, so the errors are shown.
             Tab::Preview if self.board => self.faults(ui, rest, view),
             Tab::Preview => self.preview(ui, rest, view, picture),
             Tab::Variables => self.variable_list(ui, rest, view),

@@ -1,4 +1,4 @@
-//! How the page designer is drawn: the text with its mistakes, the page as it will look, the lists beside it.
+//! Drawing of the page designer: the text with its errors, the preview, the lists beside it.
 //! Source: spec H4, K7.2–K7.4.
 
 use egui::accesskit::Role;
@@ -23,7 +23,7 @@ use crate::link::page_file::{PictureFile, PictureFrom};
 const ROW: f32 = 50.0;
 /// Width of the key in a row.
 const KEY: f32 = 76.0;
-/// Room for the line number of the text.
+/// Width of the line number of the text.
 const NUMBER: f32 = 40.0;
 
 /// The program has no page.
@@ -74,7 +74,7 @@ impl Designer {
         self.reading.faults.iter().find(|fault| fault.line as usize == row + 1)
     }
 
-    /// The text; a line with a mistake has a red bar.
+    /// The text; a line with an error has a red bar.
     pub(super) fn listing(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, pages: i32) {
         card(ui.painter(), rect, view.theme.surface, view.theme.line);
         if self.editing {
@@ -110,7 +110,7 @@ impl Designer {
         let painter = &ui.painter().with_clip_rect(list);
         for row in first..last.min(count) {
             let top = list.min.y + ((row as f64 - self.place.scroll.top) * f64::from(height)) as f32;
-            // The numbers of a page text have two digits: the room for more is left of the list.
+            // Page texts need two-digit line numbers only; the unused width lies left of the list.
             let place = Rect::from_min_max(pos2(list.min.x - shift, top), pos2(list.max.x - 8.0, top + height));
             let cursor = (self.editing && row == line).then_some(column);
             let mark = Mark { wrong: false, cursor, ..Mark::default() };
@@ -123,7 +123,7 @@ impl Designer {
         self.place.scroll.bar(ui, view, list, height, count);
     }
 
-    /// A refusal, the mistake in the cursor's line, else how many there are.
+    /// Message line: last message, bad encoding, error in the cursor's line or else the first one, or format correct.
     pub(super) fn told(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let faults = &self.reading.faults;
         let of_file = self.file.as_ref().is_some_and(|file| file.mistaken);
@@ -142,13 +142,13 @@ impl Designer {
         fit(ui.painter(), rect.shrink2(vec2(4.0, 0.0)), Align2::LEFT_CENTER, &words, theme::LABEL, ink);
     }
 
-    /// The grinding page as it will look.
+    /// Preview of the grinding page.
     pub(super) fn preview(&self, ui: &Ui, rect: Rect, view: &View<'_>, texture: Option<TextureId>) {
         let files = view.snapshot.screens.find(self.document.number);
         grinding::preview(ui, rect, view, &self.reading.page, files, texture);
     }
 
-    /// What the program uses and what the page offers.
+    /// Variables of program and page.
     pub(super) fn variable_list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let rows = self.variables(view);
         if self.file.as_ref().is_some_and(|file| file.uses.is_none()) {
@@ -167,7 +167,7 @@ impl Designer {
         }
     }
 
-    /// The pictures that can be taken.
+    /// Available pictures.
     pub(super) fn picture_list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let Some(file) = self.file.clone() else { return };
         let (head, rest) = rect.split_top_bottom_at_y(rect.min.y + 66.0);
@@ -211,7 +211,7 @@ impl Designer {
         self.question.ask(About::Picture(chosen.from, name.clone()), question);
     }
 
-    /// The mistakes by line; a touch leads to the line.
+    /// Errors by line; a touch moves the cursor to the line.
     pub(super) fn faults(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let faults = self.reading.faults.clone();
         if faults.is_empty() {
@@ -242,7 +242,7 @@ impl Designer {
         }
     }
 
-    /// A list under a finger; `one` draws a row in the list's rectangle.
+    /// A scrolling list; `one` draws a row, given the list's and the row's rectangle.
     fn list_of(
         &mut self,
         ui: &Ui,
@@ -277,7 +277,7 @@ fn fault_words(view: &View<'_>, fault: &TextFault) -> String {
     }
 }
 
-/// The plate of a row, and its key at the right where it has one.
+/// Paints the card of a row, framed if selected; returns a painter clipped to the list.
 fn plate(ui: &Ui, view: &View<'_>, (list, place): (Rect, Rect), chosen: bool) -> egui::Painter {
     let painter = ui.painter().with_clip_rect(list);
     card(&painter, place, if chosen { view.theme.raised } else { view.theme.surface }, view.theme.line);
@@ -288,7 +288,7 @@ fn plate(ui: &Ui, view: &View<'_>, (list, place): (Rect, Rect), chosen: bool) ->
 }
 
 impl Designer {
-    /// Number, how the program uses it, its label on the page; true when it is to be added.
+    /// Number, use by the program, label on the page; true when it is to be added.
     fn variable_row(
         &mut self,
         ui: &Ui,
@@ -340,7 +340,7 @@ impl Designer {
             && self.key(ui, view, key, (&format!("add-{index}-{name}"), view.say("加入", "ADD")), Look::default())
     }
 
-    /// Name, place and size of a picture; true when it is to be taken.
+    /// Name, folder and size of a picture; true when it is to be used.
     fn picture_row(
         &mut self,
         ui: &Ui,

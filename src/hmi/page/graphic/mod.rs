@@ -1,5 +1,5 @@
-//! The drawing: tool path from a check run, part, wheel and the way really gone; zoomed by fingers, wheel or keys. Extents
-//! and time are told before the first cycle start.
+//! Drawing: tool path from a check run, part, wheel and actual path, with zoom by fingers, wheel or keys. Extents and
+//! time are shown before the first cycle start.
 //! Source: spec B6 (图形), H8, H9.
 
 mod paint;
@@ -27,19 +27,19 @@ use paint::{Camera, Canvas};
 const KEYS: f32 = 46.0;
 /// Width of the figures beside the drawing.
 const FIGURES: f32 = 196.0;
-/// Most points of the way really gone; then every second one is left out.
+/// Maximum number of points of the actual path; when full, every second point is removed.
 const TRAIL: usize = 8_000;
-/// Seconds after which a request without an answer is made again.
+/// Seconds after which an unanswered request is repeated.
 const AGAIN: f64 = 1.0;
-/// A step of zoom by key.
+/// Zoom factor of a key press.
 const ZOOM: f32 = 1.5;
-/// A step of moving by key, share of the canvas.
+/// Pan distance of a key press, as a share of the canvas.
 const MOVE: f32 = 0.15;
 
-/// The plane that is looked at: the axis to the right and the one upwards.
+/// View plane: the axis to the right and the axis upwards.
 pub type PlaneOf = (Axis, Axis);
 
-/// A path was asked for.
+/// Request for a tool path.
 #[derive(Debug)]
 struct Path;
 
@@ -47,18 +47,18 @@ impl Why for Path {
     const ASKER: Asker = Asker::Graphic;
 }
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Graphic {
     camera: Option<Camera>,
     plane: usize,
     canvas: Canvas,
-    /// Program and text for which a path was asked, and when.
+    /// Program and text stamp of the last request, and its time in s.
     asked: Option<((u32, u64), f64)>,
     asking: Asking<Path>,
-    /// The way really gone, X Y Z.
+    /// Actual path X Y Z, mm, work coordinates, X as radius.
     trail: Vec<[f32; 3]>,
-    /// Places along Z that were touched to be measured, two at most (L10).
+    /// Touched Z positions to measure, mm, two at most (L10).
     touched: Vec<f32>,
     walk: Walk,
 }
@@ -68,7 +68,7 @@ const fn index(axis: Axis) -> usize {
 }
 
 impl Graphic {
-    /// Notes where the machine is; called in every frame, whichever page is open.
+    /// Records the machine position; called in every frame, whichever page is open.
     pub fn follow(&mut self, view: &View<'_>) {
         let at = position(view);
         let running = view.snapshot.state == crate::link::snapshot::RunState::Running;
@@ -100,7 +100,7 @@ impl Graphic {
         let wanted = (program.number, program.stamp);
         let now = ui.input(|input| input.time);
         while self.asking.hear(&view.snapshot.files).is_some() {}
-        // A request that nobody answered is made again; one that was refused or cancelled is not.
+        // An unanswered request is repeated; a refused or cancelled one is not.
         let due = self.asked.is_none_or(|(of, when)| of != wanted || self.asking.waits() && now - when > AGAIN);
         if !fresh && due && view.snapshot.files.busy.is_none() {
             self.redraw(wanted, now, &mut out);
@@ -187,7 +187,7 @@ impl Graphic {
     }
 
     fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], out: &mut Vec<Command>) {
-        // The arrows move the drawing: the keys are walked by Tab.
+        // The arrow keys pan the drawing, so Tab moves over the keys.
         let walked: Vec<Edit> =
             edits.iter().copied().filter(|edit| matches!(edit, Edit::Next | Edit::Previous | Edit::Enter)).collect();
         self.walk.begin(&walked);
@@ -235,7 +235,7 @@ impl Graphic {
     }
 }
 
-/// Where the wheel's reference point is: X Y Z, mm, radius, work coordinates.
+/// Position of the wheel's reference point: X Y Z, mm, X as radius, work coordinates.
 fn position(view: &View<'_>) -> [f32; 3] {
     Axis::ALL.map(|axis| {
         let halved = if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
@@ -249,7 +249,7 @@ fn duration(seconds: f64) -> String {
     format!("{:02}:{:02}:{:02}", whole / 3_600, whole / 60 % 60, whole % 60)
 }
 
-/// Time, way, extents; what is wrong.
+/// Time, distance, extents, errors.
 fn figures_of(ui: &Ui, rect: Rect, view: &View<'_>, drawing: Option<&Arc<Drawing>>, fresh: bool) {
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(10.0, 8.0));
@@ -301,7 +301,7 @@ fn figures_of(ui: &Ui, rect: Rect, view: &View<'_>, drawing: Option<&Arc<Drawing
     paragraph(ui.painter(), below, &words, theme::LABEL, ink);
 }
 
-/// A bar over the drawing while a path is computed.
+/// Progress bar over the drawing while a path is computed.
 fn progress(ui: &Ui, rect: Rect, view: &View<'_>, what: Text, share: u16) {
     let place = Rect::from_center_size(rect.center(), vec2(340.0_f32.min(rect.width() - 24.0), 74.0));
     card(ui.painter(), place, view.theme.raised, view.theme.focus);
@@ -315,7 +315,7 @@ fn progress(ui: &Ui, rect: Rect, view: &View<'_>, what: Text, share: u16) {
     ui.painter().rect_filled(done, theme::RADIUS, view.theme.focus);
 }
 
-/// The box that holds everything, or a hand's breadth around the machine's place.
+/// The given box; without one a box of ±50 mm around the machine position.
 fn or_here(around: Option<Around>, here: [f32; 3]) -> Around {
     around.unwrap_or(Around { low: here.map(|at| at - 50.0), high: here.map(|at| at + 50.0) })
 }

@@ -1,5 +1,5 @@
-//! What is painted of the scene: grid, part, path, the way gone, the wheel. The path is one mesh, made anew only when
-//! drawing, plane or camera change; outside the canvas nothing is made.
+//! Painting of the scene: grid, part, tool path, actual path, wheel. The tool path is one mesh. It is rebuilt only when
+//! drawing, plane, camera or canvas change. Pieces outside the canvas are left out.
 //! Source: spec B6, H8 (16 ms a frame), H9.
 
 use std::sync::Arc;
@@ -15,28 +15,28 @@ use crate::hmi::view::{View, put};
 use crate::link::drawing::{Around, Drawing, PIECE, Way};
 use crate::units::Axis;
 
-/// Most lines of the path in a frame; above that a coarser degree of detail is taken.
+/// Maximum number of path lines per frame; above that a coarser level of detail is used.
 const MOST_LINES: usize = 24_000;
-/// Share of a pixel that may be missing.
+/// Maximum error of the simplified path, pixels.
 const MISSING: f32 = 0.6;
-/// Limits of the scale, pixels a mm.
+/// Limits of the scale, pixels per mm.
 const SCALES: std::ops::RangeInclusive<f32> = 0.01..=20_000.0;
-/// Pixels between two lines of the grid, at least.
+/// Minimum distance of two grid lines, pixels.
 const GRID: f32 = 70.0;
 
-/// Where one looks.
+/// Section of the plane that is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// mm in the middle of the canvas: to the right, upwards.
+    /// Centre of the canvas, mm: to the right, upwards.
     middle: (f32, f32),
-    /// Pixels a mm.
+    /// Pixels per mm.
     scale: f32,
-    /// Everything is to be seen; it stays so until it is moved.
+    /// Everything is in view; true until the operator pans or zooms.
     pub fitted: bool,
 }
 
 impl Camera {
-    /// Everything in sight.
+    /// A camera that shows everything.
     pub fn fit(whole: Around, (right, up): PlaneOf, rect: Rect) -> Self {
         let (right, up) = (index(right), index(up));
         let size = |axis: usize| (whole.high[axis] - whole.low[axis]).max(1.0);
@@ -45,7 +45,7 @@ impl Camera {
         Self { middle: (middle(right), middle(up)), scale: scale.clamp(*SCALES.start(), *SCALES.end()), fitted: true }
     }
 
-    /// Moves by pixels.
+    /// Pans by pixels.
     pub fn shift(&mut self, by: Vec2) {
         if by != Vec2::ZERO {
             self.middle.0 -= by.x / self.scale;
@@ -54,7 +54,7 @@ impl Camera {
         }
     }
 
-    /// Zooms around a place, pixels from the middle.
+    /// Zooms around `about`, pixels from the centre.
     pub fn zoom(&mut self, factor: f32, about: Vec2) {
         let scale = (self.scale * factor).clamp(*SCALES.start(), *SCALES.end());
         if !scale.is_finite() || (scale / self.scale - 1.0).abs() < 1e-4 {
@@ -65,42 +65,42 @@ impl Camera {
         (self.scale, self.fitted) = (scale, false);
     }
 
-    /// mm to the right at a place of the canvas.
+    /// Coordinate to the right at a canvas position, mm.
     pub fn right_at(&self, rect: Rect, at: Pos2) -> f32 {
         self.middle.0 + (at.x - rect.center().x) / self.scale
     }
 
-    /// Where a point lies on the canvas.
+    /// Canvas position of a point in mm.
     pub fn place(&self, rect: Rect, right: f32, up: f32) -> Pos2 {
         let centre = rect.center();
         pos2(centre.x + (right - self.middle.0) * self.scale, centre.y - (up - self.middle.1) * self.scale)
     }
 
-    /// What is in sight, mm: least and greatest to the right, least and greatest upwards.
+    /// Visible range, mm: least and greatest to the right, least and greatest upwards.
     fn sight(&self, rect: Rect) -> [f32; 4] {
         let (wide, high) = (rect.width() / 2.0 / self.scale, rect.height() / 2.0 / self.scale);
         [self.middle.0 - wide, self.middle.0 + wide, self.middle.1 - high, self.middle.1 + high]
     }
 }
 
-/// What is to be painted.
+/// What is painted.
 pub struct Scene<'a> {
     pub drawing: Option<&'a Arc<Drawing>>,
     pub plane: PlaneOf,
     pub camera: Camera,
     pub trail: &'a [[f32; 3]],
-    /// Places along Z that were touched to be measured (L10).
+    /// Touched Z positions to measure, mm (L10).
     pub touched: &'a [f32],
 }
 
-/// The mesh of the path, as it was painted last.
+/// Mesh of the tool path as last painted.
 #[derive(Debug, Default)]
 pub struct Canvas {
     of: Option<(Arc<Drawing>, PlaneOf, Camera, Rect)>,
     mesh: Arc<Mesh>,
 }
 
-/// The box around path, part and the way gone.
+/// Bounding box of tool path, part and bar; without a drawing also of the actual path.
 pub fn whole(view: &View<'_>, drawing: Option<&Arc<Drawing>>, trail: &[[f32; 3]]) -> Around {
     let mut all: Option<Around> = drawing.and_then(|drawing| drawing.around());
     let mut take = |low: [f32; 3], high: [f32; 3]| {
@@ -149,7 +149,7 @@ impl Canvas {
     }
 }
 
-/// The least round number of mm that is not below a length.
+/// Smallest of 1, 2, 5 × 10ⁿ mm that is not below a length.
 fn round_up(length: f32) -> f32 {
     let power = 10.0_f32.powf(length.max(1e-6).log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|step| step * power).find(|step| *step >= length).unwrap_or(10.0 * power)
@@ -162,7 +162,7 @@ struct GridLine {
     value: f32,
 }
 
-/// The lines in sight, and their distance.
+/// The distance of the grid lines, mm, and the visible lines.
 fn grid(rect: Rect, camera: Camera) -> (f32, Vec<GridLine>) {
     let step = round_up(GRID / camera.scale);
     let [left, right, low, high] = camera.sight(rect);
@@ -188,7 +188,7 @@ fn grid_lines(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera) {
     }
 }
 
-/// What the lines stand for, over part and wheel.
+/// Coordinates of the grid lines, above part and wheel.
 fn grid_labels(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     let (step, lines) = grid(rect, scene.camera);
     let digits = if step >= 1.0 { 0 } else { (-step.log10()).ceil() as usize };
@@ -228,7 +228,7 @@ fn stock(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     }
 }
 
-/// The path as one mesh: the coarsest degree of detail that shows no difference, or one that is few enough.
+/// The path as one mesh: the coarsest level of detail without a visible error, or a coarser one with few enough lines.
 fn path(drawing: &Drawing, scene: &Scene<'_>, rect: Rect, view: &View<'_>) -> Mesh {
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let sight = scene.camera.sight(rect);
@@ -246,7 +246,7 @@ fn path(drawing: &Drawing, scene: &Scene<'_>, rect: Rect, view: &View<'_>) -> Me
     };
     let mut mesh = Mesh::default();
     let colours = [view.theme.quiet, view.theme.info];
-    // A path that is denser than any degree of detail: every so many pieces keep a frame short.
+    // A path too dense for every level of detail: pieces are skipped to keep the frame short.
     let visible: Vec<usize> = (0..level.pieces.len()).filter(|piece| seen(&level.pieces[*piece])).collect();
     let every = (visible.len() * PIECE / (2 * MOST_LINES)).max(1);
     for piece in visible.into_iter().step_by(every) {
@@ -270,7 +270,7 @@ fn path(drawing: &Drawing, scene: &Scene<'_>, rect: Rect, view: &View<'_>) -> Me
     mesh
 }
 
-/// The part of a line inside a rectangle: a corner far outside would lose its pixels to rounding.
+/// The part of a line inside a rectangle. A corner far outside would lose precision.
 fn clipped(from: Pos2, to: Pos2, rect: Rect) -> Option<(Pos2, Pos2)> {
     let (way, mut begin, mut end) = (to - from, 0.0_f32, 1.0_f32);
     let sides = [
@@ -306,7 +306,7 @@ fn segment(mesh: &mut Mesh, from: Pos2, to: Pos2, width: f32, colour: Color32) {
     mesh.indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
 }
 
-/// The way that the machine has really gone.
+/// Paints the actual path of the machine.
 fn trail(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let mut mesh = Mesh::default();
@@ -319,7 +319,7 @@ fn trail(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     painter.add(Shape::mesh(mesh));
 }
 
-/// Where the check run has met something: a cross each (L9).
+/// Marks each collision of the check run with a cross (L9).
 fn crashes(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     let Some(drawing) = scene.drawing else { return };
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
@@ -334,16 +334,16 @@ fn crashes(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     }
 }
 
-/// The wheel where it is now; its reference point is its lowest or foremost point at the side towards minus.
+/// Paints the wheel at its present position. Its reference point is the lowest or foremost point on the minus side.
 fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     let at = position(view);
     let (right, up) = scene.plane;
     let params = &view.snapshot.params;
     let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);
-    // The axis towards which the wheel's body lies, and the one along its spindle.
     let here = scene.camera.place(rect, at[index(right)], at[index(up)]);
+    // `body`: axis towards which the wheel's body lies; `spindle`: axis along its spindle.
     let Some(WheelPose { body, spindle, by_centre }) = view.snapshot.kind.wheel_pose() else {
-        // Without a bar a turning tool is its tip.
+        // Without a bar a turning tool is shown as its tip.
         match room::of(view) {
             Some(_) => room::tool(painter, rect, view, scene.camera, at),
             None => drop(painter.circle_filled(here, 3.5, view.theme.hold)),
@@ -353,7 +353,7 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
     let stroke = Stroke::new(theme::FRAME, view.theme.hold);
     let fill = view.theme.hold.gamma_multiply(0.18);
     if right != spindle && up != spindle {
-        // Seen along the spindle: a circle that stands on its lowest point.
+        // Seen along the spindle: a circle above its lowest point.
         let radius = diameter / 2.0 * scene.camera.scale;
         if radius < 4_000.0 {
             let centre = if up == body { here - vec2(0.0, radius) } else { here + vec2(radius, 0.0) };
@@ -369,7 +369,7 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
         if body == right || body == up {
             far[index(body)] += diameter;
         } else {
-            // Seen against the wheel's way down: the length that stands over the part.
+            // Seen along the `body` axis: half the diameter is drawn across the spindle.
             let across = if spindle == right { up } else { right };
             far[index(across)] += diameter / 2.0;
         }
@@ -401,7 +401,7 @@ mod tests {
         camera.zoom(3.0, finger);
         let after = under(&camera);
         assert!((before.0 - after.0).abs() < 1e-3 && (before.1 - after.1).abs() < 1e-3);
-        // No zoom leads out of what can be drawn.
+        // No zoom leaves the range that can be drawn.
         (0..200).for_each(|_| camera.zoom(10.0, finger));
         assert!(camera.scale <= *SCALES.end() && camera.middle.0.is_finite());
         camera.zoom(f32::NAN, finger);

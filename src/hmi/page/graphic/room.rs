@@ -1,4 +1,4 @@
-//! A lathe's working room in the drawing: bar as it is cut, chuck, tool in front, and what is measured by touch.
+//! Lathe scene in the drawing: bar as it is cut, chuck, active tool, and diameters and lengths measured by touch.
 //! Source: spec L9 (live while cutting), L10 (a finished part can be measured).
 
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
@@ -11,17 +11,17 @@ use crate::link::drawing::Around;
 use crate::link::simulated::RoomView;
 use crate::units::Axis;
 
-/// How far the shank is drawn over the tip, mm.
+/// Length of the shank drawn above the tip, mm.
 const SHANK_MM: f32 = 40.0;
-/// Cells that differ by less are one step of the outline, mm.
+/// Cells whose radii differ by less are one step of the outline, mm.
 const SAME_MM: f32 = 0.000_5;
 
-/// The room of the simulated machine.
+/// Working area of the simulated lathe.
 pub fn of<'a>(view: &'a View<'_>) -> Option<&'a RoomView> {
     view.snapshot.simulated.as_deref()?.room.as_ref()
 }
 
-/// From part to work coordinates, X and Z.
+/// Offset from part to work coordinates, X and Z, mm.
 fn shift(view: &View<'_>, room: &RoomView) -> (f32, f32) {
     let minus = |axis: Axis| {
         let factor = if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
@@ -31,7 +31,7 @@ fn shift(view: &View<'_>, room: &RoomView) -> (f32, f32) {
     (room.zero_mm.0 - minus(Axis::X), room.zero_mm.1 - minus(Axis::Z))
 }
 
-/// The box around the bar, work coordinates.
+/// Bounding box of the bar, mm, work coordinates.
 pub fn around(view: &View<'_>) -> Option<Around> {
     let room = of(view)?;
     let (x, z) = shift(view, room);
@@ -51,7 +51,7 @@ pub fn paint(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) 
         painter.rect_stroke(place, 0.0, Stroke::new(theme::FRAME, view.theme.quiet), StrokeKind::Inside);
     }
     let end = room.z_from_mm + room.cell_mm * room.radius_mm.len() as f32;
-    // What the bar was: a hairline around what has been cut away.
+    // Outline of the original bar, as a hairline.
     let stock = both(room.z_from_mm, end, room.stock_mm);
     painter.rect_stroke(stock, 0.0, Stroke::new(theme::HAIR, view.theme.line), StrokeKind::Inside);
     let fill = view.theme.quiet.gamma_multiply(0.45);
@@ -76,7 +76,7 @@ pub fn paint(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) 
     painter.line_segment([at(room.z_from_mm, 0.0), at(end + 5.0, 0.0)], axis);
 }
 
-/// Paints the tool in front, its tip where the slides are now.
+/// Paints the active tool; `slides` is the position of the slides.
 pub fn tool(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera, slides: [f32; 3]) {
     let Some(room) = of(view) else { return };
     let (x, z) = (slides[Axis::X as usize] + room.tip_mm.0, slides[Axis::Z as usize] + room.tip_mm.1);
@@ -96,14 +96,14 @@ pub fn tool(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera, slid
     painter.circle_filled(at(0.0, 0.0), 3.0, ink);
 }
 
-/// Diameter of the bar at a place along Z, work coordinates; none beside it.
+/// Diameter of the bar at a Z position, mm, work coordinates; none beside the bar.
 pub fn diameter_at(view: &View<'_>, along: f32) -> Option<f32> {
     let room = of(view)?;
     let cell = (along - shift(view, room).1 - room.z_from_mm) / room.cell_mm;
     (cell >= 0.0).then(|| room.radius_mm.get(cell as usize).map(|radius| 2.0 * radius)).flatten()
 }
 
-/// Paints the places that were touched: the diameter at each, and how far they lie apart.
+/// Paints the measured positions: the diameter at each, and their distance.
 pub fn measured(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera, places: &[f32]) {
     let Some(room) = of(view) else { return };
     let x = shift(view, room).0;

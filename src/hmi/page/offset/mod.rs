@@ -14,13 +14,13 @@ use crate::link::Command;
 use crate::link::edit::Part;
 use table::{Form, How, Table};
 
-/// What the page takes.
+/// Entry modes of this page.
 const HOWS: [How; 3] = [How::Absolute, How::Increment, How::Measured];
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Offset {
-    /// The table and what is being typed in it.
+    /// The table and the value being typed.
     pub table: Table,
 }
 

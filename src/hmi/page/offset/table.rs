@@ -1,5 +1,5 @@
-//! The table of offsets that the offset page and the dressing page share: cursor, what is typed and how it is meant.
-//! An increment or a measurement is meant once: the next value is absolute again.
+//! Offset table, shared by offset page and dressing page: cursor, typed value and entry mode.
+//! An increment or a measurement applies to one value; the next value is absolute again.
 //! Source: spec K4.1, K7.6, H6.
 
 use egui::accesskit::Role;
@@ -19,32 +19,32 @@ use crate::units::Axis;
 
 /// Height of a line.
 const LINE: f32 = 46.0;
-/// Height of the head: parts, axes.
+/// Heights of the two header lines: parts, axes.
 const HEAD: (f32, f32) = (22.0, 22.0);
-/// Width of the offset's number.
+/// Width of the offset number.
 const NUMBER: f32 = 46.0;
-/// Most columns: two parts of three axes.
+/// Maximum number of columns: two parts of three axes.
 const COLUMNS: usize = 6;
 
-/// How a typed value is meant.
+/// How a typed value is applied.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum How {
-    /// In place of the old one.
+    /// Replaces the old value.
     #[default]
     Absolute,
-    /// Added to it: U, V, W.
+    /// Is added to the old value: U, V, W.
     Increment,
-    /// The axis stands at this work coordinate.
+    /// Is the present work coordinate of the axis.
     Measured,
 }
 
-/// What a page makes of the table.
+/// Configuration of the table by its page.
 pub struct Form<'a> {
-    /// The page's word.
+    /// Id of the page.
     pub id: &'a str,
     /// Columns from the left.
     pub columns: &'a [(Part, Axis)],
-    /// How values may be meant.
+    /// Entry modes that the page offers.
     pub hows: &'a [How],
     /// Wear, increments and measurements are locked by P22.0.
     pub locked: bool,
@@ -57,10 +57,10 @@ pub fn columns(view: &View<'_>, parts: &[Part]) -> Vec<(Part, Axis)> {
     parts.iter().flat_map(|part| axes().map(|axis| (*part, axis))).collect()
 }
 
-/// What the table keeps.
+/// State of the table.
 #[derive(Debug, Default)]
 pub struct Table {
-    /// What is being typed.
+    /// The value being typed.
     pub typing: Typing,
     row: usize,
     column: usize,
@@ -69,12 +69,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// The page was opened anew.
+    /// The page was opened; the offset in force is selected.
     pub fn open(&mut self, in_force: usize) {
         *self = Self { row: in_force.saturating_sub(1), ..Self::default() };
     }
 
-    /// Takes what was typed in this frame.
+    /// Handles the keyboard input of this frame.
     pub fn take(&mut self, view: &View<'_>, typed: &Typed<'_>, form: &Form<'_>) -> Vec<Command> {
         if let Heard::Refused(field) = self.typing.hear(&view.snapshot.edit) {
             let cell = field / form.hows.len();
@@ -92,7 +92,7 @@ impl Table {
         out
     }
 
-    /// U, V, W begin an increment of the wear; X, Y, Z choose an axis; M begins a measurement.
+    /// U, V, W start an increment of the wear; X, Y, Z select an axis; M starts a measurement.
     fn letter(&mut self, sign: char, form: &Form<'_>) {
         let part = form.columns.get(self.column).map_or(Part::Wear, |(part, _)| *part);
         let (part, axis, how) = match sign.to_ascii_uppercase() {
@@ -181,7 +181,7 @@ impl Table {
         }
     }
 
-    /// The keys that say how the next value is meant.
+    /// The keys that select the entry mode of the next value.
     pub fn hows(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, form: &Form<'_>) {
         let key = |how: &How| match how {
             How::Absolute => ("how-absolute", view.say("绝对值", "VALUE").to_owned()),
@@ -197,7 +197,7 @@ impl Table {
         }
     }
 
-    /// Draws head and lines.
+    /// Draws header and lines.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, form: &Form<'_>) {
         let (head, list) = rect.split_top_bottom_at_y(rect.min.y + HEAD.1 + parts_height(form));
         head_line(ui, head, view, form);
@@ -239,7 +239,7 @@ impl Table {
                     self.go(row * form.columns.len() + column, form);
                     self.how = how;
                 }
-                // The finger knows where it is: the list stays.
+                // After a touch the list must not scroll.
                 self.scroll.by_hand = true;
                 self.typing.pad = true;
             }
@@ -292,13 +292,13 @@ fn cell(line: Rect, column: usize, form: &Form<'_>) -> Rect {
     Rect::from_min_size(corner, vec2(width - 4.0, line.height()))
 }
 
-/// One part alone needs no name.
+/// A single part needs no caption.
 fn parts_height(form: &Form<'_>) -> f32 {
     let first = form.columns.first().map(|column| column.0);
     if form.columns.iter().all(|column| Some(column.0) == first) { 0.0 } else { HEAD.0 }
 }
 
-/// Parts over axes; a lock where P22.0 forbids.
+/// Parts above axes; a lock where P22.0 forbids editing.
 fn head_line(ui: &Ui, rect: Rect, view: &View<'_>, form: &Form<'_>) {
     let painter = ui.painter();
     let (parts, axes) = rect.split_top_bottom_at_y(rect.min.y + parts_height(form));

@@ -1,13 +1,13 @@
-//! The list of parameters: which lines there are, what a search finds, where the cursor goes. Nothing is drawn here.
+//! Parameter list: its lines, search results and cursor moves. Nothing is drawn here.
 //! Source: spec B6.
 
 use crate::defs::kind::Kind;
 use crate::defs::param_row::{ParamRow, Sort, rows};
 
-/// What the tabs let through.
+/// Filter of the tabs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Part {
-    /// Everything.
+    /// All parameters.
     #[default]
     All,
     /// Bits.
@@ -21,14 +21,14 @@ pub enum Part {
 /// One line of the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line {
-    /// The bits of a parameter, bit 7 first; each one the index of its row.
+    /// Parameter number and its bits, bit 7 first, as row indices.
     Bits(u16, [Option<usize>; 8]),
-    /// One number or port: the index of its row.
+    /// Row index of one number or port.
     One(usize),
 }
 
 impl Line {
-    /// Its rows, from the left.
+    /// The rows of the line, from the left.
     pub fn rows(&self) -> impl Iterator<Item = usize> {
         let (bits, one) = match self {
             Self::Bits(_, bits) => (*bits, None),
@@ -38,22 +38,22 @@ impl Line {
     }
 }
 
-/// Rows of a kind and the lines that the search lets through.
+/// Parameters of a kind of machine, and the lines that match tab and search.
 #[derive(Debug, Default)]
 pub struct List {
     kind: Option<Kind>,
     part: Part,
     search: String,
-    /// Every parameter of the kind.
+    /// All parameters of the kind.
     pub rows: Vec<ParamRow>,
-    /// What is shown.
+    /// The lines shown.
     pub lines: Vec<Line>,
-    /// Whether each row was found: the other bits of its line are only company.
+    /// Whether each row matches; the other bits of a matching line are shown, too.
     pub found: Vec<bool>,
 }
 
 impl List {
-    /// Brings the lines up to date; true when they are others than before.
+    /// Updates the lines; true if they changed.
     pub fn update(&mut self, kind: Kind, part: Part, search: &str) -> bool {
         let same = self.kind == Some(kind) && self.part == part && self.search == search;
         if same {
@@ -85,7 +85,7 @@ impl List {
         true
     }
 
-    /// The first row that was found.
+    /// The first row that matches.
     #[must_use]
     pub fn first(&self) -> Option<usize> {
         self.lines.iter().flat_map(Line::rows).find(|row| self.found[*row])
@@ -97,7 +97,7 @@ impl List {
         self.lines.iter().position(|line| line.rows().any(|other| other == row))
     }
 
-    /// The row so many lines further, on the same bit or the nearest one.
+    /// The row `lines` further down, on the same bit or the nearest one.
     #[must_use]
     pub fn below(&self, row: usize, lines: isize) -> Option<usize> {
         let here = self.line_of(row)?;
@@ -107,7 +107,7 @@ impl List {
         self.lines[there].rows().min_by_key(apart)
     }
 
-    /// The row before or after, whatever its line.
+    /// The next or previous row, across lines.
     #[must_use]
     pub fn beside(&self, row: usize, forward: bool) -> Option<usize> {
         let all: Vec<usize> = self.lines.iter().flat_map(Line::rows).collect();
@@ -126,7 +126,7 @@ fn is_in(row: &ParamRow, part: Part) -> bool {
     }
 }
 
-/// A number is looked for from its front, a word anywhere in the name of either language or in the id.
+/// A number matches from its first digit; a word matches anywhere in either name or in the id.
 fn fits(row: &ParamRow, wanted: &str) -> bool {
     if wanted.is_empty() {
         return true;

@@ -1,4 +1,4 @@
-//! The parameters: bits in rows of eight, numbers and ports, with search; typed here, decided by the core.
+//! Parameters: bits in rows of eight, numbers and ports, with search. Values are typed here and checked by the core.
 //! Source: spec B6, H6, K6.1.
 
 mod list;
@@ -24,61 +24,61 @@ use crate::link::Command;
 use crate::link::page_command::{Guard, PageCommand};
 use list::{List, Part};
 
-/// Characters that a search may have.
+/// Maximum length of a search, characters.
 const LONGEST: usize = 14;
-/// The tabs.
+/// Filters of the tabs.
 const PARTS: [Part; 4] = [Part::All, Part::Bits, Part::Numbers, Part::Ports];
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Params {
     part: Part,
     search: String,
-    /// What is typed goes into the search.
+    /// Typed characters go to the search.
     searching: bool,
     list: List,
     scroll: Scroll,
-    /// Index of the chosen row.
+    /// Index of the selected row.
     cursor: usize,
     /// The value being typed.
     pub typing: Typing,
-    /// A value that waits for the password of its level.
+    /// Row and value that wait for the password of the level.
     waiting: Option<(usize, f64)>,
-    /// The tables of the screws are shown instead.
+    /// The leadscrew tables are shown instead.
     screws: bool,
-    /// What their sheet keeps.
+    /// The leadscrew tab.
     pub screw: screw::Screw,
 }
 
 impl Params {
-    /// The page was opened anew: nothing is being typed.
+    /// The page was opened: nothing is being typed.
     pub fn open(&mut self) {
         let (part, cursor, screws) = (self.part, self.cursor, self.screws);
         *self = Self { part, cursor, screws, ..Self::default() };
     }
 
-    /// What is being typed.
+    /// The value being typed.
     #[must_use]
     pub const fn typing(&self) -> &Typing {
         if self.screws { &self.screw.typing } else { &self.typing }
     }
 
-    /// Whether words are being typed.
+    /// Whether a search is being typed.
     #[must_use]
     pub const fn searches(&self) -> bool {
         self.searching
     }
 
-    /// Whether the numeric pad is wanted.
+    /// Whether the numeric pad is shown.
     #[must_use]
     pub const fn wants_pad(&self) -> bool {
         if self.screws { self.screw.typing.pad } else { self.typing.pad && !self.searching }
     }
 
-    /// Draws the page; gives the commands of what was typed.
+    /// Draws the page; returns its commands.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
-        // Ctrl+P turns through the tabs.
+        // Ctrl+P selects the next tab.
         if typed.controls.contains(&egui::Key::P) && !login.is_open() {
             let tab =
                 if self.screws { PARTS.len() } else { PARTS.iter().position(|part| *part == self.part).unwrap_or(0) };
@@ -129,7 +129,7 @@ impl Params {
         out
     }
 
-    /// The value that a password was asked for goes out as soon as the level is open; without it, it is dropped.
+    /// Sends the waiting value once its level is unlocked; drops it if the password is not given.
     fn send_waiting(&mut self, view: &View<'_>, login: &Login, out: &mut Vec<Command>) {
         let Some((row, value)) = self.waiting else { return };
         let Some(row) = self.list.rows.get(row) else { return };
@@ -141,7 +141,7 @@ impl Params {
         }
     }
 
-    /// Tabs, the search field, and who is at the panel.
+    /// Tabs, search field and access level.
     fn top(&mut self, ui: &Ui, places: &paint::Places, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let keys = [
             ("params-all", view.say("全部", "ALL").to_owned()),
@@ -170,14 +170,14 @@ impl Params {
         self.level(ui, places, view, login, out);
     }
 
-    /// Another tab; the last is that of the screws.
+    /// Selects a tab; the last one is that of the leadscrews.
     fn turn_to(&mut self, tab: usize) {
         self.screws = tab == PARTS.len();
         self.part = PARTS.get(tab).copied().unwrap_or(self.part);
         (self.typing.pad, self.screw.typing.pad) = (false, false);
     }
 
-    /// Who is at the panel.
+    /// The key that shows, unlocks or locks the access level.
     fn level(&self, ui: &Ui, places: &paint::Places, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let level = view.snapshot.access.level;
         if paint::level_key(ui, view, places.level, level) {
@@ -191,7 +191,7 @@ impl Params {
         }
     }
 
-    /// The lines that there is room for.
+    /// The visible lines.
     fn lines(&mut self, ui: &Ui, places: &paint::Places, view: &View<'_>, typed: &Typed<'_>) {
         if self.list.lines.is_empty() {
             paint::nothing(ui.painter(), view, places.list);
@@ -230,7 +230,7 @@ impl Params {
         self.cursor = row;
     }
 
-    /// What was typed: into the search while it is open, else into the value; a letter begins a search.
+    /// Handles typed input: for the search while it is open, else for the value. A letter opens the search.
     fn take(&mut self, typed: &Typed<'_>, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let begins = |sign: char| sign == '/' || sign.is_alphabetic();
         if !self.searching && typed.text.starts_with(begins) {
@@ -269,10 +269,10 @@ impl Params {
         self.reveal(row);
     }
 
-    /// Brings a row into sight.
+    /// Scrolls to a row.
     fn reveal(&mut self, row: usize) {
         if let Some(line) = self.list.line_of(row) {
-            // The height is that of the last frame's list; a line more or less does not matter to `show`.
+            // An approximate list height: a line more or less does not matter to `show`.
             let seen = Rect::from_min_size(egui::Pos2::ZERO, vec2(1.0, 7.0 * paint::LINE));
             self.scroll.show(line, seen, paint::LINE);
         }
@@ -300,7 +300,7 @@ impl Params {
         }
     }
 
-    /// Checks the value; asks for the password of its level if that is closed.
+    /// Checks and sends the value; asks for the password if its level is locked.
     fn enter(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let Some(row) = self.list.rows.get(self.cursor) else { return };
         if self.typing.text.is_empty() {
@@ -322,7 +322,7 @@ impl Params {
     }
 }
 
-/// Why a text is not a value of a parameter.
+/// Parses a text as a value of a parameter.
 ///
 /// # Errors
 /// The reason, in both languages.
@@ -346,8 +346,8 @@ pub fn check(row: &ParamRow, text: &str) -> Result<f64, Said> {
     Ok(value)
 }
 
-/// Keys of the row on the grid; used by the paint as well.
+/// Column captions of a line of bits.
 const BIT_NAMES: [&str; 8] = ["BIT7", "BIT6", "BIT5", "BIT4", "BIT3", "BIT2", "BIT1", "BIT0"];
 
-/// Gap between what stands in a row.
+/// Gap between the items of a row.
 const SPACE: f32 = theme::GAP;

@@ -1,4 +1,4 @@
-//! How the parameters are drawn: rows of bits, rows of numbers, what is known about the chosen one, the input line.
+//! Drawing of the parameters: rows of bits, rows of numbers, details of the selected one, the input line.
 //! Source: spec B6, H4, H6.
 
 use egui::accesskit::Role;
@@ -18,13 +18,13 @@ use crate::hmi::widget::{self, Look};
 
 /// Height of a line with the gap below it.
 pub const LINE: f32 = 50.0;
-/// Height of what is known about the chosen parameter, and of each bit beside it.
+/// Heights of the details of the selected parameter and of each bit below them.
 const DETAIL: f32 = 54.0;
 const BIT: f32 = 24.0;
-/// Width of the number in front of a line.
+/// Width of the number at the start of a line.
 const NUMBER: f32 = 64.0;
 
-/// Where things are.
+/// Rectangles of the page.
 pub struct Places {
     pub tabs: Rect,
     pub search: Rect,
@@ -36,7 +36,7 @@ pub struct Places {
 }
 
 impl Places {
-    /// `bits` of the chosen parameter are listed in two columns; one alone needs no list.
+    /// `bits` of the selected parameter are listed in two columns; a single bit needs no list.
     pub fn new(rect: Rect, searching: bool, bits: usize) -> Self {
         let (main, input) = rect.split_top_bottom_at_y(rect.max.y - theme::INPUT);
         let pad = if searching { letters::SEARCH.height() } else { 0.0 };
@@ -53,7 +53,7 @@ impl Places {
     }
 }
 
-/// What the lines are drawn from.
+/// Data that the lines are drawn from.
 pub struct Drawn<'a> {
     pub list: &'a List,
     pub cursor: usize,
@@ -61,7 +61,7 @@ pub struct Drawn<'a> {
     pub refused: bool,
 }
 
-/// Which level is open; a touch opens or locks.
+/// Key with the unlocked level; a touch unlocks or locks.
 pub fn level_key(ui: &Ui, view: &View<'_>, rect: Rect, level: Level) -> bool {
     let open = level > Level::Operator;
     let words = if open {
@@ -72,7 +72,7 @@ pub fn level_key(ui: &Ui, view: &View<'_>, rect: Rect, level: Level) -> bool {
     widget::push(ui, view, rect, "param-level", &words, Look { on: open, locked: !open })
 }
 
-/// Nothing was found: what to do.
+/// Nothing was found: shows what to do.
 pub fn nothing(painter: &Painter, view: &View<'_>, rect: Rect) {
     let words = view.say("没有找到参数", "no parameter found");
     let remedy = view.say("换一个词，或用号码查找，例如 P270", "try another word, or a number such as P270");
@@ -82,7 +82,7 @@ pub fn nothing(painter: &Painter, view: &View<'_>, rect: Rect) {
     fit(painter, line, Align2::CENTER_CENTER, remedy, theme::LABEL, view.theme.quiet);
 }
 
-/// One line; gives the row that was touched.
+/// One line; returns the touched row.
 pub fn line(ui: &Ui, view: &View<'_>, places: (Rect, Rect), index: usize, drawn: &Drawn<'_>) -> Option<usize> {
     match drawn.list.lines.get(index)? {
         Line::Bits(number, bits) => bit_line(ui, view, places, *number, bits, drawn),
@@ -180,7 +180,7 @@ fn number_line(ui: &Ui, view: &View<'_>, (list, place): (Rect, Rect), row: usize
     response.clicked()
 }
 
-/// The value, or what is being typed over it.
+/// The value, or the text typed over it.
 fn shown(view: &View<'_>, at: ParamAddress, ink: egui::Color32, typed: Option<&Drawn<'_>>) -> (String, egui::Color32) {
     match typed {
         Some(drawn) if drawn.refused => (drawn.text.to_owned(), view.theme.alarm_text),
@@ -193,7 +193,7 @@ fn value(view: &View<'_>, at: ParamAddress) -> String {
     view.snapshot.params.read(at).map_or_else(|_| "—".to_owned(), |value| value.to_string())
 }
 
-/// The port that this function shares with another.
+/// The port that this function shares with another one.
 fn twice(view: &View<'_>, row: &ParamRow) -> Option<u8> {
     let (params, kind) = (&view.snapshot.params, view.snapshot.kind);
     match row.sort {
@@ -210,7 +210,7 @@ fn twice(view: &View<'_>, row: &ParamRow) -> Option<u8> {
     }
 }
 
-/// Who else is on the port.
+/// The other functions on the same port.
 fn company(view: &View<'_>, row: &ParamRow) -> Option<String> {
     let (params, kind) = (&view.snapshot.params, view.snapshot.kind);
     let names: Vec<&str> = match row.sort {
@@ -238,7 +238,7 @@ fn company(view: &View<'_>, row: &ParamRow) -> Option<String> {
     Some(format!("⚠ {} {}", view.say("端口也用于", "port also used for"), names.join(view.say("、", ", "))))
 }
 
-/// What is known about the chosen parameter: name, factory value, level, conflict.
+/// Details of the selected parameter: name, factory value, level, conflict.
 pub fn detail(painter: &Painter, view: &View<'_>, places: &Places, list: &List, cursor: usize) {
     let Some(row) = list.rows.get(cursor).filter(|_| !list.lines.is_empty()) else { return };
     let (place, others) = places.detail.split_top_bottom_at_y(places.detail.min.y + DETAIL);
@@ -267,7 +267,7 @@ pub fn detail(painter: &Painter, view: &View<'_>, places: &Places, list: &List, 
     fit(painter, below, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.quiet);
 }
 
-/// Every bit of the parameter with its value and meaning, in two columns.
+/// All bits of the parameter with value and meaning, in two columns.
 fn company_of_bits(painter: &Painter, view: &View<'_>, rect: Rect, list: &List, row: &ParamRow) {
     if rect.height() < BIT {
         return;

@@ -1,5 +1,5 @@
-//! The table of an axis' screw: backlash and pitch error over position, edited point by point, brought in from a CSV file
-//! of the medium, and drawn as two curves.
+//! Leadscrew table of an axis: backlash and pitch error over position. Points are edited one by one or imported from a
+//! CSV file on the USB drive, and drawn as two curves.
 //! Source: spec B7, H6.
 
 use egui::accesskit::Role;
@@ -28,27 +28,27 @@ use crate::units::Axis;
 const ROW: f32 = 46.0;
 /// Height of the keys.
 const KEYS: f32 = 46.0;
-/// Columns: number, position, backlash, pitch error.
+/// Column shares: number, position, backlash, pitch error.
 const SHARES: [f32; 4] = [0.5, 1.2, 1.0, 1.0];
-/// Values of a row, with the range that is said.
+/// Values of a row, with the range shown.
 const VALUES: [(Text, &str); 3] = [
     (Text::new("位置", "position"), "-9999 … 9999 mm"),
     (Text::new("反向间隙", "backlash"), "0 … 2 mm"),
     (Text::new("螺距误差", "pitch error"), "-2 … 2 mm"),
 ];
-/// Keys below the table.
+/// Number of keys below the table.
 const KEY_COUNT: usize = 5;
-/// How far behind the last point a new one stands, mm.
+/// Distance of a new point behind the last one, mm.
 const FURTHER_MM: f64 = 10.0;
 
-/// What waits for the machine builder's password.
+/// Edit that waits for the machine builder's password.
 #[derive(Clone, Debug)]
 enum Wish {
     Table(ScrewTable),
     Import,
 }
 
-/// A table goes to a medium, or comes from one.
+/// Request to export or import a table.
 #[derive(Debug)]
 struct Carry;
 
@@ -56,13 +56,13 @@ impl Why for Carry {
     const ASKER: Asker = Asker::Screw;
 }
 
-/// What the sheet keeps.
+/// State of the tab.
 #[derive(Debug, Default)]
 pub struct Screw {
     axis: usize,
     row: usize,
     column: usize,
-    /// The key below the table that the keyboard has chosen.
+    /// The key below the table that has the keyboard focus.
     key: Option<usize>,
     scroll: Scroll,
     /// The value being typed.
@@ -74,7 +74,7 @@ pub struct Screw {
 }
 
 impl Screw {
-    /// Draws the sheet below the tabs of the page.
+    /// Draws the tab below the tabs of the page.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
         let mut out = Vec::new();
         let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present).collect();
@@ -112,7 +112,7 @@ impl Screw {
         out
     }
 
-    /// The password came, or the file.
+    /// Sends a waiting edit after the password; handles the answer to a file request.
     fn hear(&mut self, view: &View<'_>, axis: Axis, login: &Login, out: &mut Vec<Command>) {
         if let Some(wish) = self.waiting.take() {
             if view.snapshot.access.level >= Level::Builder {
@@ -180,7 +180,7 @@ impl Screw {
             Edit::Enter if self.typing.text.is_empty() => self.next(last),
             Edit::Enter => self.enter(view, (axis, table), login, out),
             Edit::Up => self.go(row.saturating_sub(1), column),
-            // Below the table are the keys.
+            // The keys are below the table.
             Edit::Down if row >= last => self.key = Some(0),
             Edit::Down => self.go((row + 1).min(last), column),
             Edit::Left | Edit::Previous => self.go(row, column.saturating_sub(1)),
@@ -190,7 +190,7 @@ impl Screw {
         }
     }
 
-    /// X, Y, Z choose the axis.
+    /// X, Y, Z select the axis.
     fn letters(&mut self, text: &str, axes: &[Axis]) {
         let axis = text.chars().last().and_then(Axis::from_letter);
         if let Some(index) = axis.and_then(|axis| axes.iter().position(|other| *other == axis)) {
@@ -207,7 +207,7 @@ impl Screw {
         self.scroll.show(row, seen, ROW);
     }
 
-    /// The next field, from row to row.
+    /// Selects the next field, row by row.
     fn next(&mut self, last: usize) {
         match self.column + 1 {
             column if column < VALUES.len() => self.go(self.row, column),
@@ -215,7 +215,7 @@ impl Screw {
         }
     }
 
-    /// A value typed: the whole table has to be right with it.
+    /// Checks the whole table with the typed value and sends it.
     fn enter(
         &mut self,
         view: &View<'_>,
@@ -244,7 +244,7 @@ impl Screw {
         }
     }
 
-    /// A point between the chosen one and the next, or behind the last, on the line that is there.
+    /// Inserts a point between the selected one and the next, or behind the last. Its values are interpolated.
     fn add(&mut self, view: &View<'_>, (axis, table): (Axis, &ScrewTable), login: &mut Login, out: &mut Vec<Command>) {
         let mut points = table.points().to_vec();
         if points.len() >= MOST_POINTS {
@@ -402,7 +402,7 @@ impl Screw {
         }
     }
 
-    /// One of the keys below the table.
+    /// Handles a key below the table.
     fn press(
         &mut self,
         key: usize,
@@ -459,12 +459,12 @@ const fn value_of(point: &mut Point, column: usize) -> &mut f64 {
     }
 }
 
-/// Positions with three decimals, errors with four: the screws are measured to a tenth of a micrometre.
+/// Positions with three decimals, errors with four: leadscrews are measured to 0.1 µm.
 fn shown(value: f64, column: usize) -> String {
     if column == 0 { format!("{value:.3}") } else { format!("{value:.4}") }
 }
 
-/// Backlash and pitch error over the position, with the chosen point.
+/// Backlash and pitch error over position, with the selected point.
 fn curve(painter: &Painter, rect: Rect, view: &View<'_>, table: &ScrewTable, row: usize) {
     if table.points().is_empty() {
         return;
@@ -493,7 +493,7 @@ fn curve(painter: &Painter, rect: Rect, view: &View<'_>, table: &ScrewTable, row
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
     let values = points.iter().flat_map(|point| [point.backlash_mm, point.pitch_mm]);
     let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), value| (low.min(value), high.max(value)));
-    // Never less than a hundredth: a true screw is a flat line.
+    // A range of at least 0.01 mm: an accurate leadscrew is a flat line.
     let (low, high) = (low.min(high - 0.01), high);
     let span = (last.at_mm - first.at_mm).max(1.0);
     let (scale, plot) = (plot, Rect::from_min_max(plot.min + vec2(58.0, 6.0), plot.max - vec2(4.0, 24.0)));

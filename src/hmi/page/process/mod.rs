@@ -1,5 +1,5 @@
-//! The process: live curves of axes, feed, wheel load and gauge; sizes and cycle times of the last parts; the wheel
-//! through its dressings; everything as a table for a computer.
+//! Process page: live curves of axes, feed, wheel load and gauge signals; sizes and cycle times of the last parts; the
+//! wheel and its dressings; CSV export of all data.
 //! Source: tools.md (page process), K4.3, K4.5, K5.17, H9.
 
 mod trend;
@@ -27,51 +27,51 @@ use trend::Part;
 /// Time between two samples, and how many are kept: ten minutes.
 const EVERY: Micros = Micros::from_millis(100);
 const SAMPLES: usize = 6_000;
-/// Spans of time that the key turns through, and the least and greatest that two fingers can draw, seconds.
+/// Time spans that the key steps through, s, and least span by pinching, s; the greatest is the last of `SPANS`.
 const SPANS: [f64; 4] = [10.0, 60.0, 180.0, 600.0];
 const LEAST_SPAN: f64 = 1.0;
 /// Height of sizes, cycle times and wheel.
 const BELOW: f32 = 132.0;
-/// Room for name and value in front of a curve.
+/// Width of name and value in front of a curve.
 const NAMES: f32 = 150.0;
-/// Parts that are kept.
+/// Number of parts kept.
 const PARTS: usize = 50;
 /// Height of the keys.
 const KEYS: f32 = 46.0;
-/// The gauge's inputs.
+/// Inputs of the gauge.
 const GAUGES: [Input; 6] = [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
 
-/// What was seen at a moment.
+/// Values at one moment.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     at: Micros,
     axes: [f64; 3],
     feed_mm_min: f64,
-    /// None where the machine has no signal of it.
+    /// None if the machine has no such signal.
     load_percent: Option<f64>,
     gauges: u8,
 }
 
-/// One curve: its name, its colour, and what it takes of a sample.
+/// One curve: name, colour, and its value in a sample.
 struct Curve {
     name: String,
     colour: Color32,
     value: Box<dyn Fn(&Sample) -> f64>,
 }
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug)]
 pub struct Process {
     samples: VecDeque<Sample>,
     parts: VecDeque<Part>,
     counted: Option<u32>,
-    /// Dressings counted, with the wheel's diameter then; and what the last dressing took off the diameter, mm.
+    /// Dressing count and wheel diameter, mm, as last seen; what the last dressing took off the diameter, mm.
     dressed: Option<(f64, f64)>,
     taken: Option<f64>,
-    /// How much time is looked at, seconds, and where it ends; none: now.
+    /// Displayed time span, s, and its end; none: now.
     span: f64,
     end: Option<Micros>,
-    /// Whether all of it is to be forgotten.
+    /// Question whether to clear the data.
     question: Asked<()>,
     walk: Walk,
 }
@@ -94,7 +94,7 @@ impl Default for Process {
 }
 
 impl Process {
-    /// Takes a sample; called in every frame, whichever page is open.
+    /// Records a sample; called in every frame, whichever page is open.
     pub fn follow(&mut self, view: &View<'_>) {
         let snapshot = view.snapshot;
         if self.counted.is_some_and(|counted| snapshot.parts > counted) {
@@ -125,7 +125,7 @@ impl Process {
         }
     }
 
-    /// What a dressing takes off the wheel; a new wheel begins anew.
+    /// Tracks what a dressing takes off the wheel; a new wheel starts again.
     fn follow_wheel(&mut self, snapshot: &Snapshot) {
         let now = (snapshot.params.get(param::DRESSINGS), snapshot.params.get(param::WHEEL_DIAMETER));
         match self.dressed {
@@ -134,17 +134,17 @@ impl Process {
                 self.dressed = Some(now);
             }
             Some((count, _)) if now.0 < count => (self.taken, self.dressed) = (None, Some(now)),
-            // Without a dressing it is another wheel, or was measured anew: P97 may be 0 before and after.
+            // Same count: the wheel was changed or measured again. P97 may be 0 before and after.
             Some(_) | None => self.dressed = Some(now),
         }
     }
 
-    /// Where the time that is looked at ends.
+    /// End of the displayed time span.
     fn end(&self, view: &View<'_>) -> Micros {
         self.end.map_or(view.snapshot.now, |end| Micros(end.0.min(view.snapshot.now.0)))
     }
 
-    /// A finger drags the time, two draw it out (H9); what is drawn to the present goes on with it.
+    /// A finger drags the time axis, two fingers zoom it (H9). A span dragged to the present follows it again.
     fn drag(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let response = ui.interact(rect, Id::unique("process-curves"), Sense::DRAG | Sense::HOVER);
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "曲线 process-curves"));
@@ -160,7 +160,7 @@ impl Process {
         }
         let drawn = (span - self.span).abs() > 1e-9;
         if drawn && self.end.is_some() {
-            // About the middle of what is looked at.
+            // Zooms around the middle of the displayed span.
             end += (span - self.span) / 2.0;
         }
         let moved = if response.dragged() { f64::from(response.drag_delta().x) } else { 0.0 };
@@ -261,7 +261,7 @@ impl Process {
             let y = f64::from(plot.max.y) - 2.0 - (value(sample) - low) / room * f64::from(plot.height() - 4.0);
             pos2(x as f32, y as f32)
         };
-        // Two points a pixel column are enough: its least and its greatest.
+        // At most three points per pixel column: the first two and the last.
         let mut points: Vec<Pos2> = Vec::new();
         for at in self.window(now).map(place) {
             let column = |point: &Pos2| point.x.floor() as i32;
@@ -274,7 +274,7 @@ impl Process {
         painter.with_clip_rect(plot).add(Shape::line(points, Stroke::new(1.6, colour)));
     }
 
-    /// The gauge's signals as bars.
+    /// The gauge signals as bars.
     fn gauges(&self, painter: &Painter, rect: Rect, view: &View<'_>) {
         let (words, plot) = rect.shrink2(vec2(8.0, 0.0)).split_left_right_at_x(rect.min.x + NAMES);
         let span = self.span;
@@ -330,7 +330,7 @@ impl Process {
         out
     }
 
-    /// What is forgotten cannot be brought back: how much it is.
+    /// The question names how much data will be lost.
     fn clearing(&self) -> Question {
         let ends = self.samples.front().zip(self.samples.back());
         let seconds = ends.map_or(0.0, |(first, last)| last.at.since(first.at).as_secs_f64());
@@ -343,8 +343,8 @@ impl Process {
         Question::new(Text::new("清除过程数据？", "clear what was recorded?"), body, key)
     }
 
-    /// The samples, a line each; then the parts. A column of an axis only where the machine has it; what has no signal
-    /// is empty.
+    /// CSV: one line per sample, then the parts. Only axes of the machine have a column; a missing signal leaves its
+    /// field empty.
     fn table(&self, snapshot: &Snapshot) -> String {
         let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present).collect();
         let letters: String = axes.iter().map(|axis| format!("{},", axis.letter())).collect();
@@ -353,7 +353,7 @@ impl Process {
             let (seconds, feed, gauges) = (sample.at.as_secs_f64(), sample.feed_mm_min, sample.gauges);
             let places: String = axes.iter().map(|axis| format!("{:.4},", sample.axes[*axis as usize])).collect();
             let load = sample.load_percent.map_or_else(String::new, |load| format!("{load:.1}"));
-            // Writing into a string does not fail.
+            // Writing to a string does not fail.
             let _ = write!(text, "{seconds:.3},{places}{feed:.1},{load},{gauges:06b}\r\n");
         }
         text.push_str("\r\npart,cycle_seconds,size,nominal,lower,upper,within\r\n");

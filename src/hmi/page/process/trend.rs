@@ -1,4 +1,4 @@
-//! The parts finished since power-on: their sizes between their limits, their cycle times; the wheel through its dressings.
+//! Parts finished since power-on: sizes with their limits, cycle times; the wheel and its dressings.
 //! Source: tools.md (page process), K5.17, K4.5.
 
 use egui::{Align2, Painter, Rect, Stroke, Ui, pos2, vec2};
@@ -9,16 +9,16 @@ use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit, length, paragraph, put};
 use crate::link::Snapshot;
 
-/// A part that was finished.
+/// A finished part.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
-    /// Its number in the count.
+    /// Its number in the part count.
     pub number: u32,
     /// Cycle time, s.
     pub seconds: f64,
-    /// Its measured size, mm; none: nothing measures it.
+    /// Measured size, mm; none: not measured.
     pub size: Option<f64>,
-    /// Nominal, least and greatest size, mm, as they were in force then.
+    /// Nominal, least and greatest size, mm, as in force when the part was finished.
     pub limits: Option<[f64; 3]>,
 }
 
@@ -36,7 +36,7 @@ impl Part {
         let limits = nominal.filter(|_| upper > lower).map(|nominal| [nominal, nominal + lower, nominal + upper]);
         let near = |size: &f64| nominal.map_or(0.0, |nominal| (size - nominal).abs());
         let simulated = snapshot.simulated.iter().flat_map(|sim| sim.sizes.iter().map(|(_, size)| *size));
-        // Without a variable of its own, the simulated part is measured where it comes nearest.
+        // Without a size variable: the simulated diameter that is nearest to the nominal size.
         let size = match params.get(param::TREND_SIZE) > 0.0 {
             true => variable(param::TREND_SIZE),
             false => simulated.min_by(|a, b| near(a).total_cmp(&near(b))),
@@ -44,17 +44,17 @@ impl Part {
         Self { number: snapshot.parts, seconds: snapshot.cycle_seconds, size, limits }
     }
 
-    /// Whether it keeps its limits; none: there is nothing to compare.
+    /// Whether the size is within its limits; none: nothing to compare.
     #[must_use]
     pub fn keeps(&self) -> Option<bool> {
         let ([_, low, high], size) = (self.limits?, self.size?);
-        // A micrometre has a rounding of its own.
+        // Rounding errors up to 1e-6 mm are tolerated.
         Some(size >= low - 1e-6 && size <= high + 1e-6)
     }
 }
 
 impl Process {
-    /// Sizes of the last parts as points between their limits; what is out of them is a square.
+    /// Sizes of the last parts as points between their limits; a size out of tolerance is a square.
     pub(super) fn trend(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let painter = ui.painter();
         card(painter, rect, view.theme.surface, view.theme.line);
@@ -85,7 +85,7 @@ impl Process {
         points(painter, view, plot, &sized);
     }
 
-    /// Cycle times of the last parts as columns.
+    /// Cycle times of the last parts as bars.
     pub(super) fn cycles(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         card(ui.painter(), rect, view.theme.surface, view.theme.line);
         let inside = rect.shrink2(vec2(10.0, 6.0));
@@ -108,7 +108,7 @@ impl Process {
         }
     }
 
-    /// The wheel: its diameter, its dressings, and how many it has left.
+    /// The wheel: diameter, number of dressings, dressings left.
     pub(super) fn wheel(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         card(ui.painter(), rect, view.theme.surface, view.theme.line);
         let inside = rect.shrink2(vec2(10.0, 6.0));
@@ -134,8 +134,8 @@ impl Process {
         }
     }
 
-    /// How often the wheel can still be dressed: down to its smallest diameter (P374), each time by what the last dressing
-    /// took. None before the first dressing since power-on, or without P374.
+    /// Dressings left down to the smallest diameter (P374), each taking as much as the last one. None before the first
+    /// dressing since power-on, or without P374.
     fn dressings_left(&self, snapshot: &Snapshot) -> Option<u32> {
         let (smallest, now) = (snapshot.params.get(param::WHEEL_SMALLEST), snapshot.params.get(param::WHEEL_DIAMETER));
         let taken = self.taken.filter(|taken| *taken > 0.0 && smallest > 0.0)?;
@@ -143,7 +143,7 @@ impl Process {
     }
 }
 
-/// The points over the band of the limits.
+/// The sizes over the lines of their limits.
 fn points(painter: &Painter, view: &View<'_>, plot: Rect, sized: &[&Part]) {
     let sizes = sized.iter().filter_map(|part| part.size);
     let bounds = sized.iter().filter_map(|part| part.limits).flat_map(|limits| limits.into_iter());

@@ -1,4 +1,4 @@
-//! What the keys of the program page do: moving, blocks, undo, search, replace, renumber, save.
+//! Actions of the keys of the program page: cursor moves, blocks, undo, search, replace, renumber, save.
 //! Source: spec B6.
 
 use egui::Ui;
@@ -15,7 +15,7 @@ use crate::hmi::view::View;
 use crate::link::Command;
 
 impl Program {
-    /// What was typed for a key is enough.
+    /// Accepts the prompt input.
     pub(super) fn enter(&mut self) {
         let Some(ask) = self.ask.take() else { return };
         let text = std::mem::take(&mut self.text);
@@ -42,7 +42,7 @@ impl Program {
         }
     }
 
-    /// To a line by its number, or to a block by N.
+    /// Goes to a line by its number, or to a block by N.
     fn go(&mut self, text: &str) {
         let text = text.trim();
         if let Ok(line) = text.parse::<usize>() {
@@ -61,7 +61,7 @@ impl Program {
         }
     }
 
-    /// A slice of the work under way.
+    /// Runs one slice of the work.
     pub(super) fn go_on(&mut self, ui: &Ui) {
         let Some(work) = &mut self.work else { return };
         let step = work.step(&self.document.rope);
@@ -141,7 +141,7 @@ impl Program {
                 self.question.ask(About::Discard, Question::new(title, body, key));
             }
             Act::Stop => self.work = None,
-            // B5: the control reads up to the line, and says in its message line what is in force there.
+            // B5: the core reads the program up to the line and reports the modal state there in the message line.
             Act::Here if self.document.changed => self.refuse(Said::new("先保存改动", "save the changes first")),
             Act::Here => out.push(Command::RestartAt(self.document.place().0 as u32 + 1)),
             Act::Resume => out.push(Command::ResumeInterrupted),
@@ -203,7 +203,7 @@ impl Program {
         self.keep_in_sight();
     }
 
-    /// One by one, or all.
+    /// Replaces one by one, or all.
     fn replace(&mut self, act: Act) {
         match act {
             Act::ReplaceThis => {

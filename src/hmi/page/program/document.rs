@@ -1,15 +1,15 @@
-//! The text being edited: cursor, block of lines, undo. Its states share their pieces, so a million lines are held once
-//! however many steps can be taken back.
+//! Text being edited: cursor, block of lines, undo. The undo states share the text's chunks, so a million lines are
+//! held once, however many undo steps there are.
 //! Source: spec B6 (程序: edit, copy, undo).
 
 use crate::hmi::entry::Edit;
 use crate::link::files::Deed;
 use ropey::{Rope, RopeSlice};
 
-/// Steps that can be taken back.
+/// Maximum number of undo steps.
 const STEPS: usize = 500;
 
-/// What a change was, so that typing on is one step with what was typed before.
+/// Kind of a change; consecutive typing is one undo step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Typing,
@@ -17,7 +17,7 @@ enum Kind {
     Other,
 }
 
-/// A state that can be gone back to.
+/// An undo state.
 #[derive(Clone, Debug)]
 struct Past {
     rope: Rope,
@@ -29,15 +29,15 @@ struct Past {
 pub struct Document {
     /// O number; 0: nothing is open.
     pub number: u32,
-    /// Stamp of the file that the text was made from.
+    /// Stamp of the file that the text was read from.
     pub base: u64,
-    /// It differs from the file.
+    /// The text differs from the file.
     pub changed: bool,
     /// The text.
     pub rope: Rope,
-    /// Place of the cursor, in characters from the beginning.
+    /// Cursor, in characters from the start of the text.
     pub cursor: usize,
-    /// The line where the block begins or ends, while one is marked; the cursor's line is the other.
+    /// First or last line of the block while one is marked; the cursor's line is the other end.
     pub mark: Option<usize>,
     /// Counts the changes.
     pub version: u64,
@@ -46,7 +46,7 @@ pub struct Document {
     last: Option<(Kind, usize)>,
 }
 
-/// The characters of a line without its end.
+/// Length of a line without its line end, characters.
 pub fn trimmed(line: RopeSlice<'_>) -> usize {
     let mut length = line.len_chars();
     while length > 0 && matches!(line.char(length - 1), '\n' | '\r') {
@@ -62,7 +62,7 @@ impl Document {
         Self { number, base, rope: rope.clone(), ..Self::default() }
     }
 
-    /// Lines that are shown: an end of line at the end of the text begins none.
+    /// Number of lines shown; a line end at the end of the text starts no new line.
     #[must_use]
     pub fn lines(&self) -> usize {
         let lines = self.rope.len_lines();
@@ -76,14 +76,14 @@ impl Document {
         (line, self.cursor - self.rope.line_to_char(line))
     }
 
-    /// The lines of the block, first and one past the last.
+    /// Lines of the block, first and one past the last.
     #[must_use]
     pub fn block(&self) -> Option<(usize, usize)> {
         let (mark, here) = (self.mark?, self.place().0);
         Some((mark.min(here), (mark.max(here) + 1).min(self.rope.len_lines())))
     }
 
-    /// Puts the cursor on a line and column, as near as the text has them.
+    /// Moves the cursor to a line and column, or as near as the text allows.
     pub fn go(&mut self, line: usize, column: usize) {
         let line = line.min(self.lines().saturating_sub(1));
         let length = trimmed(self.rope.line(line));
@@ -111,7 +111,7 @@ impl Document {
         self.go(line.saturating_add_signed(by), column);
     }
 
-    /// What a key of the keyboard does to text and cursor; false: nothing.
+    /// Applies an editing key; false if it does nothing here.
     pub fn edit(&mut self, edit: Edit) -> bool {
         match edit {
             Edit::Back => self.back(),
@@ -128,7 +128,7 @@ impl Document {
         true
     }
 
-    /// Types a sign at the cursor.
+    /// Inserts a character at the cursor.
     pub fn type_sign(&mut self, sign: char) {
         self.keep(Kind::Typing);
         self.rope.insert_char(self.cursor, sign);
@@ -136,7 +136,7 @@ impl Document {
         self.last = Some((Kind::Typing, self.cursor));
     }
 
-    /// A new line at the cursor, ended as the file's lines are.
+    /// Inserts a line end at the cursor, of the same style as in the file.
     pub fn new_line(&mut self) {
         self.keep(Kind::Other);
         let end = self.line_end();
@@ -144,7 +144,7 @@ impl Document {
         self.cursor += end.len();
     }
 
-    /// Takes the sign before the cursor away; at the beginning of a line the line end.
+    /// Deletes the character before the cursor; at the start of a line the line end.
     pub fn back(&mut self) {
         if self.cursor == 0 {
             return;
@@ -158,7 +158,7 @@ impl Document {
         self.last = Some((Kind::Deleting, self.cursor));
     }
 
-    /// Takes the sign behind the cursor away; at the end of a line the line end.
+    /// Deletes the character behind the cursor; at the end of a line the line end.
     pub fn delete(&mut self) {
         let here = self.cursor;
         self.step(1);
@@ -175,7 +175,7 @@ impl Document {
         self.cursor = from + text.chars().count();
     }
 
-    /// Replaces the whole text, as one step.
+    /// Replaces the whole text, as one undo step.
     pub fn replace_all(&mut self, rope: Rope) {
         self.keep(Kind::Other);
         let (line, column) = self.place();
@@ -184,7 +184,7 @@ impl Document {
         self.mark = None;
     }
 
-    /// The text of the block, whole lines.
+    /// Copies the block, whole lines.
     #[must_use]
     pub fn copied(&self) -> Option<Rope> {
         let (first, end) = self.block()?;
@@ -195,7 +195,7 @@ impl Document {
         Some(copy)
     }
 
-    /// Takes the block's lines out.
+    /// Deletes the lines of the block.
     pub fn delete_block(&mut self) {
         let Some((first, end)) = self.block() else { return };
         self.keep(Kind::Other);
@@ -204,7 +204,7 @@ impl Document {
         self.go(first, 0);
     }
 
-    /// Puts lines in before the cursor's line; the cursor stands behind them.
+    /// Inserts lines before the cursor's line; the cursor moves behind them.
     pub fn paste(&mut self, lines: &Rope) {
         self.keep(Kind::Other);
         let at = self.rope.line_to_char(self.place().0);
@@ -215,7 +215,7 @@ impl Document {
         self.cursor = at + lines.len_chars();
     }
 
-    /// Takes the last change back; false if there is none.
+    /// Undoes the last change; false if there is none.
     pub fn undo(&mut self) -> bool {
         let Some(past) = self.undo.pop() else { return false };
         self.redo.push(Past { rope: self.rope.clone(), cursor: self.cursor });
@@ -223,7 +223,7 @@ impl Document {
         true
     }
 
-    /// Makes a change that was taken back again; false if there is none.
+    /// Redoes the last undone change; false if there is none.
     pub fn redo(&mut self) -> bool {
         let Some(past) = self.redo.pop() else { return false };
         self.undo.push(Past { rope: self.rope.clone(), cursor: self.cursor });
@@ -231,13 +231,13 @@ impl Document {
         true
     }
 
-    /// Whether a change can be taken back, and one be made again.
+    /// Whether undo and redo are possible.
     #[must_use]
     pub const fn can(&self) -> (bool, bool) {
         (!self.undo.is_empty(), !self.redo.is_empty())
     }
 
-    /// The text of a version is in its file; what was typed since is not.
+    /// This version was saved to its file; later changes are still unsaved.
     pub fn hear_saved(&mut self, version: u64, deed: &Deed) {
         if let Some((number, stamp)) = deed.saved
             && number == self.number
@@ -253,7 +253,7 @@ impl Document {
         self.version += 1;
     }
 
-    /// Keeps the present state for undo, unless the change goes on from the last one.
+    /// Saves the present state for undo, unless the change continues the last one.
     fn keep(&mut self, kind: Kind) {
         if self.last != Some((kind, self.cursor)) || kind == Kind::Other {
             self.undo.push(Past { rope: self.rope.clone(), cursor: self.cursor });
@@ -266,7 +266,7 @@ impl Document {
         self.version += 1;
     }
 
-    /// How the first line of the text is ended.
+    /// Line end of the first line.
     fn line_end(&self) -> &'static str {
         let first = self.rope.line(0);
         let length = first.len_chars();
@@ -323,7 +323,7 @@ mod tests {
         text.go(0, 0);
         text.paste(&copy);
         assert_eq!((text.rope.to_string().as_str(), text.place()), ("2\n3\n1\n4", (2, 0)));
-        // The last line has no end; as a block it gets one.
+        // The last line has no line end; a copied block gets one.
         text.mark = Some(3);
         text.go(3, 0);
         assert_eq!(text.copied().expect("a block").to_string(), "4\n");

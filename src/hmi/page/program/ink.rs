@@ -1,4 +1,4 @@
-//! The colours of a line of a program: what acts stands out, what is for people stays quiet.
+//! Syntax colours of a program line: codes stand out; comments and block numbers are quiet.
 //! Source: spec B6, H4.
 
 use egui::Color32;
@@ -6,20 +6,20 @@ use egui::text::{LayoutJob, TextFormat};
 
 use crate::hmi::theme::{self, Theme};
 
-/// What a piece of a line is.
+/// Kind of a token.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Piece {
     /// Block number, comment, `%`.
     Quiet,
     /// G and M words.
     Code,
-    /// Variables, brackets, WHILE and the like.
+    /// Variables, brackets, WHILE and similar words.
     Macro,
-    /// Coordinates and the rest.
+    /// Coordinates and all other words.
     Plain,
 }
 
-/// A line as it is laid out; a piece after the other.
+/// Layout of a line, token by token.
 #[must_use]
 pub fn job(text: &str, size: f32, theme: &Theme) -> LayoutJob {
     let mut job = LayoutJob::default();
@@ -43,10 +43,10 @@ const fn ink(piece: Piece, theme: &Theme) -> Color32 {
     }
 }
 
-/// Words behind which a number may stand without a gap.
+/// Operators that a number may follow without a space.
 const OPERATORS: [&str; 10] = ["EQ", "NE", "GT", "GE", "LT", "LE", "AND", "OR", "XOR", "MOD"];
 
-/// The first piece of a text and its length in bytes.
+/// Kind of the first token of a text, and its length in bytes.
 fn piece(text: &str, first: bool) -> (Piece, usize) {
     let Some(sign) = text.chars().next() else { return (Piece::Plain, 0) };
     if text.starts_with("//") || matches!(sign, ';' | '%') {
@@ -62,7 +62,7 @@ fn piece(text: &str, first: bool) -> (Piece, usize) {
     if !sign.is_ascii_alphabetic() && sign != '_' {
         let letter = |sign: char| sign.is_ascii_alphabetic() || ";%(#[]=+*_".contains(sign);
         let length = text.char_indices().skip(1).find(|(_, sign)| letter(*sign)).map_or(text.len(), |(at, _)| at);
-        // A slash that begins a comment ends the piece too.
+        // A `//` that starts a comment ends the token, too.
         let comment = text[sign.len_utf8()..].find("//").map_or(text.len(), |at| at + sign.len_utf8());
         return (Piece::Plain, length.min(comment));
     }

@@ -1,4 +1,4 @@
-//! The keys of the program page: one table of what they do, how they are called and which keyboard key they have.
+//! Keys of the program page: one table of actions, names, labels and keyboard shortcuts.
 //! Source: spec B6.
 
 use egui::{Rect, Ui, pos2, vec2};
@@ -9,12 +9,12 @@ use crate::defs::text::Text;
 use crate::hmi::theme;
 use crate::hmi::view::View;
 
-/// Why a text that is only looked at does not change.
+/// Why a text that is not being edited does not change.
 pub const EDIT_FIRST: Text = Text::new("先按“编辑”", "press EDIT first");
 
 macro_rules! acts {
     ($($variant:ident = $name:literal, $zh:literal, $en:literal;)*) => {
-        /// What a key does.
+        /// Action of a key.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Act { $($variant,)* }
 
@@ -65,7 +65,7 @@ acts! {
 }
 
 impl Act {
-    /// Whether it needs the editor.
+    /// Whether the action needs edit mode.
     pub const fn changes(self) -> bool {
         matches!(
             self,
@@ -92,10 +92,10 @@ use Act::{
     Skip, Stop, Undo, Unmark, Up,
 };
 
-/// The keys while something is typed for one of them.
+/// The keys while a prompt is open.
 pub const ASK: [&[Act]; 2] = [&[AskDone, AskEnd], &[]];
 
-/// The rows of keys of a state of the page.
+/// The rows of keys for a state of the page.
 pub const fn rows(editing: bool, board: bool, block: bool, replacing: bool, work: bool) -> [&'static [Act]; 2] {
     match (editing, board, block, replacing, work) {
         (.., true) => [&[Stop], &[]],
@@ -111,7 +111,7 @@ pub const fn rows(editing: bool, board: bool, block: bool, replacing: bool, work
     }
 }
 
-/// The keyboard's key with Ctrl.
+/// Action of a keyboard key with Ctrl.
 pub const fn of_control(key: egui::Key) -> Option<Act> {
     Some(match key {
         egui::Key::S => Save,
@@ -130,7 +130,7 @@ pub const fn of_control(key: egui::Key) -> Option<Act> {
     })
 }
 
-/// Draws the keys; gives the one that was pressed.
+/// Draws the keys; returns the pressed one.
 pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut Program) -> Option<Act> {
     let mut pressed = None;
     let on_keys = page.on_keys || !page.editing;
@@ -138,7 +138,7 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut Program) -> Option<Ac
         if acts.is_empty() {
             continue;
         }
-        // A kind without grinding pages has none to design.
+        // A kind of machine without grinding pages has no page designer.
         let has = |act: &&Act| **act != Design || Page::Designer.is_on(view.snapshot.kind);
         let acts: Vec<Act> = acts.iter().filter(has).copied().collect();
         let count = acts.len().max(6) as f32;

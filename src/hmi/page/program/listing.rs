@@ -1,4 +1,4 @@
-//! The lines of a program as they are painted: the visible ones alone, however many there are.
+//! Painting of program lines; only visible lines are laid out.
 //! Source: spec B6, K7.
 
 use egui::{Align2, Color32, Id, Painter, Rect, Ui, pos2, vec2};
@@ -13,38 +13,38 @@ use crate::link::snapshot::ProgramView;
 
 /// Height of a line.
 pub const LINE: f32 = 28.0;
-/// Room for the line number.
+/// Width of the line number.
 pub const NUMBER: f32 = 76.0;
-/// Room that stays free right of the cursor.
+/// Width kept free right of the cursor.
 const AHEAD: f32 = 40.0;
-/// About the width of a column.
+/// Approximate width of a column.
 const COLUMN: f32 = 11.0;
-/// Most characters of a line that are laid out.
+/// Maximum number of characters laid out per line.
 const WIDEST: usize = 200;
 
-/// What a line is beside its text.
+/// Marks of a line.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mark {
     /// It is being executed.
     pub running: bool,
     /// It belongs to the marked block.
     pub block: bool,
-    /// It has a mistake.
+    /// It has an error.
     pub wrong: bool,
     /// Column of the cursor.
     pub cursor: Option<usize>,
-    /// It is the line that a touch or a search chose: a restart begins there (B5).
+    /// It was selected by touch or search: a restart begins here (B5).
     pub chosen: bool,
 }
 
-/// The visible part of a line, from a column on.
+/// The visible part of a line, from column `left` on.
 #[must_use]
 pub fn shown(rope: &Rope, line: usize, left: usize) -> String {
     let slice = rope.line(line);
     let length = trimmed(slice);
     let from = left.min(length);
     let text: String = slice.slice(from..length.min(from + WIDEST)).into();
-    // The font has no sign for what is no character.
+    // The font has no glyph for an invalid character.
     text.replace('\t', " ").replace('\u{FFFD}', "?")
 }
 
@@ -83,14 +83,14 @@ pub fn row(painter: &Painter, place: Rect, view: &View<'_>, rope: &Rope, (line, 
     );
 }
 
-/// The column of a line that a finger touched.
+/// The column at a horizontal position in a line.
 #[must_use]
 pub fn column_at(painter: &Painter, view: &View<'_>, rope: &Rope, (line, left): (usize, usize), x: f32) -> usize {
     let galley = painter.layout_job(ink::job(&shown(rope, line, left), theme::TITLE - 1.0, view.theme));
     left + galley.cursor_from_pos(vec2(x, galley.size().y / 2.0)).index.0
 }
 
-/// The running block and its neighbours, in as many lines as there is room for.
+/// The running block and its neighbours, as many lines as fit.
 pub fn strip(ui: &Ui, rect: Rect, view: &View<'_>) {
     let program = &view.snapshot.program;
     let count = ((rect.height() - 8.0) / LINE).floor().max(0.0) as usize;
@@ -107,27 +107,27 @@ pub fn strip(ui: &Ui, rect: Rect, view: &View<'_>) {
     }
 }
 
-/// Whether a subprogram is being executed: its lines are not those that are shown.
+/// Whether a subprogram is being executed; its lines are not shown.
 #[must_use]
 pub const fn in_subprogram(program: &ProgramView) -> bool {
     program.block_program != 0 && program.block_program != program.number
 }
 
-/// Where the listing stands.
+/// Scroll position of the listing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Place {
-    /// Lines above the first visible one.
+    /// Vertical position, in lines.
     pub scroll: Scroll,
-    /// The running line that was followed last.
+    /// The running line that was followed last, from 1.
     pub line: u32,
     /// Columns left of the first visible one.
     pub left: usize,
-    /// What a finger has moved sideways of a column, points.
+    /// Sideways drag that is less than a column, points.
     rest: f32,
 }
 
 impl Place {
-    /// A cursor right of the page brings the text along, to the middle of a room so wide.
+    /// Scrolls sideways to keep the cursor in `room` points; a hidden cursor comes to the middle.
     pub fn follow_cursor(&mut self, painter: &Painter, rope: &Rope, (line, column): (usize, usize), room: f32) {
         let slice = rope.line(line);
         let column = column.min(trimmed(slice));
@@ -146,7 +146,7 @@ impl Place {
         }
     }
 
-    /// Follows a finger that drags the list of this id sideways, as far as the lines in sight are long.
+    /// Scrolls sideways while a finger drags the list `id`, up to the longest visible line.
     pub fn drag(&mut self, ui: &Ui, id: &str, rope: &Rope, lines: std::ops::Range<usize>) {
         if !ui.ctx().is_being_dragged(Id::unique(id)) {
             self.rest = 0.0;

@@ -1,5 +1,5 @@
-//! The program page: the listing with the running block marked, and the editor in mode EDIT. A text of a million lines
-//! stays fluid: it is shared with the core, only the visible lines are laid out, and work over the whole is done in slices.
+//! Program page: listing with the running block marked, and the editor in mode EDIT. A text of a million lines stays
+//! responsive: it is shared with the core, only visible lines are laid out, and whole-text work is done in slices.
 //! Source: spec B6 (程序), K6.2, H6, H8.
 
 mod acts;
@@ -34,14 +34,14 @@ use work::Work;
 
 /// Height of a row of keys.
 const KEYS: f32 = 46.0;
-/// Height of the line that tells what is the matter.
+/// Height of the message line.
 const TOLD: f32 = 28.0;
-/// Seconds without typing after which the visible lines are looked at.
+/// Seconds without typing before the visible lines are checked.
 const PAUSE: f64 = 0.3;
-/// Most characters of a word that is searched, and of a line that is typed for a key.
+/// Maximum length of prompt input, characters.
 const ASKED: usize = 60;
 
-/// What is being typed for a key.
+/// Prompt that is open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Ask {
     Find,
@@ -51,12 +51,12 @@ enum Ask {
     Renumber,
 }
 
-/// Which answer of the core is waited for.
+/// Request whose answer is awaited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Awaited {
-    /// Whether the text may be edited.
+    /// May the text be edited?
     Edit,
-    /// The text of this version is being saved.
+    /// Save the text of this version.
     Save(u64),
 }
 
@@ -64,14 +64,14 @@ impl Why for Awaited {
     const ASKER: Asker = Asker::Editor;
 }
 
-/// What a question is about.
+/// Subject of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum About {
     Conflict,
     Discard,
 }
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Program {
     document: Document,
@@ -82,7 +82,7 @@ pub struct Program {
     ask: Option<Ask>,
     text: String,
     what: String,
-    /// Replacing one by one: the next key says whether this place is.
+    /// Replacing one by one: the next key decides about this match.
     replacing: bool,
     work: Option<Work>,
     asking: Guarded<Awaited>,
@@ -90,32 +90,32 @@ pub struct Program {
     told: Option<(Said, bool)>,
     looked: (u64, usize, f64),
     walk: Walk,
-    /// The keyboard walks over the keys instead of the text.
+    /// The keyboard moves over the keys instead of the text.
     on_keys: bool,
-    /// Editing has just begun: the cursor comes to the lines that are shown.
+    /// Editing has just begun: the cursor moves to the visible lines.
     entered: bool,
 }
 
 impl Program {
-    /// Why the last thing asked for was refused.
+    /// Why the last request was refused.
     #[must_use]
     pub fn refusal(&self) -> Option<&Said> {
         self.told.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
     }
 
-    /// Whether words are being typed: into the text, or for a key.
+    /// Whether text is accepted: for the program or for a prompt.
     #[must_use]
     pub const fn takes_words(&self) -> bool {
         self.editing || self.ask.is_some()
     }
 
-    /// The text as it stands on the page.
+    /// The text with its unsaved changes.
     #[must_use]
     pub const fn text(&self) -> &Rope {
         &self.document.rope
     }
 
-    /// The page was opened anew: what was typed stays, editing is asked for again.
+    /// The page was opened again: typed text stays, editing must be requested again.
     pub fn open(&mut self) {
         self.stop_editing();
     }
@@ -160,7 +160,7 @@ impl Program {
         out
     }
 
-    /// The answers of the core.
+    /// Handles the answers of the core.
     fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         while let Some(heard) = self.asking.hear(view, login) {
             match heard {
@@ -181,7 +181,7 @@ impl Program {
         }
     }
 
-    /// The text of the core is shown until it is edited here; an unsaved text stays whatever becomes current.
+    /// Shows the core's text until it is edited here; keeps an unsaved text whatever program becomes current.
     fn follow(&mut self, view: &View<'_>) {
         let program = &view.snapshot.program;
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
@@ -193,7 +193,7 @@ impl Program {
             return;
         }
         if same && self.document.version > 0 {
-            // What was saved comes back from the disk: the same text; the way back stays.
+            // The saved text comes back from the disk unchanged; keep the undo history.
             return;
         }
         let (line, other) = (self.document.place().0, program.number != self.document.number);
@@ -226,7 +226,7 @@ impl Program {
         out.push(self.asking.ask(Awaited::Save(self.document.version), request));
     }
 
-    /// A key of a question other than 取消, by its place.
+    /// Handles a key of a question other than 取消, by its index.
     fn answer(&mut self, about: About, key: usize, view: &View<'_>, out: &mut Vec<Command>) {
         let program = &view.snapshot.program;
         match (about, key) {
@@ -242,7 +242,7 @@ impl Program {
         }
     }
 
-    /// What the keyboard brought.
+    /// Handles keyboard input.
     fn take_typed(&mut self, view: &View<'_>, typed: &Typed<'_>, login: &mut Login, out: &mut Vec<Command>) {
         for control in typed.controls {
             if let Some(act) = keys::of_control(*control) {
@@ -289,7 +289,7 @@ impl Program {
     }
 
     fn letter(&mut self, letter: &Letter, out: &mut Vec<Command>) {
-        // The letters are for the text, wherever Tab has led.
+        // The letter pad always types into the text, even while Tab has moved to the keys.
         self.on_keys = false;
         match letter {
             Letter::Sign(sign) => self.sign(*sign),
@@ -299,7 +299,7 @@ impl Program {
         }
     }
 
-    /// Moving and changing the text, or what is typed for a key.
+    /// Applies an edit to the text or to the prompt.
     fn edit(&mut self, edit: Edit, out: &mut Vec<Command>) {
         if self.ask.is_some() {
             match edit {
@@ -426,7 +426,7 @@ impl Program {
         self.place.scroll.bar(ui, view, list, LINE, count);
     }
 
-    /// A cursor out of sight comes to the running line, else to the first one in sight.
+    /// Moves a hidden cursor to the running line, else to the first visible one.
     fn come_into_sight(&mut self, sight: std::ops::Range<usize>, running: Option<usize>) {
         if !sight.contains(&self.document.place().0) {
             self.document.go(running.filter(|line| sight.contains(line)).unwrap_or(sight.start), 0);
@@ -444,7 +444,7 @@ impl Program {
         self.on_keys = false;
     }
 
-    /// The mistake in a line of the text as it is now.
+    /// The error in a line of the present text.
     fn fault<'v>(&self, view: &View<'v>, row: usize) -> Option<&'v Said> {
         let looked = &view.snapshot.files.looked;
         let ours = self.editing && looked.token == self.token() || !self.editing && !self.document.changed;
@@ -452,12 +452,12 @@ impl Program {
         fault.filter(|_| ours && looked.token >> 32 == u64::from(self.document.number)).map(|fault| &fault.said)
     }
 
-    /// Tells answers to this text from others.
+    /// Identifies this text in the answers to check requests.
     fn token(&self) -> u64 {
         u64::from(self.document.number) << 32 | (self.document.version & 0xFFFF_FFFF)
     }
 
-    /// What is the matter: the line being typed, a refusal, work, the mistake in the cursor's line.
+    /// Message line: prompt, message or progress, error in the cursor's line, encoding, unsaved program.
     fn told(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let row = rect.shrink2(vec2(4.0, 0.0));
         let line = self.document.place().0;
@@ -489,7 +489,7 @@ impl Program {
         fit(ui.painter(), row, Align2::LEFT_CENTER, &words, theme::LABEL, ink);
     }
 
-    /// Asks for the visible lines to be read for their writing, once nothing was typed for a moment.
+    /// Requests a syntax check of the visible lines after a pause in typing.
     fn look(&mut self, ui: &Ui, list: Rect, out: &mut Vec<Command>) {
         if !self.editing || self.work.is_some() {
             return;
@@ -520,7 +520,7 @@ impl Program {
         out.push(Command::Page(PageCommand::File(Ticket::unheard(Asker::Editor), request)));
     }
 
-    /// The keys that stand below the listing now, a row after the other.
+    /// The rows of keys below the listing.
     fn rows(&self) -> [&'static [Act]; 2] {
         if self.ask.is_some() {
             return keys::ASK;

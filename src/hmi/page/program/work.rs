@@ -1,4 +1,4 @@
-//! Work over a whole text, done in slices so that no frame waits for it: search, replace all, renumber.
+//! Tasks over a whole text: search, replace all, renumber. They run in slices so that no frame waits.
 //! Source: spec B6 (search O/N/word), H8 (nothing blocks the frame for more than 16 ms).
 
 use std::collections::BTreeMap;
@@ -8,38 +8,38 @@ use ropey::{Rope, RopeBuilder};
 use super::document::{Document, trimmed};
 use crate::defs::text::{Said, Text};
 
-/// Lines of one slice: a few milliseconds.
+/// Lines per slice: a few milliseconds.
 const SLICE: usize = 4_000;
-/// Characters of a line that are searched; a program's lines are far shorter.
+/// Maximum number of characters searched per line; lines of a program are far shorter.
 const SEARCHED: usize = 20_000;
-/// The largest block number that is given.
+/// The largest block number that is assigned.
 const LARGEST_N: u64 = 99_999_999;
 
-/// What a slice came to.
+/// Result of a slice.
 #[derive(Debug)]
 pub enum Step {
-    /// So many thousandths are done.
+    /// In progress, per mille.
     Going(u16),
-    /// Found: characters from and to.
+    /// Found: first character and one past the last.
     Found(usize, usize),
-    /// Nothing of the kind in the text.
+    /// No match in the text.
     Nothing,
-    /// A new text, and how many places were changed.
+    /// A new text, and the number of changes.
     Changed(Rope, usize),
-    /// Not possible, and why.
+    /// Not possible, with the reason.
     Refused(Said),
 }
 
-/// Work under way.
+/// A task in progress.
 #[derive(Debug)]
 pub enum Work {
-    /// Looks for a word from a place on, once around.
+    /// Searches a word from a position on, once around the text.
     Find { what: String, from: usize, done: usize },
-    /// Looks for the block of a number.
+    /// Searches the block with a number.
     Block { number: u64, line: usize },
-    /// Replaces a word everywhere.
+    /// Replaces all matches.
     Replace { what: String, with: String, line: usize, count: usize, built: Option<RopeBuilder> },
-    /// Gives the blocks new numbers: first reads which there are, then writes.
+    /// Renumbers the blocks: first reads all block numbers, then writes new ones.
     Renumber {
         first: u64,
         by: u64,
@@ -52,19 +52,19 @@ pub enum Work {
 }
 
 impl Work {
-    /// Looks for a word behind the cursor.
+    /// Searches a word from the cursor on.
     #[must_use]
     pub fn find(what: &str, document: &Document) -> Self {
         Self::Find { what: what.to_owned(), from: document.cursor, done: 0 }
     }
 
-    /// Looks for the block N of this number.
+    /// Searches the block N with this number.
     #[must_use]
     pub const fn block(number: u64) -> Self {
         Self::Block { number, line: 0 }
     }
 
-    /// Replaces a word everywhere.
+    /// Replaces all matches.
     #[must_use]
     pub fn replace(what: &str, with: &str) -> Self {
         Self::Replace {
@@ -76,14 +76,14 @@ impl Work {
         }
     }
 
-    /// Numbers the blocks anew.
+    /// Renumbers the blocks from `first` in steps of `by`.
     #[must_use]
     pub const fn renumber(first: u64, by: u64) -> Self {
         let built = None;
         Self::Renumber { first, by, line: 0, map: BTreeMap::new(), twice: Vec::new(), blocks: 0, built }
     }
 
-    /// What is being done.
+    /// Name of the task.
     #[must_use]
     pub const fn name(&self) -> Text {
         match self {
@@ -93,7 +93,7 @@ impl Work {
         }
     }
 
-    /// Does one slice.
+    /// Runs one slice.
     pub fn step(&mut self, text: &Rope) -> Step {
         match self {
             Self::Find { what, from, done } => find(text, what, *from, done),
@@ -150,7 +150,7 @@ fn share(done: usize, all: usize) -> u16 {
     (done * 1_000 / all.max(1)).min(1_000) as u16
 }
 
-/// The first place of a word in a text, letters of either case.
+/// Byte position of a word in a text at or after `from`, ignoring case.
 fn position(text: &str, what: &str, from: usize) -> Option<usize> {
     let (text, what) = (text.as_bytes(), what.as_bytes());
     if what.is_empty() {
@@ -165,7 +165,7 @@ fn find(text: &Rope, what: &str, from: usize, done: &mut usize) -> Step {
         let line = text.char_to_line(from.min(text.len_chars()));
         (line, from - text.line_to_char(line))
     };
-    // Once around: the line of the cursor comes first from the cursor on, last from its beginning.
+    // Once around: the cursor's line comes first, from the cursor on, and last, from its start.
     for _ in 0..SLICE {
         if *done > lines {
             return Step::Nothing;
@@ -183,7 +183,7 @@ fn find(text: &Rope, what: &str, from: usize, done: &mut usize) -> Step {
     Step::Going(share(*done, lines))
 }
 
-/// The block of a number: N is its first word, `N0040` is 40; what only begins with the number is another block.
+/// Searches a block: N is its first word, `N0040` is 40. A longer number with the same digits in front does not match.
 fn find_block(text: &Rope, number: u64, line: &mut usize) -> Step {
     let lines = text.len_lines();
     for _ in 0..SLICE {
@@ -201,7 +201,7 @@ fn find_block(text: &Rope, number: u64, line: &mut usize) -> Step {
     Step::Going(share(*line, lines))
 }
 
-/// Appends a line with the word replaced; how often it was.
+/// Appends a line with all matches replaced; returns their number.
 fn replace_in(line: &str, what: &str, with: &str, builder: &mut RopeBuilder) -> usize {
     let (mut at, mut count) = (0, 0);
     while let Some(found) = position(line, what, at) {
@@ -214,7 +214,7 @@ fn replace_in(line: &str, what: &str, with: &str, builder: &mut RopeBuilder) -> 
     count
 }
 
-/// What a line is before its words: blanks and `/`, the block number if there is one, the rest.
+/// Splits a line into leading blanks and `/`, the block number if there is one, and the rest.
 fn head(line: &str) -> (&str, Option<u64>, &str) {
     let begin = line.len() - line.trim_start_matches([' ', '\t', '/']).len();
     let (lead, rest) = line.split_at(begin);
@@ -226,12 +226,12 @@ fn head(line: &str) -> (&str, Option<u64>, &str) {
     }
 }
 
-/// A block that is given a number where no block has one.
+/// Whether a line gets a number when no block of the program has one.
 fn is_block(rest: &str) -> bool {
     rest.trim_end().chars().next().is_some_and(|sign| !matches!(sign, '%' | 'O' | 'o' | '(' | ';'))
 }
 
-/// First time through: which numbers there are, and whether the jumps can follow. True when all lines are read.
+/// First pass: reads the block numbers and checks that all jumps can be updated. True when all lines are read.
 fn read_numbers(
     text: &Rope,
     (first, by): (u64, u64),
@@ -387,7 +387,7 @@ mod tests {
             changed(Work::renumber(10, 10), text),
             "O1001\nN0010 G00 X1\n/N0020 IF[#1 EQ 0] GOTO 10\nG01 X2\nN0030 GOTO N20\nM30\n%"
         );
-        // Where no block has a number all get one.
+        // If no block has a number, all get one.
         assert_eq!(changed(Work::renumber(1, 1), "O1\nG00\n(a)\nM30\n%"), "O1\nN0001 G00\n(a)\nN0002 M30\n%");
     }
 

@@ -1,4 +1,4 @@
-//! Date and time of day: six fields, each typed and checked by itself. Source: spec B6, H6.
+//! Date and time of day: six fields, each typed and checked on its own. Source: spec B6, H6.
 
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo};
@@ -15,7 +15,7 @@ use crate::hmi::widget::Walk;
 use crate::link::Command;
 use crate::link::page_command::PageCommand;
 
-/// Name and word of each field.
+/// Name and id of each field.
 const FIELDS: [(Text, &str); 6] = [
     (Text::new("年", "year"), "clock-year"),
     (Text::new("月", "month"), "clock-month"),
@@ -25,17 +25,17 @@ const FIELDS: [(Text, &str); 6] = [
     (Text::new("秒", "second"), "clock-second"),
 ];
 
-/// What the group keeps.
+/// State of the group.
 #[derive(Debug, Default)]
 pub struct Clock {
-    /// The field that is typed in.
+    /// The selected field.
     field: Option<usize>,
-    /// What is being typed.
+    /// The value being typed.
     pub typing: Typing,
 }
 
 impl Clock {
-    /// Takes what is typed into a field; the rest is for the keys of the page.
+    /// Handles edits of the selected field; returns the rest for the keys of the page.
     pub fn take(&mut self, view: &View<'_>, edits: &[Edit], out: &mut Vec<Command>) -> Vec<Edit> {
         let mut rest = Vec::new();
         for edit in edits {
@@ -65,7 +65,7 @@ impl Clock {
         (self.field, self.typing.pad) = (None, false);
     }
 
-    /// A typed part is in force at once; the next field is next.
+    /// Sends the typed field at once, then selects the next field.
     fn enter(&mut self, view: &View<'_>, field: usize, out: &mut Vec<Command>) {
         if !self.typing.text.is_empty() {
             match wanted(view.snapshot.date, field, &self.typing.text) {
@@ -93,7 +93,7 @@ impl Clock {
             response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, &word));
             if response.clicked() || entered {
                 self.go(index);
-                // A keyboard needs no pad.
+                // The keyboard needs no pad.
                 self.typing.pad |= response.clicked();
             }
             card(painter, place, view.theme.raised, view.theme.line);
@@ -128,7 +128,7 @@ impl Clock {
     }
 }
 
-/// The least and the greatest value of a field, the day's after the month that is shown.
+/// Least and greatest value of a field; for the day they depend on year and month.
 fn range(date: Option<Date>, field: usize) -> (i64, i64) {
     let [year, month, ..] = date.unwrap_or_default().parts();
     match field {
@@ -140,7 +140,7 @@ fn range(date: Option<Date>, field: usize) -> (i64, i64) {
     }
 }
 
-/// The date with one of its parts replaced.
+/// The date with one field replaced.
 fn wanted(date: Option<Date>, field: usize, text: &str) -> Result<Date, Said> {
     let Some(date) = date else { return Err(Said::new("没有系统时钟", "the computer tells no time")) };
     let (least, most) = range(Some(date), field);

@@ -1,4 +1,4 @@
-//! Language, colours, brightness of the screen. Source: spec B6, H4.
+//! Language, colours and brightness of the screen. Source: spec B6, H4.
 
 use egui::{Align2, Rect, Ui};
 

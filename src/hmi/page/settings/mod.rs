@@ -1,5 +1,5 @@
-//! Settings: clock, language, colours and brightness, switches, the kind of machine, who is at the panel, passwords.
-//! Source: spec B6, K1 (the kind is kept), K6.2.
+//! Settings: clock, language, colours and brightness, switches, kind of machine, access level, passwords.
+//! Source: spec B6, K1 (the kind is retained), K6.2.
 
 mod clock;
 mod look;
@@ -20,22 +20,22 @@ use crate::link::page_command::{Guard, PageCommand};
 use clock::Clock;
 use switches::Switches;
 
-/// Least and greatest height of a key of this page; what the title of a group, its edge and a line of words take.
+/// Least and greatest height of a key of this page; heights of a group's title, its edge and its note.
 const KEY: (f32, f32) = (46.0, 56.0);
 const TITLE: f32 = 30.0;
 const EDGE: f32 = 10.0;
 const WORDS: f32 = 24.0;
-/// Rows of keys of the groups of each column, and whether words stand below.
+/// Groups of each column: rows of keys, and whether a note is below.
 const LEFT: [(f32, bool); 3] = [(1.0, false), (2.0, false), (2.0, false)];
 const RIGHT: [(f32, bool); 3] = [(2.0, true), (2.0, true), (1.0, false)];
 
-/// What the page keeps.
+/// State of the page.
 #[derive(Debug, Default)]
 pub struct Settings {
-    /// The kind that waits for the builder's password.
+    /// Selected kind that waits for the machine builder's password.
     waiting: Option<Kind>,
     switches: Switches,
-    /// The field of the clock that is typed in.
+    /// The clock group.
     pub clock: Clock,
     walk: Walk,
 }
@@ -59,7 +59,7 @@ impl Settings {
         let (page, input) = input_line::split(rect);
         let inside = page.shrink(theme::PAD);
         let half = (inside.width() - theme::PAD) / 2.0;
-        // The right column needs more; the other one ends where it does.
+        // The right column is the higher one; the left column gets the same height.
         let rows: f32 = RIGHT.iter().map(|(rows, _)| rows).sum();
         let key = ((inside.height() - needed(RIGHT, 0.0)) / rows).clamp(KEY.0, KEY.1);
         let height = needed(RIGHT, key);
@@ -84,7 +84,7 @@ impl Settings {
         let (first, rest) = (Kind::KT830.len(), Kind::ALL.len() - Kind::KT830.len());
         for (index, kind) in Kind::ALL.into_iter().enumerate() {
             let look = Look { on: kind == next, locked: view.snapshot.access.level < Level::Builder };
-            // The grinders of the KT-830 in the first row, the other kinds below them.
+            // The KT-830 grinders in the first row, the other kinds below.
             let place = match index < first {
                 true => cell(row_of(body, key, 0), index, first),
                 false => cell(row_of(body, key, 1), index - first, rest),
@@ -108,17 +108,17 @@ impl Settings {
     }
 }
 
-/// Height of a group with keys of a height.
+/// Height of a group for a key height.
 fn height_of((rows, words): (f32, bool), key: f32) -> f32 {
     2.0 * EDGE + TITLE + rows * key + (rows - 1.0) * theme::GAP + if words { WORDS } else { 0.0 }
 }
 
-/// Height of a column.
+/// Height of a column for a key height.
 fn needed(groups: [(f32, bool); 3], key: f32) -> f32 {
     groups.iter().map(|group| height_of(*group, key)).sum::<f32>() + 2.0 * theme::PAD
 }
 
-/// The groups of a column, from the top; what room there is more than they need is in them all alike.
+/// The groups of a column, from the top; spare height is shared equally.
 fn column(corner: Pos2, (width, height): (f32, f32), groups: [(f32, bool); 3], key: f32) -> [Rect; 3] {
     let more = (height - needed(groups, key)) / 3.0;
     let mut top = corner.y;
@@ -135,19 +135,19 @@ fn row_of(body: Rect, key: f32, row: usize) -> Rect {
     Rect::from_min_size(pos2(body.min.x, top), vec2(body.width(), key))
 }
 
-/// The words below so many rows of keys.
+/// The note below the rows of keys.
 fn note(ui: &Ui, view: &View<'_>, body: Rect, below: Rect, words: &str) {
     let place = Rect::from_min_max(pos2(body.min.x, below.max.y + 4.0), pos2(body.max.x, below.max.y + WORDS));
     fit(ui.painter(), place, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
 }
 
-/// One of so many keys side by side.
+/// Cell of a row of `count` equal keys.
 fn cell(row: Rect, index: usize, count: usize) -> Rect {
     let width = (row.width() - (count as f32 - 1.0) * theme::GAP) / count as f32;
     Rect::from_min_size(row.min + vec2(index as f32 * (width + theme::GAP), 0.0), vec2(width, row.height()))
 }
 
-/// A card with a title; gives its inside, and what is free beside the title.
+/// A card with a title; returns its inside, and the free rectangle beside the title.
 fn group(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) -> (Rect, Rect) {
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(theme::PAD, EDGE));
@@ -156,12 +156,12 @@ fn group(ui: &Ui, view: &View<'_>, rect: Rect, title: &str) -> (Rect, Rect) {
     (body, Rect::from_min_max(pos2(taken.max.x + theme::PAD, head.min.y), pos2(head.max.x, head.min.y + 24.0)))
 }
 
-/// Words at the right of a title.
+/// Right-aligned text beside a title.
 fn beside(ui: &Ui, view: &View<'_>, place: Rect, words: &str) {
     fit(ui.painter(), place, Align2::RIGHT_CENTER, words, theme::LABEL, view.theme.quiet);
 }
 
-/// What may be changed now.
+/// Access levels: unlock by password, lock.
 fn access(
     ui: &Ui,
     rect: Rect,

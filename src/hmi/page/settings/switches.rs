@@ -1,4 +1,4 @@
-//! The switches that people turn now and then: bits of the parameter table with their password. Source: spec B6.
+//! Frequently used switches: bits of the parameter table with their password level. Source: spec B6.
 
 use egui::{Rect, Ui};
 
@@ -11,7 +11,7 @@ use crate::hmi::widget::{Look, Walk};
 use crate::link::Command;
 use crate::link::page_command::{Guard, PageCommand};
 
-/// The bits, with the word of the key and its label.
+/// The bits, each with the id and the label of its key.
 const SWITCHES: [(Bit, &str, Text); 4] = [
     (param::COUNT_ON_M30, "switch-count", Text::new("M30 计件", "M30 COUNTS")),
     (param::EDIT_OFFSETS, "switch-offsets", Text::new("刀补允许修改", "EDIT OFFSETS")),
@@ -19,15 +19,15 @@ const SWITCHES: [(Bit, &str, Text); 4] = [
     (param::WHEEL_RETRACT, "switch-retract", Text::new("一键回退", "RETRACT KEY")),
 ];
 
-/// What the group keeps.
+/// State of the group.
 #[derive(Debug, Default)]
 pub struct Switches {
-    /// The switch that waits for its password.
+    /// Index of the switch that waits for its password.
     waiting: Option<usize>,
 }
 
 impl Switches {
-    /// A switch that a password was asked for turns as soon as the level is open; without it, it stays.
+    /// Toggles the waiting switch once its level is unlocked; leaves it if the password is not given.
     pub fn send_waiting(&mut self, view: &View<'_>, login: &Login, out: &mut Vec<Command>) {
         let Some(index) = self.waiting else { return };
         if view.snapshot.access.level >= SWITCHES[index].0.level {
