@@ -1,4 +1,4 @@
-//! What a person, a story or the disk can ask of the core.
+//! Commands to the core from the operator, a story or the disk thread.
 
 use std::sync::Arc;
 
@@ -17,39 +17,39 @@ use crate::defs::soft_key::Coordinates;
 use crate::defs::text::Said;
 use crate::units::{Axis, PerAxis};
 
-/// One request to the core. Everything is answered in the tick that takes it, by doing it or by a message that says
-/// why not.
+/// One request to the core. The tick that takes it either executes it or shows a message with the reason of the
+/// refusal.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// A key goes down. A jog key acts only while [`Command::Hold`] is repeated.
+    /// A panel key is pressed. A jog key acts only while [`Command::Hold`] is repeated.
     Press(Key),
-    /// A key goes up.
+    /// A panel key is released.
     Release(Key),
-    /// A jog key is still down; sent at least every 50 ms. After `JOG_KEEP_ALIVE` of silence the core lets go.
+    /// A jog key is still held; sent at least every 50 ms. After `JOG_KEEP_ALIVE` without it the core stops the jog.
     Hold(Key),
-    /// The screen's handwheel was turned by so many detents.
+    /// Detents by which the on-screen handwheel was turned.
     Handwheel(i32),
-    /// Another page was opened.
+    /// Opens a page.
     OpenPage(Page),
-    /// The position page is opened, or turned, to these coordinates (K7.1).
+    /// Opens the position page with these coordinates, or switches it to them (K7.1).
     ShowCoordinates(Coordinates),
-    /// The soft keys are turned to this row, from 0.
+    /// Shows this row of soft keys, from 0.
     TurnSoftRow(usize),
-    /// The grinding page turns to one of its sheets, from 0, where it has several.
+    /// Shows this sheet of the grinding page, from 0, where the page has several.
     TurnSheet(usize),
-    /// Make a program of the folder the current one.
+    /// Loads a program of the folder as the current program.
     LoadProgram(u32),
-    /// Read the current program up to a line (from 1), to run it from there at cycle start (B5).
+    /// Reads the current program up to a line (from 1); cycle start then runs it from there (B5).
     RestartAt(u32),
-    /// Offer the run that a power cut has ended once more, from the block it stood at (B5).
+    /// Prepares the run that a power cut ended, from the interrupted block (B5).
     ResumeInterrupted,
-    /// Execute a line of MDI text.
+    /// Executes a line of MDI text.
     Mdi(String),
-    /// A value typed on the open page for one of its macro variables; `None` empties it.
+    /// Sets a macro variable of the open page to a typed value; `None` empties it.
     TypeVariable(u16, Option<f64>),
-    /// What the offset and the dressing page ask.
+    /// A request of the offset or dressing page.
     Offset(OffsetCommand),
-    /// An increment to the wear of an offset, typed as U, V or W; G10 goes the same way (K4.1).
+    /// Adds an increment to the wear of an offset, typed as U, V or W; G10 takes the same path (K4.1).
     AddWear {
         /// 1 to 16.
         number: usize,
@@ -58,7 +58,7 @@ pub enum Command {
         /// mm as displayed.
         by: f64,
     },
-    /// The wheel has been changed (K5.17): its size and rating, and no cycle start before it is dressed.
+    /// The wheel was changed (K5.17): new size and rated speed. The wheel must be dressed before a cycle start.
     ChangeWheel {
         /// Diameter, mm.
         diameter_mm: f64,
@@ -67,47 +67,47 @@ pub enum Command {
         /// Rated peripheral speed, m/s.
         rated_m_s: f64,
     },
-    /// Puts a line of MDI text ready for cycle start; an empty one takes it back.
+    /// Prepares a line of MDI text for cycle start; an empty line withdraws it.
     ReadyMdi(String),
-    /// A value set past the pages (`--set`, `set` in a story, a restored backup).
+    /// Sets a macro variable without a page (`--set`, `set` in a story, a restored backup).
     SetVariable(u16, Option<f64>),
-    /// A parameter set past the pages (`--param`, `param` in a story): no password is asked.
+    /// Sets a parameter without a page (`--param`, `param` in a story); no password is needed.
     SetParam(ParamAddress, f64),
-    /// The work zero of G54 (0) to G59 (5), machine coordinates, radius mm.
+    /// Sets the work offset G54 (0) to G59 (5), machine coordinates, radius mm.
     SetFrame(usize, PerAxis<f64>),
-    /// Geometry of a tool offset, 1 to 16, radius mm.
+    /// Sets the geometry of a tool offset, 1 to 16, radius mm.
     SetGeometry(usize, PerAxis<f64>),
-    /// What is to be ground and what holds it, for the drawing.
+    /// Sets the boxes of the workpiece and its fixture, for the graphic page.
     SetStock(Arc<[StockBox]>),
-    /// Another table for the screw of an axis (B7).
+    /// Sets the leadscrew error table of an axis (B7).
     SetScrew(Axis, ScrewTable),
-    /// Makes the relative position of an axis zero.
+    /// Sets the relative position of an axis to zero.
     ClearRelative(Axis),
-    /// The disk has read the folder of page texts and pictures.
+    /// The disk thread has read the folder of page texts and pictures.
     Screens(Arc<Screens>),
-    /// The disk has stored what it was given, up to and including this generation.
+    /// The disk thread has stored the retained data up to and including this generation.
     Stored(u64),
-    /// The disk could not do what it was asked.
+    /// The disk thread could not execute a request.
     DiskFailed(Said),
-    /// What the pages of parameters and settings ask.
+    /// A request of the parameter or settings page, a file request, or the disk's answer.
     Page(PageCommand),
-    /// What the simulator page asks of the simulated machine; a control never takes it.
+    /// A request of the simulator page to the simulated machine; the core never handles it.
     Simulate(SimCommand),
-    /// What the teach-in page asks (L9).
+    /// A request of the teach-in page (L9).
     Teach(TeachCommand),
-    /// The computer's clock reads this; told now and then. Only dates that people read depend on it.
+    /// Time of the computer's clock, sent periodically. Only displayed dates depend on it.
     Calendar(Date),
-    /// The screen is alive; without it the core stops after its keep-alive time.
+    /// Keep-alive of the screen; without it the core stops after the keep-alive time (P76, ms).
     Alive,
 }
 
-/// The grinding pages as the disk found them.
+/// The page files as read from the disk.
 #[derive(Clone, Debug, Default)]
 pub struct Screens {
-    /// One for each program O1001–O1020 of which a file was found, by program number; a kind's own pages by 1000 and
-    /// the number of their files.
+    /// One entry per program O1001–O1020 that has a file, by program number; the own pages of a kind have 1000 plus
+    /// their file number.
     pub pages: Vec<(u32, ScreenFiles)>,
-    /// The picture of the dressing page, or what is wrong with it; none before the folder was read.
+    /// The picture of the dressing page, or its fault; none until the folder has been read.
     pub dressing: Option<Result<Arc<Picture>, FileFault>>,
 }
 
@@ -122,17 +122,17 @@ impl Screens {
 /// Page text and picture of one program.
 #[derive(Clone, Debug)]
 pub struct ScreenFiles {
-    /// The page text, or what is wrong with it.
+    /// The page text, or its fault.
     pub text: Result<Arc<PageText>, FileFault>,
-    /// The picture, or what is wrong with it.
+    /// The picture, or its fault.
     pub picture: Result<Arc<Picture>, FileFault>,
 }
 
-/// A page picture: 200 × 400, 24 bit, as the bytes of a PNG: those of all programs stay in memory, one is painted.
+/// A page picture, 200 × 400 px, 24 bit, as PNG bytes. The pictures of all programs stay in memory; one is painted.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture(pub Vec<u8>);
 
-/// What is wrong with a file of the screens folder: file, line where there is one, cause and remedy.
+/// A fault in a file of the screens folder: file, line if known, cause and remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileFault {
     /// File name.
@@ -144,7 +144,7 @@ pub struct FileFault {
 }
 
 impl FileFault {
-    /// The fault with its place, as it is shown.
+    /// The fault with its place, as shown.
     #[must_use]
     pub fn said(&self) -> Said {
         match self.place {

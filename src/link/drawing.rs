@@ -1,5 +1,5 @@
-//! The tool path of a program as the check run goes it, in several degrees of detail: however long the program is, a
-//! frame draws no more than a screen can show.
+//! The tool path of a program from its check run, at several levels of detail. However long the program is, a frame
+//! draws no more points than a screen can show.
 //! Source: spec B6 (图形), H8, H9. Lengths: mm, radius, work coordinates.
 
 use std::collections::HashSet;
@@ -7,23 +7,23 @@ use std::collections::HashSet;
 use super::files::LineFault;
 use crate::units::{Axis, PerAxis};
 
-/// Most points of a path that are kept; a longer one is cut.
+/// Maximum number of points of a path; a longer path is truncated.
 pub const MOST_POINTS: usize = 4_000_000;
-/// Points of one piece, which has a box around it.
+/// Points of one chunk; every chunk has a bounding box.
 pub const PIECE: usize = 256;
-/// Degrees of detail: shares of the path's size that may be left out.
+/// Levels of detail: the tolerance is the size of the path divided by this.
 const FINENESS: [f32; 3] = [32_768.0, 8_192.0, 2_048.0];
-/// A path of fewer points needs no other degree.
+/// A path with fewer points needs no coarser level.
 const FEW: usize = 10_000;
 
 /// How a point is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Way {
-    /// Not at all: the path begins anew here.
+    /// No move: the path starts anew here.
     Lift,
-    /// At rapid.
+    /// Rapid traverse.
     Rapid,
-    /// At feed.
+    /// Feed move.
     Feed,
 }
 
@@ -32,16 +32,16 @@ pub enum Way {
 pub struct Point {
     /// X, Y, Z.
     pub at: [f32; 3],
-    /// How it is reached from the point before.
+    /// The move from the previous point.
     pub way: Way,
 }
 
-/// The box around a piece of a path.
+/// The bounding box of a part of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Around {
-    /// Least coordinates.
+    /// Minimum coordinates.
     pub low: [f32; 3],
-    /// Greatest coordinates.
+    /// Maximum coordinates.
     pub high: [f32; 3],
 }
 
@@ -55,21 +55,21 @@ impl Around {
         }
     }
 
-    /// The greatest side.
+    /// The longest side.
     #[must_use]
     pub fn size(&self) -> f32 {
         (0..3).map(|axis| self.high[axis] - self.low[axis]).fold(0.0, f32::max)
     }
 }
 
-/// One degree of detail.
+/// One level of detail.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Level {
-    /// What may be missing, mm.
+    /// Maximum deviation from the exact path, mm.
     pub tolerance_mm: f32,
     /// The points.
     pub points: Vec<Point>,
-    /// The box of each [`PIECE`] points, with the point before them.
+    /// The bounding box of each [`PIECE`] points, including the point before them.
     pub pieces: Vec<Around>,
 }
 
@@ -87,7 +87,7 @@ impl Level {
         Self { tolerance_mm, points, pieces }
     }
 
-    /// The path without what lies closer together than the tolerance, and without what was drawn before.
+    /// The path without points closer together than the tolerance and without segments that are already drawn.
     fn coarser(&self, tolerance_mm: f32) -> Self {
         let cell = |at: [f32; 3]| at.map(|value| (value / tolerance_mm).round() as i32);
         let mut drawn = HashSet::new();
@@ -118,33 +118,33 @@ impl Level {
     }
 }
 
-/// A path and what its check run told.
+/// A path and the results of its check run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Drawing {
     /// O number.
     pub number: u32,
-    /// Stamp of the text.
+    /// Checksum of the text.
     pub stamp: u64,
-    /// From exact to coarse.
+    /// Levels of detail, from exact to coarse.
     pub levels: Vec<Level>,
-    /// Least and greatest coordinates of all moves; none without a move.
+    /// Minimum and maximum coordinates of all moves; none without a move.
     pub extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
-    /// The way of all moves, mm.
+    /// Length of all moves, mm.
     pub length_mm: f64,
-    /// The time at programmed feeds, s.
+    /// Duration at the programmed feeds, s.
     pub seconds: f64,
-    /// Lines of the text.
+    /// Number of lines of the text.
     pub lines: usize,
-    /// The mistakes.
+    /// The errors found.
     pub faults: Vec<LineFault>,
-    /// Where a tool meets what it must not, work coordinates (L9).
+    /// Places where a tool collides, work coordinates (L9).
     pub crashes: Vec<[f32; 3]>,
-    /// The run came to its end; otherwise it was cancelled, given up or cut.
+    /// The check run reached the end; otherwise it was cancelled, aborted or truncated.
     pub finished: bool,
 }
 
 impl Drawing {
-    /// Takes a path; makes the coarser degrees of detail.
+    /// Sets the path and computes the coarser levels of detail.
     pub fn take_path(&mut self, points: Vec<Point>) {
         let exact = Level::of(0.0, points);
         let size = exact.pieces.iter().fold(Around::NOTHING, |mut all, piece| {
@@ -160,7 +160,7 @@ impl Drawing {
         }
     }
 
-    /// The box around the path.
+    /// The bounding box of the path.
     #[must_use]
     pub fn around(&self) -> Option<Around> {
         let (low, high) = self.extents?;
@@ -169,15 +169,15 @@ impl Drawing {
     }
 }
 
-/// A piece of the part or of what holds it, as a box in work coordinates; where the part turns about Z, X runs from
+/// A box of the workpiece or its fixture in work coordinates. Where the workpiece turns about Z, X runs from
 /// minus to plus the radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StockBox {
-    /// Least coordinates, mm, radius.
+    /// Minimum coordinates, mm, radius.
     pub low: PerAxis<f64>,
-    /// Greatest coordinates.
+    /// Maximum coordinates.
     pub high: PerAxis<f64>,
-    /// It is the part; otherwise it holds it.
+    /// True for the workpiece, false for the fixture.
     pub part: bool,
 }
 
@@ -185,7 +185,7 @@ pub struct StockBox {
 mod tests {
     use super::*;
 
-    /// A million strokes over 100 mm, each 0.1 µm deeper: no screen shows more than some thousand of them.
+    /// A million strokes over 100 mm, each 0.1 µm deeper: a screen shows only some thousands of them.
     #[test]
     fn h9_a_million_moves_are_some_thousand_on_a_screen() {
         let points = (0..1_000_000_u32).map(|index| {
@@ -196,9 +196,9 @@ mod tests {
         let mut drawing = Drawing::default();
         drawing.take_path(points.collect());
         let coarsest = drawing.levels.last().expect("levels");
-        // 100 mm / 2048: each row of cells once to and once fro, with its lifts.
+        // 100 mm / 2048: each row of cells once in each direction, with its breaks.
         assert!(coarsest.points.len() < 2_048 * 4, "{}", coarsest.points.len());
-        // And it reaches as far as the path does.
+        // The coarsest level covers the whole path.
         let all = coarsest.pieces.iter().fold(Around::NOTHING, |mut all, piece| {
             all.take(piece.low);
             all.take(piece.high);

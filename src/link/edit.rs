@@ -1,19 +1,19 @@
-//! What the pages of offsets, variables, MDI and the wheel ask of the core, and how it answers.
+//! Requests of the offset, variable, MDI and wheel pages, and the answers of the core.
 //! Lengths are as displayed: diameters where diameter mode is on.
 //! Source: spec B6, K4.1, K5.10, K5.17, K7.6, K7.7.
 
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, PerAxis};
 
-/// Tool offsets: 1 to 16 (K4.1).
+/// Number of tool offsets; they are numbered 1 to 16 (K4.1).
 pub const OFFSETS: usize = 16;
 
 /// The two halves of a tool offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
-    /// Where the wheel is.
+    /// Position of the wheel.
     Geometry,
-    /// What has been corrected since.
+    /// Corrections since then.
     Wear,
 }
 
@@ -27,7 +27,7 @@ impl Part {
         }
     }
 
-    /// Greatest absolute value, mm.
+    /// Maximum absolute value, mm.
     #[must_use]
     pub const fn most(self) -> f64 {
         match self {
@@ -37,13 +37,13 @@ impl Part {
     }
 }
 
-/// Greatest increment typed at a page, mm: a lost decimal point is not let through.
+/// Maximum increment typed at a page, mm; it catches a missing decimal point.
 pub const MOST_INCREMENT: f64 = 9.999;
 
-/// What the offset and the dressing page ask.
+/// A request of the offset or dressing page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum OffsetCommand {
-    /// A value in place of the old one.
+    /// Replaces a value.
     Set {
         /// 1 to 16.
         number: usize,
@@ -54,7 +54,7 @@ pub enum OffsetCommand {
         /// mm.
         value: f64,
     },
-    /// An increment to the geometry; the wear has [`super::Command::AddWear`].
+    /// Adds an increment to the geometry; for the wear see [`super::Command::AddWear`].
     AddGeometry {
         /// 1 to 16.
         number: usize,
@@ -63,8 +63,8 @@ pub enum OffsetCommand {
         /// mm.
         by: f64,
     },
-    /// The axis stands at this work coordinate, as measured: the geometry becomes what makes it so, the wear of the
-    /// axis is cleared (K5.10).
+    /// The axis was measured at this work coordinate: the geometry is set to match it and the wear of the axis is
+    /// cleared (K5.10).
     Measure {
         /// 1 to 16.
         number: usize,
@@ -75,12 +75,12 @@ pub enum OffsetCommand {
     },
 }
 
-/// How the core answered what was typed at a page.
+/// The core's answer to a value typed at a page.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EditAnswer {
-    /// Counts the answers, so that a page sees a new one.
+    /// Number of answers so far; a page recognises a new answer by it.
     pub count: u32,
-    /// Why the last one was refused; none: it was taken.
+    /// Why the last value was refused; none if it was accepted.
     pub refused: Option<Said>,
 }
 
@@ -94,7 +94,7 @@ pub struct OffsetView {
 }
 
 impl OffsetView {
-    /// One of its halves.
+    /// The geometry or the wear.
     #[must_use]
     pub const fn part(&self, part: Part) -> &PerAxis<f64> {
         match part {
@@ -104,16 +104,16 @@ impl OffsetView {
     }
 }
 
-/// The codes in force.
+/// The active modal codes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ModalView {
-    /// G codes by group: motion, plane, absolute or incremental, feed mode, unit, frame, path, speed mode.
+    /// G codes by group: motion, plane, absolute or incremental, feed mode, unit, work offset, path, speed mode.
     pub g: [u8; 8],
     /// F, mm/min or mm per revolution.
     pub feed: Option<f64>,
     /// S.
     pub speed: Option<f64>,
-    /// Tool and offset of the last T.
+    /// Tool and offset of the last T word.
     pub tool: (u16, u16),
     /// The last M code.
     pub m: Option<u8>,

@@ -1,6 +1,6 @@
-//! What the pages ask of the folders and of the long calculations, and how that is answered. The core says whether it may
-//! be; the work is done beside the tick, and the answer comes back as a command. Every request carries a ticket and every
-//! answer that of its request: a page hears what it asked for and nothing else.
+//! File requests of the pages and requests for long calculations, with their answers. The core decides if a request
+//! is allowed; the work runs outside the tick, and the answer comes back as a command. Every request carries a ticket,
+//! and its answer carries the same ticket: a page receives only the answers to its own requests.
 //! Source: spec B6 (程序), K6.2, K7.8, H8 (progress, cancel).
 
 use std::sync::Arc;
@@ -16,15 +16,15 @@ use crate::defs::screw::ScrewTable;
 use crate::defs::text::{Said, Text};
 use crate::units::{Axis, PerAxis};
 
-/// Most lines that are looked at in one request, and most characters of a line that are.
+/// Maximum number of lines checked in one request.
 pub const LOOKED_LINES: usize = 120;
-/// What no screen is wide enough for is not looked at either.
+/// Maximum number of characters checked in a line; no screen is wide enough for more.
 pub const LOOKED_CHARS: usize = 1_000;
 
-/// Answers that the pages can still read: more than come between two frames.
+/// Number of answers kept for the pages: more than arrive between two frames.
 const ANSWERS: usize = 16;
 
-/// Who asks.
+/// The sender of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Asker {
     /// The program page.
@@ -33,29 +33,29 @@ pub enum Asker {
     Designer,
     /// The directory.
     Directory,
-    /// The page of USB and RS232.
+    /// The USB and RS232 page.
     Transfer,
-    /// The tables of the screws.
+    /// The leadscrew table page.
     Screw,
-    /// The drawing.
+    /// The graphic page.
     Graphic,
-    /// The teach-in.
+    /// The teach-in page.
     Teach,
-    /// The screen itself: its pictures, and tables that are kept.
+    /// The screen itself: screenshots and saved tables.
     Screen,
 }
 
-/// The number of a request, given by the one that asks; its answer brings it back.
+/// Identifies a request. The sender assigns it, the answer carries it back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Ticket {
-    /// Who asks.
+    /// The sender of a request.
     pub asker: Asker,
-    /// Counts the requests of one asker.
+    /// Counts the requests of one sender.
     pub number: u32,
 }
 
 impl Ticket {
-    /// The ticket of a request whose answer nobody waits for.
+    /// The ticket of a request whose answer is ignored.
     #[must_use]
     pub const fn unheard(asker: Asker) -> Self {
         Self { asker, number: 0 }
@@ -65,7 +65,7 @@ impl Ticket {
 /// One request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileRequest {
-    /// Opens the editor: asks only whether it may be edited now.
+    /// Opens the editor: asks only whether the program may be edited now.
     MayEdit(u32),
     /// Replaces the text of a program.
     Save {
@@ -73,22 +73,22 @@ pub enum FileRequest {
         number: u32,
         /// The new text.
         text: Rope,
-        /// The stamp of the text that it was made from; the file on the disk must still have it.
+        /// Checksum of the text that was edited; the file on the disk must still have it.
         base: u64,
-        /// Replaces the file even so.
+        /// Replaces the file even if it was changed.
         force: bool,
     },
-    /// Keeps a recorded program under the next free name (L9).
+    /// Saves a recorded program under the next free name (L9).
     Record(String),
-    /// Reads lines of a text for their writing while they are typed.
+    /// Checks the syntax of lines while they are typed.
     Look {
-        /// O number, for the places of mistakes.
+        /// O number, for the places of errors.
         number: u32,
-        /// Line of the first of them, from 1.
+        /// Number of the first line, from 1.
         first: u32,
         /// The lines.
         text: String,
-        /// Comes back with the answer.
+        /// Returned with the answer.
         token: u64,
     },
     /// A new, empty program.
@@ -109,52 +109,52 @@ pub enum FileRequest {
     },
     /// Deletes a program.
     Delete(u32),
-    /// The path of a program by a check run from where the machine stands.
+    /// Computes the tool path of a program by a check run from the current machine position.
     Draw(u32),
-    /// What stands on both sides of a transfer.
+    /// Lists the files on both sides of a transfer.
     Media,
-    /// Copies to or from a medium.
+    /// Copies files to or from a medium.
     Transfer(Transfer),
-    /// Keeps a picture of the screen.
+    /// Saves a screenshot.
     Print(Print),
-    /// Keeps a table of samples, CSV.
+    /// Saves a table of samples as CSV.
     Table(String),
-    /// A page text for editing, with what a program uses of it.
+    /// Reads a page text for editing, with the variables that the program uses.
     ReadPage {
-        /// 1000 and the number of the files.
+        /// 1000 plus the file number.
         page: u32,
         /// O number of the program.
         program: u32,
     },
     /// Replaces a page text.
     SavePage {
-        /// 1000 and the number of the files.
+        /// 1000 plus the file number.
         page: u32,
         /// The new text.
         text: Rope,
-        /// The stamp of the file that it was made from; 0: there was none.
+        /// Checksum of the file that was edited; 0 if there was none.
         base: u64,
-        /// Replaces the file even so.
+        /// Replaces the file even if it was changed.
         force: bool,
     },
-    /// Makes a picture that of a page; one of another form is converted (K5.12).
+    /// Takes a picture for a page; another format is converted (K5.12).
     TakePicture {
-        /// 1000 and the number of the files.
+        /// 1000 plus the file number.
         page: u32,
-        /// Where it lies.
+        /// Where the picture is.
         from: PictureFrom,
-        /// Its name there.
+        /// Its file name.
         name: String,
     },
-    /// The table of an axis' screw out of a file of the medium (B7).
+    /// Reads the leadscrew table of an axis from a file of the medium (B7).
     ScrewIn(Axis),
-    /// The table of an axis' screw into a file.
+    /// Writes the leadscrew table of an axis to a file.
     ScrewOut(Axis, ScrewTable),
-    /// Ends the long work that is under way.
+    /// Cancels the long operation in progress.
     Cancel,
 }
 
-/// A mistake in a line.
+/// An error in a line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LineFault {
     /// Line, from 1.
@@ -165,36 +165,36 @@ pub struct LineFault {
     pub said: Said,
 }
 
-/// What was found in lines that were looked at.
+/// The result of checking lines.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Looked {
     /// The token of the request.
     pub token: u64,
-    /// The mistakes, by line.
+    /// The errors, by line.
     pub faults: Vec<LineFault>,
 }
 
-/// Why something was not done.
+/// Why a request was refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refusal {
-    /// Somebody else has changed the file since it was opened.
+    /// The file was changed elsewhere since it was opened.
     Conflict,
-    /// The password for programs is wanted (K6.2).
+    /// The program password is required (K6.2).
     Password,
-    /// The machine builder's password is wanted.
+    /// The machine builder's password is required.
     Builder,
-    /// These files are there already and differ.
+    /// These files already exist with different content.
     Overwrite(Vec<String>),
-    /// These pictures are not 200×400 in 24 bits; each with what is wrong.
+    /// These pictures are not 200×400 px in 24 bits; one fault each.
     Convert(Vec<Said>),
     /// An alarm of the table, with its place.
     Alarm(u16, Said),
-    /// Anything else.
+    /// Any other reason.
     Because(Said),
 }
 
 impl Refusal {
-    /// What is shown.
+    /// The text shown.
     #[must_use]
     pub fn said(&self) -> Said {
         match self {
@@ -220,7 +220,7 @@ impl Refusal {
     }
 }
 
-/// Values out of a file: every one of them is allowed.
+/// Values read from a file; all of them are within their ranges.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Restored {
     /// Parameters.
@@ -229,83 +229,83 @@ pub struct Restored {
     pub variables: Vec<(u16, f64)>,
     /// Offsets 1 to 16: geometry and wear, radius mm.
     pub offsets: Vec<(usize, PerAxis<f64>, PerAxis<f64>)>,
-    /// Work frames, 0 is G54; machine coordinates, radius mm.
+    /// Work offsets, 0 is G54; machine coordinates, radius mm.
     pub frames: Vec<(usize, PerAxis<f64>)>,
 }
 
-/// What the work beside the tick answers.
+/// An answer of the work outside the tick.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileAnswer {
-    /// It was done.
+    /// The request was executed.
     Done(Said),
     /// A program was saved.
     Saved {
-        /// What is said.
+        /// Message.
         said: Said,
         /// O number.
         number: u32,
-        /// Stamp of the new file.
+        /// Checksum of the new file.
         stamp: u64,
     },
-    /// It was not, and nothing was changed.
+    /// The request was refused; nothing was changed.
     Refused(Refusal),
-    /// What was found in lines.
+    /// The result of checking lines.
     Looked(Looked),
-    /// What stands on both sides of a transfer.
+    /// Lists the files on both sides of a transfer.
     Media(MediaView),
-    /// A page text that was asked for.
+    /// A page text for editing.
     Page(Arc<PageFile>),
-    /// Values of a file: the core takes them.
+    /// Values of a file; the core applies them.
     Restored(Box<Restored>),
-    /// A table of an axis' screw, and what it was read from; the core takes it.
+    /// A leadscrew table of an axis and the file it was read from; the core applies it.
     Screw(Axis, ScrewTable, String),
-    /// A path.
+    /// A tool path.
     Drawn(Arc<Drawing>),
-    /// So many thousandths are done; the words say of what.
+    /// Progress of an operation: its name, and the part done in thousandths.
     Progress(Text, u16),
-    /// So many bytes have come; nobody knows of how many.
+    /// Bytes received so far of an operation of unknown length, with its name.
     Bytes(Text, u64),
 }
 
-/// What was done.
+/// The result of a request that was executed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Deed {
-    /// What is said of it.
+    /// Message.
     pub said: Said,
-    /// The number of the text that was saved, and its stamp.
+    /// O number and checksum of the text that was saved.
     pub saved: Option<(u32, u64)>,
 }
 
-/// How a request ended.
+/// A finished request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Answered {
-    /// Whose request it was.
+    /// The ticket of the request.
     pub ticket: Ticket,
-    /// What was done, or why not.
+    /// The result, or the reason of the refusal.
     pub result: Result<Deed, Refusal>,
 }
 
-/// What the pages see of that work.
+/// The state of file requests as the pages see it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FilesView {
-    /// How the last requests ended, the latest last.
+    /// The last finished requests, newest last.
     pub answers: Vec<Answered>,
-    /// What stands on both sides of a transfer, as it was looked at last.
+    /// The files on both sides of a transfer, as last listed.
     pub media: Option<Arc<MediaView>>,
-    /// The page text that was read last.
+    /// The last page text read.
     pub page: Option<Arc<PageFile>>,
-    /// The path that was computed last.
+    /// The last tool path computed.
     pub drawing: Option<Arc<Drawing>>,
-    /// Long work under way: its name, thousandths done.
+    /// Long operation in progress: its name, thousandths done.
     pub busy: Option<(Text, u16)>,
-    /// Bytes that have come so far, where nobody knows of how many.
+    /// Bytes received so far, where the length is unknown.
     pub bytes: Option<u64>,
-    /// What was found in the lines that were looked at last.
+    /// The result of the last line check.
     pub looked: Arc<Looked>,
 }
 
 impl FilesView {
-    /// Keeps an answer for the one that waits for it; the oldest makes room.
+    /// Stores an answer for its sender; drops the oldest answer if the list is full.
     pub fn answer(&mut self, ticket: Ticket, result: Result<Deed, Refusal>) {
         if self.answers.len() >= ANSWERS {
             self.answers.remove(0);

@@ -1,11 +1,11 @@
-//! States inside the control that the diagnosis page shows beside the inputs and outputs.
+//! Internal signals of the control, shown on the diagnosis page beside the inputs and outputs.
 //! Source: spec B6 (internal signals).
 
 use crate::defs::text::Text;
 
 macro_rules! internals {
     ($($variant:ident = $id:literal, $zh:literal, $en:literal;)*) => {
-        /// A state inside the control.
+        /// An internal signal of the control.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u8)]
         pub enum Internal { $(#[doc = $en] $variant,)* }
@@ -14,7 +14,7 @@ macro_rules! internals {
             /// All of them, in table order.
             pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
 
-            /// Its word.
+            /// The id used in stories and tests.
             #[must_use]
             pub const fn id(self) -> &'static str {
                 match self { $(Self::$variant => $id,)* }
@@ -59,18 +59,18 @@ internals! {
     HydraulicLatched = "hydraulic-latched", "报警 180 待复位", "180 waits for RESET";
 }
 
-/// The states that are on.
+/// The set of signals that are on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct InternalSet(u64);
 
 impl InternalSet {
-    /// Whether a state is on.
+    /// Whether a signal is on.
     #[must_use]
     pub const fn has(self, state: Internal) -> bool {
         self.0 >> (state as u8) & 1 == 1
     }
 
-    /// The set with a state added, if it is on.
+    /// The set with a signal added if it is on.
     #[must_use]
     pub const fn with(self, state: Internal, on: bool) -> Self {
         if on { Self(self.0 | 1 << (state as u8)) } else { self }

@@ -1,9 +1,9 @@
-//! What the transfer page asks and sees: a medium that is plugged in, files both ways, values, an archive of everything.
+//! Requests and data of the transfer page: a plugged-in medium, files both ways, values, a full backup.
 //! Source: spec K7.8, H8.
 
 use crate::defs::text::Text;
 
-/// What is carried.
+/// What is transferred.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Set {
     /// Programs, `O1001.NC`.
@@ -39,7 +39,7 @@ impl Set {
         }
     }
 
-    /// The word of its key.
+    /// The id of its key.
     #[must_use]
     pub const fn id(self) -> &'static str {
         match self {
@@ -52,13 +52,13 @@ impl Set {
         }
     }
 
-    /// Whether its files are chosen one by one.
+    /// Whether its files are selected one by one.
     #[must_use]
     pub const fn has_list(self) -> bool {
         matches!(self, Self::Programs | Self::Screens)
     }
 
-    /// The set that the files of this one belong to: what goes over a line are programs.
+    /// The set that the listed files belong to: RS232 transfers programs.
     #[must_use]
     pub const fn files(self) -> Self {
         match self {
@@ -68,7 +68,7 @@ impl Set {
     }
 }
 
-/// Which way.
+/// Direction of a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// From the control to the medium.
@@ -84,22 +84,22 @@ pub struct MediaFile {
     pub name: String,
     /// Bytes.
     pub size: u64,
-    /// What it belongs to.
+    /// The set it belongs to.
     pub set: Set,
 }
 
 /// The two sides of a transfer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MediaView {
-    /// The medium's folder; none is plugged in.
+    /// Folder of the medium; `None` if none is plugged in.
     pub stick: Option<String>,
-    /// Bytes free on it.
+    /// Free bytes on it.
     pub free: Option<u64>,
-    /// Files of the medium that this control knows.
+    /// Files on the medium of known types.
     pub there: Vec<MediaFile>,
-    /// Files of the control: programs, page files.
+    /// Files on the control: programs, page files.
     pub here: Vec<MediaFile>,
-    /// The RS232 port that is chosen.
+    /// The selected RS232 port.
     pub port: Option<String>,
     /// The RS232 ports of this computer.
     pub ports: Vec<String>,
@@ -108,28 +108,28 @@ pub struct MediaView {
 /// A transfer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Transfer {
-    /// What.
+    /// The set.
     pub set: Set,
-    /// Which way.
+    /// Direction of a transfer.
     pub direction: Direction,
-    /// The files; none: all of the set. What comes over a line is stored under the first one, if it is one program.
+    /// The files; empty: all of the set. A single program received by RS232 is stored under the first name.
     pub names: Vec<String>,
-    /// What is done with files that are there already and differ; not decided yet: it is asked.
+    /// Whether existing files that differ are overwritten; `None`: the operator is asked.
     pub overwrite: Option<bool>,
-    /// Whether pictures that are not of the form are converted; not decided yet: it is asked.
+    /// Whether pictures of another format are converted; `None`: the operator is asked.
     pub convert: Option<bool>,
 }
 
-/// A picture of the screen.
+/// A screenshot.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Print {
-    /// Pixels across.
+    /// Width, px.
     pub width: u32,
-    /// Pixels down.
+    /// Height, px.
     pub height: u32,
     /// Red, green, blue of each pixel, top row first.
     pub rgb: std::sync::Arc<[u8]>,
-    /// To be kept as BMP instead of PNG (P22.1).
+    /// Saved as BMP instead of PNG (P22.1).
     pub bmp: bool,
 }
 

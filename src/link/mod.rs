@@ -1,5 +1,5 @@
-//! All that the control screen and the core share: commands in, the newest snapshot out.
-//! It never runs back: a page cannot call the core, the core cannot call a page.
+//! Everything that the control screen and the core share: commands in, the newest snapshot out.
+//! Neither side calls the other: a page cannot call the core, the core cannot call a page.
 
 pub mod command;
 pub mod drawing;

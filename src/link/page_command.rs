@@ -1,5 +1,5 @@
-//! What the pages of parameters and settings ask of the core, and what the disk answers.
-//! A password goes through the core to the disk and never comes back; the core learns whether it fitted.
+//! Requests of the parameter and settings pages to the core, and the answers of the disk thread.
+//! A password goes through the core to the disk thread and never comes back; the core learns only whether it matches.
 //! Source: spec B6 (passwords, stored hashed), K6.1, K6.2.
 
 use std::fmt;
@@ -12,7 +12,7 @@ use crate::defs::screw::ScrewTable;
 use crate::defs::text::{Lang, Said, Text};
 use crate::units::Axis;
 
-/// What a password opens.
+/// What a password unlocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Guard {
     /// Editing programs (K6.2).
@@ -24,7 +24,7 @@ pub enum Guard {
 }
 
 impl Guard {
-    /// All of them.
+    /// All scopes.
     pub const ALL: [Self; 3] = [Self::Program, Self::User, Self::Builder];
 
     /// The name shown.
@@ -37,7 +37,7 @@ impl Guard {
         }
     }
 
-    /// The password that a level asks for.
+    /// The password that a level requires.
     #[must_use]
     pub const fn of(level: Level) -> Option<Self> {
         match level {
@@ -47,7 +47,7 @@ impl Guard {
         }
     }
 
-    /// The level that the password opens.
+    /// The level that the password unlocks.
     #[must_use]
     pub const fn level(self) -> Level {
         match self {
@@ -58,7 +58,7 @@ impl Guard {
     }
 }
 
-/// A password on its way. It is never written into a message or a trace.
+/// A password in transit. It never appears in a message or a trace.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Secret(String);
 
@@ -69,7 +69,7 @@ impl Secret {
         Self(text)
     }
 
-    /// The text, for the one place that hashes it.
+    /// The text; only for hashing.
     #[must_use]
     pub fn reveal(&self) -> &str {
         &self.0
@@ -82,91 +82,91 @@ impl fmt::Debug for Secret {
     }
 }
 
-/// Least and most digits of a new password: digits only, so that the touch pad can type it.
+/// Number of digits of a new password; digits only, because the numeric pad must be able to enter it.
 pub const PASSWORD_LENGTH: std::ops::RangeInclusive<usize> = 4..=16;
 
-/// How far the picture can be dimmed, percent: the darkest can still be read.
+/// Range of the picture brightness, percent; the darkest picture is still readable.
 pub const BRIGHTNESS: std::ops::RangeInclusive<u8> = 70..=100;
-/// A step of it.
+/// Step of the brightness, percent.
 pub const BRIGHTNESS_STEP: u8 = 10;
 
 /// One request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PageCommand {
-    /// A parameter typed at the parameter page: asks for the level that it needs.
+    /// Changes a parameter from the parameter page; requires the level of the parameter.
     EditParam(ParamAddress, f64),
-    /// Another table for an axis' screw (B7): the machine builder's.
+    /// Changes the leadscrew table of an axis (B7); requires the machine builder's level.
     EditScrew(Axis, ScrewTable),
-    /// Opens a level until power-off.
+    /// Unlocks a level until power-off.
     Unlock(Guard, Secret),
-    /// Closes every level.
+    /// Locks all levels.
     Lock,
-    /// Replaces a password; the old one is asked for.
+    /// Replaces a password; requires the old one.
     ChangePassword {
-        /// Which.
+        /// The password to replace.
         of: Guard,
-        /// As it was.
+        /// The old password.
         old: Secret,
-        /// As it is to be.
+        /// The new password.
         new: Secret,
     },
-    /// Another kind of machine from the next start on.
+    /// Selects the kind of machine from the next start on.
     KeepKind(Kind),
-    /// The language of the screen, now and at the next start.
+    /// Sets the language of the screen, now and at the next start.
     KeepLang(Lang),
-    /// The light or the dark theme, now and at the next start.
+    /// Selects the light theme (true) or the dark theme, now and at the next start.
     KeepLight(bool),
-    /// Brightness of the picture in percent, now and at the next start.
+    /// Sets the picture brightness, percent, now and at the next start.
     KeepBrightness(u8),
-    /// Another RS232 port, from now on.
+    /// Selects the RS232 port, from now on.
     KeepPort(String),
-    /// Date and time of day, from now on.
+    /// Sets date and time of day.
     SetDate(Date),
-    /// What concerns programs and folders, and the long calculations.
+    /// A request about programs or folders, or for a long calculation.
     File(Ticket, FileRequest),
-    /// The disk's answer to a wish.
+    /// The disk thread's answer to a request.
     Answered(PageAnswer),
 }
 
-/// What the disk is asked.
+/// A request to the disk thread.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PageWish {
-    /// Does the password fit?
+    /// Checks a password.
     Check(Guard, Secret),
-    /// Replace a password if the old one fits.
+    /// Replaces a password if the old one matches.
     Change {
-        /// Which.
+        /// The password to replace.
         of: Guard,
-        /// As it was.
+        /// The old password.
         old: Secret,
-        /// As it is to be.
+        /// The new password.
         new: Secret,
     },
-    /// Keep the kind for the next start.
+    /// Saves the kind for the next start.
     KeepKind(Kind),
-    /// Keep the language for the next start.
+    /// Saves the language for the next start.
     KeepLang(Lang),
-    /// Keep the theme for the next start.
+    /// Saves the theme for the next start.
     KeepLight(bool),
-    /// Keep the brightness for the next start.
+    /// Saves the brightness for the next start.
     KeepBrightness(u8),
-    /// Keep the RS232 port.
+    /// Saves the RS232 port.
     KeepPort(String),
 }
 
-/// What the disk answers.
+/// An answer of the disk thread.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PageAnswer {
-    /// Whether a password fits.
+    /// Whether a password matches.
     Checked(Guard, bool),
-    /// Whether a password was replaced: the old one fitted.
+    /// Whether a password was replaced; false if the old one did not match.
     Changed(Guard, bool),
-    /// The kind of the next start is kept.
+    /// The kind for the next start is saved.
     KindKept(Kind),
-    /// The language is kept.
+    /// The language is saved.
     LangKept,
-    /// An answer of the work beside the tick.
+    /// An answer of the work outside the tick.
     File(Ticket, FileAnswer),
-    /// The disk refused.
+    /// The disk thread failed; why.
     Failed(Said),
 }

@@ -1,11 +1,11 @@
-//! What the page designer asks and sees: a page text with what its program uses, and pictures that can be taken.
+//! Data of the page designer: a page text with the variables its program uses, and the pictures available.
 //! Source: spec K5.12, K7.3, K7.4.
 
 use ropey::Rope;
 
 use crate::defs::screen::VariableUse;
 
-/// Where a picture lies.
+/// Where a picture is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PictureFrom {
     /// On the medium.
@@ -14,32 +14,32 @@ pub enum PictureFrom {
     Screens,
 }
 
-/// A picture that can be taken.
+/// A picture that can be used for a page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PictureFile {
-    /// Where.
+    /// Where it is stored.
     pub from: PictureFrom,
-    /// Its name there.
+    /// Its file name.
     pub name: String,
     /// Bytes.
     pub size: u64,
 }
 
-/// A page text as it was read for editing.
+/// A page text as read for editing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PageFile {
-    /// 1000 and the number of the files: 1001 is C0001.TXT.
+    /// 1000 plus the file number: 1001 is C0001.TXT.
     pub number: u32,
-    /// The file, or the name it will have.
+    /// The file name, also of a file that does not exist yet.
     pub name: String,
-    /// The text; a form to fill in where there is no file yet.
+    /// The text; a template where there is no file yet.
     pub text: Rope,
-    /// Stamp of the file; 0: there is none.
+    /// Checksum of the file; 0 if there is none.
     pub stamp: u64,
-    /// Bytes that are neither GBK nor UTF-8: shown, not edited.
+    /// The file has bytes that are neither GBK nor UTF-8: it is shown but not edited.
     pub mistaken: bool,
-    /// What its program and the programs called by it use, by number; none: the program is not there.
+    /// Variables used by its program and the programs called by it, by number; none if the program does not exist.
     pub uses: Option<Vec<VariableUse>>,
-    /// Pictures that can be taken.
+    /// The pictures available.
     pub pictures: Vec<PictureFile>,
 }

@@ -1,40 +1,40 @@
-//! What the simulator page asks of the simulated machine and sees of it. Where a real machine is wired there is none.
+//! Requests and data of the simulator page. On a real machine there is no simulated machine.
 //! Source: spec P1–P8; tools.md (faults).
 
 use crate::defs::signal::Input;
 use crate::defs::text::Said;
 
-/// One request to the simulated machine; the control never sees it.
+/// One request to the simulated machine; the core never handles it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SimCommand {
-    /// Forces an input, logically on or off; none lets it go.
+    /// Forces an input, logically on or off; `None` ends the forcing.
     Force(Input, Option<bool>),
-    /// Makes the machine suffer a fault by its name, or ends it.
+    /// Starts or ends a fault by its name.
     Fault(&'static str, bool),
-    /// The part as it was before grinding.
+    /// Restores the unmachined workpiece.
     NewPart,
-    /// The wheel as it comes from the dresser.
+    /// Restores the freshly dressed wheel.
     Sharpen,
 }
 
-/// A lathe's working room as the drawing shows it. Lengths mm, radius; places of the bar in part coordinates.
+/// The working area of a lathe as drawn. Lengths in mm, radius; positions on the bar in workpiece coordinates.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RoomView {
-    /// The part's zero, machine coordinates X, Z.
+    /// Workpiece zero, machine coordinates X, Z.
     pub zero_mm: (f32, f32),
-    /// Where the bar comes out of the chuck.
+    /// Z where the bar leaves the chuck.
     pub z_from_mm: f32,
-    /// Length of a cell.
+    /// Length of a cell along Z.
     pub cell_mm: f32,
-    /// Radius of each cell from the chuck to the face.
+    /// Radius of each cell from the chuck to the end face.
     pub radius_mm: Vec<f32>,
-    /// Radius of the stock.
+    /// Radius of the raw bar.
     pub stock_mm: f32,
-    /// The chuck: from, to, radius.
+    /// The chuck: Z from, Z to, radius.
     pub bodies: Vec<(f32, f32, f32)>,
-    /// Where the tip of the tool in front stands off the slides' reference point, X, Z.
+    /// Offset of the active tool tip from the reference point of the slides, X, Z.
     pub tip_mm: (f32, f32),
-    /// Its outline: Z from the tip, height over it.
+    /// Outline of the tool: Z from the tip, height above it.
     pub outline_mm: Vec<(f32, f32)>,
 }
 
@@ -43,18 +43,18 @@ pub struct RoomView {
 pub struct SimView {
     /// Inputs that are forced.
     pub forced: Vec<(Input, bool)>,
-    /// Faults that are suffered.
+    /// Active faults.
     pub faults: Vec<&'static str>,
-    /// Wheel: mean diameter, mm.
+    /// Mean wheel diameter, mm.
     pub wheel_diameter_mm: f64,
-    /// 0 sharp, 1 dull.
+    /// Wheel wear: 0 sharp, 1 dull.
     pub wheel_dull: f64,
-    /// Load of its motor, percent.
+    /// Load of the wheel motor, percent.
     pub wheel_load_percent: f64,
-    /// Sizes of the part, mm: what is measured, and its size.
+    /// Sizes of the workpiece: name of the dimension, size in mm.
     pub sizes: Vec<(Said, f64)>,
-    /// What happened to it, the latest last.
+    /// Events of the workpiece, newest last.
     pub events: Vec<Said>,
-    /// The working room of a lathe (L10).
+    /// The working area of a lathe (L10).
     pub room: Option<RoomView>,
 }

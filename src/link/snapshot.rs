@@ -1,4 +1,4 @@
-//! What the core shows: one value, overwritten in place, of which only the newest counts.
+//! The state that the core publishes for the screen. It is overwritten in place; only the newest value counts.
 //! Lengths are as displayed: diameters where diameter mode is on.
 
 use std::sync::Arc;
@@ -28,23 +28,23 @@ use crate::units::{Axis, Micros, PerAxis};
 /// Programs with a grinding page of their own (K7.2).
 pub const PAGED_PROGRAMS: std::ops::RangeInclusive<u32> = 1_001..=1_020;
 
-/// A thread that was cut (L5).
+/// Measurements of a thread that was cut (L5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThreadCut {
     /// Line of the program, from 1.
     pub line: u32,
     /// Lead, mm.
     pub lead_mm: f64,
-    /// Way from the start to the run-out, mm.
+    /// Distance from the start to the run-out, mm.
     pub length_mm: f64,
-    /// Greatest less least deviation of Z from its place beside the spindle, mm.
+    /// Maximum minus minimum deviation of Z from its spindle-synchronised position, mm.
     pub error_mm: f64,
 }
 
-/// Macro variables shown: #0 to #999.
+/// Number of macro variables shown: #0 to #999.
 pub const VARIABLES: usize = 1_000;
 
-/// The six words of the state (H7), with the two shades of standing still that stories tell apart.
+/// The six run states shown (H7); stories distinguish the two kinds of hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum RunState {
     /// 停止: nothing runs.
@@ -65,7 +65,7 @@ pub enum RunState {
 }
 
 impl RunState {
-    /// The word of stories.
+    /// The id used in stories.
     #[must_use]
     pub const fn id(self) -> &'static str {
         match self {
@@ -79,13 +79,13 @@ impl RunState {
         }
     }
 
-    /// A program or a homing is under way: what stops it must be at hand.
+    /// A program or homing is in progress: the stop keys must stay within reach.
     #[must_use]
     pub const fn moves(self) -> bool {
         matches!(self, Self::Running | Self::Waiting | Self::Homing)
     }
 
-    /// The word of the status line.
+    /// The text of the status line.
     #[must_use]
     pub const fn name(self) -> Text {
         match self {
@@ -121,39 +121,39 @@ pub struct AxisView {
 /// The state of one key.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct KeyView {
-    /// Lamp on: the real output or state, never the wish.
+    /// The lamp is on: the actual output or state, not the command.
     pub lamp: bool,
-    /// The feedback has not come yet: the lamp blinks.
+    /// The feedback is still missing; the lamp blinks.
     pub working: bool,
-    /// Pressing it now would be refused, and why.
+    /// Why pressing the key now would be refused.
     pub blocked: Option<Text>,
 }
 
-/// One alarm that is present.
+/// One active alarm.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlarmView {
     /// Number.
     pub number: u16,
-    /// What is the matter, with its place.
+    /// The alarm text, with its place.
     pub text: Said,
-    /// What to do.
+    /// The remedy.
     pub remedy: Said,
-    /// When it came.
+    /// When it was raised.
     pub since: Micros,
-    /// Program and line under way when it came; none outside a run.
+    /// Program and line that ran when it was raised; none outside a run.
     pub place: Option<(u32, u32)>,
 }
 
-/// Who stands at the panel, and what came of the last password.
+/// The unlocked access level and the result of the last password.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Access {
-    /// The level that is open.
+    /// The unlocked level.
     pub level: Level,
-    /// Programs may be edited: their password was given (K6.2).
+    /// Programs may be edited: the program password was given (K6.2).
     pub program: bool,
-    /// A password is with the disk.
+    /// The disk thread is checking a password.
     pub asking: bool,
-    /// Counts the answers, so that a page sees a new one.
+    /// Number of answers so far; a page recognises a new answer by it.
     pub answers: u32,
     /// Why the last password was refused.
     pub refused: Option<Text>,
@@ -165,13 +165,13 @@ impl Default for Access {
     }
 }
 
-/// How a message is meant.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {
-    /// Something was done.
+    /// Something was executed.
     #[default]
     Note,
-    /// Something was not done; why.
+    /// Something was refused, with the reason.
     Refused,
 }
 
@@ -180,22 +180,22 @@ pub enum Tone {
 pub struct Message {
     /// The text.
     pub text: Said,
-    /// How it is meant.
+    /// Severity.
     pub tone: Tone,
-    /// When it came.
+    /// When it was raised.
     pub since: Micros,
 }
 
-/// The program that is current.
+/// The current program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProgramView {
     /// O number, 0 when there is none.
     pub number: u32,
-    /// Its text, as the reader sees it. A copy shares its pieces.
+    /// Its text as displayed. Copies share memory.
     pub text: Rope,
-    /// Checksum of the file: another one is another text.
+    /// Checksum of the file; it changes with the text.
     pub stamp: u64,
-    /// Bytes of the file are characters neither in UTF-8 nor in GBK.
+    /// The file has bytes that are neither UTF-8 nor GBK.
     pub mistaken: bool,
     /// Program of the running block: a subprogram's number while one runs.
     pub block_program: u32,
@@ -205,7 +205,7 @@ pub struct ProgramView {
     pub block: Option<u32>,
 }
 
-/// Everything that a page may show.
+/// Everything that a page can show.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     /// Machine kind.
@@ -218,21 +218,21 @@ pub struct Snapshot {
     pub state: RunState,
     /// Open page.
     pub page: Page,
-    /// What the position page shows.
+    /// Coordinates shown by the position page.
     pub coordinates: Coordinates,
     /// Which row of soft keys is shown, from 0.
     pub soft_row: usize,
     /// Whether X is shown as a diameter.
     pub diameter: bool,
-    /// The axes.
+    /// State of the axes.
     pub axes: PerAxis<AxisView>,
     /// The current program.
     pub program: ProgramView,
     /// Single block is on.
     pub single_block: bool,
-    /// Axis chosen for the handwheel.
+    /// Axis selected for the handwheel.
     pub handwheel_axis: Axis,
-    /// Step of a handwheel detent, mm displayed.
+    /// Step of a handwheel detent, mm as displayed.
     pub step_mm: f64,
     /// Feed override, percent.
     pub feed_override: u16,
@@ -242,105 +242,105 @@ pub struct Snapshot {
     pub spindle_override: u16,
     /// Speed along the path, mm/min.
     pub feed_mm_min: f64,
-    /// Wheel speed commanded, rpm.
+    /// Wheel speed commanded, rpm; on a lathe the actual speed of the main spindle.
     pub wheel_rpm: f64,
-    /// The station of the tool post in front, 1 to 4, 0 unknown; none on kinds without one (L8).
+    /// Active station of the tool turret, 1 to 4, 0 if unknown; none on kinds without a turret (L8).
     pub station: Option<u32>,
-    /// The recording of what is moved by hand (L9).
+    /// The teach-in recording of manual moves (L9).
     pub teach: Arc<TeachView>,
-    /// Measured strokes a minute of the axis that oscillates (K4.3).
+    /// Measured strokes per minute of the oscillating axis (K4.3).
     pub strokes_min: Option<f64>,
-    /// Workpieces counted.
+    /// Number of workpieces counted.
     pub parts: u32,
-    /// Seconds of the running or last cycle.
+    /// Duration of the running or last cycle, s.
     pub cycle_seconds: f64,
-    /// Inputs, filtered and by their meaning.
+    /// Inputs, debounced, by function.
     pub inputs: InputSet,
     /// Outputs by function.
     pub outputs: OutputSet,
     /// State of every key, by `Key as usize`.
     pub keys: [KeyView; Key::COUNT],
-    /// Macro variables as executed.
+    /// Macro variables at the current state of execution.
     pub variables: Box<[Option<f64>; VARIABLES]>,
-    /// The block from which cycle start would run the program, with what is in force there (B5).
+    /// The block at which cycle start would restart the program, with its modal state (B5).
     pub restart: Option<Box<RestartView>>,
-    /// Program and line of a run that the last power cut ended; offered once the axes are homed (B5).
+    /// Program and line of the run that the last power cut ended; resume is offered after homing (B5).
     pub interrupted: Option<(u32, u32)>,
-    /// Alarms present, the one that stopped the machine first.
+    /// Active alarms; the one that stopped the machine comes first.
     pub alarms: Vec<AlarmView>,
     /// The message line.
     pub message: Message,
-    /// The program's own message (`MSG`), or what the run waits for.
+    /// The message of the program (`MSG`), or what the run waits for.
     pub waiting_for: Option<Said>,
-    /// Level of the inputs' terminals as wired.
+    /// Electrical level of the input terminals.
     pub input_terminals: Terminals,
-    /// Level of the outputs' terminals.
+    /// Electrical level of the output terminals.
     pub output_terminals: Terminals,
     /// The analog outputs: wheel speed, second output; volts.
     pub analog_volts: [f64; 2],
-    /// States inside the control.
+    /// Internal signals of the control.
     pub internals: InternalSet,
-    /// Alarms that came, also before the last power-off, the latest last; replaced only when one comes or goes.
+    /// Past alarms, also before the last power-off, newest last; replaced only when an alarm is raised or ends.
     pub alarm_history: Arc<Vec<Arc<PastAlarm>>>,
-    /// Tables of the axes' screws (B7).
+    /// Leadscrew tables of the axes (B7).
     pub screws: PerAxis<ScrewTable>,
-    /// Date and time of day; none where nobody has told them.
+    /// Date and time of day; none if unknown.
     pub date: Option<Date>,
-    /// The parameters; replaced only when one is changed.
+    /// The parameters; the `Arc` is replaced only when one changes.
     pub params: Arc<Params>,
-    /// The simulated machine, where it is one.
+    /// The simulated machine, if the machine is simulated.
     pub simulated: Option<Arc<SimView>>,
-    /// What is to be ground and what holds it, as far as it is known.
+    /// Boxes of the workpiece and its fixture, as far as known.
     pub stock: Arc<[StockBox]>,
-    /// What came of the requests to folders and long calculations; replaced only when it changes.
+    /// Results of file requests and long calculations; the `Arc` is replaced only on a change.
     pub files: Arc<FilesView>,
-    /// Which level of parameters is open.
+    /// The unlocked access level.
     pub access: Access,
-    /// The kind of machine of the next start.
+    /// Kind of machine from the next start on.
     pub next_kind: Kind,
-    /// The answer to what was last typed at a page.
+    /// Answer to the last value typed at a page.
     pub edit: EditAnswer,
     /// Tool offsets 1 to 16.
     pub offsets: [OffsetView; OFFSETS],
-    /// The offset in force, 1 to 16; 0 none.
+    /// The active offset, 1 to 16; 0 if none.
     pub offset_in_force: usize,
-    /// The codes in force.
+    /// The active modal codes.
     pub modals: ModalView,
-    /// The MDI line that waits for cycle start; empty if none does.
+    /// The MDI line prepared for cycle start; empty if none.
     pub mdi_ready: Arc<str>,
-    /// Machine coordinates of the dressing point of each axis, where it is set (K4.2).
+    /// Dressing point of each axis, machine coordinates, where it is set (K4.2).
     pub dressing_point: PerAxis<Option<f64>>,
-    /// The page files of a kind whose grinding page is its own; none where each program has a page.
+    /// Number of the page files of a kind with its own grinding page; none where each program has a page.
     pub own_page: Option<u32>,
-    /// Which of how many grinding pages that is, from 0.
+    /// Sheet of the grinding page, from 0, and the number of sheets.
     pub grinding_pages: (usize, usize),
-    /// Grinding pages found on disk.
+    /// Page files found on disk.
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
     pub directory: Arc<Vec<DirectoryRow>>,
 }
 
-/// A block of the current program from which cycle start would run it.
+/// A block of the current program at which cycle start would restart it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RestartView {
     /// Program.
     pub program: u32,
     /// Line, from 1.
     pub line: u32,
-    /// The codes in force there.
+    /// The modal codes active there.
     pub modals: ModalView,
-    /// Where the axes go first, work coordinates as displayed; none where there is no axis.
+    /// Start position of the axes, work coordinates as displayed; none for a missing axis.
     pub start: PerAxis<Option<f64>>,
-    /// The wheel turns there.
+    /// The wheel runs there.
     pub wheel: bool,
-    /// The workpiece turns there.
+    /// The workpiece spindle runs there.
     pub drive: bool,
-    /// Coolant flows there.
+    /// Coolant is on there.
     pub coolant: bool,
 }
 
 impl RestartView {
-    /// In one line, for the message.
+    /// Summary in one line, for the message line.
     #[must_use]
     pub fn said(&self) -> Said {
         let codes: String = self.modals.g.iter().map(|g| format!("G{g:02} ")).collect();
@@ -368,20 +368,20 @@ impl RestartView {
 /// One program of the folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DirectoryRow {
-    /// Its number inside the control.
+    /// Its internal number.
     pub number: u32,
-    /// What it is called: `O1001`, or its name.
+    /// Its title: `O1001`, or its name.
     pub name: String,
     /// Bytes.
     pub size: u64,
     /// Comment of its first line, or the title of its page text.
     pub comment: String,
-    /// Date of last change as shown, local time.
+    /// Date of the last change as shown, local time.
     pub modified: String,
 }
 
 impl Snapshot {
-    /// The state of a machine that has not been read yet.
+    /// The initial state, before the machine has been read.
     #[must_use]
     pub fn new(kind: Kind) -> Self {
         Self {
@@ -443,7 +443,7 @@ impl Snapshot {
         }
     }
 
-    /// Without power nothing is switched, seen or lit.
+    /// Clears inputs, outputs and lamps: the control has no power.
     pub fn darken(&mut self) {
         self.inputs = InputSet::NONE;
         self.outputs = OutputSet::NONE;
@@ -452,7 +452,7 @@ impl Snapshot {
         }
     }
 
-    /// Which page files the grinding page shows; none where the current program has no page (K7.2).
+    /// Number of the page files of the grinding page; none if the current program has no page (K7.2).
     #[must_use]
     pub fn grinding_page(&self) -> Option<u32> {
         self.own_page.or_else(|| PAGED_PROGRAMS.contains(&self.program.number).then_some(self.program.number))
@@ -464,7 +464,7 @@ impl Snapshot {
         self.screens.find(self.grinding_page()?)
     }
 
-    /// What a program is called.
+    /// The title of a program.
     #[must_use]
     pub fn title(&self, program: u32) -> String {
         let row = self.directory.iter().find(|row| row.number == program);

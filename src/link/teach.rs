@@ -1,20 +1,20 @@
-//! Teach-in (录返): what the page asks and sees of a recording. Source: spec L9, seed 001 (录返).
+//! Teach-in (录返): requests and data of the teach-in page. Source: spec L9, seed 001 (录返).
 
 /// One request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TeachCommand {
-    /// A new recording begins where the tool stands; the one before is forgotten.
+    /// Starts a new recording at the current position and discards the previous one.
     Start,
-    /// No more is recorded; the blocks stay until they are kept or a new recording begins.
+    /// Stops recording; the blocks stay until they are saved or a new recording starts.
     Stop,
-    /// The last block is taken back; the machine does not move.
+    /// Removes the last block; the machine does not move.
     Undo,
-    /// The blocks become a program of the folder, `TEACH01` to `TEACH99`.
+    /// Saves the blocks as a program of the folder, `TEACH01` to `TEACH99`.
     Keep,
 }
 
 impl TeachCommand {
-    /// The command of a word of a story.
+    /// The command for a word of a story.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         match id {
@@ -30,10 +30,10 @@ impl TeachCommand {
 /// A recording as the page shows it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TeachView {
-    /// What is moved by hand is recorded now.
+    /// Manual moves are being recorded.
     pub recording: bool,
-    /// The blocks, with their numbers.
+    /// The blocks, with N numbers.
     pub blocks: Vec<String>,
-    /// They are kept as a program.
+    /// The blocks are saved as a program.
     pub kept: bool,
 }
