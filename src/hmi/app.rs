@@ -1,5 +1,5 @@
-//! One frame of the screen: layout, frame, page, panel, entry. It keeps only what a face may keep – cursor, edit text,
-//! scroll places – and knows the machine from the snapshot alone.
+//! Draws one frame of the screen: layout, page frame, page, panel, input. It keeps only UI state (cursor, edit text,
+//! scroll positions) and reads the machine state only from the snapshot.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -28,10 +28,10 @@ use crate::link::media::Print;
 use crate::link::page_command::{BRIGHTNESS, PageCommand};
 use crate::link::{Command, Snapshot};
 
-/// Seconds that a local refusal stays in the message line.
+/// How long a local refusal stays in the message line, s.
 const HINT_SECONDS: f64 = 5.0;
 
-/// The face of the control. One value lives as long as the window.
+/// The user interface of the control. One value lives as long as the window.
 pub struct Hmi {
     lang: Lang,
     light: bool,
@@ -43,16 +43,16 @@ pub struct Hmi {
     pages: Pages,
     panel: Panel,
     presses: Presses,
-    /// The help lies over the page.
+    /// The help overlay is open.
     help: bool,
     hint: Option<(Text, f64)>,
     picture: Option<(Arc<Picture>, TextureHandle)>,
-    /// Pictures of the screen on their way to the disk.
+    /// Screenshots that wait to be sent to the disk thread.
     prints: Arc<Mutex<Vec<Arc<ColorImage>>>>,
 }
 
 impl Hmi {
-    /// A face in a language, dark theme.
+    /// A user interface in a language, with the dark theme.
     #[must_use]
     pub fn new(lang: Lang) -> Self {
         Self {
@@ -72,7 +72,7 @@ impl Hmi {
         }
     }
 
-    /// Gives a context the font and the manners of this face. Once, before the first frame.
+    /// Installs font and style in an egui context. Call it once, before the first frame.
     pub fn install(&self, ctx: &egui::Context) {
         theme::install(ctx, &self.theme);
     }
@@ -83,18 +83,18 @@ impl Hmi {
         self.theme = if light { theme::LIGHT } else { theme::DARK };
     }
 
-    /// What the window is cleared with; a frame does not paint it once more.
+    /// The colour that the window is cleared with; a frame does not paint it again.
     #[must_use]
     pub const fn ground(&self) -> Color32 {
         self.theme.ground
     }
 
-    /// How bright the picture is, in percent: below 100 a veil lies over it (B6).
+    /// Sets the picture brightness, percent; below 100 a dark overlay covers the picture (B6).
     pub fn set_brightness(&mut self, percent: u8) {
         self.brightness = percent.clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end());
     }
 
-    /// What is being typed, for tests and stories.
+    /// The value being typed, for tests and stories.
     #[must_use]
     pub const fn entry(&self) -> &Entry {
         &self.pages.entry
@@ -106,26 +106,26 @@ impl Hmi {
         self.pages.param_refusal(lang)
     }
 
-    /// What was typed on the open page and refused there, by the page or by the core, and why; for tests.
+    /// The text typed on the open page that the page or the core refused, and the reason; for tests.
     #[must_use]
     pub fn refusal(&self, lang: Lang) -> Option<(String, String)> {
         self.pages.refusal(self.page?, lang)
     }
 
-    /// The text on the program page, with what was typed there; for tests.
+    /// The text on the program page with unsaved changes; for tests.
     #[must_use]
     pub const fn program_text(&self) -> &ropey::Rope {
         self.pages.program_text()
     }
 
-    /// Draws one frame over the whole `ui` and gives what the operator asked for in it.
-    /// Gather the commands of all passes of a frame and send them once.
+    /// Draws one frame over the whole `ui` and returns the operator's commands.
+    /// egui may run several passes per frame: collect the commands of all passes and send them once.
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
         let mut out = Vec::new();
         self.notice(ui, snapshot);
         let clock = snapshot.date.unwrap_or(Date((snapshot.now.0 / 1_000_000) as i64)).time();
         let theme = self.theme;
-        // A phase of the machine's own time: the same snapshot is the same picture.
+        // The blink follows controller time, so the same snapshot gives the same picture.
         let blink = (snapshot.now.0 / 500_000).is_multiple_of(2);
         let (light, brightness) = (self.light, self.brightness);
         let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: &clock, blink };
@@ -139,7 +139,7 @@ impl Hmi {
         let mut edits = asked.edits.clone();
         self.draw_panel(ui, &panel, &view, &mut out);
         if !self.help && self.pages.wants_pad(&view) {
-            // After the panel, so that it lies on top; before the page, so that its touches count in this frame.
+            // Drawn after the panel to lie on top, before the page so that its touches count in this frame.
             pad::ui(ui, &view, panel.pad, &mut edits);
         }
         let typed = Typed { edits: &edits, text: &asked.text, controls: &asked.controls, pages: asked.pages };
@@ -157,7 +157,7 @@ impl Hmi {
         out
     }
 
-    /// Another page, another program, another picture.
+    /// Reacts to a new page, program or picture in the snapshot.
     fn notice(&mut self, ui: &Ui, snapshot: &Snapshot) {
         if self.page != Some(snapshot.page) {
             self.page = Some(snapshot.page);
@@ -244,7 +244,7 @@ impl Hmi {
         let rows = softkey::rows(view);
         let row = view.snapshot.soft_row % rows;
         let touched = softkey::ui(ui, view, regions.soft, row, chosen);
-        // What is read on the key is done, also where the core has turned the row since.
+        // The label shown counts, even if the core has changed the row since.
         let by_key = asked.soft.and_then(|index| soft_key::row(view.snapshot.kind, row).nth(index));
         match touched.or(by_key.map(|soft| Pressed::Act(soft.act))) {
             Some(Pressed::Act(act)) => self.soft(ui, act, out),
@@ -254,7 +254,7 @@ impl Hmi {
         }
     }
 
-    /// Opens the help at the open page, or closes it.
+    /// Opens the help overlay at the open page, or closes it.
     fn turn_help(&mut self, view: &View<'_>) {
         self.help = !self.help && view.snapshot.page != Page::Help;
         if self.help {
@@ -270,7 +270,7 @@ impl Hmi {
         }
     }
 
-    /// Asks for a picture of the screen; it comes when the frame has been painted.
+    /// Requests a screenshot; it arrives after the frame is painted.
     fn print(&self, ui: &Ui) {
         let (prints, ctx) = (Arc::clone(&self.prints), ui.ctx().clone());
         ui.ctx().request_screenshot(move |image| {
@@ -279,13 +279,13 @@ impl Hmi {
         });
     }
 
-    /// Where pictures of the screen that were asked for arrive.
+    /// The screenshots that have arrived.
     #[must_use]
     pub const fn prints(&self) -> &Arc<Mutex<Vec<Arc<ColorImage>>>> {
         &self.prints
     }
 
-    /// The pictures that have come since the last frame go to the disk.
+    /// Commands that send the screenshots that arrived since the last frame to the disk thread.
     fn printed(&self, bmp: bool) -> Vec<Command> {
         let pictures = std::mem::take(&mut *self.prints.lock().unwrap_or_else(PoisonError::into_inner));
         let print = |image: Arc<ColorImage>| {
@@ -306,7 +306,7 @@ impl Hmi {
             }
             self.presses.key_down(shortcut.physical, shortcut.modifiers, shortcut.key, now, out);
         }
-        // In every view of the page: where no point is set, the core says why.
+        // Sent in every view of the page: if no dressing point can be set, the core reports the reason.
         let position = view.snapshot.page == Page::Position;
         for key in asked.addresses.iter().filter(|_| position && !self.help) {
             out.extend([Command::Press(*key), Command::Release(*key)]);

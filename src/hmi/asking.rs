@@ -1,5 +1,5 @@
-//! What a page has asked of the folders and of the long calculations, and the answers to that alone. Every page has one
-//! of its own; an answer to another page, or to what was asked before, is not for it.
+//! The file requests and long calculations that a page has started, and the answers to them. Every page has its own
+//! list; answers to other pages or to older requests are ignored.
 //! Source: spec H8, K7.8.
 
 use super::login::Login;
@@ -10,16 +10,16 @@ use crate::link::Command;
 use crate::link::files::{Asker, Deed, FileRequest, FilesView, Refusal, Ticket};
 use crate::link::page_command::{Guard, PageCommand};
 
-/// Most requests that wait: an answer can be lost with a command that had no room.
+/// Maximum number of pending requests. An answer can be missing if the command queue was full.
 const WAITING: usize = 8;
 
-/// Why a page asks.
+/// The reason of a request, returned with its answer.
 pub trait Why {
-    /// The page.
+    /// The page that sends the request.
     const ASKER: Asker;
 }
 
-/// The requests of a page that wait for their answers, the eldest first.
+/// The pending requests of a page, oldest first.
 #[derive(Debug)]
 pub struct Asking<W> {
     last: u32,
@@ -33,7 +33,7 @@ impl<W> Default for Asking<W> {
 }
 
 impl<W: Why> Asking<W> {
-    /// Asks; [`Self::hear`] brings the reason back with the answer.
+    /// Creates a request; [`Self::hear`] returns the reason with the answer.
     pub fn ask(&mut self, why: W, request: FileRequest) -> Command {
         if self.waiting.len() >= WAITING {
             self.waiting.remove(0);
@@ -43,18 +43,18 @@ impl<W: Why> Asking<W> {
         Command::Page(PageCommand::File(Ticket { asker: W::ASKER, number: self.last }, request))
     }
 
-    /// Whether an answer is waited for.
+    /// Whether an answer is pending.
     #[must_use]
     pub const fn waits(&self) -> bool {
         !self.waiting.is_empty()
     }
 
-    /// The next answer to what was asked here.
+    /// The next answer to a request of this page.
     pub fn hear(&mut self, files: &FilesView) -> Option<(W, Result<Deed, Refusal>)> {
         let own = files.answers.iter().filter(|answer| answer.ticket.asker == W::ASKER);
         for answer in own {
             let number = answer.ticket.number;
-            // The core may have answered a screen before this one: its numbers are taken.
+            // The core may have answered an earlier screen: continue after its numbers.
             self.last = self.last.max(number);
             if let Some(at) = self.waiting.iter().position(|(waiting, _)| *waiting == number) {
                 return Some((self.waiting.remove(at).1, answer.result.clone()));
@@ -64,11 +64,11 @@ impl<W: Why> Asking<W> {
     }
 }
 
-/// The requests of a page that edits a text: they may want the password for programs first (K6.2).
+/// The requests of a page that edits a text; they may need the program password first (K6.2).
 #[derive(Debug)]
 pub struct Guarded<W> {
     asking: Asking<W>,
-    /// The password is being typed.
+    /// The password dialog is open.
     password: bool,
 }
 
@@ -78,22 +78,22 @@ impl<W> Default for Guarded<W> {
     }
 }
 
-/// What a page that edits a text hears.
+/// What a page that edits a text receives.
 #[derive(Debug)]
 pub enum Heard<W> {
-    /// The password was given: what was asked can be asked again.
+    /// The password was accepted: the request can be repeated.
     Open,
     /// An answer.
     Answer(W, Result<Deed, Refusal>),
 }
 
 impl<W: Why> Guarded<W> {
-    /// Asks; [`Self::hear`] brings the reason back with the answer.
+    /// Creates a request; [`Self::hear`] returns the reason with the answer.
     pub fn ask(&mut self, why: W, request: FileRequest) -> Command {
         self.asking.ask(why, request)
     }
 
-    /// The next answer; where the password is wanted, it is asked for.
+    /// The next answer; opens the password dialog if the password is required.
     pub fn hear(&mut self, view: &View<'_>, login: &mut Login) -> Option<Heard<W>> {
         if self.password && !login.is_open() {
             self.password = false;
@@ -111,10 +111,10 @@ impl<W: Why> Guarded<W> {
     }
 }
 
-/// The place of the key that overwrites in [`conflict`].
+/// Index of the overwrite key in [`conflict`].
 pub const OVERWRITE: usize = 0;
 
-/// What is to become of a text that was changed on the disk since it was opened: the disk's, this one, or neither now.
+/// The question for a text that was changed on the disk since it was opened: overwrite it, read the disk, or cancel.
 #[must_use]
 pub fn conflict() -> Question {
     let body = Said::new(
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn h8_every_answer_comes_to_its_own_request_in_any_order() {
         let (mut asking, mut view) = (Asking::default(), FilesView::default());
-        // A screen before this one has asked here already.
+        // An earlier screen has already sent request 1.
         view.answer(Ticket { asker: Asker::Transfer, number: 1 }, Ok(Deed::default()));
         assert!(asking.hear(&view).is_none());
         let first = ticket(&asking.ask(Copying(1), FileRequest::Media));

@@ -1,4 +1,4 @@
-//! Typing a value for a macro variable: the cursor, the text, the check, the refusal.
+//! Input of a value for a macro variable: cursor, text, check, refusal.
 //! Source: spec H6, K7.5.
 
 use super::typing::{Heard, Typing};
@@ -12,40 +12,40 @@ pub const LARGEST: f64 = 99_999.999;
 /// One key of the numeric pad or of the keyboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Edit {
-    /// 0–9 or the point.
+    /// 0–9 or the decimal point.
     Char(char),
     /// Changes the sign.
     Sign,
-    /// Takes the last character back.
+    /// Deletes the last character.
     Back,
-    /// Takes the character behind the cursor away; where there is no cursor in the text, the last one.
+    /// Deletes the character behind the cursor; without a text cursor, the last one.
     Delete,
-    /// To the beginning of the line.
+    /// Moves to the start of the line.
     LineStart,
-    /// To the end of the line.
+    /// Moves to the end of the line.
     LineEnd,
-    /// 输入
+    /// INPUT (输入): accepts the value.
     Enter,
-    /// 取消
+    /// CANCEL (取消): discards the value.
     Cancel,
-    /// To the field above or below.
+    /// Moves to the field above.
     Up,
-    /// Below.
+    /// Moves to the field below.
     Down,
-    /// To the other column.
+    /// Moves to the other column.
     Left,
-    /// To the other column.
+    /// Moves to the other column.
     Right,
-    /// To the next field.
+    /// Moves to the next field.
     Next,
-    /// To the field before.
+    /// Moves to the previous field.
     Previous,
 }
 
-/// Why a text is not a value of a variable.
+/// Parses a value of a variable and checks its range.
 ///
 /// # Errors
-/// The reason, in both languages.
+/// The reason of the refusal, in both languages.
 pub fn check(variable: u16, text: &str) -> Result<f64, Said> {
     let Ok(value) = text.parse::<f64>() else {
         return Err(Said::new("不是数字", "not a number"));
@@ -60,7 +60,7 @@ pub fn check(variable: u16, text: &str) -> Result<f64, Said> {
     Ok(value)
 }
 
-/// #570–#579 are 0 or 1 (K7.5).
+/// Whether a variable is a switch: #570–#579 are 0 or 1 (K7.5).
 #[must_use]
 pub const fn is_switch(variable: u16) -> bool {
     matches!(variable, 570..=579)
@@ -75,19 +75,19 @@ pub const fn range(variable: u16) -> Text {
 /// The cursor and what is being typed.
 #[derive(Clone, Debug, Default)]
 pub struct Entry {
-    /// Number of the chosen row in reading order.
+    /// Index of the selected row, in reading order.
     pub cursor: usize,
-    /// What is being typed there.
+    /// The editor of its value.
     pub typing: Typing,
 }
 
 impl Entry {
-    /// Starts at the first field of another page.
+    /// Resets to the first field, for another page.
     pub fn restart(&mut self) {
         *self = Self::default();
     }
 
-    /// Chooses a field by touch.
+    /// Selects a field by touch.
     pub fn choose(&mut self, row: usize) {
         if row != self.cursor {
             self.typing.clear();
@@ -96,14 +96,14 @@ impl Entry {
         self.typing.pad = true;
     }
 
-    /// What the core refused is chosen again.
+    /// Polls the core's answer; selects a refused field again.
     pub fn hear(&mut self, answer: &EditAnswer) {
         if let Heard::Refused(row) = self.typing.hear(answer) {
             self.cursor = row;
         }
     }
 
-    /// Does what a key asks; `columns` are the variables of the left and of the right column.
+    /// Handles a key; `columns` are the variables of the left and of the right column.
     pub fn edit(&mut self, edit: Edit, columns: (&[u16], &[u16])) -> Option<Command> {
         let count = columns.0.len() + columns.1.len();
         if count == 0 {
@@ -158,7 +158,7 @@ impl Entry {
     }
 }
 
-/// The row beside this one, or the last of a shorter column.
+/// The row next to this one in the other column, or the last row of a shorter column.
 const fn other_column(row: usize, left: usize, count: usize) -> usize {
     if row < left {
         let beside = row + left;

@@ -1,4 +1,4 @@
-//! The frame around every page: header, message line, status line.
+//! The areas around every page: header, message line, status line.
 //! Source: spec H1, H7.
 
 use egui::accesskit::Role;
@@ -11,7 +11,7 @@ use crate::defs::page::Page;
 use crate::link::snapshot::{RunState, Tone};
 use crate::units::Micros;
 
-/// How long a refusal stays in the message line.
+/// How long a message stays in the message line.
 const FADES_AFTER: Micros = Micros::from_millis(5_000);
 
 /// What was touched in the frame.
@@ -23,7 +23,7 @@ pub enum Touched {
     Alarm,
 }
 
-/// Kind · page, program and block, mode, state, alarms, clock, help.
+/// Draws the header: kind · page, program and block, mode, state, alarms, clock, help.
 pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) -> Option<Touched> {
     let painter = ui.painter();
     painter.rect_filled(rect, 0.0, view.theme.surface);
@@ -43,7 +43,7 @@ pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) -> Option<Touched> {
     let mode = chip(painter, state.min.x - theme::GAP, row, mode_word(view), view.theme.raised, view.theme.text);
     right = mode.min.x - theme::PAD;
     let program = program_word(view);
-    // A long name takes of the title's room.
+    // A long program name takes space from the title.
     let wanted = line(painter, &program, theme::LABEL, view.theme.text, 180.0).size().x;
     let place = Rect::from_min_max(pos2(right - wanted.max(122.0), row.min.y), pos2(right, row.max.y));
     fit(painter, place, Align2::RIGHT_CENTER, &program, theme::LABEL, view.theme.text);
@@ -57,7 +57,7 @@ pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) -> Option<Touched> {
     touched
 }
 
-/// `?`: the keys of the panel on the keyboard.
+/// Draws the key `?`, which opens the help.
 fn help_key(ui: &Ui, view: &View<'_>, rect: Rect) -> bool {
     let response = ui.interact(rect, Id::unique("header-help"), Sense::CLICK);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "? help"));
@@ -67,7 +67,7 @@ fn help_key(ui: &Ui, view: &View<'_>, rect: Rect) -> bool {
     response.clicked()
 }
 
-/// The mode in two characters, as on its key.
+/// The label of the mode, as on its key.
 fn mode_word<'a>(view: &View<'a>) -> &'a str {
     view.snapshot.mode.key().label().get(view.lang)
 }
@@ -82,8 +82,8 @@ pub fn program_word(view: &View<'_>) -> String {
     format!("{} N{:04}", view.snapshot.title(program.number), program.block.unwrap_or(0))
 }
 
-/// Program and block in a narrow place; where a long name leaves no room for the block, the name alone: the header has
-/// both.
+/// Paints program and block in a narrow space. If a long name leaves no space for the block, only the name; the header
+/// shows both.
 pub fn program(painter: &egui::Painter, view: &View<'_>, rect: Rect, size: f32) {
     let word = program_word(view);
     let whole = line(painter, &word, theme::SMALL, view.theme.text, f32::INFINITY).size().x;
@@ -92,7 +92,7 @@ pub fn program(painter: &egui::Painter, view: &View<'_>, rect: Rect, size: f32) 
     fit(painter, rect, Align2::LEFT_CENTER, word, size, view.theme.text);
 }
 
-/// One accent at a time: only a state that matters now is coloured.
+/// Only a state other than idle is coloured.
 fn state_colours(view: &View<'_>) -> (Color32, Color32) {
     match view.snapshot.state {
         RunState::Idle => (view.theme.raised, view.theme.text),
@@ -103,8 +103,8 @@ fn state_colours(view: &View<'_>) -> (Color32, Color32) {
     }
 }
 
-/// Number of the first alarm and how many there are; its place stays free while there is none. Gives its left edge, and
-/// whether it was touched: the finger may land anywhere in the height of the header.
+/// Draws number of the first alarm and count of alarms; the space stays empty without an alarm. Returns its left
+/// edge and whether it was touched; the touch area has the full height of the header.
 fn alarm_chip(ui: &Ui, view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
     let left = right - 92.0;
     let Some(first) = view.snapshot.alarms.first() else { return (left, false) };
@@ -119,7 +119,7 @@ fn alarm_chip(ui: &Ui, view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
     (left, response.clicked())
 }
 
-/// What the message line says, and in which colour.
+/// Text and colour of the message line.
 fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
     let lang = view.lang;
     if let Some(hint) = hint {
@@ -142,8 +142,8 @@ fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
     fresh.then(|| (message.text.get(lang).to_owned(), view.theme.text))
 }
 
-/// Alarm with remedy in red; a refusal in amber for 5 s; what the run waits for; a note. True when it was touched
-/// while there is an alarm.
+/// Draws the message line: a refusal in amber for 5 s, else the first alarm with its remedy in red, else what the run
+/// waits for, else a note for 5 s. Returns [`Touched::Alarm`] if it was touched while there is an alarm.
 pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) -> Option<Touched> {
     let painter = ui.painter();
     painter.rect_filled(rect, 0.0, view.theme.surface);
@@ -178,7 +178,7 @@ pub fn status_line(ui: &Ui, view: &View<'_>, rect: Rect) {
         format!("S {:.0}", snapshot.wheel_rpm),
         format!("{} {}", view.say("件数", "parts"), snapshot.parts),
     ];
-    // Fixed columns: nothing moves when a figure changes.
+    // Fixed columns: nothing shifts when a value changes.
     let row = rect.shrink2(vec2(theme::PAD, 0.0));
     let shares: [f32; 7] = [0.15, 0.13, 0.11, 0.13, 0.21, 0.13, 0.14];
     let mut left = row.min.x;
@@ -197,12 +197,12 @@ pub fn status_line(ui: &Ui, view: &View<'_>, rect: Rect) {
     }
 }
 
-/// The title of a page, where a page has its own; kept here so that all look the same. Gives the place it took.
+/// Paints the title inside a page; here so that all titles look the same. Returns the area it covers.
 pub fn title(ui: &Ui, view: &View<'_>, rect: Rect, words: &str) -> Rect {
     fit(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::SECONDARY, view.theme.text)
 }
 
-/// A page that takes numbers.
+/// Whether the page has fields of the page text for numbers.
 #[must_use]
 pub const fn takes_numbers(page: Page) -> bool {
     matches!(page, Page::Grinding)

@@ -1,4 +1,4 @@
-//! The panel on a keyboard: one table, read by the key handling, the help overlay and the manual.
+//! Keyboard shortcuts of the panel keys: one table for key handling, help and manual.
 //! Source: spec K2.1 (same keys reachable from a keyboard), H6.
 
 use egui::{Event, Modifiers, Ui};
@@ -9,7 +9,7 @@ use crate::defs::key::Key;
 /// A physical key for a panel key.
 #[derive(Clone, Copy, Debug)]
 pub struct Shortcut {
-    /// Held with it.
+    /// Modifiers held with it.
     pub modifiers: Modifiers,
     /// The physical key.
     pub physical: egui::Key,
@@ -29,8 +29,8 @@ const fn ctrl(physical: egui::Key, key: Key) -> Shortcut {
     Shortcut { modifiers: Modifiers::CTRL, physical, key }
 }
 
-/// Every panel key with its physical key; keys that share one are on different kinds.
-/// Jogging along the arrows: the screen's left and right are Z on GC; the key that is drawn there is the one that acts.
+/// Every panel key with its physical key. Panel keys that share a physical key exist on different kinds.
+/// Jog shortcuts name axes, not screen directions: on GC the left and right keys of the screen are Z.
 pub const SHORTCUTS: &[Shortcut] = &[
     plain(egui::Key::F8, Key::EmergencyStop),
     plain(egui::Key::F9, Key::CycleStart),
@@ -97,39 +97,39 @@ pub const SHORTCUTS: &[Shortcut] = &[
     alt(egui::Key::B, Key::WheelRetract),
 ];
 
-/// What the keyboard asked for in this frame.
+/// The keyboard input of one frame.
 #[derive(Debug, Default)]
 pub struct Asked {
-    /// Panel keys going down, with the physical key and its modifiers.
+    /// Panel keys pressed in this frame, with the physical key and its modifiers.
     pub keys: Vec<Shortcut>,
-    /// Typing and moving.
+    /// Edit and cursor keys.
     pub edits: Vec<Edit>,
-    /// Every sign typed, for searches.
+    /// All typed characters, for text fields.
     pub text: String,
     /// Address keys X Y Z.
     pub addresses: Vec<Key>,
-    /// Keys with Ctrl that are no panel keys: a page may have a use for them.
+    /// Keys with Ctrl that are not panel keys, for the pages.
     pub controls: Vec<egui::Key>,
     /// A soft key, 0–4.
     pub soft: Option<usize>,
-    /// F6: the next row of soft keys.
+    /// F6: next row of soft keys.
     pub next_row: bool,
-    /// F12: the help overlay.
+    /// F12: help overlay.
     pub help: bool,
-    /// F7: the alarm page.
+    /// F7: alarm page.
     pub alarms: bool,
-    /// Lines to scroll: a page up is −1, a page down 1.
+    /// Pages to scroll: page up is −1, page down is 1.
     pub pages: i32,
     /// Detents of the handwheel.
     pub detents: i32,
 }
 
-/// Reads the keyboard of this frame. `words`: a page takes words and nothing runs, so the space bar types a space.
+/// Reads the keyboard of this frame. `words`: a page takes text and nothing runs, so the space bar types a space.
 #[must_use]
 pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> Asked {
     let mut asked = Asked::default();
     let events = ui.input(|input| input.events.clone());
-    // Alt with a digit is a panel key, not a digit: the text of a key comes right behind the key.
+    // Alt with a digit is a panel key, not a digit; egui sends the text event right after the key event.
     let mut alt = false;
     for event in &events {
         match event {
@@ -149,7 +149,7 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> Asked {
                     None => {}
                 }
             }
-            // The toolkit makes these three of its own accord.
+            // egui turns Ctrl+C, Ctrl+X and Ctrl+V into these events.
             Event::Copy => asked.controls.push(egui::Key::C),
             Event::Cut => asked.controls.push(egui::Key::X),
             Event::Paste(_) => asked.controls.push(egui::Key::V),
@@ -163,7 +163,7 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> Asked {
     asked
 }
 
-/// Alt with comma or point turns the handwheel.
+/// Alt with comma or period turns the handwheel by one detent.
 const fn detent(key: egui::Key) -> i32 {
     match key {
         egui::Key::Comma => -1,

@@ -1,4 +1,4 @@
-//! The face of a key: lamp, pictogram, label, lock; and its states, each told without colour alone.
+//! Draws a key: lamp, pictogram, label, lock. No state is shown by colour alone.
 //! Source: spec H3. Off · on (bar lit, label bright) · working (half bar, blinking) · blocked (dim, lock) · pressed (inset).
 
 use egui::{Align2, Color32, CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2, vec2};
@@ -9,12 +9,12 @@ use super::view::{View, card, fit};
 use crate::defs::key::{Group, Key, Lamp};
 use crate::link::snapshot::KeyView;
 
-/// What a key looks like now.
+/// The visible state of a key.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Face {
     /// Lamp on.
     pub on: bool,
-    /// The feedback has not come yet.
+    /// The feedback is still missing.
     pub working: bool,
     /// Pressing it would be refused.
     pub blocked: bool,
@@ -23,14 +23,14 @@ pub struct Face {
 }
 
 impl Face {
-    /// The face of a key's state.
+    /// The visible state for a key of the snapshot.
     #[must_use]
     pub const fn of(state: KeyView, pressed: bool) -> Self {
         Self { on: state.lamp, working: state.working, blocked: state.blocked.is_some(), pressed }
     }
 }
 
-/// The name that a screen reader and the tests know the key by.
+/// The accessible name of a key, for screen readers and tests.
 #[must_use]
 pub fn accessible_name(key: Key, lang: crate::defs::text::Lang) -> String {
     format!("{} {}", key.label().get(lang), key.id())
@@ -90,7 +90,7 @@ fn ink(theme: &Theme, face: Face) -> Color32 {
     }
 }
 
-/// Outputs burn green; what is chosen (mode, switch, step) is cyan.
+/// Lamps of outputs are green; lamps of selections (mode, switch, step) are cyan.
 fn lamp_colour(theme: &Theme, key: Key) -> Color32 {
     match key.row().lamp {
         Lamp::Output(_) => theme.run,
@@ -102,7 +102,7 @@ fn lamp_colour(theme: &Theme, key: Key) -> Color32 {
     }
 }
 
-/// The body of a key: raised, or inset while the finger is on it.
+/// Paints the body of a key: raised, or inset while the finger is on it.
 pub fn plate(painter: &Painter, theme: &Theme, rect: Rect, face: Face) {
     let radius = CornerRadius::same(theme::RADIUS as u8);
     if face.pressed {
@@ -127,7 +127,7 @@ fn lamp(painter: &Painter, view: &View<'_>, rect: Rect, face: Face, colour: Colo
     }
 }
 
-/// Cycle start and feed hold: large, framed in their colour, filled with it while they burn.
+/// Paints cycle start or feed hold: large, framed in its colour, filled with it while lit.
 fn run_key(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face, colour: Color32) {
     let theme = view.theme;
     let radius = CornerRadius::same(2 * theme::RADIUS as u8);
@@ -150,7 +150,7 @@ fn run_key(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face,
     }
 }
 
-/// The emergency stop: a red mushroom on yellow, pushed in while it acts.
+/// Paints the emergency stop: a red mushroom button on yellow, pushed in while it is active.
 fn mushroom(painter: &Painter, view: &View<'_>, rect: Rect, face: Face) {
     let theme = view.theme;
     let radius = CornerRadius::same(2 * theme::RADIUS as u8);

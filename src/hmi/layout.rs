@@ -1,4 +1,4 @@
-//! The regions of the screen. Pure geometry. Source: spec H1, H2.
+//! The regions of the screen: geometry only. Source: spec H1, H2.
 
 use egui::Rect;
 
@@ -19,7 +19,7 @@ pub struct Regions {
     pub soft: Rect,
     /// The operator panel.
     pub panel: Rect,
-    /// The panel lies below.
+    /// Portrait display: the panel is below the page.
     pub portrait: bool,
 }
 

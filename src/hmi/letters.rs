@@ -1,4 +1,4 @@
-//! The letter pads: words for a search, blocks of a program, typed by touch.
+//! The letter pads: touch input of search words and program blocks.
 //! Source: spec B6 (search by number or text, MDI), H6.
 
 use egui::{Id, Rect, Sense, Ui, vec2};
@@ -9,18 +9,18 @@ use super::widget::{self, Look};
 use crate::defs::kind::Kind;
 use crate::defs::text::Text;
 
-/// A board of keys.
+/// The keys of a letter pad.
 #[derive(Clone, Copy, Debug)]
 pub struct Board {
-    /// Words, a touch each.
+    /// Words entered by one touch each.
     words: &'static [Text],
-    /// Signs, ten in a row; the last row leaves room for two keys.
+    /// Characters, ten per row; the last row leaves space for two keys.
     rows: &'static [&'static str],
-    /// The key that ends.
+    /// Label of the key that finishes the input.
     done: Text,
 }
 
-/// For a search; what is searched most.
+/// For a search, with the most frequent search words.
 pub const SEARCH: Board = Board {
     words: &[
         Text::new("速度", "speed"),
@@ -36,7 +36,7 @@ pub const SEARCH: Board = Board {
     rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"],
     done: Text::new("完成", "OK"),
 };
-/// For a page text: the words of its labels.
+/// For a page text, with words of its labels.
 pub const PAGE: Board = Board {
     words: &[
         Text::new("粗磨", "rough"),
@@ -52,7 +52,7 @@ pub const PAGE: Board = Board {
     rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#;%()+/=_ ", "ZXCVBNM-"],
     done: Text::new("换行", "ENTER"),
 };
-/// For a block of a program, with the codes that the kind's programs have most.
+/// For a program block, with the most frequent codes of the kind.
 #[must_use]
 pub const fn block(kind: Kind) -> Board {
     let face = kind.face();
@@ -61,12 +61,12 @@ pub const fn block(kind: Kind) -> Board {
 }
 
 const SIGNS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#[]()=+*/ ", "ZXCVBNM-"];
-/// Without those of the macro language.
+/// Without the characters of the macro language.
 const PLAIN_SIGNS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"];
 const ROW: f32 = 46.0;
 
 impl Board {
-    /// Height of the board: a row of words, and those of signs.
+    /// Height of the pad: one row of words and the rows of characters.
     #[must_use]
     pub const fn height(&self) -> f32 {
         (self.rows.len() + 1) as f32 * ROW + 2.0 * theme::GAP
@@ -76,17 +76,17 @@ impl Board {
 /// What was touched.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Letter {
-    /// One sign more.
+    /// Appends a character.
     Sign(char),
-    /// This word instead.
+    /// Replaces the text by this word.
     Word(&'static str),
-    /// One sign less.
+    /// Deletes the last character.
     Back,
-    /// Enough.
+    /// Finishes the input.
     Done,
 }
 
-/// Draws the pad; gives what was touched.
+/// Draws the pad; returns the touched key.
 pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, board: &Board) -> Option<Letter> {
     ui.interact(rect, Id::unique("letters"), Sense::CLICK | Sense::DRAG);
     card(ui.painter(), rect, view.theme.surface, view.theme.focus);

@@ -1,5 +1,5 @@
-//! The dialog that takes a password, or replaces one: digits only, so that glove and pad can type it; shown as dots.
-//! The text goes to the core and is forgotten here.
+//! The password dialog: asks for a password or replaces one. Digits only, for the numeric pad; shown as dots.
+//! The text is sent to the core and not kept here.
 //! Source: spec B6, H6.
 
 use egui::accesskit::Role;
@@ -13,20 +13,20 @@ use crate::defs::text::Text;
 use crate::link::Command;
 use crate::link::page_command::{Guard, PASSWORD_LENGTH, PageCommand, Secret};
 
-/// What is being asked.
+/// What the dialog asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Step {
-    /// The password that opens a level.
+    /// The password that unlocks a level.
     Unlock,
-    /// The password as it is.
+    /// The old password.
     Old,
-    /// As it is to be.
+    /// The new password.
     New,
-    /// Once more.
+    /// The new password again.
     Again,
 }
 
-/// A dialog under way.
+/// An open dialog.
 #[derive(Debug)]
 struct Talk {
     guard: Guard,
@@ -34,25 +34,25 @@ struct Talk {
     text: String,
     old: String,
     new: String,
-    /// Answers of the core seen before the question; a higher count is the answer.
+    /// Number of answers of the core before the request; any other number is the answer.
     answers: u32,
     sent: bool,
     refused: Option<Text>,
 }
 
-/// The dialog, closed most of the time.
+/// The dialog; `None` while closed.
 #[derive(Debug, Default)]
 pub struct Login {
     talk: Option<Talk>,
 }
 
 impl Login {
-    /// Asks for the password of a level.
+    /// Opens the dialog to unlock a level.
     pub fn unlock(&mut self, view: &View<'_>, guard: Guard) {
         self.begin(view, guard, Step::Unlock);
     }
 
-    /// Replaces a password.
+    /// Opens the dialog to replace a password.
     pub fn change(&mut self, view: &View<'_>, guard: Guard) {
         self.begin(view, guard, Step::Old);
     }
@@ -63,18 +63,18 @@ impl Login {
         self.talk = Some(Talk { guard, step, text, old, new, answers, sent: false, refused: None });
     }
 
-    /// Whether it takes what is typed.
+    /// Whether the dialog is open and takes the input.
     #[must_use]
     pub const fn is_open(&self) -> bool {
         self.talk.is_some()
     }
 
-    /// Forgets everything.
+    /// Closes the dialog and discards its texts.
     pub fn close(&mut self) {
         self.talk = None;
     }
 
-    /// Draws the dialog over a page and takes what was typed.
+    /// Draws the dialog over a page and handles its input.
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], out: &mut Vec<Command>) {
         self.hear(view);
         let Some(talk) = self.talk.as_mut() else { return };
@@ -89,7 +89,7 @@ impl Login {
         }
     }
 
-    /// The answer closes the dialog, or leaves it with the reason.
+    /// Checks the core's answer: closes the dialog, or shows the reason of the refusal.
     fn hear(&mut self, view: &View<'_>) {
         let access = view.snapshot.access;
         let Some(talk) = self.talk.as_mut().filter(|talk| talk.sent && access.answers != talk.answers) else { return };
@@ -106,7 +106,7 @@ impl Login {
 }
 
 impl Talk {
-    /// Takes one key; true: the dialog closes.
+    /// Handles one key; true if the dialog closes.
     fn edit(&mut self, edit: Edit, out: &mut Vec<Command>) -> bool {
         if self.sent {
             return edit == Edit::Cancel;
@@ -161,9 +161,9 @@ impl Talk {
     }
 }
 
-/// True: 取消 was touched.
+/// Draws the dialog; true if CANCEL (取消) was touched.
 fn draw(ui: &Ui, rect: Rect, view: &View<'_>, talk: &Talk) -> bool {
-    // The page beneath takes no touch while the dialog is open.
+    // The page beneath takes no touches while the dialog is open.
     ui.interact(rect, Id::unique("login-veil"), Sense::CLICK | Sense::DRAG);
     let painter = ui.painter();
     painter.rect_filled(rect, 0.0, view.theme.ground.gamma_multiply(0.86));

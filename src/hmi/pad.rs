@@ -1,4 +1,4 @@
-//! The numeric pad that slides over the panel's lower part while a value is typed.
+//! The numeric pad over the lower part of the panel while a value is typed.
 //! Source: spec H6. It never covers cycle start, feed hold, reset or the emergency stop.
 
 use egui::accesskit::Role;
@@ -10,7 +10,7 @@ use super::theme;
 use super::view::{View, card, fit};
 use crate::defs::text::Text;
 
-/// One key: label, accessible name, column, row, height in rows, what it does.
+/// One key: label, accessible name, column, row, height in rows, edit key.
 struct PadKey(Text, &'static str, u8, u8, u8, Edit);
 
 const fn digit(sign: &'static str, name: &'static str, column: u8, row: u8, value: char) -> PadKey {
@@ -35,9 +35,9 @@ const KEYS: [PadKey; 15] = [
     digit(".", "pad-point", 2, 3, '.'),
 ];
 
-/// Draws the pad; gives the keys that were touched.
+/// Draws the pad; appends the touched keys to `edits`.
 pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, edits: &mut Vec<Edit>) {
-    // The whole area takes the touches: nothing beneath it can be pressed through a gap.
+    // The whole area takes touches: nothing beneath can be pressed through a gap.
     ui.interact(rect, Id::unique("pad"), Sense::CLICK | Sense::DRAG);
     card(ui.painter(), rect.expand(2.0), view.theme.surface, view.theme.focus);
     let inside = rect.shrink(4.0);

@@ -1,17 +1,17 @@
-//! The pictograms of the keys: own line drawings in the manner of ISO 7000, on a field of 24 × 24.
-//! Source: spec H3. Read them as drawings: a wheel is a circle with a hub, | is on, O is off.
+//! The pictograms of the keys: original line drawings in the style of ISO 7000, on a 24 × 24 grid.
+//! Source: spec H3. A wheel is a circle with a hub, | means on, O means off.
 
 use egui::epaint::PathShape;
 use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, vec2};
 
 use crate::defs::key::Key;
 
-/// One stroke of a pictogram.
+/// One shape of a pictogram.
 #[derive(Clone, Copy, Debug)]
 pub enum Mark {
-    /// A line through points.
+    /// A polyline.
     Line(&'static [(f32, f32)]),
-    /// A filled shape.
+    /// A filled convex polygon.
     Fill(&'static [(f32, f32)]),
     /// A circle: centre and radius.
     Ring(f32, f32, f32),
@@ -77,19 +77,19 @@ impl Mark {
     }
 }
 
-/// A small padlock: the sign of a blocked key.
+/// Padlock: the key is blocked.
 pub const LOCK: &[Mark] =
     &[Fill(&[(4.0, 11.0), (20.0, 11.0), (20.0, 22.0), (4.0, 22.0)]), Arc(12.0, 11.0, 5.5, 180.0, 360.0)];
-/// A small house: the axis has been homed (H5).
+/// House: the axis is homed (H5).
 pub const HOUSE: &[Mark] =
     &[Line(&[(2.0, 12.0), (12.0, 3.0), (22.0, 12.0)]), Line(&[(5.0, 11.0), (5.0, 21.0), (19.0, 21.0), (19.0, 11.0)])];
-/// A picture that is not there.
+/// Missing picture.
 pub const NO_PICTURE: &[Mark] = &[
     Box(3.0, 4.0, 18.0, 16.0),
     Line(&[(3.0, 18.0), (9.0, 11.0), (13.0, 16.0), (16.0, 13.0), (21.0, 18.0)]),
     Line(&[(1.0, 23.0), (23.0, 1.0)]),
 ];
-/// A sheet: there is no page.
+/// Sheet with a cross: no page.
 pub const NO_PAGE: &[Mark] = &[
     Line(&[(14.0, 2.0), (4.0, 2.0), (4.0, 22.0), (20.0, 22.0), (20.0, 8.0), (14.0, 2.0), (14.0, 8.0), (20.0, 8.0)]),
     Line(&[(9.0, 12.5), (15.0, 18.5)]),
@@ -110,7 +110,7 @@ const PART: Mark = Ring(12.0, 15.0, 5.0);
 const LOCK_BODY: Mark = Box(6.0, 11.0, 12.0, 9.0);
 const LOCK_BOW: Mark = Arc(12.0, 11.0, 4.0, 180.0, 360.0);
 
-/// The pictogram of a key; keys whose face is a number or a letter have none.
+/// The pictogram of a key; keys labelled with a number or letter have none.
 #[must_use]
 pub const fn of(key: Key) -> &'static [Mark] {
     match key {

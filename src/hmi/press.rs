@@ -1,4 +1,4 @@
-//! Fingers and physical keys on panel keys: when a press counts, when it ends, and the “still held” of a jog key.
+//! Touches and physical keys on panel keys: when a press counts, when it ends, and the repeated hold of a jog key.
 //! Source: spec H9, K2; link::Command (Press once, Hold every 50 ms at least, Release).
 
 use egui::{Modifiers, Rect, Response, Ui};
@@ -6,21 +6,21 @@ use egui::{Modifiers, Rect, Response, Ui};
 use crate::defs::key::Key;
 use crate::link::Command;
 
-/// Seconds between two “still held”.
+/// Time between two `Command::Hold`, s.
 const REPEAT: f64 = 0.03;
 
-/// When a key acts.
+/// When a press of a key takes effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act {
-    /// While the finger stays on it.
+    /// While the finger stays on the key.
     Hold,
-    /// In the frame of the press: what stops must not wait.
+    /// In the frame of the press: a stop key must not wait.
     AtOnce,
-    /// When the finger is lifted inside it: a swipe does nothing.
+    /// When the finger is lifted inside the key: a swipe does nothing.
     Lifted,
 }
 
-/// When a key acts.
+/// When a press of a key takes effect.
 #[must_use]
 pub const fn act(key: Key) -> Act {
     match key {
@@ -30,28 +30,28 @@ pub const fn act(key: Key) -> Act {
     }
 }
 
-/// How far a key that is down has come.
+/// State of a key that is held down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
-    /// Acts when it is lifted.
+    /// Takes effect when the finger is lifted.
     Armed,
     /// `Press` has been sent and `Release` has not.
     Sent,
-    /// Let go although the finger is still down: dead until the next touch.
+    /// Released although the finger is still down; ignored until the next touch.
     Spent,
 }
 
-/// A key that is down.
+/// A key that is held down.
 #[derive(Clone, Copy, Debug)]
 struct Down {
     key: Key,
     stage: Stage,
     last: f64,
-    /// Drawn in this frame: a key that has gone from the screen is let go.
+    /// Drawn in this frame: a key that disappears from the screen is released.
     seen: bool,
 }
 
-/// All that is down now.
+/// All keys that are held down.
 #[derive(Debug, Default)]
 pub struct Presses {
     finger: Option<Down>,
@@ -59,7 +59,7 @@ pub struct Presses {
 }
 
 impl Presses {
-    /// Follows the finger on one key; true while it is to be drawn pressed.
+    /// Follows the finger on one key; true while the key is drawn pressed.
     pub fn touch(&mut self, ui: &Ui, response: &Response, rect: Rect, key: Key, out: &mut Vec<Command>) -> bool {
         let (now, inside, lifted, lost) = ui.input(|input| {
             let place = lift_place(input).or(input.pointer.interact_pos());
@@ -95,7 +95,7 @@ impl Presses {
         on_it && self.finger.is_some_and(|down| down.key == key && down.stage != Stage::Spent)
     }
 
-    /// A physical key goes down on a panel key.
+    /// A physical key presses a panel key.
     pub fn key_down(&mut self, by: egui::Key, modifiers: Modifiers, key: Key, now: f64, out: &mut Vec<Command>) {
         if self.physical.iter().any(|(other, ..)| *other == by) {
             return;
@@ -104,7 +104,7 @@ impl Presses {
         self.physical.push((by, modifiers, Down { key, stage: Stage::Sent, last: now, seen: true }));
     }
 
-    /// Lets go of physical keys that are up, repeats those that hold.
+    /// Releases physical keys that are up, repeats `Hold` for those that are down.
     pub fn follow_keyboard(&mut self, ui: &Ui, out: &mut Vec<Command>) {
         let (now, lost, held, modifiers) =
             ui.input(|input| (input.time, focus_lost(input), input.keys_down.clone(), input.modifiers));
@@ -121,7 +121,7 @@ impl Presses {
         }
     }
 
-    /// Lets go of a key that was not drawn in this frame.
+    /// Releases a key that was not drawn in this frame.
     pub fn end_frame(&mut self, ui: &Ui, out: &mut Vec<Command>) {
         let down = ui.input(|input| input.pointer.any_down());
         let Some(finger) = self.finger.as_mut() else { return };
@@ -150,7 +150,7 @@ fn hold(down: Down, now: f64, out: &mut Vec<Command>) -> Down {
     Down { seen: true, last: if due { now } else { down.last }, ..down }
 }
 
-/// Where the finger was lifted in this frame: a touch leaves no pointer behind.
+/// Where the finger was lifted in this frame; after a touch egui has no pointer position.
 fn lift_place(input: &egui::InputState) -> Option<egui::Pos2> {
     input.events.iter().rev().find_map(|event| match event {
         egui::Event::PointerButton { pos, pressed: false, .. } => Some(*pos),
@@ -158,7 +158,7 @@ fn lift_place(input: &egui::InputState) -> Option<egui::Pos2> {
     })
 }
 
-/// The window loses the focus in this frame. Only the loss counts: a panel without window manager never has the focus.
+/// The window loses the focus in this frame. Only the loss counts: without a window manager it never has the focus.
 fn focus_lost(input: &egui::InputState) -> bool {
     input.events.iter().any(|event| matches!(event, egui::Event::WindowFocused(false)))
 }

@@ -1,4 +1,4 @@
-//! A question that lies over a page until it is answered: what, and what each key does. Nothing beneath takes a touch.
+//! A modal question over a page: text and keys. The page beneath takes no touches until it is answered.
 //! Source: spec H8, B6 (delete and overwrite ask first).
 
 use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
@@ -9,7 +9,7 @@ use super::view::{View, card, fit, paragraph};
 use super::widget::{Look, Walk};
 use crate::defs::text::{Said, Text};
 
-/// The question that lies over a page now, with what it is about.
+/// The open question of a page, with its subject; empty if none is open.
 #[derive(Debug)]
 pub struct Asked<A>(Option<(A, Question)>);
 
@@ -20,23 +20,23 @@ impl<A> Default for Asked<A> {
 }
 
 impl<A> Asked<A> {
-    /// Asks; a question that was open is forgotten.
+    /// Opens a question; replaces an open one.
     pub fn ask(&mut self, about: A, question: Question) {
         self.0 = Some((about, question));
     }
 
-    /// Takes it away unanswered.
+    /// Closes the question without an answer.
     pub fn close(&mut self) {
         self.0 = None;
     }
 
-    /// Whether one is open: nothing else on the page takes what is typed.
+    /// Whether a question is open; it then takes all keyboard input of the page.
     #[must_use]
     pub const fn is_open(&self) -> bool {
         self.0.is_some()
     }
 
-    /// Draws it. Once it is answered: what it was about, and the place of the key that acts; none: 取消.
+    /// Draws the question. When answered, returns its subject and the index of the pressed key; `None` for CANCEL (取消).
     pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> Option<(A, Option<usize>)> {
         let key = self.0.as_mut()?.1.ui(ui, rect, view, edits)?;
         let (about, question) = self.0.take()?;
@@ -47,34 +47,34 @@ impl<A> Asked<A> {
 /// A question.
 #[derive(Clone, Debug)]
 pub struct Question {
-    /// What is asked.
+    /// The question.
     title: Text,
-    /// What it is about.
+    /// Details.
     body: Said,
-    /// The keys: accessible name and label; the last one does nothing but close.
+    /// The keys: accessible name and label; the last one only closes.
     keys: Vec<(&'static str, Text)>,
     walk: Walk,
 }
 
 impl Question {
-    /// A question with one key that acts, and 取消.
+    /// A question with one action key and CANCEL (取消).
     #[must_use]
     pub fn new(title: Text, body: Said, yes: (&'static str, Text)) -> Self {
         Self::of(title, body, &[yes])
     }
 
-    /// A question with several keys that act, and 取消.
+    /// A question with several action keys and CANCEL (取消).
     #[must_use]
     pub fn of(title: Text, body: Said, keys: &[(&'static str, Text)]) -> Self {
         let mut keys = keys.to_vec();
         keys.push(("question-no", Text::new("取消", "CANCEL")));
         let mut walk = Walk::default();
-        // Enter at once does nothing: the key that acts has to be chosen.
+        // CANCEL is preselected: Enter alone does nothing, an action key must be selected first.
         walk.choose(keys.len() - 1, keys.len());
         Self { title, body, keys, walk }
     }
 
-    /// Draws it; gives the number of the key that was chosen, the last one is 取消.
+    /// Draws the question; returns the index of the pressed key, the last one is CANCEL (取消).
     fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> Option<usize> {
         ui.interact(rect, Id::unique("question-veil"), Sense::CLICK | Sense::DRAG);
         let painter = ui.painter();

@@ -1,6 +1,6 @@
-//! A software painter of egui's triangles: the pictures of `shot` and of the tests, without display or driver.
-//! The same input gives the same bytes on every machine: edges are whole numbers, colours are eight-bit steps.
-//! Colours are multiplied and blended in gamma space with premultiplied alpha, as egui's own painters do it.
+//! Software rasterizer for egui's triangles: the pictures of `shot` and of the tests, without display or driver.
+//! The same input gives the same bytes on every machine: edges use integers, colours have eight bits.
+//! Colours are multiplied and blended in gamma space with premultiplied alpha, as in egui's own painters.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use egui::epaint::{ClippedPrimitive, ImageData, ImageDelta, Primitive, Vertex};
 use egui::{Color32, Mesh, Rect, TextureFilter, TextureId, TexturesDelta};
 use image::{Rgba, RgbaImage};
 
-/// Sub-pixel steps of a vertex.
+/// Sub-pixel steps per pixel of a vertex position.
 const STEPS: f32 = 256.0;
 
 /// One texture.
@@ -18,14 +18,14 @@ struct Texture {
     nearest: bool,
 }
 
-/// Paints frames; keeps the textures between them.
+/// Paints frames; keeps the textures between frames.
 #[derive(Default)]
 pub struct Raster {
     textures: HashMap<TextureId, Texture>,
 }
 
 impl Raster {
-    /// Takes over new and changed textures of a frame.
+    /// Applies new and changed textures of a frame.
     pub fn update(&mut self, delta: &TexturesDelta) {
         for (id, changes) in &delta.set {
             for change in changes {
@@ -34,7 +34,7 @@ impl Raster {
         }
     }
 
-    /// Forgets the textures that a frame no longer needs. Call it after painting.
+    /// Frees the textures that are no longer needed. Call it after painting.
     pub fn free(&mut self, delta: &TexturesDelta) {
         for id in &delta.free {
             self.textures.remove(id);
@@ -61,7 +61,7 @@ impl Raster {
         }
     }
 
-    /// Paints tessellated shapes on a ground colour.
+    /// Paints tessellated shapes on a background colour.
     #[must_use]
     pub fn paint(&self, primitives: &[ClippedPrimitive], scale: f32, size: (u32, u32), ground: Color32) -> RgbaImage {
         let fill = Rgba([ground.r(), ground.g(), ground.b(), 255]);
@@ -78,7 +78,7 @@ impl Raster {
     }
 }
 
-/// The pixels that may be touched.
+/// The pixels inside the clip rectangle.
 struct Clip {
     left: i64,
     top: i64,
@@ -119,7 +119,7 @@ const fn edge(a: Point, b: Point, p: Point) -> i64 {
     (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x)
 }
 
-/// Whether pixels exactly on this edge belong to the triangle: each shared edge is painted once.
+/// Top-left rule: whether pixels exactly on this edge belong to the triangle. Each shared edge is painted once.
 const fn owns(a: Point, b: Point) -> bool {
     (a.y == b.y && b.x > a.x) || b.y < a.y
 }
@@ -162,7 +162,7 @@ fn is_flat(corners: [&Vertex; 3]) -> bool {
     corners[1..].iter().all(|other| other.uv == corners[0].uv)
 }
 
-/// Colour and texture place across a triangle.
+/// Interpolates colour and texture coordinates across a triangle.
 struct Shade {
     colours: [[f32; 4]; 3],
     uvs: [[f32; 2]; 3],
@@ -199,13 +199,13 @@ impl Texture {
         self.pixels.get(row * self.size[0] + column).map_or([0.0; 4], |pixel| pixel.to_array().map(f32::from))
     }
 
-    /// The texture at a place between 0 and 1: between four texels, or the nearest one.
+    /// The texture at coordinates from 0 to 1: bilinear between four texels, or the nearest texel.
     fn sample(&self, u: f32, v: f32) -> [f32; 4] {
         let (x, y) = (u * self.size[0] as f32, v * self.size[1] as f32);
         if self.nearest {
             return self.at(x.floor() as i64, y.floor() as i64);
         }
-        // Texels are told apart to 1/64: what is meant to hit a texel's centre must not take a trace of its neighbour.
+        // Coordinates snap to 1/64 texel: a sample at the centre of a texel must not mix in its neighbour.
         let snap = |value: f32| ((value - 0.5) * 64.0).round() / 64.0;
         let (x, y) = (snap(x), snap(y));
         let (column, row) = (x.floor() as i64, y.floor() as i64);

@@ -1,4 +1,4 @@
-//! The search field of pages that are searched: what is typed, and a cross that empties it.
+//! The search field of pages with a search: text, and a cross that clears it.
 //! Source: spec B6 (search), H6.
 
 use egui::accesskit::Role;
@@ -17,11 +17,11 @@ const SPACE: f32 = 4.0;
 pub enum SearchTouch {
     /// The field.
     Field,
-    /// The cross that empties it.
+    /// The cross that clears it.
     Clear,
 }
 
-/// The field; `hint` stands in it while it is empty, `open` while what is typed goes into it.
+/// Draws the field; `hint` is shown while it is empty, `open` is true while it takes the typed text.
 pub fn field(ui: &Ui, view: &View<'_>, rect: Rect, hint: &str, search: &str, open: bool) -> Option<SearchTouch> {
     let (rect, cross) = if search.is_empty() {
         (rect, None)

@@ -1,4 +1,4 @@
-//! Pages without a display: as a picture, and as the text that was really painted.
+//! Pages without a display: as a picture, and as the painted text.
 //! Source: tools.md T6, the story line `expect page … shows`.
 
 use egui::{Context, Pos2, RawInput, Rect, Shape, ViewportId, vec2};
@@ -10,10 +10,10 @@ use super::theme;
 use crate::defs::text::Lang;
 use crate::link::Snapshot;
 
-/// The size that texts are read at.
+/// Display size for [`page_text`], px.
 const TEXT_SIZE: (u32, u32) = (1_024, 768);
 
-/// The screen with the panel, as the operator would see it. The same snapshot gives the same bytes.
+/// A picture of the screen with the panel. The same snapshot gives the same bytes.
 #[must_use]
 pub fn shot(snapshot: &Snapshot, lang: Lang, size: (u32, u32)) -> RgbaImage {
     let mut stage = Stage::new(Hmi::new(lang), size);
@@ -22,8 +22,7 @@ pub fn shot(snapshot: &Snapshot, lang: Lang, size: (u32, u32)) -> RgbaImage {
     stage.picture()
 }
 
-/// Every text that the open page, its frame and the panel paint, in the order of painting. Line breaks in a text are
-/// taken out.
+/// Every text that the open page, its frame and the panel paint, in the order of painting. Line breaks are removed.
 #[must_use]
 pub fn page_text(snapshot: &Snapshot, lang: Lang) -> Vec<String> {
     let mut stage = Stage::new(Hmi::new(lang), TEXT_SIZE);
@@ -31,9 +30,9 @@ pub fn page_text(snapshot: &Snapshot, lang: Lang) -> Vec<String> {
     stage.texts().into_iter().map(|(text, ..)| text).collect()
 }
 
-/// A face and a context without window: frames are run on it and painted in software.
+/// The user interface on an egui context without a window; its frames are painted in software.
 pub struct Stage {
-    /// The face; tests reach into it.
+    /// The user interface; public for tests.
     pub hmi: Hmi,
     ctx: Context,
     raster: Raster,
@@ -46,7 +45,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// A stage of so many pixels.
+    /// A screen of `size` pixels.
     #[must_use]
     pub fn new(hmi: Hmi, size: (u32, u32)) -> Self {
         let ctx = Context::default();
@@ -55,13 +54,13 @@ impl Stage {
         Self { hmi, ctx, raster: Raster::default(), size, scale, shapes: Vec::new(), time: 0.0, events: Vec::new() }
     }
 
-    /// The context; tests give it their own manners.
+    /// The egui context; tests change its options.
     #[must_use]
     pub const fn ctx(&self) -> &Context {
         &self.ctx
     }
 
-    /// Runs one frame, a sixtieth of a second after the last; gives its commands.
+    /// Runs one frame, 1/60 s after the last; returns its commands.
     pub fn frame(&mut self, snapshot: &Snapshot) -> Vec<crate::link::Command> {
         let logical = vec2(self.size.0 as f32, self.size.1 as f32) / self.scale;
         let mut input = RawInput {
@@ -87,7 +86,7 @@ impl Stage {
         commands
     }
 
-    /// Turns the shapes of the last frame into triangles; gives how many there are.
+    /// Tessellates the shapes of the last frame; returns the number of triangles.
     pub fn triangles(&self) -> usize {
         let primitives = self.ctx.tessellate(self.shapes.clone(), self.scale);
         let count = |primitive: &egui::epaint::ClippedPrimitive| match &primitive.primitive {
@@ -104,13 +103,13 @@ impl Stage {
         self.raster.paint(&primitives, self.scale, self.size, self.hmi.ground())
     }
 
-    /// What the last frame painted, in its order.
+    /// The shapes of the last frame, in the order of painting.
     #[must_use]
     pub fn shapes(&self) -> &[egui::epaint::ClippedShape] {
         &self.shapes
     }
 
-    /// Every text of the last frame with the place that its ink takes, its clip rectangle, and whether it was cut.
+    /// Every text of the last frame with the bounds of its glyphs, its clip rectangle, and whether it was truncated.
     #[must_use]
     pub fn texts(&self) -> Vec<(String, Rect, Rect, bool)> {
         let mut found = Vec::new();

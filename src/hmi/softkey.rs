@@ -1,4 +1,4 @@
-//! The row of soft keys, drawn and touched.
+//! Draws the row of soft keys and handles its touches.
 //! Source: spec K7.1, K7.2.
 
 use egui::accesskit::Role;
@@ -18,7 +18,7 @@ pub enum Pressed {
     Next,
 }
 
-/// The number of rows of the machine that is shown.
+/// Number of soft key rows of this machine.
 #[must_use]
 pub const fn rows(view: &View<'_>) -> usize {
     soft_key::rows(view.snapshot.simulated.is_some())
@@ -28,7 +28,7 @@ fn label(soft: &SoftKey, view: &View<'_>) -> &'static str {
     soft.label_on(view.snapshot.kind).get(view.lang)
 }
 
-/// Draws a row; `chosen` says whether a key's page is the open one.
+/// Draws a row; `chosen` tells whether the page of a key is the open one.
 pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, row: usize, chosen: impl Fn(SoftAct) -> bool) -> Option<Pressed> {
     let mut pressed = None;
     let inner = rect.shrink2(vec2(theme::GAP, 3.0));

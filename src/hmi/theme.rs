@@ -1,15 +1,15 @@
-//! Colours, sizes and the font: the only place where a page's look is decided.
+//! Colours, sizes and font: the only place that defines the look of the pages.
 //! Source: spec H1, H4.
 
 use std::sync::Arc;
 
 use egui::{Color32, FontData, FontDefinitions, FontFamily, FontId, Vec2};
 
-/// The bundled font: Noto Sans SC, every GBK character, tabular figures.
+/// The bundled font: Noto Sans SC with every GBK character and tabular figures.
 static FONT: &[u8] = include_bytes!("../../assets/font/NotoSansSC-GBK.otf");
 const FONT_NAME: &str = "NotoSansSC-GBK";
 
-/// Height of the header: its chips and the help key can be touched.
+/// Height of the header, points; its chips and help key are touch targets.
 pub const HEADER: f32 = 46.0;
 /// Height of the message line.
 pub const MESSAGE: f32 = 32.0;
@@ -21,11 +21,11 @@ pub const STATUS: f32 = 28.0;
 pub const SOFT: f32 = 52.0;
 /// Panel width on a small landscape display, and on a wide one.
 pub const PANEL: (f32, f32) = (264.0, 320.0);
-/// Logical display width from which the panel is the wide one.
+/// Logical display width from which the wide panel is used.
 pub const WIDE: f32 = 1_200.0;
 /// Panel height on a portrait display.
 pub const PANEL_PORTRAIT: f32 = 330.0;
-/// Smallest side of anything to be touched.
+/// Minimum side of a touch target.
 pub const TARGET: f32 = 44.0;
 /// Small gap.
 pub const GAP: f32 = 6.0;
@@ -35,9 +35,9 @@ pub const PAD: f32 = 12.0;
 pub const RADIUS: f32 = 4.0;
 /// A hairline.
 pub const HAIR: f32 = 1.0;
-/// The frame of the chosen field.
+/// Line width of the frame of the selected field.
 pub const FRAME: f32 = 2.0;
-/// Text sizes: position digits, their smaller companions, titles, labels, the smallest.
+/// Text size of the position digits.
 pub const DIGITS: f32 = 40.0;
 /// Secondary digits and values.
 pub const SECONDARY: f32 = 20.0;
@@ -45,57 +45,57 @@ pub const SECONDARY: f32 = 20.0;
 pub const TITLE: f32 = 18.0;
 /// Labels.
 pub const LABEL: f32 = 15.0;
-/// Nothing is written smaller.
+/// Minimum text size.
 pub const SMALL: f32 = 13.0;
-/// Pictures are shown in their own colours.
+/// Tint of pictures: their own colours.
 pub const UNTINTED: Color32 = Color32::WHITE;
 /// Size of a page picture (K5.12), in logical points at scale 1.
 pub const PICTURE: Vec2 = Vec2::new(200.0, 400.0);
 
-/// The colour tokens.
+/// The colours of a theme.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Theme {
-    /// Behind everything.
+    /// Background of the screen.
     pub ground: Color32,
-    /// Areas that hold something.
+    /// Cards and areas.
     pub surface: Color32,
-    /// Keys and fields that can be touched.
+    /// Keys and input fields.
     pub raised: Color32,
     /// Hairlines.
     pub line: Color32,
     /// Text.
     pub text: Color32,
-    /// Text of lesser weight.
+    /// Secondary text.
     pub quiet: Color32,
-    /// Labels of blocked keys (with a lock beside them).
+    /// Labels of blocked keys (with a lock symbol).
     pub dim: Color32,
-    /// The chosen field.
+    /// Frame of the selected field.
     pub focus: Color32,
-    /// Runs; lamp on.
+    /// Running; lamp on.
     pub run: Color32,
-    /// Held; refused.
+    /// Feed hold; refusal.
     pub hold: Color32,
     /// Alarm, as a fill.
     pub alarm: Color32,
     /// Alarm, as text.
     pub alarm_text: Color32,
-    /// Chosen mode or switch.
+    /// Selected mode or switch.
     pub info: Color32,
     /// Variables and conditions in the text of a program.
     pub macros: Color32,
     /// Text and pictograms on a fill of an accent colour.
     pub ink: Color32,
-    /// The ground of the emergency stop.
+    /// Background of the emergency stop key.
     pub stop_ground: Color32,
-    /// What is written on it.
+    /// Text on it.
     pub stop_ink: Color32,
-    /// Paper and lines of the page pictures.
+    /// Background of the page pictures.
     pub paper: Color32,
-    /// Lines on the paper.
+    /// Lines of the page pictures.
     pub paper_ink: Color32,
-    /// Lesser lines on the paper: dimensions, hatching.
+    /// Secondary lines of the page pictures: dimensions, hatching.
     pub paper_quiet: Color32,
-    /// What the dimension numbers are written in on the paper.
+    /// Dimension numbers of the page pictures.
     pub paper_accent: Color32,
 }
 
@@ -154,7 +154,7 @@ pub const LIGHT: Theme = Theme {
 };
 
 impl Theme {
-    /// The text tokens with the grounds they are written on; each pair has a contrast of 4.5 : 1 or more.
+    /// Every text colour with its backgrounds, for the contrast test: each pair has 4.5 : 1 or more.
     #[must_use]
     pub fn text_pairs(&self) -> Vec<(&'static str, Color32, Color32)> {
         let grounds = [self.ground, self.surface, self.raised];
@@ -166,14 +166,14 @@ impl Theme {
         let fills = [self.run, self.hold, self.alarm, self.info, self.focus];
         pairs.extend(fills.into_iter().map(|fill| ("ink", self.ink, fill)));
         pairs.push(("emergency stop", self.stop_ink, self.stop_ground));
-        // Blocked keys lie flat on the surface; what they are called must still be read.
+        // Blocked keys are flat on the surface; their labels must stay readable.
         pairs.extend([self.ground, self.surface].into_iter().map(|ground| ("dim", self.dim, ground)));
         pairs.extend([self.paper_ink, self.paper_accent].into_iter().map(|ink| ("paper", ink, self.paper)));
         pairs
     }
 }
 
-/// What lies over the picture to leave so many percent of its brightness: all contrasts become smaller alike.
+/// The dark overlay that reduces the picture to `percent` of its brightness; all contrasts shrink equally.
 #[must_use]
 pub fn veil(percent: u8) -> Color32 {
     Color32::from_black_alpha((255.0 * (1.0 - f32::from(percent.min(100)) / 100.0)).round() as u8)
@@ -194,7 +194,7 @@ pub fn contrast(a: Color32, b: Color32) -> f64 {
     (a.max(b) + 0.05) / (a.min(b) + 0.05)
 }
 
-/// How much larger than at 1024 × 768 everything is drawn on a display of so many pixels: in tenths, 1.4 at 1920 × 1080.
+/// Display scale relative to 1024 × 768 px, in steps of 0.1: 1.4 at 1920 × 1080 px.
 #[must_use]
 pub fn scale(pixels: Vec2) -> f32 {
     let base = if pixels.x >= pixels.y { Vec2::new(1_024.0, 768.0) } else { Vec2::new(768.0, 1_024.0) };
@@ -202,13 +202,13 @@ pub fn scale(pixels: Vec2) -> f32 {
     if fit.is_finite() { ((fit * 10.0 + 0.001).floor() / 10.0).clamp(0.5, 4.0) } else { 1.0 }
 }
 
-/// A font of a size.
+/// The font in a size.
 #[must_use]
 pub fn font(size: f32) -> FontId {
     FontId::new(size, FontFamily::Proportional)
 }
 
-/// Gives a context the font and takes away what a machine's screen must not do: zoom by keyboard, tips, animation.
+/// Installs the font and disables what a machine screen must not do: keyboard zoom, text selection, animation.
 pub fn install(ctx: &egui::Context, theme: &Theme) {
     let mut fonts = FontDefinitions::empty();
     fonts.font_data.insert(FONT_NAME.to_owned(), Arc::new(FontData::from_static(FONT)));
@@ -219,7 +219,7 @@ pub fn install(ctx: &egui::Context, theme: &Theme) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.options_mut(|options| {
         options.zoom_with_keyboard = false;
-        // A slow finger, or one in a glove that rolls a little, presses a key all the same.
+        // A slow touch, or one that moves a little in a glove, still counts as a click.
         options.input_options.max_click_duration = f64::INFINITY;
         options.input_options.max_click_dist = 10.0;
     });

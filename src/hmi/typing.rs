@@ -1,54 +1,54 @@
-//! A value being typed: its text, its refusal by the page or by the core, and the way back to it.
-//! What the core refuses comes back in red with the reason, as what the page refuses stays (H6).
+//! A value being typed: its text, and its refusal by the page or by the core.
+//! A value refused by the core returns to its field in red with the reason, like a value refused by the page (H6).
 
 use super::entry::Edit;
 use crate::defs::text::{Lang, Said};
 use crate::link::edit::EditAnswer;
 
-/// Characters that a value may have.
+/// Maximum number of characters of a value.
 const LONGEST: usize = 11;
 
-/// What the core has answered.
+/// The answer of the core.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Heard {
-    /// Nothing new that concerns the page.
+    /// No new answer for this field.
     Nothing,
-    /// The text of this field was taken.
+    /// The text of this field was accepted.
     Taken(usize, String),
-    /// What was sent from this field was refused.
+    /// The text sent from this field was refused.
     Refused(usize),
 }
 
-/// The text of the chosen field.
+/// The text of the selected field.
 #[derive(Clone, Debug, Default)]
 pub struct Typing {
     /// The text typed so far.
     pub text: String,
     /// Whether the numeric pad is open.
     pub pad: bool,
-    /// Why the text was refused, until the next key.
+    /// Why the text was refused; cleared by the next key.
     pub refused: Option<Said>,
-    /// Field and text that the core has not answered yet.
+    /// Field and text sent to the core, not answered yet.
     sent: Option<(usize, String)>,
-    /// Answers seen.
+    /// Number of answers seen so far.
     seen: u32,
 }
 
 impl Typing {
-    /// Another field was chosen: nothing is being typed.
+    /// Clears the text; for another field.
     pub fn clear(&mut self) {
         self.text.clear();
         self.refused = None;
     }
 
-    /// A refused text goes with the next key, unless that mends it.
+    /// The next key clears a refused text, unless the key edits it.
     pub fn next_key(&mut self, edit: Edit) {
         if self.refused.take().is_some() && !matches!(edit, Edit::Back | Edit::Delete | Edit::Sign) {
             self.text.clear();
         }
     }
 
-    /// Digits, sign, back and cancel; false: the key means something else.
+    /// Handles digits, sign, backspace and cancel; false for any other key.
     pub fn key(&mut self, edit: Edit) -> bool {
         match edit {
             Edit::Char(sign) => {
@@ -74,7 +74,7 @@ impl Typing {
         true
     }
 
-    /// The text as a number within ± `most`.
+    /// Parses the text as a number within ± `most`.
     ///
     /// # Errors
     /// The reason, in both languages.
@@ -88,12 +88,12 @@ impl Typing {
         Ok(value)
     }
 
-    /// The text of a field goes to the core.
+    /// Marks the text of a field as sent to the core.
     pub fn send(&mut self, field: usize) {
         self.sent = Some((field, std::mem::take(&mut self.text)));
     }
 
-    /// Listens for the core's answer. What was refused has its text back, unless another is being typed by now.
+    /// Polls the core's answer. A refused text is restored unless another one is being typed.
     pub fn hear(&mut self, answer: &EditAnswer) -> Heard {
         if std::mem::replace(&mut self.seen, answer.count) == answer.count {
             return Heard::Nothing;

@@ -1,4 +1,4 @@
-//! What a page is given to show, and the few ways of putting text and lines on the screen.
+//! The context that a page draws from, and the drawing functions for text and lines.
 
 use std::sync::Arc;
 
@@ -11,10 +11,10 @@ use crate::defs::text::{Lang, Text};
 use crate::link::Snapshot;
 use crate::units::Micros;
 
-/// How far below the middle of its line the font draws its signs, of the line's height.
+/// How far the font draws its glyphs below the middle of the line, as a share of the line height.
 const SAG: f32 = 0.045;
 
-/// Everything that a page may read. A page changes nothing but its cursor and its edit text.
+/// Everything that a page can read. A page changes only its own cursor and edit text.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
     /// The newest state of the machine.
@@ -23,7 +23,7 @@ pub struct View<'a> {
     pub lang: Lang,
     /// Colours.
     pub theme: &'a Theme,
-    /// The light theme is in force.
+    /// The light theme is active.
     pub light: bool,
     /// Brightness of the picture, percent.
     pub brightness: u8,
@@ -42,7 +42,7 @@ impl View<'_> {
 }
 
 impl View<'_> {
-    /// The time of day at a machine time, with the day where it is not today; without a clock the time since power-on.
+    /// Time of day at a controller time, with the date if it is not today; without a clock, the time since power-on.
     #[must_use]
     pub fn time(&self, at: Micros) -> String {
         let seconds = |time: Micros| (time.0 / 1_000_000) as i64;
@@ -53,13 +53,13 @@ impl View<'_> {
     }
 }
 
-/// Date and time of the history; where there was no clock, the time since power-on.
+/// Date and time of a history entry; without a clock, the time since power-on.
 #[must_use]
 pub fn moment(date: Date) -> String {
     if date.parts()[0] > 1_970 { date.to_string() } else { format!("+{}", date.time()) }
 }
 
-/// Lays one line of text out, cut with … at a width.
+/// Lays out one line of text, truncated with … at a width.
 #[must_use]
 pub fn line(painter: &Painter, text: &str, size: f32, colour: Color32, width: f32) -> Arc<Galley> {
     let mut job = LayoutJob::simple_singleline(text.to_owned(), theme::font(size), colour);
@@ -69,13 +69,13 @@ pub fn line(painter: &Painter, text: &str, size: f32, colour: Color32, width: f3
     painter.layout_job(job)
 }
 
-/// One line of text in a rectangle, cut with … where it is too long.
+/// Paints one line of text in a rectangle, truncated with … if it is too long.
 pub fn put(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
     let galley = line(painter, text, size, colour, rect.width());
     place(painter, rect, align, galley, colour)
 }
 
-/// One line of text in a rectangle, made smaller down to 13 before it is cut.
+/// Paints one line of text in a rectangle; shrinks the font to 13 points before truncating.
 pub fn fit(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
     let mut size = size;
     let mut galley = line(painter, text, size, colour, rect.width());
@@ -86,7 +86,7 @@ pub fn fit(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, 
     place(painter, rect, align, galley, colour)
 }
 
-/// Text of several lines in a rectangle, wrapped, from its top left corner; gives the place it took.
+/// Paints wrapped text from the top left corner of a rectangle; returns the area it covers.
 pub fn paragraph(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32) -> Rect {
     let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
     job.wrap.max_rows = (rect.height() / (size * 1.4)).floor().max(1.0) as usize;
@@ -94,14 +94,14 @@ pub fn paragraph(painter: &Painter, rect: Rect, text: &str, size: f32, colour: C
     place(painter, rect, Align2::LEFT_TOP, galley, colour)
 }
 
-/// Text of so many lines at most, in the middle of a rectangle's height.
+/// Paints wrapped text of at most `most` lines, vertically centred in a rectangle.
 pub fn rows(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32, most: usize) -> Rect {
     let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
     job.wrap.max_rows = most;
     place(painter, rect, Align2::LEFT_CENTER, painter.layout_job(job), colour)
 }
 
-/// Text of several lines, each in the middle of a rectangle's width, from its top.
+/// Paints wrapped text from the top of a rectangle, each line horizontally centred.
 pub fn centred(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32) {
     let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
     job.halign = egui::Align::Center;
@@ -110,8 +110,8 @@ pub fn centred(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Col
 
 fn place(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley>, colour: Color32) -> Rect {
     let at = align.align_size_within_rect(galley.size(), rect);
-    // Whole points: nothing moves by a pixel when a digit changes (H5).
-    // The font's line is deeper below its signs than above them: what is to stand in the middle goes up by that much.
+    // Rounded to whole points: nothing shifts by a pixel when a digit changes (H5).
+    // The font has more space below its glyphs than above: centred text is moved up by the difference.
     let up = if align.y() == egui::Align::Center { galley.size().y * SAG } else { 0.0 };
     let corner = Pos2::new(at.min.x.round(), (at.min.y - up).round());
     let taken = Rect::from_min_size(corner, galley.size());
@@ -119,19 +119,19 @@ fn place(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley>, colo
     taken
 }
 
-/// A filled area with a hairline around it.
+/// Paints a filled area with a hairline around it.
 pub fn card(painter: &Painter, rect: Rect, fill: Color32, line: Color32) {
     let radius = CornerRadius::same(theme::RADIUS as u8);
     painter.rect(rect, radius, fill, Stroke::new(theme::HAIR, line), StrokeKind::Inside);
 }
 
-/// A frame around a chosen field.
+/// Paints a frame around a selected field.
 pub fn frame(painter: &Painter, rect: Rect, colour: Color32) {
     let radius = CornerRadius::same(theme::RADIUS as u8);
     painter.rect_stroke(rect, radius, Stroke::new(theme::FRAME, colour), StrokeKind::Inside);
 }
 
-/// A small filled sign with text, as wide as it needs to be; `right` is its right edge.
+/// Paints a chip: a small filled label as wide as its text; `right` is its right edge.
 pub fn chip(painter: &Painter, right: f32, row: Rect, text: &str, fill: Color32, ink: Color32) -> Rect {
     let galley = line(painter, text, theme::LABEL, ink, row.width());
     let width = galley.size().x + 2.0 * theme::PAD - 4.0;
@@ -141,19 +141,19 @@ pub fn chip(painter: &Painter, right: f32, row: Rect, text: &str, fill: Color32,
     rect
 }
 
-/// A rectangle from its left top corner and its size.
+/// A rectangle from its top left corner and its size.
 #[must_use]
 pub fn at(x: f32, y: f32, width: f32, height: f32) -> Rect {
     Rect::from_min_size(Pos2::new(x, y), egui::vec2(width, height))
 }
 
-/// A length as shown: three decimals, sign in front; what is not a number is a dash.
+/// Formats a length with three decimals; NaN and infinity become a dash.
 #[must_use]
 pub fn length(value: f64) -> String {
     if !value.is_finite() {
         return "—".to_owned();
     }
-    // -0.0004 shows as 0.000, never as -0.000.
+    // -0.0004 is shown as 0.000, never as -0.000.
     let text = format!("{value:.3}");
     if text == "-0.000" { "0.000".to_owned() } else { text }
 }

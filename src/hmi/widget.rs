@@ -1,4 +1,4 @@
-//! What the pages are made of beside text: keys, tabs, small lamps, tables of lines.
+//! Widgets of the pages: keys, tabs, small lamps, tables.
 //! Source: spec H3, H4.
 
 use egui::accesskit::Role;
@@ -10,19 +10,19 @@ use super::pictogram;
 use super::theme;
 use super::view::{View, fit, frame};
 
-/// Height of a row of tabs or page keys.
+/// Height of a row of tabs or page keys, points.
 pub const TABS: f32 = 46.0;
 
-/// How a key of a page looks.
+/// The visible state of a key of a page.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Look {
-    /// Chosen or in force.
+    /// Selected or active.
     pub on: bool,
-    /// Asks for a password or is not possible now; pressing says why.
+    /// Needs a password or is not possible now; pressing it shows the reason.
     pub locked: bool,
 }
 
-/// A key of a page: plate and label, a bar when it is on. `name` is what it is known by beside its label.
+/// Draws a key of a page: body, label, a bar when it is on. `name` is its accessible name beside the label.
 pub fn push(ui: &Ui, view: &View<'_>, rect: Rect, name: &str, label: &str, look: Look) -> bool {
     let response = ui.interact(rect, Id::unique(("page-key", name)), Sense::CLICK);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, look.on, format!("{label} {name}")));
@@ -43,7 +43,7 @@ pub fn push(ui: &Ui, view: &View<'_>, rect: Rect, name: &str, label: &str, look:
     response.clicked()
 }
 
-/// Keys side by side of which one is chosen: accessible name and label of each; gives the one that was touched.
+/// Draws tabs: accessible name and label of each, the selected one; returns the touched one.
 pub fn tabs(ui: &Ui, view: &View<'_>, rect: Rect, keys: &[(&str, String)], chosen: usize) -> Option<usize> {
     let width = (rect.width() - (keys.len() as f32 - 1.0) * theme::GAP) / keys.len() as f32;
     let mut touched = None;
@@ -57,22 +57,22 @@ pub fn tabs(ui: &Ui, view: &View<'_>, rect: Rect, keys: &[(&str, String)], chose
     touched
 }
 
-/// Walks over the keys of a page by keyboard: each key that is drawn asks whether it is the chosen one.
+/// Keyboard focus on the keys of a page. Every key that is drawn checks whether it has the focus.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Walk {
-    /// The chosen key, once the keyboard was used.
+    /// The focused key; none until the keyboard is used.
     cursor: Option<usize>,
     drawn: usize,
     enter: bool,
 }
 
 impl Walk {
-    /// Chooses a key of so many.
+    /// Focuses one of `count` keys.
     pub const fn choose(&mut self, key: usize, count: usize) {
         (self.cursor, self.drawn) = (Some(key), count);
     }
 
-    /// Begins a frame: what was typed moves the choice among the keys of the last frame, or acts.
+    /// Starts a frame: the typed keys move the focus among the keys of the last frame, or activate the focused key.
     pub fn begin(&mut self, edits: &[Edit]) {
         let count = self.drawn.max(1);
         self.enter = false;
@@ -92,14 +92,14 @@ impl Walk {
         self.drawn = 0;
     }
 
-    /// Something else that the keyboard can choose: whether it is chosen, and entered.
+    /// Adds an item other than a key; returns whether it is focused and whether it is activated.
     pub const fn pass(&mut self) -> (bool, bool) {
         let chosen = matches!(self.cursor, Some(at) if at == self.drawn);
         self.drawn += 1;
         (chosen, chosen && self.enter)
     }
 
-    /// A key of the page by its name and label, touched or chosen and entered.
+    /// Draws a key by its name and label; true if it is touched, or focused and activated.
     pub fn push(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, words: (&str, &str), look: Look) -> bool {
         let (name, label) = words;
         let chosen = self.cursor == Some(self.drawn);
@@ -112,7 +112,7 @@ impl Walk {
     }
 }
 
-/// A small lamp with its figure: a filled disc and 1, or a ring and 0.
+/// Draws a small lamp with its value: a filled disc and 1, or a ring and 0.
 pub fn lamp(painter: &Painter, view: &View<'_>, rect: Rect, on: bool) {
     let centre = pos2(rect.min.x + 9.0, rect.center().y);
     if on {
@@ -125,7 +125,7 @@ pub fn lamp(painter: &Painter, view: &View<'_>, rect: Rect, on: bool) {
     fit(painter, figure, Align2::LEFT_CENTER, if on { "1" } else { "0" }, theme::LABEL, ink);
 }
 
-/// The rectangles of a line's columns, by their shares.
+/// The rectangles of the columns of a line, by their shares of the width.
 pub fn columns<const N: usize>(line: Rect, shares: [f32; N]) -> [Rect; N] {
     let whole: f32 = shares.iter().sum();
     let mut left = line.min.x;
@@ -137,7 +137,7 @@ pub fn columns<const N: usize>(line: Rect, shares: [f32; N]) -> [Rect; N] {
     })
 }
 
-/// The head of a table: small words over a hairline.
+/// Draws the header of a table: small text over a hairline.
 pub fn head<const N: usize>(painter: &Painter, view: &View<'_>, line: Rect, shares: [f32; N], words: [&str; N]) {
     for (place, word) in columns(line, shares).into_iter().zip(words) {
         fit(painter, place, Align2::LEFT_CENTER, word, theme::SMALL, view.theme.quiet);
@@ -145,7 +145,7 @@ pub fn head<const N: usize>(painter: &Painter, view: &View<'_>, line: Rect, shar
     painter.hline(line.x_range(), line.max.y - 0.5, Stroke::new(theme::HAIR, view.theme.line));
 }
 
-/// A list's rectangle, cut to whole lines: at rest nothing is cut in half.
+/// The rectangle of a list, reduced to whole lines so that no line is cut when the list is at rest.
 #[must_use]
 pub fn whole_lines(rect: Rect, line: f32) -> Rect {
     let lines = (rect.height() / line).floor().max(1.0);

@@ -1,7 +1,7 @@
-//! The window: puts the face on a display, feeds it the newest snapshot and sends its commands.
+//! The window: shows the user interface on a display, feeds it the newest snapshot and sends its commands.
 //!
-//! A watcher looks at the newest snapshot 30 times a second and asks for a frame only when something shown has changed:
-//! the clock once a second, the blink while a lamp does. `Alive` goes with every frame, in half of its time at the latest.
+//! A watcher thread checks the newest snapshot 30 times a second and requests a frame only if something shown changed:
+//! the clock once a second, the blink while a lamp blinks. `Alive` is sent with a frame, at least every half of P76.
 
 use std::fmt;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -20,20 +20,20 @@ use crate::defs::text::Lang;
 use crate::link::{Command, Snapshot};
 use crate::units::PerAxis;
 
-/// How often the watcher looks.
+/// Period of the watcher.
 const LOOK: Duration = Duration::from_millis(33);
-/// A frame comes at least this often, more often where P76 wants to hear of the screen sooner.
+/// Longest time between two frames; half of P76 if that is shorter.
 const QUIET: Duration = Duration::from_millis(1_000);
 /// Greatest side of a texture, px.
 const TEXTURE_SIDE: usize = 2_048;
-/// `Alive` is sent at most this often.
+/// Shortest time between two `Alive`.
 const ALIVE: Duration = Duration::from_millis(100);
 
-/// The other end of the screen: where snapshots come from and commands go to.
+/// The connection of the screen to the core: source of snapshots, destination of commands.
 pub trait Desk: Send {
-    /// The newest snapshot; the same one again if nothing newer is there. Must not block.
+    /// The newest snapshot; the same one again if there is no newer one. Must not block.
     fn newest(&mut self) -> Arc<Snapshot>;
-    /// Hands a command over. Must not block.
+    /// Sends a command. Must not block.
     fn send(&mut self, command: Command);
     /// True when the program is to end and the window to close.
     fn is_over(&mut self) -> bool {
@@ -44,7 +44,7 @@ pub trait Desk: Send {
 /// How the window opens.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// Over the whole display; otherwise a window of 1024 × 768.
+    /// Full screen; otherwise a window of 1024 × 768 points.
     pub fullscreen: bool,
     /// Language.
     pub lang: Lang,
@@ -54,12 +54,12 @@ pub struct Options {
     pub brightness: u8,
 }
 
-/// Why there is no window.
+/// Why the window could not be opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum WindowError {
-    /// The computer has no display, or this user may not use it.
+    /// There is no display, or this user has no access to it.
     NoDisplay(String),
-    /// The display is there, drawing on it failed.
+    /// Drawing on the display failed.
     Graphics(String),
 }
 
@@ -76,10 +76,10 @@ impl std::error::Error for WindowError {}
 
 type Shared = Arc<Mutex<Box<dyn Desk>>>;
 
-/// Opens the window and stays until it is closed.
+/// Opens the window and returns when it is closed.
 ///
 /// # Errors
-/// [`WindowError::NoDisplay`] where there is no display, [`WindowError::Graphics`] where it cannot be drawn on.
+/// [`WindowError::NoDisplay`] if there is no display, [`WindowError::Graphics`] if drawing fails.
 pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
     let display = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(all(unix, not(target_os = "macos"))) && !display("DISPLAY") {
@@ -87,7 +87,7 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
     }
     let viewport = ViewportBuilder::default().with_title("KT-830").with_inner_size(vec2(1_024.0, 768.0));
     let viewport = viewport.with_fullscreen(options.fullscreen).with_decorations(!options.fullscreen);
-    // Flat colours have no bands to hide, and software OpenGL pays for every pixel.
+    // Flat colours show no banding, and dithering costs time per pixel in software OpenGL.
     let native = eframe::NativeOptions { viewport, dithering: false, ..eframe::NativeOptions::default() };
     let desk: Shared = Arc::new(Mutex::new(desk));
     let over = Arc::new(AtomicBool::new(false));
@@ -111,7 +111,7 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
     })
 }
 
-/// Asks for a frame when something shown has changed, and at least twice a second.
+/// Requests a frame when something shown has changed, and after [`quiet`] at the latest.
 fn watch(desk: Shared, ctx: egui::Context, over: Arc<AtomicBool>) {
     thread::spawn(move || {
         let mut last = 0;
@@ -131,20 +131,20 @@ fn watch(desk: Shared, ctx: egui::Context, over: Arc<AtomicBool>) {
             if now != last || asked.elapsed() >= quiet(&snapshot) {
                 last = now;
                 asked = Instant::now();
-                // A repaint asked for with a delay is painted once, `request_repaint` twice.
+                // A delayed repaint paints one frame, `request_repaint` paints two.
                 ctx.request_repaint_after(Duration::from_millis(1));
             }
         }
     });
 }
 
-/// How long a frame may be waited for.
+/// Longest time between two frames.
 fn quiet(snapshot: &Snapshot) -> Duration {
     let heard_within = snapshot.params.get(crate::defs::param::HMI_KEEP_ALIVE) / 2_000.0;
     QUIET.min(Duration::from_secs_f64(heard_within.clamp(0.05, 10.0)))
 }
 
-/// A number that changes when something that a page shows has changed.
+/// A hash of what the pages show; it changes when something shown changes.
 #[must_use]
 pub fn shown(snapshot: &Snapshot) -> u64 {
     let mut hasher = DefaultHasher::new();
@@ -192,7 +192,7 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     hasher.finish()
 }
 
-/// What the pages show of values: offsets, codes in force, the answer to what was typed.
+/// Hashes offsets, active modal codes and the answer to the last value typed.
 fn typed(snapshot: &Snapshot, h: &mut DefaultHasher) {
     let bits = |values: &PerAxis<f64>| values.map(f64::to_bits).0;
     for row in &snapshot.offsets {
@@ -205,7 +205,7 @@ fn typed(snapshot: &Snapshot, h: &mut DefaultHasher) {
     snapshot.strokes_min.map(|strokes| (strokes * 10.0).round() as i64).hash(h);
 }
 
-/// The shell around the face.
+/// The eframe application around the user interface.
 struct Window {
     hmi: Hmi,
     desk: Shared,
@@ -215,7 +215,7 @@ struct Window {
 }
 
 impl Window {
-    /// Where no window manager honours full screen, the window takes the size of the monitor by itself.
+    /// Sets the window to the size of the monitor if no window manager does it.
     fn fill_monitor(&mut self, ctx: &egui::Context) {
         if !self.fullscreen || self.sized {
             return;
@@ -231,7 +231,7 @@ impl Window {
         }
     }
 
-    /// Everything grows with the display (H1).
+    /// Scales everything with the display size (H1).
     fn scale(ctx: &egui::Context) {
         let now = ctx.pixels_per_point();
         let wanted = theme::scale(ctx.viewport_rect().size() * now);
@@ -247,7 +247,7 @@ impl eframe::App for Window {
     }
 
     fn raw_input_hook(&mut self, _ctx: &egui::Context, input: &mut egui::RawInput) {
-        // The glyphs' texture is as wide as it may be: a narrow one grows in smaller steps.
+        // The glyph texture has the maximum width; limiting it makes the texture grow in smaller steps.
         input.max_texture_side = input.max_texture_side.map(|side| side.min(TEXTURE_SIDE));
     }
 

@@ -1,4 +1,4 @@
-//! What help knows: one entry a page, soft key, panel key, alarm, G and M code, each from the row of its table.
+//! The help entries: one per page, soft key, panel key, alarm, G and M code and parameter, each from its table row.
 //! Source: spec B6, K2.4, B8; the tables in `defs`.
 
 use super::map;
@@ -16,7 +16,7 @@ use crate::defs::soft_key::{self, SoftAct};
 use crate::defs::text::{Lang, Said, Text};
 use crate::hmi::keyboard::SHORTCUTS;
 
-/// A part of the help.
+/// A section of the help.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Section {
     /// The pages.
@@ -28,7 +28,7 @@ pub enum Section {
     Keys,
     /// The alarms.
     Alarms,
-    /// G codes; on the dialects all that they have of their own.
+    /// G codes; on other dialects all words of their own.
     GCodes,
     /// M codes.
     MCodes,
@@ -37,7 +37,7 @@ pub enum Section {
 }
 
 impl Section {
-    /// All of them.
+    /// All sections.
     pub const ALL: [Self; 7] =
         [Self::Pages, Self::SoftKeys, Self::Keys, Self::Alarms, Self::GCodes, Self::MCodes, Self::Params];
 
@@ -55,7 +55,7 @@ impl Section {
         }
     }
 
-    /// The word of its tab.
+    /// The id of its tab.
     #[must_use]
     pub const fn id(self) -> &'static str {
         match self {
@@ -70,7 +70,7 @@ impl Section {
     }
 }
 
-/// What an entry is about, where the machine has more to say on it now.
+/// The subject of an entry; the machine adds live text to some subjects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum About {
     /// A page.
@@ -88,7 +88,7 @@ pub enum About {
 }
 
 impl About {
-    /// An alarm of any number; those that programs raise by `#3000` share one entry.
+    /// The subject of an alarm number; the alarms that programs raise by `#3000` share one entry.
     pub(super) fn alarm(number: u16) -> Self {
         Self::Alarm(number.min(alarm::USER_FIRST))
     }
@@ -97,19 +97,19 @@ impl About {
 /// One entry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HelpEntry {
-    /// Where it stands.
+    /// Its section.
     pub section: Section,
-    /// What it is about.
+    /// Its subject.
     pub about: About,
-    /// Its word: `page-grinding`, `alarm-180`, `m-M03`.
+    /// Its id: `page-grinding`, `alarm-180`, `m-M03`.
     pub id: String,
-    /// The short sign in front: `F4`, `180`, `M03`.
+    /// The short code in front: `F4`, `180`, `M03`.
     pub sign: String,
     /// Its name.
     pub name: Said,
     /// Captions and texts.
     pub parts: Vec<(Text, Said)>,
-    /// All of it in small letters, for the search.
+    /// All texts in lower case, for the search.
     haystack: String,
 }
 
@@ -122,13 +122,13 @@ impl HelpEntry {
         Self { section, about, id, sign, name, parts, haystack: haystack.to_lowercase() }
     }
 
-    /// Whether every word of a search stands in it. Letters of either case.
+    /// Whether the entry contains every word of a search. Case-insensitive.
     #[must_use]
     pub fn has(&self, search: &str) -> bool {
         search.to_lowercase().split_whitespace().all(|word| self.haystack.contains(word))
     }
 
-    /// How well it fits a search: its own sign, then whole words in its name or its text, then parts of words.
+    /// Rank in a search, 0 is best: its own code, then whole words in name or text, then parts of words.
     #[must_use]
     pub fn rank(&self, search: &str) -> u8 {
         let search = search.trim().to_lowercase();
@@ -145,7 +145,7 @@ impl HelpEntry {
         }
     }
 
-    /// Its parts as one text.
+    /// Captions and texts as one text.
     #[must_use]
     pub fn text(&self, lang: Lang) -> String {
         let parts = self.parts.iter().map(|(caption, said)| format!("{}: {}", caption.get(lang), said.get(lang)));
@@ -153,7 +153,7 @@ impl HelpEntry {
     }
 }
 
-/// Whether a word stands whole in a text: `clock` not in `clockwise`. Chinese knows no gaps between words.
+/// Whether a text contains a whole word: `clock` is not in `clockwise`. Chinese has no spaces between words.
 fn stands_in(text: &str, word: &str) -> bool {
     let joins = |sign: Option<char>, edge: Option<char>| {
         let is_part = |sign: char| sign.is_ascii_alphanumeric();
@@ -176,7 +176,7 @@ const RUN: Text = Text::new("运行中", "in a run");
 const EFFECT: Text = Text::new("有效", "in force");
 const NEXT: Text = Text::new("下一段", "next block");
 
-/// Everything that a kind of machine needs help on.
+/// All help entries of a kind of machine.
 #[must_use]
 pub fn entries(kind: Kind) -> Vec<HelpEntry> {
     let pages = Page::ALL.iter().copied().filter(|page| page.is_on(kind));
@@ -274,7 +274,7 @@ fn alarms(all: &mut Vec<HelpEntry>) {
         all.push(add(row.number, format!("{:03}", row.number), row.text.into(), texts, (row.reaction, row.reset)));
     }
     for error in ProgramError::ALL {
-        // The details of a mistake come with it.
+        // The alarm itself gives the details.
         let open = |text: &str| text.replace("{2}", "…").replace("{}", "…");
         let said = |text: Text| Said::new(open(text.zh), open(text.en));
         let number = error.number();

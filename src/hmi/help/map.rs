@@ -1,4 +1,4 @@
-//! The keyboard's keys for the panel, by group, from the one table.
+//! The keyboard map: the keyboard shortcuts of the panel by group, from the shortcut table.
 //! Source: spec K2.1 (same keys reachable from a keyboard).
 
 use egui::{Align2, Rect, Ui, pos2, vec2};
@@ -9,7 +9,7 @@ use crate::hmi::keyboard::{SHORTCUTS, Shortcut};
 use crate::hmi::theme;
 use crate::hmi::view::{View, fit};
 
-/// Keys that are not panel keys.
+/// Keys of the screen that are not panel keys.
 const SCREEN: [(&str, Text); 11] = [
     ("F1–F5", Text::new("软键", "soft keys")),
     ("F6", Text::new("软键翻页 ▶", "next row ▶")),
@@ -24,7 +24,7 @@ const SCREEN: [(&str, Text); 11] = [
     ("Alt+, .", Text::new("手轮 - +", "handwheel - +")),
 ];
 
-/// The groups in the order of the panel.
+/// The key groups in the order of the panel.
 const GROUPS: [(Group, Text); 12] = [
     (Group::Mode, Text::new("方式", "MODES")),
     (Group::Switch, Text::new("开关", "SWITCHES")),
@@ -61,7 +61,7 @@ pub fn written(shortcut: &Shortcut) -> String {
     format!("{prefix}{name}")
 }
 
-/// Every key of the kind, a group at a time; two physical keys of one panel key share a line.
+/// All keys of the kind, by group; two physical keys of one panel key share a line.
 fn groups(view: &View<'_>) -> Vec<Vec<Line>> {
     let screen = SCREEN.iter().map(|(keys, name)| Line::Entry((*keys).to_owned(), *name));
     let mut all = vec![vec![Line::Caption(Text::new("屏幕", "SCREEN"))]];
@@ -117,7 +117,7 @@ pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect) {
     }
 }
 
-/// Puts whole groups into columns: as many lines a column as it takes for all to fit, and where each group begins.
+/// Distributes whole groups over columns: returns the lines per column, and column and line where each group starts.
 fn flow(groups: &[Vec<Line>], columns: usize) -> (usize, Vec<(usize, usize)>) {
     let all: usize = groups.iter().map(Vec::len).sum();
     let longest = groups.iter().map(Vec::len).max().unwrap_or(1);

@@ -1,5 +1,5 @@
-//! Help on every page: what the page is for, what a key does, what an alarm means, what a G or M code or a parameter does;
-//! searched by number or word. A page of its own, and a sheet over any other page. Every text is from the tables in `defs`.
+//! The help for pages, keys, alarms, G and M codes and parameters, searched by number or word. It is a page of its own
+//! and an overlay over any other page. All texts are from the tables in `defs`.
 //! Source: spec B6, H6, K2.1, K2.4.
 
 mod entries;
@@ -21,37 +21,37 @@ use super::widget::{self, Look, whole_lines};
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 
-/// Height of a line of the list.
+/// Height of a line of the list, points.
 const ROW: f32 = 46.0;
-/// Height of a line of an entry's text.
+/// Height of a line of an entry's text, points.
 const TEXT: f32 = 23.0;
-/// Width of the key that closes the sheet.
+/// Width of the key that closes the overlay, points.
 const CLOSE: f32 = 92.0;
-/// Characters that a search may have.
+/// Maximum number of characters of a search.
 const LONGEST: usize = 20;
 
-/// What the help keeps.
+/// State of the help.
 #[derive(Debug, Default)]
 pub struct Help {
     /// The entries of this kind of machine.
     all: Vec<HelpEntry>,
     kind: Option<Kind>,
     section: Section,
-    /// The map of the keyboard is shown instead of a section.
+    /// The keyboard map is shown instead of a section.
     map: bool,
     search: String,
-    /// What is typed goes into the search.
+    /// Typed text goes into the search.
     searching: bool,
-    /// The entries that are listed, by their index.
+    /// Indices of the listed entries.
     listed: Vec<usize>,
     cursor: usize,
     scroll: Scroll,
-    /// How far down the chosen entry is read, and which one that is.
+    /// Scroll position of the selected entry's text, and the index of that entry.
     reading: (Scroll, Option<usize>),
 }
 
 impl Help {
-    /// Opens at an alarm, else at a page.
+    /// Opens at an alarm if given, else at a page.
     pub fn open(&mut self, view: &View<'_>, page: Page, alarm: Option<u16>) {
         self.fill(view);
         (self.map, self.searching) = (false, false);
@@ -64,13 +64,13 @@ impl Help {
         self.cursor = self.listed.iter().position(|index| self.all[*index].about == about).unwrap_or(0);
     }
 
-    /// What there is on an alarm.
+    /// The entry of an alarm.
     #[must_use]
     pub fn alarm(&self, number: u16) -> Option<&HelpEntry> {
         self.all.iter().find(|entry| entry.about == About::alarm(number))
     }
 
-    /// Whether words are being typed.
+    /// Whether the search is active.
     #[must_use]
     pub const fn searches(&self) -> bool {
         self.searching || !self.search.is_empty()
@@ -91,7 +91,7 @@ impl Help {
         self.list();
     }
 
-    /// Lists what fits: the section, or what is searched in all of them.
+    /// Rebuilds the list: the entries of the section, or the search results of all sections.
     fn list(&mut self) {
         (self.cursor, self.scroll) = (0, Scroll::default());
         let found = |entry: &HelpEntry| match self.search.as_str() {
@@ -104,7 +104,7 @@ impl Help {
         }
     }
 
-    /// Draws the help over a page; true when it is to close.
+    /// Draws the help as an overlay; true if it closes.
     pub fn sheet(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, typed: &Typed<'_>) -> bool {
         let cancelled = !self.searching && self.search.is_empty() && typed.edits.contains(&Edit::Cancel);
         ui.interact(rect, Id::unique("help"), Sense::CLICK | Sense::DRAG);
@@ -162,7 +162,7 @@ impl Help {
         let chosen = match (self.map, self.search.is_empty()) {
             (true, _) => Section::ALL.len(),
             (false, true) => here,
-            // A search goes through all of them.
+            // A search covers all sections.
             (false, false) => usize::MAX,
         };
         match widget::tabs(ui, view, bar, &keys, chosen) {
@@ -209,7 +209,7 @@ impl Help {
         }
     }
 
-    /// So many tabs on; the map of the keyboard is the last of them.
+    /// Moves by so many tabs; the keyboard map is the last tab.
     fn beside(&mut self, by: usize) {
         let count = Section::ALL.len() + 1;
         let here = Section::ALL.iter().position(|section| *section == self.section && !self.map);
@@ -288,7 +288,7 @@ impl Help {
         }
     }
 
-    /// The chosen entry in full: longer than its place it is read under a finger, as beside the letters.
+    /// Draws the selected entry in full; a long text scrolls by drag.
     fn detail(&mut self, ui: &Ui, view: &View<'_>, rect: Rect) {
         let painter = ui.painter();
         card(painter, rect, view.theme.surface, view.theme.line);
@@ -308,12 +308,12 @@ impl Help {
             (*scroll, *of) = (Scroll::default(), Some(index));
         }
         let (first, last) = scroll.follow(ui, "help-text", list, TEXT, lines.len());
-        // Some signs begin left of their place.
+        // Some glyphs start left of their position.
         let painter = &painter.with_clip_rect(list.expand2(vec2(2.0, 0.0)));
         for (at, (words, size, ink)) in lines.iter().enumerate().take(last).skip(first) {
             let top = list.min.y + ((at as f64 - scroll.top) * f64::from(TEXT)) as f32;
             let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width(), TEXT));
-            // A caption stands at the text below it.
+            // A caption is aligned to the text below it.
             let align = if *size < theme::LABEL { Align2::LEFT_BOTTOM } else { Align2::LEFT_CENTER };
             fit(painter, place, align, words, *size, *ink);
         }
@@ -339,7 +339,7 @@ fn lines_of(painter: &Painter, view: &View<'_>, entry: &HelpEntry, width: f32) -
     lines
 }
 
-/// A name in one line, or in two small ones.
+/// Paints a name in one line, or in two small lines if it is too long.
 fn name_of(painter: &Painter, rect: Rect, words: &str, size: f32, ink: Color32) {
     if line(painter, words, theme::SMALL, ink, rect.width()).elided {
         let height = painter.layout(words.to_owned(), theme::font(theme::SMALL), ink, rect.width()).size().y;
@@ -354,7 +354,7 @@ fn is_present(view: &View<'_>, about: About) -> bool {
     matches!(about, About::Alarm(number) if view.snapshot.alarms.iter().any(|alarm| alarm.number == number))
 }
 
-/// What the machine has to say on it now: why a key is refused, how often an alarm is there.
+/// Live text of the machine: why a key is refused, the text of an active alarm, the value of a parameter.
 fn now(view: &View<'_>, about: About) -> Option<String> {
     match about {
         About::Key(key) => view.snapshot.key(key).blocked.map(|reason| reason.get(view.lang).to_owned()),

@@ -1,4 +1,4 @@
-//! The operator panel: every key of the kind with its lamp, the overrides, the handwheel.
+//! The operator panel: all keys of the kind with their lamps, the overrides, the handwheel.
 //! Source: spec K2, H2, H3.
 
 pub mod places;
@@ -18,25 +18,25 @@ use crate::link::Command;
 use crate::link::snapshot::KeyView;
 use crate::units::Axis;
 
-/// Points of travel to one detent of the handwheel.
+/// Drag distance per handwheel detent, points.
 const DETENT: f32 = 10.0;
 
-/// What the panel remembers between frames: how far the handwheel was turned within a detent.
+/// State of the on-screen handwheel between frames, points.
 #[derive(Debug, Default)]
 pub struct Panel {
     turned: f32,
     phase: f32,
 }
 
-/// What the panel hands back besides commands.
+/// What the panel returns besides commands.
 #[derive(Debug, Default)]
 pub struct Said {
-    /// Why the key that was just pressed is blocked.
+    /// Why the key that was just pressed is blocked, if it is.
     pub refused: Option<Text>,
 }
 
 impl Panel {
-    /// Draws the panel and follows the fingers on it.
+    /// Draws the panel and handles touches.
     pub fn ui(
         &mut self,
         ui: &mut Ui,
@@ -65,7 +65,7 @@ impl Panel {
         said
     }
 
-    /// A thumb wheel: drag along it or scroll over it, one command for so many detents.
+    /// Draws a thumb wheel, turned by drag or scroll; one command carries all detents of a frame.
     fn handwheel(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, out: &mut Vec<Command>) {
         let response = ui.interact(rect, Id::unique("handwheel"), Sense::DRAG | Sense::HOVER);
         let text =
@@ -104,7 +104,7 @@ impl Panel {
         let half = ribs.width() / 2.0;
         let mut x = ribs.min.x + self.phase;
         while x < ribs.max.x {
-            // Ribs of a turning wheel: shorter towards its sides.
+            // Ribs of a wheel: shorter towards its sides.
             let out_there = ((x - ribs.center().x) / half).abs();
             let reach = ribs.height() / 2.0 * (1.0 - 0.6 * out_there * out_there);
             painter.vline(
@@ -117,7 +117,7 @@ impl Panel {
     }
 }
 
-/// The step without needless zeros.
+/// The step without trailing zeros, mm.
 fn step(mm: f64) -> String {
     let text = format!("{mm:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -129,7 +129,7 @@ fn override_value(ui: &Ui, view: &View<'_>, rect: Rect, name: (&'static str, &'s
     fit(ui.painter(), bottom, Align2::CENTER_CENTER, &percent.to_string(), theme::TITLE, view.theme.text);
 }
 
-/// The axis that a panel key is for.
+/// The axis of a panel key.
 const fn axis_of(key: Key) -> Option<Axis> {
     match key {
         Key::HandwheelX | Key::XPlus | Key::XMinus => Some(Axis::X),
@@ -139,8 +139,8 @@ const fn axis_of(key: Key) -> Option<Axis> {
     }
 }
 
-/// Where a key is painted: nowhere for an axis that the machine does not have; X and Z of the handwheel then share the
-/// height of three.
+/// Where a key is painted; none for an axis that the machine does not have. Without Y, the handwheel keys X and Z share
+/// the height of three keys.
 fn place(layout: &PanelLayout, view: &View<'_>, key: Key, rect: Rect) -> Option<Rect> {
     let present = |axis: Axis| view.snapshot.axes[axis].present;
     if axis_of(key).is_some_and(|axis| !present(axis)) {
@@ -161,7 +161,7 @@ fn place(layout: &PanelLayout, view: &View<'_>, key: Key, rect: Rect) -> Option<
     })
 }
 
-/// The state of a key as the panel shows it: an axis that the machine does not have is blocked.
+/// The state of a key on the panel; keys of an axis that the machine does not have are blocked.
 #[must_use]
 pub fn state(view: &View<'_>, key: Key) -> KeyView {
     let mut state = view.snapshot.key(key);
@@ -172,7 +172,7 @@ pub fn state(view: &View<'_>, key: Key) -> KeyView {
     state
 }
 
-/// One key: drawn, labelled, followed. Gives the reason when a blocked key was pressed.
+/// Draws one key and handles its touches. Returns the reason if a blocked key was pressed.
 pub fn key_ui(
     ui: &Ui,
     view: &View<'_>,
@@ -181,7 +181,7 @@ pub fn key_ui(
     presses: &mut Presses,
     out: &mut Vec<Command>,
 ) -> Option<Text> {
-    // Drag as well as click: a click alone is forgotten after 0.8 s, and a jog key is held for minutes.
+    // Senses drag as well as click: egui drops a click after 0.8 s, but a jog key is held for minutes.
     let response = ui.interact(rect, Id::unique(("key", key as u8)), Sense::CLICK | Sense::DRAG);
     let state = state(view, key);
     let name = || keycap::accessible_name(key, view.lang);

@@ -1,4 +1,4 @@
-//! The place of every panel key. Pure geometry. Source: spec H2, K1 (direction keys of each kind).
+//! The layout of the panel keys: geometry only. Source: spec H2, K1 (direction keys of each kind).
 
 use egui::{Pos2, Rect, pos2, vec2};
 
@@ -7,41 +7,41 @@ use crate::defs::kind::Kind;
 use crate::defs::text::Text;
 use crate::hmi::theme;
 
-/// A group of keys: its frame and its caption, if it needs one.
+/// A group of keys: frame and optional caption.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Around the keys.
+    /// Rectangle around the keys.
     pub frame: Rect,
-    /// Shown at the top of the frame.
+    /// Caption at the top of the frame.
     pub caption: Option<(Rect, Text)>,
 }
 
-/// The place of everything on the panel.
+/// The layout of the panel.
 #[derive(Clone, Debug)]
 pub struct PanelLayout {
-    /// Every key of the kind.
+    /// All keys of the kind.
     pub keys: Vec<(Key, Rect)>,
     /// Groups.
     pub groups: Vec<Group>,
     /// The handwheel.
     pub wheel: Rect,
-    /// Between the two keys of the feed override.
+    /// Feed override value, between its two keys.
     pub feed: Rect,
-    /// Between the two keys of the spindle override.
+    /// Spindle override value, between its two keys.
     pub spindle: Rect,
-    /// Where the numeric pad slides over: never over cycle start, hold, reset and emergency stop.
+    /// Numeric pad; it never covers cycle start, feed hold, reset and emergency stop.
     pub pad: Rect,
 }
 
-/// Gap between keys of a group, between groups, and the height of a caption.
+/// Gap between keys of a group, gap between groups, height of a caption, margin of the panel; points.
 const INNER: f32 = 3.0;
 const BETWEEN: f32 = 6.0;
 const CAPTION: f32 = 16.0;
 const MARGIN: f32 = 5.0;
-/// Rows of keys that the units of the machine take.
+/// Height of the machine units, in rows of keys.
 const UNIT_ROWS: f32 = 3.0;
 
-/// Lays the panel out.
+/// Computes the layout of the panel.
 #[must_use]
 pub fn places(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
     let empty = Rect::from_min_size(rect.min, vec2(0.0, 0.0));
@@ -70,7 +70,7 @@ pub fn places(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
         build.run_row();
         layout.pad = pad;
     } else {
-        // Fifteen rows of keys, fourteen on the wide panel; captions, gaps within and between the groups.
+        // Fifteen rows of keys, fourteen on the wide panel, plus captions and gaps within and between groups.
         let wide = rect.width() >= theme::PANEL.1;
         let (rows, gaps) = if wide { (14.0, 6.0) } else { (15.0, 7.0) };
         let fixed = 2.0 * CAPTION + 7.0 * INNER + gaps * BETWEEN;
@@ -88,10 +88,10 @@ pub fn places(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
     layout
 }
 
-/// The directions of a kind's jog keys on a cross of three by three; the middle is rapid, the third axis lies aslant.
-/// GC, seen from above: X− brings the wheel to the part, towards the operator. GS: the table goes left and right, Y is the
-/// wheel's way down, Z leads away from the operator. GA and the vertical grinder: X
-/// crosses the table, Z is the wheel's way down.
+/// Column and row of the jog keys of a kind in a 3 × 3 cross: rapid in the middle, the third axis on the diagonal.
+/// GC, seen from above: X− moves the wheel to the workpiece, towards the operator. GS: X moves the table sideways,
+/// Y− lowers the wheel, Z moves away from the operator. GA and the vertical grinder: X moves
+/// across the table, Z− lowers the wheel.
 #[must_use]
 pub const fn jog_places(kind: Kind) -> [(Key, u8, u8); 7] {
     const fn cross(across: [Key; 2], upright: [Key; 2], aslant: [Key; 2]) -> [(Key, u8, u8); 7] {
@@ -124,7 +124,7 @@ const MODES: [Key; 8] = [
     Key::SingleBlock,
 ];
 const SWITCHES: [Key; 5] = [Key::BlockSkip, Key::OptionalStop, Key::MachineLock, Key::MstLock, Key::DryRun];
-/// On the wide panel the switches of a run stand beside the modes, those for trying out have a column of their own.
+/// On the wide panel the program switches are beside the modes; the trial-run switches have their own column.
 const MODES_WIDE: [Key; 10] = [
     Key::ModeEdit,
     Key::ModeAuto,
@@ -141,7 +141,7 @@ const RAPIDS: [Key; 4] = [Key::RapidF0, Key::Rapid25, Key::Rapid50, Key::Rapid10
 const HANDWHEEL: [[Key; 2]; 3] =
     [[Key::HandwheelX, Key::Step0001], [Key::HandwheelY, Key::Step001], [Key::HandwheelZ, Key::Step01]];
 
-/// One unit of the machine: caption, keys, columns of keys that it takes.
+/// One unit of the machine: caption, keys, width in key columns.
 struct Unit(Text, &'static [Key], usize);
 
 const WHEEL: Unit = Unit(Text::new("砂轮", "WHEEL"), &[Key::WheelStart, Key::WheelStop, Key::SecondSpindle], 1);
@@ -156,9 +156,9 @@ const MAGNET: Unit = Unit(Text::new("磁力", "MAGNET"), &[Key::Magnetise, Key::
 const TAILSTOCK: Unit = Unit(Text::new("尾座", "TAILSTOCK"), &[Key::TailstockAdvance, Key::TailstockRetract], 2);
 const ROLL: Unit = Unit(Text::new("修整器", "DRESSER"), &[Key::DresserRoll], 2);
 const TABLE: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 2);
-/// The table of a machine that clamps the part by jaws.
+/// The table of a machine that clamps the workpiece with jaws.
 const CLAMPED: Unit = Unit(Text::new("台面", "TABLE"), &[Key::TableRotation], 1);
-/// Main spindle, fluids and tool post of a lathe.
+/// Main spindle, fluids and tool turret of a lathe.
 const SPINDLE_DRIVE: Unit =
     Unit(Text::new("主轴", "SPDL"), &[Key::SpindleForward, Key::SpindleReverse, Key::SpindleStop], 2);
 const FLUIDS_LATHE: Unit = Unit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication], 2);
@@ -167,8 +167,8 @@ const POST: Unit = Unit(Text::new("刀架", "POST"), &[Key::ToolPost], 4);
 const GAUGES_WIDE: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 4);
 const GAUGES: Unit = Unit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 2);
 
-/// The units of a kind: those that stand side by side, three keys high, and the row of blocks below them.
-/// GC works with headstock and tailstock; GS with magnet and dresser roll; GA with magnet and rotary table (K1, K2.1).
+/// The units of a kind: the columns, three keys high, and the units in the row below them.
+/// GC has headstock and tailstock, GS magnet and dresser roll, GA magnet and rotary table (K1, K2.1).
 const fn units(kind: Kind, wide: bool) -> (&'static [Unit], &'static [Unit]) {
     match (kind, wide) {
         (Kind::Gc, false) => (&[WHEEL, HEADSTOCK, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),
@@ -184,7 +184,7 @@ const fn units(kind: Kind, wide: bool) -> (&'static [Unit], &'static [Unit]) {
     }
 }
 
-/// Puts group after group downwards.
+/// Places the groups from top to bottom.
 struct Build<'a> {
     layout: &'a mut PanelLayout,
     kind: Kind,
@@ -195,7 +195,7 @@ struct Build<'a> {
 }
 
 impl Build<'_> {
-    /// A place on a grid of so many columns from the present corner.
+    /// A cell of a grid with `columns` columns, from the current corner.
     fn cell(&self, columns: f32, column: usize, row: usize) -> Rect {
         let width = (self.width - (columns - 1.0) * INNER) / columns;
         let corner = self.at + vec2(column as f32 * (width + INNER), row as f32 * (self.key + INNER));
@@ -237,7 +237,7 @@ impl Build<'_> {
         self.down(1.0, BETWEEN);
     }
 
-    /// The units of the machine side by side, then the row of blocks below them.
+    /// The units of the machine side by side, then the row of units below them.
     fn functions(&mut self) {
         let (beside, below) = units(self.kind, self.wide);
         self.at.y += CAPTION;
@@ -260,7 +260,7 @@ impl Build<'_> {
         if self.wide { 5.0 } else { 4.0 }
     }
 
-    /// Keys one under the other; two of them share the height of three.
+    /// Keys in a column; two keys share the height of three.
     fn column(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
         let top = self.cell(self.columns(), column, 0);
         let top = top.union(self.cell(self.columns(), column + columns - 1, 0));
@@ -273,7 +273,7 @@ impl Build<'_> {
         self.group(Rect::from_min_size(top.min, vec2(top.width(), height)), Some(caption));
     }
 
-    /// Keys side by side that share so many columns.
+    /// Keys side by side that share `columns` columns.
     fn block(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
         let first = self.cell(self.columns(), column, 0);
         let around = first.union(self.cell(self.columns(), column + columns - 1, 0));
@@ -285,7 +285,7 @@ impl Build<'_> {
         self.group(around, Some(caption));
     }
 
-    /// Feed and spindle with their values between the keys, then the rapid steps.
+    /// Feed and spindle override with their values between the keys, then the rapid override keys.
     fn overrides(&mut self) {
         let half = (self.width - BETWEEN) / 2.0;
         let side = theme::TARGET + 1.0;
@@ -310,9 +310,9 @@ impl Build<'_> {
         self.down(1.0, BETWEEN);
     }
 
-    /// The cross of the kind's directions, and the handwheel's axis and step beside it.
+    /// The jog cross of the kind, with the handwheel axis and step keys beside it.
     fn jog(&mut self) {
-        // The last column, the steps, is the wider one: ×0.001 has six signs.
+        // The last column, the steps, is wider: ×0.001 has six characters.
         let unit = ((self.width - 3.0 * INNER - BETWEEN) / 5.0 - 2.0).max(theme::TARGET);
         let place = |at: Pos2, left: f32, column: u8, row: u8, key: f32| {
             let corner = at + vec2(left + f32::from(column) * (unit + INNER), f32::from(row) * (key + INNER));
@@ -338,7 +338,7 @@ impl Build<'_> {
         self.down(3.0, BETWEEN);
     }
 
-    /// Handwheel and reset, then cycle start, feed hold and emergency stop: large and apart.
+    /// Handwheel and reset, then cycle start, feed hold and emergency stop, large and well apart.
     fn run_row(&mut self) {
         let stop = (self.width * 0.32).round();
         let reset = Rect::from_min_size(pos2(self.at.x + self.width - stop, self.at.y), vec2(stop, self.key));
