@@ -1,5 +1,5 @@
 //! Draws a key: lamp, pictogram, label, lock. No state is shown by colour alone.
-//! Source: spec H3. Off · on (bar lit, label bright) · working (half bar, blinking) · blocked (dim, lock) · pressed (inset).
+//! Source: spec H3. Off · on (lit bar, bright) · working (half bar blinks) · blocked (dim, lock) · pressed (inset).
 
 use egui::{Align2, Color32, CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2, vec2};
 
