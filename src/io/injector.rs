@@ -1,7 +1,7 @@
-//! Seeded trouble on the way between control and machine: the bus falls silent, terminals flicker (P8).
+//! Injects seeded faults between control and machine: the bus goes silent, input terminals flicker (P8).
 //!
-//! [`FaultInjector`] stands before any [`Backend`]. One seed gives one course of trouble; a test that fails prints
-//! [`FaultInjector::seed`] and can be played again.
+//! [`FaultInjector`] wraps any [`Backend`]. The same seed gives the same faults; a failing test prints
+//! [`FaultInjector::seed`] so that it can be repeated.
 
 use super::random::SplitMix64;
 use super::{Backend, InputImage, OutputImage};
@@ -9,20 +9,20 @@ use crate::defs::param::Params;
 use crate::defs::signal::PORTS;
 use crate::units::Micros;
 
-/// How often what goes wrong.
+/// How often and how long each fault occurs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
-    /// Chance per tick that the bus falls silent, 0 to 1.
+    /// Probability per tick that the bus goes silent, 0 to 1.
     pub silence: f64,
     /// Longest silence, ticks.
     pub silence_ticks: u32,
-    /// Chance per tick that an input terminal begins to show the wrong level, 0 to 1.
+    /// Probability per tick that one input terminal starts to read the wrong level, 0 to 1.
     pub flicker: f64,
     /// Longest flicker, ticks.
     pub flicker_ticks: u32,
 }
 
-/// A backend with trouble before it.
+/// Wraps a backend and injects faults.
 #[derive(Clone, Debug)]
 pub struct FaultInjector<B> {
     inner: B,
@@ -31,14 +31,14 @@ pub struct FaultInjector<B> {
     chance: SplitMix64,
     silent_left: u32,
     flicker_left: u32,
-    /// Terminals that show the wrong level.
+    /// Bit mask of the input terminals that read the wrong level.
     wrong: u64,
     last: InputImage,
     injected: u64,
 }
 
 impl<B: Backend> FaultInjector<B> {
-    /// Puts trouble before a backend.
+    /// Wraps a backend.
     pub fn new(inner: B, rates: Rates, seed: u64) -> Self {
         Self {
             inner,
@@ -53,22 +53,22 @@ impl<B: Backend> FaultInjector<B> {
         }
     }
 
-    /// The seed of this course of trouble.
+    /// The seed of the faults.
     pub const fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// How many silences and flickers there were so far.
+    /// Number of silences and flickers so far.
     pub const fn injected(&self) -> u64 {
         self.injected
     }
 
-    /// The backend behind.
+    /// The wrapped backend.
     pub const fn inner(&self) -> &B {
         &self.inner
     }
 
-    /// The backend behind, to be meddled with.
+    /// The wrapped backend, to be changed.
     pub const fn inner_mut(&mut self) -> &mut B {
         &mut self.inner
     }
@@ -81,7 +81,7 @@ impl<B: Backend> FaultInjector<B> {
         1 + (self.chance.next() % u64::from(most.max(1))) as u32
     }
 
-    /// Begins what this tick brings.
+    /// Starts the faults that are due in this tick.
     fn begin(&mut self) {
         if self.silent_left == 0 && self.happens(self.rates.silence) {
             self.silent_left = self.ticks(self.rates.silence_ticks);
@@ -103,7 +103,7 @@ impl<B: Backend> Backend for FaultInjector<B> {
         let mut image = self.inner.read(now);
         self.begin();
         if self.silent_left > 0 {
-            // The detents of a silent tick are gone, as on a real bus.
+            // The handwheel detents of a silent tick are lost, as on a real bus.
             self.last.bus_alive = false;
             self.last.handwheel_detents = 0;
             return self.last;
@@ -133,7 +133,7 @@ impl<B: Backend> Backend for FaultInjector<B> {
 mod tests {
     use super::*;
 
-    /// Counts what reaches it.
+    /// Counts the writes that reach it.
     #[derive(Default)]
     struct Counter(u32);
 

@@ -1,4 +1,4 @@
-//! Chance that repeats: SplitMix64, so that one seed gives one course of events (P8, "same seed, same bits").
+//! Repeatable pseudo-random numbers: SplitMix64. The same seed gives the same sequence (P8, "same seed, same bits").
 //! Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014.
 
 /// A SplitMix64 generator.
@@ -6,7 +6,7 @@
 pub(in crate::io) struct SplitMix64(u64);
 
 impl SplitMix64 {
-    /// A generator whose whole course follows from the seed.
+    /// A generator started from a seed.
     pub(in crate::io) const fn new(seed: u64) -> Self {
         Self(seed)
     }
@@ -20,12 +20,12 @@ impl SplitMix64 {
         z ^ (z >> 31)
     }
 
-    /// Heads or tails.
+    /// A random bit.
     pub(in crate::io) const fn coin(&mut self) -> bool {
         self.next() >> 63 == 1
     }
 
-    /// Evenly spread from 0 to below 1.
+    /// Uniformly distributed from 0 to below 1.
     pub(in crate::io) fn unit(&mut self) -> f64 {
         // 53 bits fit the mantissa exactly.
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64

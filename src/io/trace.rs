@@ -1,7 +1,7 @@
-//! What passed between control and machine, tick by tick: kept, written as text, and played again as a machine.
+//! Records inputs and outputs tick by tick, writes them as text and replays them as a machine.
 //!
-//! [`Tracer`] stands before any [`Backend`] and keeps the last ticks. A row is one line of text that reads back to
-//! the same bits. [`Replay`] gives the recorded inputs again and notes where the control answers otherwise.
+//! [`Tracer`] wraps any [`Backend`] and records the last ticks. A row is one line of text that parses back to
+//! the same bits. [`Replay`] supplies the recorded inputs and notes the first tick in which the outputs differ.
 //! Source: style "recorded traces become tests".
 
 use std::collections::VecDeque;
@@ -12,7 +12,7 @@ use crate::defs::param::Params;
 use crate::defs::signal::Terminals;
 use crate::units::{Micros, PerAxis};
 
-/// One tick: when, what the machine told, what the control answered.
+/// One recorded tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TraceRow {
     /// Controller time.
@@ -23,10 +23,10 @@ pub struct TraceRow {
     pub outputs: OutputImage,
 }
 
-/// Columns of a row.
+/// Number of columns of a row.
 const COLUMNS: usize = 15;
 
-/// The names of the columns, the first line of a trace. Terminals are hexadecimal, bit 0 is port 1.
+/// The first line of a trace: the column names. Terminals are hexadecimal, bit 0 is port 1.
 pub const HEADER: &str = "now_us,inputs,encoder_x,encoder_y,encoder_z,spindle_turns,detents,bus_alive,\
 outputs,set_x,set_y,set_z,drives_on,wheel_volts,analog_2_volts";
 
@@ -41,7 +41,7 @@ impl fmt::Display for TraceRow {
     }
 }
 
-/// Why a trace was not taken.
+/// Why a trace cannot be parsed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TraceError {
     /// A row has too few or too many columns.
@@ -52,19 +52,19 @@ pub enum TraceError {
         /// Columns found.
         found: usize,
     },
-    /// A column is no number of its kind.
+    /// A column cannot be parsed as its type.
     #[error("line {line}, column {column}: '{text}' is not a number")]
     Number {
         /// Line, from 1.
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What stands there.
+        /// The text found there.
         text: String,
     },
 }
 
-/// The columns of one line, taken one after the other.
+/// Parses the columns of one line in order.
 struct Columns<'a> {
     line: usize,
     column: usize,
@@ -96,10 +96,10 @@ impl Columns<'_> {
 }
 
 impl TraceRow {
-    /// Reads one line; `line` is its number, for the error.
+    /// Parses one line; `line` is its number for the error.
     ///
     /// # Errors
-    /// The line and column that are not of the form.
+    /// The line and column that cannot be parsed.
     pub fn parse(text: &str, line: usize) -> Result<Self, TraceError> {
         let found = text.split(',').count();
         if found != COLUMNS {
@@ -126,7 +126,7 @@ impl TraceRow {
     }
 }
 
-/// A backend whose traffic is kept.
+/// Wraps a backend and records its inputs and outputs.
 #[derive(Clone, Debug)]
 pub struct Tracer<B> {
     inner: B,
@@ -136,12 +136,12 @@ pub struct Tracer<B> {
 }
 
 impl<B: Backend> Tracer<B> {
-    /// Keeps the last `most` ticks of a backend; the room for them is taken now.
+    /// Records the last `most` ticks of a backend; their memory is allocated here.
     pub fn new(inner: B, most: usize) -> Self {
         Self { inner, rows: VecDeque::with_capacity(most), most, read: InputImage::default() }
     }
 
-    /// The ticks kept, oldest first.
+    /// The recorded ticks, oldest first.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &TraceRow> {
         self.rows.iter()
     }
@@ -151,12 +151,12 @@ impl<B: Backend> Tracer<B> {
         self.rows.back()
     }
 
-    /// The backend behind.
+    /// The wrapped backend.
     pub const fn inner(&self) -> &B {
         &self.inner
     }
 
-    /// The backend behind, to be meddled with.
+    /// The wrapped backend, to be changed.
     pub const fn inner_mut(&mut self) -> &mut B {
         &mut self.inner
     }
@@ -183,7 +183,7 @@ impl<B: Backend> Backend for Tracer<B> {
     }
 }
 
-/// A recorded machine: it gives the inputs of a trace again, whatever the control does.
+/// Replays the inputs of a trace, whatever the control outputs.
 #[derive(Clone, Debug)]
 pub struct Replay {
     rows: Vec<TraceRow>,
@@ -192,23 +192,23 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Reads a trace: the header, then a row a line.
+    /// Parses a trace: the header, then one row per line.
     ///
     /// # Errors
-    /// The first line and column that are not of the form.
+    /// The first line and column that cannot be parsed.
     pub fn parse(text: &str) -> Result<Self, TraceError> {
         let lines = text.lines().enumerate().filter(|(_, line)| !line.is_empty() && *line != HEADER);
         let rows = lines.map(|(i, line)| TraceRow::parse(line, i + 1)).collect::<Result<_, _>>()?;
         Ok(Self { rows, next: 0, differs: None })
     }
 
-    /// All ticks have been played.
+    /// Whether all ticks have been replayed.
     #[must_use]
     pub const fn done(&self) -> bool {
         self.next >= self.rows.len()
     }
 
-    /// The first recorded tick, from 0, in which the control now answered otherwise.
+    /// Index from 0 of the first tick whose outputs differ from the recorded ones.
     #[must_use]
     pub const fn first_difference(&self) -> Option<usize> {
         self.differs
@@ -216,7 +216,7 @@ impl Replay {
 }
 
 impl Backend for Replay {
-    /// The next tick's inputs; at the end a silent bus with the last image.
+    /// The inputs of the next tick; after the last tick a silent bus with the last image.
     fn read(&mut self, _now: Micros) -> InputImage {
         match self.rows.get(self.next) {
             Some(row) => row.inputs,
@@ -248,7 +248,7 @@ mod tests {
         fn write(&mut self, _now: Micros, _outputs: &OutputImage) {}
     }
 
-    /// An answer that follows from the input.
+    /// Outputs computed from the inputs.
     fn answer(inputs: InputImage) -> OutputImage {
         let set_point_mm = inputs.encoder_mm.map(|mm| mm / 3.0);
         OutputImage { set_point_mm, terminals: Terminals(0x8000_0000_0000_0001), ..OutputImage::default() }

@@ -1,32 +1,32 @@
-//! One axis of the simulated machine: drive, screw, slide and the switches along its way (P1).
+//! One axis of the simulated machine: drive, leadscrew, slide and switches (P1).
 //!
 //! Motion law: the motor follows the set-point u as a critically damped second-order system,
-//! x'' = ω²·(u − x) − 2ω·x', whose lag at constant speed is 2/ω (20 ms at ω = 100 rad/s). It is stepped exactly over
-//! a tick with u held: with e = x − u and E = exp(−ω·dt),
+//! x'' = ω²·(u − x) − 2ω·x'. Its servo lag at constant speed is 2/ω (20 ms at ω = 100 rad/s). The exact solution over
+//! a tick with constant u is, with e = x − u and E = exp(−ω·dt),
 //! e ← E·((1 + ω·dt)·e + dt·v), v ← E·((1 − ω·dt)·v − ω²·dt·e).
-//! Only where that would break the drive's acceleration or jerk limit is the limited acceleration integrated instead.
-//! The slide hangs on the motor with backlash, and stands off by the pitch error of its place (B7).
+//! If it exceeds the drive's acceleration or jerk limit, the limited acceleration is integrated instead.
+//! The slide follows the motor with backlash, plus the pitch error at its position (B7).
 
 use super::contact::Contact;
 use super::machine_rows::{Along, AxisFile};
 use super::scatter::SlideScatter;
 use crate::io::random::SplitMix64;
 
-/// Play of a worn screw at the minus stop, mm.
+/// Backlash of a worn leadscrew at the minus stop, mm.
 const WORN_MM: f64 = 0.05;
 
-/// What the control wants of an axis in this tick.
+/// The command to an axis in this tick.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
-    /// Set-point, encoder frame, mm.
+    /// Set-point in the encoder's frame, mm.
     pub set_point_mm: f64,
-    /// The drive holds the axis; otherwise its brake does.
+    /// The drive is on; otherwise the brake stops and holds the axis.
     pub on: bool,
     /// The drive is on but the axis does not follow (fault `following-x`).
     pub lost: bool,
 }
 
-/// The switches of an axis, logically.
+/// Logical states of the switches of an axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Switches {
     pub home: bool,
@@ -34,37 +34,37 @@ pub(super) struct Switches {
     pub limit_minus: bool,
 }
 
-/// An axis that has run onto its stop.
+/// An axis has hit a hard stop.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Struck {
-    /// Plus stop, otherwise the minus one.
+    /// The plus stop; otherwise the minus stop.
     pub plus: bool,
-    /// Speed at the stop, mm/s, without sign.
+    /// Speed at the stop, mm/s, unsigned.
     pub speed_mm_s: f64,
 }
 
-/// Drive, screw and slide.
+/// Drive, leadscrew and slide.
 #[derive(Clone, Debug)]
 pub(super) struct SimAxis {
     file: AxisFile,
-    /// Motor, machine frame of the screw, mm.
+    /// Motor position, machine coordinates, mm.
     motor_mm: f64,
     velocity_mm_s: f64,
     accel_mm_s2: f64,
-    /// The screw is worn: its play grows towards the minus end (fault `worn-screw-x`).
+    /// The leadscrew is worn: its backlash grows towards the minus end (fault `worn-screw-x`).
     worn: bool,
-    /// Slide before pitch error.
+    /// Slide position before pitch error and scatter, mm.
     carried_mm: f64,
-    /// Slide as it really stands, machine frame, mm.
+    /// Actual slide position, machine coordinates, mm.
     slide_mm: f64,
     zero_mm: f64,
-    /// Last set-point that the drive held; the encoder counts from it.
+    /// Last set-point of the drive, mm; the encoder counts from it.
     held_mm: f64,
     coefficients: Coefficients,
     home: Contact,
     plus: Contact,
     minus: Contact,
-    /// What the slide is off by chance.
+    /// Random deviation of the slide.
     scatter: Option<SlideScatter>,
 }
 
@@ -91,7 +91,7 @@ impl Coefficients {
 }
 
 impl SimAxis {
-    /// An axis standing where the file says, its encoder at zero.
+    /// An axis at rest at its power-on position, encoder at zero.
     pub(super) fn new(file: AxisFile) -> Self {
         let start = file.power_on_mm;
         let mut axis = Self {
@@ -114,7 +114,7 @@ impl SimAxis {
         axis
     }
 
-    /// Puts the axis at a machine position and switches its encoder on there.
+    /// Puts the axis at rest at a machine position and zeroes its encoder there.
     pub(super) fn place(&mut self, machine_mm: f64) {
         self.motor_mm = machine_mm;
         self.carried_mm = machine_mm;
@@ -128,12 +128,12 @@ impl SimAxis {
         self.minus = Contact::at(self.slide_mm <= self.file.limit_minus_mm);
     }
 
-    /// Machine position at which the encoder reads zero.
+    /// Machine position at which the encoder reads zero, mm.
     pub(super) const fn zero_mm(&self) -> f64 {
         self.zero_mm
     }
 
-    /// Where the slide really stands, machine frame.
+    /// Actual slide position, machine coordinates, mm.
     pub(super) const fn slide_mm(&self) -> f64 {
         self.slide_mm
     }
@@ -143,16 +143,16 @@ impl SimAxis {
         self.velocity_mm_s
     }
 
-    /// What the encoder reads. DECISION: it counts in steps of the resolution from the set-point held (as drives that
-    /// interpolate do), so that an axis that has arrived reads its set-point exactly.
+    /// Encoder reading, mm. DECISION: it counts in steps of the resolution from the last set-point (as interpolating
+    /// drives do), so that an axis in position reads its set-point exactly.
     pub(super) fn encoder_mm(&self) -> f64 {
         let off = self.motor_mm - self.zero_mm - self.held_mm;
         self.held_mm + (off / self.file.resolution_mm).round() * self.file.resolution_mm
     }
 
-    /// Moves the axis through one tick; tells if it struck a stop at speed.
+    /// Moves the axis for one tick; returns the hit if it runs onto a hard stop.
     pub(super) fn step(&mut self, drive: Drive, dt_s: f64) -> Option<Struck> {
-        // A drive does not follow what is no number; the control's own assertions find the cause.
+        // The drive ignores a set-point that is not finite; the control's own assertions find the cause.
         if drive.on && drive.set_point_mm.is_finite() {
             self.held_mm = drive.set_point_mm;
         }
@@ -182,7 +182,7 @@ impl SimAxis {
             self.velocity_mm_s = wanted_v;
             self.accel_mm_s2 = wanted_a;
         } else {
-            // `least` may exceed `limit` only after a brake; min keeps the order.
+            // `least` exceeds `limit` only after braking; the final min keeps the order.
             let accel = wanted_a.max(least).min(most);
             self.motor_mm += (self.velocity_mm_s + 0.5 * accel * dt_s) * dt_s;
             self.velocity_mm_s += accel * dt_s;
@@ -207,9 +207,9 @@ impl SimAxis {
         }
     }
 
-    /// The slide goes where the motor takes it, as far as the stops.
+    /// Moves the slide with the motor, as far as the hard stops.
     fn carry(&mut self) -> Option<Struck> {
-        // Moving plus the screw pushes at once; moving minus it first takes up the play.
+        // Towards plus the screw pushes at once; towards minus it first takes up the backlash.
         let play = at(&self.file.backlash_mm, self.motor_mm) + self.worn_mm();
         self.carried_mm = self.carried_mm.max(self.motor_mm).min(self.motor_mm + play);
         let off_mm = self.scatter.as_mut().map_or(0.0, |scatter| scatter.off_mm(self.carried_mm));
@@ -228,17 +228,17 @@ impl SimAxis {
         Some(Struck { plus, speed_mm_s })
     }
 
-    /// The slide is off by this from now on.
+    /// Sets the random deviation of the slide.
     pub(super) fn scatter(&mut self, scatter: SlideScatter) {
         self.scatter = Some(scatter);
     }
 
-    /// The screw is worn, or as new again.
+    /// Makes the leadscrew worn or as new.
     pub(super) const fn wear_screw(&mut self, worn: bool) {
         self.worn = worn;
     }
 
-    /// Play of a worn screw beside that of the file: none at the plus stop, `WORN_MM` at the minus stop.
+    /// Extra backlash of a worn leadscrew, mm: none at the plus stop, `WORN_MM` at the minus stop.
     fn worn_mm(&self) -> f64 {
         let AxisFile { stop_plus_mm, stop_minus_mm, .. } = self.file;
         if self.worn { WORN_MM * (stop_plus_mm - self.motor_mm) / (stop_plus_mm - stop_minus_mm) } else { 0.0 }
@@ -250,7 +250,7 @@ impl SimAxis {
         on_mm >= 0.0 && self.file.home_width_mm.is_none_or(|width_mm| on_mm <= width_mm)
     }
 
-    /// The switches after this tick.
+    /// The switches after this tick, with contact bounce.
     pub(super) fn switches(&mut self, dt_s: f64, bounce_s: f64, chance: &mut SplitMix64) -> Switches {
         let (home, slide) = (self.at_home(), self.slide_mm);
         Switches {
@@ -261,7 +261,7 @@ impl SimAxis {
     }
 }
 
-/// A table over position, read between its points; flat beyond its ends, zero if empty.
+/// Interpolates a table over position; constant beyond its ends, zero if empty.
 fn at(table: &[Along], position_mm: f64) -> f64 {
     let (Some(first), Some(last)) = (table.first(), table.last()) else { return 0.0 };
     if position_mm <= first.0 {
@@ -335,7 +335,7 @@ mod tests {
         for _ in 0..400 {
             x.step(drive(-10.0), DT);
         }
-        // Motor at -50: moving minus leaves the play of 0.02; the error at -49.98 is 0.01 · 49.98/100.
+        // Motor at -50: a minus move leaves the backlash of 0.02; the error at -49.98 is 0.01 · 49.98/100.
         assert!((x.slide_mm() - (-50.0 + 0.02 + 0.004_998)).abs() < 1e-6, "{}", x.slide_mm());
         assert_eq!(x.encoder_mm().to_bits(), (-10.0_f64).to_bits());
     }

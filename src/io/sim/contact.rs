@@ -1,8 +1,8 @@
-//! A mechanical contact: it bounces for a few milliseconds at every edge (P1).
+//! A mechanical switch contact: it bounces for a few milliseconds at every edge (P1).
 
 use crate::io::random::SplitMix64;
 
-/// A switch with its bounce.
+/// A switch contact with bounce.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Contact {
     closed: bool,
@@ -15,7 +15,7 @@ impl Contact {
         Self { closed, bounce_left_s: 0.0 }
     }
 
-    /// What the contact shows after `dt_s` when its cam holds it `closed`.
+    /// The state read after `dt_s`, while the actuator holds the contact at `closed`.
     pub(super) fn step(&mut self, closed: bool, dt_s: f64, bounce_s: f64, chance: &mut SplitMix64) -> bool {
         if closed != self.closed {
             self.closed = closed;

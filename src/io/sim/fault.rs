@@ -1,30 +1,30 @@
-//! What the simulated machine can suffer, by name (P8, tools.md "Faults").
+//! Faults of the simulated machine by name (P8, tools.md "Faults").
 
 use super::SimulatedMachine;
 use crate::defs::signal::{Input, PORTS};
 use crate::units::{Axis, PerAxis};
 
-/// Longest fault of the bus, ticks.
+/// Longest bus fault, ticks.
 const BUS_TICKS_LIMIT: u32 = 1_000_000;
 
-/// Why a fault or an input was not taken.
+/// Why a fault or an input name is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FaultError {
-    /// No fault of this name.
+    /// There is no fault with this name.
     #[error("there is no fault '{0}'; `fault list` tells them all")]
     Unknown(String),
-    /// The fault wants an input's id.
+    /// The argument is not the id of an input, or not a port.
     #[error("'{0}' is not the id of an input")]
     Input(String),
-    /// The fault wants a number of ticks.
+    /// The argument is not a number of ticks in range.
     #[error("'{0}' is not a number of ticks from 1 to {BUS_TICKS_LIMIT}")]
     Ticks(String),
-    /// Something stands behind a fault that takes nothing.
+    /// A fault without argument is followed by one.
     #[error("'{0}' takes nothing more, not '{1}'")]
     TooMuch(&'static str, String),
 }
 
-/// A fault as it was named.
+/// A parsed fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Fault {
     StuckOn(Input),
@@ -43,7 +43,7 @@ pub(super) enum Fault {
 }
 
 impl Fault {
-    /// Reads a fault's name, in either case. `ticks_optional` lets the number be left out, for the end of a fault.
+    /// Parses a fault, in upper or lower case. `ticks_optional` allows the number to be omitted, to end a fault.
     pub(super) fn parse(text: &str, ticks_optional: bool) -> Result<Self, FaultError> {
         let lower = text.trim().to_ascii_lowercase();
         let (word, rest) = lower.split_once(char::is_whitespace).map_or((lower.as_str(), ""), |(w, r)| (w, r.trim()));
@@ -81,10 +81,10 @@ impl Fault {
     }
 }
 
-/// DECISION: `bus-late N` – for N ticks the bus answers a tick late: the first has no answer, outputs arrive a tick
-/// late; `bus-silent N` – for N ticks there is no answer and outputs do not arrive; drives hold the last set-point.
+/// The active faults, except those of switches, which the wiring holds.
 ///
-/// The faults that are present, but for those of switches, which are the wiring's.
+/// DECISION: `bus-late N` – for N ticks the bus answers one tick late: the first has no answer, outputs arrive one tick
+/// late; `bus-silent N` – for N ticks there is no answer and outputs do not arrive; drives hold the last set-point.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Ailing {
     pub pressure_loss: bool,
@@ -94,22 +94,22 @@ pub(super) struct Ailing {
     pub coolant_missing: bool,
     pub lubrication_missing: bool,
     pub supply_loss: bool,
-    /// Ticks for which the bus still answers a tick late.
+    /// Remaining ticks in which the bus answers one tick late.
     pub late_ticks: u32,
-    /// The lateness began in an earlier tick.
+    /// The bus was late in the tick before.
     pub late_before: bool,
-    /// Ticks for which the bus is still silent.
+    /// Remaining ticks in which the bus is silent.
     pub silent_ticks: u32,
 }
 
-/// What a story's `input` statement names: an id or a port.
+/// The target of a story's `input` statement: an input id or a port.
 pub(super) enum InputName {
     Input(Input),
     Port(u8),
 }
 
 impl InputName {
-    /// Reads `hydraulic-pressure` or `12`.
+    /// Parses `hydraulic-pressure` or `12`.
     pub(super) fn parse(text: &str) -> Result<Self, FaultError> {
         let text = text.trim();
         if let Some(input) = Input::from_id(&text.to_ascii_lowercase()) {
@@ -123,24 +123,24 @@ impl InputName {
 }
 
 impl SimulatedMachine {
-    /// Whether a text names a fault that this machine can suffer; for a story to be checked before it is played.
+    /// Checks the text of a fault, so that a story can be checked before it is played.
     ///
     /// # Errors
-    /// What is wrong with the text.
+    /// The name, its input or its number of ticks is wrong.
     pub fn check_fault(text: &str) -> Result<(), FaultError> {
         Fault::parse(text, false).map(drop)
     }
 
-    /// Makes the machine suffer a fault by name.
+    /// Injects a fault by name.
     ///
     /// # Errors
-    /// The name, its input or its number of ticks is wrong; nothing is changed then.
+    /// The name, its input or its number of ticks is wrong; nothing changes.
     pub fn fault(&mut self, text: &str) -> Result<(), FaultError> {
         self.suffer(Fault::parse(text, false)?, true);
         Ok(())
     }
 
-    /// Ends a fault by the same name; the number of ticks may be left out.
+    /// Ends a fault by name; the number of ticks may be omitted.
     ///
     /// # Errors
     /// The name or its input is wrong.
@@ -149,10 +149,10 @@ impl SimulatedMachine {
         Ok(())
     }
 
-    /// Forces an input, by id or port, logically on or off whatever its polarity; `None` lets it go.
+    /// Forces an input, by id or port, logically on or off regardless of its polarity; `None` ends the forcing.
     ///
     /// # Errors
-    /// Neither an input's id nor a port.
+    /// The text is neither an input id nor a port.
     pub fn force_input(&mut self, name_or_port: &str, on: Option<bool>) -> Result<(), FaultError> {
         match InputName::parse(name_or_port)? {
             InputName::Input(input) => self.wiring.force(input, on),

@@ -1,8 +1,8 @@
-//! The gauges (P7): the radial (thickness) gauge tells in four stages how far the part is from its set size; the axial
-//! (plane) gauge tells that its tip touches, and that it has been pressed in to its second stage.
+//! The gauges (P7): the radial (thickness) gauge signals in four stages how far the part is above its set size; the
+//! axial (plane) gauge signals that its tip touches, and that the tip is deflected to its second stage.
 //!
-//! Every signal comes a delay after its cause. DECISION: a stage that was given is taken back only `hysteresis_um`
-//! above it, as gauge amplifiers do, so that noise gives one edge; a cause shorter than the delay gives no signal.
+//! Every signal follows its cause after a delay. DECISION: a stage switches off only `hysteresis_um` above its level,
+//! as in gauge amplifiers, so that noise gives one edge; a cause shorter than the delay gives no signal.
 
 use super::machine_rows::GaugesFile;
 use crate::io::random::SplitMix64;
@@ -23,7 +23,7 @@ impl Signal {
         }
         if self.shown != self.cause {
             self.left_s -= dt_s;
-            // Half a tick: the sum of many dt is not the delay to the last bit.
+            // Tolerance of half a tick: the sum of many dt does not equal the delay exactly.
             self.shown = if self.left_s <= 0.5 * dt_s { self.cause } else { self.shown };
         }
     }
@@ -33,12 +33,12 @@ impl Signal {
     }
 }
 
-/// What the gauges find in a tick.
+/// What the gauges measure in a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Found {
-    /// Size of the part over its set size, µm; none with the arm in or nothing to measure.
+    /// Size of the part above its set size, µm; `None` with the arm retracted or nothing to measure.
     pub over_um: Option<f64>,
-    /// How far the plane gauge's tip is pressed in, mm; none with the arm in or in the air.
+    /// Deflection of the plane gauge's tip, mm; `None` with the arm retracted or without contact.
     pub pressed_mm: Option<f64>,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Gauges {
 }
 
 impl Gauges {
-    /// Gauges that show nothing.
+    /// Gauges without signals.
     pub(super) fn new(file: GaugesFile) -> Self {
         Self { file, stages: [Signal::default(); 4], touch: Signal::default(), second: Signal::default() }
     }
@@ -74,17 +74,17 @@ impl Gauges {
         self.second.step(pressed_mm >= self.file.probe.second_mm, delay_s, dt_s);
     }
 
-    /// Stage 1 to 4 is the index 0 to 3.
+    /// Signal of a stage; the index 0 to 3 is the stage 1 to 4.
     pub(super) fn stage(&self, index: usize) -> bool {
         self.stages[index].shown
     }
 
-    /// The tip touches.
+    /// Whether the tip of the plane gauge touches.
     pub(super) const fn touches(&self) -> bool {
         self.touch.shown
     }
 
-    /// The tip is pressed in to the second stage.
+    /// Whether the tip of the plane gauge is deflected to its second stage.
     pub(super) const fn second(&self) -> bool {
         self.second.shown
     }
@@ -110,7 +110,7 @@ mod tests {
         let mut edges = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
         let mut before = [false; 4];
         for tick in 0..120_000 {
-            // 1 µm/s: 0.01 µm in the delay of 10 ms, and a second in the noise of a stage.
+            // 1 µm/s: 0.01 µm in the delay of 10 ms; the size is within the noise of a stage for one second.
             let over = 110.0 - 0.001 * f64::from(tick);
             g.step(size(over), 0.001, &mut chance);
             for stage in 0..4 {
@@ -122,7 +122,7 @@ mod tests {
         }
         for (edges, stage) in edges.iter().zip([100.0, 20.0, 5.0, 0.0]) {
             assert_eq!(edges.len(), 1, "{stage}: {edges:?}");
-            // Noise up to 0.5 µm before or behind, and the delay's 0.01 µm.
+            // Noise of ±0.5 µm, and 0.01 µm for the delay.
             assert!((edges[0] - stage).abs() <= 0.515, "{stage}: {edges:?}");
         }
     }
@@ -132,7 +132,7 @@ mod tests {
         let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
         let (mut edges, mut before) = (0, false);
         for _ in 0..60_000 {
-            // Noise is over it or under it half of the time.
+            // The noise is above the stage half of the time and below it half of the time.
             g.step(size(5.0), 0.001, &mut chance);
             edges += u32::from(g.stage(2) != before);
             before = g.stage(2);

@@ -1,11 +1,11 @@
-//! What the wheel meets: the part's surfaces, chuck and tailstock or magnet, the dresser (P4–P6, P8 crash).
+//! Contacts of the wheel: the part's surfaces, chuck, tailstock or magnet, the dresser (P4–P6, P8 crash).
 //!
-//! A crash is an overlap that no feed could have given (`crash_mm`), a standing wheel pressed onto the part, any touch
-//! of chuck, tailstock, magnet or fixture, or a part that is ground or turned without being held. It is told once a
-//! contact; until the wheel has come free nothing more is removed there. A burn is told once a contact, too.
-//! DECISION: a part that stands where it should turn gets a flat (event `flat`) and keeps its size; a part that was not
-//! held is gone and has no size any more; a crash trips the drives of all axes, and switching the drives off ends that
-//! once the axes stand.
+//! A crash is an overlap deeper than any feed produces (`crash_mm`), a stopped wheel pressed onto the part, any contact
+//! with chuck, tailstock, magnet or fixture, or a part that is ground or rotated without being held. It is logged once
+//! per contact; nothing is removed there until the wheel is clear. A burn is also logged once per contact.
+//! DECISION: a part that is stopped where it should rotate gets a flat (event `flat`) and keeps its size; a part that
+//! was not held is lost and has no size; a crash trips the drives of all axes until the drives are switched off and the
+//! axes are at rest.
 
 use super::machine_file::MachineFile;
 use super::machine_rows::{CuttingFile, DresserFile, LayoutFile, PlateFile, ProbeFile};
@@ -19,12 +19,12 @@ use super::wheel::Wheel;
 use crate::io::random::SplitMix64;
 use crate::units::{Axis, PerAxis};
 
-/// Time in which the dresser's cuts count as one: fed at speed into the rim it breaks, however short the tick, s.
+/// Time over which dressing cuts are summed, s: a dresser fed too fast into the rim breaks, however short the tick.
 const BITE_S: f64 = 0.1;
-/// A slide that is found farther off than this was put there, not driven, mm.
+/// A slide that moved farther than this in one tick was placed, not driven, mm.
 const SWEEP_LIMIT_MM: f64 = 20.0;
 
-/// Where the wheel and what else moves stand in this tick, machine coordinates.
+/// Positions and speeds in this tick, machine coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scene {
     pub seconds: f64,
@@ -36,13 +36,13 @@ pub(super) struct Scene {
     pub part_rpm: f64,
     pub roll_rpm: f64,
     pub tailstock_back_mm: f64,
-    /// The magnet holds, or the part needs none.
+    /// The magnet holds the part, or the machine has no magnet.
     pub held: bool,
     /// The arm of the axial (plane) gauge is out.
     pub probe_out: bool,
 }
 
-/// Part, obstacles, dresser and the tip of the plane gauge.
+/// Part, obstacles, dresser and the tip of the axial (plane) gauge.
 #[derive(Clone, Debug)]
 pub(super) struct Grinding {
     machine: Fixed,
@@ -50,24 +50,24 @@ pub(super) struct Grinding {
     surfaces: Vec<Surface>,
     obstacles: Vec<Obstacle>,
     gauge: Option<GaugeFile>,
-    /// Nothing of the part or around it stands higher, along the infeed.
+    /// Highest point of part and obstacles along the infeed, mm.
     highest_mm: f64,
-    /// The tangent of the swivelled head.
+    /// Tangent of the swivel angle of the wheel head.
     lean: f64,
     broke_dresser: bool,
-    /// What the dresser has cut off within `BITE_S`, mm.
+    /// Depth that the dresser has cut within `BITE_S`, mm.
     bite_mm: f64,
     broke_probe: bool,
-    /// Where the diamond cuts, by chance.
+    /// Random depth of the diamond, stroke by stroke.
     diamond: Option<DiamondScatter>,
-    /// The part was not held and flew away.
+    /// The part was not held and was thrown out.
     gone: bool,
-    /// Where the stroke axis stood a tick ago.
+    /// Position of the stroke axis one tick ago, mm.
     stroke_before_mm: f64,
     load_percent: f64,
 }
 
-/// What the machine file says.
+/// Values from the machine file.
 #[derive(Clone, Debug)]
 struct Fixed {
     layout: LayoutFile,
@@ -82,7 +82,7 @@ struct Fixed {
 }
 
 impl Fixed {
-    /// Where the reference point of a new wheel is over the part's zero.
+    /// Position of the slides with the reference point of a new wheel at the work zero.
     const fn zero_of(&self, mut work: Place) -> Place {
         let radius_mm = if self.layout.centre { self.wheel_radius_mm } else { 0.0 };
         match self.layout.infeed {
@@ -132,12 +132,12 @@ impl Grinding {
         }
     }
 
-    /// The diamond cuts where chance has it from now on.
+    /// Sets the random depth of the diamond.
     pub(super) fn scatter(&mut self, diamond: DiamondScatter) {
         self.diamond = Some(diamond);
     }
 
-    /// Puts a part in, fresh from its file, or takes it out.
+    /// Loads a new part from its file, or removes the part.
     pub(super) fn set_part(&mut self, part: Option<&PartFile>, chance: &mut SplitMix64) {
         self.surfaces.clear();
         self.obstacles.clear();
@@ -159,24 +159,24 @@ impl Grinding {
         self.highest_mm = surfaces.chain(obstacles).fold(f64::NEG_INFINITY, f64::max);
     }
 
-    /// Load of the wheel's motor, percent.
+    /// Load of the wheel motor, percent.
     pub(super) const fn load_percent(&self) -> f64 {
         self.load_percent
     }
 
-    /// The surfaces, to be measured; none once the part has flown away.
+    /// The surfaces to be measured; empty once the part is lost.
     pub(super) fn surfaces(&self) -> &[Surface] {
         if self.gone { &[] } else { &self.surfaces }
     }
 
-    /// The measured part.
+    /// Measures the part.
     pub(super) fn report(&self) -> PartReport {
         let mut report = PartReport::default();
         self.surfaces().iter().for_each(|surface| surface.report(&mut report));
         report
     }
 
-    /// How much larger the part is than the gauge's set size, µm; `None` where the gauge finds nothing.
+    /// Size of the part above the set size of the gauge, µm; `None` if there is nothing to measure.
     pub(super) fn over_um(&self) -> Option<f64> {
         let gauge = self.gauge?;
         let size = |s: &Surface| s.diameter_at(gauge.z).or_else(|| s.height_at(gauge.x, gauge.z));
@@ -184,7 +184,7 @@ impl Grinding {
         Some((found - gauge.set) * 1_000.0)
     }
 
-    /// An event here and now.
+    /// An event at the current time and position.
     pub(super) fn event(&self, kind: EventKind, place: &'static str, scene: &Scene) -> Event {
         let at = PerAxis::from_fn(|axis| scene.slide_mm[axis] - self.zero_of(axis));
         let layout = self.machine.layout;
@@ -209,7 +209,7 @@ impl Grinding {
         }
     }
 
-    /// Where the wheel is and how it moves, part coordinates.
+    /// Position and motion of the wheel, part coordinates.
     fn pass(&mut self, scene: &Scene) -> Pass {
         let layout = self.machine.layout;
         let mut pass = layout.place(PerAxis::from_fn(|axis| scene.slide_mm[axis] - self.zero_of(axis)));
@@ -225,7 +225,7 @@ impl Grinding {
         pass
     }
 
-    /// One tick of contact. True: something crashed.
+    /// Processes the contacts of one tick; true if something crashed.
     pub(super) fn step(&mut self, scene: &Scene, wheel: &mut Wheel, log: &mut EventLog) -> bool {
         self.load_percent = if scene.wheel.rpm() > 0.0 { self.machine.idle_percent } else { 0.0 };
         let pass = self.pass(scene);
@@ -266,7 +266,7 @@ impl Grinding {
         self.obstacles.iter_mut().for_each(Obstacle::come_free);
     }
 
-    /// A part that is not held flies off a table that turns.
+    /// Throws the part off a rotating table if it is not held.
     fn flies(&mut self, scene: &Scene, log: &mut EventLog) -> bool {
         let turned = scene.part_rpm >= self.machine.cutting.part_stands_rpm;
         if scene.held || self.gone || !turned || self.surfaces.is_empty() {
@@ -276,7 +276,7 @@ impl Grinding {
         log.push(self.event(EventKind::Crash, "part, not held on the table", scene))
     }
 
-    /// How far the tip of the plane gauge is pressed in, mm; `None` in the air or with the arm in.
+    /// Deflection of the plane gauge's tip, mm; `None` without contact or with the arm retracted.
     pub(super) fn pressed_mm(&self, scene: &Scene) -> Option<f64> {
         if !scene.probe_out {
             return None;
@@ -294,7 +294,7 @@ impl Grinding {
         at
     }
 
-    /// The tip of the plane gauge gives way only so far.
+    /// Breaks the plane gauge if its tip is deflected beyond its travel.
     fn probe_breaks(&mut self, scene: &Scene, log: &mut EventLog) -> bool {
         let broken = self.pressed_mm(scene).is_some_and(|mm| mm > self.machine.probe.travel_mm);
         let newly = broken && !self.broke_probe;
@@ -302,18 +302,18 @@ impl Grinding {
         newly && log.push(self.event(EventKind::Crash, "gauge", scene))
     }
 
-    /// The dresser cuts back the slices of the rim that stand over it.
+    /// Dresses the slices of the rim that are over the dresser; true if it crashed.
     fn dress(&mut self, scene: &Scene, wheel: &mut Wheel, log: &mut EventLog) -> bool {
         let Some(dresser) = &self.machine.dresser else { return false };
         let at = self.machine.layout.place(scene.slide_mm);
         let (width_mm, roll_mm) =
             dresser.roll.as_ref().map_or((0.0, 0.0), |roll| (roll.width_mm, roll.diameter_mm / 2.0));
-        // Two circles over each other: off by d along the stroke the one stands lower.
+        // Two circles: offset along the stroke, the wheel reaches less deep.
         let (both, off) = (wheel.radius_mm() + roll_mm, at.stroke_mm - dresser.stroke_mm);
         let lift = both - (both * both - off * off).max(0.0).sqrt();
         let towards = if dresser.behind { -1.0 } else { 1.0 };
         let deeper = self.diamond.as_ref().map_or(0.0, DiamondScatter::deeper_mm);
-        // A swivelled rim stands back by its lean where the dresser is.
+        // The rim of a swivelled wheel is set back at the dresser's position along it.
         let back = self.lean * (dresser.across_mm - at.left_mm);
         let reach = towards * (dresser.infeed_mm - at.front_mm + back) - lift + deeper;
         let slices = wheel.slices_over(dresser.across_mm - at.left_mm, width_mm);
@@ -345,7 +345,7 @@ impl Grinding {
         if !standing {
             for slice in slices {
                 let depth = reach - wheel.rim_mm(slice);
-                // A diamond comes over a slice at its full depth, a roll is fed into it bit by bit.
+                // A diamond cuts a slice at full depth in one pass; a roll is fed in gradually.
                 let sharpened = if is_roll { depth / sharpens_mm } else { f64::from(u8::from(depth >= sharpens_mm)) };
                 if depth > 0.0 {
                     wheel.dress(slice, depth, sharpened.min(1.0));
@@ -356,7 +356,7 @@ impl Grinding {
     }
 }
 
-/// What one surface gave in a tick.
+/// Result of the contact with one surface in one tick.
 #[derive(Default)]
 struct Met {
     volume_mm3: f64,
@@ -404,7 +404,7 @@ fn meet(surface: &mut Surface, pass: &Pass, wheel: &mut Wheel, cutting: &Cutting
 }
 
 impl LayoutFile {
-    /// A place of the slides as the wheel sees it, standing.
+    /// Slide positions in wheel directions, at rest.
     fn place(self, at_mm: PerAxis<f64>) -> Pass {
         let stroke_mm = self.stroke.map_or(0.0, |axis| at_mm[axis]);
         let (front_mm, left_mm) = (at_mm[self.infeed], at_mm[self.across]);

@@ -1,23 +1,23 @@
-//! Pump and pressure switch, and all that goes from one end to the other in its own time: tailstock, gauge arms,
+//! Hydraulic pump and pressure switch, and the actuators that take time to move: tailstock, gauge arms,
 //! oscillation cylinder, coolant flow, gears (P3).
 
 use super::contact::Contact;
 use super::machine_rows::HydraulicsFile;
 use crate::io::random::SplitMix64;
 
-/// A cylinder or arm between two ends, with a switch at each.
+/// A cylinder or arm that moves between two end positions, with a switch at each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Travel {
-    /// 0 at the back end, 1 at the front end.
+    /// Position: 0 at the back end, 1 at the front end.
     place: f64,
     rate_per_s: f64,
     front: Contact,
     back: Contact,
-    /// What the switches show: front, back.
+    /// States of the switches: front, back.
     shown: (bool, bool),
 }
 
-/// Which way a cylinder is driven.
+/// Command to a cylinder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Push {
     Forward,
@@ -55,35 +55,35 @@ impl Travel {
         );
     }
 
-    /// What the front switch shows.
+    /// State of the front switch.
     pub(super) const fn front(&self) -> bool {
         self.shown.0
     }
 
-    /// What the back switch shows.
+    /// State of the back switch.
     pub(super) const fn back(&self) -> bool {
         self.shown.1
     }
 
-    /// Really at the front end, whatever the switch shows.
+    /// Whether it is at the front end, regardless of the switch.
     pub(super) fn is_out(&self) -> bool {
         self.place >= 1.0
     }
 
-    /// 0 at the back end, 1 at the front end.
+    /// Position: 0 at the back end, 1 at the front end.
     pub(super) const fn place(&self) -> f64 {
         self.place
     }
 }
 
-/// The length of a tick and of a bounce.
+/// Duration of a tick and of contact bounce, s.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tick {
     pub dt_s: f64,
     pub bounce_s: f64,
 }
 
-/// What the control switches here.
+/// The outputs used here.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Valves {
     pub pump: bool,
@@ -112,7 +112,7 @@ pub(super) struct Hydraulics {
 }
 
 impl Hydraulics {
-    /// Everything at rest: no pressure, tailstock and arms back.
+    /// Everything at rest: no pressure, tailstock and arms retracted.
     pub(super) fn new(file: HydraulicsFile) -> Self {
         Self {
             pressure_mpa: 0.0,
@@ -128,21 +128,21 @@ impl Hydraulics {
         }
     }
 
-    /// Pump running at full pressure, tailstock where asked.
+    /// Sets full pressure and the tailstock position.
     pub(super) fn make_ready(&mut self, tailstock_advanced: bool) {
         self.pressure_mpa = self.file.pressure_mpa;
         self.switch = true;
         self.place_tailstock(tailstock_advanced);
     }
 
-    /// Puts the tailstock at an end.
+    /// Puts the tailstock at one end position.
     pub(super) fn place_tailstock(&mut self, advanced: bool) {
         if let Some(tailstock) = &mut self.tailstock {
             tailstock.place_at(advanced);
         }
     }
 
-    /// Moves everything through one tick; `leak` is the fault of lost pressure.
+    /// Moves everything for one tick; `leak` is the fault of lost pressure.
     pub(super) fn step(&mut self, valves: &Valves, leak: bool, tick: Tick, chance: &mut SplitMix64) {
         if tick.dt_s.total_cmp(&self.decay.0).is_ne() {
             self.decay = (tick.dt_s, (-tick.dt_s / self.file.time_constant_s).exp());
@@ -170,34 +170,34 @@ impl Hydraulics {
         }
     }
 
-    /// Pressure now, MPa.
+    /// Present pressure, MPa.
     pub(super) const fn pressure_mpa(&self) -> f64 {
         self.pressure_mpa
     }
 
-    /// The pressure switch.
+    /// State of the pressure switch.
     pub(super) const fn pressure_switch(&self) -> bool {
         self.switch
     }
 
-    /// Coolant flows.
+    /// Whether coolant flows.
     pub(super) fn coolant_flows(&self) -> bool {
         self.coolant_left_s <= 0.0
     }
 
-    /// A gear, 0 to 3, is in.
+    /// Whether a gear, 0 to 3, is in position.
     pub(super) fn gear_in(&self, gear: usize) -> bool {
         self.gear_left_s[gear] <= 0.0
     }
 
-    /// How far the tailstock is drawn back from its advanced place, mm.
+    /// Distance of the tailstock from its advanced position, mm.
     pub(super) fn tailstock_back_mm(&self) -> f64 {
         let quill = self.tailstock.as_ref().zip(self.file.tailstock.as_ref());
         quill.map_or(0.0, |(tailstock, file)| (1.0 - tailstock.place()) * file.travel_mm)
     }
 }
 
-/// Time still wanted: runs down while on, starts anew when off.
+/// Counts a delay down while on and restarts it when off.
 fn count_down(left_s: &mut f64, on: bool, whole_s: f64, dt_s: f64) {
     *left_s = if on { (*left_s - dt_s).max(0.0) } else { whole_s };
 }

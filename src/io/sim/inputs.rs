@@ -1,4 +1,4 @@
-//! What the control sees of the machine in a tick: every switch by its function, then the terminals (P1, P3, P7, P8).
+//! The input image of a tick: the state of every switch by function, then the terminal levels (P1, P3, P7, P8).
 
 use super::super::InputImage;
 use super::SimulatedMachine;
@@ -14,11 +14,11 @@ const AXIS_INPUTS: PerAxis<[Input; 4]> = PerAxis([
     [Input::HomeZ, Input::LimitZPlus, Input::LimitZMinus, Input::DriveZ],
 ]);
 
-/// The gears' inputs.
+/// The in-position inputs of the gears.
 const GEARS: [Input; 4] = [Input::Gear1In, Input::Gear2In, Input::Gear3In, Input::Gear4In];
 
 impl SimulatedMachine {
-    /// The image of this tick, but for the handwheel.
+    /// The image of this tick, without the handwheel.
     pub(super) fn show(&mut self, dt: Micros) -> InputImage {
         let logical = self.logical_inputs(dt.as_secs_f64());
         let mut terminals = self.wiring.terminals(logical, &mut self.chance);
@@ -70,7 +70,7 @@ impl SimulatedMachine {
             set.set(Input::Gauge1, g.stage(0));
             set.set(Input::Gauge2, g.stage(1));
             set.set(Input::Gauge3, g.stage(2));
-            // The radial gauge's last stage and the touch of the axial gauge come on the same signal (K4.5).
+            // The last stage of the radial gauge and the touch of the axial gauge share one signal (K4.5).
             set.set(Input::Gauge4, g.stage(3) || g.touches());
             set.set(Input::Gauge6, g.second());
         }

@@ -1,5 +1,5 @@
-//! A lathe's program gone through on a bar before anything moves: what its tools would crash into (L9). The same bar,
-//! tools and rules as while it is cut; time and acceleration are left out.
+//! Interference check of a lathe program before anything moves: finds what its tools would crash into (L9). It uses the
+//! same bar, tools and rules as cutting, without time and acceleration.
 
 use super::machine_rows::{ToolFile, ToolPostFile};
 use super::part_file::{BodyFile, PartFile};
@@ -7,12 +7,12 @@ use super::turning::{Bar, reaches_any, shaped};
 use crate::defs::param::Params;
 use crate::units::{Axis, PerAxis};
 
-/// Longest piece of a way that is looked at at once, mm: a cell of the bar.
+/// Step along a move, mm: one cell of the bar.
 const PIECE_MM: f64 = 0.1;
-/// Most pieces: 400 m of way.
+/// Greatest number of steps: 400 m of path.
 const PIECES: u64 = 4_000_000;
 
-/// Tools and bar, as far as the program has come.
+/// Tools and bar at the present point of the program.
 #[derive(Clone, Debug)]
 pub struct LatheRehearsal {
     bar: Bar,
@@ -20,7 +20,7 @@ pub struct LatheRehearsal {
     tools: Vec<ToolFile>,
     crash_mm: f64,
     station: usize,
-    /// From work coordinates of the program to the tip in part coordinates, X, Z; none before they are known.
+    /// Offset X, Z from work coordinates of the program to the tip in part coordinates; `None` until it is known.
     shift: Option<(f64, f64)>,
     turns: bool,
     pieces: u64,
@@ -28,7 +28,7 @@ pub struct LatheRehearsal {
 }
 
 impl LatheRehearsal {
-    /// A new bar, and the tools as the parameters define them; station 1 in front. None without a bar.
+    /// A new bar, the tools that the parameters define, station 1 in cutting position. `None` without a bar.
     #[must_use]
     pub fn new(part: &PartFile, post: &ToolPostFile, params: &Params) -> Option<Self> {
         let tools = shaped(post, params).tools.to_vec();
@@ -37,12 +37,12 @@ impl LatheRehearsal {
         Some(Self { bar, bodies, tools, crash_mm, station: 0, shift: None, turns: false, pieces: 0, met: None })
     }
 
-    /// The spindle is switched.
+    /// Switches the spindle on or off.
     pub const fn turn(&mut self, on: bool) {
         self.turns = on;
     }
 
-    /// Another station comes in front; with compensation the slides move by `by`, mm.
+    /// Changes to another station (from 0); with compensation the slides move by `by`, mm.
     pub fn change(&mut self, station: usize, by: Option<PerAxis<f64>>) {
         let tip = |station: usize| self.tools.get(station).map_or((0.0, 0.0), |tool| tool.tip_mm);
         let (old, new) = (tip(self.station), tip(station));
@@ -54,14 +54,14 @@ impl LatheRehearsal {
         self.station = station;
     }
 
-    /// The present point gets other coordinates: the first time it is the bar's own.
+    /// Gives the present point new work coordinates. The first call makes them the coordinates of the bar.
     pub fn rename(&mut self, from: PerAxis<f64>, to: PerAxis<f64>) {
         let (x, z) =
             self.shift.map_or((0.0, 0.0), |(x, z)| (x + from[Axis::X] - to[Axis::X], z + from[Axis::Z] - to[Axis::Z]));
         self.shift = Some((x, z));
     }
 
-    /// A straight way in work coordinates: the first thing that it meets, told once as long as it is met.
+    /// Checks a straight move in work coordinates; returns the first crash, once per contact.
     pub fn go(&mut self, from: PerAxis<f64>, to: PerAxis<f64>, rapid: bool) -> Option<&'static str> {
         let (shift, tool) = (self.shift?, self.tools.get(self.station)?.clone());
         let length = (to[Axis::X] - from[Axis::X]).hypot(to[Axis::Z] - from[Axis::Z]);

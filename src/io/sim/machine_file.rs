@@ -1,5 +1,5 @@
-//! The machine as data: `assets/machines/*.ron` (P, "all figures are data"). Text in, structure out; files are the
-//! caller's business.
+//! Machine files: `assets/machines/*.ron` (P, "all figures are data"). Parses text; the caller reads the
+//! files.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,7 @@ use super::machine_rows::{
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
 
-/// The machines as built, in the order of `Kind::ALL`; each says itself of which kind it is.
+/// Built-in machines in the order of `Kind::ALL`; each file names its own kind.
 const BUILTIN: [&str; Kind::ALL.len()] = [
     include_str!("../../../assets/machines/gc.ron"),
     include_str!("../../../assets/machines/gs.ron"),
@@ -19,28 +19,28 @@ const BUILTIN: [&str; Kind::ALL.len()] = [
     include_str!("../../../assets/machines/lathe.ron"),
 ];
 
-/// Why a machine or part file was not taken.
+/// Why a machine or part file is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SimFileError {
-    /// The text is not of the form; RON says line and column.
+    /// Syntax error; RON gives line and column.
     #[error("{0}")]
     Form(#[from] ron::error::SpannedError),
-    /// A value makes no sense.
+    /// A value is invalid.
     #[error("{field} is {value}: {rule}")]
     Value {
-        /// Field, with the surface's number where there are several.
+        /// Field, with the number of the surface if there are several.
         field: String,
-        /// What was given.
+        /// The invalid value.
         value: f64,
-        /// What is wanted.
+        /// The rule that is violated.
         rule: &'static str,
     },
-    /// Two things do not go together.
+    /// Two settings contradict each other.
     #[error("{what}: {rule}")]
     Unfit {
-        /// What does not fit.
+        /// The setting at fault.
         what: String,
-        /// What is wanted.
+        /// The rule that is violated.
         rule: &'static str,
     },
 }
@@ -51,73 +51,73 @@ pub enum SimFileError {
 pub struct MachineFile {
     /// Kind of machine.
     pub kind: Kind,
-    /// Which axis goes which way as the wheel sees it.
+    /// Assignment of the axes to the wheel's directions.
     pub layout: LayoutFile,
     /// Axis X.
     pub x: AxisFile,
-    /// Axis Y, where the machine has one.
+    /// Axis Y, if the machine always has one.
     #[serde(default)]
     pub y: Option<AxisFile>,
-    /// Axis Y of a machine that can have one fitted (P6.6).
+    /// Axis Y, if it is an option (P6.6).
     #[serde(default)]
     pub y_optional: Option<AxisFile>,
     /// Axis Z.
     pub z: AxisFile,
-    /// How long a contact bounces at every edge, s.
+    /// Bounce time of a contact at every edge, s.
     pub bounce_s: f64,
     /// The wheel and its drive.
     pub wheel: WheelFile,
-    /// The workhead, where the part turns between centres or in a chuck.
+    /// The workhead, if the part rotates between centres or in a chuck.
     #[serde(default)]
     pub workhead: Option<DriveFile>,
-    /// The drive of the table, where the table turns.
+    /// The drive of a rotary table.
     #[serde(default)]
     pub table: Option<DriveFile>,
-    /// The spindle of a lathe.
+    /// The main spindle of a lathe.
     #[serde(default)]
     pub main_spindle: Option<MainSpindleFile>,
-    /// The tool post of a lathe.
+    /// The tool turret of a lathe.
     #[serde(default)]
     pub tool_post: Option<ToolPostFile>,
     /// The second spindle.
     pub second_spindle: SecondSpindleFile,
-    /// Pump and what it moves.
+    /// Pump and the actuators that it moves.
     pub hydraulics: HydraulicsFile,
-    /// The magnet chuck, where the part lies on one.
+    /// The magnetic chuck, if there is one.
     #[serde(default)]
     pub magnet: Option<MagnetFile>,
     /// The gauges.
     pub gauges: GaugesFile,
     /// How the wheel cuts.
     pub cutting: CuttingFile,
-    /// The dresser, where there is one.
+    /// The dresser, if there is one.
     #[serde(default)]
     pub dresser: Option<DresserFile>,
-    /// What differs by the seed; nothing but contacts, gauges and parts without it.
+    /// Seeded variation of the machine. Without it only contacts, gauges and parts depend on the seed.
     #[serde(default)]
     pub scatter: Option<ScatterFile>,
 }
 
 impl MachineFile {
-    /// The machine of a kind as built.
+    /// The built-in machine of a kind.
     ///
     /// # Errors
-    /// The built-in text is wrong, which the tests rule out.
+    /// The built-in file is wrong, which a test excludes.
     pub fn builtin(kind: Kind) -> Result<Self, SimFileError> {
         Self::parse(BUILTIN[kind as usize])
     }
 
-    /// Reads a machine file.
+    /// Parses a machine file.
     ///
     /// # Errors
-    /// The form with line and column, or the first value that makes no sense.
+    /// The syntax error with line and column, or the first invalid value.
     pub fn parse(text: &str) -> Result<Self, SimFileError> {
         let file: Self = ron::from_str(text)?;
         file.check()?;
         Ok(file)
     }
 
-    /// The axes of this machine, with Y if it is always there or fitted.
+    /// The axes of this machine, with Y if it is standard or fitted as an option.
     pub(super) fn axes(&self, y_fitted: bool) -> PerAxis<Option<&AxisFile>> {
         let fitted = if y_fitted { self.y_optional.as_ref() } else { None };
         PerAxis([Some(&self.x), self.y.as_ref().or(fitted), Some(&self.z)])
@@ -149,7 +149,7 @@ impl MachineFile {
         self.magnet.iter().flat_map(MagnetFile::positive).try_for_each(|(field, value)| above_zero(field, value))
     }
 
-    /// The wheel must be able to go where the layout says.
+    /// Checks that the axes of the layout exist and differ.
     fn check_layout(&self) -> Result<(), SimFileError> {
         let LayoutFile { infeed, across, stroke, centre: _ } = self.layout;
         for axis in [Some(infeed), Some(across), stroke].into_iter().flatten() {
@@ -194,7 +194,7 @@ impl MachineFile {
     }
 }
 
-/// Refuses what is not a positive, finite number.
+/// Refuses a value that is not positive and finite.
 pub(super) fn above_zero(field: &str, value: f64) -> Result<(), SimFileError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());

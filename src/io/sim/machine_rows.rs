@@ -1,53 +1,53 @@
-//! The rows of a machine file: axes, drives, hydraulics, magnet, gauges, cutting, dresser (P1–P7). Figures only.
+//! The sections of a machine file: axes, drives, hydraulics, magnet, gauges, cutting, dresser (P1–P7). Data only.
 
 use serde::{Deserialize, Serialize};
 
 use super::machine_file::{SimFileError, above_zero};
 use crate::units::Axis;
 
-/// Longest error table over position.
+/// Greatest number of rows of an error table over position.
 const TABLE_LIMIT: usize = 1_000;
 
-/// A point of a table over position: machine position and value there, both mm.
+/// A point of a table over position: machine position and value, both mm.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Along(pub f64, pub f64);
 
-/// Which axis goes which way as the wheel sees it. The wheel's reference point is its lowest (front) point, on its
+/// Assignment of the axes to the wheel's directions. The wheel's reference point is its lowest (front) point on its
 /// minus side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LayoutFile {
-    /// Takes the wheel's rim to the part; minus is towards the part.
+    /// Moves the wheel's rim to the part; minus is towards the part.
     pub infeed: Axis,
-    /// Lies along the wheel's own axis, across its width; the wheel goes from its reference point towards plus.
+    /// Runs along the wheel's axis, across its width; the wheel extends from its reference point towards plus.
     pub across: Axis,
-    /// Draws the part past the wheel, where the part does not turn.
+    /// Strokes the part under the wheel, if the part does not rotate.
     #[serde(default)]
     pub stroke: Option<Axis>,
-    /// Work coordinates of the infeed name the wheel's centre; otherwise its reference point.
+    /// Work coordinates of the infeed refer to the wheel's centre; otherwise to its reference point.
     #[serde(default)]
     pub centre: bool,
 }
 
-/// One axis. Positions are machine coordinates, slide travel (radius on X).
+/// One axis. Positions are machine coordinates in slide travel (radius on X).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisFile {
-    /// Where it stands when the power comes, mm.
+    /// Position at power-on, mm.
     pub power_on_mm: f64,
-    /// Natural frequency of the position loop, rad/s; the lag at constant speed is 2/ω.
+    /// Natural frequency ω of the position loop, rad/s; the servo lag at constant speed is 2/ω.
     pub following_rad_s: f64,
-    /// The drive's greatest acceleration, mm/s².
+    /// Acceleration limit of the drive, mm/s².
     pub accel_mm_s2: f64,
-    /// The drive's greatest jerk, mm/s³.
+    /// Jerk limit of the drive, mm/s³.
     pub jerk_mm_s3: f64,
     /// Deceleration of the brake, mm/s².
     pub brake_mm_s2: f64,
     /// One encoder step, mm.
     pub resolution_mm: f64,
-    /// Where the home switch changes, mm.
+    /// Edge of the home switch, mm.
     pub home_edge_mm: f64,
-    /// The home switch is a bump of this length from its edge on; without it it stays active to the end, mm.
+    /// Length of the home switch cam from the edge on, mm; without it the switch stays active to the end.
     #[serde(default)]
     pub home_width_mm: Option<f64>,
     /// The home switch is active from its edge to the plus end; otherwise to the minus end.
@@ -60,10 +60,10 @@ pub struct AxisFile {
     pub stop_plus_mm: f64,
     /// Hard stop towards minus, mm.
     pub stop_minus_mm: f64,
-    /// Play of the screw over motor position.
+    /// Backlash of the leadscrew over motor position.
     #[serde(default)]
     pub backlash_mm: Vec<Along>,
-    /// What the slide stands off over position.
+    /// Position error of the slide over position.
     #[serde(default)]
     pub pitch_error_mm: Vec<Along>,
 }
@@ -76,29 +76,29 @@ pub struct WheelFile {
     pub diameter_mm: f64,
     /// Width, mm.
     pub width_mm: f64,
-    /// Greatest peripheral speed that the wheel is made for, m/s.
+    /// Rated peripheral speed, m/s.
     pub rated_m_s: f64,
     /// Speed at 10 V of the first analog output, rpm.
     pub rpm_at_10_v: f64,
-    /// Speed without an analog voltage: the motor on the mains, rpm.
+    /// Speed without an analog voltage (motor on the mains), rpm.
     pub mains_rpm: f64,
-    /// From rest to `mains_rpm`, s.
+    /// Time from rest to `mains_rpm`, s.
     pub run_up_s: f64,
-    /// From `mains_rpm` to rest, s.
+    /// Time from `mains_rpm` to rest, s.
     pub coast_down_s: f64,
     /// Power of the motor, W.
     pub power_w: f64,
     /// Load of the idling wheel, percent.
     pub idle_load_percent: f64,
-    /// Volume of part removed for one volume of wheel.
+    /// Grinding ratio G: removed part volume per worn wheel volume.
     pub grinding_ratio: f64,
 }
 
-/// A drive that turns the part or a dressing roll: workhead, table, roll.
+/// Drive of workhead, rotary table or dressing roll.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriveFile {
-    /// Speed of the low output (M64) without an analog voltage, rpm; where there is one output, both are the same.
+    /// Speed of the low output (M64) without an analog voltage, rpm. With a single output, low and high are equal.
     pub low_rpm: f64,
     /// Speed of the high output (M63) without an analog voltage, rpm.
     pub high_rpm: f64,
@@ -110,7 +110,7 @@ pub struct DriveFile {
     pub run_up_s: f64,
 }
 
-/// The spindle of a lathe, which turns the part, and its encoder (L5, L7).
+/// The main spindle of a lathe and its encoder (L5, L7).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MainSpindleFile {
@@ -118,23 +118,23 @@ pub struct MainSpindleFile {
     pub rpm_at_10_v: f64,
     /// Speed without an analog voltage, rpm.
     pub mains_rpm: f64,
-    /// From rest to `mains_rpm`, s; braked as fast.
+    /// Time from rest to `mains_rpm`, s; braking takes as long.
     pub run_up_s: f64,
-    /// Encoder steps a turn.
+    /// Encoder steps per revolution.
     pub encoder_steps: f64,
-    /// How much its speed sways, once a turn, of the speed.
+    /// Speed variation once per revolution, as a fraction of the speed.
     pub unevenness: f64,
 }
 
-/// The tool post of a lathe (L8).
+/// The tool turret of a lathe (L8).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToolPostFile {
-    /// From one station to the next, s.
+    /// Time from one station to the next, s.
     pub step_s: f64,
     /// The tools of stations 1 to 4.
     pub tools: [ToolFile; 4],
-    /// Overlap of tool and part in rapid traverse, or with the spindle standing, that is a crash, mm.
+    /// Overlap of tool and part that is a crash in rapid traverse or with the spindle stopped, mm.
     pub crash_mm: f64,
 }
 
@@ -142,25 +142,25 @@ pub struct ToolPostFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ToolFile {
-    /// Where its tip stands off the post's reference point: X as slide travel, Z.
+    /// Offset of its tip from the slides' reference point: X as slide travel, Z, mm.
     pub tip_mm: (f64, f64),
-    /// The outline cuts up to this height over the tip; above it is the shank, mm.
+    /// Height of the cutting edge above the tip, mm; above it is the shank.
     pub edge_mm: f64,
-    /// Height of the outline over the tip along X, at places along Z from the tip, in rising order.
+    /// Outline: Z from the tip in rising order, and its height above the tip along X.
     pub outline_mm: Vec<Along>,
 }
 
-/// The second spindle: one speed, two ways.
+/// The second spindle: one speed, two directions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SecondSpindleFile {
     /// Speed, rpm.
     pub rpm: f64,
-    /// Time to reach it from rest, and to stop, s.
+    /// Time from rest to that speed and back to rest, s each.
     pub run_up_s: f64,
 }
 
-/// Pump, switch, and what the pressure moves.
+/// Pump, pressure switch and actuators.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HydraulicsFile {
@@ -172,20 +172,20 @@ pub struct HydraulicsFile {
     pub switch_on_mpa: f64,
     /// The pressure switch opens, MPa.
     pub switch_off_mpa: f64,
-    /// Least pressure that moves a cylinder, MPa.
+    /// Least pressure that moves the tailstock, MPa.
     pub moves_from_mpa: f64,
     /// The tailstock, where there is one.
     #[serde(default)]
     pub tailstock: Option<QuillFile>,
-    /// Time of a gauge arm out or in, s.
+    /// Time of a gauge arm from end to end, s.
     pub gauge_arm_s: f64,
     /// Stroke of the oscillation cylinder, mm.
     pub oscillation_mm: f64,
     /// Its speed, mm/s.
     pub oscillation_mm_s: f64,
-    /// From coolant on to flow, s.
+    /// Time from coolant on to flow, s.
     pub coolant_s: f64,
-    /// From a gear's output to its in-position switch, s.
+    /// Time from a gear's output to its in-position switch, s.
     pub gear_s: f64,
 }
 
@@ -195,7 +195,7 @@ pub struct HydraulicsFile {
 pub struct QuillFile {
     /// Its travel, mm.
     pub travel_mm: f64,
-    /// The time of that travel, s.
+    /// Time for the whole travel, s.
     pub travel_s: f64,
 }
 
@@ -209,69 +209,69 @@ pub struct CuttingFile {
     pub dull_s: f64,
     /// Removed volume that makes a sharp wheel dull, mm³.
     pub dull_after_mm3: f64,
-    /// Length of traverse that counts as one time constant, sharp wheel, along the wheel's own axis, mm.
+    /// Traverse length along the wheel's axis that acts like one time constant, sharp wheel, mm.
     pub traverse_cylinder_mm: f64,
-    /// The same across a face that the wheel's side grinds, mm.
+    /// The same across a face ground by the wheel's side, mm.
     pub traverse_face_mm: f64,
-    /// The same of a plane that is drawn past under the wheel, mm.
+    /// The same along the stroke over a plane, mm.
     pub traverse_plane_mm: f64,
-    /// How long the rim lies flat on a plane, mm: wheel and part give way to each other by that much.
+    /// Contact length of the rim on a plane, mm: wheel and part deform over this length.
     pub contact_mm: f64,
     /// Energy to remove a volume, J/mm³.
     pub energy_j_mm3: f64,
-    /// Specific removal rate that burns, mm³/(mm·s).
+    /// Specific removal rate above which the part burns, mm³/(mm·s).
     pub burn_mm2_s: f64,
     /// Overlap that is a crash, mm.
     pub crash_mm: f64,
-    /// Overlap that is a crash when the wheel stands or turns below half its speed, mm.
+    /// Overlap that is a crash when the wheel is stopped or below half its speed, mm.
     pub crash_standing_mm: f64,
-    /// Overlap that grinds a flat on a part that stands, mm.
+    /// Overlap that grinds a flat on a stopped part, mm.
     pub flat_mm: f64,
-    /// Below this workhead, table or roll count as standing, rpm.
+    /// Below this speed workhead, table or roll count as stopped, rpm.
     pub part_stands_rpm: f64,
-    /// Speed from which running onto a hard stop is a crash, mm/s.
+    /// Speed from which hitting a hard stop is a crash, mm/s.
     pub stop_crash_mm_s: f64,
 }
 
-/// What differs from one machine, wheel and stroke to the next: drawn from the seed, evenly to both sides of the
-/// figures of the file.
+/// Variation between machines, wheels and strokes: drawn from the seed, uniformly distributed to both sides of the
+/// values of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScatterFile {
-    /// Of the wheel's grinding ratio and of the volume that makes it dull, a share of them.
+    /// Relative variation of the grinding ratio and of the volume that dulls the wheel.
     pub wheel: f64,
-    /// Where the diamond cuts, anew in every stroke over the rim, µm of radius.
+    /// Variation of the diamond's depth, new in every stroke over the rim, µm of radius.
     pub dressing_um: f64,
-    /// What each screw stands off along its way, a wave, µm.
+    /// Amplitude limit of each leadscrew's periodic error, µm.
     pub screw_um: f64,
-    /// What each slide trembles about its place, µm.
+    /// Position noise of each slide, µm.
     pub servo_um: f64,
 }
 
-/// The dresser: a diamond, which is a point, or a roll under the whole wheel. Machine coordinates.
+/// The dresser: a diamond (a point) or a roll under the whole wheel. Machine coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DresserFile {
-    /// Where the infeed axis stands when a new wheel's rim touches it, mm.
+    /// Position of the infeed axis when the rim of a new wheel touches it, mm.
     pub infeed_mm: f64,
-    /// Where it lies along the wheel's axis, mm; of a roll its minus side.
+    /// Position along the wheel's axis, mm; of a roll its minus side.
     pub across_mm: f64,
-    /// Where the stroke axis stands when the wheel is right over it, mm; on machines with such an axis.
+    /// Position of the stroke axis when the wheel is centred over it, mm; on machines with such an axis.
     #[serde(default)]
     pub stroke_mm: f64,
-    /// It lies beyond the wheel: the infeed's plus direction brings the wheel's far rim to it.
+    /// It is behind the wheel: infeed towards plus moves the wheel's far rim to it.
     #[serde(default)]
     pub behind: bool,
     /// Depth that breaks it, mm.
     pub crash_mm: f64,
     /// Depth from which a pass sharpens, mm.
     pub sharpens_mm: f64,
-    /// It is a roll with a drive of its own.
+    /// The roll, if it is one.
     #[serde(default)]
     pub roll: Option<RollFile>,
 }
 
-/// A dressing roll, its axis along the wheel's.
+/// A dressing roll, its axis parallel to the wheel's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RollFile {
@@ -283,35 +283,35 @@ pub struct RollFile {
     pub drive: DriveFile,
 }
 
-/// The magnet chuck (P3).
+/// The magnetic chuck (P3).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MagnetFile {
-    /// From magnetise-on to full holding force, s.
+    /// Time from magnetise-on to full holding force, s.
     pub magnetise_s: f64,
-    /// From magnetise-off until only the remanence holds, s.
+    /// Time from magnetise-off until only the remanence is left, s.
     pub release_s: f64,
-    /// What stays of the force when the current goes, of the full force.
+    /// Remanence: force without current, as a fraction of the full force.
     pub remanence: f64,
-    /// How long the reversals take to come down to nothing, s.
+    /// Time in which the reversals decay to zero, s.
     pub demagnetise_s: f64,
-    /// Length of one reversal, s.
+    /// Duration of one reversal, s.
     pub reversal_s: f64,
-    /// Least force that holds the part while it is ground or turned, of the full force.
+    /// Least force that holds the part while it is ground or rotated, as a fraction of the full force.
     pub holds_from: f64,
-    /// The plate itself, which the wheel must not touch.
+    /// The plate, which the wheel must not touch.
     pub plate: PlateFile,
 }
 
-/// The magnet's plate, machine coordinates.
+/// The plate of the magnet, machine coordinates.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlateFile {
-    /// Where the infeed axis stands when a new wheel touches the plate, mm.
+    /// Position of the infeed axis when a new wheel touches the plate, mm.
     pub top_mm: f64,
     /// From and to along the wheel's axis, mm.
     pub across_mm: (f64, f64),
-    /// From and to along the stroke, mm; of a table that turns nothing.
+    /// From and to along the stroke, mm; none on a rotary table.
     #[serde(default)]
     pub stroke_mm: Option<(f64, f64)>,
 }
@@ -320,19 +320,19 @@ pub struct PlateFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GaugesFile {
-    /// Stages of the radial (thickness) gauge above the set size, signals 1 to 4, µm.
+    /// Levels of the radial (thickness) gauge's stages above the set size, signals 1 to 4, µm.
     pub stages_um: [f64; 4],
-    /// Noise of a measurement, greatest deviation either way, µm.
+    /// Noise of a measurement, greatest deviation in either direction, µm.
     pub noise_um: f64,
-    /// From a size or a touch to its signal, s.
+    /// Delay from a size or a touch to its signal, s.
     pub delay_s: f64,
-    /// A stage that was given is taken back only so far above it, µm; more than the noise, or signals chatter.
+    /// Switch-off hysteresis of a stage, µm; must exceed the noise, or signals chatter.
     pub hysteresis_um: f64,
     /// The axial (plane) gauge.
     pub probe: ProbeFile,
 }
 
-/// The tip of the axial (plane) gauge with its arm out, from the wheel's reference point.
+/// The tip of the axial (plane) gauge with its arm out, relative to the wheel's reference point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProbeFile {
@@ -343,9 +343,9 @@ pub struct ProbeFile {
     /// Along the stroke, mm.
     #[serde(default)]
     pub stroke_mm: f64,
-    /// From the touch (signal 4) to the second stage (signal 6), mm.
+    /// Deflection from the touch (signal 4) to the second stage (signal 6), mm.
     pub second_mm: f64,
-    /// How far the tip gives way before it breaks, mm.
+    /// Deflection above which the tip breaks, mm.
     pub travel_mm: f64,
 }
 

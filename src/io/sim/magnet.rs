@@ -1,16 +1,16 @@
-//! The magnet chuck: what holds the part on GS and GA (P3).
+//! The magnetic chuck that holds the part on GS and GA (P3).
 //!
 //! With magnetise on, the force rises to its full value in `magnetise_s`. With both outputs off it falls to the
-//! remanence within `release_s`. Demagnetise sends reversals through the coil that decay to nothing in
-//! `demagnetise_s` and take the remanence with them; broken off before, they leave their share of it.
-//! DECISION: with both outputs on the coil has no current, as contactors that lock each other out would have it; a
-//! part is not held during reversals, as the force passes through zero twice in each.
+//! remanence within `release_s`. Demagnetise drives reversals through the coil that decay to zero in
+//! `demagnetise_s` and remove the remanence; an interrupted demagnetising leaves a share of it.
+//! DECISION: with both outputs on the coil has no current, as with interlocked contactors; the part is not held
+//! during reversals, because the force passes through zero twice in each.
 
 use std::f64::consts::PI;
 
 use super::machine_rows::MagnetFile;
 
-/// What the control switches.
+/// Command to the coil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Current {
     Magnetise,
@@ -29,25 +29,25 @@ impl Current {
     }
 }
 
-/// Coil and iron.
+/// Coil and iron core.
 #[derive(Clone, Debug)]
 pub(super) struct Magnet {
     file: MagnetFile,
-    /// Force of the coil, of the full force; negative in every other reversal.
+    /// Force of the coil, −1 to 1 of the full force; negative in every other reversal.
     coil: f64,
-    /// What the iron keeps without current, of the full force.
+    /// Remanence: force without current, 0 to 1 of the full force.
     kept: f64,
-    /// How long it has been demagnetised without a break, s.
+    /// Time of uninterrupted demagnetising so far, s.
     reversing_s: f64,
 }
 
 impl Magnet {
-    /// A magnet without current and without remanence.
+    /// A magnet without current or remanence.
     pub(super) const fn new(file: MagnetFile) -> Self {
         Self { file, coil: 0.0, kept: 0.0, reversing_s: 0.0 }
     }
 
-    /// Full force at once.
+    /// Sets full force at once.
     pub(super) const fn make_ready(&mut self) {
         self.coil = 1.0;
         self.kept = self.file.remanence;
@@ -77,12 +77,12 @@ impl Magnet {
         }
     }
 
-    /// Force on the part, 0 to 1 of the full force.
+    /// Holding force, 0 to 1 of the full force.
     pub(super) fn force(&self) -> f64 {
         self.coil.abs().max(self.kept)
     }
 
-    /// Whether the part stays where it is while it is ground or turned.
+    /// Whether the part is held while it is ground or rotated.
     pub(super) fn holds(&self) -> bool {
         self.reversing_s <= 0.0 && self.force() >= self.file.holds_from
     }
@@ -152,7 +152,7 @@ mod tests {
         run(&mut m, Current::Magnetise, 1_001);
         run(&mut m, Current::Demagnetise, 3_000);
         run(&mut m, Current::Off, 1_000);
-        // Half of the way: half of 0.15.
+        // Half of the time: half of 0.15.
         assert!((m.force() - 0.075).abs() < 1e-3, "{}", m.force());
     }
 

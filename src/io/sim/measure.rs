@@ -1,4 +1,4 @@
-//! What can be asked of the simulated machine from outside the control: places, wheel, part, events (P2, P5, T3).
+//! Queries of the simulated machine from outside the control: positions, wheel, part, events (P2, P5, T3).
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use super::report::{Event, PartReport};
 use super::turning::Turning;
 use crate::units::PerAxis;
 
-/// The wheel as it is now.
+/// Present state of the wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelState {
     /// Mean diameter, mm.
@@ -21,28 +21,28 @@ pub struct WheelState {
     pub rpm: f64,
     /// Peripheral speed, m/s.
     pub peripheral_m_s: f64,
-    /// Greatest peripheral speed that it is made for, m/s.
+    /// Rated peripheral speed, m/s.
     pub rated_m_s: f64,
     /// Load of its motor, percent.
     pub load_percent: f64,
-    /// 0 sharp, 1 dull.
+    /// Dullness: 0 sharp, 1 dull.
     pub dull: f64,
 }
 
 impl SimulatedMachine {
-    /// Machine position of each axis at encoder reading zero: what homing has to find out.
+    /// Machine position of each axis at encoder zero, mm; homing must determine it.
     #[must_use]
     pub fn encoder_zero_mm(&self) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::zero_mm))
     }
 
-    /// Where each slide really stands, machine coordinates, slide travel.
+    /// Actual position of each slide, machine coordinates, mm of slide travel.
     #[must_use]
     pub fn slide_mm(&self) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm))
     }
 
-    /// The wheel as it is now.
+    /// Present state of the wheel.
     #[must_use]
     pub fn wheel(&self) -> WheelState {
         let (diameter_mm, rpm) = (self.wheel.diameter_mm(), self.spindles.wheel.rpm());
@@ -57,14 +57,14 @@ impl SimulatedMachine {
         }
     }
 
-    /// How far each slice of the rim has gone back from the new wheel's, from its side towards minus on, mm: wear and
-    /// dressing, a dressed form.
+    /// Wear of each slice of the rim from a new wheel, from the minus side on, mm. Includes dressing and a dressed
+    /// profile.
     #[must_use]
     pub fn rim_mm(&self) -> &[f64] {
         self.wheel.rims_mm()
     }
 
-    /// Makes the wheel as dull as asked everywhere, 0 sharp to 1 dull.
+    /// Sets the dullness of the whole wheel, 0 sharp to 1 dull.
     pub fn set_wheel_dull(&mut self, dull: f64) {
         self.wheel.set_dull(dull);
     }
@@ -75,7 +75,7 @@ impl SimulatedMachine {
         self.spindles.workhead_rpm()
     }
 
-    /// Speed of the table, rpm; zero where it does not turn.
+    /// Speed of the rotary table, rpm; zero where there is none.
     #[must_use]
     pub fn table_rpm(&self) -> f64 {
         self.spindles.table_rpm()
@@ -93,13 +93,13 @@ impl SimulatedMachine {
         self.spindles.second_rpm()
     }
 
-    /// Force of the magnet, 0 to 1 of its full force; zero where there is none.
+    /// Holding force of the magnet, 0 to 1 of its full force; zero where there is none.
     #[must_use]
     pub fn magnet_force(&self) -> f64 {
         self.magnet.as_ref().map_or(0.0, Magnet::force)
     }
 
-    /// The axes that are there.
+    /// Which axes exist.
     #[must_use]
     pub fn axes(&self) -> PerAxis<bool> {
         PerAxis::from_fn(|axis| self.axes[axis].is_some())
@@ -111,7 +111,7 @@ impl SimulatedMachine {
         self.hydraulics.pressure_mpa()
     }
 
-    /// The workpiece measured.
+    /// Measures the workpiece.
     #[must_use]
     pub fn measure(&self) -> PartReport {
         let mut report = self.grinding.report();
@@ -121,51 +121,51 @@ impl SimulatedMachine {
         report
     }
 
-    /// Diameter of the part at Z; `None` where no diameter is.
+    /// Diameter of the part at Z, mm; `None` if there is no diameter at Z.
     #[must_use]
     pub fn diameter_at(&self, z: f64) -> Option<f64> {
         let turned = || self.turning.as_ref().and_then(|turning| turning.diameter_at(z));
         self.grinding.surfaces().iter().find_map(|surface| surface.diameter_at(z)).or_else(turned)
     }
 
-    /// A lathe's working room; none without a bar.
+    /// Bar, chuck and tool of a lathe for the drawing; `None` without a bar.
     #[must_use]
     pub fn lathe_scene(&self) -> Option<super::LatheScene<'_>> {
         self.turning.as_ref()?.scene()
     }
 
-    /// Radius of each cell of a lathe's bar: first Z, cell size, radii.
+    /// First Z, cell size and the radius of each cell of a lathe's bar, mm.
     #[must_use]
     pub fn bar_profile(&self) -> Option<(f64, f64, &[f64])> {
         self.turning.as_ref().and_then(Turning::profile)
     }
 
-    /// Speed of a lathe's spindle, rpm, forward positive.
+    /// Speed of a lathe's main spindle, rpm, forward positive.
     #[must_use]
     pub fn main_spindle_rpm(&self) -> f64 {
         self.turning.as_ref().map_or(0.0, Turning::rpm)
     }
 
-    /// Z of a face at X – on GC a diameter, on GA the radius, on GS (a wall) the place along X: the first face there, or
-    /// the first that looks as asked.
+    /// Z of the first face at X, of the given direction if one is given. X is a diameter on GC, the radius on GA, the
+    /// position along X on GS (a wall).
     #[must_use]
     pub fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
         self.grinding.surfaces().iter().find_map(|surface| surface.face_at(x, looks))
     }
 
-    /// Height of the part: on GS Y at X and Z, on GA Z at the radius X, whatever `z`; `None` where nothing is.
+    /// Height of the part, mm: on GS Y at X and Z, on GA Z at the radius X (`z` is ignored); `None` outside the part.
     #[must_use]
     pub fn height_at(&self, x: f64, z: f64) -> Option<f64> {
         self.grinding.surfaces().iter().find_map(|surface| surface.height_at(x, z))
     }
 
-    /// What happened so far, oldest first; at most 256.
+    /// The events so far, oldest first; at most 256.
     #[must_use]
     pub fn events(&self) -> &[Event] {
         self.log.all()
     }
 
-    /// How many events more there were than are kept.
+    /// Number of further events that were not stored.
     #[must_use]
     pub const fn events_lost(&self) -> u64 {
         self.log.lost()

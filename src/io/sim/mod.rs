@@ -1,11 +1,10 @@
-//! The simulated machine: a grinder in numbers behind the same [`Backend`] as real hardware (rows P1–P8).
-//!
-//! One tick: [`Backend::read`] moves the machine from the last `now` to this one under the outputs last written –
-//! axes, spindles, hydraulics, contact of wheel and part – and shows its terminals and encoders.
-//! The files: `axis` drives and switches, `spindle` all that turns, `hydraulics`, `magnet`, `gauge`, `wheel` shape and
-//! wear, `surface` the contact law, `profile` and `plane` the cells, `obstacle`, `grinding` who meets whom, `scatter` what the seed changes, `wiring`
-//! terminals, `turning` a lathe's spindle, post and bar, `inputs` what is shown, `fault` names, `measure` and `report` what can be asked afterwards.
-//! What a kind of machine is made of stands in its file alone: which axis takes the wheel to the part and what turns.
+//! The simulated machine: a model of a grinder or lathe that implements the same [`Backend`] as hardware (rows P1–P8).
+//! [`Backend::read`] advances the model from the last `now` to this one under the outputs last written (axes, spindles,
+//! hydraulics, contact of wheel and part), then returns terminals and encoders.
+//! Files: `axis` drives and switches, `spindle`, `hydraulics`, `magnet`, `gauge`, `wheel` shape and wear, `surface` the
+//! contact law, `profile` and `plane` the cells, `obstacle`, `grinding` the contacts of the wheel, `scatter` seeded
+//! variation, `wiring` terminals, `turning` spindle, turret and bar of a lathe, `inputs` the input image, `fault` named
+//! faults, `measure` and `report` queries and results. The machine file alone defines which axes and spindles exist.
 
 mod axis;
 mod contact;
@@ -64,9 +63,9 @@ pub use self::part_file::{
 pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartReport};
 pub use self::turning::LatheScene;
 
-/// Longest step of the physics, µs; a longer tick is cut into several.
+/// Longest step of the physics, µs; a longer tick is divided into several steps.
 const STEP_LIMIT_US: u64 = 4_000;
-/// Most steps in one tick; what a longer silence brought is lost.
+/// Greatest number of steps in one tick; time beyond them is not simulated.
 const STEPS_LIMIT: u64 = 50;
 
 /// The simulated machine.
@@ -80,7 +79,7 @@ pub struct SimulatedMachine {
     gauges: Gauges,
     wheel: Wheel,
     grinding: Grinding,
-    /// Spindle, tool post and bar of a lathe.
+    /// Spindle, tool turret and bar of a lathe.
     turning: Option<Turning>,
     wiring: Wiring,
     ailing: Ailing,
@@ -88,24 +87,24 @@ pub struct SimulatedMachine {
     chance: SplitMix64,
     start_mm: PerAxis<f64>,
     tailstock_at_start: bool,
-    /// A crash has tripped all drives; switching them off ends it once the axes stand.
+    /// A crash has tripped all drives. Cleared when the drives are off and the axes are at rest.
     tripped: bool,
-    /// The wheel turns faster than it is made for.
+    /// The wheel turns faster than its rated speed.
     overspeed: bool,
     now: Option<Micros>,
     seconds: f64,
     outputs: OutputImage,
-    /// Outputs on their way over a late bus.
+    /// Outputs delayed by one tick (fault `bus-late`).
     outputs_late: Option<OutputImage>,
     on: OutputSet,
     image: InputImage,
-    /// Last image made, for a late bus.
+    /// Latest image; a late bus delivers it one tick later.
     fresh: InputImage,
     detents: i32,
 }
 
 impl SimulatedMachine {
-    /// A machine whose power has just come, wired as the parameters say now, with a part in it or none.
+    /// A machine at power-on, wired as the parameters define, with or without a part.
     #[must_use]
     pub fn new(machine: MachineFile, part: Option<&PartFile>, wiring: &Params, seed: u64) -> Self {
         let axes = fitted(&machine, wiring);
@@ -148,8 +147,8 @@ impl SimulatedMachine {
         }
     }
 
-    /// The power comes again, with the parameters of now: the terminals are wired as they say, and an axis Y that they fit
-    /// (P6.6) is there, or not. All else stays as it was.
+    /// Power-on with the current parameters: rewires the terminals and adds or removes the optional axis Y (P6.6).
+    /// Everything else is kept.
     pub fn power_on(&mut self, wiring: &Params) {
         self.rewire(wiring);
         let mut axes = fitted(&self.file, wiring);
@@ -161,14 +160,14 @@ impl SimulatedMachine {
         self.axes = axes;
     }
 
-    /// Begins the machine's chance anew: the next part, bounce, noise and scatter follow the seed.
+    /// Restarts the random numbers: bounce, noise, scatter and the next part follow the new seed.
     pub fn reseed(&mut self, seed: u64) {
         self.chance = SplitMix64::new(seed);
         self.scatter(seed);
     }
 
-    /// Puts another part in, fresh from its file, or takes the part out. The axes stay where they are. A part
-    /// for another kind of machine does not fit in.
+    /// Loads a new part from its file, or removes the part. The axes do not move. A part for another kind of machine
+    /// is not loaded.
     pub fn set_part(&mut self, part: Option<&PartFile>) {
         let part = part.filter(|part| part.kind == self.file.kind);
         self.log.begin_part();
@@ -183,9 +182,9 @@ impl SimulatedMachine {
         }
     }
 
-    /// Makes the machine ready for a run without the way there (T3): axes at the part's start position with their
-    /// encoders at zero there, pressure present, tailstock as the part wants it (advanced without a part), magnetised.
-    /// The control must switch hydraulic, tailstock and magnetise on itself in its first tick, and learn
+    /// Sets the state in which a run starts, without the moves that lead to it (T3): axes at the part's start position,
+    /// encoders at zero there, pressure present, tailstock as in the part file (advanced without a part), magnet on.
+    /// The control must switch hydraulics, tailstock and magnet on in its first tick and take over
     /// [`Self::encoder_zero_mm`].
     pub fn start_ready(&mut self) {
         for axis in Axis::ALL {
@@ -199,12 +198,12 @@ impl SimulatedMachine {
         }
     }
 
-    /// Turns the machine's own handwheel, detents, positive clockwise.
+    /// Turns the handwheel by a number of detents, positive clockwise.
     pub const fn turn_handwheel(&mut self, detents: i32) {
         self.detents = self.detents.saturating_add(detents);
     }
 
-    /// Moves the machine on by the span since the last read.
+    /// Advances the machine by the time since the last read.
     fn advance(&mut self, now: Micros) {
         let span = now.since(self.now.unwrap_or(now)).0;
         self.now = Some(now);
@@ -266,7 +265,7 @@ impl SimulatedMachine {
         }
     }
 
-    /// Tells once that the wheel turns faster than it is made for.
+    /// Logs one event when the wheel exceeds its rated peripheral speed.
     fn supervise_speed(&mut self, scene: &Scene) {
         let over = scene.wheel_m_s > self.file.wheel.rated_m_s;
         if over && !self.overspeed {
@@ -275,7 +274,7 @@ impl SimulatedMachine {
         self.overspeed = over;
     }
 
-    /// True: an axis has run onto its stop at speed.
+    /// Moves the axes; true if one has hit its hard stop at crash speed.
     fn move_axes(&mut self, dt_s: f64) -> bool {
         let mut crashed = false;
         for axis in Axis::ALL {
@@ -320,7 +319,7 @@ impl Backend for SimulatedMachine {
         }
         made.handwheel_detents = std::mem::take(&mut self.detents);
         if self.ailing.late_ticks > 0 {
-            // The first late tick has no answer; the following ones have that of the tick before.
+            // The first late tick has no answer; each following one delivers the image of the tick before.
             self.ailing.late_ticks -= 1;
             let first = !std::mem::replace(&mut self.ailing.late_before, true);
             let before = std::mem::replace(&mut self.fresh, made);
@@ -341,7 +340,7 @@ impl Backend for SimulatedMachine {
 
     fn write(&mut self, _now: Micros, outputs: &OutputImage) {
         if self.ailing.silent_ticks > 0 {
-            return; // it never arrives
+            return; // the outputs do not arrive
         }
         if self.ailing.late_ticks > 0 {
             if let Some(late) = self.outputs_late.replace(*outputs) {
@@ -354,7 +353,7 @@ impl Backend for SimulatedMachine {
     }
 }
 
-/// The axes of a machine, as its file and the parameters say.
+/// The axes that machine file and parameters define.
 fn fitted(machine: &MachineFile, params: &Params) -> PerAxis<Option<SimAxis>> {
     machine.axes(params.bit(param::Y_FITTED)).map(|file| file.cloned().map(SimAxis::new))
 }

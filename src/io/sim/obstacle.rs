@@ -1,19 +1,19 @@
-//! What the wheel must not touch: chuck, tailstock, fixture, the magnet's plate (P8 crash). Any touch is a crash, told
-//! once until the wheel has come free.
+//! Obstacles of the wheel: chuck, tailstock, fixture, magnet plate (P8 crash). Any contact is a crash, reported once
+//! until the wheel is clear.
 
 use super::machine_rows::PlateFile;
 use super::part_file::{BlockFile, Body, BodyFile, TailstockFile};
 use super::surface::Pass;
 use super::wheel::Wheel;
 
-/// A body in the way, part coordinates as the wheel sees them.
+/// An obstacle, part coordinates in wheel directions, mm.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Obstacle {
     pub(super) name: &'static str,
     across: (f64, f64),
-    /// From and to along the stroke; none if it turns, or on a machine without a stroke.
+    /// From and to along the stroke; `None` if it rotates, or on a machine without stroke axis.
     stroke: Option<(f64, f64)>,
-    /// How far it stands out along the infeed.
+    /// Its highest point along the infeed.
     top: f64,
     touched: bool,
     /// It moves with the tailstock.
@@ -41,7 +41,7 @@ impl Obstacle {
         Self { on_tailstock: true, ..Self::new("tailstock", across, None, file.diameter / 2.0) }
     }
 
-    /// On a table: X is the stroke where Z is given, otherwise the radius of a ring.
+    /// A block on a table: with Z, X is along the stroke; without Z, X is the radius of a ring.
     pub(super) fn of_block(block: &BlockFile) -> [Self; 2] {
         let ring = |across| Self::new(name(block.what), across, None, block.top);
         match block.z {
@@ -50,24 +50,24 @@ impl Obstacle {
         }
     }
 
-    /// The magnet's plate; `zero` is the work zero as the wheel sees it.
+    /// The plate of the magnet; `zero` is the work zero in wheel directions.
     pub(super) fn of_plate(plate: &PlateFile, zero: &Pass) -> Self {
         let shifted = |(from, to): (f64, f64), by: f64| (from - by, to - by);
         let stroke = plate.stroke_mm.map(|stroke| shifted(stroke, zero.stroke_mm));
         Self::new("magnet", shifted(plate.across_mm, zero.left_mm), stroke, plate.top_mm - zero.front_mm)
     }
 
-    /// How far it stands out along the infeed.
+    /// Its highest point along the infeed.
     pub(super) const fn top_mm(&self) -> f64 {
         self.top
     }
 
-    /// The wheel is elsewhere.
+    /// Notes that the wheel is clear.
     pub(super) const fn come_free(&mut self) {
         self.touched = false;
     }
 
-    /// Whether the wheel has come into it in this tick.
+    /// Whether the wheel has newly entered it in this tick.
     pub(super) fn newly_hit(&mut self, pass: &Pass, wheel: &Wheel, tailstock_back_mm: f64) -> bool {
         let back = if self.on_tailstock { tailstock_back_mm } else { 0.0 };
         let half = || wheel.half_chord_mm(self.top - pass.front_mm);

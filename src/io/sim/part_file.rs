@@ -1,8 +1,8 @@
-//! The workpiece and its set-up as data: `assets/parts/O1001.ron` and so on (P4, T3). Text in, structure out.
+//! Part files: the workpiece and its set-up, `assets/parts/O1001.ron` and so on (P4, T3). Parses text; reads no files.
 //!
-//! Part coordinates are those of the work frame G54 with a new wheel. GC: X as a diameter (people read diameters), Z
-//! along the part. GS: X along the stroke, Y up, Z across. GA: X from the table's middle as a radius, Z up. The wheel's
-//! reference point is its front (lowest) point at its side towards minus.
+//! Part coordinates are work coordinates (G54) with a new wheel. GC: X as a diameter, Z along the part. GS: X along the
+//! stroke, Y up, Z across. GA: X from the table's centre as a radius, Z up. The wheel's reference point is its front
+//! (lowest) point on its minus side. Lengths are in mm.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::defs::face::Form;
 use crate::defs::kind::Kind;
 use crate::defs::program;
 
-/// The parts that come with the control.
+/// Built-in parts of numbered programs.
 const BUILTIN: &[(&str, &str)] = &[
     ("O1001", include_str!("../../../assets/parts/O1001.ron")),
     ("O1002", include_str!("../../../assets/parts/O1002.ron")),
@@ -34,24 +34,24 @@ const BUILTIN: &[(&str, &str)] = &[
     ("PRINTED", include_str!("../../../assets/parts/VGRIND.ron")),
 ];
 
-/// The parts of programs that have names.
+/// Built-in parts of named programs.
 const NAMED: &[(&str, &str)] = &[("SHAFT", include_str!("../../../assets/parts/SHAFT.ron"))];
 
-/// Most cells of one surface.
+/// Greatest number of cells of one surface.
 const CELL_LIMIT: f64 = 100_000.0;
 
 /// A part in the machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartFile {
-    /// What it is, for people.
+    /// Display name.
     pub name: String,
-    /// The kind of machine it goes into.
+    /// The kind of machine that it is for.
     #[serde(default)]
     pub kind: Kind,
-    /// Machine coordinates of the work zero, to preset in G54; X slide travel (radius).
+    /// Machine coordinates of the work zero, preset in G54; X as slide travel (radius).
     pub g54_mm: Place,
-    /// Where the axes stand at the start of a run, machine coordinates; X slide travel (radius).
+    /// Position of the axes at the start of a run, machine coordinates; X as slide travel (radius).
     pub start_mm: Place,
     /// Tool geometry to preset.
     #[serde(default)]
@@ -59,77 +59,77 @@ pub struct PartFile {
     /// Macro variables to preset.
     #[serde(default)]
     pub variables: BTreeMap<u16, f64>,
-    /// Whether the tailstock holds the part at the start; nothing where there is none.
+    /// Whether the tailstock is advanced at the start; ignored on machines without tailstock.
     #[serde(default)]
     pub tailstock_advanced: bool,
-    /// Where the tailstock stands when advanced.
+    /// The tailstock when advanced.
     #[serde(default)]
     pub tailstock: Option<TailstockFile>,
-    /// Bodies that the wheel must not touch: chuck, fixture.
+    /// Round bodies that the wheel must not touch: chuck, fixture.
     #[serde(default)]
     pub bodies: Vec<BodyFile>,
-    /// The same on a table: blocks, which are rings on a table that turns.
+    /// Blocks on a table that the wheel must not touch; on a rotary table they are rings.
     #[serde(default)]
     pub blocks: Vec<BlockFile>,
-    /// What the radial (thickness) gauge is set to, and where it measures.
+    /// Set size and measuring point of the radial (thickness) gauge.
     #[serde(default)]
     pub gauge: Option<GaugeFile>,
     /// The bar of a lathe.
     #[serde(default)]
     pub bar: Option<BarFile>,
-    /// What is ground.
+    /// The surfaces to be ground.
     #[serde(default)]
     pub surfaces: Vec<SurfaceFile>,
-    /// How far the wheel's head is swivelled, degrees: its rim lies along a cone whose diameter grows so much downwards.
+    /// Swivel angle of the wheel head, degrees. The rim then lies along a cone whose diameter grows downwards.
     #[serde(default)]
     pub head_deg: f64,
-    /// How far it may be ground, where the program's own variables say so.
+    /// The finished size, if variables of the program define it.
     #[serde(default)]
     pub finished: Option<FinishedFile>,
 }
 
-/// The finished diameter, as variables of the program name it. X programs the wheel's centre: the wheel's rim stands at
-/// X − wheel.
+/// The finished diameter, defined by variables of the program. X programs the wheel's centre: the rim is at
+/// X − wheel diameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FinishedFile {
-    /// The variable of the finished diameter.
+    /// Number of the variable with the finished diameter.
     pub size: u16,
-    /// The variable of the wheel's diameter.
+    /// Number of the variable with the wheel's diameter.
     pub wheel: u16,
     /// From Z.
     pub z_from: f64,
     /// To Z.
     pub z_to: f64,
-    /// A bore: the rim stands at X + wheel, and grows it.
+    /// A bore: the rim is at X + wheel diameter, and grinding enlarges the diameter.
     #[serde(default)]
     pub inside: bool,
-    /// A cone: the variables of its angle, degrees, growing downwards, and of the Z where the size holds.
+    /// A cone: numbers of the variables with its angle (degrees, growing downwards) and the Z of the finished size.
     #[serde(default)]
     pub cone: Option<(u16, u16)>,
 }
 
-/// A bar to be turned, part coordinates.
+/// The bar of a lathe, part coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BarFile {
     /// Its diameter.
     pub diameter: f64,
-    /// Where it leaves the chuck.
+    /// Z at which it leaves the chuck.
     pub z_from: f64,
-    /// Its face.
+    /// Z of its face.
     pub z_to: f64,
     /// Cell size along Z.
     pub cell: f64,
 }
 
-/// A place in the machine, mm of slide travel.
+/// A machine position, mm of slide travel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Place {
     /// X, radius.
     pub x: f64,
-    /// Y, for machines that have it.
+    /// Y, on machines that have it.
     #[serde(default)]
     pub y: f64,
     /// Z.
@@ -144,15 +144,15 @@ pub struct OffsetPreset {
     pub number: u8,
     /// Geometry X, diameter.
     pub x: f64,
-    /// Geometry Z. Minus the wheel's width programs the wheel's right corner.
+    /// Geometry Z. With minus the wheel width, Z programs the wheel's right corner.
     pub z: f64,
 }
 
-/// The tailstock's body: a cylinder from its point towards +Z, part coordinates when advanced.
+/// The body of the tailstock: a cylinder from `z` towards +Z, part coordinates when advanced.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TailstockFile {
-    /// Where its body begins when advanced.
+    /// Start of its body when advanced.
     pub z: f64,
     /// Its length.
     pub length: f64,
@@ -180,9 +180,9 @@ pub struct BodyFile {
 pub struct BlockFile {
     /// What it is.
     pub what: Body,
-    /// From and to along X; on a table that turns, radii.
+    /// From and to along X; on a rotary table radii.
     pub x: (f64, f64),
-    /// From and to along Z; nothing on a table that turns.
+    /// From and to along Z; none on a rotary table.
     #[serde(default)]
     pub z: Option<(f64, f64)>,
     /// Its height.
@@ -193,17 +193,17 @@ pub struct BlockFile {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GaugeFile {
-    /// Diameter, or height on a table.
+    /// Set diameter, or height on a table.
     pub set: f64,
-    /// Where: X of a height (the radius on a table that turns).
+    /// Measuring point: X of a height (the radius on a rotary table).
     #[serde(default)]
     pub x: f64,
-    /// Where: Z of a diameter or of a height.
+    /// Measuring point: Z of a diameter or of a height.
     #[serde(default)]
     pub z: f64,
 }
 
-/// What stands in the way.
+/// Type of an obstacle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Body {
     /// The chuck.
@@ -212,19 +212,19 @@ pub enum Body {
     Fixture,
 }
 
-/// Which way a face looks.
+/// Direction that a face points to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Looks {
-    /// To +Z: touched by the wheel's left (−Z) side.
+    /// Towards +Z: ground by the wheel's left (−Z) side.
     PlusZ,
-    /// To −Z: touched by the wheel's right (+Z) side.
+    /// Towards −Z: ground by the wheel's right (+Z) side.
     MinusZ,
 }
 
 /// One surface of the part before grinding.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum SurfaceFile {
-    /// An outer diameter r(z) of a part that turns.
+    /// An outer diameter r(z) of a rotating part.
     Diameter {
         /// From Z.
         z_from: f64,
@@ -241,7 +241,7 @@ pub enum SurfaceFile {
         #[serde(default)]
         waviness: f64,
     },
-    /// A cone on a part that turns: a diameter r(z) that rises or falls evenly along Z.
+    /// A cone on a rotating part: a diameter r(z) that changes linearly along Z.
     Cone {
         /// From Z.
         z_from: f64,
@@ -260,8 +260,8 @@ pub enum SurfaceFile {
         #[serde(default)]
         waviness: f64,
     },
-    /// A bore r(z) of a part that turns, a cylinder or a cone, ground from inside by the side of the rim that lies away from
-    /// the part's axis.
+    /// A bore r(z) of a rotating part, a cylinder or a cone, ground from inside by the side of the rim that is away
+    /// from the part's axis.
     Bore {
         /// From Z.
         z_from: f64,
@@ -271,7 +271,7 @@ pub enum SurfaceFile {
         stock_from: f64,
         /// Stock diameter at the other end, mean.
         stock_to: f64,
-        /// How thick the material around it is, radius.
+        /// Radial thickness of the material around it.
         thickness: f64,
         /// Cell size along Z.
         cell: f64,
@@ -282,9 +282,9 @@ pub enum SurfaceFile {
         #[serde(default)]
         waviness: f64,
     },
-    /// A face z(x), ground by the side of the wheel.
+    /// A face z(x) ground by the side of the wheel.
     Face {
-        /// Which way it looks.
+        /// Direction that it points to.
         looks: Looks,
         /// From diameter (the smaller).
         x_from: f64,
@@ -294,18 +294,18 @@ pub enum SurfaceFile {
         stock: f64,
         /// Cell size along the radius.
         cell: f64,
-        /// Size across the wheel's way, of a face that does not turn; volume and load follow from it.
+        /// Width across the wheel's path of a face that does not rotate; used for volume and load.
         width: f64,
-        /// How thick the material behind the face is.
+        /// Thickness of the material behind the face.
         thickness: f64,
-        /// The face belongs to a part that must turn to be ground.
+        /// The part must rotate for the face to be ground.
         #[serde(default)]
         turns: bool,
         /// Waviness along X, amplitude.
         #[serde(default)]
         waviness: f64,
     },
-    /// GS: a plane y(x, z), ground by the rim.
+    /// GS: a plane y(x, z) ground by the rim.
     Plane {
         /// From X.
         x_from: f64,
@@ -323,29 +323,29 @@ pub enum SurfaceFile {
         #[serde(default)]
         waviness: f64,
     },
-    /// GS: a wall z(y) of a slot or step along X, ground by the side of the wheel.
+    /// GS: a wall z(y) of a slot or step along X ground by the side of the wheel.
     Wall {
-        /// Which way it looks.
+        /// Direction that it points to.
         looks: Looks,
         /// From X.
         x_from: f64,
         /// To X.
         x_to: f64,
-        /// From Y, its foot.
+        /// From Y, the lower edge.
         y_from: f64,
-        /// To Y, its edge.
+        /// To Y, the upper edge.
         y_to: f64,
         /// Stock at Z, mean.
         stock: f64,
         /// Cell size along Y.
         cell: f64,
-        /// How thick the material behind the wall is.
+        /// Thickness of the material behind the wall.
         thickness: f64,
         /// Waviness along Y, amplitude.
         #[serde(default)]
         waviness: f64,
     },
-    /// GA: a face z(r) on the table that turns, ground by the rim.
+    /// GA: a face z(r) on the rotary table ground by the rim.
     Disc {
         /// From radius.
         x_from: f64,
@@ -365,27 +365,27 @@ pub enum SurfaceFile {
 }
 
 impl PartFile {
-    /// The part that comes with a program.
+    /// The built-in part of a program number.
     ///
     /// # Errors
-    /// The file built in is wrong, which a test excludes.
+    /// The built-in file is wrong, which a test excludes.
     pub fn builtin(number: u32) -> Result<Option<Self>, SimFileError> {
         BUILTIN.iter().find(|(name, _)| program::number(name) == number).map(|(_, text)| Self::parse(text)).transpose()
     }
 
-    /// The part that comes with a program of a name, without its extension, in either case.
+    /// The built-in part of a program name (without extension, upper or lower case).
     ///
     /// # Errors
-    /// The file built in is wrong, which a test excludes.
+    /// The built-in file is wrong, which a test excludes.
     pub fn builtin_named(name: &str) -> Result<Option<Self>, SimFileError> {
         let found = NAMED.iter().find(|(known, _)| known.eq_ignore_ascii_case(name));
         found.map(|(_, text)| Self::parse(text)).transpose()
     }
 
-    /// Reads a part file.
+    /// Parses a part file.
     ///
     /// # Errors
-    /// The form with line and column, or the first value that makes no sense.
+    /// The syntax error with line and column, or the first invalid value.
     pub fn parse(text: &str) -> Result<Self, SimFileError> {
         let file: Self = ron::from_str(text)?;
         for (i, surface) in file.surfaces.iter().enumerate() {
@@ -413,7 +413,7 @@ impl PartFile {
 }
 
 impl SurfaceFile {
-    /// What a machine must be able to grind for it.
+    /// The form that the machine must be able to grind.
     const fn form(&self) -> Form {
         match self {
             Self::Diameter { .. } | Self::Cone { .. } | Self::Face { .. } => Form::Outside,
@@ -424,7 +424,7 @@ impl SurfaceFile {
     }
 
     fn check(&self, number: usize) -> Result<(), SimFileError> {
-        // How many cells go from the one end to the other, in each direction.
+        // The lengths give the number of cells in each direction.
         let (cell, stock, lengths) = match *self {
             Self::Diameter { z_from, z_to, cell, stock, .. } => (cell, stock, [z_to - z_from, cell]),
             Self::Cone { z_from, z_to, cell, stock_from, stock_to, .. } => {

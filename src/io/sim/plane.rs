@@ -1,10 +1,10 @@
-//! A plane y(x, z) on the magnet, ground by the rim of a wheel whose axis lies along Z while the table draws it past
-//! along X (P4, P5). The contact law stands in `surface`.
+//! A plane y(x, z) on the magnet, ground by the rim of a wheel whose axis is along Z while the table strokes along
+//! X (P4, P5). The contact law is in `surface`.
 //!
-//! Over a cell at the distance d along X the rim stands d²/2R higher than its lowest point (to the exact circle), but
-//! within half the length of contact, where wheel and part give way to each other, it lies flat. In a tick the wheel
-//! sweeps from where it was to where it is: a cell sees the nearest it came, and counts the way that lay within the
-//! contact. So a pass over the whole length of contact c leaves exp(−c/λ) of the overlap, whatever the speed and the tick.
+//! Over a cell at the distance d along X the rim is about d²/2R above its lowest point (the code uses the exact
+//! circle). Within half the contact length it is flat, because wheel and part deform. In a tick the wheel sweeps an
+//! interval of X. A cell is cut at the closest approach and counts the sweep length within the contact. A pass over the
+//! whole contact length c leaves exp(−c/λ) of the overlap, at any speed and tick time.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -15,27 +15,27 @@ use super::surface::{Cut, Pass, taken};
 use super::wheel::Wheel;
 use crate::io::random::SplitMix64;
 
-/// Wavelengths of the waviness, mm, along X and along Z.
+/// Wavelengths of the waviness along X and along Z, mm.
 const WAVES_MM: (f64, f64) = (23.0, 17.0);
 
-/// A field of cells.
+/// A two-dimensional field of cells.
 #[derive(Clone, Debug)]
 pub(super) struct Plane {
     x: Row,
     z: Row,
-    /// Heights, columns along Z one after the other along X.
+    /// Heights in columns along Z, ordered along X.
     height_mm: Box<[f64]>,
-    /// No cell stands higher.
+    /// Height of the highest cell.
     highest_mm: f64,
-    /// No cell of the column stands higher, so that the cells of those far below are not looked at.
+    /// Height of the highest cell of each column; columns below the wheel are skipped.
     column_mm: Box<[f64]>,
-    /// How far the rim stands back over each row, in this tick; only the rows under the wheel are up to date.
+    /// Wear of the rim over each row in this tick; valid only for the rows under the wheel.
     rim_mm: Box<[f64]>,
-    /// What each row has given in this tick, mm of depth.
+    /// Depth removed from each row in this tick, mm.
     gave_mm: Box<[f64]>,
 }
 
-/// Cells one after the other in one direction.
+/// Cells along one direction.
 #[derive(Clone, Copy, Debug)]
 struct Row {
     from_mm: f64,
@@ -57,14 +57,14 @@ impl Row {
         self.cell_mm * self.count as f64
     }
 
-    /// The cells whose middles lie from one place to below another.
+    /// The cells whose centres lie from `from_mm` to below `to_mm`.
     fn cells(self, from_mm: f64, to_mm: f64) -> Range<usize> {
         let cell =
             |place: f64| (((place - self.from_mm) / self.cell_mm - 0.5).ceil().max(0.0) as usize).min(self.count);
         cell(from_mm)..cell(to_mm)
     }
 
-    /// The two cells around a place and the share of the second; `None` beside the row.
+    /// The two cells next to a position and the weight of the second; `None` outside the row.
     fn around(self, place_mm: f64) -> Option<(usize, usize, f64)> {
         let cells = (place_mm - self.from_mm) / self.cell_mm;
         if !(0.0..=self.count as f64).contains(&cells) {
@@ -78,7 +78,7 @@ impl Row {
 }
 
 impl Plane {
-    /// The plane before grinding; its waviness begins by chance. `None` if the file describes something else.
+    /// The plane before grinding; the phase of its waviness is random. `None` if the file describes something else.
     pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
         let SurfaceFile::Plane { x_from, x_to, z_from, z_to, stock, cell, waviness } = *file else { return None };
         let (x, z) = (Row::new(x_from, x_to, cell), Row::new(z_from, z_to, cell));
@@ -97,12 +97,12 @@ impl Plane {
         Some(Self { x, z, height_mm, highest_mm, column_mm, rim_mm: row.clone(), gave_mm: row })
     }
 
-    /// No cell stands higher, mm.
+    /// Height of the highest cell, mm.
     pub(super) const fn highest_mm(&self) -> f64 {
         self.highest_mm
     }
 
-    /// The cells that the wheel may touch in this tick, along X and along Z.
+    /// The ranges of cells along X and Z that the wheel may touch in this tick.
     fn under(&self, pass: &Pass, wheel: &Wheel) -> (Range<usize>, Range<usize>) {
         let half = 0.5 * pass.traverse.contact_mm + wheel.half_chord_mm(self.highest_mm - pass.front_mm);
         let (least, most) = pass.sweep_mm();
@@ -111,8 +111,8 @@ impl Plane {
         (x, z)
     }
 
-    /// How much higher than at its lowest point the rim came over a column in this tick, and which way of the sweep lay
-    /// within the length of contact, both mm.
+    /// Over a column in this tick, both mm: least height of the rim above its lowest point, and the length of the sweep
+    /// within the contact.
     fn met(&self, x: usize, pass: &Pass, wheel: &Wheel) -> (f64, f64) {
         let (middle, flat, (least, most)) = (self.x.middle(x), 0.5 * pass.traverse.contact_mm, pass.sweep_mm());
         let off = ((least - middle).max(middle - most) - flat).max(0.0);
@@ -122,7 +122,7 @@ impl Plane {
         (lift, way.max(0.0))
     }
 
-    /// Greatest overlap with the wheel, mm; zero or less is none.
+    /// Greatest overlap with the wheel, mm; zero without contact.
     pub(super) fn overlap_mm(&mut self, pass: &Pass, wheel: &Wheel) -> f64 {
         if pass.front_mm >= self.highest_mm {
             return 0.0;
@@ -148,7 +148,7 @@ impl Plane {
         greatest
     }
 
-    /// Grinds what overlaps for one tick; the overlap was asked for before.
+    /// Grinds the overlap for one tick. Call `overlap_mm` first: it updates `rim_mm`.
     pub(super) fn grind(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
         let tau = wheel.rim_s();
         let slower = wheel.slower(tau);
@@ -180,7 +180,7 @@ impl Plane {
         Cut { volume_mm3: volume, specific_mm2: if widest > 0 { volume / width } else { 0.0 } }
     }
 
-    /// Takes a share of what stands above the wheel's surface in a column; tells how many cells that were.
+    /// Removes a share of the overlap in a column; returns the number of cells touched.
     fn grind_column(&mut self, x: usize, zs: &Range<usize>, surface: f64, taken: f64) -> usize {
         let column = &mut self.height_mm[x * self.z.count..][..self.z.count];
         let (rims, gave) = (&self.rim_mm[zs.clone()], &mut self.gave_mm[zs.clone()]);
@@ -197,7 +197,7 @@ impl Plane {
         touched
     }
 
-    /// Height at a place, between the middles of the cells; `None` beside the plane.
+    /// Height at a position, interpolated between the cell centres, mm; `None` outside the plane.
     pub(super) fn height_at(&self, x: f64, z: f64) -> Option<f64> {
         let ((xa, xb, xs), (za, zb, zs)) = (self.x.around(x)?, self.z.around(z)?);
         let across = |x: usize| {
@@ -207,7 +207,7 @@ impl Plane {
         Some(across(xa) * (1.0 - xs) + across(xb) * xs)
     }
 
-    /// Adds what the report wants of this plane: five places along X by three along Z.
+    /// Adds the heights of this plane to the report: five positions along X by three along Z.
     pub(super) fn report(&self, report: &mut PartReport) {
         let place = |row: Row, tenths: f64| row.from_mm + row.length_mm() * tenths / 10.0;
         for z in [1.0, 5.0, 9.0].map(|tenths| place(self.z, tenths)) {

@@ -1,8 +1,8 @@
-//! Surfaces that are a line of heights: a diameter or cone r(z), the same as a bore, a face z(r) that the wheel's side grinds, a wall of a slot, a
-//! face z(r) under the rim on a table that turns (P4, P5). The contact law stands in `surface`.
+//! One-dimensional surfaces: a diameter, cone or bore r(z), a face z(r) ground by the wheel's side, a wall of a slot,
+//! a face z(r) ground by the rim on a rotary table (P4, P5). The contact law is in `surface`.
 //!
-//! Runout: h is the highest place over a turn, `floor` the lowest before grinding; between them only half the turn
-//! is touched. What is measured is the mean of h and min(h, floor).
+//! Runout: h is the highest point over a revolution, `floor` the lowest before grinding. Above `floor` only half of the
+//! revolution is in contact. The measured height is the mean of h and min(h, floor).
 
 use std::f64::consts::PI;
 
@@ -22,7 +22,7 @@ pub(super) struct Profile {
     /// Height along the normal: radius of a diameter, minus that of a bore, ±Z of a face, Z of a disc.
     height_mm: Box<[f64]>,
     floor_mm: Box<[f64]>,
-    /// No cell stands higher.
+    /// Height of the highest cell.
     highest_mm: f64,
     from_mm: f64,
     cell_mm: f64,
@@ -30,24 +30,24 @@ pub(super) struct Profile {
 
 #[derive(Clone, Copy, Debug)]
 enum Shape {
-    /// Cells along the wheel's axis, around the part's.
+    /// Outer diameter: cells along the wheel's axis.
     Diameter,
-    /// The same inside: the height is minus the radius. The part is so thick around it, mm.
+    /// Bore: the height is minus the radius; thickness of the material around it, mm.
     Bore { thickness_mm: f64 },
     /// Cells along the infeed, ground by a side of the wheel.
     Face { side: Side, width_mm: f64, thickness_mm: f64, turns: bool, wall: Option<Wall> },
-    /// Cells along the radius of a table that turns under the rim.
+    /// Cells along the radius of a rotary table, ground by the rim.
     Disc,
 }
 
-/// Where a face that does not turn lies along the stroke.
+/// Extent along the stroke of a face that does not rotate.
 #[derive(Clone, Copy, Debug)]
 struct Wall {
     from_mm: f64,
     to_mm: f64,
 }
 
-/// What the forms of a part file have in common.
+/// Values common to the one-dimensional surfaces of a part file.
 struct Line {
     from: f64,
     to: f64,
@@ -55,7 +55,7 @@ struct Line {
     /// +1 or −1: height = normal · stock.
     normal: f64,
     stock: f64,
-    /// How much higher the other end stands.
+    /// Height of the other end above the first.
     rise: f64,
     waviness: f64,
     runout: f64,
@@ -69,7 +69,7 @@ const fn side_of(looks: Looks) -> (Side, f64) {
     }
 }
 
-/// The line of cells of a surface; `None` for a plane, which is a field of them.
+/// The common values of a surface; `None` for a plane.
 fn line(file: &SurfaceFile) -> Option<Line> {
     match *file {
         SurfaceFile::Diameter { z_from, z_to, stock, cell, runout, waviness } => {
@@ -116,7 +116,7 @@ fn line(file: &SurfaceFile) -> Option<Line> {
 }
 
 impl Profile {
-    /// The surface before grinding; its waviness begins by chance. `None` if the file describes a plane.
+    /// The surface before grinding; the phase of its waviness is random. `None` if the file describes a plane.
     pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
         let Line { from, to, cell, normal, stock, rise, waviness, runout, shape } = line(file)?;
         let count = ((to - from) / cell).round().max(1.0) as usize;
@@ -135,7 +135,7 @@ impl Profile {
         })
     }
 
-    /// Whether the part must turn for this surface to be ground.
+    /// Whether the part must rotate for this surface to be ground.
     pub(super) const fn turns(&self) -> bool {
         match self.shape {
             Shape::Diameter | Shape::Bore { .. } | Shape::Disc => true,
@@ -143,7 +143,7 @@ impl Profile {
         }
     }
 
-    /// What is told of a part that should turn and stands.
+    /// Event text for a part that is stopped but should rotate.
     pub(super) const fn stands(&self) -> &'static str {
         match self.shape {
             Shape::Diameter | Shape::Face { .. } => "part, workhead standing",
@@ -151,7 +151,7 @@ impl Profile {
         }
     }
 
-    /// Place along the infeed from which the wheel can touch it, mm.
+    /// Position along the infeed below which the wheel can touch the surface, mm.
     pub(super) fn reach_mm(&self) -> f64 {
         match self.shape {
             Shape::Diameter | Shape::Disc => self.highest_mm,
@@ -164,20 +164,20 @@ impl Profile {
         self.from_mm + (cell as f64 + 0.5) * self.cell_mm
     }
 
-    /// First cell whose middle lies at or beyond a place.
+    /// First cell whose centre lies at or beyond a position.
     fn cell_from(&self, place_mm: f64) -> usize {
         let cell = ((place_mm - self.from_mm) / self.cell_mm - 0.5).ceil();
-        // Negative places are the first cell, those beyond the end none.
+        // Positions before the first cell give the first cell, positions beyond the end none.
         (cell.max(0.0) as usize).min(self.height_mm.len())
     }
 
-    /// Radius of the material around a bore, mm.
+    /// Outer radius of the material around a bore, mm.
     fn outside_mm(&self, thickness_mm: f64) -> f64 {
         let widest = self.height_mm.iter().copied().fold(f64::INFINITY, f64::min);
         thickness_mm - widest
     }
 
-    /// Where the rim stands over a cell, along the normal, before its wear.
+    /// Unworn rim over a cell, along the normal, mm.
     fn rim_over(&self, cell: usize, surface: f64, pass: &Pass) -> f64 {
         let back = pass.lean * (self.middle(cell) - pass.left_mm);
         match self.shape {
@@ -186,7 +186,7 @@ impl Profile {
         }
     }
 
-    /// The cells under the wheel and the wheel's surface along the normal.
+    /// The cells under the wheel, and the wheel's surface along the normal, mm.
     fn under(&self, pass: &Pass, wheel: &Wheel) -> (std::ops::Range<usize>, f64) {
         match self.shape {
             Shape::Diameter => {
@@ -195,11 +195,11 @@ impl Profile {
             }
             Shape::Bore { .. } => {
                 let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
-                // The wheel's middle stands off the part's axis; the farther rim meets the bore.
+                // The wheel's centre is off the part's axis; the rim on the far side touches the bore.
                 (cells, -(pass.front_mm + wheel.radius_mm()).abs() - wheel.radius_mm())
             }
             Shape::Disc => {
-                // Beyond the table's middle the wheel covers the radii on its other side.
+                // Beyond the table's centre the wheel covers radii on the other side.
                 let right = pass.left_mm + wheel.width_mm();
                 let (from, to) = if pass.left_mm >= 0.0 {
                     (pass.left_mm, right)
@@ -221,7 +221,7 @@ impl Profile {
         }
     }
 
-    /// The slice of the rim over a cell; of two, on both sides of the table's middle, the one that stands out more.
+    /// The slice of the rim over a cell; of two, on both sides of the table's centre, the less worn one.
     fn slice_over(&self, cell: usize, pass: &Pass, wheel: &Wheel) -> Option<usize> {
         let middle = self.middle(cell);
         let slice = wheel.slice_at(middle - pass.left_mm);
@@ -234,7 +234,7 @@ impl Profile {
         }
     }
 
-    /// Share of a wall's length that the wheel's side covers; 1 for all that is not a wall.
+    /// Share of a wall's length that the wheel's side covers; 1 for other surfaces.
     fn covered(&self, pass: &Pass, wheel: &Wheel) -> f64 {
         let Shape::Face { wall: Some(wall), .. } = self.shape else { return 1.0 };
         let half = wheel.half_chord_mm(self.reach_mm() - pass.front_mm);
@@ -242,10 +242,10 @@ impl Profile {
         (common / (wall.to_mm - wall.from_mm)).max(0.0)
     }
 
-    /// Greatest overlap with the wheel, mm; zero or less is none.
+    /// Greatest overlap with the wheel, mm; zero without contact.
     pub(super) fn overlap_mm(&self, pass: &Pass, wheel: &Wheel) -> f64 {
         let quick = match self.shape {
-            // Leaning or not, no slice of the rim stands further out.
+            // Limit of the rim, swivelled or not: no slice reaches further.
             Shape::Diameter | Shape::Disc => pass.front_mm - pass.lean.max(0.0) * wheel.width_mm(),
             Shape::Bore { thickness_mm } if pass.front_mm >= self.outside_mm(thickness_mm) => return 0.0,
             Shape::Bore { .. } => self.under(pass, wheel).1 + pass.lean.min(0.0) * wheel.width_mm(),
@@ -277,7 +277,7 @@ impl Profile {
         greatest
     }
 
-    /// Grinds what overlaps for one tick.
+    /// Grinds the overlap for one tick.
     pub(super) fn grind(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
         match self.shape {
             Shape::Diameter | Shape::Bore { .. } | Shape::Disc => self.grind_round(pass, wheel),
@@ -285,7 +285,7 @@ impl Profile {
         }
     }
 
-    /// Under the rim, with the part turning.
+    /// Grinds a rotating part with the rim.
     fn grind_round(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
         let tau = wheel.rim_s();
         let lambda = pass.traverse.across_mm * wheel.slower(tau);
@@ -311,7 +311,7 @@ impl Profile {
         Cut { volume_mm3: volume, specific_mm2: if touched > 0.0 { volume / touched } else { 0.0 } }
     }
 
-    /// Beside the wheel. A wall is passed over by the stroke as well as by the infeed.
+    /// Grinds a face with the side of the wheel. Stroke and infeed both traverse a wall.
     fn grind_face(&mut self, pass: &Pass, wheel: &mut Wheel, side: Side, (width_mm, turns): (f64, bool)) -> Cut {
         let tau = wheel.side_s(side);
         let lambda = pass.traverse.face_mm * wheel.slower(tau);
@@ -336,7 +336,7 @@ impl Profile {
         Cut { volume_mm3: volume, specific_mm2: volume / contact }
     }
 
-    /// How far a point is inside the surface along its normal, mm; `None` beside or behind it.
+    /// Depth of a point inside the surface along its normal, mm; `None` outside or behind the surface.
     pub(super) fn inside_mm(&self, at: &Pass) -> Option<f64> {
         match self.shape {
             Shape::Diameter => self.between(at.left_mm, |s, cell| s.height_mm[cell] - at.front_mm),
@@ -355,12 +355,12 @@ impl Profile {
         }
     }
 
-    /// Mean height of a cell over a turn.
+    /// Mean height of a cell over a revolution, mm.
     fn mean(&self, cell: usize) -> f64 {
         0.5 * (self.height_mm[cell] + self.height_mm[cell].min(self.floor_mm[cell]))
     }
 
-    /// Mean diameter at a place along Z, between the middles of the cells; `None` beside the surface.
+    /// Mean diameter at Z, interpolated between the cell centres, mm; `None` outside the surface.
     pub(super) fn diameter_at(&self, z: f64) -> Option<f64> {
         match self.shape {
             Shape::Diameter | Shape::Bore { .. } => self.between(z, |s, cell| 2.0 * s.mean(cell).abs()),
@@ -368,8 +368,8 @@ impl Profile {
         }
     }
 
-    /// Z of the face at X – a diameter, on a disc the radius, on a wall the place along the stroke, half its height up –
-    /// for a face that looks as asked; `None` beside the surface.
+    /// Z of the face at X, of the given direction if one is given; `None` outside the surface. X is a diameter, on a
+    /// disc the radius, on a wall the position along the stroke (measured at half its height).
     pub(super) fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
         let (side, wall) = match self.shape {
             Shape::Diameter | Shape::Bore { .. } => return None,
@@ -391,7 +391,7 @@ impl Profile {
         self.between(place, |s, cell| normal * s.height_mm[cell])
     }
 
-    /// Mean height of a disc at a radius, either side of the middle; `None` beside it.
+    /// Mean height of a disc at a radius on either side of the centre, mm; `None` outside the disc.
     pub(super) fn height_at(&self, x: f64) -> Option<f64> {
         match self.shape {
             Shape::Disc => self.between(x.abs(), Self::mean),
@@ -415,7 +415,7 @@ impl Profile {
         Some(value(self, a) * (1.0 - part) + value(self, b) * part)
     }
 
-    /// Adds what the report wants of this surface.
+    /// Adds the measurements of this surface to the report.
     pub(super) fn report(&self, report: &mut PartReport) {
         let place = |tenths: f64| self.from_mm + self.length_mm() * tenths / 10.0;
         let thirds = [1.0, 5.0, 9.0];

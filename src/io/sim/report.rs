@@ -1,39 +1,39 @@
-//! What the simulated machine tells afterwards: events and the measured part (P5, P8, tools.md run report).
+//! Results of the simulated machine: events and the measured part (P5, P8, tools.md run report).
 
 use serde::Serialize;
 
 use crate::units::{Axis, PerAxis};
 
-/// Most events kept; the rest is only counted.
+/// Greatest number of stored events; further ones are only counted.
 const EVENT_LIMIT: usize = 256;
-/// A crash is left once a slide stands farther off than it can tremble, mm.
+/// A crash ends once a slide is this far away, mm: more than its position noise.
 const LEFT_MM: f64 = 0.05;
 
-/// What happened.
+/// Kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EventKind {
-    /// Something hit something at speed; the machine has stopped.
+    /// Collision; the drives have tripped.
     Crash,
-    /// Too much removed at once: the part is burnt there.
+    /// The specific removal rate was too high: the part is burnt.
     Burn,
-    /// The wheel cut into a part that did not turn: there is a flat on it.
+    /// The wheel cut a flat into a part that did not rotate.
     Flat,
-    /// The wheel turned faster than it is made for.
+    /// The wheel exceeded its rated speed.
     Overspeed,
 }
 
 impl EventKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 4] = [Self::Crash, Self::Burn, Self::Flat, Self::Overspeed];
 
-    /// The kind of a word.
+    /// The kind with an id.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.id() == id)
     }
 
-    /// The word of stories.
+    /// The id used in stories.
     #[must_use]
     pub const fn id(self) -> &'static str {
         match self {
@@ -45,56 +45,56 @@ impl EventKind {
     }
 }
 
-/// One thing that happened.
+/// One event.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Event {
-    /// What.
+    /// Kind.
     pub kind: EventKind,
-    /// When, seconds of simulated time.
+    /// Simulated time, s.
     pub seconds: f64,
-    /// On what.
+    /// What was hit or affected.
     pub place: &'static str,
-    /// Wheel's reference point at that moment, part coordinates; a diameter where X is the infeed.
+    /// X of the wheel's reference point, part coordinates, mm; a diameter where X is the infeed.
     pub x: f64,
-    /// The same, Y, where the wheel's place depends on it.
+    /// Y of it, mm, where Y is infeed or stroke.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub y: Option<f64>,
-    /// The same, Z.
+    /// Z of it, mm.
     pub z: f64,
-    /// Speed of the axes together, mm/min.
+    /// Resulting speed of all axes, mm/min.
     pub speed: f64,
     /// Peripheral speed of the wheel, m/s.
     pub wheel_m_s: f64,
 }
 
-/// The course of events, of bounded length.
+/// The event log, of limited length.
 #[derive(Clone, Debug)]
 pub(super) struct EventLog {
     events: Vec<Event>,
     lost: u64,
-    /// Where the slides stand.
+    /// Present positions of the slides.
     slide_mm: PerAxis<f64>,
-    /// What has crashed and has not been left since.
+    /// Crashes whose contact has not ended.
     crashed: Vec<Crashed>,
 }
 
-/// A crash that lasts.
+/// A crash still in contact.
 #[derive(Clone, Copy, Debug)]
 struct Crashed {
     place: &'static str,
-    /// Where the slides stood when it was met last.
+    /// Positions of the slides at the last contact.
     slide_mm: PerAxis<f64>,
-    /// It was met in the step before.
+    /// There was contact in the last step.
     met: bool,
 }
 
 impl EventLog {
-    /// An empty log with its room.
+    /// An empty log with its memory allocated.
     pub(super) fn new() -> Self {
         Self { events: Vec::with_capacity(EVENT_LIMIT), lost: 0, slide_mm: PerAxis::default(), crashed: Vec::new() }
     }
 
-    /// The slides stand here now; a crash that they have left by more than a tremble is over.
+    /// Takes over the slide positions and ends the crashes that the slides have left.
     pub(super) fn stand(&mut self, slide_mm: PerAxis<f64>) {
         self.slide_mm = slide_mm;
         self.crashed.retain_mut(|crashed| {
@@ -103,12 +103,12 @@ impl EventLog {
         });
     }
 
-    /// Another part: what it meets is new.
+    /// Ends all crashes for a new part.
     pub(super) fn begin_part(&mut self) {
         self.crashed.clear();
     }
 
-    /// Notes an event; beyond the limit it is only counted. False: the same crash still, told already.
+    /// Logs an event; beyond the limit it is only counted. False if it is the same crash, already logged.
     pub(super) fn push(&mut self, event: Event) -> bool {
         if event.kind == EventKind::Crash {
             let slide_mm = self.slide_mm;
@@ -142,7 +142,7 @@ impl EventLog {
 /// A measured diameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DiameterAt {
-    /// Where, Z.
+    /// Z of the measurement.
     pub z: f64,
     /// Diameter.
     pub d: f64,
@@ -151,30 +151,30 @@ pub struct DiameterAt {
 /// A measured face.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FaceAt {
-    /// Where: a diameter on GC, on GA the radius, on GS (the wall of a slot) the place along X.
+    /// X of the measurement: a diameter on GC, the radius on GA, the position along X on GS (the wall of a slot).
     pub x: f64,
-    /// Z of the face; on GA that is the part's height.
+    /// Z of the face; on GA the height of the part.
     pub z: f64,
 }
 
 /// A measured height of a plane (GS).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HeightAt {
-    /// Where, X.
+    /// X of the measurement.
     pub x: f64,
-    /// Where, Z.
+    /// Z of the measurement.
     pub z: f64,
     /// Height.
     pub y: f64,
 }
 
-/// The measured workpiece, part coordinates, mm.
+/// The measurements of the workpiece, part coordinates, mm.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PartReport {
-    /// Diameters, five to a surface.
+    /// Diameters: five per surface, on a bar one every 5 mm.
     pub diameters: Vec<DiameterAt>,
-    /// Faces, three places to a face, one to a wall.
+    /// Faces: three positions per face or disc, one per wall.
     pub faces: Vec<FaceAt>,
-    /// Heights of planes, fifteen to a plane; none on GC and GA.
+    /// Heights of planes: fifteen per plane; none on GC and GA.
     pub heights: Vec<HeightAt>,
 }

@@ -1,5 +1,5 @@
-//! What differs from one machine, wheel and stroke to the next: drawn from the seed, its figures are the machine file's
-//! (P8). The same seed gives the same machine.
+//! Random variation between machines, wheels and strokes, drawn from the seed; the machine file sets its size (P8).
+//! The same seed gives the same machine.
 
 use std::f64::consts::TAU;
 
@@ -8,17 +8,17 @@ use super::machine_rows::ScatterFile;
 use crate::io::random::SplitMix64;
 use crate::units::Axis;
 
-/// Keeps this chance apart from that of contacts and parts.
+/// Separates these random numbers from those of contacts and parts.
 const APART: u64 = 0x5CA7_7E12;
-/// Wavelength of a screw's error, mm: some turns of it.
+/// Wavelength of a leadscrew's error, mm: several revolutions.
 const SCREW_WAVE_MM: f64 = 70.0;
 
-/// From −1 to 1.
+/// Uniformly distributed from −1 to 1.
 fn either_way(chance: &mut SplitMix64) -> f64 {
     2.0 * chance.unit() - 1.0
 }
 
-/// What a slide is off its place.
+/// Random position error of a slide.
 #[derive(Clone, Debug)]
 pub(super) struct SlideScatter {
     screw_mm: f64,
@@ -37,14 +37,14 @@ impl SlideScatter {
         }
     }
 
-    /// How far off a slide stands at a place, in this tick, mm.
+    /// Position error of the slide at a position in this tick, mm.
     pub(super) fn off_mm(&mut self, place_mm: f64) -> f64 {
         let screw = self.screw_mm * (TAU * (place_mm / SCREW_WAVE_MM + self.phase)).sin();
         screw + self.servo_mm * either_way(&mut self.chance)
     }
 }
 
-/// Where the diamond cuts in a stroke.
+/// Random depth of the diamond in each stroke.
 #[derive(Clone, Debug)]
 pub(super) struct DiamondScatter {
     most_mm: f64,
@@ -53,19 +53,19 @@ pub(super) struct DiamondScatter {
 }
 
 impl DiamondScatter {
-    /// Another stroke.
+    /// Draws the depth of the next stroke.
     pub(super) fn next_stroke(&mut self) {
         self.now_mm = self.most_mm * either_way(&mut self.chance);
     }
 
-    /// How much deeper than set it cuts in this stroke, mm.
+    /// Extra depth of cut in this stroke, mm.
     pub(super) const fn deeper_mm(&self) -> f64 {
         self.now_mm
     }
 }
 
 impl SimulatedMachine {
-    /// Draws what differs from the file; nothing if the file has no scatter.
+    /// Draws the deviations from the machine file; none if the file has no scatter.
     pub(super) fn scatter(&mut self, seed: u64) {
         let Some(file) = self.file.scatter else { return };
         let chance = &mut SplitMix64::new(seed ^ APART);

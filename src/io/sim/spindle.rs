@@ -1,11 +1,10 @@
-//! All that turns: wheel, workhead or table, dressing roll, second spindle; speeds that climb and fall at a steady rate
-//! (P2).
+//! Spindles: wheel, workhead or table, dressing roll, second spindle. Speeds rise and fall at constant rates (P2).
 
 use super::machine_file::MachineFile;
 use super::machine_rows::{DriveFile, RollFile, SecondSpindleFile, WheelFile};
 use crate::defs::signal::{Output, OutputSet};
 
-/// Below this an analog output carries no speed, V: the motor then runs at its fixed speed.
+/// Below this an analog output commands no speed, V: the motor then runs at its fixed speed.
 const NO_VOLTS: f64 = 0.05;
 /// Full scale of an analog output, V.
 const FULL_VOLTS: f64 = 10.0;
@@ -14,14 +13,14 @@ const FULL_VOLTS: f64 = 10.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spindle {
     rpm: f64,
-    /// Last speed asked for that was not zero.
+    /// Last commanded speed above zero, rpm.
     asked_rpm: f64,
     rise_rpm_s: f64,
     fall_rpm_s: f64,
 }
 
 impl Spindle {
-    /// The wheel: run-up under power, coast-down without.
+    /// The wheel: runs up under power and coasts down without brake.
     pub(super) fn wheel(file: &WheelFile) -> Self {
         Self {
             rpm: 0.0,
@@ -31,13 +30,13 @@ impl Spindle {
         }
     }
 
-    /// Workhead, table or roll: braked as fast as it starts.
+    /// Workhead, table or roll: decelerates as fast as it accelerates.
     pub(super) fn driven(file: &DriveFile) -> Self {
         let rate = file.high_rpm / file.run_up_s;
         Self { rpm: 0.0, asked_rpm: file.high_rpm, rise_rpm_s: rate, fall_rpm_s: rate }
     }
 
-    /// Moves the speed towards `target_rpm`; zero is off.
+    /// Moves the speed towards `target_rpm` for one tick; zero is off.
     pub(super) fn step(&mut self, target_rpm: f64, dt_s: f64) {
         if target_rpm > 0.0 {
             self.asked_rpm = target_rpm;
@@ -54,14 +53,14 @@ impl Spindle {
         self.rpm
     }
 
-    /// Fast enough to cut: at least half of the speed last asked for.
+    /// Whether it is fast enough to cut: at least half of the last commanded speed.
     pub(super) fn cuts(&self) -> bool {
         self.rpm >= 0.5 * self.asked_rpm
     }
 }
 
-/// Speed asked of the wheel. DECISION: switched on without a voltage it runs at mains speed, as a wheel motor on its
-/// contactor does; a program that never says S still grinds.
+/// Commanded wheel speed, rpm. DECISION: switched on without a voltage the wheel runs at mains speed, as a motor on a
+/// contactor does; a program without S still grinds.
 pub(super) fn wheel_target(file: &WheelFile, on: bool, volts: f64) -> f64 {
     match (on, volts > NO_VOLTS) {
         (false, _) => 0.0,
@@ -70,7 +69,7 @@ pub(super) fn wheel_target(file: &WheelFile, on: bool, volts: f64) -> f64 {
     }
 }
 
-/// Speed asked of workhead, table or roll; high wins over low, a voltage over both fixed speeds.
+/// Commanded speed of workhead, table or roll, rpm. High has priority over low, a voltage over both fixed speeds.
 pub(super) fn drive_target(file: &DriveFile, high: bool, low: bool, volts: f64) -> f64 {
     match (high || low, volts > NO_VOLTS) {
         (false, _) => 0.0,
@@ -80,16 +79,16 @@ pub(super) fn drive_target(file: &DriveFile, high: bool, low: bool, volts: f64) 
     }
 }
 
-/// A spindle with one speed and two ways.
+/// A spindle with one speed and two directions.
 #[derive(Clone, Debug)]
 pub(super) struct SecondSpindle {
     file: SecondSpindleFile,
-    /// Speed now, clockwise positive.
+    /// Present speed, rpm, clockwise positive.
     rpm: f64,
 }
 
 impl SecondSpindle {
-    /// DECISION: with both ways asked for it stops, as contactors that lock each other out would have it.
+    /// DECISION: with both directions commanded it stops, as with interlocked contactors.
     fn step(&mut self, clockwise: bool, counter: bool, dt_s: f64) {
         let target = match (clockwise, counter) {
             (true, false) => self.file.rpm,
@@ -101,7 +100,7 @@ impl SecondSpindle {
     }
 }
 
-/// All that turns on one machine.
+/// The spindles of a grinder.
 #[derive(Clone, Debug)]
 pub(super) struct Spindles {
     pub(super) wheel: Spindle,
@@ -123,7 +122,7 @@ impl Spindles {
         }
     }
 
-    /// One tick under the outputs; `volts` are those of the wheel and of the second analog output.
+    /// One tick under the outputs; `volts` are the first (wheel) and the second analog output.
     pub(super) fn step(&mut self, file: &MachineFile, on: OutputSet, volts: (f64, f64), dt_s: f64) {
         self.wheel.step(wheel_target(&file.wheel, on.has(Output::Wheel), volts.0), dt_s);
         if let (Some(spindle), Some(drive)) = (&mut self.workhead, &file.workhead) {
@@ -144,7 +143,7 @@ impl Spindles {
         self.workhead.map_or(0.0, |spindle| spindle.rpm())
     }
 
-    /// Speed of the table, rpm; zero where it does not turn.
+    /// Speed of the rotary table, rpm; zero where there is none.
     pub(super) fn table_rpm(&self) -> f64 {
         self.table.map_or(0.0, |spindle| spindle.rpm())
     }
@@ -159,7 +158,7 @@ impl Spindles {
         self.second.rpm
     }
 
-    /// Speed of the part, however it is turned.
+    /// Speed of the part, rpm, on workhead or table.
     pub(super) fn part_rpm(&self) -> f64 {
         self.workhead_rpm().max(self.table_rpm())
     }

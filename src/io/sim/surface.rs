@@ -1,19 +1,19 @@
-//! The surfaces of the part as height fields, and how the wheel wears them down (P4, P5). Lines of heights stand in
-//! `profile`, planes in `plane`.
+//! The surfaces of the part as height fields, and the contact law that removes stock (P4, P5). `profile` holds the
+//! one-dimensional surfaces, `plane` the two-dimensional ones.
 //!
-//! Contact law. A cell of the surface stands at the height h along its normal, the wheel's own surface over it at p.
-//! Their overlap o = h − p is what the infeed has asked for and the contact has not yet given: o = infeed − d. P5
-//! says ḋ = (infeed − d)/τ, so ȯ = ḟ − o/τ with the feed ḟ, and over a tick of dt
+//! Contact law. A cell of the surface has the height h along its normal; the wheel's surface over it is at p.
+//! The overlap o = h − p is the infeed not yet removed: o = infeed − d, with d the depth removed. P5 gives
+//! ḋ = (infeed − d)/τ, so ȯ = ḟ − o/τ with the feed ḟ, and over a tick of dt
 //!
 //!   o ← o · exp(−dt · (1/τ + |v|/λ)),   h ← p + o.
 //!
-//! The first term is the plunge: at the feed f the size lags by f·τ, and sparks out with τ. The second is the
-//! traverse: when the wheel is drawn along the surface at the speed v, ever new grains of its corner pass over the
-//! cell, and a cell that was passed over on the length n·λ keeps exp(−n) of its overlap, however fast the pass.
-//! λ is `traverse_face_mm` across a face (the corner does the work, so a stroke with a few millimetres of overrun
-//! leaves little), `traverse_cylinder_mm` along the wheel's own axis, `traverse_plane_mm` under a plane's stroke; it
-//! grows with τ as the wheel gets dull.
-//! Removed volume wears the wheel (`wheel.rs`), loads its motor and, per width of contact, may burn the part.
+//! The first term is the plunge: at the feed rate f the size lags by f·τ, and spark-out decays with τ. The second is
+//! the traverse: the wheel moves along the surface at the speed v, and a cell passed over for the length n·λ keeps
+//! exp(−n) of its overlap, at any speed.
+//! λ is `traverse_face_mm` across a face (the wheel corner cuts, so a stroke with a few millimetres of overrun
+//! leaves little), `traverse_cylinder_mm` along the wheel's axis, `traverse_plane_mm` along the stroke over a plane.
+//! λ grows with τ as the wheel gets dull.
+//! The removed volume wears the wheel (`wheel.rs`), loads its motor and, per width of contact, may burn the part.
 
 use super::part_file::{Looks, SurfaceFile};
 use super::plane::Plane;
@@ -22,35 +22,35 @@ use super::report::PartReport;
 use super::wheel::Wheel;
 use crate::io::random::SplitMix64;
 
-/// Where the wheel is and how it moves in this tick, part coordinates, radius.
+/// Position and motion of the wheel in this tick, part coordinates, radius.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Pass {
-    /// Front of a new wheel, along the infeed.
+    /// Front of a new wheel along the infeed.
     pub front_mm: f64,
     /// Left side of a new wheel, along its axis.
     pub left_mm: f64,
-    /// The wheel's middle along the stroke, now and a tick before.
+    /// Centre of the wheel along the stroke, now and one tick ago.
     pub stroke_mm: f64,
     pub stroke_before_mm: f64,
-    /// Speeds without sign: along the infeed, the wheel's axis, the stroke.
+    /// Unsigned speeds along the infeed, the wheel's axis and the stroke.
     pub infeed_mm_s: f64,
     pub across_mm_s: f64,
     pub stroke_mm_s: f64,
     pub dt_s: f64,
-    /// How much the rim goes back towards the infeed's minus side for each millimetre along the wheel's axis: the tangent
-    /// of the swivelled head.
+    /// Tangent of the head's swivel angle: offset of the rim towards the infeed's minus side per millimetre along the
+    /// wheel's axis.
     pub lean: f64,
     pub traverse: Traverse,
 }
 
 impl Pass {
-    /// Where the wheel was along the stroke in this tick, from the least to the greatest place.
+    /// Interval covered along the stroke in this tick, mm: least, greatest.
     pub(super) fn sweep_mm(&self) -> (f64, f64) {
         (self.stroke_mm.min(self.stroke_before_mm), self.stroke_mm.max(self.stroke_before_mm))
     }
 }
 
-/// λ of a sharp wheel, mm.
+/// Lengths λ of a sharp wheel, mm.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Traverse {
     /// Along the wheel's axis.
@@ -59,19 +59,19 @@ pub(super) struct Traverse {
     pub face_mm: f64,
     /// Along the stroke of a plane.
     pub plane_mm: f64,
-    /// Length on which the rim lies flat on a plane.
+    /// Contact length of the rim on a plane.
     pub contact_mm: f64,
 }
 
-/// What came of a cut.
+/// Material removed in one tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Cut {
     pub volume_mm3: f64,
-    /// Volume over the width of contact, mm².
+    /// Volume per width of contact, mm².
     pub specific_mm2: f64,
 }
 
-/// What a surface has told about its present contact.
+/// Events already logged for the present contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Touch {
     pub burnt: bool,
@@ -83,7 +83,7 @@ pub(super) struct Touch {
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
     cells: Cells,
-    /// Contact as it was in the tick before.
+    /// Flags of the present contact.
     pub(super) touch: Touch,
 }
 
@@ -94,14 +94,14 @@ enum Cells {
 }
 
 impl Surface {
-    /// The surface before grinding; its waviness begins by chance.
+    /// The surface before grinding; the phase of its waviness is random.
     pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
         let line = Profile::new(file, chance).map(Cells::Line);
         let cells = line.or_else(|| Plane::new(file, chance).map(Cells::Field))?;
         Some(Self { cells, touch: Touch::default() })
     }
 
-    /// Whether the part must turn for this surface to be ground.
+    /// Whether the part must rotate for this surface to be ground.
     pub(super) const fn turns(&self) -> bool {
         match &self.cells {
             Cells::Line(line) => line.turns(),
@@ -109,7 +109,7 @@ impl Surface {
         }
     }
 
-    /// What is told of a part that should turn and stands.
+    /// Event text for a part that is stopped but should rotate.
     pub(super) const fn stands(&self) -> &'static str {
         match &self.cells {
             Cells::Line(line) => line.stands(),
@@ -117,7 +117,7 @@ impl Surface {
         }
     }
 
-    /// Place along the infeed from which the wheel can touch it, mm.
+    /// Position along the infeed below which the wheel can touch the surface, mm.
     pub(super) fn reach_mm(&self) -> f64 {
         match &self.cells {
             Cells::Line(line) => line.reach_mm(),
@@ -125,7 +125,7 @@ impl Surface {
         }
     }
 
-    /// Greatest overlap with the wheel, mm; zero or less is none.
+    /// Greatest overlap with the wheel, mm; zero without contact.
     pub(super) fn overlap_mm(&mut self, pass: &Pass, wheel: &Wheel) -> f64 {
         match &mut self.cells {
             Cells::Line(line) => line.overlap_mm(pass, wheel),
@@ -133,7 +133,7 @@ impl Surface {
         }
     }
 
-    /// Grinds what overlaps for one tick.
+    /// Grinds the overlap for one tick.
     pub(super) fn grind(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
         match &mut self.cells {
             Cells::Line(line) => line.grind(pass, wheel),
@@ -141,7 +141,7 @@ impl Surface {
         }
     }
 
-    /// How far a point (the wheel's place of `at`) is inside the surface along its normal, mm.
+    /// Depth of a point (the wheel position of `at`) inside the surface along its normal, mm.
     pub(super) fn inside_mm(&self, at: &Pass) -> Option<f64> {
         match &self.cells {
             Cells::Line(line) => line.inside_mm(at),
@@ -149,7 +149,7 @@ impl Surface {
         }
     }
 
-    /// Mean diameter at a place along Z; `None` where no diameter is.
+    /// Mean diameter at Z, mm; `None` if there is no diameter at Z.
     pub(super) fn diameter_at(&self, z: f64) -> Option<f64> {
         match &self.cells {
             Cells::Line(line) => line.diameter_at(z),
@@ -157,7 +157,7 @@ impl Surface {
         }
     }
 
-    /// Z of the face at X, for a face that looks as asked; `None` where no face is.
+    /// Z of the face at X, of the given direction if one is given; `None` if there is no such face.
     pub(super) fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
         match &self.cells {
             Cells::Line(line) => line.face_at(x, looks),
@@ -165,7 +165,7 @@ impl Surface {
         }
     }
 
-    /// Height of a plane at X and Z, or of a disc at the radius X; `None` where neither is.
+    /// Height of a plane at X and Z, or of a disc at the radius X, mm; `None` if there is neither.
     pub(super) fn height_at(&self, x: f64, z: f64) -> Option<f64> {
         match &self.cells {
             Cells::Line(line) => line.height_at(x),
@@ -173,7 +173,7 @@ impl Surface {
         }
     }
 
-    /// Adds what the report wants of this surface.
+    /// Adds the measurements of this surface to the report.
     pub(super) fn report(&self, report: &mut PartReport) {
         match &self.cells {
             Cells::Line(line) => line.report(report),
@@ -182,7 +182,7 @@ impl Surface {
     }
 }
 
-/// Share of the overlap that goes in a tick: 1 − exp(−dt·(1/τ + v/λ)).
+/// Share of the overlap removed in a tick: 1 − exp(−dt·(1/τ + v/λ)).
 pub(super) fn taken(dt_s: f64, tau_s: f64, passes_per_s: f64) -> f64 {
     -(-dt_s * (tau_s.recip() + passes_per_s)).exp_m1()
 }

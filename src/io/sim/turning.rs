@@ -1,7 +1,7 @@
-//! A lathe: the spindle with its encoder, the tool post with its switches, and the bar that a tool cuts (L7, L8, L10).
+//! A lathe: main spindle with encoder, tool turret with station switches, and the bar that a tool cuts (L7, L8, L10).
 //!
-//! The bar is a radius over Z in cells. The tool's outline stands over its tip; where it is deeper than the bar its edge
-//! cuts, its shank crashes. DECISION: a thread leaves the envelope of its root; chips, force and deflection are not reckoned.
+//! The bar is a radius per cell along Z. Inside the bar the edge of the tool's outline cuts and its shank crashes.
+//! DECISION: a thread leaves the envelope of its root; chips, cutting force and deflection are not modelled.
 
 use super::grinding::Scene;
 use super::machine_rows::{Along, MainSpindleFile, ToolFile, ToolPostFile};
@@ -12,25 +12,25 @@ use crate::defs::signal::{Output, OutputSet};
 use crate::defs::turning_tool::TurningTool;
 use crate::units::Axis;
 
-/// Below this an analog output carries no speed, V: the least S is 1 rpm, which is 0.002 V where 10 V are 5000 rpm.
+/// Below this an analog output commands no speed, V. The smallest S is 1 rpm: 0.002 V where 10 V are 5000 rpm.
 const NO_VOLTS: f64 = 0.000_5;
 const FULL_VOLTS: f64 = 10.0;
-/// How far from its place a station's switch still is on, in steps.
+/// Distance from its station within which a switch is on, in stations.
 const SWITCH_WIDTH: f64 = 0.08;
-/// Slower than this the part stands, rpm: less than any S that can be written.
+/// Below this the spindle counts as stopped, rpm: less than any S that can be programmed.
 const STANDS_RPM: f64 = 0.5;
-/// Faster than any feed (2000 mm/min along Z, half of it along X, and some): rapid traverse, mm/s.
+/// Above these an axis is in rapid traverse, mm/s: faster than any feed (2000 mm/min along Z, half of it along X).
 const RAPID_X_MM_S: f64 = 20.0;
 const RAPID_Z_MM_S: f64 = 35.0;
-/// Distance of the places that a report measures, mm.
+/// Spacing of the measurements in a report, mm.
 const REPORT_MM: f64 = 5.0;
-/// Most of them.
+/// Greatest number of measurements in a report.
 const REPORT_MOST: usize = 100;
-/// A tip that is found farther off than this was put there, mm.
+/// A tip that moved farther than this along Z in one step was placed, not driven, mm.
 const STEP_MOST_MM: f64 = 5.0;
 const STATIONS: f64 = 4.0;
 
-/// The bar as it is now, part coordinates.
+/// Present shape of the bar, part coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Bar {
     z_from: f64,
@@ -40,28 +40,28 @@ pub(super) struct Bar {
     stock: f64,
 }
 
-/// Spindle, tool post and bar.
+/// Main spindle, tool turret and bar.
 #[derive(Clone, Debug)]
 pub(super) struct Turning {
     spindle: MainSpindleFile,
     post: ToolPostFile,
-    /// The contactor that holds itself: +1 forward, −1 reverse, 0 off.
+    /// Latched direction of the spindle: +1 forward, −1 reverse, 0 off.
     asked: f64,
     rpm: f64,
     turns: f64,
-    /// Which station is in front, counted from 0, and how far on the way to the next.
+    /// Station in cutting position, from 0; the fraction is the progress to the next one.
     station: f64,
     zero: Place,
     bar: Option<Bar>,
     bodies: Vec<BodyFile>,
-    /// Where the tip was a step ago, part coordinates.
+    /// X and Z of the tip one step ago, part coordinates.
     before: Option<(f64, f64)>,
-    /// What the tool is in contact with and has been told.
+    /// Crash in progress, already logged.
     crashed: Option<&'static str>,
 }
 
 impl Turning {
-    /// Everything at rest, station 1 in front, no bar.
+    /// Everything at rest, station 1 in cutting position, no bar.
     pub(super) const fn new(spindle: MainSpindleFile, post: ToolPostFile) -> Self {
         Self {
             spindle,
@@ -78,12 +78,12 @@ impl Turning {
         }
     }
 
-    /// Gives the tools the shapes that the parameters define.
+    /// Sets the tool shapes that the parameters define.
     pub(super) fn shape_tools(&mut self, params: &Params) {
         self.post = shaped(&self.post, params);
     }
 
-    /// Puts a bar in, or takes it out.
+    /// Loads a bar, or removes it.
     pub(super) fn set_part(&mut self, part: Option<&PartFile>) {
         self.bar = part.and_then(|part| part.bar.as_ref()).map(Bar::new);
         self.bodies = part.map_or_else(Vec::new, |part| part.bodies.clone());
@@ -92,7 +92,7 @@ impl Turning {
         self.crashed = None;
     }
 
-    /// One step of spindle and tool post.
+    /// One step of spindle and tool turret.
     pub(super) fn drive(&mut self, on: OutputSet, volts: f64, dt_s: f64) {
         if on.has(Output::SpindleStop) {
             self.asked = 0.0;
@@ -120,28 +120,28 @@ impl Turning {
         self.rpm
     }
 
-    /// What the encoder shows: turns since power-on.
+    /// Encoder reading: revolutions since power-on, in encoder steps.
     pub(super) fn encoder_turns(&self) -> f64 {
         (self.turns * self.spindle.encoder_steps).floor() / self.spindle.encoder_steps
     }
 
-    /// Whether the switch of a station is on, stations from 0.
+    /// Whether the switch of a station (from 0) is on.
     pub(super) fn at_station(&self, station: usize) -> bool {
         let off = (self.station - station as f64).rem_euclid(STATIONS);
         off.min(STATIONS - off) <= SWITCH_WIDTH
     }
 
-    /// The tool in front.
+    /// The tool in cutting position.
     fn tool(&self) -> &ToolFile {
         &self.post.tools[self.station.round() as usize % self.post.tools.len()]
     }
 
-    /// One tick of contact: what the tool has newly crashed into.
+    /// Cuts for one tick; returns a newly started crash.
     pub(super) fn cut(&mut self, scene: &Scene) -> Option<&'static str> {
         let tool = self.tool().clone();
         let x = scene.slide_mm[Axis::X] + tool.tip_mm.0 - self.zero.x;
         let z = scene.slide_mm[Axis::Z] + tool.tip_mm.1 - self.zero.z;
-        // A tool that is drawn out of the bar, as at the end of a thread, runs into nothing by its speed along X.
+        // Only inward X speed counts: a tool that retracts from the bar, as at the end of a thread, does not crash.
         let inwards = -scene.speed_mm_s[Axis::X];
         let rapid = inwards > RAPID_X_MM_S || scene.speed_mm_s[Axis::Z].abs() > RAPID_Z_MM_S;
         let stands = self.rpm.abs() < STANDS_RPM;
@@ -156,17 +156,17 @@ impl Turning {
         newly
     }
 
-    /// Diameter of the bar at Z.
+    /// Diameter of the bar at Z, mm; `None` outside the bar.
     pub(super) fn diameter_at(&self, z: f64) -> Option<f64> {
         self.bar.as_ref()?.diameter_at(z)
     }
 
-    /// Radius of each cell from the chuck to the face: first Z, cell size, radii. For the picture.
+    /// First Z, cell size and the radius of each cell from the chuck to the face, mm. For the drawing.
     pub(super) fn profile(&self) -> Option<(f64, f64, &[f64])> {
         self.bar.as_ref().map(|bar| (bar.z_from, bar.cell, bar.radius.as_slice()))
     }
 
-    /// What stands and turns in the working room, for the picture; none without a bar.
+    /// Bar, chuck and tool for the drawing; `None` without a bar.
     pub(super) fn scene(&self) -> Option<LatheScene<'_>> {
         let bar = self.bar.as_ref()?;
         let tool = self.tool();
@@ -182,7 +182,7 @@ impl Turning {
         })
     }
 
-    /// The measured bar.
+    /// Adds the diameters of the bar to the report.
     pub(super) fn report(&self, report: &mut PartReport) {
         let Some(bar) = &self.bar else { return };
         let length = bar.radius.len() as f64 * bar.cell;
@@ -196,12 +196,12 @@ impl Turning {
     }
 }
 
-/// A lathe's working room as it is now. Lengths mm, radius; places of the bar in part coordinates.
+/// Bar, chuck and tool of a lathe for the drawing. Lengths in mm, X as radius; the bar in part coordinates.
 #[derive(Clone, Debug)]
 pub struct LatheScene<'a> {
-    /// The part's zero, machine coordinates X, Z.
+    /// Work zero, machine coordinates X, Z.
     pub zero_mm: (f64, f64),
-    /// Where the bar comes out of the chuck.
+    /// Z at which the bar leaves the chuck.
     pub z_from_mm: f64,
     /// Length of a cell.
     pub cell_mm: f64,
@@ -209,15 +209,15 @@ pub struct LatheScene<'a> {
     pub radius_mm: &'a [f64],
     /// Radius of the stock.
     pub stock_mm: f64,
-    /// The chuck: from, to, radius.
+    /// The chuck: from Z, to Z, radius.
     pub bodies: Vec<(f64, f64, f64)>,
-    /// Where the tip of the tool in front stands off the slides' reference point, X, Z.
+    /// Offset of the active tool's tip from the slides' reference point, X, Z.
     pub tip_mm: (f64, f64),
-    /// Its outline: Z from the tip, height over it.
+    /// Outline of the tool: Z from the tip, height above the tip.
     pub outline_mm: Vec<(f64, f64)>,
 }
 
-/// A tool post with the tools that the parameters define.
+/// The tool turret with the tools that the parameters define.
 pub(super) fn shaped(post: &ToolPostFile, params: &Params) -> ToolPostFile {
     let mut post = post.clone();
     for (station, tool) in post.tools.iter_mut().enumerate() {
@@ -228,13 +228,13 @@ pub(super) fn shaped(post: &ToolPostFile, params: &Params) -> ToolPostFile {
     post
 }
 
-/// Whether a tool with its tip here touches a body.
+/// Whether a tool with its tip at this position touches a body.
 pub(super) fn reaches_any(tool: &ToolFile, (x, z): (f64, f64), bodies: &[BodyFile]) -> bool {
     bodies.iter().any(|body| tool.reaches(x, z, body))
 }
 
 impl ToolFile {
-    /// Height of the outline at a place along Z from the tip; none beside the tool.
+    /// Height of the outline at a Z distance from the tip, mm; `None` beside the tool.
     fn height(&self, dz: f64) -> Option<f64> {
         let after = self.outline_mm.partition_point(|point| point.0 < dz);
         let b = self.outline_mm.get(after)?;
@@ -249,7 +249,7 @@ impl ToolFile {
         (self.outline_mm.first().map_or(0.0, |point| point.0), self.outline_mm.last().map_or(0.0, |point| point.0))
     }
 
-    /// Whether any point of the outline lies within a body.
+    /// Whether any point of the outline is inside a body.
     fn reaches(&self, x: f64, z: f64, body: &BodyFile) -> bool {
         let (from, to) = self.span();
         let (low, high) = ((body.z_from - z).max(from), (body.z_to - z).min(to));
@@ -271,7 +271,7 @@ impl Bar {
         if index < 0.0 { None } else { self.radius.get(index as usize).map(|radius| 2.0 * radius) }
     }
 
-    /// Cuts with the edge; the first thing that is a crash.
+    /// Cuts with the edge; returns the first crash.
     pub(super) fn cut(
         &mut self,
         tool: &ToolFile,
@@ -289,7 +289,7 @@ impl Bar {
         let mut met = None;
         for index in first..end {
             let middle = self.z_from + (index as f64 + 0.5) * self.cell;
-            // What the tip has passed since the last step it has cut itself.
+            // The tip itself cuts the cells that it has passed since the last step.
             let passed = (back..=ahead).contains(&middle) && ahead > back;
             let (height, edge) = if passed {
                 (0.0, x + (from.0 - x) * (middle - z) / (from.1 - z))
@@ -302,7 +302,7 @@ impl Bar {
             if depth <= 0.0 {
                 continue;
             }
-            // Beyond its edge the tool is shank, behind the tip as beside it.
+            // Deeper than the edge the shank is in contact.
             let place = if depth > tool.edge_mm || height > tool.edge_mm && depth > crash_mm {
                 Some("part, shank of the tool")
             } else if stands && depth > crash_mm {
@@ -313,7 +313,7 @@ impl Bar {
                 None
             };
             met = met.or(place);
-            // What is not cut away stays, so that an overlap in rapid traverse grows from tick to tick.
+            // In rapid traverse or with a stopped spindle nothing is removed, so the overlap grows from tick to tick.
             if !stands && !rapid && place.is_none() {
                 self.radius[index] = edge;
             }
@@ -338,7 +338,7 @@ mod tests {
     #[test]
     fn l10_a_tool_that_goes_along_leaves_its_diameter() {
         let mut bar = bar();
-        // Radius 20 from the face to Z −30, a tenth of a millimetre at a time.
+        // Radius 20 from the face to Z −30 in steps of 0.1 mm.
         for step in 0..=320 {
             let z = 2.0 - 0.1 * f64::from(step);
             assert_eq!(bar.cut(&tool(), ((20.0, z + 0.1), (20.0, z)), 0.05, (false, false)), None);
@@ -353,7 +353,7 @@ mod tests {
         let at = |x: f64, z: f64, how: (bool, bool)| bar().cut(&tool(), ((x, z), (x, z)), 0.05, how);
         assert_eq!(at(20.0, -10.0, (true, false)), Some("part, rapid traverse"));
         assert_eq!(at(20.0, -10.0, (false, true)), Some("part, spindle standing"));
-        // 12 mm deep: the shank stands 8.1 mm over the tip.
+        // 12 mm deep: the shank is 8.1 mm above the tip.
         assert_eq!(at(10.0, -30.0, (false, false)), Some("part, shank of the tool"));
         assert_eq!(at(23.0, -10.0, (true, true)), None);
     }
@@ -362,7 +362,7 @@ mod tests {
     fn l9_the_outline_meets_the_chuck() {
         let chuck = BodyFile { what: super::super::Body::Chuck, z_from: -200.0, z_to: -100.0, diameter: 120.0 };
         assert!(tool().reaches(55.0, -105.0, &chuck) && !tool().reaches(55.0, -99.0, &chuck));
-        // The shank alone: 25 mm towards plus from the tip.
+        // The shank alone: it extends 25 mm towards plus from the tip.
         assert!(tool().reaches(50.0, -120.0, &chuck) && !tool().reaches(61.0, -120.0, &chuck));
     }
 }

@@ -1,21 +1,21 @@
-//! The wheel's shape: a rectangle in the XZ plane whose rim is kept slice by slice along its width, and whose two
-//! sides wear back (P2, P6).
+//! The wheel's shape: a rectangle whose rim is stored slice by slice along its width, and whose two sides
+//! wear (P2, P6).
 //!
-//! Wear: a removed volume V costs the wheel V/G. On a slice of width b at diameter D the rim goes back by
-//! V/(G·π·D·b), on a side engaged to the depth e by V/(G·π·D·e).
-//! Dullness: 0 sharp to 1 dull, rising with V over `dull_after_mm3`; the time constant of the contact goes from
-//! `sharp_s` to `dull_s` with it. A pass of the diamond sharpens the slices it really cuts.
+//! Wear: removing a part volume V costs the wheel the volume V/G. On a slice of width b at diameter D the rim wears by
+//! V/(G·π·D·b); a side engaged to the depth e wears by V/(G·π·D·e).
+//! Dullness: 0 sharp to 1 dull, rising by V/`dull_after_mm3`; with it the time constant of the contact rises from
+//! `sharp_s` to `dull_s`. A pass of the diamond sharpens only the slices that it cuts.
 
 use std::f64::consts::PI;
 
 use super::machine_rows::{CuttingFile, WheelFile};
 
-/// Slices along the width.
+/// Number of slices along the width.
 const SLICES: usize = 20;
-/// Least engagement that a side's wear is spread over, mm.
+/// Smallest engagement depth used for the wear of a side, mm.
 const LEAST_ENGAGEMENT_MM: f64 = 1.0;
 
-/// Part of the wheel that touches.
+/// Side of the wheel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Side {
     /// The side towards −Z.
@@ -31,12 +31,12 @@ pub(super) struct Wheel {
     width_mm: f64,
     slices_per_mm: f64,
     grinding_ratio: f64,
-    /// Wear of a slice for a volume removed by it.
+    /// Wear of a slice per removed volume, mm/mm³.
     rim_mm_per_mm3: f64,
     dull_per_mm3: f64,
-    /// How far each slice of the rim has gone back, from −Z to +Z.
+    /// Wear of each slice of the rim (dressing included), from −Z to +Z, mm.
     rim_mm: [f64; SLICES],
-    /// The sum of these.
+    /// Sum of `rim_mm`, mm.
     rims_mm: f64,
     side_mm: [f64; 2],
     rim_dull: f64,
@@ -66,7 +66,7 @@ impl Wheel {
         }
     }
 
-    /// Another batch of the same wheel: its grinding ratio, and what makes it dull, times these factors.
+    /// Scales the grinding ratio and the volume that dulls the wheel by these factors: another batch of the same wheel.
     pub(super) fn set_figures(&mut self, file: &WheelFile, cutting: &CuttingFile, factors: [f64; 2]) {
         let whole = Self::new(file, cutting);
         self.grinding_ratio = file.grinding_ratio * factors[0];
@@ -84,7 +84,7 @@ impl Wheel {
         self.radius_mm
     }
 
-    /// Half the length of the wheel in a plane so far above its lowest point.
+    /// Half the chord of the wheel at a height above its lowest point, mm.
     pub(super) fn half_chord_mm(&self, up_mm: f64) -> f64 {
         let up = up_mm.clamp(0.0, self.radius_mm);
         (up * (2.0 * self.radius_mm - up)).sqrt()
@@ -95,13 +95,13 @@ impl Wheel {
         2.0 * (self.radius_mm - self.rims_mm / SLICES as f64)
     }
 
-    /// Slice of the rim at a distance from the left side, if the wheel is there.
+    /// Slice of the rim at a distance from the left side; `None` beyond the width.
     pub(super) fn slice_at(&self, from_left_mm: f64) -> Option<usize> {
         let slice = from_left_mm * self.slices_per_mm;
         (slice >= 0.0 && slice < SLICES as f64).then_some(slice as usize)
     }
 
-    /// Slices of the rim over a piece that begins at a distance from the left side; a point if it has no width.
+    /// Slices of the rim over an interval that begins at a distance from the left side; one slice if its width is zero.
     pub(super) fn slices_over(&self, from_left_mm: f64, width_mm: f64) -> std::ops::Range<usize> {
         let first = (from_left_mm * self.slices_per_mm).floor();
         let last = ((from_left_mm + width_mm) * self.slices_per_mm).floor();
@@ -111,17 +111,17 @@ impl Wheel {
         (first.max(0.0) as usize)..(last as usize + 1).min(SLICES)
     }
 
-    /// How far the rim has gone back in a slice, mm.
+    /// Wear of the rim in a slice, mm.
     pub(super) fn rim_mm(&self, slice: usize) -> f64 {
         self.rim_mm[slice]
     }
 
-    /// How far the rim has gone back in each slice, mm.
+    /// Wear of the rim in each slice, mm.
     pub(super) const fn rims_mm(&self) -> &[f64] {
         &self.rim_mm
     }
 
-    /// How far the rim has gone back at the corner beside a side, mm.
+    /// Wear of the rim at the corner next to a side, mm.
     pub(super) fn corner_mm(&self, side: Side) -> f64 {
         match side {
             Side::Left => self.rim_mm[0],
@@ -129,39 +129,39 @@ impl Wheel {
         }
     }
 
-    /// How far a side has gone back, mm.
+    /// Wear of a side, mm.
     pub(super) const fn side_mm(&self, side: Side) -> f64 {
         self.side_mm[side as usize]
     }
 
-    /// Time constant of the rim, s.
+    /// Time constant of the contact at the rim, s.
     pub(super) fn rim_s(&self) -> f64 {
         self.sharp_s + (self.dull_s - self.sharp_s) * self.rim_dull
     }
 
-    /// Time constant of a side, s.
+    /// Time constant of the contact at a side, s.
     pub(super) fn side_s(&self, side: Side) -> f64 {
         self.sharp_s + (self.dull_s - self.sharp_s) * self.side_dull[side as usize]
     }
 
-    /// How dull the rim is, 0 to 1.
+    /// Dullness of the rim, 0 to 1.
     pub(super) const fn rim_dull(&self) -> f64 {
         self.rim_dull
     }
 
-    /// How much longer everything takes than with a sharp wheel, for a time constant.
+    /// Ratio of a time constant to that of a sharp wheel.
     pub(super) fn slower(&self, time_constant_s: f64) -> f64 {
         time_constant_s / self.sharp_s
     }
 
-    /// A slice of the rim has removed a volume.
+    /// Wears a slice of the rim by the volume that it removed.
     pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64) {
         self.rim_mm[slice] += volume_mm3 * self.rim_mm_per_mm3;
         self.rims_mm += volume_mm3 * self.rim_mm_per_mm3;
         self.rim_dull = (self.rim_dull + volume_mm3 * self.dull_per_mm3).min(1.0);
     }
 
-    /// A side, engaged to a depth along X, has removed a volume.
+    /// Wears a side, engaged to a depth along the infeed, by the volume that it removed.
     pub(super) fn wear_side(&mut self, side: Side, engaged_mm: f64, volume_mm3: f64) {
         let ring = self.grinding_ratio * 2.0 * PI * self.radius_mm * engaged_mm.max(LEAST_ENGAGEMENT_MM);
         self.side_mm[side as usize] += volume_mm3 / ring;
@@ -169,8 +169,8 @@ impl Wheel {
         *dull = (*dull + volume_mm3 * self.dull_per_mm3).min(1.0);
     }
 
-    /// The dresser cuts a slice back by a depth; a real cut sharpens its share of the rim, at an edge also the side.
-    /// `sharpened` is 0 for a mere touch to 1 for a cut as deep as it takes.
+    /// Dresses a slice by a depth. A cut sharpens this share of the rim; at an edge it also sharpens the side.
+    /// `sharpened` ranges from 0 (touch only) to 1 (cut of full sharpening depth).
     pub(super) fn dress(&mut self, slice: usize, depth_mm: f64, sharpened: f64) {
         self.rim_mm[slice] += depth_mm;
         self.rims_mm += depth_mm;
@@ -184,7 +184,7 @@ impl Wheel {
         *dull = (*dull - sharpened).max(0.0);
     }
 
-    /// Makes the wheel as dull as asked, 0 to 1, everywhere.
+    /// Sets the dullness of rim and sides, 0 to 1.
     pub(super) fn set_dull(&mut self, dull: f64) {
         let dull = dull.clamp(0.0, 1.0);
         self.rim_dull = dull;

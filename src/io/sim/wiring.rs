@@ -1,17 +1,17 @@
-//! Which function hangs on which terminal, as the parameters said when the power came (P1, K6.1), and what is forced
-//! or broken on the way (P8): stuck and bouncing switches, inputs forced by a story.
+//! Assignment of functions to terminals by the parameters (P1, K6.1), and what is forced or faulty in
+//! between (P8): stuck and bouncing switches, inputs forced by a story.
 //!
-//! Level of an input terminal = logical state XOR inverted; several functions on one port act together (or).
+//! Level of an input terminal = logical state XOR inverted; several functions on one port are combined by OR.
 
 use crate::defs::param::Params;
 use crate::defs::signal::{Input, InputSet, Output, OutputSet, PORTS, Terminals};
 
 use crate::io::random::SplitMix64;
 
-/// A force or fault on one input.
+/// Forcing or fault of one input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Meddled {
-    /// By a story's `input` statement; it goes before the fault.
+    /// By a story's `input` statement; has priority over the fault.
     forced: Option<bool>,
     /// By `stuck-on`, `stuck-off`.
     stuck: Option<bool>,
@@ -19,7 +19,7 @@ struct Meddled {
     bounces: bool,
 }
 
-/// The wires of the machine.
+/// The wiring of the machine.
 #[derive(Clone, Debug)]
 pub(super) struct Wiring {
     inputs: Vec<(Input, u8)>,
@@ -28,16 +28,16 @@ pub(super) struct Wiring {
     meddled: [Meddled; Input::COUNT],
     any_meddled: bool,
     any_bounces: bool,
-    /// Ports forced by number: which, and their levels.
+    /// Bit masks of the ports forced by number, and their levels.
     port_mask: u64,
     port_level: u64,
-    /// Last logical state and the terminals it gave.
+    /// Last logical state and the resulting terminals.
     last: Option<(InputSet, Terminals)>,
     last_out: (Terminals, OutputSet),
 }
 
 impl Wiring {
-    /// The wires as the parameters say.
+    /// The wiring that the parameters define.
     pub(super) fn new(params: &Params) -> Self {
         let mut wiring = Self {
             inputs: Vec::new(),
@@ -55,7 +55,7 @@ impl Wiring {
         wiring
     }
 
-    /// Every function moves to the port that it has now; the contact at a port stays what it was, closed or open at rest.
+    /// Moves every function to its present port. The polarity of a port (normally open or closed) does not change.
     pub(super) fn rewire(&mut self, params: &Params) {
         self.inputs.clear();
         self.inputs
@@ -67,7 +67,7 @@ impl Wiring {
         self.last_out = (Terminals::default(), OutputSet::NONE);
     }
 
-    /// The terminals that a logical state gives.
+    /// The terminal levels for a logical state.
     pub(super) fn terminals(&mut self, logical: InputSet, chance: &mut SplitMix64) -> Terminals {
         if let Some((before, terminals)) = self.last
             && before == logical
@@ -102,7 +102,7 @@ impl Wiring {
         shown
     }
 
-    /// The outputs that terminals switch on.
+    /// The outputs that the terminals switch on.
     pub(super) fn outputs(&mut self, terminals: Terminals) -> OutputSet {
         if self.last_out.0 != terminals {
             let mut set = OutputSet::NONE;
@@ -121,12 +121,12 @@ impl Wiring {
         self.last = None;
     }
 
-    /// Forces an input, or lets it go.
+    /// Forces an input; `None` ends the forcing.
     pub(super) fn force(&mut self, input: Input, on: Option<bool>) {
         self.change(input, |m| m.forced = on);
     }
 
-    /// Forces a port, `on` meaning logically active, or lets it go.
+    /// Forces a port, where `on` is logically active; `None` ends the forcing.
     pub(super) fn force_port(&mut self, port: u8, on: Option<bool>) {
         debug_assert!((1..=PORTS).contains(&port), "port {port}");
         let bit = 1_u64 << (port - 1);
@@ -136,12 +136,12 @@ impl Wiring {
         self.last = None;
     }
 
-    /// A switch sticks, or is free again.
+    /// Makes a switch stick; `None` ends the fault.
     pub(super) fn stick(&mut self, input: Input, on: Option<bool>) {
         self.change(input, |m| m.stuck = on);
     }
 
-    /// A switch chatters without end, or is sound again.
+    /// Makes a switch bounce continuously, or ends the fault.
     pub(super) fn bounce(&mut self, input: Input, bounces: bool) {
         self.change(input, |m| m.bounces = bounces);
     }
