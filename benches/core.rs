@@ -1,4 +1,4 @@
-//! How long a tick takes, and how fast a headless run is against real time.
+//! Measures the duration of a controller tick and the speed of a headless run relative to real time.
 //! `cargo bench --bench core`
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a bench prints its figures")]
@@ -36,7 +36,7 @@ fn rig(program: u32) -> Rig {
     rig
 }
 
-/// Nanoseconds of each controller tick of a whole program, the machine's own time left out.
+/// Sorted durations of the controller ticks of a whole program, ns, without the time of the simulated machine.
 fn ticks(program: u32) -> Vec<u64> {
     let mut rig = rig(program);
     let mut taken = Vec::new();
@@ -47,7 +47,7 @@ fn ticks(program: u32) -> Vec<u64> {
     taken
 }
 
-/// Controller ticks while nothing runs.
+/// Sorted durations of controller ticks while no program runs, ns.
 fn idle() -> Vec<u64> {
     let retained = Retained::factory(Kind::Gc);
     let mut machine = SimulatedMachine::new(MachineFile::builtin(Kind::Gc).unwrap(), None, &retained.params, 1);

@@ -1,8 +1,8 @@
-//! Milliseconds per frame: logic, layout and painting to triangles, as the window does it. The grinding page in a run; the
-//! drawing of a path of a million blocks under a finger that moves it and under zooming; the listing of a million lines.
-//! `cargo bench --bench frame`; aims: 2 ms for the grinding page, 16 ms for the others (H8).
+//! Milliseconds per frame for logic, layout and tessellation, as in the window: the grinding page during a run, the
+//! drawing of a path of a million blocks while it is dragged and zoomed, and the listing of a million lines.
+//! `cargo bench --bench frame`; targets: 2 ms for the grinding page, 16 ms for the others (H8).
 
-// The figure is what a bench is for.
+// A bench prints its results.
 #![allow(clippy::print_stdout)]
 
 #[path = "../tests/common/sample.rs"]
@@ -38,7 +38,7 @@ fn main() {
     });
 }
 
-/// Runs the frames of a page; what happens before each of them comes from `before`.
+/// Runs the frames of a page; `before` supplies the events of each frame.
 fn bench(name: &str, mut machine: Snapshot, before: impl Fn(&mut Snapshot, u32) -> Vec<Event>) {
     let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_920, 1_080));
     for _ in 0..10 {
@@ -47,7 +47,7 @@ fn bench(name: &str, mut machine: Snapshot, before: impl Fn(&mut Snapshot, u32) 
     let mut times = Vec::with_capacity(FRAMES as usize);
     let mut triangles = 0;
     for frame in 0..FRAMES {
-        // The positions change in every frame, as they do in a run.
+        // The positions change in every frame, as in a run.
         machine.axes[Axis::X].work = 40.0 - f64::from(frame) * 0.013;
         machine.axes[Axis::X].to_go = f64::from(frame) * 0.013 - 52.0;
         stage.events = before(&mut machine, frame);
@@ -61,7 +61,7 @@ fn bench(name: &str, mut machine: Snapshot, before: impl Fn(&mut Snapshot, u32) 
     println!("{name} 1920x1080: median {:.2} ms, 99 % {:.2} ms, {triangles} triangles", at(0.5), at(0.99));
 }
 
-/// A finger that goes to and fro over the drawing.
+/// A finger that drags the drawing to and fro.
 fn drag(frame: u32) -> Vec<Event> {
     let at = |frame: u32| -> Pos2 { pos2(200.0 + (frame % 100) as f32 * 3.0, 200.0 + (frame % 70) as f32 * 2.0) };
     let button = |pressed| Event::PointerButton {
@@ -77,7 +77,7 @@ fn drag(frame: u32) -> Vec<Event> {
     }
 }
 
-/// A wheel form of a million short moves, as a drawing.
+/// A drawing of a wheel profile with a million short moves.
 fn million_blocks() -> Snapshot {
     let mut machine = sample::running(Page::Graphic);
     let points = (0..BLOCKS).map(|block| {

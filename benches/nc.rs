@@ -1,5 +1,5 @@
-//! Reading speed: lines a second of the check and of `Interpreter::next` on long programs. Aims: 2 M, then 5 M lines/s
-//! of the check on a million lines of `N10 G1 X… Z… F…`.
+//! Measures the lines per second of the check and of `Interpreter::next` on long programs. Targets of the check on a
+//! million lines of `N10 G1 X… Z… F…`: 2 M, then 5 M lines/s.
 #![allow(clippy::print_stdout, clippy::unwrap_used, missing_docs)]
 
 use std::sync::Arc;
@@ -40,7 +40,7 @@ fn while_loop() -> String {
     format!("O1001\n#1=0\nWHILE[#1 LT {}]DO1\n#1=#1+1\nIF[#1 EQ 0]GOTO 10\nEND1\nN10 M30\n", LINES / 4)
 }
 
-/// Lines read in a run, by how often each is read.
+/// Runs `act` `ROUNDS` times and prints the speed of the fastest run; `lines` counts each line as often as it is read.
 fn report(name: &str, lines: usize, bytes: usize, act: impl Fn()) {
     let seconds = (0..ROUNDS)
         .map(|_| {

@@ -1,7 +1,7 @@
-//! Runs the benchmark paths and compares their time with the least possible; then ten thousand short moves.
+//! Runs the benchmark paths and compares their time with the optimum; then runs ten thousand short moves.
 //!
-//! Reads every `*.json` in the folder named by `KT830_BENCH_PATHS`; prints name, seconds and the ratio to the jerk-limited
-//! optimum. Fails when a limit or the tolerance is exceeded in any tick, or path a is slower than 1.20.
+//! Reads every `*.json` in the folder named by `KT830_BENCH_PATHS`; prints name, seconds and the ratio to the
+//! jerk-limited optimum. Fails if a limit or the tolerance is exceeded in any tick, or if a path `a…` exceeds 1.20.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
 use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Rate, Shape};
@@ -9,10 +9,10 @@ use kt830::units::PerAxis;
 use serde_json::Value;
 use std::time::Instant;
 
-/// Rounding of positions to 300 mm, differenced three times over 1 ms: 5e-4 mm/s³.
+/// Relative tolerance of the checks: rounding at 300 mm, differenced three times over 1 ms, gives 5e-4 mm/s³.
 const SLACK: f64 = 1e-6;
 const MOST_TICKS: u32 = 200_000;
-/// Runs of each path; the least cost of each tick counts.
+/// Runs of each path; the shortest duration of each tick counts.
 const RUNS: u32 = 5;
 
 fn distance_to_line(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
@@ -22,7 +22,7 @@ fn distance_to_line(a: [f64; 2], b: [f64; 2], p: [f64; 2]) -> f64 {
     (p[0] - a[0] - t * dx).hypot(p[1] - a[1] - t * dz)
 }
 
-/// Seconds, ratio, and whether everything was kept. The cost of each tick goes into `costs` where it is less than there.
+/// Returns seconds, ratio, and whether all limits were kept. `costs` keeps the least duration of each tick, µs.
 fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, bool) {
     let number = |v: &Value| v.as_f64().unwrap();
     let limit = |name: &str, k: usize| number(&value["limits"][name][k]);
@@ -55,7 +55,7 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
         let before = Instant::now();
         let p = path.tick(Override::FULL).position.0;
         let spent = before.elapsed().as_secs_f64() * 1e6;
-        // The same calls do the same work: what a tick costs more in one run than in another is not its own.
+        // The same calls do the same work, so a longer duration in one run comes from elsewhere.
         match costs.get_mut(ticks as usize) {
             Some(cost) => *cost = cost.min(spent),
             None => costs.push(spent),
@@ -96,7 +96,7 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
     (seconds, ratio, kept)
 }
 
-/// Ten thousand chords of 0.3 mm along a wave, 40 mm/s, on axes as delivered (P30–P38): what a tick costs.
+/// Tick duration for ten thousand chords of 0.3 mm along a wave at 40 mm/s, axes as delivered (P30–P38).
 fn many_moves() {
     const MOVES: u32 = 10_000;
     let axis = |v| AxisLimits { velocity_mm_s: v, acceleration_mm_s2: 800.0, jerk_mm_s3: 20_000.0 };

@@ -1,4 +1,4 @@
-//! What a tick of the simulated machine costs, alone: nothing touching, everything moving, wheel on the part.
+//! Measures the tick of the simulated machine alone: at rest, everything moving, wheel on the part.
 //! `cargo bench --bench sim`
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a bench prints its figures")]
@@ -12,7 +12,7 @@ use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use kt830::io::{Backend, OutputImage};
 use kt830::units::{Axis, Micros};
 
-/// Ticks of one figure.
+/// Ticks of one measurement.
 const TICKS: u64 = 200_000;
 
 struct Bench {
@@ -38,7 +38,7 @@ impl Bench {
         outputs.iter().for_each(|output| self.out.terminals.set(self.params.output_port(*output), true));
     }
 
-    /// Nanoseconds a tick, while a hand moves the set-points.
+    /// Runs the ticks while `hand` moves the set-points; returns the ns per tick.
     fn run(&mut self, ticks: u64, mut hand: impl FnMut(u64, &mut OutputImage)) -> f64 {
         let begun = Instant::now();
         for tick in 0..ticks {
@@ -51,7 +51,7 @@ impl Bench {
     }
 }
 
-/// A triangle from 0 to `way` and back at so many millimetres a tick.
+/// Triangle wave from 0 to `way` mm and back, `per_tick` mm per tick.
 fn stroke(tick: u64, way: f64, per_tick: f64) -> f64 {
     let along = (tick as f64 * per_tick) % (2.0 * way);
     if along < way { along } else { 2.0 * way - along }
@@ -67,7 +67,7 @@ fn main() {
     }
     let mut bench = Bench::new(1_007);
     bench.switch(&[Output::Wheel]);
-    // Part X-30 Z10: 55 mm across from the start, then down to 20.09 and further by 5 µm a second.
+    // From X-30 Y60 Z-45: 55 mm across to Z10, down to Y20.12, then further down at 0.5 µm/s.
     bench.run(20_000, |tick, out| out.set_point_mm[Axis::Z] = (tick as f64 * 0.05).min(55.0));
     bench.run(20_000, |tick, out| out.set_point_mm[Axis::Y] = -(tick as f64 * 0.01).min(39.88));
     let grinding = bench.run(TICKS, |tick, out| {

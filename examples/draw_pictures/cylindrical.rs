@@ -1,4 +1,4 @@
-//! The pictures of the cylindrical grinder: X up, Z to the right.
+//! Pictures of the cylindrical grinder: X up, Z to the right.
 
 use egui::{Align2, Color32, Rect, Stroke, StrokeKind, pos2, vec2};
 
@@ -8,7 +8,7 @@ use crate::sheet::Sheet;
 /// Strokes in X from #500 to #501; left face from Z #502 by #506 and #505, right face from Z #514 by #515 and #516.
 pub fn snap_gauge(sheet: &Sheet) {
     sheet.axes((12.0, 40.0));
-    // The gauge: a U, its inner faces hatched where stock is taken off.
+    // The snap gauge: a U-shaped body; dashed the stock on its inner faces.
     let body = [
         (40.0, 176.0),
         (56.0, 176.0),
@@ -26,7 +26,7 @@ pub fn snap_gauge(sheet: &Sheet) {
     for x in [65.0, 76.0, 124.0, 135.0] {
         sheet.dashed((x, 176.0), (x, 330.0), sheet.thin());
     }
-    // The wheel, seen on its rim, with its axis; below it the place at the end of the stroke.
+    // The wheel seen from the rim, with its axis; below it its position at the end of the stroke.
     let wheel = Rect::from_min_max(pos2(88.0, 92.0), pos2(112.0, 232.0));
     sheet.painter.rect(wheel, 4.0, sheet.theme.paper, sheet.outline(), StrokeKind::Middle);
     sheet.dashed((72.0, 162.0), (128.0, 162.0), sheet.thin());
@@ -41,7 +41,7 @@ pub fn snap_gauge(sheet: &Sheet) {
     sheet.measure((20.0, 242.0), (20.0, 294.0));
     sheet.number((2.0, 231.0), Align2::LEFT_CENTER, 500);
     sheet.number((2.0, 303.0), Align2::LEFT_CENTER, 501);
-    // Safe X and the end in Z.
+    // Safe X and the end position in Z.
     sheet.dashed((100.0, 92.0), (100.0, 58.0), sheet.accent());
     sheet.dashed((80.0, 58.0), (152.0, 58.0), sheet.accent());
     sheet.tip((152.0, 58.0), (1.0, 0.0), sheet.theme.paper_accent);
@@ -58,10 +58,10 @@ pub fn snap_gauge(sheet: &Sheet) {
     sheet.leader((198.0, 144.0), Align2::RIGHT_CENTER, 516, &[(163.0, 145.0), (139.5, 145.0), (139.5, 192.0)]);
 }
 
-/// O1002: external plunge. #520 stock, #521 finished, #522 safe X, #523 Z place, #524 and #525 allowances.
+/// O1002: external plunge. #520 stock, #521 finished, #522 safe X, #523 Z position, #524 and #525 allowances.
 pub fn plunge(sheet: &Sheet) {
     sheet.axes((12.0, 40.0));
-    // The shaft, its stock dashed at the place of the plunge, on its centre line.
+    // The shaft on its centre line; dashed the stock at the plunge.
     let axis = 300.0;
     let shaft =
         |half: f32, left: f32, right: f32| Rect::from_min_max(pos2(left, axis - half), pos2(right, axis + half));
@@ -78,7 +78,7 @@ pub fn plunge(sheet: &Sheet) {
     sheet.dashed((66.0, axis - 70.0), (66.0, axis + 70.0), sheet.thin());
     sheet.dashed((134.0, axis - 70.0), (134.0, axis + 70.0), sheet.thin());
     sheet.dashed((36.0, axis), (170.0, axis), Stroke::new(1.0, sheet.theme.paper_ink));
-    // The wheel over it, at the safe place, and its way down.
+    // The wheel above it at the safe position, and its move down.
     let wheel = [(72.0, 58.0), (128.0, 58.0), (128.0, 178.0), (72.0, 178.0)];
     sheet.shape(&wheel, sheet.theme.paper);
     sheet.painter.rect_filled(
@@ -89,7 +89,7 @@ pub fn plunge(sheet: &Sheet) {
     sheet.dashed((56.0, 92.0), (144.0, 92.0), sheet.thin());
     sheet.line(&[(100.0, 134.0), (100.0, 212.0)], Stroke::new(1.6, sheet.theme.paper_ink));
     sheet.tip((100.0, 220.0), (0.0, 1.0), sheet.theme.paper_ink);
-    // Safe X, Z place.
+    // Safe X, Z position.
     sheet.line(&[(36.0, 178.0), (72.0, 178.0)], sheet.accent());
     sheet.number((2.0, 177.0), Align2::LEFT_CENTER, 522);
     sheet.dashed((72.0, 58.0), (72.0, 34.0), sheet.accent());
@@ -103,13 +103,13 @@ pub fn plunge(sheet: &Sheet) {
     sheet.line(&[(10.0, axis + 42.0), (66.0, axis + 42.0)], sheet.thin());
     sheet.measure((14.0, axis - 42.0), (14.0, axis + 42.0));
     sheet.number((2.0, axis + 16.0), Align2::LEFT_CENTER, 521);
-    // What is left before each stage.
+    // Remaining allowance before each stage.
     sheet.leader((198.0, 190.0), Align2::RIGHT_CENTER, 524, &[(163.0, 191.0), (126.0, 191.0), (126.0, axis - 63.0)]);
     sheet.leader((2.0, 212.0), Align2::LEFT_CENTER, 525, &[(37.0, 213.0), (74.0, 213.0), (74.0, axis - 49.0)]);
 }
 
-/// O1003: traverse. #600 stock, #601 finished, #602 safe X, reversals #603 and #604, #605 left for finishing, infeed #606 and
-/// #607 at both reversals.
+/// O1003: traverse. #600 stock, #601 finished, #602 safe X, reversal points #603 and #604, finishing allowance #605,
+/// infeed #606 and #607 at the reversal points.
 pub fn traverse(sheet: &Sheet) {
     sheet.axes((12.0, 40.0));
     let axis = 306.0;
@@ -122,14 +122,14 @@ pub fn traverse(sheet: &Sheet) {
         }
     }
     sheet.dashed((22.0, axis), (178.0, axis), Stroke::new(1.0, sheet.theme.paper_ink));
-    // The wheel at the left reversal, and where it goes.
+    // The wheel at the left reversal point, and dashed at the right one.
     sheet.ghost((128.0, 92.0), (160.0, 192.0));
     sheet.wheel((46.0, 92.0), (78.0, 192.0));
     sheet.ways((84.0, 152.0), (122.0, 152.0));
     for x in [62.0, 144.0] {
         sheet.way((x, 198.0), (x, 224.0));
     }
-    // Reversals.
+    // Reversal points.
     sheet.dashed((46.0, 92.0), (46.0, 66.0), sheet.accent());
     sheet.dashed((128.0, 92.0), (128.0, 66.0), sheet.accent());
     sheet.number((52.0, 57.0), Align2::CENTER_CENTER, 603);
@@ -137,7 +137,7 @@ pub fn traverse(sheet: &Sheet) {
     // Safe X.
     sheet.line(&[(36.0, 192.0), (46.0, 192.0)], sheet.accent());
     sheet.number((2.0, 191.0), Align2::LEFT_CENTER, 602);
-    // Infeed at the reversals.
+    // Infeed at the reversal points.
     sheet.leader((198.0, 128.0), Align2::RIGHT_CENTER, 606, &[(180.0, 138.0), (180.0, 210.0), (146.0, 210.0)]);
     sheet.leader((2.0, 222.0), Align2::LEFT_CENTER, 607, &[(37.0, 222.0), (60.0, 214.0)]);
     // Diameters.
@@ -149,12 +149,12 @@ pub fn traverse(sheet: &Sheet) {
     sheet.line(&[(10.0, axis + 40.0), (52.0, axis + 40.0)], sheet.thin());
     sheet.measure((14.0, axis - 40.0), (14.0, axis + 40.0));
     sheet.number((2.0, axis + 16.0), Align2::LEFT_CENTER, 601);
-    // Left for finishing.
+    // Finishing allowance.
     sheet.leader((100.0, 389.0), Align2::CENTER_CENTER, 605, &[(100.0, 380.0), (100.0, axis + 45.0)]);
 }
 
-/// O1004: plunge to the gauge. #620 stock, #621 finished, #622 safe X, #623 Z place, #624 oscillation, feeds #626 to #629
-/// from one signal of the gauge to the next.
+/// O1004: plunge to the gauge. #620 stock, #621 finished, #622 safe X, #623 Z position, #624 oscillation, feeds #626 to
+/// #629 from one gauge signal to the next.
 pub fn plunge_to_gauge(sheet: &Sheet) {
     sheet.axes((12.0, 40.0));
     let axis = 300.0;
@@ -165,7 +165,7 @@ pub fn plunge_to_gauge(sheet: &Sheet) {
         sheet.dashed((62.0, axis + 66.0 * side), (122.0, axis + 66.0 * side), sheet.thin());
     }
     sheet.dashed((30.0, axis), (160.0, axis), Stroke::new(1.0, sheet.theme.paper_ink));
-    // The wheel, its short strokes and its way down.
+    // The wheel, its short strokes and its move down.
     sheet.wheel((64.0, 76.0), (116.0, 178.0));
     sheet.ways((76.0, 148.0), (104.0, 148.0));
     sheet.way((90.0, 182.0), (90.0, 214.0));
@@ -174,7 +174,7 @@ pub fn plunge_to_gauge(sheet: &Sheet) {
     sheet.leader((150.0, 49.0), Align2::CENTER_CENTER, 624, &[(150.0, 60.0), (150.0, 148.0), (106.0, 148.0)]);
     sheet.line(&[(36.0, 178.0), (64.0, 178.0)], sheet.accent());
     sheet.number((2.0, 177.0), Align2::LEFT_CENTER, 622);
-    // The gauge: two tips on the part from below.
+    // The gauge: two tips on the part, its body below.
     let ink = sheet.ink();
     sheet.line(&[(92.0, axis + 40.0), (92.0, axis + 50.0), (130.0, axis + 50.0), (130.0, 386.0)], ink);
     sheet.line(&[(130.0, axis + 50.0), (130.0, axis - 52.0), (110.0, axis - 52.0), (110.0, axis - 40.0)], ink);
@@ -182,7 +182,7 @@ pub fn plunge_to_gauge(sheet: &Sheet) {
     for (x, y, up) in [(92.0, axis + 40.0, -1.0), (110.0, axis - 40.0, 1.0)] {
         sheet.tip((x, y), (0.0, up), sheet.theme.paper_ink);
     }
-    // The four feeds, each to its signal.
+    // The four feeds, each up to its gauge signal.
     let stages = [(206.0, 626), (234.0, 627), (256.0, 628), (274.0, 629)];
     let mut from = 180.0;
     for (to, variable) in stages {

@@ -1,4 +1,4 @@
-//! The pictures of the dressing programs and of the dressing page.
+//! Pictures of the dressing programs and of the dressing page.
 
 use egui::{Align2, Rect, Stroke, StrokeKind, pos2, vec2};
 
@@ -7,7 +7,7 @@ use crate::sheet::Sheet;
 /// The dressing page: the wheel over the diamond, and the dressing point with its machine coordinates X and Z.
 pub fn dressing(sheet: &Sheet) {
     sheet.axes((12.0, 40.0));
-    // The wheel on its rim, with its flanges and axis.
+    // The wheel seen from the rim, with its flanges and axis.
     let wheel = [(82.0, 58.0), (142.0, 58.0), (142.0, 206.0), (82.0, 206.0)];
     sheet.shape(&wheel, sheet.theme.paper);
     sheet.painter.rect_filled(
@@ -16,10 +16,10 @@ pub fn dressing(sheet: &Sheet) {
         sheet.theme.paper_quiet,
     );
     sheet.dashed((62.0, 104.0), (162.0, 104.0), sheet.thin());
-    // What dressing takes off the rim.
+    // The layer that dressing removes from the rim.
     sheet.hatch(Rect::from_min_max(pos2(83.0, 194.0), pos2(141.0, 205.0)), 6.0);
     sheet.dashed((82.0, 194.0), (142.0, 194.0), sheet.thin());
-    // The diamond in its holder, the holder on its foot.
+    // The diamond in its holder with foot.
     let tip = (82.0, 226.0);
     sheet.shape(&[tip, (90.0, 242.0), (74.0, 242.0)], sheet.theme.paper_accent);
     sheet.shape(&[(70.0, 242.0), (94.0, 242.0), (94.0, 318.0), (70.0, 318.0)], sheet.theme.paper);
@@ -27,14 +27,14 @@ pub fn dressing(sheet: &Sheet) {
     sheet.hatch(foot, 9.0);
     sheet.painter.rect_stroke(foot, 0.0, sheet.outline(), StrokeKind::Middle);
     sheet.dashed((82.0, 232.0), (82.0, 348.0), sheet.thin());
-    // The wheel's corner goes down onto the diamond, then the diamond passes along the rim.
+    // The wheel's corner moves down onto the diamond, then the diamond passes along the rim.
     let ink = sheet.theme.paper_ink;
     sheet.line(&[(160.0, 216.0), (104.0, 216.0)], Stroke::new(1.6, ink));
     sheet.tip((98.0, 216.0), (-1.0, 0.0), ink);
     sheet.tip((168.0, 216.0), (1.0, 0.0), ink);
     sheet.line(&[(112.0, 126.0), (112.0, 168.0)], Stroke::new(1.6, ink));
     sheet.tip((112.0, 178.0), (0.0, 1.0), ink);
-    // The dressing point: a target on the diamond, and its two coordinates.
+    // The dressing point: a target mark on the diamond, and its two coordinates.
     sheet.painter.circle_stroke(pos2(tip.0, tip.1), 9.0, sheet.accent());
     sheet.line(&[(20.0, tip.1), (tip.0 - 4.0, tip.1)], sheet.accent());
     sheet.line(&[(tip.0, tip.1 + 6.0), (tip.0, 374.0)], sheet.accent());
@@ -46,7 +46,7 @@ pub fn dressing(sheet: &Sheet) {
     sheet.letter((46.0, 384.0), "Z");
 }
 
-/// A diamond in its holder, its tip here.
+/// A diamond in its holder, with its tip at `tip`.
 fn diamond(sheet: &Sheet, tip: (f32, f32)) {
     let (x, y) = tip;
     sheet.shape(&[tip, (x + 8.0, y + 16.0), (x - 8.0, y + 16.0)], sheet.theme.paper_accent);
@@ -59,7 +59,7 @@ fn diamond(sheet: &Sheet, tip: (f32, f32)) {
     sheet.painter.rect_stroke(foot, 0.0, sheet.outline(), StrokeKind::Middle);
 }
 
-/// What a straight dressing takes off: rough and fine depth of the rim, and how far it goes beyond the wheel.
+/// Straight dressing: rough and fine depth on the rim, and the overrun beyond the wheel.
 fn rim(sheet: &Sheet, numbers: (u16, u16, u16)) {
     let (rough, fine, beyond) = numbers;
     sheet.wheel((84.0, 70.0), (144.0, 210.0));
@@ -76,7 +76,7 @@ fn rim(sheet: &Sheet, numbers: (u16, u16, u16)) {
     sheet.number((166.0, 249.0), Align2::LEFT_CENTER, beyond);
 }
 
-/// The place of the diamond, machine coordinates: a target and its two numbers.
+/// The position of the diamond in machine coordinates: a target mark and its two variables.
 fn place(sheet: &Sheet, tip: (f32, f32), numbers: (u16, u16)) {
     sheet.painter.circle_stroke(pos2(tip.0, tip.1), 9.0, sheet.accent());
     sheet.line(&[(14.0, tip.1), (tip.0 - 4.0, tip.1)], sheet.accent());
@@ -85,7 +85,7 @@ fn place(sheet: &Sheet, tip: (f32, f32), numbers: (u16, u16)) {
     sheet.number((tip.0 + 6.0, 386.0), Align2::LEFT_CENTER, numbers.1);
 }
 
-/// O1011: straight. Diamond #760 and #761, depths #763 and #765, #769 beyond the wheel.
+/// O1011: straight. Diamond #760 and #761, depths #763 and #765, overrun #769.
 pub fn straight(sheet: &Sheet) {
     sheet.axes((12.0, 40.0));
     diamond(sheet, (66.0, 240.0));
@@ -101,8 +101,8 @@ pub fn rotary(sheet: &Sheet) {
     place(sheet, (66.0, 240.0), (821, 820));
 }
 
-/// O1012: a profile. Left corner of radius #780, right corner chamfered #781 by the angle #782, taper #783, layers #784, #785
-/// off the highest place.
+/// O1012: a profile. Left corner radius #780, right corner chamfer #781 with the angle #782, taper #783, layers #784
+/// and #785 from the highest point.
 pub fn profile(sheet: &Sheet) {
     sheet.axes((12.0, 40.0));
     diamond(sheet, (52.0, 262.0));
@@ -115,11 +115,11 @@ pub fn profile(sheet: &Sheet) {
     let hub = Rect::from_min_max(pos2(64.0, 86.0), pos2(148.0, 108.0));
     sheet.painter.rect_filled(hub, 0.0, sheet.theme.paper_quiet);
     sheet.dashed((50.0, 97.0), (162.0, 97.0), sheet.thin());
-    // What was there before.
+    // The profile before dressing.
     sheet.dashed((64.0, 184.0), (64.0, 222.0), sheet.thin());
     sheet.dashed((64.0, 222.0), (148.0, 222.0), sheet.thin());
     sheet.dashed((148.0, 222.0), (148.0, 190.0), sheet.thin());
-    // The way of the diamond along the form.
+    // The path of the diamond along the profile.
     let mut way = vec![(48.0, 196.0), (54.0, 196.0)];
     way.extend((1..=8).map(|step| {
         let angle = std::f32::consts::FRAC_PI_2 * (1.0 - step as f32 / 8.0);
@@ -143,7 +143,7 @@ pub fn profile(sheet: &Sheet) {
     place(sheet, (52.0, 262.0), (760, 761));
 }
 
-/// O1013: the roll of the surface grinder. Roll at #800 and #801, contact at #802, depth #803 at the speed #804.
+/// O1013: the roll of the surface grinder. Roll position #800 and #801, contact #802, depth #803 at the speed #804.
 pub fn roll(sheet: &Sheet) {
     sheet.cross((12.0, 40.0), "Y", "X");
     let (wheel, roll) = ((100.0, 132.0), (100.0, 272.0));

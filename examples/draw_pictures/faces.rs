@@ -1,15 +1,15 @@
-//! The pictures of faces and cones on the cylindrical grinder: X up, Z to the right.
+//! Pictures of faces and cones on the cylindrical grinder: X up, Z to the right.
 
 use egui::{Align2, Color32, Rect, Stroke, pos2};
 
 use crate::sheet::Sheet;
 
-/// O1005: the gauge finds the reference, the wheel's side grinds the face #640 to its left; #641 allowance, #646 and #647 X,
-/// #650 and #651 where gauging begins, #656 the tip left of the wheel.
+/// O1005: the gauge finds the reference, the wheel's side grinds the face #640 to its left; #641 allowance, #646 and
+/// #647 X, #650 and #651 start of gauging, #656 distance of the tip to the left of the wheel.
 pub fn shoulder(sheet: &Sheet) {
     sheet.axes((12.0, 40.0));
     let axis = 372.0;
-    // The shaft from its centre line up: flange, neck, reference shoulder, end.
+    // The upper half of the shaft: flange, neck, reference shoulder, end.
     let part = [
         (24.0, axis),
         (24.0, 330.0),
@@ -27,7 +27,7 @@ pub fn shoulder(sheet: &Sheet) {
     sheet.shape(&part, Color32::TRANSPARENT);
     sheet.dashed((12.0, axis), (172.0, axis), Stroke::new(1.0, sheet.theme.paper_ink));
     sheet.dashed((86.0, 246.0), (86.0, 316.0), sheet.thin());
-    // The wheel at the face; dashed where it gauges, with the arm ahead of it.
+    // The wheel at the face; dashed its gauging position, with the arm in front.
     sheet.wheel((88.0, 196.0), (116.0, 306.0));
     sheet.way((86.0, 282.0), (64.0, 282.0));
     sheet.ghost((152.0, 92.0), (180.0, 190.0));
@@ -36,7 +36,7 @@ pub fn shoulder(sheet: &Sheet) {
     sheet.line(&[(134.0, 336.0), (128.0, 336.0)], ink);
     sheet.painter.circle_filled(pos2(127.0, 336.0), 3.2, sheet.theme.paper_accent);
     sheet.ways((166.0, 214.0), (144.0, 214.0));
-    // The tip beside the wheel; where gauging begins.
+    // The tip beside the wheel; the start of gauging.
     sheet.dashed((152.0, 92.0), (152.0, 52.0), sheet.accent());
     sheet.number((152.0, 43.0), Align2::CENTER_CENTER, 651);
     sheet.measure((134.0, 70.0), (152.0, 70.0));
@@ -57,7 +57,7 @@ pub fn shoulder(sheet: &Sheet) {
     sheet.leader((2.0, 226.0), Align2::LEFT_CENTER, 641, &[(37.0, 227.0), (81.0, 227.0), (81.0, 254.0)]);
 }
 
-/// O1006: a cone. #660 and #661 its diameters at #662 and #663, #664 safe X, #665 allowance, #672 beyond the ends.
+/// O1006: a cone. #660 and #661 its diameters at #662 and #663, #664 safe X, #665 allowance, #672 overrun at the ends.
 pub fn cone(sheet: &Sheet) {
     sheet.axes((12.0, 40.0));
     let axis = 312.0;
@@ -77,7 +77,7 @@ pub fn cone(sheet: &Sheet) {
     sheet.dashed(stock[2], stock[3], sheet.thin());
     sheet.block((142.0, axis - 18.0), (164.0, axis + 18.0), sheet.theme.paper);
     sheet.dashed((24.0, axis), (176.0, axis), Stroke::new(1.0, sheet.theme.paper_ink));
-    // The wheel, its rim dressed to the cone, and its way along it.
+    // The wheel, its rim dressed to the cone, and its move along the cone.
     let wheel = [(46.0, 96.0), (84.0, 96.0), (84.0, 186.0), (46.0, 196.0)];
     sheet.shape(&wheel, sheet.theme.paper);
     let hub = Rect::from_min_max(pos2(46.0, 114.0), pos2(84.0, 134.0));

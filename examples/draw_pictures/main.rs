@@ -1,5 +1,5 @@
-//! Draws the page pictures B0001.BMP to B0014.BMP, B0100.BMP and B0801.BMP to B0803.BMP: wheel, part or diamond, and each macro variable at the
-//! place that the page text names. 200 × 400, 24 bit, uncompressed: 240 054 bytes (K5.12). One drawing style for all (H10).
+//! Draws the page pictures B0001.BMP to B0014.BMP, B0100.BMP and B0801.BMP to B0803.BMP: wheel, part or diamond, with
+//! each macro variable of the page text. 200 × 400, 24 bit, uncompressed: 240 054 bytes (K5.12). Drawing style: H10.
 //!
 //! `cargo run --example draw_pictures [FOLDER]`, by default `screens`.
 
@@ -23,7 +23,7 @@ use sheet::Sheet;
 const SIZE: (u32, u32) = (200, 400);
 const BYTES: usize = 240_054;
 
-/// Puts one picture on its sheet.
+/// Draws one picture on a sheet.
 type Drawing = fn(&Sheet);
 
 fn main() -> ExitCode {
@@ -57,7 +57,7 @@ fn main() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Runs the painter once and writes what it drew.
+/// Draws a picture and writes it to a file.
 fn save(path: &Path, drawing: Drawing) -> std::io::Result<()> {
     let bytes = bitmap(&draw(drawing));
     assert_eq!(bytes.len(), BYTES, "a page picture has {BYTES} bytes");
@@ -79,7 +79,7 @@ fn draw(drawing: Drawing) -> RgbaImage {
     raster.paint(&ctx.tessellate(shapes, 1.0), 1.0, SIZE, DARK.paper)
 }
 
-/// The one form that the control reads: BITMAPINFOHEADER, 24 bit, no compression, bottom row first.
+/// The only BMP format that the control reads: BITMAPINFOHEADER, 24 bit, no compression, bottom row first.
 fn bitmap(picture: &RgbaImage) -> Vec<u8> {
     let (width, height) = picture.dimensions();
     let mut bytes = Vec::with_capacity(BYTES);

@@ -1,10 +1,10 @@
-//! The drawing style of all page pictures (H10): outlines, hatched sections, centre lines, dimensions and numbers.
+//! Drawing style of all page pictures (H10): outlines, hatched sections, centre lines, dimensions and variable numbers.
 
 use egui::epaint::PathShape;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, pos2, vec2};
 use kt830::hmi::theme::{self, Theme};
 
-/// The drawing style: outlines, centre lines, dimensions and numbers.
+/// A picture: its painter and colours.
 pub struct Sheet {
     pub painter: Painter,
     pub theme: Theme,
@@ -36,7 +36,7 @@ impl Sheet {
         self.painter.extend(Shape::dashed_line(&[pos2(from.0, from.1), pos2(to.0, to.1)], stroke, 5.0, 3.0));
     }
 
-    /// An arrow head with its tip here; `(dx, dy)` is its direction.
+    /// An arrow head with its tip at `at`; `direction` is a unit vector.
     pub fn tip(&self, at: (f32, f32), direction: (f32, f32), colour: Color32) {
         let (dx, dy) = direction;
         let side =
@@ -45,7 +45,7 @@ impl Sheet {
         self.painter.add(PathShape::convex_polygon(points, colour, Stroke::NONE));
     }
 
-    /// A dimension line with an arrow at either end.
+    /// A dimension line with an arrow at each end.
     pub fn measure(&self, from: (f32, f32), to: (f32, f32)) {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let length = dx.hypot(dy).max(1.0);
@@ -55,12 +55,12 @@ impl Sheet {
         self.tip(from, (-direction.0, -direction.1), self.theme.paper_accent);
     }
 
-    /// A number, with the paper under it free of lines.
+    /// The number of a macro variable on a blank background.
     pub fn number(&self, at: (f32, f32), align: Align2, variable: u16) {
         self.name(at, align, &format!("#{variable}"));
     }
 
-    /// A name, with the paper under it free of lines.
+    /// A label on a blank background.
     pub fn name(&self, at: (f32, f32), align: Align2, words: &str) {
         let galley = self.painter.layout_no_wrap(words.to_owned(), theme::font(theme::SMALL), self.theme.paper_accent);
         let place = align.anchor_size(pos2(at.0, at.1), galley.size());
@@ -68,7 +68,7 @@ impl Sheet {
         self.painter.galley(place.min, galley, self.theme.paper_accent);
     }
 
-    /// An axis letter, with the paper under it free of lines.
+    /// An axis letter on a blank background.
     pub fn letter(&self, at: (f32, f32), word: &str) {
         let galley = self.painter.layout_no_wrap(word.into(), theme::font(theme::LABEL), self.theme.paper_accent);
         let place = Align2::CENTER_CENTER.anchor_size(pos2(at.0, at.1), galley.size());
@@ -76,7 +76,7 @@ impl Sheet {
         self.painter.galley(place.min, galley, self.theme.paper_accent);
     }
 
-    /// A number at the end of a leader that ends in a dot.
+    /// The number of a macro variable at the start of a leader; the leader ends in a dot.
     pub fn leader(&self, label: (f32, f32), align: Align2, variable: u16, way: &[(f32, f32)]) {
         self.line(way, self.accent());
         if let Some((x, y)) = way.last() {
@@ -95,12 +95,12 @@ impl Sheet {
         }
     }
 
-    /// The coordinate cross of a cylindrical grinder: X up, Z to the right.
+    /// The coordinate axes of a cylindrical grinder: X up, Z to the right.
     pub fn axes(&self, at: (f32, f32)) {
         self.cross(at, "X", "Z");
     }
 
-    /// A coordinate cross.
+    /// Two coordinate axes.
     pub fn cross(&self, at: (f32, f32), up: &str, right: &str) {
         let (x, y) = at;
         let ink = self.theme.paper_ink;
@@ -123,13 +123,13 @@ impl Sheet {
         self.painter.rect(area, 0.0, fill, self.outline(), StrokeKind::Middle);
     }
 
-    /// A hatched rectangle with an outline: the part, cut.
+    /// A hatched rectangle with an outline: a section of the part.
     pub fn section(&self, from: (f32, f32), to: (f32, f32)) {
         self.hatch(Rect::from_min_max(pos2(from.0, from.1), pos2(to.0, to.1)), 9.0);
         self.block(from, to, Color32::TRANSPARENT);
     }
 
-    /// The wheel seen on its rim, its hub as a band so far below its top.
+    /// The wheel seen from the rim, with hub and axis.
     pub fn wheel(&self, from: (f32, f32), to: (f32, f32)) {
         self.block(from, to, self.theme.paper);
         let hub = from.1 + 22.0;
@@ -141,7 +141,7 @@ impl Sheet {
         self.dashed((from.0 - 12.0, hub + 11.0), (to.0 + 12.0, hub + 11.0), self.thin());
     }
 
-    /// A dashed rectangle: another place of the wheel, or stock.
+    /// A dashed rectangle: another position of the wheel, or stock.
     pub fn ghost(&self, from: (f32, f32), to: (f32, f32)) {
         let corners = [from, (to.0, from.1), to, (from.0, to.1)];
         for side in 0..4 {
@@ -149,7 +149,7 @@ impl Sheet {
         }
     }
 
-    /// A way of the wheel: a line with an arrow at its end.
+    /// A move of the wheel: a line with an arrow at its end.
     pub fn way(&self, from: (f32, f32), to: (f32, f32)) {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let length = dx.hypot(dy).max(1.0);
@@ -157,7 +157,7 @@ impl Sheet {
         self.tip(to, (dx / length, dy / length), self.theme.paper_ink);
     }
 
-    /// A way to and fro.
+    /// A move to and fro: a line with an arrow at each end.
     pub fn ways(&self, from: (f32, f32), to: (f32, f32)) {
         self.way(from, to);
         self.way(to, from);

@@ -1,16 +1,16 @@
-//! The pictures of the table machines. Surface grinder: Y up, Z to the right, and below it the stroke along X. Rotary table:
-//! Z up, X to the right.
+//! Pictures of the table machines. Surface grinder: Y up, Z to the right, and below it the stroke along X. Rotary
+//! table: Z up, X to the right.
 
 use egui::{Align2, Color32, Rect, Stroke, pos2};
 
 use crate::sheet::Sheet;
 
-/// The magnet that the part lies on.
+/// The magnetic chuck under the part.
 fn magnet(sheet: &Sheet, from: f32, to: f32, top: f32) {
     sheet.block((from, top), (to, top + 14.0), sheet.theme.paper_quiet);
 }
 
-/// The stroke along X below: the wheel from the side over the part, from one end to the other.
+/// The stroke along X, at the bottom: side view of the wheel over the part, from end to end.
 fn stroke(sheet: &Sheet, ends: (u16, u16)) {
     sheet.cross((12.0, 392.0), "Y", "X");
     magnet(sheet, 66.0, 150.0, 372.0);
@@ -25,8 +25,8 @@ fn stroke(sheet: &Sheet, ends: (u16, u16)) {
     sheet.number((162.0, 274.0), Align2::CENTER_CENTER, ends.1);
 }
 
-/// O1007: heights #680 and #681, safe #682, stroke #683 to #684, cross feed #685 to #686 in steps #691, #687 left for
-/// finishing.
+/// O1007: heights #680 and #681, safe #682, stroke #683 to #684, cross feed #685 to #686 in steps #691, finishing
+/// allowance #687.
 pub fn plane(sheet: &Sheet) {
     sheet.cross((12.0, 40.0), "Y", "Z");
     stroke(sheet, (683, 684));
@@ -103,8 +103,8 @@ pub fn slot(sheet: &Sheet) {
     sheet.number((198.0, 202.0), Align2::RIGHT_CENTER, 701);
 }
 
-/// O1009: a step. Lower plane #720, #721 from #733, upper plane #725, #726 to #734, shoulder #727, #728, safe #722, stroke
-/// #723 to #724.
+/// O1009: a step. Lower plane #720, #721 from #733, upper plane #725, #726 to #734, shoulder #727, #728, safe #722,
+/// stroke #723 to #724.
 pub fn step(sheet: &Sheet) {
     sheet.cross((12.0, 40.0), "Y", "Z");
     stroke(sheet, (723, 724));
@@ -144,8 +144,8 @@ pub fn step(sheet: &Sheet) {
     sheet.number((198.0, 258.0), Align2::RIGHT_CENTER, 726);
 }
 
-/// O1010: a ring on the turning table. Heights #740 and #741, safe #742, cross feed #743 to #744, #745 left for finishing,
-/// #750 table speed.
+/// O1010: a ring on the rotary table. Heights #740 and #741, safe #742, cross feed #743 to #744, finishing allowance
+/// #745, table speed #750.
 pub fn ring(sheet: &Sheet) {
     sheet.cross((12.0, 40.0), "Z", "X");
     let axis = 34.0;
@@ -154,7 +154,7 @@ pub fn ring(sheet: &Sheet) {
     sheet.section((66.0, 248.0), (164.0, 306.0));
     sheet.ghost((66.0, 228.0), (164.0, 248.0));
     sheet.dashed((66.0, 238.0), (164.0, 238.0), sheet.thin());
-    // The wheel at the inner end, and where it goes.
+    // The wheel at the inner end, and dashed at the outer end.
     sheet.wheel((46.0, 100.0), (84.0, 196.0));
     sheet.ghost((146.0, 100.0), (184.0, 196.0));
     sheet.ways((90.0, 172.0), (140.0, 172.0));

@@ -1,4 +1,4 @@
-//! The pictures of the vertical grinder's R pages: table, part, wheel and diamond, each R parameter at its place (S3).
+//! Pictures of the vertical grinder's R pages: table, part, wheel and diamond with the R parameters (S3).
 
 use egui::{Align2, pos2};
 
@@ -6,19 +6,19 @@ use crate::sheet::Sheet;
 
 type At = (f32, f32);
 
-/// A name around a place.
+/// A label centred at a point.
 fn name(sheet: &Sheet, at: At, words: &str) {
     sheet.name(at, Align2::CENTER_CENTER, words);
 }
 
-/// A name at the beginning of a leader that ends in a dot.
+/// A leader that ends in a dot, with a label.
 fn leader(sheet: &Sheet, from: At, to: At, at: At, words: &str) {
     sheet.line(&[from, to], sheet.accent());
     sheet.painter.circle_filled(pos2(to.0, to.1), 2.2, sheet.theme.paper_accent);
     name(sheet, at, words);
 }
 
-/// A dimension and its name.
+/// A dimension with a label.
 fn measure(sheet: &Sheet, from: At, to: At, at: At, words: &str) {
     sheet.measure(from, to);
     name(sheet, at, words);
@@ -32,12 +32,12 @@ fn arrow(sheet: &Sheet, from: At, to: At) {
     sheet.tip(to, (dx / length, dy / length), sheet.theme.paper_accent);
 }
 
-/// A place that the wheel's centre goes to.
+/// A target position of the wheel's centre.
 fn target(sheet: &Sheet, at: At) {
     sheet.painter.circle_stroke(pos2(at.0, at.1), 4.0, sheet.accent());
 }
 
-/// Table with its axis, the blocks, and the part on them.
+/// The table with its axis, the blocks, and the part on them.
 fn table(sheet: &Sheet, axis_from: f32) {
     let paper = sheet.theme.paper;
     sheet.block((8.0, 330.0), (112.0, 352.0), paper);
@@ -47,7 +47,7 @@ fn table(sheet: &Sheet, axis_from: f32) {
     sheet.dashed((60.0, axis_from), (60.0, 394.0), sheet.thin());
 }
 
-/// The wheel's disc, its lower edge at a height, and its spindle.
+/// The wheel with its lower edge at `bottom`, and its spindle.
 fn wheel(sheet: &Sheet, left: f32, bottom: f32) {
     let paper = sheet.theme.paper;
     sheet.block((left, bottom - 34.0), (left + 72.0, bottom), paper);
@@ -59,7 +59,7 @@ fn wheel(sheet: &Sheet, left: f32, bottom: f32) {
 pub fn dressing(sheet: &Sheet) {
     table(sheet, 196.0);
     wheel(sheet, 94.0, 150.0);
-    // The diamond beyond the wheel; its lower edge is where R12 is measured to.
+    // The diamond beyond the wheel; R12 is measured to its lower edge.
     sheet.shape(&[(167.0, 150.0), (176.0, 134.0), (196.0, 134.0), (196.0, 150.0)], sheet.theme.paper);
     sheet.line(&[(94.0, 98.0), (94.0, 116.0)], sheet.accent());
     sheet.line(&[(166.0, 98.0), (166.0, 116.0)], sheet.accent());
@@ -102,12 +102,12 @@ pub fn sizes(sheet: &Sheet) {
     measure(sheet, (186.0, 262.0), (186.0, 330.0), (184.0, 284.0), "R21");
 }
 
-/// Values of the run (C0803).
+/// Process values (C0803).
 pub fn course(sheet: &Sheet) {
     table(sheet, 208.0);
     wheel(sheet, 108.0, 262.0);
     measure(sheet, (24.0, 292.0), (96.0, 292.0), (44.0, 292.0), "R60");
-    // Too narrow for arrows between: they point at the step from both sides.
+    // The step is too narrow for arrows inside: they point at it from both sides.
     sheet.line(&[(96.0, 214.0), (96.0, 236.0)], sheet.accent());
     sheet.line(&[(108.0, 214.0), (108.0, 228.0)], sheet.accent());
     arrow(sheet, (80.0, 220.0), (96.0, 220.0));
