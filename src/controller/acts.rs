@@ -1,4 +1,4 @@
-//! Acts: what a run does besides moving, when its turn comes.
+//! Queued actions: everything a run does besides moving, executed in program order.
 //! Source: spec B2, B3, K3.14, K4.
 
 use std::sync::Arc;
@@ -17,12 +17,12 @@ use crate::motion::{End, Move};
 use crate::nc::{Memory, SpeedMode, VariableError};
 use crate::units::{Micros, PerAxis};
 
-/// What an act has come to.
+/// Status of a queued action after one tick.
 pub(super) enum Did {
     Done,
-    /// Not yet; ask again next tick.
+    /// Not finished; called again in the next tick.
     Wait,
-    /// Done; the run stands until cycle start.
+    /// Done; the run stops until cycle start.
     Stop,
     /// The run is over.
     Close,
@@ -32,7 +32,7 @@ impl Controller {
     pub(super) fn act(&mut self, run: &mut Run, act: &Act) -> Did {
         match act {
             Act::Set(variable, value) => {
-                // The reader has checked number and value; it refuses what this would.
+                // The interpreter has already checked number and value.
                 let _ = self.store_variable(*variable, *value);
                 Did::Done
             }
@@ -97,7 +97,7 @@ impl Controller {
         }
     }
 
-    /// G35 with a cylinder, and G36: the stroke ends at its starting end, then the next block runs (K4.3).
+    /// G35 by cylinder, and G36: the stroke ends at its start point, then the next block runs (K4.3).
     fn cylinder(&mut self, on: bool) -> Did {
         let done = if on {
             matches!(self.ask(Request::CylinderOn), Answer::Taken | Answer::NoEffect(_))
@@ -107,7 +107,7 @@ impl Controller {
         if done { Did::Done } else { Did::Wait }
     }
 
-    /// G50: what the present position is called, once the machine stands there.
+    /// G50: sets the work coordinates of the present position once all motion is over.
     fn preset(&mut self, run: &mut Run, values: &PerAxis<Option<f64>>) -> Did {
         match self.is_settled(run) {
             Some(true) => {
@@ -121,7 +121,7 @@ impl Controller {
         }
     }
 
-    /// S: revolutions, or the speed of the wheel's rim by its diameter P77.
+    /// S: wheel speed in rpm, or as surface speed by the wheel diameter P77.
     fn set_wheel_speed(&mut self, value: f64, mode: SpeedMode) {
         self.wheel_speed = (value, mode);
         if self.output_set.has(Output::Wheel) && self.wheel_rpm_given() < self.commanded_wheel_rpm() {
@@ -132,7 +132,7 @@ impl Controller {
         }
     }
 
-    /// Whether all motion is over and the axes stand in position; `None` after the time-out, with the alarm raised.
+    /// Whether all motion is over and the axes are in position; `None` after the time-out, with the alarm raised.
     pub(super) fn is_settled(&mut self, run: &mut Run) -> Option<bool> {
         if !self.axes.is_at_rest() {
             return Some(false);
@@ -178,7 +178,7 @@ impl Controller {
     /// M30 (K3.14, K5.17).
     fn end_program(&mut self, origin: Origin) {
         if origin == Origin::Retract {
-            return; // K6.4: the held run is not over
+            return; // K6.4: the held run is not finished
         }
         self.machine.program_end(&self.params);
         if self.params.bit(param::COUNT_ON_M30) {
@@ -215,7 +215,7 @@ impl Controller {
                 if self.machine.is_settled(request) { Did::Done } else { Did::Wait }
             }
             Answer::Taken | Answer::NoEffect(_) => Did::Done,
-            // The block waits as in a feed hold; cycle start asks again.
+            // The block waits as in a feed hold; cycle start requests it again.
             Answer::Denied(_) => {
                 self.happen(Event::Hold);
                 Did::Wait
@@ -262,7 +262,7 @@ impl Controller {
         }
     }
 
-    /// G31: the position is latched in the tick of the edge, then the axes brake.
+    /// G31: the position is latched in the tick of the signal edge, then the axes brake.
     fn skip(&mut self, run: &mut Run, planned: &PlannedMove, signal: u8) -> Did {
         let input = SIGNALS[usize::from(signal.clamp(1, 6)) - 1];
         match run.doing {
@@ -288,7 +288,7 @@ impl Controller {
                     self.axes.path.abort();
                     run.doing = Doing::Skipping { tag, latched: true };
                 } else if self.axes.path.finished_tag() >= Some(tag) {
-                    // The end point, not where the servo still trails: a program tells by it that no signal came.
+                    // The end point, not the lagging actual position: it tells the program that no signal came.
                     self.skip_position = self.frames.work_from_machine(self.axes.set());
                     return Did::Done;
                 }
@@ -313,10 +313,10 @@ impl Controller {
         Did::Wait
     }
 
-    /// A common variable gets a value as executed; retained ones go to the disk.
+    /// Sets a common variable at execution time; retained variables are also stored on disk.
     pub(super) fn store_variable(&mut self, variable: u32, value: Option<f64>) -> Result<(), VariableError> {
         self.memory.set(variable, value)?;
-        // A run that waits for the retract has read its own copy.
+        // A run suspended by the retract has its own copy.
         if let Some(waiting) = self.retract.waiting_run() {
             let _ = waiting.interpreter.variable_edited(variable, value);
         }

@@ -1,4 +1,4 @@
-//! The alarms that are present, and which of them RESET may clear.
+//! The active alarms, their history, and which of them RESET may clear.
 //! Source: spec B8, K3.7, H7.
 
 use std::sync::Arc;
@@ -10,29 +10,29 @@ use crate::defs::text::Said;
 use crate::link::snapshot::AlarmView;
 use crate::units::Micros;
 
-/// Most alarms held at once; further ones of other numbers are dropped, the first ones tell the cause.
+/// Maximum number of active alarms. Further ones are dropped: the first alarms show the cause.
 pub const MOST_ALARMS: usize = 32;
 
-/// Most characters of an alarm's text that are remembered.
+/// Maximum characters of an alarm text in the history.
 const LONGEST: usize = 200;
 
-/// The list, oldest first.
+/// The active alarms, oldest first, and the alarm history.
 #[derive(Clone, Debug, Default)]
 pub struct Alarms {
     present: Vec<AlarmView>,
     history: Arc<Vec<Arc<PastAlarm>>>,
-    /// Counts of the alarms of the history that came or went since the disk was told.
+    /// Counts of the history entries changed since they were last stored on disk.
     changed: Vec<u64>,
-    /// When the last alarm of the history went.
+    /// When an alarm of the history was last cleared.
     last_gone: Option<Micros>,
-    /// The count of the last alarm that came before power-on.
+    /// Count of the last alarm before power-on.
     remembered: u64,
     now: Micros,
     date: Date,
 }
 
 impl Alarms {
-    /// With what was remembered when the power went: what was present then ended with it.
+    /// Starts from the stored history. Alarms that were active at power-off ended with it.
     #[must_use]
     pub fn new(mut remembered: Vec<PastAlarm>) -> Self {
         remembered.sort_by_key(|past| past.count);
@@ -42,12 +42,12 @@ impl Alarms {
         Self { history: Arc::new(history), remembered: last, ..Self::default() }
     }
 
-    /// The time of this tick: when an alarm comes or goes.
+    /// Sets time and date of this tick: the time stamp of alarms that are raised or cleared in it.
     pub const fn at(&mut self, now: Micros, date: Date) {
         (self.now, self.date) = (now, date);
     }
 
-    /// The date of power-on has become known: what came since, and was counted from it, has its date now.
+    /// The date of power-on is now known. Alarms since then were stamped relative to power-on and get their date.
     pub fn know_power_on(&mut self, power_on: Date) {
         let dated = |date: Date| Date(date.0 + power_on.0);
         let since = self.remembered;
@@ -60,20 +60,19 @@ impl Alarms {
         self.date = dated(self.date);
     }
 
-    /// What came or went since the last time, for the disk.
+    /// Takes the history entries changed since the last call, to be stored on disk.
     pub fn take_changed(&mut self) -> Vec<PastAlarm> {
         let counts = std::mem::take(&mut self.changed);
         self.history.iter().filter(|past| counts.contains(&past.count)).map(|past| (**past).clone()).collect()
     }
 
-    /// Whether the disk is to be told something.
+    /// Whether history entries wait to be stored.
     #[must_use]
     pub fn has_changed(&self) -> bool {
         !self.changed.is_empty()
     }
 
-    /// Adds an alarm of the table, with a place or detail in front of its remedy where there is one. An alarm that is
-    /// already present is not added twice.
+    /// Adds an alarm of the table; `detail` follows its text. An alarm that is already active is not added twice.
     pub fn raise(&mut self, number: u16, detail: Option<Said>, now: Micros, place: Option<(u32, u32)>) {
         if self.has(number) || self.present.len() >= MOST_ALARMS {
             return;
@@ -94,10 +93,10 @@ impl Alarms {
         self.present.push(alarm);
     }
 
-    /// Writes an alarm into the history; only now, and when one goes, is the list replaced.
+    /// Writes an alarm into the history. The history `Arc` is replaced only here and when an alarm is cleared.
     fn remember(&mut self, alarm: &AlarmView) {
         let history = Arc::make_mut(&mut self.history);
-        // Looked at again and still there: it never went.
+        // Cleared and raised again in the same tick: the alarm was never gone.
         let again = self.last_gone == Some(alarm.since);
         let same = |past: &&mut Arc<PastAlarm>| {
             again && past.ended.is_some() && past.number == alarm.number && alarm.text.zh.starts_with(&past.text.zh)
@@ -118,7 +117,7 @@ impl Alarms {
         self.changed.push(count);
     }
 
-    /// Notes in the history which alarms are no longer present.
+    /// Marks the history entries of alarms that are no longer active as ended.
     fn note_gone(&mut self, how: End) {
         let present = &self.present;
         let is_gone =
@@ -133,7 +132,7 @@ impl Alarms {
         }
     }
 
-    /// Takes away an alarm whose condition is gone.
+    /// Removes an alarm whose condition is gone.
     pub fn clear(&mut self, number: u16) {
         let before = self.present.len();
         self.present.retain(|alarm| alarm.number != number);
@@ -142,7 +141,7 @@ impl Alarms {
         }
     }
 
-    /// RESET: clears what it may; `still_there` tells which causes are not gone.
+    /// RESET: clears the alarms that it may clear. `still_there` returns whether a cause is still present.
     pub fn reset(&mut self, still_there: impl Fn(u16) -> bool) {
         self.present.retain(|alarm| match alarm::reset_rule(alarm.number) {
             ResetRule::Reset => still_there(alarm.number),
@@ -151,25 +150,25 @@ impl Alarms {
         self.note_gone(End::Reset);
     }
 
-    /// Whether an alarm is present.
+    /// Whether an alarm is active.
     #[must_use]
     pub fn has(&self, number: u16) -> bool {
         self.present.iter().any(|alarm| alarm.number == number)
     }
 
-    /// Whether one of them forbids cycle start.
+    /// Whether an active alarm blocks cycle start.
     #[must_use]
     pub fn block_start(&self) -> bool {
         self.present.iter().any(|alarm| alarm::reaction(alarm.number) >= Reaction::BlockStart)
     }
 
-    /// Those that came, also before the last power-off, the latest last.
+    /// The alarm history, including alarms before the last power-off, latest last.
     #[must_use]
     pub const fn history(&self) -> &Arc<Vec<Arc<PastAlarm>>> {
         &self.history
     }
 
-    /// All of them, oldest first.
+    /// All active alarms, oldest first.
     #[must_use]
     pub fn present(&self) -> &[AlarmView] {
         &self.present
@@ -228,7 +227,7 @@ mod tests {
         alarms.know_power_on(Date(1_000));
         alarms.clear(alarm::HYDRAULIC);
         let times: Vec<_> = alarms.history().iter().map(|past| (past.came.0, past.ended)).collect();
-        // The one of the power cycle before stays as it was: nobody knows when that was.
+        // The alarm of the previous power cycle keeps its stamp: its date is unknown.
         assert_eq!(times[0], (2, Some((End::Itself, Some(Date(2))))));
         assert_eq!(times[1], (1_003, Some((End::Itself, Some(Date(1_003))))));
     }

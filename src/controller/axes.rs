@@ -1,6 +1,6 @@
-//! The axes: who moves them now, where they are told to be and where they are.
+//! The axes: who controls them, their set-points and their actual positions.
 //!
-//! Owns the path planner, one mover an axis, and the machine zero that homing finds. Machine frame, radius millimetres.
+//! Owns the trajectory planner, one mover per axis and the machine zero set by homing. Machine coordinates, radius mm.
 //! Source: spec B5, B7.
 
 use super::screw::Compensation;
@@ -14,7 +14,7 @@ use crate::units::{Axis, PerAxis};
 /// Seconds in a minute: parameters are per minute, motion per second.
 pub const MINUTE: f64 = 60.0;
 
-/// Nearer than this, mm, two places are one: far below the resolution.
+/// Two positions closer than this, mm, count as equal; far below the resolution.
 const SAME_PLACE_MM: f64 = 1e-5;
 
 /// Who moves the axes.
@@ -26,7 +26,7 @@ pub enum Owner {
     Path,
 }
 
-/// What machine lock keeps.
+/// The real set-points while machine lock is on.
 #[derive(Clone, Copy, Debug)]
 struct Locked {
     set: PerAxis<f64>,
@@ -38,41 +38,41 @@ struct Locked {
 pub struct Axes {
     /// The program's moves.
     pub path: Path,
-    /// One mover an axis for everything else.
+    /// One mover per axis for everything else.
     pub movers: PerAxis<AxisMover>,
     present: PerAxis<bool>,
     owner: Owner,
     /// Machine coordinate minus encoder reading.
     zero_mm: PerAxis<f64>,
     homed: PerAxis<bool>,
-    /// Where the axes are, from the encoders.
+    /// Actual positions from the encoders.
     encoder: PerAxis<f64>,
-    /// Where they are shown to be: the same, but for machine lock.
+    /// Displayed positions: equal to `encoder`, except under machine lock.
     actual: PerAxis<f64>,
-    /// Where they are told to be.
+    /// Set-points.
     set: PerAxis<f64>,
     velocity_mm_s: PerAxis<f64>,
-    /// The last move of each axis went in the minus direction: its screw's play lies on the other side.
+    /// The last move of each axis was in the minus direction: backlash is taken up on that side.
     minus: PerAxis<bool>,
     drives_on: bool,
-    /// An axis that oscillates beside whoever owns the axes: its set-point and velocity.
+    /// An axis that oscillates independently of the owner: its set-point (mm) and velocity (mm/s).
     oscillated: Option<(Axis, f64, f64)>,
-    /// Where the axis stood when it began to oscillate: what the program and the path know of it, machine frame.
+    /// Position of the axis when oscillation began, machine mm: the position that program and planner use for it.
     frozen: f64,
-    /// The oscillation is over; the axis stays where it stands until the path has come to rest.
+    /// The oscillation is over. The axis holds its position until the path has come to rest.
     releasing: bool,
-    /// What the screws need beside the set-points.
+    /// Leadscrew compensation added to the set-points.
     screws: Compensation,
-    /// A thread under way.
+    /// The thread being cut.
     thread: Option<ThreadMover>,
-    /// Machine lock: where the axes really stand while the positions count on.
+    /// Machine lock: the real set-points while the displayed positions keep counting.
     locked: Option<Locked>,
-    /// Length of a tick: as it was at power-on (P58).
+    /// Tick time, s, as read at power-on (P58).
     tick_s: f64,
 }
 
 impl Axes {
-    /// Axes at rest where the encoders find them; not homed.
+    /// Axes at rest at their encoder positions; not homed.
     #[must_use]
     pub fn new(params: &Params, row: &KindRow, image: &InputImage, screws: PerAxis<ScrewTable>) -> Self {
         let tick_s = params.get(param::TICK_TIME) / 1e6;
@@ -102,7 +102,7 @@ impl Axes {
         }
     }
 
-    /// Takes over changed limits; only while nothing runs.
+    /// Applies changed limits. Call only while nothing runs.
     pub fn configure(&mut self, params: &Params) {
         let limits = limits(params, self.tick_s);
         if self.path.is_done() {
@@ -115,14 +115,14 @@ impl Axes {
         self.screws.configure(params);
     }
 
-    /// Soft limits hold from homing on (B5). An axis that homing has left beyond one of them goes back inside only.
+    /// Applies the soft limits if the axis is homed (B5). An axis that homing left beyond a limit may only move back.
     pub fn bound(&mut self, axis: Axis, params: &Params) {
         let bounds = self.homed[axis].then(|| soft_limits(params, axis));
         self.movers[axis].set_bounds(bounds);
     }
 
-    /// Declares the machine zero of an axis: the encoder position `edge` (in today's machine frame) is `coordinate`.
-    /// The axis must stand; it is homed once it is at its zero point, see [`Self::finish_homing`].
+    /// Sets the machine zero of an axis: the position `edge` (in present machine coordinates) becomes `coordinate`.
+    /// The axis must be at rest. It is homed only when it reaches its zero point, see [`Self::finish_homing`].
     pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64) {
         let shift = coordinate - edge;
         self.zero_mm[axis] += shift;
@@ -130,23 +130,23 @@ impl Axes {
         self.actual[axis] += shift;
         self.set[axis] += shift;
         self.movers[axis].set_position(self.set[axis]);
-        // From here on the table counts; the axis does not move for it, its zero does.
+        // From here on the leadscrew table applies. The axis does not move for it; the zero is shifted instead.
         self.zero_mm[axis] += self.screws.settle(axis, self.set[axis], self.minus[axis]);
     }
 
-    /// An axis with its zero is where homing leaves it: from now on it is homed, and its soft limits hold.
+    /// The axis has reached its zero point: it is now homed and its soft limits apply.
     pub fn finish_homing(&mut self, axis: Axis, params: &Params) {
         self.homed[axis] = true;
         self.bound(axis, params);
     }
 
-    /// Homing looks for the switch beyond any limit.
+    /// Homing searches for the switch without soft limits.
     pub fn unbound(&mut self, axis: Axis) {
         self.homed[axis] = false;
         self.movers[axis].set_bounds(None);
     }
 
-    /// Homing has to be done again (hard limit, drive fault).
+    /// All axes must be homed again (hard limit, drive fault, following error).
     pub fn forget_zero(&mut self) {
         self.homed = PerAxis::default();
         for axis in Axis::ALL {
@@ -161,7 +161,7 @@ impl Axes {
         self.actual = if self.locked.is_some() { self.set } else { self.encoder };
     }
 
-    /// One tick of whoever owns the axes; `spindle_turns` is what a thread follows.
+    /// One tick of the owner of the axes. A thread follows `spindle_turns` (revolutions).
     pub fn tick(&mut self, rate: Override, spindle_turns: f64) {
         let before = self.set;
         self.release();
@@ -206,24 +206,24 @@ impl Axes {
         }
     }
 
-    /// A thread takes X and Z; the path must be at rest.
+    /// Starts a thread, which takes over X and Z. The path must be at rest.
     pub fn begin_thread(&mut self, mover: ThreadMover) {
         self.thread = Some(mover);
     }
 
-    /// The thread under way.
+    /// The thread being cut, if any.
     #[must_use]
     pub const fn thread(&self) -> Option<&ThreadMover> {
         self.thread.as_ref()
     }
 
-    /// The limits that a move of the program keeps.
+    /// The limits for moves of the program.
     #[must_use]
     pub fn path_limits(&self, params: &Params) -> Limits {
         limits(params, self.tick_s)
     }
 
-    /// Where the oscillating axis is to be in this tick; none lets it go where it stands.
+    /// Sets position (mm) and velocity (mm/s) of the oscillating axis for this tick; `None` ends the oscillation.
     pub fn oscillate(&mut self, strokes: Option<(Axis, f64, f64)>) {
         match (self.oscillated, strokes) {
             (None, Some((axis, ..))) => self.frozen = self.set[axis],
@@ -236,7 +236,7 @@ impl Axes {
         (self.oscillated, self.releasing) = (strokes, false);
     }
 
-    /// Lets the axis go once nothing else can pull it elsewhere.
+    /// Releases the axis once the path is at rest, so that no pending move can displace it.
     fn release(&mut self) {
         let Some((axis, position, _)) = self.oscillated.filter(|_| self.releasing) else { return };
         if self.owner == Owner::Path && !self.path.is_at_rest() {
@@ -244,7 +244,7 @@ impl Axes {
             return;
         }
         self.movers[axis].set_position(position);
-        // Back at its starting end the path goes on from there; stopped elsewhere, its moves are void.
+        // Stopped at its start point, the path continues from there. Stopped elsewhere, its moves are discarded.
         let elsewhere = (position - self.frozen).abs() > SAME_PLACE_MM;
         if self.owner == Owner::Path && (elsewhere || self.path.is_done()) {
             self.path.clear_at(self.set);
@@ -252,7 +252,7 @@ impl Axes {
         (self.oscillated, self.releasing) = (None, false);
     }
 
-    /// The set-points as the program knows them: an axis that oscillates is where it began.
+    /// The set-points as the program sees them: an oscillating axis counts as being at its start point.
     #[must_use]
     pub fn program_set(&self) -> PerAxis<f64> {
         let mut set = self.set;
@@ -262,7 +262,7 @@ impl Axes {
         set
     }
 
-    /// The set-point of each axis in the encoder's frame.
+    /// The set-point of each axis in encoder coordinates, mm.
     #[must_use]
     pub fn set_points(&self) -> PerAxis<f64> {
         let Locked { set, .. } = self.standing();
@@ -270,30 +270,30 @@ impl Axes {
         PerAxis::from_fn(|axis| set[axis] - self.zero_mm[axis] + applied[axis])
     }
 
-    /// Where the axes really stand and how they came there, machine lock or not.
+    /// The real set-points and last directions, with machine lock on or off.
     fn standing(&self) -> Locked {
         self.locked.unwrap_or(Locked { set: self.set, minus: self.minus })
     }
 
-    /// Another table for the screw of an axis; its slide is put right slowly.
+    /// Replaces the leadscrew table of an axis. The correction is applied by a ramp.
     pub fn set_screw(&mut self, axis: Axis, table: ScrewTable) {
         self.screws.set_table(axis, table);
     }
 
-    /// The table of an axis' screw.
+    /// The leadscrew table of an axis.
     #[must_use]
     pub fn screw(&self, axis: Axis) -> &ScrewTable {
         self.screws.table(axis)
     }
 
-    /// Machine lock on: from here the positions count without the axes. The axes must stand.
+    /// Machine lock on: the displayed positions count while the axes stand. The axes must be at rest.
     pub const fn lock(&mut self) {
         if self.locked.is_none() {
             self.locked = Some(Locked { set: self.set, minus: self.minus });
         }
     }
 
-    /// Machine lock off: the positions are the real ones again.
+    /// Machine lock off: displays the real positions again.
     pub fn unlock(&mut self) {
         let Some(Locked { set, minus }) = self.locked.take() else { return };
         (self.set, self.minus, self.actual) = (set, minus, self.encoder);
@@ -303,7 +303,7 @@ impl Axes {
         }
     }
 
-    /// The program takes the axes over where they stand.
+    /// Hands the axes over to the program at their present position.
     pub fn give_to_path(&mut self) {
         if self.owner == Owner::Hand && self.path.is_at_rest() {
             self.path.clear_at(self.program_set());
@@ -311,7 +311,7 @@ impl Axes {
         }
     }
 
-    /// Movers take the axes over where they stand.
+    /// Hands the axes over to the movers at their present position.
     pub fn give_to_hand(&mut self) {
         if self.owner == Owner::Path && self.path.is_at_rest() {
             for axis in Axis::ALL {
@@ -327,7 +327,7 @@ impl Axes {
         self.owner
     }
 
-    /// Brakes everything: the path along itself, the movers at full deceleration.
+    /// Brakes all motion: the path along its contour, the movers at full deceleration.
     pub fn brake(&mut self) {
         if let Some(thread) = &mut self.thread {
             thread.abort();
@@ -354,20 +354,20 @@ impl Axes {
         }
     }
 
-    /// Whether every axis stands within the in-position width of its set-point.
+    /// Whether every axis is within the in-position width (mm) of its set-point; an oscillating axis is not checked.
     #[must_use]
     pub fn is_in_position(&self, params: &Params) -> bool {
         let oscillating = self.oscillated.map(|(axis, ..)| axis);
         self.present().all(|axis| Some(axis) == oscillating || self.is_axis_in_position(axis, params))
     }
 
-    /// Whether one axis stands within the in-position width of its set-point.
+    /// Whether one axis is within the in-position width of its set-point.
     #[must_use]
     pub fn is_axis_in_position(&self, axis: Axis, params: &Params) -> bool {
         (self.set[axis] - self.actual[axis]).abs() <= params.get(param::IN_POSITION)
     }
 
-    /// The first axis whose following error is beyond its limit.
+    /// The first axis whose following error exceeds the limit, mm.
     #[must_use]
     pub fn lost(&self, params: &Params) -> Option<Axis> {
         let limit = params.get(param::FOLLOWING_LIMIT);
@@ -375,12 +375,12 @@ impl Axes {
         self.present().find(|axis| self.drives_on && (set[*axis] - self.encoder[*axis]).abs() > limit)
     }
 
-    /// The drives were switched: off, the set-points follow the axes so that switching on does not jump.
+    /// Drives on or off. While they are off, no following error is supervised.
     pub fn set_drives(&mut self, on: bool) {
         self.drives_on = on;
     }
 
-    /// With the drives off the set-points are where the axes are.
+    /// Drives off: the set-points follow the actual positions, so that switching on causes no jump.
     pub fn follow_actual(&mut self) {
         if self.path.is_at_rest() {
             self.set = self.actual;
@@ -415,32 +415,32 @@ impl Axes {
         self.homed[axis]
     }
 
-    /// Whether all are.
+    /// Whether all axes are homed.
     #[must_use]
     pub fn all_homed(&self) -> bool {
         self.present().all(|axis| self.homed[axis])
     }
 
-    /// Machine position from the encoders.
+    /// Machine position from the encoders, mm.
     #[must_use]
     pub const fn actual(&self) -> PerAxis<f64> {
         self.actual
     }
 
-    /// Machine position commanded.
+    /// Machine set-point, mm.
     #[must_use]
     pub const fn set(&self) -> PerAxis<f64> {
         self.set
     }
 
-    /// Commanded velocity.
+    /// Commanded velocity, mm/s.
     #[must_use]
     pub const fn velocity_mm_s(&self) -> PerAxis<f64> {
         self.velocity_mm_s
     }
 }
 
-/// Soft limits of an axis, machine coordinates, low then high.
+/// Soft limits of an axis, machine coordinates, radius mm: low, high.
 #[must_use]
 pub fn soft_limits(params: &Params, axis: Axis) -> (f64, f64) {
     (params.of_axis(param::SOFT_MINUS_X, axis), params.of_axis(param::SOFT_PLUS_X, axis))

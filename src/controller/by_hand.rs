@@ -1,4 +1,4 @@
-//! Moving by hand: axis keys, steps, handwheel, and homing.
+//! Manual motion: jog keys, steps, handwheel, and homing.
 //! Source: spec K2.3, K5.9, K5.16, B5.
 
 use super::axes::{Owner, soft_limits};
@@ -13,7 +13,7 @@ use crate::defs::text::{Said, Text};
 use crate::machine::Answer;
 use crate::units::{Axis, PerAxis};
 
-/// The coarsest step by hand on the wheel axis while the wheel turns, mm displayed (K5.9).
+/// Coarsest step on the wheel axis while the wheel turns, mm displayed (K5.9).
 const FINE_STEP_MM: f64 = 0.010_5;
 
 const INTO_LIMIT: Text = Text::new("限位方向，请向反方向移开", "onto the limit switch: move the other way");
@@ -23,7 +23,7 @@ const OPEN_RUN: Text =
     Text::new("轴还在运动或程序未结束，先复位", "axes still move, or a program is open: press RESET");
 
 impl Controller {
-    /// Detents of the handwheel: each changes the displayed coordinate by the step (K2.3).
+    /// Handwheel detents: each changes the displayed coordinate by the step (K2.3).
     pub(super) fn turn_handwheel(&mut self, detents: i32) {
         if self.mode != Mode::Handwheel {
             return self.refuse(Said::new("手轮方式下手轮才有效", "the handwheel works in mode HANDWHEEL"));
@@ -42,7 +42,7 @@ impl Controller {
         self.step_by(axis, distance);
     }
 
-    /// Whether a homed axis stands at the software limit of this direction.
+    /// Whether a homed axis is at the soft limit in this direction.
     fn is_at_soft_limit(&self, axis: Axis, direction: f64) -> bool {
         let (low, high) = soft_limits(&self.params, axis);
         let at = self.axes.set()[axis];
@@ -50,7 +50,7 @@ impl Controller {
         self.axes.is_homed(axis) && if direction > 0.0 { at >= high - width } else { at <= low + width }
     }
 
-    /// A detent or a step by hand. K5.9: with the wheel on, the wheel axis takes no coarse steps.
+    /// A handwheel detent or a step. K5.9: with the wheel on, the wheel axis accepts no coarse steps.
     fn step_by(&mut self, axis: Axis, distance: f64) {
         let coarse = self.hand.step_mm > FINE_STEP_MM;
         if coarse && axis == self.row.slow_axis && self.output_set.has(Output::Wheel) {
@@ -100,7 +100,7 @@ impl Controller {
         }
     }
 
-    /// Homes an axis; the wheel axis always first (K5.16).
+    /// Homes an axis; the wheel axis is always homed first (K5.16).
     fn home_axis(&mut self, axis: Axis) {
         if !matches!(self.ask(Request::HomeAxes), Answer::Taken) {
             return;
@@ -147,10 +147,10 @@ impl Controller {
         if self.params.bit(minus) { -1.0 } else { 1.0 }
     }
 
-    /// Speeds and way of an axis to its switch.
+    /// Speeds and maximum travel of an axis to its home switch.
     pub(super) fn plan_homing(&self, axis: Axis) -> AxisHoming {
         let direction = self.home_direction(axis);
-        // K5.9: a turning wheel keeps its slow direction.
+        // K5.9: with the wheel turning, its minus direction is slow.
         let slow = axis == self.row.slow_axis && direction < 0.0 && self.output_set.has(Output::Wheel);
         let most = if slow { self.params.get(param::WHEEL_ON_SPEED) } else { f64::INFINITY };
         let plan = HomingPlan {
@@ -165,7 +165,7 @@ impl Controller {
         AxisHoming::new(axis, plan)
     }
 
-    /// One tick of an axis on its way to its switch.
+    /// One tick of homing an axis.
     pub(super) fn tick_homing(&mut self, homing: &mut AxisHoming) -> Progress {
         const SWITCHES: [Input; 3] = [Input::HomeX, Input::HomeY, Input::HomeZ];
         let (axis, switch) = (homing.axis, SWITCHES[homing.axis as usize]);
@@ -173,7 +173,7 @@ impl Controller {
         homing.tick(&mut self.axes.movers[axis], self.inputs.has(switch), self.raw.has(switch), at)
     }
 
-    /// Jog, handwheel or homing, one tick.
+    /// One tick of jog, handwheel or homing.
     pub(super) fn step_hand(&mut self) {
         if let Phase::Homing(Homing { now, next }) = self.phase.clone() {
             let (axis, mut homing) = (now.axis, now);

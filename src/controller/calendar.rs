@@ -1,21 +1,21 @@
-//! Date and time of day: what the computer's clock tells, shifted by what was set at the machine. Control never looks at
-//! it: its own time is counted in ticks. Source: spec B6 (设置: clock).
+//! Date and time of day: the system clock plus the offset set at the machine. Control logic never uses it: its own
+//! time is counted in ticks. Source: spec B6 (设置: clock).
 
 use super::{Controller, Effect};
 use crate::defs::date::{Date, YEARS};
 use crate::defs::text::Said;
 use crate::units::Micros;
 
-/// The computer's clock is followed when it is told to be off by so many seconds or more: two clocks that are cut at
-/// different moments do not move the date to and fro.
+/// The calendar resynchronises when the system clock differs by at least this, s. Truncation to whole seconds at
+/// different moments then does not make the date jump.
 const FOLLOWED_S: i64 = 2;
 
-/// The calendar.
+/// Calendar: date of power-on and the offset set at the machine.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Calendar {
-    /// What the computer's clock read at power-on.
+    /// System clock at power-on.
     power_on: Option<Date>,
-    /// What was set at the machine, less what the computer's clock read.
+    /// Date set at the machine minus system clock, s.
     offset_s: i64,
 }
 
@@ -26,7 +26,7 @@ impl Calendar {
         Self { power_on: None, offset_s }
     }
 
-    /// The computer's clock reads this now. Gives the date of power-on when it has become known.
+    /// Takes a reading of the system clock. Returns the date of power-on when it first becomes known.
     pub fn hear(&mut self, now: Micros, told: Date) -> Option<Date> {
         let power_on = Date(told.0 - seconds(now));
         if self.power_on.is_none_or(|known| (known.0 - power_on.0).abs() >= FOLLOWED_S) {
@@ -36,19 +36,19 @@ impl Calendar {
         None
     }
 
-    /// Date and time at a moment; none where nobody has told them.
+    /// Date and time at a moment; `None` while the system clock is unknown.
     #[must_use]
     pub fn date(&self, now: Micros) -> Option<Date> {
         self.power_on.map(|power_on| Date(power_on.0 + self.offset_s + seconds(now)))
     }
 
-    /// The same, or the time since power-on.
+    /// Date and time, or the time since power-on while the date is unknown.
     #[must_use]
     pub fn stamp(&self, now: Micros) -> Date {
         self.date(now).unwrap_or(Date(seconds(now)))
     }
 
-    /// The offset that makes it this date now; none where the computer's clock is not known.
+    /// The offset that makes this the present date, s; `None` while the system clock is unknown.
     fn offset_for(&self, now: Micros, wanted: Date) -> Option<i64> {
         self.power_on.map(|power_on| wanted.0 - power_on.0 - seconds(now))
     }
@@ -59,7 +59,7 @@ const fn seconds(now: Micros) -> i64 {
 }
 
 impl Controller {
-    /// Sets date and time as people read them; nothing that moves depends on them.
+    /// Sets the displayed date and time. No motion depends on them.
     pub(super) fn set_date(&mut self, wanted: Date) {
         let [year, ..] = wanted.parts();
         if !YEARS.contains(&year) {
@@ -74,7 +74,7 @@ impl Controller {
         self.say(Said::new(format!("日期时间已设为 {wanted}"), format!("date and time set to {wanted}")));
     }
 
-    /// What came or went in the history of alarms goes to the disk.
+    /// Stores changed entries of the alarm history on disk.
     pub(super) fn keep_alarms(&mut self) {
         if self.alarms.has_changed() {
             let changed = self.alarms.take_changed();
@@ -93,7 +93,7 @@ mod tests {
         assert_eq!((calendar.date(Micros(9_000_000)), calendar.stamp(Micros(9_000_000))), (None, Date(9)));
         assert_eq!(calendar.hear(Micros(9_000_000), Date(1_009)), Some(Date(1_060)));
         assert_eq!(calendar.date(Micros(10_000_000)), Some(Date(1_070)));
-        // A second off is the moment of reading, not the clock.
+        // One second off is rounding at the moment of reading, not a changed clock.
         assert_eq!(calendar.hear(Micros(10_000_000), Date(1_011)), None);
         assert_eq!(calendar.date(Micros(10_000_000)), Some(Date(1_070)));
         calendar.hear(Micros(10_000_000), Date(5_010));

@@ -1,4 +1,4 @@
-//! Commands: what a person, a story or the disk asks for, and why it is refused.
+//! Commands from the operator, a story or the disk, and why they are refused.
 //! Source: spec B6, K7.5, K7.7.
 
 use super::{Controller, Effect};
@@ -17,11 +17,11 @@ use crate::nc::frames::OFFSETS;
 use crate::nc::{Source, VariableError};
 use crate::units::{Axis, PerAxis};
 
-/// Most characters of an MDI line.
+/// Maximum characters of an MDI line.
 pub(super) const MDI_MOST: usize = 500;
 
 impl Controller {
-    /// Takes one command.
+    /// Executes one command.
     pub(super) fn take(&mut self, command: &Command) {
         if self.restart.is_some() && changes_data(command) {
             self.restart = None;
@@ -87,7 +87,7 @@ impl Controller {
         }
     }
 
-    /// The axis is led to its new place slowly; not while a program runs.
+    /// Replaces the leadscrew table of an axis; the correction is applied by a ramp. Refused while a run is open.
     pub(super) fn set_screw(&mut self, axis: Axis, table: &ScrewTable) {
         if self.run.is_some() {
             return self.refuse(NOT_IN_RUN);
@@ -112,7 +112,7 @@ impl Controller {
         }
     }
 
-    /// False: refused, and said why.
+    /// Sets a common variable. False: refused, with the reason shown.
     pub(super) fn set_variable(&mut self, variable: u16, value: Option<f64>) -> bool {
         let number = u32::from(variable);
         if let Err(error) = self.store_variable(number, value) {
@@ -139,7 +139,7 @@ impl Controller {
             return self.refuse(NOT_IN_RUN);
         }
         if self.programs.get(number).is_none() {
-            // Of a name there is the number alone.
+            // For a named program only the number is known.
             let title = if program::is_named(number) { String::new() } else { program::title(number) };
             return self.refuse(match title.as_str() {
                 "" => Said::new("程序目录中没有这个程序", "the programs folder has no such program"),
@@ -155,7 +155,7 @@ impl Controller {
         self.say(Said::new(format!("当前程序 {title}"), format!("current program {title}")));
     }
 
-    /// What a program is called.
+    /// The title of a program.
     pub(super) fn title(&self, number: u32) -> String {
         self.programs.get(number).map_or_else(|| program::title(number), |program| program.source.title())
     }
@@ -180,7 +180,7 @@ impl Controller {
     }
 }
 
-/// Whether a command changes what a run from a chosen block was reckoned with (B5).
+/// Whether a command changes data on which a prepared program restart is based (B5).
 const fn changes_data(command: &Command) -> bool {
     matches!(
         command,

@@ -1,4 +1,4 @@
-//! Cycle start, feed hold, reset: what begins, holds and leaves a run.
+//! Cycle start, feed hold and reset: they start, hold and end a run.
 //! Source: spec B5, K2.2, "what stops what".
 
 use std::sync::Arc;
@@ -63,7 +63,7 @@ impl Controller {
         self.resume_run();
     }
 
-    /// L9: the program that has come to its end begins again, as often as P390 says.
+    /// L9: a finished program starts again until it has run P390 times.
     pub(super) fn begin_again(&mut self) {
         if self.runs_left > 0 && matches!(self.phase, Phase::Idle) {
             self.runs_left -= 1;

@@ -1,6 +1,6 @@
-//! The dressing point: setting it, and going back to it by hand. G27 goes there in a program.
+//! The dressing point: setting it, and returning to it manually. G27 returns to it in a program.
 //!
-//! The lamp of 回修整点 is the state: lit, an axis key runs its axis to the point; dark, it jogs.
+//! The lamp of 回修整点 shows the state. Lit: an axis key moves its axis to the point. Dark: the key jogs.
 //! Source: spec K4.2.
 
 use super::planned::Forbidden;
@@ -15,37 +15,37 @@ use crate::defs::text::{Said, Text};
 use crate::machine::Answer;
 use crate::units::{Axis, PerAxis};
 
-/// The points, and what the operator is in the middle of.
+/// The dressing points and the state of operator input.
 #[derive(Clone, Debug)]
 pub struct Dress {
-    /// Machine coordinates, radius mm; none where none was set.
+    /// Machine coordinates, radius mm; `None` where not set.
     pub points: PerAxis<Option<f64>>,
     /// 回修整点 is lit.
     pub returning: bool,
-    /// “是否设置…修整点” has been asked for this axis.
+    /// The question “是否设置…修整点” is open for this axis.
     asked: Option<Axis>,
 }
 
 impl Dress {
-    /// The points as retained.
+    /// Starts from the retained points.
     pub const fn new(points: PerAxis<Option<f64>>) -> Self {
         Self { points, returning: false, asked: None }
     }
 
-    /// A mode change or reset: the lamp goes dark, a question is withdrawn.
+    /// Mode change or reset: the lamp goes dark and an open question is withdrawn.
     pub const fn let_go(&mut self) {
         self.returning = false;
         self.asked = None;
     }
 
-    /// The view in which it was asked is left: what is answered elsewhere is no answer.
+    /// The operator left the view of the question: the question is withdrawn.
     pub const fn withdraw(&mut self) {
         self.asked = None;
     }
 }
 
 impl Controller {
-    /// X, Y or Z in manual mode, in the view 相对 of the position page, asks whether to set the axis's point here.
+    /// Key X, Y or Z in JOG mode, view 相对 of the position page: asks whether to set the dressing point here.
     pub(super) fn ask_dress_point(&mut self, axis: Axis) {
         let elsewhere = if self.mode != Mode::Manual {
             Some(Text::new("不是手动方式", "the mode is not JOG"))
@@ -78,7 +78,7 @@ impl Controller {
         }
     }
 
-    /// 输入 answers the question: the present machine coordinate is stored.
+    /// 输入 confirms the question: the present machine coordinate is stored.
     pub(super) fn set_dress_point(&mut self) {
         let Some(axis) = self.dress.asked else {
             return self.refuse(Said::new("没有要输入的内容", "there is nothing to enter"));
@@ -97,7 +97,7 @@ impl Controller {
         ));
     }
 
-    /// 取消.
+    /// 取消 withdraws the question.
     pub(super) fn cancel_dress_point(&mut self) {
         if self.dress.asked.take().is_some() {
             self.say(Said::new("修整点没有改变", "the dressing point is as it was"));
@@ -106,7 +106,7 @@ impl Controller {
         }
     }
 
-    /// 回修整点 lights or darkens its lamp.
+    /// 回修整点 switches its lamp on or off.
     pub(super) fn switch_dress_return(&mut self) {
         if self.mode != Mode::Manual {
             return self.refuse(Said::new("手动方式下才能回修整点", "the return works in JOG"));
@@ -117,9 +117,9 @@ impl Controller {
         }
     }
 
-    /// An axis key with the lamp lit: one press, either sign, runs the axis to its point at P243. Without a
-    /// point, or not homed since power-on, it is the alarm of G27, and nothing moves; a held run is told so and survives
-    /// (K6.3).
+    /// Axis key with the lamp lit: one press of either sign moves the axis to its point at P243 (mm/min). Without a
+    /// point, or if not homed, nothing moves and the alarm of G27 is raised; in a held run only a message is shown
+    /// and the run survives (K6.3).
     pub(super) fn return_to_dress_point(&mut self, axis: Axis) {
         let Some(point) = self.dress.points[axis] else {
             let why = self.forbidden(&Forbidden::NoDressPoint(axis));

@@ -1,4 +1,4 @@
-//! Values typed at the pages: taken or refused with the reason, and the page is told which (H6).
+//! Values typed on pages: accepted, or refused with a reason. The page gets an answer either way (H6).
 //! Source: spec K7.5, K7.7.
 
 use std::sync::Arc;
@@ -17,12 +17,12 @@ use crate::units::PerAxis;
 const LOCKED: Text = Text::new("P22.0=0：不允许修改", "P22.0 is 0: locked");
 const NOT_IN_RUN: Text = Text::new("程序运行中不能修改 (P6.3)", "not while a program runs (P6.3)");
 
-/// What the core keeps of the pages' edits.
+/// State of the edits made on pages.
 #[derive(Clone, Debug)]
 pub struct Edits {
-    /// What came of the last one.
+    /// Answer to the last edit.
     answer: EditAnswer,
-    /// The MDI line that waits for cycle start.
+    /// The MDI line that waits for cycle start; empty if none.
     pub mdi_ready: Arc<str>,
 }
 
@@ -33,7 +33,7 @@ impl Default for Edits {
 }
 
 impl Controller {
-    /// Takes what a page asks, and answers it.
+    /// Executes an edit of a page and answers it.
     pub(super) fn take_edit(&mut self, command: &Command) {
         let done = match command {
             Command::TypeVariable(variable, value) => self.type_variable(*variable, *value),
@@ -54,7 +54,7 @@ impl Controller {
         }
     }
 
-    /// A value typed on the open page for one of its variables (K7.5, K7.7).
+    /// A value typed on the open page for one of the page's variables (K7.5, K7.7).
     fn type_variable(&mut self, variable: u16, value: Option<f64>) -> Result<Said, Said> {
         let name = crate::defs::r_parameter::name_on(u32::from(variable), self.kind);
         let shows = match self.page {
@@ -74,14 +74,14 @@ impl Controller {
         }
         self.check_run()?;
         if !self.set_variable(variable, value) {
-            // It has said why.
+            // The reason is already shown.
             return Err(self.message.text.clone());
         }
         let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
         Ok(Said::new(format!("{name} = {shown}"), format!("{name} = {shown}")))
     }
 
-    /// A parameter typed at its page: it has said what came of it.
+    /// A parameter typed on its page. The result is taken from the message that the command has shown.
     fn type_param(&mut self, command: &PageCommand) -> Result<Said, Said> {
         self.message = Message::default();
         self.take_page(command);
@@ -92,17 +92,17 @@ impl Controller {
         }
     }
 
-    /// K7.7: wear and variables at the offset and the macro page.
+    /// K7.7: protection (P22.0) of wear and variables on the offset and the macro page.
     pub(super) fn check_unlocked(&self) -> Result<(), Said> {
         if self.params.bit(param::EDIT_OFFSETS) { Ok(()) } else { Err(LOCKED.into()) }
     }
 
-    /// K7.7: no edit while a program runs, except by P6.3.
+    /// K7.7: no edit while a run is open, unless P6.3 allows it.
     pub(super) fn check_run(&self) -> Result<(), Said> {
         if self.run.is_none() || self.params.bit(param::EDIT_VALUES_IN_RUN) { Ok(()) } else { Err(NOT_IN_RUN.into()) }
     }
 
-    /// Writes what the pages of offsets, variables and MDI show.
+    /// Writes the snapshot fields of the offset, variable and MDI pages.
     pub(super) fn edit_view(&self, out: &mut Snapshot) {
         if out.edit != self.edits.answer {
             out.edit.clone_from(&self.edits.answer);

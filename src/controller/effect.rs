@@ -1,4 +1,4 @@
-//! What the core asks the disk to do. It never waits for it: the answer comes back as a command.
+//! Requests of the core to the disk thread. The core never waits: the answer comes back as a command.
 //! Source: style "effects to the disk", notes "acknowledge after commit".
 
 use super::files::Job;
@@ -10,14 +10,14 @@ use crate::defs::turning_tool;
 use crate::link::page_command::PageWish;
 use crate::units::{Axis, PerAxis};
 
-/// One wish.
+/// One request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
-    /// Keep the value of a retained variable; `None` is null.
+    /// Store the value of a retained variable; `None` is null.
     Variable(u32, Option<f64>),
-    /// Keep a parameter.
+    /// Store a parameter.
     Param(ParamAddress, f64),
-    /// Keep a tool offset (1 to 16): geometry and wear, radius mm.
+    /// Store a tool offset (1 to 16): geometry and wear, radius mm.
     Offset {
         /// Number.
         number: usize,
@@ -26,30 +26,30 @@ pub enum Effect {
         /// Wear.
         wear: PerAxis<f64>,
     },
-    /// Keep a work frame: index 0 is G54; origin in machine coordinates, radius mm.
+    /// Store a work offset: index 0 is G54; origin in machine coordinates, radius mm.
     Frame(usize, PerAxis<f64>),
-    /// Keep the dressing point of an axis: machine coordinate, radius mm.
+    /// Store the dressing point of an axis: machine coordinate, radius mm.
     DressPoint(Axis, f64),
-    /// Keep the table of an axis' screw.
+    /// Store the leadscrew compensation table of an axis.
     Screw(Axis, ScrewTable),
-    /// Keep the number of the current program.
+    /// Store the number of the current program.
     CurrentProgram(u32),
-    /// Keep where the running program is, for a power cut: program and line from 1; none when it is over.
+    /// Store the position of the running program for a power failure: program, line from 1; `None` when it is over.
     RunningAt(Option<(u32, u32)>),
-    /// Keep an alarm of the history, in place of the one in its slot.
+    /// Store an alarm of the history in its slot.
     Alarm(Box<PastAlarm>),
-    /// Keep what was set at the machine, less what the computer's clock read, seconds.
+    /// Store the date set at the machine minus the system clock, s.
     ClockOffset(i64),
-    /// Keep the count of workpieces.
+    /// Store the workpiece count.
     Parts(u32),
-    /// Work for the thread beside the tick: folders, long calculations. It is answered by commands.
+    /// A job for the background thread: folders, long calculations. It is answered by commands.
     Job(Box<Job>),
-    /// What a page asks of the disk: passwords, settings. It is answered by a command.
+    /// A request of a page: passwords, settings. It is answered by a command.
     Ask(PageWish),
 }
 
 impl Effect {
-    /// Whether it assigns a port to a function, or gives a tool of a lathe another shape.
+    /// Whether it assigns a port to a function or changes the shape of a lathe tool.
     #[must_use]
     pub fn refits_machine(&self) -> bool {
         let is_port = |number| {

@@ -1,4 +1,4 @@
-//! Executing a run: acts at the front, moves to the path planner, blocks from the reader – in this order each tick.
+//! Executes a run. Each tick: actions at the front of the queue, moves to the planner, blocks from the interpreter.
 //! Source: spec B3, B5, K3.14.
 
 use std::sync::Arc;
@@ -15,9 +15,9 @@ use crate::motion::{Move, Override};
 use crate::nc::{self, CheckWorld, Modals, Next, Proved, Source};
 use crate::units::{Axis, PerAxis};
 
-/// Most blocks read in a tick.
+/// Maximum blocks read per tick.
 const BLOCKS_PER_TICK: usize = 16;
-/// Most acts carried out in a tick.
+/// Maximum actions executed per tick.
 const ACTS_PER_TICK: usize = 64;
 
 impl Controller {
@@ -26,7 +26,7 @@ impl Controller {
         let settings = nc_settings(self.kind, &self.params);
         let numbered = settings.numbered && origin != Origin::Mdi;
         let settings = nc::Settings { axes: self.axes.fitted(), numbered, ..settings };
-        // A program begins from the power-on state of the codes; MDI goes on from its last line.
+        // A program starts from the power-on modal state; MDI continues from its last line.
         self.forget_note(origin == Origin::Mdi);
         let kept = self.mdi_modals.take().filter(|_| origin == Origin::Mdi);
         let modals = kept.unwrap_or_else(|| Modals::new(&settings));
@@ -36,7 +36,7 @@ impl Controller {
             self.begin_turning(origin == Origin::Program);
         }
         if settings.zero_at_start && origin == Origin::Program {
-            // L3: at the start, work zero, reference point and start point are one.
+            // L3: at program start, work zero, reference point and start point coincide.
             self.frames.preset(self.axes.set(), &PerAxis([Some(0.0), None, Some(0.0)]));
         }
         let mut planned = Planned::new(self.frames.clone(), self.axes.set(), self.dress.points, modals.path);
@@ -50,7 +50,7 @@ impl Controller {
         let mut run = Run::new(source, library, (settings, modals), start, self.now);
         run.origin = origin;
         run.proving = proof.map(|proof| Box::new(Proving { proof, told: false, before }));
-        // The planner remembers what it has finished, runs gone by included.
+        // The planner keeps the tag of the last finished move across runs.
         run.next_tag = self.axes.path.finished_tag().map_or(1, |tag| tag + 1);
         self.run = Some(Box::new(run));
         self.happen(Event::Start);
@@ -84,7 +84,7 @@ impl Controller {
         }
         let origin = run.origin;
         self.run = Some(run);
-        // A pause of the program itself (M00) came while the run was in hand here.
+        // The program stopped itself (M00) while the run was taken out of `self`.
         if self.phase.is_pause() && !paused {
             self.remember_what_turns();
         }
@@ -101,7 +101,7 @@ impl Controller {
         }
     }
 
-    /// A dwell does not run on while the program is held, or comes back from a hold.
+    /// Extends a dwell by the time in which the program is held or returns from a hold.
     fn stretch_dwell(&self, run: &mut Run) {
         if let Doing::Dwell { until } = &mut run.doing
             && (!matches!(self.phase, Phase::Running) || matches!(run.items.front(), Some(Item::Move(_))))
@@ -110,7 +110,7 @@ impl Controller {
         }
     }
 
-    /// Nor while the one-key retract has put the program aside.
+    /// Extends a dwell while the one-key retract has suspended the program.
     fn stretch_waiting_dwell(&mut self) {
         let tick = self.tick;
         if let Some(Doing::Dwell { until }) = self.retract.waiting_run().map(|run| &mut run.doing) {
@@ -118,7 +118,7 @@ impl Controller {
         }
     }
 
-    /// Forgets the moves that are finished.
+    /// Removes finished moves from the queue.
     fn retire(&mut self, run: &mut Run) {
         let finished = self.axes.path.finished_tag();
         while run.fed > 0 {
@@ -131,7 +131,7 @@ impl Controller {
         }
     }
 
-    /// Carries out what stands at the front; true when the run is over.
+    /// Executes the items at the front of the queue. True when the run is over.
     fn carry_out(&mut self, run: &mut Run) -> bool {
         for _ in 0..ACTS_PER_TICK {
             self.retire(run);
@@ -143,7 +143,7 @@ impl Controller {
                         self.blocks += 1;
                         Did::Done
                     }
-                    // While splitting, a block whose successor is under way is over without a stop.
+                    // While splitting, a block ends without a stop if its successor is already moving.
                     Some(Item::End)
                         if self.switches.single_block && run.origin == Origin::Program && !run.splitting =>
                     {
@@ -163,7 +163,7 @@ impl Controller {
                 Did::Done | Did::Stop => {
                     run.items.pop_front();
                     run.fed = run.fed.saturating_sub(1);
-                    // A block that ends with its own stop (M00) is not stopped at once more by single block.
+                    // A block that ends with its own stop (M00) does not stop a second time in single block.
                     if matches!((&did, run.items.front()), (Did::Stop, Some(Item::End))) {
                         run.items.pop_front();
                         run.fed = run.fed.saturating_sub(1);
@@ -183,7 +183,7 @@ impl Controller {
         false
     }
 
-    /// Hands moves to the path planner, up to the first act that must happen first.
+    /// Hands moves to the planner, up to the first action that must be executed before them.
     fn feed(&mut self, run: &mut Run) {
         while let Some(item) = run.items.get_mut(run.fed) {
             match item {
@@ -195,7 +195,7 @@ impl Controller {
                     let speed =
                         if dry { Speed::PerMinute(self.params.get(param::DRY_RUN_FEED)) } else { planned.speed };
                     let Some(rate) = speed.rate(self.drive_rpm(), self.params.get(param::FEED_MAX)) else {
-                        // The front of the queue only: what comes before it may start the drive.
+                        // Alarm only at the front of the queue: an earlier item may still start the drive.
                         if run.fed == 0 {
                             self.no_drive();
                         }
@@ -234,7 +234,7 @@ impl Controller {
         }
     }
 
-    /// The proof of a program that stands where it would start, if its language can be proved.
+    /// A preflight of a program from the present state, if its dialect supports it.
     pub(super) fn proof(&self, source: &Arc<Source>, settings: &nc::Settings) -> Option<nc::Proof> {
         let library: Arc<dyn nc::Library + Send + Sync> = Arc::clone(&self.programs) as _;
         let world = CheckWorld::new(settings)
@@ -245,7 +245,7 @@ impl Controller {
         nc::Proof::new(source, &library, settings, world)
     }
 
-    /// Whether the run may begin: its proof is over. A mistake found by it is the program's alarm, and all is as before.
+    /// Whether the preflight is over. A program error found by it becomes an alarm and the state before is restored.
     fn is_proved(&mut self, run: &mut Run) -> bool {
         let Some(proving) = &mut run.proving else { return true };
         match proving.proof.advance() {
@@ -294,7 +294,7 @@ impl Controller {
         }
     }
 
-    /// A block that may not be done: the alarm comes when everything before it is done, nothing of it is.
+    /// Refuses a block: nothing of it is executed; its alarm is raised when all blocks before it are done.
     fn forbid(&self, run: &mut Run, forbidden: &Forbidden) {
         let at = run.block.at;
         let (title, line) = (self.title(at.program), at.line);
@@ -313,7 +313,7 @@ impl Controller {
         run.items.push_back(Item::Do(Act::Alarm(number, said, at)));
     }
 
-    /// What may not be done, in words.
+    /// The text of a refusal.
     pub(super) fn forbidden(&self, forbidden: &Forbidden) -> Said {
         match *forbidden {
             Forbidden::SoftLimit(axis, to, limit) => {
@@ -347,7 +347,7 @@ impl Controller {
         }
     }
 
-    /// Overrides as factors of this tick.
+    /// The overrides as factors for this tick.
     pub(super) fn rate(&self) -> Override {
         let rapid = match self.overrides.rapid {
             0 => self.params.get(param::RAPID_F0) / self.params.get(param::RAPID_X),
@@ -356,7 +356,7 @@ impl Controller {
         Override { feed: f64::from(self.overrides.feed) / 100.0, rapid: rapid.min(1.0) }
     }
 
-    /// Once the axes stand, the moves handed over go back to the run, which then gives out one block at a time.
+    /// Once the axes are at rest, takes the unfinished moves back from the planner, to hand them over block by block.
     pub(super) fn take_back_moves(&mut self, run: &mut Run) {
         if !self.axes.path.is_at_rest() {
             return;
@@ -373,7 +373,7 @@ impl Controller {
         self.axes.path.resume();
     }
 
-    /// Where the block under way still leads, displayed.
+    /// Distance to go of the present block, mm displayed.
     pub(super) fn distance_to_go(&self) -> PerAxis<f64> {
         let way = if self.run.is_some() { self.axes.path.distance_to_go() } else { PerAxis::default() };
         PerAxis::from_fn(|axis: Axis| way[axis] * self.displayed_per_mm(axis))

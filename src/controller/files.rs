@@ -1,5 +1,5 @@
-//! What the pages ask of folders and long calculations: whether it may be now, and what came of it. The work itself is
-//! done beside the tick; one request at a time, lines that are looked at go in between.
+//! File and calculation requests of pages: whether they are allowed now, and their results. The background thread
+//! does the work, one request at a time; requests that only read are also accepted in between.
 //! Source: spec B6, K6.2, K7.8.
 
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use crate::link::snapshot::{Snapshot, Tone};
 use crate::nc::{Frames, Memory, REFERENCES, Settings};
 use crate::units::PerAxis;
 
-/// Programs whose editing P23.5 guards.
+/// Programs whose editing is protected by P23.5.
 const GUARDED_SUBPROGRAMS: std::ops::RangeInclusive<u32> = 9_000..=9_999;
 
 const BUSY: Text = Text::new("上一项工作未完成，请稍候或取消", "the work before is not done: wait or cancel it");
@@ -27,22 +27,22 @@ const IN_RUN: Text = Text::new("程序运行中不能编辑程序", "programs ar
 
 const CARRY_IN_RUN: Text = Text::new("程序运行中不能读入", "nothing is taken in while a program runs");
 
-/// One piece of work for the thread beside the tick, with what it needs of the core.
+/// One job for the background thread, with the values of the core that it needs.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// Comes back with every answer.
+    /// Returned with every answer.
     pub ticket: Ticket,
-    /// What is asked.
+    /// The request.
     pub request: FileRequest,
-    /// How programs are read.
+    /// Interpreter settings.
     pub settings: Settings,
     /// The programs.
     pub programs: Arc<Programs>,
-    /// The values that the core holds; only for a transfer.
+    /// Values of the core; only for a transfer.
     pub holdings: Option<Box<Holdings>>,
-    /// Where a check run begins; only for a drawing.
+    /// Initial state of a check run; only for a drawing.
     pub start: Option<Box<Start>>,
-    /// Date and time at the machine, for names of files; none where nobody has told them.
+    /// Date and time at the machine, for file names; `None` while unknown.
     pub date: Option<Date>,
 }
 
@@ -59,7 +59,7 @@ pub struct Holdings {
     pub frames: Frames,
 }
 
-/// What a check run begins with.
+/// Initial state of a check run.
 #[derive(Clone, Debug)]
 pub struct Start {
     /// The kind of machine.
@@ -74,9 +74,9 @@ pub struct Start {
     pub position: PerAxis<f64>,
     /// The reference points, machine coordinates.
     pub references: [PerAxis<f64>; REFERENCES],
-    /// System variables that stand in parameters.
+    /// System variables stored in parameters: number, value.
     pub system: Vec<(u32, f64)>,
-    /// 跳段 is on.
+    /// Block skip (跳段) is on.
     pub block_skip: bool,
 }
 
@@ -86,18 +86,18 @@ impl PartialEq for Job {
     }
 }
 
-/// What the core keeps of the requests.
+/// State of the file requests.
 #[derive(Clone, Debug, Default)]
 pub struct Files {
     view: Arc<FilesView>,
-    /// The request that is not answered yet: only an answer with its own ticket ends it.
+    /// The pending request. Only an answer with the same ticket ends it.
     pending: Option<(Ticket, Box<FileRequest>)>,
-    /// What is to be ground and what holds it, as far as it is known.
+    /// Boxes of the workpiece and its fixture, as far as known.
     pub(super) stock: Arc<[StockBox]>,
 }
 
 impl Controller {
-    /// Takes one request of a page.
+    /// Executes one request of a page.
     pub(super) fn take_file(&mut self, ticket: Ticket, request: &FileRequest) {
         match request {
             FileRequest::Look { .. }
@@ -125,7 +125,7 @@ impl Controller {
             return Arc::make_mut(&mut self.files.view).answer(ticket, Err(refusal));
         }
         if matches!(request, FileRequest::Transfer(transfer) if transfer.set == Set::Serial) {
-            // What the last transmission came to is old news now.
+            // A new transmission clears the alarms of the last one.
             alarm::SERIAL.for_each(|number| self.alarms.clear(number));
         }
         self.files.pending = Some((ticket, Box::new(request.clone())));
@@ -145,7 +145,7 @@ impl Controller {
                 params: params.clone(),
                 memory: self.memory.clone(),
                 frames: self.frames.clone(),
-                // L3: a program of the lathe begins at its own zero.
+                // L3: a lathe program starts at its own zero.
                 position: if settings.zero_at_start { PerAxis::default() } else { self.work() },
                 references: super::references(params),
                 system: super::PARAM_VARIABLES.iter().map(|(row, at)| (row.first, params.get(*at))).collect(),
@@ -157,7 +157,7 @@ impl Controller {
         self.effects.push(Effect::Job(Box::new(job)));
     }
 
-    /// Whether a request may be carried out now.
+    /// Whether a request is allowed now.
     fn may(&self, request: &FileRequest) -> Result<(), Refusal> {
         if self.files.pending.is_some() {
             return Err(Refusal::Because(BUSY.into()));
@@ -167,7 +167,7 @@ impl Controller {
                 self.may_edit(*number)
             }
             FileRequest::Record(_) => self.may_write(0),
-            // K6.2: a page is guarded as its program is.
+            // K6.2: a page has the same protection as its program.
             FileRequest::SavePage { page, .. } | FileRequest::TakePicture { page, .. } => self.may_edit(*page),
             FileRequest::Copy { to, .. } => self.may_edit(*to),
             FileRequest::Rename { from, to } => self.may_edit(*from).and_then(|()| self.may_edit(*to)),
@@ -181,8 +181,8 @@ impl Controller {
         }
     }
 
-    /// Out of the control anything may go. Into it: nothing in a run; programs ask for their password, parameters and a
-    /// whole backup for the machine builder's.
+    /// Export is always allowed. Import is refused while a run is open; programs need the program password, parameters
+    /// and a full backup the machine builder's password.
     fn may_carry(&self, transfer: &Transfer) -> Result<(), Refusal> {
         if transfer.direction == Direction::Out {
             return Ok(());
@@ -199,7 +199,7 @@ impl Controller {
         }
     }
 
-    /// Whether the programs that a transfer may bring are guarded: what has no name yet may be an O9000.
+    /// Whether an import needs the program password. A program of unknown name may be one of O9000 to O9999.
     fn asks_for_programs(&self, transfer: &Transfer) -> bool {
         let number = |name: &String| name.get(1..5).and_then(|digits| digits.parse::<u32>().ok());
         let guarded = |name: &String| number(name).is_some_and(|number| GUARDED_SUBPROGRAMS.contains(&number));
@@ -207,7 +207,7 @@ impl Controller {
         self.params.bit(param::PROGRAM_PASSWORD) || (any && self.params.bit(param::SUBPROGRAM_PASSWORD))
     }
 
-    /// Takes the values of a file. They were checked; what is in use now is said and left as it is.
+    /// Applies the checked values of a file. Parameters in use are left unchanged and listed in the result.
     fn restore(&mut self, restored: &Restored) -> Said {
         let mut kept = Vec::new();
         for (at, value) in &restored.params {
@@ -242,7 +242,7 @@ impl Controller {
         Said::new(format!("已读入，正在使用而未改的：{kept}"), format!("taken; in use and left as they are: {kept}"))
     }
 
-    /// Edit mode, nothing open, and the password once (K6.2).
+    /// Editing needs mode EDIT, no open run, and the password where set (K6.2).
     fn may_edit(&self, number: u32) -> Result<(), Refusal> {
         if self.run.is_none() && self.mode != Mode::Edit {
             return Err(Refusal::Because(EDIT_MODE.into()));
@@ -250,7 +250,7 @@ impl Controller {
         self.may_write(number)
     }
 
-    /// Nothing open, and the password once.
+    /// Writing needs no open run, and the password where set.
     fn may_write(&self, number: u32) -> Result<(), Refusal> {
         if self.run.is_some() {
             return Err(Refusal::Because(IN_RUN.into()));
@@ -262,7 +262,7 @@ impl Controller {
         if self.params.bit(asks) && !self.pages.may_edit_programs() { Err(Refusal::Password) } else { Ok(()) }
     }
 
-    /// The answer of the work.
+    /// Handles an answer of the background thread.
     pub(super) fn hear_file(&mut self, ticket: Ticket, answer: &FileAnswer) {
         match answer {
             FileAnswer::Done(said) => self.done(ticket, said.clone(), None),
@@ -323,7 +323,7 @@ impl Controller {
         Arc::make_mut(&mut self.files.view).answer(ticket, Err(refusal));
     }
 
-    /// The work under way is over, if this is its ticket; gives what was asked.
+    /// Ends the pending request if the ticket matches; returns the request.
     fn end_pending(&mut self, ticket: Ticket) -> Option<FileRequest> {
         let (_, request) = self.files.pending.take_if(|(of, _)| *of == ticket)?;
         let view = Arc::make_mut(&mut self.files.view);
@@ -331,7 +331,7 @@ impl Controller {
         Some(*request)
     }
 
-    /// A current program that has another number, or is no more.
+    /// Updates the current program after it was renamed or deleted.
     fn follow_up(&mut self, request: &FileRequest) {
         let current = match request {
             FileRequest::Rename { from, to } if *from == self.current => *to,
@@ -343,7 +343,7 @@ impl Controller {
         self.effects.push(Effect::CurrentProgram(current));
     }
 
-    /// How far the work under way is; what comes late of another is nobody's.
+    /// Shows the progress of the pending request. Late answers to other requests are ignored.
     fn note_progress(&mut self, ticket: Ticket, answer: &FileAnswer) {
         if self.files.pending.as_ref().is_none_or(|(of, _)| *of != ticket) {
             return;
@@ -356,7 +356,7 @@ impl Controller {
         }
     }
 
-    /// Writes what the pages see of the work.
+    /// Writes the snapshot fields of file requests.
     pub(super) fn files_view(&self, out: &mut Snapshot) {
         if !Arc::ptr_eq(&out.files, &self.files.view) {
             out.files.clone_from(&self.files.view);

@@ -1,13 +1,13 @@
-//! Inputs from terminal to meaning: polarity, filter, function.
-//! Source: spec K3.7 (input filter 10 ms), K6.1 (ports by parameter). All 64 ports are filtered at once, bit by bit.
+//! Converts terminals to input functions: polarity, debounce, port assignment. All 64 ports are filtered in parallel.
+//! Source: spec K3.7 (input filter 10 ms), K6.1 (ports by parameter).
 
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet, Terminals};
 
-/// Planes of the bit-sliced counters: delays up to 127 ticks.
+/// Bit planes of the parallel counters: delays up to 127 ticks.
 const PLANES: usize = 7;
 
-/// Debounces the terminals: a level counts after it has stood still for the filter time.
+/// Debounces the terminals: a level counts after it has been stable for the filter time.
 #[derive(Clone, Debug)]
 pub struct Filter {
     stable: u64,
@@ -16,12 +16,12 @@ pub struct Filter {
     ports: [u8; Input::COUNT],
     inverted: u64,
     ticks: u64,
-    /// Length of a tick, µs: as it was at power-on (P58).
+    /// Tick time, µs, as read at power-on (P58).
     tick_us: f64,
 }
 
 impl Filter {
-    /// A filter for the ports and times of these parameters; `first` counts as settled.
+    /// A filter for the ports and times of these parameters; `first` counts as stable.
     #[must_use]
     pub fn new(params: &Params, first: Terminals) -> Self {
         let mut filter = Self {
@@ -37,7 +37,7 @@ impl Filter {
         filter
     }
 
-    /// Takes over changed parameters.
+    /// Applies changed parameters.
     pub fn configure(&mut self, params: &Params) {
         for input in Input::ALL {
             self.ports[*input as usize] = params.input_port(*input);
@@ -47,7 +47,7 @@ impl Filter {
         self.ticks = (ticks.round() as u64).min((1 << PLANES) - 1);
     }
 
-    /// One tick: the inputs that are active, filtered.
+    /// One tick: returns the active inputs, debounced.
     pub fn tick(&mut self, terminals: Terminals) -> InputSet {
         let raw = terminals.0 ^ self.inverted;
         let differs = raw ^ self.stable;
@@ -55,7 +55,7 @@ impl Filter {
         for plane in &mut self.planes {
             let sum = *plane ^ carry;
             carry &= *plane;
-            *plane = sum & differs; // a port that agrees again starts from nothing
+            *plane = sum & differs; // a port back at its stable level restarts from 0
         }
         let mut settled = differs;
         for (bit, plane) in self.planes.iter().enumerate() {
@@ -71,7 +71,7 @@ impl Filter {
         self.meaning(self.stable)
     }
 
-    /// The inputs that are active now, before the filter: for latching a position in the tick of the edge.
+    /// The active inputs before the filter, for latching a position in the tick of the edge.
     #[must_use]
     pub fn unfiltered(&self, terminals: Terminals) -> InputSet {
         self.meaning(terminals.0 ^ self.inverted)

@@ -1,5 +1,5 @@
-//! What the machine would refuse, told by a check before the run: the interlock table, asked by a program on a machine that answers
-//! at once; ports that are not there; words of an axis that oscillates.
+//! Interlock check before a run: finds the blocks that the machine would refuse. The interlock table is evaluated for a
+//! machine whose units respond at once. Also checked: missing ports and moves of an oscillating axis.
 //! Source: spec K3 (the checker reads the table), K4.3, B3, B4, T4.
 
 use super::offsets::in_range;
@@ -19,14 +19,14 @@ use crate::machine::{Around, Machine};
 use crate::nc::{AxisSet, Block, Op, Place, SpeedMode};
 use crate::units::{Axis, Micros};
 
-/// Longer than any unit of the machine takes.
+/// Longer than the response time of any unit.
 const LONG: Micros = Micros::from_millis(600_000);
 const TICK: Micros = Micros::from_millis(1);
-/// An output is switched on by 1, off by 0.
+/// Threshold between off (0) and on (1) when a program writes an output.
 const HALF: f64 = 0.5;
-/// Most blocks that are told.
+/// Maximum number of reported blocks.
 const MOST: usize = 20;
-/// Inputs that follow an output, and whether they say that it is on.
+/// Feedback inputs of outputs; true: active while the output is on.
 const FOLLOW: [(Input, Output, bool); 7] = [
     (Input::HydraulicPressure, Output::Hydraulic, true),
     (Input::TailstockAdvanced, Output::Tailstock, true),
@@ -36,10 +36,10 @@ const FOLLOW: [(Input, Output, bool); 7] = [
     (Input::AxialArmOut, Output::AxialGauge, true),
     (Input::AxialArmIn, Output::AxialGauge, false),
 ];
-/// Inputs that are there on a machine in order.
+/// Inputs that are active on a machine in order.
 const THERE: [Input; 3] = [Input::GuardClosed, Input::CoolantFlow, Input::LubricationLevel];
 
-/// A block that the run would not do.
+/// A block that the run would refuse.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foreseen {
     /// The block.
@@ -48,7 +48,7 @@ pub struct Foreseen {
     pub said: Said,
 }
 
-/// Follows the operations of a check, from a ready machine on (T3).
+/// Follows the operations of a program check, starting from a ready machine (T3).
 pub struct Foresight<'a> {
     row: &'static KindRow,
     params: &'a Params,
@@ -83,7 +83,7 @@ impl<'a> Foresight<'a> {
         foresight
     }
 
-    /// Looks at a block that the check has read.
+    /// Checks a block that was read.
     pub fn see(&mut self, block: &Block) {
         for op in &block.ops {
             let Some(said) = self.refusal(op) else { continue };
@@ -94,7 +94,7 @@ impl<'a> Foresight<'a> {
         }
     }
 
-    /// What was found, in the order of the run.
+    /// The refusals, in program order.
     #[must_use]
     pub fn found(self) -> Vec<Foreseen> {
         self.found
@@ -173,7 +173,7 @@ impl<'a> Foresight<'a> {
         }
     }
 
-    /// Asks the machine, and gives it all the time it needs.
+    /// Requests a change of the machine and lets it settle.
     fn ask(&mut self, request: Request, name: &str) -> Option<Said> {
         let inputs = self.inputs();
         if let Some(rule) = self.machine.forbidding(request, self.now, inputs, self.params) {
@@ -216,7 +216,7 @@ impl<'a> Foresight<'a> {
         None
     }
 
-    /// Everything asked for comes to its end.
+    /// Advances the time until every request is finished.
     fn settle(&mut self) {
         for wait in [TICK, LONG, TICK] {
             self.now = self.now + wait;

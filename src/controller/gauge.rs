@@ -1,7 +1,7 @@
 //! G78: positioning an axis by a gauge, in one or two contacts.
 //!
-//! A position is latched in the tick of the raw edge from the encoder, so that neither the input filter nor the lag of the
-//! servo nor the braking counts. Source: spec K4.5.
+//! The encoder position is latched in the tick of the unfiltered edge, so that input filter, servo lag and braking do
+//! not matter. Source: spec K4.5.
 
 use super::Controller;
 use super::acts::Did;
@@ -19,35 +19,35 @@ use crate::units::{Axis, PerAxis};
 pub const SIGNALS: [Input; 6] =
     [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
 
-/// Positions of the last G78 as a program reads them: #434 to #437.
+/// Results of the last G78 for the program: #434 to #437, mm as displayed.
 pub type Found = [Option<f64>; 4];
 
-/// Where a G78 is.
+/// Stage of a G78 cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stage {
-    /// Towards the part, fast.
+    /// Fast towards the part.
     Approach,
-    /// Back from the first contact (single).
+    /// Back-off from the first contact (single-contact cycle).
     Back,
-    /// Towards the part again, or on to the second signal (multi), finely.
+    /// Slowly towards the part again, or on to the second signal (two-contact cycle).
     Fine,
-    /// Away at the end.
+    /// Retract at the end.
     Retract,
     /// M79: the arm goes in.
     ArmIn,
 }
 
-/// A G78 under way.
+/// State of a G78 cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct GaugeRun {
-    /// What was asked, the end as a machine coordinate.
+    /// The request; its end is a machine coordinate.
     asked: Gauging,
     stage: Stage,
-    /// The move of this stage has been handed to the planner.
+    /// Tag of this stage's move, once handed to the planner.
     tag: Option<u32>,
-    /// Work coordinate of this stage's edge.
+    /// Latched work coordinate of this stage's contact, mm displayed.
     edge: Option<f64>,
-    /// Work coordinate of the first contact.
+    /// Work coordinate of the first contact, mm displayed.
     first: f64,
 }
 
@@ -73,7 +73,7 @@ impl Controller {
         did
     }
 
-    /// A contact while the run comes to rest in a hold, or stands in one: it is latched in its tick as well.
+    /// Latches a contact that occurs while the run brakes to a hold or is held.
     pub(super) fn latch_in_pause(&mut self, run: &mut Run) {
         let Some(mut gauging) = run.gauging.filter(|gauging| gauging.tag.is_some() && gauging.edge.is_none()) else {
             return;
@@ -106,7 +106,7 @@ impl Controller {
             }
             Stage::Back => next(gauging, Stage::Fine),
             Stage::Retract => {
-                // The customer's text: M79 by itself.
+                // The customer's text: M79 is executed automatically.
                 self.ask(Request::Gauge(Gauge::Axial, false));
                 next(gauging, Stage::ArmIn)
             }
@@ -115,7 +115,7 @@ impl Controller {
         }
     }
 
-    /// Towards the part: the edge is latched, the axis brakes, the next stage begins once it stands.
+    /// Latches the contact, brakes the axis and starts the next stage once the axis is at rest.
     fn watch_edge(&mut self, gauging: &mut GaugeRun, arrived: bool) -> Did {
         let (asked, fine) = (gauging.asked, gauging.stage == Stage::Fine);
         let awaited = if fine { asked.second.unwrap_or(asked.first) } else { asked.first };
@@ -128,7 +128,7 @@ impl Controller {
             return self.gauge_fails(alarm::GAUGE_POSITIONING, asked.first);
         }
         match gauging.edge {
-            // The axis trails its set-point: what it may still touch counts.
+            // The axis lags behind its set-point: a late contact still counts.
             None if arrived && self.axes.is_axis_in_position(asked.axis, &self.params) => {
                 self.gauge_fails(alarm::GAUGE_POSITIONING, awaited)
             }
@@ -150,7 +150,7 @@ impl Controller {
         }
     }
 
-    /// #434 to #437.
+    /// Records a contact in #434 to #437.
     fn note_contact(&mut self, axis: Axis, edge: f64, fine: bool, first: f64) {
         self.gauge_found[0] = Some(self.shown(Axis::X));
         if fine {
@@ -174,7 +174,7 @@ impl Controller {
             Stage::Fine => (asked.to, asked.fine_mm_min),
             Stage::Back | Stage::Retract | Stage::ArmIn => (from[axis] + away * asked.retract_mm, asked.fast_mm_min),
         };
-        // B5: the way back is known only now.
+        // B5: the target of the back-off is known only now.
         if let Err(forbidden) = super::run::within(axis, target, &self.params) {
             let said = self.forbidden(&forbidden);
             self.raise(alarm::SOFT_LIMIT, Some(said));
@@ -191,7 +191,7 @@ impl Controller {
         Did::Wait
     }
 
-    /// The axis stops, the gauge goes back to its place, the run ends.
+    /// Fails the cycle: the gauge arm retracts and the alarm ends the run.
     fn gauge_fails(&mut self, number: u16, signal: u8) -> Did {
         self.ask(Request::Gauge(Gauge::Axial, false));
         self.raise(number, Some(Said::new(format!("量仪信号 {signal}"), format!("gauge signal {signal}"))));

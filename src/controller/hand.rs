@@ -1,6 +1,6 @@
-//! Moving by hand: jog keys, steps, handwheel.
+//! Jog state: jog keys, steps, handwheel.
 //!
-//! A jog key acts only while it is held and heard of: after the keep-alive time of silence the axis stops.
+//! A jog key acts only while it is held and refreshed: without a refresh for the keep-alive time the axis stops.
 //! Source: spec K2.3, K5.9, B5.
 
 use super::axes::{Axes, MINUTE};
@@ -8,22 +8,22 @@ use crate::defs::key::{Key, Mode};
 use crate::defs::param::{self, Params};
 use crate::units::{Axis, Micros, PerAxis};
 
-/// What the hand controls stand at.
+/// State of the manual controls.
 #[derive(Clone, Debug)]
 pub struct Hand {
-    /// Jog keys that are down: direction and when they were last heard of.
+    /// Jog keys that are down: direction (±1) and time of the last refresh.
     jog: PerAxis<Option<(f64, Micros)>>,
-    /// 快速 is on.
+    /// Rapid jog (快速) is on.
     pub rapid: bool,
     /// Axis of the handwheel.
     pub axis: Axis,
-    /// Step of a detent, mm as displayed.
+    /// Step per detent, mm as displayed.
     pub step_mm: f64,
-    /// Where each axis is being led, and how fast at most, mm/s; detents and steps at P67.
+    /// Target of each axis, machine mm, and its maximum speed, mm/s; `None` is P67 (detents and steps).
     target: PerAxis<Option<(f64, Option<f64>)>>,
 }
 
-/// What limits the hand in this tick.
+/// Limits of manual motion in this tick.
 #[derive(Clone, Copy, Debug)]
 pub struct HandLimits {
     /// Feed override factor.
@@ -41,12 +41,12 @@ impl Default for Hand {
 }
 
 impl Hand {
-    /// A jog key goes down or is still down.
+    /// A jog key is pressed.
     pub fn hold(&mut self, axis: Axis, direction: f64, now: Micros) {
         self.jog[axis] = Some((direction, now));
     }
 
-    /// A key that is already down is heard of again; others stay as they are.
+    /// Refreshes a jog key that is down; other keys are ignored.
     pub fn keep(&mut self, key: Key, now: Micros) {
         if let Some((axis, direction)) = key.jog()
             && let Some((held, since)) = &mut self.jog[axis]
@@ -56,41 +56,41 @@ impl Hand {
         }
     }
 
-    /// A jog key goes up.
+    /// A jog key is released.
     pub fn release(&mut self, axis: Axis) {
         self.jog[axis] = None;
     }
 
-    /// Whether an axis is led or a jog key is down: movement that may not have begun yet.
+    /// Whether a jog key is down or an axis has a target, even if it does not move yet.
     #[must_use]
     pub fn is_leading(&self) -> bool {
         self.jog.iter().any(|(_, jog)| jog.is_some()) || self.target.iter().any(|(_, target)| target.is_some())
     }
 
-    /// Lets go of everything.
+    /// Releases all jog keys and drops all targets.
     pub fn let_go(&mut self) {
         self.jog = PerAxis::default();
         self.target = PerAxis::default();
     }
 
-    /// Leads an axis on by `distance` mm of slide travel.
+    /// Moves the target of an axis by `distance` mm of slide travel.
     pub fn nudge(&mut self, axis: Axis, distance: f64, axes: &Axes, params: &Params) {
         let from = self.target[axis].map_or(axes.set()[axis], |(target, _)| target);
         let mut to = from + distance;
         if axes.is_homed(axis) {
             let (low, high) = super::axes::soft_limits(params, axis);
-            // From beyond a limit (L6: the origin may lie there) a step leads back by its length and no more.
+            // Beyond a limit (L6: the origin may lie there) a step moves back by its length only.
             to = to.clamp(low.min(from), high.max(from));
         }
         self.target[axis] = Some((to, None));
     }
 
-    /// Leads an axis to a machine coordinate, mm/s at most. The soft limits hold it all the same.
+    /// Moves an axis to a machine coordinate (mm) at up to `speed_mm_s`. The soft limits apply.
     pub fn lead(&mut self, axis: Axis, to: f64, speed_mm_s: f64) {
         self.target[axis] = Some((to, Some(speed_mm_s)));
     }
 
-    /// One tick: tells the movers where to go. Returns whether a jog key was let go for silence.
+    /// One tick: commands the movers. Returns whether a jog key was released because its refresh was lost.
     pub fn tick(&mut self, axes: &mut Axes, mode: Mode, now: Micros, params: &Params, limits: HandLimits) -> bool {
         let silence = Micros::from_millis_f64(params.get(param::JOG_KEEP_ALIVE));
         let mut lost = false;
@@ -107,7 +107,7 @@ impl Hand {
                     mover.velocity_target(direction * self.speed(axis, direction, params, limits));
                 }
                 (_, Some((target, speed))) => {
-                    // A led axis follows the feed override as a jog does.
+                    // A move to a target follows the feed override, as a jog does.
                     let speed = speed.map(|speed| speed * limits.feed);
                     let speed = speed.unwrap_or(params.get(param::HANDWHEEL_SPEED) / MINUTE);
                     let slow = limits.slow == Some(axis) && target < mover.position();
@@ -123,7 +123,7 @@ impl Hand {
         lost
     }
 
-    /// Jog speed, mm/s: the override counts, the slow direction of a turning wheel is limited and has no rapid.
+    /// Jog speed with override, mm/s. The slow direction of a turning wheel is limited and has no rapid.
     fn speed(&self, axis: Axis, direction: f64, params: &Params, limits: HandLimits) -> f64 {
         let slow = limits.slow == Some(axis) && direction < 0.0;
         let speed = match self.rapid && !slow {

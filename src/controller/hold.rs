@@ -1,8 +1,8 @@
-//! A held run and the hand: axes may be moved in the hold, and cycle start goes on from where they were left.
+//! Manual intervention in a feed hold: axes may be jogged, and cycle start continues from where they were left.
 //!
-//! What was moved by hand shifts the remainder of the interrupted block and all later blocks in the axes that they name
-//! as distances, or don't name; an axis that a block names by its place goes there, and later ones are not shifted in it.
-//! A hold in contact can withdraw the wheel by itself; the way back comes before anything else.
+//! The jogged distance shifts the rest of the interrupted block and all later blocks, in axes that they program
+//! incrementally or not at all. An axis programmed absolutely goes to its target, which ends the shift of that axis.
+//! A hold in contact can withdraw the wheel automatically; the return move comes first when the run continues.
 //! Source: spec K2.2, K6.3, K5.18.
 
 use super::planned::Forbidden;
@@ -17,12 +17,12 @@ use crate::motion::Shape;
 use crate::nc::AxisSet;
 use crate::units::{Axis, PerAxis};
 
-/// Where the hand took the axes over.
+/// State of a manual intervention.
 #[derive(Clone, Copy, Debug)]
 pub struct Parted {
-    /// Set-points then, machine frame.
+    /// Set-points when it began, machine mm.
     at: PerAxis<f64>,
-    /// The axis that the hold has withdrawn, and how far.
+    /// The axis that the hold has withdrawn, and the distance, mm.
     withdrawn: Option<(Axis, f64)>,
 }
 
@@ -35,16 +35,16 @@ const DRIVE_STOPPED: Text = Text::new(
     "the workpiece was stopped in the pause: start it before cycle start",
 );
 
-/// Less than this, mm, nobody has moved an axis: rounding of a stop.
+/// Shifts smaller than this, mm, are rounding of a stop.
 const MOVED_MM: f64 = 1e-9;
 
 impl Controller {
-    /// Whether the hand may move axes: nothing runs, or the run stands in a hold.
+    /// Whether manual motion is allowed: nothing runs, or the run is held or stopped.
     pub(super) const fn is_free_for_hand(&self) -> bool {
         matches!(self.phase, Phase::Idle | Phase::Held | Phase::Stopped)
     }
 
-    /// The hand takes the axes over; what the path was given goes back to the run. False while they still move.
+    /// Hands the axes over to manual motion; pending moves go back to the run. False while the axes still move.
     pub(super) fn part_from_run(&mut self) -> bool {
         if self.axes.owner() == Owner::Hand {
             return true;
@@ -55,7 +55,7 @@ impl Controller {
         if let Some(mut run) = self.run.take() {
             self.take_back_moves(&mut run);
             if matches!(run.doing, Doing::Skipping { .. }) {
-                run.doing = Doing::Nothing; // the skip begins anew from where the axis will stand
+                run.doing = Doing::Nothing; // the skip move starts again from the new position
             }
             run.gauging = None;
             run.parted = Some(Parted { at: self.axes.program_set(), withdrawn: None });
@@ -65,7 +65,7 @@ impl Controller {
         true
     }
 
-    /// K5.18: a hold while the wheel grinds draws it back by P90.
+    /// K5.18: a hold while the wheel grinds withdraws it by P90, mm.
     pub(super) fn withdraw_wheel(&mut self) {
         let distance = self.params.get(param::HOLD_WITHDRAW);
         let grinds = self.output_set.has(Output::Wheel) && self.run.as_ref().is_some_and(|run| run.is_in_contact());
@@ -79,8 +79,8 @@ impl Controller {
         }
     }
 
-    /// The run takes the axes over from the hand: first they come to rest, then what the hand has moved is reckoned in.
-    /// False: not yet, or a shifted block would leave its limits and the run is held again, with the reason said.
+    /// Hands the axes back to the run: they come to rest, then the jogged distance is applied to the run.
+    /// False: not finished, or a shifted block would violate a soft limit; the run is then held again with a message.
     pub(super) fn join_axes(&mut self, run: &mut Run) -> bool {
         if self.axes.owner() == Owner::Path {
             return true;
@@ -101,7 +101,7 @@ impl Controller {
                     return false;
                 }
             }
-            // A run from a chosen block knows already where its first moves lead.
+            // A restarted run already has its approach moves.
             None if !run.items.is_empty() => {}
             None => run.planned.machine = self.axes.program_set(),
         }
@@ -110,7 +110,7 @@ impl Controller {
         true
     }
 
-    /// A pause begins: a wheel or a workpiece that turned must turn again before the run goes on.
+    /// A pause begins: records wheel and workpiece drive. What was running must run again before the run continues.
     pub(super) fn remember_what_turns(&mut self) {
         let turned = self.what_turns();
         if let Some(run) = &mut self.run {
@@ -123,11 +123,11 @@ impl Controller {
         [self.output_set.has(Output::Wheel), part]
     }
 
-    /// What was switched off in the pause and must be started before cycle start.
+    /// The wheel or drive that was stopped in the pause and must be started before cycle start.
     pub(super) fn stopped_in_pause(&self) -> Option<Text> {
         let run = self.run.as_ref().filter(|_| !self.switches.dry_run && !self.switches.mst_lock)?;
         let [wheel, drive] = self.what_turns();
-        // The M code under way is asked again.
+        // The M code at the front is requested again.
         let asked = run.front_request();
         if run.turned[0] && !wheel && asked != Some(Request::WheelStart) {
             return Some(WHEEL_STOPPED);
@@ -142,7 +142,7 @@ impl Controller {
             && run.doing == Doing::Settling
             && !run.is_pulsing()
         {
-            run.doing = Doing::Nothing; // a key may have switched the unit in the hold: it is asked again
+            run.doing = Doing::Nothing; // a key may have switched the unit in the hold: request it again
         }
         if self.axes.owner() == Owner::Path {
             self.axes.path.resume();
@@ -152,18 +152,18 @@ impl Controller {
 }
 
 impl Run {
-    /// M20 at the front: asked again it would pulse twice.
+    /// M20 is at the front: a second request would pulse twice.
     fn is_pulsing(&self) -> bool {
         matches!(self.front_request(), Some(Request::Pulse(..)))
     }
 
-    /// What the M code at the front asks of the machine.
+    /// The machine request of the M code at the front.
     fn front_request(&self) -> Option<Request> {
         let Some(Item::Do(Act::Machine(call))) = self.items.front() else { return None };
         call.request()
     }
 
-    /// The block under way is a feed or a dwell: the wheel may touch the part.
+    /// The present block is a feed move or a dwell: the wheel may touch the part.
     fn is_in_contact(&self) -> bool {
         match self.items.front() {
             Some(Item::Move(planned)) => planned.speed != Speed::Rapid,
@@ -171,7 +171,7 @@ impl Run {
         }
     }
 
-    /// Leads the run on from where the axes stand now. On an error nothing is changed.
+    /// Continues the run from the present axis positions. On an error nothing is changed.
     fn rejoin(&mut self, parted: Parted, now: PerAxis<f64>, params: &Params) -> Result<(), Forbidden> {
         let mut shift = PerAxis::from_fn(|axis| now[axis] - parted.at[axis]);
         if let Some((axis, distance)) = parted.withdrawn {
@@ -183,7 +183,7 @@ impl Run {
         let mut from = begin;
         for item in &mut items {
             if let Item::Do(Act::Thread(thread)) = item {
-                // A thread is written as distances.
+                // A thread is programmed incrementally.
                 thread.shift(&shift);
                 from = thread.to;
             }
@@ -202,7 +202,7 @@ impl Run {
         Ok(())
     }
 
-    /// The moves before the remainder: the withdrawn wheel comes back, and an arc is met where it was left.
+    /// Moves inserted before the rest of the block: return of the withdrawn wheel, and return to the arc that was left.
     fn way_back(&self, parted: Parted, begin: PerAxis<f64>, shift: &PerAxis<f64>, params: &Params) -> Vec<PlannedMove> {
         let mut back = Vec::new();
         let speed = Speed::PerMinute(params.get(param::WHEEL_ON_SPEED));
@@ -228,7 +228,7 @@ impl Run {
 }
 
 impl Item {
-    /// The move in an item.
+    /// The move of an item, if it has one.
     fn planned_mut(&mut self) -> Option<&mut PlannedMove> {
         match self {
             Self::Move(planned) => Some(planned),
@@ -239,12 +239,12 @@ impl Item {
 }
 
 impl PlannedMove {
-    /// An axis that the block names as a distance, or doesn't name, is led on from wherever it stands.
+    /// Whether an axis follows the shift: the block programs it incrementally or not at all.
     fn follows_hand(&self, axis: Axis) -> bool {
         !self.words.contains(axis) || self.incremental.contains(axis)
     }
 
-    /// Shifts the move; an axis that it names by its place ends the shift.
+    /// Shifts the move. An axis that it programs absolutely ends the shift of that axis.
     fn shift(&mut self, shift: &mut PerAxis<f64>) {
         for axis in Axis::ALL {
             if self.follows_hand(axis) {

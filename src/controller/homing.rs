@@ -1,41 +1,41 @@
-//! Homing of one axis after another: fast to the switch, off it, slowly onto it, zero set, to the zero point.
-//! Source: spec B5, K5.16. The position counts in the tick of the edge, before the input filter.
+//! Homing of one axis: fast to the switch, back off, slowly onto it, set zero, move to the zero point.
+//! The position is latched in the tick of the unfiltered edge. Source: spec B5, K5.16.
 
 use crate::motion::AxisMover;
 use crate::units::Axis;
 
-/// Speeds and places of a homing, mm and mm/s.
+/// Speeds and positions of a homing cycle, mm and mm/s.
 #[derive(Clone, Copy, Debug)]
 pub struct HomingPlan {
-    /// +1 or −1: where the switch is.
+    /// +1 or −1: direction to the switch.
     pub direction: f64,
     /// Speed towards the switch.
     pub fast_mm_s: f64,
     /// Speed onto the switch.
     pub slow_mm_s: f64,
-    /// Farthest way before it has failed.
+    /// Maximum travel before homing fails.
     pub travel_mm: f64,
-    /// Coordinate of the switch.
+    /// Machine coordinate of the switch.
     pub coordinate: f64,
-    /// The switch is a bump: over it and back onto its far edge, all at the slow speed (L6).
+    /// The switch is a cam: homing passes it and returns onto its far edge at the slow speed (L6).
     pub past: bool,
     /// In-position width at the zero point.
     pub width_mm: f64,
 }
 
-/// Back-off is this many times the slow speed: its place does not matter.
+/// Back-off speed as a multiple of the slow speed: its end position does not matter.
 const BACK_OFF_FACTOR: f64 = 10.0;
 
-/// Greatest way that the slow part of a homing may take to leave or meet a switch, mm: a bump is far shorter.
+/// Maximum travel of the slow stages to leave or reach the switch, mm; a cam is far shorter.
 const SLOW_WAY_MM: f64 = 50.0;
 
-/// Ticks for which an axis may stand at its zero point without being in position.
+/// Maximum ticks at rest at the zero point without being in position.
 const SETTLE_TICKS: u32 = 5_000;
 
-/// Longest pause of a bouncing contact, ticks: longer than the 5 ms of a switch and the input filter together.
+/// Longest gap of a bouncing contact, ticks: more than the 5 ms of a switch plus the input filter.
 const BOUNCE_TICKS: u32 = 20;
 
-/// Where the sequence of one axis stands.
+/// Step of the homing sequence of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Step {
     Begin,
@@ -43,11 +43,11 @@ enum Step {
         from: f64,
     },
     StopFast,
-    /// L6: slowly on over the bump.
+    /// L6: slowly across the cam.
     Past {
         from: f64,
     },
-    /// L6: off it on the far side.
+    /// L6: stopping beyond the far side of the cam.
     StopPast,
     BackOff {
         from: f64,
@@ -64,28 +64,28 @@ enum Step {
     },
 }
 
-/// Why a homing came to nothing.
+/// Why homing failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// The switch was not met, or not left, within the way it may take.
+    /// The switch was not reached or not left within the maximum travel.
     NoSwitch,
-    /// The axis stands and is not where its zero point is.
+    /// The axis is at rest but not at its zero point.
     NoZero,
 }
 
-/// What homing tells the controller in a tick.
+/// Result of one tick of homing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress {
-    /// Under way.
+    /// In progress.
     Going,
-    /// The axis stands; the switch's edge was at this coordinate of today's frame.
+    /// The axis is at rest and its zero must be set.
     SetZero {
         /// Machine coordinate of the edge before the zero is set.
         edge: f64,
     },
-    /// The axis stands at its zero point.
+    /// The axis is at its zero point.
     Done,
-    /// It has come to nothing.
+    /// Homing failed.
     Failed(Failure),
 }
 
@@ -96,9 +96,9 @@ pub struct AxisHoming {
     pub axis: Axis,
     plan: HomingPlan,
     step: Step,
-    /// Position at the first unfiltered edge of the switch; what follows within a moment is bounce.
+    /// Position at the first unfiltered edge of the switch; edges shortly after it are bounce.
     edge: Option<f64>,
-    /// Ticks for which the switch has been off without a break.
+    /// Ticks for which the switch has been off without interruption.
     quiet: u32,
 }
 
@@ -109,8 +109,8 @@ impl AxisHoming {
         Self { axis, plan, step: Step::Begin, edge: None, quiet: 0 }
     }
 
-    /// The contact closes where it first closes; bouncing after that moves nothing. Off for longer than it can bounce,
-    /// an edge was a disturbance and is forgotten.
+    /// Latches the first closing of the contact; bounce after it is ignored. If the switch is off for longer than a
+    /// contact can bounce, the edge was a disturbance and is discarded.
     fn note_edge(&mut self, raw: bool, at: f64) {
         if raw {
             self.quiet = 0;
@@ -123,7 +123,7 @@ impl AxisHoming {
         }
     }
 
-    /// The steps of a switch that is a bump (L6): it is met fast, left slowly on its far side, and met again slowly.
+    /// The steps for a cam switch (L6): fast approach, slowly off its far side, slowly back onto it.
     fn step_past(&self, mover: &mut AxisMover, switch: bool, at: f64) -> Option<Step> {
         let HomingPlan { direction, slow_mm_s, past, .. } = self.plan;
         match self.step {
@@ -143,7 +143,7 @@ impl AxisHoming {
         }
     }
 
-    /// To the zero point, until the axis stands there.
+    /// Moves to the zero point until the axis is in position there.
     fn settle_at_zero(&mut self, mover: &mut AxisMover, at: f64, stood: u32) -> Progress {
         let HomingPlan { coordinate, slow_mm_s, width_mm, .. } = self.plan;
         mover.position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);

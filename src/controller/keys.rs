@@ -1,4 +1,4 @@
-//! Keys: what a press does, or why it does nothing.
+//! Panel keys: what a press does, or why it has no effect.
 //! Source: spec K2, K2.2, K2.4.
 
 use super::{Controller, Phase, retract};
@@ -11,13 +11,13 @@ use crate::defs::text::{Said, Text};
 use crate::machine::{Answer, press};
 use crate::units::Axis;
 
-/// Highest overrides, percent, and their step.
+/// Override limits and step, percent.
 const FEED_OVERRIDE_MOST: u16 = 150;
 const SPINDLE_OVERRIDE: std::ops::RangeInclusive<u16> = 50..=120;
 const OVERRIDE_STEP: u16 = 10;
 
 impl Controller {
-    /// Why a key would do nothing now, if it would.
+    /// Why a key would have no effect now, if so.
     pub(super) fn blocked(&self, key: Key) -> Option<Text> {
         if let Some(reason) = press::dead(key, self.kind, self.axes.fitted(), self.phase.bare()) {
             return Some(reason);
@@ -29,7 +29,7 @@ impl Controller {
         self.machine.forbidding(request, self.now, self.inputs, &self.params).map(|rule| rule.reason)
     }
 
-    /// K2.4: what a key does, or why nothing came of it.
+    /// K2.4: executes a key press, or shows why it has no effect.
     pub(super) fn press(&mut self, key: Key) {
         if let Some(reason) = press::dead(key, self.kind, self.axes.fitted(), self.phase.bare()) {
             return self.refuse(reason);
@@ -130,7 +130,7 @@ impl Controller {
         }
     }
 
-    /// Asks the machine logic and says what came of it.
+    /// Sends a request to the machine logic and shows a refusal.
     pub(super) fn ask(&mut self, request: Request) -> Answer {
         self.machine.inform(self.around());
         let answer = self.machine.ask(request, self.now, self.inputs, &self.params);
@@ -143,7 +143,7 @@ impl Controller {
             Answer::Refused(number, reason) => {
                 let reason = self.machine.reason(reason, request, &self.params);
                 self.refuse(reason.clone());
-                // Alarm 180 is raised by the supervision, which also knows when it may go (K3.7).
+                // Alarm 180 is raised by the supervision, which also clears it (K3.7).
                 if number != alarm::HYDRAULIC {
                     self.raise(number, Some(reason));
                 }
@@ -153,7 +153,7 @@ impl Controller {
     }
 
     fn choose(&mut self, mode: Mode) {
-        // K2.2, K6.3: a held run survives a change of mode; cycle start resumes it from any.
+        // K2.2, K6.3: a held run survives a mode change; cycle start resumes it from any mode.
         if !matches!(self.phase, Phase::Idle | Phase::Held | Phase::Stopped) && mode != self.mode {
             return self.refuse(Said::new("轴还在运动，不能换方式", "the axes still move: no change of mode"));
         }
@@ -167,7 +167,7 @@ impl Controller {
     }
 }
 
-/// Keys that choose a state, as against those that switch to and fro: pressed again they change nothing.
+/// Keys that select a state, in contrast to toggle keys: pressed again they change nothing.
 const fn chooses(key: Key) -> bool {
     match key.row().group {
         Group::Mode | Group::Handwheel | Group::Override => true,

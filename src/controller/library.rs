@@ -1,4 +1,4 @@
-//! The programs of the folder, read and cut into lines before the core sees them.
+//! The programs of the programs folder, read and split into lines before the core gets them.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use ropey::Rope;
 
 use crate::nc::{Library, Source};
 
-/// All programs at one moment; replaced as a whole when the folder changes.
+/// All programs; replaced as a whole when the folder changes.
 #[derive(Clone, Debug, Default)]
 pub struct Programs {
     rows: Vec<Program>,
@@ -17,18 +17,18 @@ pub struct Programs {
 pub struct Program {
     /// O number.
     pub number: u32,
-    /// For the interpreter.
+    /// Source for the interpreter.
     pub source: Arc<Source>,
-    /// For people.
+    /// Text for display.
     pub text: Rope,
     /// Checksum of the file.
     pub stamp: u64,
-    /// Some bytes are no characters: it is shown, not edited.
+    /// Some bytes are not valid characters: the program can be shown but not edited.
     pub mistaken: bool,
 }
 
 impl Programs {
-    /// Takes the programs; of two with one number the first counts.
+    /// Builds the list; of two programs with the same number the first counts.
     #[must_use]
     pub fn new(mut rows: Vec<Program>) -> Self {
         rows.sort_by_key(|row| row.number);
@@ -36,7 +36,7 @@ impl Programs {
         Self { rows }
     }
 
-    /// Adds programs; one that has the number of another takes its place.
+    /// Adds programs; a program with an existing number replaces the old one.
     pub fn put(&mut self, programs: Vec<Program>) {
         self.rows.retain(|row| programs.iter().all(|program| program.number != row.number));
         self.rows.extend(programs);
@@ -48,7 +48,7 @@ impl Programs {
         self.rows.iter()
     }
 
-    /// The program of a number.
+    /// The program with a number.
     #[must_use]
     pub fn get(&self, number: u32) -> Option<&Program> {
         self.rows.binary_search_by_key(&number, |row| row.number).ok().and_then(|index| self.rows.get(index))

@@ -1,4 +1,4 @@
-//! MDI: a line is put ready by the page and executed by cycle start, so that no page starts a motion.
+//! MDI: the page prepares a line and cycle start executes it, so that no page starts a motion.
 //! Source: spec B5, B6.
 
 use std::sync::Arc;
@@ -19,7 +19,7 @@ const TOO_LONG: Text = Text::new("录入行太长", "the MDI line is too long");
 const NO_LINE: Text = Text::new("先输入一行，再按循环启动", "type a line and press 输入 before cycle start");
 
 impl Controller {
-    /// Puts a line ready after looking at its first block; an empty one takes it back.
+    /// Prepares a line after checking its first block; an empty line discards the prepared one.
     pub(super) fn ready_mdi(&mut self, line: &str) -> Result<Said, Said> {
         let line = line.trim();
         if line.is_empty() {
@@ -40,7 +40,7 @@ impl Controller {
         Ok(Said::new("按循环启动执行", "press cycle start to execute it"))
     }
 
-    /// Another mode, or RESET: a line that was put ready long ago must not start.
+    /// Mode change or RESET: a line prepared earlier must not start.
     pub(super) fn drop_mdi(&mut self) {
         if !self.edits.mdi_ready.is_empty() {
             self.edits.mdi_ready = Arc::from("");
@@ -59,7 +59,7 @@ impl Controller {
         }
     }
 
-    /// Whether the first block of the line is one, from where the machine stands now.
+    /// Checks the first block of the line from the present machine position.
     fn check_mdi(&self, line: &str) -> Result<(), Said> {
         let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
         let settings = Settings { numbered: false, ..nc_settings(self.kind, &self.params) };
@@ -80,7 +80,7 @@ impl Controller {
         }
     }
 
-    /// The codes in force: of the run as it is read, of the last MDI line, or those of power-on.
+    /// The active modal codes: of the run as read, of the last MDI line, or the power-on state.
     pub(super) fn modal_view(&self) -> ModalView {
         let settings = nc_settings(self.kind, &self.params);
         if let Some(chosen) = self.restart_modals() {
@@ -94,7 +94,7 @@ impl Controller {
         self.view_of(&modals)
     }
 
-    /// Codes as the pages show them.
+    /// Modal codes as the pages show them.
     pub(super) fn view_of(&self, modals: &Modals) -> ModalView {
         ModalView {
             g: modals.g_codes(self.kind.system()),

@@ -1,8 +1,8 @@
 //! The controller: one call a tick, in a fixed order; time, inputs and commands are arguments.
 //!
-//! The way through [`Controller::tick`]: inputs (filter, encoders) → commands → machine logic and its alarms → program
-//! (acts, feeding, reading) → hand and homing → axes → outputs. Nothing in here knows a clock, a file or a thread; the
-//! same story gives the same outputs, bit for bit.
+//! Order of [`Controller::tick`]: inputs (filter, encoders) → commands → machine logic and its alarms → program
+//! (actions, moves, read-ahead) → jog and homing → axes → outputs. The controller uses no clock, file or thread: the
+//! same inputs and commands give the same outputs, bit for bit.
 
 mod acts;
 mod alarms;
@@ -77,26 +77,26 @@ use oscillation::Oscillation;
 use pages::Pages;
 use run::Run;
 
-/// mm/min to mm/s.
+/// Factor from mm/min to mm/s.
 const MINUTE_HZ: f64 = 1.0 / axes::MINUTE;
-/// Full scale of the analog outputs.
+/// Full scale of the analog outputs, V.
 const FULL_SCALE_VOLTS: f64 = 10.0;
-/// Most wishes to the disk kept between two calls of [`Controller::drain_effects`].
+/// Capacity for disk requests between two calls of [`Controller::drain_effects`].
 const EFFECTS: usize = 256;
 
-/// Homing under way: this axis, and those still to come.
+/// Homing in progress: the present axis and the axes still to home.
 #[derive(Clone, Debug)]
 struct Homing {
     now: AxisHoming,
     next: PerAxis<bool>,
 }
 
-/// Where the control stands in its work.
+/// The control phase.
 type Phase = phase::Phase<Homing>;
-/// What happens to it.
+/// An event that may change the phase.
 type Event = phase::Event<Homing>;
 
-/// The switches of the panel.
+/// The panel switches that change how a program runs.
 #[derive(Clone, Copy, Debug, Default)]
 struct Switches {
     single_block: bool,
@@ -115,33 +115,33 @@ struct Overrides {
     spindle: u16,
 }
 
-/// What a control begins with.
+/// State of the control at power-on, from the retained store.
 #[derive(Clone, Debug)]
 pub struct Retained {
     /// Parameters.
     pub params: Params,
     /// Macro variables.
     pub variables: Memory,
-    /// Work frames and tool offsets.
+    /// Work offsets and tool offsets.
     pub frames: Frames,
-    /// Dressing points that have been set, machine coordinates, radius mm (K4.2).
+    /// Dressing points, machine coordinates, radius mm (K4.2); `None` where not set.
     pub dress_points: PerAxis<Option<f64>>,
-    /// Tables of the axes' screws (B7).
+    /// Leadscrew compensation tables of the axes (B7).
     pub screws: PerAxis<ScrewTable>,
-    /// Number of the current program, 0 none.
+    /// Number of the current program; 0 for none.
     pub current_program: u32,
-    /// Workpieces counted.
+    /// Workpiece count.
     pub parts: u32,
-    /// Program and line (from 1) of a run that the power cut off.
+    /// Program and line (from 1) of a run that a power failure interrupted.
     pub interrupted: Option<(u32, u32)>,
-    /// Alarms that came before.
+    /// Alarm history.
     pub alarms: Vec<PastAlarm>,
-    /// What was set at the machine, less what the computer's clock read, seconds.
+    /// Date set at the machine minus the system clock, s.
     pub clock_offset_s: i64,
 }
 
 impl Retained {
-    /// A new machine of a kind.
+    /// Factory state of a kind of machine.
     #[must_use]
     pub fn factory(kind: Kind) -> Self {
         let mut variables = Memory::default();
@@ -173,7 +173,7 @@ pub struct Controller {
     filter: Filter,
     inputs: InputSet,
     raw: InputSet,
-    /// Inputs of the tick before, for edges.
+    /// Inputs of the previous tick, for edge detection.
     last_inputs: InputSet,
     machine: Machine,
     axes: Axes,
@@ -205,16 +205,16 @@ pub struct Controller {
     effects: Vec<Effect>,
     outputs: OutputImage,
     output_set: OutputSet,
-    /// Outputs that share their port or have none.
+    /// Outputs without a port of their own: they cannot be switched.
     dead_outputs: OutputSet,
-    /// The mushroom on the screen is in.
+    /// The emergency stop on the screen is pressed.
     soft_e_stop: bool,
     drives_on: bool,
-    /// S as it was written.
+    /// Programmed S, in the unit of its mode.
     wheel_speed: (f64, SpeedMode),
-    /// G50 S: the most that G96 may ask for, rpm.
+    /// G50 S: maximum wheel speed under G96, rpm.
     wheel_rpm_limit: Option<f64>,
-    /// What is added to the time since power-on in #3001 (ms) and #3002 (h).
+    /// Offsets added to the time since power-on in #3001 (ms) and #3002 (h).
     timer_offset: [f64; 2],
     analog_2_rpm: f64,
     relative_zero: PerAxis<f64>,
@@ -225,18 +225,18 @@ pub struct Controller {
     /// Blocks executed since power-on.
     blocks: u64,
     screen_heard: Option<Micros>,
-    /// Length of a tick: as it was at power-on (P58).
+    /// Tick time, as read at power-on (P58).
     tick: Micros,
-    /// Limit switches pressed, two bits an axis.
+    /// Pressed limit switches: two bits per axis, plus then minus.
     limits: u8,
-    /// What is modal in MDI, from line to line.
+    /// Modal state kept from one MDI line to the next.
     mdi_modals: Option<Modals>,
     pages: Pages,
     edits: edits::Edits,
     files: files::Files,
     lathe: turning::Lathe,
     teach: teach::Teach,
-    /// How often the program begins again by itself (P390).
+    /// Remaining automatic repetitions of the program (P390).
     runs_left: u32,
 }
 
@@ -314,8 +314,8 @@ impl Controller {
         control
     }
 
-    /// Puts the control where a headless run begins (tools.md T3): homed with the encoders' zero at `encoder_zero_mm`
-    /// machine coordinates, hydraulics on, part clamped.
+    /// Prepares a headless run (tools.md T3): homed, with the encoder zero at machine coordinates `encoder_zero_mm`,
+    /// hydraulics on, part clamped, mode AUTO.
     pub fn make_ready(&mut self, encoder_zero_mm: PerAxis<f64>) {
         for axis in Axis::ALL {
             let at = self.axes.actual()[axis];
@@ -326,7 +326,7 @@ impl Controller {
         self.mode = Mode::Auto;
     }
 
-    /// One tick. `now` grows by the tick time from call to call.
+    /// One tick. `now` increases by the tick time from call to call.
     pub fn tick(&mut self, now: Micros, image: &InputImage, commands: &[Command]) -> &OutputImage {
         self.now = now;
         self.alarms.at(now, self.calendar.stamp(now));
@@ -348,7 +348,7 @@ impl Controller {
         self.settle();
         self.write_outputs();
         self.keep_alarms();
-        self.refused = refused; // what is refused further on was asked for by nobody in this tick
+        self.refused = refused; // later refusals in this tick do not answer a command
         &self.outputs
     }
 
@@ -356,7 +356,7 @@ impl Controller {
         self.image = *image;
         self.raw = self.filter.unfiltered(image.terminals);
         self.inputs = self.filter.tick(image.terminals);
-        // The emergency stop acts at its first edge; only letting it go is filtered.
+        // The emergency stop acts at its first edge; only its release is debounced.
         if self.soft_e_stop || self.raw.has(Input::EmergencyStop) {
             self.inputs.set(Input::EmergencyStop, true);
         }
@@ -368,19 +368,19 @@ impl Controller {
         }
     }
 
-    /// Other programs are in the folder.
+    /// Replaces the programs after the folder changed.
     pub fn deliver_programs(&mut self, programs: Arc<Programs>, directory: Arc<Vec<DirectoryRow>>) {
         self.restart = None;
         self.programs = programs;
         self.directory = directory;
     }
 
-    /// Raises an alarm that was found outside the core (damaged data, late ticks).
+    /// Raises an alarm detected outside the core (damaged data, late ticks).
     pub fn report(&mut self, number: u16, detail: Option<Said>) {
         self.raise(number, detail);
     }
 
-    /// Hands over what the disk is to keep.
+    /// Moves the pending disk requests to `out`.
     pub fn drain_effects(&mut self, out: &mut Vec<Effect>) {
         out.append(&mut self.effects);
     }
@@ -389,24 +389,24 @@ impl Controller {
         self.message = Message { text: text.into(), tone: Tone::Note, since: self.now };
     }
 
-    /// What was asked for is not done; why.
+    /// Refuses a command and shows the reason.
     fn refuse(&mut self, text: impl Into<Said>) {
         self.warn(text);
         self.refused = Some(self.message.text.clone());
     }
 
-    /// Something is the matter that nobody has asked for.
+    /// Shows a warning that no command caused.
     fn warn(&mut self, text: impl Into<Said>) {
         self.message = Message { text: text.into(), tone: Tone::Refused, since: self.now };
     }
 
-    /// Why a command of the last tick was refused; none where all were done.
+    /// Why a command of the last tick was refused; `None` if all were executed.
     #[must_use]
     pub const fn refusal(&self) -> Option<&Said> {
         self.refused.as_ref()
     }
 
-    /// A parameter that the control itself changes.
+    /// Changes a parameter on behalf of the control and stores it.
     fn keep_param(&mut self, at: ParamAddress, value: f64) {
         if self.params.write(at, value).is_ok() {
             self.pages.show(&self.params);
@@ -437,8 +437,8 @@ impl Controller {
         }
     }
 
-    /// Whether a change would drop an output that is on, raise another function's terminal, take a switch from under
-    /// something that turns, or leave a clamped part without its key.
+    /// Whether a change would drop an active output, take over an active terminal, change an input while a spindle
+    /// turns, or disable a clamp that is in use.
     fn is_in_use(&self, at: ParamAddress, value: f64) -> bool {
         let on = |output: Output| self.output_set.has(output);
         if at == param::TAILSTOCK_ENABLED.address() {
@@ -455,7 +455,7 @@ impl Controller {
             return turns || self.machine.drive_is_on();
         }
         let of = |output: &Output| output.port_param() == at.number && output.is_of(self.kind);
-        let port = value as u8; // cut: the range is checked when it is written
+        let port = value as u8; // truncated: the range is checked when it is written
         Output::ALL.iter().any(|output| of(output) && (on(*output) || self.outputs.terminals.level(port)))
     }
 
@@ -464,17 +464,17 @@ impl Controller {
         !self.params.bit(param::RADIUS_PROGRAMMING)
     }
 
-    /// How many displayed millimetres a millimetre of slide travel is.
+    /// Displayed millimetres per millimetre of slide travel.
     fn displayed_per_mm(&self, axis: Axis) -> f64 {
         if axis == Axis::X && self.is_diameter() { 2.0 } else { 1.0 }
     }
 
-    /// The work position, radius mm.
+    /// The actual work position, radius mm.
     fn work(&self) -> PerAxis<f64> {
         self.frames.work_from_machine(self.axes.actual())
     }
 
-    /// Speed of the workpiece, rpm.
+    /// Workpiece speed, rpm; 0 while the drive is off.
     fn drive_rpm(&self) -> f64 {
         if !self.machine.drive_is_on() {
             0.0

@@ -1,7 +1,7 @@
-//! The tool offsets as the pages change them: absolute values, increments, measurements.
+//! Tool offset edits by pages: absolute values, increments, measurements.
 //!
-//! An edit counts from the next block that is read: blocks read ahead keep their targets. A frame change that is read
-//! ahead carries the edit along, so that it is not lost when the machine gets there.
+//! An edit applies from the next block that is read: blocks already read ahead keep their targets. Queued offset
+//! changes are edited as well, so that they do not undo the edit when they are executed.
 //! Source: spec K4.1, K5.10, K7.6, K7.7.
 
 use std::sync::Arc;
@@ -20,18 +20,18 @@ const NOT_HERE: Text = Text::new("请在刀补或砂轮修整页面修改", "edi
 const OPEN_RUN: Text = Text::new("程序未结束，不能测量", "a program is open: no measurement");
 const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes still move: no measurement");
 
-/// Whether an offset, as displayed, is one that the control takes, from a page or from a program.
+/// Whether an offset value, mm as displayed, is within the range for pages and programs.
 pub(super) fn in_range(part: Part, shown: f64) -> bool {
     shown.is_finite() && shown.abs() <= part.most()
 }
 
 impl Controller {
-    /// What the offset or the dressing page asks.
+    /// Executes a command of the offset or the dressing page.
     pub(super) fn take_offset(&mut self, command: OffsetCommand) -> Result<Said, Said> {
         match command {
             OffsetCommand::Set { number, part, axis, value } => {
                 let index = self.offset_place(number, axis)?;
-                // K7.7: the geometry is not under P22.0, the dressing page asks for nothing.
+                // K7.7: P22.0 does not protect the geometry; the dressing page has no protection.
                 if part == Part::Geometry && self.page == Page::Offset {
                     self.check_run()?;
                 } else {
@@ -54,7 +54,7 @@ impl Controller {
         }
     }
 
-    /// An increment of the wear, typed at a page.
+    /// A wear increment typed on a page.
     pub(super) fn type_wear_increment(&mut self, number: usize, axis: Axis, by: f64) -> Result<Said, Said> {
         self.offset_place(number, axis)?;
         self.check_offset_page(Part::Wear)?;
@@ -62,10 +62,10 @@ impl Controller {
         self.add_wear(number, axis, by)
     }
 
-    /// Adds to the wear of an offset, as displayed: the way of U, V, W at a page; G10 keeps the same bound (K4.1).
+    /// Adds to the wear of an offset, mm as displayed (U, V, W on a page). G10 has the same range (K4.1).
     ///
     /// # Errors
-    /// The number is none, the axis is not there, or the sum is out of range; nothing is changed then.
+    /// No such offset or axis, or the sum is out of range. Nothing is changed then.
     pub(super) fn add_wear(&mut self, number: usize, axis: Axis, by: f64) -> Result<Said, Said> {
         let index = self.offset_place(number, axis)?;
         let sum = self.frames.wear[index][axis] + by / self.displayed_per_mm(axis);
@@ -90,7 +90,7 @@ impl Controller {
         Ok(Said::new(format!("{}，磨耗已清零", said.zh), format!("{}, wear cleared", said.en)))
     }
 
-    /// The index of an offset of which the axis is there.
+    /// The index of an offset, if the machine has the axis.
     fn offset_place(&self, number: usize, axis: Axis) -> Result<usize, Said> {
         if !self.axes.is_present(axis) {
             return Err(Said::new(format!("没有 {axis} 轴"), format!("there is no axis {axis}")));
@@ -98,7 +98,7 @@ impl Controller {
         number.checked_sub(1).filter(|index| *index < OFFSETS).ok_or_else(|| NO_NUMBER.into())
     }
 
-    /// Whether the open page may change this now.
+    /// Whether the open page may change this value now.
     fn check_offset_page(&self, part: Part) -> Result<(), Said> {
         match self.page {
             Page::Offset => self.check_unlocked()?,
@@ -108,7 +108,7 @@ impl Controller {
         self.check_run()
     }
 
-    /// Stores one value, radius mm, and keeps it.
+    /// Sets one value, radius mm, and stores it on disk.
     fn put_offset(&mut self, index: usize, part: Part, axis: Axis, value: f64) -> Result<Said, Said> {
         let shown = value * self.displayed_per_mm(axis);
         let most = part.most();
@@ -140,7 +140,7 @@ impl Controller {
         ))
     }
 
-    /// Radius mm as displayed.
+    /// Converts radius mm to displayed mm.
     pub(super) fn displayed(&self, values: &PerAxis<f64>) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| values[axis] * self.displayed_per_mm(axis))
     }

@@ -1,7 +1,7 @@
-//! Servo oscillation: one axis to and fro between two ends, beside the program, with limits of its own.
+//! Servo oscillation: moves one axis to and fro between two reversal points, beside the program, with its own limits.
 //!
-//! Owns the strokes; the other axes belong to the program or the hand. The ends are exact: a stroke is over when the axis
-//! stands in position, then its dwell begins. #438 and #439 are set in that tick and keep their value until the other end.
+//! The other axes belong to the program or to manual motion. A stroke ends when the axis is in position at the
+//! reversal point; then its dwell begins. #438 and #439 are set in that tick and hold until the other reversal point.
 //! Source: spec K4.3.
 
 use super::axes::{MINUTE, limits};
@@ -15,27 +15,27 @@ use crate::machine::Answer;
 use crate::motion::{AxisLimits, AxisMover};
 use crate::units::{Axis, Micros};
 
-/// D counts to this speed, mm/min.
+/// Speed to which the ramp time D refers, mm/min.
 const RAMP_SPEED_MM_MIN: f64 = 10_000.0;
-/// Fewest strokes a minute.
+/// Minimum double strokes per minute.
 const LEAST_STROKES: f64 = 1.0;
 /// Unit of P235 and P236, ms.
 const DWELL_UNIT_MS: f64 = 4.0;
-/// A stroke shorter than this, mm, has no length.
+/// A stroke shorter than this, mm, counts as zero length.
 pub const LEAST_STROKE_MM: f64 = 1e-6;
 
 const OSCILLATES: Text = Text::new("该轴在振荡中，先关闭振荡", "the axis oscillates: end the oscillation first");
 
-/// What G35 or the key asks for. Machine coordinates, radius mm.
+/// Oscillation requested by G35 or by the key. Machine coordinates, radius mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
     /// The axis.
     pub axis: Axis,
-    /// The end that it does not stand at.
+    /// The far reversal point.
     pub to: f64,
-    /// D: ms to reach 10 m/min; P240 if not given.
+    /// D: time to reach 10 m/min, ms; P240 if not given.
     pub ramp_ms: Option<f64>,
-    /// Q: strokes there and back a minute; P241 if not given.
+    /// Q: double strokes per minute; P241 if not given.
     pub strokes_min: Option<f64>,
 }
 
@@ -48,22 +48,22 @@ enum Step {
         forward: bool,
         until: Micros,
     },
-    /// Reset or e-stop: braking where it is.
+    /// Reset or e-stop: braking.
     Stopping,
 }
 
-/// An axis that oscillates.
+/// State of an oscillating axis.
 #[derive(Clone, Debug)]
 pub struct Oscillation {
     axis: Axis,
-    /// A program or an MDI line has begun it, not the key.
+    /// Started by a program or an MDI line, not by the key.
     by_run: bool,
     from: f64,
     to: f64,
     speed_mm_s: f64,
     mover: AxisMover,
     step: Step,
-    /// G36: it ends when it next stands at its starting end.
+    /// G36: it ends at the next arrival at its start point.
     ending: bool,
     /// #438: in position forward; #439: backward.
     flags: (bool, bool),
@@ -71,16 +71,16 @@ pub struct Oscillation {
     strokes_min: f64,
 }
 
-/// What has come of one tick.
+/// Result of one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Came {
     Goes,
-    /// The axis stands and is free again.
+    /// The axis is at rest and free again.
     Over,
 }
 
 impl Oscillation {
-    /// Begins with the next tick. Returns what was clamped, in words.
+    /// Starts with the next tick. Returns a text if values were limited.
     fn new(stroke: Stroke, by_run: bool, from: f64, params: &Params, tick_s: f64) -> (Self, Option<Said>) {
         let axis = stroke.axis;
         let own = limits(params, tick_s).axes[axis];
@@ -169,7 +169,7 @@ impl Oscillation {
         }
     }
 
-    /// G36 while it is on its way forward turns at once; it ends at the starting end all the same.
+    /// G36: a forward stroke reverses at once; the oscillation ends at its start point.
     const fn end(&mut self) {
         self.ending = true;
         if let Step::Going { forward: true } = self.step {
@@ -179,17 +179,17 @@ impl Oscillation {
 }
 
 impl Controller {
-    /// The axis that oscillates by its servo.
+    /// The axis that oscillates by servo.
     pub(super) fn oscillating_axis(&self) -> Option<Axis> {
         self.oscillation.as_ref().map(|oscillation| oscillation.axis)
     }
 
-    /// The key has begun strokes in a pause: the held program knows nothing of them (K4.3).
+    /// The oscillation was started by the key in a pause: the held program does not know of it (K4.3).
     pub(super) fn oscillates_by_key(&self) -> bool {
         self.oscillation.as_ref().is_some_and(|oscillation| !oscillation.by_run)
     }
 
-    /// Whether an axis or the cylinder oscillates: the lamp.
+    /// Whether an axis or the cylinder oscillates.
     pub(super) fn is_oscillating(&self) -> bool {
         self.oscillation.is_some() || self.machine.cylinder_is_on()
     }
@@ -202,12 +202,12 @@ impl Controller {
         if self.params.bit(param::SWAP_OSCILLATION_FLAGS) { (backward, forward) } else { (forward, backward) }
     }
 
-    /// Measured strokes a minute; none before the second.
+    /// Measured double strokes per minute; `None` before the second stroke.
     pub(super) fn measured_strokes_min(&self) -> Option<f64> {
         self.oscillation.as_ref().map(|oscillation| oscillation.strokes_min).filter(|strokes| *strokes > 0.0)
     }
 
-    /// One tick of the strokes.
+    /// One tick of the oscillation.
     pub(super) fn step_oscillation(&mut self) {
         let Some(mut oscillation) = self.oscillation.take() else { return };
         let axis = oscillation.axis;
@@ -221,7 +221,7 @@ impl Controller {
         }
     }
 
-    /// G35 and the key: begins strokes between where the axis stands and the given end.
+    /// G35 and the key: starts oscillation between the present set-point and the given reversal point.
     pub(super) fn begin_oscillation(&mut self, stroke: Stroke, by_run: bool) {
         let from = self.axes.set()[stroke.axis];
         let tick_s = self.tick.as_secs_f64();
@@ -232,7 +232,7 @@ impl Controller {
         }
     }
 
-    /// G36 and the key: it ends at its starting end. True when nothing oscillates any more.
+    /// G36 and the key: ends the oscillation at its start point. True when nothing oscillates by servo any more.
     pub(super) fn end_oscillation(&mut self) -> bool {
         if self.machine.cylinder_is_on() {
             self.ask(Request::CylinderOff);
@@ -245,7 +245,7 @@ impl Controller {
         self.oscillation.is_none()
     }
 
-    /// Reset and e-stop: it brakes where it is.
+    /// Reset and e-stop: brakes the axis at once.
     pub(super) fn stop_oscillation(&mut self) {
         if let Some(oscillation) = &mut self.oscillation {
             oscillation.step = Step::Stopping;
@@ -253,7 +253,7 @@ impl Controller {
         }
     }
 
-    /// The key 振荡: G35 by P238 to P241, again G36.
+    /// Key 振荡: G35 with P238 to P241; pressed again, G36.
     pub(super) fn switch_oscillation(&mut self) {
         if self.is_oscillating() {
             self.end_oscillation();
@@ -286,7 +286,7 @@ impl Controller {
         super::run::within(axis, to, &self.params)
     }
 
-    /// Why the hand may not move an axis: it oscillates.
+    /// Refuses manual motion of an oscillating axis. True if refused.
     pub(super) fn refuse_oscillating(&mut self, axis: Axis) -> bool {
         let oscillates = self.oscillating_axis() == Some(axis);
         if oscillates {
@@ -295,7 +295,7 @@ impl Controller {
         oscillates
     }
 
-    /// The lamp and the outputs of the cylinder belong to one key.
+    /// The lamp of the key: servo or cylinder oscillates, or a valve is on.
     pub(super) fn oscillation_lamp(&self) -> bool {
         let cylinder = [Output::OscillationForward, Output::OscillationBackward];
         self.is_oscillating() || cylinder.iter().any(|output| self.output_set.has(*output))

@@ -1,4 +1,4 @@
-//! The open page and its soft keys, and alarm 66 for the files of the grinding and the dressing page.
+//! The open page and its soft keys; alarm 66 for missing files of the grinding and the dressing page.
 //! Source: spec K7.1, K7.3, K7.6.
 
 use super::Controller;
@@ -9,10 +9,10 @@ use crate::defs::text::{Said, Text};
 use crate::link::command::FileFault;
 use crate::link::snapshot::PAGED_PROGRAMS;
 
-/// What the number of a page's files is counted from.
+/// Base of the page numbers: file C0001 belongs to page 1001.
 const PAGE_FILES: u32 = 1_000;
 
-/// The picture is taken where it is painted.
+/// Screen printing happens in the HMI, not in the core.
 const PRINT: Text = Text::new("屏幕打印：在屏幕上点此软键", "the screen is printed by touching the key on it");
 
 impl Controller {
@@ -32,7 +32,7 @@ impl Controller {
         self.check_page_files();
     }
 
-    /// Another view of the position page; from another page it opens that.
+    /// Selects a view of the position page and opens the page.
     pub(super) fn show_coordinates(&mut self, coordinates: Coordinates) {
         if self.pages.coordinates != coordinates {
             self.pages.coordinates = coordinates;
@@ -41,12 +41,12 @@ impl Controller {
         self.open_page(Page::Position);
     }
 
-    /// Another row of soft keys; beyond the last comes the first.
+    /// Selects a row of soft keys; after the last row comes the first.
     pub(super) fn turn_soft_row(&mut self, row: usize) {
         self.pages.soft_row = row % soft_key::ROWS.len();
     }
 
-    /// A soft key that came as a key of the panel: what stands in its row is done, as at a touch.
+    /// A soft key pressed on the panel: acts like a touch on the screen.
     pub(super) fn press_soft_key(&mut self, index: usize) {
         let row = self.pages.soft_row;
         let Some(soft) = soft_key::row(self.kind, row).nth(index) else {
@@ -68,28 +68,28 @@ impl Controller {
         }
     }
 
-    /// Another sheet of the grinding page; beyond the last comes the first.
+    /// Selects a sheet of the grinding page; after the last sheet comes the first.
     pub(super) fn turn_sheet(&mut self, sheet: usize) {
         self.pages.sheet = sheet % self.row.page_files.len().max(1);
         self.check_page_files();
     }
 
-    /// Which page files the grinding page shows: the kind's own, or those of the program (K7.2).
+    /// The page number that the grinding page shows: the kind's own, or that of the program (K7.2).
     pub(super) fn grinding_page(&self) -> Option<u32> {
         self.own_page().or_else(|| PAGED_PROGRAMS.contains(&self.current).then_some(self.current))
     }
 
-    /// The sheet of the kind's own grinding page.
+    /// The page number of the selected sheet, if the kind has its own grinding pages.
     pub(super) fn own_page(&self) -> Option<u32> {
         self.row.page_files.get(self.pages.sheet).map(|number| PAGE_FILES + number)
     }
 
-    /// Which of how many.
+    /// Index of the selected sheet and number of sheets.
     pub(super) fn grinding_pages(&self) -> (usize, usize) {
         (self.pages.sheet, self.row.page_files.len().max(1))
     }
 
-    /// Whether one of the pages that the grinding page shows has a field for a variable.
+    /// Whether a sheet of the grinding page has a field for a variable.
     pub(super) fn page_shows(&self, variable: u16) -> bool {
         let own = self.row.page_files.iter().map(|number| PAGE_FILES + number);
         let mut shown = own.chain(self.grinding_page());
@@ -100,11 +100,11 @@ impl Controller {
         })
     }
 
-    /// K7.3: alarm 66 when the page opens; it goes when the files are right or the page is left.
+    /// K7.3: raises alarm 66 when the page opens; clears it when the files are correct or the page is left.
     pub(super) fn check_page_files(&mut self) {
         self.alarms.clear(alarm::PAGE_FILES);
         if self.page == Page::Dressing {
-            // K7.6: its picture alone.
+            // K7.6: the dressing page has only a picture.
             if let Some(Err(fault)) = self.screens.dressing.clone() {
                 self.raise(alarm::PAGE_FILES, Some(fault.said()));
             }

@@ -1,7 +1,7 @@
-//! The pages of parameters, diagnosis and settings, seen from the core: what they are shown, what they may change.
+//! Core side of the parameter, diagnosis and settings pages: what they show and what they may change.
 //!
-//! A password is never compared here: it goes to the disk as a wish, and the answer comes back as a command. The tick
-//! does not wait for it.
+//! Passwords are never compared here: they go to the disk thread as a request, and the answer comes back as a command.
+//! The tick does not wait for it.
 //! Source: spec B6, K6.1.
 
 use std::sync::Arc;
@@ -18,9 +18,9 @@ use crate::link::page_command::{BRIGHTNESS, Guard, PASSWORD_LENGTH, PageAnswer, 
 use crate::link::snapshot::{Access, RunState, Snapshot};
 use crate::units::{Axis, Micros, PerAxis};
 
-/// Wrong passwords in a row after which there is a pause.
+/// Consecutive wrong passwords that start a lock-out.
 const WRONG_IN_A_ROW: u32 = 3;
-/// Length of the pause.
+/// Length of the lock-out.
 const PAUSE: Micros = Micros::from_millis(30_000);
 
 const WRONG: Text = Text::new("密码错误", "wrong password");
@@ -28,18 +28,18 @@ const TOO_OFTEN: Text = Text::new("密码错误次数过多，30 秒后再试", 
 const BUSY: Text = Text::new("正在核对密码，请稍候", "a password is being checked");
 const FORM: Text = Text::new("新密码为 4 到 16 位数字", "a new password has 4 to 16 digits");
 
-/// What the core keeps for the pages.
+/// State of the pages kept in the core.
 #[derive(Clone, Debug)]
 pub struct Pages {
-    /// What the position page shows.
+    /// View of the position page.
     pub coordinates: Coordinates,
-    /// Which row of soft keys is shown, from 0.
+    /// Index of the displayed soft-key row.
     pub soft_row: usize,
-    /// Which sheet of the grinding page is shown.
+    /// Index of the displayed sheet of the grinding page.
     pub sheet: usize,
-    /// What the program tells until it tells something else (MSG).
+    /// Program message (MSG), shown until it is replaced.
     pub note: Option<Said>,
-    /// The parameters as shown: replaced when one is changed.
+    /// The parameters for display; replaced when one changes.
     params: Arc<Params>,
     access: Access,
     next_kind: Kind,
@@ -48,7 +48,7 @@ pub struct Pages {
 }
 
 impl Pages {
-    /// At power-on every level is closed.
+    /// At power-on every level is locked.
     pub fn new(kind: Kind, params: &Params) -> Self {
         Self {
             coordinates: Coordinates::default(),
@@ -63,22 +63,22 @@ impl Pages {
         }
     }
 
-    /// A parameter was changed.
+    /// Takes over changed parameters for display.
     pub fn show(&mut self, params: &Params) {
         self.params = Arc::new(params.clone());
     }
 
-    /// The machine builder's password was given.
+    /// Whether the machine builder's password was entered.
     pub fn is_builder(&self) -> bool {
         self.access.level >= Level::Builder
     }
 
-    /// The password for programs was given (K6.2).
+    /// Whether the program password was entered (K6.2).
     pub const fn may_edit_programs(&self) -> bool {
         self.access.program
     }
 
-    /// An answer for the page that asked.
+    /// Answers the page that asked for a password check.
     const fn answer(&mut self, refused: Option<Text>) {
         self.access.asking = false;
         self.access.answers = self.access.answers.wrapping_add(1);
@@ -87,7 +87,7 @@ impl Pages {
 }
 
 impl Controller {
-    /// Takes one command of a page.
+    /// Executes one command of a page.
     pub(super) fn take_page(&mut self, command: &PageCommand) {
         match command {
             PageCommand::EditParam(at, value) => self.edit_param(*at, *value),
@@ -142,7 +142,7 @@ impl Controller {
         }
     }
 
-    /// One password at a time; after three wrong ones a pause.
+    /// Requests a password check: one at a time; after three wrong passwords input is locked for 30 s.
     fn ask_disk(&mut self, wish: PageWish) {
         let refusal = if self.pages.access.asking {
             Some(BUSY)
@@ -201,7 +201,7 @@ impl Controller {
         }
     }
 
-    /// Writes what the pages of parameters, diagnosis and settings show.
+    /// Writes the snapshot fields of the parameter, diagnosis and settings pages.
     pub(super) fn page_view(&self, out: &mut Snapshot) {
         out.input_terminals = self.image.terminals;
         out.output_terminals = self.outputs.terminals;
@@ -256,7 +256,7 @@ impl Controller {
     }
 }
 
-/// A level is closed.
+/// The refusal for a locked level.
 fn needs(level: Level) -> Said {
     let guard = Guard::of(level).map_or(level.name(), Guard::name);
     Said::new(format!("需要{}密码", guard.zh), format!("the password for {} is needed", guard.en))

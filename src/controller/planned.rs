@@ -1,4 +1,4 @@
-//! Reading: operations become items with machine coordinates, or are forbidden before anything of their block moves.
+//! Read-ahead: converts operations to queue items in machine coordinates, or refuses them before their block moves.
 //! Source: spec B3, B5, K4.
 
 use std::collections::VecDeque;
@@ -17,50 +17,50 @@ use crate::nc::frames::OFFSETS;
 use crate::nc::{self, AxisSet, Feed, Frames, Op, PathMode, Place, REFERENCES};
 use crate::units::{Axis, PerAxis};
 
-/// Frames and position at the end of what has been read.
+/// Work offsets, position and modal state at the end of the blocks read so far.
 #[derive(Clone, Debug)]
 pub struct Planned {
-    /// Frames in force there; shared until one changes.
+    /// Active work offsets; shared until one changes.
     pub frames: Arc<Frames>,
-    /// Machine position there.
+    /// Machine position, radius mm.
     pub machine: PerAxis<f64>,
-    /// The dressing points; they do not change in a run.
+    /// The dressing points, machine coordinates, radius mm.
     pub dress_points: PerAxis<Option<f64>>,
-    /// The axis that oscillates there.
+    /// The oscillating axis.
     pub oscillating: Option<Axis>,
-    /// Every axis is homed, or need not be.
+    /// Every axis is homed or need not be.
     pub homed: bool,
-    /// The soft limits hold: every axis is homed.
+    /// The soft limits apply: every axis is homed.
     pub bounded: bool,
-    /// The language of the program.
+    /// The dialect of the program.
     pub system: System,
     path: PathMode,
 }
 
-/// The axes that a block names, and those of them that it names as distances.
+/// The axes that a block programs, and those of them that it programs incrementally.
 pub(super) type Named = (AxisSet, AxisSet);
 
-/// What a move may not do.
+/// Why a move or operation is refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Forbidden {
-    /// Leave the soft limits: axis, target, limit, all machine coordinates in radius mm.
+    /// Target beyond a soft limit: axis, target, limit; machine coordinates, radius mm.
     SoftLimit(Axis, f64, f64),
-    /// Move before homing.
+    /// Move before the axes are homed.
     NotHomed,
-    /// Move an axis that oscillates, or oscillate a second one.
+    /// Move of an oscillating axis, or oscillation of a second axis.
     Oscillating(Axis),
-    /// Oscillate over no length, or an axis that is not homed.
+    /// Oscillation with zero stroke, or of an axis that is not homed.
     NoStroke(Axis),
-    /// A wear beyond what the offset page takes: axis and sum, mm of slide travel.
+    /// Wear outside the range of the offset page: axis and sum, mm of slide travel.
     Wear(Axis, f64),
-    /// Return to a dressing point that was never set.
+    /// Return to a dressing point that is not set.
     NoDressPoint(Axis),
-    /// A code that this version does not have.
+    /// M code that this version does not support.
     NotYet(u8),
 }
 
 impl Planned {
-    /// The beginning of a run.
+    /// State at the start of a run.
     #[must_use]
     pub fn new(frames: Frames, machine: PerAxis<f64>, dress_points: PerAxis<Option<f64>>, path: PathMode) -> Self {
         Self {
@@ -75,7 +75,7 @@ impl Planned {
         }
     }
 
-    /// Turns one operation into items.
+    /// Converts one operation to queue items.
     pub(super) fn take(
         &mut self,
         op: &Op,
@@ -152,7 +152,7 @@ impl Planned {
         let act = match op {
             Op::AddWear { number, by } => {
                 Arc::make_mut(&mut self.frames).add_wear(*number, *by);
-                // K4.1: the same bound as at the offset page.
+                // K4.1: the same range as on the offset page.
                 let wear = self.frames.wear[usize::from(*number).clamp(1, OFFSETS) - 1];
                 let shown =
                     |axis: Axis| if axis == Axis::X && !params.bit(param::RADIUS_PROGRAMMING) { 2.0 } else { 1.0 };
@@ -230,7 +230,7 @@ impl Planned {
         Ok(())
     }
 
-    /// A place in X and Z; Y stays.
+    /// The position with Y unchanged from the read-ahead position.
     fn with_y(&self, mut at: PerAxis<f64>) -> PerAxis<f64> {
         at[Axis::Y] = self.machine[Axis::Y];
         at
@@ -249,13 +249,13 @@ impl Planned {
         self.push(PlannedMove::new(target, Shape::Line, speed, named), items, params)
     }
 
-    /// Machine coordinates of a target; axes that the block does not name stay where they are.
+    /// Machine coordinates of a target; axes that the block does not program stay where they are.
     fn target(&self, to: PerAxis<f64>, words: AxisSet) -> PerAxis<f64> {
         let machine = self.frames.machine_from_work(to);
         PerAxis::from_fn(|axis| if words.contains(axis) { machine[axis] } else { self.machine[axis] })
     }
 
-    /// G27: machine coordinates, whatever offsets are in force.
+    /// G27: machine coordinates, independent of active offsets.
     fn dress_return(
         &mut self,
         axes: AxisSet,

@@ -1,8 +1,8 @@
-//! Running a program from a chosen block, and going on after a power cut.
+//! Program restart from a selected block, and resuming after a power failure.
 //!
-//! The blocks before it are read without moving: what is in force there – codes, frame, offset, variables – and where the axes
-//! would stand is shown first. Nothing is switched on by itself: a wheel or workpiece that would turn there must be started
-//! by hand. Cycle start then leads the axes to that place, the wheel axis last, and runs on from the block.
+//! The blocks before it are read without motion. The resulting modal codes, work offset, tool offset, variables and
+//! axis positions are shown first. Nothing starts automatically: a wheel or workpiece that would turn there must be
+//! started by key. Cycle start then moves the axes to the position, the wheel axis last, and runs from the block.
 //! Source: spec B5.
 
 use std::sync::Arc;
@@ -21,11 +21,11 @@ use crate::motion::Shape;
 use crate::nc::{self, AxisSet, CheckWorld, Memory, Modals, Next, Op, SpeedMode, World};
 use crate::units::{Axis, Micros, PerAxis};
 
-/// Most ticks that the blocks before are read: some two million blocks. A loop that waits for the machine does not end.
+/// Maximum ticks for reading the blocks before: about two million blocks. A loop that waits for the machine never ends.
 const TICKS: u32 = 1_000;
 /// The last common variable.
 const LAST_VARIABLE: u32 = 999;
-/// The place of a run is kept for a power cut at most so often.
+/// Minimum interval between two records of the run position for a power failure.
 const KEEP_EVERY: Micros = Micros::from_millis(1_000);
 
 const NO_PROGRAM: Text = Text::new("没有当前程序：先在目录中选择", "no current program: choose one in the directory");
@@ -38,19 +38,19 @@ const DRIVE_FIRST: Text = Text::new(
     "the workpiece turns there: start it by its key before cycle start",
 );
 
-/// What the blocks before have switched.
+/// Machine state that the blocks before the selected one produce.
 #[derive(Clone, Debug, Default)]
 struct Switched {
     wheel: bool,
     drive: bool,
     coolant: bool,
-    /// An axis oscillates there.
+    /// An axis oscillates at the block.
     oscillates: bool,
-    /// G50, G27, G31 or G78 stands among them: where they leave the machine cannot be reckoned.
+    /// G50, G27, G31 or G78 is among them: the resulting position cannot be computed.
     unknown: bool,
-    /// A program's own alarm, in force before the block.
+    /// First alarm raised by the program before the block.
     alarm: Option<Said>,
-    /// The last S, and the limit of G50 S.
+    /// The last S, and the limit of G50 S, rpm.
     speed: Option<(f64, SpeedMode)>,
     limit: Option<f64>,
 }
@@ -75,35 +75,35 @@ impl Switched {
     }
 }
 
-/// A run that does not begin at its head.
+/// A restart in preparation.
 pub(super) struct Restart {
     line: u32,
     run: Box<Run>,
     world: CheckWorld,
     switched: Switched,
     ticks: u32,
-    /// The block has been found.
+    /// The selected block has been reached.
     found: bool,
 }
 
-/// Where a run was when the power went.
+/// Position of the run for a power failure.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Kept {
-    /// Program and line of a run that was cut off before this power-on.
+    /// Program and line (from 1) of a run interrupted before this power-on.
     pub interrupted: Option<(u32, u32)>,
-    /// What the disk knows of the present run, and since when.
+    /// Line of the present run last stored on disk, and when.
     told: Option<(u32, Micros)>,
 }
 
 impl Kept {
-    /// What the last power-on left.
+    /// Starts from the record of the last power-on.
     pub const fn new(interrupted: Option<(u32, u32)>) -> Self {
         Self { interrupted, told: None }
     }
 }
 
 impl Controller {
-    /// At power-on: what the last one left unfinished.
+    /// At power-on: shows the program that was interrupted.
     pub(super) fn tell_interrupted(&mut self) {
         if let Some((program, line)) = self.kept.interrupted {
             self.say(Said::new(
@@ -115,7 +115,7 @@ impl Controller {
         }
     }
 
-    /// Reads the current program up to a line (from 1), to run it from there.
+    /// Starts reading the current program up to a line (from 1), to run it from there.
     pub(super) fn restart_at(&mut self, line: u32) {
         self.restart = None;
         if let Some(why) = self.restart_refused() {
@@ -152,7 +152,7 @@ impl Controller {
         self.say(Said::new(format!("正在查找第 {line} 行…"), format!("reading up to line {line} …")));
     }
 
-    /// Goes on with the run that a power cut has ended.
+    /// Resumes the run that a power failure interrupted.
     pub(super) fn resume_interrupted(&mut self) {
         let Some((program, line)) = self.kept.interrupted else {
             return self.refuse(Said::new("没有断电中断的程序", "no program was cut off by a power failure"));
@@ -165,7 +165,7 @@ impl Controller {
         }
     }
 
-    /// Tells a world what the control itself keeps: offsets, counts, the wheel.
+    /// Copies system variables to a check world: offsets, counts, wheel data.
     fn tell(&self, mut world: CheckWorld) -> CheckWorld {
         let kept = [
             variable::WEAR_X,
@@ -197,7 +197,7 @@ impl Controller {
         (!self.axes.all_homed()).then_some(Text::new("先回零，再选择起始段", "home the axes before a block is chosen"))
     }
 
-    /// One tick of the reading; says what was found.
+    /// One tick of the search; shows the result.
     pub(super) fn step_restart(&mut self) {
         let Some(mut restart) = self.restart.take_if(|restart| !restart.found) else { return };
         let Restart { line, run, world, switched, .. } = &mut *restart;
@@ -254,7 +254,7 @@ impl Controller {
         }
     }
 
-    /// What the program page shows before the start.
+    /// The view for the program page before the start.
     pub(super) fn restart_view(&self) -> Option<RestartView> {
         let restart = self.restart.as_ref().filter(|restart| restart.found)?;
         let work = restart.world.place();
@@ -272,13 +272,13 @@ impl Controller {
         })
     }
 
-    /// The codes in force at the chosen block.
+    /// The modal codes at the selected block.
     pub(super) fn restart_modals(&self) -> Option<ModalView> {
         let restart = self.restart.as_ref().filter(|restart| restart.found)?;
         Some(self.view_of(&restart.run.block.modals))
     }
 
-    /// Cycle start with a block chosen. True: this is what starts, or what is refused.
+    /// Cycle start with a selected block. True: the restart was started or refused.
     pub(super) fn start_restart(&mut self) -> bool {
         let Some(restart) = self.restart.as_ref() else { return false };
         let [wheel, drive] = self.what_turns();
@@ -327,10 +327,10 @@ impl Controller {
         self.happen(Event::Start);
     }
 
-    /// Keeps the place of the run for a power cut: the line of the program that was started.
+    /// Records the position of the run for a power failure: the line in the main program.
     pub(super) fn keep_place(&mut self) {
         let Some(run) = self.run.as_ref().filter(|run| run.origin == Origin::Program) else { return };
-        // In a subprogram the block that called it counts.
+        // In a subprogram, the calling block counts.
         let (program, line) = (self.current, self.place.line);
         if self.place.program != program || run.since == self.now {
             return;
@@ -342,7 +342,7 @@ impl Controller {
         }
     }
 
-    /// The run is over: nothing was cut off.
+    /// The run is over: clears the recorded position.
     pub(super) fn forget_place(&mut self) {
         self.kept.interrupted = None;
         if self.kept.told.take().is_some() {
@@ -351,7 +351,7 @@ impl Controller {
     }
 }
 
-/// All axes, as places.
+/// All axes, programmed absolutely.
 fn all() -> AxisSet {
     let mut all = AxisSet::NONE;
     Axis::ALL.into_iter().for_each(|axis| all.insert(axis));

@@ -1,8 +1,8 @@
-//! One-key retract of the wheel: the key holds the run and executes O9000; pressed again, O9001 brings the wheel back and
-//! the run can go on.
+//! One-key retract of the wheel: the key holds the run and executes O9000. Pressed again, it executes O9001, which
+//! returns the wheel, and the run can continue.
 //!
-//! The held run is put aside meanwhile, with the moves it had read. It goes on only from where it was left: a wheel that
-//! O9001 has brought elsewhere would meet the part where nothing was planned.
+//! Meanwhile the held run is suspended with the moves it has read. It continues only from the position where it was
+//! left: from elsewhere the wheel could touch the part outside the planned path.
 //! Source: spec K6.4, K2.2.
 
 use std::sync::Arc;
@@ -17,38 +17,38 @@ use crate::machine::Answer;
 use crate::nc::{Library, Place, Source};
 use crate::units::{Axis, PerAxis};
 
-/// The program that withdraws the wheel, and the one that brings it back.
+/// The programs that retract and return the wheel.
 const WITHDRAW: u32 = 9_000;
 const BRING_BACK: u32 = 9_001;
-/// How near an axis must be to where the run was left, mm of slide travel.
+/// Position tolerance for continuing the run, mm of slide travel.
 const BACK_MM: f64 = 0.001;
 
 /// P4.4=0.
 pub(super) const DISABLED: Text = Text::new("一键回退未启用 (P4.4=0)", "the one-key retract is not enabled (P4.4=0)");
 
-/// Where the retract stands.
+/// State of the retract.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Stage {
-    /// The wheel is where the work has it.
+    /// Not retracted.
     #[default]
     Home,
-    /// The key was pressed in a run: as soon as the axes stand, O9000 begins.
+    /// The key was pressed in a run: O9000 starts as soon as the axes are at rest.
     Asked,
-    /// O9000 runs; the wheel came from here (machine frame, radius mm).
+    /// O9000 runs. Start position (machine, radius mm).
     Leaving(PerAxis<f64>),
-    /// The wheel is withdrawn: it came from here, and O9000 has left it there.
+    /// The wheel is retracted. Start position, and end position of O9000 (machine, radius mm).
     Away(PerAxis<f64>, PerAxis<f64>),
-    /// O9001 runs.
+    /// O9001 runs. Target: the start position.
     Coming(PerAxis<f64>),
-    /// O9001 has ended elsewhere. The hand must bring the axes there.
+    /// O9001 ended elsewhere. The axes must be jogged to this position.
     Astray(PerAxis<f64>),
 }
 
-/// The retract and the run that waits for it.
+/// The retract and the suspended run.
 #[derive(Default)]
 pub(super) struct Retract {
     stage: Stage,
-    /// The run that was held, with its place and the tool offset and frame in force.
+    /// The held run with its block position and its active tool offset and work offset.
     waiting: Option<Box<Waiting>>,
 }
 
@@ -61,24 +61,24 @@ struct Waiting {
 }
 
 impl Retract {
-    /// The lamp: the wheel is away, or on its way.
+    /// Whether the lamp is lit: the wheel is retracted or moving.
     pub(super) fn is_lit(&self) -> bool {
         self.stage != Stage::Home
     }
 
-    /// One of the two programs runs, or is about to.
+    /// Whether O9000 or O9001 runs or is about to start.
     pub(super) fn is_working(&self) -> bool {
         matches!(self.stage, Stage::Asked | Stage::Leaving(_) | Stage::Coming(_))
     }
 
-    /// The run that was put aside.
+    /// The suspended run.
     pub(super) fn waiting_run(&mut self) -> Option<&mut Run> {
         self.waiting.as_mut().map(|waiting| &mut *waiting.run)
     }
 }
 
 impl Controller {
-    /// The key.
+    /// Press of the key 一键回退.
     pub(super) fn press_retract(&mut self) {
         if !self.params.bit(param::WHEEL_RETRACT) {
             return self.refuse(DISABLED);
@@ -98,7 +98,7 @@ impl Controller {
         }
         match self.phase {
             Phase::Running | Phase::Holding => {
-                // The run stops in any case; without its program the wheel stays where it is.
+                // The run is held in any case; if O9000 is missing, the wheel stays where it is.
                 self.retract.stage = Stage::Asked;
                 self.hold_run();
             }
@@ -109,7 +109,7 @@ impl Controller {
         }
     }
 
-    /// The run has come to rest: the wheel is withdrawn if that is why. True: nothing else is to move the axes.
+    /// The run has come to rest: starts the retract if it was requested. True: no other motion may start.
     pub(super) fn withdraw_if_asked(&mut self) -> bool {
         if self.retract.stage != Stage::Asked {
             return false;
@@ -124,7 +124,7 @@ impl Controller {
         self.begin_retract(WITHDRAW, Stage::Leaving(from));
     }
 
-    /// Puts the open run aside and starts one of the two programs.
+    /// Suspends the open run and starts O9000 or O9001.
     fn begin_retract(&mut self, number: u32, stage: Stage) {
         if !self.axes.all_homed() {
             return self.refuse(Said::new("先回零，才能一键回退", "home the axes before the retract"));
@@ -147,7 +147,7 @@ impl Controller {
             let (active, tool, offset) = (frames.active, frames.tool, frames.offset);
             self.retract.waiting = Some(Box::new(Waiting { run, place, active, tool, offset }));
         }
-        // Called as a subprogram: M99 ends it, and so does M30 without its effects.
+        // Called as a subprogram: M99 ends it; M30 ends it too, without its machine actions.
         let source = Arc::new(Source::new(0, "一键回退", format!("M98 P{number}").into_bytes()));
         let modals = self.mdi_modals.take();
         self.open_run(source, Origin::Retract);
@@ -155,7 +155,7 @@ impl Controller {
         self.retract.stage = stage;
     }
 
-    /// One of the two programs is over: the run that waits comes back, held.
+    /// O9000 or O9001 is over: restores the suspended run in the held state.
     pub(super) fn finish_retract(&mut self) {
         self.close_run();
         let came = match self.retract.stage {
@@ -172,13 +172,13 @@ impl Controller {
             return self.happen(Event::Finish);
         };
         let Waiting { mut run, place, active, tool, offset } = *waiting;
-        // The planner has finished O9000 and O9001 since; what turned in the pause is remembered from before.
+        // O9000 and O9001 have used tags since. The spindles recorded before the retract remain valid.
         run.next_tag = run.next_tag.max(self.axes.path.finished_tag().map_or(1, |tag| tag + 1));
         let turned = run.turned;
         self.run = Some(run);
         self.place = place;
         (self.frames.active, self.frames.tool, self.frames.offset) = (active, tool, offset);
-        // Held, as the key had left it.
+        // Back to the held state.
         self.happen(Event::Hold);
         self.happen(Event::AtRest);
         if let Some(run) = &mut self.run {
@@ -190,7 +190,7 @@ impl Controller {
         }
     }
 
-    /// Why cycle start must wait for the wheel, if it must.
+    /// Why the retract forbids cycle start, if it does.
     pub(super) fn retract_forbids_start(&mut self) -> Option<Said> {
         match self.retract.stage {
             Stage::Home | Stage::Leaving(_) | Stage::Coming(_) => None,
@@ -207,13 +207,13 @@ impl Controller {
         }
     }
 
-    /// The first axis that is not where the run was left, and how far, radius mm.
+    /// The first axis that is off a position, and by how much, radius mm.
     fn off(&self, from: PerAxis<f64>) -> Option<(Axis, f64)> {
         let now = self.axes.program_set();
         Axis::ALL.into_iter().map(|axis| (axis, now[axis] - from[axis])).find(|(_, off)| off.abs() > BACK_MM)
     }
 
-    /// RESET, or an alarm that ends the run.
+    /// RESET or an alarm that ends the run: drops the suspended run.
     pub(super) fn drop_retract(&mut self) {
         if self.retract.waiting.is_some() {
             self.forget_place();
@@ -221,7 +221,7 @@ impl Controller {
         self.retract = Retract::default();
     }
 
-    /// Nothing that the hand or a hold has begun is under way.
+    /// Whether no manual motion or withdrawal is in progress.
     fn is_at_rest_by_hand(&self) -> bool {
         self.axes.owner() == Owner::Path || !self.hand.is_leading()
     }

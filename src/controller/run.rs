@@ -1,8 +1,8 @@
-//! A run: the program being read ahead, and what has been read but not yet executed.
+//! A run: the program being read ahead, and the queue of items read but not yet executed.
 //!
-//! Reading turns operations into items with machine coordinates; the executor hands moves to the path planner and does
-//! everything else when all motion before it is finished. So variables, frames and block numbers change when the
-//! machine gets there, not when the reader does.
+//! Read-ahead converts operations to items in machine coordinates. The executor hands moves to the planner and executes
+//! everything else when all motion before it is finished. So variables, work offsets and block numbers change when the
+//! machine reaches them, not when they are read.
 //! Source: spec B3 (shown as executed), B5, K6.3.
 
 use std::collections::VecDeque;
@@ -20,39 +20,39 @@ use crate::motion::{End, Rate, Shape, Thread, Turn};
 use crate::nc::{self, AxisSet, Block, Frames, Gauging, Interpreter, Library, Memory, Place, Source, SpeedMode};
 use crate::units::{Axis, Micros, PerAxis};
 
-/// Most items read ahead.
+/// Maximum items read ahead.
 pub const MOST_ITEMS: usize = 512;
 
 /// A move with machine coordinates.
 #[derive(Clone, Debug)]
 pub struct PlannedMove {
-    /// End point, machine frame.
+    /// End point, machine coordinates, radius mm.
     pub to: PerAxis<f64>,
-    /// Its form.
+    /// Line or arc.
     pub shape: Shape,
     /// Its speed.
     pub speed: Speed,
-    /// How its end may be taken.
+    /// Exact stop, or blending within a tolerance band.
     pub end: End,
-    /// Mark in the path planner, once it is there.
+    /// Tag in the planner, once handed over.
     pub tag: Option<u32>,
-    /// The axes that the block names.
+    /// The axes that the block programs.
     pub words: AxisSet,
-    /// Those of them that it names as distances.
+    /// Those of them that it programs incrementally.
     pub incremental: AxisSet,
 }
 
 impl PlannedMove {
-    /// A move that ends at rest, not yet handed to the planner.
+    /// A move with exact stop, not yet handed to the planner.
     #[must_use]
     pub const fn new(to: PerAxis<f64>, shape: Shape, speed: Speed, (words, incremental): Named) -> Self {
         Self { to, shape, speed, end: End::ExactStop, tag: None, words, incremental }
     }
 
-    /// Whether it stays within the soft limits from a place on: its end, and an arc where it bulges.
+    /// Checks the soft limits of a move that starts at `from`: its end point, and the extreme points of an arc.
     ///
     /// # Errors
-    /// The axis, its place and the limit.
+    /// The axis, its position and the limit.
     pub fn check(&self, from: PerAxis<f64>, params: &Params) -> Result<(), Forbidden> {
         for axis in Axis::ALL {
             if (self.to[axis] - from[axis]).abs() > 0.0 {
@@ -76,16 +76,16 @@ impl PlannedMove {
 /// The speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Speed {
-    /// As fast as the axes allow.
+    /// Rapid.
     Rapid,
     /// mm/min.
     PerMinute(f64),
-    /// mm per revolution of the workpiece; known when the move begins.
+    /// mm per revolution of the workpiece; converted when the move is handed over.
     PerRev(f64),
 }
 
 impl Speed {
-    /// The rate at a workpiece speed; none if it turns nothing.
+    /// The rate at a workpiece speed, rpm, up to `most_mm_min`; `None` for feed per revolution without rotation.
     #[must_use]
     pub fn rate(self, drive_rpm: f64, most_mm_min: f64) -> Option<Rate> {
         let feed = |mm_min: f64| Rate::Feed { mm_s: mm_min.min(most_mm_min) / MINUTE };
@@ -98,21 +98,21 @@ impl Speed {
     }
 }
 
-/// An M code with its words.
+/// A programmed M code with its words.
 #[derive(Clone, Copy, Debug)]
 pub struct MCall {
     /// The code.
     pub row: &'static MCode,
     /// Speed, rpm (M63).
     pub s: Option<f64>,
-    /// Port (M20 to M22); the reader has checked it.
+    /// Port (M20 to M22), already checked by the interpreter.
     pub p: u8,
-    /// Length of a pulse, ms (M20).
+    /// Pulse length, ms (M20).
     pub l_ms: u32,
 }
 
 impl MCall {
-    /// The change of the machine that the code asks for, if it asks for one.
+    /// The machine request of the code, if it has one.
     #[must_use]
     pub const fn request(&self) -> Option<Request> {
         match self.row.action {
@@ -129,96 +129,96 @@ impl MCall {
     }
 }
 
-/// Something other than a move.
+/// Everything other than a move.
 #[derive(Clone, Debug)]
 pub enum Act {
-    /// A macro variable gets its value.
+    /// Set a macro variable.
     Set(u32, Option<f64>),
-    /// A system variable is written.
+    /// Write a system variable.
     SetSystem(u32, Option<f64>),
-    /// G50: the position where the machine then stands is called so.
+    /// G50: set the work coordinates of the position at execution, mm.
     Preset(PerAxis<Option<f64>>),
-    /// Other frames or offsets are in force from here on.
+    /// Activate other work offsets or tool offsets.
     Frames(Arc<Frames>),
     /// An M code.
     Machine(MCall),
-    /// G78, its end as a machine coordinate.
+    /// G78; its end is a machine coordinate.
     Gauge(Gauging),
     /// G35 by servo.
     Oscillate(Stroke),
     /// G35 by cylinder (true), and G36 of either.
     Cylinder(bool),
-    /// A thread and its run-out, machine frame.
+    /// Thread with run-out, machine coordinates.
     Thread(Thread),
-    /// An axis to its machine origin by its switch (G36).
+    /// Home an axis to its switch (lathe G36, G37, G39).
     Home(Axis),
-    /// The tool post to a station.
+    /// Index the tool post to a station.
     Post(u8),
-    /// Stand still, seconds.
+    /// Dwell, s.
     Dwell(f64),
-    /// Wheel speed.
+    /// S: wheel speed in the unit of the mode.
     Wheel(f64, SpeedMode),
-    /// Most revolutions of the wheel under G96, rpm.
+    /// G50 S: maximum wheel speed under G96, rpm.
     SpeedLimit(f64),
-    /// Move until a signal comes: the move, and which gauge signal.
+    /// G31: move until a signal comes: the move and the gauge signal (1 to 6).
     Skip(Box<PlannedMove>, u8),
-    /// Alarm of the program's own.
+    /// Alarm raised by the program: number, text, block position.
     Alarm(u16, Said, Place),
-    /// Text that is shown until another one; empty ends it.
+    /// Program message, shown until it is replaced; an empty text ends it.
     Note(Said),
-    /// Message of the program's own; waits for cycle start.
+    /// Message of the program; the run stops until cycle start.
     Message(Said),
-    /// The program is over without M30.
+    /// The program ends without M30.
     Finish,
 }
 
-/// What has been read and not yet executed.
+/// An item read but not yet executed.
 #[derive(Clone, Debug)]
 pub enum Item {
-    /// A block of text begins.
+    /// Start of a block.
     Begin(Place),
     /// A move.
     Move(PlannedMove),
-    /// Anything else.
+    /// Any other action.
     Do(Act),
-    /// The block of text is over.
+    /// End of a block.
     End,
 }
 
 /// What the executor is in the middle of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doing {
-    /// Nothing that takes time.
+    /// No action in progress.
     Nothing,
     /// G04.
     Dwell { until: Micros },
-    /// An M code has been asked for and its unit is under way.
+    /// An M code was accepted and its unit has not settled yet.
     Settling,
     /// M80–M89.
     AwaitInput(crate::defs::signal::Input),
     /// A thread is being cut.
     Threading,
-    /// An axis looks for its switch.
+    /// An axis is homing.
     Homing,
-    /// G31 is on its way.
+    /// G31 is in progress.
     Skipping { tag: u32, latched: bool },
 }
 
-/// Why reading has stopped.
+/// State of read-ahead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
-    /// It has not.
+    /// Blocks are being read.
     Open,
-    /// An operation that must be executed before the next block is read.
+    /// The queue must be executed before the next block is read.
     Barrier,
-    /// The text is over.
+    /// End of the program text, or a fault.
     Over,
 }
 
-/// What a run was opened for.
+/// Origin of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Origin {
-    /// The current program: stops after each block in single block, counts parts, ends the day's work with M30.
+    /// The current program: has a preflight, obeys single block, repeats by P390.
     Program,
     /// An MDI line.
     Mdi,
@@ -226,54 +226,54 @@ pub enum Origin {
     Retract,
 }
 
-/// A program that is looked through before it begins.
+/// A preflight in progress.
 pub struct Proving {
-    /// As far as it has come.
+    /// The preflight.
     pub proof: nc::Proof,
-    /// The operator knows.
+    /// The operator has been informed.
     pub told: bool,
-    /// Frames, and the tool-change point of a lathe, before the start: a refused program changes nothing.
+    /// Work offsets and tool-change point before the start: a refused program changes nothing.
     pub before: (Frames, Option<PerAxis<f64>>),
 }
 
 /// One run of a program or an MDI line.
 pub struct Run {
-    /// The reader of the text.
+    /// The interpreter of the program text.
     pub interpreter: Interpreter,
     /// Scratch for the block being read.
     pub block: Block,
-    /// Read and not yet executed, in order.
+    /// The queue: items read but not yet executed, in order.
     pub items: VecDeque<Item>,
-    /// How many of them, from the front, have been handed on.
+    /// Number of items at the front of the queue that were handed over.
     pub fed: usize,
-    /// The next mark for a move.
+    /// The next planner tag.
     pub next_tag: u32,
-    /// State of the machine at the end of all that has been read.
+    /// Machine state at the end of all items read.
     pub planned: Planned,
-    /// Whether reading goes on.
+    /// State of read-ahead.
     pub reading: Reading,
     /// What the executor is in the middle of.
     pub doing: Doing,
-    /// What asked for it.
+    /// Origin of the run.
     pub origin: Origin,
-    /// When it began.
+    /// Start time.
     pub since: Micros,
-    /// Single block was switched on with moves already handed over: the axes stop, and the moves are taken back.
+    /// Single block was switched on after moves were handed over: the axes stop and the moves are taken back.
     pub splitting: bool,
-    /// In-position wait of the item at the front.
+    /// Start of the in-position wait of the front item.
     pub settle_since: Option<Micros>,
-    /// G78 under way.
+    /// G78 in progress.
     pub gauging: Option<GaugeRun>,
-    /// The hand has the axes, in a hold.
+    /// Manual intervention in a hold.
     pub parted: Option<Parted>,
-    /// What turned when the run was paused: wheel, headstock (table, roll).
+    /// Running when the run was paused: wheel, workpiece drive (headstock, table, roll) or main spindle.
     pub turned: [bool; 2],
-    /// The proof of the text before anything of it is done.
+    /// Preflight of the program before anything is executed.
     pub proving: Option<Box<Proving>>,
 }
 
 impl Run {
-    /// Opens a run of a text, from the machine's present state.
+    /// Creates a run from the machine's present state.
     #[must_use]
     pub fn new(
         source: Arc<Source>,
@@ -303,17 +303,17 @@ impl Run {
         }
     }
 
-    /// Nothing more is read: the program's mistake is told when everything before it is done.
+    /// Ends read-ahead with a program fault; its alarm is raised when everything before it is executed.
     pub fn end_by(&mut self, fault: &nc::Fault) {
         self.reading = Reading::Over;
         let said = Said::new(fault.text(Lang::Zh), fault.text(Lang::En));
         self.items.push_back(Item::Do(Act::Alarm(fault.alarm(), said, fault.place)));
     }
 
-    /// Turns the block just read into items.
+    /// Converts the block just read to queue items.
     ///
     /// # Errors
-    /// The first operation that may not be done; nothing of the block is kept then.
+    /// The first refused operation. Nothing of the block is queued then.
     pub fn take_block(&mut self, params: &Params) -> Result<(), Forbidden> {
         let kept = self.items.len();
         let planned = self.planned.clone();
@@ -342,7 +342,7 @@ impl Run {
     }
 }
 
-/// Rounding slack of a limit, mm: far below the resolution.
+/// Rounding tolerance of a soft limit, mm; far below the resolution.
 const LIMIT_SLACK_MM: f64 = 1e-6;
 
 pub(super) fn within(axis: Axis, at: f64, params: &Params) -> Result<(), Forbidden> {
@@ -356,7 +356,7 @@ pub(super) fn within(axis: Axis, at: f64, params: &Params) -> Result<(), Forbidd
     Ok(())
 }
 
-/// Whether an arc passes a point of its circle.
+/// Whether an arc passes through a point of its circle.
 fn passes(
     from: PerAxis<f64>,
     to: PerAxis<f64>,

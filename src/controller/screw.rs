@@ -1,5 +1,5 @@
-//! Compensation of the screws: what is added to a set-point so that the slide stands where it is told to, whatever its
-//! screw does. Backlash is taken up after a reversal by a ramp with limited speed and acceleration, never in one tick.
+//! Leadscrew compensation: the correction added to the set-points for pitch error and backlash. After a reversal,
+//! backlash is taken up by a ramp with limited speed and acceleration, never in one tick.
 //! Source: spec B7, S6.
 
 use super::axes::MINUTE;
@@ -7,25 +7,25 @@ use crate::defs::param::{self, Params};
 use crate::defs::screw::ScrewTable;
 use crate::units::{Axis, PerAxis};
 
-/// The share of an axis' acceleration that compensation may take beside the move itself.
+/// Share of the axis acceleration available to compensation.
 const SHARE: f64 = 0.5;
 
-/// The screws of all axes.
+/// Compensation of all axes.
 #[derive(Clone, Debug)]
 pub struct Compensation {
     tables: PerAxis<ScrewTable>,
-    /// P50 to P52, mm.
+    /// Backlash P50 to P52, mm.
     backlash_mm: PerAxis<f64>,
     speed_mm_s: f64,
     acceleration_mm_s2: PerAxis<f64>,
     tick_s: f64,
-    /// What is added now, and how fast that changes.
+    /// Correction applied now, mm, and its velocity, mm/s.
     applied_mm: PerAxis<f64>,
     velocity_mm_s: PerAxis<f64>,
 }
 
 impl Compensation {
-    /// The screws at power-on: nothing is added yet.
+    /// State at power-on: no correction applied.
     #[must_use]
     pub fn new(tables: PerAxis<ScrewTable>, params: &Params, tick_s: f64) -> Self {
         let mut compensation = Self {
@@ -41,14 +41,14 @@ impl Compensation {
         compensation
     }
 
-    /// Takes over changed parameters.
+    /// Applies changed parameters.
     pub fn configure(&mut self, params: &Params) {
         self.backlash_mm = PerAxis::from_fn(|axis| params.of_axis(param::BACKLASH_X, axis));
         self.speed_mm_s = params.get(param::COMPENSATION_SPEED) / MINUTE;
         self.acceleration_mm_s2 = PerAxis::from_fn(|axis| SHARE * params.of_axis(param::ACCELERATION_X, axis));
     }
 
-    /// Another table for an axis.
+    /// Replaces the table of an axis.
     pub fn set_table(&mut self, axis: Axis, table: ScrewTable) {
         self.tables[axis] = table;
     }
@@ -59,13 +59,13 @@ impl Compensation {
         &self.tables[axis]
     }
 
-    /// What is added to the set-point of each axis now, mm.
+    /// The correction of each axis now, mm.
     #[must_use]
     pub const fn applied_mm(&self) -> PerAxis<f64> {
         self.applied_mm
     }
 
-    /// What an axis needs at a place. The table counts from homing on: before, nobody knows the place.
+    /// The required correction at a position, mm. The table applies only after homing.
     fn needed_mm(&self, axis: Axis, at_mm: f64, minus: bool, homed: bool) -> f64 {
         let table = &self.tables[axis];
         let (play, pitch) = if homed { (table.backlash_mm(at_mm), table.pitch_mm(at_mm)) } else { (0.0, 0.0) };
@@ -73,11 +73,11 @@ impl Compensation {
         -(play + pitch)
     }
 
-    /// One tick of an axis that is told to stand at a place, having come there in the minus direction or not.
+    /// One tick of an axis with its set-point, mm; `minus`: the last move was in the minus direction.
     pub fn step(&mut self, axis: Axis, at_mm: f64, minus: bool, homed: bool) {
         let rest = self.needed_mm(axis, at_mm, minus, homed) - self.applied_mm[axis];
         let most = self.acceleration_mm_s2[axis] * self.tick_s;
-        // As fast as it may be and still stop at the end: n ticks of v, v − most, … are n·v − n(n − 1)/2·most.
+        // The highest speed that still stops at the end: n ticks of v, v − most, … add up to n·v − n(n − 1)/2·most.
         let whole = rest.abs() / self.tick_s;
         let ticks = (((1.0 + 8.0 * whole / most).sqrt() - 1.0) / 2.0).ceil().max(1.0);
         let brake = whole / ticks + most * (ticks - 1.0) / 2.0;
@@ -88,8 +88,8 @@ impl Compensation {
         self.applied_mm[axis] += velocity * self.tick_s;
     }
 
-    /// The place of an axis has become known: what it needs there counts as added, and the axis does not move. Gives what
-    /// came on top.
+    /// The axis position has become known: the required correction counts as applied and the axis does not move.
+    /// Returns the change of the correction, mm.
     pub fn settle(&mut self, axis: Axis, at_mm: f64, minus: bool) -> f64 {
         let needed = self.needed_mm(axis, at_mm, minus, true);
         let more = needed - self.applied_mm[axis];

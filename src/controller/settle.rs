@@ -1,4 +1,4 @@
-//! The end of a tick: what has come to rest, drives and outputs.
+//! End of a tick: completed stops, drives and outputs.
 //! Source: spec B5, K5.15, table "what stops what".
 
 use super::acts::Did;
@@ -9,7 +9,7 @@ use crate::defs::signal::{Output, OutputSet, Terminals};
 use crate::defs::text::Said;
 
 impl Controller {
-    /// The one place where the phase changes.
+    /// Applies an event to the phase; the phase changes only here (homing updates its own state in place).
     pub(super) fn happen(&mut self, event: Event) {
         let before = self.phase.is_pause();
         self.phase = std::mem::take(&mut self.phase).after(event);
@@ -18,7 +18,7 @@ impl Controller {
         }
     }
 
-    /// Brakes whatever moves; the run is left once the axes stand.
+    /// Brakes all motion; the run ends once the axes are at rest.
     pub(super) fn abort_run(&mut self) {
         self.hand.let_go();
         self.waiting_for = None;
@@ -30,7 +30,7 @@ impl Controller {
         self.happen(Event::Abort);
     }
 
-    /// Drives, and the end of braking.
+    /// Handles the end of braking and the drive state.
     pub(super) fn settle(&mut self) {
         let rest = self.axes.is_at_rest();
         if rest && matches!(self.phase, Phase::Holding | Phase::Aborting) {
@@ -51,7 +51,7 @@ impl Controller {
         }
     }
 
-    /// MSG: shown until another one; an empty one ends it.
+    /// MSG: shown until replaced; an empty text ends it.
     pub(super) fn tell_note(&mut self, text: &Said) -> Did {
         self.pages.note = (!text.zh.is_empty()).then(|| text.clone());
         if self.pages.note.is_some() {
@@ -60,12 +60,12 @@ impl Controller {
         Did::Done
     }
 
-    /// A program begins without the message of the last one; an MDI line leaves it.
+    /// A program start clears the program message; an MDI line keeps it.
     pub(super) fn forget_note(&mut self, mdi: bool) {
         self.pages.note = self.pages.note.take().filter(|_| mdi);
     }
 
-    /// Leaves the run: what was read ahead and not executed is forgotten.
+    /// Closes the run and discards items not yet executed.
     pub(super) fn close_run(&mut self) {
         if let Some(run) = self.run.take().filter(|run| run.origin != Origin::Retract) {
             if run.origin == Origin::Program {
@@ -79,14 +79,14 @@ impl Controller {
         self.axes.give_to_hand();
     }
 
-    /// What is on as things stand, and the terminals that carry it.
+    /// The outputs that are on now, and their terminals.
     pub(super) fn switched_on(&self) -> (OutputSet, Terminals) {
         let mut on = self.machine.outputs(&self.params);
         // K5.15: red for an alarm that stops or blocks, yellow for a program that waits, green for work.
         on.set(Output::TowerRed, self.alarms.block_start());
         on.set(Output::TowerGreen, matches!(self.phase, Phase::Running | Phase::Homing(_)));
         on.set(Output::TowerYellow, matches!(self.phase, Phase::Holding | Phase::Held | Phase::Stopped));
-        // K6.1, K2.4: what shares its port or has none switches nothing, and its lamp says so.
+        // K6.1, K2.4: an output without a port of its own stays off, and so does its lamp.
         let on = on.without(self.dead_outputs);
         let mut terminals = self.machine.port_terminals();
         for output in on.iter() {
@@ -108,12 +108,12 @@ impl Controller {
         self.outputs.wheel_volts = volts(wheel, self.params.get(param::WHEEL_RPM_MAX));
         let drive = if self.machine.drive_is_on() { self.analog_2_rpm } else { 0.0 };
         self.outputs.analog_2_volts = volts(drive, self.params.get(param::ANALOG_2_RPM_MAX));
-        // Braking needs the drives; nothing else moves without them.
+        // Braking needs the drives even while they are to be off.
         self.outputs.drives_on = self.drives_on || matches!(self.phase, Phase::Aborting);
         self.outputs.set_point_mm = self.axes.set_points();
     }
 
-    /// The outputs that can switch nothing with these parameters.
+    /// Finds the outputs that have no port or share one with another function.
     pub(super) fn find_dead_outputs(&mut self) {
         let mut dead = OutputSet::NONE;
         for output in Output::ALL {
@@ -123,7 +123,7 @@ impl Controller {
         self.dead_outputs = dead;
     }
 
-    /// The terminals that stay as they are in the safe output image. What turns or flows is off (table after K3).
+    /// Terminals that keep their level in the safe state: spindles and fluids off, clamps hold (table after K3).
     #[must_use]
     pub fn kept_when_safe(&self) -> Terminals {
         let mut kept = Terminals(u64::MAX);

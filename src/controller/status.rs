@@ -1,4 +1,4 @@
-//! Filling the snapshot: lamps, positions, state. Read only; called as often as somebody looks.
+//! Fills the snapshot: lamps, positions, state. Read-only; called whenever a snapshot is needed.
 //! Source: spec H5, H7, K2.4.
 
 use std::sync::Arc;
@@ -9,11 +9,11 @@ use crate::defs::signal::{Output, OutputSet};
 use crate::link::snapshot::{AxisView, KeyView, ProgramView, RunState, Snapshot, VARIABLES};
 use crate::units::{Axis, Micros, PerAxis};
 
-/// Slower than this an axis is shown as standing, mm/s.
+/// Below this speed an axis is shown as standing, mm/s.
 const STANDING_MM_S: f64 = 1e-6;
 
 impl Controller {
-    /// The state in one word.
+    /// The run state.
     #[must_use]
     pub fn state(&self) -> RunState {
         match self.phase {
@@ -27,7 +27,7 @@ impl Controller {
         }
     }
 
-    /// Writes everything that a page may show.
+    /// Writes everything that pages show.
     pub fn snapshot(&self, out: &mut Snapshot) {
         out.kind = self.kind;
         out.now = self.now;
@@ -181,7 +181,7 @@ impl Controller {
         velocity.iter().map(|(_, v)| v * v).sum::<f64>().sqrt()
     }
 
-    /// Outputs by function, as they are now.
+    /// Outputs by function, as of the last tick.
     #[must_use]
     pub const fn output_set(&self) -> OutputSet {
         self.output_set
@@ -193,7 +193,7 @@ impl Controller {
         self.memory.get(number).ok().flatten()
     }
 
-    /// The block under way: program, line, N.
+    /// The present block: program, line, N.
     #[must_use]
     pub const fn place(&self) -> crate::nc::Place {
         self.place
@@ -217,7 +217,7 @@ impl Controller {
         self.kind
     }
 
-    /// Length of a tick.
+    /// Tick time.
     #[must_use]
     pub const fn tick_time(&self) -> Micros {
         self.tick
@@ -264,7 +264,7 @@ impl Controller {
         self.axes.actual()
     }
 
-    /// Wear of an offset, 1 to 16, as displayed.
+    /// Wear of an offset (1 to 16), mm as displayed.
     #[must_use]
     pub fn wear(&self, number: usize, axis: Axis) -> Option<f64> {
         let wear = self.frames.wear.get(number.checked_sub(1)?)?;

@@ -1,4 +1,4 @@
-//! The switches that change how a program runs: machine lock, M/S/T lock, dry run.
+//! Panel switches that change how a program runs: machine lock, auxiliary function lock (M/S/T), dry run.
 //! Source: spec B5, K2.1.
 
 use super::Controller;
@@ -7,7 +7,7 @@ use crate::defs::text::{Said, Text};
 const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is open: it is not switched now");
 
 impl Controller {
-    /// Positions count, axes do not move. Switching it off shows the real positions again.
+    /// Machine lock: positions count but axes do not move. Switching it off shows the real positions again.
     pub(super) fn switch_machine_lock(&mut self) {
         if !self.drives_on {
             return self.refuse(Said::new("驱动未接通，不能机床锁", "the drives are off: the axes are not locked now"));
@@ -24,18 +24,18 @@ impl Controller {
         }
     }
 
-    /// Also when the drives go off: nothing may stand between the axes and their encoders then.
+    /// Machine lock off. Also called when the drives go off: displayed and real positions must then agree.
     pub(super) fn release_machine_lock(&mut self) {
         self.axes.unlock();
         self.switches.machine_lock = false;
     }
 
-    /// M, S and T codes are read and not executed; M00, M01, M30, M98 and M99 are.
+    /// M, S and T codes are read but not executed, except M00, M01, M30, M98 and M99.
     pub(super) fn switch_mst_lock(&mut self) {
         self.switches.mst_lock = !self.switches.mst_lock;
     }
 
-    /// Feeds run at P89.
+    /// Dry run: feed moves run at P89, mm/min.
     pub(super) fn switch_dry_run(&mut self) {
         if self.run.is_some() {
             return self.refuse(WITH_RUN);

@@ -1,5 +1,5 @@
-//! System variables: what a program can read of the machine, and the little that it can write.
-//! Numbers follow FANUC's: #1000 inputs, #1100 outputs, #2001 wear, #3001 times, #3901 counts, #5001 positions.
+//! System variables: machine data that a program can read and, in part, write.
+//! Numbers follow FANUC: #1000 inputs, #1100 outputs, #2001 wear, #3001 times, #3901 counts, #5001 positions.
 //! Source: spec B3, K4.3 (#438, #439).
 
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::nc::frames::OFFSETS;
 use crate::nc::{Live, Settings, SpeedUnit, Turning, World};
 use crate::units::{Axis, PerAxis};
 
-/// Variables that stand for a parameter.
+/// System variables mapped to parameters.
 pub const PARAM_VARIABLES: [(SystemVariables, Number); 6] = [
     (variable::PARTS_WANTED, param::PARTS_WANTED),
     (variable::WHEEL_DIAMETER, param::WHEEL_DIAMETER),
@@ -30,15 +30,15 @@ pub const PARAM_VARIABLES: [(SystemVariables, Number); 6] = [
     (variable::DRESSINGS, param::DRESSINGS),
 ];
 const SECONDS_OF_AN_HOUR: f64 = 3_600.0;
-/// An output is switched on by 1, off by 0; what stands nearer to which counts.
+/// Threshold between off (0) and on (1) when a program writes an output.
 const HALF: f64 = 0.5;
-/// The tables of offsets: their variables and the axis.
+/// The offset tables: variable range and axis.
 const WEAR: [(SystemVariables, Axis); 3] =
     [(variable::WEAR_X, Axis::X), (variable::WEAR_Z, Axis::Z), (variable::WEAR_Y, Axis::Y)];
 const GEOMETRY: [(SystemVariables, Axis); 3] =
     [(variable::GEOMETRY_X, Axis::X), (variable::GEOMETRY_Z, Axis::Z), (variable::GEOMETRY_Y, Axis::Y)];
 
-/// The world as a running program sees it.
+/// The machine as a running program sees it.
 pub struct RunWorld<'a> {
     controller: &'a Controller,
     planned: &'a Planned,
@@ -46,7 +46,7 @@ pub struct RunWorld<'a> {
 }
 
 impl<'a> RunWorld<'a> {
-    /// The world at the end of what has been read; `drained` when the machine has got there.
+    /// The state at the end of read-ahead; `drained`: the machine has reached it.
     pub const fn new(controller: &'a Controller, planned: &'a Planned, drained: bool) -> Self {
         Self { controller, planned, drained }
     }
@@ -75,7 +75,7 @@ impl World for RunWorld<'_> {
 
     fn start(&self) -> PerAxis<f64> {
         let Some(start) = self.controller.lathe.start else { return self.position() };
-        // L8: what a tool read ahead moves the slides by, it moves the place of its tip by.
+        // L8: a tool change read ahead shifts the tip position by the same amount as the slides.
         let (there, now) = (self.planned.frames.shift, self.controller.frames.shift);
         self.planned.frames.work_from_machine(PerAxis::from_fn(|axis| start[axis] + there[axis] - now[axis]))
     }
@@ -85,7 +85,7 @@ impl World for RunWorld<'_> {
     }
 }
 
-/// How a machine of a kind with these parameters reads its programs.
+/// Interpreter settings for a kind of machine with these parameters.
 #[must_use]
 pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
     let row = crate::machine::kind::find(kind);
@@ -117,13 +117,13 @@ pub fn nc_settings(kind: Kind, params: &Params) -> Settings {
 }
 
 impl Controller {
-    /// The value of a system variable, as a program reads it.
+    /// The value of a system variable; `None` if it is null or does not exist.
     #[must_use]
     pub fn system_value(&self, number: u32) -> Option<f64> {
         self.read_system(number).flatten()
     }
 
-    /// A system variable; `None` if there is no such, `Some(None)` for null.
+    /// A system variable; `None` if it does not exist, `Some(None)` for null.
     pub(super) fn read_system(&self, number: u32) -> Option<Option<f64>> {
         let switched = |on: bool| Some(f64::from(u8::from(on)));
         let of = |range: SystemVariables| range.index(number);
@@ -132,7 +132,7 @@ impl Controller {
             return Some(switched(self.image.terminals.level(index as u8 + 1) ^ inverted));
         }
         if let Some(index) = of(variable::OUTPUTS) {
-            // What the block before has switched counts at once, a tick before the terminals have it.
+            // Switching by the previous block counts at once, one tick before it reaches the terminals.
             return Some(switched(self.switched_on().1.level(index as u8 + 1)));
         }
         if let Some(index) = of(variable::GAUGE_FOUND) {
@@ -187,7 +187,7 @@ impl Controller {
         Some(Some(place[axis] * self.displayed_per_mm(axis)))
     }
 
-    /// A program writes a system variable. False: refused, with the alarm raised.
+    /// Writes a system variable for a program. False: refused, with the alarm raised.
     pub(super) fn write_system(&mut self, run: &mut Run, number: u32, value: Option<f64>) -> bool {
         let value = value.unwrap_or(0.0);
         if let Some(index) = variable::OUTPUTS.index(number) {
@@ -226,20 +226,20 @@ impl Controller {
         true
     }
 
-    /// An offset (from 0) has changed: the disk is to keep it.
+    /// Stores a changed offset (index from 0) on disk.
     pub(super) fn keep_offset(&mut self, index: usize) {
         let (geometry, wear) = (self.frames.geometry[index], self.frames.wear[index]);
         self.effects.push(Effect::Offset { number: index + 1, geometry, wear });
     }
 }
 
-/// The table of offsets that a variable belongs to.
+/// The offset table that a variable belongs to.
 pub(super) fn offset_of_variable(number: u32) -> Option<Part> {
     let of = |table| offset_of(table, number).is_some();
     if of(&WEAR) { Some(Part::Wear) } else { of(&GEOMETRY).then_some(Part::Geometry) }
 }
 
-/// Which offset and axis a number of a table names.
+/// The offset index and axis of a variable number.
 fn offset_of(table: &[(SystemVariables, Axis)], number: u32) -> Option<(usize, Axis)> {
     table.iter().find_map(|(range, axis)| Some((range.index(number)?, *axis)))
 }

@@ -1,8 +1,8 @@
-//! Teach-in (录返): what the operator does by hand becomes a program. A straight piece of the way of jog keys, steps and
-//! handwheel is one block; spindle, coolant and tool post are recorded as they are switched.
+//! Teach-in (录返): records manual operation as a program. A straight segment moved by jog keys, steps or handwheel is
+//! one block; spindle, coolant and tool post are recorded when they are switched.
 //!
-//! A piece ends where all axes stand, where one turns round, and where another one begins or stops. Pieces one after
-//! the other in one direction are one block, so that the detents of a handwheel are. Source: spec L9, seed 001.
+//! A segment ends where all axes stop, one reverses, or another one starts or stops. Consecutive segments of one axis
+//! in one direction are one block, so that handwheel detents are merged. Source: spec L9, seed 001.
 
 use std::sync::Arc;
 
@@ -16,9 +16,9 @@ use crate::link::files::{Asker, FileRequest, Ticket};
 use crate::link::teach::{TeachCommand, TeachView};
 use crate::units::{Axis, PerAxis};
 
-/// Most blocks: their numbers go by tens and have four digits (L1).
+/// Maximum blocks: numbers go in steps of ten and have four digits (L1).
 const MOST: usize = 998;
-/// A set-point that changes by less in a tick stands, mm.
+/// A set-point that changes by less than this per tick, mm, is standing.
 const STANDS_MM: f64 = 1e-7;
 /// Range of F of a line, mm/min on Z (L2).
 const FEEDS: (f64, f64) = (6.0, 2_000.0);
@@ -28,18 +28,18 @@ const NOT_ON: Text = Text::new("没有录返记录", "nothing is recorded");
 const FULL: Text = Text::new("录返已满，已停止记录", "the recording is full and has ended");
 const NOT_HERE: Text = Text::new("本机床没有录返功能", "this machine has no teach-in");
 
-/// What a block says behind its number.
+/// The content of a recorded block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Block {
-    /// G92: where the recording began, work coordinates, radius mm.
+    /// G92: start position, work coordinates, radius mm.
     Start(PerAxis<f64>),
-    /// A straight line: its end, the axes' directions, at rapid or at F.
+    /// A straight line: end point (work, radius mm), directions of X and Z, rapid or feed (mm/min).
     Line { to: PerAxis<f64>, heading: [i8; 2], rapid: bool, feed: f64 },
     /// G37 or G39: an axis was homed.
     Home(Axis),
     /// An M code.
     M(u8),
-    /// A station of the tool post.
+    /// A tool post station.
     T(u8),
 }
 
@@ -48,10 +48,10 @@ enum Block {
 pub struct Teach {
     recording: bool,
     blocks: Vec<Block>,
-    /// Where the last block ended and where the tool was a tick ago, work coordinates, radius mm.
+    /// End of the last block, and tool position one tick ago; work coordinates, radius mm.
     last: PerAxis<f64>,
     before: PerAxis<f64>,
-    /// The piece under way: directions of X and Z, greatest speed along it, mm/s.
+    /// The present segment: directions of X and Z, greatest path speed, mm/s.
     heading: [i8; 2],
     speed_mm_s: f64,
     rapid: bool,
@@ -63,7 +63,7 @@ pub struct Teach {
 }
 
 impl Controller {
-    /// Takes what the page asks.
+    /// Executes a command of the teach-in page.
     pub(super) fn take_teach(&mut self, command: TeachCommand) {
         if !self.row.turns_part {
             return self.refuse(NOT_HERE);
@@ -104,19 +104,19 @@ impl Controller {
         self.say(Said::new("录返开始：手动移动将被记录", "teach-in: what is moved by hand is recorded"));
     }
 
-    /// The station of the tool post in front.
+    /// The tool post station whose switch alone is on.
     pub(super) fn station(&self) -> Option<u8> {
         let mut on = (1..=4).zip(Input::STATIONS).filter(|(_, input)| self.inputs.has(*input));
         let (station, _) = on.next()?;
         on.next().is_none().then_some(station)
     }
 
-    /// Where the tool is led, work coordinates.
+    /// Set-point of the tool, work coordinates, radius mm.
     fn teach_place(&self) -> PerAxis<f64> {
         self.frames.work_from_machine(self.axes.set())
     }
 
-    /// One tick of a recording, after the hand has moved the axes.
+    /// One tick of a recording, after the axes have moved.
     pub(super) fn step_teach(&mut self) {
         if !self.teach.recording {
             return;
@@ -142,7 +142,7 @@ impl Controller {
         }
     }
 
-    /// Homing by hand is G37 or G39; true while it goes on.
+    /// Records manual homing as G37 or G39. True while homing is in progress.
     fn watch_homing(&mut self) -> bool {
         let now = match &self.phase {
             Phase::Homing(homing) => Some(homing.now.axis),
@@ -195,7 +195,7 @@ impl Controller {
             switched.push(Block::M(if coolant { 7 } else { 8 }));
         }
         if let Some(station) = station.filter(|station| self.teach.station != Some(*station)) {
-            // The post stands when it is clamped; a station that it passes is none.
+            // Record only the final station, not the stations that the post passes.
             if self.output_set.has(Output::PostForward) {
                 return;
             }
@@ -209,7 +209,7 @@ impl Controller {
         }
     }
 
-    /// The piece under way becomes a block, or lengthens the last one.
+    /// Ends the present segment: it becomes a block or extends the last one.
     fn end_piece(&mut self) {
         let teach = &mut self.teach;
         let (from, to) = (teach.last, teach.before);
@@ -221,7 +221,7 @@ impl Controller {
             return;
         }
         teach.last = to;
-        // L2: F is the speed along Z, X goes at half of it at most.
+        // L2: F is the speed along Z; X moves at up to half of it.
         let feed = (speed * (2.0 * x / length).max(1.0)).round().clamp(FEEDS.0, FEEDS.1);
         if let Some(Block::Line { to: end, heading: before, rapid: fast, feed: at }) = teach.blocks.last_mut()
             && (*before, *fast) == (heading, rapid)
@@ -233,20 +233,20 @@ impl Controller {
         teach.blocks.push(Block::Line { to, heading, rapid, feed });
     }
 
-    /// A step by hand of the length set by P395, where the kind has it and it is set; mm as displayed (L9 定长进给).
+    /// Length of a manual step, mm as displayed: P395 on a lathe if set (L9 定长进给), else the selected step.
     pub(super) fn step_length_mm(&self) -> f64 {
         let set = self.params.get(param::FIXED_STEP);
         if self.row.turns_part && set > 0.0 { set } else { self.hand.step_mm }
     }
 
-    /// What the page sees of the recording.
+    /// Writes the snapshot field of the recording.
     pub(super) fn teach_view(&self, out: &mut Arc<TeachView>) {
         if !Arc::ptr_eq(out, &self.teach.view) {
             out.clone_from(&self.teach.view);
         }
     }
 
-    /// The recording became a program.
+    /// The recording was saved as a program.
     pub(super) fn teach_kept(&mut self) {
         Arc::make_mut(&mut self.teach.view).kept = true;
     }
@@ -258,13 +258,13 @@ impl Teach {
         self.view = Arc::new(TeachView { recording: self.recording, blocks, kept: false });
     }
 
-    /// The blocks with their numbers.
+    /// The recorded blocks as text with block numbers.
     fn written(&self) -> Vec<String> {
         let numbered = self.blocks.iter().enumerate();
         numbered.map(|(index, block)| format!("N{:04}{}", (index + 1) * 10, block.words())).collect()
     }
 
-    /// The program.
+    /// The program text, ending with M02.
     fn text(&self) -> String {
         let mut lines = self.written();
         lines.push(format!("N{:04}M02", (lines.len() + 1) * 10));
@@ -295,7 +295,7 @@ impl Block {
     }
 }
 
-/// A coordinate to the micrometre, without zeros behind it.
+/// A coordinate rounded to 1 µm, without trailing zeros.
 fn mm(value: f64) -> String {
     let rounded = (value * 1_000.0).round() / 1_000.0;
     format!("{}", if rounded.abs() < 0.000_5 { 0.0 } else { rounded })

@@ -1,4 +1,4 @@
-//! What a lathe's program does besides moving along a path: threads, homing by a switch, the tool post.
+//! Lathe functions of a program: threads, homing to a switch, the tool post.
 //! Source: spec L5, L6, L8.
 
 use super::acts::Did;
@@ -15,17 +15,17 @@ use crate::machine::Answer;
 use crate::motion::{Thread, ThreadMover};
 use crate::units::{Axis, Micros, PerAxis};
 
-/// Most threads that are remembered.
+/// Maximum number of recorded threads.
 const THREADS: usize = 256;
-/// The way after which the lead is measured, in leads: the approach that the manual asks for.
+/// Approach travel before the lead is measured, in leads, as the manual requires.
 const APPROACH_LEADS: f64 = 3.0;
-/// Ticks over which the speed of the spindle is taken.
+/// Window for measuring the spindle speed, µs.
 const SPEED_WINDOW: u64 = 100_000;
 
-/// The main spindle as its encoder shows it.
+/// The main spindle encoder.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpindleSeen {
-    /// Turns since power-on, forward positive.
+    /// Revolutions since power-on, forward positive.
     pub turns: f64,
     since: Micros,
     before: f64,
@@ -34,7 +34,7 @@ pub struct SpindleSeen {
 }
 
 impl SpindleSeen {
-    /// The encoder in this tick.
+    /// Reads the encoder (revolutions) in this tick.
     pub fn read(&mut self, turns: f64, now: Micros) {
         self.turns = turns;
         let span = now.since(self.since);
@@ -45,22 +45,22 @@ impl SpindleSeen {
     }
 }
 
-/// What the control keeps of a lathe.
+/// State of the lathe functions.
 #[derive(Clone, Debug, Default)]
 pub struct Lathe {
     /// The main spindle.
     pub spindle: SpindleSeen,
-    /// The thread under way.
+    /// Measurement of the thread being cut.
     measuring: Option<Measured>,
     /// The threads cut since power-on.
     threads: Vec<ThreadCut>,
-    /// An axis that a program sends to its switch.
+    /// Homing of an axis started by a program.
     pub homing: Option<Homing>,
-    /// The tool-change point: where the tip was when the last program began, machine frame (L3).
+    /// The tool-change point: tip position at the start of the last program, machine coordinates (L3).
     pub start: Option<PerAxis<f64>>,
 }
 
-/// The deviation of Z from its place in the thread under way, mm.
+/// Measured deviation of Z from its nominal position in a thread, mm.
 #[derive(Clone, Copy, Debug)]
 pub struct Measured {
     line: u32,
@@ -77,7 +77,7 @@ impl Controller {
         1_200.0 / lead_mm - 80.0
     }
 
-    /// Program, line and column of the thread under way: of its code, or of its block where the code is in force before.
+    /// Program, line and column of the thread code, or of its block if the code is modal from an earlier block.
     fn place_of_thread(&self) -> Said {
         let (program, line) = (self.place.program, self.place.line);
         let text = self.programs.get(program).and_then(|program| program.source.line(line)).unwrap_or_default();
@@ -99,7 +99,7 @@ impl Controller {
             return Did::Wait;
         }
         let (rpm, limit) = (self.lathe.spindle.rpm.abs(), Self::thread_limit(thread.lead_mm));
-        // The speed is measured: a turn or two a minute above are no fault of the program.
+        // The speed is measured: one or two rpm above the limit are no program fault.
         if rpm > limit * 1.01 + 1.0 {
             let (at, lead_mm) = (self.place_of_thread(), thread.lead_mm);
             let said = Said::new(
@@ -128,13 +128,13 @@ impl Controller {
         Did::Wait
     }
 
-    /// Measures the thread under way, by the encoders of Z and spindle in the same tick.
+    /// Measures the thread being cut, from the Z and spindle encoders of the same tick.
     pub(super) fn measure_thread(&mut self) {
         let Some(mut measured) = self.lathe.measuring else { return };
         let actual = self.axes.actual()[Axis::Z];
         match self.axes.thread() {
             Some(mover) => {
-                // Note 5: behind three leads the run-up has to be over, whether it is or not.
+                // Note 5: the run-up must be over after three leads; measure from there in any case.
                 let far = (actual - measured.begun_mm).abs() >= APPROACH_LEADS * measured.lead_mm;
                 if let Some(belongs) = mover.belongs_mm(self.lathe.spindle.turns).filter(|_| far) {
                     let off = actual - belongs;
@@ -158,13 +158,13 @@ impl Controller {
         }
     }
 
-    /// The threads cut since power-on, with the error of their lead; at most 256.
+    /// The threads cut since power-on with their lead error, mm; at most 256.
     #[must_use]
     pub fn threads(&self) -> &[ThreadCut] {
         &self.lathe.threads
     }
 
-    /// One tick of homing an axis by a program.
+    /// One tick of homing by a program.
     pub(super) fn home_by_program(&mut self, run: &mut Run, axis: Axis) -> Did {
         if run.doing != Doing::Homing {
             if self.is_settled(run) != Some(true) {
@@ -193,8 +193,8 @@ impl Controller {
         Did::Wait
     }
 
-    /// The switch of an axis was at this machine coordinate of today: from now on it is at the parameter's. The tool-change
-    /// point stays where it is in the machine (L3).
+    /// Sets the zero of an axis: its switch was at `edge` in present machine coordinates and is from now on at the
+    /// coordinate of the parameter. The tool-change point keeps its physical position (L3).
     pub(super) fn found_zero(&mut self, axis: Axis, edge: f64) {
         let coordinate = self.params.of_axis(param::HOME_X, axis);
         self.axes.set_zero(axis, edge, coordinate);
@@ -203,7 +203,7 @@ impl Controller {
         }
     }
 
-    /// A homing that came to nothing: the axis, and what it waited for.
+    /// Raises the alarm of a failed homing.
     pub(super) fn homing_failed(&mut self, axis: Axis, why: Failure) {
         let n = param::HOME_X.number + axis as u16;
         let said = match why {
@@ -216,14 +216,14 @@ impl Controller {
         self.raise(alarm::HOMING_FAILED, Some(said));
     }
 
-    /// A tool with compensation has moved the slides: the place of its tip is theirs.
+    /// Shifts the tool-change point with the slides when a tool compensation is applied.
     pub(super) fn carry_start(&mut self, shift: PerAxis<f64>) {
         if let Some(start) = &mut self.lathe.start {
             *start = PerAxis::from_fn(|axis| start[axis] + shift[axis] - self.frames.shift[axis]);
         }
     }
 
-    /// A program begins: its tool-change point is here, and the tool in front is the one that its switch shows (L3, L8).
+    /// Run start: sets the tool-change point (programs only) and reads the present tool from its switch (L3, L8).
     pub(super) fn begin_turning(&mut self, program: bool) {
         if program {
             self.lathe.start = Some(self.axes.set());

@@ -1,4 +1,4 @@
-//! Watching: what the machine logic finds, and what the control looks at itself – drives, limits, bus, screen.
+//! Supervision: findings of the machine logic, and the control's own checks of drives, limits, bus and screen.
 //! Source: spec B5, B8, K3.7, table "what stops what".
 
 use super::{Controller, Event, Phase};
@@ -11,7 +11,7 @@ use crate::machine::{Around, Consequence, Finding};
 use crate::units::{Axis, Micros};
 
 impl Controller {
-    /// Machine logic, and what the control watches itself.
+    /// One tick of the machine logic and of supervision.
     pub(super) fn watch(&mut self) {
         let around = self.around();
         for finding in self.machine.tick(self.now, self.inputs, &self.params, around).into_iter().flatten() {
@@ -26,7 +26,7 @@ impl Controller {
         self.watch_screen();
     }
 
-    /// What the machine logic has to know of the control.
+    /// The state of the control that the machine logic needs.
     pub(super) fn around(&self) -> Around {
         let dressing = self.params.get(param::DRESSING_FIRST)..=self.params.get(param::DRESSING_LAST);
         Around {
@@ -42,20 +42,20 @@ impl Controller {
         }
     }
 
-    /// The speed asked of the wheel, rpm, at 10 V at most. Above the wheel's rating it is not started (P2).
+    /// Commanded wheel speed, rpm, limited to 10 V output. Above the wheel's rating the wheel does not start (P2).
     pub(super) fn commanded_wheel_rpm(&self) -> f64 {
         let wanted = self.wheel_rpm() * f64::from(self.overrides.spindle) / 100.0;
         wanted.min(self.params.get(param::WHEEL_RPM_MAX))
     }
 
-    /// What the first analog output gives, rpm: a wheel that runs is not led beyond its rating either.
+    /// Speed on the first analog output, rpm: also limited to the wheel's rating while it runs.
     pub(super) fn wheel_rpm_given(&self) -> f64 {
         let rim_mm_min = self.params.get(param::WHEEL_RATED_SPEED) * 60_000.0;
         let rated = rim_mm_min / (std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER));
         self.commanded_wheel_rpm().min(rated)
     }
 
-    /// External cycle start and hold act at their edge, as the keys do (P335, P336).
+    /// External cycle start and hold act on their rising edge, like the keys (P335, P336).
     fn watch_external_keys(&mut self) {
         let before = std::mem::replace(&mut self.last_inputs, self.inputs);
         for (input, key) in [(Input::ExternalHold, Key::FeedHold), (Input::ExternalStart, Key::CycleStart)] {
@@ -77,7 +77,7 @@ impl Controller {
         ];
         let faults: Vec<_> = self.axes.present().filter(|axis| self.inputs.has(drives[*axis as usize])).collect();
         if !faults.is_empty() {
-            // A crash trips all drives at once: the axes that move are the ones to look at.
+            // A crash trips all drives at once: report the moving axes.
             let moving: Vec<_> = faults.iter().filter(|axis| self.is_moving(**axis)).collect();
             let told = if moving.is_empty() { faults.iter().collect() } else { moving };
             let names = told.into_iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
@@ -90,7 +90,7 @@ impl Controller {
             for (bit, switch) in [(0, plus), (1, minus)] {
                 let mask = 1 << (2 * axis as u8 + bit);
                 let pressed = self.inputs.has(switch);
-                // The edge counts: after RESET the axis must be able to leave the switch.
+                // Only the edge counts: after RESET the axis must be able to leave the switch.
                 if pressed && self.limits & mask == 0 {
                     self.alarms.clear(alarm::HARD_LIMIT);
                     self.raise(alarm::HARD_LIMIT, name());
@@ -107,7 +107,7 @@ impl Controller {
         }
     }
 
-    /// Whether an axis is on a limit switch of this direction: it may only move the other way.
+    /// Whether an axis is on the limit switch of this direction.
     pub(super) fn runs_into_limit(&self, axis: Axis, direction: f64) -> bool {
         let side = if direction > 0.0 { 0 } else { 1 };
         self.limits >> (2 * axis as u8 + side) & 1 == 1
@@ -123,7 +123,7 @@ impl Controller {
         }
     }
 
-    /// Raises an alarm and carries out its reaction.
+    /// Raises an alarm and executes its reaction.
     pub(super) fn raise(&mut self, number: u16, detail: Option<Said>) {
         self.raise_for(number, detail, false);
     }
@@ -156,10 +156,10 @@ impl Controller {
         }
     }
 
-    /// Feed hold by a rule: a run that moves is held; nothing else is touched.
+    /// Feed hold: holds a running program; nothing else is affected.
     pub(super) fn hold_run(&mut self) {
         if self.lathe.homing.is_some() {
-            return self.abort_run(); // an axis on its way to a switch is not left there
+            return self.abort_run(); // homing cannot be held
         }
         if matches!(self.phase, Phase::Running) {
             self.axes.path.hold();

@@ -1,5 +1,5 @@
-//! The wheel has been changed: size, rating, and no cycle start before it is dressed.
-//! Source: spec K5.17; seed 000 (the dressing point is set anew after the wheel was mounted).
+//! Wheel change: sets size and rating, and blocks cycle start until the wheel is dressed.
+//! Source: spec K5.17; seed 000 (the dressing point is set again after the wheel was mounted).
 
 use super::{Controller, Effect};
 use crate::defs::page::Page;

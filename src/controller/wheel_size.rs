@@ -1,8 +1,8 @@
-//! The wheel's size: every dressing makes it smaller, and everything that depends on it follows.
+//! Wheel size: every dressing reduces it, and all dependent values follow.
 //!
-//! A dressing program writes the new diameter to #5801. What the radius has lost goes into the wear of the offset in force,
-//! along the wheel axis, so that the face of the wheel keeps its work coordinate; the dressing point follows; constant
-//! surface speed and the wheel's rating are reckoned with the new diameter from this tick on.
+//! A dressing program writes the new diameter to #5801. The loss of radius is subtracted from the wear of the active
+//! offset on the wheel axis, so that the wheel face keeps its work coordinate. The dressing point is shifted as well.
+//! Constant surface speed and wheel rating use the new diameter from this tick on.
 //! Source: spec K4.2, K5.17, B2 (G96); docs/decisions.md "Grinding functions".
 
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::nc::SpeedMode;
 use super::axes::MINUTE;
 
 impl Controller {
-    /// A program says that the wheel now has this diameter, mm. False: refused, with the alarm raised.
+    /// Records a new wheel diameter, mm, written by a program. False: refused, with the alarm raised.
     pub(super) fn book_dressing(&mut self, run: &mut Run, diameter_mm: f64) -> bool {
         let Switches { machine_lock, mst_lock, dry_run, .. } = self.switches;
         if machine_lock || mst_lock || dry_run {
@@ -55,7 +55,7 @@ impl Controller {
         true
     }
 
-    /// A part is ground: one more since the last dressing.
+    /// Counts a ground part since the last dressing.
     pub(super) fn count_since_dressing(&mut self) {
         let parts = self.params.get(param::PARTS_SINCE_DRESSING) + 1.0;
         self.keep_param(param::PARTS_SINCE_DRESSING.address(), parts);
@@ -68,19 +68,19 @@ impl Controller {
         }
     }
 
-    /// Another wheel: nothing has been ground or dressed with it.
+    /// New wheel: resets the counts of ground parts and dressings.
     pub(super) fn forget_dressings(&mut self) {
         let none: [Number; 2] = [param::PARTS_SINCE_DRESSING, param::DRESSINGS];
         none.into_iter().for_each(|row| self.keep_param(row.address(), 0.0));
     }
 
-    /// The speed that the program asks of the wheel, rpm, with the wheel as it is now.
+    /// The programmed wheel speed, rpm, with the present diameter.
     pub(super) fn wheel_rpm(&self) -> f64 {
         rpm_of(self.wheel_speed, self.wheel_rpm_limit, self.params.get(param::WHEEL_DIAMETER))
     }
 }
 
-/// Speed of a wheel, rpm, for S in the unit it was written in; `limit` holds under G96.
+/// Wheel speed, rpm, for S in the unit of its mode; `limit`, rpm, applies under G96.
 pub(super) fn rpm_of((value, mode): (f64, SpeedMode), limit: Option<f64>, diameter_mm: f64) -> f64 {
     let girth_m = std::f64::consts::PI * diameter_mm / 1_000.0;
     match mode {
