@@ -1,4 +1,4 @@
-//! The oscillation cylinder: a valve each way, a switch at each end.
+//! The oscillation cylinder: one valve per direction, one switch per end.
 //! Source: spec K4.4. Reset and e-stop switch both valves off.
 
 use crate::defs::alarm;
@@ -9,7 +9,7 @@ use crate::units::Micros;
 /// Unit of P235 and P236, ms.
 const DWELL_UNIT_MS: f64 = 4.0;
 
-/// Where it is in its cycle.
+/// Step of the cycle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Cylinder {
     #[default]
@@ -44,7 +44,7 @@ impl Cylinder {
         on.set(Output::OscillationBackward, matches!(self, Self::Backward { .. }));
     }
 
-    /// One tick; `flags` are #438 and #439. An alarm ends the cycle.
+    /// One tick; `flags` are #438 and #439. Returns an alarm, which ends the cycle.
     pub fn tick(&mut self, now: Micros, inputs: InputSet, params: &Params, flags: &mut (bool, bool)) -> Option<u16> {
         let (ahead, back) = (inputs.has(Input::OscillationForwardEnd), inputs.has(Input::OscillationBackwardEnd));
         let late = |since: Micros| now.since(since) >= params.millis(param::CYLINDER_TIME);

@@ -1,7 +1,7 @@
-//! The state of all units in small numbers: what the machine logic is in, apart from how long.
+//! The discrete state of all units as small numbers, with short ages only.
 //!
-//! Two machines with equal discrete states answer every request alike and go the same way from there, if no delay is
-//! longer than [`AGE_MOST`] ticks. The exhaustive search in `tests/long/machine_explore.rs` stands on that.
+//! Two machines with equal discrete states answer every request alike and have the same future, if no delay is
+//! longer than [`AGE_MOST`] ticks. The exhaustive search in `tests/long/machine_explore.rs` relies on this.
 
 use super::Machine;
 use super::magnet::Magnet;
@@ -9,10 +9,10 @@ use super::tailstock::Tailstock;
 use super::wheel::{Drive, SecondSpindle, Wheel};
 use crate::units::Micros;
 
-/// Ages are counted in ticks up to this; what is older is as old.
+/// Ages are counted in ticks and saturate here.
 pub const AGE_MOST: u64 = 3;
 
-/// The units that the interlocks connect, one number each.
+/// One number per unit that takes part in interlocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Discrete(pub [u8; 9]);
 

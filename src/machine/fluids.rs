@@ -1,4 +1,4 @@
-//! Coolant and lubrication: their outputs, and the switches that watch them.
+//! Coolant and lubrication: outputs, and supervision by flow and level switches.
 //! Source: spec K3.2, K3.8, K5.14.
 
 use super::Finding;
@@ -7,7 +7,7 @@ use crate::defs::param::{self, Number, Params};
 use crate::defs::signal::{Input, InputSet};
 use crate::units::Micros;
 
-/// A switch that must be there while something is wanted; its alarm comes after a delay and goes by itself.
+/// A supervised switch: its alarm is raised when the signal is missing for a delay, and clears itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Watched {
     #[default]
@@ -44,7 +44,7 @@ pub struct Fluids {
     level: Watched,
 }
 
-/// The lubrication pump: by key or code, and by interval.
+/// The lubrication pump: switched by key or code, and by interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Lubrication {
     #[default]
@@ -63,7 +63,7 @@ impl Lubrication {
 }
 
 impl Fluids {
-    /// One tick. `last_dose` is when the pump was last on by itself, or the power-on.
+    /// One tick. `last_dose`: when the interval last started the pump, or power-on.
     pub fn tick(
         &mut self,
         now: Micros,

@@ -1,5 +1,5 @@
-//! Gauge arms and gears: outputs whose end is seen by switches, where there are any.
-//! Source: spec K3.9, K3.10, K4.5 (switches watched when assigned), B4.
+//! Gauge arms and gears: outputs with end-position switches, where assigned.
+//! Source: spec K3.9, K3.10, K4.5 (switches supervised when assigned), B4.
 
 use super::stroke::Stroke;
 use crate::defs::alarm;
@@ -43,7 +43,7 @@ impl Arms {
         on.set(Output::AxialGauge, self.0[1].out);
     }
 
-    /// The alarm of each arm that did not arrive in time.
+    /// Returns the time-out alarm of each arm.
     pub fn watch(&mut self, now: Micros, inputs: InputSet, params: &Params) -> [Option<u16>; 2] {
         const SWITCHES: [[Input; 2]; 2] =
             [[Input::RadialArmIn, Input::RadialArmOut], [Input::AxialArmIn, Input::AxialArmOut]];
@@ -56,12 +56,12 @@ impl Arms {
     }
 }
 
-/// The gear box: one output at a time.
+/// The gear box: one output on at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Gears(Option<(u8, Stroke)>);
 
 impl Gears {
-    /// Gears count from 0.
+    /// Changes to a gear, 0 to 3.
     pub fn change(&mut self, gear: u8, now: Micros) {
         if !matches!(self.0, Some((present, Stroke::There | Stroke::Going { .. })) if present == gear) {
             self.0 = Some((gear, Stroke::Going { since: now }));

@@ -1,5 +1,5 @@
-//! Hydraulics: the pump's switch and the supervision of its pressure.
-//! Source: spec K3.5–K3.7. Not touched by reset or e-stop.
+//! Hydraulics: pump output and pressure supervision.
+//! Source: spec K3.5–K3.7. Reset and e-stop do not switch the pump.
 
 use super::Finding;
 use crate::defs::alarm;
@@ -7,15 +7,15 @@ use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet};
 use crate::units::Micros;
 
-/// Where alarm 180 stands.
+/// State of alarm 180.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Alarm180 {
     Clear,
-    /// Goes by itself when the signal returns.
+    /// Clears itself when the signal returns.
     Present,
-    /// A wheel start was refused: goes when the start would be granted.
+    /// A wheel start was refused: clears when the start would be granted.
     StartRefused,
-    /// Has stopped a wheel or a program: goes by RESET once the signal is back.
+    /// Stopped the wheel or a program: cleared by RESET once the signal is back.
     Latched,
 }
 
@@ -23,7 +23,7 @@ enum Alarm180 {
 #[derive(Clone, Debug)]
 pub struct Hydraulic {
     on: bool,
-    /// The pressure must be there `HYDRAULIC_DELAY` after this moment: power-on or the last switching-on. None: long ago.
+    /// Power-on or last switching-on; the pressure is due `HYDRAULIC_DELAY` later. `None`: already due.
     since: Option<Micros>,
     alarm: Alarm180,
     refused_start: bool,
@@ -44,7 +44,7 @@ impl Hydraulic {
         self.on
     }
 
-    /// Alarm 180 has stopped a wheel or a program and waits for RESET.
+    /// Alarm 180 stopped the wheel or a program and waits for RESET.
     pub fn is_latched(&self) -> bool {
         self.alarm == Alarm180::Latched
     }
@@ -60,7 +60,7 @@ impl Hydraulic {
         self.on = false;
     }
 
-    /// On, and long enough for the pressure to be judged.
+    /// On for at least the hydraulic delay P270.
     pub fn is_settled(&self, now: Micros, params: &Params) -> bool {
         self.on && self.is_due(now, Micros::from_millis_f64(params.get(param::HYDRAULIC_DELAY)))
     }
@@ -73,7 +73,7 @@ impl Hydraulic {
         self.refused_start = true;
     }
 
-    /// Its state in a small number; `age` counts the ticks since a moment.
+    /// The state as a small number; `age` returns the ticks since a moment.
     pub fn discrete(&self, age: impl Fn(Micros) -> u8) -> u8 {
         let since = self.since.map_or(4, age);
         let flags = [self.on, self.refused_start, self.acknowledged];
@@ -81,12 +81,12 @@ impl Hydraulic {
         (since * 4 + self.alarm as u8) * 8 + flags
     }
 
-    /// RESET: with the next look a latched alarm goes if its cause is gone.
+    /// RESET: the next tick clears a latched alarm if its cause is gone.
     pub fn acknowledge(&mut self) {
         self.acknowledged = true;
     }
 
-    /// K3.7, each tick. Looked at from P270 after power-on and after each switching-on, also after a deliberate M15.
+    /// K3.7, each tick. Supervised from P270 after power-on and after each switching-on, even after a deliberate M15.
     pub fn supervise(
         &mut self,
         now: Micros,
@@ -112,7 +112,7 @@ impl Hydraulic {
             Alarm180::Clear | Alarm180::Present | Alarm180::StartRefused if refused && run_open => Alarm180::Latched,
             Alarm180::Clear | Alarm180::Present if refused => Alarm180::StartRefused,
             Alarm180::Clear | Alarm180::Present if missing => Alarm180::Present,
-            // Switching the pump anew does not take it away: only the signal does.
+            // Switching the pump again does not clear the alarm: only the signal does.
             Alarm180::Present if !pressure_ok => Alarm180::Present,
             Alarm180::Clear | Alarm180::Present => Alarm180::Clear,
             Alarm180::StartRefused if granted || !looked_at => Alarm180::Clear,

@@ -1,14 +1,14 @@
-//! The interlock table: what may not happen when, and why. One row a rule; nothing else forbids anything.
+//! The interlock table: which request is forbidden when, and why. One row per rule; no interlock exists elsewhere.
 //!
-//! Rules are read from the top; the first that applies answers. They are pure functions of [`Facts`], so that tests
-//! can walk through all of them.
+//! Rules are evaluated from the top; the first that applies decides. They are pure functions of [`Facts`], so that
+//! tests can cover all of them.
 //! Source: spec K3, K5, "what stops what".
 
 use super::Around;
 use crate::defs::mcode::Request;
 use crate::defs::text::Text;
 
-/// The state of the machine as the rules see it.
+/// The inputs of the rules: the state of the machine and of the control.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Facts {
     /// The emergency stop is pressed.
@@ -17,70 +17,70 @@ pub struct Facts {
     pub wheel_on: bool,
     /// Diameter and commanded speed together exceed the wheel's rating (P77, P79).
     pub wheel_too_fast: bool,
-    /// P6.7: changed and not dressed since (K5.17).
+    /// P6.7: the wheel was changed and not dressed since (K5.17).
     pub wheel_undressed: bool,
-    /// Headstock, roll or table: an output is on.
+    /// The workpiece drive (headstock, roll or table) is on.
     pub drive_on: bool,
-    /// The drive turns the part on its magnet (GA).
+    /// The drive turns the part on the magnet (GA).
     pub drive_carries_part: bool,
     /// The kind has a main spindle and a tool post.
     pub turns_part: bool,
-    /// The tool post is on its way.
+    /// The tool post is indexing.
     pub post_moving: bool,
-    /// The guard has stopped the drive of a run that is still open.
+    /// The guard stopped the drive of a run that is still open.
     pub drive_stopped_by_guard: bool,
     /// The kind has a tailstock.
     pub tailstock_on_kind: bool,
-    /// P16.2, and the kind has a tailstock.
+    /// P16.2=1, and the kind has a tailstock.
     pub tailstock_enabled: bool,
-    /// The tailstock is on its way.
+    /// The tailstock is moving.
     pub tailstock_moving: bool,
-    /// Its end switch went or did not come while the valve is on.
+    /// The end-switch signal went or did not come while the valve is on.
     pub tailstock_lost: bool,
     /// P6.5: the headstock needs the tailstock.
     pub tailstock_needed: bool,
     /// The part is clamped by the tailstock.
     pub tailstock_advanced: bool,
-    /// P17.0=0.
+    /// P17.0=0: the wheel needs hydraulics.
     pub hydraulic_needed: bool,
-    /// P17.0=0 and P270>0: the signal is looked at.
+    /// P17.0=0 and P270>0: the pressure signal is supervised.
     pub hydraulic_checked: bool,
-    /// Alarm 180 has stopped a wheel or a program and waits for RESET.
+    /// Alarm 180 stopped the wheel or a program and waits for RESET.
     pub hydraulic_latched: bool,
     /// The pump's output is on.
     pub hydraulic_on: bool,
     /// On for at least P270.
     pub hydraulic_settled: bool,
-    /// The pressure switch.
+    /// The pressure switch is on.
     pub pressure: bool,
-    /// The kind has a magnet, or P16.0 gives it one.
+    /// The kind has a magnet, or P16.0 enables one.
     pub magnet_on_kind: bool,
-    /// P16.0.
+    /// P16.0: the magnet is enabled.
     pub magnet_enabled: bool,
-    /// P16.1.
+    /// P16.1: the wheel start needs a magnetised part.
     pub magnet_needed: bool,
-    /// The magnet holds: on for P81.
+    /// The magnet holds: magnetised for at least P81.
     pub magnetised: bool,
-    /// The oscillation cylinder is in its cycle.
+    /// The oscillation cylinder is running.
     pub cylinder_on: bool,
     /// P332 is assigned and the guard is not closed.
     pub guard_open: bool,
     /// The external hold is active.
     pub external_hold: bool,
-    /// The port asked for belongs to a function with rules.
+    /// The requested port belongs to an interlocked function.
     pub port_owned: bool,
-    /// The output asked for has no port.
+    /// The requested output has no port.
     pub port_missing: bool,
-    /// Another function has the port of the output asked for.
+    /// Another function uses the port of the requested output.
     pub port_conflict: bool,
-    /// What the controller tells.
+    /// State of the control.
     pub around: Around,
 }
 
-/// What a rule does to a request.
+/// Effect of a rule on a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// A message; the program goes on.
+    /// A message; the program continues.
     NoEffect,
     /// A message; a program waits before the block.
     Deny,
@@ -91,15 +91,15 @@ pub enum Outcome {
 /// One rule.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
-    /// Row of the specification.
+    /// Row of the specification that requires it.
     pub row: &'static str,
-    /// Which requests it looks at.
+    /// The requests it forbids.
     pub forbids: fn(Request) -> bool,
     /// When it applies.
     pub when: fn(&Facts) -> bool,
-    /// What it does.
+    /// Its effect.
     pub outcome: Outcome,
-    /// Why, for the message line and the diagnosis page.
+    /// The reason, for the message line and the diagnosis page.
     pub reason: Text,
 }
 

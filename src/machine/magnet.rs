@@ -1,16 +1,16 @@
-//! The magnet chuck: magnetising holds the part, demagnetising lets it go by decaying reversals.
-//! Source: spec K3.11, P3. Not touched by reset or e-stop: the part must not fly while the wheel coasts.
+//! The magnetic chuck: magnetising holds the part, demagnetising releases it by decaying reversals.
+//! Source: spec K3.11, P3. Reset and e-stop leave it as it is: the part must stay clamped while the wheel coasts.
 
 use crate::defs::param::{self, Params};
 use crate::units::Micros;
 
-/// The chuck and what is under way.
+/// State of the chuck.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Magnet {
     /// Both outputs off.
     #[default]
     Off,
-    /// Magnetise output on; the force is not full yet.
+    /// Magnetise output on; full force not reached yet.
     Magnetising { since: Micros },
     /// Magnetise output on, the part is held.
     Holding,
@@ -48,7 +48,7 @@ impl Magnet {
         matches!(self, Self::Holding)
     }
 
-    /// On its way to one state or the other.
+    /// Magnetising or demagnetising.
     pub const fn is_busy(self) -> bool {
         matches!(self, Self::Magnetising { .. } | Self::Demagnetising { .. })
     }

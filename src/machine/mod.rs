@@ -1,7 +1,7 @@
-//! The machine's units – wheel, workpiece drive, clamping, hydraulics, fluids, gauges – and the rules between them.
+//! The machine's units (wheel, workpiece drive, clamping, hydraulics, fluids, gauges) and the interlocks between them.
 //!
-//! Owns what is switched on and what is under way; knows neither program nor axes. Whoever wants a change asks
-//! ([`Machine::ask`]); the interlock table answers. [`press`] tells what a key asks for, [`phase`] what becomes of a run.
+//! Owns the state of all units; knows neither program nor axes. Every change is a request ([`Machine::ask`]) that the
+//! interlock table grants or refuses. [`press`] maps keys to requests, [`phase`] is the state machine of a run.
 //! Source: spec K3, K5.
 
 mod cylinder;
@@ -41,31 +41,31 @@ use tailstock::Tailstock;
 use turning::{MainSpindle, Post};
 use wheel::{Drive, SecondSpindle, Wheel};
 
-/// What came of a request.
+/// Result of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// Done, or under way: [`Machine::is_settled`] tells when it is finished.
+    /// Granted: done or in progress until [`Machine::is_settled`].
     Taken,
-    /// A message, nothing else; the program goes on.
+    /// Ignored with a message; the program continues.
     NoEffect(Text),
-    /// A message; nothing changed; a program waits before the block.
+    /// Refused with a message; a program waits before the block.
     Denied(Text),
-    /// An alarm; nothing changed.
+    /// Refused with an alarm: number, reason.
     Refused(u16, Text),
 }
 
-/// What the controller tells the machine logic about itself each tick.
+/// State of the control that the machine logic needs, updated each tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Around {
-    /// A program or an MDI line is under way, held ones included.
+    /// A program or an MDI line is open, including held ones.
     pub run_open: bool,
-    /// Every axis that the kind has is homed.
+    /// Every axis is homed, or the kind needs no homing to start a program.
     pub homed: bool,
-    /// An alarm that blocks cycle start is present.
+    /// An alarm that blocks cycle start is active.
     pub alarm_blocks: bool,
-    /// The drives are off after an alarm that stopped everything.
+    /// The drives are off after a stop-all alarm.
     pub drives_off: bool,
-    /// An axis oscillates that the run did not start.
+    /// An axis oscillates by servo while no run is open.
     pub oscillating: bool,
     /// Machine lock is on.
     pub machine_lock: bool,
@@ -77,10 +77,10 @@ pub struct Around {
     pub wheel_rpm: f64,
 }
 
-/// Something that the machine logic found by itself.
+/// Something that the machine logic detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finding {
-    /// An alarm's condition came.
+    /// An alarm condition occurred.
     Alarm {
         /// Its number.
         number: u16,
@@ -89,27 +89,27 @@ pub enum Finding {
     },
     /// A self-clearing alarm's condition is gone.
     Gone(u16),
-    /// Something was switched without being asked for, and is no alarm: why.
+    /// A unit was switched off without a request and without an alarm: the reason.
     Told(Text),
 }
 
-/// What a finding or a refusal does to the run and the machine.
+/// Effect of an alarm on the run and the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Consequence {
     /// Nothing beyond the alarm.
     Nothing,
     /// The run is held.
     Hold,
-    /// The run ends; what turns and flows stays.
+    /// The run ends; spindles and fluids stay on.
     Abort,
-    /// The run ends, wheel and workpiece drive stop.
+    /// The run ends; wheel and workpiece drive stop.
     AbortAndStop,
-    /// The run ends, safe outputs, drives off.
+    /// The run ends; outputs go to the safe state, drives off.
     AbortAndMakeSafe,
 }
 
 impl Consequence {
-    /// Of an alarm. `stopped`: the machine logic has stopped a unit for it, so that the run ends too.
+    /// The consequence of an alarm. `stopped`: the machine logic has stopped a unit for it, so the run ends too.
     #[must_use]
     pub fn of(number: u16, stopped: bool) -> Self {
         match alarm::reaction(number) {
@@ -123,13 +123,13 @@ impl Consequence {
     }
 }
 
-/// The guard door, as far as the machine has one (P332).
+/// The guard door, if the machine has one (P332).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Guard {
     open: bool,
-    /// Its alarm is present: it was opened in a run.
+    /// Its alarm is active: it was opened in a run.
     alarm: bool,
-    /// It has stopped the workpiece drive of a run that is still open.
+    /// It stopped the workpiece drive of a run that is still open.
     stopped_drive: bool,
 }
 
@@ -148,7 +148,7 @@ pub struct Machine {
     /// #438 and #439 of the cylinder.
     cylinder_flags: (bool, bool),
     fluids: Fluids,
-    /// When the lubrication pump last ran by its interval.
+    /// Start of the last lubrication interval.
     last_dose: Micros,
     arms: Arms,
     gears: Gears,
@@ -163,8 +163,8 @@ pub struct Machine {
     around: Around,
 }
 
-/// Outputs that an emergency stop, a panic, a lost screen or a lost bus switch off in that tick; all others stay as they
-/// are: a part must not fly while the wheel coasts (table after K3).
+/// Outputs that emergency stop, panic, loss of screen or loss of bus switch off in that tick. All others keep their
+/// state: the part must stay clamped while the wheel coasts (table after K3).
 pub const OFF_WHEN_SAFE: &[Output] = &[
     Output::Wheel,
     Output::SecondSpindle,
@@ -185,7 +185,7 @@ pub const OFF_WHEN_SAFE: &[Output] = &[
 const GUARD_STOPPED: Text =
     Text::new("防护门打开，头架/滚轮/台面已停", "the guard is open: headstock, roll or table stopped");
 
-/// Most findings of one tick.
+/// Maximum findings per tick.
 pub const FINDINGS: usize = 11;
 /// Findings of one tick.
 pub type Findings = [Option<Finding>; FINDINGS];
@@ -197,7 +197,7 @@ impl Machine {
         Self::governed_by(RULES, row, now)
     }
 
-    /// The same under another table of rules: what a search for the use of each rule needs.
+    /// The same with another rule table, for tests that search for the use of each rule.
     #[must_use]
     pub fn governed_by(rules: &'static [Rule], row: &'static KindRow, now: Micros) -> Self {
         Self {
@@ -226,7 +226,7 @@ impl Machine {
         }
     }
 
-    /// Puts the machine where a headless run begins (tools.md T3): hydraulics on long enough, the part clamped.
+    /// Prepares a headless run (tools.md T3): hydraulics on and settled, part clamped.
     pub fn make_ready(&mut self, params: &Params) {
         if !self.row.turns_part {
             self.hydraulic.make_ready();
@@ -239,12 +239,12 @@ impl Machine {
         }
     }
 
-    /// What has changed around the machine within this tick.
+    /// Updates the control state within a tick.
     pub const fn inform(&mut self, around: Around) {
         self.around = around;
     }
 
-    /// The facts that the interlock rules read.
+    /// The inputs of the interlock rules.
     #[must_use]
     pub fn facts(&self, now: Micros, inputs: InputSet, params: &Params) -> Facts {
         let supervised = !params.bit(param::NO_HYDRAULIC_CHECK);
@@ -304,7 +304,7 @@ impl Machine {
         interlock::forbidding(self.rules, request, &facts)
     }
 
-    /// A rule's reason, with what it cannot know: the port that a program has named, and whose it is.
+    /// The reason of a rule; for requests by port number with the port and the function that owns it.
     #[must_use]
     pub fn reason(&self, reason: Text, request: Request, params: &Params) -> Said {
         let (Request::Port(port, _) | Request::Pulse(port, _)) = request else { return reason.into() };
@@ -316,7 +316,7 @@ impl Machine {
         )
     }
 
-    /// Asks for a change. The interlock table decides; a refused request changes nothing.
+    /// Requests a change. The interlock table decides; a refused request changes nothing.
     pub fn ask(&mut self, request: Request, now: Micros, inputs: InputSet, params: &Params) -> Answer {
         if let Some(rule) = self.forbidding(request, now, inputs, params) {
             return match rule.outcome {
@@ -333,7 +333,7 @@ impl Machine {
         self.carry_out(request, now, inputs, params)
     }
 
-    /// One tick: delays run, feedback arrives, supervision looks.
+    /// One tick: delays, feedback and supervision of all units.
     pub fn tick(&mut self, now: Micros, inputs: InputSet, params: &Params, around: Around) -> Findings {
         self.around = around;
         self.now = now;
@@ -369,7 +369,7 @@ impl Machine {
         [pressed, hydraulic, tailstock, radial, axial, gears, cylinder, flow, level, guard, post]
     }
 
-    /// K5.13: with the guard open the workpiece drive stops; opened in a run it holds the program.
+    /// K5.13: an open guard stops the workpiece drive; opening it in a run also holds the program.
     fn watch_guard(&mut self, inputs: InputSet, params: &Params) -> Option<Finding> {
         let (was_open, mut stopped) = (self.guard.open, false);
         self.guard.open = params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed);
@@ -392,7 +392,7 @@ impl Machine {
         }
     }
 
-    /// E-stop, panic, lost HMI or bus: what turns or flows is switched off, the rest stays (table after K3).
+    /// E-stop, panic, lost HMI or bus: spindles and fluids off, clamps hold (table after K3).
     pub fn safe_stop(&mut self) {
         self.wheel = Wheel::Off;
         self.drive = Drive::Off;
@@ -412,14 +412,14 @@ impl Machine {
         self.hydraulic.acknowledge();
     }
 
-    /// An alarm that stops the wheel as well.
+    /// Alarm reaction: stops wheel, workpiece drive and lathe units.
     pub fn stop_wheel_and_drive(&mut self) {
         self.wheel = Wheel::Off;
         self.drive = Drive::Off;
         self.stop_turning();
     }
 
-    /// M30 (K3.14): coolant and workpiece drive off; the wheel and the second spindle too unless P17.2 keeps them.
+    /// M30 (K3.14): coolant and workpiece drive off; wheel and second spindle too, unless P17.2 keeps them running.
     pub fn program_end(&mut self, params: &Params) {
         self.fluids.coolant = false;
         self.drive = Drive::Off;
@@ -430,7 +430,7 @@ impl Machine {
         }
     }
 
-    /// The main spindle stops with a pulse, a tool post that turns stands.
+    /// Stops the main spindle by its pulse, and a turning tool post.
     fn stop_turning(&mut self) {
         if self.spindle.direction().is_some() {
             self.spindle.stop(self.now);
@@ -438,31 +438,31 @@ impl Machine {
         self.post = Post::Standing;
     }
 
-    /// Which way the main spindle has been started, true counter-clockwise.
+    /// Direction of the main spindle, true counter-clockwise; `None` while it is off.
     #[must_use]
     pub const fn spindle_direction(&self) -> Option<bool> {
         self.spindle.direction()
     }
 
-    /// Whether the tool post is on its way.
+    /// Whether the tool post is indexing.
     #[must_use]
     pub const fn post_is_moving(&self) -> bool {
         self.post.is_moving()
     }
 
-    /// Ports that programs have switched by number.
+    /// Ports switched by number by programs.
     #[must_use]
     pub const fn port_terminals(&self) -> Terminals {
         self.ports.terminals()
     }
 
-    /// Whether the oscillation cylinder is in its cycle.
+    /// Whether the oscillation cylinder is running.
     #[must_use]
     pub fn cylinder_is_on(&self) -> bool {
         self.cylinder.is_on()
     }
 
-    /// #438 and #439 of the cylinder: forward, backward in position.
+    /// #438 and #439 of the cylinder: at the forward end, at the backward end.
     #[must_use]
     pub const fn cylinder_flags(&self) -> (bool, bool) {
         self.cylinder_flags

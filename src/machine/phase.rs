@@ -1,7 +1,7 @@
-//! The phase of the control: what a start, a hold, a stop and a standstill make of it. One place changes it.
+//! The control phase: a state machine driven by start, hold, stop and standstill. It changes in one place only.
 //! Source: spec B5, K2.2, K3.14.
 
-/// Where the control stands in its work. `H` is what homing has to remember.
+/// The control phase. `H` is the state of homing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Phase<H = ()> {
     /// Nothing runs.
@@ -13,20 +13,20 @@ pub enum Phase<H = ()> {
     Holding,
     /// Feed hold, at rest.
     Held,
-    /// M00, M01, a message or the end of a single block.
+    /// Stopped by M00, M01, a message or single block; waits for cycle start.
     Stopped,
-    /// Reset or an alarm: braking, then the run is left.
+    /// Reset or an alarm: braking, then the run ends.
     Aborting,
     /// Axes are homing.
     Homing(H),
 }
 
-/// What happens to it.
+/// An event that may change the phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event<H = ()> {
-    /// Cycle start that the interlocks have granted.
+    /// Cycle start, granted by the interlocks.
     Start,
-    /// Feed hold, by the key or by a rule.
+    /// Feed hold, by key or by an alarm.
     Hold,
     /// The axes have come to rest.
     AtRest,
@@ -36,14 +36,14 @@ pub enum Event<H = ()> {
     Finish,
     /// Reset or an alarm that ends the run.
     Abort,
-    /// Homing that the interlocks have granted, or its next axis.
+    /// Homing, granted by the interlocks, or its next axis.
     Home(H),
     /// The last axis is homed.
     Homed,
 }
 
 impl<H> Phase<H> {
-    /// The phase after an event; an event that means nothing here changes nothing.
+    /// The phase after an event. Events without meaning in a phase are ignored.
     #[must_use]
     pub fn after(self, event: Event<H>) -> Self {
         match (self, event) {
@@ -69,8 +69,8 @@ impl<H> Phase<H> {
         }
     }
 
-    /// The program itself moves the machine: only the keys of K2.2 act. So does the end of a
-    /// run; a feed hold counts as a pause from its first tick.
+    /// The program moves the machine, or an aborted run brakes: only the keys of K2.2 act. A feed hold counts as a
+    /// pause from its first tick.
     #[must_use]
     pub const fn is_automatic(&self) -> bool {
         matches!(self, Self::Running | Self::Aborting)
@@ -94,7 +94,7 @@ impl<H> Phase<H> {
         matches!(self, Self::Running | Self::Holding | Self::Held | Self::Stopped | Self::Aborting)
     }
 
-    /// The phase without what homing remembers.
+    /// The phase without the homing state.
     #[must_use]
     pub const fn bare(&self) -> Phase {
         match self {

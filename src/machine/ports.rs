@@ -1,26 +1,26 @@
-//! Ports that a program switches by number: M20 pulse, M21 on, M22 off.
-//! Source: spec B4. A port of an interlocked function is refused; one of a plain function is that function.
+//! Output ports switched by number: M20 pulse, M21 on, M22 off.
+//! Source: spec B4. Ports of interlocked functions are refused; a port of a plain function switches that function.
 
 use crate::defs::kind::Kind;
 use crate::defs::param::Params;
 use crate::defs::signal::{Output, PORTS, Terminals};
 use crate::units::Micros;
 
-/// Longest list of pulses under way.
+/// Maximum simultaneous pulses.
 const PULSES: usize = 8;
 
-/// What a port number means to a program.
+/// The function that owns a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
-    /// No function has it.
+    /// No function uses it.
     Nobody,
-    /// A function without rules of its own: coolant, lubrication, a user output.
+    /// A function without interlocks: coolant, lubrication, a user output.
     Plain(Output),
-    /// A function with rules or a sequence.
+    /// A function with interlocks or a sequence.
     Interlocked(Output),
 }
 
-/// Who owns an output port.
+/// The owner of an output port.
 pub fn owner(port: u8, params: &Params, kind: Kind) -> Owner {
     let mut found = Owner::Nobody;
     for output in Output::ALL {
@@ -35,7 +35,7 @@ pub fn owner(port: u8, params: &Params, kind: Kind) -> Owner {
     found
 }
 
-/// The ports that programs have switched on.
+/// The ports switched on by programs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ports {
     on: Terminals,
@@ -48,7 +48,7 @@ impl Ports {
         self.on.set(port, on);
     }
 
-    /// Switches a port on until a moment; false when too many pulses are under way.
+    /// Switches a port on until a moment; false if too many pulses are active.
     pub fn pulse(&mut self, port: u8, until: Micros) -> bool {
         self.end_pulse(port);
         let Some(free) = self.pulses.iter_mut().find(|place| place.is_none()) else { return false };
@@ -69,7 +69,7 @@ impl Ports {
         self.pulses.iter().flatten().any(|(pulsed, _)| *pulsed == port)
     }
 
-    /// Ends the pulses that are over.
+    /// Ends expired pulses.
     pub fn tick(&mut self, now: Micros) {
         for index in 0..PULSES {
             if let Some((port, until)) = self.pulses[index]

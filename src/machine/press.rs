@@ -1,4 +1,4 @@
-//! The panel as the machine understands it: whether a key acts at all, and what it asks for.
+//! Panel keys on the machine side: whether a key is active, and which request it makes.
 //! Source: spec K2.1–K2.4.
 
 use super::phase::Phase;
@@ -14,7 +14,7 @@ pub const NOT_IN_RUN: Text = Text::new("程序运行中，按键无效", "dead w
 /// K2.1.
 pub const NOT_ON_KIND: Text = Text::new("本机型没有此功能", "this kind of machine does not have it");
 
-/// Why a key is dead now whatever the interlocks say: another kind's key, an axis that is not there, a program that runs.
+/// Why a key is inactive regardless of interlocks: not on this kind, axis not fitted, or a program runs.
 #[must_use]
 pub fn dead(key: Key, kind: Kind, fitted: PerAxis<bool>, phase: Phase) -> Option<Text> {
     let axis = key.axis();
@@ -24,7 +24,7 @@ pub fn dead(key: Key, kind: Kind, fitted: PerAxis<bool>, phase: Phase) -> Option
     (phase.is_automatic() && !key.row().in_run).then_some(NOT_IN_RUN)
 }
 
-/// The change of the machine that a key asks for, with these outputs on. Toggle keys switch on and off (K2.3).
+/// The machine request of a key, with these outputs on. Toggle keys switch on and off (K2.3).
 #[must_use]
 pub fn request(key: Key, mode: Mode, on: OutputSet) -> Option<Request> {
     let toggle = |output: Output| Request::Switch(output, !on.has(output));
@@ -60,7 +60,7 @@ pub fn request(key: Key, mode: Mode, on: OutputSet) -> Option<Request> {
             Mode::Home => Request::HomeAxes,
             Mode::Edit | Mode::Auto | Mode::Mdi | Mode::Handwheel | Mode::Step | Mode::Manual => Request::MoveByHand,
         },
-        // Modes, switches, overrides and keys of the screen change nothing of the machine.
+        // Modes, switches, overrides and screen keys make no machine request.
         _ => return None,
     })
 }

@@ -1,4 +1,4 @@
-//! The rows of the interlock table. Rules are read from the top; the first that applies answers.
+//! The rows of the interlock table. Rules are evaluated from the top; the first that applies decides.
 //! Source: spec K3, K5, "what stops what".
 
 use super::interlock::{Outcome, Rule};
@@ -52,7 +52,7 @@ const fn needs_guard(request: Request) -> bool {
 const fn by_number(request: Request) -> bool {
     matches!(request, Request::Port(..) | Request::Pulse(..))
 }
-/// Requests that switch an output on; what only switches off is never kept from doing so by a wrong port.
+/// Requests that switch an output on. Switching off is never refused because of a wrong port.
 const fn switches_on(request: Request) -> bool {
     starts_or_flows(request)
         || matches!(
@@ -67,7 +67,7 @@ const fn switches_on(request: Request) -> bool {
         )
 }
 
-/// Requests that a program relies on: without their output it must not go on.
+/// Requests that a program relies on: without their output it must not continue.
 const fn needs_its_port(request: Request) -> bool {
     drive_start(request)
         || spindle_start(request)
@@ -307,7 +307,7 @@ pub const RULES: &[Rule] = &[
     },
     Rule {
         row: "K5.8",
-        // An MDI line may end it.
+        // An MDI line may end the oscillation.
         forbids: |request| matches!(request, Request::CycleStart),
         when: |facts| facts.around.oscillating || facts.cylinder_on && !facts.around.run_open,
         outcome: Outcome::Alarm(alarm::OSCILLATING),
@@ -356,7 +356,7 @@ pub const RULES: &[Rule] = &[
     },
     Rule {
         row: "B5",
-        // An MDI line may switch; its moves ask for homing themselves.
+        // An MDI line may switch units; its moves check homing themselves.
         forbids: |request| matches!(request, Request::CycleStart),
         when: |facts| !facts.around.homed,
         outcome: Outcome::Alarm(alarm::NOT_HOMED),

@@ -1,20 +1,20 @@
-//! A unit that goes from one end to the other and is seen by a switch at each: gauge arms and gears.
+//! A two-position actuator with a switch at each end: gauge arms and gears.
 //!
-//! Where no switch is assigned nothing is watched: an arm is there at once, a gear after its time.
+//! Without an assigned switch nothing is supervised: an arm arrives at once, a gear after its time.
 //! Source: spec K3.9, K3.10, K4.5, B4.
 
 use crate::defs::param::{Number, Params};
 use crate::defs::signal::{Input, InputSet};
 use crate::units::Micros;
 
-/// Whether it has arrived.
+/// State of the actuator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stroke {
-    /// Standing where it was sent.
+    /// At the commanded position.
     There,
-    /// On its way.
+    /// Moving.
     Going { since: Micros },
-    /// Its switch did not come in time.
+    /// The switch did not respond in time.
     Lost,
 }
 
@@ -27,7 +27,7 @@ impl Stroke {
         matches!(self, Self::Going { .. })
     }
 
-    /// Looks for the switch; true when it has not come in time. `most` is the time-out.
+    /// Checks the switch; true on time-out. `most` is the time-out, `unseen` the time without a switch.
     pub fn watch(
         &mut self,
         now: Micros,

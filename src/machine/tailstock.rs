@@ -1,23 +1,23 @@
-//! Tailstock: a valve with two end switches.
-//! Source: spec K3.3. The output holds while the part is clamped; reset and e-stop leave it.
+//! Tailstock: one valve with two end switches.
+//! Source: spec K3.3. The output stays on while the part is clamped; reset and e-stop do not switch it.
 
 use crate::defs::alarm;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet};
 use crate::units::Micros;
 
-/// The quill and what is under way.
+/// State of the quill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tailstock {
-    /// Valve off, at the back end.
+    /// Valve off, retracted.
     Resting,
-    /// Valve on, on its way out.
+    /// Valve on, advancing.
     Advancing { since: Micros },
     /// Valve on, part clamped.
     Holding,
-    /// Valve off, on its way back.
+    /// Valve off, retracting.
     Retracting { since: Micros },
-    /// Its end switch did not come, or went: neither clamped nor back.
+    /// The end-switch signal did not come or was lost: neither clamped nor retracted.
     Lost { valve: bool },
 }
 
@@ -46,17 +46,17 @@ impl Tailstock {
         matches!(self, Self::Holding)
     }
 
-    /// Its switch went or did not come while the valve is on: the part may be loose.
+    /// The switch signal went or did not come while the valve is on: the part may be loose.
     pub const fn is_lost(self) -> bool {
         matches!(self, Self::Lost { valve: true })
     }
 
-    /// The valve.
+    /// The valve output.
     pub const fn output(self) -> bool {
         matches!(self, Self::Advancing { .. } | Self::Holding | Self::Lost { valve: true })
     }
 
-    /// Feedback and time-out; without an end switch assigned the time itself is the feedback.
+    /// Feedback and time-out. Without an assigned end switch, the elapsed time counts as feedback.
     pub fn watch(&mut self, now: Micros, inputs: InputSet, params: &Params) -> Option<u16> {
         let (since, switch, there) = match *self {
             Self::Advancing { since } => (since, Input::TailstockAdvanced, Self::Holding),

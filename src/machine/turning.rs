@@ -1,8 +1,8 @@
 //! Main spindle and tool post of a lathe.
 //!
-//! The spindle is started and stopped by pulses of P386 (0.4 s) on outputs of their own, as contactors that hold
-//! themselves want them. The tool post turns forward until the switch of the wanted station comes, then in reverse for
-//! P389, which clamps it. Source: spec L7, L8.
+//! The spindle is started and stopped by pulses of P386 (0.4 s) on separate outputs, for self-holding contactors.
+//! The tool post turns forward until the switch of the wanted station is on, then in reverse for P389, which
+//! clamps it. Source: spec L7, L8.
 
 use crate::defs::alarm;
 use crate::defs::param::{self, Params};
@@ -12,14 +12,14 @@ use crate::units::Micros;
 /// The main spindle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MainSpindle {
-    /// Never asked for, or long off.
+    /// Off.
     #[default]
     Off,
-    /// The pulse that stops it is on.
+    /// The stop pulse is on.
     Stopping { since: Micros },
-    /// The pulse that starts it is on, or it runs up.
+    /// The start pulse is on, or the spindle runs up.
     Starting { ccw: bool, since: Micros },
-    /// It turns.
+    /// Turning.
     Turning { ccw: bool },
 }
 
@@ -30,12 +30,12 @@ impl MainSpindle {
         }
     }
 
-    /// Every wish to stop gives a pulse: what turns without the control's knowledge stops, too.
+    /// Every stop request gives a pulse, so that a spindle started elsewhere stops too.
     pub const fn stop(&mut self, now: Micros) {
         *self = Self::Stopping { since: now };
     }
 
-    /// Which way it turns, true counter-clockwise; none while it stands.
+    /// Direction, true counter-clockwise; `None` while it is off.
     pub const fn direction(self) -> Option<bool> {
         match self {
             Self::Off | Self::Stopping { .. } => None,
@@ -43,7 +43,7 @@ impl MainSpindle {
         }
     }
 
-    /// Nothing is awaited.
+    /// No start or stop is in progress.
     pub const fn is_settled(self) -> bool {
         matches!(self, Self::Off | Self::Turning { .. })
     }
@@ -84,12 +84,12 @@ impl MainSpindle {
 /// The tool post; stations count from 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Post {
-    /// It stands, clamped.
+    /// At rest, clamped.
     #[default]
     Standing,
-    /// It turns forward towards a station.
+    /// Turning forward towards a station.
     Seeking { station: u8, since: Micros },
-    /// It turns in reverse, which clamps it.
+    /// Turning in reverse, which clamps it.
     Clamping { since: Micros },
 }
 
@@ -103,7 +103,7 @@ impl Post {
         !matches!(self, Self::Standing)
     }
 
-    /// The alarm of a station that did not come in time.
+    /// One tick; returns the time-out alarm.
     pub fn watch(&mut self, now: Micros, inputs: InputSet, params: &Params) -> Option<u16> {
         match *self {
             Self::Standing => {}

@@ -1,4 +1,4 @@
-//! Carrying out what has been granted, and what the units show: outputs, lamps that blink, whether they have arrived.
+//! Executes granted requests; reports outputs, pending feedback (blinking lamps) and whether units have settled.
 //! Source: spec K3.
 
 use super::cylinder::Cylinder;
@@ -16,7 +16,7 @@ use crate::units::Micros;
 const TOO_MANY_PULSES: Text = Text::new("同时输出的脉冲太多", "too many pulses at once");
 
 impl Machine {
-    /// Does what the interlock table has granted.
+    /// Executes a request that the interlock table has granted.
     pub(super) fn carry_out(&mut self, request: Request, now: Micros, inputs: InputSet, params: &Params) -> Answer {
         match request {
             Request::WheelStart => self.wheel.start(now),
@@ -24,7 +24,7 @@ impl Machine {
             Request::CylinderOn => self.cylinder.start(now),
             Request::CylinderOff => self.cylinder = Cylinder::Off,
             Request::WheelStop => self.wheel = Wheel::Off,
-            // One speed where both codes drive the same output.
+            // One speed only where both codes use the same output.
             Request::DriveHigh | Request::DriveLow => {
                 let fast = request == Request::DriveHigh || self.row.drive_low == self.row.drive_high;
                 self.drive.start(fast, now);
@@ -108,7 +108,7 @@ impl Machine {
         }
     }
 
-    /// Whether the unit of a request has finished what it was asked.
+    /// Whether the unit of a request has settled.
     #[must_use]
     pub fn is_settled(&self, request: Request) -> bool {
         match request {
@@ -169,7 +169,7 @@ impl Machine {
         on
     }
 
-    /// Whether the feedback of a switched-on output is still awaited; its lamp blinks.
+    /// Whether the feedback of a switched-on output is still pending: its lamp blinks.
     #[must_use]
     pub fn is_working(&self, output: Output) -> bool {
         match output {

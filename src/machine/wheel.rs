@@ -1,4 +1,4 @@
-//! Wheel and workpiece drive: a contactor and the time until the speed is there.
+//! Wheel, workpiece drive and second spindle: contactors with run-up times.
 //! Source: spec K3.1, K3.4, K3.14.
 
 use crate::defs::param::{self, Params};
@@ -54,7 +54,7 @@ impl Drive {
         self != Self::Off
     }
 
-    /// Whether the speed is the high one; none when off.
+    /// True for high speed, false for low; `None` when off.
     pub const fn speed(self) -> Option<bool> {
         match self {
             Self::Off => None,
@@ -77,7 +77,7 @@ impl Drive {
     }
 }
 
-/// The second spindle: never both directions at once, and a pause between them.
+/// The second spindle: never both directions at once, with a pause (P87) between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SecondSpindle {
     #[default]

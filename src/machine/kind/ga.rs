@@ -1,4 +1,4 @@
-//! KT-830GA, rotary-table grinder: X cross slide, Z wheel head (down is minus), the table turns; magnet. Y by parameter.
+//! KT-830GA, rotary-table grinder: X cross slide, Z wheel head (down is minus), rotary table, magnet. Y by parameter.
 //! Source: spec K1, column GA.
 
 use super::KindRow;

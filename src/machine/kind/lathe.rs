@@ -1,5 +1,5 @@
-//! 超人 (SuperMan) lathe: X cross slide (diameter), Z carriage, a main spindle with an encoder that turns the part, a tool
-//! post with four stations. No wheel, no hydraulics, no gauges.
+//! 超人 (SuperMan) lathe: X cross slide (diameter), Z carriage, main spindle with encoder, tool post with four stations.
+//! No wheel, no hydraulics, no gauges.
 //! Source: spec superman-lathe.md, seed 001.
 
 use super::KindRow;

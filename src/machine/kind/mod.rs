@@ -1,4 +1,4 @@
-//! What each kind of machine is made of: one file a kind. No other room asks which kind it is.
+//! Description of each kind of machine: one file per kind. Other modules use these rows and do not ask for the kind.
 //! Source: spec K1.
 
 mod ga;
@@ -15,33 +15,33 @@ use crate::units::{Axis, PerAxis};
 /// One kind.
 #[derive(Debug)]
 pub struct KindRow {
-    /// Which one.
+    /// The kind.
     pub kind: Kind,
-    /// The axes it always has; Y can be fitted to any kind (P6.6).
+    /// The standard axes; Y can be fitted to any kind (P6.6).
     pub axes: PerAxis<bool>,
-    /// The language of its programs.
+    /// The dialect of its programs.
     pub system: System,
     /// The order of homing: the wheel axis first, away from the part (K5.16).
     pub home_order: &'static [Axis],
-    /// What M63 drives.
+    /// Output of M63.
     pub drive_high: Output,
-    /// What M64 drives; the same as M63 where there is one speed.
+    /// Output of M64; the same as for M63 where there is one speed.
     pub drive_low: Output,
     /// Whether it has a tailstock.
     pub tailstock: bool,
-    /// Whether it clamps by a magnet.
+    /// Whether it clamps with a magnet.
     pub magnet: bool,
-    /// Whether what M63 drives carries the part on the magnet (K3.11: the table turns magnetised only).
+    /// Whether the M63 drive carries the part on the magnet (K3.11: the table turns only when magnetised).
     pub drive_needs_magnet: bool,
-    /// Numbers of the files of its grinding pages (C0801 …); empty where each program has a page of its own (K7.2).
+    /// File numbers of its grinding pages (C0801 …); empty where each program has its own page (K7.2).
     pub page_files: &'static [u32],
-    /// Values that common variables have on a new machine, by number.
+    /// Factory values of common variables: number, value.
     pub variables: &'static [(u16, f64)],
     /// The axis whose minus direction is slow while the wheel turns (K5.9).
     pub slow_axis: Axis,
-    /// Whether its main spindle turns the part and a tool post carries the tools (L7, L8).
+    /// Whether it has a main spindle that turns the part and a tool post (L7, L8).
     pub turns_part: bool,
-    /// Folder of its own programs below `programs`; they go by name there.
+    /// Folder of its own programs below `programs`; they are identified by name there.
     pub own_programs: Option<&'static str>,
 }
 
@@ -52,13 +52,13 @@ impl KindRow {
         PerAxis::from_fn(|axis| self.axes[axis] || axis == Axis::Y && params.bit(param::Y_FITTED))
     }
 
-    /// Whether homing goes over its switch and back onto the far edge (L6).
+    /// Whether homing passes the switch and returns onto its far edge (L6).
     #[must_use]
     pub const fn homes_past_switch(&self) -> bool {
         self.turns_part
     }
 
-    /// Whether a program may begin before homing: on a lathe it homes by itself (L6).
+    /// Whether a program may start before homing: a lathe program homes the axes itself (L6).
     #[must_use]
     pub const fn starts_unhomed(&self) -> bool {
         self.turns_part

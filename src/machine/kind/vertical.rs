@@ -1,5 +1,5 @@
-//! Vertical lathe-grinder (a vertical lathe whose right carriage carries a grinding head): X wheel carriage (diameter), Z
-//! along the table's axis, the table turns with the part clamped on it. Y by parameter. Programs of the SINUMERIK 802D.
+//! Vertical lathe-grinder (a vertical lathe with a grinding head on its right carriage): X wheel carriage (diameter),
+//! Z along the table's axis; the table turns with the part clamped on it. Y by parameter. SINUMERIK 802D programs.
 //! Source: spec sinumerik-802d.md, seed 002.
 
 use super::KindRow;
@@ -14,7 +14,7 @@ const R0: u16 = match r_parameter::of_r(0) {
     None => 0,
 };
 
-/// The R parameters of the grinding program as delivered: seed 002's table, a ring of 200.5 ground to 200 (S4, S5).
+/// Factory R parameters of the grinding program: table of seed 002, a ring of 200.5 mm ground to 200 mm (S4, S5).
 /// R11 and R12 follow from the machine data: the wheel touches the diamond at X machine −50, Z machine −300; G54 is
 /// X −450, Z −500.
 const R: &[(u16, f64)] = &[
