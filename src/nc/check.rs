@@ -1,4 +1,4 @@
-//! The check of a whole program: every mistake, path length, time and extents, without a machine. Source: spec B1, T4.
+//! Checks a whole program without a machine: all mistakes, path length, time and extents. Source: spec B1, T4.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -14,33 +14,33 @@ use super::world::{CheckWorld, Come};
 use crate::defs::program_error::ProgramError as E;
 use crate::units::PerAxis;
 
-/// After this many mistakes, or warnings, no more are collected.
+/// Most mistakes, and most warnings, that are collected.
 pub const FAULT_LIMIT: usize = 1_000;
-/// A run that reads this many blocks without coming to a new line of the program is in a loop that waits for something.
+/// A run that reads this many blocks without reaching a new line of the program is in an endless (waiting) loop.
 pub const STANDSTILL_LIMIT: u32 = 1_000_000;
-/// How many such loops a check leaves before it gives up following the program.
+/// How many such loops a check leaves before it stops following the program.
 const LEFT_LOOPS: u32 = 4;
 
-/// What a check found.
+/// The result of a check.
 #[derive(Clone, Debug, Default)]
 pub struct Checked {
-    /// Every mistake, in the order of lines, each line once.
+    /// All mistakes in line order; each kind once per line.
     pub faults: Vec<Fault>,
-    /// What is allowed and seldom meant: null in arithmetic, a block after `;`, a loop that does not end here.
+    /// Allowed but rarely intended: null in arithmetic, a block after `;`, a loop that does not end in the check.
     pub warnings: Vec<Fault>,
-    /// The way of all moves, mm; of a loop that does not end here, up to where it began to repeat.
+    /// Path length of all moves, mm. An endless loop counts up to its first repetition.
     pub length_mm: f64,
-    /// The time at programmed feeds, acceleration left out, seconds; counted as the way.
+    /// Time at programmed feeds without acceleration, seconds; endless loops as in `length_mm`.
     pub seconds: f64,
-    /// Least and greatest coordinates of all moves, work frame, radius mm; none without a move.
+    /// Least and greatest work coordinates of all moves, radius mm; none without a move.
     pub extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
     /// Lines of the text.
     pub lines: usize,
-    /// Blocks that had operations; of a loop that does not end here, up to where it began to repeat.
+    /// Number of blocks with operations; endless loops as in `length_mm`.
     pub blocks: u64,
-    /// Of all blocks that `sink` has seen, from 0: those of a loop that does not end here, from where it began to repeat.
+    /// The blocks passed to `sink` (counted from 0) that are repetitions of an endless loop.
     pub repeated: Vec<Range<u64>>,
-    /// The run came to its end (or to its M99), and no loop was left on the way.
+    /// The run reached its end (or its M99) without leaving an endless loop.
     pub finished: bool,
 }
 
@@ -50,7 +50,7 @@ pub fn check(source: &Arc<Source>, library: &Arc<dyn Library + Send + Sync>, set
     check_with(source, library, settings, Memory::default(), &mut CheckWorld::new(settings), &mut |_| {})
 }
 
-/// Checks a program with given variables and world, and shows every block to `sink`.
+/// Checks a program with the given variables and world; passes every block to `sink`.
 pub fn check_with(
     source: &Arc<Source>,
     library: &Arc<dyn Library + Send + Sync>,
@@ -65,7 +65,7 @@ pub fn check_with(
     })
 }
 
-/// As [`check_with`], until `sink` says false: then the check is not finished.
+/// As [`check_with`], until `sink` returns false; the check is then not finished.
 pub fn check_until(
     source: &Arc<Source>,
     library: &Arc<dyn Library + Send + Sync>,
@@ -79,8 +79,7 @@ pub fn check_until(
     checking.found(world)
 }
 
-/// Reads the lines of a text for their writing alone, as far as that can be judged without the rest of the program:
-/// where a jump leads is not looked at.
+/// Checks only the syntax of some lines, without the rest of the program: jump targets are not checked.
 #[must_use]
 pub fn look(source: &Arc<Source>, settings: &Settings) -> Vec<Fault> {
     const ELSEWHERE: [E; 6] =
@@ -91,49 +90,49 @@ pub fn look(source: &Arc<Source>, settings: &Settings) -> Vec<Fault> {
     faults
 }
 
-/// How far a run has come: to where it first went over lines that were not new any more.
+/// The state of a run when it began to repeat lines; restored if the repetition turns out to be endless.
 #[derive(Clone, Debug)]
 struct Progress {
-    /// No new line since.
+    /// No new line was reached since.
     over: bool,
     come: Come,
     memory: Memory,
-    /// Blocks that were shown, and mistakes that were found.
+    /// Blocks passed to `sink`, and mistakes found, up to there.
     shown: u64,
     faults: usize,
-    /// The main program's line, from 0, at present.
+    /// The current line of the main program, from 0.
     line: u32,
-    /// Where it went back since, last.
+    /// The line (from 0) of the last backward jump since.
     back: Option<u32>,
 }
 
-/// A check under way: a program followed without a machine, then the lines that the run did not come to.
+/// A check in progress: follows the program without a machine, then reads the lines that were not executed.
 pub struct Checking {
     source: Arc<Source>,
     settings: Settings,
     interpreter: Interpreter,
     block: Block,
     found: Checked,
-    /// The lines that the run has not come to, once it is over.
+    /// The lines that were not executed; read when the run is over.
     unread: Unread,
     over: bool,
     told: HashSet<(u32, u32, E)>,
     progress: Progress,
-    /// Blocks without a new line, and how many make a loop that does not end here.
+    /// Blocks since the last new line, and how many of them make a loop endless.
     standstill: u32,
     limit: u32,
-    /// Loops that were left.
+    /// Endless loops left so far.
     left: u32,
-    /// How many may be.
+    /// How many endless loops may be left.
     leaves: u32,
-    /// A word was left out somewhere: what is in force may differ from what it will be in the run.
+    /// A null word was skipped somewhere: the modal state may differ from that in the real run.
     left_out: bool,
-    /// Blocks that `sink` has seen.
+    /// Number of blocks passed to `sink`.
     shown: u64,
 }
 
 impl Checking {
-    /// Stands at the head of a program.
+    /// Starts at the head of a program.
     #[must_use]
     pub fn new(
         source: &Arc<Source>,
@@ -165,20 +164,20 @@ impl Checking {
         }
     }
 
-    /// With so many blocks without a new line as the sign of a loop that does not end here; nothing behind it is run.
+    /// Sets how many blocks without a new line make a loop endless; the check stops at the first such loop.
     #[must_use]
     pub const fn with_limit(mut self, blocks: u32) -> Self {
         (self.limit, self.leaves) = (blocks, 0);
         self
     }
 
-    /// The mistakes found so far, as they were met.
+    /// The mistakes so far, in the order found.
     #[must_use]
     pub fn faults(&self) -> &[Fault] {
         &self.found.faults
     }
 
-    /// What was found, when it is over.
+    /// The result; valid when the check is over.
     #[must_use]
     pub fn found(self, world: &CheckWorld) -> Checked {
         let number = self.source.number();
@@ -190,8 +189,7 @@ impl Checking {
         found
     }
 
-    /// Goes on for at most so many blocks, or lines that the run has not come to; `false` when it is over, or when
-    /// `sink` had enough.
+    /// Continues for at most `most` blocks or lines; `false` when the check is over or `sink` returned false.
     pub fn advance(&mut self, world: &mut CheckWorld, sink: &mut dyn FnMut(&Block) -> bool, most: u32) -> bool {
         if self.over {
             let mut faults = Vec::new();
@@ -245,7 +243,7 @@ impl Checking {
         true
     }
 
-    /// Marks the line that is read next; its number, from 0, if it is one of the main program.
+    /// Marks the line that is read next; returns its number (from 0) if it belongs to the main program.
     #[inline]
     fn look_at_line(&mut self, world: &CheckWorld) -> Option<u32> {
         let (source, line) = self.interpreter.at_line();
@@ -270,8 +268,8 @@ impl Checking {
         main.then_some(line)
     }
 
-    /// Tells of a loop that does not end here, at the line that leads back into it. Its repetitions do not count: way,
-    /// values and place are as when it began to repeat.
+    /// Reports an endless loop at the line that jumps back. Its repetitions do not count: path length, variables and
+    /// position are restored to the start of the repetition.
     fn give_up(&mut self, world: &mut CheckWorld) {
         let (place, title) = match self.progress.back {
             Some(line) => (Place { program: self.source.number(), line: line + 1, n: None }, self.source.title()),
@@ -284,7 +282,7 @@ impl Checking {
         if *shown < self.shown {
             self.found.repeated.push(*shown..self.shown);
         }
-        // A value that has grown with every repetition is no mistake of the text.
+        // A value that grows with every repetition is not a mistake of the text.
         let (kept, mut index) = (*faults, 0);
         self.found.faults.retain(|fault| {
             index += 1;
@@ -294,7 +292,7 @@ impl Checking {
         self.left += 1;
     }
 
-    /// The run is over: lines that it did not come to are still to be read.
+    /// Ends the run; the lines that were not executed are read next.
     fn end(&mut self, finished: bool) -> bool {
         self.found.finished = finished && self.left == 0;
         self.over = true;
@@ -303,7 +301,7 @@ impl Checking {
         true
     }
 
-    /// What variables without a value cause is no mistake of the text: the operator will have given them.
+    /// A consequence of null variables is only a warning: the operator sets them before the real run.
     fn judge(&mut self, fault: Fault) {
         let (null_here, left_out) = (self.interpreter.has_met_null(), self.left_out);
         let by_null = match fault.error {
@@ -312,7 +310,7 @@ impl Checking {
             E::DivisionByZero => null_here && fault.detail().is_empty(),
             E::Domain | E::OutOfRange | E::BadVariable | E::SwitchVariable => null_here,
             E::FeedMissing => left_out,
-            // Where the run would stand behind a loop that was left is not known.
+            // The position after a loop that was left is unknown.
             E::ArcTooSmall | E::FullCircleByRadius | E::RectangleSide => self.left > 0,
             _ => false,
         };

@@ -1,4 +1,4 @@
-//! Reading a contour that a cycle names by its blocks, without moving there. Source: spec B2 (G70–G73).
+//! Reads the contour blocks that a cycle names, without motion. Source: spec B2 (G70–G73).
 
 use super::contour::{ContourCycle, Form, expand};
 use super::fault::{Outcome, wrong, wrong1};
@@ -11,7 +11,7 @@ use crate::units::PerAxis;
 /// Most blocks of a contour.
 const BLOCKS: usize = 500;
 
-/// The world while a contour is read: the place is where its last block ends.
+/// The state while a contour is read: the position is the end of its last block.
 struct Ahead<'w> {
     world: &'w mut dyn World,
     position: PerAxis<f64>,
@@ -32,7 +32,7 @@ impl World for Ahead<'_> {
 }
 
 impl Interpreter {
-    /// The operations of a cycle; the program goes on behind its contour, or behind the cycle if that stands later.
+    /// Expands a cycle into operations. The program continues after the contour, or after the cycle if that is later.
     pub(super) fn contour(
         &mut self,
         Pending { cycle, begin }: &Pending,
@@ -48,7 +48,7 @@ impl Interpreter {
         let ops = match read.and_then(|ops| expand(cycle, start, &ops).or_else(|error| wrong(cycle.at, error))) {
             Ok(ops) => ops,
             Err(stop) => {
-                // The block is read again, or named as wrong: the flow stands before it.
+                // The flow goes back to the block: it is read again, or its mistake is reported.
                 (self.flow.at, self.flow.line, self.flow.mid_line) = *begin;
                 return Err(stop);
             }
@@ -61,7 +61,7 @@ impl Interpreter {
         Ok(Stepped::Block)
     }
 
-    /// The operations of the contour's blocks; the flow then stands behind the last.
+    /// The operations of the contour's blocks. Afterwards the flow is past the last one.
     fn read_contour(&mut self, cycle: &ContourCycle, world: &mut dyn World, start: PerAxis<f64>) -> Outcome<Vec<Op>> {
         if self.flow.source.find_block(cycle.last, self.flow.at).is_none() {
             return wrong1(cycle.at, E::MissingTarget, format!("N{}", cycle.last));

@@ -1,5 +1,5 @@
-//! Cycles over a contour that stands in the program: roughing it out stroke by stroke, repeating it, finishing it.
-//! Works on the operations of the contour's blocks, work coordinates, radius mm; knows nothing of text.
+//! Cycles over a contour in the program: roughing in strokes, pattern repeating, finishing.
+//! Works on the operations of the contour's blocks, in work coordinates, radius mm; does not read text.
 //! Source: spec B2 (G70–G73).
 
 use super::op::{AxisSet, Feed, Op};
@@ -8,30 +8,30 @@ use crate::units::{Axis, PerAxis};
 
 /// Most strokes of one cycle.
 const STROKES: usize = 2_000;
-/// What is shorter is no way, mm: far below the resolution.
+/// Shorter distances count as zero, mm; far below the resolution.
 const NO_WAY_MM: f64 = 1e-7;
 
-/// A cycle as its block asks for it.
+/// A cycle as programmed.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ContourCycle {
     /// N of the contour's first and last block.
     pub first: u32,
     pub last: u32,
-    /// Where the cycle's code stands in the text, for what is wrong with its contour.
+    /// The byte of the cycle's G code, for mistakes in its contour.
     pub at: usize,
-    /// What is left for finishing: the contour is shifted by so much.
+    /// Finishing allowance: the contour is shifted by it. Radius mm.
     pub allowance: PerAxis<f64>,
     pub form: Form,
 }
 
-/// What is done with the contour.
+/// The kind of cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Form {
-    /// G70: once, with the feeds of its own blocks.
+    /// G70: one pass with the feeds of the contour's blocks.
     Finish,
-    /// G71 (infeed X), G72 (infeed Z): strokes of `depth` along the other axis, then once along the contour.
+    /// G71 (infeed X), G72 (infeed Z): strokes along the other axis, `depth` mm each, then one pass along the contour.
     Rough { infeed: Axis, depth: f64, escape: f64, feed: Feed },
-    /// G73: the contour `passes` times, the first shifted by `shift` and the last by nothing.
+    /// G73: `passes` passes along the contour; the first is shifted by `shift`, the last is not.
     Pattern { shift: PerAxis<f64>, passes: u32, feed: Feed },
 }
 
@@ -40,16 +40,16 @@ pub(crate) enum Form {
 struct Segment {
     from: PerAxis<f64>,
     to: PerAxis<f64>,
-    /// Centre and turn of an arc.
+    /// Centre of an arc, and its turn (−1 or 1).
     arc: Option<(PerAxis<f64>, i8)>,
     rapid: bool,
 }
 
-/// What the cycle does from a starting point: its operations, or what is wrong with the contour.
+/// The operations of the cycle from a starting point, or the mistake in the contour.
 pub(crate) fn expand(cycle: &ContourCycle, start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<Op>, E> {
     let segments = segments(start, contour)?;
     let Some(first) = segments.first() else { return Err(E::ContourEmpty) };
-    // The axis that goes to the contour first comes back first.
+    // The axis that approaches the contour first also retracts first.
     let across = if (first.to[Axis::X] - start[Axis::X]).abs() > NO_WAY_MM { Axis::X } else { Axis::Z };
     match cycle.form {
         Form::Finish => {
@@ -101,7 +101,7 @@ const fn other(axis: Axis) -> Axis {
     }
 }
 
-/// From wherever the contour has ended back to its start: away from the part, then along it.
+/// Returns from the end of the contour to the start: first away from the part, then along it.
 fn back(ops: &mut Vec<Op>, start: PerAxis<f64>, across: Axis) {
     let Some(end) = ops.iter().rev().find_map(end_of) else { return };
     let mut out = end;
@@ -125,7 +125,7 @@ fn segments(start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<Segment>, E> {
             Op::Rapid { to, .. } => Segment { from, to: *to, arc: None, rapid: true },
             Op::Feed { to, .. } => Segment { from, to: *to, arc: None, rapid: false },
             Op::Arc { to, center, turn, .. } => Segment { from, to: *to, arc: Some((*center, *turn)), rapid: false },
-            // Speed and path mode count when the contour is finished.
+            // Speed and path mode take effect only in the finishing pass.
             Op::S { .. } | Op::Path(_) => continue,
             _ => return Err(E::ContourCode),
         };
@@ -136,13 +136,13 @@ fn segments(start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<Segment>, E> {
 }
 
 impl Segment {
-    /// The same elsewhere.
+    /// The segment shifted by `by`.
     fn shifted(&self, by: PerAxis<f64>) -> Self {
         let arc = self.arc.map(|(center, turn)| (plus(center, by), turn));
         Self { from: plus(self.from, by), to: plus(self.to, by), arc, rapid: self.rapid }
     }
 
-    /// The segment shifted, at a feed of the cycle's.
+    /// The segment shifted by `by`, as an operation with the cycle's feed.
     fn op(&self, by: PerAxis<f64>, feed: Feed) -> Op {
         let (to, both) = (plus(self.to, by), [Axis::X, Axis::Z]);
         match self.arc {
@@ -160,13 +160,13 @@ impl Segment {
         }
     }
 
-    /// Whether it goes one way only in both axes, the way of `way`.
+    /// Whether it moves only in the direction of `way` in both axes.
     fn is_monotone(&self, way: PerAxis<f64>) -> bool {
         let goes = |axis: Axis| (self.to[axis] - self.from[axis]) * way[axis] >= -NO_WAY_MM;
         goes(Axis::X) && goes(Axis::Z) && !self.turns_back()
     }
 
-    /// An arc that passes an extreme of an axis between its ends.
+    /// Whether an arc passes an extreme of an axis between its ends.
     fn turns_back(&self) -> bool {
         let Some((center, turn)) = self.arc else { return false };
         // Angles with Z to the right and X up; counter-clockwise is positive.
@@ -180,7 +180,7 @@ impl Segment {
         })
     }
 
-    /// Where the segment is at `level` of an axis: the place on the other axis.
+    /// The coordinate on the other axis where the segment crosses `level` of an axis.
     fn at_level(&self, axis: Axis, level: f64) -> Option<f64> {
         let (low, high) = (self.from[axis].min(self.to[axis]), self.from[axis].max(self.to[axis]));
         if level < low - NO_WAY_MM || level > high + NO_WAY_MM {
@@ -195,14 +195,14 @@ impl Segment {
         let radius = (self.from[axis] - center[axis]).hypot(self.from[along] - center[along]);
         let half = (radius * radius - (level - center[axis]).powi(2)).max(0.0).sqrt();
         let (first, second) = (self.from[along].min(self.to[along]), self.from[along].max(self.to[along]));
-        // One way only: of the two places one lies between the ends.
+        // The arc is monotone: only one of the two points lies between the ends.
         let outside = |place: f64| (first - place).max(place - second).max(0.0);
         let [near, far] = [center[along] - half, center[along] + half];
         Some(if outside(near) <= outside(far) { near } else { far })
     }
 }
 
-/// G71 and G72.
+/// The roughing cycles G71 and G72.
 struct Rough {
     infeed: Axis,
     depth: f64,
@@ -253,7 +253,7 @@ impl Rough {
         Ok(ops)
     }
 
-    /// Down to a level, along it, away at 45°, back.
+    /// One stroke: infeed to a level, along it, retract at 45°, return.
     fn stroke(&self, ops: &mut Vec<Op>, quick: bool, level: f64, end: f64, (down, along): (f64, f64)) {
         let (a, b) = (self.infeed, other(self.infeed));
         if (end - self.start[b]) * along <= NO_WAY_MM {
@@ -264,7 +264,7 @@ impl Rough {
         ops.push(if quick { rapid(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
         at[b] = end;
         ops.push(feed_to(at, self.feed, &[b]));
-        // Not beyond the start in either axis.
+        // The retract must not pass the start in either axis.
         let room = ((level - self.start[a]) * down).min((end - self.start[b]) * along);
         let escape = self.escape.min(room.max(0.0));
         at[a] -= down * escape;
@@ -274,7 +274,7 @@ impl Rough {
         ops.push(rapid(at, &[b]));
     }
 
-    /// The contour with its allowance, and back to the start.
+    /// One pass along the contour with its allowance, and return to the start.
     fn once_along(&self, ops: &mut Vec<Op>, quick: bool, bottom: f64, rest: &[Segment]) {
         let (a, b) = (self.infeed, other(self.infeed));
         let mut at = self.start;

@@ -1,5 +1,5 @@
-//! Expressions, evaluated as they are read: no tree is built. Null is `None`; it reads as 0 in arithmetic and two
-//! numbers are equal within 1e-9 of the larger. Source: spec B3.
+//! Expressions, evaluated while they are read, without a syntax tree. Null is `None` and counts as 0 in arithmetic.
+//! Two numbers are equal within 1e-9 of the larger. Source: spec B3.
 
 use super::fault::{Outcome, wrong, wrong1, wrong2};
 use super::functions::FUNCTIONS;
@@ -7,53 +7,53 @@ use super::lexer::Cursor;
 use crate::defs::program_error::ProgramError as E;
 use crate::units::Axis;
 
-/// How deep brackets, signs and indices may nest.
+/// Deepest nesting of brackets, signs and indices.
 const DEPTH: usize = 32;
-/// Largest whole number that the bit functions take: 2^53.
+/// Largest whole number of the bit functions: 2^53.
 const WHOLE_LIMIT: f64 = 9_007_199_254_740_992.0;
 
 /// A value; `None` is null.
 pub(crate) type Value = Option<f64>;
 
-/// Which coordinates of an axis are meant.
+/// The coordinate system of an axis position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Frame {
-    /// Of the machine.
+    /// Machine coordinates.
     Machine,
-    /// Of the workpiece.
+    /// Work coordinates.
     Work,
 }
 
-/// Where variables are looked up.
+/// Looks up variables.
 pub(crate) trait Scope {
-    /// Whether values are real: without them only the writing is checked.
+    /// Whether variables have values; if not, only the syntax is checked.
     const STRICT: bool;
-    /// The value of a variable that is named at a byte of the text.
+    /// The value of a variable; `at` is its byte in the text.
     fn read(&mut self, number: u32, at: usize) -> Outcome<Value>;
-    /// Where an axis is now, as displayed: the machine has come to rest there.
+    /// The displayed position of an axis, read with the machine at rest.
     fn axis_position(&mut self, axis: Axis, frame: Frame, at: usize) -> Outcome<Value>;
-    /// Null was taken as 0.
+    /// Reports that null was used as 0.
     fn null_used(&mut self, at: usize);
 }
 
-/// EQ of the specification: within 1e-9 of the larger. DECISION: 1e-12 is always equal, so that 0.1+0.2-0.3 EQ 0.
+/// EQ as specified: within 1e-9 of the larger. DECISION: 1e-12 always counts as equal, so that 0.1+0.2-0.3 EQ 0.
 #[must_use]
 pub(crate) fn equal(a: f64, b: f64) -> bool {
     (a - b).abs() <= (1e-9 * a.abs().max(b.abs())).max(1e-12)
 }
 
-/// A whole number, if the value is one within 1e-9.
+/// The whole number that the value equals within 1e-9 (relative, absolute below 1), if any.
 #[must_use]
 #[inline]
 pub(crate) fn whole(value: f64) -> Option<i64> {
-    // A cast cuts towards zero and saturates; NaN fails the comparison.
+    // A cast truncates towards zero and saturates. NaN fails the comparison.
     let near = (value + 0.5_f64.copysign(value)) as i64;
     let limit = WHOLE_LIMIT as i64;
     let off = (value - near as f64).abs();
     (off <= 1e-9 * value.abs().max(1.0) && (-limit..=limit).contains(&near)).then_some(near)
 }
 
-/// Evaluates what stands at the cursor, comparisons included.
+/// Evaluates the expression at the cursor, comparisons included.
 pub(crate) fn evaluate<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<Value> {
     Reader { cursor, scope, depth: 0 }.comparison()
 }
@@ -168,14 +168,14 @@ impl<S: Scope> Reader<'_, '_, S> {
             let right = self.sign()?;
             let zero = right.is_some_and(|right| right.abs() <= 0.0);
             if literal && zero && S::STRICT && matches!(operator, Operator::Divide | Operator::Modulo) {
-                // The detail tells the check that no empty variable is to blame.
+                // The detail shows the check that no null variable is the cause.
                 return wrong1(at, E::DivisionByZero, "0");
             }
             left = self.apply(operator, left, right, at)?;
         }
     }
 
-    /// Signs bind weaker than `**`: `-2**2` is −4.
+    /// A sign has lower precedence than `**`: `-2**2` is −4.
     fn sign(&mut self) -> Outcome<Value> {
         let negative = self.signs()?;
         let value = self.power()?;
@@ -347,7 +347,7 @@ impl<S: Scope> Reader<'_, '_, S> {
         }
     }
 
-    /// After the slash of `ATAN[a]/[b]`; `ATAN[a]/2` is a division.
+    /// Whether `[` follows the slash, as in `ATAN[a]/[b]`; `ATAN[a]/2` is a division.
     fn bracket_follows(&self) -> bool {
         let mut ahead = *self.cursor;
         ahead.at += 1;
@@ -356,7 +356,7 @@ impl<S: Scope> Reader<'_, '_, S> {
 }
 
 fn holds(compare: Compare, left: Value, right: Value) -> bool {
-    // DECISION: null equals null only, as the family compares; in order it is 0.
+    // DECISION: for EQ and NE null equals only null, as in the KT-820 family; in order comparisons it is 0.
     let equals = match (left, right) {
         (Some(a), Some(b)) => equal(a, b),
         (None, None) => true,

@@ -1,4 +1,4 @@
-//! What is wrong in a program, and exactly where. Source: spec B1, B8.
+//! Program mistakes and their exact location. Source: spec B1, B8.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use crate::defs::gcode::GCode;
 use crate::defs::program_error::ProgramError;
 use crate::defs::text::Lang;
 
-/// A block of a program.
+/// The location of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Place {
     /// The O number.
@@ -18,17 +18,17 @@ pub struct Place {
     pub n: Option<u32>,
 }
 
-/// A program's mistake: where, which, and its details.
+/// A program mistake: its location, its row in the error table, and details.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct Fault {
     /// The block.
     pub place: Place,
     /// The column, from 1, counted in characters.
     pub column: u32,
-    /// Which row of the table.
+    /// The row of the error table.
     pub error: ProgramError,
     details: [String; 2],
-    /// What the control calls the program.
+    /// The displayed name of the program.
     program: Box<str>,
 }
 
@@ -37,7 +37,7 @@ impl Fault {
         Self { place, column, error: wrong.error, details: wrong.details, program: program.into() }
     }
 
-    /// What the control calls the program.
+    /// The displayed name of the program.
     #[must_use]
     pub fn program(&self) -> &str {
         &self.program
@@ -53,12 +53,12 @@ impl Fault {
         self.error.number()
     }
 
-    /// What is wrong, without place and remedy.
+    /// The cause, without location and remedy.
     #[must_use]
     pub fn cause(&self, lang: Lang) -> String {
         let text = self.error.text().get(lang);
         match (self.error, self.details[0].get(1..).and_then(|code| GCode::find(code.parse().ok()?))) {
-            // The function's name comes from the table, in the reader's language.
+            // The function's name comes from the G-code table, in the chosen language.
             (ProgramError::LaterG | ProgramError::WrongKindG, Some(row)) => {
                 fill(text, &[self.details[0].clone(), row.text.get(lang).to_owned()])
             }
@@ -66,7 +66,7 @@ impl Fault {
         }
     }
 
-    /// What to do about it.
+    /// The remedy.
     #[must_use]
     pub fn remedy(&self, lang: Lang) -> String {
         fill(self.error.remedy().get(lang), &self.details)
@@ -94,7 +94,7 @@ fn fill(template: &str, details: &[String; 2]) -> String {
     template.replace("{}", &details[0]).replace("{2}", &details[1])
 }
 
-/// A mistake at a byte of the text, before its line and column are counted.
+/// A mistake at a byte of the text; line and column are not determined yet.
 #[derive(Clone, Debug)]
 pub(crate) struct Wrong {
     pub at: usize,
@@ -105,13 +105,13 @@ pub(crate) struct Wrong {
 /// Why reading a block stopped.
 #[derive(Clone, Debug)]
 pub(crate) enum Stop {
-    /// A live value is wanted and motion must drain first.
+    /// A live value is needed: all motion must be done first.
     Drain,
-    /// The text is wrong.
+    /// The text has a mistake.
     Wrong(Wrong),
 }
 
-/// Boxed so that the plain path carries one word.
+/// The error is boxed to keep the success path small.
 pub(crate) type Outcome<T> = Result<T, Box<Stop>>;
 
 #[cold]
@@ -134,7 +134,7 @@ pub(crate) fn wrong2<T>(
     Err(Box::new(Stop::Wrong(Wrong { at, error, details: [detail.into(), second.into()] })))
 }
 
-/// Gives a mistake its place.
+/// Determines line and column of a mistake.
 pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fault {
     if wrong.error == ProgramError::ForeignCharacter
         && wrong.details[1].is_empty()

@@ -1,4 +1,4 @@
-//! Where the program is: jumps, loops, calls and returns. Source: spec B3.
+//! The position in the program: jumps, loops, calls and returns. Source: spec B3.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -9,20 +9,20 @@ use super::source::{LOOP_DEPTH, LoopEnd, Source};
 use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 
-/// The deepest nesting of M98.
+/// Deepest nesting of M98.
 pub(crate) const SUB_DEPTH: usize = 4;
-/// The deepest nesting of G65 and G66.
+/// Deepest nesting of G65 and G66.
 pub(crate) const MACRO_DEPTH: usize = 4;
-/// How deep L calls of the SINUMERIK may nest: eight levels with the main program (DECISION).
+/// Deepest nesting of SINUMERIK L calls: eight levels with the main program (DECISION).
 pub(crate) const L_DEPTH: usize = 7;
 
-/// The deepest nesting of counted loops (G22) and of subprograms of the same text.
+/// Deepest nesting of counted loops (G22) and of subprograms in the same text.
 pub(crate) const COUNTED_DEPTH: usize = 255;
 
-/// #1–#33 of one level; index 0 is #1.
+/// #1–#33 of one call level; index 0 is #1.
 pub(crate) type Locals = [Value; 33];
 
-/// A macro that is called after every block with motion.
+/// A G66 macro: called after every block with motion.
 #[derive(Clone, Debug)]
 pub(crate) struct ModalCall {
     pub program: u32,
@@ -30,14 +30,14 @@ pub(crate) struct ModalCall {
     pub arguments: Box<Locals>,
 }
 
-/// What a call opens: a subprogram shares the locals of its caller, a macro has its own.
+/// The kind of a call: a subprogram shares its caller's local variables, a macro has its own.
 #[derive(Clone, Debug)]
 pub(crate) enum Callee {
     Sub,
     Macro(Box<Locals>),
 }
 
-/// A call as the text asks for it.
+/// A call as programmed.
 #[derive(Clone, Debug)]
 pub(crate) struct Call {
     pub program: u32,
@@ -53,7 +53,7 @@ struct Open {
     end: LoopEnd,
 }
 
-/// A counted loop under way, lines from 0.
+/// An open counted loop, lines from 0.
 #[derive(Clone, Copy, Debug)]
 struct Counted {
     line: u32,
@@ -61,7 +61,7 @@ struct Counted {
     left: u32,
 }
 
-/// A place in a program to which a return leads.
+/// A call frame: the position to return to, and the state of the caller.
 #[derive(Clone, Debug)]
 struct Level {
     source: Arc<Source>,
@@ -73,13 +73,13 @@ struct Level {
     left: u32,
     callee: Callee,
     modal: Option<Arc<ModalCall>>,
-    /// Counted loops open below this level.
+    /// Number of counted loops that belong to the caller's callers.
     base: usize,
-    /// The block number at which a subprogram of the same text begins.
+    /// The first block number of a subprogram in the same text.
     entry: Option<u32>,
 }
 
-/// The place in the running program and the way back.
+/// The position in the running program, and the call stack.
 #[derive(Clone, Debug)]
 pub(crate) struct Flow {
     pub source: Arc<Source>,
@@ -87,18 +87,18 @@ pub(crate) struct Flow {
     pub at: usize,
     /// Its line, from 0.
     pub line: u32,
-    /// A block of this line was read before.
+    /// A block of this line was already read.
     pub mid_line: bool,
-    /// M99 has begun the main program again.
+    /// M99 restarted the main program.
     pub restarted: bool,
-    /// The G66 in force.
+    /// The active G66 call.
     pub modal: Option<Arc<ModalCall>>,
     loops: [Open; LOOP_DEPTH],
     depth: usize,
     levels: Vec<Level>,
     locals: Vec<Locals>,
     counted: Vec<Counted>,
-    /// Of them, those that belong to callers.
+    /// How many of `counted` belong to callers.
     base: usize,
 }
 
@@ -120,7 +120,7 @@ impl Flow {
         }
     }
 
-    /// #1–#33 of the running level.
+    /// #1–#33 of the current call level.
     #[inline]
     pub fn locals(&self) -> &Locals {
         static NONE: Locals = [None; 33];
@@ -134,18 +134,18 @@ impl Flow {
         }
     }
 
-    /// Whether this is the program that was started.
+    /// Whether the started program runs, not a subprogram.
     #[inline]
     pub fn is_main(&self) -> bool {
         self.levels.is_empty()
     }
 
-    /// The block number of the running subprogram of the same text.
+    /// The block number of the running subprogram, if it is in the same text.
     pub fn local_sub(&self) -> Option<u32> {
         self.levels.last().and_then(|level| level.entry)
     }
 
-    /// Opens the counted loop of a line whose G22 is wrong, to be run through once; for a check that wants to see the rest.
+    /// Enters the counted loop of a faulty G22 for one pass, so that a check can read on.
     pub fn enter_wrong_loop(&mut self) {
         if let Some(found) = self.source.counted_at(self.line)
             && let Some(end_line) = found.end_line
@@ -154,17 +154,17 @@ impl Flow {
         }
     }
 
-    /// The next block to read, to come back to.
+    /// Saves the position of the next block.
     pub const fn clone_place(&self) -> (usize, u32, bool) {
         (self.at, self.line, self.mid_line)
     }
 
-    /// Back to a block that was next before.
+    /// Restores a saved position.
     pub const fn put_place(&mut self, place: (usize, u32, bool)) {
         (self.at, self.line, self.mid_line) = place;
     }
 
-    /// Goes to a line, from 0.
+    /// Goes to a line (from 0).
     pub fn go_to_line(&mut self, line: u32) {
         self.line = line;
         self.at = self.source.start(line);
@@ -178,7 +178,7 @@ impl Flow {
         self.mid_line = at != self.source.start(self.line);
     }
 
-    /// GOTO: the next block of that number, or the first of the program; loops that the target lies outside are left.
+    /// GOTO: goes to the next block with the number, else to the first. Leaves loops that do not contain it.
     pub fn go_to_block(&mut self, n: u32, at: usize) -> Outcome<()> {
         let Some(target) = self.source.find_block(n, self.at) else {
             return wrong1(at, E::MissingTarget, format!("N{n}"));
@@ -189,12 +189,12 @@ impl Flow {
         Ok(())
     }
 
-    /// The line of a label, by its bytes in the text, in one direction from the present line.
+    /// The line of a label, searched in one direction from the current line. `label` is its byte range.
     pub fn label_line(&self, label: Range<usize>, forward: bool) -> Outcome<u32> {
         self.source.find_label(label, self.line, forward)
     }
 
-    /// WHILE in the present block: into the loop, or behind its END.
+    /// WHILE in the current block: enters the loop, or goes past its END.
     pub fn begin_loop(&mut self, holds: bool, number: u8, at: usize) -> Outcome<()> {
         let found = self.source.loop_at(self.at).filter(|found| found.number == number);
         let Some((while_at, end)) = found.and_then(|found| Some((found.while_at as usize, found.end?))) else {
@@ -216,7 +216,7 @@ impl Flow {
         Ok(())
     }
 
-    /// END: back to its WHILE.
+    /// END: goes back to its WHILE.
     pub fn end_loop(&mut self, number: u8, at: usize) -> Outcome<()> {
         match self.depth.checked_sub(1).map(|top| self.loops[top]) {
             Some(top) if top.number == number && top.end.at as usize == self.at => {
@@ -227,9 +227,9 @@ impl Flow {
         }
     }
 
-    /// Goes behind the outermost loop that is open; `false` if none is.
+    /// Goes past the end of the outermost open loop; `false` if no loop is open.
     pub fn leave_loops(&mut self) -> bool {
-        // A subprogram of the same text returns to the loop that calls it.
+        // A subprogram of the same text first returns to the loop that calls it.
         while self.counted.len() == self.base && !self.counted.is_empty() {
             if self.return_to(None, 0).is_err() {
                 return false;
@@ -248,7 +248,7 @@ impl Flow {
         true
     }
 
-    /// Opens a program; the flow already stands behind the calling block.
+    /// Calls a program. The flow is already past the calling block.
     pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool) -> Outcome<()> {
         let is_macro = matches!(call.callee, Callee::Macro(_));
         let same = |level: &&Level| matches!(level.callee, Callee::Macro(_)) == is_macro;
@@ -263,7 +263,7 @@ impl Flow {
         if let Callee::Macro(arguments) = &call.callee {
             self.locals.push(**arguments);
         }
-        // A macro that G66 calls is not called again by its own moves.
+        // Moves of a G66 macro do not call it again.
         let restored = self.modal.clone();
         if modal {
             self.modal = None;
@@ -287,7 +287,7 @@ impl Flow {
         Ok(())
     }
 
-    /// Goes to the one block of a number; counted loops that it lies outside are left.
+    /// Goes to the only block with a number. Leaves counted loops that do not contain it.
     pub fn jump(&mut self, n: u32, at: usize) -> Outcome<()> {
         let line = self.only_block(n, at)?;
         if line == self.line {
@@ -308,10 +308,10 @@ impl Flow {
         }
     }
 
-    /// Opens a subprogram of the same text; the flow still stands at the calling block, which ends at `behind`.
+    /// Calls a subprogram in the same text. The flow is already past the calling block.
     pub fn call_local(&mut self, n: u32, at: usize) -> Outcome<()> {
         let line = self.only_block(n, at)?;
-        // L7: behind the main program, which its M02 ends.
+        // L7: subprograms follow the main program, which M02 ends.
         let within = self.source.main_end().is_some_and(|end| line < end);
         if within || self.is_main() && line <= self.line.saturating_sub(1) {
             return wrong1(at, E::SubBeforeMain, format!("N{n:04}"));
@@ -339,7 +339,7 @@ impl Flow {
         Ok(())
     }
 
-    /// G22 in the present line: into the loop, or behind its G80. True: the loop was entered.
+    /// G22 in the current line: enters the loop, or goes past its G80. True: the loop was entered.
     pub fn begin_counted(&mut self, times: u32, at: usize) -> Outcome<bool> {
         let found = self.source.counted_at(self.line);
         let Some((line, end_line)) = found.and_then(|found| Some((found.line, found.end_line?))) else {
@@ -356,7 +356,7 @@ impl Flow {
         Ok(true)
     }
 
-    /// G80 in the present line: back behind its G22, or out of the loop. True: the loop is over.
+    /// G80 in the current line: goes back to the line after its G22, or leaves the loop. True: the loop is over.
     pub fn end_counted(&mut self, at: usize) -> Outcome<bool> {
         let line = self.line;
         let open = &mut self.counted[self.base..];
@@ -378,7 +378,7 @@ impl Flow {
         }
     }
 
-    /// M99: to the next repetition, to the caller (to its block `target`, if given), or to the head of the main program.
+    /// M99: starts the next repetition, returns to the caller (to block `target`, if given) or restarts the program.
     pub fn return_to(&mut self, target: Option<u32>, at: usize) -> Outcome<()> {
         let Some(level) = self.levels.last_mut() else {
             self.depth = 0;

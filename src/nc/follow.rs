@@ -1,4 +1,4 @@
-//! Following a program without a machine: for the check, and for a run from a chosen block. Source: spec B1, B5, T4.
+//! Follows a program without a machine: for a check, and for a restart from a chosen block. Source: spec B1, B5, T4.
 
 use std::sync::Arc;
 
@@ -10,16 +10,16 @@ use super::source::Source;
 use super::world::{CheckWorld, World};
 use crate::defs::program_error::ProgramError as E;
 
-/// How many blocks one call of `advance_to` may read.
+/// Most blocks that one call of `advance_to` reads.
 pub const ADVANCE_PER_CALL: usize = 2_000;
 
 impl Interpreter {
-    /// Reads on, as fast as it goes and without a machine, until a line (from 1) of the started program is next: what
-    /// is in force there is then in [`Self::modals`], the position in `world`; `sink` sees what was passed. At most [`ADVANCE_PER_CALL`] blocks;
-    /// `Next::Block` when the line is reached, `Next::Busy` to be asked again, `Next::End` if the program ends before.
+    /// Reads without a machine until a line (from 1) of the started program is next. The modal state is then in
+    /// [`Self::modals`], the position in `world`. `sink` gets all operations. At most [`ADVANCE_PER_CALL`] blocks.
+    /// `Next::Block`: line reached. `Next::Busy`: call again. `Next::End`: the program ends before the line.
     ///
     /// # Errors
-    /// A mistake on the way.
+    /// A mistake in the blocks up to the line.
     pub fn advance_to(&mut self, line: u32, world: &mut CheckWorld, sink: &mut dyn FnMut(&Op)) -> Result<Next, Fault> {
         let mut block = Block::new(&self.settings);
         for _ in 0..ADVANCE_PER_CALL {
@@ -38,10 +38,10 @@ impl Interpreter {
         Ok(Next::Busy)
     }
 
-    /// Goes past a fault; for a check that wants to see the rest without what follows from it.
+    /// Skips a faulty block, so that a check can read on without consequential errors.
     pub(crate) fn skip(&mut self, error: E) {
         self.second_half = false;
-        // The feed was meant to stay: later blocks are not blamed for it.
+        // The F word of the faulty block is kept, so that later blocks do not report a missing feed.
         if self.modals.feed.is_none() {
             let word = self.words.list().iter().find(|word| word.letter == b'F');
             self.modals.feed = word.map(|word| word.value).filter(|feed| *feed > 0.0);
@@ -54,17 +54,17 @@ impl Interpreter {
         self.flow.go_to_line(self.flow.line + 1);
     }
 
-    /// Leaves the outermost loop that is open; for a check that sees no end of it.
+    /// Leaves the outermost open loop; for a check of an endless loop.
     pub(crate) fn leave_loop(&mut self) -> bool {
         self.flow.leave_loops()
     }
 
-    /// Gives back the values of the common variables; for a check that goes on from an earlier place.
+    /// Restores the common variables; for a check that continues from an earlier state.
     pub(crate) fn put_memory(&mut self, memory: Memory) {
         self.memory = memory;
     }
 
-    /// Whether M99 has begun the main program again.
+    /// Whether M99 restarted the main program.
     pub(crate) const fn has_restarted(&self) -> bool {
         self.flow.restarted
     }
@@ -74,7 +74,7 @@ impl Interpreter {
         self.ended
     }
 
-    /// Whether there is anything to remark on the last block.
+    /// Whether the last block has warnings.
     #[inline]
     pub(crate) fn has_remarks(&self) -> bool {
         self.flow.mid_line
@@ -82,13 +82,13 @@ impl Interpreter {
             || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
     }
 
-    /// Whether a variable without a value counted in the last block.
+    /// Whether the last block used a null variable.
     #[inline]
     pub(crate) fn has_met_null(&self) -> bool {
         self.words.has_null() || self.nulls.as_ref().is_some_and(|nulls| !nulls.is_empty())
     }
 
-    /// What is allowed and seldom meant in the last block.
+    /// Takes the warnings of the last block: allowed but rarely intended.
     pub(crate) fn remarks(&mut self) -> Vec<Fault> {
         let source = Arc::clone(&self.flow.source);
         let mut remarks = Vec::new();
@@ -112,7 +112,7 @@ impl Interpreter {
         (&self.flow.source, self.flow.line)
     }
 
-    /// Reads one block whatever it is; `true` while there is more.
+    /// Reads one block, with or without operations; `true` while there is more.
     #[inline]
     pub(crate) fn single(&mut self, world: &mut dyn World, block: &mut Block) -> Result<bool, Fault> {
         block.clear();

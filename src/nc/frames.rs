@@ -1,31 +1,31 @@
-//! Coordinates: machine, work frame, shift, tool offset.
+//! Machine and work coordinates: work offsets, G50 shift, tool offsets.
 //!
-//! Everything here is radius millimetres of slide travel. machine = work + G5x offset + G50 shift + geometry + wear.
+//! All values are radius millimetres of slide travel. machine = work + G5x offset + G50 shift + geometry + wear.
 //! Source: spec B2 (G50, G53–G59, T), K4.1, K5.10.
 
 use crate::units::{Axis, PerAxis};
 
-/// Tool offsets: T xx01 … xx16.
+/// Number of tool offsets: T xx01 … xx16.
 pub const OFFSETS: usize = 16;
-/// Work frames: G54 … G59.
+/// Number of work offsets: G54 … G59.
 pub const WORK_FRAMES: usize = 6;
 
-/// All offsets and which of them are in force.
+/// All offsets, and which of them are active.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frames {
     /// G54 … G59.
     pub work: [PerAxis<f64>; WORK_FRAMES],
-    /// Index of the active work frame.
+    /// Index of the active work offset, from 0.
     pub active: usize,
-    /// What G50 has shifted.
+    /// The shift by G50 (G92).
     pub shift: PerAxis<f64>,
     /// Geometry of each tool offset.
     pub geometry: [PerAxis<f64>; OFFSETS],
     /// Wear of each tool offset.
     pub wear: [PerAxis<f64>; OFFSETS],
-    /// Tool in force, 0 none.
+    /// Active tool, 0 for none.
     pub tool: u32,
-    /// Offset in force, 1 to 16; 0 none.
+    /// Active tool offset, 1 to 16; 0 for none.
     pub offset: usize,
 }
 
@@ -44,7 +44,7 @@ impl Default for Frames {
 }
 
 impl Frames {
-    /// What is added to a work coordinate to get the machine coordinate.
+    /// Machine coordinate minus work coordinate.
     #[must_use]
     pub fn machine_minus_work(&self, axis: Axis) -> f64 {
         let tool = match self.offset {
@@ -66,12 +66,12 @@ impl Frames {
         PerAxis::from_fn(|axis| work[axis] + self.machine_minus_work(axis))
     }
 
-    /// Makes G54 … G59 the active frame.
+    /// Activates the work offset G54 … G59.
     pub fn activate(&mut self, g: u8) {
         self.active = usize::from(g.saturating_sub(54)).min(WORK_FRAMES - 1);
     }
 
-    /// Puts tool and offset of a T word in force; tool 0 keeps the tool.
+    /// Activates tool and offset of a T word; tool 0 keeps the tool.
     pub fn call_tool(&mut self, tool: u16, offset: u16) {
         if tool != 0 {
             self.tool = u32::from(tool);
@@ -79,8 +79,8 @@ impl Frames {
         self.offset = usize::from(offset).min(OFFSETS);
     }
 
-    /// The tool post has another station in front. With compensation the machine moves by `by` and the work coordinates
-    /// stay; without it nothing moves (L8).
+    /// Activates another turret station. With compensation the machine moves by `by` and the work coordinates stay;
+    /// without it nothing moves (L8).
     pub fn change_tool(&mut self, station: u8, by: Option<PerAxis<f64>>) {
         self.tool = u32::from(station);
         if let Some(by) = by {
@@ -88,7 +88,7 @@ impl Frames {
         }
     }
 
-    /// How far the tip of a tool stands out, slide travel: its geometry (L8).
+    /// The tool compensation: the geometry of the tool, slide travel (L8).
     #[must_use]
     pub fn compensation(&self, tool: u32) -> PerAxis<f64> {
         (tool as usize).checked_sub(1).and_then(|index| self.geometry.get(index)).copied().unwrap_or_default()
@@ -101,7 +101,7 @@ impl Frames {
         }
     }
 
-    /// G50: the present position is called `values`. K5.10: the wear of the tool in force is cleared.
+    /// G50: assigns the work coordinates `values` to a machine position. K5.10: clears the wear of the active offset.
     pub fn preset(&mut self, machine: PerAxis<f64>, values: &PerAxis<Option<f64>>) {
         if let Some(offset) = self.offset.checked_sub(1) {
             self.wear[offset] = PerAxis::default();

@@ -1,11 +1,11 @@
-//! The functions of expressions. Angles are degrees; `None` is outside a function's domain. Source: spec B3.
+//! The functions of expressions. Angles are in degrees. `None`: the argument is outside the domain. Source: spec B3.
 
 use super::expression::whole;
 
-/// One argument, one result.
+/// A function with one argument.
 pub(crate) type Function = fn(f64) -> Option<f64>;
 
-/// A name that begins with another stands before it.
+/// The functions by name. A name that begins with another name comes before it.
 pub(crate) const FUNCTIONS: [(&str, Function); 16] = [
     ("SIN", |a| Some(sine(a))),
     ("COS", |a| Some(sine(a + 90.0))),
@@ -32,7 +32,7 @@ pub(crate) fn square_root(value: f64) -> Option<f64> {
     (value >= 0.0).then(|| value.sqrt())
 }
 
-/// Sine of degrees, exact at every quarter turn.
+/// Sine of an angle in degrees, exact at multiples of 90°.
 pub(crate) fn sine(degrees: f64) -> f64 {
     let turned = degrees % 360.0;
     match whole(turned).filter(|whole| whole % 90 == 0).map(|whole| whole.rem_euclid(360)) {
@@ -44,11 +44,11 @@ pub(crate) fn sine(degrees: f64) -> f64 {
 }
 
 fn in_unit(value: f64) -> Option<f64> {
-    // Rounding may carry a quotient of equal lengths just past 1.
+    // Rounding may make a quotient of equal lengths slightly greater than 1.
     (value.abs() <= 1.0 + 1e-9).then(|| value.clamp(-1.0, 1.0))
 }
 
-/// Decimal digits packed four bits each, as a number.
+/// Converts BCD (four bits per decimal digit) to a number.
 pub(crate) fn from_bcd(value: f64) -> Option<f64> {
     let value = whole(value).filter(|value| *value >= 0)?;
     let mut result = 0;
@@ -62,7 +62,7 @@ pub(crate) fn from_bcd(value: f64) -> Option<f64> {
     Some(result as f64)
 }
 
-/// A number as decimal digits packed four bits each.
+/// Converts a number to BCD (four bits per decimal digit).
 pub(crate) fn to_bcd(value: f64) -> Option<f64> {
     let mut value = whole(value).filter(|value| (0..10_000_000_000_000).contains(value))?;
     let mut result = 0;

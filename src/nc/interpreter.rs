@@ -21,27 +21,27 @@ use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 use crate::defs::variable::{self as system_variable, Access};
 
-/// How many blocks without an operation one call of `next` may read.
+/// Most blocks that one call of `next` reads.
 pub const STATEMENTS_PER_CALL: usize = 1_000;
 
 /// The operations of one block.
 #[derive(Clone, Debug)]
 pub struct Block {
-    /// Where it stands.
+    /// Where the block is in the program.
     pub at: Place,
-    /// What it does, in order.
+    /// Its operations, in order.
     pub ops: Vec<Op>,
-    /// What is in force after it.
+    /// The modal state after the block.
     pub modals: Modals,
-    /// Whether the block is done with this: single block stops here. A block that both changes the frame or tool and
-    /// moves comes in two parts.
+    /// Whether this ends the block: single block stops here. A block that changes the work offset or tool and also
+    /// moves is returned in two parts.
     pub complete: bool,
-    /// The variables that its words were calculated with; a check fills it.
+    /// The variables that its words were calculated from; only a check fills it.
     pub used: Vec<u32>,
 }
 
 impl Block {
-    /// An empty block, to be filled again and again.
+    /// An empty block. `Interpreter::next` fills it again for every block.
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
         Self {
@@ -60,20 +60,20 @@ impl Block {
     }
 }
 
-/// What came of asking for the next block.
+/// The result of reading the next block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
     /// The block is filled.
     Block,
-    /// A live value is wanted: ask again when motion has drained. Nothing was changed.
+    /// A live value is needed: call again when all motion is done. Nothing was changed.
     Drain,
-    /// Many blocks were read and none had an operation, or a loop waits: ask again in the next tick.
+    /// Many blocks had no operation, or a loop waits for a condition: call again in the next tick.
     Busy,
     /// M30, M02, `%` or the end of the text.
     End,
 }
 
-/// Reads a program, ahead of its execution.
+/// Reads a program ahead of its execution.
 pub struct Interpreter {
     pub(super) flow: Flow,
     pub(super) library: Arc<dyn Library + Send + Sync>,
@@ -83,25 +83,25 @@ pub struct Interpreter {
     pub(super) words: Words,
     pub(super) ended: bool,
     pub(super) second_half: bool,
-    /// The last block number read (#4114).
+    /// The block number read last (#4114).
     pub(super) last_n: Option<u32>,
-    /// Something that a condition could depend on has changed since somebody asked.
+    /// A value that a condition may depend on has changed since the last query.
     changed: bool,
-    /// A cycle of the block just read, whose contour is still to be read.
+    /// The cycle of the block just read; its contour is not read yet.
     pub(super) pending: Option<Pending>,
-    /// Where null was taken as 0, if somebody wants to know.
+    /// Places where null was used as 0; collected by a check only.
     pub(crate) nulls: Option<Vec<NullUse>>,
-    /// What a check remarks on, if somebody wants to know.
+    /// Warnings; collected by a check only.
     pub(crate) notes: Option<Vec<Wrong>>,
 }
 
-/// A cycle whose contour is to be read, and where its own block begins.
+/// A cycle whose contour is not read yet, and the start of its own block.
 pub(super) struct Pending {
     pub cycle: Box<ContourCycle>,
     pub begin: (usize, u32, bool),
 }
 
-/// What one statement came to.
+/// The result of reading one block.
 pub(super) enum Stepped {
     Nothing,
     Block,
@@ -109,7 +109,7 @@ pub(super) enum Stepped {
 }
 
 impl Interpreter {
-    /// Stands at the head of a program, with its own copy of the common variables.
+    /// Starts at the head of a program, with its own copy of the common variables.
     #[must_use]
     pub fn new(
         source: Arc<Source>,
@@ -135,38 +135,38 @@ impl Interpreter {
         }
     }
 
-    /// Goes on with what was in force before: MDI blocks, a run from a chosen block.
+    /// Continues with an earlier modal state: MDI blocks, a restart from a chosen block.
     #[must_use]
     pub fn with_modals(mut self, modals: Modals) -> Self {
         self.modals = Modals { preset: false, several_tools: false, modal_call: false, ..modals };
         self
     }
 
-    /// What is in force after the last block handed out.
+    /// The modal state after the last block returned.
     #[must_use]
     pub const fn modals(&self) -> &Modals {
         &self.modals
     }
 
-    /// The look-ahead copy of the common variables.
+    /// The common variables as of the last block read (look-ahead copy).
     #[must_use]
     pub const fn memory(&self) -> &Memory {
         &self.memory
     }
 
-    /// #1–#33 of the running level, index 0 is #1.
+    /// #1–#33 of the current call level; index 0 is #1.
     #[must_use]
     pub fn locals(&self) -> &[Option<f64>; 33] {
         self.flow.locals()
     }
 
-    /// The line that is read next.
+    /// The location of the line that is read next.
     #[must_use]
     pub fn place(&self) -> Place {
         Place { program: self.flow.source.number(), line: self.flow.line + 1, n: None }
     }
 
-    /// The operator changed a common variable while the program runs.
+    /// Takes over a common variable that the operator changed while the program runs.
     ///
     /// # Errors
     /// As [`Memory::set`].
@@ -177,13 +177,13 @@ impl Interpreter {
     /// Fills `block` with the next block that has operations.
     ///
     /// # Errors
-    /// The program's mistake; nothing of the block was done, and asking again gives the same fault.
+    /// The program's mistake. Nothing of the block was done; another call returns the same fault.
     pub fn next(&mut self, world: &mut dyn World, block: &mut Block) -> Result<Next, Fault> {
         block.clear();
         if self.ended {
             return Ok(Next::End);
         }
-        // A loop that waits (`N10 IF[#438 EQ 0]GOTO 10`): within a tick nothing can come of reading it twice.
+        // A waiting loop (`N10 IF[#438 EQ 0]GOTO 10`): reading it twice within a tick gives the same result.
         let mut idle = false;
         for _ in 0..STATEMENTS_PER_CALL {
             let from = self.flow.at;
@@ -218,7 +218,7 @@ impl Interpreter {
         fault_in(&self.flow.source, self.words.n, wrong)
     }
 
-    /// One block, the contour of its cycle included.
+    /// Reads one block, with the contour if it is a cycle.
     pub(super) fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
         let stepped = self.read_block(world, block)?;
         match self.pending.take() {
@@ -227,7 +227,7 @@ impl Interpreter {
         }
     }
 
-    /// One block as it stands.
+    /// Reads one block without a cycle's contour.
     pub(super) fn read_block(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
         if self.ended {
             return Ok(Stepped::End);
@@ -238,7 +238,7 @@ impl Interpreter {
         if cursor.is_over() {
             return self.text_over(at);
         }
-        // A refused block must leave what is in force as it was.
+        // A refused block must not change the modal state.
         let (before, head) = (self.modals, Head { mid_line: self.flow.mid_line, block_skip: world.block_skip() });
         let mut scope = LiveScope {
             locals: self.flow.locals(),
@@ -299,7 +299,7 @@ impl Interpreter {
         Ok(step)
     }
 
-    /// Puts the flow behind the block that was read.
+    /// Moves the flow past the block just read.
     #[inline]
     fn pass(&mut self, cursor: &Cursor<'_>) {
         self.second_half = false;
@@ -316,7 +316,7 @@ impl Interpreter {
     }
 
     fn text_over(&mut self, at: usize) -> Outcome<Stepped> {
-        // DECISION: the end of a subprogram's text without M99 returns to the caller.
+        // DECISION: a subprogram without M99 returns to the caller at the end of its text.
         if self.flow.is_main() {
             return Ok(Stepped::End);
         }
@@ -354,14 +354,14 @@ impl Interpreter {
                 }
             }
             Content::EndLoop { number, at } => self.flow.end_loop(number, at)?,
-            // The `%` at the head of a text only opens it.
+            // A `%` at the head of a text does not end it.
             Content::TextEnd { at } if at_head(text, at) && !text[..at].contains(&b'%') => self.pass(cursor),
             Content::TextEnd { at } => return self.text_over(at),
         }
         Ok(if block.ops.is_empty() { Stepped::Nothing } else { Stepped::Block })
     }
 
-    /// Acts on what a block of words asked for besides its operations.
+    /// Executes the flow action of a block: jump, call, loop, assignment or end.
     #[inline]
     fn prepare(&mut self, step: Step, cursor: &Cursor<'_>, block: &mut Block) -> Outcome<Stepped> {
         if !matches!(step, Step::Again) {
@@ -370,7 +370,7 @@ impl Interpreter {
         let moves = self.flow.modal.is_some() && block.ops.iter().any(Op::is_motion);
         match step {
             Step::Goto { at, .. } | Step::Call(Call { at, .. }) | Step::Return { at, .. } if moves => {
-                // The macro would have to run between the move and the jump.
+                // The G66 macro would have to run between the move and the jump.
                 return wrong2(at, E::NotTogether, "G66", "M");
             }
             Step::Next => {
@@ -419,7 +419,7 @@ impl Interpreter {
         })
     }
 
-    /// Jumps, loops, calls and returns.
+    /// Executes jumps, loops, calls and returns.
     fn lead(&mut self, step: Step, cursor: &Cursor<'_>) -> Outcome<()> {
         match step {
             Step::Goto { n, at } => {
@@ -470,13 +470,13 @@ impl Interpreter {
         Ok(())
     }
 
-    /// The variables that a block of words sets; they have their values before anything else of the block is done.
+    /// Sets the variables that the block assigns, before its other operations.
     #[inline]
     fn set_variables(&mut self, block: &mut Block) -> Outcome<()> {
         for index in 0..self.words.sets().len() {
             let Some(set) = self.words.sets().get(index).copied() else { break };
             self.assign(set.variable, Some(set.value), set.at as usize, None, block)?;
-            // `assign` adds the operation at the end.
+            // `assign` appends the operation; it belongs before the others.
             block.ops[index..].rotate_right(1);
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! Bytes to numbers, marks and words: the part that every dialect shares.
+//! The lexer that all dialects share: reads numbers, signs and keywords from bytes.
 //! Numbers are read as an integer mantissa and a scale, so that `0.1` is the nearest `f64` to 0.1. Source: spec B1.
 
 use nom::bytes::complete::{tag_no_case, take_till, take_while};
@@ -7,9 +7,9 @@ use nom::{IResult, Parser};
 use super::fault::{Outcome, wrong, wrong1};
 use crate::defs::program_error::ProgramError;
 
-/// The most characters of one number.
+/// Most digits of one number.
 const NUMBER_LENGTH: usize = 40;
-/// Mantissas up to here are exact in an `f64`.
+/// Mantissas with up to this many digits are exact in an `f64`.
 const EXACT_DIGITS: usize = 15;
 
 const POWERS_OF_TEN: [f64; 23] = [
@@ -17,21 +17,21 @@ const POWERS_OF_TEN: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// The most bytes of a block; more could hold up a tick.
+/// Most bytes of a block. A longer one could delay a tick.
 pub(crate) const BLOCK_LENGTH: usize = 4_096;
 
-/// What stands after the last byte of a text.
+/// The byte that `peek` returns after the end of a text.
 pub(crate) const END: u8 = b'\n';
 
-/// A number as written.
+/// A number in the text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Number {
     pub value: f64,
-    /// Written with a decimal point.
+    /// It has a decimal point.
     pub point: bool,
 }
 
-/// A place in a text.
+/// A read position in a text.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cursor<'a> {
     pub text: &'a [u8],
@@ -39,33 +39,33 @@ pub(crate) struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// Sees one block's length of the text from a place on.
+    /// Limits the text to one block's length from `at`.
     #[inline]
     pub fn window(text: &'a [u8], at: usize) -> Self {
         let end = text.len().min(at + BLOCK_LENGTH);
         Self { text: &text[..end], at }
     }
 
-    /// Whether a block of `text` was cut off by the window.
+    /// Whether the window cuts off a block of `text`.
     #[inline]
     pub const fn is_cut(&self, text: &[u8]) -> bool {
-        // A CR at the very end may have its LF outside.
+        // The LF of a CR at the end may lie outside the window.
         self.text.len() < text.len() && self.at + 2 > self.text.len()
     }
 
-    /// The next byte; a line end after the last.
+    /// The next byte; a line end after the last byte.
     #[inline]
     pub fn peek(&self) -> u8 {
         self.text.get(self.at).copied().unwrap_or(END)
     }
 
-    /// The byte `ahead` of the next one.
+    /// The byte `ahead` bytes after the next one.
     #[inline]
     pub fn peek_at(&self, ahead: usize) -> u8 {
         self.text.get(self.at + ahead).copied().unwrap_or(END)
     }
 
-    /// Whether every byte is read.
+    /// Whether all bytes are read.
     pub fn is_over(&self) -> bool {
         self.at >= self.text.len()
     }
@@ -78,7 +78,7 @@ impl<'a> Cursor<'a> {
         self.at = self.text.len() - rest.len();
     }
 
-    /// Takes `byte` if it is next.
+    /// Skips `byte` if it is next; returns whether it was.
     #[inline]
     pub fn take(&mut self, byte: u8) -> bool {
         let found = self.peek() == byte && !self.is_over();
@@ -86,7 +86,7 @@ impl<'a> Cursor<'a> {
         found
     }
 
-    /// Takes a keyword in either case.
+    /// Skips a keyword if it is next, in upper or lower case; returns whether it was.
     pub fn keyword(&mut self, word: &str) -> bool {
         let found: IResult<&[u8], &[u8]> = tag_no_case(word.as_bytes()).parse(self.rest());
         match found {
@@ -120,7 +120,7 @@ impl<'a> Cursor<'a> {
         if self.take(b')') { Ok(()) } else { wrong(open, ProgramError::UnbalancedComment) }
     }
 
-    /// Skips to the end of the line, which is left unread.
+    /// Skips to the line end, which stays unread.
     pub fn rest_of_line(&mut self) {
         let found: IResult<&[u8], &[u8]> = take_while(|byte| !matches!(byte, b'\r' | b'\n')).parse(self.rest());
         if let Ok((rest, _)) = found {
@@ -128,13 +128,13 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Whether the line is read.
+    /// Whether the line end is next.
     #[inline]
     pub fn at_line_end(&self) -> bool {
         matches!(self.peek(), b'\n' | b'\r')
     }
 
-    /// Takes one line end: CR, LF or CR LF.
+    /// Skips one line end: CR, LF or CR LF.
     #[inline]
     pub fn line_end(&mut self) {
         if self.peek() == b'\r' {
@@ -147,13 +147,13 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Whether a number without sign is next.
+    /// Whether an unsigned number is next.
     #[inline]
     pub fn at_number(&self) -> bool {
         matches!(self.peek(), b'0'..=b'9' | b'.')
     }
 
-    /// Takes a number without sign.
+    /// Reads an unsigned number.
     #[inline]
     pub fn number(&mut self) -> Outcome<Number> {
         let start = self.at;
@@ -198,13 +198,13 @@ impl<'a> Cursor<'a> {
         wrong1(start, ProgramError::BadNumber, String::from_utf8_lossy(&self.text[start..self.at]))
     }
 
-    /// The fault for a byte that fits nowhere.
+    /// The error for an unexpected byte.
     #[cold]
     pub fn unexpected<T>(&self) -> Outcome<T> {
         match self.peek() {
             b'[' | b']' => wrong(self.at, ProgramError::UnbalancedBracket),
             b'(' | b')' => wrong(self.at, ProgramError::UnbalancedComment),
-            // The character itself is decoded when the fault is placed.
+            // The character is decoded when the error gets its line and column.
             0x80.. => wrong(self.at, ProgramError::ForeignCharacter),
             b'\r' | b'\n' => wrong1(self.at, ProgramError::UnexpectedCharacter, "⏎"),
             byte if byte.is_ascii_control() => {

@@ -3,7 +3,7 @@
 /// The highest common variable.
 const LAST: usize = 999;
 
-/// Why a variable cannot be read or written.
+/// The reason why a variable cannot be read or written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum VariableError {
     /// No common variable has this number.
@@ -17,10 +17,10 @@ pub enum VariableError {
     NotFinite(u32),
 }
 
-/// The common variables; a variable without a value is null.
+/// The common variables. A variable without a value is null.
 #[derive(Clone, Debug)]
 pub struct Memory {
-    // Null is stored as NaN, which no calculation can leave here.
+    // Null is stored as NaN; `set` refuses NaN as a value.
     values: Box<[f64]>,
 }
 
@@ -37,7 +37,7 @@ impl Memory {
         matches!(number, 100..=433 | 500..=999)
     }
 
-    /// Whether a variable outlives power-off: 200–433 and 500–999.
+    /// Whether a variable is retained over power-off: 200–433 and 500–999.
     #[must_use]
     pub const fn is_retained(number: u32) -> bool {
         matches!(number, 200..=433 | 500..=999)
@@ -54,11 +54,11 @@ impl Memory {
         Ok(self.values.get(number as usize).copied().filter(|value| !value.is_nan()))
     }
 
-    /// Gives a variable a value, or null with `None`.
+    /// Sets a variable; `None` is null.
     ///
     /// # Errors
-    /// [`VariableError::Unknown`] outside the ranges, [`VariableError::Switch`] for anything but 0 and 1 in 570–579
-    /// (null included), [`VariableError::NotFinite`]; nothing is changed then.
+    /// [`VariableError::Unknown`] outside the ranges; [`VariableError::Switch`] for values other than 0 and 1 in
+    /// 570–579 (also null); [`VariableError::NotFinite`]. The variable is then unchanged.
     pub fn set(&mut self, number: u32, value: Option<f64>) -> Result<(), VariableError> {
         let place = match self.values.get_mut(number as usize) {
             Some(place) if Self::has(number) => place,
@@ -74,7 +74,7 @@ impl Memory {
         Ok(())
     }
 
-    /// Every variable that has a value, by number.
+    /// All variables with a value, by number.
     pub fn iter(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
         self.values
             .iter()

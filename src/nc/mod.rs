@@ -1,11 +1,11 @@
-//! The interpreter: program text in, canonical operations out. It moves nothing.
+//! The interpreter: reads program text and returns canonical operations. It moves nothing.
 //!
-//! `Source` holds a text, `lexer` reads its bytes, `expression` and `statement` evaluate, a dialect turns words into
-//! operations (`Op`), `flow` jumps and calls, `Interpreter::next` hands over one block at a time and `check` runs a whole
-//! file against a plain world. Source: spec B1, B3, B4, B8, K4.
+//! `Source` holds a text. `lexer` reads its bytes. `expression` and `statement` evaluate. A dialect turns words into
+//! operations (`Op`). `flow` handles jumps and calls. `Interpreter::next` returns one block at a time. `check` runs a
+//! whole file without a machine. Source: spec B1, B3, B4, B8, K4.
 //!
-//! Invariants: a refused block changes nothing; a block that asks for a live value (`Next::Drain`) is read again from
-//! its beginning; lengths leave this room as radius millimetres.
+//! Invariants: a refused block changes nothing. A block that needs a live value (`Next::Drain`) is read again from
+//! its start. All lengths in operations are radius millimetres.
 
 pub mod check;
 mod collect;

@@ -1,10 +1,10 @@
-//! What stays in force from block to block. Source: spec B2, B3 (#4001…).
+//! The modal state. Source: spec B2, B3 (#4001…).
 
 use super::dialect::{self, RepeatWords, Spelling};
 use super::op::{Feed, PathMode, Plane, SpeedMode};
 use super::settings::{Settings, SpeedUnit, System};
 
-/// The function of group 01 in force.
+/// The active function of group 01.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Motion {
     /// G00.
@@ -16,15 +16,15 @@ pub enum Motion {
     ArcClockwise,
     /// G03.
     ArcCounterClockwise,
-    /// G90 on GC.
+    /// G90 on GC: turning cycle along Z.
     LongitudinalCycle,
-    /// G94 on GC.
+    /// G94 on GC: facing cycle along X.
     FaceCycle,
-    /// G23 of the 超人 lathe.
+    /// G23 of the 超人 lathe: rectangle cycle.
     RectangleCycle,
-    /// G32 of the 超人 lathe.
+    /// G32 of the 超人 lathe: thread, F in turns per inch.
     InchThread,
-    /// G33 of the 超人 lathe.
+    /// G33 of the 超人 lathe: thread, F is the lead in mm.
     MetricThread,
 }
 
@@ -59,7 +59,7 @@ impl Motion {
     }
 }
 
-/// The words of a canned cycle that later blocks repeat, radius mm.
+/// The modal words of a canned cycle, radius mm: later blocks reuse them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct CycleWords {
     pub x: Option<f64>,
@@ -67,26 +67,26 @@ pub(crate) struct CycleWords {
     pub taper: f64,
 }
 
-/// Everything modal; small and copied into every block, so that the page shows what is executed.
+/// The modal state. It is copied into every block, so that the pages show the state of the executed block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Modals {
     /// Group 01.
     pub motion: Motion,
     /// G17, G18, G19.
     pub plane: Plane,
-    /// G91 (GS and GA).
+    /// G91: incremental (GS, GA, SINUMERIK).
     pub incremental: bool,
-    /// G99 (per revolution) instead of G98.
+    /// Feed per revolution (G99, SINUMERIK G95) instead of per minute.
     pub per_rev: bool,
     /// F, mm/min or mm per revolution.
     pub feed: Option<f64>,
     /// G20.
     pub inch: bool,
-    /// 54–59.
+    /// Work offset, 54–59.
     pub frame: u8,
     /// G61 or G64.
     pub path: PathMode,
-    /// G96 or G97 and its unit.
+    /// G96 or G97, and the unit of S.
     pub speed_mode: SpeedMode,
     /// S.
     pub speed: Option<f64>,
@@ -96,20 +96,20 @@ pub struct Modals {
     pub offset: u16,
     /// The last M code.
     pub m: Option<u8>,
-    /// A G66 is in force.
+    /// A G66 modal call is active.
     pub modal_call: bool,
     pub(crate) rotation: SpeedMode,
     pub(crate) cycle: CycleWords,
     pub(crate) repeat: RepeatWords,
-    /// F of the last thread: its lead, mm (L5).
+    /// Lead of the last thread, mm (L5).
     pub(crate) lead: Option<f64>,
-    /// The sense of the last move of X before a thread, 0 if none came (L5).
+    /// Direction of the last X move before a thread: 1, −1, or 0 without one (L5).
     pub(crate) infeed: i8,
-    /// The program has switched the main spindle on (L5).
+    /// The program has started the main spindle (L5).
     pub(crate) spindle_on: bool,
-    /// K5.11: a second tool was called.
+    /// K5.11: a second tool was called; G50 is refused.
     pub(crate) several_tools: bool,
-    /// K5.11: G50 was used.
+    /// K5.11: G50 was used; a second tool is refused.
     pub(crate) preset: bool,
 }
 
@@ -151,14 +151,14 @@ impl Modals {
         }
     }
 
-    /// The feed in force.
+    /// The active feed.
     #[must_use]
     #[inline]
     pub fn feed(&self) -> Option<Feed> {
         self.feed.map(if self.per_rev { Feed::PerRev } else { Feed::PerMinute })
     }
 
-    /// The G codes in force, in the order in which the pages show them.
+    /// The active G codes in display order.
     #[must_use]
     pub fn g_codes(&self, system: System) -> [u8; 8] {
         let Spelling { modal_distance, per_minute, per_rev, inch, metric, exact } = dialect::spelling(system);
@@ -174,7 +174,7 @@ impl Modals {
         ]
     }
 
-    /// #4001…#4130: a modal value; `None` for a number without meaning.
+    /// #4001…#4130: a modal value; `None` for an undefined number.
     pub(crate) fn variable(&self, number: u32, mill: bool) -> Option<Option<f64>> {
         let code = |code: u8| Some(Some(f64::from(code)));
         let surface = if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 };

@@ -1,5 +1,5 @@
-//! Canonical operations: what a program wants done, without a trace of how it was written.
-//! Lengths are radius millimetres in the active work frame, feeds true slide travel. Source: spec T4, K1.
+//! Canonical operations: what a program does, independent of its dialect and notation.
+//! Lengths are radius millimetres in active work coordinates. Feeds are true slide travel. Source: spec T4, K1.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use serde_json::{Map, Value, json};
 
 use crate::units::{Axis, PerAxis};
 
-/// Some of the axes.
+/// A set of axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct AxisSet(u8);
 
@@ -15,7 +15,7 @@ impl AxisSet {
     /// No axis.
     pub const NONE: Self = Self(0);
 
-    /// Whether an axis belongs to it.
+    /// Whether the set contains an axis.
     #[must_use]
     #[inline]
     pub const fn contains(self, axis: Axis) -> bool {
@@ -28,21 +28,21 @@ impl AxisSet {
         self.0 |= 1 << axis as u8;
     }
 
-    /// The set of one axis.
+    /// The set with one axis.
     #[must_use]
     #[inline]
     pub const fn of(axis: Axis) -> Self {
         Self(1 << axis as u8)
     }
 
-    /// Both sets together.
+    /// The union of both sets.
     #[must_use]
     #[inline]
     pub const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// Whether no axis belongs to it.
+    /// Whether the set is empty.
     #[must_use]
     #[inline]
     pub const fn is_empty(self) -> bool {
@@ -55,7 +55,7 @@ impl AxisSet {
     }
 }
 
-/// A programmed feed, above zero.
+/// A programmed feed, greater than zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Feed {
     /// mm/min.
@@ -64,7 +64,7 @@ pub enum Feed {
     PerRev(f64),
 }
 
-/// The plane of an arc, its first axis to the right, its second up.
+/// The plane of an arc. Seen with the first axis to the right and the second axis up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
     /// G17: X right, Y up.
@@ -98,57 +98,57 @@ impl Plane {
     }
 }
 
-/// How blocks join.
+/// How consecutive blocks are blended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PathMode {
-    /// G61: every block ends at rest.
+    /// G61: exact stop at the end of every block.
     ExactStop,
-    /// G64: corners are rounded within a tolerance, millimetres.
+    /// G64: corners are rounded within the tolerance.
     Continuous {
-        /// The tolerance.
+        /// Greatest deviation from the programmed path, mm.
         tolerance_mm: f64,
     },
 }
 
-/// What an S value means.
+/// The meaning and unit of an S value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpeedMode {
-    /// G97, revolutions a minute.
+    /// G97: revolutions per minute.
     Rpm,
-    /// G97 where the parameter says so: metres a second at the wheel's rim.
+    /// G97 if the parameter selects it: peripheral speed of the wheel, m/s.
     MetresPerSecond,
-    /// G96: constant surface speed, metres a minute.
+    /// G96: constant surface speed, m/min.
     SurfaceSpeed,
 }
 
-/// G78: positioning by a gauge (K4.5). Work coordinates, radius mm, mm/min.
+/// G78: positioning by a gauge (K4.5). Work coordinates in radius mm, feeds in mm/min.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gauging {
     /// Z, on GS also Y.
     pub axis: Axis,
-    /// Where the axis goes at most.
+    /// The limit of the approach.
     pub to: f64,
-    /// Fast approach and retract.
+    /// Feed of the fast approach and the retract.
     pub fast_mm_min: f64,
-    /// Fine approach.
+    /// Feed of the fine approach.
     pub fine_mm_min: f64,
-    /// Gauge input 1–6 of the (first) contact.
+    /// Gauge input of the first (or only) contact, 1–6.
     pub first: u8,
-    /// Gauge input of the second stage: multi-point.
+    /// Gauge input of the second stage, 1–6; only with multi-point gauging.
     pub second: Option<u8>,
-    /// How far the axis goes back.
+    /// Retract distance.
     pub retract_mm: f64,
 }
 
-/// Reference points: the machine zero (G28) and three more (G30 P2 to P4).
+/// Number of reference points: the machine zero (G28) and three more (G30 P2 to P4).
 pub const REFERENCES: usize = 4;
 
-/// A thread in step with the spindle, and its run-out. Work coordinates, radius mm (L5).
+/// A thread synchronised with the spindle, and its run-out. Work coordinates, radius mm (L5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threading {
-    /// Where the block ends: at the end of the thread along Z, drawn back in X.
+    /// End of the block: the end of the thread in Z, the retracted position in X.
     pub to: PerAxis<f64>,
-    /// Where the run-out begins.
+    /// Start of the run-out.
     pub out: PerAxis<f64>,
     /// Lead along Z, mm.
     pub lead_mm: f64,
@@ -156,17 +156,17 @@ pub struct Threading {
 
 /// A canonical operation.
 ///
-/// In moves, `words` are the axes that the block names and `incremental` those of them that were named as distances.
-/// Axes outside `words` stand still; `to` shows them where they were when the block was read.
+/// In moves, `words` holds the axes that the block names. `incremental` holds those that it names as distances.
+/// Axes outside `words` do not move; `to` holds their position when the block was read.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
 pub enum Op {
-    /// G00; on the 超人 lathe its block may name a speed (L2).
+    /// G00. On the 超人 lathe the block may contain a feed (L2).
     Rapid { to: PerAxis<f64>, feed: Option<Feed>, words: AxisSet, incremental: AxisSet },
     /// G01.
     Feed { to: PerAxis<f64>, feed: Feed, words: AxisSet, incremental: AxisSet },
     /// G02 (turn −1, clockwise) and G03 (turn 1), seen with the plane's first axis to the right and the second up.
-    /// Only the plane's two axes of `center` count. An end equal to the start is a full circle.
+    /// Only the two plane axes of `center` are used. If the end equals the start, the arc is a full circle.
     Arc {
         to: PerAxis<f64>,
         center: PerAxis<f64>,
@@ -182,53 +182,53 @@ pub enum Op {
     Path(PathMode),
     /// G54–G59.
     Frame { g: u8 },
-    /// G50: the present position is called so; clears the wear of the current tool (K5.10).
+    /// G50: assigns these work coordinates to the present position; clears the wear of the active tool offset (K5.10).
     Preset { values: PerAxis<Option<f64>> },
-    /// G50 S: highest speed under G96, rpm.
+    /// G50 S: speed limit under G96, rpm.
     SpeedLimit { rpm: f64 },
-    /// G53: machine coordinates, radius mm; at rapid speed without a feed.
+    /// G53: a move in machine coordinates, radius mm; at rapid speed if there is no feed.
     MachineMove { to: PerAxis<Option<f64>>, feed: Option<Feed> },
-    /// G28 (1) and G30 (2 to 4): over the via point to a reference point, the named axes only; 1 is the machine zero.
+    /// G28 (number 1: machine zero) and G30 (2 to 4): the named axes move via `via` to a reference point.
     Reference { number: u8, via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
-    /// G31: feed until the signal (1–6) comes.
+    /// G31: feeds until the signal (1–6) becomes active.
     Skip { to: PerAxis<f64>, feed: Feed, signal: u8, words: AxisSet, incremental: AxisSet },
     /// G10: adds to the wear of an offset, radius mm (K4.1).
     AddWear { number: u8, by: PerAxis<f64> },
-    /// G27: to the dressing point, machine coordinates that the control keeps; mm/min (K4.2).
+    /// G27: to the stored dressing point, machine coordinates; feed in mm/min (K4.2).
     DressReturn { axes: AxisSet, feed: Option<f64> },
-    /// G35: axis and other end (none with a cylinder), ms to reach 10 m/min, strokes a minute (K4.3, K4.4).
+    /// G35: axis and other reversal point (none with a cylinder), ms to 10 m/min, strokes per minute (K4.3, K4.4).
     OscillationOn { stroke: Option<(Axis, f64)>, ramp_ms: Option<f64>, strokes_min: Option<f64> },
     /// G36.
     OscillationOff,
     /// G78.
     Gauge(Gauging),
-    /// G32, G33 of the 超人 lathe.
+    /// G32 and G33 of the 超人 lathe.
     Thread(Threading),
-    /// G36, G37, G39: these axes, X first, to their machine origin by its switch (L6).
+    /// G36, G37, G39: homes these axes by their switches, X first (L6).
     HomeSwitch { axes: AxisSet },
-    /// The tool post to a station; with compensation the slides move by so much, so that the new tip stands where the old
-    /// one stood (L8). The work coordinates stay.
+    /// Turns the tool turret to a station. With compensation the slides move by `by`, so that the new tip is where the
+    /// old tip was (L8). Work coordinates do not change.
     Post { station: u8, by: Option<PerAxis<f64>> },
-    /// An M code with the words it takes.
+    /// An M code and its parameter words.
     M { code: u8, s: Option<f64>, p: Option<f64>, l: Option<f64> },
     /// S.
     S { value: f64, mode: SpeedMode },
-    /// T: tool 0 keeps the tool, offset 0 cancels the offset.
+    /// T: tool 0 keeps the active tool, offset 0 cancels the offset.
     T { tool: u16, offset: u16 },
-    /// A common variable (100–433, 500–999) gets its value when the machine is here.
+    /// Sets a common variable (100–433, 500–999) when execution reaches this point.
     Set { variable: u32, value: Option<f64> },
-    /// A system variable (#434–#439, #1100…, #2001…, #3001…, #3901…) is written.
+    /// Writes a system variable (#434–#439, #1100…, #2001…, #3001…, #3901…).
     SetSystem { number: u32, value: Option<f64> },
-    /// `#3000=n(text)`: alarm 3000–3999 and stop.
+    /// `#3000=n(text)`: raises alarm 3000–3999 and stops.
     Alarm { number: u32, text: Box<str> },
-    /// MSG: shown until another one; empty ends it.
+    /// MSG: a text that is shown until the next one; an empty text clears it.
     Note { text: Box<str> },
-    /// `#3006=n(text)`: stop with a message, go on at cycle start.
+    /// `#3006=n(text)`: stops with a message; cycle start continues.
     Message { number: u32, text: Box<str> },
 }
 
 impl Op {
-    /// Whether no further block may be read before this is executed.
+    /// Whether look-ahead stops: no further block is read until this operation is done.
     #[must_use]
     pub const fn is_barrier(&self) -> bool {
         match self {
@@ -245,7 +245,7 @@ impl Op {
         }
     }
 
-    /// Whether it moves axes.
+    /// Whether it moves axes. Oscillation does not count.
     #[must_use]
     pub const fn is_motion(&self) -> bool {
         matches!(
@@ -264,7 +264,7 @@ impl Op {
         )
     }
 
-    /// The operation as one JSON object, with the axes that the machine has. Feeds per revolution carry `"per":"rev"`.
+    /// The operation as one JSON object, with the machine's axes only. A feed per revolution adds `"per":"rev"`.
     #[must_use]
     pub fn json(&self, axes: PerAxis<bool>) -> Value {
         let mut object = Map::new();
@@ -275,7 +275,7 @@ impl Op {
         Value::Object(object)
     }
 
-    /// Key and value of every field, positions first.
+    /// Passes key and value of every field to `put`, positions first.
     fn fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
         match self {
             Self::Rapid { to, feed, .. } => {
@@ -509,7 +509,7 @@ impl fmt::Display for Op {
     }
 }
 
-/// At most six decimals, no trailing zeros.
+/// A number with at most six decimals and no trailing zeros.
 struct Rounded(f64);
 
 impl fmt::Display for Rounded {

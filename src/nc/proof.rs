@@ -1,7 +1,7 @@
-//! Proving a program before it starts, a piece in each tick: nothing moves in a program whose text is wrong anywhere.
+//! Preflight check before program start, one piece per tick: a program with a mistake anywhere does not start.
 //!
-//! A language without variables is followed to its end as the check follows it. One with R parameters is read for its
-//! writing, with all that it calls: what its values bring about is known in the run alone. Macros are not proved.
+//! A dialect without variables (超人) is followed to its end, as in a check. In a dialect with R parameters only the
+//! syntax is checked, with all called programs: values are known only in the run. Macro programs are not checked.
 //! Source: spec L1, L2, L5, L7, S1.
 
 use std::collections::HashSet;
@@ -16,14 +16,14 @@ use super::source::{Library, Source};
 use super::unread::{self, Unread};
 use super::world::CheckWorld;
 
-/// Blocks or lines that one call looks at.
+/// Blocks or lines per call.
 const PIECE: u32 = 500;
-/// Blocks without a new line after which a loop is left alone: they take a fifth of a second.
+/// Blocks without a new line after which a loop counts as endless; they take 0.2 s.
 const LIMIT: u32 = 100_000;
 /// Most texts that are read for one program.
 const TEXTS: usize = 100;
 
-/// A proof under way.
+/// A preflight check in progress.
 pub struct Proof(Manner);
 
 enum Manner {
@@ -31,7 +31,7 @@ enum Manner {
     Text(Box<Texts>),
 }
 
-/// The texts that a program calls, its own first.
+/// Syntax check of a program's text and the texts that it calls.
 struct Texts {
     settings: Settings,
     library: Arc<dyn Library + Send + Sync>,
@@ -39,23 +39,23 @@ struct Texts {
     unread: Unread,
     waiting: Vec<u32>,
     seen: HashSet<u32>,
-    /// The text as a whole is looked at first.
+    /// The check of the text as a whole is done.
     begun: bool,
 }
 
-/// What one piece came to.
+/// The result of one piece.
 #[derive(Clone, Debug)]
 pub enum Proved {
-    /// Ask again.
+    /// Call again.
     Busy,
-    /// Nothing is wrong.
+    /// No mistake was found.
     Clean,
     /// The program must not start.
     Wrong(Fault),
 }
 
 impl Proof {
-    /// Begins; none for a language that cannot be proved. The world stands where the program starts.
+    /// Starts a preflight; none for a dialect that has none. `world` is the state at program start.
     #[must_use]
     pub fn new(
         source: &Arc<Source>,
@@ -81,7 +81,7 @@ impl Proof {
         }))
     }
 
-    /// Looks at the next piece.
+    /// Checks the next piece.
     pub fn advance(&mut self) -> Proved {
         match &mut self.0 {
             Manner::Whole(checking, world) => {

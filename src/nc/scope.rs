@@ -1,4 +1,4 @@
-//! Variables as the text being read sees them: locals, commons, modals and the world. Source: spec B3.
+//! Variable access while a block is read: local, common, modal and system variables. Source: spec B3.
 
 use std::sync::Arc;
 
@@ -14,14 +14,14 @@ use crate::defs::program_error::ProgramError as E;
 use crate::defs::variable;
 use crate::units::{Axis, MM_PER_INCH, PerAxis};
 
-/// System variables of the axes' positions, first of the axes that the machine has.
+/// First system variables of the axis positions, machine and work coordinates; they count the machine's axes only.
 const MACHINE_POSITION: u32 = 5_021;
 const WORK_POSITION: u32 = 5_041;
 
-/// Where null was taken as 0, and the variable that was null.
+/// A use of null as 0: text, byte and variable.
 pub(crate) type NullUse = (Arc<Source>, usize, u32);
 
-/// Variables as the text being read sees them.
+/// Variable access while a block is read.
 pub(crate) struct LiveScope<'w> {
     pub locals: &'w Locals,
     pub memory: &'w Memory,
@@ -29,7 +29,7 @@ pub(crate) struct LiveScope<'w> {
     pub settings: &'w Settings,
     pub program: u32,
     pub n: Option<u32>,
-    /// Collects the variables that are read, if somebody wants to know.
+    /// Collects the variables that are read; only for a check.
     pub used: Option<&'w mut Vec<u32>>,
     pub nulls: &'w mut Option<Vec<NullUse>>,
     pub last_null: u32,
@@ -39,13 +39,13 @@ pub(crate) struct LiveScope<'w> {
 }
 
 impl LiveScope<'_> {
-    /// Where the block begins.
+    /// The position at the start of the block.
     #[inline]
     pub fn position(&self) -> PerAxis<f64> {
         self.world.position()
     }
 
-    /// Remarks on something that is allowed and seldom meant.
+    /// Adds a warning: allowed but rarely intended.
     pub fn note(&mut self, at: usize, error: E, details: [String; 2]) {
         if let Some(notes) = self.notes {
             notes.push(Wrong { at, error, details });

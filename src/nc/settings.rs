@@ -1,37 +1,37 @@
-//! What the machine kind and the parameters tell the interpreter. Source: spec K1, B1, B2.
+//! Settings of the interpreter from machine kind and parameters. Source: spec K1, B1, B2.
 
 pub use crate::defs::kind::System;
 use crate::units::PerAxis;
 
-/// What a plain S word means.
+/// The meaning of S under G97.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SpeedUnit {
-    /// Revolutions a minute.
+    /// Revolutions per minute.
     Rpm,
-    /// Metres a second at the wheel's rim.
+    /// Peripheral speed of the wheel, m/s.
     MetresPerSecond,
 }
 
-/// What the parameters tell programs of the 超人 lathe (L2, L5, L6).
+/// Settings for programs of the 超人 lathe (L2, L5, L6).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turning {
-    /// Feed of a straight line without an F, mm/min on Z.
+    /// Feed of a line without F, mm/min on Z.
     pub line_feed: f64,
-    /// Feed of an arc without an F, mm/min.
+    /// Feed of an arc without F, mm/min.
     pub arc_feed: f64,
-    /// How far Z goes for a millimetre of slide on X while both run in G00.
+    /// Travel of Z per millimetre of X slide travel while both move in G00, mm.
     pub rapid_z_per_x: f64,
-    /// The least increment of a coordinate as written, mm (X a diameter): arcs end less than five of them off.
+    /// Least increment of a programmed coordinate, mm (X a diameter). An arc's end error is below five of them.
     pub pulse_mm: f64,
-    /// Coordinates of the machine origin that G36, G37, G39 set, radius mm.
+    /// Work coordinates that G36, G37, G39 set at the machine origin, radius mm.
     pub origin: PerAxis<f64>,
-    /// G02 and G03 turn the other way than ISO has it, as the manual warns.
+    /// G02 and G03 turn opposite to ISO, as the manual warns.
     pub arcs_opposite: bool,
-    /// Speed of the spindle without an S, rpm.
+    /// Spindle speed without S, rpm.
     pub spindle_rpm: f64,
-    /// The highest speed of the spindle, rpm.
+    /// Highest spindle speed, rpm.
     pub most_rpm: f64,
-    /// Acceleration and jerk of Z, mm/s², mm/s³: the run-up of a thread.
+    /// Acceleration and jerk of Z, mm/s² and mm/s³, for the run-up of a thread.
     pub run_up: (f64, f64),
 }
 
@@ -51,40 +51,40 @@ impl Default for Turning {
     }
 }
 
-/// Everything outside the text that changes how it is read.
+/// All settings outside the text that change how it is read.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The G-code system of the kind.
+    /// The dialect of the machine kind.
     pub system: System,
     /// X and U words are diameters.
     pub diameter: bool,
-    /// Which axes the machine has.
+    /// The axes of the machine.
     pub axes: PerAxis<bool>,
-    /// Lengths without a decimal point count this many millimetres (or inches); `None`: `X100` is 100 mm.
+    /// Unit of lengths without a decimal point, millimetres (or inches). `None`: `X100` is 100 mm.
     pub least_increment_mm: Option<f64>,
     /// Start in inches (G20).
     pub inch: bool,
-    /// The tolerance of G64, millimetres; the path mode at the start is G64 unless `exact_stop` says otherwise.
+    /// The tolerance of G64, millimetres.
     pub tolerance_mm: f64,
-    /// How far the end of an arc may lie off its circle, millimetres.
+    /// Greatest distance of an arc's end from its circle, millimetres.
     pub arc_tolerance_mm: f64,
-    /// What S means under G97.
+    /// The unit of S under G97.
     pub speed_unit: SpeedUnit,
     /// Input port of `M91`/`M92` without L; 0 = none.
     pub jump_input: u32,
-    /// Tools and offsets of a T word, 1 to this.
+    /// Highest tool and offset number of a T word.
     pub tools: u32,
-    /// The path mode at the start is exact stop, not G64.
+    /// The initial path mode is exact stop (G61, G60), not G64.
     pub exact_stop: bool,
-    /// Where a program begins is its work zero until it says otherwise (L3).
+    /// The start position is the work zero until the program changes it (L3).
     pub zero_at_start: bool,
-    /// Every block of a program of the 超人 lathe begins with a number of four digits (L1); an MDI line needs none.
+    /// 超人 lathe: every block begins with a four-digit number (L1). An MDI line needs none.
     pub numbered: bool,
-    /// Speeds and places of the 超人 lathe.
+    /// Settings of the 超人 lathe.
     pub turning: Turning,
-    /// P17.1: G35 moves a cylinder and takes no words.
+    /// P17.1: G35 moves a cylinder and has no words.
     pub oscillation_by_cylinder: bool,
-    /// Rapid speed of each axis for the time estimate of a check, mm/min.
+    /// Rapid speed of each axis, mm/min; for the time estimate of a check.
     pub rapid_mm_min: PerAxis<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! A program's text with its lines, block numbers and loops found once, when it is loaded. Source: spec B1.
+//! A program's text, with an index of its lines, block numbers, labels and loops built at load. Source: spec B1.
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -10,15 +10,15 @@ use super::statement;
 use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 
-/// How deep WHILE can nest in one program; the numbers after DO are 1 to this.
+/// Deepest nesting of WHILE in one program. The numbers after DO are 1 to this.
 pub(crate) const LOOP_DEPTH: usize = 3;
 
-/// What some editors put before UTF-8 text.
+/// The UTF-8 byte order mark that some editors write.
 const BYTE_ORDER_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 
-/// Programs for M98, G65 and G66.
+/// Finds the programs that M98, G65, G66 and L call.
 pub trait Library {
-    /// The program of an O number.
+    /// The program with an O number.
     fn find(&self, number: u32) -> Option<Arc<Source>>;
 }
 
@@ -40,16 +40,16 @@ pub struct Source {
     bytes: Arc<[u8]>,
     utf8: bool,
     lines: Vec<u32>,
-    /// (N, byte at which its block begins), sorted: blocks that begin a line.
+    /// Block numbers at the start of a line: (N, byte at which its block begins), sorted.
     labels: Vec<(u32, u32)>,
-    /// The same of blocks behind a `;`.
+    /// Block numbers behind a `;`, in the same form.
     inner: Vec<(u32, u32)>,
-    /// (label in upper case, line from 0), sorted.
+    /// Jump labels: (label in upper case, line from 0), sorted.
     names: Vec<(Box<[u8]>, u32)>,
     loops: Vec<Loop>,
-    /// Counted loops (G22 … G80), by their first line.
+    /// Counted loops (G22 … G80), sorted by their first line.
     counted: Vec<CountedLoop>,
-    /// The line (from 0) of the first M02, once somebody has asked.
+    /// The line (from 0) of the first M02; found on first use.
     main_end: OnceLock<Option<u32>>,
 }
 
@@ -60,7 +60,7 @@ pub(crate) struct CountedLoop {
     pub end_line: Option<u32>,
 }
 
-/// WHILE and its END, by the bytes at which their blocks begin.
+/// WHILE and its END, given by the bytes at which their blocks begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Loop {
     pub number: u8,
@@ -68,7 +68,7 @@ pub(crate) struct Loop {
     pub end: Option<LoopEnd>,
 }
 
-/// The block of END and the one behind it.
+/// The block of END and the block after it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LoopEnd {
     pub at: u32,
@@ -76,10 +76,10 @@ pub(crate) struct LoopEnd {
 }
 
 impl Source {
-    /// Takes a program's text: GBK or UTF-8, lines ended by CR, LF or both.
+    /// Indexes a program's text: GBK or UTF-8, line ends CR, LF or CR LF.
     ///
     /// # Panics
-    /// At 4 GiB and more: the caller bounds file sizes.
+    /// If the text has 4 GiB or more; the caller limits file sizes.
     #[must_use]
     pub fn new(number: u32, name: impl Into<String>, bytes: impl Into<Arc<[u8]>>) -> Self {
         let bytes = bytes.into();
@@ -110,7 +110,7 @@ impl Source {
         self.number
     }
 
-    /// What the control calls the program: its number, or the name of its file.
+    /// The displayed name of the program: its number, or the name of its file.
     #[must_use]
     pub fn title(&self) -> String {
         if program::is_named(self.number) { program::stem(&self.name).to_owned() } else { program::title(self.number) }
@@ -129,7 +129,7 @@ impl Source {
         &self.bytes
     }
 
-    /// The number of lines; a text that ends without a line end has its last line counted.
+    /// The number of lines. A last line without line end counts.
     #[must_use]
     pub fn line_count(&self) -> usize {
         let open_end = self.lines.last().is_some_and(|start| (*start as usize) < self.bytes.len());
@@ -147,7 +147,7 @@ impl Source {
         Some(self.decode(&bytes[..kept]))
     }
 
-    /// The text of the first comment: what the directory shows beside the number.
+    /// The text of the first comment; the directory shows it beside the number.
     #[must_use]
     pub fn comment_title(&self) -> Option<String> {
         let open = self.bytes.iter().position(|byte| matches!(byte, b'(' | b';'))?;
@@ -159,7 +159,7 @@ impl Source {
         (!title.is_empty()).then(|| title.to_owned())
     }
 
-    /// The byte at which the last line begins that is not blank.
+    /// The byte at which the last non-blank line begins.
     pub(crate) fn last_line_start(&self) -> usize {
         let blank = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
         let last = self.bytes.iter().rposition(|byte| !blank(byte)).unwrap_or(0);
@@ -171,12 +171,12 @@ impl Source {
         self.lines.get(line as usize).map_or(self.bytes.len(), |start| *start as usize)
     }
 
-    /// The line (from 0) that a byte lies in.
+    /// The line (from 0) that contains a byte.
     pub(crate) fn line_of(&self, at: usize) -> u32 {
         self.lines.partition_point(|start| *start as usize <= at).saturating_sub(1) as u32
     }
 
-    /// The byte at which the block of a number begins: the next one behind the byte `at`, else the first of the text.
+    /// The byte at which the block with number `n` begins: the next one after byte `at`, else the first in the text.
     pub(crate) fn find_block(&self, n: u32, at: usize) -> Option<usize> {
         let from = |from: u32| {
             let next = |labels: &[(u32, u32)]| {
@@ -188,7 +188,7 @@ impl Source {
         from(at as u32 + 1).or_else(|| from(0)).map(|found| found as usize)
     }
 
-    /// The line of the nearest label of a name – its bytes in the text – behind `line`, or from there back to the head.
+    /// The line of the nearest label after `line` (forward), or at or before it. `name` is its byte range in the text.
     pub(crate) fn find_label(&self, name: Range<usize>, line: u32, forward: bool) -> Outcome<u32> {
         let at = name.start;
         let wanted = self.bytes.get(name).unwrap_or_default().to_ascii_uppercase();
@@ -208,7 +208,7 @@ impl Source {
         }
     }
 
-    /// The line (from 0) of the one block of that number: none if it is missing, an error if there are several.
+    /// The line (from 0) of the only block with number `n`: none if it is missing, an error if there are several.
     pub(crate) fn only_block(&self, n: u32) -> Result<Option<u32>, ()> {
         let first = self.labels.partition_point(|label| *label < (n, 0));
         let is = |index: usize| self.labels.get(index).filter(|label| label.0 == n).map(|label| label.1);
@@ -216,13 +216,13 @@ impl Source {
         if is(first + 1).is_some() { Err(()) } else { Ok(is(first)) }
     }
 
-    /// The line (from 0) in which the main program ends: the first with an M02 (L7).
+    /// The line (from 0) that ends the main program: the first with an M02 (L7).
     pub(crate) fn main_end(&self) -> Option<u32> {
         let ends = |line: u32| has_code(&self.bytes[self.start(line)..self.start(line + 1)], b'M', 2);
         *self.main_end.get_or_init(|| (0..self.lines.len() as u32).find(|line| ends(*line)))
     }
 
-    /// The counted loop that opens in a line (from 0).
+    /// The counted loop that begins in a line (from 0).
     pub(crate) fn counted_at(&self, line: u32) -> Option<CountedLoop> {
         let index = self.counted.binary_search_by_key(&line, |found| found.line).ok()?;
         self.counted.get(index).copied()
@@ -233,18 +233,18 @@ impl Source {
         self.counted.iter().find(|found| found.end_line == Some(end_line)).map(|found| found.line)
     }
 
-    /// The labels that stand before several blocks: line (from 0) of each but the first, and the label.
+    /// Labels that occur more than once: line (from 0) of each occurrence but the first, and the label.
     pub(crate) fn repeated_labels(&self) -> impl Iterator<Item = (u32, &[u8])> {
         self.names.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| (pair[1].1, &*pair[1].0))
     }
 
-    /// The loop that opens in the block that begins at a byte.
+    /// The WHILE loop whose block begins at a byte.
     pub(crate) fn loop_at(&self, at: usize) -> Option<Loop> {
         let index = self.loops.binary_search_by_key(&(at as u32), |found| found.while_at).ok()?;
         self.loops.get(index).copied()
     }
 
-    /// The place of a byte and its column, both from 1.
+    /// The line and column of a byte, both from 1.
     pub(crate) fn place(&self, at: usize, n: Option<u32>) -> (Place, u32) {
         let at = at.min(self.bytes.len());
         let line = self.lines.partition_point(|start| *start as usize <= at).max(1);
@@ -253,18 +253,18 @@ impl Source {
         (Place { program: self.number, line: line as u32, n }, column as u32)
     }
 
-    /// Text of some of the bytes: UTF-8 if the whole program is that, else GBK.
+    /// Decodes bytes of the text: as UTF-8 if the whole program is valid UTF-8, else as GBK.
     pub(crate) fn decode(&self, bytes: &[u8]) -> String {
         let text =
             if self.utf8 { String::from_utf8_lossy(bytes) } else { GB18030.decode_without_bom_handling(bytes).0 };
         text.into_owned()
     }
 
-    /// The character that begins at a byte, and what to type instead of it.
+    /// The non-ASCII character that begins at a byte, and what to type instead.
     pub(crate) fn foreign(&self, at: usize) -> Option<(char, String)> {
         let rest = self.bytes.get(at..(at + 4).min(self.bytes.len()))?;
         let character = self.decode(rest).chars().next()?;
-        // Otherwise a comment is meant; a SINUMERIK's has no brackets.
+        // Without an ASCII equivalent it belongs in a comment. SINUMERIK comments begin with `;`.
         let end = self.name.rsplit_once('.').map(|(_, end)| end.to_ascii_uppercase());
         let comment = if matches!(end.as_deref(), Some("MPF" | "SPF")) { ";" } else { "( )" };
         Some((character, ascii_for(character).map_or_else(|| comment.to_owned(), |ascii| format!("'{ascii}'"))))
@@ -312,7 +312,7 @@ impl Source {
         let bytes = Arc::clone(&self.bytes);
         let mut at = start;
         while let Some(next) = statement::behind(&bytes[..end], at, at > start) {
-            // The block before ended here: so did its END.
+            // The previous block ends here. If it is an END, this is the block after the loop.
             let closed = open.closed.and_then(|index| self.loops.get_mut(index));
             if let Some(end) = closed.and_then(|found| found.end.as_mut()) {
                 end.behind = next as u32;
@@ -327,18 +327,18 @@ impl Source {
     }
 }
 
-/// What is open while a text is gone through.
+/// The loops that are open while the text is indexed.
 #[derive(Default)]
 struct Opened {
     loops: [usize; LOOP_DEPTH],
     depth: usize,
-    /// The loop that the last block has closed.
+    /// The loop that the last block closed.
     closed: Option<usize>,
     counted: Vec<usize>,
 }
 
 impl Opened {
-    /// Opens or closes a loop if the block does, whose line ends at `end`.
+    /// Opens or closes a loop if the block is a WHILE or END. `end` is the end of its line.
     fn loops(&mut self, loops: &mut Vec<Loop>, block: &[u8], at: usize, end: usize) {
         self.closed = None;
         if starts(block, b"WHILE") {
@@ -359,7 +359,7 @@ impl Opened {
     }
 }
 
-/// The first line end in `bytes`, eight at a time.
+/// The first line end in `bytes`; compares eight bytes at a time.
 fn line_end(bytes: &[u8]) -> Option<usize> {
     const ONES: u64 = 0x0101_0101_0101_0101;
     const HIGHS: u64 = 0x8080_8080_8080_8080;
@@ -389,7 +389,7 @@ fn line_starts(bytes: &[u8]) -> Vec<u32> {
     starts
 }
 
-/// Without leading spaces and `( )` comments.
+/// The text after leading spaces and `( )` comments.
 fn blank(mut bytes: &[u8]) -> &[u8] {
     loop {
         let kept = bytes.iter().position(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(bytes.len());
@@ -409,7 +409,7 @@ fn starts(bytes: &[u8], word: &[u8]) -> bool {
     bytes.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word))
 }
 
-/// Whether a line has a code outside its comments, leading zeros or not.
+/// Whether a line contains a code outside its comments, with or without leading zeros.
 fn has_code(line: &[u8], letter: u8, number: u32) -> bool {
     let mut depth = 0_u32;
     for (at, byte) in line.iter().enumerate() {
@@ -426,7 +426,7 @@ fn has_code(line: &[u8], letter: u8, number: u32) -> bool {
     false
 }
 
-/// Whether a line begins with a code and no further digit.
+/// Whether a line begins with a code that no further digit follows.
 fn is_code(bytes: &[u8], word: &[u8]) -> bool {
     starts(bytes, word) && !bytes.get(word.len()).is_some_and(u8::is_ascii_digit)
 }
@@ -438,7 +438,7 @@ fn digits(bytes: &[u8]) -> Option<u32> {
     (count > 0).then_some(number)
 }
 
-/// The block number at the head of a line and what follows it.
+/// The block number at the start of a line, and the text after it.
 fn head(line: &[u8]) -> (Option<u32>, &[u8]) {
     let mut rest = blank(line);
     if rest.first() == Some(&b'/') {
@@ -456,7 +456,7 @@ fn head(line: &[u8]) -> (Option<u32>, &[u8]) {
     (number, blank(&rest[kept..]))
 }
 
-/// The bytes of a label's or keyword's name at the head of a text: two letters or `_`, then letters, digits and `_`.
+/// The identifier at the start of a text: two letters or `_`, then letters, digits and `_`.
 pub(crate) fn name(text: &[u8]) -> Option<&[u8]> {
     let letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
     if !text.get(..2)?.iter().all(letter) {
@@ -466,7 +466,7 @@ pub(crate) fn name(text: &[u8]) -> Option<&[u8]> {
     text.get(..length)
 }
 
-/// The label at the head of a block, before its `:`.
+/// The label at the start of a block, before its `:`.
 fn label(text: &[u8]) -> Option<&[u8]> {
     let name = name(text)?;
     let after = text[name.len()..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
@@ -481,7 +481,7 @@ fn do_number(block: &[u8]) -> u8 {
     place.and_then(|place| digits(&block[place + 2..])).map_or(0, |number| number.min(255) as u8)
 }
 
-/// The ASCII character that was meant by a wide one.
+/// The ASCII equivalent of a full-width or typographic character.
 fn ascii_for(character: char) -> Option<char> {
     match character {
         '\u{ff01}'..='\u{ff5e}' => char::from_u32(character as u32 - 0xfee0),
@@ -499,7 +499,7 @@ fn ascii_for(character: char) -> Option<char> {
     }
 }
 
-/// Whether nothing but `%`, blanks and comments stands before a byte.
+/// Whether only `%`, blanks and comments precede a byte.
 pub(crate) fn at_head(text: &[u8], at: usize) -> bool {
     let head = text.get(..at).unwrap_or_default();
     let head = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);

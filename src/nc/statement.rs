@@ -1,4 +1,4 @@
-//! One block: words, or a statement of the macro language. Reading evaluates and changes nothing. Source: spec B1, B3.
+//! Reads one block: words, or a macro statement. Reading evaluates, but changes no state. Source: spec B1, B3.
 
 use std::ops::Range;
 
@@ -9,15 +9,15 @@ use super::words::Words;
 use crate::defs::program_error::ProgramError as E;
 use crate::units::Axis;
 
-/// How deep `IF … THEN IF …` may nest in one block.
+/// Deepest nesting of `IF … THEN IF …` in one block.
 const IF_DEPTH: usize = 8;
 
-/// What a block says.
+/// The content of a block.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Content {
-    /// Empty, a comment, skipped, or an IF that does not hold.
+    /// Empty, a comment, skipped, or an IF whose condition is false.
     Nothing,
-    /// Words; they lie in `Words`.
+    /// Words; they are in `Words`.
     Words,
     /// `#i = …`; `text` is the comment of #3000 and #3006.
     Assign { variable: u32, value: Value, at: usize, text: Option<Range<usize>> },
@@ -29,22 +29,22 @@ pub(crate) enum Content {
     EndLoop { number: u8, at: usize },
     /// `%`.
     TextEnd { at: usize },
-    /// A jump to a label, forward or backward; `holds` if its condition does or it has none.
+    /// A jump to a label, forward or backward; `holds`: the condition is true or missing.
     Jump { label: Range<usize>, forward: bool, holds: bool },
-    /// A message that stays until the next one; an empty one ends it.
+    /// A message that stays until the next one; an empty one clears it.
     Note { text: Range<usize> },
 }
 
-/// What the reader must know before it begins.
+/// Context for reading a block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Head {
-    /// Something on the same line was read before, up to a `;`.
+    /// A block of the same line was already read, up to a `;`.
     pub mid_line: bool,
-    /// The 跳段 switch.
+    /// The 跳段 (block skip) switch.
     pub block_skip: bool,
 }
 
-/// Reads one block. Afterwards the cursor stands at the line end, or behind a `;` that another block follows.
+/// Reads one block. Afterwards the cursor is at the line end, or after a `;` that another block follows.
 #[inline]
 pub(crate) fn read<S: Scope>(
     cursor: &mut Cursor<'_>,
@@ -77,7 +77,7 @@ pub(crate) fn read<S: Scope>(
     Ok(content)
 }
 
-/// Whether the cursor stands behind a `;` on a line that goes on.
+/// Whether another block follows on the line, behind a `;`.
 #[inline]
 pub(crate) fn goes_on(cursor: &Cursor<'_>) -> bool {
     !cursor.at_line_end() && !cursor.is_over()
@@ -178,7 +178,7 @@ fn condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words
     let content = if holds {
         body(cursor, scope, words, depth + 1)?
     } else {
-        // The rest is still read, so that a mistake shows and a block after `;` is found.
+        // The rest is still read, to report mistakes and to find a block after `;`.
         let n = words.n;
         let content = body(cursor, &mut Blank, words, depth + 1)?;
         words.clear();
@@ -230,7 +230,7 @@ fn comment(cursor: &Cursor<'_>, start: usize) -> Option<Range<usize>> {
     Some(start + open..start + open + length)
 }
 
-/// What may follow a block on its line: nothing, a comment, or another block after `;`.
+/// Reads the end of a block: line end, comment, or `;` with another block.
 #[inline]
 fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
     match cursor.peek() {
@@ -246,7 +246,7 @@ fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
             cursor.rest_of_line();
             Ok(())
         }
-        // Behind GOTO 40, DO1 and END1.
+        // After GOTO 40, DO1 and END1.
         b' ' | b'\t' | b'(' => {
             cursor.blank()?;
             tail(cursor)
@@ -255,8 +255,8 @@ fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
     }
 }
 
-/// DECISION: the text after `;` is a block if all of it, up to the next `;`, reads as words or a statement;
-/// everything else is a comment. The check points it out.
+/// DECISION: the text after `;` is a block if all of it, up to the next `;`, is words or a statement.
+/// Everything else is a comment. A check warns of such a block.
 #[cold]
 fn is_block(mut cursor: Cursor<'_>) -> bool {
     let mut words = Words::default();
@@ -266,8 +266,8 @@ fn is_block(mut cursor: Cursor<'_>) -> bool {
     closed && words.bare.is_none() && matches!(said, Ok(true))
 }
 
-/// Reads a block for its writing alone, with its `/` and its number; whether it says anything beside them. An IF says
-/// something whether it holds or not.
+/// Checks the syntax of a block with its `/` and its number; returns whether it contains anything else. An IF counts
+/// even if its condition is false.
 fn block(cursor: &mut Cursor<'_>, words: &mut Words) -> Outcome<bool> {
     cursor.blank()?;
     if cursor.peek() == b'/' && cursor.peek_at(1) != b'/' {
@@ -283,7 +283,7 @@ fn block(cursor: &mut Cursor<'_>, words: &mut Words) -> Outcome<bool> {
     Ok(cursor.at > at)
 }
 
-/// Where the block behind the next `;` begins, for the block that begins at `at`; `text` ends with its line.
+/// The start of the block after the next `;`, for the block that begins at `at`; `text` ends with its line.
 pub(crate) fn behind(text: &[u8], at: usize, mid_line: bool) -> Option<usize> {
     let mut cursor = Cursor::window(text, at);
     cursor.blank().ok()?;
@@ -300,7 +300,7 @@ pub(crate) fn behind(text: &[u8], at: usize, mid_line: bool) -> Option<usize> {
     (cursor.take(b';') && is_block(cursor)).then_some(cursor.at)
 }
 
-/// No values: for text that is read only for its writing.
+/// A scope without values, for syntax checks.
 pub(crate) struct Blank;
 
 impl Scope for Blank {

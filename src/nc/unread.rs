@@ -1,4 +1,4 @@
-//! Lines that a run does not come to: read for their writing, and for what can be said of them without a run.
+//! Lines that a run does not execute: checks their syntax, and what else can be checked without a run.
 //! Source: spec B1, T4, L1, L4, L7.
 
 use super::dialect::{self, Unrun};
@@ -11,7 +11,7 @@ use super::words::Words;
 use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
 
-/// One bit a line.
+/// The lines read so far, one bit per line.
 pub(crate) struct Visited(Vec<u64>);
 
 impl Visited {
@@ -19,7 +19,7 @@ impl Visited {
         Self(vec![0; lines / 64 + 1])
     }
 
-    /// Marks a line; whether it is new.
+    /// Marks a line; returns whether it was unmarked.
     #[inline]
     pub fn mark(&mut self, line: u32) -> bool {
         let Some(word) = self.0.get_mut(line as usize / 64) else { return false };
@@ -30,12 +30,12 @@ impl Visited {
     }
 }
 
-/// Reads the lines of a program that are not marked yet, and marks them.
+/// Reads the unmarked lines of a program and marks them.
 pub(crate) struct Unread {
     pub visited: Visited,
-    /// The line (from 0) behind which nothing counts: its `%` ends the text.
+    /// The line (from 0) whose `%` ends the text.
     pub text_end: Option<u32>,
-    /// The programs that the lines call, and where.
+    /// The programs that the lines call, and the bytes of the calls.
     pub calls: Vec<(u32, usize)>,
     line: u32,
     words: Words,
@@ -46,8 +46,8 @@ impl Unread {
         Self { visited: Visited::new(lines), text_end: None, calls: Vec::new(), line: 0, words: Words::default() }
     }
 
-    /// Reads at most so many lines and shows their mistakes; `false` when all are read. What a line calls is looked for
-    /// in `library`, if there is one.
+    /// Reads at most `most` lines and passes their mistakes to `tell`; `false` when all are read. With a `library`,
+    /// called programs must exist in it.
     pub fn advance(
         &mut self,
         (source, settings): (&Source, &Settings),
@@ -86,7 +86,7 @@ impl Unread {
     }
 }
 
-/// What is wrong with a text as a whole: labels that are not unique, no blocks at all.
+/// Mistakes of the text as a whole: repeated labels, no blocks.
 pub(crate) fn whole<'a>(source: &'a Source, settings: &Settings) -> impl Iterator<Item = Fault> + use<'a> {
     let told = |at: usize, error: E, detail: String| {
         fault_in(source, None, Wrong { at, error, details: [detail, String::new()] })
@@ -104,7 +104,7 @@ pub(crate) fn whole<'a>(source: &'a Source, settings: &Settings) -> impl Iterato
     empty.into_iter().chain(labels)
 }
 
-/// Bytes of a line in which its label stands.
+/// Bytes of a line that are searched for its label.
 const LABEL_WITHIN: usize = 256;
 
 /// Whether a line has no block.
@@ -112,7 +112,7 @@ fn is_blank(line: &[u8]) -> bool {
     line.trim_ascii_start().first().is_none_or(|first| matches!(first, b';' | b'%' | b'('))
 }
 
-/// Reads the blocks of a line; true where the text ends in it.
+/// Checks the blocks of a line; returns whether the text ends in it.
 fn read_line(
     source: &Source,
     settings: &Settings,

@@ -1,5 +1,5 @@
-//! Which variables a program reads and writes, and which programs it calls, as its text says: for the page text that is
-//! to offer them. A variable whose number is computed (`#[#1+2]`) is not among them.
+//! Finds the variables that a program reads and writes, and the programs it calls, for the page designer.
+//! Variables with computed numbers (`#[#1+2]`) are not found.
 //! Source: spec B3, K7.4, S1.
 
 use std::collections::BTreeMap;
@@ -9,19 +9,19 @@ use super::source::Source;
 use crate::defs::r_parameter;
 use crate::defs::screen::{VariableUse, is_for_pages};
 
-/// Most lines of a program that are looked at.
+/// Most lines that are scanned.
 const LINES: usize = 1_000_000;
 
-/// What a program uses.
+/// The variables and programs that a program uses.
 #[derive(Clone, Debug, Default)]
 pub struct Uses {
-    /// The variables that can stand on a page, by number.
+    /// The variables that a page can show, by number.
     pub variables: BTreeMap<u16, VariableUse>,
-    /// The programs that it calls.
+    /// The numbers of the called programs.
     pub calls: Vec<u32>,
 }
 
-/// Looks through a program.
+/// Scans a program.
 #[must_use]
 pub fn uses(source: &Source, system: System) -> Uses {
     let mut found = Uses::default();
@@ -33,7 +33,7 @@ pub fn uses(source: &Source, system: System) -> Uses {
     found
 }
 
-/// A line without its comments and quoted texts, and the first comment.
+/// Splits a line into its code without comments and quoted texts, and its first comment.
 fn split(text: &str, system: System) -> (String, String) {
     let (mut code, mut comment) = (String::with_capacity(text.len()), String::new());
     let (mut depth, mut quoted) = (0_u32, false);
@@ -88,7 +88,7 @@ fn look(found: &mut Uses, code: &str, comment: &str, place: (u32, u32), system: 
     let called = code.split('P').nth(1).map(|rest| rest.bytes().take_while(u8::is_ascii_digit).count());
     if let (true, Some(digits @ 1..=8)) = (calls, called) {
         let number = code.split('P').nth(1).and_then(|rest| rest[..digits].parse::<u32>().ok()).unwrap_or(0);
-        // B3: P may hold the count before four digits of the number.
+        // B3: P may hold a repeat count before the four digits of the number.
         found.calls.push(number % 10_000);
     }
 }

@@ -1,4 +1,4 @@
-//! The words of one block, in order, with the place of each. Source: spec B1, B3 (null words are left out).
+//! The words of one block in order, each with its byte position. Source: spec B1, B3 (null words are skipped).
 
 use std::cell::Cell;
 
@@ -7,16 +7,16 @@ use super::fault::{Outcome, wrong, wrong1, wrong2};
 use super::lexer::Cursor;
 use crate::defs::program_error::ProgramError as E;
 
-/// The most words of a block, G and M not counted.
+/// Most words of a block, without G and M.
 pub(crate) const WORDS: usize = 48;
-/// The most G codes of a block.
+/// Most G codes of a block.
 const G_WORDS: usize = 10;
-/// The most M codes of a block (DECISION: three, in the order written).
+/// Most M codes of a block (DECISION: three, in the order written).
 const M_WORDS: usize = 3;
-/// The most variables that a block of words sets.
+/// Most variables that a block of words sets.
 const SETS: usize = 16;
 
-/// A letter and its value.
+/// A word: an address letter and its value.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Word {
     pub value: f64,
@@ -25,28 +25,28 @@ pub(crate) struct Word {
     pub kind: Kind,
 }
 
-/// How a word's value is written.
+/// The notation of a word's value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// With a decimal point, or calculated.
+    /// With a decimal point, or computed.
     #[default]
     Exact,
-    /// Digits without a point.
+    /// Digits without a decimal point.
     Digits,
-    /// From a null variable: the word is left out.
+    /// From a null variable: the word is skipped.
     Null,
-    /// The letter alone.
+    /// The letter without a value.
     Bare,
 }
 
-/// A G or M code and its place.
+/// A G or M code and its byte position.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Code {
     pub number: u32,
     pub at: u32,
 }
 
-/// A variable that the block gives a value, and its place.
+/// A variable that the block sets, and its byte position.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Set {
     pub variable: u32,
@@ -71,9 +71,9 @@ pub(crate) struct Words {
     set_count: usize,
     /// The block number.
     pub n: Option<u32>,
-    /// The first word whose address stood before in the block.
+    /// Position of the first word whose address is repeated.
     pub double: Option<u32>,
-    /// The first letter without a value.
+    /// Position of the first letter without a value.
     pub bare: Option<u32>,
 }
 
@@ -104,7 +104,7 @@ const fn bit(letter: u8) -> u32 {
 }
 
 impl Words {
-    /// Forgets the last block.
+    /// Removes all words.
     #[inline]
     pub fn clear(&mut self) {
         self.count = 0;
@@ -119,15 +119,15 @@ impl Words {
         self.bare = None;
     }
 
-    /// All words but G, M and N, in order.
+    /// All words except G, M and N, in order.
     pub fn list(&self) -> &[Word] {
         &self.list[..self.count]
     }
 
-    /// Whether a word was left out because its variable is null.
+    /// Whether a word was skipped because its variable is null.
     #[inline]
     pub fn has_null(&self) -> bool {
-        // `G65 H… P#i` names the variable that takes the result.
+        // In `G65 H… P#i`, P names the result variable; it may be null.
         let result = if self.has(b'H') { bit(b'P') } else { 0 };
         self.nulls & !result != 0
     }
@@ -165,7 +165,7 @@ impl Words {
         Ok(())
     }
 
-    /// Adds a word: a G or M code to its list, anything else to the words.
+    /// Adds a word: G and M codes to their lists, others to the words.
     pub fn add(&mut self, word: Word) -> Outcome<()> {
         let value = Some(word.value);
         match word.letter {
@@ -181,7 +181,7 @@ impl Words {
         self.mask & bit(letter) != 0
     }
 
-    /// Whether the letters without a value are all of these.
+    /// Whether all letters without a value are among `letters`.
     pub fn bare_only(&self, letters: &[u8]) -> bool {
         self.list().iter().all(|word| word.kind != Kind::Bare || letters.contains(&word.letter))
     }
@@ -210,7 +210,7 @@ impl Words {
         self.used.set(u32::MAX);
     }
 
-    /// The first word that nothing used.
+    /// The first word that is not marked as used.
     #[inline]
     pub fn unused(&self) -> Option<Word> {
         let left = self.mask & !self.used.get();
@@ -241,7 +241,7 @@ impl Words {
         Ok(())
     }
 
-    /// Reads words up to something that is not a letter.
+    /// Reads words until the next character is not a letter.
     #[inline]
     pub fn read<S: Scope>(&mut self, cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<()> {
         loop {
@@ -293,7 +293,7 @@ fn push_code<const COUNT: usize>(
     let name = char::from(letter);
     let number = match value {
         None if kind == Kind::Bare => return wrong1(at as usize, E::MissingNumber, name),
-        // A G or M from a null variable is left out like any other word.
+        // A G or M word from a null variable is skipped like any other word.
         None => return Ok(()),
         Some(value) => match whole(value).map(u32::try_from) {
             Some(Ok(number)) => number,

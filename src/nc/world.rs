@@ -1,4 +1,4 @@
-//! What lies outside the text: positions and live values; and the plain world of a check. Source: spec B3, T4.
+//! State outside the program text: positions and live values; and its version without a machine. Source: spec B3, T4.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use super::settings::Settings;
 use crate::defs::variable::{self, Access};
 use crate::units::{Axis, PerAxis};
 
-/// What a plain world has come to: its place, way and time.
+/// Position, path length, time and extents so far.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Come {
     position: PerAxis<f64>,
@@ -17,64 +17,65 @@ pub(crate) struct Come {
     extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
 }
 
-/// The answer to a question for a live value.
+/// The result of reading a live value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Live {
     /// The value; `None` for null.
     Value(Option<f64>),
-    /// Motion must drain first: the same block is read again later.
+    /// All motion must be done first; the same block is read again then.
     Drain,
-    /// There is no such variable.
+    /// The variable does not exist.
     Unknown,
 }
 
-/// What lies outside the text.
+/// State outside the program text.
 pub trait World {
-    /// The position at the end of all operations handed out so far, active work frame, radius mm.
+    /// The position at the end of all operations returned so far, active work coordinates, radius mm.
     fn position(&self) -> PerAxis<f64>;
-    /// #434–#439 and #1000 and up, but for #4001–#4130; positions with X as a diameter where X words are. `#1000` + port − 1 is input `port`: 1 when it is active (low).
+    /// Reads a system variable: #434–#439, #1000 and up except #4001–#4130. X positions are diameters if X words are.
+    /// `#1000` + port − 1 is input `port`: 1 while it is active (low).
     fn system(&mut self, number: u32) -> Live;
-    /// Compensation of a tool, 1 to 4, slide travel, radius mm (L8).
+    /// Tool compensation of tool 1 to 4, slide travel, radius mm (L8).
     fn compensation(&self, _tool: u32) -> PerAxis<f64> {
         PerAxis::default()
     }
-    /// The tool in front, 0 none.
+    /// The active tool, 0 for none.
     fn tool(&self) -> u32 {
         0
     }
-    /// The tool-change point: where the program began, active work frame, radius mm. It is a place of the tip in the
-    /// machine, whatever G92 and homing call it (L3).
+    /// The tool-change point: the position at program start, active work coordinates, radius mm. It is a fixed machine
+    /// position of the tip: G92 and homing do not move it (L3).
     fn start(&self) -> PerAxis<f64> {
         self.position()
     }
-    /// The 跳段 switch: blocks with `/` are left out.
+    /// The 跳段 (block skip) switch: blocks with `/` are skipped.
     fn block_skip(&self) -> bool;
 }
 
-/// A world without a machine: every operation is done at once.
+/// State without a machine: every operation is done at once.
 #[derive(Clone, Debug)]
 pub struct CheckWorld {
     axes: PerAxis<bool>,
     diameter: bool,
     rapid_mm_min: PerAxis<f64>,
     position: PerAxis<f64>,
-    /// Where the first operation found the tip, machine coordinates (L3).
+    /// The tip before the first operation, machine coordinates (L3).
     start: Option<PerAxis<f64>>,
     frames: Frames,
     references: [PerAxis<f64>; REFERENCES],
     system: BTreeMap<u32, Option<f64>>,
-    /// What only a machine knows is not taken as 0: reading it waits for ever.
+    /// Values that only the machine knows are not 0: reading one returns `Live::Drain`.
     only_known: bool,
     skip: bool,
     rpm: f64,
-    /// While an axis oscillates #438 and #439 change with every look: a wait for an end of the stroke ends.
+    /// While an axis oscillates, #438 and #439 toggle on every read, so that a wait for a reversal point ends.
     stroke_end: Option<bool>,
     length_mm: f64,
     seconds: f64,
     extents: Option<(PerAxis<f64>, PerAxis<f64>)>,
 }
 
-/// What a feed per revolution is reckoned with as long as no S was given, rpm.
+/// Speed for a feed per revolution as long as no S is programmed, rpm.
 const USUAL_RPM: f64 = 1_000.0;
 
 impl CheckWorld {
@@ -87,7 +88,7 @@ impl CheckWorld {
             rapid_mm_min: settings.rapid_mm_min,
             position: PerAxis::default(),
             start: None,
-            // L8: a tool post that was never turned has station 1 in front.
+            // L8: a turret that was never indexed has station 1 active.
             frames: Frames { tool: u32::from(settings.zero_at_start), ..Frames::default() },
             references: [PerAxis::default(); REFERENCES],
             system: BTreeMap::new(),
@@ -101,14 +102,14 @@ impl CheckWorld {
         }
     }
 
-    /// Begins elsewhere: work coordinates, radius mm.
+    /// Starts at another position: work coordinates, radius mm.
     #[must_use]
     pub fn at(mut self, position: PerAxis<f64>) -> Self {
         self.position = position;
         self
     }
 
-    /// With these work frames and offsets; the work position stays as it is.
+    /// Sets work offsets and tool offsets; the work position does not change.
     #[must_use]
     pub fn with_frames(mut self, frames: Frames) -> Self {
         let tool = if frames.tool == 0 { self.frames.tool } else { frames.tool };
@@ -116,33 +117,33 @@ impl CheckWorld {
         self
     }
 
-    /// The reference points of G28 and G30, machine coordinates, radius mm; the first is where homing leaves the axes.
+    /// Sets the reference points of G28 and G30, machine coordinates, radius mm. Homing ends at the first.
     #[must_use]
     pub const fn with_references(mut self, references: [PerAxis<f64>; REFERENCES]) -> Self {
         self.references = references;
         self
     }
 
-    /// Does not answer for a machine: what was not given cannot be read.
+    /// Makes values that were not set unreadable, instead of 0.
     #[must_use]
     pub const fn with_known_only(mut self) -> Self {
         self.only_known = true;
         self
     }
 
-    /// With the 跳段 switch set.
+    /// Sets the 跳段 (block skip) switch.
     #[must_use]
     pub fn with_block_skip(mut self, skip: bool) -> Self {
         self.skip = skip;
         self
     }
 
-    /// Gives a system variable a value.
+    /// Sets a system variable.
     pub fn set_system(&mut self, number: u32, value: Option<f64>) {
         self.system.insert(number, value);
     }
 
-    /// The frames in force.
+    /// The active work offsets and tool offsets.
     #[must_use]
     pub const fn frames(&self) -> &Frames {
         &self.frames
@@ -154,42 +155,42 @@ impl CheckWorld {
         self.position
     }
 
-    /// The way gone, mm.
+    /// The path length so far, mm.
     #[must_use]
     pub const fn length_mm(&self) -> f64 {
         self.length_mm
     }
 
-    /// The time it takes without acceleration, seconds.
+    /// The time so far without acceleration, seconds.
     #[must_use]
     pub const fn seconds(&self) -> f64 {
         self.seconds
     }
 
-    /// Least and greatest work coordinates of all moves.
+    /// Least and greatest work coordinates of all moves, radius mm.
     #[must_use]
     pub const fn extents(&self) -> Option<(PerAxis<f64>, PerAxis<f64>)> {
         self.extents
     }
 
-    /// What it has come to.
+    /// The totals so far.
     pub(crate) const fn come(&self) -> Come {
         let Self { position, length_mm, seconds, extents, .. } = *self;
         Come { position, length_mm, seconds, extents }
     }
 
-    /// Goes back to what it had come to.
+    /// Restores earlier totals.
     pub(crate) const fn go_back(&mut self, to: Come) {
         let Come { position, length_mm, seconds, extents } = to;
         (self.position, self.length_mm, self.seconds, self.extents) = (position, length_mm, seconds, extents);
     }
 
-    /// Begins its extents anew.
+    /// Clears the extents.
     pub const fn forget_extents(&mut self) {
         self.extents = None;
     }
 
-    /// Does one operation.
+    /// Executes one operation.
     pub fn apply(&mut self, op: &Op) {
         let machine = self.frames.machine_from_work(self.position);
         self.start.get_or_insert(machine);
@@ -208,7 +209,7 @@ impl CheckWorld {
             Op::Frame { g } => self.reframe(|frames| frames.activate(*g)),
             Op::AddWear { number, by } => self.reframe(|frames| frames.add_wear(*number, *by)),
             Op::Gauge(gauging) => {
-                // A check meets no part: the axis goes all the way and comes back.
+                // Without a part the axis moves to the limit and retracts.
                 let (mut to, from) = (self.position, self.position[gauging.axis]);
                 to[gauging.axis] = gauging.to;
                 self.cut(to, distance(self.position, to), Feed::PerMinute(gauging.fast_mm_min));
@@ -235,7 +236,7 @@ impl CheckWorld {
             Op::S { value, mode: super::op::SpeedMode::Rpm } if *value > 0.0 => self.rpm = *value,
             Op::SetSystem { number, value } => self.set_system(*number, *value),
             Op::Thread(threading) => {
-                // The run-out is left to the axes: its time is that of the thread's last millimetres.
+                // The run-out takes the time of the thread's last millimetres: X retracts meanwhile.
                 let minutes = (threading.to[Axis::Z] - self.position[Axis::Z]).abs() / threading.lead_mm / self.rpm;
                 self.seconds += 60.0 * minutes;
                 self.length_mm += distance(self.position, threading.out) + distance(threading.out, threading.to);
@@ -249,16 +250,16 @@ impl CheckWorld {
             }
             Op::Post { station, by } => self.change_tool(*station, *by),
             Op::S { .. } | Op::Path(_) | Op::SpeedLimit { .. } | Op::M { .. } => {}
-            // Where the dressing point is, only the machine knows.
+            // Only the machine knows the dressing point.
             Op::DressReturn { .. } => {}
-            // An oscillating axis comes back to where it was.
+            // An oscillating axis returns to its start.
             Op::OscillationOn { .. } => self.stroke_end = Some(false),
             Op::OscillationOff => self.stroke_end = None,
             Op::Set { .. } | Op::Alarm { .. } | Op::Message { .. } | Op::Note { .. } => {}
         }
     }
 
-    /// Another tool in front; with compensation the slides and the place of the tip at the start move by what they differ.
+    /// Changes the tool. With compensation, the slides and the stored start position move by the difference.
     fn change_tool(&mut self, station: u8, by: Option<PerAxis<f64>>) {
         self.frames.change_tool(station, by);
         if let (Some(start), Some(by)) = (&mut self.start, by) {
@@ -266,7 +267,7 @@ impl CheckWorld {
         }
     }
 
-    /// Another frame or offset: the machine stands, its coordinates change.
+    /// Changes work offset or tool offset: the machine position stays, the work position changes.
     fn reframe(&mut self, change: impl FnOnce(&mut Frames)) {
         let machine = self.frames.machine_from_work(self.position);
         change(&mut self.frames);
@@ -341,10 +342,10 @@ impl World for CheckWorld {
         let axis = |index: u32| Axis::ALL.into_iter().filter(|axis| self.axes[*axis]).nth(index as usize);
         let shown =
             |axis: Axis, mm: f64| Live::Value(Some(if self.diameter && axis == Axis::X { mm * 2.0 } else { mm }));
-        // An axis that the machine does not have is null.
+        // A missing axis reads as null.
         let none = Live::Value(None);
         match number {
-            // What the machine alone knows.
+            // Values that only the machine knows.
             434..=439 | 5061..=5063 if self.only_known => Live::Drain,
             5001..=5003 | 5041..=5043 | 5061..=5063 => {
                 axis(number % 20 - 1).map_or(none, |axis| shown(axis, self.position[axis]))
@@ -355,7 +356,7 @@ impl World for CheckWorld {
                 self.stroke_end = self.stroke_end.map(|end| !end);
                 Live::Value(Some(f64::from(u8::from(self.stroke_end == Some(true)))))
             }
-            // What only the machine knows counts as 0; a statement has no value.
+            // Values that only the machine knows read as 0. Write-only variables have no value.
             _ => match variable::find(number).map(|range| range.access) {
                 Some(Access::Read | Access::ReadWrite) if self.only_known => Live::Drain,
                 Some(Access::Read | Access::ReadWrite) => Live::Value(Some(0.0)),

@@ -1,13 +1,13 @@
-//! The centre of an arc, however it is written. Source: spec B2, S1.
+//! The centre of an arc by radius or by offsets. Source: spec B2, S1.
 
 use crate::nc::op::Plane;
 use crate::units::PerAxis;
 
-/// Below this a chord or a radius is none, mm.
+/// Shorter chords and radii count as zero, mm.
 const NOTHING_MM: f64 = 1e-9;
 
-/// The centre of an arc by its radius: below zero the major arc. `None` if no such arc reaches the end; a half circle may
-/// miss its radius by `tolerance_mm`, the rounding of the text.
+/// The centre of an arc by its radius; a negative radius is the major arc. `None` if no such arc reaches the end. The
+/// radius of a half circle may be too small by `tolerance_mm`, the rounding of the text.
 pub(super) fn centre_by_radius(
     (from, to): (PerAxis<f64>, PerAxis<f64>),
     plane: Plane,
@@ -23,7 +23,7 @@ pub(super) fn centre_by_radius(
         return None;
     }
     let height = (radius * radius - half * half).max(0.0).sqrt();
-    // The centre lies to the left of the way for a counter-clockwise minor arc; R below zero is the major arc.
+    // The centre is to the left of the chord for a counter-clockwise minor arc. A negative R is the major arc.
     let side = f64::from(turn) * radius.signum();
     let mut center = from;
     center[first] = (from[first] + to[first]) / 2.0 - side * height * b / chord;
@@ -31,7 +31,7 @@ pub(super) fn centre_by_radius(
     Some(center)
 }
 
-/// The radius of an arc about a centre, and how far its end lies off the circle, mm.
+/// The radius of an arc around a centre, and the distance of its end from the circle, mm.
 pub(super) fn radius_and_miss(
     (from, to): (PerAxis<f64>, PerAxis<f64>),
     center: PerAxis<f64>,

@@ -1,5 +1,5 @@
-//! What the blocks of the grinders' languages have in common: an address once, feed and modes first, a rehearsal where
-//! the position changes, whole numbers and ranges. Source: spec B1, B2, S1.
+//! Shared by the grinder dialects: unique addresses, feed and modes, blocks that change the work position, whole
+//! numbers and ranges. Source: spec B1, B2, S1.
 
 use std::fmt::Display;
 
@@ -10,21 +10,21 @@ use crate::nc::fault::{Outcome, Stop, wrong1, wrong2};
 use crate::nc::op::Op;
 use crate::nc::words::Word;
 
-/// The greatest coordinate, feed or speed that can be written.
+/// Greatest coordinate, feed or speed that can be programmed.
 pub(super) const LIMIT: f64 = 99_999.999;
-/// The least feed: what three decimals can say.
+/// Least feed: three decimals.
 const LEAST_FEED: f64 = 0.001;
 
-/// Which modes a block sets anew.
+/// The modes that a block sets.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Modes {
     /// Exact stop or continuous.
     pub path: bool,
-    /// The work frame.
+    /// The work offset.
     pub frame: bool,
 }
 
-/// Refuses an address that stands twice in the block.
+/// Refuses an address that occurs twice in the block.
 pub(super) fn refuse_double(running: &Running<'_, '_>) -> Outcome<()> {
     match running.words.double {
         Some(at) => wrong1(at as usize, E::DoubleWord, letter_at(running, at)),
@@ -32,12 +32,12 @@ pub(super) fn refuse_double(running: &Running<'_, '_>) -> Outcome<()> {
     }
 }
 
-/// The letter at a place of the text.
+/// The letter at a byte of the text, in upper case.
 pub(super) fn letter_at(running: &Running<'_, '_>, at: u32) -> char {
     char::from(running.text.get(at as usize).copied().unwrap_or(b'?')).to_ascii_uppercase()
 }
 
-/// Takes F, in units of `mm`, as the modal feed.
+/// Makes F the modal feed; `mm` is millimetres per programmed unit.
 #[inline]
 pub(super) fn feed(running: &mut Running<'_, '_>, mm: f64) -> Outcome<()> {
     let Some(word) = running.words.take(b'F') else { return Ok(()) };
@@ -48,7 +48,7 @@ pub(super) fn feed(running: &mut Running<'_, '_>, mm: f64) -> Outcome<()> {
     Ok(())
 }
 
-/// Hands out path mode and frame. The second half of a block has them behind it.
+/// Adds the operations for path mode and work offset; not again in the second half of a block.
 #[inline]
 pub(super) fn modes(running: &mut Running<'_, '_>, modes: Modes) {
     if running.second_half {
@@ -62,8 +62,8 @@ pub(super) fn modes(running: &mut Running<'_, '_>, modes: Modes) {
     }
 }
 
-/// A block that changes where coordinates are counted from before it uses them. The rest is rehearsed, so that a mistake
-/// in it refuses the whole block, and done when the change is; its arcs begin elsewhere then.
+/// Splits a block that changes the work position before it moves. The rest is tried first: a mistake refuses the whole
+/// block. It is read again after the change. Arc errors do not count in the trial, as the start differs then.
 pub(super) fn divided(
     running: &mut Running<'_, '_>,
     rest: impl FnOnce(&mut Running<'_, '_>) -> Outcome<Step>,
@@ -82,7 +82,7 @@ fn starts_elsewhere(stop: &Stop) -> bool {
     matches!(stop, Stop::Wrong(wrong) if matches!(wrong.error, E::ArcEndOff | E::ArcRadius))
 }
 
-/// A word that must be a whole number in a range.
+/// The value of a word that must be a whole number from `low` to `high`.
 pub(super) fn integer(name: impl Display, word: Word, low: u32, high: u32) -> Outcome<u32> {
     match whole(word.value) {
         None => wrong1(word.at as usize, E::NotWhole, name.to_string()),

@@ -1,10 +1,9 @@
-//! What differs from language to language before the first block: settings as a machine leaves the factory, and the
-//! numbers under which the same states are told.
+//! Defaults of each dialect: factory settings, and the G codes that display the modal states.
 
 use super::super::settings::{Settings, SpeedUnit, System, Turning};
 use crate::units::PerAxis;
 
-/// The G codes that tell the same state in every language.
+/// The G codes of modal states in a dialect.
 pub(crate) struct Spelling {
     /// G90 and G91 are modal.
     pub modal_distance: bool,
@@ -18,7 +17,7 @@ pub(crate) struct Spelling {
     pub exact: u8,
 }
 
-/// The G codes of a language.
+/// The G codes of modal states in a dialect.
 #[must_use]
 pub(crate) const fn spelling(system: System) -> Spelling {
     let modal_distance = !matches!(system, System::LatheA | System::SuperMan);
@@ -31,7 +30,7 @@ pub(crate) const fn spelling(system: System) -> Spelling {
 }
 
 impl Settings {
-    /// GC as it leaves the factory: X (diameter) and Z.
+    /// Factory settings of GC: X (diameter) and Z.
     #[must_use]
     pub fn lathe() -> Self {
         Self {
@@ -54,26 +53,26 @@ impl Settings {
         }
     }
 
-    /// GS and GA as they leave the factory: X, Y, Z in radius.
+    /// Factory settings of GS and GA: X, Y, Z in radius.
     #[must_use]
     pub fn mill() -> Self {
         Self { system: System::Mill, diameter: false, axes: PerAxis([true; 3]), ..Self::lathe() }
     }
 
-    /// The vertical lathe-grinder as it leaves the factory: X (diameter) and Z.
+    /// Factory settings of the vertical lathe-grinder: X (diameter) and Z.
     #[must_use]
     pub fn sinumerik() -> Self {
         Self { system: System::Sinumerik, exact_stop: true, ..Self::lathe() }
     }
 
-    /// The 超人 lathe as it leaves the factory: X (diameter) and Z.
+    /// Factory settings of the 超人 lathe: X (diameter) and Z.
     #[must_use]
     pub fn superman() -> Self {
         let tools = 4;
         Self { system: System::SuperMan, exact_stop: true, zero_at_start: true, numbered: true, tools, ..Self::lathe() }
     }
 
-    /// As a machine with programs of this language leaves the factory.
+    /// Factory settings of a machine with programs of this dialect.
     #[must_use]
     pub fn of(system: System) -> Self {
         match system {

@@ -1,5 +1,5 @@
-//! Dialects: how the words of a block become operations. Each is one module; lexer, expressions, flow, operations and
-//! the check are shared.
+//! Dialects: they turn the words of a block into operations. Each dialect is one module. Lexer, expressions, flow,
+//! operations and check are shared.
 
 mod arc;
 mod block;
@@ -24,56 +24,56 @@ use super::source::Source;
 use super::statement::{self, Content, Head};
 use super::words::Words;
 
-/// What a dialect is given to execute a block of words.
+/// What a dialect needs to execute a block of words.
 pub(crate) struct Running<'r, 'w> {
     pub words: &'r Words,
-    /// A working copy: it counts only if the block is accepted.
+    /// The modal state; restored if the block is refused.
     pub modals: &'r mut Modals,
     pub settings: &'r Settings,
     pub ops: &'r mut Vec<Op>,
     pub scope: &'r mut LiveScope<'w>,
-    /// The text of the program, for words that are read again.
+    /// The text of the program; some words are read from it again.
     pub text: &'r [u8],
-    /// Where the block begins in it.
+    /// The byte at which the block begins.
     pub at: usize,
-    /// Where the program is: whether in the one that was started, or in a subprogram of the same text (L7).
+    /// The position in the program: in the started program or in a subprogram of the same text (L7).
     pub flow: &'r Flow,
-    /// The second half of a block that was divided by `Step::Again`.
+    /// This is the second half of a block that `Step::Again` split.
     pub second_half: bool,
 }
 
-/// What follows a block of words.
+/// How the program continues after a block of words.
 pub(crate) enum Step {
     /// The next block.
     Next,
-    /// The same block once more with `second_half`: what was handed out changes the position that the rest starts from.
+    /// The same block again with `second_half`: the operations so far change the start position of the rest.
     Again,
-    /// Another block.
+    /// Goes to a block.
     Goto { n: u32, at: usize },
-    /// The one block of that number; it is an error if there are several, or if it is this block (L1, L7).
+    /// Goes to the only block with the number; an error if there are several, or if it is this block (L1, L7).
     Jump { n: u32, at: usize },
-    /// A subprogram of the same text that begins at the one block of that number (L7).
+    /// Calls a subprogram of the same text; it begins at the only block with the number (L7).
     Local { n: u32, at: usize },
-    /// A counted loop begins here: so often; 0 leaves it out (L4).
+    /// Begins a counted loop with `times` passes; 0 skips it (L4).
     Loop { times: u32, at: usize },
-    /// A counted loop ends here.
+    /// Ends a counted loop.
     EndLoop { at: usize },
-    /// Another program.
+    /// Calls another program.
     Call(Call),
     /// G66, or G67 with `None`.
     Modal(Option<Box<ModalCall>>),
     /// M99.
     Return { target: Option<u32>, at: usize },
-    /// A cycle over a contour of the program (G70–G73).
+    /// Expands a cycle over a contour of the program (G70–G73).
     Contour(Box<ContourCycle>),
-    /// A variable gets a value.
+    /// Sets a variable.
     Assign { variable: u32, value: Value, at: usize },
     /// M02, M30.
     End,
 }
 
-/// Reads one block in the language of the machine. Afterwards the cursor stands at the line end, or behind a mark that
-/// another block follows.
+/// Reads one block in the machine's dialect. Afterwards the cursor is at the line end, or after a `;` that another
+/// block follows.
 #[inline]
 pub(crate) fn read<S: Scope>(
     system: System,
@@ -86,7 +86,7 @@ pub(crate) fn read<S: Scope>(
         System::LatheA | System::Mill => statement::read(cursor, scope, words, head),
         System::SuperMan => {
             let content = statement::read(cursor, scope, words, head)?;
-            // L1: a line is one block; what stands behind `;` is a comment, whatever it says.
+            // L1: a line is one block. Text after `;` is always a comment.
             cursor.rest_of_line();
             Ok(content)
         }
@@ -94,7 +94,7 @@ pub(crate) fn read<S: Scope>(
     }
 }
 
-/// Executes a block of words in the dialect of the machine kind.
+/// Executes a block of words in the machine's dialect.
 pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     match running.settings.system {
         System::LatheA | System::Mill => grinder::run(running),
@@ -103,7 +103,7 @@ pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     }
 }
 
-/// A block that is not executed: its program, its first byte there, its line from 0.
+/// A block that is not executed: its text, its first byte, its line from 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unrun<'r> {
     pub source: &'r Source,
@@ -111,8 +111,7 @@ pub(crate) struct Unrun<'r> {
     pub line: u32,
 }
 
-/// Looks at a block of words that is not executed, whether it is written as it must be, its codes exist, and what it
-/// names is there.
+/// Checks a block of words that is not executed: its syntax, its codes, and that the blocks it names exist.
 pub(crate) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Outcome<()> {
     match settings.system {
         System::LatheA | System::Mill => grinder::look(words, settings),
@@ -121,7 +120,7 @@ pub(crate) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Out
     }
 }
 
-/// The program that a block calls, where its number is written and it is called at least once, and the byte of the call.
+/// The program that a block certainly calls (literal number, at least one call), and the byte of the call.
 pub(crate) fn called(words: &Words, settings: &Settings) -> Option<(u32, usize)> {
     match settings.system {
         System::Sinumerik => sinumerik::called(words),
@@ -129,18 +128,18 @@ pub(crate) fn called(words: &Words, settings: &Settings) -> Option<(u32, usize)>
     }
 }
 
-/// How far a program can be proved before it starts.
+/// How much of a program can be checked before it starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Provable {
-    /// It has neither variables nor conditions: what it will do is known.
+    /// All of it: it has neither variables nor conditions.
     Whole,
-    /// Its text, and the texts that it calls; values come in the run.
+    /// The syntax of its text and of the texts that it calls; values are known only in the run.
     Text,
-    /// Not at all: what a macro calculates and the machine answers decides.
+    /// Nothing: it depends on macro calculations and on the machine's state.
     No,
 }
 
-/// How far programs of a language can be proved.
+/// How much of a program in a dialect can be checked before it starts.
 pub(crate) const fn provable(settings: &Settings) -> Provable {
     match settings.system {
         System::SuperMan => Provable::Whole,
@@ -149,12 +148,12 @@ pub(crate) const fn provable(settings: &Settings) -> Provable {
     }
 }
 
-/// Whether a language has labels (`AA1:`), each once in a program.
+/// Whether a dialect has labels (`AA1:`), each unique in a program.
 pub(crate) const fn has_labels(settings: &Settings) -> bool {
     matches!(settings.system, System::Sinumerik)
 }
 
-/// What ends a program of a language in which one without blocks is a mistake (L1).
+/// The code that ends a program, if a program without blocks is a mistake (L1).
 pub(crate) const fn asks_for_blocks(settings: &Settings) -> Option<&'static str> {
     match settings.system {
         System::SuperMan if settings.numbered => Some("M02"),
@@ -162,7 +161,7 @@ pub(crate) const fn asks_for_blocks(settings: &Settings) -> Option<&'static str>
     }
 }
 
-/// Whether a language has the macro statements (`#1=…`, IF, WHILE, GOTO).
+/// Whether a dialect has macro statements (`#1=…`, IF, WHILE, GOTO).
 pub(crate) const fn has_macros(settings: &Settings) -> bool {
     !matches!(settings.system, System::SuperMan)
 }

@@ -11,11 +11,11 @@ use crate::nc::flow::{Call, Callee};
 use crate::nc::op::Op;
 use crate::nc::words::{Code, Word};
 
-/// The highest N and program number.
+/// Highest block number and packed P of M98.
 const NUMBERS: u32 = 99_999_999;
-/// How often a subprogram can be repeated.
+/// Most repetitions of a subprogram.
 pub(super) const REPEATS: u32 = 9_999;
-/// Input and output ports.
+/// Number of input and output ports.
 const PORTS: u32 = 64;
 
 /// T: tool and offset.
@@ -48,7 +48,7 @@ pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
     Ok(())
 }
 
-/// S, where no M code takes it.
+/// S, unless an M code uses it.
 pub(super) fn speed(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     // K3.4: M63 S drives the second analog output; G50 S is a limit.
     if plan.once_is(50) || running.words.m().iter().any(|code| takes_s(code.number)) {
@@ -69,17 +69,17 @@ const fn takes_s(code: u32) -> bool {
     matches!(code, 63 | 64)
 }
 
-/// Codes that must be the only M of their block: they take P and L, or end or leave the block.
+/// Codes that must be the only M code of a block: they use P and L, or end the program, or jump.
 const fn stands_alone(code: u32) -> bool {
     matches!(code, 0 | 1 | 2 | 20..=22 | 30 | 91 | 92 | 98 | 99)
 }
 
-/// Codes that act when the axes have arrived.
+/// Codes that act after the motion of the block.
 const fn acts_after_motion(code: u32) -> bool {
     matches!(code, 0 | 1 | 2 | 5 | 9 | 30 | 31 | 33 | 65)
 }
 
-/// Checks the M codes, hands out those that act before the move, and says where the program goes on.
+/// Checks the M codes, adds those that act before the motion, and returns how the program continues.
 pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Step> {
     let words = running.words;
     let mut flow = Step::Next;
@@ -101,7 +101,7 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Step> {
             91 | 92 => flow = input_jump(running, *code)?,
             98 => flow = subprogram(running, *code)?,
             99 => flow = back(running, *code)?,
-            // K4.3: misprints of G35 and G36 in the customer's text.
+            // K4.3: M35 and M36 are misprints of G35 and G36 in the customer's text.
             35 => super::grinding::oscillation(running, code.at as usize)?,
             36 => running.ops.push(Op::OscillationOff),
             number if !acts_after_motion(number) => hand_out(running, *code)?,
@@ -111,7 +111,7 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Step> {
     Ok(flow)
 }
 
-/// Hands out the M codes that act after the move.
+/// Adds the M codes that act after the motion.
 pub(super) fn after_motion(running: &mut Running<'_, '_>) -> Outcome<()> {
     let words = running.words;
     for code in words.m() {
@@ -145,7 +145,7 @@ fn hand_out(running: &mut Running<'_, '_>, code: Code) -> Outcome<()> {
     Ok(())
 }
 
-/// `M01 L n`: on at block n.
+/// `M01 L n`: continues at block n.
 fn jump(running: &Running<'_, '_>, code: Code) -> Outcome<Step> {
     match running.words.take(b'L') {
         Some(word) => Ok(Step::Goto { n: integer(word, 0, NUMBERS)?, at: word.at as usize }),

@@ -9,10 +9,10 @@ use crate::nc::fault::{Outcome, wrong1, wrong2};
 use crate::nc::flow::{Call, Callee, Locals, ModalCall};
 use crate::nc::words::{Kind, Word};
 
-/// Sets of I, J, K in argument system II.
+/// Most sets of I, J, K in argument system II.
 const SETS: usize = 10;
 
-/// G65, G66, and G65 with H, which calculates.
+/// G65 and G66 calls, and G65 with H (calculation).
 pub(super) fn macro_call(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
     let words = running.words;
     let (code, name) = match (plan.once, plan.call) {
@@ -50,8 +50,8 @@ pub(super) fn macro_call(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<
     })
 }
 
-/// DECISION: `G65 Hm` with nothing but P, Q and R calculates; H is the argument #11 if P stands before it and names a
-/// program: a plain number, where no jump or alarm takes one.
+/// Whether `G65 Hm` calculates. DECISION: it does if it has only P, Q and R. H is the argument #11 if P precedes it
+/// and is a plain number, and H is no jump or alarm, which use a plain number.
 fn calculates(running: &Running<'_, '_>) -> bool {
     let words = running.words;
     let find = |letter| words.list().iter().find(|word| word.letter == letter);
@@ -68,8 +68,8 @@ fn calculates(running: &Running<'_, '_>) -> bool {
     })
 }
 
-/// System I: each letter its own variable. System II: where I, J or K stands twice, up to ten sets of them; a letter out
-/// of turn (K before I) begins the next set. Where both give a variable, the later word counts.
+/// System I: each letter has its own variable. System II: if I, J or K occurs twice, up to ten sets of them; a letter
+/// out of order (I after K) begins the next set. If both systems set a variable, the later word counts.
 fn arguments(words: &[Word]) -> Outcome<Locals> {
     let mut locals: Locals = [None; 33];
     let mut seen = 0_u32;
@@ -172,7 +172,7 @@ mod tests {
     fn b3_of_both_argument_systems_the_later_word_counts() {
         let list = [(b'A', 1.0), (b'B', 2.0), (b'I', -3.0), (b'I', 4.0), (b'D', 5.0)];
         let locals = arguments(&list.map(|(letter, value)| word(letter, value))).unwrap();
-        // The second I is #7, which D gives anew.
+        // The second I is #7, which D then overwrites.
         assert_eq!((locals[0], locals[1], locals[3], locals[6]), (Some(1.0), Some(2.0), Some(-3.0), Some(5.0)));
     }
 }

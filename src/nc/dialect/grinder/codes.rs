@@ -1,4 +1,4 @@
-//! The G codes of a block: each looked up in the table, none ignored. Source: spec B2, K1.
+//! The G codes of a block. Each is looked up in the table; none is ignored. Source: spec B2, K1.
 
 use super::continuous;
 use crate::defs::gcode::{Exists, GCode, Group};
@@ -9,29 +9,29 @@ use crate::nc::modal::{CycleWords, Motion};
 use crate::nc::op::{PathMode, Plane, SpeedMode};
 use crate::nc::words::{Code, Words};
 
-/// What the G codes of a block ask for; modal ones are already in the working copy of the modals.
+/// The G codes of a block; modal ones are already applied to the modal state.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Plan {
-    /// The function of group 00.
+    /// The one-shot function (group 00).
     pub once: Option<Code>,
     /// G66 or G67.
     pub call: Option<Code>,
-    /// A function of group 01 stands in the block.
+    /// The function of group 01 in the block.
     pub motion: Option<Code>,
-    /// G61 or G64 stands in the block.
+    /// The block contains G61 or G64.
     pub path: bool,
-    /// G54–G59 stands in the block.
+    /// The block contains G54–G59.
     pub frame: bool,
 }
 
 impl Plan {
-    /// Whether the function of group 00 is this one.
+    /// Whether the one-shot function has this number.
     #[inline]
     pub fn once_is(&self, number: u32) -> bool {
         self.once.is_some_and(|once| once.number == number)
     }
 
-    /// G65 or G66: the words are arguments.
+    /// Whether the block is a G65 or G66 call: its words are arguments.
     #[inline]
     pub fn is_macro_call(&self) -> bool {
         self.once_is(65) || self.call.is_some_and(|call| call.number == 66)
@@ -47,7 +47,7 @@ pub(super) fn read(running: &mut Running<'_, '_>) -> Outcome<Plan> {
     let words = running.words;
     for code in words.g() {
         let row = look_up(*code, mill)?;
-        // K1: on GC `G90` beside another motion means absolute, which is what it is anyway.
+        // K1: on GC `G90` with another motion code means absolute, which is always active there.
         if code.number == 90 && !mill {
             if let Some(before) = absolute.replace(*code) {
                 return double(*code, before);
@@ -73,7 +73,7 @@ pub(super) fn read(running: &mut Running<'_, '_>) -> Outcome<Plan> {
     Ok(plan)
 }
 
-/// The row of a code, if this machine has it in this version.
+/// The table row of a code, if this machine and version have it.
 #[inline]
 pub(super) fn look_up(code: Code, mill: bool) -> Outcome<&'static GCode> {
     let (at, name) = (code.at as usize, || format!("G{:02}", code.number));
@@ -86,7 +86,7 @@ pub(super) fn look_up(code: Code, mill: bool) -> Outcome<&'static GCode> {
     }
 }
 
-/// The fault of a code whose group stood before in the block.
+/// The error for a second code of the same group in the block.
 #[cold]
 fn double_group<T>(words: &Words, code: Code, group: Group, mill: bool) -> Outcome<T> {
     let same = |before: &&Code| GCode::find(before.number).is_some_and(|row| row.group_on(mill) == group);
@@ -125,7 +125,7 @@ fn apply(running: &mut Running<'_, '_>, plan: &mut Plan, group: Group, code: Cod
         Group::FeedMode => {
             let per_rev = matches!(code.number, 95 | 99);
             if per_rev != modals.per_rev {
-                // DECISION: 100 mm/min must not become 100 mm a revolution; a new F is asked for.
+                // DECISION: 100 mm/min must not become 100 mm/rev; a new F is required.
                 modals.feed = None;
             }
             modals.per_rev = per_rev;

@@ -1,4 +1,4 @@
-//! The canned cycles of GC: G90 along Z, G94 across, each four moves out of and back to the starting point.
+//! The canned cycles of GC: G90 along Z, G94 along X. Each has four moves and returns to the starting point.
 //! Source: spec B2, K1.
 
 use super::length;
@@ -9,12 +9,12 @@ use crate::nc::fault::{Outcome, wrong2};
 use crate::nc::op::{AxisSet, Op};
 use crate::units::{Axis, PerAxis};
 
-/// G90: X in rapid, along Z at feed (taper R: radius at the start less radius at the end), X out at feed, Z back.
+/// G90: X in at rapid, Z at feed (taper R: start radius minus end radius), X out at feed, Z back at rapid.
 pub(super) fn longitudinal(running: &mut Running<'_, '_>) -> Outcome<()> {
     run(running, Axis::X, Axis::Z)
 }
 
-/// G94: Z in rapid, along X at feed (taper R in Z), Z out at feed, X back in rapid.
+/// G94: Z in at rapid, X at feed (taper R in Z), Z out at feed, X back at rapid.
 pub(super) fn face(running: &mut Running<'_, '_>) -> Outcome<()> {
     run(running, Axis::Z, Axis::X)
 }

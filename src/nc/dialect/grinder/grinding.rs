@@ -8,7 +8,7 @@ use crate::nc::op::{AxisSet, Gauging, Op};
 use crate::nc::words::{Kind, Word};
 use crate::units::{Axis, PerAxis};
 
-/// Gauge inputs.
+/// Number of gauge inputs.
 const SIGNALS: u32 = 6;
 
 /// G10 `D_ U_ W_ V_`: adds to the wear of offset D (K4.1).
@@ -31,7 +31,7 @@ pub(super) fn add_wear(running: &mut Running<'_, '_>, at: usize) -> Outcome<()> 
     Ok(())
 }
 
-/// G27 `X Z F_`: axes named without numbers; X if none is named, P243 if no F is given (K4.2).
+/// G27 `X Z F_`: axes without numbers; X if there is none, P243 if there is no F (K4.2).
 pub(super) fn dress_return(running: &mut Running<'_, '_>) -> Outcome<()> {
     let words = running.words;
     let mut axes = AxisSet::NONE;
@@ -54,7 +54,7 @@ pub(super) fn dress_return(running: &mut Running<'_, '_>) -> Outcome<()> {
     Ok(())
 }
 
-/// G35 `X_|Z_ D_ Q_` (K4.3); with a cylinder it takes no words (K4.4).
+/// G35 `X_|Z_ D_ Q_` (K4.3); with a cylinder it has no words (K4.4).
 pub(super) fn oscillation(running: &mut Running<'_, '_>, at: usize) -> Outcome<()> {
     let words = running.words;
     if running.settings.oscillation_by_cylinder {
@@ -69,7 +69,7 @@ pub(super) fn oscillation(running: &mut Running<'_, '_>, at: usize) -> Outcome<(
         return wrong2(second.at as usize, E::NotTogether, first, other);
     }
     let to = coordinate(running, axis, word)?;
-    // K4.3: too little is taken as the least, and said, when the stroke begins.
+    // K4.3: values below the minimum are raised to it, with a message, when the oscillation starts.
     let bounded = |word: Word| {
         let name = char::from(word.letter);
         if word.value <= LIMIT { Ok(word.value) } else { out_of_range(name, word, "≤99999.999") }
@@ -104,7 +104,7 @@ pub(super) fn gauge(running: &mut Running<'_, '_>, at: usize) -> Outcome<()> {
             return out_of_range("L", word, "> 0");
         }
         Some((_, mm)) => mm,
-        // A single point is approached twice: it must be left in between.
+        // A single contact is approached twice, so a retract is required.
         None if second.is_none() => return missing("L"),
         None => 0.0,
     };
@@ -121,7 +121,7 @@ fn coordinate(running: &Running<'_, '_>, axis: Axis, word: Word) -> Outcome<f64>
     Ok(if axis == Axis::X && running.settings.diameter { value / 2.0 } else { value })
 }
 
-/// A speed word, mm/min.
+/// A feed word, mm/min.
 fn speed(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     let unit = if running.modals.inch { crate::units::MM_PER_INCH } else { 1.0 };
     if word.value <= 0.0 || word.value > LIMIT {

@@ -1,4 +1,4 @@
-//! The family's calculating calls `G65 Hm P#i Q#j R#k`. Source: spec B3.
+//! Macro A: calculation by `G65 Hm P#i Q#j R#k`. Source: spec B3.
 
 use super::integer;
 use crate::defs::program_error::ProgramError as E;
@@ -10,10 +10,10 @@ use crate::nc::lexer::Cursor;
 use crate::nc::op::Op;
 use crate::nc::words::Word;
 
-/// The highest N number that a jump can name.
+/// Highest block number of a jump.
 const NUMBERS: u32 = 99_999_999;
 
-/// Executes one. P is the variable that takes the result, or the block to jump to; Q and R are values.
+/// Executes a `G65 Hm`. P is the result variable or the block to jump to; Q and R are values.
 pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     let words = running.words;
     if let Some(double) = words.double {
@@ -28,7 +28,7 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     match code {
         80..=86 => jump(running, h, code),
         99 => {
-            // DECISION: H99 P n is the alarm 3000 + n, as #3000 = n.
+            // DECISION: H99 P n raises alarm 3000 + n, as #3000 = n does.
             let p = need(running, h, b'P')?;
             running.ops.push(Op::Alarm { number: 3000 + integer(p, 0, 999)?, text: Box::default() });
             Ok(Step::Next)
@@ -116,7 +116,7 @@ fn operand(running: &Running<'_, '_>, h: Word, letter: u8) -> Outcome<f64> {
     }
 }
 
-/// The variable that P names: `P#i`, read again from the text because its value is of no interest.
+/// The result variable `P#i`: its number is read again from the text, as the word holds its value.
 fn result_variable(running: &mut Running<'_, '_>, h: Word) -> Outcome<(u32, usize)> {
     let Some(word) = running.words.list().iter().find(|word| word.letter == b'P') else {
         return wrong2(h.at as usize, E::MissingWord, format!("G65 H{:02}", h.value), "P");
@@ -130,7 +130,7 @@ fn result_variable(running: &mut Running<'_, '_>, h: Word) -> Outcome<(u32, usiz
     Ok((expression::variable(&mut cursor, running.scope)?, at))
 }
 
-/// H26: the product of P's own value.
+/// The present value of P, for H26.
 fn result_value(running: &Running<'_, '_>, h: Word) -> Outcome<f64> {
     match running.words.list().iter().find(|word| word.letter == b'P') {
         Some(word) => Ok(word.value),

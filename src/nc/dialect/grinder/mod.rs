@@ -1,7 +1,7 @@
-//! The KT-820/KT-830 family's own dialect: lathe system A on GC, G90/G91 on GS and GA.
+//! The KT-820/KT-830 dialect: lathe system A on GC, modal G90/G91 on GS and GA.
 //!
-//! Order within a block (DECISION): modes, frame, S, T, M codes that start something, the move, dwell or preset, M codes
-//! that stop something, then the jump or call. Source: spec B2, B4, K1, K3.14, K3.15.
+//! Order within a block (DECISION): modes, work offset, T, S, M codes that act before the motion, the move, dwell or
+//! G50, M codes that act after the motion, then the jump or call. Source: spec B2, B4, K1, K3.14, K3.15.
 
 mod auxiliary;
 mod calls;
@@ -56,7 +56,7 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     block::divided(running, |running| rest(running, &plan))
 }
 
-/// Everything behind the modes, the frame and the tool.
+/// Executes what follows the modes, the work offset and the tool.
 fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
     auxiliary::speed(running, plan)?;
     let mut flow = auxiliary::before_motion(running)?;
@@ -81,7 +81,7 @@ fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
     Ok(flow)
 }
 
-/// Looks at the codes of a block that is not executed.
+/// Checks the codes of a block that is not executed.
 pub(super) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
     for code in words.g() {
         codes::look_up(*code, settings.is_mill())?;
@@ -92,10 +92,10 @@ pub(super) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
     }
 }
 
-/// Feed, units, path mode and frame.
+/// Sets feed, path mode and work offset.
 #[inline]
 fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
-    // G27 and G78 have a speed of their own.
+    // The F of G27 and G78 is not modal.
     if !(plan.once_is(27) || plan.once_is(78)) {
         let mm = if running.modals.inch { MM_PER_INCH } else { 1.0 };
         block::feed(running, mm)?;
@@ -104,7 +104,7 @@ fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     Ok(())
 }
 
-/// Whether the block changes where coordinates are counted from before it uses them.
+/// Whether the block changes its work offset or tool offset and also moves.
 #[inline]
 fn changes_position(running: &Running<'_, '_>, plan: &Plan) -> bool {
     let moves = running.words.has_any(AXIS_WORDS) && !plan.once_is(4);
@@ -113,7 +113,7 @@ fn changes_position(running: &Running<'_, '_>, plan: &Plan) -> bool {
 
 fn once_or_move(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     match plan.once.map(|once| once.number) {
-        // M35 has taken the axis words.
+        // M35 has used the axis words.
         None if running.words.m().iter().any(|code| code.number == 35) => Ok(()),
         None => motion::modal(running, plan),
         Some(4) => motion::dwell(running),
@@ -134,7 +134,7 @@ fn once_or_move(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     }
 }
 
-/// A word's length in millimetres as written, inch and least increment counted in.
+/// The length of a word in millimetres; applies inches and least increment.
 #[inline]
 fn length(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     let mut value = word.value;
@@ -152,7 +152,7 @@ fn length(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     Ok(value)
 }
 
-/// A word that must be a whole number in a range.
+/// The value of a word that must be a whole number in a range.
 fn integer(word: Word, low: u32, high: u32) -> Outcome<u32> {
     block::integer(char::from(word.letter), word, low, high)
 }
@@ -162,7 +162,7 @@ fn missing_number<T>(running: &Running<'_, '_>, at: u32) -> Outcome<T> {
     wrong1(at as usize, E::MissingNumber, block::letter_at(running, at))
 }
 
-/// The word as written, up to the next letter or blank.
+/// Reports an unknown word, as written up to the next letter or blank.
 #[cold]
 fn unknown_word<T>(running: &Running<'_, '_>, plan: &Plan, word: Word) -> Outcome<T> {
     let at = word.at as usize;
@@ -178,7 +178,7 @@ fn unknown_word<T>(running: &Running<'_, '_>, plan: &Plan, word: Word) -> Outcom
     wrong1(at, E::UnknownWord, text)
 }
 
-/// The letters of an axis: absolute and incremental.
+/// The address letters of an axis: absolute and incremental.
 #[inline]
 const fn axis_letters(axis: Axis) -> [u8; 2] {
     match axis {

@@ -1,4 +1,4 @@
-//! Lines, arcs, dwell, skip, preset and the moves to fixed places. Source: spec B2, K1, K5.10, K5.11.
+//! Lines, arcs, dwell, skip, G50 and moves to reference points. Source: spec B2, K1, K5.10, K5.11.
 
 use super::codes::Plan;
 use super::{AXIS_WORDS, LIMIT, axis_letters, cycle, integer, length, out_of_range};
@@ -10,7 +10,7 @@ use crate::nc::op::{AxisSet, Feed, Op, REFERENCES};
 use crate::nc::words::{Kind, Word};
 use crate::units::{Axis, PerAxis};
 
-/// Skip signals of G31.
+/// Number of skip signals of G31.
 const SIGNALS: u32 = 6;
 const MOTION_ARC_LETTERS: u32 = 1 << (b'I' - b'A') | 1 << (b'J' - b'A') | 1 << (b'K' - b'A');
 
@@ -22,7 +22,7 @@ pub(super) struct Target {
     pub incremental: AxisSet,
 }
 
-/// Where the axis words of the block lead from `from`.
+/// The end of the move from `from` by the axis words of the block.
 pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<Target> {
     let words = running.words;
     let mut target = Target { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
@@ -63,7 +63,7 @@ pub(super) fn axis_value(running: &Running<'_, '_>, axis: Axis, word: Word) -> O
     Ok(if axis == Axis::X && running.settings.diameter { value / 2.0 } else { value })
 }
 
-/// The feed in force.
+/// The active feed.
 #[inline]
 pub(super) fn feed(running: &Running<'_, '_>) -> Outcome<Feed> {
     match running.modals.feed() {
@@ -72,21 +72,21 @@ pub(super) fn feed(running: &Running<'_, '_>) -> Outcome<Feed> {
     }
 }
 
-/// The first axis word of the block, else its first code.
+/// The byte of the first axis word, else of the first code.
 fn first_place(running: &Running<'_, '_>) -> usize {
     let words = running.words;
     let axis = words.list().iter().find(|word| Axis::ALL.iter().any(|axis| axis_letters(*axis).contains(&word.letter)));
     axis.map_or_else(|| words.g().first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
 }
 
-/// The move of group 01.
+/// The move of the active function of group 01.
 pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     let named = running.words.has_any(AXIS_WORDS);
     let arc = matches!(running.modals.motion, Motion::ArcClockwise | Motion::ArcCounterClockwise);
     let by_centre = arc && running.words.has_any(MOTION_ARC_LETTERS);
     if !named && !by_centre {
         return match running.words.look(b'R') {
-            // An arc by radius has no end of its own.
+            // An arc by radius needs an end point.
             Some(radius) if arc && plan.motion.is_some() => {
                 wrong1(radius.at as usize, E::ArcRadius, format!("R{}", radius.value))
             }
@@ -107,7 +107,7 @@ pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
         Motion::ArcCounterClockwise => along_arc(running, 1)?,
         Motion::LongitudinalCycle => cycle::longitudinal(running)?,
         Motion::FaceCycle => cycle::face(running)?,
-        // Of another language; no code of this one leads there.
+        // Of another dialect; no code of this one selects them.
         Motion::RectangleCycle | Motion::InchThread | Motion::MetricThread => {}
     }
     Ok(())
@@ -156,7 +156,7 @@ fn by_offsets(
     let mut center = from;
     for (axis, word) in [first, second].into_iter().zip(offsets) {
         if let Some(word) = word {
-            // B2: I is a radius, also where X is a diameter.
+            // B2: I is a radius, even if X is a diameter.
             center[axis] += length(running, word)?;
         }
     }
@@ -209,7 +209,7 @@ pub(super) fn dwell(running: &mut Running<'_, '_>) -> Outcome<()> {
     Ok(())
 }
 
-/// G28: over the via point to the machine zero; G30 P2 to P4 to another reference point.
+/// G28: via the intermediate point to the machine zero; G30 P2 to P4: to another reference point.
 pub(super) fn reference(running: &mut Running<'_, '_>, code: u32) -> Outcome<()> {
     let Target { to, words, incremental } = target(running, running.scope.position())?;
     if words.is_empty() {
@@ -224,7 +224,7 @@ pub(super) fn reference(running: &mut Running<'_, '_>, code: u32) -> Outcome<()>
     Ok(())
 }
 
-/// G31: feed until the signal P (1–6, 1 if not given).
+/// G31: feeds until skip signal P is active (1–6, default 1).
 pub(super) fn skip(running: &mut Running<'_, '_>) -> Outcome<()> {
     let Target { to, words, incremental } = target(running, running.scope.position())?;
     if words.is_empty() {
@@ -236,7 +236,7 @@ pub(super) fn skip(running: &mut Running<'_, '_>) -> Outcome<()> {
     Ok(())
 }
 
-/// G50: the present position is called X Z; U and W shift it; S limits the speed under G96.
+/// G50: assigns work coordinates X Z to the present position; U and W shift them; S limits the speed under G96.
 pub(super) fn preset(running: &mut Running<'_, '_>) -> Outcome<()> {
     let at = code_place(running, 50);
     let Target { to, words, .. } = target(running, running.scope.position())?;

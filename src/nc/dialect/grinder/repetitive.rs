@@ -1,6 +1,6 @@
-//! The repetitive cycles of GC: G70–G73 over a contour of the program, G74 and G75 grooving by pecks.
+//! The repetitive cycles of GC: G70–G73 over a contour of the program, G74 and G75 peck grooving.
 //!
-//! Each has a block that sets how it works (`G71 U2 R1`), kept for later ones, and a block that does it
+//! A first block stores modal settings (`G71 U2 R1`); a second block executes the cycle
 //! (`G71 P10 Q50 U0.4 W0.1 F80`). Source: spec B2, K1.
 
 use super::motion::{Target, code_place, feed, target};
@@ -13,34 +13,34 @@ use crate::nc::op::{AxisSet, Feed, Op};
 use crate::nc::words::{Kind, Word};
 use crate::units::{Axis, PerAxis};
 
-/// Greatest number of passes of G73.
+/// Most passes of G73.
 const PASSES: u32 = 1_000;
 /// Most pecks of G74 and G75.
 const PECKS: usize = 5_000;
-/// P and Q of G74 and G75 without a point count least increments, mm.
+/// Unit of P and Q of G74 and G75 without a decimal point, mm.
 const LEAST_MM: f64 = 0.001;
-/// What is shorter is no way, mm.
+/// Shorter distances count as zero, mm.
 const NO_WAY_MM: f64 = 1e-7;
 
-/// What the setting blocks have left; radius mm.
+/// The stored settings of the cycles, radius mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct RepeatWords {
-    /// G71, G72: depth of a stroke and the way out at 45°.
+    /// G71, G72: depth of a stroke and retract at 45°.
     depth: Option<f64>,
     escape: f64,
-    /// G73: what is to come off, and in how many passes.
+    /// G73: stock to remove in X and Z, and the number of passes.
     shift: Option<(f64, f64)>,
     passes: Option<u32>,
-    /// G74, G75: how far a peck goes back.
+    /// G74, G75: retract of a peck.
     peck_back: f64,
 }
 
-/// Whether a code is one of them.
+/// Whether a code is a contour cycle.
 pub(super) const fn is_contour_cycle(code: u32) -> bool {
     matches!(code, 70..=73)
 }
 
-/// G70 to G73: what the block sets, or the cycle that it asks for.
+/// G70 to G73: stores the settings of the block, or returns the cycle to execute.
 pub(super) fn contour(running: &mut Running<'_, '_>, code: u32) -> Outcome<Option<Box<ContourCycle>>> {
     let at = code_place(running, code);
     let name = format!("G{code}");
@@ -78,7 +78,7 @@ pub(super) fn contour(running: &mut Running<'_, '_>, code: u32) -> Outcome<Optio
     Ok(Some(Box::new(ContourCycle { first, last, at, allowance, form })))
 }
 
-/// The block without P and Q.
+/// A block without P and Q: stores the settings.
 fn settings(running: &mut Running<'_, '_>, code: u32, at: usize) -> Outcome<()> {
     let words = running.words;
     let (u, w, r) = (words.take(b'U'), words.take(b'W'), words.take(b'R'));
@@ -108,7 +108,7 @@ fn settings(running: &mut Running<'_, '_>, code: u32, at: usize) -> Outcome<()> 
     Ok(())
 }
 
-/// G74 pecks along Z and steps along X, G75 the other way round.
+/// G74 pecks along Z and steps along X; G75 pecks along X and steps along Z.
 pub(super) fn groove(running: &mut Running<'_, '_>, code: u32) -> Outcome<()> {
     let at = code_place(running, code);
     let (peck, step) = if code == 74 { (Axis::Z, Axis::X) } else { (Axis::X, Axis::Z) };
@@ -149,7 +149,7 @@ struct Groove {
     step: Axis,
     from: PerAxis<f64>,
     to: PerAxis<f64>,
-    /// Depth of a peck; none: in one go.
+    /// Depth of a peck; none: one cut to full depth.
     depth: Option<f64>,
     width: Option<f64>,
     back: f64,
@@ -181,7 +181,7 @@ impl Groove {
                     return wrong1(at, E::ContourStrokes, "");
                 }
             }
-            // At the bottom away from the wall that was cut, towards where the groove began.
+            // At the bottom, relief away from the cut wall, towards the start of the groove.
             if self.relief.abs() > NO_WAY_MM && (across - self.from[step]).abs() > NO_WAY_MM {
                 place[step] -= self.relief.copysign(way(step));
                 running.ops.push(rapid(place, side));
@@ -194,7 +194,7 @@ impl Groove {
     }
 }
 
-/// From one place to another in steps of at most `by`, both ends included.
+/// Positions from `from` to `to` in steps of at most `by`, both ends included.
 fn stations(from: f64, to: f64, by: Option<f64>) -> Vec<f64> {
     let way = to - from;
     let mut all = vec![from];
@@ -211,7 +211,7 @@ fn stations(from: f64, to: f64, by: Option<f64>) -> Vec<f64> {
     all
 }
 
-/// P and Q: least increments without a point, millimetres with one; radius, above zero.
+/// P and Q: least increments without a decimal point, millimetres with one; radius, greater than zero.
 fn increment(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     let value = match word.kind {
         Kind::Digits => word.value * LEAST_MM,

@@ -1,4 +1,4 @@
-//! The G codes: each looked up, none ignored. Source: spec S1.
+//! The G codes of a block. Each is looked up; none is ignored. Source: spec S1.
 
 use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::Running;
@@ -7,7 +7,7 @@ use crate::nc::modal::Motion;
 use crate::nc::op::{PathMode, Plane, SpeedMode};
 use crate::nc::words::{Code, Words};
 
-/// Codes of one group exclude each other in a block.
+/// Groups of G codes; a block may contain one code of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Group {
     /// G0 to G3.
@@ -22,20 +22,20 @@ enum Group {
     Path,
     /// G90, G91.
     Distance,
-    /// G94 to G97: one group on this control; G96 and G97 leave the unit of F here.
+    /// G94 to G97: one group on this control; here G96 and G97 do not change the unit of F.
     Feed,
 }
 
-/// What the G codes of a block ask for; modal ones are already in the working copy of the modals.
+/// The G codes of a block; modal ones are already applied to the modal state.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Plan {
     /// G4.
     pub dwell: Option<Code>,
-    /// G60 or G64 stands in the block.
+    /// The block contains G60 or G64.
     pub path: bool,
-    /// G54–G59 stands in the block.
+    /// The block contains G54–G59.
     pub frame: bool,
-    /// A function of the group of motions stands in the block.
+    /// The motion function in the block.
     pub motion: Option<Code>,
 }
 
@@ -55,7 +55,7 @@ const fn group(code: u32) -> Option<Group> {
 fn look_up(code: Code) -> Outcome<Group> {
     match group(code.number) {
         Some(group) => Ok(group),
-        // Other languages tell the unit of F by these.
+        // Other dialects select the unit of F by these codes.
         None if code.number == 98 => wrong2(code.at as usize, E::NoSuchCode, "G98", "G94 (mm/min) G95 (mm/r)"),
         None if code.number == 99 => wrong2(code.at as usize, E::NoSuchCode, "G99", "G95 (mm/r) G94 (mm/min)"),
         None => {
@@ -65,7 +65,7 @@ fn look_up(code: Code) -> Outcome<Group> {
     }
 }
 
-/// The group of a code; no other code of it may stand before in the block.
+/// The group of a code; refuses it if the block already contains a code of the group.
 fn by_itself(words: &Words, index: usize) -> Outcome<Group> {
     let code = words.g()[index];
     let group = look_up(code)?;
@@ -78,17 +78,17 @@ fn by_itself(words: &Words, index: usize) -> Outcome<Group> {
     }
 }
 
-/// Looks at the codes of a block that is not executed.
+/// Checks the codes of a block that is not executed.
 pub(super) fn look(words: &Words) -> Outcome<()> {
     (0..words.g().len()).try_for_each(|index| by_itself(words, index).map(drop))?;
     words.m().iter().try_for_each(|code| super::known(*code))?;
     one_direction(words)
 }
 
-/// Codes of which a block takes one: the spindle's, the coolant's.
+/// Mutually exclusive M codes of a block: spindle, coolant.
 const EXCLUSIVE: [&[u32]; 2] = [&[3, 4, 5], &[7, 8, 9]];
 
-/// M3 and M4 in one block contradict each other.
+/// Refuses mutually exclusive M codes in one block, such as M3 and M4.
 pub(in crate::nc::dialect) fn one_direction(words: &Words) -> Outcome<()> {
     for codes in EXCLUSIVE {
         let mut found = words.m().iter().filter(|code| codes.contains(&code.number));
@@ -138,7 +138,7 @@ fn apply(running: &mut Running<'_, '_>, plan: &mut Plan, group: Group, code: Cod
             number => {
                 let per_rev = number == 95;
                 if per_rev != modals.per_rev {
-                    // 100 mm/min must not become 100 mm a revolution; a new F is asked for.
+                    // 100 mm/min must not become 100 mm/rev; a new F is required.
                     modals.feed = None;
                 }
                 modals.per_rev = per_rev;

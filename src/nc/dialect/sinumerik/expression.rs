@@ -1,4 +1,4 @@
-//! Expressions of the SINUMERIK, evaluated as they are read: `+ − * / DIV MOD`, round brackets, functions, R parameters
+//! SINUMERIK expressions, evaluated while they are read: `+ − * / DIV MOD`, round brackets, functions, R parameters
 //! and positions. An R parameter that was never set is 0. Source: spec S1.
 
 use super::read::unexpected;
@@ -12,10 +12,10 @@ use crate::nc::source::name;
 use crate::nc::words::Set;
 use crate::units::Axis;
 
-/// How deep brackets and signs may nest.
+/// Deepest nesting of brackets and signs.
 const DEPTH: usize = 32;
 
-/// The functions, by what the family calls them.
+/// SINUMERIK function names, and the same functions in `FUNCTIONS`.
 const NAMES: [(&str, &str); 11] = [
     ("SIN", "SIN"),
     ("COS", "COS"),
@@ -30,32 +30,32 @@ const NAMES: [(&str, &str); 11] = [
     ("EXP", "EXP"),
 ];
 
-/// The functions that take other arguments.
+/// Functions that are not in `FUNCTIONS`: the square, and ATAN2 with two arguments.
 const OTHERS: [&str; 2] = ["POT", "ATAN2"];
 
-/// What the functions are called.
+/// The names of all functions.
 pub(super) fn function_names() -> impl Iterator<Item = &'static str> {
     NAMES.into_iter().map(|(name, _)| name).chain(OTHERS)
 }
 
-/// Skips spaces; a bracket is no comment here.
+/// Skips spaces. Brackets are not comments here.
 pub(super) fn blanks(cursor: &mut Cursor<'_>) {
     while matches!(cursor.peek(), b' ' | b'\t') && !cursor.is_over() {
         cursor.at += 1;
     }
 }
 
-/// Evaluates what stands at the cursor.
+/// Evaluates the expression at the cursor.
 pub(super) fn evaluate<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<f64> {
     evaluate_after(cursor, scope, &[])
 }
 
-/// Evaluates what stands at the cursor behind variables that the same block sets.
+/// Evaluates the expression at the cursor; `sets` are earlier assignments in the same block.
 pub(super) fn evaluate_after<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, sets: &[Set]) -> Outcome<f64> {
     Reader { cursor, scope, sets, depth: 0 }.sum()
 }
 
-/// The variable of the R parameter at the cursor: `R18` or `R[…]`.
+/// The variable number of the R parameter at the cursor: `R18` or `R[…]`.
 pub(super) fn parameter<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, sets: &[Set]) -> Outcome<u32> {
     Reader { cursor, scope, sets, depth: 0 }.parameter()
 }
@@ -249,7 +249,7 @@ impl<S: Scope> Reader<'_, '_, S> {
         Ok(self.scope.axis_position(axis, frame, place)?.unwrap_or(0.0))
     }
 
-    /// Takes a word that no further letter or digit follows.
+    /// Skips a word if it is next and no further letter or digit follows; returns whether it was.
     fn word(&mut self, word: &str) -> bool {
         let found = name(&self.cursor.text[self.cursor.at.min(self.cursor.text.len())..]);
         let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
@@ -270,7 +270,7 @@ impl<S: Scope> Reader<'_, '_, S> {
         let act = found.and_then(|(_, name)| FUNCTIONS.into_iter().find(|(other, _)| *other == name));
         let (Some((shown, _)), Some((_, act))) = (found, act) else {
             let word = name(&self.cursor.text[at..]).unwrap_or(&self.cursor.text[at..=at]);
-            // `X= F100`: the next word begins where a value is wanted.
+            // `X= F100`: the next word begins where a value is expected.
             if word.len() == 1 && matches!(self.cursor.peek_at(1), b'0'..=b'9' | b'.' | b'+' | b'-' | b'=') {
                 return wrong1(at, E::MissingNumber, "=");
             }

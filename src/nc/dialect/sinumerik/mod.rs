@@ -1,9 +1,9 @@
-//! The language of the SINUMERIK 802D, as the vertical lathe-grinder's programs use it: R parameters, `X=R20`, labels,
+//! The SINUMERIK 802D dialect, as far as the vertical lathe-grinder's programs use it: R parameters, `X=R20`, labels,
 //! `IF … GOTOF`, `MSG("…")`, `L10 P3`.
 //!
-//! `read` turns a line into words or a statement, `expression` evaluates, `codes` looks the codes up, `motion` makes
-//! operations. Within a block: values of R, modes and frame, S, M codes that start something, the move or dwell, M codes
-//! that stop something, then the call or the return. Source: spec S1.
+//! `read` turns a line into words or a statement, `expression` evaluates, `codes` checks the codes, `motion` returns
+//! operations. Order within a block: R assignments, modes and work offset, S, M codes that act before the motion, the
+//! move or dwell, M codes that act after the motion, then the call or return. Source: spec S1.
 
 mod codes;
 mod expression;
@@ -24,7 +24,7 @@ use crate::nc::flow::{Call, Callee};
 use crate::nc::op::Op;
 use crate::nc::words::{Code, Kind, Word, Words};
 
-/// Looks at a block that is not executed: its codes, each address once, addresses that exist, a call by itself.
+/// Checks a block that is not executed: known codes, unique and known addresses, a call in a block of its own.
 pub(super) fn look(words: &Words, text: &[u8]) -> Outcome<()> {
     codes::look(words)?;
     if let Some(at) = words.double {
@@ -40,10 +40,10 @@ pub(super) fn look(words: &Words, text: &[u8]) -> Outcome<()> {
     }
 }
 
-/// The letters of words beside N, G, M and L.
+/// The address letters of words, without N, G, M and L.
 const LETTERS: &[u8] = &[b'X', b'Y', b'Z', b'I', b'J', b'K', b'F', b'S', RADIUS];
 
-/// A call stands in a block of its own.
+/// Refuses a call that is not in a block of its own.
 fn alone(words: &Words, call: Word) -> Outcome<()> {
     let name = || format!("L{}", call.value);
     if let Some(code) = words.g().first() {
@@ -58,7 +58,7 @@ fn alone(words: &Words, call: Word) -> Outcome<()> {
     }
 }
 
-/// The subprogram that a block calls, and where; `P0` does not call it, and of `P=R32` only the run knows.
+/// The subprogram that a block calls, and the byte of the call. `P0` does not call; `P=R32` is known only in the run.
 pub(super) fn called(words: &Words) -> Option<(u32, usize)> {
     let call = words.look(b'L')?;
     let never = words.look(b'P').is_some_and(|word| word.kind != Kind::Digits || word.value <= 0.0);
@@ -66,11 +66,11 @@ pub(super) fn called(words: &Words) -> Option<(u32, usize)> {
     (!never && number <= L_LAST).then(|| (program::of_l(number), call.at as usize))
 }
 
-/// How often a subprogram can be repeated.
+/// Most repetitions of a subprogram.
 const REPEATS: u32 = 9_999;
-/// The word of `CR=`; R itself is never a word.
+/// The internal letter of `CR=`; R itself is never a word.
 const RADIUS: u8 = b'R';
-/// `RET` among the M codes.
+/// The internal M code of `RET`.
 const RETURN: u32 = 17;
 
 /// Executes a block of words.
@@ -87,7 +87,7 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     block::divided(running, |running| rest(running, &plan))
 }
 
-/// Everything behind the modes and the frame.
+/// Executes what follows the modes and the work offset.
 fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
     if plan.dwell.is_none()
         && let Some(word) = running.words.take(b'S')
@@ -108,7 +108,7 @@ fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
     }
 }
 
-/// Feed, path mode and frame. The F of a dwell is a time.
+/// Sets feed, path mode and work offset. The F of a dwell is a time.
 fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     if plan.dwell.is_none() {
         block::feed(running, 1.0)?;
@@ -117,7 +117,7 @@ fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     Ok(())
 }
 
-/// `L10 P3`: a subprogram, so often; P=0 not at all. It stands in a block of its own.
+/// `L10 P3`: calls a subprogram P times, not at all if P is 0. It must be in a block of its own.
 fn subprogram(running: &Running<'_, '_>, plan: &Plan, call: Word) -> Outcome<Step> {
     let words = running.words;
     let times = words.take(b'P').map_or(Ok(1), |word| integer(word, 0, REPEATS))?;
@@ -131,12 +131,12 @@ fn subprogram(running: &Running<'_, '_>, plan: &Plan, call: Word) -> Outcome<Ste
     })
 }
 
-/// Codes that act when the axes have arrived.
+/// Codes that act after the motion of the block.
 const fn acts_after_motion(code: u32) -> bool {
     matches!(code, 0 | 1 | 2 | 5 | 9 | RETURN | 30 | 31 | 33 | 65)
 }
 
-/// Checks and hands out the M codes that act before (or after) the move, and says where the program goes on.
+/// Checks the M codes, adds those that act before (or after) the motion, and returns how the program continues.
 fn m_codes(running: &mut Running<'_, '_>, after: bool) -> Outcome<Step> {
     let words = running.words;
     let mut flow = Step::Next;
@@ -148,7 +148,7 @@ fn m_codes(running: &mut Running<'_, '_>, after: bool) -> Outcome<Step> {
             return wrong2(code.at as usize, E::NotTogether, first, second);
         }
         flow = match code.number {
-            // A subprogram's end of any kind but M30 leads back to its caller.
+            // Every end of a subprogram except M30 returns to its caller.
             2 | RETURN if !running.flow.is_main() => Step::Return { target: None, at: code.at as usize },
             2 | RETURN | 30 => Step::End,
             _ => flow,
@@ -170,7 +170,7 @@ fn hand_out(running: &mut Running<'_, '_>, code: Code) {
     running.ops.push(Op::M { code, s: None, p: None, l: None });
 }
 
-/// M codes of the machine that need no words, and M17; the mistake names those that there are.
+/// Accepts the M codes of the machine and M17; the error lists the valid codes.
 fn known(code: Code) -> Outcome<()> {
     let exists =
         |number: u32| u16::try_from(number).is_ok_and(|code| mcode::find_in(System::Sinumerik, code).is_some());
@@ -182,12 +182,12 @@ fn known(code: Code) -> Outcome<()> {
     wrong2(code.at as usize, E::NoSuchCode, format!("M{}", code.number), known.join(" "))
 }
 
-/// A word that must be a whole number in a range.
+/// The value of a word that must be a whole number in a range.
 fn integer(word: Word, low: u32, high: u32) -> Outcome<u32> {
     block::integer(letter(word), word, low, high)
 }
 
-/// A word's value from `low` to the greatest that can be written.
+/// The value of a word, checked from `low` to the greatest programmable value.
 fn within(word: Word, low: f64) -> Outcome<f64> {
     if (low..=LIMIT).contains(&word.value) { Ok(word.value) } else { out_of_range(word, "0–99999.999") }
 }
@@ -202,7 +202,7 @@ fn out_of_range<T>(word: Word, range: &str) -> Outcome<T> {
     block::out_of_range(letter(word), word, range)
 }
 
-/// The word as written, up to the next blank.
+/// Reports an unknown word, as written up to the next blank.
 #[cold]
 fn unknown_word<T>(text: &[u8], word: Word) -> Outcome<T> {
     let at = word.at as usize;

@@ -1,4 +1,4 @@
-//! Lines, arcs and dwell. X is a diameter, also under G91; I and K are distances from the start, I a radius.
+//! Lines, arcs and dwell. X is a diameter, also under G91. I and K are distances from the start; I is a radius.
 //! Source: spec S1.
 
 use super::codes::Plan;
@@ -12,7 +12,7 @@ use crate::nc::op::{AxisSet, Feed, Op, SpeedMode};
 use crate::nc::words::{Code, Word};
 use crate::units::{Axis, PerAxis};
 
-/// Seconds of a minute.
+/// Seconds per minute.
 const MINUTE_S: f64 = 60.0;
 
 /// The end of a move.
@@ -30,12 +30,12 @@ const fn address(axis: Axis) -> u8 {
     }
 }
 
-/// Whether the block names an axis.
+/// Whether the block contains an axis word.
 pub(super) fn names_axes(running: &Running<'_, '_>) -> bool {
     Axis::ALL.into_iter().any(|axis| running.words.has(address(axis)))
 }
 
-/// A length of an axis as radius mm.
+/// The value of an axis word, radius mm.
 fn axis_value(running: &Running<'_, '_>, axis: Axis, word: Word) -> Outcome<f64> {
     if !running.settings.axes[axis] {
         return wrong1(word.at as usize, E::NoAxis, axis.letter());
@@ -46,7 +46,7 @@ fn axis_value(running: &Running<'_, '_>, axis: Axis, word: Word) -> Outcome<f64>
     Ok(if axis == Axis::X && running.settings.diameter { word.value / 2.0 } else { word.value })
 }
 
-/// Where the axis words of the block lead.
+/// The end of the move by the axis words of the block.
 fn target(running: &Running<'_, '_>) -> Outcome<Target> {
     let from = running.scope.position();
     let incremental = running.modals.incremental;
@@ -63,7 +63,7 @@ fn target(running: &Running<'_, '_>) -> Outcome<Target> {
     Ok(target)
 }
 
-/// The first axis word of the block, else its first code.
+/// The byte of the first axis word, else of the first code.
 fn first_place(running: &Running<'_, '_>) -> usize {
     let words = running.words;
     let axis = words.list().iter().find(|word| Axis::ALL.into_iter().any(|axis| address(axis) == word.letter));
@@ -83,7 +83,7 @@ pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     let is_arc = matches!(running.modals.motion, Motion::ArcClockwise | Motion::ArcCounterClockwise);
     if !(names_axes(running) || is_arc && centre) {
         return match running.words.look(RADIUS) {
-            // An arc by radius has no end of its own.
+            // An arc by radius needs an end point.
             Some(word) if is_arc && plan.motion.is_some() => {
                 wrong1(word.at as usize, E::ArcRadius, format!("CR={}", word.value))
             }
@@ -97,7 +97,7 @@ pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
         }
         Motion::ArcClockwise => along_arc(running, -1)?,
         Motion::ArcCounterClockwise => along_arc(running, 1)?,
-        // G0; what the other languages have beside it never comes into force here.
+        // G0. Motion modes of other dialects are never active here.
         _ => {
             let Target { to, words, incremental } = target(running)?;
             Op::Rapid { to, feed: None, words, incremental }
@@ -161,7 +161,7 @@ pub(super) fn dwell(running: &mut Running<'_, '_>, code: Code) -> Outcome<()> {
         (Some(seconds), None) => within(seconds, 0.0)?,
         (None, Some(turns)) => match (running.modals.speed, running.modals.speed_mode) {
             (Some(rpm), SpeedMode::Rpm) if rpm > 0.0 => within(turns, 0.0)? * MINUTE_S / rpm,
-            // How many turns a surface speed makes depends on the wheel.
+            // Under constant surface speed the rpm depends on the wheel diameter.
             (Some(_) | None, _) => {
                 let written = format!("G4 S{}", turns.value);
                 return wrong1(turns.at as usize, E::DwellWithoutSpeed, written);

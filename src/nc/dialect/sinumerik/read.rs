@@ -1,4 +1,4 @@
-//! One line: block number, label, then a statement or words. Reading evaluates and changes nothing. Source: spec S1.
+//! Reads one line: block number, label, then a statement or words. Changes no state. Source: spec S1.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ const CONDITION: &str = "IF a<b GOTOF …";
 const QUOTES: [(&[u8], &[u8]); 3] =
     [(b"\"", b"\""), (&[0xe2, 0x80, 0x9c], &[0xe2, 0x80, 0x9d]), (&[0xa1, 0xb0], &[0xa1, 0xb1])];
 
-/// Reads one line. Afterwards the cursor stands at its end.
+/// Reads one line. Afterwards the cursor is at its end.
 pub(in crate::nc::dialect) fn read<S: Scope>(
     cursor: &mut Cursor<'_>,
     scope: &mut S,
@@ -28,7 +28,7 @@ pub(in crate::nc::dialect) fn read<S: Scope>(
 ) -> Outcome<Content> {
     words.clear();
     blanks(cursor);
-    // `%_N_NAME_MPF` is the head of a file that came over the wire.
+    // `%_N_NAME_MPF` is the header of a file from serial transfer.
     if cursor.peek() == b'%' || cursor.take(b'/') && head.block_skip {
         cursor.rest_of_line();
         return Ok(Content::Nothing);
@@ -44,7 +44,7 @@ pub(in crate::nc::dialect) fn read<S: Scope>(
     match cursor.peek() {
         b'\r' | b'\n' => {}
         b';' => cursor.rest_of_line(),
-        // A comment of other languages.
+        // A comment in other dialects.
         b'(' => return wrong2(cursor.at, E::ForeignCharacter, "(", ";"),
         sign @ (b'[' | b']') => return wrong1(cursor.at, E::UnexpectedCharacter, char::from(sign)),
         _ => return unexpected(cursor),
@@ -52,7 +52,7 @@ pub(in crate::nc::dialect) fn read<S: Scope>(
     Ok(content)
 }
 
-/// The fault for a byte that fits nowhere; round brackets are no comments here.
+/// The error for an unexpected byte. Round brackets are not comments here.
 #[cold]
 pub(super) fn unexpected<T>(cursor: &Cursor<'_>) -> Outcome<T> {
     match cursor.peek() {
@@ -61,7 +61,7 @@ pub(super) fn unexpected<T>(cursor: &Cursor<'_>) -> Outcome<T> {
     }
 }
 
-/// `N40`, blanks between or not; none if the block has no number.
+/// `N40`, with or without blanks; none if the block has no number.
 fn block_number(cursor: &mut Cursor<'_>) -> Outcome<Option<u32>> {
     let at = cursor.at;
     let mut ahead = Cursor { at: at + 1, ..*cursor };
@@ -77,7 +77,7 @@ fn block_number(cursor: &mut Cursor<'_>) -> Outcome<Option<u32>> {
     Ok(Some(number.value as u32))
 }
 
-/// What stands at the cursor as one word: letters, digits and `_`.
+/// The letters, digits and `_` at the cursor.
 fn written<'a>(cursor: &Cursor<'a>) -> &'a [u8] {
     let rest = cursor.text.get(cursor.at..).unwrap_or_default();
     let ends = |byte: &u8| !byte.is_ascii_alphanumeric() && *byte != b'_';
@@ -88,7 +88,7 @@ fn shown(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).to_ascii_uppercase()
 }
 
-/// Words of the language, which no label can be.
+/// Whether a word is reserved: it cannot be a label.
 fn is_reserved(word: &[u8]) -> bool {
     const WORDS: [&str; 11] = ["IF", "GOTOF", "GOTOB", "GOTO", "GOTOC", "MSG", "STOPRE", "RET", "CR", "DIV", "MOD"];
     WORDS.into_iter().chain(function_names()).any(|reserved| word.eq_ignore_ascii_case(reserved.as_bytes()))
@@ -110,7 +110,7 @@ fn label(cursor: &mut Cursor<'_>) -> Outcome<()> {
     Ok(())
 }
 
-/// Takes a keyword that no further letter or digit follows.
+/// Skips a keyword if it is next and no further letter or digit follows; returns whether it was.
 fn keyword(cursor: &mut Cursor<'_>, word: &str) -> bool {
     let found = name(&cursor.text[cursor.at.min(cursor.text.len())..]);
     let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
@@ -135,7 +135,7 @@ fn body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words) -> 
         return message(cursor);
     }
     if keyword(cursor, "STOPRE") {
-        // What follows is read when the machine has got here.
+        // Blocks after STOPRE are read when execution reaches this point.
         scope.axis_position(Axis::X, Frame::Machine, at)?;
         return Ok(Content::Nothing);
     }
@@ -143,7 +143,7 @@ fn body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words) -> 
     Ok(if words.is_empty() { Content::Nothing } else { Content::Words })
 }
 
-/// `GOTOF` (true) or `GOTOB`; there is no jump of another name.
+/// `GOTOF` (true) or `GOTOB` (false); refuses other GOTO keywords.
 fn direction(cursor: &mut Cursor<'_>) -> Outcome<Option<bool>> {
     if keyword(cursor, "GOTOF") {
         return Ok(Some(true));
@@ -222,18 +222,18 @@ fn message(cursor: &mut Cursor<'_>) -> Outcome<Content> {
     }
 }
 
-/// The pair of quotes whose first stands at the cursor.
+/// The pair of quotes whose opening quote is at the cursor.
 fn quote(cursor: &Cursor<'_>) -> Option<(&'static [u8], &'static [u8])> {
     let rest = cursor.text.get(cursor.at..).unwrap_or_default();
     QUOTES.into_iter().find(|(begin, _)| rest.starts_with(begin))
 }
 
-/// A text in quotes; the cursor stands behind it.
+/// Reads a text in quotes; the cursor is then after it.
 fn quoted(cursor: &mut Cursor<'_>) -> Outcome<Range<usize>> {
     let open = cursor.at;
     let Some((begin, end)) = quote(cursor) else { return wrong(open, E::UnbalancedQuote) };
     let start = open + begin.len();
-    // A character of GBK has two bytes from 0x81 on; its second may look like the beginning of another.
+    // A GBK character has two bytes, the first from 0x81; the second may look like a first byte.
     let wide = begin == QUOTES[2].0;
     let mut at = start;
     loop {
@@ -248,7 +248,7 @@ fn quoted(cursor: &mut Cursor<'_>) -> Outcome<Range<usize>> {
     Ok(start..at)
 }
 
-/// One word of a block; `false` where none begins.
+/// Reads one word of a block; `false` if there is none.
 fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words) -> Outcome<bool> {
     blanks(cursor);
     let at = cursor.at;
@@ -263,7 +263,7 @@ fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Word
             words.add(Word { value, at: start, letter: RADIUS, kind: Kind::Exact })?;
             return Ok(true);
         }
-        // `XR20`: its sign of equality is missing.
+        // `XR20`: `=` is missing.
         if matches!(found, [_, b'R' | b'r', digits @ ..] if is_number(digits)) {
             let address = if shown(&found[..2]) == "CR" { &found[..2] } else { &found[..1] };
             return wrong1(at, E::EqualsMissing, shown(address));
@@ -303,7 +303,7 @@ fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Word
     Ok(true)
 }
 
-/// `R5` in the block of an arc, with no `=` behind it, means its radius in other languages.
+/// Refuses `R5` without `=` in an arc block: in other dialects it is the radius.
 fn refuse_radius(cursor: &Cursor<'_>) -> Outcome<()> {
     let rest = &cursor.text[cursor.at + 1..];
     let length = rest.iter().take_while(|byte| matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+')).count();
@@ -319,7 +319,7 @@ fn is_number(digits: &[u8]) -> bool {
     !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)
 }
 
-/// No number stands where one is wanted: an expression without `=`, or nothing.
+/// The error for a missing number: an expression without `=`, or nothing.
 #[cold]
 fn no_number<T>(cursor: &Cursor<'_>, at: usize, letter: u8) -> Outcome<T> {
     let calculated = matches!(cursor.peek(), b'(' | b'$')
@@ -339,7 +339,7 @@ fn number(cursor: &mut Cursor<'_>, at: usize, letter: u8) -> Outcome<(f64, Kind)
     Ok((if negative { -number.value } else { number.value }, kind))
 }
 
-/// The value after `=` of what began at `at`.
+/// The value after `=`; `at` is the start of the word.
 fn assigned<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &Words, at: usize) -> Outcome<f64> {
     let end = cursor.at;
     blanks(cursor);

@@ -10,11 +10,11 @@ use crate::nc::op::{Op, SpeedMode};
 use crate::nc::words::{Code, Words};
 use crate::units::{Axis, PerAxis};
 
-/// The least and the greatest speed that can be written, rpm: M05 stops the spindle, S0 does not.
+/// Lowest and highest programmable speed, rpm. M05 stops the spindle, S0 does not.
 const SPEEDS: (f64, f64) = (1.0, 9_999.0);
 /// M05.
 const SPINDLE_STOP: u32 = 5;
-/// How often a loop can run.
+/// Most passes of a counted loop.
 const REPEATS: u32 = 9_999;
 
 /// The row of an M code.
@@ -22,7 +22,7 @@ fn row(code: Code) -> Option<&'static MCode> {
     mcode::find_in(System::SuperMan, u16::try_from(code.number).ok()?)
 }
 
-/// Whether the language has an M code; the mistake names those that it has.
+/// Refuses an M code that the dialect does not have; the error lists the valid codes.
 pub(super) fn exists(code: Code) -> Outcome<()> {
     if row(code).is_some() {
         return Ok(());
@@ -31,7 +31,7 @@ pub(super) fn exists(code: Code) -> Outcome<()> {
     wrong2(code.at as usize, E::NoSuchCode, format!("M{:02}", code.number), known.join(" "))
 }
 
-/// Looks at an M code of a block that is not executed, and at the block to which it leads.
+/// Checks an M code of a block that is not executed, and its jump target.
 pub(super) fn look(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> {
     exists(code)?;
     if !matches!(code.number, 97 | 98) {
@@ -53,7 +53,7 @@ pub(super) fn look(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> 
     }
 }
 
-/// Looks at a G22 that is not executed.
+/// Checks a G22 that is not executed.
 pub(super) fn look_at_loop(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> {
     let at = code.at as usize;
     let Some(word) = words.look(b'L') else { return wrong2(at, E::MissingWord, "G22", "L") };
@@ -64,7 +64,7 @@ pub(super) fn look_at_loop(code: Code, words: &Words, block: &Unrun<'_>) -> Outc
     }
 }
 
-/// S: revolutions a minute (D: the manual leaves it to the customer), no faster than the spindle can turn (P64).
+/// S: spindle speed, rpm (D: the manual leaves the unit to the customer), at most the highest spindle speed (P64).
 pub(super) fn speed(running: &mut Running<'_, '_>) -> Outcome<()> {
     let Some(word) = running.words.take(b'S') else { return Ok(()) };
     let most = running.settings.turning.most_rpm.min(SPEEDS.1);
@@ -76,7 +76,7 @@ pub(super) fn speed(running: &mut Running<'_, '_>) -> Outcome<()> {
     Ok(())
 }
 
-/// `T b`, `T 0 b`: station b; `T a 0`: station a with compensation: the slides move by what the tips differ.
+/// `T b`, `T 0 b`: station b. `T a 0`: station a with compensation: the slides move by the difference of the tips.
 pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
     let Some(word) = running.words.take(b'T') else { return Ok(()) };
     let (station, with) = match integer(word, 0, 99)? {
@@ -96,15 +96,15 @@ pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
     Ok(())
 }
 
-/// Codes that act when the axes have arrived, or lead elsewhere: alone in their block.
+/// Codes that must be the only M code of a block: stops, jumps, calls and returns.
 const fn stands_alone(code: u32) -> bool {
     matches!(code, 0 | 2 | 97..=99)
 }
 
-/// Codes of which a block takes one: the spindle's, the coolant's.
+/// Mutually exclusive M codes of a block: spindle, coolant.
 const EXCLUSIVE: [&[u32]; 2] = [&[3, 4, 5], &[7, 8]];
 
-/// Codes that stand alone, or exclude each other; a code that leads elsewhere takes no F.
+/// Checks M codes that must be alone or exclude each other; M02, jumps, calls and returns must not have F.
 pub(super) fn alone(words: &Words) -> Outcome<()> {
     let name = |code: &Code| format!("M{:02}", code.number);
     for code in words.m().iter().filter(|code| stands_alone(code.number)) {
@@ -126,7 +126,7 @@ pub(super) fn alone(words: &Words) -> Outcome<()> {
     Ok(())
 }
 
-/// Checks the M codes, hands out those that act before the move, and says where the program goes on.
+/// Checks the M codes, adds those that act before the motion, and returns how the program continues.
 pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Code, Step)>> {
     let words = running.words;
     let mut flow = None;
@@ -149,7 +149,7 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Co
             98 => target().map(|(n, at)| Step::Local { n, at })?,
             99 => Step::Return { target: None, at: code.at as usize },
             number => {
-                // L5: a thread is remarked on where the program has not switched the spindle on.
+                // L5: a check warns of a thread if the program has not started the spindle.
                 running.modals.spindle_on =
                     number != SPINDLE_STOP && (running.modals.spindle_on || matches!(number, 3 | 4));
                 running.ops.push(Op::M { code: number as u8, s: None, p: None, l: None });
@@ -161,14 +161,14 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Co
     Ok(flow)
 }
 
-/// Hands out the M codes that act after the move.
+/// Adds the M codes that act after the motion.
 pub(super) fn after_motion(running: &mut Running<'_, '_>) {
     for code in running.words.m().iter().filter(|code| matches!(code.number, 0 | 2)) {
         running.ops.push(Op::M { code: code.number as u8, s: None, p: None, l: None });
     }
 }
 
-/// `G22 L n`: n times up to G80, L0000 leaves it out.
+/// `G22 L n`: executes the blocks up to G80 n times; L0000 skips them.
 pub(super) fn begin_loop(running: &Running<'_, '_>, at: usize) -> Outcome<Step> {
     match running.words.take(b'L') {
         Some(word) => Ok(Step::Loop { times: integer(word, 0, REPEATS)?, at }),

@@ -1,6 +1,6 @@
-//! The 超人 (SuperMan) lathe: X, Z absolute, U, W incremental in any mix, all X, U, I diameters; one G code a block.
+//! The 超人 (SuperMan) lathe dialect: X, Z absolute, U, W incremental in any mix; X, U, I diameters; one G per block.
 //!
-//! Order within a block: S, T, M03–M08, the G function, then M00, M02 and the M codes that lead elsewhere.
+//! Order within a block: S, T, M03–M08, the G function, M00 and M02, then jumps, calls and returns.
 //! Source: spec superman-lathe.md L1–L8, seed 001.
 
 mod auxiliary;
@@ -14,20 +14,20 @@ use crate::nc::modal::Motion;
 use crate::nc::settings::Settings;
 use crate::nc::words::{Code, Kind, Word, Words};
 
-/// The greatest coordinate that can be written, mm.
+/// Greatest coordinate that can be programmed, mm.
 const LIMIT: f64 = 9_999.99;
-/// The highest block number, and how many digits it has.
+/// Highest block number, and its number of digits.
 const NUMBERS: u32 = 9_999;
 const DIGITS: usize = 4;
 
-/// The letters X Z U W.
+/// Mask of the address letters X Z U W.
 const AXIS_WORDS: u32 = bit(b'X') | bit(b'Z') | bit(b'U') | bit(b'W');
 
 const fn bit(letter: u8) -> u32 {
     1 << (letter - b'A')
 }
 
-/// The G codes, none ignored.
+/// All G codes; others are refused.
 const G_CODES: &[u32] = &[0, 1, 2, 3, 4, 22, 23, 26, 27, 29, 32, 33, 36, 37, 39, 80, 92];
 
 /// Executes a block of words.
@@ -56,7 +56,7 @@ pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
     }
 }
 
-/// Looks at the writing and the codes of a block that is not executed.
+/// Checks format and codes of a block that is not executed.
 pub(super) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Outcome<()> {
     let text: &[u8] = block.source.bytes();
     check_writing(words, settings, (text, block.at))?;
@@ -80,10 +80,10 @@ pub(super) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Out
     }
 }
 
-/// The letters of words beside N, G and M.
+/// The address letters of words, without N, G and M.
 const LETTERS: &[u8] = b"XZUWIKRFLST";
 
-/// What holds for every block: its number of four digits first, plain numbers, each address once (L1).
+/// Checks the format of every block: first a four-digit number, literal values, unique addresses (L1).
 fn check_writing(words: &Words, settings: &Settings, (text, at): (&[u8], usize)) -> Outcome<()> {
     let line = text.get(at..).unwrap_or_default();
     let end = line.iter().position(|byte| matches!(byte, b'\r' | b'\n' | b';' | b'(')).unwrap_or(line.len());
@@ -104,7 +104,7 @@ fn check_writing(words: &Words, settings: &Settings, (text, at): (&[u8], usize))
         return wrong1(place as usize, E::DoubleWord, letter(place));
     }
     let digits = line.iter().skip(first + 1).take_while(|byte| byte.is_ascii_digit()).count();
-    // D: the manual prints N016 once; with three digits it is read and remarked on.
+    // D: the manual prints N016 once; a number of three digits is accepted with a warning.
     let as_printed = digits == DIGITS || digits + 1 == DIGITS;
     match words.n {
         None if settings.numbered => wrong(at + first, E::BlockNumberMissing),
@@ -120,12 +120,12 @@ fn written_number(line: &[u8], first: usize, digits: usize) -> String {
     format!("N{}", String::from_utf8_lossy(digits))
 }
 
-/// How a block number is written.
+/// The correct form of a block number.
 fn best_number(n: u32) -> String {
     if n > NUMBERS { format!("N0000–N{NUMBERS}") } else { format!("N{n:04}") }
 }
 
-/// A block number of three digits as it is written, and as it should be.
+/// A three-digit block number as written, and with four digits.
 fn short_number(text: &[u8], at: usize) -> Option<(String, String)> {
     let line = text.get(at..)?;
     let first = line.iter().position(|byte| !matches!(byte, b' ' | b'\t'))?;
@@ -138,7 +138,7 @@ fn short_number(text: &[u8], at: usize) -> Option<(String, String)> {
     })
 }
 
-/// The one G code of a block.
+/// The only G code of a block.
 fn g_code(words: &Words) -> Outcome<Option<Code>> {
     if let Some(code) = words.g().iter().find(|code| !G_CODES.contains(&code.number)) {
         let known: Vec<_> = G_CODES.iter().map(|code| format!("G{code:02}")).collect();
@@ -158,12 +158,12 @@ fn g_code(words: &Words) -> Outcome<Option<Code>> {
     }
 }
 
-/// The name of a code, or nothing.
+/// The name of a code, or an empty text.
 fn name(code: Option<Code>) -> String {
     code.map_or_else(String::new, |code| format!("G{:02}", code.number))
 }
 
-/// The G function of the block, or the modal one if there are coordinates.
+/// Executes the G function of the block, else the modal one if there are coordinates.
 fn function(running: &mut Running<'_, '_>, code: Option<Code>) -> Outcome<Option<Step>> {
     let place = code.map_or(running.at, |code| code.at as usize);
     if let Some(code) = code {
@@ -196,7 +196,7 @@ fn function(running: &mut Running<'_, '_>, code: Option<Code>) -> Outcome<Option
     modal(running, place, false).map(|()| None)
 }
 
-/// The modal function with the words of this block; `named`: its G code stands in the block.
+/// Executes the modal function with the words of the block; `named`: its G code is in the block.
 fn modal(running: &mut Running<'_, '_>, place: usize, named: bool) -> Outcome<()> {
     let arc = bit(b'I') | bit(b'K') | bit(b'R');
     let by_arc = matches!(running.modals.motion, Motion::ArcClockwise | Motion::ArcCounterClockwise)
@@ -222,7 +222,7 @@ fn modal(running: &mut Running<'_, '_>, place: usize, named: bool) -> Outcome<()
     }
 }
 
-/// A word that must be a whole number in a range.
+/// The value of a word that must be a whole number in a range.
 fn integer(word: Word, low: u32, high: u32) -> Outcome<u32> {
     let name = char::from(word.letter);
     if word.kind != Kind::Digits {
@@ -239,7 +239,7 @@ fn out_of_range<T>(word: Word, range: &str) -> Outcome<T> {
     wrong2(word.at as usize, E::OutOfRange, format!("{}{}", char::from(word.letter), word.value), range)
 }
 
-/// The word as written, up to the next letter or blank.
+/// Reports an unknown word, as written up to the next letter or blank.
 #[cold]
 fn unknown_word<T>(text: &[u8], word: Word) -> Outcome<T> {
     let at = word.at as usize;

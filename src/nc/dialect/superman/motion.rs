@@ -1,4 +1,4 @@
-//! Rapids, lines, arcs, the rectangle cycle, dwell and the moves to fixed places. Source: spec L2–L4, L6.
+//! Rapids, lines, arcs, the rectangle cycle, dwell, G92 and moves to fixed points. Source: spec L2–L4, L6.
 
 use super::{LIMIT, out_of_range};
 use crate::defs::program_error::ProgramError as E;
@@ -13,13 +13,13 @@ use crate::units::{Axis, PerAxis};
 const RAPIDS: (f64, f64) = (2_000.0, 6_000.0);
 const LINES: (f64, f64) = (6.0, 2_000.0);
 const ARCS: (f64, f64) = (6.0, 600.0);
-/// Range of G04, seconds: the text says 9999.99, the table 99.99; the text holds (D).
+/// Range of G04, seconds. The manual's text says 9999.99, its table 99.99; the text applies (D).
 const DWELLS: (f64, f64) = (0.01, 9_999.99);
-/// An arc's radius lies above this, mm.
+/// An arc's radius must be greater than this, mm.
 const LEAST_RADIUS_MM: f64 = 0.2;
-/// An arc ends less than so many increments off.
+/// The end error of an arc must be below this many increments.
 const INCREMENTS_OFF: f64 = 5.0;
-/// No length, mm.
+/// Shorter lengths count as zero, mm.
 const NOTHING_MM: f64 = 1e-9;
 
 /// The end of a move.
@@ -33,7 +33,7 @@ pub(super) struct Target {
 /// The absolute and the incremental word of X and of Z.
 const PAIRS: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
 
-/// X with U and Z with W say the same twice (L1).
+/// Refuses X with U and Z with W (L1).
 pub(super) fn one_word_each(words: &Words) -> Outcome<()> {
     for (absolute, distance) in PAIRS {
         if let (Some(first), Some(second)) = (words.look(absolute), words.look(distance)) {
@@ -45,7 +45,7 @@ pub(super) fn one_word_each(words: &Words) -> Outcome<()> {
     Ok(())
 }
 
-/// Where the axis words of the block lead.
+/// The end of the move by the axis words of the block.
 pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<Target> {
     let mut target = Target { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
     one_word_each(running.words)?;
@@ -81,7 +81,7 @@ const fn range(motion: Motion) -> (f64, f64) {
     }
 }
 
-/// A feed that a motion takes (L2).
+/// Checks a feed against the range of a motion (L2).
 pub(super) fn feed_in_range(word: Word, motion: Motion) -> Outcome<()> {
     let (low, high) = range(motion);
     if (low..=high).contains(&word.value) {
@@ -90,7 +90,7 @@ pub(super) fn feed_in_range(word: Word, motion: Motion) -> Outcome<()> {
     out_of_range(word, &format!("{low}–{high} mm/min"))
 }
 
-/// F of the block: checked against the range of the function in force; that of G00 holds for its block alone.
+/// F of the block, checked against the range of the active function. The F of G00 is not modal.
 pub(super) fn take_feed(running: &mut Running<'_, '_>) -> Outcome<Option<f64>> {
     let Some(word) = running.words.take(b'F') else { return Ok(None) };
     feed_in_range(word, running.modals.motion)?;
@@ -100,12 +100,12 @@ pub(super) fn take_feed(running: &mut Running<'_, '_>) -> Outcome<Option<f64>> {
     Ok(Some(word.value))
 }
 
-/// The feed of lines in force, else the parameter's.
+/// The active feed of lines, else the parameter's.
 fn line_feed(running: &Running<'_, '_>) -> f64 {
     running.modals.feed.unwrap_or(running.settings.turning.line_feed)
 }
 
-/// Speed along a straight way: F where it goes along Z; X goes at half of F at most.
+/// Feed along a line: F, reduced so that X moves at no more than half of F.
 fn along(feed: f64, from: PerAxis<f64>, to: PerAxis<f64>) -> Feed {
     let (x, z) = ((to[Axis::X] - from[Axis::X]).abs(), to[Axis::Z] - from[Axis::Z]);
     let length = x.hypot(z);
@@ -113,7 +113,7 @@ fn along(feed: f64, from: PerAxis<f64>, to: PerAxis<f64>) -> Feed {
     Feed::PerMinute(feed.min(most))
 }
 
-/// Notes which way X moved, for the run-out of a thread.
+/// Records the direction of X, for the run-out of a thread.
 fn note_infeed(running: &mut Running<'_, '_>, from: PerAxis<f64>, to: PerAxis<f64>) {
     let by = to[Axis::X] - from[Axis::X];
     if by.abs() > NOTHING_MM {
@@ -121,7 +121,7 @@ fn note_infeed(running: &mut Running<'_, '_>, from: PerAxis<f64>, to: PerAxis<f6
     }
 }
 
-/// G00: both axes in the ratio of their steps, then the rest on one of them.
+/// G00: both axes move in a fixed speed ratio, then one axis completes its distance.
 pub(super) fn rapid(running: &mut Running<'_, '_>, feed: Option<f64>) -> Outcome<()> {
     let from = running.scope.position();
     let Target { to, words, incremental } = target(running, from)?;
@@ -138,7 +138,7 @@ pub(super) fn rapid(running: &mut Running<'_, '_>, feed: Option<f64>) -> Outcome
         return Ok(());
     }
     push_rapid(running, from, Target { to: corner, words, incremental }, feed);
-    // The axis that has arrived is not named again.
+    // The axis that is in position is not named again.
     let left = AxisSet::of(if over_x > over_z { Axis::X } else { Axis::Z });
     push_rapid(running, corner, Target { to, words: left, incremental: within(incremental, left) }, feed);
     Ok(())
@@ -150,7 +150,7 @@ fn within(set: AxisSet, of: AxisSet) -> AxisSet {
     both
 }
 
-/// A rapid, with an F of its own at that speed.
+/// Adds a rapid; with F, at that feed.
 fn push_rapid(running: &mut Running<'_, '_>, from: PerAxis<f64>, target: Target, feed: Option<f64>) {
     let Target { to, words, incremental } = target;
     let feed = feed.map(|feed| along(feed, from, to));
@@ -167,7 +167,7 @@ pub(super) fn line(running: &mut Running<'_, '_>) -> Outcome<()> {
     Ok(())
 }
 
-/// G02 (`iso_opposite` 1) and G03 (−1): I (a diameter) and K from the start, or R, negative for the major arc.
+/// G02 (`iso_opposite` 1) and G03 (−1): I (a diameter) and K from the start, or R (negative: major arc).
 pub(super) fn arc(running: &mut Running<'_, '_>, place: usize, iso_opposite: i8) -> Outcome<()> {
     let from = running.scope.position();
     let turn = if running.settings.turning.arcs_opposite { iso_opposite } else { -iso_opposite };
@@ -182,7 +182,7 @@ pub(super) fn arc(running: &mut Running<'_, '_>, place: usize, iso_opposite: i8)
             return wrong2(radius.at as usize, E::NotTogether, "R", other);
         }
     };
-    // A feed that lines left in force may be too fast for an arc: then the parameter's holds.
+    // A feed from lines may be too fast for an arc; the parameter's feed then applies.
     let turning = &running.settings.turning;
     let feed = running.modals.feed.filter(|feed| *feed <= ARCS.1).unwrap_or(turning.arc_feed);
     let feed = Feed::PerMinute(feed);
@@ -214,10 +214,10 @@ fn by_offsets(
     let ((start_x, start_z), (end_x, end_z)) = (arm(from), arm(to));
     let (radius, reached) = (start_x.hypot(start_z), end_x.hypot(end_z));
     large_enough(at, radius)?;
-    // How far the end stands off the circle in each coordinate as written.
+    // The end error in each coordinate as programmed.
     let off = (reached - radius).abs();
     let share = if reached > NOTHING_MM { (2.0 * end_x.abs() / reached).max(end_z.abs() / reached) } else { 2.0 };
-    // A rounding error of the sum is no increment.
+    // Tolerates the rounding error of the sum.
     if off * share + NOTHING_MM >= INCREMENTS_OFF * running.settings.turning.pulse_mm {
         return wrong1(at, E::ArcEndOff, format!("{off:.3}"));
     }
@@ -233,7 +233,7 @@ fn by_radius(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> Outc
     }
     large_enough(at, radius.abs())?;
     let half = chord / 2.0;
-    // A half circle may miss its radius by the rounding of the text.
+    // The radius of a half circle may be too small by the rounding of the text.
     if radius.abs() + 0.01 < half {
         return wrong1(at, E::ArcRadius, format!("R{radius}"));
     }
@@ -245,7 +245,7 @@ fn by_radius(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> Outc
     Ok(center)
 }
 
-/// G23: from A over B (X, rapid), C (Z at F), D (X at F) back to A (Z, rapid).
+/// G23: from A to B (X at rapid), C (Z at F), D (X at F) and back to A (Z at rapid).
 pub(super) fn rectangle(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
     let from = running.scope.position();
     let Target { to, words, incremental } = target(running, from)?;
@@ -282,7 +282,7 @@ pub(super) fn rectangle(running: &mut Running<'_, '_>, place: usize) -> Outcome<
     Ok(())
 }
 
-/// A dwell that G04 takes (L2).
+/// Checks the range of G04 (L2).
 pub(super) fn dwell_in_range(word: Word) -> Outcome<()> {
     if (DWELLS.0..=DWELLS.1).contains(&word.value) {
         return Ok(());
@@ -298,7 +298,7 @@ pub(super) fn dwell(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> 
     Ok(())
 }
 
-/// G92 has X and Z, and neither U nor W (L3).
+/// Checks that G92 has X and Z, and neither U nor W (L3).
 pub(super) fn whole_preset(words: &Words, place: usize) -> Outcome<()> {
     if let Some(word) = [b'U', b'W'].into_iter().find_map(|letter| words.look(letter)) {
         return wrong2(word.at as usize, E::PresetByDistance, "G92", "U W");
@@ -309,7 +309,7 @@ pub(super) fn whole_preset(words: &Words, place: usize) -> Outcome<()> {
     }
 }
 
-/// G92: the present position is called X Z; nothing moves.
+/// G92: assigns work coordinates X Z to the present position; nothing moves.
 pub(super) fn preset(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
     whole_preset(running.words, place)?;
     let from = running.scope.position();
@@ -318,14 +318,14 @@ pub(super) fn preset(running: &mut Running<'_, '_>, place: usize) -> Outcome<()>
     Ok(())
 }
 
-/// A function that takes no coordinates.
+/// Refuses coordinates.
 fn no_coordinates(running: &Running<'_, '_>, place: usize) -> Outcome<()> {
     let found = [b'X', b'Z', b'U', b'W'].into_iter().find_map(|letter| running.words.look(letter));
     let code = running.words.g().iter().find(|code| code.at as usize == place).map_or(0, |code| code.number);
     found.map_or(Ok(()), |word| wrong1(word.at as usize, E::AxisUnused, format!("G{code:02}")))
 }
 
-/// G26, G27, G29: to the tool-change point, X before Z.
+/// G26, G27, G29: moves to the tool-change point, X before Z.
 pub(super) fn return_to_start(running: &mut Running<'_, '_>, place: usize, x: bool, z: bool) -> Outcome<()> {
     no_coordinates(running, place)?;
     let (mut at, start) = (running.scope.position(), running.scope.world.start());
@@ -336,7 +336,7 @@ pub(super) fn return_to_start(running: &mut Running<'_, '_>, place: usize, x: bo
     Ok(())
 }
 
-/// G36, G37, G39: to the machine origin by its switch; the coordinate there is the parameter's.
+/// G36, G37, G39: homes by the switch; the coordinate there is the parameter's.
 pub(super) fn home(running: &mut Running<'_, '_>, place: usize, x: bool, z: bool) -> Outcome<()> {
     no_coordinates(running, place)?;
     let (mut axes, mut values) = (AxisSet::NONE, PerAxis::default());

@@ -1,4 +1,4 @@
-//! G32 and G33: a thread along Z by W, tapered by U, with its own run-out. Source: spec L5, seed 5.1.6.
+//! G32 and G33: a thread of length W along Z, with taper U and a run-out. Source: spec L5, seed 5.1.6.
 
 use super::motion::coordinate;
 use super::out_of_range;
@@ -10,22 +10,22 @@ use crate::nc::op::{Op, Threading};
 use crate::nc::words::Word;
 use crate::units::{Axis, MM_PER_INCH};
 
-/// Leads of G33, mm.
+/// Range of the lead of G33, mm.
 const LEADS: (f64, f64) = (0.25, 12.0);
-/// Turns an inch of G32.
+/// Range of G32, turns per inch.
 const TURNS: (f64, f64) = (3.0, 33.5);
-/// The last millimetres of Z, in which the tool is drawn back.
+/// Length of the run-out along Z, mm: the tool retracts there.
 const RUN_OUT_MM: f64 = 1.2;
-/// The way before the part that the axes need, in leads.
+/// Approach length before the part, in leads.
 const APPROACH_LEADS: f64 = 3.0;
 
-/// The highest spindle speed for a lead, rpm.
+/// Highest spindle speed for a lead, rpm.
 #[must_use]
 fn speed_limit(lead_mm: f64) -> f64 {
     1_200.0 / lead_mm - 80.0
 }
 
-/// A thread from where the tool stands.
+/// A thread from the present position.
 pub(super) fn run(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
     let words = running.words;
     if let Some(word) = [b'X', b'Z'].into_iter().find_map(|letter| words.look(letter)) {
@@ -57,7 +57,7 @@ pub(super) fn run(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
     let share = 1.0 - RUN_OUT_MM / along.abs();
     out[Axis::X] += taper * share;
     out[Axis::Z] += along * share;
-    // 2 · lead + 2 mm on the diameter, against the last infeed.
+    // Retracts by 2 · lead + 2 mm on the diameter, against the last infeed.
     to[Axis::X] += taper - f64::from(running.modals.infeed) * (lead + 1.0);
     to[Axis::Z] += along;
     running.modals.lead = Some(lead);
@@ -65,7 +65,7 @@ pub(super) fn run(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
     Ok(())
 }
 
-/// Turns an inch: the digits after the point are the denominator of a fraction, 33.2 is 33½.
+/// Turns per inch. The digits after the point are the denominator of a fraction: 33.2 is 33½.
 fn turns_an_inch(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     let refused = || out_of_range(word, "3–33.2 (33½)");
     let written = running.text.get(word.at as usize + 1..).unwrap_or_default();
@@ -85,20 +85,20 @@ fn turns_an_inch(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     if word.value < 0.0 || !(TURNS.0..=TURNS.1).contains(&turns) { refused() } else { Ok(turns) }
 }
 
-/// The way on which Z comes up to a speed, mm/s, by its acceleration and jerk: half of the time at that speed.
+/// Run-up distance of Z to `speed` (mm/s) by acceleration and jerk, mm: half of `speed` times the run-up time.
 fn run_up_mm(speed: f64, (accel, jerk): (f64, f64)) -> f64 {
     let seconds =
         if speed * jerk <= accel * accel { 2.0 * (speed / jerk).sqrt() } else { speed / accel + accel / jerk };
     speed * seconds / 2.0
 }
 
-/// What the check says about the way before the part and the speed of the spindle; the run looks at the spindle itself.
+/// Warnings about approach length and spindle speed, for a check. The run monitors the spindle itself.
 fn remark(running: &mut Running<'_, '_>, place: usize, lead: f64, along: f64) {
     let z = running.scope.position()[Axis::Z];
     let speed = running.modals.speed.unwrap_or(running.settings.turning.spindle_rpm);
-    // Note 5: the way of the run-up is that of the axis where three leads are less.
+    // Note 5: the approach is at least three leads and at least the run-up of the axis.
     let needed = (APPROACH_LEADS * lead).max(run_up_mm(lead * speed / 60.0, running.settings.turning.run_up));
-    // The part's face lies at Z 0 where the thread comes in over it.
+    // The part's face is at Z 0, if the thread crosses it.
     let enters = if along < 0.0 { z >= 0.0 && z + along < 0.0 } else { z <= 0.0 && z + along > 0.0 };
     if enters && z.abs() < needed {
         let details = [format!("{:.3}", z.abs()), format!("{needed:.3}")];
