@@ -1,22 +1,22 @@
-//! The quantities that every room shares: time, axes and values per axis.
+//! Quantities shared by all modules: time, axes and values per axis.
 //!
-//! Lengths are millimetres, feeds millimetres per minute where a person reads them and millimetres per second inside
-//! the motion room; names carry the unit last (`accel_mm_s2`) where no type does.
+//! Lengths are in millimetres. Feeds are in millimetres per minute where people read them, in millimetres per second
+//! inside `motion`. Names end in the unit (`accel_mm_s2`) where no type states it.
 
 use std::fmt;
 use std::ops::{Add, Index, IndexMut, Sub};
 
 use serde::{Deserialize, Serialize};
 
-/// Millimetres of an inch.
+/// Millimetres per inch.
 pub const MM_PER_INCH: f64 = 25.4;
 
-/// A moment or a span of controller time, in microseconds since power-on. Never wall-clock time.
+/// A point in controller time (microseconds since power-on) or a time span in microseconds. Never wall-clock time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Micros(pub u64);
 
 impl Micros {
-    /// Power-on, or a span of no length.
+    /// Power-on, or a zero span.
     pub const ZERO: Self = Self(0);
 
     /// A span of whole milliseconds.
@@ -25,13 +25,13 @@ impl Micros {
         Self(millis * 1_000)
     }
 
-    /// A span from a parameter in milliseconds; negative and non-finite values are no time at all.
+    /// A span from a parameter in milliseconds; negative and non-finite values give zero.
     #[must_use]
     pub fn from_millis_f64(millis: f64) -> Self {
         if millis.is_finite() && millis > 0.0 { Self((millis * 1_000.0).round() as u64) } else { Self::ZERO }
     }
 
-    /// A span in seconds, rounded to the microsecond; negative and non-finite values are no time at all.
+    /// A span in seconds, rounded to the microsecond; negative and non-finite values give zero.
     #[must_use]
     pub fn from_secs_f64(seconds: f64) -> Self {
         Self::from_millis_f64(seconds * 1_000.0)
@@ -43,7 +43,7 @@ impl Micros {
         self.0 as f64 / 1e6
     }
 
-    /// The time gone by since `earlier`; zero if `earlier` lies ahead.
+    /// The time elapsed since `earlier`; zero if `earlier` is later.
     #[must_use]
     pub const fn since(self, earlier: Self) -> Self {
         Self(self.0.saturating_sub(earlier.0))
@@ -64,7 +64,7 @@ impl Sub for Micros {
     }
 }
 
-/// A linear axis of the machine. Which way it points is the machine kind's business.
+/// A linear axis of the machine. Its direction depends on the kind of machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Axis {
     /// Infeed on GC, table on GS, cross on GA.
@@ -122,7 +122,7 @@ impl<T> PerAxis<T> {
         PerAxis(self.0.map(f))
     }
 
-    /// Axis and value, X first.
+    /// Axis and value, in the order X, Y, Z.
     pub fn iter(&self) -> impl Iterator<Item = (Axis, &T)> {
         Axis::ALL.into_iter().zip(self.0.iter())
     }

@@ -1,28 +1,28 @@
-//! The alarms: number, text, cause, remedy, reaction and how each one is cleared.
-//! Program alarms (1–65, 67–99) carry their place in the program; their texts stand in `program_error`.
+//! The alarms: number, text, cause, remedy, reaction and reset rule.
+//! Program alarms (1–65, 67–99) carry their position in the program; their texts are in `program_error`.
 //! Source: spec B8, K3.
 
 use super::text::Text;
 
-/// What the machine does when an alarm comes.
+/// What the machine does when an alarm is raised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Reaction {
-    /// Shown; nothing is stopped (a page file is wrong).
+    /// The alarm is shown; nothing stops (for example an invalid page file).
     Show,
-    /// Blocks cycle start; whoever raises it decides whether a run has to end.
+    /// Blocks cycle start. The code that raises the alarm decides whether a running program ends.
     BlockStart,
-    /// Holds the run as a feed hold does, and blocks cycle start; nothing else stops.
+    /// Holds the program like a feed hold and blocks cycle start. Nothing else stops.
     HoldProgram,
-    /// Ends the run: motion brakes along its path, the program is left. Wheel and fluids stay.
+    /// Ends the program: the axes brake along the path. Wheel and fluids stay on.
     StopProgram,
-    /// Ends the run and stops wheel and workpiece drive.
+    /// Ends the program and stops wheel and workpiece drive.
     StopProgramAndWheel,
-    /// All axes brake at full deceleration, safe outputs.
+    /// All axes brake at full deceleration; outputs go to their safe state.
     StopAll,
 }
 
 impl Reaction {
-    /// What the machine does, as told on the screen.
+    /// The reaction as shown on the screen.
     #[must_use]
     pub const fn name(self) -> Text {
         match self {
@@ -42,19 +42,19 @@ impl Reaction {
     }
 }
 
-/// How an alarm goes away.
+/// How an alarm is cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResetRule {
-    /// RESET, once its cause is gone.
+    /// By RESET, once its cause is gone.
     Reset,
-    /// By itself when its cause is gone.
+    /// Clears itself when its cause is gone.
     SelfClearing,
-    /// By itself, unless it has stopped a wheel or a program; then by RESET once its cause is gone.
+    /// Clears itself, unless it has stopped a wheel or a program; then by RESET once its cause is gone.
     SelfClearingUnlessStopped,
 }
 
 impl ResetRule {
-    /// How it goes away, as told on the screen.
+    /// The rule as shown on the screen.
     #[must_use]
     pub const fn name(self) -> Text {
         match self {
@@ -68,18 +68,18 @@ impl ResetRule {
     }
 }
 
-/// One alarm.
+/// One row of the alarm table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alarm {
-    /// Number shown.
+    /// Alarm number.
     pub number: u16,
-    /// What is the matter.
+    /// Short description.
     pub text: Text,
-    /// Why it comes.
+    /// Cause.
     pub cause: Text,
-    /// What to do.
+    /// Remedy.
     pub remedy: Text,
-    /// What the machine does.
+    /// Reaction of the machine.
     pub reaction: Reaction,
     /// How it is cleared.
     pub reset: ResetRule,
@@ -89,7 +89,7 @@ macro_rules! alarms {
     ($($name:ident = $number:literal, $reaction:ident, $reset:ident, $zh:literal, $en:literal,
         $cause_zh:literal, $cause_en:literal, $remedy_zh:literal, $remedy_en:literal;)*) => {
         $(#[doc = $en] pub const $name: u16 = $number;)*
-        /// Every alarm that is not a program's, by number.
+        /// Every alarm that is not a program alarm, by number.
         pub const ALARMS: &[Alarm] = &[$(Alarm {
             number: $number, text: Text::new($zh, $en), cause: Text::new($cause_zh, $cause_en),
             remedy: Text::new($remedy_zh, $remedy_en), reaction: Reaction::$reaction, reset: ResetRule::$reset,
@@ -258,9 +258,9 @@ alarms! {
 /// The alarms of the RS232 line.
 pub const SERIAL: std::ops::RangeInclusive<u16> = SERIAL_PORT..=SERIAL_TEXT;
 
-/// First number of the alarms that a program raises by `#3000`.
+/// First number of the alarms that a program raises with `#3000`.
 pub const USER_FIRST: u16 = 3_000;
-/// What such an alarm is, and what to do about it.
+/// Description and remedy of such an alarm.
 pub const USER: (Text, Text) = (
     Text::new(
         "程序用 #3000 发出的报警，文字由编程员写",
@@ -269,19 +269,19 @@ pub const USER: (Text, Text) = (
     Text::new("按文字处理后复位", "do as its text says, then RESET"),
 );
 
-/// The row of an alarm that is not a program's.
+/// The row of an alarm that is not a program alarm.
 #[must_use]
 pub fn find(number: u16) -> Option<&'static Alarm> {
     ALARMS.iter().find(|row| row.number == number)
 }
 
-/// What the machine does on an alarm of any number; program alarms end the run.
+/// The reaction to any alarm number; program alarms end the program.
 #[must_use]
 pub fn reaction(number: u16) -> Reaction {
     find(number).map_or(Reaction::StopProgram, |row| row.reaction)
 }
 
-/// How an alarm of any number is cleared.
+/// The reset rule of any alarm number.
 #[must_use]
 pub fn reset_rule(number: u16) -> ResetRule {
     find(number).map_or(ResetRule::Reset, |row| row.reset)

@@ -1,4 +1,4 @@
-//! Date and time of day as people at the machine read them. Nothing here asks a clock. Source: spec B6 (clock, alarms).
+//! Date and time of day in local time. This module never reads a clock. Source: spec B6 (clock, alarms).
 
 use serde::{Deserialize, Serialize};
 
@@ -8,12 +8,12 @@ const DAY: i64 = 86_400;
 /// The years that can be set.
 pub const YEARS: std::ops::RangeInclusive<i64> = 2_020..=2_099;
 
-/// Seconds since 1970-01-01 00:00:00, in the time of the place where the machine stands.
+/// Seconds since 1970-01-01 00:00:00 local time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct Date(pub i64);
 
 impl Date {
-    /// A date of its parts: year, month, day, hour, minute, second; none if there is no such day or time.
+    /// A date from year, month, day, hour, minute, second; `None` if the date or time is invalid.
     #[must_use]
     pub fn of(parts: [i64; 6]) -> Option<Self> {
         let [year, month, day, hour, minute, second] = parts;
@@ -27,7 +27,7 @@ impl Date {
     #[must_use]
     pub fn parts(self) -> [i64; 6] {
         let (days, rest) = (self.0.div_euclid(DAY), self.0.rem_euclid(DAY));
-        // A year has 365.2425 days: the guess is off by one at most.
+        // A year has 365.2425 days on average: the first guess is off by one at most.
         let mut year = 1_970 + (days * 400).div_euclid(146_097);
         while days_before(year, 1) > days {
             year -= 1;
@@ -40,7 +40,7 @@ impl Date {
         [year, month, day, rest / HOUR, rest / MINUTE % 60, rest % MINUTE]
     }
 
-    /// A date as it is shown, `2026-11-21 15:01:56`; none if it is written otherwise or there is no such day or time.
+    /// Parses `2026-11-21 15:01:56`; `None` if the format differs or the date or time is invalid.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let (day, time) = text.split_once(' ')?;
@@ -76,7 +76,7 @@ const fn is_leap(year: i64) -> bool {
     year % 4 == 0 && (year % 100 != 0 || year % 400 == 0)
 }
 
-/// Days of a month.
+/// Number of days in a month.
 #[must_use]
 pub const fn days_of(year: i64, month: i64) -> i64 {
     match month {
@@ -86,7 +86,7 @@ pub const fn days_of(year: i64, month: i64) -> i64 {
     }
 }
 
-/// Days from 1970-01-01 to the first of a month.
+/// Days from 1970-01-01 to the first day of a month.
 fn days_before(year: i64, month: i64) -> i64 {
     let past = year - 1;
     let leaps = past.div_euclid(4) - past.div_euclid(100) + past.div_euclid(400) - 477;

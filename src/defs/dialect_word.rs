@@ -1,17 +1,17 @@
-//! The words of the two dialects that have G codes and statements of their own, for help and manual.
+//! The words of the two dialects with their own G codes and statements, for help and manual.
 //! Source: spec superman-lathe.md L2–L8, sinumerik-802d.md S1.
 
 use super::kind::System;
 use super::text::Text;
 
-/// A word of a dialect.
+/// One word of a dialect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DialectWord {
     /// As it is written: `G22`, `GOTOF`.
     pub word: &'static str,
     /// What it does.
     pub text: Text,
-    /// How it is written, its limits, what refuses it.
+    /// Syntax, limits and alarms.
     pub help: Text,
 }
 
@@ -123,7 +123,7 @@ words! {
     "G97", "恒转速", "constant speed of rotation", "S 为转/分。", "S is rpm.";
 }
 
-/// The words of a dialect that has a table of its own.
+/// The words of a dialect; empty for dialects that use the `gcode` table.
 #[must_use]
 pub const fn table(system: System) -> &'static [DialectWord] {
     match system {

@@ -1,51 +1,51 @@
-//! What a kind of machine is called and shows on its pages where kinds differ. Source: spec K1, L7–L9.
+//! Labels and drawing data of the pages that differ by kind of machine. Source: spec K1, L7–L9.
 
 use super::kind::Kind;
 use super::text::Text;
 use crate::units::Axis;
 
-/// The words and figures of a kind.
+/// The kind-dependent labels of the pages.
 #[derive(Clone, Copy, Debug)]
 pub struct Face {
-    /// The part turns in a main spindle and tools cut it; otherwise a wheel grinds it.
+    /// True for a lathe: a main spindle turns the part and tools cut it. False for a grinder.
     pub turns_part: bool,
-    /// What S drives.
+    /// Name of the spindle that S commands.
     pub spindle: Text,
-    /// What the process column shows last: strokes a minute, or the station in front.
+    /// Last item of the process column: strokes per minute, or the active turret station.
     pub last: Text,
-    /// What the analog outputs command.
+    /// Names of the two analog outputs.
     pub analog: [Text; 2],
-    /// The page of single blocks.
+    /// Title of the MDI page.
     pub mdi: Text,
-    /// The tab of the simulator page that shows the part.
+    /// Title of the simulator tab that shows the part.
     pub part: Text,
-    /// Codes of the block pad, a touch each.
+    /// One-touch codes of the MDI pad.
     pub codes: &'static [Text],
-    /// The third and later rows of its signs hold the macro language's.
+    /// The pad has the characters of the macro language, from its third row on.
     pub macros: bool,
 }
 
-/// A form that is ground.
+/// A shape that can be ground.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Diameters, cones and shoulders of a part that turns.
+    /// Diameters, cones and shoulders of a rotating part.
     Outside,
-    /// A bore of a part that turns.
+    /// A bore of a rotating part.
     Bore,
-    /// Planes and walls of a part on a table that goes to and fro.
+    /// Planes and walls of a part on a reciprocating table.
     Flat,
-    /// A plane of a part on a table that turns.
+    /// A plane of a part on a rotary table.
     Ring,
 }
 
-/// How a wheel stands in a drawing.
+/// Orientation of the wheel in a drawing.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelPose {
-    /// The axis towards which the body lies.
+    /// The axis in whose plus direction the wheel body lies.
     pub body: Axis,
-    /// The axis along its spindle.
+    /// The axis parallel to its spindle.
     pub spindle: Axis,
-    /// The position is that of its centre (S4), not of its foremost point.
+    /// The axis position is that of the wheel centre (S4), not of its foremost point.
     pub by_centre: bool,
 }
 
@@ -99,7 +99,7 @@ static LATHE: Face = Face {
 };
 
 impl Kind {
-    /// Its words and figures.
+    /// The page labels of the kind.
     #[must_use]
     pub const fn face(self) -> &'static Face {
         match self {
@@ -108,7 +108,7 @@ impl Kind {
         }
     }
 
-    /// The planes of its drawings, rightwards and upwards, the usual one first.
+    /// The drawing planes as (axis to the right, axis upwards), the default one first.
     #[must_use]
     pub const fn planes(self) -> &'static [(Axis, Axis)] {
         match self {
@@ -119,7 +119,7 @@ impl Kind {
         }
     }
 
-    /// What it grinds.
+    /// The shapes it can grind; empty for a lathe.
     #[must_use]
     pub const fn grinds(self) -> &'static [Form] {
         match self {
@@ -131,7 +131,7 @@ impl Kind {
         }
     }
 
-    /// How its wheel stands in a drawing; none where tools cut.
+    /// Orientation of the wheel in a drawing; `None` for a lathe.
     #[must_use]
     pub const fn wheel_pose(self) -> Option<WheelPose> {
         let (body, spindle) = match self {
@@ -143,7 +143,7 @@ impl Kind {
         Some(WheelPose { body, spindle, by_centre: matches!(self, Self::Vertical) })
     }
 
-    /// The program that pictures of its pages are taken with.
+    /// The program used for screenshots of its pages.
     #[must_use]
     pub const fn shown(self) -> &'static str {
         match self {

@@ -1,32 +1,32 @@
-//! What the simulated machine can suffer: the words of stories, the keys of the simulator page, the manual's list.
+//! The faults that can be injected into the simulated machine; used by stories, the simulator page and the manual.
 //! Source: spec P8, tools.md ("Faults").
 
 use super::text::Text;
 
-/// What stands behind the name of a fault.
+/// The argument after the name of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Takes {
-    /// Nothing.
+    /// None.
     Nothing,
-    /// The id of an input.
+    /// An input id.
     Input,
     /// A number of ticks.
     Ticks,
 }
 
-/// One fault.
+/// One row of the fault table.
 #[derive(Clone, Copy, Debug)]
 pub struct FaultRow {
-    /// The word of stories.
+    /// The word used in stories.
     pub name: &'static str,
-    /// What has to stand behind it.
+    /// The required argument.
     pub takes: Takes,
-    /// What it is.
+    /// Description.
     pub text: Text,
 }
 
 impl FaultRow {
-    /// As a story says it: NAME stands for the id of an input, N for a number of ticks.
+    /// The syntax in a story: NAME is an input id, N a number of ticks.
     #[must_use]
     pub fn usage(&self) -> String {
         match self.takes {
@@ -64,7 +64,7 @@ pub const FAULTS: [FaultRow; 19] = [
     row("supply-loss", Takes::Nothing, "电源丢失", "supply lost"),
 ];
 
-/// The faults that need no further word.
+/// The faults without an argument.
 pub fn plain() -> impl Iterator<Item = &'static FaultRow> {
     FAULTS.iter().filter(|row| row.takes == Takes::Nothing)
 }

@@ -1,16 +1,16 @@
-//! The table of G functions: which code belongs to which group, and on which G-code system it exists.
+//! The table of G functions: group of each code, and on which G-code system it exists.
 //! Source: spec B2, K1, K4.
 
 use super::text::Text;
 
-/// Functions of one group exclude each other in a block; all but `Once` and `Call` stay in force until another follows.
+/// Codes of one group exclude each other in a block. All groups but `Once` and `Call` are modal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
-    /// 00: acts in its own block only.
+    /// 00: non-modal, active in its own block only.
     Once,
-    /// 01: how the axes move.
+    /// 01: motion and cycles.
     Motion,
-    /// 02 (lathe): constant surface speed or speed of rotation.
+    /// 02 (lathe): constant surface speed or constant spindle speed.
     Speed,
     /// 03 (mill): absolute or incremental.
     Distance,
@@ -22,48 +22,48 @@ pub enum Group {
     Compensation,
     /// 12: modal macro call.
     Call,
-    /// 14: work frame.
+    /// 14: work offset.
     Frame,
     /// 15: exact stop or continuous path.
     Path,
-    /// 16: plane of arcs.
+    /// 16: arc plane.
     Plane,
 }
 
-/// Whether a G-code system has a function.
+/// Whether a G-code system has a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exists {
-    /// It has it.
+    /// Available.
     Yes,
-    /// It is named by the specification and not built yet: refused by name, never ignored.
+    /// In the specification but not implemented: refused with a message, never ignored.
     Later,
-    /// This kind of machine does not have it.
+    /// Does not exist on this kind of machine.
     No,
 }
 
-/// One G function.
+/// One row of the G code table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GCode {
     /// The number after G.
     pub code: u8,
     /// Stable name, English, with hyphens.
     pub id: &'static str,
-    /// Its group on the lathe system A.
+    /// Its group in lathe system A.
     pub group: Group,
-    /// Lathe system A (GC).
+    /// Availability in lathe system A (GC).
     pub lathe: Exists,
-    /// GS and GA.
+    /// Availability in the milling system (GS, GA).
     pub mill: Exists,
     /// What it does.
     pub text: Text,
-    /// How it is written, what it acts on, what refuses it.
+    /// Syntax, effect and alarms.
     pub help: Text,
 }
 
 macro_rules! g_codes {
     ($($code:literal $id:literal $group:ident $lathe:ident $mill:ident $zh:literal $en:literal
         $help_zh:literal $help_en:literal;)*) => {
-        /// Every G function that the control knows, by number.
+        /// Every G code of the control, by number.
         pub const G_CODES: &[GCode] = &[$(GCode {
             code: $code,
             id: $id,
@@ -251,7 +251,7 @@ const ROW: [u8; 100] = {
 };
 
 impl GCode {
-    /// The row of a number, if the control knows it.
+    /// The row of a code number; `None` if the control does not have it.
     #[must_use]
     #[inline]
     pub fn find(code: u32) -> Option<&'static Self> {
@@ -259,7 +259,7 @@ impl GCode {
         G_CODES.get(usize::from(row))
     }
 
-    /// The group on one G-code system: on GS and GA `G90` chooses absolute and `G94` feed per minute.
+    /// The group in one G-code system: on GS and GA `G90` selects absolute and `G94` feed per minute.
     #[must_use]
     #[inline]
     pub const fn group_on(&self, mill: bool) -> Group {
@@ -270,7 +270,7 @@ impl GCode {
         }
     }
 
-    /// Whether one G-code system has it.
+    /// Availability in one G-code system.
     #[must_use]
     #[inline]
     pub const fn exists_on(&self, mill: bool) -> Exists {

@@ -1,21 +1,21 @@
-//! An alarm as it is remembered: when it came, where, and how it ended. It outlives a power cut. Source: spec B6.
+//! The alarm history: when and where each alarm was raised and how it was cleared. Retained data. Source: spec B6.
 
 use serde::{Deserialize, Serialize};
 
 use super::date::Date;
 use super::text::{Said, Text};
 
-/// Most alarms remembered; the oldest makes room.
+/// Maximum number of alarms in the history; a new alarm replaces the oldest.
 pub const MOST_ALARMS_KEPT: usize = 1_000;
 
-/// How an alarm went away.
+/// How an alarm was cleared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum End {
-    /// RESET, its cause being gone.
+    /// By RESET after its cause was gone.
     Reset,
-    /// By itself, when its cause was gone.
+    /// By itself when its cause was gone.
     Itself,
-    /// The power went while it was present.
+    /// Power off while it was active.
     PowerOff,
 }
 
@@ -31,25 +31,25 @@ impl End {
     }
 }
 
-/// One alarm of the history.
+/// One entry of the alarm history.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PastAlarm {
-    /// Counts the alarms of this machine, from 1.
+    /// Serial number of the alarm on this machine, from 1.
     pub count: u64,
-    /// Its number.
+    /// Alarm number.
     pub number: u16,
-    /// What was the matter.
+    /// Alarm text.
     pub text: Said,
-    /// Program and line under way when it came; none outside a run.
+    /// Active program and line when it was raised; `None` if no program was running.
     pub place: Option<(u32, u32)>,
-    /// When it came; without a clock the time since power-on.
+    /// When it was raised; without a clock the time since power-on.
     pub came: Date,
-    /// How it went and when, which nobody knows of a power cut; none while it is present.
+    /// How and when it was cleared; no time for a power cut. `None` while it is active.
     pub ended: Option<(End, Option<Date>)>,
 }
 
 impl PastAlarm {
-    /// The place in the store: the newest takes that of the one it pushes out.
+    /// Slot in the retained store: a new entry reuses the slot of the entry it replaces.
     #[must_use]
     pub const fn slot(&self) -> u16 {
         (self.count % MOST_ALARMS_KEPT as u64) as u16

@@ -1,4 +1,4 @@
-//! The panel keys: id, label, group, which kinds have them, and whether they act while a program runs.
+//! The panel keys: id, label, group, kinds that have them, and whether they work while a program runs.
 //! Source: spec K2, H2, tools.md (ids).
 
 use serde::{Deserialize, Serialize};
@@ -39,7 +39,7 @@ pub enum Group {
     Screen,
 }
 
-/// A mode of the control (B5).
+/// An operating mode of the control (B5).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Mode {
     /// 编辑
@@ -64,7 +64,7 @@ impl Mode {
     pub const ALL: [Self; 7] =
         [Self::Edit, Self::Auto, Self::Mdi, Self::Home, Self::Handwheel, Self::Step, Self::Manual];
 
-    /// The word of stories (`mode jog` is manual).
+    /// The mode of a word in a story (`mode jog` is manual).
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         Some(match id {
@@ -79,7 +79,7 @@ impl Mode {
         })
     }
 
-    /// The key that chooses the mode.
+    /// The key that selects the mode.
     #[must_use]
     pub const fn key(self) -> Key {
         match self {
@@ -108,16 +108,16 @@ impl Mode {
     }
 }
 
-/// What a key's lamp shows: always the real thing, never the wish (K2.4).
+/// What a key's lamp shows: always the actual state, never the requested one (K2.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lamp {
     /// The key has no lamp.
     None,
     /// An output is on.
     Output(Output),
-    /// An output is off although its unit may be asked for (stop keys).
+    /// An output is off (stop keys).
     OutputOff(Output),
-    /// A state of the control that the core sets by itself.
+    /// A state of the control, set by the core.
     Control,
 }
 
@@ -132,19 +132,19 @@ const GS_GA: &[Kind] = &[Kind::Gs, Kind::Ga];
 /// One row of the key table.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyRow {
-    /// The word of stories.
+    /// The word used in stories.
     pub id: &'static str,
     /// Label: Chinese 2–4 characters, English.
     pub label: Text,
-    /// Group on the panel.
+    /// Key group on the panel.
     pub group: Group,
     /// Kinds that have the key.
     pub kinds: &'static [Kind],
-    /// Whether it acts while a program runs (K2.2).
+    /// Whether it works while a program runs (K2.2).
     pub in_run: bool,
     /// What its lamp shows.
     pub lamp: Lamp,
-    /// What it does and what refuses it.
+    /// Function and conditions.
     pub help: Text,
 }
 
@@ -159,7 +159,7 @@ macro_rules! keys {
         impl Key {
             /// All keys in table order.
             pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
-            /// How many there are.
+            /// Number of keys.
             pub const COUNT: usize = Self::ALL.len();
 
             /// The row of the key.
@@ -402,7 +402,7 @@ keys! {
 }
 
 impl Key {
-    /// The word of stories.
+    /// The word used in stories.
     #[must_use]
     pub const fn id(self) -> &'static str {
         self.row().id
@@ -414,7 +414,7 @@ impl Key {
         self.row().label
     }
 
-    /// The label as drawn on a kind's panel: short where the caption of the group says the rest.
+    /// The label on the panel of a kind: shortened where the group caption gives the context.
     #[must_use]
     pub const fn face(self, kind: Kind) -> Text {
         match self {
@@ -465,7 +465,7 @@ impl Key {
         self.row().kinds.contains(&kind)
     }
 
-    /// The key of an id or of a Chinese label on a kind, in full or as drawn; a label that two keys share names none.
+    /// The key of an id or of a Chinese label (full or short) on a kind; an ambiguous label gives `None`.
     #[must_use]
     pub fn from_word(word: &str, kind: Kind) -> Option<Self> {
         let on_kind = || Self::ALL.iter().copied().filter(move |key| key.is_on(kind));
@@ -504,7 +504,7 @@ impl Key {
         })
     }
 
-    /// The axis that a key names: jog, handwheel and address keys.
+    /// The axis of a jog, handwheel or address key.
     #[must_use]
     pub const fn axis(self) -> Option<Axis> {
         match self {
@@ -515,7 +515,7 @@ impl Key {
         }
     }
 
-    /// The jog key of an axis and a sign.
+    /// The jog key of an axis and a direction.
     #[must_use]
     pub const fn of_jog(axis: Axis, plus: bool) -> Self {
         match (axis, plus) {
@@ -546,7 +546,7 @@ mod tests {
         assert_eq!(Key::from_word("尾座进", Kind::Gs), None);
         assert_eq!(Key::from_word("充磁", Kind::Gc), None);
         assert_eq!(Key::from_word("demagnetise", Kind::Ga), Some(Key::Demagnetise));
-        // As drawn, where one key only is drawn so.
+        // Short labels work where they are unambiguous.
         for (word, kind, key) in [
             ("厚度量仪", Kind::Gs, Key::RadialGauge),
             ("平面", Kind::Ga, Key::AxialGauge),

@@ -1,27 +1,27 @@
-//! The kinds of machine, and the language that their programs are written in. What a kind is made of stands in
-//! `machine::kind`. Source: spec K1, S1.
+//! The kinds of machine and the dialects of their programs. The configuration of each kind is in `machine::kind`.
+//! Source: spec K1, S1.
 
 use serde::{Deserialize, Serialize};
 
 use super::text::Text;
 
-/// A kind of machine, chosen at start and kept.
+/// A kind of machine, selected at start and stored in the settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Kind {
-    /// KT-830GC, cylindrical grinder; what a control is that nothing was said to.
+    /// KT-830GC, cylindrical grinder; the default.
     #[default]
     Gc,
     /// KT-830GS, surface grinder.
     Gs,
     /// KT-830GA, rotary-table grinder.
     Ga,
-    /// Vertical lathe-grinder with programs of the SINUMERIK 802D.
+    /// Vertical lathe-grinder with SINUMERIK 802D programs.
     Vertical,
-    /// Lathe with a four-station tool post and programs of the 超人 (SuperMan) CNC, also as a training simulator.
+    /// Lathe with a four-station tool turret and 超人 (SuperMan) CNC programs; also used as a training simulator.
     Lathe,
 }
 
-/// Which language the programs of a machine are written in.
+/// The dialect of the programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum System {
     /// GC: U, V, W are incremental; G90 and G94 are cycles.
@@ -30,17 +30,17 @@ pub enum System {
     Mill,
     /// SINUMERIK 802D: R parameters, `X=R20`, labels, G90 and G91 modal (S1).
     Sinumerik,
-    /// 超人 (SuperMan) lathe: X, Z absolute, U, W incremental, all X words diameters, arcs in the opposite sense (L1–L8).
+    /// 超人 (SuperMan) lathe: X, Z absolute, U, W incremental, all X words diameters, arc direction reversed (L1–L8).
     SuperMan,
 }
 
 impl Kind {
     /// All kinds.
     pub const ALL: [Self; 5] = [Self::Gc, Self::Gs, Self::Ga, Self::Vertical, Self::Lathe];
-    /// The kinds of the KT-830: the customer's codes, keys and pages (K1).
+    /// The KT-830 kinds, with the customer's codes, keys and pages (K1).
     pub const KT830: [Self; 3] = [Self::Gc, Self::Gs, Self::Ga];
 
-    /// The word of the command line and of stories.
+    /// The word used on the command line and in stories.
     #[must_use]
     pub const fn id(self) -> &'static str {
         match self {
@@ -52,7 +52,7 @@ impl Kind {
         }
     }
 
-    /// The folder of its programs, below that of all programs; empty where it is that folder itself.
+    /// The subfolder of its programs below the programs folder; empty for the programs folder itself.
     #[must_use]
     pub const fn folder(self) -> &'static str {
         match self {
@@ -61,7 +61,7 @@ impl Kind {
         }
     }
 
-    /// The language of its programs.
+    /// The dialect of its programs.
     #[must_use]
     pub const fn system(self) -> System {
         match self {
@@ -84,7 +84,7 @@ impl Kind {
         }
     }
 
-    /// The kind of a word.
+    /// The kind of an id, in either case.
     #[must_use]
     pub fn from_id(id: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.id().eq_ignore_ascii_case(id))
@@ -104,25 +104,25 @@ impl Kind {
 }
 
 impl System {
-    /// Milling words: G90 and G91 are modal (GS, GA).
+    /// The milling dialect: G90 and G91 are modal (GS, GA).
     #[must_use]
     pub const fn is_mill(self) -> bool {
         matches!(self, Self::Mill)
     }
 
-    /// Its G codes are those of the customer's tables; the others have words of their own.
+    /// It uses the G codes of the `gcode` table; the other dialects have their own words.
     #[must_use]
     pub const fn is_grinder(self) -> bool {
         matches!(self, Self::LatheA | Self::Mill)
     }
 
-    /// R and a number is a parameter, and round brackets are part of expressions (S1).
+    /// R parameters exist, and round brackets belong to expressions (S1).
     #[must_use]
     pub const fn has_r_parameters(self) -> bool {
         matches!(self, Self::Sinumerik)
     }
 
-    /// What a new program of this number begins with.
+    /// Initial text of a new program with this number.
     #[must_use]
     pub fn new_text(self, number: u32) -> String {
         match self {

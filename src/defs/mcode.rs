@@ -1,22 +1,22 @@
-//! The M codes: what each one does and where it is written.
+//! The M codes: action, name, help and specification row of each.
 //! Source: spec K3, B4.
 
 use super::kind::{Kind, System};
 use super::signal::{Input, Output};
 use super::text::Text;
 
-/// What the machine does on an M code. How and whether is the business of `machine`.
+/// The action of an M code. `machine` decides whether and how it is executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
     /// Wait for cycle start.
     Pause,
-    /// Wait for cycle start if the optional-stop switch is on.
+    /// Wait for cycle start if optional stop is on.
     OptionalStop,
     /// End of program (K3.14).
     End,
     /// Count one workpiece.
     Count,
-    /// Ask the machine for a change of one of its units.
+    /// Request a change of a machine unit.
     Ask(Request),
     /// Switch the port of the P word on or off (M21, M22).
     Port(bool),
@@ -24,24 +24,24 @@ pub enum Action {
     Pulse,
     /// Wait until a user input is active.
     AwaitInput(Input),
-    /// The reader of the program has dealt with it: jumps and calls.
+    /// Handled by the interpreter: jumps and calls.
     Flow,
 }
 
-/// A change of the machine that a code, a key or a rule can ask for; the interlock table decides.
+/// A change of the machine state requested by an M code, a key or a rule. The interlock table accepts or refuses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Request {
     /// Start the wheel.
     WheelStart,
     /// Stop the wheel.
     WheelStop,
-    /// Tailstock out.
+    /// Tailstock forward.
     TailstockAdvance,
     /// Tailstock back.
     TailstockRetract,
     /// Headstock, dresser roll or table at high speed (M63).
     DriveHigh,
-    /// Headstock at low speed; the single speed of roll and table (M64).
+    /// Headstock at low speed; same as high for roll and table, which have one speed (M64).
     DriveLow,
     /// Headstock, roll or table off (M65).
     DriveStop,
@@ -51,7 +51,7 @@ pub enum Request {
     HydraulicOff,
     /// Clamp the part by the magnet.
     Magnetise,
-    /// Let the part go by decaying reversals.
+    /// Release the part by decaying field reversals.
     Demagnetise,
     /// Both outputs of the magnet off.
     MagnetOff,
@@ -63,21 +63,21 @@ pub enum Request {
     Gauge(Gauge, bool),
     /// Change to gear 1 to 4, counted from 0.
     Gear(u8),
-    /// Switch an output that has no rule of its own.
+    /// Switch an output without an interlock.
     Switch(Output, bool),
     /// Switch a port by its number (M21, M22).
     Port(u8, bool),
-    /// Switch a port on for so many milliseconds (M20).
+    /// Pulse a port: port number, duration in milliseconds (M20).
     Pulse(u8, u32),
-    /// The oscillation cylinder begins its cycle (P17.1=1).
+    /// Start the cycle of the oscillation cylinder (P17.1=1).
     CylinderOn,
-    /// Both valves of the cylinder off.
+    /// Both cylinder valves off.
     CylinderOff,
     /// The main spindle of a lathe on; true is counter-clockwise (M04).
     SpindleStart(bool),
     /// The main spindle of a lathe off.
     SpindleStop,
-    /// The tool post to a station, 1 to 4; 0 is the next one.
+    /// Index the tool turret to station 1 to 4; 0 is the next one.
     Post(u8),
     /// Start or resume a program.
     CycleStart,
@@ -89,7 +89,7 @@ pub enum Request {
     MoveByHand,
 }
 
-/// Every kind of request by an example, and its name: for tables and searches.
+/// One example of every request with its name, for tables and tests.
 pub const REQUESTS: &[(Request, Text)] = &[
     (Request::WheelStart, Text::new("砂轮启动", "wheel start")),
     (Request::WheelStop, Text::new("砂轮停止", "wheel stop")),
@@ -140,20 +140,20 @@ pub struct MCode {
     pub code: u16,
     /// What it does.
     pub action: Action,
-    /// Whether the next block waits until it is done.
+    /// Whether the next block waits until the action is done.
     pub waits: bool,
     /// Name shown.
     pub name: Text,
-    /// How it is written, what it waits for, what refuses it.
+    /// Syntax, waiting conditions and alarms.
     pub help: Text,
-    /// Row of the specification.
+    /// Specification row.
     pub row: &'static str,
 }
 
 macro_rules! mcodes {
     ($table:ident: $($code:literal, $row:literal, $waits:literal, $action:expr, $zh:literal, $en:literal,
         $help_zh:literal, $help_en:literal;)*) => {
-        /// Every M code of these machines, by number.
+        /// Every M code of this table, by number.
         pub const $table: &[MCode] = &[$(MCode {
             code: $code, action: $action, waits: $waits, name: Text::new($zh, $en),
             help: Text::new($help_zh, $help_en), row: $row,
@@ -309,9 +309,9 @@ mcodes! {
         "子程序返回。", "Back from the subprogram.";
 }
 
-/// What the SINUMERIK has beside the family's codes.
+/// M codes that only the SINUMERIK dialect has.
 const MORE_802D: &[MCode] = &[
-    // The grinding head turns one way; M4 starts it as M3 does.
+    // The grinding head has one direction; M4 is the same as M3.
     MCode {
         code: 4,
         action: Action::Ask(Request::WheelStart),
@@ -322,7 +322,7 @@ const MORE_802D: &[MCode] = &[
     },
 ];
 
-/// The M codes of a language.
+/// The M code table of a dialect.
 #[must_use]
 pub const fn table(system: System) -> &'static [MCode] {
     match system {
@@ -331,10 +331,10 @@ pub const fn table(system: System) -> &'static [MCode] {
     }
 }
 
-/// Codes of the family that the SINUMERIK says otherwise: ports, oscillation, jumps and calls.
+/// M codes that the SINUMERIK dialect does not have: ports, oscillation, jumps and calls.
 const NOT_802D: &[u16] = &[20, 21, 22, 35, 36, 91, 92, 98, 99];
 
-/// All rows of a language.
+/// All M codes of a dialect.
 pub fn all(system: System) -> impl Iterator<Item = &'static MCode> {
     let sinumerik = matches!(system, System::Sinumerik);
     let more = if sinumerik { MORE_802D } else { &[] };
@@ -342,29 +342,29 @@ pub fn all(system: System) -> impl Iterator<Item = &'static MCode> {
     rows.filter(move |row| !sinumerik || !NOT_802D.contains(&row.code))
 }
 
-/// The rows of a kind of machine. K5.3: the tailstock's codes exist where there is a tailstock.
+/// The M codes of a kind of machine. K5.3: tailstock codes exist only on kinds with a tailstock.
 pub fn on(kind: Kind) -> impl Iterator<Item = &'static MCode> {
     let tailstock =
         |row: &&MCode| matches!(row.action, Action::Ask(Request::TailstockAdvance | Request::TailstockRetract));
     all(kind.system()).filter(move |row| kind == Kind::Gc || !tailstock(row))
 }
 
-/// The row of a code in a language.
+/// The row of a code in a dialect.
 #[must_use]
 pub fn find_in(system: System, code: u16) -> Option<&'static MCode> {
     all(system).find(|row| row.code == code)
 }
 
-/// Codes of the control that this version reads but does not drive: a run stops before their block.
+/// Codes that this version reads but does not execute: the program stops before their block. None at present.
 pub const NOT_YET: &[u16] = &[];
 
-/// Whether the control has the code at all.
+/// Whether the KT-830 table has the code.
 #[must_use]
 pub fn is_known(code: u32) -> bool {
     u16::try_from(code).is_ok_and(|code| find(code).is_some() || NOT_YET.contains(&code))
 }
 
-/// The row of a code.
+/// The row of a code in the KT-830 table.
 #[must_use]
 pub fn find(code: u16) -> Option<&'static MCode> {
     MCODES.iter().find(|row| row.code == code)

@@ -1,6 +1,6 @@
-//! The tables: one per concept, read by the core, the pages, the checker and the manual.
+//! The tables: one per concept, used by the core, the pages, the program checker and the manual.
 //!
-//! A row is the only place where a number, a name or a text stands. Nothing here acts.
+//! Each number, name and text is defined once, in its row. This module has no behaviour.
 
 pub mod alarm;
 pub mod date;

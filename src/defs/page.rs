@@ -1,4 +1,4 @@
-//! The pages: id, title and the soft keys of the two rows.
+//! The pages: id, title, help texts and the kinds of machine that have them.
 //! Source: spec K7.1, tools.md (ids).
 
 use serde::{Deserialize, Serialize};
@@ -17,7 +17,7 @@ macro_rules! pages {
             /// All pages.
             pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
 
-            /// The word of the command line and of stories.
+            /// The word used on the command line and in stories.
             #[must_use]
             pub const fn id(self) -> &'static str {
                 match self { $(Self::$variant => $id,)* }
@@ -29,19 +29,19 @@ macro_rules! pages {
                 match self { $(Self::$variant => Text::new($zh, $en),)* }
             }
 
-            /// What the page is for.
+            /// Purpose of the page.
             #[must_use]
             pub const fn help(self) -> Text {
                 match self { $(Self::$variant => Text::new($for_zh, $for_en),)* }
             }
 
-            /// How it is worked with.
+            /// How to use the page.
             #[must_use]
             pub const fn usage(self) -> Text {
                 match self { $(Self::$variant => Text::new($use_zh, $use_en),)* }
             }
 
-            /// The page of a word.
+            /// The page of an id.
             #[must_use]
             pub fn from_id(id: &str) -> Option<Self> {
                 Self::ALL.iter().copied().find(|page| page.id() == id)
@@ -163,10 +163,10 @@ pages! {
         "Choose a section above and an entry on the left. ? or F12 open it on any page, first with that page.";
 }
 
-/// What a machine that turns the part has beside the pages of all kinds, and what it lacks of theirs (L9).
+/// Pages that only a lathe has, and pages that a lathe lacks (L9).
 const TURNING: &[Page] = &[Page::Teach, Page::Tools];
 const GRINDING: &[Page] = &[Page::Grinding, Page::Designer, Page::Dressing, Page::Wheel, Page::Macro, Page::Process];
-/// What the 802D lacks beside: its language has no T, so no offset is ever in force (S1).
+/// Pages that the 802D lacks: its dialect has no T, so no tool offset is ever active (S1).
 const WITH_OFFSETS: &[Page] = &[Page::Dressing, Page::Offset];
 
 impl Page {
@@ -177,7 +177,7 @@ impl Page {
         !(without.contains(&self) || matches!(kind, Kind::Vertical) && WITH_OFFSETS.contains(&self))
     }
 
-    /// The title on a kind: the 802D's grinding page holds its R parameters (S3).
+    /// The title on a kind: the grinding page of the 802D shows the R parameters (S3).
     #[must_use]
     pub const fn title_on(self, kind: Kind) -> Text {
         match (self, kind) {

@@ -1,47 +1,47 @@
-//! Every parameter of a kind as one list: bits, numbers and ports with name, unit, range, factory value and level.
-//! Source: spec B6, K6.1; the rows themselves stand in `param` and `signal`.
+//! All parameters of a kind as one list: bits, numbers and ports with name, unit, range, factory value and level.
+//! Source: spec B6, K6.1; the rows are defined in `param` and `signal`.
 
 use super::kind::Kind;
 use super::param::{BITS, Level, NUMBERS, ParamAddress, Params};
 use super::signal::{Input, Output, PORTS};
 use super::text::{Said, Text};
 
-/// What sort of value a parameter has.
+/// The type of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sort {
     /// 0 or 1.
     Bit,
     /// A number.
     Number,
-    /// The port of an input.
+    /// An input port.
     Input(Input),
-    /// The port of an output.
+    /// An output port.
     Output(Output),
 }
 
-/// One parameter as the page and its search see it.
+/// One parameter as listed on the parameter page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParamRow {
-    /// Where it stands.
+    /// Its address.
     pub at: ParamAddress,
-    /// Name shown.
+    /// Display name.
     pub name: Said,
-    /// Unit shown; empty for bits, counts and ports.
+    /// Unit; empty for bits, counts and ports.
     pub unit: &'static str,
-    /// Least value allowed.
+    /// Minimum.
     pub min: f64,
-    /// Greatest value allowed.
+    /// Maximum.
     pub max: f64,
-    /// Factory value of the kind.
+    /// Factory value on the kind.
     pub factory: f64,
     /// Who may change it.
     pub level: Level,
-    /// What sort of value it has.
+    /// Its type.
     pub sort: Sort,
 }
 
 impl ParamRow {
-    /// The values that it takes, with their unit.
+    /// The allowed range with its unit.
     #[must_use]
     pub fn range(&self) -> Said {
         let (min, max) = (self.min, self.max);
@@ -62,7 +62,7 @@ impl ParamRow {
 #[must_use]
 pub fn rows(kind: Kind) -> Vec<ParamRow> {
     let factory = Params::factory(kind);
-    // Each address comes from the tables that `read` looks into.
+    // `read` uses the same tables, so every address is found.
     let factory = |at| factory.read(at).unwrap_or(f64::NAN);
     let mut rows: Vec<ParamRow> = BITS
         .iter()
@@ -96,7 +96,7 @@ pub fn rows(kind: Kind) -> Vec<ParamRow> {
     rows
 }
 
-/// Who may change a parameter; none if there is no such parameter.
+/// The access level of a parameter; `None` if it does not exist.
 #[must_use]
 pub fn level(at: ParamAddress) -> Option<Level> {
     match at.bit {

@@ -1,17 +1,16 @@
-//! Ports that were given to more than one function: what the diagnosis page shows, and the interlock table refuses.
-//! Source: spec K6.1. Functions of which only one can exist on a kind share a port without a conflict (P153); port 0 is
-//! "not connected".
+//! Ports assigned to more than one function: shown on the diagnosis page and refused by the interlock table.
+//! Source: spec K6.1. Functions that never exist on the same kind may share a port (P153). Port 0 is "not connected".
 
 use super::kind::Kind;
 use super::param::Params;
 use super::signal::{Input, Output, PORTS};
 
-/// One port that several functions were given.
+/// One port that is assigned to several functions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Conflict<T> {
     /// The port.
     pub port: u8,
-    /// Its functions.
+    /// The functions assigned to it.
     pub functions: Vec<T>,
 }
 

@@ -1,11 +1,11 @@
-//! How programs are named: `O1001` by number, `L10` and names as the SINUMERIK has them. Inside the control each has one
-//! number, which its name gives for good. Source: spec B1, S1.
+//! Program names: `O1001`, `L10` and SINUMERIK names such as `VGRIND`. Each name maps to one number, which identifies
+//! the program inside the control. Source: spec B1, S1.
 
 /// First number of the subprograms `L0` to `L9999999`.
 const L_FIRST: u32 = 10_000_000;
-/// The highest number after L.
+/// The highest L number.
 pub const L_LAST: u32 = 9_999_999;
-/// Numbers from here on stand for names.
+/// Numbers from here on are hashes of names.
 const NAMED: u32 = 1 << 31;
 
 /// The number of the subprogram `L n`.
@@ -14,13 +14,13 @@ pub const fn of_l(n: u32) -> u32 {
     L_FIRST + n
 }
 
-/// Whether a number stands for a name that only its file tells.
+/// Whether a number is the hash of a name; the name itself is only in the file name.
 #[must_use]
 pub const fn is_named(number: u32) -> bool {
     number >= NAMED
 }
 
-/// The number of a program named like this: `O1001`, `L10`, `VGRIND`, in either case.
+/// The number of a program name: `O1001`, `L10`, `VGRIND`, in either case.
 #[must_use]
 pub fn number(name: &str) -> u32 {
     let digits = |rest: &str| rest.parse::<u32>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
@@ -31,12 +31,12 @@ pub fn number(name: &str) -> u32 {
     if let Some(n) = upper.strip_prefix('L').and_then(digits).filter(|n| *n <= L_LAST) {
         return of_l(n);
     }
-    // FNV-1a: two of a folder's few dozen names meet once in a hundred million folders.
+    // FNV-1a, 31 bits: names in a folder of a few dozen programs collide about once in several million folders.
     let hash = upper.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
     NAMED | hash
 }
 
-/// Whether a word can be the name of a program: two letters or `_`, or L, then digits.
+/// Whether a word is a valid program name: starts with two letters or `_`, or with L and a digit.
 #[must_use]
 pub fn is_name(word: &str) -> bool {
     let bytes = word.as_bytes();
@@ -46,7 +46,7 @@ pub fn is_name(word: &str) -> bool {
         && bytes.iter().all(|byte| letter(byte) || byte.is_ascii_digit())
 }
 
-/// What a number is called: `O1001`, `L10`; of a named program only that it is one.
+/// The name of a number: `O1001`, `L10`; `MPF` for a named program.
 #[must_use]
 pub fn title(number: u32) -> String {
     match number {
@@ -56,13 +56,13 @@ pub fn title(number: u32) -> String {
     }
 }
 
-/// Whether a number is that of a subprogram called `L10`.
+/// Whether a number belongs to an L subprogram such as `L10`.
 #[must_use]
 pub const fn is_l(number: u32) -> bool {
     number >= L_FIRST && number <= of_l(L_LAST)
 }
 
-/// A file's name without folder and extension.
+/// A file name without folder and extension.
 #[must_use]
 pub fn stem(file: &str) -> &str {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);

@@ -1,11 +1,11 @@
-//! The names of the R parameters of the grinding program (seed 002's table) and the titles of its three sheets. The sheets'
-//! own texts are Chinese files; in English a page shows what stands beside them here. Source: spec S3, H9.
+//! Names of the R parameters of the grinding program (seed 002's table) and titles of its three sheets. The sheet files
+//! are Chinese; this table gives their English texts. Source: spec S3, H9.
 
 use super::text::Text;
 
 macro_rules! names {
     ($($number:literal $zh:literal $en:literal;)*) => {
-        /// The parameters that have names, by number.
+        /// The named parameters, by number.
         pub const NAMES: &[(u16, Text)] = &[$(($number, Text::new($zh, $en)),)*];
     };
 }
@@ -71,7 +71,7 @@ pub const SHEETS: [Text; 3] = [
     Text::new("立磨运行值", "values of the run"),
 ];
 
-/// The English of a sheet's label such as `R18 X轴精磨尺寸`; none for a text of somebody's own.
+/// The English text of a sheet label such as `R18 X轴精磨尺寸`; `None` for a text that is not in the table.
 #[must_use]
 pub fn english_label(label: &str) -> Option<String> {
     let (number, words) = label.strip_prefix('R')?.split_once(' ')?;
@@ -80,7 +80,7 @@ pub fn english_label(label: &str) -> Option<String> {
     Some(format!("R{number} {}", name.en))
 }
 
-/// The English of a sheet's title.
+/// The English text of a sheet title.
 #[must_use]
 pub fn english_title(title: &str) -> Option<&'static str> {
     SHEETS.iter().find(|sheet| sheet.zh == title).map(|sheet| sheet.en)

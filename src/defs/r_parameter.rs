@@ -1,23 +1,23 @@
-//! What variables are called. There is one memory of common variables; the R parameters of the SINUMERIK are the part of
-//! it from #600 on, so that they are kept, shown and edited as all others. Source: spec B3, S1, S2.
+//! Names of variables. There is one memory of common variables. SINUMERIK R parameters are its part from #600 on: they
+//! are retained, shown and edited like all others. Source: spec B3, S1, S2.
 
 use super::kind::{Kind, System};
 
 /// The common variable of R0.
 const R_FIRST: u32 = 600;
-/// How many R parameters there are.
+/// Number of R parameters.
 pub const R_COUNT: u32 = 300;
 
-/// The common variable of the parameter R n.
+/// The common variable of R n; `None` if n is out of range.
 #[must_use]
 pub const fn of_r(n: u32) -> Option<u32> {
     if n < R_COUNT { Some(R_FIRST + n) } else { None }
 }
 
-/// R62, where the programs of the vertical grinder leave the number of their own error (seed 002's table); 0: none.
+/// R62: the programs of the vertical grinder store their error number here (seed 002's table); 0 is no error.
 const ERROR_FLAG: u32 = 62;
 
-/// The variable in which programs of a kind leave the number of their own error.
+/// The variable in which programs of a kind store their error number; `None` if there is none.
 #[must_use]
 pub const fn error_flag(kind: Kind) -> Option<u32> {
     match kind.system() {
@@ -26,7 +26,7 @@ pub const fn error_flag(kind: Kind) -> Option<u32> {
     }
 }
 
-/// What a variable is called where programs are written in this language.
+/// The name of a variable in a dialect.
 #[must_use]
 pub fn name(number: u32, system: System) -> String {
     match system {
@@ -35,13 +35,13 @@ pub fn name(number: u32, system: System) -> String {
     }
 }
 
-/// What a variable is called on a kind of machine.
+/// The name of a variable on a kind of machine.
 #[must_use]
 pub fn name_on(number: u32, kind: Kind) -> String {
     name(number, kind.system())
 }
 
-/// The variable of a word: `#500`, `R18`.
+/// The variable number of a name: `#500`, `R18`.
 #[must_use]
 pub fn parse(word: &str) -> Option<u16> {
     let digits = |rest: &str| rest.parse::<u16>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));

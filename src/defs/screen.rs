@@ -1,5 +1,5 @@
-//! The page text of a grinding program (C00nn.TXT): its form and its reader.
-//! Source: spec K7.2–K7.4. Pure text to rows; the folder is the store's business.
+//! The page text of a grinding program (C00nn.TXT): format and parser.
+//! Source: spec K7.2–K7.4. Parses text only; `store` reads the files.
 
 use super::r_parameter;
 use super::text::Said;
@@ -7,19 +7,19 @@ use super::text::Said;
 /// Rows of one column.
 pub const ROWS: usize = 10;
 
-/// One row of the page: a label and the macro variable beside it.
+/// One row of the page: a label and its macro variable.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Row {
-    /// Label as the customer wrote it.
+    /// Label as written by the customer.
     pub label: String,
     /// Macro variable number.
     pub variable: u16,
 }
 
-/// A page text: a title and two columns of ten rows, empty where the customer left them so.
+/// A page text: a title and two columns of ten rows; rows may be empty.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PageText {
-    /// Title, to which the page adds 参数设置.
+    /// Title; the page appends 参数设置.
     pub title: String,
     /// Left column.
     pub left: [Option<Row>; ROWS],
@@ -34,61 +34,61 @@ impl PageText {
     }
 }
 
-/// Whether a variable may stand on a page.
+/// Whether a variable is allowed on a page.
 #[must_use]
 pub const fn is_for_pages(variable: u16) -> bool {
     matches!(variable, 100..=433 | 500..=999)
 }
 
-/// A variable as a program uses it.
+/// How a program uses a variable.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct VariableUse {
-    /// Its number.
+    /// Variable number.
     pub variable: u16,
     /// The program reads it.
     pub reads: bool,
     /// The program writes it.
     pub writes: bool,
-    /// Program and line where it is used first.
+    /// Program and line of the first use.
     pub place: (u32, u32),
-    /// The comment beside it there.
+    /// The comment in that line.
     pub comment: String,
 }
 
-/// What is wrong with a page text.
+/// An error in a page text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextFault {
     /// Line, from 1.
     pub line: u32,
     /// Column in characters, from 1.
     pub column: u32,
-    /// The fault, its cause and what to do.
+    /// Error message with cause and remedy.
     pub said: Said,
 }
 
-/// A page text as far as it can be read.
+/// The result of parsing a page text that may contain errors.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Reading {
-    /// What could be read.
+    /// The valid part.
     pub page: PageText,
-    /// Every mistake, by line.
+    /// Every error, by line.
     pub faults: Vec<TextFault>,
-    /// Line and column, from 1, where each entry after the title begins, at most twenty.
+    /// Line and column, from 1, of the start of each entry after the title; at most twenty.
     pub places: Vec<(u32, u32)>,
     /// Line and column of the `%`.
     pub end: Option<(u32, u32)>,
 }
 
-/// Reads a page text.
+/// Parses a page text.
 ///
 /// # Errors
-/// The first place where the text is not of the format, with line and column.
+/// The first error in the text, with line and column.
 pub fn parse(text: &str) -> Result<PageText, TextFault> {
     let reading = read(text);
     reading.faults.into_iter().next().map_or(Ok(reading.page), Err)
 }
 
-/// Reads a page text with all its mistakes, for the one who writes it.
+/// Parses a page text and collects all errors, for the page designer.
 #[must_use]
 pub fn read(text: &str) -> Reading {
     let mut reading = Reading::default();
@@ -142,14 +142,14 @@ pub fn read(text: &str) -> Reading {
     reading
 }
 
-/// One `;`-ended piece of the text.
+/// One entry of the text, ended by `;`.
 struct Entry<'a> {
     text: &'a str,
     line: u32,
     column: u32,
 }
 
-/// Cuts the text at `;` up to the `%`. A line with a mistake counts as one entry.
+/// Splits the text at `;` up to the `%`. A line with an error counts as one entry.
 fn entries<'a>(text: &'a str, reading: &mut Reading) -> Vec<Entry<'a>> {
     let mut found = Vec::new();
     let faults = &mut reading.faults;
@@ -191,7 +191,7 @@ fn skip_blanks(rest: &mut &str) -> u32 {
     skipped as u32
 }
 
-/// Full-width punctuation is the commonest mistake of a Chinese keyboard; it is named as such.
+/// Finds full-width punctuation and digits, the most common error with a Chinese keyboard.
 fn full_width(piece: &str, line: u32, column: u32) -> Result<(), TextFault> {
     let signs = [('；', ';'), ('＃', '#'), ('％', '%')];
     for (offset, sign) in piece.chars().enumerate() {
@@ -263,7 +263,7 @@ fn named(entry: &Entry<'_>, label: &str, variable: u16) -> Result<Option<Row>, T
     Ok(Some(Row { label: label.trim().to_owned(), variable }))
 }
 
-/// `名称 R18`: an R parameter stands behind the last blank (S3).
+/// Parses `名称 R18`: an R parameter after the last blank (S3).
 fn r_row(text: &str) -> Option<(&str, u16)> {
     let (label, word) = text.rsplit_once([' ', '\t']).unwrap_or(("", text));
     Some((label, r_parameter::parse(word).filter(|_| word.starts_with(['R', 'r']))?))
@@ -291,7 +291,7 @@ mod tests {
         assert_eq!(page.left[7].as_ref().unwrap().variable, 508);
         assert_eq!((&page.left[8], &page.left[9]), (&None, &None));
         assert_eq!(page.right[0].as_ref().unwrap().variable, 502);
-        // Seven rows and two empty ones before %: fewer right entries are allowed.
+        // Seven rows and two empty rows before %: fewer than ten right entries are allowed.
         assert_eq!(page.right[6].as_ref().unwrap().variable, 511);
         assert_eq!(page.right[9], None);
         assert_eq!(page.rows().count(), 15);
@@ -312,7 +312,7 @@ mod tests {
         let text = SAMPLE.replacen("#501;", "#501；", 1).replacen("#503;", "#1;", 1).replacen("#505;", "#505", 1);
         let reading = read(&text);
         assert_eq!(reading.faults.iter().map(|fault| fault.line).collect::<Vec<_>>(), [4, 5, 7]);
-        // What is right stands where it belongs.
+        // Valid rows keep their positions.
         assert_eq!(reading.page.left[0].as_ref().unwrap().variable, 500);
         assert_eq!((&reading.page.left[1], &reading.page.left[2], &reading.page.left[4]), (&None, &None, &None));
         assert_eq!(reading.page.right[6].as_ref().unwrap().variable, 511);

@@ -1,54 +1,54 @@
-//! The table of a ball screw: backlash and pitch error over position, as a laser or a dial gauge has found them, and the
-//! text that carries it. Source: spec B7, S6.
+//! Leadscrew compensation table: backlash and pitch error over position, measured by laser or dial gauge, and its text
+//! format. Source: spec B7, S6.
 
 use std::sync::Arc;
 
 use super::text::Said;
 
-/// Most points of a table.
+/// Maximum number of points in a table.
 pub const MOST_POINTS: usize = 100;
-/// The greatest backlash, mm.
+/// Maximum backlash, mm.
 const BACKLASH_MOST_MM: f64 = 2.0;
-/// The greatest pitch error either way, mm.
+/// Maximum pitch error in either direction, mm.
 const PITCH_MOST_MM: f64 = 2.0;
-/// The farthest position, mm.
+/// Maximum position in either direction, mm.
 const POSITION_MOST_MM: f64 = 9_999.0;
-/// The steepest rise between two points, mm a mm: what compensates must stay far slower than the axis.
+/// Maximum slope between two points, mm per mm: the compensation must stay much slower than the axis.
 const STEEPEST: f64 = 0.02;
 
-/// One measured place: machine coordinate, slide travel (a radius on X), all mm.
+/// One measured point: machine coordinate and slide travel (radius on X), all in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Where.
+    /// Position, mm.
     pub at_mm: f64,
-    /// The play that the screw takes up before it moves the slide in the minus direction.
+    /// Backlash that the screw takes up before it moves the slide in the minus direction, mm.
     pub backlash_mm: f64,
-    /// How far the slide stands off towards plus.
+    /// Pitch error: deviation of the slide in the plus direction, mm.
     pub pitch_mm: f64,
 }
 
-/// A table; without points the screw counts as true.
+/// A compensation table. A table without points compensates nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScrewTable {
     points: Arc<[Point]>,
 }
 
-/// What is wrong with the text of a table.
+/// An error in the text of a table.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {}", .said.en)]
 pub struct ScrewFault {
     /// Line, from 1.
     pub line: u32,
-    /// The fault and what to do.
+    /// Error message.
     pub said: Said,
 }
 
 impl ScrewTable {
-    /// Reads a table: a line a point, `position, backlash[, pitch error]` in mm, positions rising; `#` begins a comment, a
-    /// first row without numbers is a heading.
+    /// Parses a table: one point per line, `position, backlash[, pitch error]` in mm, positions increasing. `#` starts
+    /// a comment. A first row without digits is a heading.
     ///
     /// # Errors
-    /// The first line that is not of the form.
+    /// The first invalid line.
     pub fn parse(text: &str) -> Result<Self, ScrewFault> {
         let (mut points, mut rows): (Vec<Point>, u32) = (Vec::new(), 0);
         for (index, whole) in text.trim_start_matches('\u{feff}').lines().enumerate() {
@@ -81,10 +81,10 @@ impl ScrewTable {
         Ok(Self { points: points.into() })
     }
 
-    /// A table of points.
+    /// A table from points.
     ///
     /// # Errors
-    /// What is wrong with the first point that cannot stand there.
+    /// The error of the first invalid point.
     pub fn of(points: &[Point]) -> Result<Self, Said> {
         let table = Self { points: points.into() };
         match Self::parse(&table.text()) {
@@ -99,7 +99,7 @@ impl ScrewTable {
     /// The text of the table.
     #[must_use]
     pub fn text(&self) -> String {
-        // A nanometre is far below what a screw is measured to; a hundred points stay below what the store takes.
+        // A nanometre is far below the measuring accuracy; a hundred points stay below the size limit of the store.
         let nanometres = |mm: f64| (mm * 1e6).round() / 1e6;
         let values = |point: &Point| [point.at_mm, point.backlash_mm, point.pitch_mm].map(nanometres);
         let row = |point: &Point| {
@@ -115,19 +115,19 @@ impl ScrewTable {
         &self.points
     }
 
-    /// The play at a place, mm.
+    /// The backlash at a position, mm.
     #[must_use]
     pub fn backlash_mm(&self, at_mm: f64) -> f64 {
         self.between(at_mm, |point| point.backlash_mm)
     }
 
-    /// The pitch error at a place, mm.
+    /// The pitch error at a position, mm.
     #[must_use]
     pub fn pitch_mm(&self, at_mm: f64) -> f64 {
         self.between(at_mm, |point| point.pitch_mm)
     }
 
-    /// A value between the points; level beyond the first and the last.
+    /// Interpolates linearly between points; constant beyond the first and the last.
     fn between(&self, at_mm: f64, value: fn(&Point) -> f64) -> f64 {
         let after = self.points.partition_point(|point| point.at_mm < at_mm);
         match (after.checked_sub(1).and_then(|before| self.points.get(before)), self.points.get(after)) {
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn b7_the_text_of_the_longest_table_stays_below_what_the_store_takes() {
-        // Thirds have as many digits as a number can; 4096 bytes is the store's longest text.
+        // Thirds have the maximum number of digits; 4096 bytes is the longest text of the store.
         let row = |at: usize| format!("{},{},{}\n", at as f64 * 10.0 / 3.0 - 1500.0, 0.01 / 3.0, -0.01 / 3.0);
         let text: String = (0..MOST_POINTS).map(row).collect();
         assert!(text.len() > 4096);

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::kind::Kind;
 use super::text::Text;
 
-/// Number of ports of a terminal block; ports are numbered from 1, 0 is "not connected".
+/// Number of ports of a terminal block. Ports are numbered from 1; 0 is "not connected".
 pub const PORTS: u8 = 64;
 
 macro_rules! signals {
@@ -17,12 +17,12 @@ macro_rules! signals {
         pub enum $name { $(#[doc = $en] $variant,)* }
 
         impl $name {
-            /// All of them, in table order.
+            /// All signals, in table order.
             pub const ALL: &'static [Self] = &[$(Self::$variant,)*];
-            /// How many there are.
+            /// Number of signals.
             pub const COUNT: usize = Self::ALL.len();
 
-            /// The word of stories, traces and the diagnosis page.
+            /// The word used in stories, traces and on the diagnosis page.
             #[must_use]
             pub const fn id(self) -> &'static str {
                 match self { $(Self::$variant => $id,)* }
@@ -34,13 +34,13 @@ macro_rules! signals {
                 match self { $(Self::$variant => $param,)* }
             }
 
-            /// The name shown.
+            /// Display name.
             #[must_use]
             pub const fn name(self) -> Text {
                 match self { $(Self::$variant => Text::new($zh, $en),)* }
             }
 
-            /// The signal of a word.
+            /// The signal of an id.
             #[must_use]
             pub fn from_id(id: &str) -> Option<Self> {
                 Self::ALL.iter().copied().find(|signal| signal.id() == id)
@@ -151,12 +151,12 @@ signals! {
 }
 
 impl Output {
-    /// The user outputs, M50 to M59.
+    /// The user outputs (M50 to M59).
     pub const USER: [Self; 5] = [Self::User1, Self::User2, Self::User3, Self::User4, Self::User5];
-    /// The gear outputs, M41 to M44.
+    /// The gear outputs (M41 to M44).
     pub const GEARS: [Self; 4] = [Self::Gear1, Self::Gear2, Self::Gear3, Self::Gear4];
 
-    /// Whether a kind has the function; of functions that share a parameter each kind has one.
+    /// Whether a kind has the function. Of the functions that share a parameter, a kind has at most one.
     #[must_use]
     pub const fn is_of(self, kind: Kind) -> bool {
         match self {
@@ -178,7 +178,7 @@ impl Output {
         }
     }
 
-    /// Whether it has no rule and no sequence: what a program may also switch by its port.
+    /// Whether it has no interlock and no sequence, so that a program may also switch it by its port.
     #[must_use]
     pub const fn is_plain(self) -> bool {
         matches!(
@@ -189,12 +189,12 @@ impl Output {
 }
 
 impl Input {
-    /// The switches of the gears, M41 to M44.
+    /// The gear switches (M41 to M44).
     pub const GEARS: [Self; 4] = [Self::Gear1In, Self::Gear2In, Self::Gear3In, Self::Gear4In];
-    /// The switches of the tool post's stations (L8).
+    /// The station switches of the tool turret (L8).
     pub const STATIONS: [Self; 4] = [Self::Station1, Self::Station2, Self::Station3, Self::Station4];
 
-    /// Whether the machine of a kind has the switch, so that pages show it.
+    /// Whether a kind has the switch; pages show only those.
     #[must_use]
     pub const fn is_of(self, kind: Kind) -> bool {
         match self {
@@ -226,10 +226,10 @@ macro_rules! signal_set {
         pub struct $set(u128);
 
         impl $set {
-            /// None on.
+            /// No signal is on.
             pub const NONE: Self = Self(0);
 
-            /// Those that are on here and not there.
+            /// The signals that are on in `self` and off in `other`.
             #[must_use]
             pub const fn without(self, other: Self) -> Self {
                 Self(self.0 & !other.0)
@@ -263,7 +263,7 @@ signal_set! {
     OutputSet of Output
 }
 
-/// The level of every terminal of one terminal block: bit 0 is port 1.
+/// The levels of a terminal block: bit 0 is port 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Terminals(pub u64);
 
@@ -274,7 +274,7 @@ impl Terminals {
         port >= 1 && port <= PORTS && self.0 >> (port - 1) & 1 == 1
     }
 
-    /// Sets the level of a port; port 0 and ports beyond the block are not there.
+    /// Sets the level of a port; port 0 and ports beyond the block are ignored.
     pub const fn set(&mut self, port: u8, on: bool) {
         if port >= 1 && port <= PORTS {
             let bit = 1 << (port - 1);

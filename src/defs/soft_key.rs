@@ -1,13 +1,13 @@
-//! The soft keys F1–F5 and ▶: five rows, one table. The screen draws it and the core acts by it, so a key of a story
-//! does what a finger does.
+//! The soft keys F1–F5 and ▶: one table of five rows. The screen and the core use the same table, so a key in a story
+//! does the same as a touch.
 //! Source: spec K7.1, K7.2.
 
 use super::kind::Kind;
 use super::page::Page;
 use super::text::Text;
 
-/// Which coordinates the position page shows. The first view of a control is not the one where dressing points are
-/// set, against mistakes (K4.2).
+/// The coordinates shown on the position page. Dressing points are set on the relative view, which is not the default,
+/// to avoid operating errors (K4.2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coordinates {
     /// F1 相对
@@ -31,19 +31,19 @@ impl Coordinates {
     }
 }
 
-/// What a soft key does.
+/// The action of a soft key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SoftAct {
     /// Opens a page.
     Open(Page),
     /// Opens the position page with these coordinates.
     Position(Coordinates),
-    /// Keeps a picture of the screen.
+    /// Saves a picture of the screen.
     Print,
 }
 
 impl SoftAct {
-    /// What the key does: of a page, what the page is for.
+    /// Help text of the key; for a page, the purpose of the page.
     #[must_use]
     pub const fn help(self) -> Text {
         match self {
@@ -73,7 +73,7 @@ impl SoftAct {
 pub struct SoftKey {
     /// Label.
     pub label: Text,
-    /// What it does.
+    /// Action.
     pub act: SoftAct,
 }
 
@@ -81,7 +81,7 @@ const fn key(zh: &'static str, en: &'static str, act: SoftAct) -> SoftKey {
     SoftKey { label: Text::new(zh, en), act }
 }
 
-/// The rows that ▶ turns through; the simulator's is the last. A kind has at most five keys of each.
+/// The rows that ▶ switches through; the simulator row is the last. A kind has at most five keys per row.
 pub const ROWS: [&[SoftKey]; 5] = [
     &[
         key("相对", "RELATIVE", SoftAct::Position(Coordinates::Relative)),
@@ -123,7 +123,7 @@ pub fn row(kind: Kind, row: usize) -> impl Iterator<Item = &'static SoftKey> {
 }
 
 impl SoftKey {
-    /// Its label on a kind.
+    /// The label on a kind.
     #[must_use]
     pub fn label_on(&self, kind: Kind) -> Text {
         match self.act {
@@ -135,13 +135,13 @@ impl SoftKey {
     }
 }
 
-/// The number of rows: where no machine is simulated, the last one is not there (P1).
+/// The number of rows: without a simulated machine the last row is omitted (P1).
 #[must_use]
 pub const fn rows(simulated: bool) -> usize {
     if simulated { ROWS.len() } else { ROWS.len() - 1 }
 }
 
-/// The row that is turned to when a page opens.
+/// The row shown when a page opens.
 #[must_use]
 pub const fn row_of(page: Page) -> usize {
     match page {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A language of the control. Chinese comes first.
+/// A language of the control. Chinese is the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Lang {
     /// 中文
@@ -12,7 +12,7 @@ pub enum Lang {
     En,
 }
 
-/// One text in both languages.
+/// A constant text in both languages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Text {
     /// Chinese.
@@ -22,13 +22,13 @@ pub struct Text {
 }
 
 impl Text {
-    /// A text from its two forms.
+    /// A text from its Chinese and English forms.
     #[must_use]
     pub const fn new(zh: &'static str, en: &'static str) -> Self {
         Self { zh, en }
     }
 
-    /// The form for a language.
+    /// The text in a language.
     #[must_use]
     pub const fn get(self, lang: Lang) -> &'static str {
         match lang {
@@ -38,7 +38,7 @@ impl Text {
     }
 }
 
-/// A text put together at run time, in both languages at once: the core does not know which one the operator reads.
+/// A text composed at run time, in both languages: the core does not know the language of the display.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Said {
     /// Chinese.
@@ -48,12 +48,12 @@ pub struct Said {
 }
 
 impl Said {
-    /// A text from its two forms.
+    /// A text from its Chinese and English forms.
     pub fn new(zh: impl Into<String>, en: impl Into<String>) -> Self {
         Self { zh: zh.into(), en: en.into() }
     }
 
-    /// The form for a language.
+    /// The text in a language.
     #[must_use]
     pub fn get(&self, lang: Lang) -> &str {
         match lang {

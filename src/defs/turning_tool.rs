@@ -1,34 +1,34 @@
-//! The tools of a lathe as the operator defines them: a shape and three sizes. What the simulated machine cuts and
-//! crashes with, and what the pages draw, comes from here. Source: spec L9 (tool definitions), L10.
+//! The turning tools as defined by the operator: a shape and three sizes. Used by the simulated machine for cutting and
+//! collisions, and by the pages for drawing. Source: spec L9 (tool definitions), L10.
 
 use super::param::{self, Number, Params};
 use super::text::Text;
 
-/// Rise of the flank of a turning tool over its width: 1.5 in 8.
+/// Slope of the flank of a turning tool: 1.5 mm over a width of 8 mm.
 const FLANK: f64 = 0.1875;
-/// Rise of a 60° threading tool over half its width: tan 60°.
+/// Slope of the flanks of a 60° threading tool: tan 60°.
 const SIXTY_DEGREES: f64 = 1.732;
-/// Where the shank begins beside the edge, mm.
+/// Distance from the edge to the shank, mm.
 const STEP_MM: f64 = 0.1;
 
-/// A shape of tool.
+/// A tool shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// Cuts towards the chuck.
     RightHand,
-    /// Cuts both ways.
+    /// Cuts in both directions.
     Neutral,
-    /// Straight down.
+    /// Cuts along X only.
     Grooving,
-    /// 60°.
+    /// 60° thread profile.
     Threading,
 }
 
 impl Shape {
-    /// All of them, by the value of their parameter from 1.
+    /// All shapes; the parameter value is the index + 1.
     pub const ALL: [Self; 4] = [Self::RightHand, Self::Neutral, Self::Grooving, Self::Threading];
 
-    /// The name shown.
+    /// Display name.
     #[must_use]
     pub const fn name(self) -> Text {
         match self {
@@ -40,20 +40,20 @@ impl Shape {
     }
 }
 
-/// A tool.
+/// A turning tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurningTool {
     /// Its shape.
     pub shape: Shape,
-    /// Width of the edge along Z, mm; of shapes that go both ways half of it.
+    /// Width of the edge along Z, mm; half of it for shapes that cut in both directions.
     pub width_mm: f64,
-    /// How far the edge cuts over its tip, mm; above it is the shank.
+    /// Height of the cutting edge above the tip, mm; the shank is above it.
     pub edge_mm: f64,
-    /// How far the shank reaches along Z from the tip, mm.
+    /// Extent of the shank along Z from the tip, mm.
     pub shank_mm: f64,
 }
 
-/// The parameters of the tools, stations 1 to 4: shape, width, edge, shank.
+/// Tool parameters of stations 1 to 4: shape, width, edge, shank.
 pub const ROWS: [[Number; 4]; 4] = [
     [param::TOOL_1_SHAPE, param::TOOL_1_WIDTH, param::TOOL_1_EDGE, param::TOOL_1_SHANK],
     [param::TOOL_2_SHAPE, param::TOOL_2_WIDTH, param::TOOL_2_EDGE, param::TOOL_2_SHANK],
@@ -62,7 +62,7 @@ pub const ROWS: [[Number; 4]; 4] = [
 ];
 
 impl TurningTool {
-    /// The tool of a station, from 0.
+    /// The tool of a station, counted from 0.
     #[must_use]
     pub fn of_station(params: &Params, station: usize) -> Self {
         let [shape, width, edge, shank] = ROWS[station % ROWS.len()];
@@ -75,7 +75,7 @@ impl TurningTool {
         }
     }
 
-    /// Height of the outline over the tip along X at places along Z from the tip, in rising order, mm.
+    /// Outline of the tool: pairs of Z from the tip (increasing) and height along X above the tip, mm.
     #[must_use]
     pub fn outline_mm(&self) -> Vec<(f64, f64)> {
         let (width, top) = (self.width_mm, self.edge_mm + STEP_MM);

@@ -1,5 +1,5 @@
-//! The table of system variables: what a program can read of the machine, and what it can write.
-//! Numbers follow FANUC's; #434–#439 are the customer's, #5801–#5805 this control's own.
+//! The table of system variables that a program can read or write.
+//! Numbers follow FANUC; #434–#439 are defined by the customer, #5801–#5805 by this control.
 //! Source: spec B3, K4.3, K4.5; docs/decisions.md "Grinding functions".
 
 use super::text::Text;
@@ -9,27 +9,27 @@ use super::text::Text;
 pub struct SystemVariables {
     /// The first number.
     pub first: u32,
-    /// How many there are.
+    /// Number of variables.
     pub count: u32,
-    /// What a program may do with them.
+    /// Access rights of a program.
     pub access: Access,
-    /// What they mean.
+    /// Meaning.
     pub name: Text,
 }
 
-/// What a program may do with a variable.
+/// Access rights of a program to a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Read it.
+    /// Read only.
     Read,
-    /// Read it and give it a value.
+    /// Read and write.
     ReadWrite,
-    /// Give it a value: a statement.
+    /// Write only; the assignment is a command.
     Write,
 }
 
 impl SystemVariables {
-    /// Which of the range a number is, from 0.
+    /// Index of a variable number in the range, from 0.
     #[must_use]
     pub const fn index(&self, number: u32) -> Option<usize> {
         if number >= self.first && number - self.first < self.count {
@@ -78,13 +78,13 @@ ranges! {
     DRESSINGS = 5_805, 1, Read, "换砂轮后修整次数 (P97)", "dressings since the wheel was changed (P97)";
 }
 
-/// Whether a variable is a place, or a distance between places: it is read in the unit of the words.
+/// Whether a variable is a position or a distance; programs read it in the active unit (mm or inch).
 #[must_use]
 pub fn is_place(number: u32) -> bool {
     [GAUGE_FOUND, BLOCK_END, MACHINE, WORK, SKIP].iter().any(|range| range.index(number).is_some())
 }
 
-/// The range of a number.
+/// The range of a variable number.
 #[must_use]
 pub fn find(number: u32) -> Option<&'static SystemVariables> {
     SYSTEM_VARIABLES.iter().find(|range| range.index(number).is_some())

@@ -1,5 +1,5 @@
-//! The parameters: number, bit, name, unit, range, factory value and access level, and a set of their values.
-//! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; the numbers from 30 to 99 are this project's.
+//! The parameters: number, bit, name, unit, range, factory value and access level, and the values of a machine.
+//! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; numbers 30 to 99 are defined by this project.
 
 mod table;
 
@@ -13,10 +13,10 @@ use super::signal::{Input, Output, PORTS};
 use super::text::Text;
 use crate::units::{Axis, Micros};
 
-/// The column of the bit table that a kind begins with.
+/// Column of the bit table with the factory bits of each kind, in the order of `Kind::ALL`.
 const KT830_COLUMN: [usize; Kind::ALL.len()] = [0, 1, 2, 0, 0];
 
-/// Highest parameter number + 1.
+/// Exclusive upper limit of parameter numbers.
 pub const PARAM_LIMIT: usize = 440;
 
 /// Who may change a parameter.
@@ -30,18 +30,18 @@ pub enum Level {
     Builder,
 }
 
-/// A parameter with a number as its value.
+/// A numeric parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Number {
     /// P number.
     pub number: u16,
-    /// Name shown.
+    /// Display name.
     pub name: Text,
-    /// Unit shown; empty for counts and ports.
+    /// Unit; empty for counts and ports.
     pub unit: &'static str,
-    /// Least value allowed.
+    /// Minimum.
     pub min: f64,
-    /// Greatest value allowed.
+    /// Maximum.
     pub max: f64,
     /// Factory value.
     pub factory: f64,
@@ -56,16 +56,16 @@ pub struct Bit {
     pub number: u16,
     /// Bit 0…7.
     pub bit: u8,
-    /// What 1 means.
+    /// Meaning of 1.
     pub name: Text,
-    /// Factory value on GC, GS, GA; the other kinds begin as GC, but for `FACTORY_BITS_OF_KIND`.
+    /// Factory value on GC, GS, GA; the other kinds use the GC value, except for `FACTORY_BITS_OF_KIND`.
     pub factory: [bool; 3],
     /// Who may change it.
     pub level: Level,
 }
 
 impl Bit {
-    /// Its address.
+    /// The address of the parameter.
     #[must_use]
     pub const fn address(self) -> ParamAddress {
         ParamAddress { number: self.number, bit: Some(self.bit) }
@@ -73,7 +73,7 @@ impl Bit {
 }
 
 impl Bit {
-    /// Its value on a new machine of a kind.
+    /// Its factory value on a kind of machine.
     #[must_use]
     pub fn factory_of(&self, kind: Kind) -> bool {
         let own = FACTORY_BITS_OF_KIND.iter().find(|(of, row, _)| *of == kind && row == self);
@@ -83,14 +83,14 @@ impl Bit {
 }
 
 impl Number {
-    /// Its address.
+    /// The address of the parameter.
     #[must_use]
     pub const fn address(self) -> ParamAddress {
         ParamAddress { number: self.number, bit: None }
     }
 }
 
-/// Why a value was not taken.
+/// Why a value was refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ParamError {
     /// No such parameter.
@@ -101,19 +101,19 @@ pub enum ParamError {
     Range {
         /// P number.
         number: u16,
-        /// Least value allowed.
+        /// Minimum.
         min: f64,
-        /// Greatest value allowed.
+        /// Maximum.
         max: f64,
-        /// What was given.
+        /// The refused value.
         value: f64,
     },
-    /// Ports, counts and codes are whole numbers.
+    /// The value is not a whole number (ports, counts and codes).
     #[error("P{number} takes a whole number, not {value}")]
     Whole {
         /// P number.
         number: u16,
-        /// What was given.
+        /// The refused value.
         value: f64,
     },
     /// A bit takes 0 or 1.
@@ -123,13 +123,13 @@ pub enum ParamError {
         number: u16,
         /// Bit.
         bit: u8,
-        /// What was given.
+        /// The refused value.
         value: f64,
     },
 }
 
 impl ParamError {
-    /// The same in Chinese.
+    /// The message in Chinese.
     #[must_use]
     pub fn zh(self) -> String {
         match self {
@@ -141,7 +141,7 @@ impl ParamError {
     }
 }
 
-/// The address of a parameter as people write it: `P270` or `P16.0`.
+/// The address of a parameter, written `P270` or `P16.0`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ParamAddress {
     /// P number.
@@ -151,7 +151,7 @@ pub struct ParamAddress {
 }
 
 impl ParamAddress {
-    /// Reads `P270`, `270`, `P16.0`.
+    /// Parses `P270`, `270`, `P16.0`.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let digits = text.strip_prefix(['P', 'p']).unwrap_or(text);
@@ -172,10 +172,10 @@ impl std::fmt::Display for ParamAddress {
     }
 }
 
-/// The values of all parameters of one machine.
+/// All parameter values of one machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
-    /// The kind of machine, whose ranges hold.
+    /// The kind of machine; selects the ranges.
     kind: Kind,
     numbers: Box<[f64; PARAM_LIMIT]>,
     bits: Box<[u8; PARAM_LIMIT]>,
@@ -223,19 +223,19 @@ impl Params {
         self.bits[usize::from(row.number)] >> row.bit & 1 == 1
     }
 
-    /// The port of an input; 0 is none.
+    /// The port of an input; 0 is not connected.
     #[must_use]
     pub fn input_port(&self, input: Input) -> u8 {
         self.numbers[usize::from(input.port_param())] as u8
     }
 
-    /// The port of an output; 0 is none.
+    /// The port of an output; 0 is not connected.
     #[must_use]
     pub fn output_port(&self, output: Output) -> u8 {
         self.numbers[usize::from(output.port_param())] as u8
     }
 
-    /// Another function of the kind on the port of this output (K6.1).
+    /// Another output of the kind that is assigned to the same port (K6.1).
     #[must_use]
     pub fn output_conflict(&self, kind: Kind, output: Output) -> Option<Output> {
         let port = self.output_port(output);
@@ -243,13 +243,13 @@ impl Params {
         others.into_iter().find(|other| port != 0 && output.is_of(kind) && self.output_port(*other) == port)
     }
 
-    /// A number parameter in milliseconds, as a time.
+    /// A number parameter in milliseconds, as a time span.
     #[must_use]
     pub fn millis(&self, row: Number) -> Micros {
         Micros::from_millis_f64(self.get(row))
     }
 
-    /// The input ports whose level is inverted before use (normally-closed contacts).
+    /// Bit mask of the input ports with inverted level (normally closed contacts); bit 0 is port 1.
     #[must_use]
     pub fn inverted_inputs(&self) -> u64 {
         [INPUTS_INVERTED_1, INPUTS_INVERTED_2, INPUTS_INVERTED_3, INPUTS_INVERTED_4]
@@ -258,7 +258,7 @@ impl Params {
             .fold(0, |mask, row| mask << 16 | (self.get(row) as u64 & 0xFFFF))
     }
 
-    /// One of three consecutive parameters X, Y, Z.
+    /// The value for an axis, of three consecutive parameters X, Y, Z; `x` is the first.
     #[must_use]
     pub fn of_axis(&self, x: Number, axis: Axis) -> f64 {
         self.numbers[usize::from(x.number) + axis as usize]
@@ -282,7 +282,7 @@ impl Params {
     /// Stores a value at an address.
     ///
     /// # Errors
-    /// The address is not in the table, or the value is outside its range; nothing is changed then.
+    /// The address is not in the table, or the value is outside its range; the old value stays.
     pub fn write(&mut self, at: ParamAddress, value: f64) -> Result<(), ParamError> {
         if let Some(bit) = at.bit {
             if !BITS.iter().any(|row| row.number == at.number && row.bit == bit) {
@@ -310,7 +310,7 @@ impl Params {
     }
 }
 
-/// The range of a number parameter, ports included, and whether it is a whole number: what has no unit is.
+/// Range of a number parameter or port, and whether it must be a whole number (parameters without a unit).
 fn find_number(number: u16) -> Option<(f64, f64, bool)> {
     if let Some(row) = NUMBERS.iter().find(|row| row.number == number) {
         return Some((row.min, row.max, row.unit.is_empty()));

@@ -1,5 +1,5 @@
 //! The table of parameters: bits, numbers and the factory ports.
-//! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; the numbers from 30 to 99 are this project's.
+//! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; numbers 30 to 99 are defined by this project.
 
 use super::{Bit, Level, Number};
 use crate::defs::kind::Kind;
@@ -22,7 +22,7 @@ macro_rules! numbers {
             number: $number, name: Text::new($zh, $en), unit: $unit,
             min: $min as f64, max: $max as f64, factory: $factory as f64, level: Level::$level,
         };)*
-        /// Every number but the ports, by number.
+        /// Every number parameter except the ports, in table order.
         pub const NUMBERS: &[Number] = &[$($name,)*];
     };
 }
@@ -192,7 +192,7 @@ numbers! {
     INPUTS_INVERTED_4 = 357, 0 => 65_535, 0, "", Builder, "输入口 49-64 反相", "inputs 49-64 inverted";
 }
 
-/// Factory values of one kind that differ from the table: its travels and its wheel.
+/// Factory values of a kind that differ from the table: travels, wheel, speeds.
 pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
     (Kind::Gs, SOFT_MINUS_X, -600.0),
     (Kind::Gs, SOFT_MINUS_Z, -300.0),
@@ -226,11 +226,11 @@ pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
     (Kind::Lathe, HOME_FAST, 2_000.0),
 ];
 
-/// Ranges that are narrower on a kind: L2 has rapids of 2000–6000 mm/min on Z and half of that on X.
+/// Narrower ranges of a kind. L2: rapid 2000–6000 mm/min on Z, half of that on X.
 pub(super) const RANGE_OF_KIND: &[(Kind, Number, f64, f64)] =
     &[(Kind::Lathe, RAPID_X, 1_000.0, 3_000.0), (Kind::Lathe, RAPID_Z, 2_000.0, 6_000.0)];
 
-/// Factory bits of the kinds that have no column in the table of bits, where they differ from the column they begin with.
+/// Factory bits of the kinds without a column in the bit table, where they differ from the GC column.
 pub(super) const FACTORY_BITS_OF_KIND: &[(Kind, Bit, bool)] = &[
     (Kind::Vertical, TAILSTOCK_ENABLED, false),
     (Kind::Lathe, TAILSTOCK_ENABLED, false),
