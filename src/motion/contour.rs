@@ -1,23 +1,23 @@
-//! The programmed contour: lines and arcs by the distance along them.
+//! The programmed contour: lines and arcs, parametrised by the distance along them.
 //!
-//! Owns the geometry of a single move. Knows nothing of speed. An arc is measured along its mean radius, with its third
-//! axis, so that a helix is as long as it is.
+//! The geometry of a single move; knows nothing of speed. The length of an arc is measured along its mean radius and
+//! includes the third axis of a helix.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::{AxisLimits, Limits, Shape, Turn};
 use crate::units::{Axis, PerAxis};
 
-/// Shares of the axis limits on an arc, so that the vectors of acceleration and jerk stay below 1 in every direction:
-/// with normal and tangential acceleration both 0.7, √(0.7² + 0.7²) = 0.99; with tangential jerk 0.4 + 0.3 from the
-/// curvature and 0.7 across, the same.
+/// Shares of the axis limits on an arc, so that the vectors of acceleration and jerk stay below 1 in every direction.
+/// Acceleration: 0.7 normal and 0.7 tangential, √(0.7² + 0.7²) = 0.99. Jerk: 0.4 + 0.3 (curvature) tangential and
+/// 0.7 normal, the same.
 const ARC_SHARE: f64 = 0.7;
 const ARC_JERK_TANGENTIAL: f64 = 0.4;
 const ARC_JERK_CURVATURE: f64 = 0.3;
-/// Shorter than this a move is no motion, mm.
+/// A move shorter than this has no length, mm.
 pub const NO_LENGTH_MM: f64 = 1e-9;
 
-/// A full turn passes so many points where an axis turns back.
+/// Maximum number of reversal points of an arc.
 const QUARTERS: usize = 4;
 
 #[derive(Clone, Copy, Debug)]
@@ -26,14 +26,14 @@ enum Form {
     Arc { center: [f64; 2], axes: [usize; 3], radius: [f64; 2], angle: f64, sweep: f64 },
 }
 
-/// One line or arc from a point to another.
+/// One line or arc between two points.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
     from: [f64; 3],
     to: [f64; 3],
     form: Form,
     length: f64,
-    /// Directions at the start and at the end, of length 1.
+    /// Unit direction vectors at the start and at the end.
     directions: [[f64; 3]; 2],
 }
 
@@ -90,13 +90,13 @@ impl Segment {
         self.length
     }
 
-    /// Whether there is nothing to move.
+    /// Whether the move has no length.
     #[must_use]
     pub fn is_nothing(&self) -> bool {
         self.length <= NO_LENGTH_MM
     }
 
-    /// The point `along` mm from the start; the end points come out exactly.
+    /// The point `along` mm from the start; the end points are exact.
     #[must_use]
     pub fn at(&self, along: f64) -> [f64; 3] {
         if along <= 0.0 {
@@ -121,7 +121,7 @@ impl Segment {
         }
     }
 
-    /// Where along the segment, mm, between two distances along, it is nearest to `point`, and the place itself.
+    /// The nearest point to `point` between two distances along the segment: its distance along, mm, and the point.
     #[must_use]
     pub fn nearest(&self, point: [f64; 3], low: f64, high: f64) -> (f64, [f64; 3]) {
         match self.form {
@@ -132,7 +132,7 @@ impl Segment {
                 (along, [0, 1, 2].map(|x| self.from[x] + along * d[x]))
             }
             Form::Arc { center, axes, angle, sweep, .. } => {
-                // By the angle alone: exact for a flat arc, and near enough within the tube of a helix.
+                // By the angle only: exact for a flat arc, and accurate enough within the tolerance band of a helix.
                 let (x, y) = (point[axes[0]] - center[0], point[axes[1]] - center[1]);
                 let turned = (sweep.signum() * (y.atan2(x) - angle)).rem_euclid(TAU);
                 let whole = sweep.abs();
@@ -149,14 +149,14 @@ impl Segment {
         }
     }
 
-    /// Directions at the start and at the end, of length 1.
+    /// Unit direction vectors at the start and at the end.
     #[must_use]
     pub const fn directions(&self) -> [[f64; 3]; 2] {
         self.directions
     }
 
-    /// The points where an axis may turn back, in order with their distance along: the quarter points of an arc, and
-    /// the end of every segment.
+    /// Possible reversal points of an axis, in order, with their distance along: the quarter points of an arc, and the
+    /// end of the segment.
     #[must_use]
     pub fn turning_points(&self) -> ([(f64, [f64; 3]); QUARTERS + 1], usize) {
         let mut points = [(self.length, self.to); QUARTERS + 1];
@@ -178,7 +178,7 @@ impl Segment {
         (points, count + 1)
     }
 
-    /// Limits of speed, acceleration and jerk along the segment that keep those of every axis.
+    /// Limits of speed, acceleration and jerk along the segment that keep the limits of every axis.
     #[must_use]
     pub fn limits(&self, limits: &Limits) -> AxisLimits {
         match self.form {
@@ -203,7 +203,7 @@ impl Segment {
     }
 }
 
-/// Limits along a direction of which each axis takes a share, 0 to 1.
+/// Limits along a direction in which each axis has a share, 0 to 1.
 fn along(limits: &Limits, share: impl Fn(Axis) -> f64) -> AxisLimits {
     let least = |of: fn(&AxisLimits) -> f64| {
         limits.axes.iter().map(|(axis, l)| of(l) / share(axis).max(1e-12)).fold(f64::INFINITY, f64::min)
@@ -215,7 +215,7 @@ fn along(limits: &Limits, share: impl Fn(Axis) -> f64) -> AxisLimits {
     }
 }
 
-/// Distance of two points, mm.
+/// Distance between two points, mm.
 #[must_use]
 pub fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|x| (a[x] - b[x]) * (a[x] - b[x])).sum::<f64>().sqrt()

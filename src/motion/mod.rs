@@ -1,16 +1,16 @@
-//! Motion: moves in, set-points out, every limit kept in every tick.
+//! Motion: turns moves into set-points and keeps every axis limit in every tick.
 //!
-//! Owns the way from a programmed move to the position of each axis at each tick. Knows nothing of blocks, sequences,
-//! drives or time of day; a tick is an argument's worth of motion, and the same calls give the same set-points bit for
-//! bit. Machine frame, radius millimetres, seconds.
+//! Computes the position of each axis at each tick from the programmed moves. It knows nothing of blocks, sequences,
+//! drives or time of day. It is deterministic: the same calls give the same set-points bit for bit. Machine
+//! coordinates, millimetres (radius), seconds.
 //!
-//! The way of a move through [`Path`]: `push` queues it; the [`planner`] turns the moves at the front of the queue into
-//! *nominal* set-points, one for each tick at 100 % override, and lays them on the [`trail`]: a [`stroke`] for a move that
-//! ends at rest, for a [`run`] of moves that flow into each other one [`window`] after another, each planned in slices to
-//! an end at rest and handed over to the next before it brakes; `tick`
-//! goes along the trail, one place a tick at full rate and slower under an override or a hold ([`warp`]); a change of
-//! rate is only begun once it has been run ahead to its end and every limit found kept.
-//! [`ThreadMover`] leads Z in step with a spindle. [`AxisMover`] moves one axis by itself; both rest on the seven-segment [`profile`].
+//! A move passes through [`Path`]: `push` queues it. The [`planner`] turns the moves at the front of the queue into
+//! *nominal* set-points, one per tick at 100 % override, and appends them to the [`trail`]. A move from rest to rest is
+//! a [`stroke`]. A [`run`] of moves that blend into each other is planned as a sequence of look-ahead windows
+//! ([`window`]), each in slices to an end at rest; the next window takes over before it brakes. `tick` follows the
+//! trail: one set-point per tick at full rate, slower under an override or a hold ([`warp`]). A change of rate starts
+//! only after it has been simulated to its end and keeps every limit. [`ThreadMover`] moves Z in step with a spindle,
+//! [`AxisMover`] moves one axis; both use the seven-segment [`profile`].
 
 mod budget;
 mod contour;
@@ -39,13 +39,13 @@ use crate::units::{Axis, PerAxis};
 /// Limits of the machine's axes and the length of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Limits of each axis; all positive. An axis that is not there may repeat another's.
+    /// Limits of each axis; all positive. An axis that is not fitted may repeat the limits of another.
     pub axes: PerAxis<AxisLimits>,
-    /// Length of a tick, seconds; 0.001 unless the parameter says otherwise.
+    /// Length of a tick, s; 0.001 by default (P58).
     pub tick_s: f64,
 }
 
-/// The two axes an arc turns in, in the order that defines its sense.
+/// The plane of an arc; the order of the two axes defines its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
     /// First X, second Y (G17).
@@ -57,7 +57,7 @@ pub enum Plane {
 }
 
 impl Plane {
-    /// First axis, second axis, and the one that stays linear.
+    /// First axis, second axis, and the linear axis.
     #[must_use]
     pub const fn axes(self) -> (Axis, Axis, Axis) {
         match self {
@@ -68,56 +68,55 @@ impl Plane {
     }
 }
 
-/// The sense of an arc in its [`Plane`], by coordinates alone: how a machine draws or mirrors its axes changes nothing.
+/// The direction of an arc in its [`Plane`], in coordinates; independent of how a machine draws or mirrors its axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
     /// From the plus side of the plane's first axis towards the plus side of the second: in ZX from Z+ to X+.
     Ccw,
-    /// The other way.
+    /// The opposite direction.
     Cw,
 }
 
-/// The form of a move.
+/// The shape of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A straight line.
     Line,
-    /// An arc in a plane while the third axis moves in proportion (a helix). Start and end on the same radius line make
-    /// a full turn. Where start and end differ in radius, the radius changes evenly with the angle.
+    /// An arc in a plane; the third axis moves in proportion (helix). If the end equals the start in the plane, it is a
+    /// full turn. If start and end radius differ, the radius changes linearly with the angle.
     Arc {
-        /// Centre, mm; the value of the axis outside the plane is not looked at.
+        /// Centre, mm; the value of the axis outside the plane is ignored.
         center: PerAxis<f64>,
-        /// The two axes it turns in.
+        /// The plane of the arc.
         plane: Plane,
-        /// Its sense.
+        /// Its direction.
         turn: Turn,
     },
 }
 
-/// How fast a move is meant to run.
+/// The programmed speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rate {
-    /// As fast as the axes allow, in a straight line, under the rapid override.
+    /// As fast as the axes allow, in a straight line; the rapid override applies.
     Rapid,
-    /// At this speed along the path, under the feed override.
+    /// A feed along the path; the feed override applies.
     Feed {
-        /// Speed, mm/s; below [`LEAST_FEED_MM_S`] it is raised to that.
+        /// Feed, mm/s; at least [`LEAST_FEED_MM_S`] is used.
         mm_s: f64,
     },
 }
 
-/// The slowest feed, mm/s: a feed of nothing would never end. Source: our choice; 0.006 mm/min.
+/// Minimum feed, mm/s: a move with feed zero would never end. Source: our choice; 0.006 mm/min.
 pub const LEAST_FEED_MM_S: f64 = 1e-4;
 
-/// How the corner at the end of a move may be taken.
+/// How the corner at the end of a move is passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// Stand at the end point before going on.
+    /// Stop at the end point before the next move.
     ExactStop,
-    /// Go on through the corner, never farther than this from the programmed contour. Between a rapid and a feed the
-    /// axes stop all the same.
+    /// Round the corner within a tolerance. Between a rapid and a feed move the axes stop in any case.
     Continuous {
-        /// Greatest distance from the contour, mm.
+        /// Maximum distance from the programmed contour, mm.
         tolerance_mm: f64,
     },
 }
@@ -127,31 +126,31 @@ pub enum End {
 pub struct Move {
     /// End point, mm.
     pub to: PerAxis<f64>,
-    /// Its form.
+    /// Its shape.
     pub shape: Shape,
     /// Its speed.
     pub rate: Rate,
-    /// How its end may be taken.
+    /// How the corner at its end is passed.
     pub end: End,
-    /// The caller's mark, reported when the move is active and when it is finished.
+    /// The caller's tag, reported while the move is active and when it is finished.
     pub tag: u32,
 }
 
-/// Overrides as factors: `feed` 0 to 1.5, `rapid` 0 to 1; anything beyond is cut, not-a-number is 0.
+/// Overrides as factors: `feed` 0 to 1.5, `rapid` 0 to 1. Values beyond are clamped; NaN counts as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Override {
-    /// Factor of the programmed feed.
+    /// Factor on the programmed feed.
     pub feed: f64,
-    /// Factor of the rapid.
+    /// Factor on rapid moves.
     pub rapid: f64,
 }
 
 impl Override {
-    /// Everything as programmed.
+    /// 100 % feed and rapid.
     pub const FULL: Self = Self { feed: 1.0, rapid: 1.0 };
 }
 
-/// Where every axis is to be at the end of a tick.
+/// The set-point of all axes at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SetPoint {
     /// Position, mm.
@@ -160,7 +159,7 @@ pub struct SetPoint {
     pub velocity_mm_s: PerAxis<f64>,
 }
 
-/// The queue of moves is full; try again once a move has finished ([`Path::room`]).
+/// The move queue is full; try again after a move has finished ([`Path::room`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the queue of moves is full")]
 pub struct PathFull;

@@ -1,15 +1,15 @@
-//! One axis by itself: jog, handwheel, homing, return to a point, oscillation.
+//! Motion of a single axis: jog, handwheel, homing, return to a point, oscillation.
 //!
-//! Owns position, velocity and acceleration of the axis while it moves so, and the bounds it must stay within. Knows
-//! nothing of programs and paths, nor who asks. Every demand takes effect from the state of the moment, whatever it is.
+//! Holds position, velocity and acceleration of the axis and its bounds. Knows nothing of programs and paths. Every
+//! command takes effect from the present state, moving or not.
 //! Source: spec, motion: jog and handwheel; software limits that brake in time.
 
 use super::profile::{AxisLimits, Profile, State};
 
-/// The jerk of an emergency stop is this many times the axis limit; deceleration stays at its limit.
+/// Factor on the jerk limit in an emergency stop; deceleration stays at its limit.
 pub const EMERGENCY_JERK_FACTOR: f64 = 10.0;
 
-/// What the axis has been asked to do.
+/// The active command of the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Demand {
     Rest,
@@ -31,11 +31,11 @@ pub struct AxisMover {
     state: State,
 }
 
-/// Beyond this many ticks a lasting velocity is planned afresh, so that the count never overflows.
+/// After this many ticks a constant velocity is planned again, so that the tick count never overflows.
 const LONGEST_PROFILE: u32 = 1 << 30;
 
 impl AxisMover {
-    /// An axis at rest at `position` mm, moved once every `tick_s` seconds.
+    /// An axis at rest at `position` mm; `tick_s` is the length of a tick, s.
     #[must_use]
     pub fn new(limits: AxisLimits, position: f64, tick_s: f64) -> Self {
         let state = State::at_rest(position);
@@ -43,26 +43,26 @@ impl AxisMover {
         Self { limits, tick_s, bounds: None, demand: Demand::Rest, profile, ticks: 0, state }
     }
 
-    /// New limits; they shape everything from this moment, and a velocity above them falls at once.
+    /// Sets the limits; they apply at once, and a velocity above them decreases at once.
     pub fn set_limits(&mut self, limits: AxisLimits) {
         self.limits = limits;
         self.plan(self.demand);
     }
 
-    /// Stand at `position` mm; forgets any motion. For an axis that was moved by others, or has found its reference.
+    /// Sets the position, mm, at rest and discards any motion; after homing or motion by another module.
     pub fn set_position(&mut self, position: f64) {
         self.state = State::at_rest(position);
         self.plan(Demand::Rest);
     }
 
-    /// Take the axis over in motion; it brakes until told otherwise.
+    /// Takes over the axis in motion; it brakes until the next command.
     pub fn set_state(&mut self, state: State) {
         self.state = state;
         self.plan(Demand::Stop);
     }
 
-    /// Software limits in mm, low then high. A motion under way is planned again: it lands at or before the limit, or
-    /// comes back to it when it was too near to brake. From outside, the axis only moves inward.
+    /// Sets the soft limits (low, high), mm. An active motion is planned again: it ends at or before the limit, or
+    /// returns to it if it was too near to brake. From outside the limits, the axis moves only inward.
     pub fn set_bounds(&mut self, bounds: Option<(f64, f64)>) {
         if bounds != self.bounds {
             self.bounds = bounds;
@@ -70,30 +70,30 @@ impl AxisMover {
         }
     }
 
-    /// Jog at `velocity` mm/s (cut to the axis limit) until told otherwise or a bound is reached; 0 stops.
+    /// Jogs at `velocity` mm/s (clamped to the axis limit) until the next command or a soft limit; 0 stops.
     pub fn velocity_target(&mut self, velocity: f64) {
         let top = self.limits.velocity_mm_s;
         self.ask(Demand::Velocity(velocity.clamp(-top, top)));
     }
 
-    /// Go to `position` mm (cut to the bounds) at no more than `velocity` mm/s and land on it exactly. May be called at
-    /// any moment, moving or not, with a new target.
+    /// Moves to `position` mm (clamped to the bounds) at no more than `velocity` mm/s and stops there exactly. A new
+    /// target may be given at any time, moving or not.
     pub fn position_target(&mut self, position: f64, velocity: f64) {
         let velocity = velocity.abs().min(self.limits.velocity_mm_s);
         self.ask(Demand::Position { target: position, velocity });
     }
 
-    /// Brake to rest within the limits.
+    /// Brakes to rest within the limits.
     pub fn stop(&mut self) {
         self.ask(Demand::Stop);
     }
 
-    /// Brake to rest at full deceleration with [`EMERGENCY_JERK_FACTOR`] times the jerk.
+    /// Brakes to rest at full deceleration with [`EMERGENCY_JERK_FACTOR`] times the jerk limit.
     pub fn emergency_stop(&mut self) {
         self.ask(Demand::Emergency);
     }
 
-    /// One tick on: position in mm and velocity in mm/s at its end.
+    /// Advances by one tick; returns position in mm and velocity in mm/s at its end.
     pub fn tick(&mut self) -> (f64, f64) {
         if self.ticks >= LONGEST_PROFILE {
             self.plan(self.demand);
@@ -115,7 +115,7 @@ impl AxisMover {
         self.state.velocity
     }
 
-    /// Whether the axis stands and nothing asked of it is left to do.
+    /// Whether the axis is at rest and its command is done.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         let end = self.profile.end();
@@ -147,20 +147,20 @@ impl AxisMover {
         };
     }
 
-    /// A target cut to the bounds; from outside they are taken to where the axis stands, so that it goes inward only and no
-    /// farther than asked.
+    /// A target clamped to the bounds. From outside, the bounds are extended to the axis position, so that it moves
+    /// only inward and no farther than requested.
     fn within(&self, target: f64) -> f64 {
         let from = self.state.position;
         self.bounds.map_or(target, |(low, high)| target.max(low.min(from)).min(high.max(low).max(from)))
     }
 
-    /// Brakes; where braking alone would cross a bound that was set too late, ends on the bound.
+    /// Profile to rest. If braking would cross a bound that was set too late, it ends on the bound.
     fn halt(&self, limits: AxisLimits) -> Profile {
         let brake = Profile::to_velocity(self.state, 0.0, limits);
         match self.bounds {
             Some((low, high)) => {
                 let (from, end) = (self.state.position, brake.end().position);
-                // Outside already, a stop stays where it comes to rest unless it would lead further out.
+                // Already outside: the stop ends where it comes to rest unless that is farther out.
                 let target = end.max(low.min(from)).min(high.max(from).max(low));
                 if (target - end).abs() > 0.0 { Profile::to_position(self.state, target, limits) } else { brake }
             }
@@ -182,7 +182,7 @@ impl AxisMover {
             Some((low, _)) if velocity < 0.0 && low <= self.state.position => {
                 Profile::to_position(self.state, low, cruise)
             }
-            // Beyond the bound that the jog points at: refused.
+            // The axis is beyond the bound in the jog direction: refused.
             Some(_) => self.halt(limits),
         }
     }

@@ -1,11 +1,10 @@
-//! Program motion: the queue of moves and the set-points along them.
+//! Program motion: the move queue and the set-points along the moves.
 //!
-//! Owns the queue, what of it is planned, where on the trail the axes are, and hold, override and abort. Knows nothing
-//! of why the program moves.
+//! Owns the queue, the planner, the trail, the position of the axes on it, and hold, override and abort.
 //!
-//! An override below 100 % slows everything alike, corners too, and takes effect within a few ticks. Above 100 % it
-//! raises the programmed feed of all that is not laid on the trail yet: a stroke under way at once, a smooth run with the
-//! next window, which is then planned without waiting for its time.
+//! An override below 100 % slows feed and corners alike and takes effect within a few ticks. An override above 100 %
+//! raises the programmed feed of everything that is not on the trail yet: of an active stroke at once, of a blended run
+//! from the next look-ahead window on, which is then planned immediately.
 
 use std::collections::VecDeque;
 
@@ -16,15 +15,15 @@ use super::warp::{History, StepLimits, Warp};
 use super::{Limits, Move, Override, PathFull, Rate, SetPoint};
 use crate::units::PerAxis;
 
-/// Moves that can be queued.
+/// Maximum number of queued moves.
 pub const MOVES: usize = 256;
-/// Finished tags kept for [`Path::pop_finished`]; older ones are dropped.
+/// Maximum number of finished tags kept for [`Path::pop_finished`]; older tags are dropped.
 pub const FINISHED_KEPT: usize = 1_024;
-/// After so many ticks in which a rate asked for could not be taken, the rest of the plan is laid so that all is known.
+/// After this many ticks without reaching the requested rate, the rest of the plan is appended up to its end at rest.
 const UNMET_MOST: u32 = 50;
-/// A rate this near to what is asked for is on its way there.
+/// A rate this near to the requested rate counts as reached.
 const NEARLY_MET: f64 = 0.16;
-/// The greatest feed override.
+/// Maximum feed override.
 const FEED_OVERRIDE_MOST: f64 = 1.5;
 
 /// A move in the queue.
@@ -32,9 +31,9 @@ const FEED_OVERRIDE_MOST: f64 = 1.5;
 pub(super) struct Queued {
     pub program: Move,
     pub segment: Segment,
-    /// Its number since power-on.
+    /// Serial number since power-on.
     pub number: u64,
-    /// The number of the place after its last on the trail, once that is laid: there the curve has come through its end.
+    /// Index on the trail at which the move is finished (one after its last set-point), once that is appended.
     pub ends_at: Option<u64>,
 }
 
@@ -52,14 +51,14 @@ pub struct Path {
     spot: Spot,
     past: History,
     warp: Warp,
-    /// Ticks for which the rate asked for could not be taken.
+    /// Number of ticks in which the requested rate could not be reached.
     unmet: u32,
     held: bool,
     aborting: bool,
 }
 
 impl Path {
-    /// A path on which the axes stand at `start` mm.
+    /// A path with the axes at rest at `start`, mm.
     ///
     /// # Panics
     /// When a limit or the tick is not positive and finite, or a start is not finite: a bug of the caller.
@@ -88,7 +87,7 @@ impl Path {
         }
     }
 
-    /// New limits for all that is planned from now on.
+    /// Sets the limits for everything planned from now on.
     ///
     /// # Panics
     /// When the axes are not at rest with nothing queued, or a limit is not positive: bugs of the caller.
@@ -100,7 +99,7 @@ impl Path {
         self.planner = Planner::new(&limits);
     }
 
-    /// Queue a move after those queued.
+    /// Appends a move to the queue.
     ///
     /// # Errors
     /// [`PathFull`] when [`Path::room`] is 0.
@@ -124,17 +123,17 @@ impl Path {
         Ok(())
     }
 
-    /// How many moves can be pushed now; none while an abort brakes.
+    /// Number of moves that can be pushed now; 0 while an abort brakes.
     #[must_use]
     pub fn room(&self) -> usize {
         if self.aborting { 0 } else { MOVES - self.moves.len() }
     }
 
-    /// One tick on: where the axes are to be at its end.
+    /// Advances by one tick and returns the set-point at its end.
     pub fn tick(&mut self, requested: Override) -> SetPoint {
         let requested = Override { feed: cut(requested.feed, FEED_OVERRIDE_MOST), rapid: cut(requested.rapid, 1.0) };
-        // A verified change of rate has looked at a closed trail's rest: then nothing may follow until it has ended.
-        // An abort lays no more than it needs until a way to rest has been found.
+        // A verified change of rate relies on the end of a closed trail: nothing may be appended until it has ended.
+        // An abort appends only what it needs until a change of rate to rest has been found.
         let wanted = !self.aborting || (self.trail.is_open() && self.warp.target() > 0.0);
         if wanted && (self.trail.is_open() || self.warp.is_steady()) {
             let ask = Ask {
@@ -163,38 +162,38 @@ impl Path {
         SetPoint { position: PerAxis(on.at), velocity_mm_s: PerAxis(on.step.map(|step| step * rate)) }
     }
 
-    /// Feed hold: brake along the path to rest within the limits and stay.
+    /// Feed hold: brakes along the path to rest within the limits and stays at rest.
     pub const fn hold(&mut self) {
         self.held = true;
     }
 
-    /// End a hold. An abort cannot be taken back.
+    /// Ends a hold. An abort cannot be cancelled.
     pub const fn resume(&mut self) {
         if !self.aborting {
             self.held = false;
         }
     }
 
-    /// Whether a hold has been asked for and not ended, braking or at rest.
+    /// Whether a hold is active, braking or at rest.
     #[must_use]
     pub const fn is_holding(&self) -> bool {
         self.held
     }
 
-    /// Whether no axis moves nor will in the next tick unless something is pushed, resumed or overridden.
+    /// Whether all axes are at rest and stay so in the next tick, unless a move is pushed or hold or override change.
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         self.warp.is_standing() || (self.spot.tick >= self.trail.end() && !self.trail.is_open())
     }
 
-    /// Whether every move is finished and the axes rest.
+    /// Whether every move is finished and the axes are at rest.
     #[must_use]
     pub fn is_done(&self) -> bool {
         self.moves.is_empty() && self.is_at_rest()
     }
 
-    /// Brake along the path to rest within the limits, then forget all moves and any hold. Until then [`Path::room`] is
-    /// 0. Nothing of what is forgotten is reported as finished.
+    /// Brakes along the path to rest within the limits, then discards all moves and any hold. Until then [`Path::room`]
+    /// is 0. Discarded moves are not reported as finished.
     pub fn abort(&mut self) {
         (self.aborting, self.held) = (true, true);
         if self.is_at_rest() {
@@ -204,7 +203,7 @@ impl Path {
         }
     }
 
-    /// Forget every move and stand at `position` mm (after a jog in a hold, homing and the like); a hold stays.
+    /// Discards every move and sets the position, mm (after a jog in a hold, homing and the like); a hold stays active.
     ///
     /// # Panics
     /// When the axes are not at rest: a bug of the caller.
@@ -217,9 +216,9 @@ impl Path {
         self.warp = Warp::steady(if self.held { 0.0 } else { 1.0 });
     }
 
-    /// Take back every move that is not finished, the interrupted one first, in order with their tags, and stand where
-    /// the axes are; a hold stays. Pushed again (after [`Path::clear_at`] if an axis was moved meanwhile) they lead on
-    /// from there; an arc then begins with the radius of the place where it begins.
+    /// Moves every unfinished move to `out`, the interrupted one first, in order and with tags. The axes stay where
+    /// they are; a hold stays active. The moves can be pushed again, after [`Path::clear_at`] if an axis was moved
+    /// meanwhile; an arc then starts with the radius of its new start point.
     ///
     /// # Panics
     /// When the axes are not at rest: a bug of the caller.
@@ -228,36 +227,36 @@ impl Path {
         self.clear_at(self.position());
     }
 
-    /// Moves queued and not finished, the active one included.
+    /// Number of unfinished moves, including the active one.
     #[must_use]
     pub fn remaining_moves(&self) -> usize {
         self.moves.len()
     }
 
-    /// The tag of the move under way or next.
+    /// The tag of the active or next move.
     #[must_use]
     pub fn active_tag(&self) -> Option<u32> {
         self.moves.front().map(|queued| queued.program.tag)
     }
 
-    /// The tag of the move finished last; it and all before it are done.
+    /// The tag of the last finished move; all moves before it are finished, too.
     #[must_use]
     pub const fn finished_tag(&self) -> Option<u32> {
         self.finished_tag
     }
 
-    /// The next tag of a finished move not asked for yet; each comes once, in order. The newest [`FINISHED_KEPT`] wait.
+    /// Takes the next tag of a finished move; each is returned once, in order. The newest [`FINISHED_KEPT`] are kept.
     pub fn pop_finished(&mut self) -> Option<u32> {
         self.finished.pop_front()
     }
 
-    /// The last emitted position, mm.
+    /// The position of the last set-point, mm.
     #[must_use]
     pub const fn position(&self) -> PerAxis<f64> {
         PerAxis(self.past[3])
     }
 
-    /// From the last emitted position to the end of the active move, mm, with sign; zero without one.
+    /// Signed distance from the last set-point to the end of the active move, mm; zero without an active move.
     #[must_use]
     pub fn distance_to_go(&self) -> PerAxis<f64> {
         let at = self.position();
@@ -266,19 +265,19 @@ impl Path {
             .map_or(PerAxis([0.0; 3]), |queued| PerAxis::from_fn(|axis| queued.program.to[axis] - at[axis]))
     }
 
-    /// Units of planning done in the last tick: counted work, never above [`WORK_MOST`] whatever is planned.
+    /// Units of planning work in the last tick; counted, not timed, and never above [`WORK_MOST`].
     #[must_use]
     pub const fn work_of_last_tick(&self) -> usize {
         self.planner.work()
     }
 
-    /// Speed along the path over the last tick, mm/s.
+    /// Average speed along the path in the last tick, mm/s.
     #[must_use]
     pub fn path_speed_mm_s(&self) -> f64 {
         super::contour::distance(self.past[3], self.past[2]) / self.limits.tick_s
     }
 
-    /// The rate that hold and override ask for at the present place.
+    /// The rate requested by hold and override at the present position.
     fn wanted_rate(&self, requested: Override) -> f64 {
         let place = self.trail.place(self.spot.tick + 1);
         match (self.held, place.rapid) {
@@ -288,7 +287,7 @@ impl Path {
         }
     }
 
-    /// Leads the rate there.
+    /// Starts a change to the requested rate.
     fn steer(&mut self, requested: Override) {
         let target = self.wanted_rate(requested);
         if (target - self.warp.target()).abs() <= 0.0 {
@@ -296,7 +295,7 @@ impl Path {
             return;
         }
         if self.spot.tick >= self.trail.end() {
-            // At rest and nothing laid: any rate is the same.
+            // At rest with an empty trail: the rate can change at once.
             self.warp = Warp::steady(target);
             self.unmet = 0;
         } else {
@@ -328,13 +327,13 @@ impl Path {
         self.clear_at(self.position());
     }
 
-    /// Where the laid moves lead.
+    /// End position of the trail, mm.
     fn end_of_laid(&self) -> [f64; 3] {
         self.trail.last().at
     }
 }
 
-/// A factor cut to 0..=`most`; not-a-number is 0.
+/// A factor clamped to 0..=`most`; NaN gives 0.
 fn cut(factor: f64, most: f64) -> f64 {
     if factor > 0.0 { factor.min(most) } else { 0.0 }
 }

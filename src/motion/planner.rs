@@ -1,8 +1,8 @@
-//! The planner: queued moves to nominal set-points on the trail.
+//! The planner: turns queued moves into nominal set-points on the trail.
 //!
-//! Owns which moves are planned and how far ahead the trail is laid. Knows nothing of holds and overrides below 100 %.
-//! Of a plan that could go on, the trail first gets only the part that its end at rest has no influence on; meanwhile the
-//! next window is planned from there. When that is not ready in time, the rest of the plan is laid: the axes brake.
+//! Decides which moves are planned and how far ahead. Knows nothing of holds and overrides below 100 %. Every plan ends
+//! at rest. If the run continues beyond it, only the part not affected by braking is appended first; meanwhile the
+//! next window is planned from there. If it is not ready in time, the rest is appended and the axes brake.
 
 mod look_ahead;
 
@@ -18,61 +18,60 @@ use super::window::{PIECES, PLAN_TICKS, PlanPoint, Window};
 use super::{LEAST_FEED_MM_S, Limits, MOVES, Rate};
 use look_ahead::{COST_POINT, Job};
 
-/// The planner keeps this part of every limit, so that the differences of set-points stay below it despite rounding.
+/// Share of every limit used for planning, so that the differences of set-points stay below it despite rounding.
 const LIMIT_SHARE: f64 = 0.999_99;
-/// Units of planning in a tick at most: before the axes start and until the windows are as long as they should be, and
-/// after that.
+/// Maximum units of planning work per tick: until the windows have reached their full length, and afterwards.
 pub const WORK_MOST: usize = 26_000;
 const WORK_STEADY: usize = 5_000;
-/// Places laid in a tick at most.
+/// Maximum number of set-points appended per tick.
 const PLACES_PER_TICK: usize = 24;
-/// Moves of no length passed in a tick at most.
+/// Maximum number of zero-length moves skipped per tick.
 const EMPTY_PER_TICK: usize = 32;
-/// The trail is laid ahead of the axes by this many of the longest braking times.
+/// The trail is filled ahead of the axes by this many of the longest braking times, plus `LEAST_AHEAD` ticks.
 const BRAKES_AHEAD: f64 = 2.0;
 const LEAST_AHEAD: f64 = 96.0;
-/// The part of a plan that is better left to the next is laid only when the axes are so near, in places.
+/// The braking part of a plan is appended only when the axes are this near to the end of the trail, in set-points.
 const NEAREST: u64 = 8;
-/// A run that could still go on is begun when no move has come for so many ticks, or after so many.
+/// A run that may still grow is started when no move has been queued for this many ticks, or after this many ticks.
 const GATHER_TICKS: u32 = 3;
 const GATHER_MOST: u32 = 8;
 
-/// What the path asks of the planner in a tick.
+/// What the path requests from the planner in a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Ask {
     /// Feed override, at least 1.
     pub feed_override: f64,
-    /// A stop is wanted, and the way to it must be known.
+    /// A stop is requested: append the plan up to its end at rest.
     pub braking: bool,
-    /// The rate is below what is asked for: leave room for raising it.
+    /// The rate is below the requested one: leave a reserve in the limits for raising it.
     pub catching_up: bool,
 }
 
-/// Plans the moves of a queue.
+/// Plans the moves of the queue.
 #[derive(Clone, Debug)]
 pub struct Planner {
     limits: Limits,
     ahead: u64,
-    /// Moves at the front of the queue whose end has been laid, or is by the stroke under way.
+    /// Number of moves at the front of the queue whose end is on the trail, including the active stroke.
     taken: usize,
     stroke: Option<Stroke>,
-    /// The plan being laid: its set-points, how many have been, and its tube.
+    /// The plan being appended: its set-points, how many are appended, and its tolerance band.
     plan: Vec<PlanPoint>,
     laid: usize,
     tube: Tube,
-    /// Whether the plan could go on beyond its end, and the place up to which its end has no influence.
+    /// Whether the run continues beyond the plan, and the index up to which braking does not affect the plan.
     open: bool,
     best: usize,
-    /// Standing in the middle of a move: the last place of the plan.
+    /// At rest in the middle of a move: the last set-point of the plan.
     partial: Option<PlanPoint>,
     planned_override: f64,
     window: Window,
     job: Option<Job>,
-    /// Part of the horizon that is tried: halved when no plan was found that keeps everything.
+    /// Share of the horizon that is tried; halved when no valid plan was found.
     part: f64,
-    /// Moves in the queue at the last tick, for how many ticks that has been so, and for how many a run has waited.
-    /// Units of work that a control point has been found to cost.
+    /// Measured work units per control point.
     cost_point: f64,
+    /// Queue length in the last tick, ticks without a change of it, and ticks that a run has waited to start.
     seen: usize,
     quiet: u32,
     waited: u32,
@@ -80,7 +79,7 @@ pub struct Planner {
 }
 
 impl Planner {
-    /// A planner with nothing under way.
+    /// A planner without a plan.
     #[must_use]
     pub fn new(limits: &Limits) -> Self {
         let brake =
@@ -116,7 +115,7 @@ impl Planner {
         }
     }
 
-    /// Forget what is under way.
+    /// Discards all plans.
     pub fn clear(&mut self) {
         self.taken = 0;
         self.stroke = None;
@@ -128,17 +127,17 @@ impl Planner {
         self.cost_point = COST_POINT;
     }
 
-    /// The first move of the queue has gone.
+    /// The first move was removed from the queue.
     pub const fn forget_first(&mut self) {
         self.taken = self.taken.saturating_sub(1);
     }
 
-    /// Units of planning in the last tick.
+    /// Units of planning work in the last tick.
     pub const fn work(&self) -> usize {
         self.work
     }
 
-    /// Lay some more of the trail.
+    /// Plans for one tick and appends set-points to the trail.
     pub fn tick(&mut self, moves: &mut VecDeque<Queued>, trail: &mut Trail, spot: Spot, ask: Ask) {
         let calm = self.job.is_none_or(|job| job.is_steady() && !self.is_pressing(job, trail, spot));
         let units = if calm { WORK_STEADY } else { WORK_MOST };
@@ -168,7 +167,7 @@ impl Planner {
         self.work = units - budget.left();
     }
 
-    /// A stroke under way takes a feed override above 100 % at once.
+    /// Applies a feed override above 100 % to an active stroke at once.
     fn raise_stroke(&mut self, moves: &VecDeque<Queued>, feed_override: f64) {
         if let (Some(stroke), Some(queued)) = (&mut self.stroke, moves.get(self.taken.saturating_sub(1)))
             && (feed_override - self.planned_override).abs() > 0.0
@@ -224,7 +223,7 @@ impl Planner {
         true
     }
 
-    /// Take the next move of the queue, or a run of them; false when there is none or the last is still under way.
+    /// Starts the next move or run of the queue; false if there is none or the last one is still active.
     fn take_next(&mut self, moves: &mut VecDeque<Queued>, trail: &Trail, ask: Ask) -> bool {
         if self.stroke.is_some() || !self.plan.is_empty() || self.job.is_some() {
             return false;
@@ -242,7 +241,7 @@ impl Planner {
                 return false;
             }
             self.waited = 0;
-            // A single move runs exactly at its feed and to its end: that is nothing for a window.
+            // A single move runs exactly at its feed to its end and needs no window.
             if then != Then::Open || self.partial.is_some() {
                 self.begin_at_rest(moves, ask);
                 return false;
@@ -260,11 +259,11 @@ impl Planner {
     }
 }
 
-/// Below this part of the horizon a move is taken by itself.
+/// Below this share of the horizon a move is planned by itself.
 const LEAST_PART: f64 = 0.2;
 
-/// Stand long enough that no third difference sees both what was before and what comes: the check of a plan from rest
-/// knows only the plan.
+/// Appends two set-points at rest, so that no third difference spans both the old and the new motion: the check of
+/// a plan from rest covers only the plan itself.
 fn stand(trail: &mut Trail) {
     for _ in 0..2 {
         let last = trail.last();
@@ -272,7 +271,7 @@ fn stand(trail: &mut Trail) {
     }
 }
 
-/// Lay a place, with what a start from rest needs before it.
+/// Appends a set-point, with padding before it at a start from rest.
 fn lay(trail: &mut Trail, spot: Spot, place: Place, more: bool) {
     if !trail.is_open() {
         trail.pad_for_start(spot);

@@ -1,22 +1,22 @@
-//! Jerk-limited profiles of one coordinate: seven segments of constant jerk, sampled exactly.
+//! Jerk-limited profiles of one coordinate: seven segments of constant jerk, evaluated exactly.
 //!
-//! Owns the arithmetic from any position, velocity and acceleration to rest at a position, or to a lasting velocity, in
-//! the least time the limits allow. Knows nothing of axes, ticks or paths.
-//! Source: the seven-segment form follows from the minimum principle; a profile is a change of velocity to a peak, a
-//! cruise and a change of velocity to zero, and its travel grows with the peak, so the peak is found by bisection.
+//! Computes the time-optimal motion from any position, velocity and acceleration to rest at a position, or to
+//! a constant velocity, within the limits. Knows nothing of axes, ticks or paths.
+//! Source: the seven-segment form follows from the minimum principle. A profile is a change of velocity to a peak, a
+//! cruise phase and a change of velocity to zero. Its travel grows with the peak, so the peak is found by bisection.
 
 /// Limits of one coordinate, all positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisLimits {
-    /// Greatest velocity, mm/s.
+    /// Maximum velocity, mm/s.
     pub velocity_mm_s: f64,
-    /// Greatest acceleration and deceleration, mm/s².
+    /// Maximum acceleration and deceleration, mm/s².
     pub acceleration_mm_s2: f64,
-    /// Greatest change of acceleration, mm/s³.
+    /// Maximum jerk, mm/s³.
     pub jerk_mm_s3: f64,
 }
 
-/// Position, velocity and acceleration at a moment.
+/// Position, velocity and acceleration at a point in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
     /// Position, mm.
@@ -28,7 +28,7 @@ pub struct State {
 }
 
 impl State {
-    /// Standing still at a position in mm.
+    /// At rest at a position in mm.
     #[must_use]
     pub const fn at_rest(position: f64) -> Self {
         Self { position, velocity: 0.0, acceleration: 0.0 }
@@ -45,19 +45,19 @@ impl State {
     }
 }
 
-/// Constant jerk for a while.
+/// A segment of constant jerk: duration in s, jerk in mm/s³.
 #[derive(Clone, Copy, Debug, Default)]
 struct Leg {
     seconds: f64,
     jerk: f64,
 }
 
-/// How often the interval of the peak velocity is halved: beyond the 53 bits of the mantissa nothing is gained.
+/// Bisection steps for the peak velocity; more than the 53 bits of the mantissa gain nothing.
 const HALVINGS: usize = 64;
-/// Segments of a profile.
+/// Number of segments of a profile.
 const LEGS: usize = 7;
 
-/// A jerk-limited motion of one coordinate over time, from zero seconds on.
+/// A jerk-limited motion of one coordinate over time, starting at 0 s.
 #[derive(Clone, Copy, Debug)]
 pub struct Profile {
     start: State,
@@ -67,16 +67,16 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Standing still at a position in mm.
+    /// At rest at a position in mm.
     #[must_use]
     pub fn standing(position: f64) -> Self {
         let start = State::at_rest(position);
         Self { start, legs: [Leg::default(); LEGS], seconds: 0.0, end: start }
     }
 
-    /// The quickest way from a state to rest at `target` mm.
+    /// The fastest motion from a state to rest at `target` mm.
     ///
-    /// The velocity may exceed its limit only where `start` already does or must, and then falls at once.
+    /// The velocity exceeds its limit only if `start` already does or must, and then decreases at once.
     #[must_use]
     pub fn to_position(start: State, target: f64, limits: AxisLimits) -> Self {
         let need = target - start.position;
@@ -111,7 +111,7 @@ impl Profile {
         Self::of(start, legs, State::at_rest(target))
     }
 
-    /// The quickest way from a state to the lasting velocity `target` mm/s; the velocity limit is not looked at.
+    /// The fastest motion from a state to the constant velocity `target` mm/s; the velocity limit is not checked.
     #[must_use]
     pub fn to_velocity(start: State, target: f64, limits: AxisLimits) -> Self {
         let [a, b, c] = velocity_change(start.velocity, start.acceleration, target, limits);
@@ -131,13 +131,13 @@ impl Profile {
         self.seconds
     }
 
-    /// The state at the end; a lasting velocity goes on from here.
+    /// The state at the end; a constant velocity continues from here.
     #[must_use]
     pub const fn end(&self) -> State {
         self.end
     }
 
-    /// The state `time` seconds after the start; exactly the target from the end on.
+    /// The state `time` seconds after the start; exactly the target after the end.
     #[must_use]
     pub fn at(&self, time: f64) -> State {
         if time >= self.seconds {
@@ -160,10 +160,10 @@ fn run(start: State, legs: &[Leg]) -> State {
     legs.iter().fold(start, |state, leg| state.after(leg.seconds, leg.jerk))
 }
 
-/// The quickest change from a velocity and an acceleration to another velocity at no acceleration.
+/// The fastest change from a velocity and an acceleration to another velocity at zero acceleration.
 fn velocity_change(velocity: f64, acceleration: f64, target: f64, limits: AxisLimits) -> [Leg; 3] {
     let (most, jerk) = (limits.acceleration_mm_s2, limits.jerk_mm_s3);
-    // Where the velocity ends if the acceleration is only taken away decides which way to push.
+    // The final velocity if the acceleration only drops to zero decides the direction.
     let settled = velocity + acceleration * acceleration.abs() / (2.0 * jerk);
     let way = if target >= settled { 1.0 } else { -1.0 };
     let (rise, first) = (way * (target - velocity), way * acceleration);
@@ -176,7 +176,7 @@ fn velocity_change(velocity: f64, acceleration: f64, target: f64, limits: AxisLi
             Leg { seconds: peak / jerk, jerk: -way * jerk },
         ];
     }
-    // An acceleration above its limit (limits lowered at rest, or after an emergency stop) is first taken down to it.
+    // An acceleration above its limit (limits lowered at rest, or after an emergency stop) is first reduced to it.
     let bend = if first > most { -jerk } else { jerk };
     let gained = (most * most - first * first) / (2.0 * bend) + most * most / (2.0 * jerk);
     [
@@ -236,7 +236,7 @@ mod tests {
         ) {
             let limits = AxisLimits { velocity_mm_s: 100.0, acceleration_mm_s2: 500.0 * scale, jerk_mm_s3: 5_000.0 * scale };
             let acceleration = push * limits.acceleration_mm_s2;
-            // A state that the limits could have led to: taking the acceleration away stays below the velocity limit.
+            // A state reachable within the limits: reducing the acceleration to zero stays below the velocity limit.
             let room = limits.velocity_mm_s - acceleration * acceleration / (2.0 * limits.jerk_mm_s3);
             prop_assume!(room > 0.0);
             let start = State { position: 3.0, velocity: velocity * room, acceleration };

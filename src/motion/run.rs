@@ -1,6 +1,6 @@
-//! Runs: which queued moves may flow into each other.
+//! Runs: which queued moves blend into each other without a stop.
 //!
-//! Owns the rule of what ends a run, and the filling of a tube with the next moves of one. Knows nothing of plans.
+//! Decides what ends a run, and fills a tolerance band with the next moves of a run. Knows nothing of plans.
 
 use std::collections::VecDeque;
 
@@ -10,29 +10,29 @@ use super::tube::{Piece, Tube, corner_speed, cosine};
 use super::window::PIECES;
 use super::{End, LEAST_FEED_MM_S, Limits, Rate};
 
-/// Below this tolerance, mm, corners are exact stops: the curve through the set-points needs half a micrometre itself.
+/// Below this tolerance, mm, corners are exact stops: the curve through the set-points itself needs 0.5 µm.
 const LEAST_TOLERANCE_MM: f64 = 0.001;
-/// Turns sharper than this (cosine of the angle) are exact stops: stopping costs nothing there.
+/// Corners sharper than this (cosine of the angle) are exact stops: a stop costs no time there.
 const SHARPEST_COSINE: f64 = -0.8;
-/// So slow nothing is divided by it, mm/s.
+/// Minimum speed, mm/s, to avoid a division by zero.
 const NO_SPEED: f64 = 1e-6;
-/// Units of work of adding a move.
+/// Work units for adding a move.
 const COST_ADD: usize = 500;
-/// A move that leaves less than this part of itself beyond the horizon is taken whole.
+/// If at least this share of a move lies within the horizon, the whole move is added.
 const WHOLE_FROM: f64 = 0.6;
 
-/// What follows a move.
+/// How the motion continues after a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Then {
-    /// The move of this place in the queue, without a stop.
+    /// With the move at this queue index, without a stop.
     Goes(usize),
     /// A stop.
     Stops,
-    /// Not known yet: what comes next could belong to the run.
+    /// Unknown: the next move is not queued yet and could belong to the run.
     Open,
 }
 
-/// What follows the move at a place of the queue. Moves of no length are passed over.
+/// How the motion continues after the move at a queue index. Zero-length moves are skipped.
 pub fn after(moves: &VecDeque<Queued>, place: usize) -> Then {
     let Some(this) = moves.get(place) else { return Then::Stops };
     for next in place + 1..=moves.len() {
@@ -54,40 +54,40 @@ pub fn after(moves: &VecDeque<Queued>, place: usize) -> Then {
     Then::Open
 }
 
-/// How filling a tube ended.
+/// Result of filling a tolerance band.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filled {
-    /// The work of the tick was spent: go on.
+    /// The work budget is spent: continue in the next tick.
     NotYet,
-    /// The horizon lies in or at the end of a move that goes on, or the run is longer than is known yet.
+    /// The run continues beyond the horizon, or the next move is not known yet.
     Open,
-    /// The run ends there.
+    /// The run ends within the horizon.
     AtItsEnd,
 }
 
-/// Filling a tube with the next moves of a run.
+/// Fills a tolerance band with the next moves of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Filling {
-    /// The next piece of the tube before to be taken over.
+    /// Index of the next move of the previous band to take over.
     pub copied: usize,
-    /// The number of the next move of the queue, once there is nothing more to take over.
+    /// Serial number of the next queued move, after the moves taken over.
     pub next: u64,
     /// Time left to the horizon, s.
     pub seconds: f64,
-    /// The speed reached by an even acceleration, and that acceleration: mm/s, mm/s².
+    /// Speed reached with constant acceleration, mm/s.
     pub speed: f64,
-    /// See `speed`.
+    /// That acceleration, mm/s².
     pub push: f64,
-    /// The jerk with which it begins and ends, mm/s³.
+    /// Jerk at the start and end of an acceleration, mm/s³.
     pub jerk: f64,
-    /// Distance along the tube from which it counts, mm.
+    /// Distance along the contour from which the time counts, mm.
     pub from: f64,
-    /// Feeds are raised by this.
+    /// Factor on the programmed feeds.
     pub feed_override: f64,
 }
 
 impl Filling {
-    /// Adds moves up to the horizon: those of the tube before that are left, then those of the queue.
+    /// Adds moves up to the horizon: first the rest of the previous band, then moves of the queue.
     pub fn fill(
         &mut self,
         tube: &mut Tube,
@@ -103,7 +103,7 @@ impl Filling {
             }
             budget.take(COST_ADD);
             if self.seconds <= 0.0 && tube.length() > self.from {
-                // The horizon fell on the end of a move.
+                // The horizon is at the end of a move.
                 return Filled::Open;
             }
             if let Some(piece) = before.pieces.get(self.copied) {
@@ -132,10 +132,10 @@ impl Filling {
         }
     }
 
-    /// Adds a piece; true when the horizon lies in it.
+    /// Adds a move; true if the horizon lies inside it.
     fn add(&mut self, tube: &mut Tube, mut piece: Piece) -> bool {
         if let Some(last) = tube.pieces.last() {
-            // A corner may be rounded by no more than the move before it allows.
+            // The tolerance at a corner is limited by the move before it.
             piece.tolerance = piece.tolerance.min(last.tolerance);
         }
         if piece.tolerance.is_infinite() {
@@ -147,7 +147,7 @@ impl Filling {
         let corner = tube.pieces.last().map_or(f64::INFINITY, |last| corner_speed(last, &piece, self.jerk));
         let slowed = self.speed.min(corner).min(piece.top);
         let speed = piece.top.min((slowed.powi(2) + 2.0 * self.push * counted).sqrt()).max(NO_SPEED);
-        // A corner that slows costs a change of speed down and up, with its acceleration and its jerk.
+        // A slow corner costs time for braking and accelerating, limited by acceleration and jerk.
         let fall = self.speed - slowed;
         let bends = 2.0 * (self.push / self.jerk).min((fall.max(0.0) / self.jerk).sqrt());
         let seconds = 2.0 * counted / (speed + slowed) + fall.max(0.0) / self.push * 0.5 + bends;

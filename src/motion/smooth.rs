@@ -1,25 +1,25 @@
-//! Smoothing: the least jerky curve that stays within the tube around a contour.
+//! Smoothing: the curve with minimum jerk within the tolerance band around a contour.
 //!
-//! Owns the control points of a uniform cubic B-spline over nominal time and moves them until the sum of the squares of
-//! their third differences is least while every knot lies in the tube. Where along the contour a knot lies is free, so
-//! the curve also chooses its own timing. Knows nothing of velocity limits.
-//! Source: alternating directions (Boyd et al. 2011): a banded least-squares step, whose matrix never changes and is
-//! factored once, then each knot by itself back into the tube. Every pass may be left and taken up at any knot.
+//! Moves the control points of a uniform cubic B-spline over nominal time until the sum of the squares of their third
+//! differences is minimal while every knot lies in the band. A knot may move along the contour, so the smoothing also
+//! determines the timing. Knows nothing of velocity limits.
+//! Source: alternating directions (ADMM, Boyd et al. 2011): a banded least-squares step, whose matrix is constant and
+//! factored once, then a projection of each knot into the band. Every pass can be interrupted and resumed at any knot.
 
 use super::budget::Budget;
 use super::tube::{Nearest, Room, Tube};
 
-/// Control points at most.
+/// Maximum number of control points.
 pub const POINTS: usize = 640;
-/// Weight of staying in the tube against the jerk; found by trial on the benchmark paths.
+/// Weight of the band constraint relative to jerk; found by trial on the benchmark paths.
 const TUBE_WEIGHT: f64 = 0.03;
 /// Over-relaxation, 1 to 2.
 const RELAXATION: f64 = 1.7;
-/// Fixed control points at either end at least: position, velocity and acceleration there.
+/// Minimum number of fixed control points at either end: they define position, velocity and acceleration there.
 pub const FIXED: usize = 3;
-/// The box of a knot is made narrower by this part of the radius, so that an unfinished iteration does not leave it.
+/// The bounds of a knot are narrowed by this share of the radius, so that an unfinished iteration stays inside.
 const ROOM_SPARE: f64 = 0.01;
-/// Units of work of one knot in each pass.
+/// Work units of one knot in each pass.
 const COST_BEGIN: usize = 60;
 const COST_FACTOR: usize = 30;
 const COST_SOLVE: usize = 16;
@@ -34,34 +34,34 @@ enum Pass {
     Project,
 }
 
-/// What is known of one knot.
+/// State of one knot.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Knot {
     target: [f64; 3],
     dual: [f64; 3],
-    /// Between which distances along the contour it may be drawn.
+    /// Range of distances along the contour that it may be projected to, mm.
     reach: (f64, f64),
-    /// Where along the contour it has come to lie, and on which segment.
+    /// Its present distance along the contour, mm, and move index.
     pub near: (f64, usize),
-    /// How far it may lie off the contour, mm.
+    /// Allowed deviation from the contour, mm.
     pub radius: f64,
-    /// How far it may go.
+    /// Axis bounds, mm.
     pub room: Room,
 }
 
-/// Control points and the state of their iteration.
+/// Control points and the state of the iteration.
 #[derive(Clone, Debug)]
 pub struct Smooth {
-    /// Control points; the last three are the end.
+    /// Control points; the last three are fixed at the end point.
     pub points: Vec<[f64; 3]>,
-    /// So many of the first are given: three at rest, in motion what is taken over from the curve before.
+    /// Number of given control points at the start: three at rest, in motion those taken over from the previous curve.
     pub lead: usize,
-    /// Where along the contour the timing has each knot; smoothing may move it to where its neighbours were.
+    /// Distance of each knot along the contour by the timing, mm; smoothing may move a knot as far as its neighbours.
     pub along: Vec<f64>,
-    /// The knots, as many as control points; the first and the last are none.
+    /// The knots, one per control point; the first and the last are unused.
     pub knots: Vec<Knot>,
     factor: Vec<[f64; 4]>,
-    /// What the least-squares step draws each knot to: its target less its dual.
+    /// Right-hand side per knot in the least-squares step: its target minus its dual.
     aim: Vec<[f64; 3]>,
     rhs: Vec<[f64; 3]>,
     pass: Pass,
@@ -70,13 +70,13 @@ pub struct Smooth {
     kept_factor: usize,
 }
 
-/// Knot from three control points.
+/// Position of a knot from three control points.
 fn knot(p: &[[f64; 3]], k: usize) -> [f64; 3] {
     [0, 1, 2].map(|x| (p[k - 1][x] + 4.0 * p[k][x] + p[k + 1][x]) / 6.0)
 }
 
 impl Smooth {
-    /// Room for the most control points.
+    /// An empty smoother with capacity for the maximum number of control points.
     pub fn new() -> Self {
         Self {
             points: Vec::with_capacity(POINTS),
@@ -93,7 +93,7 @@ impl Smooth {
         }
     }
 
-    /// Begin from the control points given, with `along` set for each of them and a part of every tolerance.
+    /// Starts from the present control points; `along` must be set for each. `share`: share of every tolerance used.
     pub fn begin(&mut self, share: f64) {
         self.share = share;
         self.pass = Pass::Begin;
@@ -101,7 +101,7 @@ impl Smooth {
         self.knots.clear();
     }
 
-    /// Works until one iteration is over; false when the work of the tick was spent before.
+    /// Works until one iteration is done; false if the work budget was spent before.
     pub fn iterate(&mut self, tube: &Tube, budget: &mut Budget) -> bool {
         loop {
             let n = self.points.len();
@@ -128,7 +128,7 @@ impl Smooth {
                 Pass::Begin => (Pass::Factor, 0),
                 Pass::Factor => (Pass::Forward, 0),
                 Pass::Forward => (Pass::Back, 0),
-                // Before that, knots are given as the points are.
+                // The knots before `lead - 1` are given, like their control points.
                 Pass::Back => (Pass::Project, self.lead - 1),
                 Pass::Project => {
                     (self.pass, self.cursor) = (Pass::Forward, 0);
@@ -166,8 +166,8 @@ impl Smooth {
         }
     }
 
-    /// One row of the banded Cholesky factor of D3ᵀD3 + weight MᵀM over the free control points; the diagonal is kept
-    /// inverted. The rows do not depend on how many there are.
+    /// One row of the banded Cholesky factor of D3ᵀD3 + weight MᵀM over the free control points; the diagonal is stored
+    /// inverted. The rows do not depend on the number of control points.
     fn factor_row(&mut self, row: usize) {
         if row < FIXED || row < self.kept_factor {
             return;
@@ -188,12 +188,12 @@ impl Smooth {
         self.kept_factor = row + 1;
     }
 
-    /// Right-hand side and forward substitution of one row. The first rows have nothing before them: zeros.
+    /// Right-hand side and forward substitution of one row. The rows before the first are zero.
     fn forward(&mut self, row: usize) {
         let n = self.points.len();
         let aim = [self.aim[row - 1], self.aim[row], self.aim[row + 1]];
         let mut sum = [0, 1, 2].map(|x| (TUBE_WEIGHT / 6.0) * (aim[0][x] + 4.0 * aim[1][x] + aim[2][x]));
-        // What the fixed control points add: D3 and M of them, taken to the right-hand side.
+        // Contribution of the fixed control points (D3 and M), moved to the right-hand side.
         let lead = self.lead;
         if row < lead + FIXED || row >= n - 2 * FIXED {
             for column in (row - 3..=row + 3).filter(|c| *c < lead || *c >= n - FIXED) {
@@ -203,7 +203,7 @@ impl Smooth {
         }
         let line = self.factor[row - lead + FIXED];
         let before = [self.rhs[row - 1], self.rhs[row - 2], self.rhs[row - 3]];
-        // The nearest last: it is the one just found.
+        // The most recent row last, because its value was just computed.
         self.rhs[row] = [0, 1, 2].map(|x| {
             let far = sum[x] - line[3] * before[2][x] - line[2] * before[1][x];
             (far - line[1] * before[0][x]) * line[0]
@@ -214,7 +214,7 @@ impl Smooth {
         let n = self.points.len();
         let sum = self.rhs[row];
         let after = |lag: usize| {
-            // The fixed points at the end are on the right-hand side already.
+            // The fixed points at the end are already in the right-hand side.
             let factor = row + lag - self.lead + FIXED;
             if row + lag < n - FIXED { (self.factor[factor][lag], self.points[row + lag]) } else { (0.0, [0.0; 3]) }
         };
@@ -223,8 +223,8 @@ impl Smooth {
         self.points[row] = [0, 1, 2].map(|x| (sum[x] - f3 * p3[x] - f2 * p2[x] - f1 * p1[x]) * inverse);
     }
 
-    /// One knot back into the tube: to the place of the contour between its neighbours' places and on its own side of a
-    /// sharp corner, so that the places allowed are convex and the iteration does not waver between the legs.
+    /// Projects one knot into the band, between its neighbours and on its own side of a sharp corner, so that the
+    /// allowed set is convex and the iteration does not oscillate between the two sides.
     fn project(&mut self, tube: &Tube, k: usize) {
         let here = knot(&self.points, k);
         let this = &mut self.knots[k];
@@ -232,15 +232,15 @@ impl Smooth {
         let Nearest { along, on, off, segment } = tube.nearest(wish, this.reach.0, this.reach.1, this.near.1);
         this.near = (along, segment);
         let part = if off > this.radius { this.radius / off } else { 1.0 };
-        // Toward the box is toward the contour, which lies in it: the distance only shrinks.
+        // The contour lies inside the bounds, so clamping to them never increases the distance to it.
         let inside = [0, 1, 2].map(|x| (on[x] + part * (wish[x] - on[x])).max(this.room[x].0).min(this.room[x].1));
         this.target = inside;
         this.dual = [0, 1, 2].map(|x| wish[x] - inside[x]);
         self.aim[k] = [0, 1, 2].map(|x| 2.0 * inside[x] - wish[x]);
     }
 
-    /// Makes the tube narrower at the knots around interval `k`: by so much of the radius, and so much at either side of
-    /// the box, mm.
+    /// Narrows the band at the knots around interval `k`: the radius by `radius` (at least `least` remains) and the
+    /// axis bounds by `room`, mm.
     pub fn narrow(&mut self, k: usize, radius: f64, least: f64, room: [(f64, f64); 3]) {
         for knot in &mut self.knots[k + 1..k + 3] {
             knot.radius = (knot.radius - radius).max(least);
@@ -252,7 +252,7 @@ impl Smooth {
     }
 }
 
-/// Entry of the matrix at a distance from its diagonal.
+/// Entry of the matrix at a distance from the diagonal.
 fn band(lag: usize) -> f64 {
     const THIRD: [f64; 4] = [20.0, -15.0, 6.0, -1.0];
     const MEAN: [f64; 4] = [18.0 / 36.0, 8.0 / 36.0, 1.0 / 36.0, 0.0];

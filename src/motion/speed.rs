@@ -1,11 +1,11 @@
-//! Speed: the quickest way along a curve within velocity, acceleration and jerk of every axis.
+//! Speed planning: the fastest motion along a curve within velocity, acceleration and jerk of every axis.
 //!
-//! Owns the square of the rate, b = σ̇², along a cubic B-spline over σ, itself a quadratic B-spline on the same knots. An
-//! axis then moves at x'√b, x''b + x'b'/2 and √b (x'''b + 3x''b'/2 + x'b''/2). Where the curve itself comes to rest at
-//! its ends, b stays finite, and rest is no special case. Knows nothing of contours.
-//! Source: time-optimal path parametrisation in b; an interior-point method. From rest it begins with an even rate that
-//! keeps all limits; in motion with the rate taken over, leading to such a one, and around each knot with limits widened
-//! by a slack, which is taken away. Every pass may be left and taken up at any knot.
+//! Optimises the square of the rate, b = σ̇², along a cubic B-spline over σ; b is a quadratic B-spline on the same
+//! knots. Velocity, acceleration and jerk of an axis are x'√b, x''b + x'b'/2 and √b (x'''b + 3x''b'/2 + x'b''/2). Where
+//! the curve itself comes to rest at its ends, b stays finite, so rest is no special case. Knows nothing of contours.
+//! Source: time-optimal path parametrisation in b; an interior-point method. From rest it starts with a constant rate
+//! that keeps all limits. In motion it starts with the rate taken over, blended to such a constant rate, and limits
+//! widened by a slack around each knot, which is then removed. Every pass can be interrupted and resumed at any knot.
 
 mod newton;
 mod terms;
@@ -14,51 +14,51 @@ use super::budget::Budget;
 use super::smooth::POINTS;
 use terms::Terms;
 
-/// The rate is never raised above this, so that a curve of no limits has an answer.
+/// Upper limit of b, so that a curve without active limits has a solution.
 const RATE_SQUARE_MOST: f64 = 400.0;
-/// Barrier: while slack is taken away; then from, factor, to.
+/// Barrier weight while slack is removed; then start value, factor, end value.
 const BARRIER_SLACK: f64 = 0.1;
 const BARRIER: (f64, f64, f64) = (0.05, 0.3, 0.000_2);
-/// A rough plan, for the timing only, stops at this barrier.
+/// A rough plan (for timing only) stops at this barrier weight.
 const BARRIER_ROUGH: f64 = 0.012;
-/// Part of the way to the nearest limit that a step may take.
+/// Share of the distance to the nearest limit that a step may take.
 const STEP_SHARE: f64 = 0.95;
-/// The barrier is lowered after a step of at least this part.
+/// The barrier is lowered after a step of at least this fraction.
 const LOWER_FROM: f64 = 0.3;
-/// Steps of one plan at most.
+/// Maximum number of Newton steps of a plan, and of a rough plan.
 const STEPS_MOST: u32 = 64;
 const STEPS_ROUGH: u32 = 6;
-/// Slack left at the end that is still taken: the share of the limits planned for leaves more.
+/// Maximum slack accepted at the end; the share of the limits used for planning leaves more than that.
 const SLACK_TAKEN: f64 = 1.011;
-/// The slack is more than is needed by this part of what is needed, at least and at most, so that the next step has room.
+/// Extra slack for the next step: factor on the excess over the widened limit, minimum and maximum.
 const SLACK_SPARE: (f64, f64, f64) = (0.2, 0.01, 0.2);
-/// When more than this is needed at the beginning, it begins with an even rate.
+/// If more slack than this is needed at the start, the plan starts with a constant rate.
 const SLACK_EVEN: f64 = 1.2;
-/// Knots over which a rate taken over leads to the nominal one.
+/// Number of knots over which a rate taken over blends to the nominal one.
 pub const OVER_KNOTS: usize = 20;
-/// It is gone when less than this is needed.
+/// The slack of a knot is removed when less than this is needed.
 const SLACK_GONE: f64 = 0.998;
-/// Knots of a start in motion around which the limits are wider.
+/// Number of knots at a start in motion with wider limits.
 pub const LEAD_KNOTS: usize = 20;
-/// Coefficients of one interval.
+/// Number of coefficients of one interval.
 const INTERVAL: usize = 3;
-/// Part of the greatest even rate that a plan from rest begins with.
+/// Share of the maximum constant rate that a plan from rest starts with.
 const EVEN_SHARE: f64 = 0.9;
-/// Units of work of one knot in each pass, and for each axis that moves.
+/// Work units of one knot in each pass: base, and per moving axis.
 const COST_TERMS: (usize, usize) = (20, 40);
 const COST_ASSEMBLE: (usize, usize) = (25, 35);
 const COST_SOLVE: usize = 12;
 const COST_REACH: (usize, usize) = (12, 15);
 const COST_MEASURE: (usize, usize) = (8, 10);
 
-/// Limits in units of the knot spacing: mm, mm per spacing, and so on.
+/// Axis limits in units of the knot spacing d: mm/d, mm/d², mm/d³.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct KnotLimits {
-    /// Velocity.
+    /// Velocity, mm per spacing.
     pub velocity: [f64; 3],
-    /// Acceleration.
+    /// Acceleration, mm per spacing².
     pub acceleration: [f64; 3],
-    /// Jerk.
+    /// Jerk, mm per spacing³.
     pub jerk: [f64; 3],
 }
 
@@ -75,33 +75,33 @@ enum Pass {
     Over,
 }
 
-/// The plan along one curve.
+/// The speed plan along one curve.
 #[derive(Clone, Debug)]
 pub struct Speed {
-    /// Coefficients of b, one more than knots.
+    /// Coefficients of b; one more than knots.
     pub rate_square: Vec<f64>,
-    /// Greatest speed at each knot, mm per spacing.
+    /// Maximum path speed at each knot, mm per spacing.
     pub feed: Vec<f64>,
-    /// Knots over which a rate taken over leads to an even one.
+    /// Number of knots over which a rate taken over blends to a constant one.
     pub even_knots: usize,
     limits: KnotLimits,
     terms: Terms,
-    /// Coefficients at the start that are given.
+    /// Number of fixed coefficients at the start.
     fixed: usize,
-    /// And those that are known, where the search begins.
+    /// Number of given coefficients at the start; those after `fixed` are start values.
     given: usize,
-    /// Whether it begins with an even rate after them.
+    /// Whether the start values after them are a constant rate.
     is_even: bool,
     rough: bool,
     barrier: f64,
-    /// By what the limits around each knot are widened, and in any case at the start in motion.
+    /// Factor on the limits around each knot; and the minimum factor at a start in motion.
     slack: Vec<f64>,
     lead_slack: f64,
-    /// The greatest of them, and what the first coefficients need.
+    /// The maximum slack relative to its minimum, and the maximum need of the start values.
     need: f64,
     worst: f64,
     steps: u32,
-    /// Part of the step that may be taken.
+    /// Fraction of the step that keeps all limits.
     part: f64,
     pass: Pass,
     cursor: usize,
@@ -110,14 +110,14 @@ pub struct Speed {
     step: Vec<f64>,
 }
 
-/// The square of the rate at a part of the way from the last that is given to another.
+/// Blends b smoothly from the last given value to another; `part` is 0 to 1.
 pub fn over(last: f64, to: f64, part: f64) -> f64 {
     let part = part.min(1.0);
     last + (to - last) * part * part * (3.0 - 2.0 * part)
 }
 
 impl Speed {
-    /// Room for the most control points.
+    /// An empty plan with capacity for the maximum number of control points.
     pub fn new() -> Self {
         Self {
             rate_square: Vec::with_capacity(POINTS),
@@ -144,10 +144,9 @@ impl Speed {
         }
     }
 
-    /// Begin along a curve with the nominal rate; `feed` has been set for each knot. In motion, the first coefficients
-    /// are `given`: the first three stay, the others are where the search begins. There limits may be wider by
-    /// `lead_slack`.
-    /// A rough plan serves for the timing only.
+    /// Starts a plan along a curve with the nominal rate; `feed` must be set for each knot. In motion, the first
+    /// coefficients are `given`: the first three are fixed, the others are start values. The limits there may be wider
+    /// by `lead_slack`. A rough plan is used for timing only.
     pub fn begin(&mut self, limits: KnotLimits, given: &[f64], lead_slack: f64, rough: bool) {
         self.limits = limits;
         self.fixed = given.len().min(INTERVAL);
@@ -174,7 +173,7 @@ impl Speed {
         self.rough || self.need <= SLACK_TAKEN
     }
 
-    /// Works on the plan along control points `p`; true when it is over.
+    /// Works on the plan along control points `p`; true when it is done.
     pub fn work(&mut self, p: &[[f64; 3]], budget: &mut Budget) -> bool {
         while self.pass != Pass::Over {
             let knots = p.len() - 2;
@@ -237,7 +236,7 @@ impl Speed {
                 Pass::Reach
             }
             Pass::Reach => {
-                // A step that stays clear of the limits by itself is shortened a little all the same.
+                // A step that stays clear of the limits is shortened by the same factor.
                 self.part *= STEP_SHARE;
                 Pass::Go
             }
@@ -256,17 +255,17 @@ impl Speed {
         }
     }
 
-    /// Goes on with less slack, or without.
+    /// Continues with less slack or without slack.
     fn loosen(&mut self) -> Pass {
         if self.fixed == 0 && self.steps == 0 {
-            // From rest any even rate is a beginning: one that keeps all limits. Jerk falls with its power of 3/2.
+            // From rest, start with a constant rate that keeps all limits. Jerk falls with b to the power of 3/2.
             let rate = EVEN_SHARE / self.worst.max(self.worst.powf(2.0 / 3.0));
             self.rate_square.fill(rate.min(RATE_SQUARE_MOST * EVEN_SHARE));
             self.slack.fill(1.0);
             self.need = 1.0;
         }
         if self.fixed > 0 && self.steps == 0 && !self.is_even && self.worst > SLACK_EVEN {
-            // In motion the rate given leads over to such an even one; what that needs is measured again.
+            // In motion, the given rate blends to such a constant rate; its need of slack is measured again.
             let rate = (EVEN_SHARE / self.worst.max(self.worst.powf(2.0 / 3.0))).min(1.0);
             let last = self.rate_square[self.given - 1];
             for (count, c) in self.rate_square[self.given..].iter_mut().enumerate() {
@@ -283,13 +282,13 @@ impl Speed {
         if self.is_over() { Pass::Over } else { Pass::Clear }
     }
 
-    /// By what the limits around a knot are widened in any case.
+    /// Minimum factor on the limits around a knot.
     fn lead_slack(&self, k: usize) -> f64 {
         if self.fixed > 0 && k < LEAD_KNOTS { self.lead_slack } else { 1.0 }
     }
 
-    /// By what they are widened when the coefficients need so much: a little more while that is more than nothing, and
-    /// ever less so.
+    /// Factor on the limits around a knot whose coefficients need the factor `need`: slightly more than needed, with a
+    /// decreasing margin, until it can be removed.
     fn slack_for(&self, k: usize, need: f64) -> f64 {
         let least = self.lead_slack(k);
         if need < SLACK_GONE * least {

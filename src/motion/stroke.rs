@@ -1,15 +1,15 @@
-//! The stroke: one move from rest to rest along its own contour.
+//! Point-to-point motion: one move from rest to rest along its own contour.
 //!
-//! Owns the seven-segment profile along a single line or arc and its sampling at ticks. Knows nothing of what comes
-//! before or after. A stroke starts on a tick, so that its end point is a set-point.
+//! Evaluates a seven-segment profile along a single line or arc at each tick. Knows nothing of the moves before and
+//! after. It starts on a tick, so that its end point is a set-point.
 
 use super::contour::Segment;
 use super::profile::{AxisLimits, Profile, State};
 
-/// A profile end this close after a tick belongs to the tick (parts of a tick).
+/// A profile end this close after a tick counts as on the tick, in ticks.
 const SAME_TICK: f64 = 1e-6;
 
-/// One move under way from rest to rest.
+/// One active move from rest to rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Stroke {
     segment: Segment,
@@ -20,14 +20,14 @@ pub struct Stroke {
 }
 
 impl Stroke {
-    /// A stroke along `segment`, from a distance along it on, within `limits` of the way along it.
+    /// A move along `segment`, starting at distance `from`, mm, within `limits` along the path.
     #[must_use]
     pub fn new(segment: Segment, from: f64, limits: AxisLimits, tick_s: f64) -> Self {
         let profile = Profile::to_position(State::at_rest(from), segment.length(), limits);
         Self { segment, limits, profile, tick_s, ticks: 0 }
     }
 
-    /// Change the greatest speed (mm/s) from the next tick on.
+    /// Changes the maximum speed, mm/s, from the next tick on.
     pub fn set_speed(&mut self, velocity_mm_s: f64) {
         if (velocity_mm_s - self.limits.velocity_mm_s).abs() > 0.0 && !self.is_over() {
             let state = self.profile.at(f64::from(self.ticks) * self.tick_s);
@@ -37,7 +37,7 @@ impl Stroke {
         }
     }
 
-    /// Whether the end point has been given out.
+    /// Whether the end point has been output.
     #[must_use]
     pub fn is_over(&self) -> bool {
         f64::from(self.ticks) + SAME_TICK >= self.profile.seconds() / self.tick_s

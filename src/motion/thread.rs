@@ -1,11 +1,11 @@
-//! A thread: Z in step with the turning spindle, X along with it on a taper, and the run-out at the end.
+//! Thread cutting: Z synchronised with the spindle, X with it on a taper, and the run-out at the end.
 //!
-//! Owns the set-points of X and Z from the index of the spindle to the end of the run-out. Knows nothing of programs and of
-//! who turns the spindle. Z is to stand at `from + lead · turns since the index`; from rest it comes into step by a
-//! jerk-limited profile *in the moving frame of the spindle*, so that the phase is the same in every pass. It sets off half
-//! a run-up before the index, so that there is nothing to catch up: it is in step after v·T/2, 0.63 mm at 20 mm/s, 800
-//! mm/s², 20 000 mm/s³. What the drives lag behind is given to the set-points beforehand. A filter of the encoder takes the
-//! grain of its steps off. Where the run-out begins, Z brakes to its end and X draws back, each by itself.
+//! Computes the set-points of X and Z from the spindle index to the end of the run-out. Knows nothing of programs and
+//! the spindle drive. The target of Z is `from + lead · turns since the index`. From rest it synchronises by
+//! a jerk-limited profile *in the moving frame of the spindle*, so that the phase is the same in every pass. It starts
+//! half a run-up before the index, so that nothing has to be caught up: it is synchronised after v·T/2, 0.63 mm at
+//! 20 mm/s, 800 mm/s², 20 000 mm/s³. The servo lag is compensated in the set-points. A filter removes the quantisation
+//! of the encoder. In the run-out Z brakes to its end and X retracts, each axis by itself.
 //! Source: spec L5, seed 5.1.6 note 5.
 
 use super::mover::AxisMover;
@@ -13,19 +13,19 @@ use super::profile::{AxisLimits, Profile, State};
 use super::{Limits, SetPoint};
 use crate::units::{Axis, PerAxis};
 
-/// What is to be cut, machine frame, radius mm.
+/// The thread to be cut; machine coordinates, mm (radius).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thread {
-    /// Where the run-out begins.
+    /// Start of the run-out.
     pub out: PerAxis<f64>,
-    /// Where it ends.
+    /// End of the run-out.
     pub to: PerAxis<f64>,
     /// Lead along Z, mm.
     pub lead_mm: f64,
 }
 
 impl Thread {
-    /// The same thread elsewhere.
+    /// Shifts the thread, mm.
     pub fn shift(&mut self, by: &PerAxis<f64>) {
         for place in [&mut self.out, &mut self.to] {
             *place = PerAxis::from_fn(|axis| place[axis] + by[axis]);
@@ -33,21 +33,21 @@ impl Thread {
     }
 }
 
-/// Follows the encoder: position and speed without lag at a steady speed.
+/// Filter for the encoder: position and speed without lag at constant speed.
 #[derive(Clone, Copy, Debug)]
 struct Follower {
     turns: f64,
     turns_per_tick: f64,
 }
 
-/// Shares of a deviation that correct the followed position and speed at once: a time constant of about 20 ticks.
+/// Filter gains on the deviation for position and speed: a time constant of about 20 ticks.
 const FOLLOW_POSITION: f64 = 0.1;
 const FOLLOW_SPEED: f64 = 0.005;
-/// Ticks that the follower watches the spindle before a thread begins: ten of its time constants.
+/// Ticks for which the filter settles before a thread starts: ten time constants.
 const WATCHED: u32 = 200;
-/// Slower than this, turns a second, the spindle stands.
+/// Below this speed, turns per second, the spindle counts as stopped.
 const STANDS_HZ: f64 = 0.01;
-/// The time in which an axis comes from rest to a speed, mm/s; its way is half of that at the speed.
+/// Time, s, for accelerating an axis from rest to a speed in mm/s; the distance is speed · time / 2.
 #[must_use]
 pub fn run_up_s(speed_mm_s: f64, limits: AxisLimits) -> f64 {
     let AxisLimits { acceleration_mm_s2: most, jerk_mm_s3: jerk, .. } = limits;
@@ -65,15 +65,15 @@ impl Follower {
 
 #[derive(Clone, Copy, Debug)]
 enum Stage {
-    /// Watching the spindle.
+    /// Measuring the spindle speed.
     Watching { ticks: u32 },
-    /// Waiting for half a run-up before the next index; `sense` is the spindle's, +1 forward.
+    /// Waiting until half a run-up before the next index; `sense` is the spindle direction, +1 forward.
     Waiting { index: f64, sense: f64 },
-    /// Coming into step, and in step.
+    /// Synchronising, then synchronised.
     Following { index: f64, sense: f64, profile: Profile, ticks: u32 },
-    /// Z to its end, X away.
+    /// Run-out: Z moves to its end, X retracts.
     RunningOut,
-    /// Reset: braking where it is.
+    /// Aborted: braking.
     Braking,
 }
 
@@ -83,7 +83,7 @@ pub struct ThreadMover {
     thread: Thread,
     from: PerAxis<f64>,
     limits: Limits,
-    /// How long the drives lag behind their set-points at a steady speed, s.
+    /// Servo lag of the drives at constant speed, s.
     lag_s: f64,
     follower: Follower,
     stage: Stage,
@@ -93,7 +93,7 @@ pub struct ThreadMover {
 }
 
 impl ThreadMover {
-    /// A thread from where the axes stand, with the spindle at so many turns; the drives lag `lag_s` behind.
+    /// A thread from the axis position `from`, mm, with the spindle at `turns`; `lag_s` is the servo lag, s.
     #[must_use]
     pub fn new(thread: Thread, from: PerAxis<f64>, limits: Limits, (turns, lag_s): (f64, f64)) -> Self {
         let mover = |axis: Axis| AxisMover::new(limits.axes[axis], from[axis], limits.tick_s);
@@ -110,7 +110,7 @@ impl ThreadMover {
         }
     }
 
-    /// One tick, with the spindle at so many turns, positive forward: the set-points of X and Z.
+    /// Advances by one tick with the spindle at `turns` (positive forward); returns the set-points of X and Z.
     pub fn tick(&mut self, turns: f64) -> SetPoint {
         self.follower.step(turns);
         match self.stage {
@@ -124,7 +124,7 @@ impl ThreadMover {
             Stage::Waiting { index, sense } => {
                 let begun = self.in_step(index, sense) - self.from[Axis::Z];
                 let start = State { position: -begun, velocity: -self.speed_mm_s(), acceleration: 0.0 };
-                // At most the spindle's own speed: what is left of a tick Z waits, it never goes back.
+                // At most the synchronous speed: Z may wait for a fraction of a tick but never moves back.
                 let limits = AxisLimits { velocity_mm_s: self.speed_mm_s().abs(), ..self.limits.axes[Axis::Z] };
                 let profile = Profile::to_position(start, 0.0, limits);
                 self.stage = Stage::Following { index, sense, profile, ticks: 0 };
@@ -135,19 +135,19 @@ impl ThreadMover {
         self.set
     }
 
-    /// How many turns before the index Z sets off: half of its run-up, and the tick in which it begins.
+    /// Turns before the index at which Z starts: half of its run-up plus one tick.
     fn ahead(&self) -> f64 {
         let seconds = run_up_s(self.speed_mm_s().abs(), self.limits.axes[Axis::Z]) / 2.0 + self.limits.tick_s;
         self.follower.turns_per_tick.abs() / self.limits.tick_s * seconds
     }
 
-    /// The spindle turns.
+    /// Whether the spindle turns.
     #[must_use]
     pub fn is_turning(&self) -> bool {
         self.follower.turns_per_tick.abs() / self.limits.tick_s > STANDS_HZ
     }
 
-    /// Z is in step with the spindle.
+    /// Whether Z is synchronised with the spindle.
     #[must_use]
     pub fn is_in_step(&self) -> bool {
         match &self.stage {
@@ -156,14 +156,14 @@ impl ThreadMover {
         }
     }
 
-    /// Where Z belongs while the spindle stands at so many turns; none before the index and in the run-out.
+    /// Nominal position of Z with the spindle at `turns`, mm; `None` before the index and in the run-out.
     #[must_use]
     pub fn belongs_mm(&self, turns: f64) -> Option<f64> {
         let Stage::Following { index, sense, .. } = self.stage else { return None };
         Some(self.from[Axis::Z] + self.way() * self.thread.lead_mm * (sense * turns - index).max(0.0))
     }
 
-    /// The thread and its run-out are over, or braking is.
+    /// Whether the thread with its run-out, or braking after an abort, is finished.
     #[must_use]
     pub fn is_over(&self) -> bool {
         matches!(self.stage, Stage::RunningOut | Stage::Braking) && self.x.is_at_rest() && self.z.is_at_rest()
@@ -177,17 +177,17 @@ impl ThreadMover {
         self.stage = Stage::Braking;
     }
 
-    /// +1 or −1: where Z goes.
+    /// Direction of Z: +1 or −1.
     fn way(&self) -> f64 {
         (self.thread.to[Axis::Z] - self.from[Axis::Z]).signum()
     }
 
-    /// Speed of Z in step, mm/s.
+    /// Synchronous speed of Z with its sign, mm/s.
     fn speed_mm_s(&self) -> f64 {
         self.way() * self.thread.lead_mm * self.follower.turns_per_tick.abs() / self.limits.tick_s
     }
 
-    /// Where Z stands in step with the followed spindle.
+    /// Synchronous position of Z for the filtered spindle position, mm.
     fn in_step(&self, index: f64, sense: f64) -> f64 {
         self.from[Axis::Z] + self.way() * self.thread.lead_mm * (sense * self.follower.turns - index)
     }
@@ -196,7 +196,7 @@ impl ThreadMover {
         self.stage = Stage::Following { index, sense, profile, ticks };
         let off = profile.at(f64::from(ticks) * self.limits.tick_s);
         let before = self.set.position;
-        // A position loop of second order follows z + T·v + T²/4·a as z itself: u = x + 2/ω·x' + 1/ω²·x'', T = 2/ω.
+        // A second-order position loop with input z + T·v + T²/4·a outputs z: u = x + 2/ω·x' + 1/ω²·x'', T = 2/ω.
         let early = self.lag_s * (self.speed_mm_s() + off.velocity) + self.lag_s.powi(2) / 4.0 * off.acceleration;
         let z = self.in_step(index, sense) + off.position + early;
         let whole = self.thread.out[Axis::Z] - self.from[Axis::Z];
@@ -215,7 +215,7 @@ impl ThreadMover {
         }
     }
 
-    /// Each axis goes on by itself from its state of now.
+    /// Hands each axis over to its mover in its present state.
     fn release(&mut self) {
         let state = |axis: Axis| State {
             position: self.set.position[axis],
@@ -245,7 +245,7 @@ mod tests {
         Limits { axes: PerAxis([axis; 3]), tick_s: TICK_S }
     }
 
-    /// Cuts from Z 0 to −50 with a spindle that begins at `phase` turns; the set-points after each tick.
+    /// Cuts from Z 0 to −50 with a spindle that starts at `phase` turns; returns set-points and worst error, mm.
     fn cut(lead_mm: f64, rpm: f64, phase: f64) -> (Vec<SetPoint>, f64) {
         let to = PerAxis([lead_mm + 1.0, 0.0, -50.0]);
         let thread = Thread { out: PerAxis([0.0, 0.0, -48.8]), to, lead_mm };
@@ -253,7 +253,7 @@ mod tests {
         let (mut points, mut worst, mut turns) = (Vec::new(), 0.0_f64, phase);
         while !mover.is_over() {
             turns += rpm / 60.0 * TICK_S;
-            // An encoder of 4800 steps a turn.
+            // An encoder with 4800 steps per turn.
             let seen = (turns * 4_800.0).floor() / 4_800.0;
             let point = mover.tick(seen);
             if let Some(z) = mover.belongs_mm(turns).filter(|_| mover.is_in_step()) {
@@ -285,7 +285,7 @@ mod tests {
         assert!(early.clone().all(|point| point.position[Axis::X] < 1e-9 || point.velocity_mm_s[Axis::Z] > -1e-9));
     }
 
-    /// A drive as the simulated one: critically damped, 2/ω = 20 ms, the set-point held for a tick.
+    /// A drive like the simulated one: critically damped, 2/ω = 20 ms, the set-point held for a tick.
     #[derive(Default)]
     struct Drive {
         at: f64,
@@ -330,7 +330,7 @@ mod tests {
 
     #[test]
     fn l5_every_pass_finds_the_same_phase() {
-        // The spindle turns on between two passes: the groove must be met again.
+        // The spindle keeps turning between two passes: the second pass must follow the same groove.
         let lead = 1.5;
         let at = |phase: f64| {
             let (points, _) = cut(lead, 720.0, phase);
@@ -368,7 +368,7 @@ mod tests {
         while !mover.is_over() {
             mover.tick(turns);
         }
-        // v²/2a = 18²/1600 = 0.2 mm and the jerk's share.
+        // v²/2a = 18²/1600 = 0.2 mm plus the jerk phases.
         assert!((mover.set.position[Axis::Z] - from).abs() < 1.0);
     }
 }

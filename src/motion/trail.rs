@@ -1,13 +1,13 @@
-//! The trail: nominal set-points laid ahead of the axes, and the smooth curve through them.
+//! Set-point buffer: nominal set-points ahead of the axes, and the smooth curve through them.
 //!
-//! Owns a ring of set-points, one for each tick at full rate. Knows nothing of how they were planned or how fast they
-//! are followed. The curve takes them as control points of a uniform cubic B-spline, so its velocity, acceleration and
-//! jerk are means of the first, second and third differences of the set-points and never exceed the greatest of them;
-//! it passes a set-point at a distance of at most a·dt²/6 (0.25 µm at 1500 mm/s² and 1 ms), and through it at rest.
+//! A ring buffer of set-points, one per tick at full rate. Knows nothing of how they were planned or how fast they are
+//! followed. They are the control points of a uniform cubic B-spline, so velocity, acceleration and jerk of the curve
+//! are means of the first, second and third differences of the set-points and never exceed the largest of them. The
+//! curve passes a set-point at a distance of at most a·dt²/6 (0.25 µm at 1500 mm/s² and 1 ms), and exactly at rest.
 
-/// Set-points kept: those behind the axes, those ahead, and a reserve.
+/// Capacity in set-points: those behind the axes, those ahead, and a reserve.
 pub const PLACES: usize = 8_192;
-/// Pads repeated in front of a start from rest, so that the curve at the present place stays as it was.
+/// Set-points repeated before a start from rest, so that the curve at the present position does not change.
 const PAD: u64 = 3;
 
 /// One nominal set-point.
@@ -15,13 +15,13 @@ const PAD: u64 = 3;
 pub struct Place {
     /// X, Y, Z in mm.
     pub at: [f64; 3],
-    /// The feed override this place was planned for, at least 1.
+    /// The feed override it was planned for, at least 1.
     pub planned_override: f64,
-    /// Whether the rapid override rules here.
+    /// Whether the rapid override applies here.
     pub rapid: bool,
 }
 
-/// Position and its first derivative by ticks.
+/// Position and its first derivative per tick.
 #[derive(Clone, Copy, Debug)]
 pub struct OnTrail {
     /// X, Y, Z in mm.
@@ -30,17 +30,17 @@ pub struct OnTrail {
     pub step: [f64; 3],
 }
 
-/// A moment on the trail: whole ticks and the fraction of one.
+/// A position on the trail: whole ticks and a fraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Whole ticks since the beginning of the trail.
+    /// Whole ticks since the start of the trail.
     pub tick: u64,
     /// Fraction, 0 to below 1.
     pub part: f64,
 }
 
 impl Spot {
-    /// The spot `ticks` later.
+    /// The position `ticks` later.
     #[must_use]
     pub fn later(self, ticks: f64) -> Self {
         let sum = self.part + ticks;
@@ -49,50 +49,50 @@ impl Spot {
     }
 }
 
-/// The ring of nominal set-points.
+/// The ring buffer of nominal set-points.
 #[derive(Clone, Debug)]
 pub struct Trail {
     places: Vec<Place>,
-    /// The number of the place after the last.
+    /// Index after the last set-point.
     end: u64,
-    /// Whether the last place is in full motion and more must follow.
+    /// Whether the last set-point is in motion, so that more must follow.
     open: bool,
 }
 
 impl Trail {
-    /// A trail on which the axes stand at `at`.
+    /// A trail with the axes at rest at `at`, mm.
     #[must_use]
     pub fn standing(at: [f64; 3]) -> Self {
         let place = Place { at, planned_override: 1.0, rapid: false };
         Self { places: vec![place; PLACES], end: PLACES as u64, open: false }
     }
 
-    /// Forget everything and stand at `at`; returns the spot to stand on.
+    /// Discards everything and rests at `at`, mm; returns the position of rest on the trail.
     pub fn stand(&mut self, at: [f64; 3]) -> Spot {
         self.places.fill(Place { at, planned_override: 1.0, rapid: false });
         self.open = false;
         self.resting_spot()
     }
 
-    /// The spot from which on the curve stands still at the last place.
+    /// The position from which on the curve rests at the last set-point.
     #[must_use]
     pub const fn resting_spot(&self) -> Spot {
         Spot { tick: self.end, part: 0.0 }
     }
 
-    /// The number of the place after the last.
+    /// Index after the last set-point.
     #[must_use]
     pub const fn end(&self) -> u64 {
         self.end
     }
 
-    /// The last place.
+    /// The last set-point.
     #[must_use]
     pub fn last(&self) -> Place {
         self.place(self.end - 1)
     }
 
-    /// The place of a number; before the oldest kept the oldest, after the last the last.
+    /// The set-point of an index, clamped to the oldest and the last one.
     #[must_use]
     pub fn place(&self, number: u64) -> Place {
         let oldest = self.end - PLACES as u64;
@@ -100,7 +100,7 @@ impl Trail {
         self.places[(number % PLACES as u64) as usize]
     }
 
-    /// Repeat the last place as far as a start from rest needs it when the axes are at `spot`.
+    /// Repeats the last set-point as often as a start from rest at `spot` needs.
     pub fn pad_for_start(&mut self, spot: Spot) {
         while self.end < spot.tick + PAD {
             let last = self.last();
@@ -108,24 +108,24 @@ impl Trail {
         }
     }
 
-    /// Whether more places must follow; otherwise the axes stand still after the last.
+    /// Whether more set-points must follow; otherwise the axes rest after the last.
     #[must_use]
     pub const fn is_open(&self) -> bool {
         self.open
     }
 
-    /// Say whether more places must follow.
+    /// Sets whether more set-points must follow.
     pub const fn set_open(&mut self, open: bool) {
         self.open = open;
     }
 
-    /// Lay one place. The caller keeps the distance to the axes below [`PLACES`] less a few.
+    /// Appends a set-point. The caller keeps the distance to the axes a few set-points below [`PLACES`].
     pub fn push(&mut self, place: Place) {
         self.places[(self.end % PLACES as u64) as usize] = place;
         self.end += 1;
     }
 
-    /// The curve at a spot.
+    /// The curve at a position on the trail.
     #[must_use]
     pub fn on(&self, spot: Spot) -> OnTrail {
         let t = spot.part;
@@ -146,7 +146,7 @@ impl Trail {
 pub fn spline(p: &[[f64; 3]], part: f64) -> [f64; 3] {
     let (t, u) = (part, 1.0 - part);
     let weight_next = (1.0 + 3.0 * t * (1.0 + t * u)) / 6.0;
-    // Differences from the second, so that what stands comes out exactly and large coordinates lose nothing.
+    // Differences from the second point: a position at rest is exact, and large coordinates lose no precision.
     [0, 1, 2].map(|x| {
         let (b, n, a) = (p[0][x] - p[1][x], p[2][x] - p[1][x], p[3][x] - p[1][x]);
         p[1][x] + (u * u * u / 6.0 * b + weight_next * n + t * t * t / 6.0 * a)
@@ -166,7 +166,7 @@ mod tests {
             trail.push(Place { at: [5.0 + f64::from(k); 3], planned_override: 1.0, rapid: false });
         }
         assert!((trail.on(spot).at[0] - 5.0).abs() < 1e-15);
-        // A straight, even trail is followed evenly: after the pads, ten places on and a half.
+        // A straight trail at constant speed: after the padding, 30.5 set-points on.
         let even = trail.on(Spot { tick: trail.end() - 20, part: 0.5 });
         assert!((even.at[0] - (5.0 + 30.5)).abs() < 1e-12 && (even.step[0] - 1.0).abs() < 1e-12, "{even:?}");
     }

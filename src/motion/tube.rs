@@ -1,59 +1,59 @@
-//! The tube: the contour of a run of moves, how far the axes may be off it, and how far each axis may go at all.
+//! Tolerance band: the contour of a run of moves, the allowed deviation from it, and the bounds of each axis.
 //!
-//! Owns the segments in order and the distance along them. Knows nothing of speed. Within its tolerance a curve may swing
-//! to either side of the contour, but never beyond the place where an axis turns back: a wheel would cut into what the
-//! program leaves standing.
+//! Holds the moves in order and the distance along them. Knows nothing of speed. Within the tolerance the curve may
+//! deviate to either side of the contour, but never beyond a reversal point of an axis: the wheel would cut into
+//! material that the program leaves.
 
 use super::contour::{NO_LENGTH_MM, Segment, distance};
 
-/// Corners of more than 8° (its cosine) are sharp.
+/// Corners of more than 8° (cosine) are sharp.
 pub const SHARP_COSINE: f64 = 0.99;
-/// Segments looked at beyond the best when the nearest is sought.
+/// Number of further moves searched beyond the best when looking for the nearest.
 const LOOK_BEYOND: usize = 2;
 
-/// One move in the tube.
+/// One move of the band.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
-    /// Its form.
+    /// Its geometry.
     pub segment: Segment,
-    /// Its number in the queue since power-on.
+    /// Its serial number in the queue since power-on.
     pub number: u64,
-    /// What its form and the axes allow, mm/s.
+    /// Maximum speed by geometry and axis limits, mm/s.
     pub most: f64,
     /// Programmed speed, mm/s.
     pub programmed: f64,
-    /// The same with the override.
+    /// Programmed speed times override, mm/s.
     pub feed: f64,
-    /// The lesser of what is allowed and what is asked for, mm/s.
+    /// The lower of `most` and `feed`, mm/s.
     pub top: f64,
-    /// How far the curve may be off it, mm.
+    /// Allowed deviation of the curve, mm.
     pub tolerance: f64,
 }
 
-/// How far each axis may go, mm, low and high.
+/// Bounds of each axis, mm: low and high.
 pub type Room = [(f64, f64); 3];
 
-/// A place on the contour near a point.
+/// The point of the contour nearest to a given point.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
-    /// Distance from the start, mm.
+    /// Distance from the start of the contour, mm.
     pub along: f64,
-    /// The place.
+    /// The nearest point, mm.
     pub on: [f64; 3],
-    /// Distance of the point from it, mm.
+    /// Distance between the two points, mm.
     pub off: f64,
-    /// The segment it lies on.
+    /// Index of the move it lies on.
     pub segment: usize,
 }
 
-/// Where one axis turns back: found as the contour grows. Waves smaller than the tolerance are no turn.
+/// Reversal points of one axis, found as the contour grows. Waves smaller than the tolerance are ignored.
 #[derive(Clone, Debug, Default)]
 struct Turns {
-    /// Distance along and coordinate of each turn found; the first may lie before the tube.
+    /// Distance along the contour and coordinate of each reversal point, mm; the first may lie before the band.
     found: Vec<(f64, f64)>,
-    /// 1 upward, -1 downward, 0 not known yet.
+    /// Direction of motion: 1 plus, -1 minus, 0 not known yet.
     way: f64,
-    /// The farthest so far: the lowest and the highest while the way is not known, else the same twice.
+    /// The extreme points so far: lowest and highest while the direction is unknown, otherwise both the same.
     low: (f64, f64),
     high: (f64, f64),
 }
@@ -86,7 +86,7 @@ impl Turns {
         }
     }
 
-    /// Between which coordinates the axis stays around a distance along.
+    /// The bounds of the axis around a distance along the contour.
     fn room(&self, along: f64) -> (f64, f64) {
         let next = self.found.partition_point(|turn| turn.0 <= along);
         let open = match self.found.last() {
@@ -102,22 +102,22 @@ impl Turns {
     }
 }
 
-/// The contour of a run of moves.
+/// The tolerance band of a run of moves.
 #[derive(Clone, Debug, Default)]
 pub struct Tube {
     /// The moves in order.
     pub pieces: Vec<Piece>,
-    /// Distance from the start to the beginning of each, mm; one more than pieces.
+    /// Distance from the start of the contour to the start of each move, mm, and to the end of the last.
     pub along: Vec<f64>,
-    /// For each move, where the run of moves without a sharp corner that it belongs to begins and ends, mm.
+    /// For each move, start and end of the sequence of moves without a sharp corner that it belongs to, mm.
     smooth_run: Vec<(f64, f64)>,
     turns: [Turns; 3],
-    /// Where the curve ends, mm along.
+    /// Where the curve ends, mm along the contour.
     pub end: f64,
 }
 
 impl Tube {
-    /// Room for so many moves.
+    /// An empty band with capacity for a number of moves.
     pub fn with_capacity(moves: usize) -> Self {
         let turns = || Turns { found: Vec::with_capacity(5 * moves), ..Turns::default() };
         Self {
@@ -129,7 +129,7 @@ impl Tube {
         }
     }
 
-    /// Forget all.
+    /// Removes all moves.
     pub fn clear(&mut self) {
         self.pieces.clear();
         self.along.clear();
@@ -139,7 +139,7 @@ impl Tube {
         self.end = 0.0;
     }
 
-    /// Begin as the continuation of another tube from one of its moves on: what turned before it is remembered.
+    /// Starts as the continuation of another band from its move `first` on; earlier reversal points are kept.
     pub fn continue_from(&mut self, other: &Self, first: usize) {
         self.clear();
         let Some(piece) = other.pieces.get(first) else { return };
@@ -155,7 +155,7 @@ impl Tube {
         }
     }
 
-    /// Add a move.
+    /// Adds a move.
     pub fn add(&mut self, piece: Piece) {
         let start = self.length();
         if self.pieces.is_empty() && self.turns.iter().all(|turns| turns.found.is_empty()) {
@@ -176,7 +176,7 @@ impl Tube {
         self.end = self.length();
     }
 
-    /// All moves have been added: the runs between sharp corners get their ends.
+    /// Called after the last move: sets the ends of the sequences between sharp corners.
     pub fn close(&mut self) {
         for k in (1..self.pieces.len()).rev() {
             let (start, end) = self.smooth_run[k];
@@ -184,7 +184,7 @@ impl Tube {
         }
     }
 
-    /// End at a distance along, and with the move that it lies in.
+    /// Ends the band at a distance along the contour; later moves are removed.
     pub fn cut(&mut self, along: f64) {
         let count = self.segment_at(along) + 1;
         self.pieces.truncate(count);
@@ -198,23 +198,23 @@ impl Tube {
         self.along.last().copied().unwrap_or(0.0)
     }
 
-    /// Whether the curve ends where the last move does.
+    /// Whether the curve ends at the end of the last move.
     pub fn ends_with_a_move(&self) -> bool {
         self.end >= self.length() - NO_LENGTH_MM
     }
 
-    /// The segment that a distance from the start falls in.
+    /// Index of the move at a distance from the start.
     pub fn segment_at(&self, along: f64) -> usize {
         self.along.partition_point(|start| *start <= along).clamp(1, self.pieces.len().max(1)) - 1
     }
 
-    /// The point at a distance from the start.
+    /// The point at a distance from the start, mm.
     pub fn at(&self, along: f64) -> [f64; 3] {
         let k = self.segment_at(along);
         self.pieces[k].segment.at(along - self.along[k])
     }
 
-    /// Where the end point lies, exactly.
+    /// The exact end point, mm.
     pub fn end_point(&self) -> [f64; 3] {
         match self.pieces.last() {
             Some(last) if self.ends_with_a_move() => last.segment.at(f64::INFINITY),
@@ -222,17 +222,17 @@ impl Tube {
         }
     }
 
-    /// How far each axis may go around a distance along.
+    /// The bounds of each axis around a distance along the contour.
     pub fn room(&self, along: f64) -> Room {
         [0, 1, 2].map(|x| self.turns[x].room(along))
     }
 
-    /// Between which distances along lies the run without a sharp corner that a segment belongs to.
+    /// Start and end of the sequence without a sharp corner that a move belongs to, mm along the contour.
     pub fn smooth_run(&self, segment: usize) -> (f64, f64) {
         self.smooth_run[segment]
     }
 
-    /// The place between two distances from the start that is nearest to `point`, sought from segment `hint` on.
+    /// The point between two distances from the start that is nearest to `point`; the search starts at move `hint`.
     pub fn nearest(&self, point: [f64; 3], low: f64, high: f64, hint: usize) -> Nearest {
         let last = self.pieces.len() - 1;
         let hint = hint.min(last);
@@ -263,7 +263,7 @@ impl Tube {
         best
     }
 
-    /// The nearest place of one segment; `off` is still squared.
+    /// The nearest point of one move; `off` is still squared.
     fn on_segment(&self, point: [f64; 3], low: f64, high: f64, segment: usize) -> Nearest {
         let start = self.along[segment];
         let (along, on) = self.pieces[segment].segment.nearest(point, low - start, high - start);
@@ -272,18 +272,18 @@ impl Tube {
     }
 }
 
-/// Cosine of the angle between two moves.
+/// Cosine of the corner angle between two moves.
 pub fn cosine(before: &Segment, after: &Segment) -> f64 {
     let ([_, a], [b, _]) = (before.directions(), after.directions());
     (0..3).map(|x| a[x] * b[x]).sum()
 }
 
-/// A guess of the speed, mm/s, at which the corner between two moves can be rounded.
+/// Estimated speed, mm/s, at which the corner between two moves can be rounded.
 pub fn corner_speed(before: &Piece, after: &Piece, jerk: f64) -> f64 {
     let ([_, a], [b, _]) = (before.segment.directions(), after.segment.directions());
     let turn = distance(a, b).max(1e-9);
-    // A bend of half-width h deviates turn · h / 6 and needs the third derivative turn / h²; the tube gives about two
-    // and a half times that width by swinging out before and after.
+    // A bend of half-width h deviates by turn · h / 6 and needs the third derivative turn / h². Swinging out before
+    // and after within the band makes the bend about two and a half times as wide.
     let width = 2.5 * 6.0 * before.tolerance.min(after.tolerance) / turn;
     (jerk * width * width / turn).cbrt()
 }

@@ -1,31 +1,31 @@
-//! The warp: how fast the trail is followed, from 0 (held) to 1 (as planned).
+//! Feed scaling: the rate at which the trail is followed, from 0 (held) to 1 (as planned).
 //!
-//! Owns the rate and its slope, and the search for a change of rate that keeps every limit. Knows nothing of moves. A
-//! change of rate adds to the acceleration and jerk of the trail; whether the sum fits depends on what the trail does
-//! meanwhile, so a candidate is run ahead tick by tick to its end and its set-points are differenced like any emitted
-//! ones. Only a candidate found good is begun, so there is always a verified way on: the one under way.
+//! Holds the rate and its slope and searches for a change of rate that keeps every limit. Knows nothing of moves. A
+//! change of rate adds to the acceleration and jerk of the trail. Whether the sum is within the limits depends on the
+//! trail ahead, so a candidate is simulated tick by tick to its end and the differences of its set-points are checked.
+//! Only a valid candidate is started, so the change in progress is always verified.
 
 use super::Limits;
 use super::trail::{Spot, Trail};
 use crate::units::Axis;
 
-/// Rate changes tried, as fractions of the quickest that the axes could do on a straight line; the first good one wins.
+/// Rate changes tried, as fractions of the fastest possible on a straight line; the first valid one is used.
 const CANDIDATES: [f64; 11] = [0.98, 0.8, 0.65, 0.5, 0.38, 0.28, 0.2, 0.12, 0.07, 0.035, 0.015];
-/// The target itself, then the parts of it that are tried when it cannot be met.
+/// The target itself, then the fractions of it that are tried if it cannot be reached.
 const NEARLY: [f64; 3] = [1.0, 0.97, 0.85];
-/// After this many ticks run ahead no further candidate is begun in the same tick.
+/// Maximum number of simulated ticks per tick; then no further candidate is tried.
 const STEPS_PER_TICK: usize = 1_200;
-/// No candidate is followed farther than this many ticks.
+/// Maximum simulated length of a candidate, ticks.
 const LONGEST_RUN: usize = 4_096;
-/// Places ahead whose speed sets the scale of the candidates.
+/// Number of set-points ahead whose speed sets the scale of the candidates.
 const SCALE_PLACES: u64 = 96;
-/// Ticks after the end of a change during which its last difference still shows.
+/// Ticks after the end of a change in which its last difference still shows.
 const TAIL_TICKS: usize = 4;
 /// Rounding of positions near 1 m, differenced three times at 1 ms, is 1e-3 mm/s³: 1e-6 of the smallest useful jerk
-/// limit. The planner keeps a larger distance than this from every limit.
+/// limit. The planner keeps a larger margin than this to every limit.
 pub const SLACK: f64 = 1e-6;
 
-/// Per axis, the greatest first, second and third difference of set-points, in mm.
+/// Maximum first, second and third difference of set-points per axis, mm.
 #[derive(Clone, Copy, Debug)]
 pub struct StepLimits {
     /// Velocity times a tick.
@@ -40,7 +40,7 @@ pub struct StepLimits {
 pub type History = [[f64; 3]; 4];
 
 impl StepLimits {
-    /// The limits of one tick.
+    /// The limits for one tick.
     #[must_use]
     pub fn of(limits: &Limits) -> Self {
         let dt = limits.tick_s;
@@ -51,7 +51,7 @@ impl StepLimits {
         }
     }
 
-    /// What part of a limit the newest set-point of a history needs; up to 1 it keeps all.
+    /// Highest ratio of a difference of the newest set-point to its limit; up to 1 all limits are kept.
     #[must_use]
     pub fn excess(&self, p: &History) -> f64 {
         (0..3).fold(0.0, |worst, x| {
@@ -75,56 +75,56 @@ impl StepLimits {
     }
 }
 
-/// A part of a change of rate: `bend` is the second derivative of the rate, in ticks.
+/// A segment of a change of rate: duration in ticks; `bend` is the second derivative of the rate, per tick².
 #[derive(Clone, Copy, Debug, Default)]
 struct Leg {
     ticks: f64,
     bend: f64,
 }
 
-/// The rate of following the trail.
+/// The rate at which the trail is followed.
 #[derive(Clone, Copy, Debug)]
 pub struct Warp {
     rate: f64,
     slope: f64,
     legs: [Leg; 3],
     target: f64,
-    /// The candidate to try first at the next tick.
+    /// The candidate to try first in the next tick.
     next_try: usize,
 }
 
 impl Warp {
-    /// A steady rate.
+    /// A constant rate.
     #[must_use]
     pub const fn steady(rate: f64) -> Self {
         Self { rate, slope: 0.0, legs: [Leg { ticks: 0.0, bend: 0.0 }; 3], target: rate, next_try: 0 }
     }
 
-    /// The rate now.
+    /// The present rate.
     #[must_use]
     pub const fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// The rate that the change under way leads to.
+    /// The rate at the end of the change in progress.
     #[must_use]
     pub const fn target(&self) -> f64 {
         self.target
     }
 
-    /// Whether no change is under way.
+    /// Whether no change is in progress.
     #[must_use]
     pub fn is_steady(&self) -> bool {
         self.legs.iter().all(|leg| leg.ticks <= 0.0)
     }
 
-    /// Whether the trail is not followed at all.
+    /// Whether the rate is constantly zero.
     #[must_use]
     pub fn is_standing(&self) -> bool {
         self.is_steady() && self.rate <= 0.0
     }
 
-    /// One tick on; returns the way along the trail in ticks.
+    /// Advances by one tick; returns the distance along the trail in ticks.
     pub fn step(&mut self) -> f64 {
         let (mut left, mut way) = (1.0, 0.0);
         for leg in &mut self.legs {
@@ -144,11 +144,11 @@ impl Warp {
         way.max(0.0)
     }
 
-    /// Begin the quickest change to `target` (0 to 1) that keeps every limit from `spot` to its end. `past` are the last
-    /// emitted set-points. Goes on as before when no candidate is good at this tick; then try again at the next.
+    /// Starts the fastest change to `target` (0 to 1) that keeps every limit from `spot` to its end. `past`: the last
+    /// set-points. If no candidate is valid in this tick, the rate continues as before; call again in the next tick.
     ///
-    /// Where the trail uses up a limit all the way, full rate cannot be met without a hair too much; a rate a little
-    /// lower can ([`NEARLY`]), and is taken on the way up when the exact one is not to be had.
+    /// Where the trail is at a limit throughout, the full rate cannot be reached without exceeding it slightly. Then a
+    /// slightly lower rate ([`NEARLY`]) is used on the way up.
     pub fn aim(&mut self, target: f64, trail: &Trail, spot: Spot, past: &History, limits: &StepLimits) {
         let (slope, bend) = scales(trail, spot, limits);
         let mut runs_left = STEPS_PER_TICK;
@@ -170,7 +170,7 @@ impl Warp {
         }
     }
 
-    /// The quickest change of rate with a bounded slope and bend.
+    /// The fastest change of rate with bounded slope and bend.
     fn toward(&self, target: f64, slope_most: f64, bend: f64) -> Self {
         let settled = self.rate + self.slope * self.slope.abs() / (2.0 * bend);
         let way = if target >= settled { 1.0 } else { -1.0 };
@@ -194,7 +194,7 @@ impl Warp {
         for _ in 0..LONGEST_RUN {
             *left = left.saturating_sub(1);
             spot = spot.later(self.step());
-            // Going backwards is no way to hold, and what is not laid yet cannot be looked at.
+            // A rate below zero or above one is invalid, and set-points not appended yet cannot be checked.
             let unknown = trail.is_open() && spot.tick + 3 > trail.end();
             if self.rate < -1e-12 || self.rate > 1.0 + 1e-12 || unknown {
                 return false;
@@ -212,7 +212,7 @@ impl Warp {
     }
 }
 
-/// The quickest slope and bend of the rate that acceleration and jerk would allow at the greatest speed ahead.
+/// Maximum slope and bend of the rate by acceleration and jerk limits at the highest speed ahead.
 fn scales(trail: &Trail, spot: Spot, limits: &StepLimits) -> (f64, f64) {
     let mut speed = [1e-9; 3];
     let mut last = trail.place(spot.tick.saturating_sub(1)).at;
@@ -224,6 +224,6 @@ fn scales(trail: &Trail, spot: Spot, limits: &StepLimits) -> (f64, f64) {
         last = at;
     }
     let least = |of: &[f64; 3]| (0..3).map(|x| of[x] / speed[x]).fold(f64::INFINITY, f64::min);
-    // A rate can change within a tick or so at most; faster makes no difference to anyone.
+    // A change within about one tick is the fastest that has an effect.
     (least(&limits.second).min(1.0), least(&limits.third).min(1.0))
 }

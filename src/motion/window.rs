@@ -1,11 +1,11 @@
-//! The window: some seconds of a run taken as one smooth curve, from any state of motion to rest.
+//! Look-ahead window: up to about a second and a half of a run as one smooth curve, from any state of motion to rest.
 //!
-//! Owns the planning of one window, in slices of counted work: a first timing along the contour, smoothing inside the
-//! tube, the quickest speed along the curve, both again with the better timing, and a run over the whole plan that
-//! compares every set-point with limits and tolerance. In motion a window takes over the control points and the rate of
-//! the one before up to where that one's end has no influence: the course goes on as it was, and the speed has that much
-//! room to meet what comes. Knows nothing of the queue, nor which part of a plan is used:
-//! each ends at rest, so what is left of it may be followed when the next does not come.
+//! Plans one window in slices of counted work: a first timing along the contour, smoothing inside the tolerance band,
+//! the fastest speed along the curve, smoothing and speed again with the better timing, and a check of every set-point
+//! against limits and tolerance. In motion, a window takes over control points and rate of the previous window up to
+//! where braking affects them: the path stays the same, and the speed can adapt to the path ahead. Knows nothing of
+//! the queue and of which part of a plan is used. Each plan ends at rest, so its rest can always be followed if the
+//! next window is not ready.
 
 mod check;
 mod follow;
@@ -18,35 +18,35 @@ use super::speed::{KnotLimits, LEAD_KNOTS, Speed};
 use super::tube::Tube;
 use super::warp::{History, StepLimits};
 
-/// Moves in a window at most.
+/// Maximum number of moves in a window.
 pub const PIECES: usize = 320;
-/// Set-points of a plan at most.
+/// Maximum number of set-points in a plan.
 pub const PLAN_TICKS: usize = 8_192;
-/// Knot spacing, s. A coarser one loses time in corners, a finer one gains none.
+/// Knot spacing, s. A coarser spacing loses time in corners; a finer one gains none.
 pub const SPACING_S: f64 = 0.004;
-/// Part of the tolerance used while smoothing; the rest is for what lies between knots and for unfinished iterations.
+/// Share of the tolerance used for smoothing; the rest is for deviations between knots and unfinished iterations.
 const TUBE_SHARE: f64 = 0.95;
-/// Part of the tolerance planned for: the rest is for what lies between set-points and is passed under an override.
+/// Share of the tolerance used for planning; the rest is for positions between set-points, used under an override.
 const TOLERANCE_SHARE: f64 = 0.98;
-/// Iterations of smoothing in each round.
+/// Smoothing iterations of each round.
 const ROUNDS: [u32; 3] = [20, 0, 20];
 const ROUNDS_HURRIED: [u32; 3] = [20, 0, 20];
-/// The first round makes do with knots so many times farther apart.
+/// Factor on the knot spacing in the first round.
 const FIRST_COARSER: f64 = 1.4;
 const LAST: usize = ROUNDS.len() - 1;
-/// How often the tube is made narrower, and the iterations of smoothing after each time.
+/// Maximum number of times the tolerance band is narrowed, and smoothing iterations after each time.
 const REPAIRS_MOST: u32 = 8;
 const REPAIR_ROUND: u32 = 10;
-/// How often a plan is tried with a lower share of the limits after the check.
+/// Maximum number of retries with a lower share of the limits after the check.
 const SLOWER_MOST: u32 = 3;
-/// The share of the limits planned for: what lies between knots is not looked at, and a change of rate needs room.
+/// Share of the limits used for planning: nothing is checked between knots, and a change of rate needs a reserve.
 const LIMIT_SHARE: f64 = 0.98;
 
-/// And of the acceleration where it changes within two knots.
+/// Further reduction of the acceleration limit where acceleration changes within two knots.
 const BETWEEN: f64 = 0.03;
-/// So much wider the limits are at a start in motion: a plan before has left that much, so that a way on can be found.
+/// Factor on the limits at a start in motion. The previous plan left this reserve, so that a solution exists.
 const LEAD_SLACK: f64 = 1.016;
-/// Of the jerk a little less still: it bends most between knots, and to plan again costs more than it gains.
+/// Further share of the jerk limit: jerk varies most between knots, and a second plan costs more than it gains.
 const JERK_SHARE: f64 = 0.98;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,34 +62,34 @@ enum Phase {
     Failed,
 }
 
-/// Where on the plan: interval, part of it.
+/// Position on the curve of a plan.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Follow {
-    /// Interval between two knots.
+    /// Index of the interval between two knots.
     pub interval: usize,
-    /// Part of it, 0 to 1.
+    /// Fraction of the interval, 0 to 1.
     pub part: f64,
 }
 
 /// One set-point of a plan.
 #[derive(Clone, Copy, Debug)]
 pub struct PlanPoint {
-    /// Position, mm; velocity, mm/s; acceleration, mm/s².
+    /// Position, mm.
     pub at: [f64; 3],
     /// Velocity, mm/s.
     pub velocity: [f64; 3],
     /// Acceleration, mm/s².
     pub acceleration: [f64; 3],
-    /// Distance along the tube, mm.
+    /// Distance along the contour, mm.
     pub along: f64,
-    /// The segment that it has come to: all before have ended.
+    /// Index of the move it lies on; all earlier moves have ended.
     pub segment: usize,
-    /// Where on the curve: interval, part of it.
+    /// Position on the curve.
     pub follow: Follow,
 }
 
 impl PlanPoint {
-    /// At rest.
+    /// A set-point at rest.
     #[must_use]
     pub const fn at_rest(at: [f64; 3], along: f64, segment: usize) -> Self {
         let follow = Follow { interval: 0, part: 0.0 };
@@ -103,37 +103,36 @@ impl PlanPoint {
     }
 }
 
-/// Where and how a window begins.
+/// Start conditions of a window.
 #[derive(Clone, Copy, Debug)]
 pub struct Start {
-    /// The state there.
+    /// The state at the start.
     pub point: PlanPoint,
-    /// The set-points up to there, the newest last.
+    /// The set-points up to the start, the newest last.
     pub past: History,
-    /// The interval of the curve before up to whose end its course is taken over; none at rest, nor where that curve
-    /// already brakes.
+    /// Last interval of the previous curve that is taken over; `None` at rest and where that curve already brakes.
     pub until: Option<usize>,
-    /// What is to be taken off the distances along and the segments of the tube before.
+    /// Offset of distance (mm) and move index from the previous tolerance band to this one; subtracted.
     pub shift: (f64, usize),
-    /// Part of every limit that is left for a change of rate, 0 to below 1.
+    /// Share of every limit reserved for a change of rate, 0 to below 1.
     pub spare: f64,
-    /// Whether it is to be ready soon rather than the quickest.
+    /// Whether early completion is more important than the fastest plan.
     pub hurried: bool,
 }
 
-/// How far beyond what is allowed the curve comes in an interval, mm.
+/// How far the curve exceeds tolerance (`off`) and axis bounds (`room`) in an interval, mm.
 #[derive(Clone, Copy, Debug, Default)]
 struct Excess {
     off: f64,
     room: [(f64, f64); 3],
 }
 
-/// The curve of the plan that is followed.
+/// The curve of the plan in use.
 #[derive(Clone, Debug)]
 struct Curve {
     points: Vec<[f64; 3]>,
     rate_square: Vec<f64>,
-    /// Where along its tube each knot lies, and on which segment.
+    /// Distance along the contour and move index of each knot.
     near: Vec<(f64, usize)>,
     share: f64,
 }
@@ -143,7 +142,7 @@ struct Curve {
 pub struct Window {
     limits: Limits,
     steps: StepLimits,
-    /// The contour; filled by the caller before `begin`.
+    /// The tolerance band; filled by the caller before `begin`.
     pub tube: Tube,
     start: Start,
     before: Curve,
@@ -155,9 +154,9 @@ pub struct Window {
     share: f64,
     phase: Phase,
     follow: Follow,
-    /// Where the first timing begins, mm along.
+    /// Start of the first timing, mm along the contour.
     first_from: f64,
-    /// Progress of the first timing: distance along. Then the time between new control points, in spacings.
+    /// First timing: distance along the contour, mm. Retiming: time between new control points, in knot spacings.
     sum: f64,
     cursor: usize,
     past: History,
@@ -166,18 +165,18 @@ pub struct Window {
     is_off: bool,
     repairs: u32,
     slower: u32,
-    /// Whether the horizon was too far: the curve ends before.
+    /// Whether the horizon was too long, so that the curve ends earlier.
     is_cut: bool,
-    /// The intervals of the last set-points but one and but two.
+    /// The intervals of the two set-points before the last.
     seen: [usize; 2],
-    /// The segment nearest to the last place looked at.
+    /// The move nearest to the last checked point.
     nearest_before: usize,
-    /// The set-points, checked once the plan is ready.
+    /// The set-points; all checked once the plan is ready.
     pub plan: Vec<PlanPoint>,
 }
 
 impl Window {
-    /// Room for the longest.
+    /// An empty window with capacity for the longest plan.
     pub fn new(limits: &Limits) -> Self {
         let at_rest = PlanPoint::at_rest([0.0; 3], 0.0, 0);
         Self {
@@ -222,13 +221,13 @@ impl Window {
         }
     }
 
-    /// Forget the plan.
+    /// Discards the plan.
     pub fn clear(&mut self) {
         self.phase = Phase::Idle;
         self.tube.clear();
     }
 
-    /// Begin to plan along the tube, which has been filled and closed.
+    /// Starts to plan inside the tolerance band, which must be filled and closed.
     pub fn begin(&mut self, start: Start, budget: &mut Budget) {
         self.start = start;
         self.repairs = 0;
@@ -242,22 +241,22 @@ impl Window {
         self.phase = Phase::Lay;
     }
 
-    /// Whether the plan can be followed.
+    /// Whether the plan is complete and valid.
     pub fn is_ready(&self) -> bool {
         self.phase == Phase::Ready
     }
 
-    /// Whether no plan was found that keeps limits and tolerance.
+    /// Whether no plan within limits and tolerance was found.
     pub fn has_failed(&self) -> bool {
         self.phase == Phase::Failed
     }
 
-    /// Whether the curve ends before the end of the tube that was asked for.
+    /// Whether the curve ends before the requested horizon.
     pub fn is_cut(&self) -> bool {
         self.is_cut
     }
 
-    /// The plan is taken over: what follows from now on begins on its curve.
+    /// Keeps the curve of this plan: the next window starts on it.
     pub fn keep(&mut self) {
         std::mem::swap(&mut self.before.points, &mut self.smooth.points);
         std::mem::swap(&mut self.before.rate_square, &mut self.speed.rate_square);
@@ -266,7 +265,7 @@ impl Window {
         self.before.share = self.share;
     }
 
-    /// Some work on the plan.
+    /// Works on the plan until it is done or the budget is spent.
     pub fn work(&mut self, budget: &mut Budget) {
         while !budget.is_spent() {
             match self.phase {
@@ -324,7 +323,7 @@ impl Window {
         self.smooth.points.len() - 3
     }
 
-    /// Whether the end point has been passed.
+    /// Whether the end of the curve has been reached.
     fn is_at_end(&self) -> bool {
         self.follow.interval >= self.intervals()
     }
@@ -354,7 +353,7 @@ impl Window {
             None if self.start.point.is_in_motion() => &[1.0; 2],
             None => &[],
         };
-        // Soon after a handover the plan before has used that much more itself.
+        // A handover this far on the previous curve is past its own slack: the limits need not be wider.
         let fresh = self.start.until.is_some() && from >= LEAD_KNOTS;
         let slack = if fresh { 1.0 } else { LEAD_SLACK };
         self.speed.begin(limits, given, slack * (self.before.share / share).max(1.0), round < LAST);

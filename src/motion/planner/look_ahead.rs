@@ -1,6 +1,6 @@
-//! Looking ahead: which window is planned next, from where, and when it takes over.
+//! Look-ahead: which window is planned next, from where, and when it takes over.
 //!
-//! Owns the choice of handover and horizon. Knows nothing of how a window is planned or laid.
+//! Selects handover and horizon. Knows nothing of how a window is planned or appended.
 
 use std::collections::VecDeque;
 
@@ -13,87 +13,87 @@ use super::super::window::{PlanPoint, SPACING_S, Start};
 use super::super::{LEAST_FEED_MM_S, Rate};
 use super::{Ask, NEAREST, Planner, WORK_MOST, WORK_STEADY, stand, top_speed};
 
-/// Time a window looks ahead, s: the shortest and the longest.
+/// Minimum and maximum horizon of a window, s.
 const SHORTEST_S: f64 = 0.25;
 const LONGEST_S: f64 = 1.4;
-/// Units of work that a control point costs from the first timing to the last check, found by trial, and how fast less
-/// is learnt.
+/// Work units per control point from the first timing to the last check, found by trial, and the rate at which a lower
+/// cost is learned.
 pub const COST_POINT: f64 = 20_000.0;
 const COST_LEARNT: f64 = 0.2;
-/// Control points that braking at the end of a window takes, about.
+/// Approximate number of control points for braking at the end of a window.
 const BRAKE_POINTS: f64 = 30.0;
-/// Set-points before a handover that the next window still knows of.
+/// Set-points before a handover that the next window takes into account.
 const BACK: usize = 4;
-/// A plan needs so many ticks more than guessed.
+/// Reserve in the estimated planning time, ticks.
 const TICKS_SPARE: usize = 18;
-/// The end of a plan at rest has influence so many braking times before it, and so many ticks.
+/// Braking at the end of a plan affects it over this many braking times plus this many ticks.
 const BRAKES_BEFORE: f64 = 1.3;
 const TICKS_BEFORE: f64 = 24.0;
-/// So many ticks of the course up to there are taken over, when there is time, so that the speed has room to meet what
-/// comes; and at most.
+/// Ticks of the old curve that the next window takes over if there is time, so that the speed can adapt to the path
+/// ahead; and their maximum.
 const LEAD_TICKS: i64 = 64;
 const LEAD_MOST: usize = 160;
-/// With less the course is not taken over but only the state of motion.
+/// With fewer ticks only the state of motion is taken over, not the curve.
 const LEAD_LEAST: usize = 0;
 const LEAD_SHORT: i64 = 24;
-/// So near to the handover no work is spared.
+/// This near to the handover, in ticks, the full work budget is used.
 const PRESSING: u64 = 48;
-/// Planning takes that many ticks at least.
+/// Minimum planning time, ticks.
 const SHORTEST_TICKS: i64 = 80;
-/// How much later the handover is tried after failures, at most.
+/// Maximum shift of the handover after failures, ticks.
 const OTHER_TICKS: f64 = 30.0;
-/// Part of the limits left for raising the rate.
+/// Share of the limits reserved for raising the rate.
 const SPARE: f64 = 0.04;
 
 /// A window being planned.
 #[derive(Clone, Copy, Debug)]
 pub struct Job {
-    /// The last set-point of the plan under way that is still followed; nothing at rest.
+    /// Index of the last set-point of the current plan that is still used; 0 from rest.
     pub handover: usize,
-    /// Whether it begins in motion.
+    /// Whether it starts in motion.
     in_motion: bool,
     filling: Filling,
     start: Start,
     filled: Filled,
-    /// Whether the window is as long as it should be.
+    /// Whether the window has its full length within the steady work budget.
     steady: bool,
-    /// How far it looks ahead, s, and units of work spent on it.
+    /// Horizon, s, and work units spent.
     seconds: f64,
     spent: usize,
 }
 
-/// What is chosen for the next window.
+/// Handover and horizon of the next window.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
-    /// The last set-point of the plan under way that is still followed.
+    /// Index of the last set-point of the current plan that is still used.
     handover: usize,
-    /// The first segment of the tube before that is taken over.
+    /// Index of the first move of the old tolerance band that is taken over.
     first: usize,
-    /// The end of what is taken over of the course.
+    /// The end of the part of the old curve that is taken over.
     end: PlanPoint,
-    /// How far it looks ahead from there, s.
+    /// Horizon from there, s.
     seconds: f64,
-    /// The number of the move to go on with when nothing is taken over.
+    /// Serial number of the next move if no move is taken over.
     next: u64,
-    /// Whether there is time enough.
+    /// Whether the steady work budget is enough.
     steady: bool,
 }
 
 impl Job {
-    /// Whether there is time enough.
+    /// Whether the steady work budget is enough.
     pub const fn is_steady(&self) -> bool {
         self.steady
     }
 }
 
 impl Planner {
-    /// Give up the window being planned.
+    /// Discards the window being planned.
     pub(super) fn cancel(&mut self) {
         self.job = None;
         self.window.clear();
     }
 
-    /// Begin to plan from rest.
+    /// Starts a window from rest.
     pub(super) fn begin_at_rest(&mut self, moves: &VecDeque<Queued>, ask: Ask) {
         let Some(queued) = moves.get(self.taken) else { return };
         let point = self.partial.unwrap_or_else(|| PlanPoint::at_rest(queued.segment.at(0.0), 0.0, 0));
@@ -120,7 +120,7 @@ impl Planner {
         start.point.segment -= first;
         start.spare = if ask.catching_up { SPARE } else { 0.0 };
         let in_motion = start.point.is_in_motion();
-        // What lies on the trail was planned for an override that the rate is measured by: it may rise, not fall.
+        // The rate is relative to the override of the set-points on the trail: the planned override may rise, not fall.
         let least = if in_motion { self.planned_override } else { 1.0 };
         let filling = Filling {
             copied: first,
@@ -144,7 +144,7 @@ impl Planner {
         });
     }
 
-    /// Works on the next window, and begins one when it is time.
+    /// Works on the next window; starts one when it is time.
     pub(super) fn look_ahead(
         &mut self,
         moves: &VecDeque<Queued>,
@@ -154,7 +154,7 @@ impl Planner {
         budget: &mut Budget,
     ) {
         if self.job.is_some_and(|job| job.steady && job.in_motion && ask.feed_override > job.filling.feed_override) {
-            // There was time, so there is for a quicker one.
+            // There was enough time, so there is enough for a faster window.
             self.cancel();
         }
         if self.job.is_none() && !ask.braking && self.open && !self.plan.is_empty() {
@@ -162,7 +162,7 @@ impl Planner {
         }
         let Some(mut job) = self.job else { return };
         if job.in_motion && self.laid > job.handover + 1 {
-            // Too late: what follows the handover has been laid.
+            // Too late: the set-points after the handover have been appended.
             job.spent += job.spent / 4;
             self.learn_cost(&job);
             self.cancel();
@@ -186,7 +186,7 @@ impl Planner {
         }
     }
 
-    /// Chooses handover and horizon of the next window; begins when it is time.
+    /// Selects handover and horizon of the next window; starts it when it is time.
     fn begin_in_motion(&mut self, moves: &VecDeque<Queued>, trail: &Trail, spot: Spot, ask: Ask) {
         let Some(last) = self.tube.pieces.last() else { return };
         let front = moves.front().map_or(0, |queued| queued.number);
@@ -194,11 +194,11 @@ impl Planner {
         if !cut && !matches!(after(moves, (last.number - front) as usize), Then::Goes(_)) {
             return;
         }
-        // Where on the plan the axes are, as far as they are on it.
+        // Index of the axes on the plan; negative while they are still before it.
         let here = self.laid as i64 + spot.tick as i64 - trail.end() as i64;
         let near = here + NEAREST as i64 + TICKS_SPARE as i64;
         let best = self.best as i64;
-        // As much as is known, as can be planned in time.
+        // The horizon is limited by the known moves and by the time for planning.
         let known = self.known_beyond(moves, (last.number - front) as usize, LONGEST_S);
         let aim = (best - LEAD_TICKS).max(near + SHORTEST_TICKS.min(best - near - LEAD_SHORT));
         let wanted = self.seconds_of((aim - near) as f64, WORK_MOST).clamp(SHORTEST_S, LONGEST_S).min(known);
@@ -209,7 +209,7 @@ impl Planner {
             return;
         }
         let earliest = self.laid.max(usize::try_from(near + ticks).unwrap_or(0));
-        // After a failure another state may be better.
+        // After a failure, start from a later state.
         let other = ((1.0 - self.part) * OTHER_TICKS) as usize;
         let handover = other + if raised { earliest } else { earliest.max(usize::try_from(aim).unwrap_or(0)) };
         if handover < BACK || handover + BACK >= self.plan.len() {
@@ -224,7 +224,7 @@ impl Planner {
         self.begin_job(start, Choice { handover, first, end, seconds: wanted, next: last.number, steady }, ask);
     }
 
-    /// About how long the run is known beyond the place where the end of the plan takes influence, s, up to `most`.
+    /// Approximate time of the known run beyond `best`, s, up to `most`.
     fn known_beyond(&self, moves: &VecDeque<Queued>, last: usize, most: f64) -> f64 {
         let mut seconds = (self.plan.len() - self.best) as f64 * self.limits.tick_s;
         if let Some(piece) = self.tube.pieces.last() {
@@ -242,7 +242,7 @@ impl Planner {
                 Rate::Feed { mm_s } => length / mm_s.max(LEAST_FEED_MM_S),
             };
             if before.is_some_and(|before| cosine(before, &queued.segment) < SHARP_COSINE) {
-                // From corner to corner nearly as from rest to rest.
+                // Between sharp corners the motion is nearly from rest to rest.
                 seconds += 4.0 * (length / (2.0 * jerk)).cbrt();
             }
             before = Some(&queued.segment);
@@ -250,7 +250,7 @@ impl Planner {
         seconds
     }
 
-    /// Changes over to the window when it is ready and the plan under way has been laid up to the handover.
+    /// Switches to the window when it is ready and the current plan has been appended up to the handover.
     pub(super) fn adopt(&mut self, trail: &mut Trail) {
         let Some(job) = self.job else { return };
         if !self.window.is_ready() || (job.in_motion && self.laid != job.handover + 1) {
@@ -272,7 +272,7 @@ impl Planner {
         self.cancel();
     }
 
-    /// Ticks that planning so much takes at so many units of work a tick, and back.
+    /// Planning time, ticks, of a horizon in seconds at a number of work units per tick. `seconds_of` is the inverse.
     fn ticks_of(&self, seconds: f64, work: usize) -> i64 {
         ((seconds / SPACING_S + BRAKE_POINTS) * self.cost_point / work as f64).ceil() as i64
     }
@@ -281,35 +281,35 @@ impl Planner {
         (ticks * work as f64 / self.cost_point - BRAKE_POINTS) * SPACING_S
     }
 
-    /// What a control point costs is learnt from each window: upward at once, downward slowly.
+    /// Updates the cost per control point after each window: upward at once, downward slowly.
     fn learn_cost(&mut self, job: &Job) {
         let cost = job.spent as f64 / (job.seconds / SPACING_S + BRAKE_POINTS);
         let learnt = cost.max(self.cost_point + COST_LEARNT * (cost - self.cost_point));
         self.cost_point = learnt.clamp(0.5 * COST_POINT, 3.0 * COST_POINT);
     }
 
-    /// Whether the axes come near to where a window takes over.
+    /// Whether the axes are near the handover of a window.
     pub(super) fn is_pressing(&self, job: Job, trail: &Trail, spot: Spot) -> bool {
         job.in_motion && spot.tick + self.laid as u64 + PRESSING > trail.end() + job.handover as u64
     }
 
-    /// How far the first window looks ahead, s: as far as the next one needs to be planned in time.
+    /// Horizon of the first window, s: long enough to plan the next one in time.
     fn first_s(&self, brake: f64) -> f64 {
         let ticks = self.ticks_of(SHORTEST_S, WORK_MOST) + NEAREST as i64 + TICKS_SPARE as i64 + LEAD_SHORT;
         BRAKES_BEFORE * brake + (ticks as f64 + TICKS_BEFORE) * self.limits.tick_s
     }
 
-    /// Time of braking from a speed, s.
+    /// Braking time from a speed in mm/s, s.
     fn brake_s(&self, speed: f64) -> f64 {
         let (mut push, mut jerk) = (f64::INFINITY, f64::INFINITY);
         for (_, l) in self.limits.axes.iter() {
             (push, jerk) = (push.min(l.acceleration_mm_s2), jerk.min(l.jerk_mm_s3));
         }
-        // A low speed is left by √(v/j), a high one by v/a and a/j.
+        // From a low speed: 2·√(v/j). From a high speed: v/a + a/j.
         (speed / push + push / jerk).min(2.0 * (speed / jerk).sqrt())
     }
 
-    /// Up to where the end of the plan at rest has no influence.
+    /// Index up to which braking at the end of the plan does not affect it.
     fn best_handover(&self) -> usize {
         let count = self.plan.len();
         for (left, point) in self.plan.iter().rev().enumerate() {

@@ -1,15 +1,15 @@
-//! The Newton step of the speed plan, knot by knot.
+//! The Newton step of the speed plan, computed knot by knot.
 //!
-//! Owns the barrier of every limit, its gradient and Hessian, the banded Cholesky factor, and how far along a step all
-//! limits are kept. Knows nothing of the order of the passes.
+//! Barrier functions of all limits with gradient and Hessian, the banded Cholesky factor, and the fraction of a step
+//! that keeps all limits. Knows nothing of the order of the passes.
 
 use super::terms::WEIGHTS;
 use super::{RATE_SQUARE_MOST, Speed};
 
-/// A step that exceeds a jerk limit is shortened by this until it does not, so many times at most.
+/// A step that exceeds a jerk limit is shortened by this factor until it does not, at most this many times.
 const SHORTER: f64 = 0.8;
 const SHORTER_MOST: u32 = 40;
-/// Never nearer to a limit than this: what an iteration exceeds by rounding is drawn back.
+/// Minimum distance to a limit in the barrier, so that a value beyond it by rounding is pushed back.
 const LEAST_ROOM: f64 = 1e-9;
 
 fn dot(w: [f64; 3], c: [f64; 3]) -> f64 {
@@ -17,17 +17,17 @@ fn dot(w: [f64; 3], c: [f64; 3]) -> f64 {
 }
 
 impl Speed {
-    /// The terms of one knot and its coefficient.
+    /// Computes the limit terms of one knot.
     pub(super) fn begin_knot(&mut self, p: &[[f64; 3]], k: usize) {
         self.terms.push(p, k, &self.limits, self.feed[k]);
     }
 
-    /// Whether there is an interval after a knot and not all its coefficients are given.
+    /// Whether there is an interval after a knot and not all its coefficients are fixed.
     fn is_free(&self, k: usize) -> bool {
         k + 2 < self.rate_square.len() && k + 3 > self.fixed
     }
 
-    /// How much wider the limits would have to be for the coefficients as they are.
+    /// Measures the factor on the limits that the present coefficients need.
     pub(super) fn measure(&mut self, k: usize) {
         let c = &self.rate_square;
         let b = f64::midpoint(c[k], c[k + 1]);
@@ -66,7 +66,7 @@ impl Speed {
         let b = f64::midpoint(c0, c1);
         let inverse = 1.0 / b;
         let root = inverse.sqrt();
-        // Time 1/√b, and the upper end of b. All by half of b: each coefficient has half a share.
+        // Time 1/√b and the upper limits of b. Derivatives by b; each of the two coefficients contributes one half.
         let mut first = -0.5 * root * inverse;
         let mut second = 0.75 * root * inverse * inverse;
         let mut upper = |by: f64, most: f64| {
@@ -110,14 +110,14 @@ impl Speed {
         }
     }
 
-    /// The barrier of |value| ≤ slack/√b, three places of an interval.
+    /// The barrier of |value| ≤ slack/√b at three points of an interval.
     fn assemble_jerk(&self, k: usize, g: &mut [f64; 3], h: &mut [f64; 6]) {
         let mu = self.barrier;
         let c = [self.rate_square[k], self.rate_square[k + 1], self.rate_square[k + 2]];
         let places = WEIGHTS.map(|(wb, _)| {
             let b = dot(wb, c);
             let most = self.slack[k] / b.sqrt();
-            // The limit itself falls with b.
+            // The limit itself decreases with b.
             (most, wb.map(|w| -0.5 * most / b * w))
         });
         for term in self.terms.at(k) {
@@ -136,7 +136,7 @@ impl Speed {
         }
     }
 
-    /// One row of the banded Cholesky factor and of the forward substitution; the diagonal is kept inverted.
+    /// One row of the banded Cholesky factor and of the forward substitution; the diagonal is stored inverted.
     pub(super) fn forward(&mut self, row: usize) {
         if row < self.fixed {
             self.hessian[row] = [1.0, 0.0, 0.0];
@@ -180,7 +180,7 @@ impl Speed {
         self.step[row] = sum * self.hessian[row][0];
     }
 
-    /// Shortens the step as far as the limits of one knot and the interval after it ask for.
+    /// Shortens the step as required by the limits of one knot and the interval after it.
     pub(super) fn reach(&mut self, k: usize) {
         let (c, d, slack) = (&self.rate_square, &self.step, self.slack[k]);
         let mut part = self.part;

@@ -1,37 +1,37 @@
-//! The limits along one curve as factors of the coefficients of b.
+//! The limits along one curve as factors on the coefficients of b.
 //!
-//! Owns, for every knot and interval, what velocity, acceleration and jerk of each axis that moves are for a rate of 1,
-//! as parts of their limits: value ≤ 1. Knows nothing of the search.
+//! For every knot and interval: velocity, acceleration and jerk of each moving axis at a rate of 1, relative to their
+//! limits (value ≤ 1). Knows nothing of the optimisation.
 
 use super::KnotLimits;
 use crate::motion::smooth::POINTS;
 
-/// Weights of three coefficients in b and b' at the left end, the middle and the right end of an interval, and in b''.
+/// Weights of three coefficients in b and b' at the left end, the middle and the right end of an interval; b'': `BEND`.
 pub const WEIGHTS: [([f64; 3], [f64; 3]); 3] = [
     ([0.5, 0.5, 0.0], [-1.0, 1.0, 0.0]),
     ([0.125, 0.75, 0.125], [-0.5, 0.0, 0.5]),
     ([0.0, 0.5, 0.5], [0.0, -1.0, 1.0]),
 ];
 const BEND: [f64; 3] = [1.0, -2.0, 1.0];
-/// Less than this, mm, an axis does not move from one control point to the next.
+/// An axis that changes by less than this over an interval does not move, mm.
 const NO_MOTION: f64 = 1e-13;
 
 /// One axis at one knot and in the interval after it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Term {
-    /// Square of the velocity by b.
+    /// Factor of the squared velocity on b.
     pub velocity: f64,
-    /// Acceleration by the two coefficients at the knot.
+    /// Factors of the acceleration on the two coefficients at the knot.
     pub acceleration: [f64; 2],
-    /// Jerk by √b, by three coefficients, at the left end, the middle and the right end of the interval.
+    /// Factors of jerk/√b on three coefficients, at the left end, the middle and the right end of the interval.
     pub jerk: [[f64; 3]; 3],
 }
 
-/// All knots of a curve.
+/// The limit terms of all knots of a curve.
 #[derive(Clone, Debug)]
 pub struct Terms {
     of: [Vec<Term>; 3],
-    /// Square of the speed along the path by b.
+    /// Factor of the squared path speed on b.
     pub speed: Vec<f64>,
     moving: [bool; 3],
 }
@@ -53,17 +53,17 @@ impl Terms {
         self.moving = [false; 3];
     }
 
-    /// How many axes move.
+    /// Number of moving axes.
     pub fn axes(&self) -> usize {
         self.moving.iter().filter(|moving| **moving).count()
     }
 
-    /// The terms of knot `k` of the axes that move.
+    /// The terms of knot `k` for the moving axes.
     pub fn at(&self, k: usize) -> impl Iterator<Item = &Term> {
         self.of.iter().zip(self.moving).filter(|(_, moving)| *moving).map(move |(of, _)| &of[k])
     }
 
-    /// The knots one after another; `feed` is the greatest speed there.
+    /// Appends the terms of knot `k`; `feed` is the maximum path speed there, mm per spacing.
     pub fn push(&mut self, p: &[[f64; 3]], k: usize, limits: &KnotLimits, feed: f64) {
         let interval = k + 3 < p.len();
         let mut square = 0.0;

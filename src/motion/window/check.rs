@@ -1,8 +1,8 @@
-//! The check: a run over the whole plan, set-point by set-point, before any of it is used.
+//! The check of the whole plan, set-point by set-point, before any of it is used.
 //!
-//! Owns what is compared – velocity, acceleration and jerk by differences, the distance to the contour, how far each axis
-//! goes – and what follows from an excess: a narrower tube where the curve is off, a lower share of the limits where one
-//! is exceeded.
+//! Compares velocity, acceleration and jerk (as differences), the distance to the contour and the bounds of each axis.
+//! If the curve leaves the tolerance band, the band is narrowed there. If a limit is exceeded, the share of the limits
+//! is lowered.
 
 use super::super::budget::Budget;
 use super::super::smooth::FIXED;
@@ -12,30 +12,30 @@ use super::{
     Excess, Follow, LAST, PLAN_TICKS, Phase, REPAIR_ROUND, REPAIRS_MOST, SLOWER_MOST, TOLERANCE_SHARE, Window,
 };
 
-/// Places looked at between two of them where the nearest segment changes, and where it does so at a sharp corner.
+/// Subdivisions between two checked points where the nearest move changes: at a smooth transition, at a sharp corner.
 const LOOKS: u32 = 3;
 const LOOKS_SHARP: u32 = 10;
-/// From this part of the tolerance on, one more place between two of them.
+/// From this share of the tolerance on, one more point is checked in between.
 const EDGE: f64 = 0.95;
-/// Narrower than this part of the tolerance the tube is not made.
+/// Minimum width of a narrowed band, as a share of the tolerance.
 const NARROWEST: f64 = 0.02;
-/// A repair aims this part of the tolerance inside, each one more, and this much farther than the excess.
+/// A repair narrows the band by this share of the tolerance times the repair count, plus the excess times this factor.
 const REPAIR_SPARE: f64 = 0.03;
 const REPAIR_MORE: f64 = 1.6;
-/// How far an axis may come beyond where it turns back, mm: rounding, a thousandth of the finest increment.
+/// Maximum overshoot of an axis beyond its reversal point, mm: rounding, below a thousandth of the finest increment.
 const BEYOND_MM: f64 = 5e-7;
-/// What is allowed where the plan before has a share: a little more than that plan was, so that what is taken over is no
-/// hindrance.
+/// Tolerance share and overshoot (mm) allowed on the part taken over from the previous plan: slightly more than that
+/// plan was allowed, so that this part never fails.
 const JOINED_SHARE: f64 = 0.987;
 const JOINED_BEYOND_MM: f64 = 9e-7;
-/// Units of work of a look, and of a set-point without its looks.
+/// Work units of one checked point, and of one set-point without its checked points.
 const COST_LOOK: usize = 100;
 const COST_CHECK: usize = 300;
 
 impl Window {
     pub(super) fn begin_probe(&mut self) {
         self.begin_excess();
-        // What is taken over has been looked at.
+        // The part taken over has already been checked.
         self.cursor = self.smooth.lead - FIXED;
         self.phase = Phase::Probe;
     }
@@ -46,7 +46,7 @@ impl Window {
         self.is_off = false;
     }
 
-    /// Whether the smoothed curve stays in the tube between its knots too; true when done.
+    /// Checks that the smoothed curve stays in the tolerance band between its knots, too; true when done.
     pub(super) fn probe(&mut self, budget: &mut Budget) -> bool {
         let end = self.intervals();
         while self.cursor < end && !budget.is_spent() {
@@ -64,8 +64,8 @@ impl Window {
         self.cursor == end
     }
 
-    /// Looks at the end of a part of interval `k`, and between where the nearest segment changes: the distance has a peak
-    /// there, and the more so the sharper the corner.
+    /// Checks the end of a part of interval `k`, and points in between where the nearest move changes: the distance has
+    /// a peak there, which grows with the corner angle.
     fn look_between(
         &mut self,
         k: usize,
@@ -89,7 +89,7 @@ impl Window {
         found
     }
 
-    /// Looks at one place of interval `k`; returns the segment it is nearest to, and whether it is near the edge.
+    /// Checks one point of interval `k`; returns the nearest move and whether the point is near the edge of the band.
     fn look(&mut self, k: usize, at: [f64; 3], budget: &mut Budget) -> (usize, bool) {
         budget.take(COST_LOOK);
         let knots = &self.smooth.knots;
@@ -109,8 +109,8 @@ impl Window {
         (near.segment, near.off > EDGE * tolerance)
     }
 
-    /// Whether each axis stays where it may go at a set-point of interval `k`. The curve through set-points lies between
-    /// them, at whatever rate it is followed.
+    /// Checks the axis bounds at a set-point of interval `k`. The curve through the set-points lies between them at any
+    /// rate.
     fn look_at_room(&mut self, k: usize, at: [f64; 3], along: f64) {
         let most = if k < self.smooth.lead && self.start.point.is_in_motion() { JOINED_BEYOND_MM } else { BEYOND_MM };
         for (x, (low, high)) in self.tube.room(along).into_iter().enumerate() {
@@ -123,7 +123,7 @@ impl Window {
         }
     }
 
-    /// After the probe: narrower where it was off, else on to the speed.
+    /// After the curve check: narrows the band where the curve was outside, otherwise continues with the speed.
     pub(super) fn after_probe(&mut self) {
         if self.is_off && self.repairs < REPAIRS_MOST {
             self.repair();
@@ -155,7 +155,7 @@ impl Window {
         self.plan.clear();
     }
 
-    /// Runs over set-points and compares them; true when done.
+    /// Computes and checks the set-points of the plan; true when done.
     pub(super) fn check(&mut self, budget: &mut Budget) -> bool {
         let step = self.limits.tick_s / self.spacing_s;
         while !budget.is_spent() {
@@ -170,14 +170,14 @@ impl Window {
             self.plan.push(point);
             self.look_at_room(self.follow.interval.min(self.intervals() - 1), point.at, point.along);
             self.see(point.at);
-            // The tick looked at lies between the set-points before last.
+            // The checked spline interval lies between the two set-points before the last.
             let interval = self.follow.interval.min(self.intervals() - 1);
             let k = self.seen[0];
             self.seen = [self.seen[1], interval];
             let (past, before) = (self.past, self.nearest_before);
             self.nearest_before = self.look_between(k, &past, (0.0, 1.0), before, budget);
             if over {
-                // The rest after the end is still seen in the differences of three ticks.
+                // The stop at the end still shows in the differences of the next three ticks.
                 for _ in 0..3 {
                     self.see(point.at);
                 }
@@ -196,7 +196,7 @@ impl Window {
         self.worst = self.worst.max(self.steps.excess(&self.past));
     }
 
-    /// What follows from a check.
+    /// Evaluates the check: repair, retry with lower limits, failed or ready.
     pub(super) fn judge(&mut self) {
         if self.is_off && self.repairs < REPAIRS_MOST {
             self.repair();

@@ -1,24 +1,24 @@
-//! Following: from time to a point of the planned curve.
+//! Sampling: from time to a point of the planned curve.
 //!
-//! Owns the way from one set-point of a plan to the next. Within an interval b is a parabola, so time is the integral of
-//! 1/√b, taken by Gauss quadrature and inverted by Newton's method.
+//! Advances from one set-point of a plan to the next. Within an interval, b (the square of the rate) is a parabola.
+//! Time is the integral of 1/√b, computed by Gauss quadrature and inverted by Newton's method.
 
 use super::super::smooth::POINTS;
 use super::super::trail::spline;
 use super::{Follow, PlanPoint, Window};
 
-/// Steps of Newton's method; three already reach rounding.
+/// Newton iterations; three reach rounding accuracy.
 const NEWTON_STEPS: u32 = 3;
 
 impl Window {
-    /// b and its derivative at a part of an interval.
+    /// b and its derivative at a fraction of an interval.
     fn rate_square(&self, interval: usize, part: f64) -> (f64, f64) {
         let c = &self.speed.rate_square[interval..interval + 3];
         let (slope, bend) = (c[1] - c[0], c[2] - 2.0 * c[1] + c[0]);
         (f64::midpoint(c[0], c[1]) + part * (slope + part * bend / 2.0), slope + part * bend)
     }
 
-    /// Time from one part of an interval to another, in spacings, by four-point Gauss quadrature.
+    /// Time between two fractions of an interval, in knot spacings, by four-point Gauss quadrature.
     pub(super) fn time_between(&self, interval: usize, from: f64, to: f64) -> f64 {
         const NODES: [(f64, f64); 4] = [
             (0.069_431_844_202_973_71, 0.173_927_422_568_726_9),
@@ -30,7 +30,7 @@ impl Window {
         NODES.iter().map(|(x, w)| w / self.rate_square(interval, from + span * x).0.sqrt()).sum::<f64>() * span
     }
 
-    /// Goes on by a time in spacings.
+    /// Advances by a time in knot spacings.
     pub(super) fn advance(&mut self, mut time: f64) {
         for _ in 0..POINTS {
             if self.is_at_end() {
@@ -69,7 +69,7 @@ impl Window {
         spline(&self.smooth.points[interval..interval + 4], part)
     }
 
-    /// Where along the contour the smoothing has the place, mm.
+    /// Distance along the contour at the present position, interpolated between knots, mm.
     pub(super) fn along(&self) -> f64 {
         let Follow { interval, part } = self.follow;
         if self.is_at_end() {
@@ -84,7 +84,7 @@ impl Window {
         place(interval + 1) + part * (place(interval + 2) - place(interval + 1))
     }
 
-    /// Everything of the place.
+    /// The set-point at the present position.
     pub(super) fn plan_point(&self) -> PlanPoint {
         let last = self.tube.pieces.len() - 1;
         if self.is_at_end() {

@@ -1,7 +1,7 @@
-//! Timing: where on the contour the control points of a window begin, and begin again.
+//! Timing: places the control points of a window along the contour.
 //!
-//! Owns the guess of a first timing from corners and accelerations, and the even spacing in time of a better one. Knows
-//! nothing of what the smoothing makes of it.
+//! Estimates a first timing from corner speeds and accelerations, and places the control points again at even times of
+//! the planned speed. Knows nothing of the smoothing.
 
 use super::super::AxisLimits;
 use super::super::budget::Budget;
@@ -11,16 +11,16 @@ use super::super::speed::{OVER_KNOTS, over};
 use super::super::tube::corner_speed;
 use super::{Follow, SPACING_S, Window};
 
-/// Control points at least beyond those given, and kept free at the end.
+/// Minimum number of control points after the given ones, and number kept free at the end.
 const POINTS_LEAST: usize = 24;
 const POINTS_SPARE: usize = 8;
 const POINTS_MOST: usize = POINTS - POINTS_LEAST - POINTS_SPARE;
-/// Part of the least acceleration of the axes that the first timing uses.
+/// Share of the smallest axis acceleration used by the first timing.
 const PUSH_SHARE: f64 = 0.5;
-/// Knots over which the rate taken over leads to an even one: so many braking times, and at most.
+/// Number of knots over which the rate taken over blends to a constant one: in braking times, and its maximum.
 const EVEN_BRAKES: f64 = 1.2;
 const EVEN_KNOTS: usize = 80;
-/// Units of work of a corner, of a control point laid, of one placed again.
+/// Work units of one corner, of one control point placed, and of one placed again.
 const COST_CORNER: usize = 80;
 const COST_LAY: usize = 130;
 const COST_RETIME: usize = 250;
@@ -30,7 +30,7 @@ impl Window {
         PUSH_SHARE * least(self, |l| l.acceleration_mm_s2)
     }
 
-    /// Corners at a speed guessed from tolerance and jerk, even acceleration between them.
+    /// Estimates corner speeds from tolerance and jerk, with constant acceleration between corners.
     pub(super) fn guess_corners(&mut self, budget: &mut Budget) {
         let (push, jerk) = (self.push(), least(self, |l| l.jerk_mm_s3));
         let pieces = &self.tube.pieces;
@@ -50,14 +50,14 @@ impl Window {
             self.corner[k] = self.corner[k].min(reach.sqrt());
         }
         for k in (start + 1..count).rev() {
-            // The last piece may end before its end.
+            // The curve may end inside the last move.
             let length = (self.tube.along[k + 1].min(self.tube.end) - self.tube.along[k]).max(0.0);
             let reach = self.corner[k + 1].powi(2) + 2.0 * push * length;
             self.corner[k] = self.corner[k].min(reach.sqrt());
         }
     }
 
-    /// The greatest speed at a distance along the contour of the first timing, mm/s.
+    /// Maximum speed of the first timing at a distance along the contour, mm/s.
     fn first_speed(&self, along: f64, push: f64) -> f64 {
         let k = self.tube.segment_at(along);
         let from = along - self.tube.along[k].max(self.first_from.min(along));
@@ -67,8 +67,8 @@ impl Window {
         rise.min(fall).min(self.tube.pieces[k].top)
     }
 
-    /// The first control points. At rest, three in the same place; in motion those of the curve before that are taken
-    /// over: the course up to `until` and how it is timed.
+    /// The first control points. At rest: three at the same position. In motion: those of the previous curve up to
+    /// `until`, with their timing.
     pub(super) fn begin_points(&mut self) {
         let (start, smooth) = (&self.start, &mut self.smooth);
         smooth.points.clear();
@@ -91,28 +91,28 @@ impl Window {
         smooth.lead = until - from + FIXED + 1;
         for k in from..from + smooth.lead {
             smooth.points.push(self.before.points[k]);
-            // The first point is no knot.
+            // The first control point has no knot.
             let along = self.before.near[k.max(1)].0.max(0.0) - start.shift.0;
             let least = smooth.along.last().copied().unwrap_or(0.0);
             smooth.along.push(along.max(least).min(self.tube.end));
         }
     }
 
-    /// The distance along the contour and the speed with which the first timing begins.
+    /// Distance along the contour, mm, and speed, mm/s, at the start of the first timing.
     fn lead_end(&self) -> (f64, f64) {
         let (points, last) = (&self.smooth.points, self.smooth.lead - 1);
         let step = distance(points[last], points[last - 2]) / 2.0;
         (self.smooth.along[last], step * self.last_rate_square().sqrt() / self.spacing_s)
     }
 
-    /// The last of the coefficients of the square of the rate that are given.
+    /// The last given coefficient of the square of the rate.
     fn last_rate_square(&self) -> f64 {
         let last = self.start.point.follow.interval + self.smooth.lead - 2;
         if self.start.until.is_some() { self.before.rate_square[last] } else { 1.0 }
     }
 
-    /// Time from the control point before to the next beyond those given, in spacings: the rate leads over from the one
-    /// given to the nominal.
+    /// Time from the previous control point to number `count` after the given ones, in knot spacings: the rate blends
+    /// from the given to the nominal one.
     fn step_after(&self, count: usize) -> f64 {
         1.0 / over(self.last_rate_square(), 1.0, count as f64 / OVER_KNOTS as f64).sqrt()
     }
@@ -127,7 +127,7 @@ impl Window {
         self.cursor = 0;
     }
 
-    /// Control points along the contour at even times of the guess, up to as many as there may be. True when done.
+    /// Places control points along the contour at even times of the first timing, up to the maximum; true when done.
     pub(super) fn lay_first(&mut self, budget: &mut Budget) -> bool {
         let push = self.push();
         let end = self.tube.end;
@@ -151,7 +151,7 @@ impl Window {
         false
     }
 
-    /// The horizon was too far.
+    /// The horizon was too long: cuts the tolerance band.
     fn cut(&mut self, along: f64) {
         self.tube.cut(along);
         self.is_cut = true;
@@ -167,16 +167,16 @@ impl Window {
         }
     }
 
-    /// Prepares to place the control points behind those given again.
+    /// Prepares to place the control points after the given ones again.
     pub(super) fn begin_retime(&mut self) {
         self.sum = SPACING_S / self.spacing_s;
-        // The last point given belongs to the knot at which this interval begins.
+        // The last given point belongs to the knot at the start of this interval.
         self.follow = Follow { interval: self.smooth.lead - 2, part: 0.0 };
         self.fresh.clear();
         self.cursor = 0;
     }
 
-    /// Control points again at even times of the better timing; true when done.
+    /// Places the control points again at even times of the planned speed; true when done.
     pub(super) fn retime(&mut self, budget: &mut Budget) -> bool {
         while !budget.is_spent() {
             budget.take(COST_RETIME);
