@@ -1,4 +1,4 @@
-//! Setting up a control with its simulated machine from the words of the call.
+//! Creates a control with its simulated machine from the arguments of the call.
 
 use std::path::Path;
 
@@ -14,11 +14,11 @@ use crate::runtime::keeper::Keeper;
 use crate::runtime::rig::{Rig, Setup};
 use crate::store::{DataDir, Settings};
 
-/// Number that a file gets whose name has none.
+/// Program number of a file without a number in its name.
 const UNNUMBERED: u32 = 9_999;
 
-/// Kind and language of the call: those asked for, else those set on the machine, else GC and Chinese. The machine's own
-/// data count where they are used: with `--data`, or where the control itself is opened.
+/// Kind and language: from the call, otherwise from the machine's settings, otherwise GC and Chinese. The settings are
+/// read with `--data`, or when the control itself is opened.
 ///
 /// # Errors
 /// The data directory or the settings in it cannot be read.
@@ -36,10 +36,10 @@ pub fn settle(mut shared: Shared, opens_control: bool) -> Result<Shared, CallErr
     Ok(shared)
 }
 
-/// The folders of the call: those named, those beside the caller, or the data directory's.
+/// The folders: from the call, otherwise in the current directory, otherwise in the data directory.
 ///
 /// # Errors
-/// A folder cannot be made.
+/// A folder cannot be created.
 pub fn folders(shared: &Shared) -> Result<Folders, CallError> {
     let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
     let (programs, screens) = (shared.programs.clone(), shared.screens.clone());
@@ -51,7 +51,7 @@ pub fn folders(shared: &Shared) -> Result<Folders, CallError> {
     }
 }
 
-/// What a check begins with: retained values with `--data`, as far as nobody else holds them open, else the factory's.
+/// Initial data of a check: retained data with `--data` if they are not in use, otherwise factory values.
 ///
 /// # Errors
 /// As [`begin`].
@@ -71,7 +71,7 @@ pub fn retained(shared: &Shared) -> Result<Retained, CallError> {
     begin(shared, retained)
 }
 
-/// What the control begins with: `--param` and `--set` applied to factory or retained values.
+/// Applies `--param` and `--set` to factory or retained data.
 ///
 /// # Errors
 /// A parameter or variable does not exist or does not take the value.
@@ -91,7 +91,7 @@ fn set(variables: &mut Memory, number: u16, value: f64) -> Result<(), CallError>
         .map_err(|error| CallError::new(format!("--set #{number}={value}: {error}")))
 }
 
-/// A rig for a headless job: retained data only with `--data`.
+/// Creates a rig for a headless job; it uses retained data only with `--data`.
 ///
 /// # Errors
 /// Data, folders or the machine cannot be opened.
@@ -124,7 +124,7 @@ pub fn rig(shared: &Shared) -> Result<Rig, CallError> {
     Ok(rig)
 }
 
-/// The part of the call: `--part`, else the one that comes with the program.
+/// The part: `--part`, otherwise the built-in part of the program.
 ///
 /// # Errors
 /// The file cannot be read.
@@ -135,13 +135,13 @@ pub fn part(shared: &Shared, number: u32) -> Result<Option<PartFile>, CallError>
     }
 }
 
-/// The values of a part's program, but for those that the call sets.
+/// The variables of a part, without those that the call sets.
 pub fn own_values(part: &PartFile, sets: &[(u16, f64)]) -> impl Iterator<Item = (u16, f64)> {
     let set = |number: u16| sets.iter().any(|(set, _)| *set == number);
     part.variables.iter().map(|(number, value)| (*number, *value)).filter(move |(number, _)| !set(*number))
 }
 
-/// A part file.
+/// Reads a part file.
 ///
 /// # Errors
 /// The file cannot be read.
@@ -151,7 +151,7 @@ pub fn part_file(path: &Path) -> Result<PartFile, CallError> {
     PartFile::parse(&text).map_err(|error| CallError::new(format!("part file {}: {error}", path.display())))
 }
 
-/// Makes the program of the call known to the rig: a number of the folder, or a file.
+/// Finds the program of the call, a number or name in the folder or a file; adds a file to the rig.
 ///
 /// # Errors
 /// There is no such program.
@@ -179,7 +179,7 @@ pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
         )));
     }
     let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
-    // L1: every file of a lathe has a name, be it one letter.
+    // L1: every program of a lathe has a name of at least one letter.
     let by_name = own_programs(rig.kind()).is_some() && !stem.is_empty();
     let named = if by_name { Some(crate::defs::program::number(&stem)) } else { named };
     let number = named.unwrap_or(UNNUMBERED);
@@ -188,7 +188,7 @@ pub fn find_program(rig: &mut Rig, word: &str) -> Result<u32, CallError> {
     Ok(number)
 }
 
-/// Puts the part in, if there is one, and says which program is current.
+/// Mounts the part of a program, if there is one, and loads the program.
 ///
 /// # Errors
 /// The part file cannot be read.
@@ -199,7 +199,7 @@ pub fn mount(rig: &mut Rig, shared: &Shared, number: u32) -> Result<(), CallErro
     };
     if let Some(part) = given.map_or_else(|| part(shared, number), |bar| Ok(Some(bar)))? {
         rig.mount(&part);
-        // A fresh control has the values of its kind: the part's program wants its own.
+        // A control without retained data has factory variables; the part's program needs its own.
         if shared.data.is_none() {
             for (number, value) in own_values(&part, &shared.sets) {
                 rig.send(Command::SetVariable(number, Some(value)));

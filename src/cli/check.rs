@@ -1,4 +1,4 @@
-//! `kt830 check`: programs, page texts and pictures, without running them; every error with its place.
+//! `kt830 check`: checks programs, page texts and pictures without running them; every error has its position.
 //! Source: spec tools.md T4.
 
 use std::path::Path;
@@ -21,13 +21,13 @@ use crate::runtime::bar;
 use crate::runtime::disk::{beside, parse_page_text, parse_picture, program};
 use crate::units::{Axis, PerAxis};
 
-/// Before what is allowed and seldom meant.
+/// Prefix of a warning.
 const WARNING: Text = Text::new("警告：", "warning: ");
 
-/// Nothing is wrong.
+/// The verdict without errors.
 const OK: Text = Text::new("ok", "ok");
 
-/// What a file is.
+/// The type of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Class {
     Program,
@@ -90,13 +90,13 @@ fn wrong_file(shared: &Shared, fault: &crate::link::command::FileFault) -> Wrong
 }
 
 fn wrong_program(shared: &Shared, number: u32, fault: &Fault) -> Wrong {
-    // A mistake in a subprogram is told with its program.
+    // An error in a subprogram is reported with its program.
     let sub = if fault.place.program == number { String::new() } else { format!("{}: ", fault.program()) };
     let message = format!("{sub}{} – {}", fault.cause(shared.lang), fault.remedy(shared.lang));
     Wrong { line: fault.place.line, column: fault.column, message }
 }
 
-/// Tells what came of a page text or picture; the exit status.
+/// Prints the result for a page text or picture; returns the exit status.
 fn tell_file(shared: &Shared, path: &Path, done: Result<(), Vec<Wrong>>) -> u8 {
     let wrong = done.err().unwrap_or_default();
     let file = path.display().to_string();
@@ -111,7 +111,7 @@ fn errors(wrong: &[Wrong]) -> Value {
     wrong.iter().map(|at| json!({"line": at.line, "column": at.column, "message": at.message})).collect()
 }
 
-/// Every error, or the verdict where there is none.
+/// Prints every error, or the verdict if there is none.
 fn tell_errors(shared: &Shared, file: &str, wrong: &[Wrong], verdict: &Said) {
     for at in wrong {
         out(match at.line {
@@ -124,10 +124,10 @@ fn tell_errors(shared: &Shared, file: &str, wrong: &[Wrong], verdict: &Said) {
     }
 }
 
-/// What the check of a program found.
+/// Result of the check of a program.
 struct Found {
     checked: Checked,
-    /// What is no mistake of the text: beyond the finished size or a soft limit, refused by the machine.
+    /// Errors that are not in the text: beyond the finished size or a soft limit, or refused by an interlock.
     moves: Vec<Wrong>,
     source: Arc<Source>,
     settings: Settings,
@@ -156,7 +156,7 @@ fn check_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -> 
     Ok(status)
 }
 
-/// What was wrong in the run: its alarms, or the error that the program itself has told.
+/// Errors of the simulated run: its alarms, or the error that the program itself reported.
 fn met(shared: &Shared, source: &Source, ran: &Ran) -> Vec<Wrong> {
     let mut met: Vec<_> = ran
         .alarms
@@ -214,7 +214,7 @@ fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -
         Rehearsal::new(finished, width_mm, settings.system, (world.position(), memory.clone()))
     });
     let mut foresight = Foresight::new(shared.kind, &retained.params);
-    // A loop that does not end here is shown once, up to where it repeats: only a run before tells where that is.
+    // An endless loop is shown once, up to its repetition. A first run without output finds that position.
     let repeated = match call.ops {
         true => check_with(&source, &library, &settings, memory.clone(), &mut world.clone(), &mut |_| {}).repeated,
         false => Vec::new(),
@@ -234,7 +234,7 @@ fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -
         shown += 1;
     });
     let passed = rehearsal.and_then(Rehearsal::passed).map(|passed| wrong_move(shared, &source, &library, &passed));
-    // A loop that does not end goes on into the limits: that it does not end is told.
+    // An endless loop runs into the limits; only the endless loop is reported.
     let beyond = limits.filter(|_| checked.repeated.is_empty()).map(Limits::found).unwrap_or_default();
     let foreseen = foresight.found().into_iter().chain(beyond).map(|foreseen| {
         let own = foreseen.at.program == source.number();
@@ -246,12 +246,12 @@ fn look_at_program(shared: &Shared, call: &Check, path: &Path, bytes: Vec<u8>) -
     Ok(Found { checked, moves, source, settings })
 }
 
-/// A subprogram before what is wrong in it.
+/// Prefix of an error in a subprogram.
 fn program_title(number: u32) -> String {
     format!("{}: ", crate::defs::program::title(number))
 }
 
-/// Follows the machine coordinates, where the part (or a lathe's bar) says where the program begins in the machine.
+/// The soft limit check, if the part (or a lathe's bar) gives the start position in the machine.
 fn in_machine<'a>(
     shared: &Shared,
     world: &CheckWorld,
@@ -264,7 +264,7 @@ fn in_machine<'a>(
     if !settings.zero_at_start {
         return Ok(part.map(|part| Limits::new(start(world.clone(), frames, part), &retained.params, shown)));
     }
-    // L3: the program's zero is where it begins.
+    // L3: the program starts at its own zero.
     let bar = if shared.part.is_some() { None } else { bar::of_program(shared.kind, &retained.params, source) };
     let Some(part) = bar.as_ref().or(part) else { return Ok(None) };
     let mut frames = frames;
@@ -274,14 +274,14 @@ fn in_machine<'a>(
     Ok(Some(Limits::new(world, &retained.params, shown)))
 }
 
-/// The text of a block, and the subprogram that it stands in.
+/// The text of a block, and its subprogram.
 fn text_of(source: &Source, library: &Arc<dyn Library + Send + Sync>, at: Place) -> (Option<Arc<Source>>, String) {
     let sub = (at.program != source.number()).then(|| library.find(at.program)).flatten();
     let line = sub.as_deref().unwrap_or(source).line(at.line).unwrap_or_default();
     (sub, line)
 }
 
-/// A move that the rehearsal found, at the block that leads to it.
+/// The error of a move that the rehearsal found, at the block that caused it.
 fn wrong_move(shared: &Shared, source: &Source, library: &Arc<dyn Library + Send + Sync>, passed: &Passed) -> Wrong {
     let (sub, line) = text_of(source, library, passed.at);
     let name = passed.variable.map(|number| r_parameter::name_on(number, shared.kind)).unwrap_or_default();
@@ -291,7 +291,7 @@ fn wrong_move(shared: &Shared, source: &Source, library: &Arc<dyn Library + Send
     Wrong { line: passed.at.line, column, message: format!("{program}{block}{}", passed.said.get(shared.lang)) }
 }
 
-/// A change of the work frame tells where the frame lies: G54 where the part's set-up puts it, the others at zero.
+/// Adds the origin to a change of the work offset: G54 as set up for the part, the others zero.
 fn with_frame(op: &Op, mut json: Value, part: Option<&PartFile>, axes: PerAxis<bool>) -> Value {
     if let (Op::Frame { g }, Some(object)) = (op, json.as_object_mut()) {
         let zero = part
@@ -304,13 +304,13 @@ fn with_frame(op: &Op, mut json: Value, part: Option<&PartFile>, axes: PerAxis<b
     json
 }
 
-/// The O number of a file's name; 0 for a name without one.
+/// The program number of a file name; 0 for a name without one.
 fn number_of(path: &Path) -> u32 {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     crate::story::parse::program(&stem).unwrap_or(0)
 }
 
-/// Where a run of the part would begin: its zero as G54, its tool geometry.
+/// The state at the start of a run: the part's zero as G54, its tool geometry and start position.
 fn start(world: CheckWorld, mut frames: Frames, part: &PartFile) -> CheckWorld {
     frames.work[0] = PerAxis([part.g54_mm.x, part.g54_mm.y, part.g54_mm.z]);
     for offset in &part.offsets {
@@ -323,14 +323,14 @@ fn start(world: CheckWorld, mut frames: Frames, part: &PartFile) -> CheckWorld {
     world.at(at).with_frames(frames)
 }
 
-/// The part's values for variables that the call does not set.
+/// Sets the part's variables that the call does not set.
 fn preset(memory: &mut Memory, part: &PartFile, sets: &[(u16, f64)]) {
     for (number, value) in bench::own_values(part, sets) {
-        let _ = memory.set(u32::from(number), Some(value)); // a part presets only what a page may show
+        let _ = memory.set(u32::from(number), Some(value)); // a part presets valid variables only
     }
 }
 
-/// The verdict where nothing is wrong: of the check, and of the run that came after it.
+/// The verdict without errors: of the check, and of the run after it.
 fn verdict(checked: &Checked, ran: Option<&Ran>) -> Said {
     match ran {
         Some(ran) if ran.end != End::Finished => {
@@ -341,7 +341,7 @@ fn verdict(checked: &Checked, ran: Option<&Ran>) -> Said {
                 format!("no error found, but the simulated run did not come to its end{}", by(&why.en)),
             )
         }
-        // What the check gave up was run to its end.
+        // The run reached the end even if the check did not.
         Some(_) => OK.into(),
         None if checked.finished => OK.into(),
         None => Text::new("未发现错误，但没有检查到结束", "no error found, but not checked to its end").into(),
@@ -386,7 +386,7 @@ fn tell_program(shared: &Shared, call: &Check, path: &Path, found: &Found, ran: 
     }
 }
 
-/// Lines, way and time; where the check gave the program up, only up to there.
+/// Lines, path length and time; if the check did not reach the end, only up to that point.
 fn summary(checked: &Checked) -> Said {
     let (lines, mm, s) = (checked.lines, checked.length_mm, checked.seconds);
     if checked.finished {

@@ -1,5 +1,5 @@
-//! `kt830 demo`: a story for people to watch. On a display it plays in real time and hands over when touched; without
-//! one it plays to its end at once and leaves pictures.
+//! `kt830 demo`: plays a story for spectators. On a display it plays in real time and hands over at the first touch;
+//! without a display it plays as fast as possible and writes pictures.
 //! Source: spec tools.md T2.
 
 use std::path::Path;
@@ -10,9 +10,9 @@ use super::{CallError, FAILED, FINE, bench, out};
 use crate::runtime::rig::Rig;
 use crate::story::{Player, Statement, parse, play::around};
 
-/// The story that comes along.
+/// The default story.
 const USUAL: &str = include_str!("../../assets/stories/first_part.story");
-/// Those of the other kinds, where one is asked for; each says itself whose it is.
+/// The stories of the other kinds; each names its kind in the first line.
 const OTHERS: [&str; 4] = [
     include_str!("../../assets/stories/first_part_gs.story"),
     include_str!("../../assets/stories/first_part_ga.story"),
@@ -125,9 +125,9 @@ mod live {
     use crate::story::Player;
     use crate::units::Micros;
 
-    /// Nobody has touched anything for so long: the story begins again.
+    /// Without input for this time the story starts again.
     const IDLE: Micros = Micros::from_millis(60_000);
-    /// Pause between two showings.
+    /// Pause between two runs of the story.
     const PAUSE: Micros = Micros::from_millis(5_000);
 
     pub fn play(shared: &Shared, told: Story, mut rig: Rig) -> Result<u8, CallError> {
@@ -147,7 +147,7 @@ mod live {
         closed
     }
 
-    /// One showing; a touch ends it, and quiet brings the next.
+    /// Plays the story once. A touch stops it; then this waits until there is no input.
     fn show(rig: &mut Rig, told: &Story, over: &AtomicBool) {
         rig.power_on();
         rig.take_touch();
@@ -157,7 +157,7 @@ mod live {
             if touched || over.load(Ordering::Acquire) {
                 break;
             }
-            // What a page shows is for the person to see; a demo goes on when an expectation fails.
+            // A demo continues when an expectation fails.
             drop(player.play(line));
         }
         drop(player);

@@ -1,9 +1,9 @@
-//! How a story looks at a page: with the screen's own painting where the build has it.
+//! Reads the texts of a page for a story: paints the page if the build has the screen.
 
 use crate::defs::text::Lang;
 use crate::story::Eyes;
 
-/// Eyes for a language; none in a build without the screen.
+/// A page reader for a language; `None` in a build without the screen.
 #[must_use]
 pub fn eyes(lang: Lang) -> Option<Box<dyn Eyes>> {
     #[cfg(feature = "hmi")]

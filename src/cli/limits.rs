@@ -1,5 +1,5 @@
-//! The soft limits in a check: where the part file says where the work zero and the start lie in the machine, a move beyond
-//! a limit is told with its block, as the run would. Source: spec B5, T4.
+//! Soft limit check: if the part file gives work zero and start position in machine coordinates, a move beyond a limit
+//! is reported with its block, as in the run. Source: spec B5, T4.
 
 use crate::controller::axes::soft_limits;
 use crate::controller::foresight::Foreseen;
@@ -10,31 +10,31 @@ use crate::units::{Axis, PerAxis};
 
 /// Rounding slack of a limit, mm: far below the resolution.
 const SLACK_MM: f64 = 1e-6;
-/// Most blocks that are told.
+/// Maximum number of blocks reported.
 const MOST: usize = 20;
 
-/// Follows the blocks of a check.
+/// Executes the blocks of a check.
 pub struct Limits<'a> {
     world: CheckWorld,
     params: &'a Params,
-    /// What a millimetre of slide travel is shown as.
+    /// Displayed millimetres per millimetre of slide travel.
     shown: PerAxis<f64>,
     found: Vec<Foreseen>,
 }
 
 impl<'a> Limits<'a> {
-    /// Begins where the check begins; the world's frames are the machine's.
+    /// Starts with the state of the check; the world has the machine's work offsets.
     #[must_use]
     pub const fn new(world: CheckWorld, params: &'a Params, shown: PerAxis<f64>) -> Self {
         Self { world, params, shown, found: Vec::new() }
     }
 
-    /// Looks at a block.
+    /// Checks a block.
     pub fn see(&mut self, block: &Block) {
         for op in &block.ops {
             self.world.forget_extents();
             self.world.apply(op);
-            // Homing looks for its switch wherever that is.
+            // Homing may move beyond the limits to its switch.
             if matches!(op, Op::HomeSwitch { .. }) || self.found.len() >= MOST {
                 continue;
             }
@@ -46,13 +46,13 @@ impl<'a> Limits<'a> {
         }
     }
 
-    /// What was found.
+    /// The violations found.
     #[must_use]
     pub fn found(self) -> Vec<Foreseen> {
         self.found
     }
 
-    /// Where the last operation has left the limits of an axis that it moved.
+    /// The soft limit that the last operation exceeded, if any.
     fn beyond(&self) -> Option<Said> {
         let (low, high) = self.world.extents()?;
         let frames = self.world.frames();

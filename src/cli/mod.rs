@@ -1,4 +1,4 @@
-//! The command line: what is asked, and what comes out. Results go to standard output, messages to standard error.
+//! The command line. Results go to standard output, messages to standard error.
 //! Source: spec tools.md T1–T6.
 
 mod args;
@@ -23,11 +23,11 @@ use clap::error::ErrorKind;
 
 use args::{Args, Verb};
 
-/// Fine.
+/// Exit status: success.
 const FINE: u8 = 0;
-/// The job ended in an alarm or a failed expectation.
+/// Exit status: an alarm or a failed expectation.
 const FAILED: u8 = 1;
-/// The call or a file is wrong.
+/// Exit status: the call or a file is invalid.
 const WRONG_CALL: u8 = 2;
 
 /// Runs the command line of this process.
@@ -72,7 +72,7 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The call or a file is wrong: what, and what to do.
+/// The call or a file is invalid: cause and remedy.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct CallError(String);
@@ -83,7 +83,7 @@ impl CallError {
     }
 }
 
-/// Writes a line to standard output; a closed pipe is nobody's fault.
+/// Writes a line to standard output; a closed pipe is ignored.
 fn out(text: impl std::fmt::Display) {
     use std::io::Write;
     drop(writeln!(std::io::stdout().lock(), "{text}"));

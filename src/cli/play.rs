@@ -1,4 +1,4 @@
-//! `kt830 play`: a story without a display, one line of outcome for each line of the story.
+//! `kt830 play`: plays a story without a display and prints one result line per statement.
 //! Source: spec tools.md T5.
 
 use std::path::Path;
@@ -12,9 +12,9 @@ use crate::defs::kind::Kind;
 use crate::link::snapshot::Tone;
 use crate::story::{Line, Player, parse, parse::Statement, play::around};
 
-/// A story file, read.
+/// A parsed story file.
 pub struct Story {
-    /// The kind it is for.
+    /// Its kind of machine.
     pub kind: Kind,
     /// Its lines.
     pub lines: Vec<Line>,
@@ -23,7 +23,7 @@ pub struct Story {
 /// Reads a story file.
 ///
 /// # Errors
-/// The file cannot be read, or a line is not of the language.
+/// The file cannot be read, or a line is invalid.
 pub fn story(path: &Path, kind: Kind) -> Result<Story, CallError> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| CallError::new(format!("story {}: {error}; check the path", path.display())))?;
@@ -31,7 +31,7 @@ pub fn story(path: &Path, kind: Kind) -> Result<Story, CallError> {
     Ok(Story { kind, lines })
 }
 
-/// Plays the story and prints what came of each line.
+/// Plays the story and prints the result of each line.
 ///
 /// # Errors
 /// The call or a file is wrong.

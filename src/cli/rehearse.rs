@@ -1,5 +1,5 @@
-//! The rehearsal of a program against its part: no move may bring the wheel's rim inside the finished diameter (beyond that of a bore), as the
-//! program's own variables name it. The moves are those of the check; nothing runs. Source: spec S5.
+//! Checks a program against the finished size of its part: no move may bring the wheel inside the finished diameter (of
+//! a bore: outside it), as given by its variables. Uses the moves of the check; nothing runs. Source: spec S5.
 
 use std::collections::BTreeMap;
 
@@ -10,35 +10,35 @@ use crate::io::sim::FinishedFile;
 use crate::nc::{Block, Memory, Op, Place};
 use crate::units::{Axis, PerAxis};
 
-/// Rounding of the text: a size is reached, not passed, within this, mm of diameter.
+/// Rounding tolerance of a size, mm of diameter.
 const SLACK_MM: f64 = 0.000_5;
 
-/// Where the program would pass the finished size.
+/// A move beyond the finished size.
 #[derive(Clone, Debug)]
 pub struct Passed {
-    /// The block that set the value which leads there; the move itself if no variable does.
+    /// The block that set the variable which causes it, otherwise the move itself.
     pub at: Place,
-    /// The variable that it set.
+    /// The variable that this block set.
     pub variable: Option<u32>,
-    /// What is wrong.
+    /// The message.
     pub said: Said,
 }
 
-/// Follows the blocks of a check.
+/// Executes the blocks of a check.
 pub struct Rehearsal {
     finished: FinishedFile,
     wheel_width_mm: f64,
     system: System,
     from: PerAxis<f64>,
     values: Memory,
-    /// Where each variable was last set, and the how-manieth setting that was.
+    /// The last assignment of each variable: its sequence number and its block.
     set_at: BTreeMap<u32, (u64, Place)>,
     settings: u64,
     passed: Option<Passed>,
 }
 
 impl Rehearsal {
-    /// Begins where the check begins: work coordinates, radius mm, and the variables' values.
+    /// Starts with the state of the check: work coordinates, radius mm, and the variables' values.
     #[must_use]
     pub fn new(
         finished: FinishedFile,
@@ -49,8 +49,7 @@ impl Rehearsal {
         Self { finished, wheel_width_mm, system, from, values, set_at: BTreeMap::new(), settings: 0, passed: None }
     }
 
-    /// Looks at a block; `line` gives the text of a block, of which the variables that its axis words were calculated with
-    /// are wanted.
+    /// Checks a block. `line` returns the text of a block; the variables in its axis words are read from it.
     pub fn see(&mut self, block: &Block, line: &dyn Fn(Place) -> String) {
         for op in &block.ops {
             match op {
@@ -70,7 +69,7 @@ impl Rehearsal {
         }
     }
 
-    /// What was found.
+    /// The overshoot found, if any.
     #[must_use]
     pub fn passed(self) -> Option<Passed> {
         self.passed
@@ -83,7 +82,7 @@ impl Rehearsal {
     fn passes(&self, to: PerAxis<f64>, block: &Block, line: &dyn Fn(Place) -> String) -> Option<Passed> {
         let (size, wheel) = (self.value(self.finished.size)?, self.value(self.finished.wheel)?);
         let inside = self.finished.inside;
-        // How far the rim is beyond the finished diameter, and where it would stand.
+        // Distance of the wheel beyond the finished diameter, and the diameter it reaches.
         let beyond = |(x, z): (f64, f64)| {
             let size = size + self.cone_mm(z);
             if inside { (2.0 * x + wheel - size, 2.0 * x + wheel) } else { (size - 2.0 * x + wheel, 2.0 * x - wheel) }
@@ -94,7 +93,7 @@ impl Rehearsal {
         }
         let (reached, size) = (worst.1, if inside { worst.1 - worst.0 } else { worst.1 + worst.0 });
         let (than_zh, than_en) = if inside { ("大于", "above") } else { ("小于", "below") };
-        // A feed leads nowhere: only what the places were calculated with counts.
+        // Only variables in axis words count, not in feed words.
         let led = in_axis_words(&line(block.at));
         let set = block.used.iter().filter(|used| led.contains(used));
         let latest = set.filter_map(|used| self.set_at.get(used).map(|at| (at, *used))).max_by_key(|at| at.0.0);
@@ -114,14 +113,14 @@ impl Rehearsal {
         Some(Passed { at, variable: latest.map(|(_, used)| used), said })
     }
 
-    /// How much larger than its size a cone is at Z, mm of diameter.
+    /// Diameter of a cone at Z minus its size, mm.
     fn cone_mm(&self, z: f64) -> f64 {
         let value = |number| self.value(number).unwrap_or_default();
         let rise = |(angle, from): (u16, u16)| 2.0 * (value(from) - z) * value(angle).to_radians().tan();
         self.finished.cone.map_or(0.0, rise)
     }
 
-    /// Where a straight way begins and ends over the part, X as a radius and Z; none beside it.
+    /// Start and end of a straight path over the part (X radius, Z); `None` if it is beside the part.
     fn ends_on_the_part(&self, to: PerAxis<f64>) -> Option<[(f64, f64); 2]> {
         let (low, high) = (self.finished.z_from - self.wheel_width_mm, self.finished.z_to);
         let (a, b) = (self.from[Axis::Z], to[Axis::Z]);
@@ -139,7 +138,7 @@ impl Rehearsal {
     }
 }
 
-/// The R parameters, as variables, in the words of a block that say where it leads: X, Y, Z, I, J, K and CR.
+/// The R parameters (as variables) in the position words of a block: X, Y, Z, I, J, K and CR.
 fn in_axis_words(line: &str) -> Vec<u32> {
     let code = line.split(';').next().unwrap_or_default().to_ascii_uppercase();
     let (bytes, mut found, mut leads, mut at) = (code.as_bytes(), Vec::new(), false, 0);

@@ -1,4 +1,4 @@
-//! `kt830 run`: a program on the simulated machine from a ready machine to its end.
+//! `kt830 run`: runs a program to its end on a simulated machine that is homed and ready.
 //! Source: spec tools.md T3.
 
 use std::collections::BTreeMap;
@@ -18,55 +18,55 @@ use crate::link::snapshot::{RunState, Snapshot, VARIABLES};
 use crate::runtime::rig::Rig;
 use crate::units::{Axis, Micros};
 
-/// Ticks from cycle start to the first sign of life.
+/// Ticks after cycle start until the state is evaluated.
 const START_TICKS: u32 = 5;
 
-/// Longest simulated time of a headless run: a working day.
+/// Maximum simulated time of a headless run: a working day.
 const LONGEST: Micros = Micros::from_millis(8 * 3_600_000);
-/// Blocks without a move after which a run is a loop that does not end.
+/// After this number of blocks without a move the run counts as an endless loop.
 const MOST_STILL: u64 = 1_000_000;
-/// Time without a move after which a run is one: longer than the longest dwell, 9 999.99 s (L2).
+/// After this time without a move the run counts as an endless loop; longer than the longest dwell, 9 999.99 s (L2).
 const LONGEST_STILL: Micros = Micros::from_millis(10_000_000);
-/// Ticks after the end until the axes have settled to the last micrometre: ten lags of 20 ms.
+/// Ticks after the end until the axes are in position within a micrometre: ten servo lags of 20 ms.
 const SETTLE_TICKS: u32 = 200;
 
-/// What a run came to.
+/// Result of a run.
 pub struct Ran {
-    /// How it ended.
+    /// The end of the run.
     pub end: End,
-    /// The number that the program ran under.
+    /// The number of the program.
     pub program: u32,
-    /// The report as it is printed.
+    /// The printed report.
     pub report: String,
-    /// Its alarms: program and line if it has one, and the text.
+    /// Its alarms: program and line, if known, and the text.
     pub alarms: Vec<(Option<(u32, u32)>, Said)>,
-    /// What it waits for at its end, or the message that it leaves.
+    /// What it waits for at its end, or its last message.
     pub told: Option<Said>,
-    /// The program has left the number of an error of its own (R62).
+    /// The program has set its own error number (R62).
     pub refused_itself: bool,
 }
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// M30 and the like.
+    /// M30, M02 and the like.
     Finished,
     /// An alarm.
     Alarm,
-    /// M00, M01: as the program asks.
+    /// Program stop M00 or M01.
     Pause,
-    /// Held by a rule of the machine: nobody stands beside it to press feed hold.
+    /// Held by an interlock of the machine.
     Held,
-    /// It waits for an input that nobody gives (M80–M89).
+    /// It waits for an input (M80–M89) that a headless run never gets.
     Waiting,
-    /// It has run for longer than a working day.
+    /// The maximum simulated time is over.
     Endless,
-    /// Nothing has moved for so long that it is a loop without end.
+    /// No axis has moved for so long that it is an endless loop.
     Still,
 }
 
 impl End {
-    /// The word of the report; what stopped short of the end is told apart by the exit status and the message.
+    /// The word in the report; the exit status and the message distinguish the kinds of `stopped`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Finished => "finished",
@@ -76,7 +76,7 @@ impl End {
     }
 }
 
-/// Runs the program and prints the report. A run that an alarm, a rule or its own endlessness has ended fails.
+/// Runs the program and prints the report. A run that ends in an alarm, a hold, a wait or an endless loop fails.
 ///
 /// # Errors
 /// The call or a file is wrong.
@@ -94,7 +94,7 @@ pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
     let mut rig = bench::rig(shared)?;
     let number = bench::find_program(&mut rig, &call.program)?;
     bench::mount(&mut rig, shared, number)?;
-    rig.step(); // the control takes part, program and frames
+    rig.step(); // the control takes part, program and work offsets
     rig.make_ready();
     bench::mount(&mut rig, shared, number)?;
     rig.step();
@@ -115,7 +115,7 @@ pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
         if end != End::Finished || batch.len() >= call.parts as usize {
             break (end, seconds);
         }
-        // The next part comes in as the first one: the machine stays as it is, the wheel and its wear too.
+        // The next part is mounted like the first one; the machine keeps its state, including wheel wear.
         if let Some(part) = bench::part(shared, number)? {
             rig.machine_mut().set_part(Some(&part));
         }
@@ -129,7 +129,7 @@ pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
     let snapshot = rig.snapshot();
     let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| (alarm.place, alarm.text.clone())).collect();
     let told = why.clone().or_else(|| snapshot.waiting_for.clone());
-    // The text may have come to its end beside an alarm.
+    // The program can reach its end in spite of an alarm.
     let end = if end == End::Finished && !alarms.is_empty() { End::Alarm } else { end };
     let report = Report { end, why, seconds, blocks: rig.controller().blocks(), before, batch };
     let report = match shared.format {
@@ -139,7 +139,7 @@ pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
     Ok(Ran { end, program: number, report, alarms, told, refused_itself })
 }
 
-/// Cycle start, and on to the end of the program, an alarm, or where somebody would be needed.
+/// Presses cycle start and steps to the end of the program, an alarm, or a state that needs an operator.
 fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<End, CallError> {
     let started = rig.now();
     let mut moved = (started, rig.controller().blocks());
@@ -159,7 +159,7 @@ fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<
             RunState::Held => return Ok(End::Held),
             RunState::Idle if !young => return Ok(End::Finished),
             RunState::Alarm if rig.controller().is_at_rest() => return Ok(End::Alarm),
-            // Nobody stands beside a headless run to give the input.
+            // A headless run has no operator who gives the input.
             RunState::Waiting => return Ok(End::Waiting),
             RunState::Running if rig.now().since(started) > LONGEST => return Ok(End::Endless),
             RunState::Running if is_still(rig, moved) => return Ok(End::Still),
@@ -168,12 +168,12 @@ fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<
     }
 }
 
-/// Whether nothing has moved since a moment and a block for longer than any program means.
+/// Whether no axis has moved for longer than any valid program needs, since a time and a block count.
 fn is_still(rig: &Rig, (since, block): (Micros, u64)) -> bool {
     rig.now().since(since) > LONGEST_STILL || rig.controller().blocks() - block > MOST_STILL
 }
 
-/// Why a run stopped that a program has not paused by itself; at M00 what its MSG tells.
+/// Why a run stopped; at M00 the text of its MSG.
 fn why(rig: &mut Rig, end: End) -> Option<Said> {
     let snapshot = rig.snapshot();
     let told = snapshot.waiting_for.clone();
@@ -196,15 +196,15 @@ fn why(rig: &mut Rig, end: End) -> Option<Said> {
     }
 }
 
-/// What is told at the end.
+/// The report at the end.
 struct Report {
     end: End,
-    /// Why it stopped.
+    /// Why the run stopped.
     why: Option<Said>,
     seconds: f64,
     blocks: u64,
     before: Box<[Option<f64>; VARIABLES]>,
-    /// Every part as it came out, the last one too.
+    /// Measurements of every part, including the last one.
     batch: Vec<PartReport>,
 }
 
@@ -238,7 +238,7 @@ impl Report {
             "threads": threads(rig),
             "events": rig.machine().events(),
         });
-        // L8: a lathe has a tool in front, no wheel.
+        // L8: a lathe has an active tool, not a wheel.
         if turns_part(rig) {
             told["tool"] = json!(snapshot.station);
         } else {
@@ -250,7 +250,7 @@ impl Report {
         told
     }
 
-    /// Variables that the run has changed, by number.
+    /// The variables changed by the run, by number.
     fn changed(&self, snapshot: &Snapshot) -> BTreeMap<usize, Option<f64>> {
         let pairs = self.before.iter().zip(snapshot.variables.iter()).enumerate();
         pairs.filter(|(_, (before, after))| before != after).map(|(number, (_, after))| (number, *after)).collect()
@@ -322,13 +322,13 @@ fn turns_part(rig: &Rig) -> bool {
     rig.kind().face().turns_part
 }
 
-/// A program as a report names it: by its number, or by its name where it has one, L53 of the 802D among them.
+/// A program in a report: its number, or its name if it has one (L53 of the 802D, too).
 fn program_word(rig: &Rig, number: u32) -> Value {
     let by_name = crate::defs::program::is_named(number) || crate::defs::program::is_l(number);
     rig.program_source(number).filter(|_| by_name).map_or_else(|| json!(number), |source| json!(source.title()))
 }
 
-/// A part of a batch in one line: from the least to the greatest of what was measured of it.
+/// One line for a part of a batch: the range of each measurement.
 fn spread(number: usize, part: &PartReport) -> String {
     let range = |name: &str, values: Vec<f64>| {
         let least = values.iter().copied().min_by(f64::total_cmp)?;
@@ -342,7 +342,7 @@ fn spread(number: usize, part: &PartReport) -> String {
     format!("part {number}{told}")
 }
 
-/// The threads cut, with the error of their lead.
+/// The threads cut, with their lead errors.
 fn threads(rig: &Rig) -> Vec<Value> {
     let row = |cut: &crate::link::snapshot::ThreadCut| json!({"line": cut.line, "lead": cut.lead_mm, "length": cut.length_mm, "error": cut.error_mm});
     rig.controller().threads().iter().map(row).collect()
@@ -356,7 +356,7 @@ fn positions(snapshot: &Snapshot, of: impl Fn(&crate::link::snapshot::AxisView) 
     Value::Object(map)
 }
 
-/// `--trace`: one line a tick.
+/// `--trace`: one line per tick.
 struct Trace {
     file: BufWriter<File>,
     path: String,

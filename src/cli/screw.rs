@@ -1,4 +1,4 @@
-//! `kt830 screw`: the table of a ball screw in the retained data: imported from a CSV file, shown, or taken out.
+//! `kt830 screw`: imports, shows or clears a leadscrew compensation table in the retained data.
 //! Source: spec B7.
 
 use super::args::{Screw, Shared};
@@ -9,10 +9,10 @@ use crate::defs::text::Lang;
 use crate::runtime::keeper::Keeper;
 use crate::store::DataDir;
 
-/// Reads a table of a screw.
+/// Reads a compensation table.
 ///
 /// # Errors
-/// The file cannot be read, or a line of it is wrong.
+/// The file cannot be read, or a line is invalid.
 pub fn read(path: &std::path::Path, lang: Lang) -> Result<ScrewTable, CallError> {
     let bytes =
         std::fs::read(path).map_err(|error| CallError::new(format!("{}: {error}; check the path", path.display())))?;
@@ -24,7 +24,7 @@ pub fn read(path: &std::path::Path, lang: Lang) -> Result<ScrewTable, CallError>
 /// Shows, imports or clears the table.
 ///
 /// # Errors
-/// The data cannot be opened or written, or the file is wrong; nothing is changed then.
+/// The data cannot be opened or written, or the file is invalid; then nothing is changed.
 pub fn screw(shared: &Shared, call: &Screw) -> Result<u8, CallError> {
     let table = match &call.file {
         Some(path) => Some(read(path, shared.lang)?),

@@ -1,4 +1,4 @@
-//! `kt830 shot`: a page painted to a file, without a display.
+//! `kt830 shot`: paints a page to a file without a display.
 //! Source: spec tools.md T6.
 
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::link::command::Command;
 use crate::runtime::rig::Rig;
 use crate::story::{Player, play::around};
 
-/// Ticks until a page stands.
+/// Ticks until a page is complete.
 const TICKS: u32 = 5;
 
 /// Paints the page.
@@ -41,7 +41,7 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
         }
         None => {
             let number = program::number(kind.shown());
-            // The part of O1001 belongs into a cylindrical grinder.
+            // The built-in part can be for another kind: that of O1001 is for a cylindrical grinder.
             let other = PartFile::builtin(number).ok().flatten().is_some_and(|part| part.kind != kind);
             let mount = |rig: &mut Rig| match other {
                 false => bench::mount(rig, &shared, number),
@@ -55,7 +55,7 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             }
             rig.step();
             rig.make_ready();
-            // Made ready it has been off.
+            // `make_ready` restarts the control, which loses the date.
             rig.send(Command::Calendar(call.clock));
             mount(&mut rig)?;
         }
@@ -64,7 +64,7 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
     for _ in 0..TICKS {
         rig.step();
     }
-    // A page may ask for something when it opens: the drawing its path, the transfer page its media.
+    // A page may send requests when it opens: the drawing its toolpath, the transfer page its media.
     let mut hmi = Hmi::new(shared.lang);
     hmi.set_light(shared.light);
     let mut stage = Stage::new(hmi, call.size);

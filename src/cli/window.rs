@@ -1,4 +1,4 @@
-//! Opening the control on a display: the real-time thread behind it (T1), or a story that plays by itself (T2).
+//! Opens the control in a window, with the real-time thread (T1) or with a story (T2).
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -25,14 +25,14 @@ use crate::runtime::{bar, clock, disk_thread, realtime};
 use crate::store::DataDir;
 use crate::units::Micros;
 
-/// Commands on their way from the window to a story.
+/// Capacity of the command queue from the window to a story.
 const COMMANDS: usize = 256;
-/// How often the simulator page is shown the machine anew.
+/// Update interval of the simulator page.
 const SIMULATED_EVERY: Micros = Micros::from_millis(100);
-/// Snapshots a second in a demo.
+/// Ticks per snapshot in a demo.
 const SNAPSHOT_EVERY: u64 = 16;
 
-/// Opens the control (T1) and stays until the window is closed.
+/// Opens the control (T1); returns when the window is closed.
 ///
 /// # Errors
 /// There is no display, or data and folders cannot be opened.
@@ -67,13 +67,13 @@ pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
     closed
 }
 
-/// The simulated machine with somebody who puts the part of the chosen program into it.
+/// The simulated machine as a backend that also mounts parts and executes commands of the simulator page.
 struct Workshop {
     machine: SimulatedMachine,
     parts: Receiver<PartFile>,
     asked: Receiver<SimCommand>,
     simulator: Simulator,
-    /// What the simulator page is shown, and when it was last.
+    /// The view for the simulator page.
     shown: Arc<Mutex<Arc<SimView>>>,
     looked: Micros,
 }
@@ -90,7 +90,7 @@ impl Backend for Workshop {
         }
         if now.since(self.looked) >= SIMULATED_EVERY {
             self.looked = now;
-            // Whoever is just reading gets the next one.
+            // While the window reads the view, this update is skipped.
             if let Ok(mut shown) = self.shown.try_lock() {
                 let view = self.simulator.view(&self.machine);
                 if **shown != view {
@@ -112,7 +112,7 @@ fn simulated(shared: &Shared, retained: &Retained) -> Result<SimulatedMachine, C
     Ok(SimulatedMachine::new(file, part.as_ref(), &retained.params, shared.seed))
 }
 
-/// Shows a desk in a window.
+/// Runs the window for a connection.
 ///
 /// # Errors
 /// There is no display.
@@ -126,26 +126,26 @@ pub fn show(desk: Box<dyn Desk>, shared: &Shared, fullscreen: bool) -> Result<u8
     }
 }
 
-/// Whether there is a display to open a window on.
+/// Whether there is a display.
 #[must_use]
 pub fn has_display() -> bool {
     let named = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     cfg!(any(not(unix), target_os = "macos")) || named("DISPLAY")
 }
 
-/// The real-time control as the window sees it.
+/// The window's connection to the real-time control.
 struct LinkDesk {
     link: Link,
     newest: Arc<Snapshot>,
     bring: Sender<PartFile>,
-    /// The program whose bar is in the lathe, and diameter and length as they were defined then.
+    /// The program whose bar is mounted in the lathe, and the bar's diameter and length (P384, P385), mm.
     bar_of: (u32, [f64; 2]),
     ask: Sender<SimCommand>,
     simulated: Arc<Mutex<Arc<SimView>>>,
 }
 
 impl LinkDesk {
-    /// Another program was chosen: its part goes into the simulated machine, its set-up into the control.
+    /// After the choice of a program: mounts its built-in part and sends the set-up to the control.
     fn mount(&self, number: u32) {
         if let Ok(Some(part)) = PartFile::builtin(number) {
             self.put_in(part);
@@ -159,7 +159,7 @@ impl LinkDesk {
         drop(self.bring.try_send(part));
     }
 
-    /// A lathe's bar follows from the text of its program, once the control shows it.
+    /// Mounts the bar of a lathe when program, bar diameter or bar length have changed.
     fn put_bar_in(&mut self) {
         let number = self.newest.program.number;
         let defined = [param::BAR_DIAMETER, param::BAR_LENGTH].map(|row| self.newest.params.get(row));
@@ -188,7 +188,7 @@ impl Desk for LinkDesk {
 
     fn send(&mut self, command: Command) {
         if let Command::Simulate(asked) = command {
-            // A page that asks faster than the machine answers asks in vain.
+            // A command is dropped when the queue is full.
             let _ = self.ask.try_send(asked);
             return;
         }
@@ -203,13 +203,13 @@ impl Desk for LinkDesk {
     }
 }
 
-/// A story as the window sees it.
+/// The window's connection to a story.
 pub struct StoryDesk {
     newest: Arc<Mutex<Arc<Snapshot>>>,
     commands: Sender<Command>,
 }
 
-/// The window as a story sees it: paces it to real time, shows it, and hears the person.
+/// The story's connection to the window: paces the ticks to real time, publishes snapshots, receives commands.
 pub struct Beside {
     newest: Arc<Mutex<Arc<Snapshot>>>,
     commands: Receiver<Command>,
@@ -217,7 +217,7 @@ pub struct Beside {
     ticks: u64,
 }
 
-/// A desk and its companion, for a first snapshot.
+/// Creates both ends of a story's connection from a first snapshot.
 #[must_use]
 pub fn story_desk(first: Snapshot) -> (StoryDesk, Beside) {
     let newest = Arc::new(Mutex::new(Arc::new(first)));

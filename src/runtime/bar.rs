@@ -1,5 +1,5 @@
-//! The bar of a lathe: where it lies follows from the program, because a program begins where the operator has put the
-//! tool and says by its first G92 where that is. Source: spec L3, L9, L10.
+//! The bar of a simulated lathe. Its position follows from the program: the program starts where the operator has
+//! placed the tool, and its first G92 gives that position. Source: spec L3, L9, L10.
 
 use std::sync::Arc;
 
@@ -10,23 +10,23 @@ use crate::io::sim::{BarFile, Body, BodyFile, PartFile, Place};
 use crate::nc::{CheckWorld, Library, Memory, NoLibrary, Op, Source, check_with};
 use crate::units::Axis;
 
-/// Machine coordinates of the middle of the bar's face, radius mm.
+/// Machine coordinates of the centre of the bar's face, radius mm.
 const FACE_MM: Place = Place { x: -200.0, y: 0.0, z: -450.0 };
-/// The chuck, mm.
+/// Length and diameter of the chuck, mm.
 const CHUCK_LENGTH_MM: f64 = 80.0;
 const CHUCK_DIAMETER_MM: f64 = 125.0;
 /// Cell size of the bar, mm.
 const CELL_MM: f64 = 0.1;
 
-/// The folder of a kind's own programs, which go by name.
+/// The subfolder of the named programs of a kind; `None` for kinds with numbered programs.
 #[must_use]
 pub const fn own_programs(kind: Kind) -> Option<&'static str> {
     crate::machine::kind::find(kind).own_programs
 }
 
-/// The bar of a program: with P384 one of that diameter, its face at X0 Z0, the tool at the place that the first G92
-/// names; else the one that comes with a program of this name. None on other kinds, for a program without G92 before
-/// its first move, and where the axes do not reach.
+/// The bar of a program. P384 > 0: a bar of that diameter, its face at X0 Z0, the tool at the position of the first
+/// G92. Otherwise: the built-in part of that program name. `None` on other kinds, for a program without G92 before its
+/// first move, and for a start outside the soft limits.
 #[must_use]
 pub fn of_program(kind: Kind, params: &Params, source: &Arc<Source>) -> Option<PartFile> {
     if !crate::machine::kind::find(kind).turns_part {

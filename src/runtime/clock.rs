@@ -1,11 +1,11 @@
-//! The computer's clock, in the time of the place where the machine stands.
+//! The computer's clock in local time.
 //! Source: spec B6 (clock).
 
 use chrono::Local;
 
 use crate::defs::date::Date;
 
-/// What it reads now.
+/// The local date and time.
 #[must_use]
 pub fn local() -> Date {
     let now = Local::now();

@@ -1,5 +1,5 @@
-//! The two folders that people copy files into, as the core wants them: programs cut into lines, page texts parsed,
-//! pictures decoded. Runs on the disk thread or before a headless run, never in the tick.
+//! Reads the folders of programs and page files: splits programs into lines, parses page texts, decodes pictures.
+//! Runs on the disk thread or before a headless run, never in the tick.
 //! Source: spec B1, K5.12, K7.3, K7.4.
 
 use std::path::{Path, PathBuf};
@@ -23,37 +23,37 @@ use crate::store::{
     list_named, stamp, stem_of,
 };
 
-/// Programs with a grinding page: O1001 to O1020 go with C0001 and B0001 to C0020 and B0020.
+/// Page file numbers of the programs with a grinding page: O1001 to O1020 use C0001/B0001 to C0020/B0020.
 const PAGES: std::ops::RangeInclusive<u16> = 1..=20;
-/// The R pages of the vertical grinder (S3).
+/// Page file numbers of the R pages of the vertical grinder (S3).
 const R_PAGES: std::ops::RangeInclusive<u16> = 801..=803;
 /// Number of the dressing page's picture, B0100.BMP (K7.6).
 const DRESSING_PICTURE: u16 = 100;
 /// Size of a page picture, pixels.
 pub const PICTURE_SIZE: (u32, u32) = (200, 400);
-/// Bytes of a page picture: 54 of header, three a pixel (K5.12).
+/// Size of a page picture, bytes: 54 of header, 3 per pixel (K5.12).
 pub const PICTURE_BYTES: usize = 54 + 3 * 200 * 400;
-/// Where in a BMP header the bits per pixel and the compression stand.
+/// Offsets of bits per pixel and compression in a BMP header, bytes.
 const BITS_AT: usize = 28;
 const COMPRESSION_AT: usize = 30;
 
 /// The folders of programs and of page files.
 #[derive(Clone, Debug)]
 pub struct Folders {
-    /// Programs.
+    /// Folder of programs.
     pub programs: PathBuf,
-    /// Page texts and pictures.
+    /// Folder of page texts and pictures.
     pub screens: PathBuf,
     /// Programs have names (`SHAFT.NC`) instead of O numbers (L1).
     pub named: bool,
 }
 
 impl Folders {
-    /// The folders asked for; else those beside the caller (`./programs`, `./screens`); else the data directory's,
-    /// filled with what the control brings along where they are empty.
+    /// The given folders; otherwise `./programs` and `./screens`; otherwise those of the data directory. Empty folders
+    /// of the data directory get the shipped files.
     ///
     /// # Errors
-    /// The folder or a file in it cannot be made.
+    /// The folder or a file in it cannot be created.
     pub fn resolve(
         programs: Option<PathBuf>,
         screens: Option<PathBuf>,
@@ -76,11 +76,11 @@ impl Folders {
         })
     }
 
-    /// The folder of this name below that of the programs, whose programs go by name; made with what the control brings
-    /// along where there is none.
+    /// The subfolder `name` of the program folder, whose programs have names. It is created with the shipped programs
+    /// when it is missing.
     ///
     /// # Errors
-    /// The folder or a file in it cannot be made.
+    /// The folder or a file in it cannot be created.
     pub fn by_name(self, name: &str) -> std::io::Result<Self> {
         let programs = self.programs.join(name);
         if !programs.is_dir() {
@@ -92,7 +92,7 @@ impl Folders {
         Ok(Self { programs, named: true, ..self })
     }
 
-    /// The programs whatever they are called.
+    /// The program folder, for programs with numbers and with names.
     #[must_use]
     pub fn shelf(&self) -> Shelf {
         Shelf::new(&self.programs, self.named)
@@ -126,7 +126,7 @@ impl Folders {
         Ok((Programs::new(rows), directory))
     }
 
-    /// Programs by name, in the order of the alphabet (L1). A file that cannot be read is left out, as one that is not there.
+    /// Reads programs with names in alphabetical order (L1). Skips a file that cannot be read.
     fn read_named(&self) -> (Programs, Vec<DirectoryRow>) {
         let shelf = self.shelf();
         let names = shelf.list().unwrap_or_default();
@@ -168,7 +168,7 @@ impl Folders {
     }
 }
 
-/// A program from its bytes.
+/// Creates a program from the bytes of its file.
 #[must_use]
 pub fn program(number: u32, name: &str, bytes: Vec<u8>) -> Program {
     let (text, mistaken) = match decode(&bytes) {
@@ -179,7 +179,7 @@ pub fn program(number: u32, name: &str, bytes: Vec<u8>) -> Program {
     Program { number, source: Arc::new(Source::new(number, name, bytes)), text, stamp, mistaken }
 }
 
-/// The programs with a name beside a file that has one itself: what it calls as `L10` is looked for there first.
+/// The named programs in the folder of a named program. A call such as `L10` is searched there first.
 #[must_use]
 pub fn beside(file: &Path) -> Vec<Program> {
     let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -217,7 +217,7 @@ fn ship(name: &str, own: &Path) -> std::io::Result<()> {
         return Ok(());
     }
     for (path, bytes) in SHIPPED {
-        // A kind's own folder is filled when that kind is started.
+        // The subfolder of a kind is filled at the first start with that kind.
         let own_file = |file: &&str| !file.contains('/');
         if let Some(file) = path.strip_prefix(name).and_then(|rest| rest.strip_prefix('/')).filter(own_file) {
             std::fs::write(own.join(file), bytes)?;
@@ -241,7 +241,7 @@ fn fault(file: &str, zh: impl Into<String>, en: impl Into<String>) -> FileFault 
     FileFault { file: file.to_owned(), place: None, said: Said::new(zh, en) }
 }
 
-/// A file of a page; alarm 66 tells what is wrong with it.
+/// Reads a page file; a fault is shown with alarm 66.
 fn read(folder: &Folder, class: &FileClass, number: u16) -> Result<crate::store::Read, FileFault> {
     folder.read(class, number).map_err(|error| match error {
         FolderError::Missing { name, .. } => {
@@ -256,10 +256,10 @@ fn page_text(folder: &Folder, number: u16) -> Result<Arc<screen::PageText>, File
     parse_page_text(&found.name, &found.bytes).map(Arc::new)
 }
 
-/// Reads a page text of either encoding.
+/// Parses a page text in UTF-8 or GBK.
 ///
 /// # Errors
-/// The first place that is not of the format.
+/// The first position that does not match the format.
 pub fn parse_page_text(name: &str, bytes: &[u8]) -> Result<screen::PageText, FileFault> {
     let decoded = decode(bytes).map_err(|error| FileFault {
         file: name.to_owned(),
@@ -281,10 +281,10 @@ fn picture(folder: &Folder, number: u16) -> Result<Arc<Picture>, FileFault> {
     parse_picture(&found.name, &found.bytes).map(Arc::new)
 }
 
-/// Reads a page picture: 200 × 400, 24 bit, uncompressed, 240 054 bytes (K5.12). Anything else is named.
+/// Checks and decodes a page picture: BMP, 200 × 400 pixels, 24 bit, uncompressed, 240 054 bytes (K5.12).
 ///
 /// # Errors
-/// What is wrong with the file.
+/// What is wrong with the picture.
 pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
     if !bytes.starts_with(b"BM") {
         return Err(fault(name, "不是 BMP 文件", "not a BMP file"));

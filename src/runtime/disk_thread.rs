@@ -1,4 +1,4 @@
-//! The disk thread: keeps what the core wishes and acknowledges after the commit; sees files copied into the folders.
+//! The disk thread: stores retained data and acknowledges after the commit; detects files copied into the folders.
 //! Source: notes "reliability", K7.3 ("copied in by the operator at any time").
 
 use std::sync::Arc;
@@ -21,19 +21,19 @@ use crate::link::media::Set;
 use crate::link::page_command::{PageAnswer, PageCommand};
 use crate::store::{Changed, FolderError, Watch};
 
-/// How long the thread waits for wishes before it looks at the folders again.
+/// How long the thread waits for requests before it checks the folders again.
 const LOOK_EVERY: Duration = Duration::from_millis(200);
-/// How often the core is told what the computer's clock reads.
+/// How often the thread sends the computer's clock to the core.
 const CLOCK_EVERY: Duration = Duration::from_secs(10);
-/// Jobs that wait for the office.
+/// Capacity of each job queue.
 const JOBS: usize = 8;
-/// Most batches of wishes in one commit.
+/// Maximum number of further request batches in one commit.
 const BATCHES: usize = 64;
 
-/// Starts the thread; it ends when the control does.
+/// Starts the thread; it ends with the control thread.
 ///
 /// # Errors
-/// The system has no thread to give.
+/// The system cannot create a thread.
 pub fn start(
     end: DiskEnd,
     mut keeper: Option<Keeper>,
@@ -42,7 +42,7 @@ pub fn start(
 ) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("kt830-disk".into()).spawn(move || {
         let desk = |name: &str| open_office(&end, &folders, office.clone(), name);
-        // A line may take minutes: the other work does not wait for it.
+        // A serial transfer can take minutes, so it has its own thread.
         let (jobs, line) = (desk("kt830-office"), desk("kt830-line"));
         let mut watch = Watch::start(&folders.programs, &folders.screens);
         deliver(&end.commands, &end.deliveries, &folders, Changed::Programs);
@@ -65,7 +65,7 @@ pub fn start(
     })
 }
 
-/// The thread of the long work; it ends when nobody can give it work any more.
+/// Starts a job thread; it ends when its queue is closed.
 fn open_office(end: &DiskEnd, folders: &Folders, office: Office, name: &str) -> Sender<Job> {
     let (jobs, waiting) = bounded::<Job>(JOBS);
     let (commands, deliveries, folders) = (end.commands.clone(), end.deliveries.clone(), folders.clone());
@@ -116,8 +116,7 @@ fn is_serial(job: &Job) -> bool {
     matches!(&job.request, FileRequest::Transfer(ask) if ask.set == Set::Serial)
 }
 
-/// The office takes a job, or says that it has too many: the disk thread never waits for it. What a page looks at again
-/// by itself needs no answer.
+/// Queues a job without waiting. A full queue is answered with a busy message, except for requests that pages repeat.
 fn hand_on(end: &DiskEnd, jobs: &Sender<Job>, job: &Job) {
     let asked_again = matches!(job.request, FileRequest::Look { .. } | FileRequest::Media);
     if jobs.try_send(job.clone()).is_err() && !asked_again {

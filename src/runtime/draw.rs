@@ -1,4 +1,4 @@
-//! The check run of a program as a drawing: every move of it, arcs as chords, with progress and a way to stop it.
+//! Computes the toolpath of a program in a check run: every move, arcs as chords, with progress and cancellation.
 //! Source: spec B6 (图形), H8.
 
 use std::sync::Arc;
@@ -14,17 +14,17 @@ use crate::link::files::{FileAnswer, LineFault};
 use crate::nc::{CheckWorld, Library, Op, World, check_until};
 use crate::units::PerAxis;
 
-/// What is being done.
+/// Text shown with the progress.
 pub const NAME: Text = Text::new("正在计算图形", "computing the path");
-/// Blocks between two looks at progress and cancel.
+/// Blocks between two progress reports.
 const LOOK_EVERY: u64 = 4_096;
-/// Most places of interference that are told.
+/// Maximum number of interferences reported.
 const CRASHES: usize = 20;
-/// Most chords of a full circle, and how far a chord may lie off its arc, mm.
+/// Maximum number of chords per arc, and the largest distance between chord and arc, mm.
 const CHORDS: f64 = 180.0;
 const SAG_MM: f64 = 0.002;
 
-/// Draws a program.
+/// Computes the toolpath of a program.
 pub fn draw(
     program: &Program,
     job: &Job,
@@ -52,7 +52,7 @@ pub fn draw(
             if block.at.program == program.number {
                 furthest = furthest.max(block.at.line as usize);
             }
-            // The degrees of detail take the last tenth.
+            // The last tenth is left for the levels of detail.
             tell(FileAnswer::Progress(NAME, (furthest * 900 / lines) as u16));
         }
         !cancelled.load(Ordering::Acquire) && pen.points.len() < MOST_POINTS
@@ -75,14 +75,14 @@ pub fn draw(
     drawing
 }
 
-/// The bar of a lathe's program and its tools, to be gone through before anything moves (L9).
+/// Interference check of a lathe program's bar and tools (L9); `None` on other kinds.
 fn rehearsal(program: &Program, start: &Start) -> Option<LatheRehearsal> {
     let part = super::bar::of_program(start.kind, &start.params, &program.source)?;
     let machine = MachineFile::builtin(start.kind).ok()?;
     LatheRehearsal::new(&part, machine.tool_post.as_ref()?, &start.params)
 }
 
-/// What a tool has met, and where.
+/// A collision of a tool: line, cause and position.
 #[derive(Debug)]
 struct Met {
     line: u32,
@@ -107,18 +107,18 @@ impl Met {
     }
 }
 
-/// Follows the operations with a world of its own and notes where they lead.
+/// Executes the operations in its own check world and records the toolpath.
 struct Pen {
     world: CheckWorld,
     points: Vec<Point>,
-    /// Where the path ended; a change of frame leaves it elsewhere.
+    /// End of the path so far; a change of work offset can move it away from the current position.
     last: Option<[f32; 3]>,
     rehearsal: Option<LatheRehearsal>,
     met: Vec<Met>,
 }
 
 impl Pen {
-    /// Goes on with an operation of a line, 0 where it stands in another program.
+    /// Executes one operation; `line` is 0 for an operation of another program.
     fn go(&mut self, op: &Op, line: u32) {
         let from = self.world.position();
         let before = self.points.len();
@@ -133,7 +133,7 @@ impl Pen {
         }
     }
 
-    /// The same operation with the tool on the bar: what it meets first, and where its piece of way ends.
+    /// Runs the interference check for one operation: the first collision and the end point of its path segment.
     fn rehearse(
         &self,
         rehearsal: &mut LatheRehearsal,
@@ -148,7 +148,7 @@ impl Pen {
             Op::M { code: 5, .. } => rehearsal.turn(false),
             _ => {}
         }
-        // The pieces that were drawn for it.
+        // The path segments recorded for this operation.
         let mut at = from;
         for point in self.points.iter().skip(before).filter(|point| point.way != Way::Lift) {
             let to = PerAxis(point.at.map(f64::from));

@@ -1,4 +1,4 @@
-//! Between the core's wishes and the store: what is kept, under which name, and how it comes back at power-on.
+//! Maps the core's storage requests to database rows: keys, values, and how they are restored at power-on.
 //! Source: spec B3 (retained ranges), notes "acknowledge after commit".
 
 use std::path::Path;
@@ -18,18 +18,18 @@ const PARTS: &str = "parts";
 const CLOCK_OFFSET: &str = "clock-offset";
 const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
 const RUNNING_AT: &str = "running-at";
-/// More lines than a program has: what program and line are put together by.
+/// Factor that combines program and line into one number; larger than any line number.
 const LINES: f64 = 1e8;
 const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
 
-/// What opening the data has found, for people.
+/// Result of opening the data.
 #[derive(Debug)]
 pub struct Found {
-    /// What the control begins with.
+    /// The data that the control starts with.
     pub retained: Retained,
-    /// The data were damaged: where the copy is kept and why.
+    /// The data were damaged: path of the copy and cause.
     pub damaged: Option<String>,
-    /// Values that were in the data but are no longer allowed; their factory values are in force.
+    /// Stored values that are no longer allowed; factory values are used instead.
     pub dropped: Vec<String>,
 }
 
@@ -37,18 +37,18 @@ pub struct Found {
 pub struct Keeper {
     store: store::Retained,
     vault: Vault,
-    /// What the disk has refused so far; it goes before the next change.
+    /// Changes that the disk has refused; they are written before the next changes.
     owed: Vec<store::Change>,
 }
 
-/// Most changes that wait for a disk that refuses; the oldest go first.
+/// Maximum number of unsaved changes; the oldest are dropped first.
 const MOST_OWED: usize = 100_000;
 
 impl Keeper {
     /// Opens the data of a directory.
     ///
     /// # Errors
-    /// Another control has it open, or the disk refuses.
+    /// Another control has it open, or the disk reports an error.
     pub fn open(folder: &Path, kind: Kind) -> Result<(Self, Found), store::RetainedError> {
         let mut opened = store::Retained::open(folder)?;
         let loaded = opened.retained.load()?;
@@ -58,21 +58,21 @@ impl Keeper {
         Ok((Self { store: opened.retained, vault, owed: Vec::new() }, Found { retained, damaged, dropped }))
     }
 
-    /// Answers what a page asks.
+    /// Answers a request of a page.
     pub fn answer(&mut self, wish: &PageWish) -> Command {
         self.vault.answer(wish, Some(&mut self.store))
     }
 
-    /// Keeps what the core wishes; when it returns, it outlives a power cut. What a disk refuses is tried again with the
-    /// next wish.
+    /// Stores the core's requests. When it returns, they survive a power cut. Changes that the disk refuses are written
+    /// again with the next request.
     ///
     /// # Errors
-    /// The disk refuses.
+    /// The disk reports an error.
     pub fn commit(&mut self, effects: &[Effect]) -> Result<u64, store::RetainedError> {
         self.owed.extend(effects.iter().filter_map(change));
         let mut done = self.store.commit(&self.owed);
         if let Err(store::RetainedError::BadChange { .. }) = done {
-            // One that cannot be kept does not take the others with it; it is told.
+            // An invalid change is dropped and reported; the others are still written.
             self.owed.retain(store::Retained::takes);
             self.store.commit(&self.owed)?;
             self.owed.clear();
@@ -85,7 +85,7 @@ impl Keeper {
     }
 }
 
-/// What an effect changes in the store; a question changes nothing.
+/// The database change of an effect; `None` for jobs and page requests.
 fn change(effect: &Effect) -> Option<store::Change> {
     Some(match effect {
         Effect::Variable(number, value) => store::Change::Variable { number: *number as u16, value: *value },
@@ -111,14 +111,14 @@ fn change(effect: &Effect) -> Option<store::Change> {
         Effect::Parts(parts) => store::Change::Number { key: PARTS.into(), value: Some(f64::from(*parts)) },
         Effect::RunningAt(place) => store::Change::Number {
             key: RUNNING_AT.into(),
-            // One number, so that program and line are never of two moments.
+            // One number, so that program and line always belong together.
             value: place.map(|(program, line)| f64::from(program) * LINES + f64::from(line)),
         },
         Effect::Ask(_) | Effect::Job(_) => return None,
     })
 }
 
-/// Applies one wish to data held in memory: what a control without a data directory begins with after a power cut.
+/// Applies one request to data in memory: a control without a data directory starts with them after a power cut.
 pub fn remember(retained: &mut Retained, effect: &Effect) {
     match effect {
         Effect::Variable(number, value) => drop(retained.variables.set(*number, *value)),

@@ -1,4 +1,4 @@
-//! What makes the core run: folders and data on disk, the headless rig, the real-time thread and the disk thread.
+//! Runs the core: folders and data on disk, the headless rig, the real-time thread and the disk thread.
 //! The only room with a clock and threads.
 
 pub mod bar;

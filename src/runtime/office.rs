@@ -1,5 +1,5 @@
-//! The work beside the tick that the pages ask for: saving and copying programs, reading lines for their writing. It
-//! runs on a thread of its own, so that a long one never keeps retained values from the disk; a rig does it at once.
+//! Runs the jobs that the pages request outside the tick: saving and copying programs, checking the syntax of lines.
+//! Jobs run on their own thread, so that a long one never delays retained data; a rig runs them at once.
 //! Source: spec B6, K6.2, H8.
 
 use std::path::PathBuf;
@@ -29,53 +29,53 @@ use crate::link::media::{Direction, MediaView, Set, Transfer};
 use crate::nc::{Fault, Settings, Source, look};
 use crate::store::{Encoding, Folder, FolderError, PROGRAM, Settings as Stored, Stick, decode, stamp};
 
-/// Most recordings that a folder keeps.
+/// Maximum number of recordings in a folder.
 const RECORDS: u32 = 99;
 
-/// A flag that ends long work.
+/// A flag that cancels a long job.
 pub type Cancelled = Arc<AtomicBool>;
 
-/// The one that does the work.
+/// Runs jobs on the disk.
 #[derive(Clone, Debug)]
 pub struct Office {
     folders: Folders,
-    /// Pictures of the screen are kept here; none: only on a medium.
+    /// Folder of screenshots; `None` saves them on a USB drive only.
     prints: Option<PathBuf>,
-    /// The medium, where one was named; otherwise what is plugged in.
+    /// The given USB drive; `None` uses the one that is plugged in.
     stick: Option<Stick>,
-    /// The RS232 port, where one was named.
+    /// The given RS232 port.
     port: Option<String>,
-    /// Where the settings lie that name the port otherwise.
+    /// Data directory whose settings name the port if none is given.
     data: Option<PathBuf>,
-    /// What came over the line and waits for an answer.
+    /// Received programs that wait for the answer whether to overwrite.
     held: Arc<Mutex<Vec<Sheet>>>,
     cancelled: Cancelled,
 }
 
-/// What came of a job beside its answer.
+/// The folders that a job has changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Changed {
-    /// Files of the folder of programs.
+    /// The program folder.
     pub programs: bool,
-    /// Files of the folder of page files.
+    /// The folder of page files.
     pub screens: bool,
 }
 
 impl Office {
-    /// An office for two folders.
+    /// Creates an office for the two folders.
     #[must_use]
     pub fn new(folders: Folders) -> Self {
         let (held, cancelled) = (Arc::default(), Cancelled::default());
         Self { folders, prints: None, stick: None, port: None, data: None, held, cancelled }
     }
 
-    /// With a folder for pictures of the screen, and a folder that stands for the medium.
+    /// Sets the folder for screenshots and the folder used as the USB drive.
     #[must_use]
     pub fn with(self, prints: Option<PathBuf>, stick: Option<PathBuf>) -> Self {
         Self { prints, stick: stick.map(Stick::at), ..self }
     }
 
-    /// With an RS232 port, or the data directory whose settings name it.
+    /// Sets the RS232 port, or the data directory whose settings name it.
     #[must_use]
     pub fn on_line(self, port: Option<String>, data: Option<PathBuf>) -> Self {
         Self { port, data, ..self }
@@ -90,12 +90,12 @@ impl Office {
         self.stick.clone().or_else(Stick::find).filter(Stick::is_present)
     }
 
-    /// Ends the long work that is under way.
+    /// Cancels the long job in progress.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Release);
     }
 
-    /// Does a job; `tell` hears the answers, the last one ends it.
+    /// Runs a job. `tell` receives its answers; the last one completes it.
     pub fn work(&self, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
         if is_long(&job.request) {
             self.cancelled.store(false, Ordering::Release);
@@ -159,20 +159,20 @@ impl Office {
             FileRequest::Rename { from, to } => rename(&programs, *from, *to),
             FileRequest::Delete(number) => delete(&programs, &called(*number)),
         };
-        // Somebody else has changed the file: the core is to see it as well.
+        // At a conflict the file was changed from outside: the core must read it again, too.
         let changed = Changed { programs: done.is_ok() || done == Err(Refusal::Conflict), screens: false };
         tell(done.unwrap_or_else(FileAnswer::Refused));
         changed
     }
 }
 
-/// A program as its folder knows it.
+/// The file of a program.
 #[derive(Debug)]
 struct Called {
     number: u32,
-    /// Its file, where it goes by a name.
+    /// File name of a named program.
     file: Option<String>,
-    /// What is told of it.
+    /// Title used in messages.
     title: String,
 }
 
@@ -201,12 +201,12 @@ impl Called {
     }
 }
 
-/// Date and time for names of files: the machine's, else the computer's.
+/// Date and time for file names: the machine's, otherwise the computer's.
 fn of(job: &Job) -> Date {
     job.date.unwrap_or_else(clock::local)
 }
 
-/// Whether a request is long work that 取消 ends.
+/// Whether a request is a long job that 取消 cancels.
 pub(super) const fn is_long(request: &FileRequest) -> bool {
     matches!(request, FileRequest::Transfer(_) | FileRequest::Draw(_))
 }
@@ -216,14 +216,14 @@ impl Office {
         PageDesk { screens: Folder::new(&self.folders.screens), stick: self.stick() }
     }
 
-    /// A page file was changed, or not: the pages are read again.
+    /// Answers a change of a page file; after a success the page files are read again.
     fn page_changed(&self, done: Result<FileAnswer, Refusal>, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
         let changed = Changed { programs: false, screens: done.is_ok() };
         tell(done.unwrap_or_else(FileAnswer::Refused));
         changed
     }
 
-    /// Programs over RS232.
+    /// Sends or receives programs over RS232.
     fn over_the_line(&self, ask: &Transfer, job: &Job, tell: &mut dyn FnMut(FileAnswer)) -> Changed {
         let unchosen = || Trouble::Port(Said::new("没有选择端口", "no port is chosen"));
         let line = self.port().ok_or_else(unchosen).map_err(Refusal::from).and_then(|port| {
@@ -248,7 +248,7 @@ impl Office {
             Carrier { folders: &self.folders, stick: &stick, holdings, cancelled: &self.cancelled, date: of(job) };
         let done = carrier.carry(ask, tell).unwrap_or_else(FileAnswer::Refused);
         tell(done);
-        // What is on both sides now is told as well.
+        // Incoming files change the folders.
         let inward = ask.direction == Direction::In;
         Changed {
             programs: inward && matches!(ask.set, Set::Programs | Set::Backup),
@@ -270,7 +270,7 @@ impl Office {
     }
 }
 
-/// A mistake as the pages show it.
+/// A program fault as the pages show it.
 #[must_use]
 pub fn line_fault(fault: &Fault) -> LineFault {
     let said = |lang| format!("{} – {}", fault.cause(lang), fault.remedy(lang));
@@ -281,7 +281,7 @@ pub(super) fn because(error: &dyn std::fmt::Display) -> Refusal {
     Refusal::Because(Said::new(error.to_string(), error.to_string()))
 }
 
-/// What a folder refuses.
+/// The refusal for an error of a folder.
 pub(super) fn refused(error: &FolderError) -> Refusal {
     Refusal::Because(error.said())
 }
@@ -293,7 +293,7 @@ fn file_number(number: u32) -> Result<u16, Refusal> {
         .ok_or_else(|| Refusal::Because(Said::new("程序号应为 1-9999", "program numbers are 1 to 9999")))
 }
 
-/// Replaces a program, unless somebody else has changed it since. It keeps its encoding; a sign that GBK lacks makes it UTF-8.
+/// Replaces a program unless it was changed since it was read. Keeps its encoding, or UTF-8 if GBK lacks a character.
 fn save(folder: &Folder, of: &Called, text: &Rope, (base, force): (u64, bool)) -> Result<FileAnswer, Refusal> {
     let (number, title) = (of.number, &of.title);
     let encoding = match of.read(folder) {
@@ -316,7 +316,7 @@ fn save(folder: &Folder, of: &Called, text: &Rope, (base, force): (u64, bool)) -
     Ok(FileAnswer::Saved { said, number, stamp: stamp(&bytes) })
 }
 
-/// A recorded program, under the first free name of `TEACH01` to `TEACH99` (L9).
+/// Saves a recorded program under the first free name of `TEACH01` to `TEACH99` (L9).
 fn record(folder: &Folder, text: &str) -> Result<FileAnswer, Refusal> {
     for number in 1..=RECORDS {
         let stem = format!("TEACH{number:02}");
@@ -331,7 +331,7 @@ fn record(folder: &Folder, text: &str) -> Result<FileAnswer, Refusal> {
     Err(Refusal::Because(said))
 }
 
-/// The bytes of a text; false: they are UTF-8 because GBK lacks a sign of it.
+/// Encodes a text. Returns false when UTF-8 replaced GBK because of a character that GBK lacks.
 pub(super) fn encode(text: &Rope, encoding: Encoding) -> (Vec<u8>, bool) {
     if encoding == Encoding::Gbk {
         let whole = String::from(text);
@@ -394,7 +394,7 @@ fn delete(folder: &Folder, of: &Called) -> Result<FileAnswer, Refusal> {
     Ok(FileAnswer::Done(Said::new(format!("{title} 已删除"), format!("{title} deleted"))))
 }
 
-/// The mistakes of writing in some lines; jumps out of them and loops across them are none.
+/// Checks the syntax of some lines. Jumps out of them and loops across them are allowed.
 fn look_at(number: u32, first: u32, text: &str, token: u64, settings: &Settings) -> Looked {
     let source = Arc::new(Source::new(number, "", text.as_bytes().to_vec()));
     let found = look(&source, settings);

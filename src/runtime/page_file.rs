@@ -1,5 +1,5 @@
-//! The files of a grinding page for the page designer: its text with what its program uses, and its picture, taken from a
-//! medium or the folder and converted where it is not of the form.
+//! Files of a grinding page for the page designer: its text, the variables its program uses, and its picture. A picture
+//! comes from a USB drive or the folder and is converted if it has another format.
 //! Source: spec K5.12, K7.3, K7.4.
 
 use std::collections::BTreeMap;
@@ -17,16 +17,16 @@ use crate::link::page_file::{PageFile, PictureFile, PictureFrom};
 use crate::nc::uses::uses;
 use crate::store::{Encoding, Folder, FolderError, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, Stick, decode, stamp};
 
-/// What is added to the number of the files to call their page.
+/// Page number minus file number.
 const PAGES: u32 = 1_000;
-/// Most programs that are looked through for one page.
+/// Maximum number of programs searched for one page.
 const CALLED: usize = 40;
 
-/// Where the files of pages are read and written.
+/// Reads and writes page files.
 pub struct PageDesk {
     /// The folder of page files.
     pub screens: Folder,
-    /// What is plugged in.
+    /// The USB drive, if present.
     pub stick: Option<Stick>,
 }
 
@@ -36,7 +36,7 @@ fn file_number(page: u32) -> Result<u16, Refusal> {
     number.filter(|number| (1..=9_999).contains(number)).ok_or_else(|| Refusal::Because(said()))
 }
 
-/// The form of a page text: its title, ten empty entries for either column.
+/// An empty page text: a title and ten empty entries for each column.
 fn form() -> Rope {
     let mut text = String::from("标题;\r\n\r\n");
     for _ in 0..2 {
@@ -48,7 +48,7 @@ fn form() -> Rope {
 }
 
 impl PageDesk {
-    /// The text, what a program uses, and the pictures that can be taken.
+    /// Reads the page text, the variables that a program uses, and the list of available pictures.
     pub fn read(&self, page: u32, program: u32, job: &Job) -> Result<PageFile, Refusal> {
         let file = file_number(page)?;
         let mut read = PageFile { number: page, uses: of(program, job), ..PageFile::default() };
@@ -87,7 +87,7 @@ impl PageDesk {
         found
     }
 
-    /// Replaces the text, unless somebody else has changed the file since. It keeps its encoding; a new one is GBK (K7.4).
+    /// Replaces the text unless the file was changed since it was read. Keeps the encoding; a new file is GBK (K7.4).
     pub fn save(&self, page: u32, text: &Rope, base: u64, force: bool) -> Result<FileAnswer, Refusal> {
         let file = file_number(page)?;
         let encoding = match self.screens.read(&PAGE_TEXT, file) {
@@ -112,7 +112,7 @@ impl PageDesk {
         Ok(FileAnswer::Saved { said, number: page, stamp: stamp(&bytes) })
     }
 
-    /// Makes a file the picture of a page.
+    /// Copies a file to the picture of a page; converts it if necessary.
     pub fn take(&self, page: u32, from: PictureFrom, name: &str) -> Result<FileAnswer, Refusal> {
         let file = file_number(page)?;
         let folder = match (from, &self.stick) {
@@ -136,7 +136,7 @@ impl PageDesk {
     }
 }
 
-/// What a program and those called by it use; none: it is not there.
+/// The variables that a program and its subprograms use; `None` when the program does not exist.
 fn of(program: u32, job: &Job) -> Option<Vec<VariableUse>> {
     job.programs.get(program)?;
     let (mut all, mut next, mut at) = (BTreeMap::<u16, VariableUse>::new(), vec![program], 0);

@@ -1,6 +1,6 @@
-//! The control's own thread: one tick each millisecond, computed from the absolute tick number, never from the last
-//! wake-up. Commands come in through a bounded channel with a reserved path for reset, hold and emergency stop; the
-//! newest snapshot goes out. A panic, a lost screen or a silent bus end in the safe output image.
+//! The control thread: one tick per tick time (P58), timed from the absolute tick number, not from the last wake-up.
+//! Commands arrive through a bounded channel, with a separate one for reset, feed hold and emergency stop; the newest
+//! snapshot is published. A panic, a lost screen or a silent bus leads to the safe output image.
 //! Source: notes "reliability", style "a key press", safety stance.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -21,43 +21,43 @@ use crate::link::command::Command;
 use crate::link::snapshot::{DirectoryRow, Snapshot};
 use crate::units::Micros;
 
-/// Commands waiting for the next tick.
+/// Capacity of the queue of commands for the next tick.
 const COMMANDS: usize = 256;
-/// Places kept free for reset, hold and emergency stop.
+/// Capacity of the separate queue for reset, feed hold and emergency stop.
 const URGENT: usize = 16;
-/// Wishes on their way to the disk.
+/// Capacity of the queue of request batches to the disk thread.
 const WISHES: usize = 4_096;
 /// Snapshots a second.
 const SNAPSHOTS_PER_SECOND: u64 = 60;
-/// More ticks behind than this are given up and time is counted anew.
+/// A thread that is more ticks behind than this drops them and restarts its time base.
 const CATCH_UP: u64 = 50;
-/// Ticks of a simulated machine done at one waking.
+/// Ticks per wake-up with a simulated machine.
 const BUNDLE: u64 = 16;
-/// Ticks late in a row that stop a real machine.
+/// Number of consecutive late ticks that raises an alarm on a real machine.
 const LATE_IN_A_ROW: u32 = 10;
 /// Real-time priority, SCHED_FIFO.
 const PRIORITY: u8 = 80;
 
-/// What the disk thread brings the core beside commands.
+/// What the disk thread delivers to the core besides commands.
 pub struct Delivery {
-    /// Programs of the folder.
+    /// The programs of the folder.
     pub programs: Arc<Programs>,
-    /// The directory as shown.
+    /// The program directory as shown.
     pub directory: Arc<Vec<DirectoryRow>>,
 }
 
-/// How strictly the thread keeps time.
+/// How strictly the thread keeps the tick time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// A simulated machine waits: the thread wakes for [`BUNDLE`] ticks at once, which spares a laptop's battery, and late
-    /// ones are only counted.
+    /// Simulated machine: the thread does [`BUNDLE`] ticks per wake-up, which saves a laptop's battery. Late ticks are
+    /// only counted.
     Simulated,
-    /// A real machine does not wait: the thread wakes for each tick, and several late ones in a row are an alarm.
+    /// Real machine: the thread wakes up for each tick. Several consecutive late ticks raise an alarm.
     Real,
 }
 
 impl Pace {
-    /// Ticks done at one waking.
+    /// Ticks per wake-up.
     const fn bundle(self) -> u64 {
         match self {
             Self::Simulated => BUNDLE,
@@ -66,44 +66,44 @@ impl Pace {
     }
 }
 
-/// How the thread is doing.
+/// Statistics and state of the thread.
 #[derive(Debug, Default)]
 pub struct Health {
-    /// Ticks done.
+    /// Number of ticks.
     pub ticks: AtomicU64,
-    /// Wakings that came more than the time of their ticks late.
+    /// Number of wake-ups that came more than the duration of their ticks late.
     pub late: AtomicU64,
     /// The thread runs with real-time priority.
     pub real_time: AtomicBool,
-    /// The thread has failed; the outputs are safe.
+    /// The thread has panicked; the outputs are in the safe state.
     pub failed: AtomicBool,
 }
 
-/// The screen's end of the control.
+/// The screen's connection to the control.
 pub struct Link {
     commands: Sender<Command>,
     urgent: Sender<Command>,
     newest: Arc<Mutex<Snapshot>>,
-    /// How the thread is doing.
+    /// Statistics and state of the thread.
     pub health: Arc<Health>,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// The disk thread's end of the control.
+/// The disk thread's connection to the control.
 pub struct DiskEnd {
-    /// What is to be kept.
+    /// Storage requests.
     pub wishes: Receiver<Vec<Effect>>,
-    /// Answers.
+    /// Answers to them.
     pub commands: Sender<Command>,
-    /// Programs.
+    /// Programs read from the folder.
     pub deliveries: Sender<Delivery>,
 }
 
-/// Starts the thread for a control and its machine.
+/// Starts the control thread.
 ///
 /// # Errors
-/// The system has no thread to give.
+/// The system cannot create a thread.
 pub fn start<B: Backend + Send + 'static>(
     controller: Controller,
     backend: B,
@@ -140,8 +140,8 @@ pub fn start<B: Backend + Send + 'static>(
 }
 
 impl Link {
-    /// Sends a command; reset, hold and emergency stop have a path of their own that a flood of others cannot fill.
-    /// False: the control is too busy or gone, and the command was not taken.
+    /// Sends a command. Reset, feed hold and emergency stop have their own queue, which other commands cannot fill.
+    /// Returns false when the queue is full or the thread has ended; the command is lost.
     pub fn send(&self, command: Command) -> bool {
         let urgent = matches!(command, Command::Press(Key::Reset | Key::FeedHold | Key::EmergencyStop));
         let path = if urgent { &self.urgent } else { &self.commands };
@@ -163,7 +163,7 @@ impl Drop for Link {
     }
 }
 
-/// Everything that the thread owns.
+/// The state of the thread.
 struct Core<B> {
     controller: Controller,
     backend: B,
@@ -230,7 +230,7 @@ impl<B: Backend> Core<B> {
         self.health.ticks.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// The disk is never waited for: what does not fit now is offered again.
+    /// Submits storage requests without waiting. What does not fit into the queue is submitted again in the next tick.
     fn hand_over_wishes(&mut self) {
         self.controller.drain_effects(&mut self.effects);
         if self.effects.is_empty() {
@@ -245,7 +245,7 @@ impl<B: Backend> Core<B> {
         }
     }
 
-    /// Newest only: a screen that is just copying gets the next one.
+    /// Publishes the newest snapshot only. While the screen copies one, this snapshot is skipped.
     fn show(&mut self) {
         self.controller.snapshot(&mut self.scratch);
         if let Ok(mut newest) = self.newest.try_lock() {
@@ -261,7 +261,7 @@ impl<B: Backend> Core<B> {
         }
     }
 
-    /// The last image with everything off that turns or flows; made without the controller, which may be the cause.
+    /// Writes the safe image without a tick: spindles, fluids, drives and analog outputs off, clamps hold.
     fn leave_safe(&mut self) {
         let kept = self.controller.kept_when_safe();
         let terminals = Terminals(self.last.terminals.0 & kept.0);
@@ -271,7 +271,7 @@ impl<B: Backend> Core<B> {
     }
 }
 
-/// Sleeps to a moment; how far behind it the thread woke up.
+/// Sleeps until `due`; returns how late the thread woke up.
 fn sleep_until(due: Instant) -> Duration {
     let now = Instant::now();
     if let Some(ahead) = due.checked_duration_since(now) {
@@ -283,7 +283,7 @@ fn sleep_until(due: Instant) -> Duration {
     Instant::now().saturating_duration_since(due)
 }
 
-/// `clock_nanosleep` to an absolute time: a signal or a preemption on the way does not add up.
+/// `clock_nanosleep` until an absolute time: signals and preemption do not accumulate delay.
 #[cfg(target_os = "linux")]
 fn absolute_sleep(ahead: Duration) {
     use rustix::thread::{ClockId, clock_nanosleep_absolute};
@@ -298,7 +298,7 @@ fn absolute_sleep(ahead: Duration) {
     while clock_nanosleep_absolute(ClockId::Monotonic, &due) == Err(rustix::io::Errno::INTR) {}
 }
 
-/// What is in use stays in memory; on Linux pages count from their first use, so that stacks are not filled in advance.
+/// Locks all memory in use. On Linux a page is locked at its first use, so that stacks are not allocated in advance.
 #[cfg(unix)]
 fn locked_memory() -> rustix::mm::MlockAllFlags {
     use rustix::mm::MlockAllFlags;
@@ -308,7 +308,7 @@ fn locked_memory() -> rustix::mm::MlockAllFlags {
     all
 }
 
-/// Asks for real-time priority and locked memory; false where the system does not permit it.
+/// Requests real-time priority and locked memory; returns false where the system does not permit it.
 fn become_real_time() -> bool {
     #[cfg(unix)]
     {

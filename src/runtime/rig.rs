@@ -1,5 +1,5 @@
-//! A control wired to the simulated machine and stepped tick by tick by whoever holds it: headless runs, stories,
-//! demo, tests. Time is what has been stepped; nothing here waits.
+//! Connects a control to the simulated machine and steps both tick by tick. Used by headless runs, stories, demo,
+//! tests. Time is the number of ticks stepped; nothing here waits.
 //! Source: spec tools.md T3, T5; simulator.md.
 
 use std::path::PathBuf;
@@ -26,33 +26,33 @@ use crate::link::snapshot::{DirectoryRow, Snapshot};
 use crate::store::FolderError;
 use crate::units::{Micros, PerAxis};
 
-/// Why a rig could not be set up.
+/// Why a rig could not be created.
 #[derive(Debug, thiserror::Error)]
 pub enum RigError {
-    /// A machine or part file.
+    /// A machine or part file is invalid.
     #[error(transparent)]
     File(#[from] SimFileError),
-    /// A folder.
+    /// A folder cannot be read.
     #[error(transparent)]
     Folder(#[from] FolderError),
 }
 
-/// What a rig begins with.
+/// The initial state of a rig.
 pub struct Setup {
     /// Kind of machine.
     pub kind: Kind,
-    /// What the control remembers.
+    /// The retained data.
     pub retained: Retained,
-    /// Where to keep what it is to remember; none keeps it in memory.
+    /// The store for retained data; `None` keeps them in memory only.
     pub keeper: Option<Keeper>,
     /// Folders of programs and page files.
     pub folders: Folders,
-    /// Seed of the simulated machine's chance.
+    /// Random seed of the simulated machine.
     pub seed: u64,
 }
 
-/// What setting a part up means for the control: its work zero, its tool geometry, and values for the variables that
-/// have none.
+/// The commands that set a part up in the control: work offset G54, tool geometry, stock, and values for the variables
+/// that have none. `present` reads a variable.
 pub fn set_up(part: &PartFile, present: impl Fn(u16) -> Option<f64>) -> Vec<Command> {
     let place = part.g54_mm;
     let mut commands = vec![Command::SetFrame(0, PerAxis([place.x, place.y, place.z]))];
@@ -66,7 +66,7 @@ pub fn set_up(part: &PartFile, present: impl Fn(u16) -> Option<f64>) -> Vec<Comm
     commands
 }
 
-/// The boxes of a part and of what holds it, for the drawing.
+/// Bounding boxes of the part and its holders for the drawing, mm.
 fn outline(part: &PartFile) -> Vec<StockBox> {
     let turned = |radius: f64, z: (f64, f64)| (PerAxis([-radius, 0.0, z.0]), PerAxis([radius, 0.0, z.1]));
     let behind = |looks: Looks, at: f64, thick: f64| match looks {
@@ -101,13 +101,13 @@ fn outline(part: &PartFile) -> Vec<StockBox> {
     holders.chain(surfaces).collect()
 }
 
-/// Somebody beside the rig: paces it, shows it, brings commands of a person.
+/// An observer of the rig: it paces the ticks, publishes snapshots and passes on an operator's commands.
 pub trait Companion: Send {
-    /// Called after each tick; true when the person has touched something.
+    /// Called after each tick; returns true when the operator has sent a command other than `Alive`.
     fn accompany(&mut self, now: Micros, control: &Controller, inbox: &mut Vec<Command>) -> bool;
 }
 
-/// Control and machine.
+/// A control and its simulated machine.
 pub struct Rig {
     kind: Kind,
     controller: Controller,
@@ -115,12 +115,12 @@ pub struct Rig {
     image: InputImage,
     retained: Retained,
     keeper: Option<Keeper>,
-    /// Passwords, where nothing keeps them.
+    /// Passwords when there is no store.
     vault: Vault,
     office: Office,
     simulator: Simulator,
     folders: Folders,
-    /// Programs that are in no folder.
+    /// Programs that are not in the folder.
     added: Vec<crate::controller::Program>,
     effects: Vec<Effect>,
     inbox: Vec<Command>,
@@ -133,15 +133,15 @@ pub struct Rig {
     snapshot: Snapshot,
     companion: Option<Box<dyn Companion>>,
     touched: bool,
-    /// The retained data were damaged: told again at every power-on of this rig.
+    /// Report of damaged retained data; the alarm is raised again at every power-on.
     damage: Option<String>,
 }
 
 impl Rig {
-    /// A machine at power-on.
+    /// Creates a machine and a control at power-on.
     ///
     /// # Errors
-    /// The kind is not driven, or a file cannot be read.
+    /// The machine file of the kind is invalid, or a folder cannot be read.
     pub fn new(setup: Setup) -> Result<Self, RigError> {
         let Setup { kind, retained, keeper, folders, seed } = setup;
         let (programs, directory) = folders.read_programs()?;
@@ -180,7 +180,7 @@ impl Rig {
         Ok(rig)
     }
 
-    /// A control gets what the disk has found.
+    /// Delivers programs, page files and a damage report to a new control.
     fn deliver(&mut self) {
         self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
         self.inbox.push(Command::Screens(Arc::clone(&self.screens)));
@@ -201,8 +201,8 @@ impl Rig {
         self.controller.deliver_programs(Arc::clone(&self.programs), Arc::clone(&self.directory));
     }
 
-    /// Puts a part into the machine, and its work zero and tool geometry into the control; variables that have no
-    /// value get the part's.
+    /// Mounts a part in the machine and sends its work offset and tool geometry to the control. Variables without a
+    /// value get the part's value.
     pub fn mount(&mut self, part: &PartFile) {
         self.machine.set_part(Some(part));
         self.simulator.part = Some(part.clone());
@@ -211,7 +211,7 @@ impl Rig {
         self.inbox.extend(set_up(part, present));
     }
 
-    /// Puts another machine of the same kind behind the control, its power just come: another screw, another wheel.
+    /// Replaces the machine by another one of the same kind (another leadscrew or wheel) and restarts the control.
     pub fn swap_machine(&mut self, machine: MachineFile, seed: u64) {
         self.machine = SimulatedMachine::new(machine, None, &self.retained.params, seed);
         self.image = self.machine.read(self.now);
@@ -219,12 +219,12 @@ impl Rig {
         self.deliver();
     }
 
-    /// Begins the machine's chance anew.
+    /// Restarts the machine's random generator with a seed.
     pub fn reseed(&mut self, seed: u64) {
         self.machine.reseed(seed);
     }
 
-    /// Homed, hydraulics on, part clamped: where a headless run begins (T3).
+    /// Starts a headless run (T3): axes homed, hydraulics on, part clamped. Restarts the control.
     pub fn make_ready(&mut self) {
         self.machine.start_ready();
         self.image = self.machine.read(self.now);
@@ -233,7 +233,7 @@ impl Rig {
         self.deliver();
     }
 
-    /// Hands a command to the control; it is taken in the next tick.
+    /// Queues a command for the next tick; simulator commands act on the machine at once.
     pub fn send(&mut self, command: Command) {
         match command {
             Command::Simulate(asked) => self.simulator.act(&mut self.machine, asked),
@@ -241,12 +241,12 @@ impl Rig {
         }
     }
 
-    /// One tick of control and machine.
+    /// Steps control and machine by one tick.
     pub fn step(&mut self) {
         self.step_timed(|_| {});
     }
 
-    /// One tick; tells how many nanoseconds the control's part of it took, for measuring.
+    /// Steps by one tick and reports the duration of `Controller::tick` in nanoseconds, for benchmarks.
     pub fn step_timed(&mut self, told: impl FnOnce(u64)) {
         self.now = self.now + self.tick;
         self.image = self.machine.read(self.now);
@@ -265,23 +265,23 @@ impl Rig {
         }
     }
 
-    /// From now on somebody stands beside the rig.
+    /// Sets the observer.
     pub fn accompany(&mut self, companion: Box<dyn Companion>) {
         self.companion = Some(companion);
     }
 
-    /// Whether a person has touched something since [`Rig::take_touch`].
+    /// Whether the operator has sent a command since [`Rig::take_touch`].
     #[must_use]
     pub const fn is_touched(&self) -> bool {
         self.touched
     }
 
-    /// Whether a person has touched something; the next touch is told anew.
+    /// Whether the operator has sent a command; clears the flag.
     pub const fn take_touch(&mut self) -> bool {
         std::mem::replace(&mut self.touched, false)
     }
 
-    /// Keeps what the control wishes; without a disk thread the acknowledgement comes at once.
+    /// Carries out the control's storage requests. There is no disk thread: the acknowledgement comes in the next tick.
     fn keep(&mut self) {
         self.controller.drain_effects(&mut self.effects);
         if self.effects.is_empty() {
@@ -313,7 +313,7 @@ impl Rig {
         }
     }
 
-    /// Does at once what the window's control has a thread for.
+    /// Runs a job at once. The window runs it on a thread of its own.
     fn work(&mut self, job: &Job) {
         let inbox = &mut self.inbox;
         let changed = self.office.work(job, &mut |answer| {
@@ -336,17 +336,17 @@ impl Rig {
         }
     }
 
-    /// Gives the rig a folder for pictures of the screen and one that stands for a medium.
+    /// Sets the folder for screenshots and the folder used as the USB drive. Resets the serial port.
     pub fn plug_in(&mut self, prints: Option<PathBuf>, stick: Option<PathBuf>) {
         self.office = Office::new(self.folders.clone()).with(prints, stick);
     }
 
-    /// Gives the rig an RS232 port.
+    /// Sets the RS232 port.
     pub fn plug_line(&mut self, port: String) {
         self.office = self.office.clone().on_line(Some(port), None);
     }
 
-    /// The power goes at this tick.
+    /// Cuts the power at this tick: all outputs go off.
     pub fn power_cut(&mut self) {
         self.powered = false;
         self.machine.write(self.now, &OutputImage { set_point_mm: self.image.encoder_mm, ..OutputImage::default() });
@@ -358,7 +358,7 @@ impl Rig {
         self.powered
     }
 
-    /// The power comes (again): a cold start with the data so far.
+    /// Restores the power: a cold start with the retained data so far.
     pub fn power_on(&mut self) {
         self.powered = true;
         self.machine.power_on(&self.retained.params);
@@ -367,13 +367,13 @@ impl Rig {
         self.deliver();
     }
 
-    /// Tells the operator that the retained data were damaged.
+    /// Raises the alarm for damaged retained data, now and at every power-on.
     pub fn report_damage(&mut self, what: &str) {
         self.damage = Some(what.to_owned());
         self.controller.report(alarm::DATA_DAMAGED, Some(Said::new(what, what)));
     }
 
-    /// What a page would show now.
+    /// The snapshot that a page would show now.
     pub fn snapshot(&mut self) -> &Snapshot {
         self.controller.snapshot(&mut self.snapshot);
         self.snapshot.simulated = Some(Arc::new(self.simulator.view(&self.machine)));
@@ -395,12 +395,12 @@ impl Rig {
         &self.machine
     }
 
-    /// The machine, to force inputs and faults.
+    /// The machine, for forcing inputs and faults.
     pub const fn machine_mut(&mut self) -> &mut SimulatedMachine {
         &mut self.machine
     }
 
-    /// What the control puts on its second analog output, volts.
+    /// Voltage of the second analog output, 0 to 10 V.
     #[must_use]
     pub const fn analog_2_volts(&self) -> f64 {
         self.controller.outputs().analog_2_volts
@@ -424,7 +424,7 @@ impl Rig {
         self.kind
     }
 
-    /// Whether a program is in the folder.
+    /// Whether a program is known.
     #[must_use]
     pub fn has_program(&self, number: u32) -> bool {
         self.programs.get(number).is_some()
@@ -436,7 +436,7 @@ impl Rig {
         self.programs.get(number).map(|program| Arc::clone(&program.source))
     }
 
-    /// The program whose file has this name, with or without its extension.
+    /// The number of the program whose file has this name, with or without its extension.
     #[must_use]
     pub fn program_named(&self, word: &str) -> Option<u32> {
         let stem = |name: &str| name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_ascii_uppercase();
@@ -445,13 +445,13 @@ impl Rig {
         self.programs.iter().find(named).map(|program| program.number)
     }
 
-    /// The bar of a lathe's program.
+    /// The bar for a program of a lathe.
     #[must_use]
     pub fn bar(&self, number: u32) -> Option<PartFile> {
         super::bar::of_program(self.kind, &self.retained.params, &self.program_source(number)?)
     }
 
-    /// What the control remembers.
+    /// The retained data.
     #[must_use]
     pub const fn retained(&self) -> &Retained {
         &self.retained

@@ -1,4 +1,4 @@
-//! Tables of the axes' screws as files of a medium: `KT830-SCREW-X.CSV`, made by the measuring device's computer, or one
+//! Leadscrew compensation tables on a USB drive: `KT830-SCREW-X.CSV` from the measuring device's computer, or a file
 //! that this control wrote with date and time in its name.
 //! Source: spec B7.
 
@@ -13,19 +13,19 @@ use crate::link::files::{FileAnswer, Refusal};
 use crate::store::{Stick, decode, read_whole};
 use crate::units::Axis;
 
-/// The largest file of a table: a hundred lines, and room for remarks.
+/// Maximum file size, bytes: a hundred lines and comments.
 const LIMIT: u64 = 256 * 1024;
-/// What its first line says.
+/// The header line.
 const HEAD: &str = "位置 mm,反向间隙 mm,螺距误差 mm\r\n";
 
 fn stem(axis: Axis) -> String {
     format!("KT830-SCREW-{}", axis.letter())
 }
 
-/// Reads the table of an axis: `KT830-SCREW-X.CSV` if it is there, else the newest that this control wrote.
+/// Reads the table of an axis: `KT830-SCREW-X.CSV` if it exists, otherwise the newest that this control wrote.
 ///
 /// # Errors
-/// There is no medium or no such file, it is no text, or a line of it is wrong: it is named.
+/// No USB drive, no such file, not a text, or an invalid line, which is named.
 pub fn read(axis: Axis, stick: Option<&Stick>) -> Result<FileAnswer, Refusal> {
     let stick = stick.ok_or_else(no_stick)?;
     let stem = stem(axis);
@@ -35,7 +35,7 @@ pub fn read(axis: Axis, stick: Option<&Stick>) -> Result<FileAnswer, Refusal> {
         rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
     };
     let files = stick.files().map_err(|fault| Refusal::Because(Said::new(fault.zh(), fault.to_string())))?;
-    // By name the plain one stands behind those with a date.
+    // The name without a date sorts after those with a date.
     let file = files.into_iter().filter(|file| ours(&file.name)).max_by_key(|file| file.name.to_ascii_uppercase());
     let name = file.map(|file| file.name).ok_or_else(|| {
         Refusal::Because(Said::new(format!("U 盘上没有 {stem}.CSV"), format!("there is no {stem}.CSV on the medium")))
@@ -53,10 +53,10 @@ pub fn read(axis: Axis, stick: Option<&Stick>) -> Result<FileAnswer, Refusal> {
     Ok(FileAnswer::Screw(axis, table, name))
 }
 
-/// Writes the table of an axis on the medium, without one into the folder of prints.
+/// Writes the table of an axis to the USB drive, or to the screenshot folder if there is no drive.
 ///
 /// # Errors
-/// There is no place, or the disk refuses.
+/// No target folder, or a disk error.
 pub fn write(
     (axis, table): (Axis, &ScrewTable),
     date: Date,

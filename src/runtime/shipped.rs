@@ -1,12 +1,12 @@
-//! Programs, page texts and pictures that the control brings along, written once into folders that are made new.
+//! Programs, page texts and pictures shipped with the control. They are written once into new folders.
 //! Source: spec K7.3, T1.
 
-/// A file: its place below the data directory, and what is in it.
+/// A shipped file: path below the data directory and content.
 pub(super) type Shipped = (&'static str, &'static [u8]);
 
 macro_rules! shipped {
     (pages $($page:literal)*; subprograms $($sub:literal)*; sheets $($sheet:literal)*; named $($named:literal)*) => {
-        /// All of them.
+        /// All shipped files.
         pub(super) const SHIPPED: &[Shipped] = &[
             $(
                 (concat!("programs/O1", $page, ".NC"), include_bytes!(concat!("../../programs/O1", $page, ".NC"))),
@@ -32,7 +32,7 @@ shipped! {
           "802d/VBORE.MPF" "802d/L11.SPF" "802d/L21.SPF" "802d/L31.SPF" "802d/RBORE.MPF" "802d/RGRIND.MPF"
 }
 
-/// The programs of the lathe, by name.
+/// The named programs of the lathe.
 pub(super) const SHIPPED_BY_NAME: &[Shipped] = &[
     ("SHAFT.NC", include_bytes!("../../programs/lathe/SHAFT.NC")),
     ("TEST.NC", include_bytes!("../../programs/lathe/TEST.NC")),

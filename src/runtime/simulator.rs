@@ -1,4 +1,4 @@
-//! What the simulator page does to the simulated machine, and what it is shown of it.
+//! Executes the commands of the simulator page on the simulated machine and builds its view.
 //! Source: spec P1–P8.
 
 use crate::defs::signal::Input;
@@ -6,26 +6,26 @@ use crate::defs::text::Said;
 use crate::io::sim::{LatheScene, PartFile, SimulatedMachine};
 use crate::link::simulated::{RoomView, SimCommand, SimView};
 
-/// Most events shown.
+/// Maximum number of events shown.
 const EVENTS: usize = 6;
-/// Most sizes shown.
+/// Maximum number of sizes shown.
 const SIZES: usize = 12;
 
-/// What was done to the machine so far.
+/// What the simulator page has changed so far.
 #[derive(Clone, Debug, Default)]
 pub struct Simulator {
-    /// The part as it was put in.
+    /// The part as it was mounted.
     pub part: Option<PartFile>,
     forced: Vec<(Input, bool)>,
     faults: Vec<&'static str>,
 }
 
 impl Simulator {
-    /// Does what the page asks.
+    /// Executes a command of the page.
     pub fn act(&mut self, machine: &mut SimulatedMachine, command: SimCommand) {
         match command {
             SimCommand::Force(input, on) => {
-                // The ids are those of the table: they are known.
+                // Cannot fail: the id comes from the input table.
                 if machine.force_input(input.id(), on).is_ok() {
                     self.forced.retain(|(other, _)| *other != input);
                     self.forced.extend(on.map(|on| (input, on)));
@@ -43,7 +43,7 @@ impl Simulator {
         }
     }
 
-    /// The machine as the page shows it.
+    /// The view for the page.
     #[must_use]
     pub fn view(&self, machine: &SimulatedMachine) -> SimView {
         let wheel = machine.wheel();
@@ -76,7 +76,7 @@ impl Simulator {
     }
 }
 
-/// A lathe's working room for the drawing.
+/// The workspace of a lathe for the drawing.
 fn room(scene: LatheScene<'_>) -> RoomView {
     let pair = |(a, b): (f64, f64)| (a as f32, b as f32);
     RoomView {

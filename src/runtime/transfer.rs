@@ -1,5 +1,5 @@
-//! Between the control and a medium: programs, page files, values, an archive of everything; pictures of the screen.
-//! Every file is written whole and read back; what is there already is overwritten only when that was answered.
+//! Transfers programs, page files, values and a backup of everything between control and USB drive; saves screenshots.
+//! Every file is written atomically and read back. Existing files are overwritten only after confirmation.
 //! Source: spec K7.8, H8.
 
 use std::path::Path;
@@ -18,31 +18,31 @@ use crate::store::{
     read_whole, stamp, write_whole,
 };
 
-/// Names of the files of values on a medium.
+/// Names of the value files on a USB drive.
 const PARAMS: &str = "KT830-PARAM.RON";
 const VARIABLES: &str = "KT830-MACRO.RON";
-/// How archives begin and end.
+/// Prefix and suffix of archive names.
 pub const ARCHIVE: (&str, &str) = ("KT830-", ".TAR");
-/// Where files lie in an archive.
+/// Folders in an archive.
 const PROGRAMS: &str = "programs/";
 const SCREENS: &str = "screens/";
-/// What is being done.
+/// Text shown with the progress.
 const COPYING: Text = Text::new("正在复制", "copying");
-/// The largest archive.
+/// Maximum size of an archive, bytes.
 const ARCHIVE_LIMIT: u64 = 2 * 1024 * 1024 * 1024;
-/// The largest file of values.
+/// Maximum size of a value file, bytes.
 const VALUES_LIMIT: u64 = 4 * 1024 * 1024;
-/// Most pixels of a picture of the screen.
+/// Maximum size of a screenshot, bytes of RGB data.
 const PRINT_LIMIT: usize = 64 * 1024 * 1024;
 
-/// Pictures on a medium: what is no BMP can be converted (K5.12). Larger than a page picture, but bounded.
+/// Pictures on a USB drive; other formats than BMP can be converted (K5.12).
 pub(super) const FOREIGN_PICTURE: FileClass = FileClass {
     letter: 'B',
     extensions: &["BMP", "PNG", "JPG", "JPEG"],
     limit: 32 * 1024 * 1024,
     comment: CommentIs::None,
 };
-/// Largest side of a picture that is converted, and most bytes that it may take in memory.
+/// Maximum side, pixels, and memory, bytes, of a picture to convert.
 const PICTURE_SIDE: u32 = 10_000;
 const PICTURE_MEMORY: u64 = 256 * 1024 * 1024;
 
@@ -52,7 +52,7 @@ fn page_file(name: &str) -> Option<(&'static FileClass, u16)> {
     CLASSES.iter().find_map(|class| class.parse(name).map(|(number, _)| (class, number)))
 }
 
-/// The set that a file of a medium belongs to; none for files that are not this control's.
+/// The set that a file on a USB drive belongs to; `None` for other files.
 fn set_of(name: &str, programs: &Shelf) -> Option<Set> {
     match name {
         PARAMS => Some(Set::Params),
@@ -63,7 +63,7 @@ fn set_of(name: &str, programs: &Shelf) -> Option<Set> {
     }
 }
 
-/// What stands on both sides.
+/// The files on the control and on the USB drive.
 #[must_use]
 pub fn media(folders: &Folders, stick: Option<&Stick>) -> MediaView {
     let shelf = folders.shelf();
@@ -99,7 +99,7 @@ pub(super) fn no_stick() -> Refusal {
     Refusal::Because(Said::new("没有 U 盘或已拔出", "no USB medium, or it was pulled out"))
 }
 
-/// What the disk refused, in both languages.
+/// The refusal for a disk error, in both languages.
 fn of_disk(fault: &IoFault) -> Refusal {
     Refusal::Because(Said::new(fault.zh(), fault.to_string()))
 }
@@ -108,25 +108,25 @@ fn say(zh: impl Into<String>, en: impl Into<String>) -> Refusal {
     Refusal::Because(Said::new(zh, en))
 }
 
-/// One transfer under way.
+/// One transfer.
 pub struct Carrier<'a> {
     /// The control's folders.
     pub folders: &'a Folders,
-    /// The medium.
+    /// The USB drive.
     pub stick: &'a Stick,
-    /// What the core holds.
+    /// The values of the core.
     pub holdings: Option<&'a Holdings>,
-    /// Ends it between two files.
+    /// Cancels the transfer between two files.
     pub cancelled: &'a AtomicBool,
-    /// Date and time, for names of files.
+    /// Date and time for file names.
     pub date: Date,
 }
 
 impl Carrier<'_> {
-    /// Does a transfer; the answer says what came of it.
+    /// Executes a transfer and returns the result.
     ///
     /// # Errors
-    /// Why it was not done, or not to its end.
+    /// Why it failed or was not completed.
     pub fn carry(&self, ask: &Transfer, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
         if !self.stick.is_present() {
             return Err(no_stick());
@@ -137,14 +137,14 @@ impl Carrier<'_> {
             (Set::Params | Set::Variables, Direction::In) => self.values_in(ask.set),
             (Set::Backup, Direction::Out) => self.backup(tell),
             (Set::Backup, Direction::In) => self.restore(ask, tell),
-            // A line has no medium.
+            // Serial transfers do not use a USB drive.
             (Set::Serial, _) => Err(no_stick()),
         };
-        // Whatever the system said: a medium that is gone is the cause.
+        // If the USB drive was removed, that is the cause, whatever the system reports.
         done.map_err(|refusal| if self.stick.is_present() { refusal } else { no_stick() })
     }
 
-    /// What is to be copied, in the order of the names.
+    /// The files to copy, sorted by name.
     fn waiting(&self, ask: &Transfer) -> Result<Vec<Waiting>, Refusal> {
         let wanted = |name: &str| ask.names.is_empty() || ask.names.iter().any(|wanted| wanted == name);
         let mut waiting = Vec::new();
@@ -162,7 +162,7 @@ impl Carrier<'_> {
                 Direction::Out => (own.clone(), stick.clone()),
                 Direction::In => (stick.clone(), own.clone()),
             };
-            // Pictures of other forms count as well when they come in.
+            // Incoming pictures can have other formats.
             let foreign = ask.direction == Direction::In && class.letter == PICTURE.letter;
             let read_as = if foreign { FOREIGN_PICTURE } else { class };
             let entries = from.list(&read_as).map_err(|error| refused(&error))?.entries;
@@ -175,7 +175,7 @@ impl Carrier<'_> {
         Ok(waiting)
     }
 
-    /// Programs or page files, one after the other.
+    /// Copies programs or page files one by one.
     fn files(&self, ask: &Transfer, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
         let waiting = self.waiting(ask)?;
         if waiting.is_empty() {
@@ -270,7 +270,7 @@ impl Carrier<'_> {
         values::check(part, holdings.kind)
     }
 
-    /// Everything in one archive, each file with its checksum in a list at the end.
+    /// Writes everything into one archive, followed by a list of checksums.
     fn backup(&self, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
         let holdings = self.holdings.ok_or_else(no_stick)?;
         let name = format!("{}{}{}", ARCHIVE.0, self.date.compact(), ARCHIVE.1);
@@ -309,7 +309,7 @@ impl Carrier<'_> {
         Ok(FileAnswer::Done(Said::new(format!("已备份到 {name}"), format!("backup written: {name}"))))
     }
 
-    /// Everything out of an archive: it is examined whole before the first file is touched.
+    /// Restores everything from an archive. The whole archive is checked before the first file is written.
     fn restore(&self, ask: &Transfer, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
         let files = self.stick.files().map_err(|fault| refused(&fault.into()))?;
         let chosen = files
@@ -338,31 +338,31 @@ impl Carrier<'_> {
     }
 }
 
-/// A file on its way.
+/// A file to copy.
 struct Waiting {
     name: String,
     size: u64,
     way: Way,
 }
 
-/// From where to where.
+/// Source and target of a file.
 enum Way {
-    /// A program, by name.
+    /// A program by name.
     Program(Shelf, Shelf),
-    /// A page file, by number.
+    /// A page file by number.
     Page {
         class: FileClass,
         read_as: FileClass,
         number: u16,
         from: Folder,
         to: Folder,
-        /// It comes in: what is taken for a page picture has to be one, or is made one.
+        /// Incoming: a file with another format than a page picture is converted.
         foreign: bool,
     },
 }
 
 impl Waiting {
-    /// The bytes as they are to be written; a picture that was converted comes with what is wrong with it.
+    /// The bytes to write. For a converted picture also the reason for the conversion.
     fn fetch(&self) -> Result<(Vec<u8>, Option<Said>), Refusal> {
         let (read, foreign) = match &self.way {
             Way::Program(from, _) => (from.read(&self.name), false),
@@ -381,7 +381,7 @@ impl Waiting {
         }
     }
 
-    /// What stands in its place.
+    /// The file to be overwritten.
     fn old(&self) -> Result<Read, FolderError> {
         match &self.way {
             Way::Program(_, to) => to.read(&self.name),
@@ -389,7 +389,7 @@ impl Waiting {
         }
     }
 
-    /// Written, read back and compared.
+    /// Writes the file, reads it back and compares.
     fn copy(&self) -> Result<(), Refusal> {
         let (bytes, _) = self.fetch()?;
         let name = match &self.way {
@@ -404,10 +404,10 @@ impl Waiting {
     }
 }
 
-/// Any PNG, JPEG or BMP as a page picture: as large as fits on 200 × 400, on white, 24 bit (K5.12).
+/// Converts a PNG, JPEG or BMP to a page picture: scaled to fit 200 × 400 pixels, white background, 24 bit (K5.12).
 ///
 /// # Errors
-/// It is no such picture, or too large.
+/// It is not such a picture, or it is too large.
 pub fn convert(bytes: &[u8]) -> Result<Vec<u8>, image::ImageError> {
     let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format()?;
     let mut limits = image::Limits::default();
@@ -424,7 +424,7 @@ pub fn convert(bytes: &[u8]) -> Result<Vec<u8>, image::ImageError> {
     Ok(bmp.into_inner())
 }
 
-/// One file into an archive, and into its list of checksums.
+/// Adds a file to an archive and to its list of checksums.
 fn put(into: (&mut tar::Builder<Vec<u8>>, &mut String), name: &str, bytes: &[u8]) -> Result<(), Refusal> {
     let (archive, sums) = into;
     let mut header = tar::Header::new_gnu();
@@ -437,7 +437,7 @@ fn put(into: (&mut tar::Builder<Vec<u8>>, &mut String), name: &str, bytes: &[u8]
 
 type Contents = Vec<(Set, String, Vec<u8>)>;
 
-/// The files of an archive; a name, a kind or a checksum that is not this control's refuses the whole.
+/// Unpacks an archive. One invalid name, file type or checksum refuses the whole archive.
 fn unpack(name: &str, bytes: &[u8], shelf: &Shelf) -> Result<(Values, Contents), Refusal> {
     use std::io::Read as _;
     let damaged = |what: &str| {
@@ -489,10 +489,10 @@ fn unpack(name: &str, bytes: &[u8], shelf: &Shelf) -> Result<(Values, Contents),
     Ok((values.ok_or_else(|| damaged("values.ron"))?, contents))
 }
 
-/// Keeps a picture of the screen in the folder of prints, and on the medium if there is one; gives where it is.
+/// Saves a screenshot on the USB drive, or in the screenshot folder if there is no drive; returns its path.
 ///
 /// # Errors
-/// The picture is of no size, or the disk refuses.
+/// The picture has no valid size, or a disk error.
 pub fn print(picture: &Print, date: Date, folder: Option<&Path>, stick: Option<&Stick>) -> Result<Said, Refusal> {
     let wanted = picture.width as usize * picture.height as usize * 3;
     if wanted == 0 || wanted != picture.rgb.len() || wanted > PRINT_LIMIT {
@@ -510,10 +510,10 @@ pub fn print(picture: &Print, date: Date, folder: Option<&Path>, stick: Option<&
     keep(&bytes, (date, if picture.bmp { "BMP" } else { "PNG" }), folder, stick)
 }
 
-/// Keeps a file that people want to look at, on the medium if there is one; gives where it is.
+/// Saves a file on the USB drive, or in the folder if there is no drive; returns its path.
 ///
 /// # Errors
-/// There is no place, or the disk refuses.
+/// No target folder, or a disk error.
 pub fn keep(
     bytes: &[u8],
     (date, extension): (Date, &str),
@@ -523,10 +523,10 @@ pub fn keep(
     keep_as(bytes, (&format!("KT830-{}", date.compact()), extension), folder, stick)
 }
 
-/// The same under a name of its own; another one is never overwritten.
+/// The same with a given name; if it exists, a counter from 1 to 100 is appended.
 ///
 /// # Errors
-/// There is no place, or the disk refuses.
+/// No target folder, or a disk error.
 pub(super) fn keep_as(
     bytes: &[u8],
     (stem, extension): (&str, &str),

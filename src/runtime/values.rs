@@ -1,4 +1,4 @@
-//! The values of a control as a file, and what of a file this control can take.
+//! Converts the values of a control to a file, and checks the values of a file for this control.
 //! Source: spec K7.8.
 
 use super::office::because;
@@ -13,7 +13,7 @@ use crate::nc::frames::{OFFSETS, WORK_FRAMES};
 use crate::store::Values;
 use crate::units::PerAxis;
 
-/// Everything that the core holds.
+/// All values of the core.
 #[must_use]
 pub fn of(holdings: &Holdings) -> Values {
     let mut values = Values { kind: Some(holdings.kind), ..Values::default() };
@@ -32,10 +32,10 @@ pub fn of(holdings: &Holdings) -> Values {
     values
 }
 
-/// What the values mean for this control: all of them must be allowed, or none is taken.
+/// Checks the values of a file: if one is not allowed, none is taken.
 ///
 /// # Errors
-/// The first value that is not.
+/// The first value that is not allowed.
 pub fn check(values: &Values, kind: Kind) -> Result<Restored, Refusal> {
     if let Some(other) = values.kind.filter(|other| *other != kind) {
         let (from, to) = (other.name(), kind.name());

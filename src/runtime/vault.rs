@@ -1,5 +1,5 @@
-//! Answers what the pages ask of the disk: whether a password fits, and keeping a new one, the kind, the language.
-//! Runs on the disk thread, or beside a rig; the core only hears the answer.
+//! Checks and changes passwords, and stores settings such as kind and language, as the pages request.
+//! Runs on the disk thread or in a rig; the core receives the answer only.
 //! Source: spec B6, K1, K6.2.
 
 use std::collections::BTreeMap;
@@ -10,7 +10,7 @@ use crate::link::command::Command;
 use crate::link::page_command::{Guard, PageAnswer, PageCommand, PageWish, Secret};
 use crate::store::{Change, Loaded, Retained, RetainedError, Settings, password};
 
-/// Before a password is changed for the first time it is this one; the manual names them.
+/// The default passwords, valid until they are changed; the manual lists them.
 const fn initial(guard: Guard) -> &'static str {
     match guard {
         Guard::Program => "187350", // K6.2
@@ -27,7 +27,7 @@ const fn key(guard: Guard) -> &'static str {
     }
 }
 
-/// The hashes of the passwords that were changed, and where settings are kept.
+/// Hashes of the changed passwords, and the folder of the settings.
 #[derive(Clone, Debug, Default)]
 pub struct Vault {
     hashes: BTreeMap<Guard, String>,
@@ -35,14 +35,14 @@ pub struct Vault {
 }
 
 impl Vault {
-    /// The passwords found in retained data; settings go into a folder.
+    /// Takes the passwords from retained data; settings are stored in `folder`.
     #[must_use]
     pub fn new(loaded: &Loaded, folder: PathBuf) -> Self {
         let found = |guard: Guard| loaded.texts.get(key(guard)).map(|hash| (guard, hash.clone()));
         Self { hashes: Guard::ALL.into_iter().filter_map(found).collect(), folder: Some(folder) }
     }
 
-    /// Answers a wish; without a store it is remembered until the vault is dropped.
+    /// Executes a request and returns the answer; without a store a new password is kept in memory only.
     pub fn answer(&mut self, wish: &PageWish, store: Option<&mut Retained>) -> Command {
         let answer = match wish {
             PageWish::Check(guard, secret) => PageAnswer::Checked(*guard, self.fits(*guard, secret)),

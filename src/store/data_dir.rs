@@ -1,4 +1,4 @@
-//! Where the data lies: the platform's place for it, or the one given at start.
+//! The data directory: the platform's default, or the one given at start.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,13 +7,13 @@ use directories::ProjectDirs;
 
 use super::fault::IoFault;
 
-/// Why there is no data directory to work in.
+/// Why there is no usable data directory.
 #[derive(Debug, thiserror::Error)]
 pub enum DataDirError {
-    /// The platform names no place: no home directory.
+    /// The platform has no default: no home directory.
     #[error("data directory: the system names no place for data (no home directory); start with --data FOLDER")]
     NoPlace,
-    /// The place cannot be made or written.
+    /// The directory cannot be created or written.
     #[error("data directory: {0}, or start with another --data FOLDER")]
     Unusable(#[from] IoFault),
 }
@@ -25,10 +25,10 @@ pub struct DataDir {
 }
 
 impl DataDir {
-    /// The given directory, or else the platform's for "kt830"; created with its folders when absent.
+    /// The given directory, or the platform's for "kt830"; created with its folders if it is missing.
     ///
     /// # Errors
-    /// When the platform names no place, or the directory cannot be created or written.
+    /// The platform has no default, or the directory cannot be created or written.
     pub fn resolve(given: Option<&Path>) -> Result<Self, DataDirError> {
         let root = match given {
             Some(path) => path.to_path_buf(),
@@ -37,13 +37,13 @@ impl DataDir {
         let found = Self { root };
         for folder in [found.root(), &found.programs(), &found.screens(), &found.backups(), &found.prints()] {
             fs::create_dir_all(folder).map_err(IoFault::at(folder, "create"))?;
-            // Better refused now than at the first part.
+            // Fail now rather than while a part is being ground.
             tempfile::tempfile_in(folder).map_err(IoFault::at(folder, "write in"))?;
         }
         Ok(found)
     }
 
-    /// The directory itself; `retained.redb` and the settings lie here.
+    /// The directory itself; it contains `retained.redb` and the settings.
     #[must_use]
     pub fn root(&self) -> &Path {
         &self.root
@@ -67,7 +67,7 @@ impl DataDir {
         self.root.join("backups")
     }
 
-    /// Screen prints (K7.8).
+    /// Screenshots (K7.8).
     #[must_use]
     pub fn prints(&self) -> PathBuf {
         self.root.join("prints")

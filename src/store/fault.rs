@@ -1,23 +1,23 @@
-//! A refusal of the operating system, told with its place, its cause and what to do about it.
+//! An error of the operating system with path, cause and remedy.
 
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// What the operating system refused to do with a file or folder.
+/// A failed operation on a file or folder.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot {act}: {cause}; {}", .path.display(), remedy(.cause.kind()))]
 pub struct IoFault {
     /// The file or folder.
     pub path: PathBuf,
-    /// What was being done, as a verb: "read", "replace".
+    /// The operation as a verb: "read", "replace".
     pub act: &'static str,
-    /// What the operating system said.
+    /// The error of the operating system.
     #[source]
     pub cause: io::Error,
 }
 
 impl IoFault {
-    /// For `map_err`: adds the place and the act to what the operating system said.
+    /// For `map_err`: adds path and operation to the error of the operating system.
     pub(super) fn at(path: &Path, act: &'static str) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_path_buf();
         move |cause| Self { path, act, cause }
@@ -27,13 +27,13 @@ impl IoFault {
         self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
     }
 
-    /// The same by the file's name alone.
+    /// The message with the file name only, in English.
     #[must_use]
     pub fn en(&self) -> String {
         format!("{}: {} ({})", self.name(), remedy(self.cause.kind()), self.cause)
     }
 
-    /// The same in Chinese; the system's own words stay as they are.
+    /// The message in Chinese; the text of the operating system is not translated.
     #[must_use]
     pub fn zh(&self) -> String {
         let name = self.name();
@@ -48,20 +48,20 @@ impl IoFault {
         format!("{name}：{remedy} ({})", self.cause)
     }
 
-    /// Whether the disk has no room left.
+    /// Whether the disk is full.
     #[must_use]
     pub fn is_full(&self) -> bool {
         matches!(self.cause.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
     }
 
-    /// Whether the file or folder simply is not there.
+    /// Whether the file or folder does not exist.
     #[must_use]
     pub fn is_missing(&self) -> bool {
         self.cause.kind() == ErrorKind::NotFound
     }
 }
 
-/// What a person can do about a kind of refusal.
+/// The remedy for a kind of error.
 fn remedy(kind: ErrorKind) -> &'static str {
     match kind {
         ErrorKind::NotFound => "check the path, and that the stick is plugged in",

@@ -1,60 +1,60 @@
-//! What the files of a folder are called: a letter, four digits, an extension; case does not count.
+//! Names of numbered files: a letter, four digits, an extension; case-insensitive.
 
-/// The largest part program, in bytes: over ten million blocks.
+/// Maximum size of a part program, bytes: over ten million blocks.
 pub const PROGRAM_LIMIT: u64 = 512 * 1024 * 1024;
-/// The largest page text, in bytes; a real one has 22 short lines.
+/// Maximum size of a page text, bytes; a real one has 22 short lines.
 pub const PAGE_TEXT_LIMIT: u64 = 64 * 1024;
-/// The largest picture, in bytes; 200 × 400 in 24 bits is 240 054 (K5.12).
+/// Maximum size of a picture, bytes; 200 × 400 pixels in 24 bits are 240 054 (K5.12).
 pub const PICTURE_LIMIT: u64 = 1024 * 1024;
 
-/// Part programs `O1001.NC` (B1). A lathe adds its own extensions with another constant.
+/// Part programs `O1001.NC` (B1).
 pub const PROGRAM: FileClass =
     FileClass { letter: 'O', extensions: &["NC"], limit: PROGRAM_LIMIT, comment: CommentIs::FirstComment };
-/// Page texts `C0001.TXT`; the `.NC` of the same number counts only without it (K7.3).
+/// Page texts `C0001.TXT`; `C0001.NC` is used only without it (K7.3).
 pub const PAGE_TEXT: FileClass =
     FileClass { letter: 'C', extensions: &["TXT", "NC"], limit: PAGE_TEXT_LIMIT, comment: CommentIs::Title };
 /// Pictures `B0001.BMP` (K7.3).
 pub const PICTURE: FileClass =
     FileClass { letter: 'B', extensions: &["BMP"], limit: PICTURE_LIMIT, comment: CommentIs::None };
 
-/// A kind of file: how it is named and how large it may be.
+/// A type of file: its names and its maximum size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FileClass {
     /// The letter before the number, upper case.
     pub letter: char,
-    /// Extensions in upper case; the earlier wins over the later.
+    /// Extensions in upper case; earlier ones have priority.
     pub extensions: &'static [&'static str],
-    /// The largest size, in bytes.
+    /// Maximum size, bytes.
     pub limit: u64,
-    /// What a directory shows beside the name.
+    /// Source of the comment in the directory.
     pub comment: CommentIs,
 }
 
-/// Where the comment line of a directory entry comes from.
+/// Source of the comment line of a directory entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommentIs {
-    /// The first `( )` or `;` comment of the file's head, as in programs.
+    /// The first `( )` or `;` comment at the start of the file, as in programs.
     FirstComment,
     /// The text up to the first `;`, as in page texts (K7.4).
     Title,
-    /// None: the file is no text.
+    /// No comment: the file is not text.
     None,
 }
 
-/// How many digits a number has in a name.
+/// Number of digits in a name.
 const DIGITS: usize = 4;
-/// The largest number that a name can carry.
+/// Largest number in a name.
 pub(super) const LARGEST_NUMBER: u16 = 9999;
 
 impl FileClass {
-    /// The name for a number, as this control writes it: `O1001.NC`.
+    /// The file name for a number, as written by this control: `O1001.NC`.
     #[must_use]
     pub fn name(&self, number: u16) -> String {
         let extension = self.extensions.first().copied().unwrap_or_default();
         format!("{}{number:04}.{extension}", self.letter)
     }
 
-    /// Number and rank of the extension (0 wins) of a name of this class, in any case; `None` for other names.
+    /// Number and rank of the extension (0 is best) of a name, case-insensitive; `None` for names of other classes.
     #[must_use]
     pub fn parse(&self, name: &str) -> Option<(u16, usize)> {
         let (stem, extension) = name.rsplit_once('.')?;
@@ -69,7 +69,7 @@ impl FileClass {
         Some((digits.parse().ok()?, rank))
     }
 
-    /// The comment line of a file whose beginning is `head`.
+    /// The comment line of a file that starts with `head`.
     pub(super) fn comment_in(&self, head: &str) -> String {
         match self.comment {
             CommentIs::FirstComment => first_comment(head),
@@ -79,7 +79,7 @@ impl FileClass {
     }
 }
 
-/// The first comment of a program's head: `( )`, `//` or after `;`.
+/// The first comment of a program: `( )`, `//` or after `;`.
 pub(super) fn first_comment(head: &str) -> String {
     for line in head.lines() {
         let found = if let Some((_, rest)) = line.split_once('(') {

@@ -1,6 +1,6 @@
-//! The folders `programs/` and `screens/`, and a stick's, by number.
+//! Numbered files in the folders `programs/` and `screens/` and on a USB drive.
 //!
-//! A person copies files in at any time, with any case and sometimes half-way; nothing is kept between two calls.
+//! The operator may copy files at any time, in upper or lower case, sometimes incompletely. Nothing is cached.
 //! Source: spec K7.3, K7.8, B1.
 
 use std::fs;
@@ -12,10 +12,10 @@ use super::listing::{self, Entry, Listing};
 use super::whole_file::{self, ReadError, UNFINISHED};
 use crate::defs::text::Said;
 
-/// Why a file of a folder was not read, written, renamed or deleted. Nothing was changed.
+/// Why a file was not read, written, renamed or deleted. Nothing was changed.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// No file of that number.
+    /// No file with that number.
     #[error("{name} is not in {}; copy it there", .folder.display())]
     Missing {
         /// The name it would have.
@@ -28,25 +28,25 @@ pub enum FolderError {
     BadName {
         /// The name given.
         name: String,
-        /// A good one.
+        /// An example of a valid name.
         like: String,
     },
-    /// The number cannot stand in a name.
+    /// The number is too large for a file name.
     #[error("{number} is not a file number; 0 to {LARGEST_NUMBER} are")]
     BadNumber {
         /// The number given.
         number: u16,
     },
-    /// A link, folder or device stands under the name.
+    /// A link, folder or device has that name.
     #[error("{}: a link, folder or device; put the file itself there", .path.display())]
     NotPlain {
-        /// The place.
+        /// The path.
         path: PathBuf,
     },
     /// Larger than its class allows.
     #[error("{}: {size} bytes, more than the {limit} allowed; split it", .path.display())]
     TooLarge {
-        /// The place.
+        /// The path.
         path: PathBuf,
         /// Its size in bytes.
         size: u64,
@@ -56,22 +56,22 @@ pub enum FolderError {
     /// It changed while it was read.
     #[error("{}: still being written; wait until it is copied and try again", .path.display())]
     Changing {
-        /// The place.
+        /// The path.
         path: PathBuf,
     },
     /// The target exists already.
     #[error("{}: there already; delete it first or choose another number", .path.display())]
     Exists {
-        /// The place.
+        /// The path.
         path: PathBuf,
     },
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error(transparent)]
     Io(#[from] IoFault),
 }
 
 impl FolderError {
-    /// What the screen says of it: the file by its name alone, whatever folder it stands in.
+    /// The message for the screen; it names the file without its folder.
     #[must_use]
     pub fn said(&self) -> Said {
         let two = |zh: String, en: String| Said::new(zh, en);
@@ -118,7 +118,7 @@ impl FolderError {
 /// A file's name and content.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Read {
-    /// The name as it stands on the disk, for messages.
+    /// The name on the disk, for messages.
     pub name: String,
     /// The content.
     pub bytes: Vec<u8>,
@@ -131,7 +131,7 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// The folder at a path. Whether it is there shows at the first use: a stick comes and goes.
+    /// The folder at a path. Whether it exists is checked at each use, because a USB drive can be removed.
     #[must_use]
     pub fn new(path: impl Into<PathBuf>) -> Self {
         Self { path: path.into() }
@@ -143,34 +143,34 @@ impl Folder {
         &self.path
     }
 
-    /// The files of a class with size, time and comment line, and those that do not count.
+    /// Lists the files of a class with size, time and comment line, and the ignored files.
     ///
     /// # Errors
-    /// When the folder cannot be listed.
+    /// The folder cannot be listed.
     pub fn list(&self, class: &FileClass) -> Result<Listing, FolderError> {
         Ok(listing::list(&self.path, class)?)
     }
 
-    /// The file that counts for a number; names are compared without regard to case.
+    /// Finds the file with a number; names are compared case-insensitively.
     ///
     /// # Errors
-    /// [`FolderError::Missing`], or when the folder cannot be listed.
+    /// [`FolderError::Missing`], or the folder cannot be listed.
     pub fn find(&self, class: &FileClass, number: u16) -> Result<Entry, FolderError> {
         let (mut found, _) = listing::scan(&self.path, class)?;
         let found = found.remove(&number).ok_or_else(|| self.missing(class, number))?;
         Ok(listing::entry(&self.path, class, number, found))
     }
 
-    /// The content of the file that counts for a number.
+    /// Reads the file with a number.
     ///
     /// # Errors
-    /// When it is missing, no plain file, larger than its class allows, still being written, or unreadable.
+    /// It is missing, not a regular file, larger than its class allows, still being written, or unreadable.
     pub fn read(&self, class: &FileClass, number: u16) -> Result<Read, FolderError> {
         let path = self.existing(class, number)?;
         Ok(Read { name: shown(&path), bytes: read_plain(&path, class.limit)? })
     }
 
-    /// The content of a file by its exact name, at most `class.limit` bytes.
+    /// Reads a file by its exact name, at most `class.limit` bytes.
     ///
     /// # Errors
     /// As [`Folder::read`]; also for a name with a separator or `..`.
@@ -179,8 +179,7 @@ impl Folder {
         Ok(Read { name: name.to_owned(), bytes: read_plain(&path, class.limit)? })
     }
 
-    /// Writes a file by its exact name, in place of the one that is there: after a power cut it is the old or the new.
-    /// Returns its name.
+    /// Writes or replaces a file by its exact name. After a power cut it is the old or the new file. Returns its name.
     ///
     /// # Errors
     /// As [`Folder::write`]; also for a name with a separator or `..`.
@@ -198,11 +197,10 @@ impl Folder {
         Ok(shown(&path))
     }
 
-    /// Writes a file, in place of the one that counted for the number: after a power cut it is the old or the new.
-    /// Returns its name.
+    /// Writes or replaces the file with a number. After a power cut it is the old or the new file. Returns its name.
     ///
     /// # Errors
-    /// When it is too large, or a link, folder or device has its name, or the disk refuses.
+    /// It is too large, or a link, folder or device has its name, or a disk error.
     pub fn write(&self, class: &FileClass, number: u16, bytes: &[u8]) -> Result<String, FolderError> {
         let path = match self.existing(class, number) {
             Ok(path) => path,
@@ -217,10 +215,10 @@ impl Folder {
         Ok(shown(&path))
     }
 
-    /// Removes a file by its exact name.
+    /// Deletes a file by its exact name.
     ///
     /// # Errors
-    /// When there is none, or the disk refuses.
+    /// It is missing, or a disk error.
     pub fn delete_named(&self, class: &FileClass, name: &str) -> Result<(), FolderError> {
         let path = self.path.join(plain_name(class, name)?);
         read_plain(&path, class.limit)?;
@@ -231,17 +229,17 @@ impl Folder {
     /// Copies a file to a free number and returns the new name.
     ///
     /// # Errors
-    /// As reading and writing; [`FolderError::Exists`] when the number is taken.
+    /// As for reading and writing; [`FolderError::Exists`] when the number is in use.
     pub fn copy(&self, class: &FileClass, from: u16, to: u16) -> Result<String, FolderError> {
         self.refuse_taken(class, to)?;
         let read = self.read(class, from)?;
         self.write(class, to, &read.bytes)
     }
 
-    /// Gives a file a free number and returns the new name.
+    /// Renames a file to a free number and returns the new name.
     ///
     /// # Errors
-    /// When it is missing, or the number is taken, or the disk refuses.
+    /// It is missing, the number is in use, or a disk error.
     pub fn rename(&self, class: &FileClass, from: u16, to: u16) -> Result<String, FolderError> {
         self.refuse_taken(class, to)?;
         let (old, new) = (self.existing(class, from)?, self.canonical(class, to)?);
@@ -250,20 +248,20 @@ impl Folder {
         Ok(shown(&new))
     }
 
-    /// Deletes the file that counts for a number. One that it hid (`.NC` behind `.TXT`) counts afterwards.
+    /// Deletes the file with a number. A file that it hid (`.NC` behind `.TXT`) becomes valid.
     ///
     /// # Errors
-    /// When it is missing or the disk refuses.
+    /// It is missing, or a disk error.
     pub fn delete(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
         let path = self.existing(class, number)?;
         fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?;
         Ok(whole_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
     }
 
-    /// Removes the temporary files that a power cut left behind; call once at start. Returns how many there were.
+    /// Deletes temporary files left by a power cut; call once at start. Returns their number.
     ///
     /// # Errors
-    /// When the folder cannot be listed or the disk refuses.
+    /// The folder cannot be listed, or a disk error.
     pub fn remove_unfinished(&self) -> Result<usize, FolderError> {
         let mut removed = 0;
         for entry in fs::read_dir(&self.path).map_err(IoFault::at(&self.path, "list"))? {
@@ -278,7 +276,7 @@ impl Folder {
         Ok(removed)
     }
 
-    /// The path of the file that counts for a number; a link, folder or device under its own name is refused.
+    /// The path of the file with a number; refuses a link, folder or device with that name.
     fn existing(&self, class: &FileClass, number: u16) -> Result<PathBuf, FolderError> {
         let (mut found, ignored) = listing::scan(&self.path, class)?;
         if let Some(found) = found.remove(&number) {
@@ -291,7 +289,7 @@ impl Folder {
         }
     }
 
-    /// The path that a new file gets.
+    /// The path of a new file.
     fn canonical(&self, class: &FileClass, number: u16) -> Result<PathBuf, FolderError> {
         if number > LARGEST_NUMBER {
             return Err(FolderError::BadNumber { number });
@@ -312,7 +310,7 @@ impl Folder {
     }
 }
 
-/// A name that cannot lead out of the folder, whatever system the stick came from.
+/// Checks that a name cannot lead out of the folder on any operating system.
 fn plain_name<'a>(class: &FileClass, name: &'a str) -> Result<&'a str, FolderError> {
     let outside = name.is_empty() || name == "." || name == ".." || name.contains(['/', '\\', ':', '\0']);
     if outside { Err(FolderError::BadName { name: name.to_owned(), like: class.name(1001) }) } else { Ok(name) }
@@ -331,7 +329,7 @@ pub(super) fn read_plain(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError
     })
 }
 
-/// A path's own name, for messages.
+/// The file name of a path, for messages.
 fn shown(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }

@@ -1,4 +1,4 @@
-//! What lies in a folder: the files of a class by number, and why the others do not count.
+//! Lists a folder: the files of a class by number, and why other files are ignored.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -12,11 +12,11 @@ use super::fault::IoFault;
 use super::file_class::{CommentIs, FileClass};
 use super::whole_file::UNFINISHED;
 
-/// The most files of a folder that are looked at; the rest is told as ignored.
+/// Maximum number of files read in a folder; the next one is reported as ignored.
 pub const LISTING_LIMIT: usize = 20_000;
-/// How much of a file is looked at for its comment line, in bytes.
+/// Bytes of a file that are searched for its comment line.
 const HEAD_LIMIT: u64 = 2048;
-/// The longest comment line, in characters.
+/// Maximum length of a comment line, characters.
 pub(super) const COMMENT_LIMIT: usize = 80;
 
 /// A file of a class.
@@ -24,42 +24,42 @@ pub(super) const COMMENT_LIMIT: usize = 80;
 pub struct Entry {
     /// The number in its name.
     pub number: u16,
-    /// Its name as it stands on the disk.
+    /// Its name on the disk.
     pub name: String,
     /// Its size, in bytes.
     pub size: u64,
-    /// When it was last written, by the clock of the computer; `None` when the disk does not say.
+    /// Time of the last change by the computer's clock; `None` if unknown.
     pub modified: Option<SystemTime>,
     /// The comment line; empty when there is none.
     pub comment: String,
 }
 
-/// A file that is there and does not count.
+/// A file that is not used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ignored {
     /// Its name.
     pub name: String,
-    /// Why, for the person who copied it.
+    /// The reason, for the operator.
     pub reason: String,
 }
 
 /// The files of one class in a folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Listing {
-    /// In the order of their numbers.
+    /// Sorted by number.
     pub entries: Vec<Entry>,
-    /// In the order of their names; files of another letter are not among them.
+    /// Sorted by name; without files of other letters.
     pub ignored: Vec<Ignored>,
 }
 
-/// A name that counts, before its file is looked into.
+/// A file with a valid name, before its content is read.
 pub(super) struct Found {
     pub(super) name: String,
     rank: usize,
     pub(super) metadata: fs::Metadata,
 }
 
-/// The files of a class by number, without their comments, and what was passed over.
+/// The files of a class by number, without comments, and the ignored files.
 pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Found>, Vec<Ignored>), IoFault> {
     let mut found: BTreeMap<u16, Found> = BTreeMap::new();
     let mut ignored = Vec::new();
@@ -76,7 +76,7 @@ pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Fo
         };
         let metadata = match entry.metadata() {
             Ok(metadata) => metadata,
-            // Removed since the folder was opened.
+            // Deleted since the folder was opened.
             Err(_) => continue,
         };
         if !metadata.is_file() {
@@ -97,12 +97,12 @@ pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Fo
     Ok((found, ignored))
 }
 
-/// Which of two files of one number counts: the better extension, then upper case before lower case.
+/// Orders two files of the same number: by rank of the extension, then upper case before lower case.
 fn first_of(one: Found, other: Found) -> (Found, Found) {
     if (one.rank, &one.name) <= (other.rank, &other.name) { (one, other) } else { (other, one) }
 }
 
-/// A file that was surely meant for the class, by its letter and extension, but has no number of four digits.
+/// A file with letter and extension of the class but without a number of four digits.
 fn misnamed(class: &FileClass, name: String) -> Option<Ignored> {
     let extension = name.rsplit_once('.').map(|(_, extension)| extension)?;
     let known = class.extensions.iter().any(|known| known.eq_ignore_ascii_case(extension));
@@ -118,22 +118,22 @@ pub(super) fn list(folder: &Path, class: &FileClass) -> Result<Listing, IoFault>
     Ok(Listing { entries, ignored })
 }
 
-/// The entry of a file, its comment line read from its head.
+/// The entry of a file; reads its comment line.
 pub(super) fn entry(folder: &Path, class: &FileClass, number: u16, found: Found) -> Entry {
     let head = match class.comment {
         CommentIs::None => String::new(),
-        // A file that cannot be read has no comment; reading it in earnest says why.
+        // An unreadable file has no comment; reading it later reports the error.
         CommentIs::FirstComment | CommentIs::Title => head(&folder.join(&found.name)).unwrap_or_default(),
     };
     let comment = class.comment_in(&head).chars().filter(|c| !c.is_control()).take(COMMENT_LIMIT).collect();
     Entry { number, name: found.name, size: found.metadata.len(), modified: found.metadata.modified().ok(), comment }
 }
 
-/// The beginning of a file as text; what is no character shows as `�`.
+/// The start of a file as text; invalid bytes show as `�`.
 pub(super) fn head(path: &Path) -> Option<String> {
     let mut bytes = Vec::new();
     File::open(path).ok()?.take(HEAD_LIMIT).read_to_end(&mut bytes).ok()?;
-    // A character cut in two at the end of the head is no reason to take the file for GBK.
+    // An incomplete character at the end does not make the file GBK.
     let is_utf8 = match std::str::from_utf8(&bytes) {
         Ok(_) => true,
         Err(wrong) => wrong.error_len().is_none(),

@@ -1,13 +1,13 @@
-//! Everything that outlives a power cut, and the folders a person copies files into.
+//! Data that survive a power cut, and the folders into which the operator copies files.
 //!
-//! Plain synchronous code for the disk thread, never for the tick: every call may wait for the disk. Nothing here knows
-//! what a variable or a program means; it keeps what it is given and gives it back whole, or says what is wrong.
+//! Synchronous code for the disk thread, never for the tick: every call may wait for the disk. This room does not know
+//! the meaning of a variable or a program; it stores data and returns them complete, or reports what is wrong.
 //!
-//! | what | where | how it survives a power cut |
+//! | data | where | how they survive a power cut |
 //! |---|---|---|
-//! | variables, parameters, offsets, frames, words | [`Retained`], `retained.redb` | one durable transaction a commit |
-//! | settings, backups, part files | [`ron_file`] | whole-file replacement, checksum, previous generation kept |
-//! | programs, page files, pictures | [`Folder`] | whole-file replacement |
+//! | variables, parameters, offsets, frames, texts | [`Retained`], `retained.redb` | one durable transaction a commit |
+//! | settings, backups, part files | [`ron_file`] | atomic replacement, checksum, previous version kept |
+//! | programs, page files, pictures | [`Folder`] | atomic replacement |
 //!
 //! Source: spec K3, K4.2, K6, K7.3, K7.8, B1, B3, B6.
 

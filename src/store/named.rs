@@ -1,4 +1,4 @@
-//! Programs that are called by a name: `VGRIND.MPF`, `L10.SPF`, or `L10` alone. Source: spec S1.
+//! Programs with names: `VGRIND.MPF`, `L10.SPF`, or `L10` without extension. Source: spec S1.
 
 use std::fs;
 use std::path::Path;
@@ -16,19 +16,19 @@ const NAME_LIMIT: usize = 24;
 /// A program with a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedEntry {
-    /// What programs call it, in upper case.
+    /// The name used in calls, upper case.
     pub stem: String,
-    /// Its name as it stands on the disk.
+    /// Its name on the disk.
     pub name: String,
     /// Its size, in bytes.
     pub size: u64,
-    /// When it was last written; `None` when the disk does not say.
+    /// Time of the last change; `None` if unknown.
     pub modified: Option<SystemTime>,
-    /// The first comment of its head; empty when there is none.
+    /// The first comment of the file; empty if there is none.
     pub comment: String,
 }
 
-/// What programs call a file, in upper case; `None` for files that are no such programs.
+/// The name used in calls, upper case; `None` for files that are not named programs.
 #[must_use]
 pub fn stem_of(name: &str) -> Option<String> {
     let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -43,17 +43,17 @@ pub fn stem_of(name: &str) -> Option<String> {
     good.then(|| stem.to_ascii_uppercase())
 }
 
-/// The programs with a name in a folder, by name; of two with one name the first on the disk's list of names counts.
+/// Lists the named programs of a folder, sorted by name. Of two with the same stem the first file name is used.
 ///
 /// # Errors
-/// When the folder cannot be listed.
+/// The folder cannot be listed.
 pub fn list_named(folder: &Path) -> Result<Vec<NamedEntry>, IoFault> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).map_err(IoFault::at(folder, "list"))?.take(LISTING_LIMIT) {
         let entry = entry.map_err(IoFault::at(folder, "list"))?;
         let Ok(name) = entry.file_name().into_string() else { continue };
         let Some(stem) = stem_of(&name) else { continue };
-        // Removed since the folder was opened, or no plain file.
+        // Deleted since the folder was opened, or not a regular file.
         let Some(metadata) = entry.metadata().ok().filter(fs::Metadata::is_file) else { continue };
         let comment = first_comment(&head(&entry.path()).unwrap_or_default());
         let comment = comment.chars().filter(|c| !c.is_control()).take(COMMENT_LIMIT).collect();

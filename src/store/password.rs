@@ -1,6 +1,6 @@
-//! Passwords as they are kept: hashed with Argon2id and a salt of their own, written as a PHC string.
-//! Some 20 ms and 19 MiB each: for the disk thread, never for the tick.
-//! Source: spec B6 (stored hashed); parameters as OWASP's password storage cheat sheet has them.
+//! Password hashing: Argon2id with a random salt, stored as a PHC string.
+//! About 20 ms and 19 MiB per hash: for the disk thread, never for the tick.
+//! Source: spec B6 (stored hashed); parameters from OWASP's password storage cheat sheet.
 
 use argon2::Argon2;
 use argon2::password_hash::phc::PasswordHash;
@@ -11,17 +11,17 @@ use argon2::password_hash::{PasswordHasher, PasswordVerifier};
 #[error("the password could not be hashed: {0}")]
 pub struct HashError(String);
 
-/// The form in which a password is kept.
+/// Hashes a password.
 ///
 /// # Errors
-/// The system gives no random salt.
+/// The system provides no random salt.
 pub fn hash(password: &str) -> Result<String, HashError> {
     let hashed: PasswordHash =
         Argon2::default().hash_password(password.as_bytes()).map_err(|error| HashError(error.to_string()))?;
     Ok(hashed.to_string())
 }
 
-/// Whether a password is the one that was hashed. What is not a hash fits nothing.
+/// Whether a password matches a hash. An invalid hash matches nothing.
 #[must_use]
 pub fn fits(password: &str, hash: &str) -> bool {
     PasswordHash::new(hash).is_ok_and(|hash| Argon2::default().verify_password(password.as_bytes(), &hash).is_ok())

@@ -1,8 +1,8 @@
-//! RON files that people read, edit and carry: settings, backups of parameters and variables, part files.
+//! RON files that people read, edit and copy: settings, backups of parameters and variables, part files.
 //!
-//! The last line is a comment with the checksum of all before it; the generation before is kept as `NAME.bak`.
-//! A file that was edited by hand still counts for [`Care::Person`], with a warning; for [`Care::Strict`] it does not.
-//! What cannot be read is never silently replaced by defaults: the previous generation is used and that is said.
+//! The last line is a comment with the checksum of the text before it. The previous version is kept as `NAME.bak`.
+//! A file edited by hand is accepted with a warning for [`Care::Person`] and refused for [`Care::Strict`].
+//! An unreadable file is never replaced silently by defaults: the previous version is read, with a warning.
 
 use std::ffi::OsString;
 use std::fs;
@@ -16,12 +16,12 @@ use super::checksum;
 use super::fault::IoFault;
 use super::whole_file::{self, ReadError};
 
-/// The largest RON file, in bytes.
+/// Maximum size of a RON file, bytes.
 pub const RON_LIMIT: u64 = 16 * 1024 * 1024;
-/// How the checksum line begins; 16 hexadecimal digits and a line end follow.
+/// Start of the checksum line; 16 hexadecimal digits and a line end follow.
 const CHECKSUM_MARK: &str = "// checksum ";
 
-/// How much a file must be as this control wrote it.
+/// How strictly the checksum is checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Care {
     /// Edited by people: a missing or stale checksum is a warning.
@@ -30,7 +30,7 @@ pub enum Care {
     Strict,
 }
 
-/// What a person should be told although the file was read.
+/// A warning about a file that was read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Warning {
     /// Edited or written by hand.
@@ -39,7 +39,7 @@ pub enum Warning {
     /// Edited by hand after the control wrote it.
     #[error("{}: the checksum does not fit; the file was edited by hand", .0.display())]
     StaleChecksum(PathBuf),
-    /// The previous generation was read instead.
+    /// The previous version was read instead.
     #[error("{cause}; the previous generation {} was used instead", .backup.display())]
     FromBackup {
         /// The file that was read.
@@ -49,25 +49,25 @@ pub enum Warning {
     },
 }
 
-/// A value and what a person should be told about it.
+/// A value and its warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found<T> {
     /// The value.
     pub value: T,
-    /// Empty when all is well.
+    /// Empty if there is nothing to report.
     pub warnings: Vec<Warning>,
 }
 
 /// Why a RON file was not read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum RonError {
-    /// Neither the file nor its previous generation is there.
+    /// Neither the file nor its previous version exists.
     #[error("{}: not there; it is made when it is first saved", .path.display())]
     Missing {
         /// The file.
         path: PathBuf,
     },
-    /// The text is not RON, or not RON of this kind.
+    /// The text is not RON, or not of this type.
     #[error("{} line {line}, column {column}: {cause}; correct it there or restore a backup", .path.display())]
     Text {
         /// The file.
@@ -79,15 +79,15 @@ pub enum RonError {
         /// What is wrong.
         cause: String,
     },
-    /// No checksum, or one that does not fit, where only the control writes.
+    /// A missing or wrong checksum in a file that only the control writes.
     #[error("{}: {cause}; restore a backup", .path.display())]
     Checksum {
         /// The file.
         path: PathBuf,
-        /// Absent or stale.
+        /// Missing or wrong.
         cause: &'static str,
     },
-    /// A link, folder or device, too large, or just being written.
+    /// A link, folder or device, too large, or still being written.
     #[error("{}: {cause}; put a plain RON file there", .path.display())]
     NotReadable {
         /// The file.
@@ -100,18 +100,18 @@ pub enum RonError {
     Value {
         /// The file.
         path: PathBuf,
-        /// What RON said.
+        /// The error of the RON library.
         cause: String,
     },
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error(transparent)]
     Io(#[from] IoFault),
 }
 
-/// Reads a file, or its previous generation when it is missing or cannot be used.
+/// Reads a file, or its previous version if the file is missing or invalid.
 ///
 /// # Errors
-/// The error of the file itself, when the previous generation is no good either.
+/// The error of the file itself, if the previous version is invalid, too.
 pub fn read<T: DeserializeOwned>(path: &Path, care: Care) -> Result<Found<T>, RonError> {
     let first = match read_one(path, care) {
         Ok(found) => return Ok(found),
@@ -127,11 +127,11 @@ pub fn read<T: DeserializeOwned>(path: &Path, care: Care) -> Result<Found<T>, Ro
     }
 }
 
-/// Writes a file: at every power cut it is the old or the new. A good old file becomes `NAME.bak`; one that could not
-/// be read is put aside as `NAME.damaged`, so that it never pushes out a good previous generation.
+/// Writes a file: after a power cut it is the old or the new one. A valid old file becomes `NAME.bak`; an invalid one
+/// is renamed to `NAME.damaged`, so that it never replaces a valid previous version.
 ///
 /// # Errors
-/// When the disk refuses; the old file stands. [`RonError::Value`] when the value would not read back.
+/// A disk error; the old file stays. [`RonError::Value`] if the value could not be read back.
 pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: Care, value: &T) -> Result<(), RonError> {
     let text = to_text(path, value)?;
     match read_one::<T>(path, care) {
@@ -148,7 +148,7 @@ pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: Care, value: &T
     Ok(whole_file::replace(path, text.as_bytes())?)
 }
 
-/// Copies a file to its `NAME.extension`. A copy, not a link or a rename: sticks have no links, and the file stays.
+/// Copies a file to `NAME.extension`. A copy, because USB drives have no links and the file must stay.
 fn keep(path: &Path, extension: &str) -> Result<(), RonError> {
     let bytes = whole_file::read(path, RON_LIMIT).map_err(|refused| unreadable(path, refused))?;
     Ok(whole_file::replace(&beside(path, extension), &bytes)?)
@@ -169,12 +169,12 @@ fn to_text<T: Serialize + DeserializeOwned>(path: &Path, value: &T) -> Result<St
     Ok(text)
 }
 
-/// Reads one file, without its previous generation.
+/// Reads one file, without its previous version.
 fn read_one<T: DeserializeOwned>(path: &Path, care: Care) -> Result<Found<T>, RonError> {
     let bytes = whole_file::read(path, RON_LIMIT).map_err(|refused| unreadable(path, refused))?;
     let text = std::str::from_utf8(&bytes).map_err(|wrong| not_utf8(path, &bytes, wrong.valid_up_to()))?;
     let warnings = judge(path, care, text)?;
-    // Windows' editor puts a byte order mark in front.
+    // The Windows editor writes a byte order mark.
     let text = text.trim_start_matches('\u{FEFF}');
     let value = ron::from_str(text).map_err(|wrong| {
         let (line, column) = next_token(text, wrong.span.start.line, wrong.span.start.col);
@@ -183,7 +183,7 @@ fn read_one<T: DeserializeOwned>(path: &Path, care: Care) -> Result<Found<T>, Ro
     Ok(Found { value, warnings })
 }
 
-/// Where the next token begins: the parser's place stands before the blanks in front of it.
+/// The position of the next token: the parser reports the position before the blanks.
 fn next_token(text: &str, line: usize, column: usize) -> (usize, usize) {
     for (number, content) in text.lines().enumerate().skip(line.saturating_sub(1)) {
         let skipped = if number + 1 == line { column.saturating_sub(1) } else { 0 };
@@ -195,7 +195,7 @@ fn next_token(text: &str, line: usize, column: usize) -> (usize, usize) {
     (line, column)
 }
 
-/// What the checksum line says.
+/// Checks the checksum line.
 fn judge(path: &Path, care: Care, text: &str) -> Result<Vec<Warning>, RonError> {
     let refused = |cause| RonError::Checksum { path: path.to_path_buf(), cause };
     let stated = text.rfind(CHECKSUM_MARK).and_then(|at| {
@@ -229,7 +229,7 @@ fn not_utf8(path: &Path, bytes: &[u8], valid: usize) -> RonError {
     RonError::Text { path: path.to_path_buf(), line, column: last.chars().count() + 1, cause }
 }
 
-/// `NAME.extension` beside a file, its own extension kept.
+/// `NAME.extension`; the own extension of the file stays.
 fn beside(path: &Path, extension: &str) -> PathBuf {
     let mut name = OsString::from(path.as_os_str());
     name.push(".");

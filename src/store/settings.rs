@@ -1,5 +1,5 @@
-//! What a machine is told before it starts: its kind and the language of its screen, in `settings.ron`.
-//! The command line goes before it. Source: spec K1 ("chosen at start and kept"), B6 (设置).
+//! Settings that are needed at start, such as kind and language, in `settings.ron`.
+//! The command line overrides them. Source: spec K1 ("chosen at start and kept"), B6 (设置).
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::defs::text::Lang;
 /// The file's name.
 const FILE: &str = "settings.ron";
 
-/// What was chosen; what was not is decided by the caller.
+/// The settings; the caller provides defaults for `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
@@ -22,7 +22,7 @@ pub struct Settings {
     pub lang: Option<Lang>,
     /// The light theme instead of the dark one.
     pub light: Option<bool>,
-    /// Brightness of the picture, percent.
+    /// Brightness of the screen, percent.
     pub brightness: Option<u8>,
     /// The RS232 port: `/dev/ttyS0`, `COM1`.
     pub serial: Option<String>,
@@ -33,10 +33,10 @@ impl Settings {
         folder.join(FILE)
     }
 
-    /// The settings of a data directory; none chosen where there is no file.
+    /// Reads the settings of a data directory; all `None` if there is no file.
     ///
     /// # Errors
-    /// The file cannot be read or is not of the form; it names line and column.
+    /// The file cannot be read or is invalid; the error names line and column.
     pub fn read(folder: &Path) -> Result<Self, RonError> {
         match ron_file::read(&Self::path(folder), Care::Person) {
             Ok(found) => Ok(found.value),
@@ -45,10 +45,10 @@ impl Settings {
         }
     }
 
-    /// Keeps them; when it returns, they outlive a power cut.
+    /// Writes the settings; when it returns, they survive a power cut.
     ///
     /// # Errors
-    /// The disk refuses; the old file stands.
+    /// A disk error; the old file stays.
     pub fn write(&self, folder: &Path) -> Result<(), RonError> {
         ron_file::write(&Self::path(folder), Care::Person, self)
     }

@@ -1,5 +1,5 @@
-//! The programs of a folder whatever they are called: `O1001.NC` by number, `VGRIND.MPF` and `L10.SPF` by name, and
-//! `SHAFT.NC` where the kind calls its programs so. What goes over a stick or a line is named this way.
+//! The programs of a folder by file name: numbered `O1001.NC`, named `VGRIND.MPF` and `L10.SPF`, and `SHAFT.NC` on
+//! kinds with named programs. Transfers by USB drive and RS232 use these names.
 //! Source: spec B1, L1, S1, K7.8.
 
 use std::path::Path;
@@ -11,25 +11,25 @@ use super::listing::LISTING_LIMIT;
 use super::named::stem_of;
 use super::stick::StickFile;
 
-/// The longest name of a program without its extension, in characters.
+/// Maximum length of a program name without its extension, characters.
 pub const STEM_LIMIT: usize = 32;
 
 /// A folder of programs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Shelf {
     folder: Folder,
-    /// `NAME.NC` counts, and `O1001.NC` is a name like any other.
+    /// `NAME.NC` is a program, and `O1001.NC` has no special meaning.
     named: bool,
 }
 
 impl Shelf {
-    /// The programs of a folder; `named` where the kind calls them by name.
+    /// The programs of a folder; `named` on kinds with named programs.
     #[must_use]
     pub fn new(folder: &Path, named: bool) -> Self {
         Self { folder: Folder::new(folder), named }
     }
 
-    /// Whether a file name is that of a program here. It holds no separator, begins with no point and is not too long.
+    /// Whether a file name is a valid program name: no separator, no leading dot, not too long.
     #[must_use]
     pub fn knows(&self, name: &str) -> bool {
         if !self.named {
@@ -42,14 +42,14 @@ impl Shelf {
             && stem.chars().all(good)
     }
 
-    /// The plain files that are programs, by name; links, folders and devices are passed over.
+    /// Lists the programs by name; links, folders and devices are skipped.
     ///
     /// # Errors
     /// The folder cannot be listed.
     pub fn list(&self) -> Result<Vec<StickFile>, FolderError> {
         let mut found = Vec::new();
         if !self.named {
-            // Of two files with one number one counts.
+            // Of two files with the same number only one is used.
             let listing = self.folder.list(&PROGRAM)?;
             found.extend(listing.entries.into_iter().map(|entry| StickFile { name: entry.name, size: entry.size }));
         }
@@ -66,7 +66,7 @@ impl Shelf {
         Ok(found)
     }
 
-    /// The name that a program has here, whatever the case of its letters; the name itself if it is not here.
+    /// The name of an existing program, compared case-insensitively; the given name if there is none.
     fn own_name(&self, name: &str) -> Result<String, FolderError> {
         let listed = self.list()?;
         let same = listed.iter().find(|file| file.name == name);
@@ -74,19 +74,19 @@ impl Shelf {
         Ok(same.map_or_else(|| name.to_owned(), |file| file.name.clone()))
     }
 
-    /// The content of a program by its file name, without regard to case.
+    /// Reads a program by its file name, case-insensitively.
     ///
     /// # Errors
-    /// It is no program's name, or the file is missing, no plain file, too large or unreadable.
+    /// Not a program name, or the file is missing, not a regular file, too large or unreadable.
     pub fn read(&self, name: &str) -> Result<Read, FolderError> {
         self.check(name)?;
         self.folder.read_named(&PROGRAM, &self.own_name(name)?)
     }
 
-    /// Writes a program, in place of the one of that name: after a power cut it is the old or the new. Gives its name.
+    /// Writes or replaces a program. After a power cut it is the old or the new file. Returns its name.
     ///
     /// # Errors
-    /// It is no program's name, too large, a link or folder has it, or the disk refuses.
+    /// Not a program name, too large, a link or folder has that name, or a disk error.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<String, FolderError> {
         self.check(name)?;
         match PROGRAM.parse(name).filter(|_| !self.named) {

@@ -1,4 +1,4 @@
-//! A medium that is plugged in: where it is, what is free on it, plain files in its top folder.
+//! A USB drive: its mount point, its free space, the regular files in its top folder.
 //! Source: spec K7.8, H8 (no U盘).
 
 use std::fs;
@@ -8,34 +8,34 @@ use super::fault::IoFault;
 use super::folder::{self, FolderError};
 use super::whole_file;
 
-/// Where systems put what is plugged in: the folders of media lie one or two levels below.
+/// Folders below which operating systems mount drives, one or two levels down.
 const ROOTS: [&str; 4] = ["/media", "/run/media", "/mnt", "/Volumes"];
-/// Most names looked at in a folder.
+/// Maximum number of names read in a folder.
 const MOST: usize = 4_096;
 
-/// A medium.
+/// A USB drive.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Stick {
     root: PathBuf,
 }
 
-/// A file in the top folder of a medium.
+/// A file with its size.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StickFile {
     /// Its name.
     pub name: String,
-    /// Bytes.
+    /// Its size, bytes.
     pub size: u64,
 }
 
 impl Stick {
-    /// The medium at a folder.
+    /// The drive mounted at a folder.
     #[must_use]
     pub const fn at(root: PathBuf) -> Self {
         Self { root }
     }
 
-    /// The first medium that is plugged in.
+    /// The first drive that is plugged in.
     #[must_use]
     pub fn find() -> Option<Self> {
         let below = |folder: &Path| -> Vec<PathBuf> {
@@ -59,13 +59,13 @@ impl Stick {
         &self.root
     }
 
-    /// Whether it is still there.
+    /// Whether it is still plugged in.
     #[must_use]
     pub fn is_present(&self) -> bool {
         self.root.is_dir()
     }
 
-    /// Bytes that are free on it, as far as the system tells.
+    /// Free bytes; `None` if the system does not report them.
     #[must_use]
     pub fn free(&self) -> Option<u64> {
         #[cfg(unix)]
@@ -77,10 +77,10 @@ impl Stick {
         None
     }
 
-    /// The plain files in its top folder, by name.
+    /// The regular files in its top folder, sorted by name.
     ///
     /// # Errors
-    /// It cannot be listed: it is gone, or broken.
+    /// It cannot be listed: removed or defective.
     pub fn files(&self) -> Result<Vec<StickFile>, IoFault> {
         let mut found = Vec::new();
         for entry in fs::read_dir(&self.root).map_err(IoFault::at(&self.root, "list"))?.take(MOST) {
@@ -95,7 +95,7 @@ impl Stick {
     }
 }
 
-/// Whether a folder lies on another device than the one above it.
+/// Whether a folder is on another device than its parent.
 #[cfg(unix)]
 fn is_mount(folder: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
@@ -108,15 +108,15 @@ fn is_mount(_folder: &Path) -> bool {
     false
 }
 
-/// Replaces or creates a file as a whole: after a power cut it is the old one or the new one.
+/// Replaces or creates a file atomically: after a power cut it is the old one or the new one.
 ///
 /// # Errors
-/// The disk refuses; an old file stands.
+/// A disk error; an old file stays.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
     whole_file::replace(path, bytes)
 }
 
-/// Reads a plain file of at most so many bytes; links and devices are refused.
+/// Reads a regular file of at most `limit` bytes; links and devices are refused.
 ///
 /// # Errors
 /// Why it was not read.

@@ -1,4 +1,4 @@
-//! Parameters, macro variables, offsets and work frames as a file that people can carry and read.
+//! Parameters, macro variables, tool offsets and work offsets as a readable file.
 //! Source: spec K7.8.
 
 use std::collections::BTreeMap;
@@ -10,11 +10,11 @@ use super::ron_file::{self, Care, RonError};
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
 
-/// Values of a control; what a file does not name stays as it is.
+/// Values of a control. Values missing in a file stay unchanged.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Values {
-    /// The kind of machine that the parameters belong to.
+    /// The kind of machine of the parameters.
     pub kind: Option<Kind>,
     /// Parameters by address, such as `P16.0`.
     pub params: BTreeMap<String, f64>,
@@ -22,7 +22,7 @@ pub struct Values {
     pub variables: BTreeMap<u16, f64>,
     /// Geometry and wear of the tool offsets 1 to 16, radius mm.
     pub offsets: BTreeMap<u8, (PerAxis<f64>, PerAxis<f64>)>,
-    /// Work frames, 0 is G54; machine coordinates, radius mm.
+    /// Work offsets, 0 is G54; machine coordinates, radius mm.
     pub frames: BTreeMap<u8, PerAxis<f64>>,
 }
 
@@ -30,7 +30,7 @@ impl Values {
     /// Reads a file.
     ///
     /// # Errors
-    /// The file is not there or not of the form; it names line and column.
+    /// The file is missing or invalid; the error names line and column.
     pub fn read(path: &Path) -> Result<Self, RonError> {
         Ok(ron_file::read(path, Care::Person)?.value)
     }
@@ -38,23 +38,23 @@ impl Values {
     /// Writes a file.
     ///
     /// # Errors
-    /// The disk refuses; an old file stands.
+    /// A disk error; an old file stays.
     pub fn write(&self, path: &Path) -> Result<(), RonError> {
         ron_file::write(path, Care::Person, self)
     }
 
-    /// As text, for an archive.
+    /// The RON text for an archive.
     ///
     /// # Errors
-    /// A value that the form cannot express.
+    /// A value that RON cannot express.
     pub fn to_text(&self) -> Result<String, ron::Error> {
         ron::ser::to_string_pretty(self, ron::ser::PrettyConfig::new().new_line("\n"))
     }
 
-    /// From text, of an archive.
+    /// Reads the RON text of an archive.
     ///
     /// # Errors
-    /// What is wrong, with line and column.
+    /// The fault with line and column.
     pub fn of_text(text: &str) -> Result<Self, ron::error::SpannedError> {
         ron::from_str(text)
     }

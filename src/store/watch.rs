@@ -1,7 +1,7 @@
-//! Tells that a person copied something into `programs/` or `screens/`.
+//! Detects changes in `programs/` and `screens/`.
 //!
-//! Uses the system's notices; where there are none (a network folder, no watches left) it lists the folders now and
-//! then. Either way one change at most is waiting for each folder, however many files were copied.
+//! Uses the system's change notifications. Without them (a network folder, no watches left) it lists the folders
+//! periodically. At most one change per folder is pending, regardless of the number of files.
 //! Source: spec K7.3 (copied in by the operator at any time).
 
 use std::path::{Path, PathBuf};
@@ -15,10 +15,10 @@ use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 
 use super::checksum::Checksum;
 
-/// How often the folders are listed when the system gives no notices.
+/// How often the folders are listed when there are no notifications.
 pub const POLL_INTERVAL: Duration = Duration::from_secs(1);
 
-/// Which folder changed. What changed is seen by listing it.
+/// Which folder changed. The caller lists it to find the changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Changed {
     /// `programs/`
@@ -31,19 +31,19 @@ impl Changed {
     const ALL: [Self; 2] = [Self::Programs, Self::Screens];
 }
 
-/// A watch over the two folders.
+/// Watches the two folders.
 pub struct Watch {
     folders: [PathBuf; 2],
     sight: Sight,
 }
 
-/// How changes are seen.
+/// How changes are detected.
 enum Sight {
     Notices { _watcher: RecommendedWatcher, pending: Arc<Pending>, waiting: Receiver<Changed> },
     Polling { cause: String, seen: [u64; 2], told: [bool; 2], next: Option<Instant> },
 }
 
-/// What the system's thread hands over: a flag for each folder keeps the channel at one notice each.
+/// Shared with the system's thread: a flag per folder limits the channel to one notification each.
 #[derive(Default)]
 struct Pending {
     flags: [AtomicBool; 2],
@@ -51,17 +51,17 @@ struct Pending {
 }
 
 impl Watch {
-    /// Watches two existing folders. Never fails: without notices from the system it polls.
+    /// Watches two existing folders. Never fails: without notifications from the system it polls.
     #[must_use]
     pub fn start(programs: &Path, screens: &Path) -> Self {
-        // The system tells whole paths, whatever it was asked with.
+        // The system reports absolute paths.
         let whole = |folder: &Path| std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
         let folders = [programs, screens].map(whole);
         let sight = notices(&folders).unwrap_or_else(|wrong| polling(&folders, wrong.to_string()));
         Self { folders, sight }
     }
 
-    /// Watches by listing only, for folders whose system gives no notices.
+    /// Watches by polling only.
     #[must_use]
     pub fn polling(programs: &Path, screens: &Path) -> Self {
         let folders = [programs.to_path_buf(), screens.to_path_buf()];
@@ -69,7 +69,7 @@ impl Watch {
         Self { folders, sight }
     }
 
-    /// Why the folders are polled; `None` while the system gives notices.
+    /// Why the folders are polled; `None` while the system sends notifications.
     #[must_use]
     pub fn polling_because(&self) -> Option<&str> {
         match &self.sight {
@@ -78,12 +78,12 @@ impl Watch {
         }
     }
 
-    /// A folder that changed since it was last told, without waiting. `now` spaces the listings when polling.
+    /// Returns a changed folder without waiting. `now` controls the polling interval.
     pub fn try_recv(&mut self, now: Instant) -> Option<Changed> {
         if self.lost_sight() {
             let mut sight = polling(&self.folders, "a watched folder was removed or its watch failed".to_owned());
             if let Sight::Polling { told, .. } = &mut sight {
-                // What changed while the watch failed is not known.
+                // Changes during the failure are unknown: both folders count as changed.
                 *told = [false; 2];
             }
             self.sight = sight;
@@ -106,7 +106,7 @@ impl Watch {
         }
     }
 
-    /// As [`Watch::try_recv`], waiting up to `longest` for a notice; when polling it does not wait.
+    /// As [`Watch::try_recv`], but waits up to `longest` for a notification; does not wait when polling.
     pub fn recv_timeout(&mut self, now: Instant, longest: Duration) -> Option<Changed> {
         if let Sight::Notices { pending, waiting, .. } = &self.sight
             && !pending.lost.load(Ordering::Acquire)
@@ -126,7 +126,7 @@ impl Watch {
     }
 }
 
-/// Starts the system's notices.
+/// Starts the system's notifications.
 fn notices(folders: &[PathBuf; 2]) -> notify::Result<Sight> {
     let pending = Arc::new(Pending::default());
     let (sender, waiting) = sync_channel(Changed::ALL.len());
@@ -156,13 +156,13 @@ fn hand_over(event: notify::Result<Event>, roots: &[PathBuf; 2], pending: &Pendi
         }
         let concerned = overflowed || event.paths.iter().any(|path| path.starts_with(root));
         if concerned && !pending.flags[changed as usize].swap(true, Ordering::AcqRel) {
-            // The flag keeps at most one notice a folder in a channel that holds one a folder: it is never full.
+            // The channel has room for one notification per folder, and the flag allows one: it is never full.
             let _ = sender.try_send(changed);
         }
     }
 }
 
-/// Reading a file is an event too, and must not make the reader read again.
+/// Whether an event is a change. Reading a file is an event, too, and must not cause another read.
 fn tells_a_change(kind: &EventKind) -> bool {
     match kind {
         EventKind::Access(AccessKind::Close(AccessMode::Write)) => true,
@@ -171,13 +171,13 @@ fn tells_a_change(kind: &EventKind) -> bool {
     }
 }
 
-/// Polling from now on; what lies there already is no change.
+/// Starts polling; existing files are not a change.
 fn polling(folders: &[PathBuf; 2], cause: String) -> Sight {
     let seen = [print_of(&folders[0]), print_of(&folders[1])];
     Sight::Polling { cause, seen, told: [true; 2], next: None }
 }
 
-/// Lists both folders and marks what differs.
+/// Lists both folders and marks those that have changed.
 fn look(folders: &[PathBuf; 2], seen: &mut [u64; 2], told: &mut [bool; 2]) {
     for ((folder, seen), told) in folders.iter().zip(seen).zip(told) {
         let present = print_of(folder);
@@ -188,7 +188,7 @@ fn look(folders: &[PathBuf; 2], seen: &mut [u64; 2], told: &mut [bool; 2]) {
     }
 }
 
-/// A checksum over names, sizes and times; an unreadable folder is an empty one.
+/// A checksum over names, sizes and times; an unreadable folder counts as empty.
 fn print_of(folder: &Path) -> u64 {
     let mut sum = 0_u64;
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -198,7 +198,7 @@ fn print_of(folder: &Path) -> u64 {
             .add(entry.file_name().as_encoded_bytes())
             .add(&metadata.len().to_le_bytes())
             .add(&written.as_nanos().to_le_bytes());
-        // A sum: the order in which a folder is listed does not matter.
+        // A sum does not depend on the order of the listing.
         sum = sum.wrapping_add(print.finish());
     }
     sum

@@ -1,7 +1,7 @@
-//! Files that are read whole and replaced whole.
+//! Atomic reading and replacing of files.
 //!
-//! A replacement takes four steps: a temporary file in the same folder, its data flushed, a rename, the folder flushed.
-//! Without the last two flushes a power cut lost data in 10 to 88 of 100 trials; with them in none.
+//! A replacement has four steps: write a temporary file in the same folder, flush it, rename it, flush the folder.
+//! Without the two flushes a power cut lost data in 10 to 88 of 100 trials; with them in none.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -9,7 +9,7 @@ use std::path::Path;
 
 use super::fault::IoFault;
 
-/// How unfinished temporary files begin and end; listings pass over them.
+/// Prefix and suffix of temporary files; listings skip them.
 pub(super) const UNFINISHED: (&str, &str) = (".kt830-", ".part");
 
 /// Why a file was not read.
@@ -25,7 +25,7 @@ pub(super) enum ReadError {
     Changing,
 }
 
-/// Reads a plain file of at most `limit` bytes. Never follows a link and never opens a device or a pipe.
+/// Reads a regular file of at most `limit` bytes. Never follows a link and never opens a device or a pipe.
 pub(super) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     let named = fs::symlink_metadata(path).map_err(IoFault::at(path, "read"))?;
     if !named.is_file() {
@@ -46,19 +46,19 @@ pub(super) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, ReadError> {
     if read > limit {
         return Err(ReadError::TooLarge { size: read, limit });
     }
-    // A stick or a network copy still writing: half a program must not be taken for a program.
+    // A USB drive or a network copy may still be writing: an incomplete program must not be accepted.
     if read != after.len() || before.modified().ok() != after.modified().ok() {
         return Err(ReadError::Changing);
     }
     Ok(bytes)
 }
 
-/// Replaces or creates `path` with `bytes`: afterwards, and at every power cut between, it is the old file or the new.
+/// Replaces or creates a file atomically: after a power cut it is the old or the new file.
 pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), IoFault> {
     replace_by(path, |file| file.write_all(bytes))
 }
 
-/// The same with a way of writing the content; whatever it fails with, the old file stands and nothing is left behind.
+/// The same with a function that writes the content. After an error the old file stays and no temporary file is left.
 fn replace_by(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), IoFault> {
     let folder = folder_of(path);
     let mut temporary = tempfile::Builder::new();
@@ -66,7 +66,7 @@ fn replace_by(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> R
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // As any file a person makes; the umask still takes away.
+        // Permissions as for any user file; the umask still applies.
         temporary.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut file = temporary.tempfile_in(folder).map_err(IoFault::at(path, "create"))?;
@@ -76,13 +76,13 @@ fn replace_by(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> R
     flush_folder(folder).map_err(IoFault::at(folder, "flush"))
 }
 
-/// Makes renames and removals in a folder last.
+/// Makes renames and deletions in a folder durable.
 pub(super) fn flush_folder(folder: &Path) -> io::Result<()> {
-    // Elsewhere a folder cannot be opened as a file and the rename itself is journalled.
+    // On other systems a folder cannot be opened as a file, and the rename itself is journalled.
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }
 
-/// The folder a file lies in.
+/// The folder of a file.
 pub(super) fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

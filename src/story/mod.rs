@@ -1,4 +1,4 @@
-//! Stories: what an operator does at the control, as text, and what is to be seen then.
+//! Stories: scripts of operator actions and expected results.
 //! Source: spec tools.md T2, T5.
 
 pub mod parse;

@@ -1,4 +1,4 @@
-//! Reading a story: text to statements. Strict: an unknown word is an error with line and column.
+//! Parses a story into statements. An unknown word is an error with line and column.
 //! Source: spec tools.md, "Story language".
 
 use crate::defs;
@@ -13,16 +13,16 @@ use crate::link::teach::TeachCommand;
 use crate::runtime::bar::own_programs;
 use crate::units::Axis;
 
-/// Most statements of a story.
+/// Maximum number of statements in a story.
 pub const MOST_STATEMENTS: usize = 100_000;
-/// How long `wait until` waits where the story does not say, seconds.
+/// Default timeout of `wait until`, seconds.
 pub const USUAL_WAIT_S: f64 = 60.0;
-/// Longest time that a statement may take, seconds: about four months.
+/// Maximum time in a statement, seconds: about four months.
 pub const LONGEST_S: f64 = 1e7;
-/// How far a value may lie off where the story does not say: half a micrometre, less than the display shows.
+/// Default tolerance of a value, mm: half a micrometre, less than the display resolution.
 pub const USUAL_TOLERANCE: f64 = 0.000_5;
 
-/// A place in the story that cannot be read.
+/// A syntax error in a story.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}, column {column}: {cause}")]
 pub struct StoryError {
@@ -30,7 +30,7 @@ pub struct StoryError {
     pub line: u32,
     /// Column in characters, from 1.
     pub column: u32,
-    /// What is wrong, and what would be right.
+    /// Cause and expected word.
     pub cause: String,
 }
 
@@ -41,20 +41,20 @@ pub struct Line {
     pub number: u32,
     /// The text as written, without its comment.
     pub text: String,
-    /// What it says.
+    /// Its statement.
     pub statement: Statement,
 }
 
-/// What an input is forced to.
+/// How an input is forced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Force {
-    /// Logically active or not.
+    /// Forced to this logical level.
     To(bool),
-    /// As the machine has it.
+    /// Not forced.
     Free,
 }
 
-/// What a `wait until` waits for.
+/// The condition of `wait until`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Until {
     /// A state.
@@ -63,7 +63,7 @@ pub enum Until {
     Axis(Axis, bool, f64),
 }
 
-/// A number that a story can look at.
+/// A number that a story can check.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
     /// Work coordinate.
@@ -97,21 +97,21 @@ pub enum Expectation {
     AnyAlarm,
     /// An alarm with this text is present.
     AlarmText(String),
-    /// None is.
+    /// No alarm is present.
     NoAlarm,
     /// The simulated machine has reported such an event.
     Event(EventKind),
-    /// It has reported none.
+    /// The simulated machine has reported no event.
     NoEvent,
     /// The state.
     State(RunState),
     /// A number within a tolerance.
     Value {
-        /// Which.
+        /// The quantity.
         of: Quantity,
-        /// What it should be.
+        /// The expected value.
         is: f64,
-        /// How far off it may be.
+        /// The tolerance.
         tolerance: f64,
     },
     /// The message line contains this.
@@ -135,7 +135,7 @@ pub enum Statement {
     Set(u16, Option<f64>),
     /// `load O1001`
     Load(u32),
-    /// `load SHAFT`: the program of a name.
+    /// `load SHAFT`: a named program.
     LoadNamed(String),
     /// `mode auto`
     Mode(Mode),
@@ -161,7 +161,7 @@ pub enum Statement {
     Input(String, Force),
     /// `fault pressure-loss`
     Fault(String),
-    /// `fault list`: nothing is suffered, all names are told
+    /// `fault list`: lists the names of all faults; simulates none
     FaultList,
     /// `wait 2 s`
     Wait(f64),
@@ -169,9 +169,9 @@ pub enum Statement {
     WaitUntil(Until, f64),
     /// `seed 7`
     Seed(u64),
-    /// `sheet 2` of the grinding page, where it has several; the first is 1
+    /// `sheet 2` of a grinding page with several sheets; the first is 1
     Sheet(usize),
-    /// `teach start|stop|undo|keep`: a recording of what is moved by hand (L9)
+    /// `teach start|stop|undo|keep`: records jogged moves (L9)
     Teach(TeachCommand),
     /// `part FILE`
     Part(String),
@@ -181,10 +181,10 @@ pub enum Statement {
     Expect(Expectation),
 }
 
-/// Reads a story for a kind; its first line may name another.
+/// Parses a story for a kind; its first line may select another kind.
 ///
 /// # Errors
-/// The first line that is not of the language.
+/// The first invalid line.
 pub fn parse(text: &str, kind: Kind) -> Result<(Kind, Vec<Line>), StoryError> {
     let (mut kind, mut lines) = (kind, Vec::new());
     for (index, whole) in text.trim_start_matches('\u{feff}').lines().enumerate() {
@@ -213,7 +213,7 @@ pub fn parse(text: &str, kind: Kind) -> Result<(Kind, Vec<Line>), StoryError> {
     Ok((kind, lines))
 }
 
-/// The words of one line, and how far they have been read.
+/// The words of one line and the read position.
 struct Words {
     line: u32,
     text: String,
@@ -255,7 +255,7 @@ impl Words {
         self.next >= self.words.len()
     }
 
-    /// An error at the word read last.
+    /// An error at the last word read.
     fn error(&self, cause: impl Into<String>) -> StoryError {
         let column = self.next.checked_sub(1).and_then(|last| self.words.get(last)).map_or(1, |(column, _)| *column);
         StoryError { line: self.line, column, cause: cause.into() }
@@ -354,7 +354,7 @@ impl Words {
         if self.is_over() { Ok(None) } else { self.number().map(Some) }
     }
 
-    /// `1.5 s`, `200 ms`, `2 min`; the unit may stand close to the number.
+    /// `1.5 s`, `200 ms`, `2 min`; the space before the unit is optional.
     fn seconds(&mut self) -> Result<f64, StoryError> {
         let word = self.word("a time such as 1.5 s")?;
         let digits = word.trim_end_matches(char::is_alphabetic);
@@ -377,7 +377,7 @@ impl Words {
 
     fn set(&mut self) -> Result<Statement, StoryError> {
         let word = self.word("a variable such as #500")?;
-        // `set #500=40.2` is as good as `set #500 = 40.2`.
+        // `set #500=40.2` is equal to `set #500 = 40.2`.
         let (name, close) = word.split_once('=').map_or((word.as_str(), None), |(name, value)| (name, Some(value)));
         let number = variable(name).ok_or_else(|| self.error(format!("'{name}' is not a variable such as #500")))?;
         let value = match close {

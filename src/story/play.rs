@@ -1,4 +1,4 @@
-//! Playing a story on a rig: each statement does what a person would do, then the control runs until it has answered.
+//! Plays a story on a rig: each statement does what an operator would do, then the control runs until it has answered.
 //! Source: spec tools.md T5, "Story language".
 
 use std::path::{Path, PathBuf};
@@ -15,36 +15,36 @@ use crate::units::{Axis, Micros};
 
 /// Ticks after every statement.
 const ANSWER_TICKS: u32 = 2;
-/// Longest wait for an answer.
+/// Maximum wait for an answer.
 const ANSWER_MOST: Micros = Micros::from_millis(48);
-/// Ticks after an input was forced: longer than the input filter.
+/// Ticks after an input was forced: longer than the input debounce time.
 const INPUT_TICKS: u32 = 20;
-/// How often a held key is heard of.
+/// Interval of `Hold` commands for a held key.
 const HOLD_EVERY: Micros = Micros::from_millis(50);
-/// How long `mdi` and `handwheel` wait for the machine to stand.
+/// Maximum wait of `mdi` and `handwheel` for standstill.
 const STAND_MOST: Micros = Micros::from_millis(1_000);
-/// How long homing may take.
+/// Maximum duration of homing.
 const HOME_MOST: Micros = Micros::from_millis(300_000);
 
-/// What is to be seen on a page, for `expect page … shows`. A build without the screen has no eyes.
+/// Reads the texts of a page for `expect page … shows`. A build without the screen has no implementation.
 pub trait Eyes {
-    /// The texts that the open page shows.
+    /// The texts on the open page.
     fn texts(&mut self, snapshot: &Snapshot) -> Vec<String>;
 }
 
-/// Plays a story. Where a person stands beside the rig and touches something, waiting ends at once.
+/// Plays a story. Waiting ends at once when the operator touches the screen (demo).
 pub struct Player<'a> {
     rig: &'a mut Rig,
     eyes: Option<Box<dyn Eyes>>,
     folder: PathBuf,
     part_given: bool,
-    /// Jog keys that a finger is on: they are heard of as the screen's are, until they are let go.
+    /// Jog keys that are held: `Hold` is repeated as by the screen, until they are released.
     held: Vec<Key>,
-    /// When they are heard of next.
+    /// Time of the next `Hold`.
     heard: Micros,
 }
 
-/// The story is over: no finger stays on a key.
+/// Releases all held keys at the end of the story.
 impl Drop for Player<'_> {
     fn drop(&mut self) {
         for key in self.held.drain(..) {
@@ -54,14 +54,14 @@ impl Drop for Player<'_> {
 }
 
 impl<'a> Player<'a> {
-    /// A player; files that the story names are looked for in `folder`. `part_given`: a part is in the machine
-    /// already, so loading a program does not bring another.
+    /// Creates a player. Files named in the story are searched in `folder`. `part_given`: a part is mounted already, so
+    /// loading a program does not mount another.
     #[must_use]
     pub fn new(rig: &'a mut Rig, eyes: Option<Box<dyn Eyes>>, folder: &Path, part_given: bool) -> Self {
         Self { rig, eyes, folder: folder.to_owned(), part_given, held: Vec::new(), heard: Micros::ZERO }
     }
 
-    /// The rig, to look at.
+    /// The rig.
     #[must_use]
     pub fn rig(&mut self) -> &mut Rig {
         self.rig
@@ -70,7 +70,7 @@ impl<'a> Player<'a> {
     /// Plays one line.
     ///
     /// # Errors
-    /// Why an expectation failed or a statement could not be done.
+    /// Why an expectation or a statement failed.
     pub fn play(&mut self, line: &Line) -> Result<(), String> {
         match &line.statement {
             Statement::Kind(_) => Ok(()),
@@ -140,7 +140,7 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// One tick; keys under a finger are heard of.
+    /// Steps by one tick and repeats `Hold` for held keys.
     fn step(&mut self) {
         self.rig.step();
         if !self.held.is_empty() && self.rig.now() >= self.heard {
@@ -157,7 +157,7 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Until the control has answered: two ticks, and up to 50 ms while it brakes.
+    /// Waits until the control has answered: two ticks, and up to 48 ms more while it brakes.
     fn answer(&mut self) -> Result<(), String> {
         self.ticks(ANSWER_TICKS);
         self.run_until(ANSWER_MOST, |rig| !rig.controller().is_braking());
@@ -169,13 +169,13 @@ impl<'a> Player<'a> {
         self.answer()
     }
 
-    /// A setting past the panel: nobody looks for a message, so what the control refuses ends the story (T5).
+    /// Changes a setting without the panel. A refusal by the control is an error of the story (T5).
     fn set(&mut self, command: Command) -> Result<(), String> {
         self.rig.send(command);
         self.settled()
     }
 
-    /// What the control has made of the settings that it was just given.
+    /// Waits for the answer to settings; the error is the control's refusal.
     fn settled(&mut self) -> Result<(), String> {
         if !self.rig.is_powered() {
             return Err("the control has no power".to_owned());
@@ -214,7 +214,7 @@ impl<'a> Player<'a> {
         }
     }
 
-    /// Runs until the condition holds; false after the longest time.
+    /// Runs until the condition is true; returns false after the timeout or a touch.
     fn run_until(&mut self, most: Micros, mut done: impl FnMut(&mut Rig) -> bool) -> bool {
         let end = self.rig.now() + most;
         while !done(self.rig) {
@@ -260,7 +260,7 @@ impl<'a> Player<'a> {
         self.set(Command::SetScrew(axis, table))
     }
 
-    /// What the operator does: mode home, one axis key after the other.
+    /// Homes all axes as an operator does: mode home, then one axis key after the other.
     fn home_all(&mut self) -> Result<(), String> {
         self.press(Mode::Home.key())?;
         let axes: Vec<Axis> = self.rig.controller().axes_present().collect();
@@ -387,7 +387,7 @@ impl<'a> Player<'a> {
             Quantity::PartHeight(x, z) => self.rig.machine().height_at(x, z),
         };
         match found {
-            // The last digit of a tolerance is not lost to rounding in binary.
+            // 1e-9 compensates binary rounding of the tolerance.
             Some(found) if (found - is).abs() <= tolerance + 1e-9 => Ok(()),
             Some(found) => Err(format!("it is {found:.4}, {:+.4} off", found - is)),
             None => Err("there is no such value".to_owned()),
@@ -403,7 +403,7 @@ impl<'a> Player<'a> {
             return Err("this build has no screen: pages cannot be looked at".to_owned());
         };
         let texts = eyes.texts(snapshot);
-        // Labels may be broken into pieces; spaces between them do not count.
+        // Labels may be split into several texts; spaces are ignored.
         let squeeze = |text: &str| text.split_whitespace().collect::<String>();
         if squeeze(&texts.join("\n")).contains(&squeeze(text)) {
             Ok(())
@@ -413,7 +413,7 @@ impl<'a> Player<'a> {
     }
 }
 
-/// The state around a failed line, for the person who reads it.
+/// A report of the control's state after a failed line.
 #[must_use]
 pub fn around(rig: &mut Rig) -> String {
     let now = rig.now().as_secs_f64();

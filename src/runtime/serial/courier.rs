@@ -1,5 +1,5 @@
-//! Between the line and the folder: what is sent is read from it; what is received is checked whole, asked about where it
-//! would overwrite, then stored and read back.
+//! Transfers programs between line and folder. Received programs are checked completely; before files are overwritten
+//! the operator is asked; stored files are read back.
 //! Source: spec L9, K7.8.
 
 use std::sync::Mutex;
@@ -16,17 +16,17 @@ use crate::store::{FolderError, Shelf, stamp};
 const SENDING: Text = Text::new("正在发送", "sending");
 const RECEIVING: Text = Text::new("正在接收，请在对方启动发送", "receiving: start sending on the other side");
 
-/// Carries programs over a line.
+/// Sends and receives programs.
 pub struct Courier<'a> {
     /// The folder.
     pub shelf: &'a Shelf,
-    /// Programs have names.
+    /// Programs have names instead of numbers.
     pub named: bool,
     /// The line.
     pub line: &'a Line,
-    /// Ends it.
+    /// Cancels the transfer.
     pub cancelled: &'a AtomicBool,
-    /// What was received and waits for the answer whether it may overwrite.
+    /// Received programs that wait for the answer whether to overwrite.
     pub held: &'a Mutex<Vec<Sheet>>,
 }
 
@@ -34,7 +34,7 @@ impl Courier<'_> {
     /// Sends or receives.
     ///
     /// # Errors
-    /// Why nothing, or not all, was carried.
+    /// Why nothing, or not everything, was transferred.
     pub fn carry(&self, ask: &Transfer, tell: &mut dyn FnMut(FileAnswer)) -> Result<FileAnswer, Refusal> {
         match ask.direction {
             Direction::Out => self.send(&ask.names, tell),
@@ -74,9 +74,9 @@ impl Courier<'_> {
         }
         let clashes = |sheet: &Sheet| match self.shelf.read(&sheet.name) {
             Ok(old) => stamp(&old.bytes) != stamp(&sheet.text),
-            // A folder or a link is never written over: that is told when it is tried.
+            // A folder or a link is never overwritten; writing reports it.
             Err(FolderError::Missing { .. } | FolderError::NotPlain { .. }) => false,
-            // What cannot be read is there all the same.
+            // An unreadable file exists nevertheless.
             Err(_) => true,
         };
         let clashing: Vec<String> =
@@ -102,7 +102,7 @@ impl Courier<'_> {
         reader.finish(ask.names.first().map(String::as_str), self.shelf, self.named)
     }
 
-    /// Written whole and read back.
+    /// Stores a program atomically and reads it back.
     fn store(&self, sheet: &Sheet, before: &[String]) -> Result<String, Trouble> {
         let failed = |said: Said| {
             let (zh, en) = match before.is_empty() {

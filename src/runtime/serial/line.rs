@@ -1,5 +1,5 @@
-//! The line itself: opened with 8 data bits, no parity, one stop bit and XON/XOFF, written and read in pieces, so that
-//! 取消 is heard. Every wait has an end.
+//! The serial line: 8 data bits, no parity, one stop bit, XON/XOFF. Data are written and read in chunks, so that 取消
+//! takes effect. Every wait has a timeout.
 //! Source: spec L9.
 
 use std::io::ErrorKind;
@@ -13,30 +13,30 @@ use super::{SERIAL_LIMIT, Trouble};
 use crate::defs::param::{self, Params};
 use crate::defs::text::Said;
 
-/// How long one read or write waits before 取消 is looked at.
+/// Timeout of one read or write; then 取消 is checked.
 const LOOK: Duration = Duration::from_millis(100);
-/// Bytes written at once.
+/// Chunk size for writing, bytes.
 const PIECE: usize = 512;
 
-/// How the line is set.
+/// Settings of the line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
     /// The port: `/dev/ttyS0`, `COM1`.
     pub port: String,
     /// Bits a second (P370).
     pub baud: u32,
-    /// A pause this long is the end of a transmission that has begun (P371).
+    /// A pause of this length ends a transmission that has started (P371).
     pub silence: Duration,
-    /// How long the beginning is waited for (P372).
+    /// How long to wait for the start of a transmission (P372).
     pub start: Duration,
-    /// NUL before and after the programs (P373).
+    /// Number of NUL bytes before and after the programs (P373).
     pub leader: usize,
-    /// The most bytes taken or sent.
+    /// Maximum number of bytes sent or received.
     pub limit: usize,
 }
 
 impl Line {
-    /// A port as the parameters set it.
+    /// The settings of a port from the parameters.
     #[must_use]
     pub fn of(params: &Params, port: String) -> Self {
         let seconds = |row| Duration::from_secs_f64(params.get(row));
@@ -63,10 +63,10 @@ impl Line {
         })
     }
 
-    /// Sends bytes; `tell` hears how many have gone.
+    /// Sends bytes; `tell` receives the number of bytes sent.
     ///
     /// # Errors
-    /// The port cannot be opened or is gone, the other side does not take them, or it was cancelled.
+    /// The port cannot be opened or has disappeared, the other side accepts no data, or the operator has cancelled.
     pub fn send(&self, bytes: &[u8], cancelled: &AtomicBool, tell: &mut dyn FnMut(u64)) -> Result<(), Trouble> {
         if bytes.len() > self.limit {
             return Err(Trouble::TooLong(self.limit));
@@ -95,7 +95,7 @@ impl Line {
         self.drain(port.as_mut(), cancelled)
     }
 
-    /// What the system holds back has to go as well before the port is closed.
+    /// Waits until the system's output buffer is empty, before the port is closed.
     fn drain(&self, port: &mut dyn SerialPort, cancelled: &AtomicBool) -> Result<(), Trouble> {
         let (mut left, mut moved) = (u32::MAX, Instant::now());
         loop {
@@ -115,17 +115,17 @@ impl Line {
         }
     }
 
-    /// Takes one transmission: says XON, reads to the closing `%`, says XOFF. `tell` hears how many bytes have come.
+    /// Receives one transmission: sends XON, reads up to the closing `%`, sends XOFF. `tell` receives the bytes so far.
     ///
     /// # Errors
-    /// The port, the line, or what came on it; or it was cancelled.
+    /// A fault of the port, the line or the data; or the operator has cancelled.
     pub fn receive(&self, cancelled: &AtomicBool, tell: &mut dyn FnMut(u64)) -> Result<Reader, Trouble> {
         let mut port = self.open()?;
         drop(port.clear(ClearBuffer::Input));
         say(port.as_mut(), XON)?;
         let mut reader = Reader::new(self.limit);
         let read = self.read(port.as_mut(), &mut reader, cancelled, tell);
-        // A port that is gone has nothing to be told.
+        // The read error has priority over an error of XOFF.
         let told = say(port.as_mut(), XOFF);
         read.and(told).map(|()| reader)
     }
@@ -154,7 +154,7 @@ impl Line {
                     }
                     tell(reader.size() as u64);
                 }
-                // Nothing behind the last %: not even a line end.
+                // Nothing follows the last %, not even a line end.
                 Err(error) if error.kind() == ErrorKind::TimedOut && reader.is_closing() => return Ok(()),
                 Err(error) => pass(&error)?,
             }
@@ -166,12 +166,12 @@ impl Line {
     }
 }
 
-/// One byte to the other side; one that does not listen is no matter here.
+/// Sends one byte; a timeout is ignored.
 fn say(port: &mut dyn SerialPort, byte: u8) -> Result<(), Trouble> {
     port.write_all(&[byte]).or_else(|error| pass(&error))
 }
 
-/// Nothing for a while is no fault; anything else is a port that has gone.
+/// Ignores timeouts; any other error means that the port has disappeared.
 fn pass(error: &std::io::Error) -> Result<(), Trouble> {
     match error.kind() {
         ErrorKind::TimedOut | ErrorKind::Interrupted | ErrorKind::WouldBlock => Ok(()),
@@ -183,7 +183,7 @@ fn gone(error: &dyn std::fmt::Display) -> Trouble {
     Trouble::Gone(Said::new(error.to_string(), error.to_string()))
 }
 
-/// The ports of this computer, by name.
+/// The names of the serial ports of this computer, sorted.
 #[must_use]
 pub fn ports() -> Vec<String> {
     let mut names: Vec<String> =

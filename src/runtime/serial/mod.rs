@@ -1,6 +1,6 @@
-//! Programs over RS232: 8 data bits, no parity, one stop bit, XON/XOFF; port and baud rate are data.
+//! Program transfer over RS232: 8 data bits, no parity, one stop bit, XON/XOFF; port and baud rate are configurable.
 //!
-//! [`sheet`] knows what stands on the line, [`line`] sends and receives it, [`courier`] stands between it and the folder.
+//! [`sheet`] defines the format, [`line`] sends and receives bytes, [`courier`] connects the line and the folder.
 //! Source: spec L9, K7.8, B8 (300–399).
 
 pub mod courier;
@@ -11,38 +11,38 @@ use crate::defs::alarm;
 use crate::defs::text::Said;
 use crate::link::files::Refusal;
 
-/// The largest transmission, bytes: 25 minutes at 115 200 baud.
+/// Maximum size of a transmission, bytes: 25 minutes at 115 200 baud.
 pub const SERIAL_LIMIT: usize = 16 * 1024 * 1024;
 
-/// Why a transmission came to nothing. Nothing was stored, except where it says so.
+/// Why a transmission failed. Nothing was stored unless the detail says so.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Trouble {
-    /// The port is not chosen, not there, taken, or refuses the baud rate.
+    /// No port selected, or the port does not exist, is in use, or does not support the baud rate.
     Port(Said),
-    /// Nothing has come, or it broke off at this line.
+    /// Nothing was received, or the transmission stopped at this line.
     Silent(Option<u32>),
-    /// The other side does not take what is sent: it holds it by XOFF, or nobody is there.
+    /// The other side does not accept data: it sent XOFF, or it is not connected.
     Held,
-    /// What came at this line (0: before the program) is no text: another baud rate, a bad cable.
+    /// The data at this line (0: before the program) are not text: wrong baud rate or bad cable.
     Noise(u32),
     /// The other side sends 7 bits with parity.
     Parity,
-    /// It is text, but no program as it goes over a line.
+    /// The data are text but not in the transmission format.
     Form(Said),
     /// Longer than this many bytes.
     TooLong(usize),
-    /// The port has gone: an adapter was pulled out.
+    /// The port has disappeared: the adapter was unplugged.
     Gone(Said),
-    /// The folder does not take it.
+    /// The program could not be stored.
     Store(Said),
-    /// A program that cannot be sent as it stands.
+    /// A program that cannot be sent unchanged.
     Text(Said),
-    /// The operator has ended it.
+    /// Cancelled by the operator.
     Cancelled,
 }
 
 impl Trouble {
-    /// Its alarm; none where the operator has ended it.
+    /// The alarm number; `None` when the operator has cancelled.
     #[must_use]
     pub const fn alarm(&self) -> Option<u16> {
         Some(match self {
@@ -60,7 +60,7 @@ impl Trouble {
         })
     }
 
-    /// The place or the system's own words.
+    /// The position, or the message of the operating system.
     #[must_use]
     pub fn detail(&self) -> Said {
         match self {

@@ -1,6 +1,6 @@
-//! What stands on the line: a leader of NUL, `%`, programs with their O number, `<NAME>` or `%_N_NAME_MPF`, lines that
-//! end in CR LF, `%`, a leader again.
-//! DECISION: a `%` that does not begin a line refuses the program: taking it for the end would cut the program short.
+//! The transmission format: a leader of NUL, `%`, programs with their O number, `<NAME>` or `%_N_NAME_MPF`, lines that
+//! end in CR LF, `%`, a trailer of NUL.
+//! DECISION: a `%` inside a line refuses the program: reading it as the end would truncate the program.
 //! Source: spec L9, B1, S1 (`.MPF`, `.SPF`).
 
 use encoding_rs::GBK;
@@ -9,21 +9,21 @@ use super::Trouble;
 use crate::defs::text::Said;
 use crate::store::{DecodeError, Encoding, Shelf, decode};
 
-/// Begins and ends a transmission.
+/// Starts and ends a transmission.
 const PERCENT: u8 = b'%';
-/// Begins the head of a SINUMERIK program, behind the `%`.
+/// Starts the header of a SINUMERIK program, after the `%`.
 const SINUMERIK: &str = "_N_";
-/// DC1, XON: go on.
+/// DC1, XON: continue sending.
 pub const XON: u8 = 0x11;
-/// DC3, XOFF: wait.
+/// DC3, XOFF: stop sending.
 pub const XOFF: u8 = 0x13;
-/// What punches of old are switched by, and rubbed-out holes: passed over.
+/// Tape punch control codes (DC2, DC4) and rub-out (DEL); they are skipped.
 const PUNCH: [u8; 3] = [0x12, 0x14, 0x7F];
-/// End of a file on old systems.
+/// End-of-file character of old systems.
 const SUBSTITUTE: u8 = 0x1A;
-/// So many bytes before the first `%` are no leader any more.
+/// Maximum number of non-leader bytes before the first `%`.
 const PREAMBLE: usize = 256;
-/// The longest head of a program.
+/// Maximum length of a program header, bytes.
 const HEAD_LIMIT: usize = 80;
 const NEW_LINE: &[u8] = b"\r\n";
 
@@ -36,13 +36,13 @@ pub struct Sheet {
     pub text: Vec<u8>,
 }
 
-/// The bytes of some programs as they go over the line, with so many NUL before and after.
+/// Encodes programs for a transmission, with `leader` NUL bytes before and after.
 ///
 /// # Errors
-/// A program holds what the other side would take for the end, or is no text.
+/// A program contains `%` or a control character, or is not text.
 pub fn outgoing(sheets: &[Sheet], leader: usize, named: bool) -> Result<Vec<u8>, Trouble> {
     let mut out = vec![0; leader];
-    // Heads with a % of their own go last: what follows one belongs to it.
+    // Headers with their own % go last: everything after one belongs to it.
     let (own, plain): (Vec<&Sheet>, Vec<&Sheet>) =
         sheets.iter().partition(|sheet| matches!(head_of(&sheet.name, named), Head::Sinumerik(_)));
     if !plain.is_empty() {
@@ -58,7 +58,7 @@ pub fn outgoing(sheets: &[Sheet], leader: usize, named: bool) -> Result<Vec<u8>,
     Ok(out)
 }
 
-/// How a program is announced.
+/// The header of a program.
 enum Head {
     Number(u16),
     Name(String),
@@ -95,7 +95,7 @@ fn write(out: &mut Vec<u8>, sheet: &Sheet, named: bool) -> Result<(), Trouble> {
         out.extend_from_slice(NEW_LINE);
     };
     match head_of(&sheet.name, named) {
-        // The number that the file has counts, whatever its first line says.
+        // The number in the file name overrides the number in the first line.
         Head::Number(number) => match lines.first().and_then(|(_, line)| o_number(line)) {
             Some((_, rest)) => {
                 put(&format!("O{number:04}{rest}"));
@@ -124,7 +124,7 @@ fn no_text(name: &str, error: &DecodeError) -> Trouble {
     Trouble::Text(Said::new(format!("{name} 第{}行：不是 GBK 或 UTF-8 文字", error.line), format!("{name} {error}")))
 }
 
-/// LF ends the lines; where there is none, CR does.
+/// The line end: LF, or CR if there is no LF.
 fn line_end(text: &str) -> char {
     if text.contains('\n') { '\n' } else { '\r' }
 }
@@ -133,7 +133,7 @@ fn trim_end(line: &str) -> &str {
     line.trim_matches('\r')
 }
 
-/// The number of a line that begins with `O1001` or `:1001`, and what follows it.
+/// The number of a line that starts with `O1001` or `:1001`, and the rest of the line.
 fn o_number(line: &str) -> Option<(u16, &str)> {
     let rest = line.trim_start().strip_prefix(['O', 'o', ':'])?;
     let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
@@ -142,26 +142,26 @@ fn o_number(line: &str) -> Option<(u16, &str)> {
     ((1..=5).contains(&digits) && ends).then_some((number, &rest[digits..]))
 }
 
-/// Whether more is to come.
+/// Whether the transmission continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// It goes on.
+    /// More bytes are expected.
     More,
-    /// The closing `%` has come.
+    /// The closing `%` was received.
     Over,
 }
 
-/// Where the reader stands.
+/// The state of the reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Before,
     Head,
     Text,
-    /// Behind a `%` at the beginning of a line: the end, or the head of one more.
+    /// After a `%` at the start of a line: the end, or the header of another program.
     Closing,
 }
 
-/// A program as it came.
+/// A program as received.
 #[derive(Clone, Debug, Default)]
 struct Raw {
     head: Vec<u8>,
@@ -173,10 +173,10 @@ struct Raw {
 pub struct Reader {
     limit: usize,
     state: State,
-    /// What came before the first `%`.
+    /// Bytes received before the first `%`.
     preamble: Vec<u8>,
     raws: Vec<Raw>,
-    /// CR and LF since the last head; LF ends the lines, without any CR does.
+    /// Number of CR and LF since the last header; LF ends a line, or CR if there is no LF.
     ends: [u32; 2],
     /// Only blanks so far in this line.
     at_start: bool,
@@ -184,7 +184,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// A reader for so many bytes of programs.
+    /// A reader for at most `limit` bytes of programs.
     #[must_use]
     pub const fn new(limit: usize) -> Self {
         Self {
@@ -198,10 +198,10 @@ impl Reader {
         }
     }
 
-    /// Takes one byte.
+    /// Reads one byte.
     ///
     /// # Errors
-    /// Noise, too much, or a `%` where none may be.
+    /// Noise, too many bytes, or a `%` inside a line.
     pub fn push(&mut self, byte: u8) -> Result<Step, Trouble> {
         match self.state {
             State::Before => self.before(byte)?,
@@ -261,7 +261,7 @@ impl Reader {
             b'\r' => (self.ends[0], self.at_start) = (self.ends[0] + 1, true),
             b'\n' => (self.ends[1], self.at_start) = (self.ends[1] + 1, true),
             b'\t' | b' ' => {}
-            // A broken frame is read as NUL; other control characters are in no program.
+            // A framing error is read as NUL; other control characters do not occur in programs.
             0..b' ' => return Err(Trouble::Noise(self.line())),
             _ => self.at_start = false,
         }
@@ -273,7 +273,7 @@ impl Reader {
         Ok(Step::More)
     }
 
-    /// The line that is being read; that of the opening % is the first.
+    /// The line being read; the line of the opening % is line 1.
     #[must_use]
     pub fn line(&self) -> u32 {
         1 + if self.ends[1] > 0 { self.ends[1] } else { self.ends[0] }
@@ -285,19 +285,19 @@ impl Reader {
         self.size
     }
 
-    /// Whether the first `%` has come.
+    /// Whether the first `%` was received.
     #[must_use]
     pub fn has_begun(&self) -> bool {
         self.state != State::Before
     }
 
-    /// Whether a `%` has come that is the last one if nothing follows.
+    /// Whether a `%` was received that is the last one if nothing follows.
     #[must_use]
     pub fn is_closing(&self) -> bool {
         self.state == State::Closing
     }
 
-    /// What it means that nothing more comes.
+    /// The error when the transmission stops here.
     #[must_use]
     pub fn broken_off(&self) -> Trouble {
         match self.state {
@@ -306,14 +306,14 @@ impl Reader {
         }
     }
 
-    /// What the bytes before a `%` that never came say of the line.
+    /// The cause, concluded from the bytes received without a `%`.
     fn judge(&self) -> Option<Trouble> {
         if self.preamble.is_empty() {
             return None;
         }
         let high = self.preamble.iter().any(|byte| *byte >= 0x80);
         let odd = self.preamble.iter().filter(|byte| byte.count_ones() % 2 == 1).count();
-        // A few bytes may agree by chance.
+        // A few bytes can have equal parity by chance.
         if high && self.preamble.len() >= 8 && (odd == 0 || odd == self.preamble.len()) {
             return Some(Trouble::Parity);
         }
@@ -324,10 +324,10 @@ impl Reader {
         })
     }
 
-    /// The programs under the names that they have in a folder; one alone gets the name asked for, if there is one.
+    /// The programs with their file names. A single program gets the name `asked`, if one is given.
     ///
     /// # Errors
-    /// One is no text, empty or without a name, or two have one name.
+    /// A program is not text, empty or without a name, or two have the same name.
     pub fn finish(self, asked: Option<&str>, shelf: &Shelf, named: bool) -> Result<Vec<Sheet>, Trouble> {
         let mut found: Vec<(Option<String>, Vec<u8>)> = Vec::new();
         for raw in &self.raws {
@@ -355,7 +355,7 @@ impl Reader {
     }
 }
 
-/// Cuts what stood between two `%` into its programs, each with its own name if it has one.
+/// Splits the text between two `%` into programs, each with its own name if it has one.
 fn split(raw: &Raw, named: bool, found: &mut Vec<(Option<String>, Vec<u8>)>) -> Result<(), Trouble> {
     let decoded = decode(&raw.text).map_err(|error| Trouble::Noise(error.line as u32))?;
     let head = String::from_utf8_lossy(&raw.head).trim().to_ascii_uppercase();
@@ -380,7 +380,7 @@ fn split(raw: &Raw, named: bool, found: &mut Vec<(Option<String>, Vec<u8>)>) -> 
         }
         lines.clear();
     };
-    // `%O1001` and `%1001` announce the program as a line would.
+    // `%O1001` and `%1001` name the program as a line does.
     let announced =
         (!whole && !head.is_empty()).then(|| o_number(&head).map_or_else(|| format!("O{head}"), |_| head.clone()));
     let announced = announced.filter(|line| o_number(line).is_some());
@@ -392,7 +392,7 @@ fn split(raw: &Raw, named: bool, found: &mut Vec<(Option<String>, Vec<u8>)>) -> 
         let bracket = line.trim().strip_prefix('<').and_then(|rest| rest.split_once('>')).map(|(name, _)| name);
         let number = o_number(line).map(|(number, _)| format!("O{number:04}.NC"));
         if let Some(next) = number.or_else(|| bracket.map(|name| format!("{name}.NC"))).filter(|_| !whole) {
-            // A title above the first number belongs to it.
+            // A title before the first number belongs to that program.
             if name.is_some() || !lines.iter().all(|line| line.trim_start().starts_with(['(', ';', '/'])) {
                 close(name.take(), &mut lines);
             }
@@ -448,7 +448,7 @@ mod tests {
             sheet("O1002.NC", "O1002 (外圆)\r\nG01 X1\r\nM30\r\n"),
             sheet("VGRIND.MPF", "R1=5\r\nM2\r\n"),
         ];
-        // One text is GBK, the other UTF-8: each on its own, as one file has one encoding.
+        // One text is GBK, the other UTF-8: each is sent alone, because a file has one encoding.
         for one in &sheets {
             let out = outgoing(std::slice::from_ref(one), 8, false).unwrap();
             assert_eq!(back(&out, None, false).unwrap(), std::slice::from_ref(one));
@@ -467,7 +467,7 @@ mod tests {
         assert_eq!(back(b"%\r(TITLE)\r:0007\rM30\r%", None, false).unwrap()[0].text, b"(TITLE)\r\n:0007\r\nM30\r\n");
         assert_eq!(back(b"%\n<O0012>\nM30\n%\n", None, false).unwrap()[0].name, "O0012.NC");
         assert_eq!(back(b"%O0013\nM30\n%\n", None, false).unwrap()[0].name, "O0013.NC");
-        // LF CR CR, as old punches end a block, and a title before the number asked for.
+        // LF CR CR is the line end of old tape punches; the given name is used.
         let asked = back(b"%\n\r\rG00 X1\n\r\rM30\n\r\r%\n\r\r", Some("O0099.NC"), false).unwrap();
         assert_eq!((asked[0].name.as_str(), asked[0].text.as_slice()), ("O0099.NC", b"G00 X1\r\nM30\r\n".as_slice()));
     }

@@ -1,4 +1,4 @@
-//! Looks at a database in memory before the file is opened: opening repairs, and repair writes.
+//! Checks a copy of the database in memory before the file is opened, because opening can repair and write the file.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -10,12 +10,12 @@ use super::tables::{self, FORMAT, OLDEST};
 use super::{RetainedError, builder};
 use crate::store::whole_file::{self, ReadError};
 
-/// The largest database, in bytes; a thousand times what is kept.
+/// Maximum size of the database, bytes; a thousand times the expected size.
 const FILE_LIMIT: u64 = 256 * 1024 * 1024;
 
-/// What is wrong with the file; `None` when it is whole. The file itself is only read.
+/// What is wrong with the file; `None` if it is intact. The file itself is only read.
 ///
-/// An interrupted commit is no damage: the database falls back to the commit before, which was the last acknowledged.
+/// An interrupted commit is not damage: the database returns to the commit before, the last acknowledged one.
 pub(super) fn damage(path: &Path) -> Result<Option<String>, RetainedError> {
     let bytes = match whole_file::read(path, FILE_LIMIT) {
         Ok(bytes) => bytes,
@@ -27,7 +27,7 @@ pub(super) fn damage(path: &Path) -> Result<Option<String>, RetainedError> {
     if bytes.is_empty() {
         return Ok(Some("empty: the file was cut off".to_owned()));
     }
-    // Bytes from anywhere reach the database here; its assertions count as findings, not as crashes.
+    // The bytes are untrusted: a failed assertion of the database is a finding, not a crash.
     let found = catch_unwind(AssertUnwindSafe(|| look(&bytes)));
     match found {
         Ok(Finding::Whole) => Ok(None),
@@ -43,7 +43,7 @@ enum Finding {
     Newer(u64),
 }
 
-/// Opens the bytes as a database, checks every page's checksum, then the rows against their own.
+/// Opens the bytes as a database, checks the checksum of every page, then the checksum over the rows.
 fn look(bytes: &[u8]) -> Finding {
     let backend = InMemoryBackend::default();
     let copied = backend.set_len(bytes.len() as u64).and_then(|()| backend.write(0, bytes));

@@ -1,8 +1,8 @@
-//! Retained data: what the machine must know after a power cut, in `retained.redb`.
+//! Retained (non-volatile) data, in `retained.redb`.
 //!
-//! One [`Retained::commit`] is one durable transaction: when it returns, the changes are on the disk; when the power
-//! fails before, none of them is. A damaged or foreign file is found before it is touched, kept under another name, and
-//! told; the caller raises its alarm and starts safe. Source: spec K4.2 (points kept over power-off), B3, B6.
+//! One [`Retained::commit`] is one durable transaction: when it returns, all changes are on the disk; after an earlier
+//! power cut none of them is. A damaged or foreign file is detected before it is opened, renamed and reported; the
+//! caller raises an alarm and starts with factory data. Source: spec K4.2 (points kept over power-off), B3, B6.
 
 mod examine;
 mod tables;
@@ -21,20 +21,20 @@ pub use tables::StorageFault;
 
 /// The database's file name.
 const FILE: &str = "retained.redb";
-/// Under this name a fresh database is built, to be renamed when it is whole.
+/// Temporary name of a new database, until it is complete.
 const FRESH: &str = "retained.fresh.redb";
-/// Locked as long as a control works on the data.
+/// Locked while a control uses the data.
 const LOCK: &str = "retained.lock";
-/// How many damaged files are kept before a person must clear them away.
+/// Maximum number of damaged files kept; then a person must delete them.
 const DAMAGED_LIMIT: u32 = 99;
-/// Memory for pages: the whole database is some hundred kilobytes.
+/// Page cache, bytes; the whole database has some hundred kilobytes.
 const CACHE_BYTES: usize = 8 * 1024 * 1024;
 
-/// Counts commits; each commit has one more than the one before, across power cuts.
+/// Number of a commit; it increases by one with every commit, also across power cuts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Generation(pub u64);
 
-/// Geometry and wear of a tool offset, in millimetres as entered (diameters where the machine uses them).
+/// Geometry and wear of a tool offset, radius mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToolOffset {
     /// Geometry of X, Y, Z.
@@ -43,7 +43,7 @@ pub struct ToolOffset {
     pub wear: PerAxis<f64>,
 }
 
-/// One change to the retained data. `None` forgets the value: a null variable, a parameter back at its default.
+/// One change to the retained data. `None` deletes the value: a null variable, a parameter at its default.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
     /// A macro variable `#number` (B3).
@@ -67,14 +67,14 @@ pub enum Change {
         /// All its values.
         offset: ToolOffset,
     },
-    /// A work frame: 0 is G54, 5 is G59.
+    /// A work offset: 0 is G54, 5 is G59.
     Frame {
         /// Its index.
         index: u8,
         /// Its zero point in machine coordinates, mm.
         origin: PerAxis<f64>,
     },
-    /// A retained number by name: a dressing point, the part count, the wheel's diameter.
+    /// A retained number by name: a dressing point, the part count, the current program.
     Number {
         /// The name.
         key: String,
@@ -95,7 +95,7 @@ pub enum Change {
 /// All retained data at once.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loaded {
-    /// The last commit.
+    /// Number of the last commit.
     pub generation: Generation,
     /// Macro variables by number; absent is null.
     pub variables: BTreeMap<u16, f64>,
@@ -103,7 +103,7 @@ pub struct Loaded {
     pub params: BTreeMap<String, f64>,
     /// Tool offsets by number, 1 to 16; absent is all zero.
     pub offsets: BTreeMap<u8, ToolOffset>,
-    /// Work frames by index, 0 to 5; absent is all zero.
+    /// Work offsets by index, 0 to 5; absent is all zero.
     pub frames: BTreeMap<u8, PerAxis<f64>>,
     /// Retained numbers by name.
     pub numbers: BTreeMap<String, f64>,
@@ -113,52 +113,52 @@ pub struct Loaded {
     pub alarms: BTreeMap<u16, PastAlarm>,
 }
 
-/// A file that was found damaged or foreign.
+/// A damaged or foreign file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DamageReport {
-    /// Where it is kept, byte for byte as it was found.
+    /// Path of the unchanged copy.
     pub kept_as: PathBuf,
     /// What is wrong with it.
     pub cause: String,
 }
 
-/// What opening found.
+/// Result of opening.
 #[derive(Debug)]
 pub struct Opened {
-    /// The store, ready.
+    /// The store, ready for use.
     pub retained: Retained,
-    /// Present when the old data could not be used: the store is empty, raise an alarm and start safe.
+    /// Set when the old data were unusable: the store is empty; raise an alarm and start with factory data.
     pub damaged: Option<DamageReport>,
-    /// Whether the store is new and empty: the first start, the file was taken away, or it was damaged.
+    /// Whether the store is new and empty: first start, file deleted, or damaged.
     pub fresh: bool,
 }
 
 /// Why the retained data cannot be opened, read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum RetainedError {
-    /// Another process works on this data.
+    /// Another process uses the data.
     #[error("{}: another kt830 is running on this data; close it, or start with another --data FOLDER", .path.display())]
     AlreadyRunning {
         /// The data directory.
         path: PathBuf,
     },
-    /// Written by a newer control. Not damage: it is left alone.
+    /// Written by a newer control. This is not damage; the file stays unchanged.
     #[error("{}: format {found}, this control knows {known}; start the newer control, or move the file away", .path.display())]
     Newer {
         /// The file.
         path: PathBuf,
         /// Its format.
         found: u64,
-        /// The newest format known here.
+        /// The newest supported format.
         known: u64,
     },
-    /// Too many damaged files are kept already.
+    /// Too many damaged files.
     #[error("{}: {DAMAGED_LIMIT} damaged files are kept here; the disk is failing, replace it and clear them away", .path.display())]
     TooManyDamaged {
         /// The data directory.
         path: PathBuf,
     },
-    /// A change that cannot be kept; a bug of the caller. None of the commit's changes was kept.
+    /// An invalid change: a bug of the caller. No change of the commit was stored.
     #[error("{what} cannot be kept: {cause}")]
     BadChange {
         /// The change.
@@ -166,33 +166,33 @@ pub enum RetainedError {
         /// What is wrong with it.
         cause: &'static str,
     },
-    /// The database refused. The commit may be kept or not; giving the same changes again is right either way.
+    /// Database error. The commit may have succeeded or not; it is safe to commit the same changes again.
     #[error("{}: {fault}; make room on the disk or replace it, then try again", .path.display())]
     Storage {
         /// The file.
         path: PathBuf,
-        /// What the database said.
+        /// The error of the database.
         fault: StorageFault,
     },
-    /// The operating system refused.
+    /// The operating system reported an error.
     #[error(transparent)]
     Io(#[from] IoFault),
 }
 
-/// The retained data of one machine. One process at a time.
+/// The retained data of one machine, used by one process at a time.
 #[derive(Debug)]
 pub struct Retained {
     path: PathBuf,
-    /// Absent after a failed commit, until the next use opens the file again.
+    /// `None` after a failed commit; the next use opens the file again.
     database: Option<Database>,
     _lock: File,
 }
 
 impl Retained {
-    /// Opens `retained.redb` in a data directory, or begins a fresh one.
+    /// Opens `retained.redb` in a data directory, or creates it.
     ///
     /// # Errors
-    /// When another process has it, a newer control wrote it, or the disk refuses. Damage is no error: see [`Opened`].
+    /// Another process has it open, a newer control wrote it, or a disk error. Damage is not an error: see [`Opened`].
     pub fn open(folder: &Path) -> Result<Opened, RetainedError> {
         let lock = lock(folder)?;
         let path = folder.join(FILE);
@@ -212,11 +212,11 @@ impl Retained {
         Ok(Opened { retained: Self { path, database: Some(database), _lock: lock }, damaged, fresh })
     }
 
-    /// Keeps all the changes or none, later ones over earlier ones; when it returns, they outlive a power cut.
+    /// Stores all changes or none, in their order. When it returns, they survive a power cut.
     ///
     /// # Errors
     /// [`RetainedError::BadChange`] for values that are not finite and keys out of range; [`RetainedError::Storage`]
-    /// when the disk refuses: the file is opened again at the next use.
+    /// for a disk error: the next use opens the file again.
     pub fn commit(&mut self, changes: &[Change]) -> Result<Generation, RetainedError> {
         for change in changes {
             tables::check(change)?;
@@ -224,7 +224,7 @@ impl Retained {
         self.with(|database| tables::apply(database, changes))
     }
 
-    /// Whether a change is of the form that can be kept.
+    /// Whether a change is valid.
     #[must_use]
     pub fn takes(change: &Change) -> bool {
         tables::check(change).is_ok()
@@ -233,12 +233,12 @@ impl Retained {
     /// All retained data.
     ///
     /// # Errors
-    /// When the disk refuses.
+    /// A disk error.
     pub fn load(&mut self) -> Result<Loaded, RetainedError> {
         self.with(|database| Ok(tables::load(database)?.loaded))
     }
 
-    /// The file.
+    /// The path of the database.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -250,13 +250,13 @@ impl Retained {
             None => open_database(&self.path)?,
         };
         let done = act(&database).map_err(|fault| RetainedError::Storage { path: self.path.clone(), fault })?;
-        // Only after success: redb wants to be opened again after a failed write.
+        // Only after success: redb must be opened again after a failed write.
         self.database = Some(database);
         Ok(done)
     }
 }
 
-/// Takes the data directory for this process.
+/// Locks the data directory for this process.
 fn lock(folder: &Path) -> Result<File, RetainedError> {
     let path = folder.join(LOCK);
     let file = File::options().create(true).truncate(false).write(true).open(&path);
@@ -282,7 +282,7 @@ fn put_aside(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> {
     Err(RetainedError::TooManyDamaged { path: folder.to_path_buf() })
 }
 
-/// Builds a fresh database beside and renames it: a power cut never leaves half of one.
+/// Creates a database under a temporary name and renames it: a power cut never leaves an incomplete one.
 fn begin(folder: &Path, path: &Path) -> Result<(), RetainedError> {
     let fresh = folder.join(FRESH);
     match fs::remove_file(&fresh) {
@@ -294,7 +294,7 @@ fn begin(folder: &Path, path: &Path) -> Result<(), RetainedError> {
     let database = builder().create(&fresh).map_err(|wrong| refused(wrong.into()))?;
     tables::begin(&database).map_err(refused)?;
     drop(database);
-    // Closing wrote the header once more.
+    // Closing has written the header again.
     let file = File::open(&fresh).map_err(IoFault::at(&fresh, "open"))?;
     file.sync_all().map_err(IoFault::at(&fresh, "flush"))?;
     fs::rename(&fresh, path).map_err(IoFault::at(&fresh, "rename"))?;

@@ -1,7 +1,7 @@
-//! The tables of the database, and the checksum over their rows.
+//! The database tables and the checksum over their rows.
 //!
-//! Every row has a checksum over table, key and value; the sum of them stands in the `meta` table and is kept up with
-//! each change, so that a commit costs what it changes and an opening sees rows that are lost or altered.
+//! Every row has a checksum over table, key and value. The `meta` table holds their sum and is updated with each
+//! change: the cost of a commit depends on its changes only, and opening detects lost or altered rows.
 
 use redb::{Database, ReadableDatabase, ReadableTable, Table, TableDefinition, TableError, WriteTransaction};
 
@@ -10,17 +10,17 @@ use crate::defs::history::{MOST_ALARMS_KEPT, PastAlarm};
 use crate::store::checksum::Checksum;
 use crate::units::PerAxis;
 
-/// The format of the tables written here.
+/// The current format of the tables.
 pub(super) const FORMAT: u64 = 2;
-/// The oldest format that is understood: without the alarms.
+/// The oldest supported format: without alarms.
 pub(super) const OLDEST: u64 = 1;
-/// The longest key of a parameter or retained word, in bytes.
+/// Maximum length of a key, bytes.
 const KEY_LIMIT: usize = 64;
-/// The longest retained text, in bytes.
+/// Maximum length of a text, bytes.
 const TEXT_LIMIT: usize = 4096;
 /// Tool offsets 1 to 16.
 const LAST_OFFSET: u8 = 16;
-/// Work frames G54 to G59.
+/// Number of work offsets, G54 to G59.
 const FRAMES: u8 = 6;
 
 const META: TableDefinition<&str, u64> = TableDefinition::new("meta");
@@ -37,7 +37,7 @@ const META_FORMAT: &str = "kt830 retained format";
 const META_GENERATION: &str = "generation";
 const META_ROWS: &str = "rows";
 
-/// What the database said, of whichever of its kinds.
+/// An error of the database.
 #[derive(Debug, thiserror::Error)]
 #[error("retained data: {0}")]
 pub struct StorageFault(Box<redb::Error>);
@@ -48,17 +48,17 @@ impl<E: Into<redb::Error>> From<E> for StorageFault {
     }
 }
 
-/// Everything in the database, with what it says about itself.
+/// All data of the database, with format and checksums.
 pub(super) struct Content {
     pub(super) loaded: Loaded,
     pub(super) format: u64,
-    /// The sum over the rows as the last commit wrote it.
+    /// The checksum over the rows, as stored by the last commit.
     pub(super) stated: u64,
-    /// The sum over the rows that are there.
+    /// The checksum computed from the rows.
     pub(super) counted: u64,
 }
 
-/// Refuses what must never come back after a power cut.
+/// Refuses invalid values, so that they cannot be restored after a power cut.
 pub(super) fn check(change: &Change) -> Result<(), RetainedError> {
     let finite = |value: &Option<f64>| value.is_none_or(f64::is_finite);
     let keyed = |key: &String| !key.is_empty() && key.len() <= KEY_LIMIT;
@@ -83,7 +83,7 @@ pub(super) fn check(change: &Change) -> Result<(), RetainedError> {
     }
 }
 
-/// What a change changes, without its value: that may be long.
+/// The name of the changed item, without its value.
 fn name(change: &Change) -> String {
     match change {
         Change::Variable { number, .. } => format!("#{number}"),
@@ -94,7 +94,7 @@ fn name(change: &Change) -> String {
     }
 }
 
-/// Writes the empty tables and the format.
+/// Creates the empty tables and writes the format.
 pub(super) fn begin(database: &Database) -> Result<(), StorageFault> {
     let transaction = database.begin_write()?;
     {
@@ -113,7 +113,7 @@ pub(super) fn begin(database: &Database) -> Result<(), StorageFault> {
     Ok(transaction.commit()?)
 }
 
-/// Brings the tables of an older control to this format.
+/// Upgrades the tables of an older control to this format.
 pub(super) fn upgrade(database: &Database) -> Result<(), StorageFault> {
     let transaction = database.begin_read()?;
     if value_of(&transaction.open_table(META)?, META_FORMAT)? == FORMAT {
@@ -126,7 +126,7 @@ pub(super) fn upgrade(database: &Database) -> Result<(), StorageFault> {
     Ok(transaction.commit()?)
 }
 
-/// One durable transaction with all the changes.
+/// Writes all changes in one durable transaction.
 pub(super) fn apply(database: &Database, changes: &[Change]) -> Result<Generation, StorageFault> {
     let transaction = database.begin_write()?;
     let moved = apply_rows(&transaction, changes)?;
@@ -138,12 +138,12 @@ pub(super) fn apply(database: &Database, changes: &[Change]) -> Result<Generatio
         meta.insert(META_GENERATION, generation)?;
         Generation(generation)
     };
-    // The default durability: the disk has it when this returns.
+    // Default durability: the data are on the disk when this returns.
     transaction.commit()?;
     Ok(generation)
 }
 
-/// Changes the rows; returns by how much their sum moved.
+/// Changes the rows; returns the change of their checksum sum.
 fn apply_rows(transaction: &WriteTransaction, changes: &[Change]) -> Result<u64, StorageFault> {
     let mut variables = transaction.open_table(VARIABLES)?;
     let mut params = transaction.open_table(PARAMS)?;
@@ -206,7 +206,7 @@ fn set_number(
     Ok(shift(old, value.map(|value| number_row(of, key, value))))
 }
 
-/// Everything at once.
+/// Reads all data.
 pub(super) fn load(database: &Database) -> Result<Content, StorageFault> {
     let transaction = database.begin_read()?;
     let meta = transaction.open_table(META)?;
@@ -247,13 +247,13 @@ pub(super) fn load(database: &Database) -> Result<Content, StorageFault> {
             for entry in table.iter()? {
                 let (slot, text) = entry?;
                 counted = counted.wrapping_add(alarm_row(slot.value(), text.value()));
-                // A text that a later control wrote otherwise is history that cannot be shown: no damage.
+                // An alarm in a newer text format cannot be shown; this is not damage.
                 if let Ok(past) = serde_json::from_str(text.value()) {
                     loaded.alarms.insert(slot.value(), past);
                 }
             }
         }
-        // The format before this one.
+        // Format 1 has no alarm table.
         Err(TableError::TableDoesNotExist(_)) => {}
         Err(other) => return Err(other.into()),
     }
@@ -261,12 +261,12 @@ pub(super) fn load(database: &Database) -> Result<Content, StorageFault> {
     Ok(Content { loaded, format, stated, counted })
 }
 
-/// A number of the meta table; 0 when it is not there, which no format is.
+/// A number of the meta table; 0 if it is missing. 0 is not a valid format.
 fn value_of(meta: &impl ReadableTable<&'static str, u64>, key: &str) -> Result<u64, StorageFault> {
     Ok(meta.get(key)?.map_or(0, |value| value.value()))
 }
 
-/// The table a row belongs to, as it enters the row's checksum; the numbers are part of the format.
+/// The table of a row, as used in the row's checksum; the numbers are part of the file format.
 #[derive(Clone, Copy)]
 enum RowOf {
     Variable = 1,
@@ -304,7 +304,7 @@ fn axes_row(of: RowOf, number: u8, values: &[f64]) -> u64 {
     row(of, &[number], &bytes)
 }
 
-/// By how much the sum moves when a row is replaced, added or removed.
+/// Change of the sum when a row is replaced, added or removed.
 fn shift(old: Option<u64>, new: Option<u64>) -> u64 {
     new.unwrap_or(0).wrapping_sub(old.unwrap_or(0))
 }
