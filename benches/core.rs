@@ -6,28 +6,28 @@
 use std::path::Path;
 use std::time::Instant;
 
-use kt830::controller::{Controller, Retained};
+use kt830::controller::{Controller, PowerOnState};
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
+use kt830::host::folders::Folders;
+use kt830::host::headless::{HeadlessHost, HostSetup};
 use kt830::io::Backend;
 use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use kt830::link::Command;
 use kt830::link::snapshot::RunState;
-use kt830::runtime::disk::Folders;
-use kt830::runtime::rig::{Rig, Setup};
 use kt830::units::Micros;
 
-fn rig(program: u32) -> Rig {
+fn rig(program: u32) -> HeadlessHost {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = Folders { programs: root.join("programs"), screens: root.join("screens"), named: false };
-    let setup = Setup { kind: Kind::Gc, retained: Retained::factory(Kind::Gc), keeper: None, folders, seed: 1 };
-    let mut rig = Rig::new(setup).unwrap();
+    let folders = Folders { programs: root.join("programs"), screens: root.join("screens"), by_name: false };
+    let setup = HostSetup { kind: Kind::Gc, retained: PowerOnState::factory(Kind::Gc), store: None, folders, seed: 1 };
+    let mut rig = HeadlessHost::new(setup).unwrap();
     let part = PartFile::builtin(program).unwrap().unwrap();
-    rig.mount(&part);
+    rig.mount_part(&part);
     rig.send(Command::LoadProgram(program));
     rig.step();
     rig.make_ready();
-    rig.mount(&part);
+    rig.mount_part(&part);
     rig.send(Command::LoadProgram(program));
     rig.send(Command::Press(Mode::Auto.key()));
     rig.step();
@@ -37,7 +37,7 @@ fn rig(program: u32) -> Rig {
 }
 
 /// Sorted durations of the controller ticks of a whole program, ns, without the time of the simulated machine.
-fn ticks(program: u32) -> Vec<u64> {
+fn program_tick_nanos(program: u32) -> Vec<u64> {
     let mut rig = rig(program);
     let mut taken = Vec::new();
     while rig.controller().state() != RunState::Idle {
@@ -48,8 +48,8 @@ fn ticks(program: u32) -> Vec<u64> {
 }
 
 /// Sorted durations of controller ticks while no program runs, ns.
-fn idle() -> Vec<u64> {
-    let retained = Retained::factory(Kind::Gc);
+fn idle_tick_nanos() -> Vec<u64> {
+    let retained = PowerOnState::factory(Kind::Gc);
     let mut machine = SimulatedMachine::new(MachineFile::builtin(Kind::Gc).unwrap(), None, &retained.params, 1);
     let image = machine.read(Micros::ZERO);
     let mut controller = Controller::new(Kind::Gc, retained, image, Micros::ZERO);
@@ -66,7 +66,7 @@ fn idle() -> Vec<u64> {
     taken
 }
 
-fn tell(name: &str, sorted: &[u64]) {
+fn print_percentiles(name: &str, sorted: &[u64]) {
     let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize] as f64 / 1_000.0;
     println!(
         "tick {name}: p50 {:.2} µs  p99 {:.2} µs  p99.9 {:.2} µs  max {:.0} µs  ({} ticks)",
@@ -79,9 +79,9 @@ fn tell(name: &str, sorted: &[u64]) {
 }
 
 fn main() {
-    tell("idle", &idle());
+    print_percentiles("idle", &idle_tick_nanos());
     for program in [1_001, 1_002] {
-        tell(&format!("O{program}"), &ticks(program));
+        print_percentiles(&format!("O{program}"), &program_tick_nanos(program));
     }
     for program in [1_001, 1_002] {
         let mut rig = rig(program);

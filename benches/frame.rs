@@ -15,10 +15,10 @@ use egui::{Event, Modifiers, PointerButton, Pos2, pos2};
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::hmi::Hmi;
-use kt830::hmi::shot::Stage;
+use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::link::Snapshot;
-use kt830::link::drawing::{Drawing, Point, Way};
 use kt830::link::files::FilesView;
+use kt830::link::toolpath::{MoveKind, PathPoint, Toolpath};
 use kt830::units::{Axis, PerAxis};
 
 const FRAMES: u32 = 600;
@@ -40,7 +40,7 @@ fn main() {
 
 /// Runs the frames of a page; `before` supplies the events of each frame.
 fn bench(name: &str, mut machine: Snapshot, before: impl Fn(&mut Snapshot, u32) -> Vec<Event>) {
-    let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_920, 1_080));
+    let mut stage = OffscreenHmi::new(Hmi::new(Lang::Zh), (1_920, 1_080));
     for _ in 0..10 {
         stage.frame(&machine);
     }
@@ -82,20 +82,23 @@ fn million_blocks() -> Snapshot {
     let mut machine = sample::running(Page::Graphic);
     let points = (0..BLOCKS).map(|block| {
         let along = block as f32 / BLOCKS as f32;
-        let way = if block % 1_000 == 0 { Way::Rapid } else { Way::Feed };
-        Point { at: [20.0 + 15.0 * (along * 900.0).sin(), 0.0, -100.0 * along + (along * 7_000.0).cos()], way }
+        let way = if block % 1_000 == 0 { MoveKind::Rapid } else { MoveKind::Feed };
+        PathPoint {
+            at: [20.0 + 15.0 * (along * 900.0).sin(), 0.0, -100.0 * along + (along * 7_000.0).cos()],
+            kind: way,
+        }
     });
-    let mut drawing = Drawing {
+    let mut drawing = Toolpath {
         number: machine.program.number,
         length_mm: 250_000.0,
-        seconds: 36_000.0,
+        duration_s: 36_000.0,
         lines: BLOCKS as _,
         extents: Some((PerAxis([5.0, 0.0, -101.0]), PerAxis([35.0, 0.0, 1.0]))),
         finished: true,
-        ..Drawing::default()
+        ..Toolpath::default()
     };
-    drawing.take_path(points.collect());
-    machine.files = Arc::new(FilesView { drawing: Some(Arc::new(drawing)), ..FilesView::default() });
+    drawing.set_path(points.collect());
+    machine.files = Arc::new(FilesView { toolpath: Some(Arc::new(drawing)), ..FilesView::default() });
     machine
 }
 

@@ -5,11 +5,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use kt830::nc::{Block, CheckWorld, Interpreter, Library, Memory, Next, NoLibrary, Settings, Source, check};
+use kt830::nc::{
+    Block, CommonVariables, EmptyLibrary, Interpreter, Library, NcSettings, NextStatus, OfflineMachine, Source, check,
+};
 
 const LINES: usize = 1_000_000;
 const ROUNDS: usize = 3;
-const AIM: f64 = 5e6;
+const TARGET_LINES_S: f64 = 5e6;
 
 fn moves() -> String {
     let mut text = String::from("O1001\nG98 G0 X50 Z10\n");
@@ -55,32 +57,33 @@ fn report(name: &str, lines: usize, bytes: usize, act: impl Fn()) {
         speed / 1e6,
         bytes as f64 / seconds / 1e6,
         1e9 / speed,
-        speed / AIM
+        speed / TARGET_LINES_S
     );
 }
 
 fn run(source: &Arc<Source>) -> usize {
-    let settings = Settings::lathe();
-    let mut world = CheckWorld::new(&settings);
+    let settings = NcSettings::lathe_a();
+    let mut world = OfflineMachine::new(&settings);
     let mut block = Block::new(&settings);
-    let mut interpreter = Interpreter::new(Arc::clone(source), Arc::new(NoLibrary), settings, Memory::default());
+    let mut interpreter =
+        Interpreter::new(Arc::clone(source), Arc::new(EmptyLibrary), settings, CommonVariables::default());
     let mut count = 0;
     loop {
         match interpreter.next(&mut world, &mut block).unwrap() {
-            Next::Block => {
+            NextStatus::Block => {
                 count += block.ops.len();
                 block.ops.iter().for_each(|op| world.apply(op));
             }
-            Next::Busy | Next::Drain => {}
-            Next::End => return count,
+            NextStatus::Busy | NextStatus::Drain => {}
+            NextStatus::End => return count,
         }
     }
 }
 
 fn main() {
     let wanted = std::env::args().skip(1).find(|word| !word.starts_with('-')).unwrap_or_default();
-    let settings = Settings::lathe();
-    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let settings = NcSettings::lathe_a();
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     for (name, text, lines) in
         [("moves", moves(), LINES), ("arithmetic", arithmetic(), LINES), ("while loop", while_loop(), LINES)]
     {

@@ -4,14 +4,14 @@
 //! jerk-limited optimum. Fails if a limit or the tolerance is exceeded in any tick, or if a path `a…` exceeds 1.20.
 #![allow(clippy::print_stdout, clippy::unwrap_used)]
 
-use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Rate, Shape};
+use kt830::motion::{AxisLimits, CornerMode, MotionLimits, MotionSpeed, Move, MoveShape, Override, TrajectoryPlanner};
 use kt830::units::PerAxis;
 use serde_json::Value;
 use std::time::Instant;
 
 /// Relative tolerance of the checks: rounding at 300 mm, differenced three times over 1 ms, gives 5e-4 mm/s³.
 const SLACK: f64 = 1e-6;
-const MOST_TICKS: u32 = 200_000;
+const MAX_TICKS: u32 = 200_000;
 /// Runs of each path; the shortest duration of each tick counts.
 const RUNS: u32 = 5;
 
@@ -29,25 +29,25 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
     let axis =
         |k| AxisLimits { velocity_mm_s: limit("v", k), acceleration_mm_s2: limit("a", k), jerk_mm_s3: limit("j", k) };
     let (x, z) = (axis(0), axis(1));
-    let limits = Limits { axes: PerAxis([x, x, z]), tick_s: 0.001 };
+    let limits = MotionLimits { axes: PerAxis([x, x, z]), tick_s: 0.001 };
     let tolerance_mm = number(&value["limits"]["tol"]);
     let mm_s = number(&value["limits"]["feed"]);
     let points: Vec<[f64; 2]> =
         value["points"].as_array().unwrap().iter().map(|p| [number(&p[0]), number(&p[1])]).collect();
-    let mut path = Path::new(limits, PerAxis([points[0][0], 0.0, points[0][1]]));
+    let mut path = TrajectoryPlanner::new(limits, PerAxis([points[0][0], 0.0, points[0][1]]));
     let mut moves = points[1..].iter().map(|p| Move {
         to: PerAxis([p[0], 0.0, p[1]]),
-        shape: Shape::Line,
-        rate: Rate::Feed { mm_s },
-        end: End::Continuous { tolerance_mm },
+        shape: MoveShape::Line,
+        speed: MotionSpeed::Feed { mm_s },
+        corner: CornerMode::Continuous { tolerance_mm },
         tag: 0,
     });
     let start = path.position().0;
     let mut past = [start; 4];
     let (mut kept, mut worst, mut ticks) = (true, [0.0_f64; 4], 0);
     let mut waited = None;
-    while ticks == 0 || (!path.is_done() && ticks < MOST_TICKS) {
-        while path.room() > 0
+    while ticks == 0 || (!path.is_done() && ticks < MAX_TICKS) {
+        while path.free_slots() > 0
             && let Some(m) = moves.next()
         {
             path.push(m).unwrap();
@@ -100,18 +100,25 @@ fn run(value: &Value, costs: &mut Vec<f64>, say: bool) -> (f64, Option<f64>, boo
 fn many_moves() {
     const MOVES: u32 = 10_000;
     let axis = |v| AxisLimits { velocity_mm_s: v, acceleration_mm_s2: 800.0, jerk_mm_s3: 20_000.0 };
-    let limits = Limits { axes: PerAxis([axis(100.0), axis(100.0), axis(10_000.0 / 60.0)]), tick_s: 0.001 };
+    let limits = MotionLimits { axes: PerAxis([axis(100.0), axis(100.0), axis(10_000.0 / 60.0)]), tick_s: 0.001 };
     let mut costs: Vec<f64> = Vec::new();
     for _ in 0..RUNS {
-        let mut path = Path::new(limits, PerAxis([0.0; 3]));
+        let mut path = TrajectoryPlanner::new(limits, PerAxis([0.0; 3]));
         let (mut next, mut ticks, mut rests) = (0_u32, 0, 0);
         while next < MOVES || !path.is_done() {
-            while path.room() > 0 && next < MOVES {
+            while path.free_slots() > 0 && next < MOVES {
                 next += 1;
                 let z = 0.3 * f64::from(next);
-                let end = End::Continuous { tolerance_mm: 0.01 };
+                let end = CornerMode::Continuous { tolerance_mm: 0.01 };
                 let to = PerAxis([5.0 * (z / 8.0).sin(), 0.0, z]);
-                path.push(Move { to, shape: Shape::Line, rate: Rate::Feed { mm_s: 40.0 }, end, tag: next }).unwrap();
+                path.push(Move {
+                    to,
+                    shape: MoveShape::Line,
+                    speed: MotionSpeed::Feed { mm_s: 40.0 },
+                    corner: end,
+                    tag: next,
+                })
+                .unwrap();
             }
             let before = Instant::now();
             path.tick(Override::FULL);

@@ -27,7 +27,7 @@ impl Bench {
         let part = PartFile::builtin(program).unwrap().unwrap();
         let params = Params::factory(part.kind);
         let mut sim = SimulatedMachine::new(MachineFile::builtin(part.kind).unwrap(), Some(&part), &params, 1);
-        sim.start_ready();
+        sim.make_ready();
         let out = OutputImage { drives_on: true, ..OutputImage::default() };
         let mut bench = Self { sim, out, params, tick: 0 };
         bench.switch(&[Output::Hydraulic, Output::Tailstock, Output::Magnetise]);
@@ -52,7 +52,7 @@ impl Bench {
 }
 
 /// Triangle wave from 0 to `way` mm and back, `per_tick` mm per tick.
-fn stroke(tick: u64, way: f64, per_tick: f64) -> f64 {
+fn triangle_wave(tick: u64, way: f64, per_tick: f64) -> f64 {
     let along = (tick as f64 * per_tick) % (2.0 * way);
     if along < way { along } else { 2.0 * way - along }
 }
@@ -62,7 +62,7 @@ fn main() {
         let mut bench = Bench::new(program);
         println!("{:<4} nothing moves          {:6.0} ns a tick", kind.id(), bench.run(TICKS, |_, _| ()));
         bench.switch(&[Output::Wheel, Output::HeadstockHigh, Output::RadialGauge]);
-        let spinning = bench.run(TICKS, |tick, out| out.set_point_mm[Axis::X] = stroke(tick, 20.0, 0.05));
+        let spinning = bench.run(TICKS, |tick, out| out.set_point_mm[Axis::X] = triangle_wave(tick, 20.0, 0.05));
         println!("{:<4} all turns, X moves      {spinning:6.0} ns a tick", kind.id());
     }
     let mut bench = Bench::new(1_007);
@@ -71,7 +71,7 @@ fn main() {
     bench.run(20_000, |tick, out| out.set_point_mm[Axis::Z] = (tick as f64 * 0.05).min(55.0));
     bench.run(20_000, |tick, out| out.set_point_mm[Axis::Y] = -(tick as f64 * 0.01).min(39.88));
     let grinding = bench.run(TICKS, |tick, out| {
-        out.set_point_mm[Axis::X] = stroke(tick, 260.0, 0.2);
+        out.set_point_mm[Axis::X] = triangle_wave(tick, 260.0, 0.2);
         out.set_point_mm[Axis::Y] = -39.88 - tick as f64 * 5e-7;
     });
     println!("gs   grinds a plane         {grinding:6.0} ns a tick, {} events", bench.sim.events().len());

@@ -12,7 +12,7 @@
 //! | [`link`] | [`link::Command`] in, [`link::Snapshot`] out: all that screen and core share | units, defs |
 //! | [`nc`] | program text → [`nc::Op`]; moves nothing | units, defs |
 //! | [`motion`] | moves → set-points within velocity, acceleration, jerk and tolerance | units, defs |
-//! | [`machine`] | the units; [`machine::rules`], the one interlock table; [`machine::phase`] of a run; [`machine::press`], what a key asks for; one file a kind | units, defs, link |
+//! | [`machine`] | the units; [`machine::rules`], the one interlock table; [`machine::phase`] of a run; [`machine::panel_key`], what a key asks for; one file a kind | units, defs, link |
 //! | [`io`] | [`io::Backend`]; the simulated machine and its physics | units, defs |
 //! | [`store`] | what outlives a power cut, and the folders people copy files into | units, defs |
 //! | [`controller`] | [`controller::Controller::tick`] in a fixed order | the core above |
@@ -24,15 +24,15 @@
 //! # The path of a key press
 //!
 //! finger → `hmi::panel` → [`link::Command`] → bounded channel (reset, hold and emergency stop have one of their own) →
-//! [`runtime::realtime`] → [`controller::Controller::tick`]: inputs, commands (`controller::keys` asks
+//! [`host::realtime`] → [`controller::Controller::tick`]: inputs, commands (`controller::keys` asks
 //! [`machine::Machine::ask`], which asks [`machine::interlock`]), machine logic and alarms, program, hand, axes, outputs →
 //! [`io::Backend::write`] → newest-only [`link::Snapshot`] → page. It never runs back: a lamp shows the output, not the wish.
 //!
 //! # The path of a move
 //!
-//! text → on the lathe and the 802D [`nc::Proof`]: the whole of it before anything moves → [`nc::Interpreter::next`] → [`nc::Op`] (radius mm, work frame) → `controller::run` turns it into machine
-//! coordinates and checks the soft limits → `controller::executor` hands it to [`motion::Path`], in order with the acts
-//! between the moves → [`motion::Path::tick`], one set-point a tick → [`io::OutputImage`]. Variables, frames and block numbers
+//! text → on the lathe and the 802D [`nc::ProgramPreflight`]: the whole of it before anything moves → [`nc::Interpreter::next`] → [`nc::Op`] (radius mm, work frame) → `controller::run` turns it into machine
+//! coordinates and checks the soft limits → `controller::executor` hands it to [`motion::TrajectoryPlanner`], in order with the acts
+//! between the moves → [`motion::TrajectoryPlanner::tick`], one set-point a tick → [`io::OutputImage`]. Variables, frames and block numbers
 //! change when the machine gets there, not when the reader does.
 //!
 //! # What always holds
@@ -55,12 +55,12 @@ pub mod controller;
 pub mod defs;
 #[cfg(feature = "hmi")]
 pub mod hmi;
+pub mod host;
 pub mod io;
 pub mod link;
 pub mod machine;
 pub mod motion;
 pub mod nc;
-pub mod runtime;
 pub mod store;
 pub mod story;
 pub mod units;

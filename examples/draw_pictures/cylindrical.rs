@@ -30,25 +30,25 @@ pub fn snap_gauge(sheet: &Sheet) {
     let wheel = Rect::from_min_max(pos2(88.0, 92.0), pos2(112.0, 232.0));
     sheet.painter.rect(wheel, 4.0, sheet.theme.paper, sheet.outline(), StrokeKind::Middle);
     sheet.dashed((72.0, 162.0), (128.0, 162.0), sheet.thin());
-    sheet.painter.rect_filled(Rect::from_center_size(wheel.center(), vec2(24.0, 34.0)), 0.0, sheet.theme.paper_quiet);
+    sheet.painter.rect_filled(Rect::from_center_size(wheel.center(), vec2(24.0, 34.0)), 0.0, sheet.theme.paper_muted);
     sheet.dashed((88.0, 232.0), (88.0, 304.0), sheet.thin());
     sheet.dashed((112.0, 232.0), (112.0, 304.0), sheet.thin());
     sheet.dashed((88.0, 304.0), (112.0, 304.0), sheet.thin());
-    sheet.measure((100.0, 244.0), (100.0, 296.0));
+    sheet.dimension((100.0, 244.0), (100.0, 296.0));
     // Strokes in X.
     sheet.line(&[(36.0, 232.0), (88.0, 232.0)], sheet.accent());
     sheet.line(&[(36.0, 304.0), (88.0, 304.0)], sheet.accent());
-    sheet.measure((20.0, 242.0), (20.0, 294.0));
-    sheet.number((2.0, 231.0), Align2::LEFT_CENTER, 500);
-    sheet.number((2.0, 303.0), Align2::LEFT_CENTER, 501);
+    sheet.dimension((20.0, 242.0), (20.0, 294.0));
+    sheet.variable_label((2.0, 231.0), Align2::LEFT_CENTER, 500);
+    sheet.variable_label((2.0, 303.0), Align2::LEFT_CENTER, 501);
     // Safe X and the end position in Z.
     sheet.dashed((100.0, 92.0), (100.0, 58.0), sheet.accent());
     sheet.dashed((80.0, 58.0), (152.0, 58.0), sheet.accent());
-    sheet.tip((152.0, 58.0), (1.0, 0.0), sheet.theme.paper_accent);
+    sheet.arrow_head((152.0, 58.0), (1.0, 0.0), sheet.theme.paper_accent);
     sheet.painter.circle_filled(pos2(155.0, 58.0), 2.4, sheet.theme.paper_accent);
     sheet.dashed((155.0, 58.0), (155.0, 28.0), sheet.thin());
-    sheet.number((78.0, 57.0), Align2::RIGHT_CENTER, 503);
-    sheet.number((155.0, 18.0), Align2::CENTER_CENTER, 504);
+    sheet.variable_label((78.0, 57.0), Align2::RIGHT_CENTER, 503);
+    sheet.variable_label((155.0, 18.0), Align2::CENTER_CENTER, 504);
     // Left face, then right face.
     sheet.leader((2.0, 88.0), Align2::LEFT_CENTER, 502, &[(37.0, 89.0), (76.0, 89.0), (76.0, 184.0)]);
     sheet.leader((2.0, 116.0), Align2::LEFT_CENTER, 506, &[(37.0, 117.0), (70.5, 117.0), (70.5, 192.0)]);
@@ -84,25 +84,25 @@ pub fn plunge(sheet: &Sheet) {
     sheet.painter.rect_filled(
         Rect::from_center_size(pos2(100.0, 92.0), vec2(56.0, 26.0)),
         0.0,
-        sheet.theme.paper_quiet,
+        sheet.theme.paper_muted,
     );
     sheet.dashed((56.0, 92.0), (144.0, 92.0), sheet.thin());
     sheet.line(&[(100.0, 134.0), (100.0, 212.0)], Stroke::new(1.6, sheet.theme.paper_ink));
-    sheet.tip((100.0, 220.0), (0.0, 1.0), sheet.theme.paper_ink);
+    sheet.arrow_head((100.0, 220.0), (0.0, 1.0), sheet.theme.paper_ink);
     // Safe X, Z position.
     sheet.line(&[(36.0, 178.0), (72.0, 178.0)], sheet.accent());
-    sheet.number((2.0, 177.0), Align2::LEFT_CENTER, 522);
+    sheet.variable_label((2.0, 177.0), Align2::LEFT_CENTER, 522);
     sheet.dashed((72.0, 58.0), (72.0, 34.0), sheet.accent());
-    sheet.number((72.0, 24.0), Align2::CENTER_CENTER, 523);
+    sheet.variable_label((72.0, 24.0), Align2::CENTER_CENTER, 523);
     // Diameters.
     sheet.line(&[(134.0, axis - 70.0), (190.0, axis - 70.0)], sheet.thin());
     sheet.line(&[(134.0, axis + 70.0), (190.0, axis + 70.0)], sheet.thin());
-    sheet.measure((186.0, axis - 70.0), (186.0, axis + 70.0));
-    sheet.number((198.0, axis + 48.0), Align2::RIGHT_CENTER, 520);
+    sheet.dimension((186.0, axis - 70.0), (186.0, axis + 70.0));
+    sheet.variable_label((198.0, axis + 48.0), Align2::RIGHT_CENTER, 520);
     sheet.line(&[(10.0, axis - 42.0), (66.0, axis - 42.0)], sheet.thin());
     sheet.line(&[(10.0, axis + 42.0), (66.0, axis + 42.0)], sheet.thin());
-    sheet.measure((14.0, axis - 42.0), (14.0, axis + 42.0));
-    sheet.number((2.0, axis + 16.0), Align2::LEFT_CENTER, 521);
+    sheet.dimension((14.0, axis - 42.0), (14.0, axis + 42.0));
+    sheet.variable_label((2.0, axis + 16.0), Align2::LEFT_CENTER, 521);
     // Remaining allowance before each stage.
     sheet.leader((198.0, 190.0), Align2::RIGHT_CENTER, 524, &[(163.0, 191.0), (126.0, 191.0), (126.0, axis - 63.0)]);
     sheet.leader((2.0, 212.0), Align2::LEFT_CENTER, 525, &[(37.0, 213.0), (74.0, 213.0), (74.0, axis - 49.0)]);
@@ -123,32 +123,32 @@ pub fn traverse(sheet: &Sheet) {
     }
     sheet.dashed((22.0, axis), (178.0, axis), Stroke::new(1.0, sheet.theme.paper_ink));
     // The wheel at the left reversal point, and dashed at the right one.
-    sheet.ghost((128.0, 92.0), (160.0, 192.0));
+    sheet.dashed_block((128.0, 92.0), (160.0, 192.0));
     sheet.wheel((46.0, 92.0), (78.0, 192.0));
-    sheet.ways((84.0, 152.0), (122.0, 152.0));
+    sheet.double_arrow((84.0, 152.0), (122.0, 152.0));
     for x in [62.0, 144.0] {
-        sheet.way((x, 198.0), (x, 224.0));
+        sheet.arrow((x, 198.0), (x, 224.0));
     }
     // Reversal points.
     sheet.dashed((46.0, 92.0), (46.0, 66.0), sheet.accent());
     sheet.dashed((128.0, 92.0), (128.0, 66.0), sheet.accent());
-    sheet.number((52.0, 57.0), Align2::CENTER_CENTER, 603);
-    sheet.number((128.0, 57.0), Align2::CENTER_CENTER, 604);
+    sheet.variable_label((52.0, 57.0), Align2::CENTER_CENTER, 603);
+    sheet.variable_label((128.0, 57.0), Align2::CENTER_CENTER, 604);
     // Safe X.
     sheet.line(&[(36.0, 192.0), (46.0, 192.0)], sheet.accent());
-    sheet.number((2.0, 191.0), Align2::LEFT_CENTER, 602);
+    sheet.variable_label((2.0, 191.0), Align2::LEFT_CENTER, 602);
     // Infeed at the reversal points.
     sheet.leader((198.0, 128.0), Align2::RIGHT_CENTER, 606, &[(180.0, 138.0), (180.0, 210.0), (146.0, 210.0)]);
     sheet.leader((2.0, 222.0), Align2::LEFT_CENTER, 607, &[(37.0, 222.0), (60.0, 214.0)]);
     // Diameters.
     sheet.line(&[(150.0, axis - 64.0), (192.0, axis - 64.0)], sheet.thin());
     sheet.line(&[(150.0, axis + 64.0), (192.0, axis + 64.0)], sheet.thin());
-    sheet.measure((188.0, axis - 64.0), (188.0, axis + 64.0));
-    sheet.number((198.0, axis + 44.0), Align2::RIGHT_CENTER, 600);
+    sheet.dimension((188.0, axis - 64.0), (188.0, axis + 64.0));
+    sheet.variable_label((198.0, axis + 44.0), Align2::RIGHT_CENTER, 600);
     sheet.line(&[(10.0, axis - 40.0), (52.0, axis - 40.0)], sheet.thin());
     sheet.line(&[(10.0, axis + 40.0), (52.0, axis + 40.0)], sheet.thin());
-    sheet.measure((14.0, axis - 40.0), (14.0, axis + 40.0));
-    sheet.number((2.0, axis + 16.0), Align2::LEFT_CENTER, 601);
+    sheet.dimension((14.0, axis - 40.0), (14.0, axis + 40.0));
+    sheet.variable_label((2.0, axis + 16.0), Align2::LEFT_CENTER, 601);
     // Finishing allowance.
     sheet.leader((100.0, 389.0), Align2::CENTER_CENTER, 605, &[(100.0, 380.0), (100.0, axis + 45.0)]);
 }
@@ -167,37 +167,37 @@ pub fn plunge_to_gauge(sheet: &Sheet) {
     sheet.dashed((30.0, axis), (160.0, axis), Stroke::new(1.0, sheet.theme.paper_ink));
     // The wheel, its short strokes and its move down.
     sheet.wheel((64.0, 76.0), (116.0, 178.0));
-    sheet.ways((76.0, 148.0), (104.0, 148.0));
-    sheet.way((90.0, 182.0), (90.0, 214.0));
+    sheet.double_arrow((76.0, 148.0), (104.0, 148.0));
+    sheet.arrow((90.0, 182.0), (90.0, 214.0));
     sheet.dashed((64.0, 76.0), (64.0, 58.0), sheet.accent());
-    sheet.number((64.0, 49.0), Align2::CENTER_CENTER, 623);
+    sheet.variable_label((64.0, 49.0), Align2::CENTER_CENTER, 623);
     sheet.leader((150.0, 49.0), Align2::CENTER_CENTER, 624, &[(150.0, 60.0), (150.0, 148.0), (106.0, 148.0)]);
     sheet.line(&[(36.0, 178.0), (64.0, 178.0)], sheet.accent());
-    sheet.number((2.0, 177.0), Align2::LEFT_CENTER, 622);
+    sheet.variable_label((2.0, 177.0), Align2::LEFT_CENTER, 622);
     // The gauge: two tips on the part, its body below.
     let ink = sheet.ink();
     sheet.line(&[(92.0, axis + 40.0), (92.0, axis + 50.0), (130.0, axis + 50.0), (130.0, 386.0)], ink);
     sheet.line(&[(130.0, axis + 50.0), (130.0, axis - 52.0), (110.0, axis - 52.0), (110.0, axis - 40.0)], ink);
-    sheet.block((118.0, 366.0), (142.0, 392.0), sheet.theme.paper_quiet);
+    sheet.block((118.0, 366.0), (142.0, 392.0), sheet.theme.paper_muted);
     for (x, y, up) in [(92.0, axis + 40.0, -1.0), (110.0, axis - 40.0, 1.0)] {
-        sheet.tip((x, y), (0.0, up), sheet.theme.paper_ink);
+        sheet.arrow_head((x, y), (0.0, up), sheet.theme.paper_ink);
     }
     // The four feeds, each up to its gauge signal.
     let stages = [(206.0, 626), (234.0, 627), (256.0, 628), (274.0, 629)];
     let mut from = 180.0;
     for (to, variable) in stages {
         sheet.line(&[(156.0, to), (168.0, to)], sheet.accent());
-        sheet.measure((162.0, from), (162.0, to));
-        sheet.number((198.0, (from + to) / 2.0), Align2::RIGHT_CENTER, variable);
+        sheet.dimension((162.0, from), (162.0, to));
+        sheet.variable_label((198.0, (from + to) / 2.0), Align2::RIGHT_CENTER, variable);
         from = to;
     }
     // Diameters.
     sheet.line(&[(20.0, axis - 66.0), (62.0, axis - 66.0)], sheet.thin());
     sheet.line(&[(20.0, axis + 66.0), (62.0, axis + 66.0)], sheet.thin());
-    sheet.measure((24.0, axis - 66.0), (24.0, axis + 66.0));
-    sheet.number((2.0, axis - 48.0), Align2::LEFT_CENTER, 620);
+    sheet.dimension((24.0, axis - 66.0), (24.0, axis + 66.0));
+    sheet.variable_label((2.0, axis - 48.0), Align2::LEFT_CENTER, 620);
     sheet.line(&[(34.0, axis - 40.0), (62.0, axis - 40.0)], sheet.thin());
     sheet.line(&[(34.0, axis + 40.0), (62.0, axis + 40.0)], sheet.thin());
-    sheet.measure((38.0, axis - 40.0), (38.0, axis + 40.0));
-    sheet.number((28.0, axis + 18.0), Align2::LEFT_CENTER, 621);
+    sheet.dimension((38.0, axis - 40.0), (38.0, axis + 40.0));
+    sheet.variable_label((28.0, axis + 18.0), Align2::LEFT_CENTER, 621);
 }

@@ -15,7 +15,7 @@ use std::process::ExitCode;
 
 use egui::{Context, Pos2, RawInput, Rect, vec2};
 use image::RgbaImage;
-use kt830::hmi::raster::Raster;
+use kt830::hmi::rasterizer::Rasterizer;
 use kt830::hmi::theme::{self, DARK};
 
 use sheet::Sheet;
@@ -46,7 +46,7 @@ fn main() -> ExitCode {
         ("B0100.BMP", dressing::dressing),
         ("B0801.BMP", vertical::dressing),
         ("B0802.BMP", vertical::sizes),
-        ("B0803.BMP", vertical::course),
+        ("B0803.BMP", vertical::process_values),
     ];
     for (name, drawing) in pictures {
         if let Err(cause) = std::fs::create_dir_all(&folder).and_then(|()| save(&folder.join(name), drawing)) {
@@ -70,7 +70,7 @@ fn draw(drawing: Drawing) -> RgbaImage {
     let area = Rect::from_min_size(Pos2::ZERO, vec2(SIZE.0 as f32, SIZE.1 as f32));
     let input = RawInput { screen_rect: Some(area), ..RawInput::default() };
     let mut output = ctx.run_ui(input, |ui| drawing(&Sheet { painter: ui.painter().clone(), theme: DARK }));
-    let mut raster = Raster::default();
+    let mut raster = Rasterizer::default();
     let mut delta = std::mem::take(&mut output.textures_delta);
     raster.update(&delta);
     delta.clear();

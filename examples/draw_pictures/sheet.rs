@@ -16,7 +16,7 @@ impl Sheet {
     }
 
     pub fn thin(&self) -> Stroke {
-        Stroke::new(1.0, self.theme.paper_quiet)
+        Stroke::new(1.0, self.theme.paper_muted)
     }
 
     pub fn accent(&self) -> Stroke {
@@ -37,7 +37,7 @@ impl Sheet {
     }
 
     /// An arrow head with its tip at `at`; `direction` is a unit vector.
-    pub fn tip(&self, at: (f32, f32), direction: (f32, f32), colour: Color32) {
+    pub fn arrow_head(&self, at: (f32, f32), direction: (f32, f32), colour: Color32) {
         let (dx, dy) = direction;
         let side =
             |forward: f32, across: f32| pos2(at.0 + dx * forward - dy * across, at.1 + dy * forward + dx * across);
@@ -46,22 +46,22 @@ impl Sheet {
     }
 
     /// A dimension line with an arrow at each end.
-    pub fn measure(&self, from: (f32, f32), to: (f32, f32)) {
+    pub fn dimension(&self, from: (f32, f32), to: (f32, f32)) {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let length = dx.hypot(dy).max(1.0);
         let direction = (dx / length, dy / length);
         self.line(&[from, to], self.accent());
-        self.tip(to, direction, self.theme.paper_accent);
-        self.tip(from, (-direction.0, -direction.1), self.theme.paper_accent);
+        self.arrow_head(to, direction, self.theme.paper_accent);
+        self.arrow_head(from, (-direction.0, -direction.1), self.theme.paper_accent);
     }
 
     /// The number of a macro variable on a blank background.
-    pub fn number(&self, at: (f32, f32), align: Align2, variable: u16) {
-        self.name(at, align, &format!("#{variable}"));
+    pub fn variable_label(&self, at: (f32, f32), align: Align2, variable: u16) {
+        self.label(at, align, &format!("#{variable}"));
     }
 
     /// A label on a blank background.
-    pub fn name(&self, at: (f32, f32), align: Align2, words: &str) {
+    pub fn label(&self, at: (f32, f32), align: Align2, words: &str) {
         let galley = self.painter.layout_no_wrap(words.to_owned(), theme::font(theme::SMALL), self.theme.paper_accent);
         let place = align.anchor_size(pos2(at.0, at.1), galley.size());
         self.painter.rect_filled(place.shrink2(vec2(-1.0, 3.0)), 0.0, self.theme.paper);
@@ -82,7 +82,7 @@ impl Sheet {
         if let Some((x, y)) = way.last() {
             self.painter.circle_filled(pos2(*x, *y), 2.2, self.theme.paper_accent);
         }
-        self.number(label, align, variable);
+        self.variable_label(label, align, variable);
     }
 
     pub fn hatch(&self, area: Rect, step: f32) {
@@ -105,8 +105,8 @@ impl Sheet {
         let (x, y) = at;
         let ink = self.theme.paper_ink;
         self.line(&[(x, y - 22.0), (x, y), (x + 22.0, y)], Stroke::new(1.2, ink));
-        self.tip((x, y - 26.0), (0.0, -1.0), ink);
-        self.tip((x + 26.0, y), (1.0, 0.0), ink);
+        self.arrow_head((x, y - 26.0), (0.0, -1.0), ink);
+        self.arrow_head((x + 26.0, y), (1.0, 0.0), ink);
         let letter =
             |at: Pos2, word: &str| self.painter.text(at, Align2::CENTER_CENTER, word, theme::font(theme::SMALL), ink);
         letter(pos2(x + 10.0, y - 23.0), up);
@@ -136,13 +136,13 @@ impl Sheet {
         self.painter.rect_filled(
             Rect::from_min_max(pos2(from.0, hub), pos2(to.0, hub + 22.0)),
             0.0,
-            self.theme.paper_quiet,
+            self.theme.paper_muted,
         );
         self.dashed((from.0 - 12.0, hub + 11.0), (to.0 + 12.0, hub + 11.0), self.thin());
     }
 
     /// A dashed rectangle: another position of the wheel, or stock.
-    pub fn ghost(&self, from: (f32, f32), to: (f32, f32)) {
+    pub fn dashed_block(&self, from: (f32, f32), to: (f32, f32)) {
         let corners = [from, (to.0, from.1), to, (from.0, to.1)];
         for side in 0..4 {
             self.dashed(corners[side], corners[(side + 1) % 4], self.thin());
@@ -150,17 +150,17 @@ impl Sheet {
     }
 
     /// A move of the wheel: a line with an arrow at its end.
-    pub fn way(&self, from: (f32, f32), to: (f32, f32)) {
+    pub fn arrow(&self, from: (f32, f32), to: (f32, f32)) {
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let length = dx.hypot(dy).max(1.0);
         self.line(&[from, to], self.ink());
-        self.tip(to, (dx / length, dy / length), self.theme.paper_ink);
+        self.arrow_head(to, (dx / length, dy / length), self.theme.paper_ink);
     }
 
     /// A move to and fro: a line with an arrow at each end.
-    pub fn ways(&self, from: (f32, f32), to: (f32, f32)) {
-        self.way(from, to);
-        self.way(to, from);
+    pub fn double_arrow(&self, from: (f32, f32), to: (f32, f32)) {
+        self.arrow(from, to);
+        self.arrow(to, from);
     }
 
     pub fn circle(&self, at: (f32, f32), radius: f32, fill: Color32) {

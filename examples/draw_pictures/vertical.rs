@@ -7,21 +7,21 @@ use crate::sheet::Sheet;
 type At = (f32, f32);
 
 /// A label centred at a point.
-fn name(sheet: &Sheet, at: At, words: &str) {
-    sheet.name(at, Align2::CENTER_CENTER, words);
+fn label(sheet: &Sheet, at: At, words: &str) {
+    sheet.label(at, Align2::CENTER_CENTER, words);
 }
 
 /// A leader that ends in a dot, with a label.
 fn leader(sheet: &Sheet, from: At, to: At, at: At, words: &str) {
     sheet.line(&[from, to], sheet.accent());
     sheet.painter.circle_filled(pos2(to.0, to.1), 2.2, sheet.theme.paper_accent);
-    name(sheet, at, words);
+    label(sheet, at, words);
 }
 
 /// A dimension with a label.
-fn measure(sheet: &Sheet, from: At, to: At, at: At, words: &str) {
-    sheet.measure(from, to);
-    name(sheet, at, words);
+fn dimension(sheet: &Sheet, from: At, to: At, at: At, words: &str) {
+    sheet.dimension(from, to);
+    label(sheet, at, words);
 }
 
 /// An arrow.
@@ -29,7 +29,7 @@ fn arrow(sheet: &Sheet, from: At, to: At) {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx.hypot(dy).max(1.0);
     sheet.line(&[from, to], sheet.accent());
-    sheet.tip(to, (dx / length, dy / length), sheet.theme.paper_accent);
+    sheet.arrow_head(to, (dx / length, dy / length), sheet.theme.paper_accent);
 }
 
 /// A target position of the wheel's centre.
@@ -63,15 +63,15 @@ pub fn dressing(sheet: &Sheet) {
     sheet.shape(&[(167.0, 150.0), (176.0, 134.0), (196.0, 134.0), (196.0, 150.0)], sheet.theme.paper);
     sheet.line(&[(94.0, 98.0), (94.0, 116.0)], sheet.accent());
     sheet.line(&[(166.0, 98.0), (166.0, 116.0)], sheet.accent());
-    measure(sheet, (94.0, 104.0), (166.0, 104.0), (108.0, 104.0), "R3");
-    measure(sheet, (82.0, 116.0), (82.0, 150.0), (66.0, 133.0), "R4");
+    dimension(sheet, (94.0, 104.0), (166.0, 104.0), (108.0, 104.0), "R3");
+    dimension(sheet, (82.0, 116.0), (82.0, 150.0), (66.0, 133.0), "R4");
     leader(sheet, (184.0, 86.0), (168.0, 147.0), (184.0, 78.0), "R10");
     leader(sheet, (138.0, 172.0), (165.0, 151.0), (122.0, 178.0), "R36 R37");
     leader(sheet, (46.0, 172.0), (95.0, 149.0), (36.0, 178.0), "R9");
     sheet.line(&[(167.0, 154.0), (167.0, 212.0)], sheet.accent());
-    measure(sheet, (60.0, 206.0), (167.0, 206.0), (114.0, 206.0), "R11");
+    dimension(sheet, (60.0, 206.0), (167.0, 206.0), (114.0, 206.0), "R11");
     sheet.line(&[(112.0, 330.0), (192.0, 330.0)], sheet.accent());
-    measure(sheet, (186.0, 151.0), (186.0, 330.0), (184.0, 250.0), "R12");
+    dimension(sheet, (186.0, 151.0), (186.0, 330.0), (184.0, 250.0), "R12");
     leader(sheet, (104.0, 36.0), (128.0, 64.0), (92.0, 28.0), "R7 R8");
     leader(sheet, (40.0, 66.0), (40.0, 92.0), (40.0, 58.0), "R46 R47");
     target(sheet, (40.0, 92.0));
@@ -83,36 +83,36 @@ pub fn sizes(sheet: &Sheet) {
     wheel(sheet, 100.0, 262.0);
     sheet.line(&[(22.0, 188.0), (22.0, 236.0)], sheet.accent());
     sheet.line(&[(98.0, 188.0), (98.0, 236.0)], sheet.accent());
-    measure(sheet, (22.0, 194.0), (98.0, 194.0), (60.0, 194.0), "R20");
-    measure(sheet, (24.0, 292.0), (96.0, 292.0), (44.0, 292.0), "R18");
+    dimension(sheet, (22.0, 194.0), (98.0, 194.0), (60.0, 194.0), "R20");
+    dimension(sheet, (24.0, 292.0), (96.0, 292.0), (44.0, 292.0), "R18");
     leader(sheet, (50.0, 222.0), (97.0, 244.0), (38.0, 220.0), "R25");
     arrow(sheet, (118.0, 245.0), (102.0, 245.0));
-    name(sheet, (144.0, 245.0), "R28 R22");
+    label(sheet, (144.0, 245.0), "R28 R22");
     // The stroke, up and down, and the feeds along it.
-    sheet.measure((184.0, 176.0), (184.0, 252.0));
-    name(sheet, (156.0, 156.0), "R29 R23 R33");
+    sheet.dimension((184.0, 176.0), (184.0, 252.0));
+    label(sheet, (156.0, 156.0), "R29 R23 R33");
     leader(sheet, (118.0, 280.0), (98.0, 262.0), (124.0, 288.0), "R14");
     sheet.line(&[(96.0, 316.0), (126.0, 316.0)], sheet.accent());
     sheet.line(&[(112.0, 330.0), (192.0, 330.0)], sheet.accent());
     sheet.line(&[(172.0, 262.0), (192.0, 262.0)], sheet.accent());
     sheet.line(&[(98.0, 302.0), (158.0, 302.0)], sheet.accent());
-    sheet.measure((122.0, 316.0), (122.0, 330.0));
-    name(sheet, (136.0, 318.0), "R13");
-    measure(sheet, (153.0, 302.0), (153.0, 330.0), (153.0, 290.0), "R19");
-    measure(sheet, (186.0, 262.0), (186.0, 330.0), (184.0, 284.0), "R21");
+    sheet.dimension((122.0, 316.0), (122.0, 330.0));
+    label(sheet, (136.0, 318.0), "R13");
+    dimension(sheet, (153.0, 302.0), (153.0, 330.0), (153.0, 290.0), "R19");
+    dimension(sheet, (186.0, 262.0), (186.0, 330.0), (184.0, 284.0), "R21");
 }
 
 /// Process values (C0803).
-pub fn course(sheet: &Sheet) {
+pub fn process_values(sheet: &Sheet) {
     table(sheet, 208.0);
     wheel(sheet, 108.0, 262.0);
-    measure(sheet, (24.0, 292.0), (96.0, 292.0), (44.0, 292.0), "R60");
+    dimension(sheet, (24.0, 292.0), (96.0, 292.0), (44.0, 292.0), "R60");
     // The step is too narrow for arrows inside: they point at it from both sides.
     sheet.line(&[(96.0, 214.0), (96.0, 236.0)], sheet.accent());
     sheet.line(&[(108.0, 214.0), (108.0, 228.0)], sheet.accent());
     arrow(sheet, (80.0, 220.0), (96.0, 220.0));
     arrow(sheet, (124.0, 220.0), (108.0, 220.0));
-    name(sheet, (40.0, 220.0), "R50");
+    label(sheet, (40.0, 220.0), "R50");
     sheet.line(&[(54.0, 220.0), (82.0, 220.0)], sheet.accent());
     leader(sheet, (62.0, 158.0), (107.0, 230.0), (48.0, 150.0), "R58 R59");
     leader(sheet, (128.0, 282.0), (97.0, 250.0), (148.0, 290.0), "R52 R53 R54");

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 
-use crate::defs::date::Date;
+use crate::defs::date::DateTime;
 use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
@@ -17,10 +17,10 @@ use crate::units::Axis;
 pub struct Args {
     /// What to do.
     #[command(subcommand)]
-    pub verb: Option<Verb>,
+    pub verb: Option<CliCommand>,
     /// What holds for every command.
     #[command(flatten)]
-    pub shared: Shared,
+    pub shared: SharedArgs,
     /// Open the control in a window.
     #[arg(long)]
     pub windowed: bool,
@@ -28,10 +28,10 @@ pub struct Args {
 
 /// Options of every command.
 #[derive(Clone, Debug, ClapArgs)]
-pub struct Shared {
+pub struct SharedArgs {
     /// Kind of machine: gc (cylindrical), gs (surface), ga (rotary table), vertical (lathe-grinder, 802D), lathe (超人) [default: as set on the machine, else gc]
     #[arg(long = "kind", global = true, value_name = "KIND", value_parser = kind)]
-    pub kind_asked: Option<Kind>,
+    pub requested_kind: Option<Kind>,
     /// The kind that holds: asked for, else stored, else gc.
     #[arg(skip)]
     pub kind: Kind,
@@ -46,7 +46,7 @@ pub struct Shared {
     pub programs: Option<PathBuf>,
     /// Language: zh or en [default: as set on the machine, else zh]
     #[arg(long = "lang", global = true, value_name = "LANG", value_parser = lang)]
-    pub lang_asked: Option<Lang>,
+    pub requested_lang: Option<Lang>,
     /// The language that holds: asked for, else stored, else Chinese.
     #[arg(skip)]
     pub lang: Lang,
@@ -75,13 +75,13 @@ pub struct Shared {
     #[arg(long, global = true, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Form of the results
-    #[arg(long, global = true, value_enum, default_value_t = Format::Text)]
-    pub format: Format,
+    #[arg(long, global = true, value_enum, default_value_t = OutputFormat::Text)]
+    pub format: OutputFormat,
 }
 
 /// Form of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Format {
+pub enum OutputFormat {
     /// For people.
     Text,
     /// For programs.
@@ -90,24 +90,24 @@ pub enum Format {
 
 /// The commands.
 #[derive(Debug, Subcommand)]
-pub enum Verb {
+pub enum CliCommand {
     /// Open the control and play a story on the simulated machine
-    Demo(Demo),
+    Demo(DemoArgs),
     /// Run a program on the simulated machine, as fast as it goes
-    Run(Run),
+    Run(RunArgs),
     /// Check programs, page texts and pictures without running them
-    Check(Check),
+    Check(CheckArgs),
     /// Play a story and print what came of each line
-    Play(Play),
+    Play(PlayArgs),
     /// Show, import or clear the table of a ball screw (backlash and pitch error over position)
-    Screw(Screw),
+    Screw(LeadscrewArgs),
     /// Paint a page to a PNG file
-    Shot(Shot),
+    Shot(ShotArgs),
 }
 
 /// `kt830 demo`
 #[derive(Debug, ClapArgs)]
-pub struct Demo {
+pub struct DemoArgs {
     /// The story [default: cold start to a ground, measured part]
     pub story: Option<PathBuf>,
     /// Where to write pictures of the pages visited, without a display
@@ -117,7 +117,7 @@ pub struct Demo {
 
 /// `kt830 run`
 #[derive(Debug, ClapArgs)]
-pub struct Run {
+pub struct RunArgs {
     /// A program of the folder (O1002) or a file
     pub program: String,
     /// Go on through M00
@@ -133,7 +133,7 @@ pub struct Run {
 
 /// `kt830 check`
 #[derive(Debug, ClapArgs)]
-pub struct Check {
+pub struct CheckArgs {
     /// Programs, page texts, pictures
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
@@ -147,7 +147,7 @@ pub struct Check {
 
 /// `kt830 screw`
 #[derive(Debug, ClapArgs)]
-pub struct Screw {
+pub struct LeadscrewArgs {
     /// The axis: X, Y or Z
     #[arg(value_parser = axis)]
     pub axis: Axis,
@@ -160,14 +160,14 @@ pub struct Screw {
 
 /// `kt830 play`
 #[derive(Debug, ClapArgs)]
-pub struct Play {
+pub struct PlayArgs {
     /// The story
     pub story: PathBuf,
 }
 
 /// `kt830 shot`
 #[derive(Debug, ClapArgs)]
-pub struct Shot {
+pub struct ShotArgs {
     /// The page
     #[arg(value_parser = page)]
     pub page: Page,
@@ -179,14 +179,14 @@ pub struct Shot {
     pub size: (u32, u32),
     /// What the clock reads at power-on
     #[arg(long, value_name = "DATE TIME", default_value = "2026-11-21 15:01:56", value_parser = clock)]
-    pub clock: Date,
+    pub clock: DateTime,
     /// A story that leads to what is to be seen
     #[arg(long)]
     pub story: Option<PathBuf>,
 }
 
-fn clock(words: &str) -> Result<Date, String> {
-    Date::parse(words).ok_or_else(|| "date and time read \"2026-11-21 15:01:56\"".to_owned())
+fn clock(words: &str) -> Result<DateTime, String> {
+    DateTime::parse(words).ok_or_else(|| "date and time read \"2026-11-21 15:01:56\"".to_owned())
 }
 
 fn kind(word: &str) -> Result<Kind, String> {

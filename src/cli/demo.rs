@@ -4,16 +4,16 @@
 
 use std::path::Path;
 
-use super::args::{Demo, Shared};
-use super::play::{Story, story};
-use super::{CallError, FAILED, FINE, bench, out};
-use crate::runtime::rig::Rig;
-use crate::story::{Player, Statement, parse, play::around};
+use super::args::{DemoArgs, SharedArgs};
+use super::play::{StoryFile, read_story};
+use super::{CallError, FAILED, SUCCESS, print_line, setup};
+use crate::host::headless::HeadlessHost;
+use crate::story::{Player, Statement, parse, play::state_report};
 
 /// The default story.
-const USUAL: &str = include_str!("../../assets/stories/first_part.story");
+const DEFAULT_STORY: &str = include_str!("../../assets/stories/first_part.story");
 /// The stories of the other kinds; each names its kind in the first line.
-const OTHERS: [&str; 4] = [
+const KIND_STORIES: [&str; 4] = [
     include_str!("../../assets/stories/first_part_gs.story"),
     include_str!("../../assets/stories/first_part_ga.story"),
     include_str!("../../assets/stories/vertical.story"),
@@ -24,22 +24,22 @@ const OTHERS: [&str; 4] = [
 ///
 /// # Errors
 /// The call or a file is wrong.
-pub fn demo(shared: &Shared, call: &Demo) -> Result<u8, CallError> {
+pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
     let told = match &call.story {
-        Some(path) => story(path, shared.kind)?,
+        Some(path) => read_story(path, shared.kind)?,
         None => {
-            let mut told = parse(USUAL, shared.kind).map_err(CallError::new)?;
-            for other in OTHERS {
+            let mut told = parse(DEFAULT_STORY, shared.kind).map_err(CallError::new)?;
+            for other in KIND_STORIES {
                 let (kind, lines) = parse(other, shared.kind).map_err(CallError::new)?;
-                if shared.kind_asked == Some(kind) {
+                if shared.requested_kind == Some(kind) {
                     told = (kind, lines);
                 }
             }
-            Story { kind: told.0, lines: told.1 }
+            StoryFile { kind: told.0, lines: told.1 }
         }
     };
-    let shared = Shared { kind: told.kind, ..shared.clone() };
-    let rig = bench::rig(&shared)?;
+    let shared = SharedArgs { kind: told.kind, ..shared.clone() };
+    let rig = setup::headless_host(&shared)?;
     #[cfg(feature = "hmi")]
     if super::window::has_display() {
         return live::play(&shared, told, rig);
@@ -47,22 +47,22 @@ pub fn demo(shared: &Shared, call: &Demo) -> Result<u8, CallError> {
     headless(&shared, call, &told, rig)
 }
 
-fn headless(shared: &Shared, call: &Demo, told: &Story, mut rig: Rig) -> Result<u8, CallError> {
+fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile, mut rig: HeadlessHost) -> Result<u8, CallError> {
     if let Some(folder) = &call.out {
         std::fs::create_dir_all(folder)
             .map_err(|error| CallError::new(format!("--out {}: {error}", folder.display())))?;
     }
     let folder = call.story.as_deref().and_then(Path::parent).unwrap_or(Path::new("."));
-    let mut player = Player::new(&mut rig, super::eyes::eyes(shared.lang), folder, false);
+    let mut player = Player::new(&mut rig, super::page_reader::page_reader(shared.lang), folder, false);
     let mut visited = Vec::new();
     for line in &told.lines {
         let done = player.play(line);
-        let seconds = player.rig().now().as_secs_f64();
+        let seconds = player.host().now().as_secs_f64();
         match done {
-            Ok(()) => out(format!("{seconds:10.3}  {}", line.text)),
+            Ok(()) => print_line(format!("{seconds:10.3}  {}", line.text)),
             Err(why) => {
-                out(format!("{seconds:10.3}  FAIL  {}: {why}", line.text));
-                eprintln!("{}", around(player.rig()));
+                print_line(format!("{seconds:10.3}  FAIL  {}: {why}", line.text));
+                eprintln!("{}", state_report(player.host()));
                 return Ok(FAILED);
             }
         }
@@ -72,27 +72,27 @@ fn headless(shared: &Shared, call: &Demo, told: &Story, mut rig: Rig) -> Result<
             visited.push(page);
         }
         if matches!(line.statement, Statement::WaitUntil(..)) {
-            picture(shared, call, player.rig(), line.number)?;
+            picture(shared, call, player.host(), line.number)?;
         }
     }
     for page in visited {
-        player.rig().send(crate::link::command::Command::OpenPage(page));
-        player.rig().step();
-        picture(shared, call, player.rig(), 0)?;
+        player.host().send(crate::link::command::Command::OpenPage(page));
+        player.host().step();
+        picture(shared, call, player.host(), 0)?;
     }
     drop(player);
     let part = rig.machine().measure();
     for at in &part.diameters {
-        out(format!("part diameter at Z{:.3}  {:.4}", at.z, at.d));
+        print_line(format!("part diameter at Z{:.3}  {:.4}", at.z, at.d));
     }
     for at in &part.faces {
-        out(format!("part face at X{:.3}  Z {:.4}", at.x, at.z));
+        print_line(format!("part face at X{:.3}  Z {:.4}", at.x, at.z));
     }
-    Ok(FINE)
+    Ok(SUCCESS)
 }
 
 /// Writes a picture of the open page to the folder of the call.
-fn picture(shared: &Shared, call: &Demo, rig: &mut Rig, line: u32) -> Result<(), CallError> {
+fn picture(shared: &SharedArgs, call: &DemoArgs, rig: &mut HeadlessHost, line: u32) -> Result<(), CallError> {
     #[cfg(feature = "hmi")]
     if let Some(folder) = &call.out {
         let snapshot = rig.snapshot();
@@ -101,7 +101,7 @@ fn picture(shared: &Shared, call: &Demo, rig: &mut Rig, line: u32) -> Result<(),
             line => format!("{}-line-{line:03}.png", snapshot.page.id()),
         };
         let path = folder.join(name);
-        let painted = crate::hmi::shot(snapshot, shared.lang, (1_024, 768));
+        let painted = crate::hmi::screenshot(snapshot, shared.lang, (1_024, 768));
         painted.save(&path).map_err(|error| CallError::new(format!("{}: {error}", path.display())))?;
     }
     #[cfg(not(feature = "hmi"))]
@@ -117,11 +117,11 @@ mod live {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
 
-    use super::super::args::Shared;
-    use super::super::play::Story;
+    use super::super::args::SharedArgs;
+    use super::super::play::StoryFile;
     use super::super::{CallError, window};
+    use crate::host::headless::HeadlessHost;
     use crate::link::snapshot::RunState;
-    use crate::runtime::rig::Rig;
     use crate::story::Player;
     use crate::units::Micros;
 
@@ -130,30 +130,30 @@ mod live {
     /// Pause between two runs of the story.
     const PAUSE: Micros = Micros::from_millis(5_000);
 
-    pub fn play(shared: &Shared, told: Story, mut rig: Rig) -> Result<u8, CallError> {
-        let (desk, beside) = window::story_desk(rig.snapshot().clone());
+    pub fn play(shared: &SharedArgs, told: StoryFile, mut rig: HeadlessHost) -> Result<u8, CallError> {
+        let (desk, beside) = window::story_connection(rig.snapshot().clone());
         let over = Arc::new(AtomicBool::new(false));
         let ended = Arc::clone(&over);
-        rig.accompany(Box::new(beside));
+        rig.set_observer(Box::new(beside));
         let thread = std::thread::Builder::new().name("kt830-story".into()).spawn(move || {
             while !ended.load(Ordering::Acquire) {
                 show(&mut rig, &told, &ended);
             }
         });
         let thread = thread.map_err(CallError::new)?;
-        let closed = window::show(Box::new(desk), shared, false);
+        let closed = window::run_window(Box::new(desk), shared, false);
         over.store(true, Ordering::Release);
         drop(thread.join());
         closed
     }
 
     /// Plays the story once. A touch stops it; then this waits until there is no input.
-    fn show(rig: &mut Rig, told: &Story, over: &AtomicBool) {
+    fn show(rig: &mut HeadlessHost, told: &StoryFile, over: &AtomicBool) {
         rig.power_on();
-        rig.take_touch();
+        rig.take_touched();
         let mut player = Player::new(rig, None, Path::new("."), false);
         for line in &told.lines {
-            let touched = player.rig().is_touched();
+            let touched = player.host().is_touched();
             if touched || over.load(Ordering::Acquire) {
                 break;
             }
@@ -166,7 +166,7 @@ mod live {
         let quiet = if touched { IDLE } else { PAUSE };
         while !over.load(Ordering::Acquire) {
             rig.step();
-            if rig.take_touch() || rig.controller().state() == RunState::Running {
+            if rig.take_touched() || rig.controller().state() == RunState::Running {
                 quiet_since = rig.now();
             }
             if rig.now().since(quiet_since) > quiet {

@@ -2,17 +2,17 @@
 //! Source: spec tools.md T1–T6.
 
 mod args;
-mod bench;
 mod check;
 mod demo;
-mod eyes;
-mod limits;
+mod finished_size_check;
+mod leadscrew;
+mod page_reader;
 mod play;
-mod rehearse;
 mod run;
-mod screw;
+mod setup;
 #[cfg(feature = "hmi")]
 mod shot;
+mod soft_limit_check;
 #[cfg(feature = "hmi")]
 mod window;
 
@@ -21,14 +21,14 @@ use std::process::ExitCode;
 use clap::Parser;
 use clap::error::ErrorKind;
 
-use args::{Args, Verb};
+use args::{Args, CliCommand};
 
 /// Exit status: success.
-const FINE: u8 = 0;
+const SUCCESS: u8 = 0;
 /// Exit status: an alarm or a failed expectation.
 const FAILED: u8 = 1;
 /// Exit status: the call or a file is invalid.
-const WRONG_CALL: u8 = 2;
+const USAGE_ERROR: u8 = 2;
 
 /// Runs the command line of this process.
 #[must_use]
@@ -38,28 +38,28 @@ pub fn main() -> ExitCode {
         Err(error) => {
             let fine = matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion);
             drop(error.print());
-            return ExitCode::from(if fine { FINE } else { WRONG_CALL });
+            return ExitCode::from(if fine { SUCCESS } else { USAGE_ERROR });
         }
     };
-    let shared = match bench::settle(args.shared, args.verb.is_none()) {
+    let shared = match setup::resolve_settings(args.shared, args.verb.is_none()) {
         Ok(shared) => shared,
         Err(error) => {
             eprintln!("kt830: {error}");
-            return ExitCode::from(WRONG_CALL);
+            return ExitCode::from(USAGE_ERROR);
         }
     };
     let done = match &args.verb {
-        Some(Verb::Run(call)) => run::run(&shared, call),
-        Some(Verb::Check(call)) => check::check(&shared, call),
-        Some(Verb::Screw(call)) => screw::screw(&shared, call),
-        Some(Verb::Play(call)) => play::play(&shared, call),
-        Some(Verb::Demo(call)) => demo::demo(&shared, call),
+        Some(CliCommand::Run(call)) => run::run(&shared, call),
+        Some(CliCommand::Check(call)) => check::check(&shared, call),
+        Some(CliCommand::Screw(call)) => leadscrew::screw(&shared, call),
+        Some(CliCommand::Play(call)) => play::play(&shared, call),
+        Some(CliCommand::Demo(call)) => demo::demo(&shared, call),
         #[cfg(feature = "hmi")]
-        Some(Verb::Shot(call)) => shot::shot(&shared, call),
+        Some(CliCommand::Shot(call)) => shot::shot(&shared, call),
         #[cfg(feature = "hmi")]
         None => window::open(&shared, !args.windowed),
         #[cfg(not(feature = "hmi"))]
-        Some(Verb::Shot(_)) | None => Err(CallError::new(
+        Some(CliCommand::Shot(_)) | None => Err(CallError::new(
             "this build has no screen: use `demo`, `run`, `play` or `check`, or build with the feature hmi",
         )),
     };
@@ -67,7 +67,7 @@ pub fn main() -> ExitCode {
         Ok(status) => ExitCode::from(status),
         Err(error) => {
             eprintln!("kt830: {error}");
-            ExitCode::from(WRONG_CALL)
+            ExitCode::from(USAGE_ERROR)
         }
     }
 }
@@ -84,7 +84,7 @@ impl CallError {
 }
 
 /// Writes a line to standard output; a closed pipe is ignored.
-fn out(text: impl std::fmt::Display) {
+fn print_line(text: impl std::fmt::Display) {
     use std::io::Write;
     drop(writeln!(std::io::stdout().lock(), "{text}"));
 }

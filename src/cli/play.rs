@@ -5,76 +5,81 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::args::{Format, Play, Shared};
-use super::{CallError, FAILED, FINE, bench, out};
-use crate::defs::fault::{FAULTS, FaultRow};
+use super::args::{OutputFormat, PlayArgs, SharedArgs};
+use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::defs::kind::Kind;
+use crate::defs::sim_fault::{FAULTS, FaultRow};
 use crate::link::snapshot::Tone;
-use crate::story::{Line, Player, parse, parse::Statement, play::around};
+use crate::story::{Player, StoryLine, parse, parse::Statement, play::state_report};
 
 /// A parsed story file.
-pub struct Story {
+pub struct StoryFile {
     /// Its kind of machine.
     pub kind: Kind,
     /// Its lines.
-    pub lines: Vec<Line>,
+    pub lines: Vec<StoryLine>,
 }
 
 /// Reads a story file.
 ///
 /// # Errors
 /// The file cannot be read, or a line is invalid.
-pub fn story(path: &Path, kind: Kind) -> Result<Story, CallError> {
+pub fn read_story(path: &Path, kind: Kind) -> Result<StoryFile, CallError> {
     let text = std::fs::read_to_string(path)
         .map_err(|error| CallError::new(format!("story {}: {error}; check the path", path.display())))?;
     let (kind, lines) = parse(&text, kind).map_err(|error| CallError::new(format!("{} {error}", path.display())))?;
-    Ok(Story { kind, lines })
+    Ok(StoryFile { kind, lines })
 }
 
 /// Plays the story and prints the result of each line.
 ///
 /// # Errors
 /// The call or a file is wrong.
-pub fn play(shared: &Shared, call: &Play) -> Result<u8, CallError> {
-    let story = story(&call.story, shared.kind)?;
-    let shared = Shared { kind: story.kind, ..shared.clone() };
-    let mut rig = bench::rig(&shared)?;
+pub fn play(shared: &SharedArgs, call: &PlayArgs) -> Result<u8, CallError> {
+    let story = read_story(&call.story, shared.kind)?;
+    let shared = SharedArgs { kind: story.kind, ..shared.clone() };
+    let mut rig = setup::headless_host(&shared)?;
     if let Some(path) = &shared.part {
-        rig.mount(&bench::part_file(path)?);
+        rig.mount_part(&setup::read_part_file(path)?);
     }
     let folder = call.story.parent().unwrap_or(Path::new("."));
-    let eyes = super::eyes::eyes(shared.lang);
+    let eyes = super::page_reader::page_reader(shared.lang);
     for line in &story.lines {
         if let Statement::Part(file) = &line.statement {
-            bench::part_file(&folder.join(file))?;
+            setup::read_part_file(&folder.join(file))?;
         }
     }
     let mut player = Player::new(&mut rig, eyes, folder, shared.part.is_some());
     for line in &story.lines {
-        let before = player.rig().now();
+        let before = player.host().now();
         let done = player.play(line);
-        let rig = player.rig();
+        let rig = player.host();
         let seconds = rig.now().as_secs_f64();
         let message = &rig.snapshot().message;
         let refused = (message.tone == Tone::Refused && message.since > before).then(|| message.text.get(shared.lang));
-        tell(shared.format, line, (&done, refused), seconds);
-        if line.statement == Statement::FaultList && shared.format == Format::Text {
+        print_outcome(shared.format, line, (&done, refused), seconds);
+        if line.statement == Statement::FaultList && shared.format == OutputFormat::Text {
             for row in FAULTS {
-                out(format!("{:14}{:20} {} {}", "", row.usage(), row.text.zh, row.text.en));
+                print_line(format!("{:14}{:20} {} {}", "", row.usage(), row.text.zh, row.text.en));
             }
         }
         if done.is_err() {
-            eprintln!("{}", around(player.rig()));
+            eprintln!("{}", state_report(player.host()));
             return Ok(FAILED);
         }
     }
-    Ok(FINE)
+    Ok(SUCCESS)
 }
 
-fn tell(format: Format, line: &Line, (done, refused): (&Result<(), String>, Option<&str>), seconds: f64) {
+fn print_outcome(
+    format: OutputFormat,
+    line: &StoryLine,
+    (done, refused): (&Result<(), String>, Option<&str>),
+    seconds: f64,
+) {
     let text = &line.text;
     match (format, done) {
-        (Format::Json, done) => {
+        (OutputFormat::Json, done) => {
             let mut told = json!({"line": line.number, "statement": text, "ok": done.is_ok(), "seconds": seconds});
             if let Err(why) = done {
                 told["why"] = json!(why);
@@ -86,12 +91,14 @@ fn tell(format: Format, line: &Line, (done, refused): (&Result<(), String>, Opti
             if let Some(refused) = refused {
                 told["refused"] = json!(refused);
             }
-            out(told);
+            print_line(told);
         }
-        (Format::Text, Ok(())) => {
+        (OutputFormat::Text, Ok(())) => {
             let refused = refused.map_or_else(String::new, |why| format!("   [{why}]"));
-            out(format!("{seconds:10.3}  ok    {text}{refused}"));
+            print_line(format!("{seconds:10.3}  ok    {text}{refused}"));
         }
-        (Format::Text, Err(why)) => out(format!("{seconds:10.3}  FAIL  {text}: {why} (line {})", line.number)),
+        (OutputFormat::Text, Err(why)) => {
+            print_line(format!("{seconds:10.3}  FAIL  {text}: {why} (line {})", line.number))
+        }
     }
 }

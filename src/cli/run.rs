@@ -7,48 +7,48 @@ use std::io::{BufWriter, Write};
 
 use serde_json::{Map, Value, json};
 
-use super::args::{Format, Run, Shared};
-use super::{CallError, FAILED, FINE, bench, out};
+use super::args::{OutputFormat, RunArgs, SharedArgs};
+use super::{CallError, FAILED, SUCCESS, print_line, setup};
 use crate::defs::key::Key;
-use crate::defs::r_parameter;
-use crate::defs::text::{Lang, Said};
+use crate::defs::text::{Lang, LocalizedText};
+use crate::defs::variable_name;
+use crate::host::headless::HeadlessHost;
 use crate::io::sim::PartReport;
 use crate::link::command::Command;
-use crate::link::snapshot::{RunState, Snapshot, VARIABLES};
-use crate::runtime::rig::Rig;
+use crate::link::snapshot::{RunState, Snapshot, VARIABLE_COUNT};
 use crate::units::{Axis, Micros};
 
 /// Ticks after cycle start until the state is evaluated.
 const START_TICKS: u32 = 5;
 
 /// Maximum simulated time of a headless run: a working day.
-const LONGEST: Micros = Micros::from_millis(8 * 3_600_000);
+const MAX_RUN_TIME: Micros = Micros::from_millis(8 * 3_600_000);
 /// After this number of blocks without a move the run counts as an endless loop.
-const MOST_STILL: u64 = 1_000_000;
+const MAX_STALLED_BLOCKS: u64 = 1_000_000;
 /// After this time without a move the run counts as an endless loop; longer than the longest dwell, 9 999.99 s (L2).
-const LONGEST_STILL: Micros = Micros::from_millis(10_000_000);
+const MAX_STALLED_TIME: Micros = Micros::from_millis(10_000_000);
 /// Ticks after the end until the axes are in position within a micrometre: ten servo lags of 20 ms.
 const SETTLE_TICKS: u32 = 200;
 
 /// Result of a run.
-pub struct Ran {
+pub struct RunResult {
     /// The end of the run.
-    pub end: End,
+    pub end: RunEnd,
     /// The number of the program.
     pub program: u32,
     /// The printed report.
     pub report: String,
     /// Its alarms: program and line, if known, and the text.
-    pub alarms: Vec<(Option<(u32, u32)>, Said)>,
+    pub alarms: Vec<(Option<(u32, u32)>, LocalizedText)>,
     /// What it waits for at its end, or its last message.
-    pub told: Option<Said>,
+    pub message: Option<LocalizedText>,
     /// The program has set its own error number (R62).
-    pub refused_itself: bool,
+    pub has_own_error: bool,
 }
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum RunEnd {
     /// M30, M02 and the like.
     Finished,
     /// An alarm.
@@ -60,18 +60,18 @@ pub enum End {
     /// It waits for an input (M80–M89) that a headless run never gets.
     Waiting,
     /// The maximum simulated time is over.
-    Endless,
+    TimedOut,
     /// No axis has moved for so long that it is an endless loop.
-    Still,
+    Stalled,
 }
 
-impl End {
+impl RunEnd {
     /// The word in the report; the exit status and the message distinguish the kinds of `stopped`.
-    pub const fn word(self) -> &'static str {
+    pub const fn report_word(self) -> &'static str {
         match self {
             Self::Finished => "finished",
             Self::Alarm => "alarm",
-            Self::Pause | Self::Held | Self::Waiting | Self::Endless | Self::Still => "stopped",
+            Self::Pause | Self::Held | Self::Waiting | Self::TimedOut | Self::Stalled => "stopped",
         }
     }
 }
@@ -80,74 +80,85 @@ impl End {
 ///
 /// # Errors
 /// The call or a file is wrong.
-pub fn run(shared: &Shared, call: &Run) -> Result<u8, CallError> {
-    let ran = job(shared, call)?;
-    out(ran.report);
-    Ok(if matches!(ran.end, End::Finished | End::Pause) && !ran.refused_itself { FINE } else { FAILED })
+pub fn run(shared: &SharedArgs, call: &RunArgs) -> Result<u8, CallError> {
+    let ran = run_program(shared, call)?;
+    print_line(ran.report);
+    Ok(if matches!(ran.end, RunEnd::Finished | RunEnd::Pause) && !ran.has_own_error { SUCCESS } else { FAILED })
 }
 
 /// Runs the program.
 ///
 /// # Errors
 /// The call or a file is wrong.
-pub fn job(shared: &Shared, call: &Run) -> Result<Ran, CallError> {
-    let mut rig = bench::rig(shared)?;
-    let number = bench::find_program(&mut rig, &call.program)?;
-    bench::mount(&mut rig, shared, number)?;
+pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, CallError> {
+    let mut rig = setup::headless_host(shared)?;
+    let number = setup::find_program(&mut rig, &call.program)?;
+    setup::mount_part(&mut rig, shared, number)?;
     rig.step(); // the control takes part, program and work offsets
     rig.make_ready();
-    bench::mount(&mut rig, shared, number)?;
+    setup::mount_part(&mut rig, shared, number)?;
     rig.step();
     let mut trace = match &call.trace {
-        Some(path) => Some(Trace::create(path, &rig)?),
+        Some(path) => Some(TraceFile::create(path, &rig)?),
         None => None,
     };
     let before = rig.snapshot().variables.clone();
     let started = rig.now();
     let mut batch = Vec::new();
     let (end, seconds) = loop {
-        let end = one_part(&mut rig, call, trace.as_mut())?;
+        let end = run_one_part(&mut rig, call, trace.as_mut())?;
         let seconds = rig.now().since(started).as_secs_f64();
         for _ in 0..SETTLE_TICKS {
             rig.step();
         }
         batch.push(rig.machine().measure());
-        if end != End::Finished || batch.len() >= call.parts as usize {
+        if end != RunEnd::Finished || batch.len() >= call.parts as usize {
             break (end, seconds);
         }
         // The next part is mounted like the first one; the machine keeps its state, including wheel wear.
-        if let Some(part) = bench::part(shared, number)? {
+        if let Some(part) = setup::part(shared, number)? {
             rig.machine_mut().set_part(Some(&part));
         }
     };
-    let why = why(&mut rig, end);
+    let why = stop_reason(&mut rig, end);
     if let Some(why) = &why {
         eprintln!("kt830: stopped: {}", why.get(shared.lang));
     }
-    let flag = r_parameter::error_flag(rig.kind());
+    let flag = variable_name::error_variable(rig.kind());
     let refused_itself = flag.and_then(|flag| rig.controller().variable(flag)).is_some_and(|flag| flag.abs() > 0.0);
     let snapshot = rig.snapshot();
     let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| (alarm.place, alarm.text.clone())).collect();
     let told = why.clone().or_else(|| snapshot.waiting_for.clone());
     // The program can reach its end in spite of an alarm.
-    let end = if end == End::Finished && !alarms.is_empty() { End::Alarm } else { end };
-    let report = Report { end, why, seconds, blocks: rig.controller().blocks(), before, batch };
-    let report = match shared.format {
-        Format::Json => report.json(&mut rig, shared.lang).to_string(),
-        Format::Text => report.text(&mut rig, shared.lang),
+    let end = if end == RunEnd::Finished && !alarms.is_empty() { RunEnd::Alarm } else { end };
+    let report = RunReport {
+        end,
+        stop_reason: why,
+        seconds,
+        blocks: rig.controller().block_count(),
+        variables_before: before,
+        batch,
     };
-    Ok(Ran { end, program: number, report, alarms, told, refused_itself })
+    let report = match shared.format {
+        OutputFormat::Json => report.json(&mut rig, shared.lang).to_string(),
+        OutputFormat::Text => report.text(&mut rig, shared.lang),
+    };
+    Ok(RunResult { end, program: number, report, alarms, message: told, has_own_error: refused_itself })
 }
 
 /// Presses cycle start and steps to the end of the program, an alarm, or a state that needs an operator.
-fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<End, CallError> {
+fn run_one_part(
+    rig: &mut HeadlessHost,
+    call: &RunArgs,
+    mut trace: Option<&mut TraceFile>,
+) -> Result<RunEnd, CallError> {
     let started = rig.now();
-    let mut moved = (started, rig.controller().blocks());
+    let mut moved = (started, rig.controller().block_count());
     rig.send(Command::Press(Key::CycleStart));
     loop {
         rig.step();
         if !rig.controller().is_at_rest() {
-            moved = (rig.now(), rig.controller().blocks());
+            moved = (rig.now(), rig.controller().block_count());
         }
         if let Some(trace) = &mut trace {
             trace.line(rig)?;
@@ -155,41 +166,43 @@ fn one_part(rig: &mut Rig, call: &Run, mut trace: Option<&mut Trace>) -> Result<
         let young = rig.now().since(started).0 < u64::from(START_TICKS) * rig.tick_time().0;
         match rig.controller().state() {
             RunState::Stopped if call.through_stops => rig.send(Command::Press(Key::CycleStart)),
-            RunState::Stopped => return Ok(End::Pause),
-            RunState::Held => return Ok(End::Held),
-            RunState::Idle if !young => return Ok(End::Finished),
-            RunState::Alarm if rig.controller().is_at_rest() => return Ok(End::Alarm),
+            RunState::Stopped => return Ok(RunEnd::Pause),
+            RunState::Held => return Ok(RunEnd::Held),
+            RunState::Idle if !young => return Ok(RunEnd::Finished),
+            RunState::Alarm if rig.controller().is_at_rest() => return Ok(RunEnd::Alarm),
             // A headless run has no operator who gives the input.
-            RunState::Waiting => return Ok(End::Waiting),
-            RunState::Running if rig.now().since(started) > LONGEST => return Ok(End::Endless),
-            RunState::Running if is_still(rig, moved) => return Ok(End::Still),
+            RunState::Waiting => return Ok(RunEnd::Waiting),
+            RunState::Running if rig.now().since(started) > MAX_RUN_TIME => return Ok(RunEnd::TimedOut),
+            RunState::Running if is_stalled(rig, moved) => return Ok(RunEnd::Stalled),
             RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
         }
     }
 }
 
 /// Whether no axis has moved for longer than any valid program needs, since a time and a block count.
-fn is_still(rig: &Rig, (since, block): (Micros, u64)) -> bool {
-    rig.now().since(since) > LONGEST_STILL || rig.controller().blocks() - block > MOST_STILL
+fn is_stalled(rig: &HeadlessHost, (since, block): (Micros, u64)) -> bool {
+    rig.now().since(since) > MAX_STALLED_TIME || rig.controller().block_count() - block > MAX_STALLED_BLOCKS
 }
 
 /// Why a run stopped; at M00 the text of its MSG.
-fn why(rig: &mut Rig, end: End) -> Option<Said> {
+fn stop_reason(rig: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText> {
     let snapshot = rig.snapshot();
     let told = snapshot.waiting_for.clone();
     match end {
-        End::Finished | End::Alarm => None,
-        End::Pause => told,
-        End::Held => Some(snapshot.message.text.clone()),
-        End::Waiting => Some(told.unwrap_or_else(|| Said::new("等待的信号没有来", "what it waits for does not come"))),
-        End::Endless => {
-            let seconds = LONGEST.as_secs_f64();
-            Some(Said::new(
+        RunEnd::Finished | RunEnd::Alarm => None,
+        RunEnd::Pause => told,
+        RunEnd::Held => Some(snapshot.message.text.clone()),
+        RunEnd::Waiting => {
+            Some(told.unwrap_or_else(|| LocalizedText::new("等待的信号没有来", "what it waits for does not come")))
+        }
+        RunEnd::TimedOut => {
+            let seconds = MAX_RUN_TIME.as_secs_f64();
+            Some(LocalizedText::new(
                 format!("模拟时间 {seconds} s 后停止：程序不会结束"),
                 format!("after {seconds} s of simulated time: the program does not end"),
             ))
         }
-        End::Still => Some(Said::new(
+        RunEnd::Stalled => Some(LocalizedText::new(
             "长时间没有任何移动：程序不会结束",
             "nothing has moved for so long that the program does not end",
         )),
@@ -197,50 +210,50 @@ fn why(rig: &mut Rig, end: End) -> Option<Said> {
 }
 
 /// The report at the end.
-struct Report {
-    end: End,
+struct RunReport {
+    end: RunEnd,
     /// Why the run stopped.
-    why: Option<Said>,
+    stop_reason: Option<LocalizedText>,
     seconds: f64,
     blocks: u64,
-    before: Box<[Option<f64>; VARIABLES]>,
+    variables_before: Box<[Option<f64>; VARIABLE_COUNT]>,
     /// Measurements of every part, including the last one.
     batch: Vec<PartReport>,
 }
 
-impl Report {
-    fn json(&self, rig: &mut Rig, lang: Lang) -> Value {
+impl RunReport {
+    fn json(&self, rig: &mut HeadlessHost, lang: Lang) -> Value {
         let snapshot = rig.snapshot().clone();
         let alarms: Vec<Value> = snapshot
             .alarms
             .iter()
             .map(|alarm| {
                 let (program, line) = alarm.place.unwrap_or_default();
-                let program = program_word(rig, program);
+                let program = program_json(rig, program);
                 json!({"number": alarm.number, "text": alarm.text.get(lang), "program": program, "line": line})
             })
             .collect();
         let mut variables = Map::new();
         for (number, value) in self.changed(&snapshot) {
-            variables.insert(r_parameter::name_on(number as u32, rig.kind()), json!(value));
+            variables.insert(variable_name::variable_name_on(number as u32, rig.kind()), json!(value));
         }
         let mut told = json!({
-            "end": self.end.word(),
+            "end": self.end.report_word(),
             "alarms": alarms,
             "seconds": self.seconds,
             "blocks": self.blocks,
-            "work": positions(&snapshot, |axis| axis.work),
-            "machine": positions(&snapshot, |axis| axis.machine),
-            "message": self.why.as_ref().or(snapshot.waiting_for.as_ref()).map(|told| told.get(lang)),
-            "parts": snapshot.parts,
+            "work": positions_json(&snapshot, |axis| axis.work),
+            "machine": positions_json(&snapshot, |axis| axis.machine),
+            "message": self.stop_reason.as_ref().or(snapshot.waiting_for.as_ref()).map(|told| told.get(lang)),
+            "parts": snapshot.parts_counted,
             "variables": variables,
             "part": rig.machine().measure(),
-            "threads": threads(rig),
+            "threads": threads_json(rig),
             "events": rig.machine().events(),
         });
         // L8: a lathe has an active tool, not a wheel.
         if turns_part(rig) {
-            told["tool"] = json!(snapshot.station);
+            told["tool"] = json!(snapshot.tool_station);
         } else {
             told["wheel"] = json!({"diameter": rig.machine().wheel().diameter_mm});
         }
@@ -252,25 +265,25 @@ impl Report {
 
     /// The variables changed by the run, by number.
     fn changed(&self, snapshot: &Snapshot) -> BTreeMap<usize, Option<f64>> {
-        let pairs = self.before.iter().zip(snapshot.variables.iter()).enumerate();
+        let pairs = self.variables_before.iter().zip(snapshot.variables.iter()).enumerate();
         pairs.filter(|(_, (before, after))| before != after).map(|(number, (_, after))| (number, *after)).collect()
     }
 
-    fn text(&self, rig: &mut Rig, lang: Lang) -> String {
+    fn text(&self, rig: &mut HeadlessHost, lang: Lang) -> String {
         let snapshot = rig.snapshot().clone();
         let mut lines = vec![format!(
             "{}  {:.3} s  {} blocks  {} parts",
-            self.end.word(),
+            self.end.report_word(),
             self.seconds,
             self.blocks,
-            snapshot.parts
+            snapshot.parts_counted
         )];
         for alarm in &snapshot.alarms {
             lines.push(format!("alarm {:03}  {}  {}", alarm.number, alarm.text.get(lang), alarm.remedy.get(lang)));
         }
-        let told = self.why.as_ref().or(snapshot.waiting_for.as_ref());
+        let told = self.stop_reason.as_ref().or(snapshot.waiting_for.as_ref());
         let message = &snapshot.message.text;
-        if self.end != End::Finished && !message.get(lang).is_empty() && told != Some(message) {
+        if self.end != RunEnd::Finished && !message.get(lang).is_empty() && told != Some(message) {
             lines.push(message.get(lang).to_owned());
         }
         lines.extend(told.map(|told| told.get(lang).to_owned()));
@@ -279,12 +292,12 @@ impl Report {
         }
         for (number, value) in self.changed(&snapshot) {
             lines.push(match value {
-                Some(value) => format!("{} = {value}", r_parameter::name_on(number as u32, rig.kind())),
-                None => format!("{} = ", r_parameter::name_on(number as u32, rig.kind())),
+                Some(value) => format!("{} = {value}", variable_name::variable_name_on(number as u32, rig.kind())),
+                None => format!("{} = ", variable_name::variable_name_on(number as u32, rig.kind())),
             });
         }
         if self.batch.len() > 1 {
-            lines.extend(self.batch.iter().enumerate().map(|(at, part)| spread(at + 1, part)));
+            lines.extend(self.batch.iter().enumerate().map(|(at, part)| part_line(at + 1, part)));
         }
         let part = rig.machine().measure();
         lines.extend(part.diameters.iter().map(|at| format!("part diameter at Z{:.3}  {:.4}", at.z, at.d)));
@@ -310,7 +323,7 @@ impl Report {
             ));
         }
         lines.push(match turns_part(rig) {
-            true => format!("tool {}", snapshot.station.unwrap_or_default()),
+            true => format!("tool {}", snapshot.tool_station.unwrap_or_default()),
             false => format!("wheel diameter {:.4}", rig.machine().wheel().diameter_mm),
         });
         lines.join("\n")
@@ -318,18 +331,18 @@ impl Report {
 }
 
 /// Whether the part turns in a main spindle and tools cut it (L7, L8).
-fn turns_part(rig: &Rig) -> bool {
-    rig.kind().face().turns_part
+fn turns_part(rig: &HeadlessHost) -> bool {
+    rig.kind().ui().is_lathe
 }
 
 /// A program in a report: its number, or its name if it has one (L53 of the 802D, too).
-fn program_word(rig: &Rig, number: u32) -> Value {
-    let by_name = crate::defs::program::is_named(number) || crate::defs::program::is_l(number);
+fn program_json(rig: &HeadlessHost, number: u32) -> Value {
+    let by_name = crate::defs::program_number::is_named(number) || crate::defs::program_number::is_l_number(number);
     rig.program_source(number).filter(|_| by_name).map_or_else(|| json!(number), |source| json!(source.title()))
 }
 
 /// One line for a part of a batch: the range of each measurement.
-fn spread(number: usize, part: &PartReport) -> String {
+fn part_line(number: usize, part: &PartReport) -> String {
     let range = |name: &str, values: Vec<f64>| {
         let least = values.iter().copied().min_by(f64::total_cmp)?;
         let greatest = values.iter().copied().max_by(f64::total_cmp)?;
@@ -343,12 +356,12 @@ fn spread(number: usize, part: &PartReport) -> String {
 }
 
 /// The threads cut, with their lead errors.
-fn threads(rig: &Rig) -> Vec<Value> {
+fn threads_json(rig: &HeadlessHost) -> Vec<Value> {
     let row = |cut: &crate::link::snapshot::ThreadCut| json!({"line": cut.line, "lead": cut.lead_mm, "length": cut.length_mm, "error": cut.error_mm});
     rig.controller().threads().iter().map(row).collect()
 }
 
-fn positions(snapshot: &Snapshot, of: impl Fn(&crate::link::snapshot::AxisView) -> f64) -> Value {
+fn positions_json(snapshot: &Snapshot, of: impl Fn(&crate::link::snapshot::AxisView) -> f64) -> Value {
     let mut map = Map::new();
     for (axis, view) in snapshot.axes.iter().filter(|(_, view)| view.present) {
         map.insert(axis.to_string(), json!(of(view)));
@@ -357,13 +370,13 @@ fn positions(snapshot: &Snapshot, of: impl Fn(&crate::link::snapshot::AxisView) 
 }
 
 /// `--trace`: one line per tick.
-struct Trace {
+struct TraceFile {
     file: BufWriter<File>,
     path: String,
 }
 
-impl Trace {
-    fn create(path: &std::path::Path, rig: &Rig) -> Result<Self, CallError> {
+impl TraceFile {
+    fn create(path: &std::path::Path, rig: &HeadlessHost) -> Result<Self, CallError> {
         let name = path.display().to_string();
         let file = File::create(path).map_err(|error| CallError::new(format!("--trace {name}: {error}")))?;
         let mut trace = Self { file: BufWriter::new(file), path: name };
@@ -373,9 +386,9 @@ impl Trace {
         Ok(trace)
     }
 
-    fn line(&mut self, rig: &mut Rig) -> Result<(), CallError> {
+    fn line(&mut self, rig: &mut HeadlessHost) -> Result<(), CallError> {
         let control = rig.controller();
-        let (set, actual, place) = (control.set_point(), control.actual(), control.place());
+        let (set, actual, place) = (control.set_point(), control.actual(), control.current_block());
         let list = |of: crate::units::PerAxis<f64>| {
             control.axes_present().map(|axis| format!("{:.6}", of[axis])).collect::<Vec<_>>().join(",")
         };

@@ -3,48 +3,55 @@
 
 use std::path::Path;
 
-use super::args::{Shared, Shot};
-use super::play::story;
-use super::{CallError, FAILED, FINE, bench};
-use crate::defs::program;
+use super::args::{SharedArgs, ShotArgs};
+use super::play::read_story;
+use super::{CallError, FAILED, SUCCESS, setup};
+use crate::defs::program_number;
 use crate::hmi::Hmi;
-use crate::hmi::shot::Stage;
+use crate::hmi::offscreen::OffscreenHmi;
+use crate::host::headless::HeadlessHost;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
-use crate::runtime::rig::Rig;
-use crate::story::{Player, play::around};
+use crate::story::{Player, play::state_report};
 
 /// Ticks until a page is complete.
-const TICKS: u32 = 5;
+const SETTLE_TICKS: u32 = 5;
 
 /// Paints the page.
 ///
 /// # Errors
 /// The call or a file is wrong.
-pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
-    let told = call.story.as_deref().map(|path| story(path, shared.kind)).transpose()?;
+pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
+    let told = call.story.as_deref().map(|path| read_story(path, shared.kind)).transpose()?;
     let kind = told.as_ref().map_or(shared.kind, |story| story.kind);
-    let shared = Shared { kind, ..shared.clone() };
-    let mut rig = bench::rig(&shared)?;
-    rig.send(Command::Calendar(call.clock));
+    let shared = SharedArgs { kind, ..shared.clone() };
+    let mut rig = setup::headless_host(&shared)?;
+    rig.send(Command::WallClock(call.clock));
     match &told {
         Some(told) => {
             let path = call.story.as_deref().unwrap_or(Path::new("."));
             let folder = path.parent().unwrap_or(Path::new("."));
-            let mut player = Player::new(&mut rig, super::eyes::eyes(shared.lang), folder, shared.part.is_some());
+            let mut player =
+                Player::new(&mut rig, super::page_reader::page_reader(shared.lang), folder, shared.part.is_some());
             for line in &told.lines {
                 if let Err(why) = player.play(line) {
-                    eprintln!("{}:{}: {}: {why}\n{}", path.display(), line.number, line.text, around(player.rig()));
+                    eprintln!(
+                        "{}:{}: {}: {why}\n{}",
+                        path.display(),
+                        line.number,
+                        line.text,
+                        state_report(player.host())
+                    );
                     return Ok(FAILED);
                 }
             }
         }
         None => {
-            let number = program::number(kind.shown());
+            let number = program_number::from_name(kind.picture_program());
             // The built-in part can be for another kind: that of O1001 is for a cylindrical grinder.
             let other = PartFile::builtin(number).ok().flatten().is_some_and(|part| part.kind != kind);
-            let mount = |rig: &mut Rig| match other {
-                false => bench::mount(rig, &shared, number),
+            let mount = |rig: &mut HeadlessHost| match other {
+                false => setup::mount_part(rig, &shared, number),
                 true => {
                     rig.send(Command::LoadProgram(number));
                     Ok(())
@@ -56,26 +63,26 @@ pub fn shot(shared: &Shared, call: &Shot) -> Result<u8, CallError> {
             rig.step();
             rig.make_ready();
             // `make_ready` restarts the control, which loses the date.
-            rig.send(Command::Calendar(call.clock));
+            rig.send(Command::WallClock(call.clock));
             mount(&mut rig)?;
         }
     }
     rig.send(Command::OpenPage(call.page));
-    for _ in 0..TICKS {
+    for _ in 0..SETTLE_TICKS {
         rig.step();
     }
     // A page may send requests when it opens: the drawing its toolpath, the transfer page its media.
     let mut hmi = Hmi::new(shared.lang);
     hmi.set_light(shared.light);
-    let mut stage = Stage::new(hmi, call.size);
-    for _ in 0..TICKS {
+    let mut stage = OffscreenHmi::new(hmi, call.size);
+    for _ in 0..SETTLE_TICKS {
         let wishes = stage.frame(rig.snapshot());
         wishes.into_iter().for_each(|wish| rig.send(wish));
-        (0..TICKS).for_each(|_| rig.step());
+        (0..SETTLE_TICKS).for_each(|_| rig.step());
     }
     stage.frame(rig.snapshot());
     let picture = stage.picture();
     let out = &call.out;
     picture.save(out).map_err(|error| CallError::new(format!("--out {}: {error}", out.display())))?;
-    Ok(FINE)
+    Ok(SUCCESS)
 }

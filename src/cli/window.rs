@@ -5,94 +5,108 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 
-use super::args::Shared;
-use super::{CallError, FINE, bench};
-use crate::controller::{Controller, Retained};
+use super::args::SharedArgs;
+use super::{CallError, SUCCESS, setup};
+use crate::controller::{Controller, PowerOnState};
 use crate::defs::param;
-use crate::hmi::window::{Desk, Options, WindowError, run};
+use crate::hmi::window::{CoreConnection, WindowError, WindowOptions, run};
+use crate::host::headless::{HostObserver, part_setup_commands};
+use crate::host::job_runner::JobRunner;
+use crate::host::realtime::{HostLink, Pace};
+use crate::host::retained_store::RetainedStore;
+use crate::host::simulation_control::SimulationControl;
+use crate::host::{bar, clock, realtime, storage_thread};
 use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::io::{Backend, InputImage, OutputImage};
-use crate::link::simulated::{SimCommand, SimView};
+use crate::link::simulation::{SimCommand, SimView};
 use crate::link::snapshot::RunState;
 use crate::link::{Command, Snapshot};
 use crate::nc::Source;
-use crate::runtime::keeper::Keeper;
-use crate::runtime::office::Office;
-use crate::runtime::realtime::{Link, Pace};
-use crate::runtime::rig::{Companion, set_up};
-use crate::runtime::simulator::Simulator;
-use crate::runtime::{bar, clock, disk_thread, realtime};
 use crate::store::DataDir;
 use crate::units::Micros;
 
 /// Capacity of the command queue from the window to a story.
-const COMMANDS: usize = 256;
+const COMMAND_QUEUE: usize = 256;
 /// Update interval of the simulator page.
-const SIMULATED_EVERY: Micros = Micros::from_millis(100);
+const SIM_VIEW_INTERVAL: Micros = Micros::from_millis(100);
 /// Ticks per snapshot in a demo.
-const SNAPSHOT_EVERY: u64 = 16;
+const SNAPSHOT_TICKS: u64 = 16;
 
 /// Opens the control (T1); returns when the window is closed.
 ///
 /// # Errors
 /// There is no display, or data and folders cannot be opened.
-pub fn open(shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
+pub fn open(shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
     let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
-    let (keeper, found) = Keeper::open(data.root(), shared.kind).map_err(CallError::new)?;
-    let retained = bench::begin(shared, found.retained)?;
+    let (keeper, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
+    let retained = setup::apply_overrides(shared, found.retained)?;
     let program = retained.current_program;
-    let mut machine = simulated(shared, &retained)?;
+    let mut machine = simulated_machine(shared, &retained)?;
     let image = machine.read(Micros::ZERO);
     let mut controller = Controller::new(shared.kind, retained, image, Micros::ZERO);
     if let Some(damaged) = found.damaged {
-        let said = crate::defs::text::Said::new(damaged.clone(), damaged);
-        controller.report(crate::defs::alarm::DATA_DAMAGED, Some(said));
+        let said = crate::defs::text::LocalizedText::new(damaged.clone(), damaged);
+        controller.report_alarm(crate::defs::alarm::RETAINED_DATA_DAMAGED, Some(said));
     }
-    let folders = bench::folders(shared)?;
-    let office = Office::new(folders.clone()).with(Some(data.prints()), shared.usb.clone());
-    let office = office.on_line(shared.serial.clone(), Some(data.root().to_path_buf()));
+    let folders = setup::folders(shared)?;
+    let office = JobRunner::new(folders.clone()).with_drives(Some(data.screenshots()), shared.usb.clone());
+    let office = office.with_serial(shared.serial.clone(), Some(data.root().to_path_buf()));
     let (bring, parts) = bounded(4);
     let (ask, asked) = bounded(16);
     let shown = Arc::new(Mutex::new(Arc::new(SimView::default())));
-    let mut simulator = Simulator::default();
-    simulator.part = bench::part(shared, program)?;
+    let mut simulator = SimulationControl::default();
+    simulator.part = setup::part(shared, program)?;
     let looked = Micros::ZERO;
-    let backend = Workshop { machine, parts, asked, simulator, shown: Arc::clone(&shown), looked };
+    let backend = SimulatedBackend {
+        machine,
+        parts,
+        commands: asked,
+        simulation: simulator,
+        view: Arc::clone(&shown),
+        viewed_at: looked,
+    };
     let (link, disk) = realtime::start(controller, backend, Pace::Simulated).map_err(CallError::new)?;
-    let disk = disk_thread::start(disk, Some(keeper), folders, office).map_err(CallError::new)?;
+    let disk = storage_thread::start(disk, Some(keeper), folders, office).map_err(CallError::new)?;
     let newest = Arc::new(Snapshot::new(shared.kind));
-    let desk = LinkDesk { newest, link, bring, bar_of: (0, [0.0; 2]), ask, simulated: shown };
-    let closed = show(Box::new(desk), shared, fullscreen);
+    let desk = ControlConnection {
+        snapshot: newest,
+        link,
+        parts: bring,
+        mounted_bar: (0, [0.0; 2]),
+        sim_commands: ask,
+        simulated: shown,
+    };
+    let closed = run_window(Box::new(desk), shared, fullscreen);
     drop(disk.join());
     closed
 }
 
 /// The simulated machine as a backend that also mounts parts and executes commands of the simulator page.
-struct Workshop {
+struct SimulatedBackend {
     machine: SimulatedMachine,
     parts: Receiver<PartFile>,
-    asked: Receiver<SimCommand>,
-    simulator: Simulator,
+    commands: Receiver<SimCommand>,
+    simulation: SimulationControl,
     /// The view for the simulator page.
-    shown: Arc<Mutex<Arc<SimView>>>,
-    looked: Micros,
+    view: Arc<Mutex<Arc<SimView>>>,
+    viewed_at: Micros,
 }
 
-impl Backend for Workshop {
+impl Backend for SimulatedBackend {
     fn read(&mut self, now: Micros) -> InputImage {
         if let Ok(part) = self.parts.try_recv() {
             self.machine.set_part(Some(&part));
-            self.simulator.part = Some(part);
+            self.simulation.part = Some(part);
         }
-        while let Ok(asked) = self.asked.try_recv() {
-            self.simulator.act(&mut self.machine, asked);
-            self.looked = Micros::ZERO;
+        while let Ok(asked) = self.commands.try_recv() {
+            self.simulation.execute(&mut self.machine, asked);
+            self.viewed_at = Micros::ZERO;
         }
-        if now.since(self.looked) >= SIMULATED_EVERY {
-            self.looked = now;
+        if now.since(self.viewed_at) >= SIM_VIEW_INTERVAL {
+            self.viewed_at = now;
             // While the window reads the view, this update is skipped.
-            if let Ok(mut shown) = self.shown.try_lock() {
-                let view = self.simulator.view(&self.machine);
+            if let Ok(mut shown) = self.view.try_lock() {
+                let view = self.simulation.view(&self.machine);
                 if **shown != view {
                     *shown = Arc::new(view);
                 }
@@ -106,9 +120,9 @@ impl Backend for Workshop {
     }
 }
 
-fn simulated(shared: &Shared, retained: &Retained) -> Result<SimulatedMachine, CallError> {
+fn simulated_machine(shared: &SharedArgs, retained: &PowerOnState) -> Result<SimulatedMachine, CallError> {
     let file = MachineFile::builtin(shared.kind).map_err(CallError::new)?;
-    let part = bench::part(shared, retained.current_program)?;
+    let part = setup::part(shared, retained.current_program)?;
     Ok(SimulatedMachine::new(file, part.as_ref(), &retained.params, shared.seed))
 }
 
@@ -116,9 +130,10 @@ fn simulated(shared: &Shared, retained: &Retained) -> Result<SimulatedMachine, C
 ///
 /// # Errors
 /// There is no display.
-pub fn show(desk: Box<dyn Desk>, shared: &Shared, fullscreen: bool) -> Result<u8, CallError> {
-    match run(desk, Options { fullscreen, lang: shared.lang, light: shared.light, brightness: shared.brightness }) {
-        Ok(()) => Ok(FINE),
+pub fn run_window(desk: Box<dyn CoreConnection>, shared: &SharedArgs, fullscreen: bool) -> Result<u8, CallError> {
+    match run(desk, WindowOptions { fullscreen, lang: shared.lang, light: shared.light, brightness: shared.brightness })
+    {
+        Ok(()) => Ok(SUCCESS),
         Err(error @ WindowError::NoDisplay(_)) => Err(CallError::new(format!(
             "{error}. Without a display use `kt830 demo` (a story to its end), `kt830 run PROGRAM` or `kt830 shot PAGE --out FILE.png`"
         ))),
@@ -134,101 +149,101 @@ pub fn has_display() -> bool {
 }
 
 /// The window's connection to the real-time control.
-struct LinkDesk {
-    link: Link,
-    newest: Arc<Snapshot>,
-    bring: Sender<PartFile>,
+struct ControlConnection {
+    link: HostLink,
+    snapshot: Arc<Snapshot>,
+    parts: Sender<PartFile>,
     /// The program whose bar is mounted in the lathe, and the bar's diameter and length (P384, P385), mm.
-    bar_of: (u32, [f64; 2]),
-    ask: Sender<SimCommand>,
+    mounted_bar: (u32, [f64; 2]),
+    sim_commands: Sender<SimCommand>,
     simulated: Arc<Mutex<Arc<SimView>>>,
 }
 
-impl LinkDesk {
+impl ControlConnection {
     /// After the choice of a program: mounts its built-in part and sends the set-up to the control.
-    fn mount(&self, number: u32) {
+    fn mount_builtin_part(&self, number: u32) {
         if let Ok(Some(part)) = PartFile::builtin(number) {
-            self.put_in(part);
+            self.mount_part(part);
         }
     }
 
-    fn put_in(&self, part: PartFile) {
-        for command in set_up(&part, |variable| self.newest.variables[usize::from(variable)]) {
+    fn mount_part(&self, part: PartFile) {
+        for command in part_setup_commands(&part, |variable| self.snapshot.variables[usize::from(variable)]) {
             self.link.send(command);
         }
-        drop(self.bring.try_send(part));
+        drop(self.parts.try_send(part));
     }
 
     /// Mounts the bar of a lathe when program, bar diameter or bar length have changed.
-    fn put_bar_in(&mut self) {
-        let number = self.newest.program.number;
-        let defined = [param::BAR_DIAMETER, param::BAR_LENGTH].map(|row| self.newest.params.get(row));
-        let idle = self.newest.state == RunState::Idle;
-        if (number, defined) == self.bar_of || !idle || bar::own_programs(self.newest.kind).is_none() {
+    fn mount_bar(&mut self) {
+        let number = self.snapshot.program.number;
+        let defined = [param::BAR_DIAMETER, param::BAR_LENGTH].map(|row| self.snapshot.params.get(row));
+        let idle = self.snapshot.state == RunState::Idle;
+        if (number, defined) == self.mounted_bar || !idle || bar::program_subfolder(self.snapshot.kind).is_none() {
             return;
         }
-        self.bar_of = (number, defined);
-        let row = self.newest.directory.iter().find(|row| row.number == number);
+        self.mounted_bar = (number, defined);
+        let row = self.snapshot.directory.iter().find(|row| row.number == number);
         let name = row.map_or("", |row| row.name.as_str());
-        let source = Arc::new(Source::new(number, name, self.newest.program.text.bytes().collect::<Vec<u8>>()));
-        if let Some(part) = bar::of_program(self.newest.kind, &self.newest.params, &source) {
-            self.put_in(part);
+        let source = Arc::new(Source::new(number, name, self.snapshot.program.text.bytes().collect::<Vec<u8>>()));
+        if let Some(part) = bar::bar_of_program(self.snapshot.kind, &self.snapshot.params, &source) {
+            self.mount_part(part);
         }
     }
 }
 
-impl Desk for LinkDesk {
+impl CoreConnection for ControlConnection {
     fn newest(&mut self) -> Arc<Snapshot> {
-        let newest = Arc::make_mut(&mut self.newest);
-        self.link.newest(newest);
+        let newest = Arc::make_mut(&mut self.snapshot);
+        self.link.copy_snapshot(newest);
         newest.simulated = Some(Arc::clone(&self.simulated.lock().unwrap_or_else(PoisonError::into_inner)));
-        self.put_bar_in();
-        Arc::clone(&self.newest)
+        self.mount_bar();
+        Arc::clone(&self.snapshot)
     }
 
     fn send(&mut self, command: Command) {
         if let Command::Simulate(asked) = command {
             // A command is dropped when the queue is full.
-            let _ = self.ask.try_send(asked);
+            let _ = self.sim_commands.try_send(asked);
             return;
         }
         let chosen = match command {
-            Command::LoadProgram(number) if self.newest.state != RunState::Running => Some(number),
+            Command::LoadProgram(number) if self.snapshot.state != RunState::Running => Some(number),
             _ => None,
         };
         self.link.send(command);
         if let Some(number) = chosen {
-            self.mount(number);
+            self.mount_builtin_part(number);
         }
     }
 }
 
 /// The window's connection to a story.
-pub struct StoryDesk {
-    newest: Arc<Mutex<Arc<Snapshot>>>,
+pub struct StoryConnection {
+    snapshot: Arc<Mutex<Arc<Snapshot>>>,
     commands: Sender<Command>,
 }
 
 /// The story's connection to the window: paces the ticks to real time, publishes snapshots, receives commands.
-pub struct Beside {
-    newest: Arc<Mutex<Arc<Snapshot>>>,
+pub struct StoryObserver {
+    snapshot: Arc<Mutex<Arc<Snapshot>>>,
     commands: Receiver<Command>,
-    begun: Option<(Instant, Micros)>,
+    started: Option<(Instant, Micros)>,
     ticks: u64,
 }
 
 /// Creates both ends of a story's connection from a first snapshot.
 #[must_use]
-pub fn story_desk(first: Snapshot) -> (StoryDesk, Beside) {
+pub fn story_connection(first: Snapshot) -> (StoryConnection, StoryObserver) {
     let newest = Arc::new(Mutex::new(Arc::new(first)));
-    let (commands, heard) = bounded(COMMANDS);
-    let desk = StoryDesk { newest: Arc::clone(&newest), commands };
-    (desk, Beside { newest, commands: heard, begun: None, ticks: 0 })
+    let (commands, heard) = bounded(COMMAND_QUEUE);
+    let desk = StoryConnection { snapshot: Arc::clone(&newest), commands };
+    (desk, StoryObserver { snapshot: newest, commands: heard, started: None, ticks: 0 })
 }
 
-impl Desk for StoryDesk {
+impl CoreConnection for StoryConnection {
     fn newest(&mut self) -> Arc<Snapshot> {
-        Arc::clone(&self.newest.lock().unwrap_or_else(PoisonError::into_inner))
+        Arc::clone(&self.snapshot.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     fn send(&mut self, command: Command) {
@@ -236,23 +251,23 @@ impl Desk for StoryDesk {
     }
 }
 
-impl Companion for Beside {
-    fn accompany(&mut self, now: Micros, control: &Controller, inbox: &mut Vec<Command>) -> bool {
-        if self.begun.is_none() {
-            inbox.push(Command::Calendar(clock::local()));
+impl HostObserver for StoryObserver {
+    fn after_tick(&mut self, now: Micros, control: &Controller, inbox: &mut Vec<Command>) -> bool {
+        if self.started.is_none() {
+            inbox.push(Command::WallClock(clock::local_time()));
         }
-        let (begun, from) = *self.begun.get_or_insert((Instant::now(), now));
+        let (begun, from) = *self.started.get_or_insert((Instant::now(), now));
         let due = begun + Duration::from_micros(now.since(from).0);
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
         self.ticks += 1;
-        if self.ticks.is_multiple_of(SNAPSHOT_EVERY) {
+        if self.ticks.is_multiple_of(SNAPSHOT_TICKS) {
             let mut snapshot = Snapshot::new(control.kind());
             control.snapshot(&mut snapshot);
-            *self.newest.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(snapshot);
+            *self.snapshot.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(snapshot);
         }
         let mut touched = false;
         for command in self.commands.try_iter() {
-            touched |= !matches!(command, Command::Alive);
+            touched |= !matches!(command, Command::KeepAlive);
             inbox.push(command);
         }
         touched

@@ -4,53 +4,53 @@
 use std::sync::Arc;
 
 use crate::defs::alarm::{self, Reaction, ResetRule};
-use crate::defs::date::Date;
-use crate::defs::history::{End, MOST_ALARMS_KEPT, PastAlarm};
-use crate::defs::text::Said;
+use crate::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
+use crate::defs::date::DateTime;
+use crate::defs::text::LocalizedText;
 use crate::link::snapshot::AlarmView;
 use crate::units::Micros;
 
 /// Maximum number of active alarms. Further ones are dropped: the first alarms show the cause.
-pub const MOST_ALARMS: usize = 32;
+pub const MAX_ALARMS: usize = 32;
 
 /// Maximum characters of an alarm text in the history.
-const LONGEST: usize = 200;
+const MAX_TEXT_CHARS: usize = 200;
 
 /// The active alarms, oldest first, and the alarm history.
 #[derive(Clone, Debug, Default)]
-pub struct Alarms {
+pub struct AlarmList {
     present: Vec<AlarmView>,
     history: Arc<Vec<Arc<PastAlarm>>>,
     /// Counts of the history entries changed since they were last stored on disk.
     changed: Vec<u64>,
     /// When an alarm of the history was last cleared.
-    last_gone: Option<Micros>,
+    last_cleared: Option<Micros>,
     /// Count of the last alarm before power-on.
-    remembered: u64,
+    last_count_at_power_on: u64,
     now: Micros,
-    date: Date,
+    date: DateTime,
 }
 
-impl Alarms {
+impl AlarmList {
     /// Starts from the stored history. Alarms that were active at power-off ended with it.
     #[must_use]
     pub fn new(mut remembered: Vec<PastAlarm>) -> Self {
         remembered.sort_by_key(|past| past.count);
-        let ended = |past: PastAlarm| PastAlarm { ended: past.ended.or(Some((End::PowerOff, None))), ..past };
+        let ended = |past: PastAlarm| PastAlarm { ended: past.ended.or(Some((AlarmEnd::PowerOff, None))), ..past };
         let last = remembered.last().map_or(0, |past| past.count);
         let history = remembered.into_iter().map(|past| Arc::new(ended(past))).collect();
-        Self { history: Arc::new(history), remembered: last, ..Self::default() }
+        Self { history: Arc::new(history), last_count_at_power_on: last, ..Self::default() }
     }
 
     /// Sets time and date of this tick: the time stamp of alarms that are raised or cleared in it.
-    pub const fn at(&mut self, now: Micros, date: Date) {
+    pub const fn set_time(&mut self, now: Micros, date: DateTime) {
         (self.now, self.date) = (now, date);
     }
 
     /// The date of power-on is now known. Alarms since then were stamped relative to power-on and get their date.
-    pub fn know_power_on(&mut self, power_on: Date) {
-        let dated = |date: Date| Date(date.0 + power_on.0);
-        let since = self.remembered;
+    pub fn set_power_on_date(&mut self, power_on: DateTime) {
+        let dated = |date: DateTime| DateTime(date.0 + power_on.0);
+        let since = self.last_count_at_power_on;
         for past in Arc::make_mut(&mut self.history).iter_mut().filter(|past| past.count > since) {
             let past = Arc::make_mut(past);
             past.came = dated(past.came);
@@ -73,31 +73,31 @@ impl Alarms {
     }
 
     /// Adds an alarm of the table; `detail` follows its text. An alarm that is already active is not added twice.
-    pub fn raise(&mut self, number: u16, detail: Option<Said>, now: Micros, place: Option<(u32, u32)>) {
-        if self.has(number) || self.present.len() >= MOST_ALARMS {
+    pub fn raise(&mut self, number: u16, detail: Option<LocalizedText>, now: Micros, place: Option<(u32, u32)>) {
+        if self.has(number) || self.present.len() >= MAX_ALARMS {
             return;
         }
         let (text, remedy) = match alarm::find(number) {
             Some(row) => (row.text.into(), row.remedy.into()),
-            None => (Said::new("程序报警", "program alarm"), Said::default()),
+            None => (LocalizedText::new("程序报警", "program alarm"), LocalizedText::default()),
         };
         let text = match detail {
             Some(detail) if alarm::find(number).is_some() => {
-                Said::new(format!("{}：{}", text.zh, detail.zh), format!("{}: {}", text.en, detail.en))
+                LocalizedText::new(format!("{}：{}", text.zh, detail.zh), format!("{}: {}", text.en, detail.en))
             }
             Some(detail) if !detail.zh.trim().is_empty() => detail,
             Some(_) | None => text,
         };
         let alarm = AlarmView { number, text, remedy, since: now, place };
-        self.remember(&alarm);
+        self.record(&alarm);
         self.present.push(alarm);
     }
 
     /// Writes an alarm into the history. The history `Arc` is replaced only here and when an alarm is cleared.
-    fn remember(&mut self, alarm: &AlarmView) {
+    fn record(&mut self, alarm: &AlarmView) {
         let history = Arc::make_mut(&mut self.history);
         // Cleared and raised again in the same tick: the alarm was never gone.
-        let again = self.last_gone == Some(alarm.since);
+        let again = self.last_cleared == Some(alarm.since);
         let same = |past: &&mut Arc<PastAlarm>| {
             again && past.ended.is_some() && past.number == alarm.number && alarm.text.zh.starts_with(&past.text.zh)
         };
@@ -106,19 +106,19 @@ impl Alarms {
             self.changed.push(past.count);
             return;
         }
-        if history.len() >= MOST_ALARMS_KEPT {
+        if history.len() >= MAX_ALARM_HISTORY {
             history.remove(0);
         }
         let count = history.last().map_or(1, |last| last.count + 1);
-        let cut = |text: &str| text.chars().take(LONGEST).collect::<String>();
-        let text = Said::new(cut(&alarm.text.zh), cut(&alarm.text.en));
+        let cut = |text: &str| text.chars().take(MAX_TEXT_CHARS).collect::<String>();
+        let text = LocalizedText::new(cut(&alarm.text.zh), cut(&alarm.text.en));
         let (number, place) = (alarm.number, alarm.place);
         history.push(Arc::new(PastAlarm { count, number, text, place, came: self.date, ended: None }));
         self.changed.push(count);
     }
 
     /// Marks the history entries of alarms that are no longer active as ended.
-    fn note_gone(&mut self, how: End) {
+    fn record_cleared(&mut self, how: AlarmEnd) {
         let present = &self.present;
         let is_gone =
             |past: &PastAlarm| past.ended.is_none() && present.iter().all(|alarm| alarm.number != past.number);
@@ -128,7 +128,7 @@ impl Alarms {
                 Arc::make_mut(past).ended = Some((how, Some(date)));
                 self.changed.push(past.count);
             }
-            self.last_gone = Some(self.now);
+            self.last_cleared = Some(self.now);
         }
     }
 
@@ -137,7 +137,7 @@ impl Alarms {
         let before = self.present.len();
         self.present.retain(|alarm| alarm.number != number);
         if self.present.len() != before {
-            self.note_gone(End::Itself);
+            self.record_cleared(AlarmEnd::Itself);
         }
     }
 
@@ -147,7 +147,7 @@ impl Alarms {
             ResetRule::Reset => still_there(alarm.number),
             ResetRule::SelfClearing | ResetRule::SelfClearingUnlessStopped => true,
         });
-        self.note_gone(End::Reset);
+        self.record_cleared(AlarmEnd::Reset);
     }
 
     /// Whether an alarm is active.
@@ -158,7 +158,7 @@ impl Alarms {
 
     /// Whether an active alarm blocks cycle start.
     #[must_use]
-    pub fn block_start(&self) -> bool {
+    pub fn blocks_start(&self) -> bool {
         self.present.iter().any(|alarm| alarm::reaction(alarm.number) >= Reaction::BlockStart)
     }
 
@@ -181,35 +181,35 @@ mod tests {
 
     #[test]
     fn b8_reset_leaves_alarms_whose_cause_is_still_there() {
-        let mut alarms = Alarms::default();
+        let mut alarms = AlarmList::default();
         alarms.raise(alarm::EMERGENCY_STOP, None, Micros::ZERO, None);
-        alarms.raise(alarm::TAILSTOCK, None, Micros::ZERO, None);
-        alarms.raise(alarm::TAILSTOCK, None, Micros(1), None);
+        alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros::ZERO, None);
+        alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(1), None);
         assert_eq!(alarms.present().len(), 2);
         alarms.reset(|number| number == alarm::EMERGENCY_STOP);
-        assert!(alarms.has(alarm::EMERGENCY_STOP) && !alarms.has(alarm::TAILSTOCK) && alarms.block_start());
+        assert!(alarms.has(alarm::EMERGENCY_STOP) && !alarms.has(alarm::TAILSTOCK_INTERLOCK) && alarms.blocks_start());
     }
 
     #[test]
     fn b6_the_history_keeps_when_each_alarm_came_and_went_and_how() {
-        let mut alarms = Alarms::default();
-        alarms.at(Micros(5), Date(105));
-        alarms.raise(alarm::TAILSTOCK, None, Micros(5), Some((1_001, 7)));
+        let mut alarms = AlarmList::default();
+        alarms.set_time(Micros(5), DateTime(105));
+        alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(5), Some((1_001, 7)));
         let shown = Arc::clone(alarms.history());
-        alarms.at(Micros(9), Date(109));
-        alarms.clear(alarm::HYDRAULIC);
+        alarms.set_time(Micros(9), DateTime(109));
+        alarms.clear(alarm::HYDRAULIC_PRESSURE);
         assert!(Arc::ptr_eq(&shown, alarms.history()), "nothing went: the list is not replaced");
         alarms.reset(|_| false);
-        alarms.at(Micros(12), Date(112));
-        alarms.raise(alarm::TAILSTOCK, None, Micros(12), None);
-        alarms.clear(alarm::TAILSTOCK);
-        alarms.raise(alarm::TAILSTOCK, None, Micros(12), None);
+        alarms.set_time(Micros(12), DateTime(112));
+        alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(12), None);
+        alarms.clear(alarm::TAILSTOCK_INTERLOCK);
+        alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(12), None);
         let times: Vec<_> = alarms.history().iter().map(|past| (past.came, past.ended)).collect();
-        assert_eq!(times, [(Date(105), Some((End::Reset, Some(Date(109))))), (Date(112), None)]);
+        assert_eq!(times, [(DateTime(105), Some((AlarmEnd::Reset, Some(DateTime(109))))), (DateTime(112), None)]);
         assert_eq!(alarms.history()[0].place, Some((1_001, 7)));
-        alarms.at(Micros(13), Date(113));
-        alarms.clear(alarm::TAILSTOCK);
-        assert_eq!(alarms.history()[1].ended, Some((End::Itself, Some(Date(113)))));
+        alarms.set_time(Micros(13), DateTime(113));
+        alarms.clear(alarm::TAILSTOCK_INTERLOCK);
+        assert_eq!(alarms.history()[1].ended, Some((AlarmEnd::Itself, Some(DateTime(113)))));
         let changed: Vec<_> = alarms.take_changed().iter().map(|past| past.count).collect();
         assert_eq!(changed, [1, 2]);
         assert!(alarms.take_changed().is_empty(), "the disk is told once");
@@ -217,58 +217,58 @@ mod tests {
 
     #[test]
     fn b6_what_came_before_the_clock_was_known_has_its_date() {
-        let mut alarms = Alarms::default();
-        alarms.at(Micros(2_000_000), Date(2));
-        alarms.raise(alarm::TAILSTOCK, None, Micros(2_000_000), None);
-        alarms.clear(alarm::TAILSTOCK);
-        let mut alarms = Alarms::new(alarms.take_changed());
-        alarms.at(Micros(3_000_000), Date(3));
-        alarms.raise(alarm::HYDRAULIC, None, Micros(3_000_000), None);
-        alarms.know_power_on(Date(1_000));
-        alarms.clear(alarm::HYDRAULIC);
+        let mut alarms = AlarmList::default();
+        alarms.set_time(Micros(2_000_000), DateTime(2));
+        alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(2_000_000), None);
+        alarms.clear(alarm::TAILSTOCK_INTERLOCK);
+        let mut alarms = AlarmList::new(alarms.take_changed());
+        alarms.set_time(Micros(3_000_000), DateTime(3));
+        alarms.raise(alarm::HYDRAULIC_PRESSURE, None, Micros(3_000_000), None);
+        alarms.set_power_on_date(DateTime(1_000));
+        alarms.clear(alarm::HYDRAULIC_PRESSURE);
         let times: Vec<_> = alarms.history().iter().map(|past| (past.came.0, past.ended)).collect();
         // The alarm of the previous power cycle keeps its stamp: its date is unknown.
-        assert_eq!(times[0], (2, Some((End::Itself, Some(Date(2))))));
-        assert_eq!(times[1], (1_003, Some((End::Itself, Some(Date(1_003))))));
+        assert_eq!(times[0], (2, Some((AlarmEnd::Itself, Some(DateTime(2))))));
+        assert_eq!(times[1], (1_003, Some((AlarmEnd::Itself, Some(DateTime(1_003))))));
     }
 
     #[test]
     fn b6_the_history_outlives_the_power_and_keeps_a_thousand() {
-        let mut alarms = Alarms::default();
+        let mut alarms = AlarmList::default();
         for round in 0..1_200 {
-            alarms.at(Micros(20 + round), Date(round as i64));
-            alarms.clear(alarm::HYDRAULIC);
-            alarms.raise(alarm::HYDRAULIC, None, Micros(20 + round), None);
-            alarms.clear(alarm::HYDRAULIC);
-            alarms.at(Micros(20 + round) + Micros(1), Date(round as i64));
+            alarms.set_time(Micros(20 + round), DateTime(round as i64));
+            alarms.clear(alarm::HYDRAULIC_PRESSURE);
+            alarms.raise(alarm::HYDRAULIC_PRESSURE, None, Micros(20 + round), None);
+            alarms.clear(alarm::HYDRAULIC_PRESSURE);
+            alarms.set_time(Micros(20 + round) + Micros(1), DateTime(round as i64));
         }
-        alarms.raise(alarm::TAILSTOCK, None, Micros(5_000), None);
-        assert_eq!(alarms.history().len(), MOST_ALARMS_KEPT);
+        alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros(5_000), None);
+        assert_eq!(alarms.history().len(), MAX_ALARM_HISTORY);
         let slots: std::collections::BTreeSet<_> = alarms.history().iter().map(|past| past.slot()).collect();
-        assert_eq!(slots.len(), MOST_ALARMS_KEPT, "each has a place of its own in the store");
+        assert_eq!(slots.len(), MAX_ALARM_HISTORY, "each has a place of its own in the store");
         let kept: Vec<_> = alarms.history().iter().map(|past| (**past).clone()).collect();
-        let mut alarms = Alarms::new(kept);
-        let last = Arc::clone(&alarms.history()[MOST_ALARMS_KEPT - 1]);
-        assert_eq!((last.number, last.ended), (alarm::TAILSTOCK, Some((End::PowerOff, None))));
-        alarms.raise(alarm::TAILSTOCK, None, Micros::ZERO, None);
+        let mut alarms = AlarmList::new(kept);
+        let last = Arc::clone(&alarms.history()[MAX_ALARM_HISTORY - 1]);
+        assert_eq!((last.number, last.ended), (alarm::TAILSTOCK_INTERLOCK, Some((AlarmEnd::PowerOff, None))));
+        alarms.raise(alarm::TAILSTOCK_INTERLOCK, None, Micros::ZERO, None);
         assert_eq!(alarms.history().last().map(|past| past.count), Some(last.count + 1));
     }
 
     #[test]
     fn k3_7_alarm_180_is_not_reset_by_the_list() {
-        let mut alarms = Alarms::default();
-        alarms.raise(alarm::HYDRAULIC, None, Micros::ZERO, None);
+        let mut alarms = AlarmList::default();
+        alarms.raise(alarm::HYDRAULIC_PRESSURE, None, Micros::ZERO, None);
         alarms.reset(|_| false);
-        assert!(alarms.has(alarm::HYDRAULIC));
-        alarms.clear(alarm::HYDRAULIC);
-        assert!(!alarms.block_start());
+        assert!(alarms.has(alarm::HYDRAULIC_PRESSURE));
+        alarms.clear(alarm::HYDRAULIC_PRESSURE);
+        assert!(!alarms.blocks_start());
     }
 
     #[test]
     fn k7_3_page_files_never_block_a_run() {
-        let mut alarms = Alarms::default();
-        alarms.raise(alarm::PAGE_FILES, Some(Said::new("B0002.BMP", "B0002.BMP")), Micros::ZERO, None);
-        assert!(!alarms.block_start());
+        let mut alarms = AlarmList::default();
+        alarms.raise(alarm::PAGE_FILES_INVALID, Some(LocalizedText::new("B0002.BMP", "B0002.BMP")), Micros::ZERO, None);
+        assert!(!alarms.blocks_start());
         assert!(alarms.present()[0].text.zh.ends_with("B0002.BMP"));
     }
 }

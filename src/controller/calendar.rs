@@ -1,20 +1,20 @@
 //! Date and time of day: the system clock plus the offset set at the machine. Control logic never uses it: its own
 //! time is counted in ticks. Source: spec B6 (设置: clock).
 
-use super::{Controller, Effect};
-use crate::defs::date::{Date, YEARS};
-use crate::defs::text::Said;
+use super::{Controller, StorageRequest};
+use crate::defs::date::{DateTime, YEARS};
+use crate::defs::text::LocalizedText;
 use crate::units::Micros;
 
 /// The calendar resynchronises when the system clock differs by at least this, s. Truncation to whole seconds at
 /// different moments then does not make the date jump.
-const FOLLOWED_S: i64 = 2;
+const RESYNC_S: i64 = 2;
 
 /// Calendar: date of power-on and the offset set at the machine.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Calendar {
     /// System clock at power-on.
-    power_on: Option<Date>,
+    power_on: Option<DateTime>,
     /// Date set at the machine minus system clock, s.
     offset_s: i64,
 }
@@ -27,29 +27,29 @@ impl Calendar {
     }
 
     /// Takes a reading of the system clock. Returns the date of power-on when it first becomes known.
-    pub fn hear(&mut self, now: Micros, told: Date) -> Option<Date> {
-        let power_on = Date(told.0 - seconds(now));
-        if self.power_on.is_none_or(|known| (known.0 - power_on.0).abs() >= FOLLOWED_S) {
+    pub fn sync(&mut self, now: Micros, told: DateTime) -> Option<DateTime> {
+        let power_on = DateTime(told.0 - seconds(now));
+        if self.power_on.is_none_or(|known| (known.0 - power_on.0).abs() >= RESYNC_S) {
             let first = self.power_on.replace(power_on).is_none();
-            return first.then_some(Date(power_on.0 + self.offset_s));
+            return first.then_some(DateTime(power_on.0 + self.offset_s));
         }
         None
     }
 
     /// Date and time at a moment; `None` while the system clock is unknown.
     #[must_use]
-    pub fn date(&self, now: Micros) -> Option<Date> {
-        self.power_on.map(|power_on| Date(power_on.0 + self.offset_s + seconds(now)))
+    pub fn date(&self, now: Micros) -> Option<DateTime> {
+        self.power_on.map(|power_on| DateTime(power_on.0 + self.offset_s + seconds(now)))
     }
 
     /// Date and time, or the time since power-on while the date is unknown.
     #[must_use]
-    pub fn stamp(&self, now: Micros) -> Date {
-        self.date(now).unwrap_or(Date(seconds(now)))
+    pub fn timestamp(&self, now: Micros) -> DateTime {
+        self.date(now).unwrap_or(DateTime(seconds(now)))
     }
 
     /// The offset that makes this the present date, s; `None` while the system clock is unknown.
-    fn offset_for(&self, now: Micros, wanted: Date) -> Option<i64> {
+    fn offset_for(&self, now: Micros, wanted: DateTime) -> Option<i64> {
         self.power_on.map(|power_on| wanted.0 - power_on.0 - seconds(now))
     }
 }
@@ -60,25 +60,31 @@ const fn seconds(now: Micros) -> i64 {
 
 impl Controller {
     /// Sets the displayed date and time. No motion depends on them.
-    pub(super) fn set_date(&mut self, wanted: Date) {
+    pub(super) fn set_date(&mut self, wanted: DateTime) {
         let [year, ..] = wanted.parts();
         if !YEARS.contains(&year) {
             let (first, last) = (YEARS.start(), YEARS.end());
-            return self.refuse(Said::new(format!("年份应为 {first}-{last}"), format!("years are {first} to {last}")));
+            return self.refuse(LocalizedText::new(
+                format!("年份应为 {first}-{last}"),
+                format!("years are {first} to {last}"),
+            ));
         }
         let Some(offset_s) = self.calendar.offset_for(self.now, wanted) else {
-            return self.refuse(Said::new("没有系统时钟", "the computer tells no time"));
+            return self.refuse(LocalizedText::new("没有系统时钟", "the computer tells no time"));
         };
         self.calendar.offset_s = offset_s;
-        self.effects.push(Effect::ClockOffset(offset_s));
-        self.say(Said::new(format!("日期时间已设为 {wanted}"), format!("date and time set to {wanted}")));
+        self.storage_requests.push(StorageRequest::ClockOffset(offset_s));
+        self.show_note(LocalizedText::new(
+            format!("日期时间已设为 {wanted}"),
+            format!("date and time set to {wanted}"),
+        ));
     }
 
     /// Stores changed entries of the alarm history on disk.
-    pub(super) fn keep_alarms(&mut self) {
+    pub(super) fn store_alarm_changes(&mut self) {
         if self.alarms.has_changed() {
             let changed = self.alarms.take_changed();
-            self.effects.extend(changed.into_iter().map(|past| Effect::Alarm(Box::new(past))));
+            self.storage_requests.extend(changed.into_iter().map(|past| StorageRequest::Alarm(Box::new(past))));
         }
     }
 }
@@ -90,14 +96,14 @@ mod tests {
     #[test]
     fn b6_the_date_follows_the_computers_clock_with_what_was_set() {
         let mut calendar = Calendar::new(60);
-        assert_eq!((calendar.date(Micros(9_000_000)), calendar.stamp(Micros(9_000_000))), (None, Date(9)));
-        assert_eq!(calendar.hear(Micros(9_000_000), Date(1_009)), Some(Date(1_060)));
-        assert_eq!(calendar.date(Micros(10_000_000)), Some(Date(1_070)));
+        assert_eq!((calendar.date(Micros(9_000_000)), calendar.timestamp(Micros(9_000_000))), (None, DateTime(9)));
+        assert_eq!(calendar.sync(Micros(9_000_000), DateTime(1_009)), Some(DateTime(1_060)));
+        assert_eq!(calendar.date(Micros(10_000_000)), Some(DateTime(1_070)));
         // One second off is rounding at the moment of reading, not a changed clock.
-        assert_eq!(calendar.hear(Micros(10_000_000), Date(1_011)), None);
-        assert_eq!(calendar.date(Micros(10_000_000)), Some(Date(1_070)));
-        calendar.hear(Micros(10_000_000), Date(5_010));
-        assert_eq!(calendar.date(Micros(10_000_000)), Some(Date(5_070)));
-        assert_eq!(calendar.offset_for(Micros(10_000_000), Date(5_000)), Some(-10));
+        assert_eq!(calendar.sync(Micros(10_000_000), DateTime(1_011)), None);
+        assert_eq!(calendar.date(Micros(10_000_000)), Some(DateTime(1_070)));
+        calendar.sync(Micros(10_000_000), DateTime(5_010));
+        assert_eq!(calendar.date(Micros(10_000_000)), Some(DateTime(5_070)));
+        assert_eq!(calendar.offset_for(Micros(10_000_000), DateTime(5_000)), Some(-10));
     }
 }

@@ -4,58 +4,58 @@
 use std::sync::Arc;
 
 use super::run::Origin;
-use super::{Controller, Phase};
+use super::{ControlPhase, Controller};
 use crate::defs::alarm;
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::signal::Input;
-use crate::defs::text::Said;
-use crate::machine::Answer;
+use crate::defs::text::LocalizedText;
+use crate::machine::RequestResult;
 
 impl Controller {
-    pub(super) fn switch_single_block(&mut self) {
+    pub(super) fn toggle_single_block(&mut self) {
         self.switches.single_block = !self.switches.single_block;
         if self.switches.single_block
-            && matches!(self.phase, Phase::Running)
+            && matches!(self.phase, ControlPhase::Running)
             && let Some(run) = &mut self.run
-            && run.fed > 0
+            && run.handed_over > 0
         {
-            self.axes.path.hold();
+            self.axes.planner.hold();
             run.splitting = true;
         }
     }
 
     pub(super) fn cycle_start(&mut self) {
         match self.phase {
-            Phase::Running => return self.refuse(Said::new("程序已在运行", "the program is running")),
-            Phase::Holding | Phase::Aborting | Phase::Homing(_) => {
-                return self.refuse(Said::new("轴还在运动，请稍候", "the axes still move"));
+            ControlPhase::Running => return self.refuse(LocalizedText::new("程序已在运行", "the program is running")),
+            ControlPhase::Holding | ControlPhase::Aborting | ControlPhase::Homing(_) => {
+                return self.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move"));
             }
-            Phase::Idle if self.mode == Mode::Mdi => return self.start_mdi(),
-            Phase::Idle if self.mode != Mode::Auto => {
-                return self.refuse(Said::new("自动方式下才能循环启动", "cycle start works in mode AUTO"));
+            ControlPhase::Idle if self.mode == Mode::Mdi => return self.start_mdi(),
+            ControlPhase::Idle if self.mode != Mode::Auto => {
+                return self.refuse(LocalizedText::new("自动方式下才能循环启动", "cycle start works in mode AUTO"));
             }
-            Phase::Idle | Phase::Held | Phase::Stopped => {}
+            ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped => {}
         }
-        if let Some(why) = self.retract_forbids_start() {
+        if let Some(why) = self.retract_blocks_start() {
             return self.refuse(why);
         }
-        if !matches!(self.ask(Request::CycleStart), Answer::Taken) {
+        if !matches!(self.request(Request::CycleStart), RequestResult::Accepted) {
             return;
         }
-        if matches!(self.phase, Phase::Idle) && self.start_restart() {
+        if matches!(self.phase, ControlPhase::Idle) && self.start_restart() {
             return;
         }
-        if matches!(self.phase, Phase::Idle) {
-            self.runs_left = self.params.get(param::LOOP_RUN) as u32 - 1;
+        if matches!(self.phase, ControlPhase::Idle) {
+            self.repeats_left = self.params.get(param::PROGRAM_REPEATS) as u32 - 1;
             return self.start_program();
         }
-        if let Some(why) = self.stopped_in_pause() {
+        if let Some(why) = self.spindle_stopped_in_pause() {
             return self.refuse(why);
         }
         if self.oscillates_by_key() {
-            return self.refuse(Said::new(
+            return self.refuse(LocalizedText::new(
                 "暂停中用按键启动的振荡未关闭，先关闭再循环启动",
                 "the key has begun an oscillation in the pause: end it before cycle start",
             ));
@@ -64,25 +64,25 @@ impl Controller {
     }
 
     /// L9: a finished program starts again until it has run P390 times.
-    pub(super) fn begin_again(&mut self) {
-        if self.runs_left > 0 && matches!(self.phase, Phase::Idle) {
-            self.runs_left -= 1;
-            if matches!(self.ask(Request::CycleStart), Answer::Taken) {
+    pub(super) fn repeat_program(&mut self) {
+        if self.repeats_left > 0 && matches!(self.phase, ControlPhase::Idle) {
+            self.repeats_left -= 1;
+            if matches!(self.request(Request::CycleStart), RequestResult::Accepted) {
                 self.start_program();
             }
         }
     }
 
     fn start_program(&mut self) {
-        let number = self.current;
+        let number = self.current_program;
         match self.programs.get(number) {
             Some(program) => {
                 let source = Arc::clone(&program.source);
                 self.open_run(source, Origin::Program);
             }
             None => {
-                let title = self.title(number);
-                self.refuse(Said::new(
+                let title = self.program_title(number);
+                self.refuse(LocalizedText::new(
                     format!("没有程序 {title}：先在目录中选择程序"),
                     format!("there is no program {title}: choose one in the directory"),
                 ));
@@ -92,29 +92,31 @@ impl Controller {
 
     pub(super) fn feed_hold(&mut self) {
         match self.phase {
-            Phase::Running => self.hold_run(),
-            Phase::Homing(_) => self.abort_run(),
-            Phase::Idle => {
-                self.refuse(Said::new("没有程序在运行，无可暂停", "no program runs: there is nothing to hold"))
+            ControlPhase::Running => self.hold_run(),
+            ControlPhase::Homing(_) => self.abort_run(),
+            ControlPhase::Idle => {
+                self.refuse(LocalizedText::new("没有程序在运行，无可暂停", "no program runs: there is nothing to hold"))
             }
-            Phase::Holding | Phase::Aborting => self.say(Said::new("轴正在停止", "the axes are stopping")),
-            Phase::Held | Phase::Stopped => {
-                self.say(Said::new("已在暂停，按循环启动继续", "held already: cycle start goes on"));
+            ControlPhase::Holding | ControlPhase::Aborting => {
+                self.show_note(LocalizedText::new("轴正在停止", "the axes are stopping"))
+            }
+            ControlPhase::Held | ControlPhase::Stopped => {
+                self.show_note(LocalizedText::new("已在暂停，按循环启动继续", "held already: cycle start goes on"));
             }
         }
     }
 
     pub(super) fn reset(&mut self) {
-        self.drop_mdi();
+        self.discard_mdi();
         self.abort_run();
         self.machine.reset();
-        self.dress.let_go();
-        self.drop_retract();
+        self.dressing.cancel();
+        self.abandon_retract();
         self.restart = None;
         self.stop_oscillation();
         let e_stop = self.machine.is_e_stopped();
         let bus = self.image.bus_alive;
-        let (inputs, limits) = (self.inputs, self.limits);
+        let (inputs, limits) = (self.inputs, self.limit_switches);
         let drives = [Input::DriveX, Input::DriveY, Input::DriveZ].into_iter().any(|input| inputs.has(input));
         self.alarms.reset(|number| match number {
             alarm::EMERGENCY_STOP => e_stop,

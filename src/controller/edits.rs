@@ -6,12 +6,12 @@ use std::sync::Arc;
 use super::Controller;
 use crate::defs::page::Page;
 use crate::defs::param;
-use crate::defs::text::{Said, Text};
+use crate::defs::text::{LocalizedText, Text};
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::edit::{EditAnswer, OffsetView};
 use crate::link::snapshot::{Message, Snapshot, Tone};
-use crate::nc::Memory;
+use crate::nc::CommonVariables;
 use crate::units::PerAxis;
 
 const LOCKED: Text = Text::new("P22.0=0：不允许修改", "P22.0 is 0: locked");
@@ -19,14 +19,14 @@ const NOT_IN_RUN: Text = Text::new("程序运行中不能修改 (P6.3)", "not wh
 
 /// State of the edits made on pages.
 #[derive(Clone, Debug)]
-pub struct Edits {
+pub struct EditState {
     /// Answer to the last edit.
     answer: EditAnswer,
     /// The MDI line that waits for cycle start; empty if none.
     pub mdi_ready: Arc<str>,
 }
 
-impl Default for Edits {
+impl Default for EditState {
     fn default() -> Self {
         Self { answer: EditAnswer::default(), mdi_ready: Arc::from("") }
     }
@@ -34,91 +34,91 @@ impl Default for Edits {
 
 impl Controller {
     /// Executes an edit of a page and answers it.
-    pub(super) fn take_edit(&mut self, command: &Command) {
+    pub(super) fn handle_edit(&mut self, command: &Command) {
         let done = match command {
-            Command::TypeVariable(variable, value) => self.type_variable(*variable, *value),
-            Command::Offset(command) => self.take_offset(*command),
-            Command::AddWear { number, axis, by } => self.type_wear_increment(*number, *axis, *by),
+            Command::EnterVariable(variable, value) => self.edit_variable(*variable, *value),
+            Command::Offset(command) => self.handle_offset_command(*command),
+            Command::AddWear { number, axis, increment: by } => self.edit_wear_increment(*number, *axis, *by),
             Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
                 self.change_wheel(*diameter_mm, *width_mm, *rated_m_s)
             }
-            Command::ReadyMdi(line) => self.ready_mdi(line),
-            Command::Page(command) => self.type_param(command),
+            Command::PrepareMdi(line) => self.prepare_mdi(line),
+            Command::Page(command) => self.edit_param_on_page(command),
             _ => return,
         };
         self.edits.answer.count = self.edits.answer.count.wrapping_add(1);
         self.edits.answer.refused = done.as_ref().err().cloned();
         match done {
-            Ok(said) => self.say(said),
+            Ok(said) => self.show_note(said),
             Err(why) => self.refuse(why),
         }
     }
 
     /// A value typed on the open page for one of the page's variables (K7.5, K7.7).
-    fn type_variable(&mut self, variable: u16, value: Option<f64>) -> Result<Said, Said> {
-        let name = crate::defs::r_parameter::name_on(u32::from(variable), self.kind);
+    fn edit_variable(&mut self, variable: u16, value: Option<f64>) -> Result<LocalizedText, LocalizedText> {
+        let name = crate::defs::variable_name::variable_name_on(u32::from(variable), self.kind);
         let shows = match self.page {
             Page::Grinding => self.page_shows(variable),
-            Page::Macro => Memory::has(u32::from(variable)),
+            Page::Macro => CommonVariables::contains(u32::from(variable)),
             _ => false,
         };
         if !shows {
             return Err(if self.page == Page::Macro {
-                Said::new(format!("{name} 是只读变量"), format!("{name} is read-only"))
+                LocalizedText::new(format!("{name} 是只读变量"), format!("{name} is read-only"))
             } else {
-                Said::new(format!("当前页面没有 {name}"), format!("the open page does not show {name}"))
+                LocalizedText::new(format!("当前页面没有 {name}"), format!("the open page does not show {name}"))
             });
         }
         if self.page == Page::Macro {
             self.check_unlocked()?;
         }
-        self.check_run()?;
+        self.check_not_running()?;
         if !self.set_variable(variable, value) {
             // The reason is already shown.
             return Err(self.message.text.clone());
         }
         let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
-        Ok(Said::new(format!("{name} = {shown}"), format!("{name} = {shown}")))
+        Ok(LocalizedText::new(format!("{name} = {shown}"), format!("{name} = {shown}")))
     }
 
     /// A parameter typed on its page. The result is taken from the message that the command has shown.
-    fn type_param(&mut self, command: &PageCommand) -> Result<Said, Said> {
+    fn edit_param_on_page(&mut self, command: &PageCommand) -> Result<LocalizedText, LocalizedText> {
         self.message = Message::default();
-        self.take_page(command);
+        self.handle_page_command(command);
         let text = self.message.text.clone();
         match self.message.tone {
-            Tone::Note => Ok(text),
+            Tone::Info => Ok(text),
             Tone::Refused => Err(text),
         }
     }
 
     /// K7.7: protection (P22.0) of wear and variables on the offset and the macro page.
-    pub(super) fn check_unlocked(&self) -> Result<(), Said> {
+    pub(super) fn check_unlocked(&self) -> Result<(), LocalizedText> {
         if self.params.bit(param::EDIT_OFFSETS) { Ok(()) } else { Err(LOCKED.into()) }
     }
 
     /// K7.7: no edit while a run is open, unless P6.3 allows it.
-    pub(super) fn check_run(&self) -> Result<(), Said> {
+    pub(super) fn check_not_running(&self) -> Result<(), LocalizedText> {
         if self.run.is_none() || self.params.bit(param::EDIT_VALUES_IN_RUN) { Ok(()) } else { Err(NOT_IN_RUN.into()) }
     }
 
     /// Writes the snapshot fields of the offset, variable and MDI pages.
     pub(super) fn edit_view(&self, out: &mut Snapshot) {
-        if out.edit != self.edits.answer {
-            out.edit.clone_from(&self.edits.answer);
+        if out.edit_answer != self.edits.answer {
+            out.edit_answer.clone_from(&self.edits.answer);
         }
-        if out.mdi_ready != self.edits.mdi_ready {
-            out.mdi_ready.clone_from(&self.edits.mdi_ready);
+        if out.prepared_mdi != self.edits.mdi_ready {
+            out.prepared_mdi.clone_from(&self.edits.mdi_ready);
         }
         for (index, row) in out.offsets.iter_mut().enumerate() {
             *row = OffsetView {
-                geometry: self.displayed(&self.frames.geometry[index]),
-                wear: self.displayed(&self.frames.wear[index]),
+                geometry: self.displayed(&self.work_offsets.geometry[index]),
+                wear: self.displayed(&self.work_offsets.wear[index]),
             };
         }
-        out.offset_in_force = self.frames.offset;
+        out.active_offset = self.work_offsets.tool_offset;
         out.modals = self.modal_view();
-        let points = self.dress.points;
+        let points = self.dressing.points;
         out.dressing_point = PerAxis::from_fn(|axis| points[axis].map(|at| at * self.displayed_per_mm(axis)));
     }
 }

@@ -68,16 +68,16 @@ impl Filter {
         for plane in &mut self.planes {
             *plane &= !settled;
         }
-        self.meaning(self.stable)
+        self.active_inputs(self.stable)
     }
 
     /// The active inputs before the filter, for latching a position in the tick of the edge.
     #[must_use]
     pub fn unfiltered(&self, terminals: Terminals) -> InputSet {
-        self.meaning(terminals.0 ^ self.inverted)
+        self.active_inputs(terminals.0 ^ self.inverted)
     }
 
-    fn meaning(&self, active: u64) -> InputSet {
+    fn active_inputs(&self, active: u64) -> InputSet {
         let mut set = InputSet::NONE;
         for input in Input::ALL {
             set.set(*input, Terminals(active).level(self.ports[*input as usize]));

@@ -5,23 +5,23 @@
 //! A hold in contact can withdraw the wheel automatically; the return move comes first when the run continues.
 //! Source: spec K2.2, K6.3, K5.18.
 
-use super::planned::Forbidden;
-use super::run::{Act, Doing, Item, PlannedMove, Run, Speed};
-use super::{Controller, Event, Phase};
-use crate::controller::axes::Owner;
+use super::lookahead_state::MoveRefusal;
+use super::run::{Activity, PlannedMove, ProgramRun, ProgrammedFeed, QueueItem, QueuedAction};
+use super::{ControlEvent, ControlPhase, Controller};
+use crate::controller::axes::AxisOwner;
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::defs::text::Text;
-use crate::motion::Shape;
+use crate::motion::MoveShape;
 use crate::nc::AxisSet;
 use crate::units::{Axis, PerAxis};
 
 /// State of a manual intervention.
 #[derive(Clone, Copy, Debug)]
-pub struct Parted {
+pub struct ManualIntervention {
     /// Set-points when it began, machine mm.
-    at: PerAxis<f64>,
+    start: PerAxis<f64>,
     /// The axis that the hold has withdrawn, and the distance, mm.
     withdrawn: Option<(Axis, f64)>,
 }
@@ -40,118 +40,119 @@ const MOVED_MM: f64 = 1e-9;
 
 impl Controller {
     /// Whether manual motion is allowed: nothing runs, or the run is held or stopped.
-    pub(super) const fn is_free_for_hand(&self) -> bool {
-        matches!(self.phase, Phase::Idle | Phase::Held | Phase::Stopped)
+    pub(super) const fn allows_manual_motion(&self) -> bool {
+        matches!(self.phase, ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped)
     }
 
     /// Hands the axes over to manual motion; pending moves go back to the run. False while the axes still move.
-    pub(super) fn part_from_run(&mut self) -> bool {
-        if self.axes.owner() == Owner::Hand {
+    pub(super) fn detach_from_run(&mut self) -> bool {
+        if self.axes.owner() == AxisOwner::Manual {
             return true;
         }
-        if !self.axes.path.is_at_rest() {
+        if !self.axes.planner.is_at_rest() {
             return false;
         }
         if let Some(mut run) = self.run.take() {
             self.take_back_moves(&mut run);
-            if matches!(run.doing, Doing::Skipping { .. }) {
-                run.doing = Doing::Nothing; // the skip move starts again from the new position
+            if matches!(run.activity, Activity::Skipping { .. }) {
+                run.activity = Activity::Idle; // the skip move starts again from the new position
             }
-            run.gauging = None;
-            run.parted = Some(Parted { at: self.axes.program_set(), withdrawn: None });
+            run.gauge_cycle = None;
+            run.intervention = Some(ManualIntervention { start: self.axes.program_set_point(), withdrawn: None });
             self.run = Some(run);
         }
-        self.axes.give_to_hand();
+        self.axes.switch_to_manual();
         true
     }
 
     /// K5.18: a hold while the wheel grinds withdraws it by P90, mm.
     pub(super) fn withdraw_wheel(&mut self) {
-        let distance = self.params.get(param::HOLD_WITHDRAW);
+        let distance = self.params.get(param::HOLD_RETRACT_DISTANCE);
         let grinds = self.output_set.has(Output::Wheel) && self.run.as_ref().is_some_and(|run| run.is_in_contact());
-        if distance <= 0.0 || !grinds || !self.part_from_run() {
+        if distance <= 0.0 || !grinds || !self.detach_from_run() {
             return;
         }
-        let axis = self.row.slow_axis;
-        self.hand.nudge(axis, distance, &self.axes, &self.params);
-        if let Some(Parted { withdrawn, .. }) = self.run.as_mut().and_then(|run| run.parted.as_mut()) {
+        let axis = self.kind_row.wheel_axis;
+        self.jog.move_by(axis, distance, &self.axes, &self.params);
+        if let Some(ManualIntervention { withdrawn, .. }) = self.run.as_mut().and_then(|run| run.intervention.as_mut())
+        {
             *withdrawn = Some((axis, distance));
         }
     }
 
     /// Hands the axes back to the run: they come to rest, then the jogged distance is applied to the run.
     /// False: not finished, or a shifted block would violate a soft limit; the run is then held again with a message.
-    pub(super) fn join_axes(&mut self, run: &mut Run) -> bool {
-        if self.axes.owner() == Owner::Path {
+    pub(super) fn return_axes_to_run(&mut self, run: &mut ProgramRun) -> bool {
+        if self.axes.owner() == AxisOwner::Program {
             return true;
         }
-        self.hand.let_go();
+        self.jog.stop_all();
         for axis in Axis::ALL {
             self.axes.movers[axis].stop();
         }
         if !self.axes.is_at_rest() {
             return false;
         }
-        match run.parted {
+        match run.intervention {
             Some(parted) => {
-                if let Err(forbidden) = run.rejoin(parted, self.axes.program_set(), &self.params) {
-                    let said = self.forbidden(&forbidden);
+                if let Err(forbidden) = run.shift_by_intervention(parted, self.axes.program_set_point(), &self.params) {
+                    let said = self.refusal_text(&forbidden);
                     self.refuse(said);
-                    self.happen(Event::Hold);
+                    self.transition(ControlEvent::Hold);
                     return false;
                 }
             }
             // A restarted run already has its approach moves.
-            None if !run.items.is_empty() => {}
-            None => run.planned.machine = self.axes.program_set(),
+            None if !run.queue.is_empty() => {}
+            None => run.lookahead.machine_position = self.axes.program_set_point(),
         }
-        self.axes.give_to_path();
-        self.axes.path.resume();
+        self.axes.switch_to_program();
+        self.axes.planner.resume();
         true
     }
 
     /// A pause begins: records wheel and workpiece drive. What was running must run again before the run continues.
-    pub(super) fn remember_what_turns(&mut self) {
-        let turned = self.what_turns();
+    pub(super) fn record_running_spindles(&mut self) {
+        let turned = self.running_spindles();
         if let Some(run) = &mut self.run {
-            run.turned = turned;
+            run.spindles_before_pause = turned;
         }
     }
 
-    pub(super) fn what_turns(&self) -> [bool; 2] {
+    pub(super) fn running_spindles(&self) -> [bool; 2] {
         let part = self.machine.drive_is_on() || self.machine.spindle_direction().is_some();
         [self.output_set.has(Output::Wheel), part]
     }
 
     /// The wheel or drive that was stopped in the pause and must be started before cycle start.
-    pub(super) fn stopped_in_pause(&self) -> Option<Text> {
-        let run = self.run.as_ref().filter(|_| !self.switches.dry_run && !self.switches.mst_lock)?;
-        let [wheel, drive] = self.what_turns();
+    pub(super) fn spindle_stopped_in_pause(&self) -> Option<Text> {
+        let run = self.run.as_ref().filter(|_| !self.switches.dry_run && !self.switches.aux_function_lock)?;
+        let [wheel, drive] = self.running_spindles();
         // The M code at the front is requested again.
         let asked = run.front_request();
-        if run.turned[0] && !wheel && asked != Some(Request::WheelStart) {
+        if run.spindles_before_pause[0] && !wheel && asked != Some(Request::WheelStart) {
             return Some(WHEEL_STOPPED);
         }
-        let again = matches!(asked, Some(Request::DriveHigh | Request::DriveLow | Request::SpindleStart(_)));
-        (run.turned[1] && !drive && !again).then_some(DRIVE_STOPPED)
+        let again = matches!(asked, Some(Request::WorkDriveHigh | Request::WorkDriveLow | Request::SpindleStart(_)));
+        (run.spindles_before_pause[1] && !drive && !again).then_some(DRIVE_STOPPED)
     }
 
     /// Cycle start after a hold.
     pub(super) fn resume_run(&mut self) {
         if let Some(run) = &mut self.run
-            && run.doing == Doing::Settling
+            && run.activity == Activity::Settling
             && !run.is_pulsing()
         {
-            run.doing = Doing::Nothing; // a key may have switched the unit in the hold: request it again
+            run.activity = Activity::Idle; // a key may have switched the unit in the hold: request it again
         }
-        if self.axes.owner() == Owner::Path {
-            self.axes.path.resume();
+        if self.axes.owner() == AxisOwner::Program {
+            self.axes.planner.resume();
         }
-        self.happen(Event::Start);
+        self.transition(ControlEvent::Start);
     }
 }
 
-impl Run {
+impl ProgramRun {
     /// M20 is at the front: a second request would pulse twice.
     fn is_pulsing(&self) -> bool {
         matches!(self.front_request(), Some(Request::Pulse(..)))
@@ -159,66 +160,79 @@ impl Run {
 
     /// The machine request of the M code at the front.
     fn front_request(&self) -> Option<Request> {
-        let Some(Item::Do(Act::Machine(call))) = self.items.front() else { return None };
+        let Some(QueueItem::Action(QueuedAction::MCode(call))) = self.queue.front() else { return None };
         call.request()
     }
 
     /// The present block is a feed move or a dwell: the wheel may touch the part.
     fn is_in_contact(&self) -> bool {
-        match self.items.front() {
-            Some(Item::Move(planned)) => planned.speed != Speed::Rapid,
-            Some(Item::Begin(_) | Item::End | Item::Do(_)) | None => matches!(self.doing, Doing::Dwell { .. }),
+        match self.queue.front() {
+            Some(QueueItem::Move(planned)) => planned.speed != ProgrammedFeed::Rapid,
+            Some(QueueItem::BlockStart(_) | QueueItem::BlockEnd | QueueItem::Action(_)) | None => {
+                matches!(self.activity, Activity::Dwell { .. })
+            }
         }
     }
 
     /// Continues the run from the present axis positions. On an error nothing is changed.
-    fn rejoin(&mut self, parted: Parted, now: PerAxis<f64>, params: &Params) -> Result<(), Forbidden> {
-        let mut shift = PerAxis::from_fn(|axis| now[axis] - parted.at[axis]);
+    fn shift_by_intervention(
+        &mut self,
+        parted: ManualIntervention,
+        now: PerAxis<f64>,
+        params: &Params,
+    ) -> Result<(), MoveRefusal> {
+        let mut shift = PerAxis::from_fn(|axis| now[axis] - parted.start[axis]);
         if let Some((axis, distance)) = parted.withdrawn {
             shift[axis] -= distance;
         }
-        let begin = PerAxis::from_fn(|axis| parted.at[axis] + shift[axis]);
-        let mut items = self.items.clone();
-        let back = self.way_back(parted, begin, &shift, params);
+        let begin = PerAxis::from_fn(|axis| parted.start[axis] + shift[axis]);
+        let mut items = self.queue.clone();
+        let back = self.return_moves(parted, begin, &shift, params);
         let mut from = begin;
         for item in &mut items {
-            if let Item::Do(Act::Thread(thread)) = item {
+            if let QueueItem::Action(QueuedAction::Thread(thread)) = item {
                 // A thread is programmed incrementally.
-                thread.shift(&shift);
-                from = thread.to;
+                thread.shift_by(&shift);
+                from = thread.run_out_end;
             }
-            if let Some(planned) = item.planned_mut() {
+            if let Some(planned) = item.move_mut() {
                 planned.shift(&mut shift);
-                planned.check(from, params)?;
+                planned.check_soft_limits(from, params)?;
                 from = planned.to;
             }
         }
         for planned in back.into_iter().rev() {
-            items.push_front(Item::Move(planned));
+            items.push_front(QueueItem::Move(planned));
         }
-        self.items = items;
-        self.planned.machine = PerAxis::from_fn(|axis| self.planned.machine[axis] + shift[axis]);
-        self.parted = None;
+        self.queue = items;
+        self.lookahead.machine_position = PerAxis::from_fn(|axis| self.lookahead.machine_position[axis] + shift[axis]);
+        self.intervention = None;
         Ok(())
     }
 
     /// Moves inserted before the rest of the block: return of the withdrawn wheel, and return to the arc that was left.
-    fn way_back(&self, parted: Parted, begin: PerAxis<f64>, shift: &PerAxis<f64>, params: &Params) -> Vec<PlannedMove> {
+    fn return_moves(
+        &self,
+        parted: ManualIntervention,
+        begin: PerAxis<f64>,
+        shift: &PerAxis<f64>,
+        params: &Params,
+    ) -> Vec<PlannedMove> {
         let mut back = Vec::new();
-        let speed = Speed::PerMinute(params.get(param::WHEEL_ON_SPEED));
-        let straight = |to| PlannedMove::new(to, Shape::Line, speed, (AxisSet::NONE, AxisSet::NONE));
+        let speed = ProgrammedFeed::PerMinute(params.get(param::WHEEL_ON_INFEED_SPEED));
+        let straight = |to| PlannedMove::new(to, MoveShape::Line, speed, (AxisSet::NONE, AxisSet::NONE));
         if parted.withdrawn.is_some() {
             back.push(straight(begin));
         }
-        if let Some(Item::Move(next)) = self.items.front()
-            && let Shape::Arc { plane, .. } = next.shape
+        if let Some(QueueItem::Move(next)) = self.queue.front()
+            && let MoveShape::Arc { plane, .. } = next.shape
         {
             let (first, second, _) = plane.axes();
             let mut start = begin;
-            for axis in [first, second].into_iter().filter(|axis| !next.follows_hand(*axis)) {
-                start[axis] = parted.at[axis];
+            for axis in [first, second].into_iter().filter(|axis| !next.follows_manual_shift(*axis)) {
+                start[axis] = parted.start[axis];
             }
-            let moved = |axis: Axis| shift[axis].abs() > MOVED_MM && !next.follows_hand(axis);
+            let moved = |axis: Axis| shift[axis].abs() > MOVED_MM && !next.follows_manual_shift(axis);
             if moved(first) || moved(second) {
                 back.push(straight(start));
             }
@@ -227,29 +241,29 @@ impl Run {
     }
 }
 
-impl Item {
+impl QueueItem {
     /// The move of an item, if it has one.
-    fn planned_mut(&mut self) -> Option<&mut PlannedMove> {
+    fn move_mut(&mut self) -> Option<&mut PlannedMove> {
         match self {
             Self::Move(planned) => Some(planned),
-            Self::Do(Act::Skip(planned, _)) => Some(planned),
-            Self::Begin(_) | Self::End | Self::Do(_) => None,
+            Self::Action(QueuedAction::Skip(planned, _)) => Some(planned),
+            Self::BlockStart(_) | Self::BlockEnd | Self::Action(_) => None,
         }
     }
 }
 
 impl PlannedMove {
     /// Whether an axis follows the shift: the block programs it incrementally or not at all.
-    fn follows_hand(&self, axis: Axis) -> bool {
-        !self.words.contains(axis) || self.incremental.contains(axis)
+    fn follows_manual_shift(&self, axis: Axis) -> bool {
+        !self.named_axes.contains(axis) || self.incremental_axes.contains(axis)
     }
 
     /// Shifts the move. An axis that it programs absolutely ends the shift of that axis.
     fn shift(&mut self, shift: &mut PerAxis<f64>) {
         for axis in Axis::ALL {
-            if self.follows_hand(axis) {
+            if self.follows_manual_shift(axis) {
                 self.to[axis] += shift[axis];
-                if let Shape::Arc { center, .. } = &mut self.shape {
+                if let MoveShape::Arc { center, .. } = &mut self.shape {
                     center[axis] += shift[axis];
                 }
             } else {
@@ -262,7 +276,7 @@ impl PlannedMove {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::{Plane, Turn};
+    use crate::motion::{ArcDirection, MotionPlane};
 
     fn line(to: [f64; 3], words: &[Axis], incremental: &[Axis]) -> PlannedMove {
         let set = |axes: &[Axis]| {
@@ -270,7 +284,7 @@ mod tests {
             axes.iter().for_each(|axis| set.insert(*axis));
             set
         };
-        PlannedMove::new(PerAxis(to), Shape::Line, Speed::Rapid, (set(words), set(incremental)))
+        PlannedMove::new(PerAxis(to), MoveShape::Line, ProgrammedFeed::Rapid, (set(words), set(incremental)))
     }
 
     #[test]
@@ -291,9 +305,13 @@ mod tests {
     fn k6_3_the_centre_of_an_incremental_arc_goes_with_it() {
         let mut shift = PerAxis([-0.05, 0.0, 0.0]);
         let mut arc = line([0.0, 0.0, 10.0], &[Axis::X, Axis::Z], &[Axis::X, Axis::Z]);
-        arc.shape = Shape::Arc { center: PerAxis([5.0, 0.0, 5.0]), plane: Plane::Zx, turn: Turn::Cw };
+        arc.shape =
+            MoveShape::Arc { center: PerAxis([5.0, 0.0, 5.0]), plane: MotionPlane::Zx, direction: ArcDirection::Cw };
         arc.shift(&mut shift);
         assert_eq!(arc.to, PerAxis([-0.05, 0.0, 10.0]));
-        assert_eq!(arc.shape, Shape::Arc { center: PerAxis([4.95, 0.0, 5.0]), plane: Plane::Zx, turn: Turn::Cw });
+        assert_eq!(
+            arc.shape,
+            MoveShape::Arc { center: PerAxis([4.95, 0.0, 5.0]), plane: MotionPlane::Zx, direction: ArcDirection::Cw }
+        );
     }
 }

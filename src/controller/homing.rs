@@ -18,7 +18,7 @@ pub struct HomingPlan {
     /// Machine coordinate of the switch.
     pub coordinate: f64,
     /// The switch is a cam: homing passes it and returns onto its far edge at the slow speed (L6).
-    pub past: bool,
+    pub over_switch: bool,
     /// In-position width at the zero point.
     pub width_mm: f64,
 }
@@ -27,7 +27,7 @@ pub struct HomingPlan {
 const BACK_OFF_FACTOR: f64 = 10.0;
 
 /// Maximum travel of the slow stages to leave or reach the switch, mm; a cam is far shorter.
-const SLOW_WAY_MM: f64 = 50.0;
+const MAX_SLOW_TRAVEL_MM: f64 = 50.0;
 
 /// Maximum ticks at rest at the zero point without being in position.
 const SETTLE_TICKS: u32 = 5_000;
@@ -37,18 +37,18 @@ const BOUNCE_TICKS: u32 = 20;
 
 /// Step of the homing sequence of one axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Step {
+enum HomingStep {
     Begin,
     SeekFast {
         from: f64,
     },
     StopFast,
     /// L6: slowly across the cam.
-    Past {
+    OverSwitch {
         from: f64,
     },
     /// L6: stopping beyond the far side of the cam.
-    StopPast,
+    StopOverSwitch,
     BackOff {
         from: f64,
     },
@@ -66,18 +66,18 @@ enum Step {
 
 /// Why homing failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Failure {
+pub enum HomingFailure {
     /// The switch was not reached or not left within the maximum travel.
     NoSwitch,
     /// The axis is at rest but not at its zero point.
-    NoZero,
+    NotAtZero,
 }
 
 /// Result of one tick of homing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Progress {
+pub enum HomingProgress {
     /// In progress.
-    Going,
+    Running,
     /// The axis is at rest and its zero must be set.
     SetZero {
         /// Machine coordinate of the edge before the zero is set.
@@ -86,7 +86,7 @@ pub enum Progress {
     /// The axis is at its zero point.
     Done,
     /// Homing failed.
-    Failed(Failure),
+    Failed(HomingFailure),
 }
 
 /// The homing of one axis.
@@ -95,131 +95,133 @@ pub struct AxisHoming {
     /// The axis.
     pub axis: Axis,
     plan: HomingPlan,
-    step: Step,
+    step: HomingStep,
     /// Position at the first unfiltered edge of the switch; edges shortly after it are bounce.
-    edge: Option<f64>,
+    latched_edge: Option<f64>,
     /// Ticks for which the switch has been off without interruption.
-    quiet: u32,
+    ticks_off: u32,
 }
 
 impl AxisHoming {
     /// Begins with the next tick.
     #[must_use]
     pub const fn new(axis: Axis, plan: HomingPlan) -> Self {
-        Self { axis, plan, step: Step::Begin, edge: None, quiet: 0 }
+        Self { axis, plan, step: HomingStep::Begin, latched_edge: None, ticks_off: 0 }
     }
 
     /// Latches the first closing of the contact; bounce after it is ignored. If the switch is off for longer than a
     /// contact can bounce, the edge was a disturbance and is discarded.
-    fn note_edge(&mut self, raw: bool, at: f64) {
+    fn latch_edge(&mut self, raw: bool, at: f64) {
         if raw {
-            self.quiet = 0;
-            self.edge.get_or_insert(at);
+            self.ticks_off = 0;
+            self.latched_edge.get_or_insert(at);
         } else {
-            self.quiet += 1;
-            if self.quiet > BOUNCE_TICKS {
-                self.edge = None;
+            self.ticks_off += 1;
+            if self.ticks_off > BOUNCE_TICKS {
+                self.latched_edge = None;
             }
         }
     }
 
     /// The steps for a cam switch (L6): fast approach, slowly off its far side, slowly back onto it.
-    fn step_past(&self, mover: &mut AxisMover, switch: bool, at: f64) -> Option<Step> {
-        let HomingPlan { direction, slow_mm_s, past, .. } = self.plan;
+    fn step_over_switch(&self, mover: &mut AxisMover, switch: bool, at: f64) -> Option<HomingStep> {
+        let HomingPlan { direction, slow_mm_s, over_switch: past, .. } = self.plan;
         match self.step {
-            Step::Begin | Step::SeekFast { .. } if switch && past => {
-                mover.velocity_target(direction * slow_mm_s);
-                Some(Step::Past { from: at })
+            HomingStep::Begin | HomingStep::SeekFast { .. } if switch && past => {
+                mover.set_velocity_target(direction * slow_mm_s);
+                Some(HomingStep::OverSwitch { from: at })
             }
-            Step::Past { .. } if !switch => {
+            HomingStep::OverSwitch { .. } if !switch => {
                 mover.stop();
-                Some(Step::StopPast)
+                Some(HomingStep::StopOverSwitch)
             }
-            Step::StopPast if mover.is_at_rest() => {
-                mover.velocity_target(-direction * slow_mm_s);
-                Some(Step::SeekSlow { from: at })
+            HomingStep::StopOverSwitch if mover.is_at_rest() => {
+                mover.set_velocity_target(-direction * slow_mm_s);
+                Some(HomingStep::SeekSlow { from: at })
             }
             _ => None,
         }
     }
 
     /// Moves to the zero point until the axis is in position there.
-    fn settle_at_zero(&mut self, mover: &mut AxisMover, at: f64, stood: u32) -> Progress {
+    fn settle_at_zero(&mut self, mover: &mut AxisMover, at: f64, stood: u32) -> HomingProgress {
         let HomingPlan { coordinate, slow_mm_s, width_mm, .. } = self.plan;
-        mover.position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
+        mover.set_position_target(coordinate, slow_mm_s * BACK_OFF_FACTOR);
         let rest = mover.is_at_rest();
         let stood = if rest { stood + 1 } else { 0 };
-        self.step = Step::ToZero { stood };
+        self.step = HomingStep::ToZero { stood };
         if rest && (at - coordinate).abs() <= width_mm {
-            Progress::Done
+            HomingProgress::Done
         } else if stood > SETTLE_TICKS {
-            Progress::Failed(Failure::NoZero)
+            HomingProgress::Failed(HomingFailure::NotAtZero)
         } else {
-            Progress::Going
+            HomingProgress::Running
         }
     }
 
     /// One tick. `raw` is the switch before the filter, `at` the axis position from the encoder.
-    pub fn tick(&mut self, mover: &mut AxisMover, switch: bool, raw: bool, at: f64) -> Progress {
-        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, past, .. } = self.plan;
+    pub fn tick(&mut self, mover: &mut AxisMover, switch: bool, raw: bool, at: f64) -> HomingProgress {
+        let HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, over_switch: past, .. } = self.plan;
         let rest = mover.is_at_rest();
-        self.note_edge(raw, at);
-        if let Some(step) = self.step_past(mover, switch, at).filter(|_| past) {
+        self.latch_edge(raw, at);
+        if let Some(step) = self.step_over_switch(mover, switch, at).filter(|_| past) {
             self.step = step;
-            return Progress::Going;
+            return HomingProgress::Running;
         }
         let too_far = |from: f64, most_mm: f64| (at - from).abs() > most_mm;
         self.step = match self.step {
-            Step::Begin if switch => {
-                mover.velocity_target(-direction * slow_mm_s * BACK_OFF_FACTOR);
-                Step::BackOff { from: at }
+            HomingStep::Begin if switch => {
+                mover.set_velocity_target(-direction * slow_mm_s * BACK_OFF_FACTOR);
+                HomingStep::BackOff { from: at }
             }
-            Step::Begin => {
-                mover.velocity_target(direction * fast_mm_s);
-                Step::SeekFast { from: at }
+            HomingStep::Begin => {
+                mover.set_velocity_target(direction * fast_mm_s);
+                HomingStep::SeekFast { from: at }
             }
-            Step::SeekFast { .. } if switch => {
+            HomingStep::SeekFast { .. } if switch => {
                 mover.stop();
-                Step::StopFast
+                HomingStep::StopFast
             }
-            Step::StopFast if rest => {
-                mover.velocity_target(-direction * slow_mm_s * BACK_OFF_FACTOR);
-                Step::BackOff { from: at }
+            HomingStep::StopFast if rest => {
+                mover.set_velocity_target(-direction * slow_mm_s * BACK_OFF_FACTOR);
+                HomingStep::BackOff { from: at }
             }
-            Step::BackOff { .. } if !switch => {
+            HomingStep::BackOff { .. } if !switch => {
                 mover.stop();
-                Step::StopBackOff
+                HomingStep::StopBackOff
             }
-            Step::StopBackOff if rest => {
-                mover.velocity_target(direction * slow_mm_s);
-                Step::SeekSlow { from: at }
+            HomingStep::StopBackOff if rest => {
+                mover.set_velocity_target(direction * slow_mm_s);
+                HomingStep::SeekSlow { from: at }
             }
-            Step::SeekSlow { .. } if switch => {
+            HomingStep::SeekSlow { .. } if switch => {
                 mover.stop();
-                Step::StopSlow { edge: self.edge.unwrap_or(at) }
+                HomingStep::StopSlow { edge: self.latched_edge.unwrap_or(at) }
             }
-            Step::StopSlow { edge } if rest => {
-                self.step = Step::ToZero { stood: 0 };
-                return Progress::SetZero { edge };
+            HomingStep::StopSlow { edge } if rest => {
+                self.step = HomingStep::ToZero { stood: 0 };
+                return HomingProgress::SetZero { edge };
             }
-            Step::ToZero { stood } => return self.settle_at_zero(mover, at, stood),
-            Step::SeekFast { from } | Step::BackOff { from } if too_far(from, travel_mm) => {
+            HomingStep::ToZero { stood } => return self.settle_at_zero(mover, at, stood),
+            HomingStep::SeekFast { from } | HomingStep::BackOff { from } if too_far(from, travel_mm) => {
                 mover.stop();
-                return Progress::Failed(Failure::NoSwitch);
+                return HomingProgress::Failed(HomingFailure::NoSwitch);
             }
-            Step::SeekSlow { from } | Step::Past { from } if too_far(from, travel_mm.min(SLOW_WAY_MM)) => {
+            HomingStep::SeekSlow { from } | HomingStep::OverSwitch { from }
+                if too_far(from, travel_mm.min(MAX_SLOW_TRAVEL_MM)) =>
+            {
                 mover.stop();
-                return Progress::Failed(Failure::NoSwitch);
+                return HomingProgress::Failed(HomingFailure::NoSwitch);
             }
-            step @ (Step::SeekFast { .. }
-            | Step::StopFast
-            | Step::Past { .. }
-            | Step::StopPast
-            | Step::BackOff { .. }
-            | Step::StopBackOff
-            | Step::SeekSlow { .. }
-            | Step::StopSlow { .. }) => step,
+            step @ (HomingStep::SeekFast { .. }
+            | HomingStep::StopFast
+            | HomingStep::OverSwitch { .. }
+            | HomingStep::StopOverSwitch
+            | HomingStep::BackOff { .. }
+            | HomingStep::StopBackOff
+            | HomingStep::SeekSlow { .. }
+            | HomingStep::StopSlow { .. }) => step,
         };
-        Progress::Going
+        HomingProgress::Running
     }
 }

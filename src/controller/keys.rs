@@ -1,67 +1,74 @@
 //! Panel keys: what a press does, or why it has no effect.
 //! Source: spec K2, K2.2, K2.4.
 
-use super::{Controller, Phase, retract};
+use super::{ControlPhase, Controller, retract};
 use crate::defs::alarm;
-use crate::defs::key::{Group, Key, Mode};
+use crate::defs::key::{Key, KeyGroup, Mode};
 use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::signal::Input;
-use crate::defs::text::{Said, Text};
-use crate::machine::{Answer, press};
+use crate::defs::text::{LocalizedText, Text};
+use crate::machine::{RequestResult, panel_key};
 use crate::units::Axis;
 
 /// Override limits and step, percent.
-const FEED_OVERRIDE_MOST: u16 = 150;
+const FEED_OVERRIDE_MAX: u16 = 150;
 const SPINDLE_OVERRIDE: std::ops::RangeInclusive<u16> = 50..=120;
 const OVERRIDE_STEP: u16 = 10;
 
 impl Controller {
     /// Why a key would have no effect now, if so.
-    pub(super) fn blocked(&self, key: Key) -> Option<Text> {
-        if let Some(reason) = press::dead(key, self.kind, self.axes.fitted(), self.phase.bare()) {
+    pub(super) fn key_blocked(&self, key: Key) -> Option<Text> {
+        if let Some(reason) =
+            panel_key::inactive_reason(key, self.kind, self.axes.fitted(), self.phase.without_homing())
+        {
             return Some(reason);
         }
         if key == Key::WheelRetract && !self.params.bit(param::WHEEL_RETRACT) {
             return Some(retract::DISABLED);
         }
-        let request = press::request(key, self.mode, self.output_set)?;
-        self.machine.forbidding(request, self.now, self.inputs, &self.params).map(|rule| rule.reason)
+        let request = panel_key::machine_request(key, self.mode, self.output_set)?;
+        self.machine.blocking_rule(request, self.now, self.inputs, &self.params).map(|rule| rule.reason)
     }
 
     /// K2.4: executes a key press, or shows why it has no effect.
-    pub(super) fn press(&mut self, key: Key) {
-        if let Some(reason) = press::dead(key, self.kind, self.axes.fitted(), self.phase.bare()) {
+    pub(super) fn press_key(&mut self, key: Key) {
+        if let Some(reason) =
+            panel_key::inactive_reason(key, self.kind, self.axes.fitted(), self.phase.without_homing())
+        {
             return self.refuse(reason);
         }
-        let already = chooses(key) && self.key_view(key).lamp;
-        self.act_on(key);
+        let already = selects_state(key) && self.key_view(key).lamp;
+        self.handle_key(key);
         if already && self.message.since != self.now {
-            let name = key.name_on(self.kind);
-            self.say(Said::new(format!("{}：已是此状态", name.zh), format!("{}: it is so already", name.en)));
+            let name = key.label_on(self.kind);
+            self.show_note(LocalizedText::new(
+                format!("{}：已是此状态", name.zh),
+                format!("{}: it is so already", name.en),
+            ));
         }
     }
 
-    fn act_on(&mut self, key: Key) {
+    fn handle_key(&mut self, key: Key) {
         match key {
-            Key::ModeEdit => self.choose(Mode::Edit),
-            Key::ModeAuto => self.choose(Mode::Auto),
-            Key::ModeMdi => self.choose(Mode::Mdi),
-            Key::ModeHome => self.choose(Mode::Home),
-            Key::ModeHandwheel => self.choose(Mode::Handwheel),
-            Key::ModeStep => self.choose(Mode::Step),
-            Key::ModeManual => self.choose(Mode::Manual),
-            Key::SingleBlock => self.switch_single_block(),
+            Key::ModeEdit => self.select_mode(Mode::Edit),
+            Key::ModeAuto => self.select_mode(Mode::Auto),
+            Key::ModeMdi => self.select_mode(Mode::Mdi),
+            Key::ModeHome => self.select_mode(Mode::Home),
+            Key::ModeHandwheel => self.select_mode(Mode::Handwheel),
+            Key::ModeStep => self.select_mode(Mode::Step),
+            Key::ModeManual => self.select_mode(Mode::Manual),
+            Key::SingleBlock => self.toggle_single_block(),
             Key::BlockSkip => self.switches.block_skip = !self.switches.block_skip,
             Key::OptionalStop => self.switches.optional_stop = !self.switches.optional_stop,
-            Key::MachineLock => self.switch_machine_lock(),
-            Key::MstLock => self.switch_mst_lock(),
-            Key::DryRun => self.switch_dry_run(),
+            Key::MachineLock => self.toggle_machine_lock(),
+            Key::AuxFunctionLock => self.toggle_aux_function_lock(),
+            Key::DryRun => self.toggle_dry_run(),
             Key::CycleStart => self.cycle_start(),
             Key::FeedHold => self.feed_hold(),
             Key::Reset => {
                 self.reset();
-                self.say(Said::new("已复位", "reset"));
+                self.show_note(LocalizedText::new("已复位", "reset"));
             }
             Key::EmergencyStop => {
                 self.soft_e_stop = !self.soft_e_stop;
@@ -69,16 +76,16 @@ impl Controller {
                     self.inputs.set(Input::EmergencyStop, true); // in this very tick
                 }
             }
-            Key::Rapid => self.hand.rapid = !self.hand.rapid,
-            Key::HandwheelX => self.hand.axis = Axis::X,
-            Key::HandwheelY => self.hand.axis = Axis::Y,
-            Key::HandwheelZ => self.hand.axis = Axis::Z,
-            Key::Step0001 => self.hand.step_mm = 0.001,
-            Key::Step001 => self.hand.step_mm = 0.01,
-            Key::Step01 => self.hand.step_mm = 0.1,
+            Key::Rapid => self.jog.rapid = !self.jog.rapid,
+            Key::HandwheelX => self.jog.axis = Axis::X,
+            Key::HandwheelY => self.jog.axis = Axis::Y,
+            Key::HandwheelZ => self.jog.axis = Axis::Z,
+            Key::Step0001 => self.jog.step_mm = 0.001,
+            Key::Step001 => self.jog.step_mm = 0.01,
+            Key::Step01 => self.jog.step_mm = 0.1,
             Key::XPlus | Key::XMinus | Key::YPlus | Key::YMinus | Key::ZPlus | Key::ZMinus => self.axis_key(key),
-            Key::Oscillation => self.switch_oscillation(),
-            Key::DressReturn => self.switch_dress_return(),
+            Key::Oscillation => self.toggle_oscillation(),
+            Key::DressReturn => self.toggle_dress_return(),
             Key::WheelRetract => self.press_retract(),
             Key::AddressX => self.ask_dress_point(Axis::X),
             Key::AddressY => self.ask_dress_point(Axis::Y),
@@ -90,7 +97,7 @@ impl Controller {
             Key::F3 => self.press_soft_key(2),
             Key::F4 => self.press_soft_key(3),
             Key::F5 => self.press_soft_key(4),
-            Key::NextRow => self.turn_soft_row(self.pages.soft_row + 1),
+            Key::NextRow => self.show_soft_row(self.pages.soft_row + 1),
             _ => self.press_override(key),
         }
     }
@@ -104,13 +111,16 @@ impl Controller {
             Key::SpindleOverrideUp | Key::SpindleOverrideDown if before == now => now.1,
             _ => return,
         };
-        self.say(Said::new(format!("倍率已到 {at} %"), format!("the override stands at its end, {at} %")));
+        self.show_note(LocalizedText::new(
+            format!("倍率已到 {at} %"),
+            format!("the override stands at its end, {at} %"),
+        ));
     }
 
     fn set_override(&mut self, key: Key) {
         let overrides = &mut self.overrides;
         match key {
-            Key::FeedOverrideUp => overrides.feed = (overrides.feed + OVERRIDE_STEP).min(FEED_OVERRIDE_MOST),
+            Key::FeedOverrideUp => overrides.feed = (overrides.feed + OVERRIDE_STEP).min(FEED_OVERRIDE_MAX),
             Key::FeedOverrideDown => overrides.feed = overrides.feed.saturating_sub(OVERRIDE_STEP),
             Key::RapidF0 => overrides.rapid = 0,
             Key::Rapid25 => overrides.rapid = 25,
@@ -123,28 +133,30 @@ impl Controller {
                 overrides.spindle = (overrides.spindle - OVERRIDE_STEP).max(*SPINDLE_OVERRIDE.start());
             }
             key => {
-                if let Some(request) = press::request(key, self.mode, self.output_set) {
-                    self.ask(request);
+                if let Some(request) = panel_key::machine_request(key, self.mode, self.output_set) {
+                    self.request(request);
                 }
             }
         }
     }
 
     /// Sends a request to the machine logic and shows a refusal.
-    pub(super) fn ask(&mut self, request: Request) -> Answer {
-        self.machine.inform(self.around());
-        let answer = self.machine.ask(request, self.now, self.inputs, &self.params);
+    pub(super) fn request(&mut self, request: Request) -> RequestResult {
+        self.machine.set_control_state(self.control_state());
+        let answer = self.machine.request(request, self.now, self.inputs, &self.params);
         match answer {
-            Answer::Taken if matches!(request, Request::DriveHigh | Request::DriveLow | Request::DriveStop) => {
+            RequestResult::Accepted
+                if matches!(request, Request::WorkDriveHigh | Request::WorkDriveLow | Request::WorkDriveStop) =>
+            {
                 self.analog_2_rpm = 0.0;
             }
-            Answer::Taken => {}
-            Answer::NoEffect(reason) | Answer::Denied(reason) => self.refuse(reason),
-            Answer::Refused(number, reason) => {
-                let reason = self.machine.reason(reason, request, &self.params);
+            RequestResult::Accepted => {}
+            RequestResult::NoEffect(reason) | RequestResult::Denied(reason) => self.refuse(reason),
+            RequestResult::Alarm(number, reason) => {
+                let reason = self.machine.reason_text(reason, request, &self.params);
                 self.refuse(reason.clone());
                 // Alarm 180 is raised by the supervision, which also clears it (K3.7).
-                if number != alarm::HYDRAULIC {
+                if number != alarm::HYDRAULIC_PRESSURE {
                     self.raise(number, Some(reason));
                 }
             }
@@ -152,26 +164,26 @@ impl Controller {
         answer
     }
 
-    fn choose(&mut self, mode: Mode) {
+    fn select_mode(&mut self, mode: Mode) {
         // K2.2, K6.3: a held run survives a mode change; cycle start resumes it from any mode.
-        if !matches!(self.phase, Phase::Idle | Phase::Held | Phase::Stopped) && mode != self.mode {
-            return self.refuse(Said::new("轴还在运动，不能换方式", "the axes still move: no change of mode"));
+        if !matches!(self.phase, ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped) && mode != self.mode {
+            return self.refuse(LocalizedText::new("轴还在运动，不能换方式", "the axes still move: no change of mode"));
         }
-        self.hand.let_go();
-        self.drop_mdi();
+        self.jog.stop_all();
+        self.discard_mdi();
         if mode != self.mode {
             self.restart = None;
-            self.dress.let_go();
+            self.dressing.cancel();
         }
         self.mode = mode;
     }
 }
 
 /// Keys that select a state, in contrast to toggle keys: pressed again they change nothing.
-const fn chooses(key: Key) -> bool {
+const fn selects_state(key: Key) -> bool {
     match key.row().group {
-        Group::Mode | Group::Handwheel | Group::Override => true,
-        Group::Wheel | Group::Workpiece | Group::Clamping => matches!(
+        KeyGroup::Mode | KeyGroup::Handwheel | KeyGroup::Override => true,
+        KeyGroup::Wheel | KeyGroup::Workpiece | KeyGroup::Clamping => matches!(
             key,
             Key::WheelStart
                 | Key::WheelStop
@@ -184,8 +196,12 @@ const fn chooses(key: Key) -> bool {
                 | Key::TailstockAdvance
                 | Key::TailstockRetract
         ),
-        Group::Switch | Group::Run | Group::Jog | Group::Fluids | Group::Gauges | Group::Dressing | Group::Screen => {
-            false
-        }
+        KeyGroup::Switch
+        | KeyGroup::Run
+        | KeyGroup::Jog
+        | KeyGroup::Fluids
+        | KeyGroup::Gauges
+        | KeyGroup::Dressing
+        | KeyGroup::Screen => false,
     }
 }

@@ -9,12 +9,12 @@ use crate::nc::{Library, Source};
 /// All programs; replaced as a whole when the folder changes.
 #[derive(Clone, Debug, Default)]
 pub struct Programs {
-    rows: Vec<Program>,
+    rows: Vec<StoredProgram>,
 }
 
 /// One program.
 #[derive(Clone, Debug)]
-pub struct Program {
+pub struct StoredProgram {
     /// O number.
     pub number: u32,
     /// Source for the interpreter.
@@ -24,33 +24,33 @@ pub struct Program {
     /// Checksum of the file.
     pub stamp: u64,
     /// Some bytes are not valid characters: the program can be shown but not edited.
-    pub mistaken: bool,
+    pub has_invalid_bytes: bool,
 }
 
 impl Programs {
     /// Builds the list; of two programs with the same number the first counts.
     #[must_use]
-    pub fn new(mut rows: Vec<Program>) -> Self {
+    pub fn new(mut rows: Vec<StoredProgram>) -> Self {
         rows.sort_by_key(|row| row.number);
         rows.dedup_by_key(|row| row.number);
         Self { rows }
     }
 
     /// Adds programs; a program with an existing number replaces the old one.
-    pub fn put(&mut self, programs: Vec<Program>) {
+    pub fn replace(&mut self, programs: Vec<StoredProgram>) {
         self.rows.retain(|row| programs.iter().all(|program| program.number != row.number));
         self.rows.extend(programs);
         self.rows.sort_by_key(|row| row.number);
     }
 
     /// All of them, by number.
-    pub fn iter(&self) -> impl Iterator<Item = &Program> {
+    pub fn iter(&self) -> impl Iterator<Item = &StoredProgram> {
         self.rows.iter()
     }
 
     /// The program with a number.
     #[must_use]
-    pub fn get(&self, number: u32) -> Option<&Program> {
+    pub fn get(&self, number: u32) -> Option<&StoredProgram> {
         self.rows.binary_search_by_key(&number, |row| row.number).ok().and_then(|index| self.rows.get(index))
     }
 }

@@ -3,15 +3,15 @@
 
 use std::sync::Arc;
 
-use super::commands::MDI_MOST;
-use super::planned::Planned;
-use super::run::Run;
-use super::system::{RunWorld, nc_settings};
-use super::{Controller, Phase};
+use super::commands::MAX_MDI_CHARS;
+use super::lookahead_state::LookaheadState;
+use super::run::ProgramRun;
+use super::system_variables::{RunWorld, nc_settings};
+use super::{ControlPhase, Controller};
 use crate::defs::key::Mode;
-use crate::defs::text::{Lang, Said, Text};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::link::edit::ModalView;
-use crate::nc::{Modals, Next, Settings, Source};
+use crate::nc::{ModalState, NcSettings, NextStatus, Source};
 
 const NOT_MDI: Text = Text::new("录入方式下才能执行：先按 录入 键", "MDI lines work in mode MDI: press that key first");
 const OPEN_RUN: Text = Text::new("程序未结束，先等待或复位", "a program is open: wait, or press RESET");
@@ -20,28 +20,28 @@ const NO_LINE: Text = Text::new("先输入一行，再按循环启动", "type a 
 
 impl Controller {
     /// Prepares a line after checking its first block; an empty line discards the prepared one.
-    pub(super) fn ready_mdi(&mut self, line: &str) -> Result<Said, Said> {
+    pub(super) fn prepare_mdi(&mut self, line: &str) -> Result<LocalizedText, LocalizedText> {
         let line = line.trim();
         if line.is_empty() {
-            self.drop_mdi();
-            return Ok(Said::new("录入行已取消", "the MDI line is taken back"));
+            self.discard_mdi();
+            return Ok(LocalizedText::new("录入行已取消", "the MDI line is taken back"));
         }
         if self.mode != Mode::Mdi {
             return Err(NOT_MDI.into());
         }
-        if !matches!(self.phase, Phase::Idle) {
+        if !matches!(self.phase, ControlPhase::Idle) {
             return Err(OPEN_RUN.into());
         }
-        if line.chars().count() > MDI_MOST {
+        if line.chars().count() > MAX_MDI_CHARS {
             return Err(TOO_LONG.into());
         }
         self.check_mdi(line)?;
         self.edits.mdi_ready = Arc::from(line);
-        Ok(Said::new("按循环启动执行", "press cycle start to execute it"))
+        Ok(LocalizedText::new("按循环启动执行", "press cycle start to execute it"))
     }
 
     /// Mode change or RESET: a line prepared earlier must not start.
-    pub(super) fn drop_mdi(&mut self) {
+    pub(super) fn discard_mdi(&mut self) {
         if !self.edits.mdi_ready.is_empty() {
             self.edits.mdi_ready = Arc::from("");
         }
@@ -53,30 +53,30 @@ impl Controller {
         if line.is_empty() {
             return self.refuse(NO_LINE);
         }
-        self.mdi(&line);
+        self.run_mdi(&line);
         if self.run.is_some() {
-            self.drop_mdi();
+            self.discard_mdi();
         }
     }
 
     /// Checks the first block of the line from the present machine position.
-    fn check_mdi(&self, line: &str) -> Result<(), Said> {
+    fn check_mdi(&self, line: &str) -> Result<(), LocalizedText> {
         let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
-        let settings = Settings { numbered: false, ..nc_settings(self.kind, &self.params) };
-        let modals = self.mdi_modals.unwrap_or_else(|| Modals::new(&settings));
-        let mut frames = self.frames.clone();
-        frames.activate(modals.frame);
-        let mut planned = Planned::new(frames, self.axes.set(), self.dress.points, modals.path);
+        let settings = NcSettings { needs_block_numbers: false, ..nc_settings(self.kind, &self.params) };
+        let modals = self.mdi_modals.unwrap_or_else(|| ModalState::new(&settings));
+        let mut frames = self.work_offsets.clone();
+        frames.activate(modals.work_offset);
+        let mut planned = LookaheadState::new(frames, self.axes.set_point(), self.dressing.points, modals.path_mode);
         planned.oscillating = self.oscillating_axis();
-        planned.system = self.row.system;
+        planned.dialect = self.kind_row.dialect;
         let start = (self.memory.clone(), planned);
         let library = Arc::clone(&self.programs);
-        let mut run = Run::new(source, library, (settings, modals), start, self.now);
-        let mut world = RunWorld::new(self, &run.planned, true);
+        let mut run = ProgramRun::new(source, library, (settings, modals), start, self.now);
+        let mut world = RunWorld::new(self, &run.lookahead, true);
         match run.interpreter.next(&mut world, &mut run.block) {
-            Ok(Next::Block) => run.take_block(&self.params).map_err(|forbidden| self.forbidden(&forbidden)),
-            Ok(Next::Drain | Next::Busy | Next::End) => Ok(()),
-            Err(fault) => Err(Said::new(fault.cause(Lang::Zh), fault.cause(Lang::En))),
+            Ok(NextStatus::Block) => run.queue_block(&self.params).map_err(|forbidden| self.refusal_text(&forbidden)),
+            Ok(NextStatus::Drain | NextStatus::Busy | NextStatus::End) => Ok(()),
+            Err(fault) => Err(LocalizedText::new(fault.cause(Lang::Zh), fault.cause(Lang::En))),
         }
     }
 
@@ -89,19 +89,19 @@ impl Controller {
         let modals = match (&self.run, &self.mdi_modals) {
             (Some(run), _) => run.block.modals,
             (None, Some(kept)) => *kept,
-            (None, None) => Modals::new(&settings),
+            (None, None) => ModalState::new(&settings),
         };
-        self.view_of(&modals)
+        self.modal_view_of(&modals)
     }
 
     /// Modal codes as the pages show them.
-    pub(super) fn view_of(&self, modals: &Modals) -> ModalView {
+    pub(super) fn modal_view_of(&self, modals: &ModalState) -> ModalView {
         ModalView {
-            g: modals.g_codes(self.kind.system()),
+            g: modals.g_codes(self.kind.dialect()),
             feed: modals.feed,
             speed: modals.speed,
             tool: (modals.tool, modals.offset),
-            m: modals.m,
+            m: modals.m_code,
         }
     }
 }

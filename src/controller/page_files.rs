@@ -4,10 +4,10 @@
 use super::Controller;
 use crate::defs::alarm;
 use crate::defs::page::Page;
-use crate::defs::soft_key::{self, Coordinates, SoftAct};
-use crate::defs::text::{Said, Text};
+use crate::defs::soft_key::{self, CoordinateView, SoftKeyAction};
+use crate::defs::text::{LocalizedText, Text};
 use crate::link::command::FileFault;
-use crate::link::snapshot::PAGED_PROGRAMS;
+use crate::link::snapshot::PROGRAMS_WITH_PAGE;
 
 /// Base of the page numbers: file C0001 belongs to page 1001.
 const PAGE_FILES: u32 = 1_000;
@@ -17,32 +17,32 @@ const PRINT: Text = Text::new("屏幕打印：在屏幕上点此软键", "the sc
 
 impl Controller {
     pub(super) fn open_page(&mut self, page: Page) {
-        if !page.is_on(self.kind) {
+        if !page.exists_on(self.kind) {
             let title = page.title();
-            return self.refuse(Said::new(
+            return self.refuse(LocalizedText::new(
                 format!("本机床没有“{}”页面", title.zh),
                 format!("this machine has no page {}", title.en),
             ));
         }
         if self.page != page {
             self.page = page;
-            self.pages.soft_row = soft_key::row_of(page);
-            self.dress.withdraw();
+            self.pages.soft_row = soft_key::row_of_page(page);
+            self.dressing.withdraw_question();
         }
         self.check_page_files();
     }
 
     /// Selects a view of the position page and opens the page.
-    pub(super) fn show_coordinates(&mut self, coordinates: Coordinates) {
+    pub(super) fn show_coordinates(&mut self, coordinates: CoordinateView) {
         if self.pages.coordinates != coordinates {
             self.pages.coordinates = coordinates;
-            self.dress.withdraw();
+            self.dressing.withdraw_question();
         }
         self.open_page(Page::Position);
     }
 
     /// Selects a row of soft keys; after the last row comes the first.
-    pub(super) fn turn_soft_row(&mut self, row: usize) {
+    pub(super) fn show_soft_row(&mut self, row: usize) {
         self.pages.soft_row = row % soft_key::ROWS.len();
     }
 
@@ -51,47 +51,47 @@ impl Controller {
         let row = self.pages.soft_row;
         let Some(soft) = soft_key::row(self.kind, row).nth(index) else {
             let (row, key) = (row + 1, index + 1);
-            return self.refuse(Said::new(
+            return self.refuse(LocalizedText::new(
                 format!("第 {row} 行软键没有 F{key}，按 ▶ 换行"),
                 format!("row {row} of the soft keys has no F{key}: turn it by ▶"),
             ));
         };
         let before = (self.page, self.pages.coordinates);
-        match soft.act {
-            SoftAct::Open(page) => self.open_page(page),
-            SoftAct::Position(coordinates) => self.show_coordinates(coordinates),
-            SoftAct::Print => return self.refuse(PRINT),
+        match soft.action {
+            SoftKeyAction::Open(page) => self.open_page(page),
+            SoftKeyAction::Position(coordinates) => self.show_coordinates(coordinates),
+            SoftKeyAction::Print => return self.refuse(PRINT),
         }
         if before == (self.page, self.pages.coordinates) {
             let name = soft.label_on(self.kind);
-            self.say(Said::new(format!("已是“{}”", name.zh), format!("{} is open", name.en)));
+            self.show_note(LocalizedText::new(format!("已是“{}”", name.zh), format!("{} is open", name.en)));
         }
     }
 
     /// Selects a sheet of the grinding page; after the last sheet comes the first.
-    pub(super) fn turn_sheet(&mut self, sheet: usize) {
-        self.pages.sheet = sheet % self.row.page_files.len().max(1);
+    pub(super) fn show_sheet(&mut self, sheet: usize) {
+        self.pages.sheet = sheet % self.kind_row.page_files.len().max(1);
         self.check_page_files();
     }
 
     /// The page number that the grinding page shows: the kind's own, or that of the program (K7.2).
     pub(super) fn grinding_page(&self) -> Option<u32> {
-        self.own_page().or_else(|| PAGED_PROGRAMS.contains(&self.current).then_some(self.current))
+        self.kind_page().or_else(|| PROGRAMS_WITH_PAGE.contains(&self.current_program).then_some(self.current_program))
     }
 
     /// The page number of the selected sheet, if the kind has its own grinding pages.
-    pub(super) fn own_page(&self) -> Option<u32> {
-        self.row.page_files.get(self.pages.sheet).map(|number| PAGE_FILES + number)
+    pub(super) fn kind_page(&self) -> Option<u32> {
+        self.kind_row.page_files.get(self.pages.sheet).map(|number| PAGE_FILES + number)
     }
 
     /// Index of the selected sheet and number of sheets.
     pub(super) fn grinding_pages(&self) -> (usize, usize) {
-        (self.pages.sheet, self.row.page_files.len().max(1))
+        (self.pages.sheet, self.kind_row.page_files.len().max(1))
     }
 
     /// Whether a sheet of the grinding page has a field for a variable.
     pub(super) fn page_shows(&self, variable: u16) -> bool {
-        let own = self.row.page_files.iter().map(|number| PAGE_FILES + number);
+        let own = self.kind_row.page_files.iter().map(|number| PAGE_FILES + number);
         let mut shown = own.chain(self.grinding_page());
         shown.any(|number| {
             let files = self.screens.find(number);
@@ -102,11 +102,11 @@ impl Controller {
 
     /// K7.3: raises alarm 66 when the page opens; clears it when the files are correct or the page is left.
     pub(super) fn check_page_files(&mut self) {
-        self.alarms.clear(alarm::PAGE_FILES);
+        self.alarms.clear(alarm::PAGE_FILES_INVALID);
         if self.page == Page::Dressing {
             // K7.6: the dressing page has only a picture.
             if let Some(Err(fault)) = self.screens.dressing.clone() {
-                self.raise(alarm::PAGE_FILES, Some(fault.said()));
+                self.raise(alarm::PAGE_FILES_INVALID, Some(fault.full_message()));
             }
             return;
         }
@@ -114,23 +114,25 @@ impl Controller {
         let nn = shown - PAGE_FILES;
         let missing = |file: String| FileFault {
             file,
-            place: None,
-            said: Said::new("文件不存在，请拷入 screens 目录", "missing: copy it into the screens folder"),
+            position: None,
+            message: LocalizedText::new("文件不存在，请拷入 screens 目录", "missing: copy it into the screens folder"),
         };
-        let faults: Vec<Said> = match self.screens.find(shown) {
+        let faults: Vec<LocalizedText> = match self.screens.find(shown) {
             Some(files) => [files.text.as_ref().err(), files.picture.as_ref().err()]
                 .into_iter()
                 .flatten()
-                .map(FileFault::said)
+                .map(FileFault::full_message)
                 .collect(),
-            None => vec![missing(format!("C{nn:04}.TXT")).said(), missing(format!("B{nn:04}.BMP")).said()],
+            None => {
+                vec![missing(format!("C{nn:04}.TXT")).full_message(), missing(format!("B{nn:04}.BMP")).full_message()]
+            }
         };
         if let Some(first) = faults.first() {
             let rest = &faults[1..];
             let detail = rest.iter().fold(first.clone(), |all, fault| {
-                Said::new(format!("{}；{}", all.zh, fault.zh), format!("{}; {}", all.en, fault.en))
+                LocalizedText::new(format!("{}；{}", all.zh, fault.zh), format!("{}; {}", all.en, fault.en))
             });
-            self.raise(alarm::PAGE_FILES, Some(detail));
+            self.raise(alarm::PAGE_FILES_INVALID, Some(detail));
         }
     }
 }

@@ -7,26 +7,26 @@
 
 use std::sync::Arc;
 
-use super::planned::Planned;
-use super::run::{Item, Origin, PlannedMove, Proving, Run, Speed};
-use super::system::nc_settings;
-use super::{Controller, Effect, Event, Phase};
+use super::lookahead_state::LookaheadState;
+use super::run::{Origin, PendingPreflight, PlannedMove, ProgramRun, ProgrammedFeed, QueueItem};
+use super::system_variables::nc_settings;
+use super::{ControlEvent, ControlPhase, Controller, StorageRequest};
 use crate::defs::key::Mode;
 use crate::defs::param;
-use crate::defs::text::{Lang, Said, Text};
-use crate::defs::variable;
+use crate::defs::system_variable;
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::link::edit::ModalView;
 use crate::link::snapshot::RestartView;
-use crate::motion::Shape;
-use crate::nc::{self, AxisSet, CheckWorld, Memory, Modals, Next, Op, SpeedMode, World};
+use crate::motion::MoveShape;
+use crate::nc::{self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, SpeedMode};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Maximum ticks for reading the blocks before: about two million blocks. A loop that waits for the machine never ends.
-const TICKS: u32 = 1_000;
+const MAX_SEARCH_TICKS: u32 = 1_000;
 /// The last common variable.
 const LAST_VARIABLE: u32 = 999;
 /// Minimum interval between two records of the run position for a power failure.
-const KEEP_EVERY: Micros = Micros::from_millis(1_000);
+const STORE_INTERVAL: Micros = Micros::from_millis(1_000);
 
 const NO_PROGRAM: Text = Text::new("没有当前程序：先在目录中选择", "no current program: choose one in the directory");
 const WHEEL_FIRST: Text = Text::new(
@@ -40,23 +40,23 @@ const DRIVE_FIRST: Text = Text::new(
 
 /// Machine state that the blocks before the selected one produce.
 #[derive(Clone, Debug, Default)]
-struct Switched {
+struct StateBeforeBlock {
     wheel: bool,
     drive: bool,
     coolant: bool,
     /// An axis oscillates at the block.
     oscillates: bool,
     /// G50, G27, G31 or G78 is among them: the resulting position cannot be computed.
-    unknown: bool,
+    position_unknown: bool,
     /// First alarm raised by the program before the block.
-    alarm: Option<Said>,
+    alarm: Option<LocalizedText>,
     /// The last S, and the limit of G50 S, rpm.
     speed: Option<(f64, SpeedMode)>,
-    limit: Option<f64>,
+    rpm_limit: Option<f64>,
 }
 
-impl Switched {
-    fn see(&mut self, op: &Op) {
+impl StateBeforeBlock {
+    fn apply(&mut self, op: &Op) {
         match op {
             Op::M { code: 3 | 4, .. } => self.wheel = true,
             Op::M { code: 5, .. } => self.wheel = false,
@@ -66,10 +66,12 @@ impl Switched {
             Op::M { code: 9, .. } => self.coolant = false,
             Op::OscillationOn { .. } => self.oscillates = true,
             Op::OscillationOff => self.oscillates = false,
-            Op::Preset { .. } | Op::DressReturn { .. } | Op::Skip { .. } | Op::Gauge(_) => self.unknown = true,
-            Op::Alarm { text, .. } if self.alarm.is_none() => self.alarm = Some(Said::new(&**text, &**text)),
+            Op::SetCoordinateSystem { .. } | Op::DressReturn { .. } | Op::Skip { .. } | Op::Gauge(_) => {
+                self.position_unknown = true
+            }
+            Op::Alarm { text, .. } if self.alarm.is_none() => self.alarm = Some(LocalizedText::new(&**text, &**text)),
             Op::S { value, mode } => self.speed = Some((*value, *mode)),
-            Op::SpeedLimit { rpm } => self.limit = Some(*rpm),
+            Op::SpeedLimit { rpm } => self.rpm_limit = Some(*rpm),
             _ => {}
         }
     }
@@ -78,35 +80,35 @@ impl Switched {
 /// A restart in preparation.
 pub(super) struct Restart {
     line: u32,
-    run: Box<Run>,
-    world: CheckWorld,
-    switched: Switched,
+    run: Box<ProgramRun>,
+    world: OfflineMachine,
+    state: StateBeforeBlock,
     ticks: u32,
     /// The selected block has been reached.
-    found: bool,
+    block_found: bool,
 }
 
 /// Position of the run for a power failure.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Kept {
+pub(super) struct PowerCutPosition {
     /// Program and line (from 1) of a run interrupted before this power-on.
     pub interrupted: Option<(u32, u32)>,
     /// Line of the present run last stored on disk, and when.
-    told: Option<(u32, Micros)>,
+    stored: Option<(u32, Micros)>,
 }
 
-impl Kept {
+impl PowerCutPosition {
     /// Starts from the record of the last power-on.
     pub const fn new(interrupted: Option<(u32, u32)>) -> Self {
-        Self { interrupted, told: None }
+        Self { interrupted, stored: None }
     }
 }
 
 impl Controller {
     /// At power-on: shows the program that was interrupted.
-    pub(super) fn tell_interrupted(&mut self) {
-        if let Some((program, line)) = self.kept.interrupted {
-            self.say(Said::new(
+    pub(super) fn announce_interrupted(&mut self) {
+        if let Some((program, line)) = self.power_cut.interrupted {
+            self.show_note(LocalizedText::new(
                 format!("O{program:04} 在第 {line} 行断电中断：回零后可从该段继续（程序页）"),
                 format!(
                     "O{program:04} was cut off at line {line}: home the axes, then go on from there (program page)"
@@ -121,65 +123,65 @@ impl Controller {
         if let Some(why) = self.restart_refused() {
             return self.refuse(why);
         }
-        let Some(program) = self.programs.get(self.current) else { return self.refuse(NO_PROGRAM) };
+        let Some(program) = self.programs.get(self.current_program) else { return self.refuse(NO_PROGRAM) };
         if line == 0 || line as usize > program.source.line_count() {
-            return self.refuse(Said::new(
-                format!("O{:04} 没有第 {line} 行", self.current),
-                format!("O{:04} has no line {line}", self.current),
+            return self.refuse(LocalizedText::new(
+                format!("O{:04} 没有第 {line} 行", self.current_program),
+                format!("O{:04} has no line {line}", self.current_program),
             ));
         }
         let source = Arc::clone(&program.source);
-        let settings = nc::Settings { axes: self.axes.fitted(), ..nc_settings(self.kind, &self.params) };
-        let modals = Modals::new(&settings);
-        let mut frames = self.frames.clone();
-        frames.activate(modals.frame);
-        let world = CheckWorld::new(&settings)
-            .with_references(super::references(&self.params))
-            .with_frames(frames.clone())
-            .at(frames.work_from_machine(self.axes.set()))
+        let settings = nc::NcSettings { axes: self.axes.fitted(), ..nc_settings(self.kind, &self.params) };
+        let modals = ModalState::new(&settings);
+        let mut frames = self.work_offsets.clone();
+        frames.activate(modals.work_offset);
+        let world = OfflineMachine::new(&settings)
+            .with_references(super::reference_points(&self.params))
+            .with_work_offsets(frames.clone())
+            .with_position(frames.work_from_machine(self.axes.set_point()))
             .with_block_skip(self.switches.block_skip)
-            .with_known_only();
-        let world = self.tell(world);
-        let planned = Planned::new(frames, self.axes.set(), self.dress.points, modals.path);
+            .with_known_values_only();
+        let world = self.copy_system_variables(world);
+        let planned = LookaheadState::new(frames, self.axes.set_point(), self.dressing.points, modals.path_mode);
         let library = Arc::clone(&self.programs);
         let start = (self.memory.clone(), planned);
-        let proof = self.proof(&source, &settings);
-        let before = (self.frames.clone(), self.lathe.start);
-        let mut run = Box::new(Run::new(source, library, (settings, modals), start, self.now));
-        run.proving = proof.map(|proof| Box::new(Proving { proof, told: false, before }));
-        let switched = Switched::default();
-        self.restart = Some(Box::new(Restart { line, run, world, switched, ticks: 0, found: false }));
-        self.say(Said::new(format!("正在查找第 {line} 行…"), format!("reading up to line {line} …")));
+        let proof = self.new_preflight(&source, &settings);
+        let before = (self.work_offsets.clone(), self.lathe.tool_change_point);
+        let mut run = Box::new(ProgramRun::new(source, library, (settings, modals), start, self.now));
+        run.preflight = proof.map(|proof| Box::new(PendingPreflight { preflight: proof, announced: false, before }));
+        let switched = StateBeforeBlock::default();
+        self.restart = Some(Box::new(Restart { line, run, world, state: switched, ticks: 0, block_found: false }));
+        self.show_note(LocalizedText::new(format!("正在查找第 {line} 行…"), format!("reading up to line {line} …")));
     }
 
     /// Resumes the run that a power failure interrupted.
     pub(super) fn resume_interrupted(&mut self) {
-        let Some((program, line)) = self.kept.interrupted else {
-            return self.refuse(Said::new("没有断电中断的程序", "no program was cut off by a power failure"));
+        let Some((program, line)) = self.power_cut.interrupted else {
+            return self.refuse(LocalizedText::new("没有断电中断的程序", "no program was cut off by a power failure"));
         };
-        if self.current != program {
+        if self.current_program != program {
             self.load_program(program);
         }
-        if self.current == program {
+        if self.current_program == program {
             self.restart_at(line);
         }
     }
 
     /// Copies system variables to a check world: offsets, counts, wheel data.
-    fn tell(&self, mut world: CheckWorld) -> CheckWorld {
+    fn copy_system_variables(&self, mut world: OfflineMachine) -> OfflineMachine {
         let kept = [
-            variable::WEAR_X,
-            variable::WEAR_Y,
-            variable::WEAR_Z,
-            variable::GEOMETRY_X,
-            variable::GEOMETRY_Y,
-            variable::GEOMETRY_Z,
-            variable::PARTS_DONE,
+            system_variable::WEAR_X,
+            system_variable::WEAR_Y,
+            system_variable::WEAR_Z,
+            system_variable::GEOMETRY_X,
+            system_variable::GEOMETRY_Y,
+            system_variable::GEOMETRY_Z,
+            system_variable::PARTS_DONE,
         ];
         let params = super::PARAM_VARIABLES.iter().map(|(range, _)| *range);
         for range in kept.into_iter().chain(params) {
             for number in range.first..range.first + range.count {
-                if let Some(value) = self.read_system(number) {
+                if let Some(value) = self.read_system_variable(number) {
                     world.set_system(number, value);
                 }
             }
@@ -188,8 +190,8 @@ impl Controller {
     }
 
     fn restart_refused(&self) -> Option<Text> {
-        if self.run.is_some() || !matches!(self.phase, Phase::Idle) {
-            return Some(crate::machine::press::NOT_IN_RUN);
+        if self.run.is_some() || !matches!(self.phase, ControlPhase::Idle) {
+            return Some(crate::machine::panel_key::NOT_IN_RUN);
         }
         if self.mode != Mode::Auto {
             return Some(Text::new("自动方式下才能选择起始段", "a block is chosen in mode AUTO"));
@@ -199,160 +201,165 @@ impl Controller {
 
     /// One tick of the search; shows the result.
     pub(super) fn step_restart(&mut self) {
-        let Some(mut restart) = self.restart.take_if(|restart| !restart.found) else { return };
-        let Restart { line, run, world, switched, .. } = &mut *restart;
+        let Some(mut restart) = self.restart.take_if(|restart| !restart.block_found) else { return };
+        let Restart { line, run, world, state: switched, .. } = &mut *restart;
         let line = *line;
-        match run.interpreter.advance_to(line, world, &mut |op| switched.see(op)) {
-            Ok(Next::Block) => {
-                restart.found = true;
-                self.found_block(restart);
+        match run.interpreter.advance_to(line, world, &mut |op| switched.apply(op)) {
+            Ok(NextStatus::Block) => {
+                restart.block_found = true;
+                self.finish_search(restart);
             }
-            Ok(Next::End | Next::Drain) => self.refuse(Said::new(
+            Ok(NextStatus::End | NextStatus::Drain) => self.refuse(LocalizedText::new(
                 format!("程序运行不到第 {line} 行，不能从该行开始"),
                 format!("the program does not come to line {line}: it cannot begin there"),
             )),
-            Ok(Next::Busy) if restart.ticks < TICKS => {
+            Ok(NextStatus::Busy) if restart.ticks < MAX_SEARCH_TICKS => {
                 restart.ticks += 1;
                 self.restart = Some(restart);
             }
-            Ok(Next::Busy) => self.refuse(Said::new(
+            Ok(NextStatus::Busy) => self.refuse(LocalizedText::new(
                 format!("第 {line} 行之前有等待机床的循环，不能从该行开始"),
                 format!("a loop before line {line} waits for the machine: the program cannot begin there"),
             )),
-            Err(fault) => self.refuse(Said::new(fault.text(Lang::Zh), fault.text(Lang::En))),
+            Err(fault) => self.refuse(LocalizedText::new(fault.text(Lang::Zh), fault.text(Lang::En))),
         }
     }
 
-    fn found_block(&mut self, mut restart: Box<Restart>) {
-        let Restart { run, world, switched, line, .. } = &mut *restart;
+    fn finish_search(&mut self, mut restart: Box<Restart>) {
+        let Restart { run, world, state: switched, line, .. } = &mut *restart;
         if let Some(alarm) = switched.alarm.take() {
             return self.refuse(alarm);
         }
-        if switched.unknown || switched.oscillates {
+        if switched.position_unknown || switched.oscillates {
             let line = *line;
-            return self.refuse(Said::new(
+            return self.refuse(LocalizedText::new(
                 format!("第 {line} 行之前有 G50、G27、G31、G78，或该处在振荡 (G35)，不能从该行开始"),
                 format!(
                     "G50, G27, G31 or G78 before line {line}, or G35 in force there: the program cannot begin there"
                 ),
             ));
         }
-        let mut frames = self.frames.clone();
-        let there = world.frames();
-        (frames.active, frames.tool, frames.offset) = (there.active, there.tool, there.offset);
-        run.planned = Planned::new(
+        let mut frames = self.work_offsets.clone();
+        let there = world.work_offsets();
+        (frames.active, frames.tool, frames.tool_offset) = (there.active, there.tool, there.tool_offset);
+        run.lookahead = LookaheadState::new(
             frames.clone(),
-            frames.machine_from_work(world.place()),
-            self.dress.points,
-            run.interpreter.modals().path,
+            frames.machine_from_work(world.work_position()),
+            self.dressing.points,
+            run.interpreter.modals().path_mode,
         );
         run.block.modals = *run.interpreter.modals();
         self.restart = Some(restart);
         if let Some(view) = self.restart_view() {
-            let said = view.said();
-            self.say(said);
+            let said = view.summary();
+            self.show_note(said);
         }
     }
 
     /// The view for the program page before the start.
     pub(super) fn restart_view(&self) -> Option<RestartView> {
-        let restart = self.restart.as_ref().filter(|restart| restart.found)?;
-        let work = restart.world.place();
-        let Switched { wheel, drive, coolant, .. } = restart.switched.clone();
+        let restart = self.restart.as_ref().filter(|restart| restart.block_found)?;
+        let work = restart.world.work_position();
+        let StateBeforeBlock { wheel, drive, coolant, .. } = restart.state.clone();
         Some(RestartView {
-            program: self.current,
+            program: self.current_program,
             line: restart.line,
             modals: self.restart_modals()?,
             start: PerAxis::from_fn(|axis| {
                 self.axes.is_present(axis).then(|| work[axis] * self.displayed_per_mm(axis))
             }),
-            wheel,
-            drive,
-            coolant,
+            wheel_turns: wheel,
+            workpiece_turns: drive,
+            coolant_on: coolant,
         })
     }
 
     /// The modal codes at the selected block.
     pub(super) fn restart_modals(&self) -> Option<ModalView> {
-        let restart = self.restart.as_ref().filter(|restart| restart.found)?;
-        Some(self.view_of(&restart.run.block.modals))
+        let restart = self.restart.as_ref().filter(|restart| restart.block_found)?;
+        Some(self.modal_view_of(&restart.run.block.modals))
     }
 
     /// Cycle start with a selected block. True: the restart was started or refused.
     pub(super) fn start_restart(&mut self) -> bool {
         let Some(restart) = self.restart.as_ref() else { return false };
-        let [wheel, drive] = self.what_turns();
-        if !restart.found {
-            self.refuse(Said::new("正在查找起始段，请稍候", "the block is still being looked for"));
-        } else if restart.switched.wheel && !wheel && !self.switches.dry_run && !self.switches.mst_lock {
+        let [wheel, drive] = self.running_spindles();
+        if !restart.block_found {
+            self.refuse(LocalizedText::new("正在查找起始段，请稍候", "the block is still being looked for"));
+        } else if restart.state.wheel && !wheel && !self.switches.dry_run && !self.switches.aux_function_lock {
             self.refuse(WHEEL_FIRST);
-        } else if restart.switched.drive && !drive && !self.switches.mst_lock {
+        } else if restart.state.drive && !drive && !self.switches.aux_function_lock {
             self.refuse(DRIVE_FIRST);
         } else if let Some(restart) = self.restart.take() {
-            self.begin_at(*restart);
+            self.start_at_block(*restart);
         }
         true
     }
 
-    fn begin_at(&mut self, Restart { mut run, world, switched, .. }: Restart) {
-        let (from, to, wheel_axis) = (self.axes.set(), run.planned.machine, self.row.slow_axis);
+    fn start_at_block(&mut self, Restart { mut run, world, state: switched, .. }: Restart) {
+        let (from, to, wheel_axis) = (self.axes.set_point(), run.lookahead.machine_position, self.kind_row.wheel_axis);
         let mut beside = to;
         beside[wheel_axis] = from[wheel_axis];
-        let forbidden = |axis: Axis| super::run::within(axis, to[axis], &self.params).err();
+        let forbidden = |axis: Axis| super::run::check_soft_limits(axis, to[axis], &self.params).err();
         if let Some(forbidden) = self.axes.present().find_map(forbidden) {
-            let said = self.forbidden(&forbidden);
+            let said = self.refusal_text(&forbidden);
             return self.refuse(said);
         }
-        for number in (1..=LAST_VARIABLE).filter(|number| Memory::has(*number)) {
-            let of = |memory: &Memory| memory.get(number).ok().flatten();
-            let there = of(run.interpreter.memory());
+        for number in (1..=LAST_VARIABLE).filter(|number| CommonVariables::contains(*number)) {
+            let of = |memory: &CommonVariables| memory.get(number).ok().flatten();
+            let there = of(run.interpreter.common_variables());
             if there != of(&self.memory) {
                 let _ = self.store_variable(number, there);
             }
         }
-        self.frames.clone_from(&run.planned.frames);
-        self.lathe.start = Some(self.frames.machine_from_work(world.start()));
+        self.work_offsets.clone_from(&run.lookahead.work_offsets);
+        self.lathe.tool_change_point = Some(self.work_offsets.machine_from_work(world.program_start()));
         self.wheel_speed = switched.speed.unwrap_or(self.wheel_speed);
-        self.wheel_rpm_limit = switched.limit.or(self.wheel_rpm_limit);
-        let speed = Speed::PerMinute(self.params.get(param::WHEEL_ON_SPEED));
-        for (target, speed) in [(beside, Speed::Rapid), (to, speed)] {
-            run.items.push_back(Item::Move(PlannedMove::new(target, Shape::Line, speed, (all(), AxisSet::NONE))));
+        self.wheel_rpm_limit = switched.rpm_limit.or(self.wheel_rpm_limit);
+        let speed = ProgrammedFeed::PerMinute(self.params.get(param::WHEEL_ON_INFEED_SPEED));
+        for (target, speed) in [(beside, ProgrammedFeed::Rapid), (to, speed)] {
+            run.queue.push_back(QueueItem::Move(PlannedMove::new(
+                target,
+                MoveShape::Line,
+                speed,
+                (all_axes(), AxisSet::NONE),
+            )));
         }
-        run.planned.oscillating = self.oscillating_axis();
-        run.planned.system = self.row.system;
-        run.since = self.now;
+        run.lookahead.oscillating = self.oscillating_axis();
+        run.lookahead.dialect = self.kind_row.dialect;
+        run.started_at = self.now;
         run.origin = Origin::Program;
-        run.next_tag = self.axes.path.finished_tag().map_or(1, |tag| tag + 1);
+        run.next_tag = self.axes.planner.finished_tag().map_or(1, |tag| tag + 1);
         self.run = Some(run);
-        self.happen(Event::Start);
+        self.transition(ControlEvent::Start);
     }
 
     /// Records the position of the run for a power failure: the line in the main program.
-    pub(super) fn keep_place(&mut self) {
+    pub(super) fn store_run_position(&mut self) {
         let Some(run) = self.run.as_ref().filter(|run| run.origin == Origin::Program) else { return };
         // In a subprogram, the calling block counts.
-        let (program, line) = (self.current, self.place.line);
-        if self.place.program != program || run.since == self.now {
+        let (program, line) = (self.current_program, self.current_block.line);
+        if self.current_block.program != program || run.started_at == self.now {
             return;
         }
-        let due = self.kept.told.is_none_or(|(told, at)| told != line && self.now.since(at) >= KEEP_EVERY);
+        let due = self.power_cut.stored.is_none_or(|(told, at)| told != line && self.now.since(at) >= STORE_INTERVAL);
         if due {
-            self.kept.told = Some((line, self.now));
-            self.effects.push(Effect::RunningAt(Some((program, line))));
+            self.power_cut.stored = Some((line, self.now));
+            self.storage_requests.push(StorageRequest::RunningAt(Some((program, line))));
         }
     }
 
     /// The run is over: clears the recorded position.
-    pub(super) fn forget_place(&mut self) {
-        self.kept.interrupted = None;
-        if self.kept.told.take().is_some() {
-            self.effects.push(Effect::RunningAt(None));
+    pub(super) fn clear_run_position(&mut self) {
+        self.power_cut.interrupted = None;
+        if self.power_cut.stored.take().is_some() {
+            self.storage_requests.push(StorageRequest::RunningAt(None));
         }
     }
 }
 
 /// All axes, programmed absolutely.
-fn all() -> AxisSet {
+fn all_axes() -> AxisSet {
     let mut all = AxisSet::NONE;
     Axis::ALL.into_iter().for_each(|axis| all.insert(axis));
     all

@@ -8,20 +8,23 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::axes::{MINUTE, soft_limits};
-use super::gauge::GaugeRun;
-use super::hold::Parted;
-use super::oscillation::Stroke;
-use super::planned::{Forbidden, Named, Planned};
-use crate::defs::mcode::{Action, MCode, Request};
+use super::axes::{SECONDS_PER_MINUTE, soft_limits};
+use super::gauge::GaugeCycle;
+use super::hold::ManualIntervention;
+use super::lookahead_state::{LookaheadState, MoveRefusal, NamedAxes};
+use super::oscillation::OscillationStroke;
+use crate::defs::mcode::{MCode, MCodeAction, Request};
 use crate::defs::param::Params;
-use crate::defs::text::{Lang, Said};
-use crate::motion::{End, Rate, Shape, Thread, Turn};
-use crate::nc::{self, AxisSet, Block, Frames, Gauging, Interpreter, Library, Memory, Place, Source, SpeedMode};
+use crate::defs::text::{Lang, LocalizedText};
+use crate::motion::{ArcDirection, CornerMode, MotionSpeed, MoveShape, ThreadPass};
+use crate::nc::{
+    self, AxisSet, Block, BlockLocation, CommonVariables, GaugeMove, Interpreter, Library, Source, SpeedMode,
+    WorkOffsets,
+};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Maximum items read ahead.
-pub const MOST_ITEMS: usize = 512;
+pub const MAX_ITEMS: usize = 512;
 
 /// A move with machine coordinates.
 #[derive(Clone, Debug)]
@@ -29,44 +32,57 @@ pub struct PlannedMove {
     /// End point, machine coordinates, radius mm.
     pub to: PerAxis<f64>,
     /// Line or arc.
-    pub shape: Shape,
+    pub shape: MoveShape,
     /// Its speed.
-    pub speed: Speed,
+    pub speed: ProgrammedFeed,
     /// Exact stop, or blending within a tolerance band.
-    pub end: End,
+    pub end: CornerMode,
     /// Tag in the planner, once handed over.
     pub tag: Option<u32>,
     /// The axes that the block programs.
-    pub words: AxisSet,
+    pub named_axes: AxisSet,
     /// Those of them that it programs incrementally.
-    pub incremental: AxisSet,
+    pub incremental_axes: AxisSet,
 }
 
 impl PlannedMove {
     /// A move with exact stop, not yet handed to the planner.
     #[must_use]
-    pub const fn new(to: PerAxis<f64>, shape: Shape, speed: Speed, (words, incremental): Named) -> Self {
-        Self { to, shape, speed, end: End::ExactStop, tag: None, words, incremental }
+    pub const fn new(
+        to: PerAxis<f64>,
+        shape: MoveShape,
+        speed: ProgrammedFeed,
+        (words, incremental): NamedAxes,
+    ) -> Self {
+        Self {
+            to,
+            shape,
+            speed,
+            end: CornerMode::ExactStop,
+            tag: None,
+            named_axes: words,
+            incremental_axes: incremental,
+        }
     }
 
     /// Checks the soft limits of a move that starts at `from`: its end point, and the extreme points of an arc.
     ///
     /// # Errors
     /// The axis, its position and the limit.
-    pub fn check(&self, from: PerAxis<f64>, params: &Params) -> Result<(), Forbidden> {
+    pub fn check_soft_limits(&self, from: PerAxis<f64>, params: &Params) -> Result<(), MoveRefusal> {
         for axis in Axis::ALL {
             if (self.to[axis] - from[axis]).abs() > 0.0 {
-                within(axis, self.to[axis], params)?;
+                check_soft_limits(axis, self.to[axis], params)?;
             }
         }
-        let Shape::Arc { center, plane, turn } = self.shape else { return Ok(()) };
+        let MoveShape::Arc { center, plane, direction: turn } = self.shape else { return Ok(()) };
         let (first, second, _) = plane.axes();
         let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
         for (axis, sign) in [(first, 1.0), (first, -1.0), (second, 1.0), (second, -1.0)] {
             let mut summit = center;
             summit[axis] += sign * radius;
-            if passes(from, self.to, center, (first, second), turn == Turn::Ccw, summit) {
-                within(axis, summit[axis], params)?;
+            if arc_passes(from, self.to, center, (first, second), turn == ArcDirection::Ccw, summit) {
+                check_soft_limits(axis, summit[axis], params)?;
             }
         }
         Ok(())
@@ -75,7 +91,7 @@ impl PlannedMove {
 
 /// The speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Speed {
+pub enum ProgrammedFeed {
     /// Rapid.
     Rapid,
     /// mm/min.
@@ -84,13 +100,13 @@ pub enum Speed {
     PerRev(f64),
 }
 
-impl Speed {
+impl ProgrammedFeed {
     /// The rate at a workpiece speed, rpm, up to `most_mm_min`; `None` for feed per revolution without rotation.
     #[must_use]
-    pub fn rate(self, drive_rpm: f64, most_mm_min: f64) -> Option<Rate> {
-        let feed = |mm_min: f64| Rate::Feed { mm_s: mm_min.min(most_mm_min) / MINUTE };
+    pub fn rate(self, drive_rpm: f64, most_mm_min: f64) -> Option<MotionSpeed> {
+        let feed = |mm_min: f64| MotionSpeed::Feed { mm_s: mm_min.min(most_mm_min) / SECONDS_PER_MINUTE };
         match self {
-            Self::Rapid => Some(Rate::Rapid),
+            Self::Rapid => Some(MotionSpeed::Rapid),
             Self::PerMinute(mm_min) => Some(feed(mm_min)),
             Self::PerRev(mm) if drive_rpm > 0.0 => Some(feed(mm * drive_rpm)),
             Self::PerRev(_) => None,
@@ -116,80 +132,80 @@ impl MCall {
     #[must_use]
     pub const fn request(&self) -> Option<Request> {
         match self.row.action {
-            Action::Ask(request) => Some(request),
-            Action::Port(on) => Some(Request::Port(self.p, on)),
-            Action::Pulse => Some(Request::Pulse(self.p, self.l_ms)),
-            Action::Pause
-            | Action::OptionalStop
-            | Action::End
-            | Action::Count
-            | Action::AwaitInput(_)
-            | Action::Flow => None,
+            MCodeAction::Request(request) => Some(request),
+            MCodeAction::Port(on) => Some(Request::Port(self.p, on)),
+            MCodeAction::Pulse => Some(Request::Pulse(self.p, self.l_ms)),
+            MCodeAction::ProgramStop
+            | MCodeAction::OptionalStop
+            | MCodeAction::ProgramEnd
+            | MCodeAction::CountWorkpiece
+            | MCodeAction::AwaitInput(_)
+            | MCodeAction::ProgramFlow => None,
         }
     }
 }
 
 /// Everything other than a move.
 #[derive(Clone, Debug)]
-pub enum Act {
+pub enum QueuedAction {
     /// Set a macro variable.
-    Set(u32, Option<f64>),
+    SetVariable(u32, Option<f64>),
     /// Write a system variable.
-    SetSystem(u32, Option<f64>),
+    SetSystemVariable(u32, Option<f64>),
     /// G50: set the work coordinates of the position at execution, mm.
-    Preset(PerAxis<Option<f64>>),
+    SetCoordinateSystem(PerAxis<Option<f64>>),
     /// Activate other work offsets or tool offsets.
-    Frames(Arc<Frames>),
+    SetWorkOffsets(Arc<WorkOffsets>),
     /// An M code.
-    Machine(MCall),
+    MCode(MCall),
     /// G78; its end is a machine coordinate.
-    Gauge(Gauging),
+    Gauge(GaugeMove),
     /// G35 by servo.
-    Oscillate(Stroke),
+    Oscillate(OscillationStroke),
     /// G35 by cylinder (true), and G36 of either.
     Cylinder(bool),
     /// Thread with run-out, machine coordinates.
-    Thread(Thread),
+    Thread(ThreadPass),
     /// Home an axis to its switch (lathe G36, G37, G39).
     Home(Axis),
     /// Index the tool post to a station.
-    Post(u8),
+    IndexTurret(u8),
     /// Dwell, s.
     Dwell(f64),
     /// S: wheel speed in the unit of the mode.
-    Wheel(f64, SpeedMode),
+    WheelSpeed(f64, SpeedMode),
     /// G50 S: maximum wheel speed under G96, rpm.
-    SpeedLimit(f64),
+    WheelSpeedLimit(f64),
     /// G31: move until a signal comes: the move and the gauge signal (1 to 6).
     Skip(Box<PlannedMove>, u8),
     /// Alarm raised by the program: number, text, block position.
-    Alarm(u16, Said, Place),
+    Alarm(u16, LocalizedText, BlockLocation),
     /// Program message, shown until it is replaced; an empty text ends it.
-    Note(Said),
+    Note(LocalizedText),
     /// Message of the program; the run stops until cycle start.
-    Message(Said),
+    Message(LocalizedText),
     /// The program ends without M30.
-    Finish,
+    EndOfText,
 }
 
 /// An item read but not yet executed.
 #[derive(Clone, Debug)]
-pub enum Item {
+pub enum QueueItem {
     /// Start of a block.
-    Begin(Place),
+    BlockStart(BlockLocation),
     /// A move.
     Move(PlannedMove),
     /// Any other action.
-    Do(Act),
+    Action(QueuedAction),
     /// End of a block.
-    End,
+    BlockEnd,
 }
 
 /// What the executor is in the middle of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Doing {
+pub enum Activity {
     /// No action in progress.
-    Nothing,
+    Idle,
     /// G04.
     Dwell { until: Micros },
     /// An M code was accepted and its unit has not settled yet.
@@ -206,13 +222,13 @@ pub enum Doing {
 
 /// State of read-ahead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reading {
+pub enum ReadAheadStatus {
     /// Blocks are being read.
     Open,
     /// The queue must be executed before the next block is read.
     Barrier,
     /// End of the program text, or a fault.
-    Over,
+    Finished,
 }
 
 /// Origin of a run.
@@ -227,115 +243,115 @@ pub enum Origin {
 }
 
 /// A preflight in progress.
-pub struct Proving {
+pub struct PendingPreflight {
     /// The preflight.
-    pub proof: nc::Proof,
+    pub preflight: nc::ProgramPreflight,
     /// The operator has been informed.
-    pub told: bool,
+    pub announced: bool,
     /// Work offsets and tool-change point before the start: a refused program changes nothing.
-    pub before: (Frames, Option<PerAxis<f64>>),
+    pub before: (WorkOffsets, Option<PerAxis<f64>>),
 }
 
 /// One run of a program or an MDI line.
-pub struct Run {
+pub struct ProgramRun {
     /// The interpreter of the program text.
     pub interpreter: Interpreter,
     /// Scratch for the block being read.
     pub block: Block,
     /// The queue: items read but not yet executed, in order.
-    pub items: VecDeque<Item>,
+    pub queue: VecDeque<QueueItem>,
     /// Number of items at the front of the queue that were handed over.
-    pub fed: usize,
+    pub handed_over: usize,
     /// The next planner tag.
     pub next_tag: u32,
     /// Machine state at the end of all items read.
-    pub planned: Planned,
+    pub lookahead: LookaheadState,
     /// State of read-ahead.
-    pub reading: Reading,
+    pub read_ahead: ReadAheadStatus,
     /// What the executor is in the middle of.
-    pub doing: Doing,
+    pub activity: Activity,
     /// Origin of the run.
     pub origin: Origin,
     /// Start time.
-    pub since: Micros,
+    pub started_at: Micros,
     /// Single block was switched on after moves were handed over: the axes stop and the moves are taken back.
     pub splitting: bool,
     /// Start of the in-position wait of the front item.
-    pub settle_since: Option<Micros>,
+    pub settling_since: Option<Micros>,
     /// G78 in progress.
-    pub gauging: Option<GaugeRun>,
+    pub gauge_cycle: Option<GaugeCycle>,
     /// Manual intervention in a hold.
-    pub parted: Option<Parted>,
+    pub intervention: Option<ManualIntervention>,
     /// Running when the run was paused: wheel, workpiece drive (headstock, table, roll) or main spindle.
-    pub turned: [bool; 2],
+    pub spindles_before_pause: [bool; 2],
     /// Preflight of the program before anything is executed.
-    pub proving: Option<Box<Proving>>,
+    pub preflight: Option<Box<PendingPreflight>>,
 }
 
-impl Run {
+impl ProgramRun {
     /// Creates a run from the machine's present state.
     #[must_use]
     pub fn new(
         source: Arc<Source>,
         library: Arc<dyn Library + Send + Sync>,
-        (settings, modals): (nc::Settings, nc::Modals),
-        (memory, planned): (Memory, Planned),
+        (settings, modals): (nc::NcSettings, nc::ModalState),
+        (memory, planned): (CommonVariables, LookaheadState),
         now: Micros,
     ) -> Self {
         let block = Block::new(&settings);
         Self {
             interpreter: Interpreter::new(source, library, settings, memory).with_modals(modals),
             block,
-            items: VecDeque::with_capacity(MOST_ITEMS + 64),
-            fed: 0,
+            queue: VecDeque::with_capacity(MAX_ITEMS + 64),
+            handed_over: 0,
             next_tag: 1,
-            planned,
-            reading: Reading::Open,
-            doing: Doing::Nothing,
+            lookahead: planned,
+            read_ahead: ReadAheadStatus::Open,
+            activity: Activity::Idle,
             origin: Origin::Program,
-            since: now,
+            started_at: now,
             splitting: false,
-            settle_since: None,
-            gauging: None,
-            parted: None,
-            turned: [false; 2],
-            proving: None,
+            settling_since: None,
+            gauge_cycle: None,
+            intervention: None,
+            spindles_before_pause: [false; 2],
+            preflight: None,
         }
     }
 
     /// Ends read-ahead with a program fault; its alarm is raised when everything before it is executed.
-    pub fn end_by(&mut self, fault: &nc::Fault) {
-        self.reading = Reading::Over;
-        let said = Said::new(fault.text(Lang::Zh), fault.text(Lang::En));
-        self.items.push_back(Item::Do(Act::Alarm(fault.alarm(), said, fault.place)));
+    pub fn end_with_fault(&mut self, fault: &nc::ProgramFault) {
+        self.read_ahead = ReadAheadStatus::Finished;
+        let said = LocalizedText::new(fault.text(Lang::Zh), fault.text(Lang::En));
+        self.queue.push_back(QueueItem::Action(QueuedAction::Alarm(fault.alarm(), said, fault.location)));
     }
 
     /// Converts the block just read to queue items.
     ///
     /// # Errors
     /// The first refused operation. Nothing of the block is queued then.
-    pub fn take_block(&mut self, params: &Params) -> Result<(), Forbidden> {
-        let kept = self.items.len();
-        let planned = self.planned.clone();
-        self.items.push_back(Item::Begin(self.block.at));
+    pub fn queue_block(&mut self, params: &Params) -> Result<(), MoveRefusal> {
+        let kept = self.queue.len();
+        let planned = self.lookahead.clone();
+        self.queue.push_back(QueueItem::BlockStart(self.block.location));
         let ops = std::mem::take(&mut self.block.ops);
         let mut result = Ok(());
         for op in &ops {
-            result = self.planned.take(op, self.block.at, &mut self.items, params);
+            result = self.lookahead.queue_op(op, self.block.location, &mut self.queue, params);
             if result.is_err() {
                 break;
             }
-            if op.is_barrier() {
-                self.reading = Reading::Barrier;
+            if op.stops_look_ahead() {
+                self.read_ahead = ReadAheadStatus::Barrier;
             }
         }
         self.block.ops = ops;
         match result {
-            Ok(()) if self.block.complete => self.items.push_back(Item::End),
+            Ok(()) if self.block.complete => self.queue.push_back(QueueItem::BlockEnd),
             Ok(()) => {}
             Err(_) => {
-                self.items.truncate(kept);
-                self.planned = planned;
+                self.queue.truncate(kept);
+                self.lookahead = planned;
             }
         }
         result
@@ -345,19 +361,19 @@ impl Run {
 /// Rounding tolerance of a soft limit, mm; far below the resolution.
 const LIMIT_SLACK_MM: f64 = 1e-6;
 
-pub(super) fn within(axis: Axis, at: f64, params: &Params) -> Result<(), Forbidden> {
+pub(super) fn check_soft_limits(axis: Axis, at: f64, params: &Params) -> Result<(), MoveRefusal> {
     let (low, high) = soft_limits(params, axis);
     if at < low - LIMIT_SLACK_MM {
-        return Err(Forbidden::SoftLimit(axis, at, low));
+        return Err(MoveRefusal::SoftLimit(axis, at, low));
     }
     if at > high + LIMIT_SLACK_MM {
-        return Err(Forbidden::SoftLimit(axis, at, high));
+        return Err(MoveRefusal::SoftLimit(axis, at, high));
     }
     Ok(())
 }
 
 /// Whether an arc passes through a point of its circle.
-fn passes(
+fn arc_passes(
     from: PerAxis<f64>,
     to: PerAxis<f64>,
     center: PerAxis<f64>,
@@ -383,16 +399,18 @@ mod tests {
         let (from, to) = (PerAxis([0.0, 0.0, 10.0]), PerAxis([0.0, 0.0, -10.0]));
         let plane = (Axis::Z, Axis::X);
         let (up, down) = (PerAxis([10.0, 0.0, 0.0]), PerAxis([-10.0, 0.0, 0.0]));
-        assert!(passes(from, to, center, plane, true, up) && !passes(from, to, center, plane, true, down));
-        assert!(passes(from, to, center, plane, false, down) && !passes(from, to, center, plane, false, up));
-        assert!(passes(from, from, center, plane, true, down), "a full circle passes everything");
+        assert!(arc_passes(from, to, center, plane, true, up) && !arc_passes(from, to, center, plane, true, down));
+        assert!(arc_passes(from, to, center, plane, false, down) && !arc_passes(from, to, center, plane, false, up));
+        assert!(arc_passes(from, from, center, plane, true, down), "a full circle passes everything");
     }
 
     #[test]
     fn b2_a_feed_per_revolution_needs_a_turning_workpiece() {
-        assert_eq!(Speed::PerRev(0.1).rate(0.0, 6_000.0), None);
+        assert_eq!(ProgrammedFeed::PerRev(0.1).rate(0.0, 6_000.0), None);
         // 0.1 mm/rev × 120 rpm = 12 mm/min = 0.2 mm/s
-        let Some(Rate::Feed { mm_s }) = Speed::PerRev(0.1).rate(120.0, 6_000.0) else { panic!("no feed") };
+        let Some(MotionSpeed::Feed { mm_s }) = ProgrammedFeed::PerRev(0.1).rate(120.0, 6_000.0) else {
+            panic!("no feed")
+        };
         assert!((mm_s - 0.2).abs() < 1e-12);
     }
 }

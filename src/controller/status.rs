@@ -3,10 +3,10 @@
 
 use std::sync::Arc;
 
-use super::{Controller, Phase};
+use super::{ControlPhase, Controller};
 use crate::defs::key::{Key, Lamp, Mode};
 use crate::defs::signal::{Output, OutputSet};
-use crate::link::snapshot::{AxisView, KeyView, ProgramView, RunState, Snapshot, VARIABLES};
+use crate::link::snapshot::{AxisView, KeyView, ProgramView, RunState, Snapshot, VARIABLE_COUNT};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Below this speed an axis is shown as standing, mm/s.
@@ -17,13 +17,13 @@ impl Controller {
     #[must_use]
     pub fn state(&self) -> RunState {
         match self.phase {
-            Phase::Homing(_) => RunState::Homing,
-            Phase::Running if self.is_waiting() => RunState::Waiting,
-            Phase::Running => RunState::Running,
-            Phase::Holding | Phase::Held => RunState::Held,
-            Phase::Stopped => RunState::Stopped,
-            Phase::Idle | Phase::Aborting if self.alarms.block_start() => RunState::Alarm,
-            Phase::Idle | Phase::Aborting => RunState::Idle,
+            ControlPhase::Homing(_) => RunState::Homing,
+            ControlPhase::Running if self.is_awaiting_input() => RunState::Waiting,
+            ControlPhase::Running => RunState::Running,
+            ControlPhase::Holding | ControlPhase::Held => RunState::Held,
+            ControlPhase::Stopped => RunState::Stopped,
+            ControlPhase::Idle | ControlPhase::Aborting if self.alarms.blocks_start() => RunState::Alarm,
+            ControlPhase::Idle | ControlPhase::Aborting => RunState::Idle,
         }
     }
 
@@ -34,42 +34,42 @@ impl Controller {
         out.mode = self.mode;
         out.state = self.state();
         out.page = self.page;
-        (out.coordinates, out.soft_row) = (self.pages.coordinates, self.pages.soft_row);
-        out.own_page = self.own_page();
-        out.grinding_pages = self.grinding_pages();
-        out.diameter = self.is_diameter();
+        (out.coordinates, out.soft_key_row) = (self.pages.coordinates, self.pages.soft_row);
+        out.kind_page = self.kind_page();
+        out.grinding_sheet = self.grinding_pages();
+        out.x_as_diameter = self.is_diameter();
         out.axes = self.axis_views();
         self.program_view(out);
         out.single_block = self.switches.single_block;
-        out.handwheel_axis = self.hand.axis;
-        out.step_mm = self.hand.step_mm;
+        out.handwheel_axis = self.jog.axis;
+        out.handwheel_step_mm = self.jog.step_mm;
         out.feed_override = self.overrides.feed;
         out.rapid_override = self.overrides.rapid;
         out.spindle_override = self.overrides.spindle;
-        out.feed_mm_min = self.path_speed_mm_s() * super::axes::MINUTE;
+        out.feed_mm_min = self.path_speed_mm_s() * super::axes::SECONDS_PER_MINUTE;
         out.wheel_rpm =
-            if self.output_set.has(crate::defs::signal::Output::Wheel) { self.wheel_rpm_given() } else { 0.0 };
-        if self.row.turns_part {
+            if self.output_set.has(crate::defs::signal::Output::Wheel) { self.output_wheel_rpm() } else { 0.0 };
+        if self.kind_row.has_main_spindle {
             out.wheel_rpm = self.lathe.spindle.rpm.abs();
         }
-        out.station = self.row.turns_part.then(|| self.station().map_or(0, u32::from));
+        out.tool_station = self.kind_row.has_main_spindle.then(|| self.turret_station().map_or(0, u32::from));
         self.teach_view(&mut out.teach);
-        out.strokes_min = self.measured_strokes_min();
-        out.parts = self.parts;
+        out.strokes_per_min = self.measured_strokes_min();
+        out.parts_counted = self.part_count;
         out.restart = self.restart_view().map(Box::new);
-        out.interrupted = self.kept.interrupted;
-        let cycle = self.run.as_ref().map_or(self.cycle_time, |run| self.now.since(run.since));
+        out.interrupted = self.power_cut.interrupted;
+        let cycle = self.run.as_ref().map_or(self.cycle_time, |run| self.now.since(run.started_at));
         out.cycle_seconds = cycle.as_secs_f64();
         out.inputs = self.inputs;
         out.outputs = self.output_set;
         for key in Key::ALL {
             out.keys[*key as usize] = self.key_view(*key);
         }
-        for (number, place) in out.variables.iter_mut().enumerate().take(VARIABLES) {
+        for (number, place) in out.variables.iter_mut().enumerate().take(VARIABLE_COUNT) {
             *place = self.memory.get(number as u32).ok().flatten();
         }
         for number in 434..=439 {
-            out.variables[number] = self.system_value(number as u32);
+            out.variables[number] = self.system_variable(number as u32);
         }
         if out.alarms != self.alarms.present() {
             out.alarms = self.alarms.present().to_vec();
@@ -77,7 +77,7 @@ impl Controller {
         if out.message != self.message {
             out.message.clone_from(&self.message);
         }
-        let told = self.waiting_for.as_ref().or(self.pages.note.as_ref());
+        let told = self.waiting_for.as_ref().or(self.pages.program_message.as_ref());
         if out.waiting_for.as_ref() != told {
             out.waiting_for = told.cloned();
         }
@@ -92,7 +92,7 @@ impl Controller {
     }
 
     fn axis_views(&self) -> PerAxis<AxisView> {
-        let (machine, work, to_go) = (self.axes.actual(), self.work(), self.distance_to_go());
+        let (machine, work, to_go) = (self.axes.actual(), self.work_position(), self.distance_to_go());
         PerAxis::from_fn(|axis: Axis| {
             let factor = self.displayed_per_mm(axis);
             AxisView {
@@ -108,19 +108,19 @@ impl Controller {
     }
 
     fn program_view(&self, out: &mut Snapshot) {
-        let program = self.programs.get(self.current);
+        let program = self.programs.get(self.current_program);
         match program {
             Some(program) if !out.program.text.is_instance(&program.text) => {
                 out.program.text.clone_from(&program.text);
-                (out.program.stamp, out.program.mistaken) = (program.stamp, program.mistaken);
+                (out.program.stamp, out.program.has_invalid_bytes) = (program.stamp, program.has_invalid_bytes);
             }
             Some(_) => {}
             None => out.program = ProgramView::default(),
         }
-        out.program.number = self.current;
-        out.program.block_program = self.place.program;
-        out.program.line = self.place.line;
-        out.program.block = self.place.n;
+        out.program.number = self.current_program;
+        out.program.block_program = self.current_block.program;
+        out.program.line = self.current_block.line;
+        out.program.block = self.current_block.n;
     }
 
     pub(super) fn key_view(&self, key: Key) -> KeyView {
@@ -128,38 +128,41 @@ impl Controller {
             Lamp::None => (false, false),
             Lamp::Output(Output::SecondSpindle) => {
                 let both = [Output::SecondSpindle, Output::SecondSpindleCcw];
-                (both.iter().any(|output| self.output_set.has(*output)), self.machine.is_working(Output::SecondSpindle))
+                (
+                    both.iter().any(|output| self.output_set.has(*output)),
+                    self.machine.awaits_feedback(Output::SecondSpindle),
+                )
             }
-            Lamp::Output(output) => (self.output_set.has(output), self.machine.is_working(output)),
+            Lamp::Output(output) => (self.output_set.has(output), self.machine.awaits_feedback(output)),
             Lamp::OutputOff(output) => (!self.output_set.has(output), false),
-            Lamp::Control => (self.control_lamp(key), key == Key::WheelRetract && self.retract.is_working()),
+            Lamp::Control => (self.control_lamp(key), key == Key::WheelRetract && self.retract.is_moving()),
         };
-        KeyView { lamp, working, blocked: self.blocked(key) }
+        KeyView { lamp, pending: working, blocked: self.key_blocked(key) }
     }
 
     fn control_lamp(&self, key: Key) -> bool {
-        let step = |mm: f64| self.hand.step_mm.total_cmp(&mm).is_eq();
+        let step = |mm: f64| self.jog.step_mm.total_cmp(&mm).is_eq();
         match key {
             Key::SingleBlock => self.switches.single_block,
             Key::BlockSkip => self.switches.block_skip,
             Key::OptionalStop => self.switches.optional_stop,
             Key::MachineLock => self.switches.machine_lock,
-            Key::MstLock => self.switches.mst_lock,
+            Key::AuxFunctionLock => self.switches.aux_function_lock,
             Key::DryRun => self.switches.dry_run,
             Key::Oscillation => self.oscillation_lamp(),
-            Key::DressReturn => self.dress.returning,
-            Key::WheelRetract => self.retract.is_lit(),
-            Key::CycleStart => matches!(self.phase, Phase::Running),
-            Key::FeedHold => matches!(self.phase, Phase::Holding | Phase::Held),
+            Key::DressReturn => self.dressing.return_active,
+            Key::WheelRetract => self.retract.lamp_on(),
+            Key::CycleStart => matches!(self.phase, ControlPhase::Running),
+            Key::FeedHold => matches!(self.phase, ControlPhase::Holding | ControlPhase::Held),
             Key::EmergencyStop => self.machine.is_e_stopped(),
-            Key::Rapid => self.hand.rapid,
+            Key::Rapid => self.jog.rapid,
             Key::RapidF0 => self.overrides.rapid == 0,
             Key::Rapid25 => self.overrides.rapid == 25,
             Key::Rapid50 => self.overrides.rapid == 50,
             Key::Rapid100 => self.overrides.rapid == 100,
-            Key::HandwheelX => self.hand.axis == Axis::X,
-            Key::HandwheelY => self.hand.axis == Axis::Y,
-            Key::HandwheelZ => self.hand.axis == Axis::Z,
+            Key::HandwheelX => self.jog.axis == Axis::X,
+            Key::HandwheelY => self.jog.axis == Axis::Y,
+            Key::HandwheelZ => self.jog.axis == Axis::Z,
             Key::Step0001 => step(0.001),
             Key::Step001 => step(0.01),
             Key::Step01 => step(0.1),
@@ -167,7 +170,7 @@ impl Controller {
             Key::SpindleForward => self.machine.spindle_direction() == Some(false),
             Key::SpindleReverse => self.machine.spindle_direction() == Some(true),
             Key::SpindleStop => self.machine.spindle_direction().is_none(),
-            Key::ToolPost => self.machine.post_is_moving(),
+            Key::ToolTurret => self.machine.turret_is_moving(),
             _ => Mode::ALL.into_iter().any(|mode| mode.key() == key && mode == self.mode),
         }
     }
@@ -195,8 +198,8 @@ impl Controller {
 
     /// The present block: program, line, N.
     #[must_use]
-    pub const fn place(&self) -> crate::nc::Place {
-        self.place
+    pub const fn current_block(&self) -> crate::nc::BlockLocation {
+        self.current_block
     }
 
     /// The output image of the last tick.
@@ -220,19 +223,19 @@ impl Controller {
     /// Tick time.
     #[must_use]
     pub const fn tick_time(&self) -> Micros {
-        self.tick
+        self.tick_time
     }
 
     /// Blocks executed since power-on.
     #[must_use]
-    pub const fn blocks(&self) -> u64 {
-        self.blocks
+    pub const fn block_count(&self) -> u64 {
+        self.block_count
     }
 
     /// Whether the axes are braking to a hold or a reset.
     #[must_use]
     pub const fn is_braking(&self) -> bool {
-        matches!(self.phase, Phase::Holding | Phase::Aborting)
+        matches!(self.phase, ControlPhase::Holding | ControlPhase::Aborting)
     }
 
     /// Whether the axes stand in position.
@@ -255,7 +258,7 @@ impl Controller {
     /// Machine set-point, radius mm.
     #[must_use]
     pub const fn set_point(&self) -> PerAxis<f64> {
-        self.axes.set()
+        self.axes.set_point()
     }
 
     /// Machine position from the encoders, radius mm.
@@ -267,7 +270,7 @@ impl Controller {
     /// Wear of an offset (1 to 16), mm as displayed.
     #[must_use]
     pub fn wear(&self, number: usize, axis: Axis) -> Option<f64> {
-        let wear = self.frames.wear.get(number.checked_sub(1)?)?;
+        let wear = self.work_offsets.wear.get(number.checked_sub(1)?)?;
         Some(wear[axis] * self.displayed_per_mm(axis))
     }
 

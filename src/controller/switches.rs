@@ -2,23 +2,26 @@
 //! Source: spec B5, K2.1.
 
 use super::Controller;
-use crate::defs::text::{Said, Text};
+use crate::defs::text::{LocalizedText, Text};
 
 const WITH_RUN: Text = Text::new("程序未结束，不能切换", "a program is open: it is not switched now");
 
 impl Controller {
     /// Machine lock: positions count but axes do not move. Switching it off shows the real positions again.
-    pub(super) fn switch_machine_lock(&mut self) {
+    pub(super) fn toggle_machine_lock(&mut self) {
         if !self.drives_on {
-            return self.refuse(Said::new("驱动未接通，不能机床锁", "the drives are off: the axes are not locked now"));
+            return self.refuse(LocalizedText::new(
+                "驱动未接通，不能机床锁",
+                "the drives are off: the axes are not locked now",
+            ));
         }
-        if self.run.is_some() || !self.axes.is_at_rest() || self.hand.is_leading() || self.retract.is_lit() {
+        if self.run.is_some() || !self.axes.is_at_rest() || self.jog.is_active() || self.retract.lamp_on() {
             return self.refuse(WITH_RUN);
         }
         if self.switches.machine_lock {
             self.release_machine_lock();
         } else {
-            self.axes.give_to_hand();
+            self.axes.switch_to_manual();
             self.axes.lock();
             self.switches.machine_lock = true;
         }
@@ -31,18 +34,18 @@ impl Controller {
     }
 
     /// M, S and T codes are read but not executed, except M00, M01, M30, M98 and M99.
-    pub(super) fn switch_mst_lock(&mut self) {
-        self.switches.mst_lock = !self.switches.mst_lock;
+    pub(super) fn toggle_aux_function_lock(&mut self) {
+        self.switches.aux_function_lock = !self.switches.aux_function_lock;
     }
 
     /// Dry run: feed moves run at P89, mm/min.
-    pub(super) fn switch_dry_run(&mut self) {
+    pub(super) fn toggle_dry_run(&mut self) {
         if self.run.is_some() {
             return self.refuse(WITH_RUN);
         }
         self.switches.dry_run = !self.switches.dry_run;
         if self.switches.dry_run {
-            self.say(Said::new("空运行：进给按 P89 速度", "dry run: feeds run at P89"));
+            self.show_note(LocalizedText::new("空运行：进给按 P89 速度", "dry run: feeds run at P89"));
         }
     }
 }

@@ -6,20 +6,20 @@
 
 use std::sync::Arc;
 
-use super::axes::MINUTE;
-use super::{Controller, Phase};
+use super::axes::SECONDS_PER_MINUTE;
+use super::{ControlPhase, Controller};
 use crate::defs::key::Mode;
 use crate::defs::param;
 use crate::defs::signal::{Input, Output};
-use crate::defs::text::{Said, Text};
-use crate::link::files::{Asker, FileRequest, Ticket};
+use crate::defs::text::{LocalizedText, Text};
+use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::teach::{TeachCommand, TeachView};
 use crate::units::{Axis, PerAxis};
 
 /// Maximum blocks: numbers go in steps of ten and have four digits (L1).
-const MOST: usize = 998;
+const MAX_BLOCKS: usize = 998;
 /// A set-point that changes by less than this per tick, mm, is standing.
-const STANDS_MM: f64 = 1e-7;
+const STANDSTILL_MM: f64 = 1e-7;
 /// Range of F of a line, mm/min on Z (L2).
 const FEEDS: (f64, f64) = (6.0, 2_000.0);
 
@@ -30,7 +30,7 @@ const NOT_HERE: Text = Text::new("本机床没有录返功能", "this machine ha
 
 /// The content of a recorded block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Block {
+enum TaughtBlock {
     /// G92: start position, work coordinates, radius mm.
     Start(PerAxis<f64>),
     /// A straight line: end point (work, radius mm), directions of X and Z, rapid or feed (mm/min).
@@ -45,12 +45,12 @@ enum Block {
 
 /// A recording.
 #[derive(Clone, Debug, Default)]
-pub struct Teach {
+pub struct TeachRecorder {
     recording: bool,
-    blocks: Vec<Block>,
+    blocks: Vec<TaughtBlock>,
     /// End of the last block, and tool position one tick ago; work coordinates, radius mm.
-    last: PerAxis<f64>,
-    before: PerAxis<f64>,
+    segment_start: PerAxis<f64>,
+    previous: PerAxis<f64>,
     /// The present segment: directions of X and Z, greatest path speed, mm/s.
     heading: [i8; 2],
     speed_mm_s: f64,
@@ -64,56 +64,56 @@ pub struct Teach {
 
 impl Controller {
     /// Executes a command of the teach-in page.
-    pub(super) fn take_teach(&mut self, command: TeachCommand) {
-        if !self.row.turns_part {
+    pub(super) fn handle_teach_command(&mut self, command: TeachCommand) {
+        if !self.kind_row.has_main_spindle {
             return self.refuse(NOT_HERE);
         }
         match command {
             TeachCommand::Start if self.run.is_some() => return self.refuse(IN_RUN),
             TeachCommand::Start => self.start_teach(),
             TeachCommand::Stop if self.teach.recording => {
-                self.end_piece();
+                self.end_segment();
                 self.teach.recording = false;
-                self.say(Said::new("录返已停止", "teach-in has stopped"));
+                self.show_note(LocalizedText::new("录返已停止", "teach-in has stopped"));
             }
             TeachCommand::Undo if self.teach.blocks.len() > 1 => {
                 self.teach.blocks.pop();
             }
-            TeachCommand::Keep if self.teach.blocks.len() > 1 => {
-                self.end_piece();
-                let text = self.teach.text();
-                self.take_file(Ticket::unheard(Asker::Teach), &FileRequest::Record(text));
+            TeachCommand::Save if self.teach.blocks.len() > 1 => {
+                self.end_segment();
+                let text = self.teach.program_text();
+                self.handle_file_request(Ticket::without_reply(Requester::Teach), &FileRequest::SaveRecording(text));
             }
-            TeachCommand::Stop | TeachCommand::Undo | TeachCommand::Keep => return self.refuse(NOT_ON),
+            TeachCommand::Stop | TeachCommand::Undo | TeachCommand::Save => return self.refuse(NOT_ON),
         }
-        self.teach.show();
+        self.teach.publish();
     }
 
     fn start_teach(&mut self) {
-        let at = self.teach_place();
-        self.teach = Teach {
+        let at = self.teach_position();
+        self.teach = TeachRecorder {
             recording: true,
-            blocks: vec![Block::Start(at)],
-            last: at,
-            before: at,
+            blocks: vec![TaughtBlock::Start(at)],
+            segment_start: at,
+            previous: at,
             spindle: self.machine.spindle_direction(),
             coolant: self.output_set.has(Output::Coolant),
-            station: self.station(),
-            ..Teach::default()
+            station: self.turret_station(),
+            ..TeachRecorder::default()
         };
-        self.say(Said::new("录返开始：手动移动将被记录", "teach-in: what is moved by hand is recorded"));
+        self.show_note(LocalizedText::new("录返开始：手动移动将被记录", "teach-in: what is moved by hand is recorded"));
     }
 
     /// The tool post station whose switch alone is on.
-    pub(super) fn station(&self) -> Option<u8> {
+    pub(super) fn turret_station(&self) -> Option<u8> {
         let mut on = (1..=4).zip(Input::STATIONS).filter(|(_, input)| self.inputs.has(*input));
         let (station, _) = on.next()?;
         on.next().is_none().then_some(station)
     }
 
     /// Set-point of the tool, work coordinates, radius mm.
-    fn teach_place(&self) -> PerAxis<f64> {
-        self.frames.work_from_machine(self.axes.set())
+    fn teach_position(&self) -> PerAxis<f64> {
+        self.work_offsets.work_from_machine(self.axes.set_point())
     }
 
     /// One tick of a recording, after the axes have moved.
@@ -123,120 +123,120 @@ impl Controller {
         }
         let before = self.teach.blocks.len();
         if self.run.is_some() {
-            self.end_piece();
+            self.end_segment();
             self.teach.recording = false;
-            self.say(Said::new("程序启动，录返已停止", "a program was started: teach-in has stopped"));
-            return self.teach.show();
+            self.show_note(LocalizedText::new("程序启动，录返已停止", "a program was started: teach-in has stopped"));
+            return self.teach.publish();
         }
-        if !self.watch_homing() {
-            self.watch_way();
+        if !self.record_homing() {
+            self.record_motion();
         }
-        self.watch_switches();
-        if self.teach.blocks.len() >= MOST {
-            self.teach.blocks.truncate(MOST);
+        self.record_switching();
+        if self.teach.blocks.len() >= MAX_BLOCKS {
+            self.teach.blocks.truncate(MAX_BLOCKS);
             self.teach.recording = false;
             self.refuse(FULL);
         }
         if self.teach.blocks.len() != before || !self.teach.recording {
-            self.teach.show();
+            self.teach.publish();
         }
     }
 
     /// Records manual homing as G37 or G39. True while homing is in progress.
-    fn watch_homing(&mut self) -> bool {
+    fn record_homing(&mut self) -> bool {
         let now = match &self.phase {
-            Phase::Homing(homing) => Some(homing.now.axis),
+            ControlPhase::Homing(homing) => Some(homing.current.axis),
             _ => None,
         };
-        let at = self.teach_place();
+        let at = self.teach_position();
         if self.teach.homing != now {
-            self.end_piece();
+            self.end_segment();
             if let Some(axis) = self.teach.homing.filter(|axis| self.axes.is_homed(*axis)) {
-                self.teach.blocks.push(Block::Home(axis));
+                self.teach.blocks.push(TaughtBlock::Home(axis));
             }
             self.teach.homing = now;
-            (self.teach.last, self.teach.before) = (at, at);
+            (self.teach.segment_start, self.teach.previous) = (at, at);
         }
         if now.is_some() {
-            (self.teach.last, self.teach.before) = (at, at);
+            (self.teach.segment_start, self.teach.previous) = (at, at);
         }
         now.is_some()
     }
 
-    fn watch_way(&mut self) {
-        let at = self.teach_place();
-        let by = [at[Axis::X] - self.teach.before[Axis::X], at[Axis::Z] - self.teach.before[Axis::Z]];
-        let sign = |by: f64| if by.abs() < STANDS_MM { 0 } else { by.signum() as i8 };
+    fn record_motion(&mut self) {
+        let at = self.teach_position();
+        let by = [at[Axis::X] - self.teach.previous[Axis::X], at[Axis::Z] - self.teach.previous[Axis::Z]];
+        let sign = |by: f64| if by.abs() < STANDSTILL_MM { 0 } else { by.signum() as i8 };
         let heading = by.map(sign);
         if heading != self.teach.heading {
-            self.end_piece();
+            self.end_segment();
             self.teach.heading = heading;
         }
         if heading != [0, 0] {
-            let speed = by[0].hypot(by[1]) / self.tick.as_secs_f64();
+            let speed = by[0].hypot(by[1]) / self.tick_time.as_secs_f64();
             self.teach.speed_mm_s = self.teach.speed_mm_s.max(speed);
-            self.teach.rapid = self.hand.rapid && self.mode == Mode::Manual;
+            self.teach.rapid = self.jog.rapid && self.mode == Mode::Manual;
         }
-        self.teach.before = at;
+        self.teach.previous = at;
     }
 
-    fn watch_switches(&mut self) {
+    fn record_switching(&mut self) {
         let (spindle, coolant, station) =
-            (self.machine.spindle_direction(), self.output_set.has(Output::Coolant), self.station());
+            (self.machine.spindle_direction(), self.output_set.has(Output::Coolant), self.turret_station());
         let mut switched = Vec::new();
         if spindle != self.teach.spindle {
-            switched.push(Block::M(match spindle {
+            switched.push(TaughtBlock::M(match spindle {
                 Some(false) => 3,
                 Some(true) => 4,
                 None => 5,
             }));
         }
         if coolant != self.teach.coolant {
-            switched.push(Block::M(if coolant { 7 } else { 8 }));
+            switched.push(TaughtBlock::M(if coolant { 7 } else { 8 }));
         }
         if let Some(station) = station.filter(|station| self.teach.station != Some(*station)) {
             // Record only the final station, not the stations that the post passes.
-            if self.output_set.has(Output::PostForward) {
+            if self.output_set.has(Output::TurretForward) {
                 return;
             }
-            switched.push(Block::T(station));
+            switched.push(TaughtBlock::T(station));
             self.teach.station = Some(station);
         }
         if !switched.is_empty() {
-            self.end_piece();
+            self.end_segment();
             (self.teach.spindle, self.teach.coolant) = (spindle, coolant);
             self.teach.blocks.extend(switched);
         }
     }
 
     /// Ends the present segment: it becomes a block or extends the last one.
-    fn end_piece(&mut self) {
+    fn end_segment(&mut self) {
         let teach = &mut self.teach;
-        let (from, to) = (teach.last, teach.before);
+        let (from, to) = (teach.segment_start, teach.previous);
         let (x, z) = ((to[Axis::X] - from[Axis::X]).abs(), (to[Axis::Z] - from[Axis::Z]).abs());
         let length = x.hypot(z);
-        let (speed, heading, rapid) = (teach.speed_mm_s * MINUTE, teach.heading, teach.rapid);
+        let (speed, heading, rapid) = (teach.speed_mm_s * SECONDS_PER_MINUTE, teach.heading, teach.rapid);
         teach.speed_mm_s = 0.0;
-        if length < STANDS_MM || heading == [0, 0] {
+        if length < STANDSTILL_MM || heading == [0, 0] {
             return;
         }
-        teach.last = to;
+        teach.segment_start = to;
         // L2: F is the speed along Z; X moves at up to half of it.
         let feed = (speed * (2.0 * x / length).max(1.0)).round().clamp(FEEDS.0, FEEDS.1);
-        if let Some(Block::Line { to: end, heading: before, rapid: fast, feed: at }) = teach.blocks.last_mut()
+        if let Some(TaughtBlock::Line { to: end, heading: before, rapid: fast, feed: at }) = teach.blocks.last_mut()
             && (*before, *fast) == (heading, rapid)
             && heading.contains(&0)
         {
             (*end, *at) = (to, at.max(feed));
             return;
         }
-        teach.blocks.push(Block::Line { to, heading, rapid, feed });
+        teach.blocks.push(TaughtBlock::Line { to, heading, rapid, feed });
     }
 
     /// Length of a manual step, mm as displayed: P395 on a lathe if set (L9 定长进给), else the selected step.
     pub(super) fn step_length_mm(&self) -> f64 {
-        let set = self.params.get(param::FIXED_STEP);
-        if self.row.turns_part && set > 0.0 { set } else { self.hand.step_mm }
+        let set = self.params.get(param::FIXED_STEP_LENGTH);
+        if self.kind_row.has_main_spindle && set > 0.0 { set } else { self.jog.step_mm }
     }
 
     /// Writes the snapshot field of the recording.
@@ -247,34 +247,34 @@ impl Controller {
     }
 
     /// The recording was saved as a program.
-    pub(super) fn teach_kept(&mut self) {
-        Arc::make_mut(&mut self.teach.view).kept = true;
+    pub(super) fn teach_stored(&mut self) {
+        Arc::make_mut(&mut self.teach.view).saved = true;
     }
 }
 
-impl Teach {
-    fn show(&mut self) {
-        let blocks = self.written();
-        self.view = Arc::new(TeachView { recording: self.recording, blocks, kept: false });
+impl TeachRecorder {
+    fn publish(&mut self) {
+        let blocks = self.numbered_blocks();
+        self.view = Arc::new(TeachView { recording: self.recording, blocks, saved: false });
     }
 
     /// The recorded blocks as text with block numbers.
-    fn written(&self) -> Vec<String> {
+    fn numbered_blocks(&self) -> Vec<String> {
         let numbered = self.blocks.iter().enumerate();
-        numbered.map(|(index, block)| format!("N{:04}{}", (index + 1) * 10, block.words())).collect()
+        numbered.map(|(index, block)| format!("N{:04}{}", (index + 1) * 10, block.text())).collect()
     }
 
     /// The program text, ending with M02.
-    fn text(&self) -> String {
-        let mut lines = self.written();
+    fn program_text(&self) -> String {
+        let mut lines = self.numbered_blocks();
         lines.push(format!("N{:04}M02", (lines.len() + 1) * 10));
         lines.push(String::new());
         lines.join("\r\n")
     }
 }
 
-impl Block {
-    fn words(&self) -> String {
+impl TaughtBlock {
+    fn text(&self) -> String {
         match *self {
             Self::Start(at) => format!("G92X{}Z{}", mm(2.0 * at[Axis::X]), mm(at[Axis::Z])),
             Self::Line { to, rapid, feed, heading } => {

@@ -1,11 +1,11 @@
 //! Wheel change: sets size and rating, and blocks cycle start until the wheel is dressed.
 //! Source: spec K5.17; seed 000 (the dressing point is set again after the wheel was mounted).
 
-use super::{Controller, Effect};
+use super::{Controller, StorageRequest};
 use crate::defs::page::Page;
-use crate::defs::param::{self, Number};
+use crate::defs::param::{self, NumberParam};
 use crate::defs::signal::Output;
-use crate::defs::text::{Said, Text};
+use crate::defs::text::{LocalizedText, Text};
 
 const WHEEL_RUNS: Text = Text::new("砂轮还在转，先停砂轮", "the wheel runs: stop it first");
 const OPEN_RUN: Text = Text::new("程序未结束，先复位", "a program is open: press RESET first");
@@ -13,7 +13,12 @@ const NOT_HERE: Text = Text::new("请在换砂轮页面操作", "change the whee
 
 impl Controller {
     /// Sets P77–P79 and P6.7, all or nothing.
-    pub(super) fn change_wheel(&mut self, diameter_mm: f64, width_mm: f64, rated_m_s: f64) -> Result<Said, Said> {
+    pub(super) fn change_wheel(
+        &mut self,
+        diameter_mm: f64,
+        width_mm: f64,
+        rated_m_s: f64,
+    ) -> Result<LocalizedText, LocalizedText> {
         if self.page != Page::Wheel {
             return Err(NOT_HERE.into());
         }
@@ -23,7 +28,7 @@ impl Controller {
         if self.run.is_some() {
             return Err(OPEN_RUN.into());
         }
-        let values: [(Number, f64); 3] = [
+        let values: [(NumberParam, f64); 3] = [
             (param::WHEEL_DIAMETER, diameter_mm),
             (param::WHEEL_WIDTH, width_mm),
             (param::WHEEL_RATED_SPEED, rated_m_s),
@@ -31,7 +36,7 @@ impl Controller {
         for (row, value) in values {
             if !(row.min..=row.max).contains(&value) {
                 let range = format!("{} … {} {}", row.min, row.max, row.unit);
-                return Err(Said::new(
+                return Err(LocalizedText::new(
                     format!("P{} {} 超出范围 {range}", row.number, row.name.zh),
                     format!("P{} {}: out of range {range}", row.number, row.name.en),
                 ));
@@ -40,11 +45,11 @@ impl Controller {
         let flag = (param::WHEEL_UNDRESSED.address(), 1.0);
         for (at, value) in values.map(|(row, value)| (row.address(), value)).into_iter().chain([flag]) {
             if self.params.write(at, value).is_ok() {
-                self.effects.push(Effect::Param(at, value));
+                self.storage_requests.push(StorageRequest::Param(at, value));
             }
         }
-        self.forget_dressings();
-        self.pages.show(&self.params);
-        Ok(Said::new("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"))
+        self.reset_dressing_counts();
+        self.pages.set_params(&self.params);
+        Ok(LocalizedText::new("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"))
     }
 }

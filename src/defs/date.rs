@@ -10,16 +10,16 @@ pub const YEARS: std::ops::RangeInclusive<i64> = 2_020..=2_099;
 
 /// Seconds since 1970-01-01 00:00:00 local time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub struct Date(pub i64);
+pub struct DateTime(pub i64);
 
-impl Date {
+impl DateTime {
     /// A date from year, month, day, hour, minute, second; `None` if the date or time is invalid.
     #[must_use]
-    pub fn of(parts: [i64; 6]) -> Option<Self> {
+    pub fn from_parts(parts: [i64; 6]) -> Option<Self> {
         let [year, month, day, hour, minute, second] = parts;
         let good = (0..24).contains(&hour) && (0..60).contains(&minute) && (0..60).contains(&second);
-        let good = good && (1..=12).contains(&month) && day >= 1 && day <= days_of(year, month);
-        let seconds = days_before(year, month) + day - 1;
+        let good = good && (1..=12).contains(&month) && day >= 1 && day <= days_in_month(year, month);
+        let seconds = days_to_month(year, month) + day - 1;
         good.then_some(Self(seconds * DAY + hour * HOUR + minute * MINUTE + second))
     }
 
@@ -29,14 +29,14 @@ impl Date {
         let (days, rest) = (self.0.div_euclid(DAY), self.0.rem_euclid(DAY));
         // A year has 365.2425 days on average: the first guess is off by one at most.
         let mut year = 1_970 + (days * 400).div_euclid(146_097);
-        while days_before(year, 1) > days {
+        while days_to_month(year, 1) > days {
             year -= 1;
         }
-        while days_before(year + 1, 1) <= days {
+        while days_to_month(year + 1, 1) <= days {
             year += 1;
         }
-        let month = (1..=12).rev().find(|month| days_before(year, *month) <= days).unwrap_or(1);
-        let day = days - days_before(year, month) + 1;
+        let month = (1..=12).rev().find(|month| days_to_month(year, *month) <= days).unwrap_or(1);
+        let day = days - days_to_month(year, month) + 1;
         [year, month, day, rest / HOUR, rest / MINUTE % 60, rest % MINUTE]
     }
 
@@ -46,7 +46,7 @@ impl Date {
         let (day, time) = text.split_once(' ')?;
         let numbers = day.split('-').chain(time.split(':')).map(|part| part.parse::<i64>());
         let parts = numbers.collect::<Result<Vec<_>, _>>().ok()?;
-        Self::of(parts.try_into().ok()?)
+        Self::from_parts(parts.try_into().ok()?)
     }
 
     /// `15:01:56`
@@ -65,7 +65,7 @@ impl Date {
 }
 
 /// `2026-11-21 15:01:56`
-impl std::fmt::Display for Date {
+impl std::fmt::Display for DateTime {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let [year, month, day, ..] = self.parts();
         write!(f, "{year:04}-{month:02}-{day:02} {}", self.time())
@@ -78,7 +78,7 @@ const fn is_leap(year: i64) -> bool {
 
 /// Number of days in a month.
 #[must_use]
-pub const fn days_of(year: i64, month: i64) -> i64 {
+pub const fn days_in_month(year: i64, month: i64) -> i64 {
     match month {
         2 => 28 + is_leap(year) as i64,
         4 | 6 | 9 | 11 => 30,
@@ -87,10 +87,10 @@ pub const fn days_of(year: i64, month: i64) -> i64 {
 }
 
 /// Days from 1970-01-01 to the first day of a month.
-fn days_before(year: i64, month: i64) -> i64 {
+fn days_to_month(year: i64, month: i64) -> i64 {
     let past = year - 1;
     let leaps = past.div_euclid(4) - past.div_euclid(100) + past.div_euclid(400) - 477;
-    let months: i64 = (1..month).map(|month| days_of(year, month)).sum();
+    let months: i64 = (1..month).map(|month| days_in_month(year, month)).sum();
     (year - 1_970) * 365 + leaps + months
 }
 
@@ -107,25 +107,25 @@ mod tests {
             (1_795_273_316, "2026-11-21 15:01:56"),
             (4_102_444_799, "2099-12-31 23:59:59"),
         ] {
-            assert_eq!(Date(seconds).to_string(), shown);
-            assert_eq!(Date::of(Date(seconds).parts()), Some(Date(seconds)));
+            assert_eq!(DateTime(seconds).to_string(), shown);
+            assert_eq!(DateTime::from_parts(DateTime(seconds).parts()), Some(DateTime(seconds)));
         }
-        assert_eq!(Date(1_795_273_316).compact(), "20261121-150156");
-        assert_eq!(Date::parse("2026-11-21 15:01:56"), Some(Date(1_795_273_316)));
+        assert_eq!(DateTime(1_795_273_316).compact(), "20261121-150156");
+        assert_eq!(DateTime::parse("2026-11-21 15:01:56"), Some(DateTime(1_795_273_316)));
         for wrong in ["2026-11-21", "2026-11-21 15:01", "2026-02-30 15:01:56", "21.11.2026 15:01:56", "", "a b"] {
-            assert_eq!(Date::parse(wrong), None, "{wrong}");
+            assert_eq!(DateTime::parse(wrong), None, "{wrong}");
         }
-        assert!((0..60_000).all(|day| Date::of(Date(day * DAY).parts()) == Some(Date(day * DAY))));
+        assert!((0..60_000).all(|day| DateTime::from_parts(DateTime(day * DAY).parts()) == Some(DateTime(day * DAY))));
     }
 
     #[test]
     fn b6_a_day_that_is_none_is_refused() {
         for wrong in [[2_027, 2, 29, 0, 0, 0], [2_026, 13, 1, 0, 0, 0], [2_026, 4, 31, 0, 0, 0], [2_026, 1, 0, 0, 0, 0]]
         {
-            assert_eq!(Date::of(wrong), None, "{wrong:?}");
+            assert_eq!(DateTime::from_parts(wrong), None, "{wrong:?}");
         }
-        assert_eq!(Date::of([2_026, 1, 1, 24, 0, 0]), None);
-        assert_eq!(Date::of([2_026, 1, 1, 0, 60, 0]), None);
-        assert!(Date::of([2_028, 2, 29, 23, 59, 59]).is_some());
+        assert_eq!(DateTime::from_parts([2_026, 1, 1, 24, 0, 0]), None);
+        assert_eq!(DateTime::from_parts([2_026, 1, 1, 0, 60, 0]), None);
+        assert!(DateTime::from_parts([2_028, 2, 29, 23, 59, 59]).is_some());
     }
 }

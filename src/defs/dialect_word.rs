@@ -1,7 +1,7 @@
 //! The words of the two dialects with their own G codes and statements, for help and manual.
 //! Source: spec superman-lathe.md L2–L8, sinumerik-802d.md S1.
 
-use super::kind::System;
+use super::kind::Dialect;
 use super::text::Text;
 
 /// One word of a dialect.
@@ -125,10 +125,10 @@ words! {
 
 /// The words of a dialect; empty for dialects that use the `gcode` table.
 #[must_use]
-pub const fn table(system: System) -> &'static [DialectWord] {
+pub const fn words_of(system: Dialect) -> &'static [DialectWord] {
     match system {
-        System::LatheA | System::Mill => &[],
-        System::SuperMan => SUPERMAN,
-        System::Sinumerik => SINUMERIK,
+        Dialect::LatheA | Dialect::Mill => &[],
+        Dialect::SuperMan => SUPERMAN,
+        Dialect::Sinumerik => SINUMERIK,
     }
 }

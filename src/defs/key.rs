@@ -10,7 +10,7 @@ use crate::units::Axis;
 
 /// A group of keys on the panel (H2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Group {
+pub enum KeyGroup {
     /// 编辑 … 手动
     Mode,
     /// 单段 … 空运行
@@ -137,11 +137,11 @@ pub struct KeyRow {
     /// Label: Chinese 2–4 characters, English.
     pub label: Text,
     /// Key group on the panel.
-    pub group: Group,
+    pub group: KeyGroup,
     /// Kinds that have the key.
     pub kinds: &'static [Kind],
     /// Whether it works while a program runs (K2.2).
-    pub in_run: bool,
+    pub active_in_run: bool,
     /// What its lamp shows.
     pub lamp: Lamp,
     /// Function and conditions.
@@ -167,8 +167,8 @@ macro_rules! keys {
             pub const fn row(self) -> KeyRow {
                 match self {
                     $(Self::$variant => KeyRow {
-                        id: $id, label: Text::new($zh, $en), group: Group::$group,
-                        kinds: $kinds, in_run: $in_run, lamp: $lamp,
+                        id: $id, label: Text::new($zh, $en), group: KeyGroup::$group,
+                        kinds: $kinds, active_in_run: $in_run, lamp: $lamp,
                         help: Text::new($help_zh, $help_en),
                     },)*
                 }
@@ -213,7 +213,7 @@ keys! {
     MachineLock = "machine-lock", "机床锁", "LOCK", Switch, ALL, false, Control,
         "灯亮：坐标走、轴不动，用来试程序。轴静止且没有程序时才能切换。",
         "Lit: positions count, axes stand: for trying a program. Switched with no program open and the axes at rest.";
-    MstLock = "mst-lock", "辅助锁", "MST LOCK", Switch, ALL, false, Control,
+    AuxFunctionLock = "mst-lock", "辅助锁", "MST LOCK", Switch, ALL, false, Control,
         "灯亮：M、S、T 不输出（M00 M01 M30 M31 M98 M99 除外）。",
         "Lit: M, S and T are left out, but M00, M01, M30, M31, M98, M99.";
     DryRun = "dry-run", "空运行", "DRY RUN", Switch, ALL, false, Control,
@@ -312,7 +312,7 @@ keys! {
     SpindleStop = "spindle-stop", "主轴停止", "SPDL STOP", Workpiece, LATHE, false, Control,
         "主轴停止。",
         "Spindle off.";
-    ToolPost = "tool-post", "换刀", "TOOL", Clamping, LATHE, false, Control,
+    ToolTurret = "tool-post", "换刀", "TOOL", Clamping, LATHE, false, Control,
         "刀架转到下一刀位；轴静止时有效。",
         "The tool post turns to the next station.";
     HeadstockHigh = "headstock-high", "头架高速", "HEAD HIGH", Workpiece, GC, false, Out(Output::HeadstockHigh),
@@ -416,14 +416,14 @@ impl Key {
 
     /// The label on the panel of a kind: shortened where the group caption gives the context.
     #[must_use]
-    pub const fn face(self, kind: Kind) -> Text {
+    pub const fn short_label(self, kind: Kind) -> Text {
         match self {
             // K1: on surface and rotary-table grinders the gauges measure thickness and plane.
             Self::RadialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("厚度", "THICK"),
             Self::AxialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("平面", "PLANE"),
             Self::ModeHandwheel => Text::new("手轮", "MPG"),
             Self::OptionalStop => Text::new("选择停", "M01"),
-            Self::MstLock => Text::new("辅助锁", "MST"),
+            Self::AuxFunctionLock => Text::new("辅助锁", "MST"),
             Self::MachineLock => Text::new("机床锁", "LOCK"),
             Self::DryRun => Text::new("空运行", "DRY"),
             Self::FeedOverrideUp | Self::SpindleOverrideUp | Self::FeedOverrideDown | Self::SpindleOverrideDown => {
@@ -461,14 +461,14 @@ impl Key {
 
     /// Whether a kind has the key.
     #[must_use]
-    pub fn is_on(self, kind: Kind) -> bool {
+    pub fn exists_on(self, kind: Kind) -> bool {
         self.row().kinds.contains(&kind)
     }
 
     /// The key of an id or of a Chinese label (full or short) on a kind; an ambiguous label gives `None`.
     #[must_use]
     pub fn from_word(word: &str, kind: Kind) -> Option<Self> {
-        let on_kind = || Self::ALL.iter().copied().filter(move |key| key.is_on(kind));
+        let on_kind = || Self::ALL.iter().copied().filter(move |key| key.exists_on(kind));
         let only = |text: fn(Self, Kind) -> Text| {
             let mut matches = on_kind().filter(|key| text(*key, kind).zh == word);
             matches.next().filter(|_| matches.next().is_none())
@@ -476,13 +476,13 @@ impl Key {
         on_kind()
             .find(|key| key.id() == word)
             .or_else(|| only(|key, _| key.label()))
-            .or_else(|| only(Self::name_on))
-            .or_else(|| only(Self::face))
+            .or_else(|| only(Self::label_on))
+            .or_else(|| only(Self::short_label))
     }
 
     /// The full label on a kind. K1: on surface and rotary-table grinders the gauges measure thickness and plane.
     #[must_use]
-    pub const fn name_on(self, kind: Kind) -> Text {
+    pub const fn label_on(self, kind: Kind) -> Text {
         match self {
             Self::RadialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("厚度量仪", "THICKNESS"),
             Self::AxialGauge if matches!(kind, Kind::Gs | Kind::Ga) => Text::new("平面量仪", "PLANE"),
@@ -492,7 +492,7 @@ impl Key {
 
     /// Axis and sign of a jog key.
     #[must_use]
-    pub const fn jog(self) -> Option<(Axis, f64)> {
+    pub const fn jog_direction(self) -> Option<(Axis, f64)> {
         Some(match self {
             Self::XPlus => (Axis::X, 1.0),
             Self::XMinus => (Axis::X, -1.0),
@@ -517,7 +517,7 @@ impl Key {
 
     /// The jog key of an axis and a direction.
     #[must_use]
-    pub const fn of_jog(axis: Axis, plus: bool) -> Self {
+    pub const fn from_jog(axis: Axis, plus: bool) -> Self {
         match (axis, plus) {
             (Axis::X, true) => Self::XPlus,
             (Axis::X, false) => Self::XMinus,
@@ -564,7 +564,7 @@ mod tests {
     fn k2_2_in_a_run_only_fluids_and_run_keys_act() {
         let dead = [Key::WheelStart, Key::Hydraulic, Key::HeadstockHigh, Key::ModeManual, Key::XPlus, Key::DryRun];
         let alive = [Key::Coolant, Key::Lubrication, Key::CycleStart, Key::Reset, Key::SingleBlock, Key::BlockSkip];
-        assert!(dead.iter().all(|key| !key.row().in_run));
-        assert!(alive.iter().all(|key| key.row().in_run));
+        assert!(dead.iter().all(|key| !key.row().active_in_run));
+        assert!(alive.iter().all(|key| key.row().active_in_run));
     }
 }

@@ -23,7 +23,7 @@ pub enum Kind {
 
 /// The dialect of the programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum System {
+pub enum Dialect {
     /// GC: U, V, W are incremental; G90 and G94 are cycles.
     LatheA,
     /// GS and GA: G90 and G91 are modal; U, V, W are incremental as well.
@@ -54,7 +54,7 @@ impl Kind {
 
     /// The subfolder of its programs below the programs folder; empty for the programs folder itself.
     #[must_use]
-    pub const fn folder(self) -> &'static str {
+    pub const fn program_folder(self) -> &'static str {
         match self {
             Self::Gc | Self::Gs | Self::Ga | Self::Lathe => "",
             Self::Vertical => "802d",
@@ -63,18 +63,18 @@ impl Kind {
 
     /// The dialect of its programs.
     #[must_use]
-    pub const fn system(self) -> System {
+    pub const fn dialect(self) -> Dialect {
         match self {
-            Self::Gc => System::LatheA,
-            Self::Gs | Self::Ga => System::Mill,
-            Self::Vertical => System::Sinumerik,
-            Self::Lathe => System::SuperMan,
+            Self::Gc => Dialect::LatheA,
+            Self::Gs | Self::Ga => Dialect::Mill,
+            Self::Vertical => Dialect::Sinumerik,
+            Self::Lathe => Dialect::SuperMan,
         }
     }
 
     /// The name on a key.
     #[must_use]
-    pub const fn short(self) -> &'static str {
+    pub const fn short_name(self) -> &'static str {
         match self {
             Self::Gc => "GC",
             Self::Gs => "GS",
@@ -103,7 +103,7 @@ impl Kind {
     }
 }
 
-impl System {
+impl Dialect {
     /// The milling dialect: G90 and G91 are modal (GS, GA).
     #[must_use]
     pub const fn is_mill(self) -> bool {
@@ -112,7 +112,7 @@ impl System {
 
     /// It uses the G codes of the `gcode` table; the other dialects have their own words.
     #[must_use]
-    pub const fn is_grinder(self) -> bool {
+    pub const fn is_kt830(self) -> bool {
         matches!(self, Self::LatheA | Self::Mill)
     }
 
@@ -124,7 +124,7 @@ impl System {
 
     /// Initial text of a new program with this number.
     #[must_use]
-    pub fn new_text(self, number: u32) -> String {
+    pub fn new_program_text(self, number: u32) -> String {
         match self {
             Self::SuperMan => "N0010M02\r\n".to_owned(),
             Self::LatheA | Self::Mill | Self::Sinumerik => format!("O{number:04}\r\n\r\nM30\r\n"),

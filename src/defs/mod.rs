@@ -3,27 +3,27 @@
 //! Each number, name and text is defined once, in its row. This module has no behaviour.
 
 pub mod alarm;
+pub mod alarm_history;
 pub mod date;
 pub mod dialect_word;
-pub mod face;
-pub mod fault;
 pub mod gcode;
-pub mod history;
 pub mod key;
 pub mod kind;
+pub mod kind_ui;
+pub mod leadscrew;
 pub mod mcode;
 pub mod page;
+pub mod page_text;
 pub mod param;
 pub mod param_row;
-pub mod port;
-pub mod program;
+pub mod port_conflict;
 pub mod program_error;
-pub mod r_name;
-pub mod r_parameter;
-pub mod screen;
-pub mod screw;
+pub mod program_number;
+pub mod r_parameter_name;
 pub mod signal;
+pub mod sim_fault;
 pub mod soft_key;
+pub mod system_variable;
 pub mod text;
 pub mod turning_tool;
-pub mod variable;
+pub mod variable_name;

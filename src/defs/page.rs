@@ -172,8 +172,8 @@ const WITH_OFFSETS: &[Page] = &[Page::Dressing, Page::Offset];
 impl Page {
     /// Whether a kind has the page.
     #[must_use]
-    pub fn is_on(self, kind: Kind) -> bool {
-        let without = if kind.face().turns_part { GRINDING } else { TURNING };
+    pub fn exists_on(self, kind: Kind) -> bool {
+        let without = if kind.ui().is_lathe { GRINDING } else { TURNING };
         !(without.contains(&self) || matches!(kind, Kind::Vertical) && WITH_OFFSETS.contains(&self))
     }
 
@@ -181,7 +181,7 @@ impl Page {
     #[must_use]
     pub const fn title_on(self, kind: Kind) -> Text {
         match (self, kind) {
-            (Self::Mdi, kind) => kind.face().mdi,
+            (Self::Mdi, kind) => kind.ui().mdi_title,
             (Self::Grinding, Kind::Vertical) => Text::new("R 参数", "R parameters"),
             _ => self.title(),
         }
@@ -194,11 +194,11 @@ mod tests {
 
     #[test]
     fn l9_a_lathe_has_teach_in_and_tools_instead_of_the_grinding_pages() {
-        assert!(Page::Teach.is_on(Kind::Lathe) && Page::Tools.is_on(Kind::Lathe));
-        assert!(!Page::Grinding.is_on(Kind::Lathe) && !Page::Wheel.is_on(Kind::Lathe));
+        assert!(Page::Teach.exists_on(Kind::Lathe) && Page::Tools.exists_on(Kind::Lathe));
+        assert!(!Page::Grinding.exists_on(Kind::Lathe) && !Page::Wheel.exists_on(Kind::Lathe));
         for kind in [Kind::Gc, Kind::Gs, Kind::Ga, Kind::Vertical] {
-            assert!(Page::Grinding.is_on(kind) && Page::Wheel.is_on(kind) && !Page::Teach.is_on(kind));
+            assert!(Page::Grinding.exists_on(kind) && Page::Wheel.exists_on(kind) && !Page::Teach.exists_on(kind));
         }
-        assert!(Page::ALL.iter().all(|page| Kind::ALL.iter().any(|kind| page.is_on(*kind))));
+        assert!(Page::ALL.iter().all(|page| Kind::ALL.iter().any(|kind| page.exists_on(*kind))));
     }
 }

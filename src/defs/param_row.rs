@@ -2,13 +2,13 @@
 //! Source: spec B6, K6.1; the rows are defined in `param` and `signal`.
 
 use super::kind::Kind;
-use super::param::{BITS, Level, NUMBERS, ParamAddress, Params};
+use super::param::{AccessLevel, BITS, NUMBERS, ParamAddress, Params};
 use super::signal::{Input, Output, PORTS};
-use super::text::{Said, Text};
+use super::text::{LocalizedText, Text};
 
 /// The type of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sort {
+pub enum ParamType {
     /// 0 or 1.
     Bit,
     /// A number.
@@ -23,9 +23,9 @@ pub enum Sort {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParamRow {
     /// Its address.
-    pub at: ParamAddress,
+    pub address: ParamAddress,
     /// Display name.
-    pub name: Said,
+    pub name: LocalizedText,
     /// Unit; empty for bits, counts and ports.
     pub unit: &'static str,
     /// Minimum.
@@ -35,24 +35,24 @@ pub struct ParamRow {
     /// Factory value on the kind.
     pub factory: f64,
     /// Who may change it.
-    pub level: Level,
+    pub level: AccessLevel,
     /// Its type.
-    pub sort: Sort,
+    pub param_type: ParamType,
 }
 
 impl ParamRow {
     /// The allowed range with its unit.
     #[must_use]
-    pub fn range(&self) -> Said {
+    pub fn range(&self) -> LocalizedText {
         let (min, max) = (self.min, self.max);
-        match self.sort {
-            Sort::Bit => Said::new("0 或 1", "0 or 1"),
-            Sort::Number => {
+        match self.param_type {
+            ParamType::Bit => LocalizedText::new("0 或 1", "0 or 1"),
+            ParamType::Number => {
                 let words = format!("{min} … {max} {}", self.unit);
-                Said::new(words.trim_end(), words.trim_end())
+                LocalizedText::new(words.trim_end(), words.trim_end())
             }
-            Sort::Input(_) | Sort::Output(_) => {
-                Said::new(format!("{min} … {max} (0 未接)"), format!("{min} … {max} (0 none)"))
+            ParamType::Input(_) | ParamType::Output(_) => {
+                LocalizedText::new(format!("{min} … {max} (0 未接)"), format!("{min} … {max} (0 none)"))
             }
         }
     }
@@ -68,29 +68,38 @@ pub fn rows(kind: Kind) -> Vec<ParamRow> {
         .iter()
         .map(|row| {
             let at = ParamAddress { number: row.number, bit: Some(row.bit) };
-            let (name, level, sort) = (row.name.into(), row.level, Sort::Bit);
-            ParamRow { at, name, unit: "", min: 0.0, max: 1.0, factory: factory(at), level, sort }
+            let (name, level, sort) = (row.name.into(), row.level, ParamType::Bit);
+            ParamRow { address: at, name, unit: "", min: 0.0, max: 1.0, factory: factory(at), level, param_type: sort }
         })
         .collect();
     let numbers = NUMBERS.iter().map(|row| {
         let at = ParamAddress { number: row.number, bit: None };
-        let (name, min, max, sort) = (row.name.into(), row.min, row.max, Sort::Number);
-        ParamRow { at, name, unit: row.unit, min, max, factory: factory(at), level: row.level, sort }
+        let (name, min, max, sort) = (row.name.into(), row.min, row.max, ParamType::Number);
+        ParamRow {
+            address: at,
+            name,
+            unit: row.unit,
+            min,
+            max,
+            factory: factory(at),
+            level: row.level,
+            param_type: sort,
+        }
     });
     let port = |number, name: Text, way: Text, sort| {
         let at = ParamAddress { number, bit: None };
-        let name = Said::new(format!("{}：{}", way.zh, name.zh), format!("{}: {}", way.en, name.en));
-        let (max, level) = (f64::from(PORTS), Level::Builder);
-        ParamRow { at, name, unit: "", min: 0.0, max, factory: factory(at), level, sort }
+        let name = LocalizedText::new(format!("{}：{}", way.zh, name.zh), format!("{}: {}", way.en, name.en));
+        let (max, level) = (f64::from(PORTS), AccessLevel::Builder);
+        ParamRow { address: at, name, unit: "", min: 0.0, max, factory: factory(at), level, param_type: sort }
     };
     let (into, out_of) = (Text::new("输入口", "input port"), Text::new("输出口", "output port"));
-    let inputs = Input::ALL.iter().map(|input| port(input.port_param(), input.name(), into, Sort::Input(*input)));
-    let on_kind = Output::ALL.iter().filter(|output| output.is_of(kind));
-    let outputs = on_kind.map(|output| port(output.port_param(), output.name(), out_of, Sort::Output(*output)));
+    let inputs = Input::ALL.iter().map(|input| port(input.port_param(), input.name(), into, ParamType::Input(*input)));
+    let on_kind = Output::ALL.iter().filter(|output| output.exists_on(kind));
+    let outputs = on_kind.map(|output| port(output.port_param(), output.name(), out_of, ParamType::Output(*output)));
     let mut numbers: Vec<ParamRow> = numbers.collect();
     let mut ports: Vec<ParamRow> = inputs.chain(outputs).collect();
-    numbers.sort_by_key(|row| row.at);
-    ports.sort_by_key(|row| row.at);
+    numbers.sort_by_key(|row| row.address);
+    ports.sort_by_key(|row| row.address);
     rows.append(&mut numbers);
     rows.append(&mut ports);
     rows
@@ -98,18 +107,18 @@ pub fn rows(kind: Kind) -> Vec<ParamRow> {
 
 /// The access level of a parameter; `None` if it does not exist.
 #[must_use]
-pub fn level(at: ParamAddress) -> Option<Level> {
+pub fn access_level(at: ParamAddress) -> Option<AccessLevel> {
     match at.bit {
         Some(bit) => BITS.iter().find(|row| (row.number, row.bit) == (at.number, bit)).map(|row| row.level),
         None => NUMBERS.iter().find(|row| row.number == at.number).map(|row| row.level).or_else(|| {
             let port = Input::ALL.iter().any(|input| input.port_param() == at.number)
                 || Output::ALL.iter().any(|output| output.port_param() == at.number);
-            port.then_some(Level::Builder)
+            port.then_some(AccessLevel::Builder)
         }),
     }
 }
 
-impl Level {
+impl AccessLevel {
     /// The name shown.
     #[must_use]
     pub const fn name(self) -> Text {
@@ -130,11 +139,15 @@ mod tests {
         for kind in Kind::ALL {
             let rows = rows(kind);
             for (index, row) in rows.iter().enumerate() {
-                assert!(rows[..index].iter().all(|other| other.at != row.at), "{} twice on {kind:?}", row.at);
-                assert_eq!(level(row.at), Some(row.level), "{}", row.at);
-                assert!((row.min..=row.max).contains(&row.factory), "{} {}", row.at, row.factory);
+                assert!(
+                    rows[..index].iter().all(|other| other.address != row.address),
+                    "{} twice on {kind:?}",
+                    row.address
+                );
+                assert_eq!(access_level(row.address), Some(row.level), "{}", row.address);
+                assert!((row.min..=row.max).contains(&row.factory), "{} {}", row.address, row.factory);
             }
         }
-        assert_eq!(level(ParamAddress { number: 449, bit: None }), None);
+        assert_eq!(access_level(ParamAddress { number: 449, bit: None }), None);
     }
 }

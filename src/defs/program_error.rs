@@ -51,7 +51,7 @@ program_errors! {
     MissingNumber = 3, "missing-number", "'{}' 后缺少数字", "number missing after '{}'",
         "请在其后写出数值", "write its value";
     /// A character that is not ASCII outside a comment.
-    ForeignCharacter = 4, "foreign-character", "注释以外出现字符 '{}'", "character '{}' outside a comment",
+    NonAsciiCharacter = 4, "foreign-character", "注释以外出现字符 '{}'", "character '{}' outside a comment",
         "请改用半角英文字符 {2}", "type {2} instead";
     /// A character with no meaning here.
     UnexpectedCharacter = 5, "unexpected-character", "此处不应出现 '{}'", "unexpected '{}'",
@@ -66,7 +66,7 @@ program_errors! {
     UnknownG = 8, "unknown-g", "没有 {} 指令", "unknown code {}",
         "请查阅 G 代码表", "look it up in the table of G codes";
     /// A G code of the specification that this version does not implement.
-    LaterG = 9, "g-not-available", "本版本不支持 {} ({2})", "{} ({2}) is not available in this version",
+    UnavailableG = 9, "g-not-available", "本版本不支持 {} ({2})", "{} ({2}) is not available in this version",
         "请改用其他指令或升级软件", "use another function or a newer version";
     /// A G code that this kind of machine does not have.
     WrongKindG = 10, "g-not-on-this-machine", "本机床没有 {} ({2})", "{} ({2}) does not exist on this machine",
@@ -90,7 +90,7 @@ program_errors! {
     ArcWithoutCentre = 16, "arc-without-centre", "圆弧缺少圆心或半径", "arc without centre or radius",
         "请写半径 {}，或圆心坐标 {2}", "write the radius {}, or the centre {2}";
     /// The end point of an arc is off its circle.
-    ArcEndOff = 17, "arc-end-off", "圆弧终点偏离圆周 {} mm", "the arc's end lies {} mm off the circle",
+    ArcEndOffCircle = 17, "arc-end-off", "圆弧终点偏离圆周 {} mm", "the arc's end lies {} mm off the circle",
         "请核对终点与圆心", "check end and centre";
     /// An arc radius that cannot reach the end point.
     ArcRadius = 18, "arc-radius", "圆弧半径 {} 无效", "arc radius {} is not possible",
@@ -105,7 +105,7 @@ program_errors! {
     DivisionByZero = 21, "division-by-zero", "除数为零", "division by zero",
         "请检查除数变量", "look at the variable under the division";
     /// An argument outside the domain of a function.
-    Domain = 22, "domain", "函数 {} 的参数 {2} 无效", "{} of {2} is not possible",
+    FunctionDomain = 22, "domain", "函数 {} 的参数 {2} 无效", "{} of {2} is not possible",
         "请检查表达式中的变量", "look at the variables of the expression";
     /// Arithmetic overflow.
     Overflow = 23, "overflow", "计算结果溢出", "the result is too large",
@@ -144,7 +144,7 @@ program_errors! {
     NotTogether = 34, "not-together", "{} 与 {2} 不能同段", "{} and {2} cannot stand in one block",
         "请分成两个程序段", "write them in two blocks";
     /// G50 in a program with several tools.
-    PresetWithTools = 35, "preset-with-tools", "使用多把刀时不能用 G50", "G50 in a program with several tools",
+    G50WithTools = 35, "preset-with-tools", "使用多把刀时不能用 G50", "G50 in a program with several tools",
         "多把刀请使用刀补方式", "with several tools work with offsets";
     /// A block that is too long.
     BlockTooLong = 36, "block-too-long", "程序段太长", "the block is too long",
@@ -165,13 +165,13 @@ program_errors! {
     AxisOutsidePlane = 41, "axis-outside-plane", "{} 不在所选平面内", "{} lies outside the plane of the arc",
         "请选择圆弧所在平面，或删除该字", "choose the arc's plane, or delete the word";
     /// An input without an assigned port.
-    NoInput = 42, "no-input", "{} 没有指定输入口", "{} has no input to look at",
+    InputNotAssigned = 42, "no-input", "{} 没有指定输入口", "{} has no input to look at",
         "请输入 L，或在参数中设定输入口", "give L, or set the input by parameter";
     /// An unknown H code of G65.
     UnknownH = 43, "unknown-h", "G65 没有 {}", "G65 has no {}",
         "可用 H01–H05 H11–H13 H21–H27 H31–H34 H80–H86 H99", "use H01–H05, H11–H13, H21–H27, H31–H34, H80–H86, H99";
     /// A loop that the check could not finish.
-    Endless = 44, "endless", "检查没有走完这个循环：它不结束，或重复太多", "the check left this loop: it does not end, or repeats too often",
+    EndlessLoop = 44, "endless", "检查没有走完这个循环：它不结束，或重复太多", "the check left this loop: it does not end, or repeats too often",
         "请确认它会结束；后面的程序没有按实际运行检查", "make sure that it ends; what comes behind it was not checked as it will run";
     /// An empty variable used in arithmetic.
     NullUsed = 45, "null-used", "空变量 {} 按 0 计算", "empty variable {} is taken as 0",
@@ -198,7 +198,7 @@ program_errors! {
     ThreadFraction = 67, "thread-fraction", "每寸牙数 {} 的小数部分无效", "the fraction of {} turns an inch is not possible",
         "小数点后是分数的分母：33.2 是 33½，分母从 2 起", "the digits behind the point are its denominator: 33.2 is 33½; it is 2 or more";
     /// A jump into a counted loop (L4).
-    IntoLoop = 68, "into-loop", "跳转进入了循环：没有经过第 {} 行的 G22", "a jump led into the loop: the G22 in line {} was not passed",
+    JumpIntoLoop = 68, "into-loop", "跳转进入了循环：没有经过第 {} 行的 G22", "a jump led into the loop: the G22 in line {} was not passed",
         "跳到 G22 段，或循环之外", "jump to the block of G22, or outside the loop";
     /// More codes than a block may have.
     TooManyCodes = 69, "too-many-codes", "一段中 {} 超过 {2} 个", "more than {2} {} in one block",
@@ -210,10 +210,10 @@ program_errors! {
     BadLabel = 61, "bad-label", "标号 {} 无效", "{} cannot be a label",
         "标号前两位必须是字母或下划线，且不能是指令字，例如 AA1:", "a label begins with two letters or underscores, as AA1: does, and is no word of the language";
     /// A jump without a label.
-    LabelLeftOut = 62, "label-left-out", "{} 后缺少标号", "no label after {}",
+    MissingJumpLabel = 62, "label-left-out", "{} 后缺少标号", "no label after {}",
         "请写出标号，例如 {} AA1", "write the label, as in {} AA1";
     /// An unknown jump word (neither GOTOF nor GOTOB).
-    NoSuchJump = 63, "no-such-jump", "没有 {} 指令", "there is no {}",
+    UnknownJump = 63, "no-such-jump", "没有 {} 指令", "there is no {}",
         "朝程序结束方向跳转用 GOTOF，朝程序开头方向用 GOTOB", "jump onwards with GOTOF, back with GOTOB";
     /// A missing equals sign.
     EqualsMissing = 64, "equals-missing", "{} 后缺少 '='", "'=' is missing after {}",
@@ -222,13 +222,13 @@ program_errors! {
     BadMessage = 65, "bad-message", "MSG 写法错误", "MSG is not written as it must be",
         "请写 MSG(\"文字\")，清除用 MSG()", "write MSG(\"text\"), or MSG() to end it";
     /// An R parameter that does not exist.
-    BadR = 90, "bad-r", "没有参数 {}", "there is no parameter {}",
+    BadRParameter = 90, "bad-r", "没有参数 {}", "there is no parameter {}",
         "可用 R0–R299", "use R0 to R299";
     /// A label that does not exist.
     MissingLabel = 91, "missing-label", "找不到标号 {}", "there is no label {}",
         "请检查标号的写法（AA1:）", "check how the label is written (AA1:)";
     /// A label in the other direction than the jump.
-    LabelElsewhere = 92, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} does not lie that way",
+    LabelInOtherDirection = 92, "label-elsewhere", "标号 {} 不在跳转方向上", "label {} does not lie that way",
         "GOTOF 只朝程序结束方向找，GOTOB 只朝程序开头方向找；请改用 {2}", "GOTOF looks onwards only, GOTOB back only: use {2}";
     /// A label that is not unique (S1).
     SeveralLabels = 57, "several-labels", "标号 {} 不唯一", "there are several blocks {}",
@@ -273,13 +273,13 @@ program_errors! {
     FullCircleByRadius = 72, "full-circle-by-radius", "整圆不能用 R 编程", "a full circle cannot be written with R",
         "请用 I、K 给出圆心", "give the centre by I and K";
     /// A thread without an infeed before it: the run-out direction is unknown.
-    NoInfeed = 73, "no-infeed", "螺纹前没有 X 向进给段，退尾方向不定", "no move of X before the thread: the direction of its run-out is not known",
+    ThreadWithoutInfeed = 73, "no-infeed", "螺纹前没有 X 向进给段，退尾方向不定", "no move of X before the thread: the direction of its run-out is not known",
         "在螺纹段之前写一段 G00 或 G01 的 X 向进给", "write a move of X with G00 or G01 before the thread";
     /// A thread programmed with absolute coordinates.
     IncrementalOnly = 74, "incremental-only", "螺纹必须用增量 U、W 编程，不能用 {}", "a thread is written with U and W, not with {}",
         "把 {} 改为增量", "write {} as a distance";
     /// The approach before a thread is too short.
-    ApproachShort = 75, "approach-short", "螺纹起刀点距工件只有 {} mm，少于 3 倍导程或升速距离 {2} mm", "the thread begins {} mm before the part, less than three leads or the run-up ({2} mm)",
+    ThreadApproachShort = 75, "approach-short", "螺纹起刀点距工件只有 {} mm，少于 3 倍导程或升速距离 {2} mm", "the thread begins {} mm before the part, less than three leads or the run-up ({2} mm)",
         "起刀点离工件 3–5 倍导程", "begin three to five leads before the part";
     /// Spindle speed too high for the thread.
     SpindleTooFast = 76, "spindle-too-fast", "主轴转速 {} 超过螺纹允许的 {2} r/min", "the spindle's {} rpm exceed the {2} rpm that the thread allows",
@@ -291,7 +291,7 @@ program_errors! {
     JumpToItself = 78, "jump-to-itself", "{} 跳转到本段", "{} jumps to itself",
         "请指定其他程序段", "name another block";
     /// G92 with incremental words.
-    PresetByDistance = 79, "preset-by-distance", "{} 不能用 {2}", "{} takes no {2}",
+    G92WithDistances = 79, "preset-by-distance", "{} 不能用 {2}", "{} takes no {2}",
         "用 X、Z 给出坐标", "give the coordinates by X and Z";
     /// A subprogram before the main program.
     SubBeforeMain = 80, "sub-before-main", "子程序 {} 必须在主程序之后", "subprogram {} has to stand behind the main program",
@@ -306,7 +306,7 @@ program_errors! {
     NoMacros = 83, "no-macros", "本系统没有宏语句", "this language has no macro statements",
         "只能使用指令字", "write words only";
     /// A block number after other words.
-    NumberFirst = 98, "number-first", "段号必须在程序段开头", "the block number stands first in its block",
+    BlockNumberNotFirst = 98, "number-first", "段号必须在程序段开头", "the block number stands first in its block",
         "把 N 写在最前面", "write N first";
     /// A block without a block number (L1).
     BlockNumberMissing = 50, "block-number-missing", "程序段缺少段号", "the block has no number",
@@ -324,7 +324,7 @@ program_errors! {
     EndInSub = 54, "end-in-sub", "子程序 {} 内不能用 M02", "M02 stands inside subprogram {}",
         "子程序用 M99 返回；M02 写在主程序末尾", "return with M99; M02 ends the main program";
     /// A code that the dialect does not have.
-    NoSuchCode = 55, "no-such-code", "没有 {} 指令", "unknown code {}",
+    UnknownCode = 55, "no-such-code", "没有 {} 指令", "unknown code {}",
         "可用 {2}", "there are {2}";
     /// A thread before the program has started the spindle (L5).
     ThreadSpindle = 56, "thread-spindle", "螺纹前程序没有启动主轴", "the program has not switched the spindle on before the thread",

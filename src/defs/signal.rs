@@ -145,8 +145,8 @@ signals! {
         SpindleForward = "spindle-forward", 360, "主轴正转", "spindle forward";
         SpindleReverse = "spindle-reverse", 361, "主轴反转", "spindle reverse";
         SpindleStop = "spindle-stop", 362, "主轴停止", "spindle stop";
-        PostForward = "post-forward", 363, "刀架正转", "tool post forward";
-        PostReverse = "post-reverse", 364, "刀架反转锁紧", "tool post reverse, clamps";
+        TurretForward = "post-forward", 363, "刀架正转", "tool post forward";
+        TurretReverse = "post-reverse", 364, "刀架反转锁紧", "tool post reverse, clamps";
     }
 }
 
@@ -158,12 +158,16 @@ impl Output {
 
     /// Whether a kind has the function. Of the functions that share a parameter, a kind has at most one.
     #[must_use]
-    pub const fn is_of(self, kind: Kind) -> bool {
+    pub const fn exists_on(self, kind: Kind) -> bool {
         match self {
             Self::HeadstockHigh | Self::HeadstockLow | Self::Tailstock => matches!(kind, Kind::Gc),
             Self::DresserRoll => matches!(kind, Kind::Gs),
             Self::TableRotation => matches!(kind, Kind::Ga | Kind::Vertical),
-            Self::SpindleForward | Self::SpindleReverse | Self::SpindleStop | Self::PostForward | Self::PostReverse => {
+            Self::SpindleForward
+            | Self::SpindleReverse
+            | Self::SpindleStop
+            | Self::TurretForward
+            | Self::TurretReverse => {
                 matches!(kind, Kind::Lathe)
             }
             Self::Wheel
@@ -180,7 +184,7 @@ impl Output {
 
     /// Whether it has no interlock and no sequence, so that a program may also switch it by its port.
     #[must_use]
-    pub const fn is_plain(self) -> bool {
+    pub const fn is_freely_switchable(self) -> bool {
         matches!(
             self,
             Self::Coolant | Self::Lubrication | Self::User1 | Self::User2 | Self::User3 | Self::User4 | Self::User5
@@ -196,9 +200,9 @@ impl Input {
 
     /// Whether a kind has the switch; pages show only those.
     #[must_use]
-    pub const fn is_of(self, kind: Kind) -> bool {
+    pub const fn exists_on(self, kind: Kind) -> bool {
         match self {
-            Self::Station1 | Self::Station2 | Self::Station3 | Self::Station4 => kind.face().turns_part,
+            Self::Station1 | Self::Station2 | Self::Station3 | Self::Station4 => kind.ui().is_lathe,
             Self::OscillationForwardEnd
             | Self::OscillationBackwardEnd
             | Self::HydraulicPressure
@@ -213,7 +217,7 @@ impl Input {
             | Self::RadialArmOut
             | Self::RadialArmIn
             | Self::AxialArmOut
-            | Self::AxialArmIn => !kind.face().turns_part,
+            | Self::AxialArmIn => !kind.ui().is_lathe,
             _ => true,
         }
     }

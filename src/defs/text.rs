@@ -40,14 +40,14 @@ impl Text {
 
 /// A text composed at run time, in both languages: the core does not know the language of the display.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Said {
+pub struct LocalizedText {
     /// Chinese.
     pub zh: String,
     /// English.
     pub en: String,
 }
 
-impl Said {
+impl LocalizedText {
     /// A text from its Chinese and English forms.
     pub fn new(zh: impl Into<String>, en: impl Into<String>) -> Self {
         Self { zh: zh.into(), en: en.into() }
@@ -63,7 +63,7 @@ impl Said {
     }
 }
 
-impl From<Text> for Said {
+impl From<Text> for LocalizedText {
     fn from(text: Text) -> Self {
         Self::new(text.zh, text.en)
     }

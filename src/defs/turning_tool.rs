@@ -1,19 +1,19 @@
 //! The turning tools as defined by the operator: a shape and three sizes. Used by the simulated machine for cutting and
 //! collisions, and by the pages for drawing. Source: spec L9 (tool definitions), L10.
 
-use super::param::{self, Number, Params};
+use super::param::{self, NumberParam, Params};
 use super::text::Text;
 
 /// Slope of the flank of a turning tool: 1.5 mm over a width of 8 mm.
-const FLANK: f64 = 0.1875;
+const FLANK_SLOPE: f64 = 0.1875;
 /// Slope of the flanks of a 60° threading tool: tan 60°.
-const SIXTY_DEGREES: f64 = 1.732;
+const THREADING_SLOPE: f64 = 1.732;
 /// Distance from the edge to the shank, mm.
-const STEP_MM: f64 = 0.1;
+const SHANK_OFFSET_MM: f64 = 0.1;
 
 /// A tool shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub enum TurningToolShape {
     /// Cuts towards the chuck.
     RightHand,
     /// Cuts in both directions.
@@ -24,7 +24,7 @@ pub enum Shape {
     Threading,
 }
 
-impl Shape {
+impl TurningToolShape {
     /// All shapes; the parameter value is the index + 1.
     pub const ALL: [Self; 4] = [Self::RightHand, Self::Neutral, Self::Grooving, Self::Threading];
 
@@ -44,7 +44,7 @@ impl Shape {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TurningTool {
     /// Its shape.
-    pub shape: Shape,
+    pub shape: TurningToolShape,
     /// Width of the edge along Z, mm; half of it for shapes that cut in both directions.
     pub width_mm: f64,
     /// Height of the cutting edge above the tip, mm; the shank is above it.
@@ -54,7 +54,7 @@ pub struct TurningTool {
 }
 
 /// Tool parameters of stations 1 to 4: shape, width, edge, shank.
-pub const ROWS: [[Number; 4]; 4] = [
+pub const TOOL_PARAMS: [[NumberParam; 4]; 4] = [
     [param::TOOL_1_SHAPE, param::TOOL_1_WIDTH, param::TOOL_1_EDGE, param::TOOL_1_SHANK],
     [param::TOOL_2_SHAPE, param::TOOL_2_WIDTH, param::TOOL_2_EDGE, param::TOOL_2_SHANK],
     [param::TOOL_3_SHAPE, param::TOOL_3_WIDTH, param::TOOL_3_EDGE, param::TOOL_3_SHANK],
@@ -65,10 +65,10 @@ impl TurningTool {
     /// The tool of a station, counted from 0.
     #[must_use]
     pub fn of_station(params: &Params, station: usize) -> Self {
-        let [shape, width, edge, shank] = ROWS[station % ROWS.len()];
-        let index = (params.get(shape) as usize).saturating_sub(1).min(Shape::ALL.len() - 1);
+        let [shape, width, edge, shank] = TOOL_PARAMS[station % TOOL_PARAMS.len()];
+        let index = (params.get(shape) as usize).saturating_sub(1).min(TurningToolShape::ALL.len() - 1);
         Self {
-            shape: Shape::ALL[index],
+            shape: TurningToolShape::ALL[index],
             width_mm: params.get(width),
             edge_mm: params.get(edge),
             shank_mm: params.get(shank),
@@ -78,15 +78,17 @@ impl TurningTool {
     /// Outline of the tool: pairs of Z from the tip (increasing) and height along X above the tip, mm.
     #[must_use]
     pub fn outline_mm(&self) -> Vec<(f64, f64)> {
-        let (width, top) = (self.width_mm, self.edge_mm + STEP_MM);
+        let (width, top) = (self.width_mm, self.edge_mm + SHANK_OFFSET_MM);
         let rise = |slope: f64| (width * slope).min(self.edge_mm);
         let edge: &[(f64, f64)] = match self.shape {
-            Shape::RightHand => &[(0.0, 0.0), (width, rise(FLANK))],
-            Shape::Neutral => &[(-width, rise(FLANK)), (0.0, 0.0), (width, rise(FLANK))],
-            Shape::Grooving => &[(0.0, 0.0), (width, 0.0)],
-            Shape::Threading => &[(-width, rise(SIXTY_DEGREES)), (0.0, 0.0), (width, rise(SIXTY_DEGREES))],
+            TurningToolShape::RightHand => &[(0.0, 0.0), (width, rise(FLANK_SLOPE))],
+            TurningToolShape::Neutral => &[(-width, rise(FLANK_SLOPE)), (0.0, 0.0), (width, rise(FLANK_SLOPE))],
+            TurningToolShape::Grooving => &[(0.0, 0.0), (width, 0.0)],
+            TurningToolShape::Threading => {
+                &[(-width, rise(THREADING_SLOPE)), (0.0, 0.0), (width, rise(THREADING_SLOPE))]
+            }
         };
-        let shank = [(width + STEP_MM, top), (self.shank_mm.max(width + 2.0 * STEP_MM), top)];
+        let shank = [(width + SHANK_OFFSET_MM, top), (self.shank_mm.max(width + 2.0 * SHANK_OFFSET_MM), top)];
         edge.iter().copied().chain(shank).collect()
     }
 }
@@ -105,6 +107,6 @@ mod tests {
         assert_eq!(grooving, [(0.0, 0.0), (3.0, 0.0), (3.1, 8.1), (25.0, 8.1)]);
         let threading = TurningTool::of_station(&params, 3);
         // tan 60° · 2 mm.
-        assert_eq!((threading.shape, threading.outline_mm()[0]), (Shape::Threading, (-2.0, 3.464)));
+        assert_eq!((threading.shape, threading.outline_mm()[0]), (TurningToolShape::Threading, (-2.0, 3.464)));
     }
 }

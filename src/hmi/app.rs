@@ -5,26 +5,26 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui};
 
-use super::entry::Entry;
-use super::frame::Touched;
-use super::keyboard::{self, Asked};
+use super::key_press::KeyPresses;
+use super::keyboard::{self, KeyboardInput};
 use super::layout::Regions;
-use super::page::{Pages, Typed};
+use super::page::{PageSet, TypedInput};
+use super::page_frame::FrameTouch;
 use super::panel::Panel;
-use super::panel::places::{PanelLayout, places};
-use super::press::Presses;
-use super::softkey::{self, Pressed};
+use super::panel::layout::{PanelLayout, panel_layout};
+use super::soft_key_row::{self, SoftKeyPress};
 use super::theme::{self, Theme};
+use super::variable_entry::VariableEntry;
 use super::view::View;
-use super::{frame, pad};
-use crate::defs::date::Date;
+use super::{numeric_pad, page_frame};
+use crate::defs::date::DateTime;
 use crate::defs::page::Page;
 use crate::defs::param;
-use crate::defs::soft_key::{self, SoftAct};
+use crate::defs::soft_key::{self, SoftKeyAction};
 use crate::defs::text::{Lang, Text};
 use crate::link::command::Picture;
-use crate::link::files::{Asker, FileRequest, Ticket};
-use crate::link::media::Print;
+use crate::link::files::{FileRequest, Requester, Ticket};
+use crate::link::media::Screenshot;
 use crate::link::page_command::{BRIGHTNESS, PageCommand};
 use crate::link::{Command, Snapshot};
 
@@ -40,15 +40,15 @@ pub struct Hmi {
     brightness: u8,
     page: Option<Page>,
     program: (u32, Option<u32>),
-    pages: Pages,
+    pages: PageSet,
     panel: Panel,
-    presses: Presses,
+    presses: KeyPresses,
     /// The help overlay is open.
     help: bool,
     hint: Option<(Text, f64)>,
     picture: Option<(Arc<Picture>, TextureHandle)>,
     /// Screenshots that wait to be sent to the disk thread.
-    prints: Arc<Mutex<Vec<Arc<ColorImage>>>>,
+    screenshots: Arc<Mutex<Vec<Arc<ColorImage>>>>,
 }
 
 impl Hmi {
@@ -62,13 +62,13 @@ impl Hmi {
             brightness: *BRIGHTNESS.end(),
             page: None,
             program: (0, None),
-            pages: Pages::default(),
+            pages: PageSet::default(),
             panel: Panel::default(),
-            presses: Presses::default(),
+            presses: KeyPresses::default(),
             help: false,
             hint: None,
             picture: None,
-            prints: Arc::default(),
+            screenshots: Arc::default(),
         }
     }
 
@@ -85,8 +85,8 @@ impl Hmi {
 
     /// The colour that the window is cleared with; a frame does not paint it again.
     #[must_use]
-    pub const fn ground(&self) -> Color32 {
-        self.theme.ground
+    pub const fn background(&self) -> Color32 {
+        self.theme.background
     }
 
     /// Sets the picture brightness, percent; below 100 a dark overlay covers the picture (B6).
@@ -96,7 +96,7 @@ impl Hmi {
 
     /// The value being typed, for tests and stories.
     #[must_use]
-    pub const fn entry(&self) -> &Entry {
+    pub const fn variable_entry(&self) -> &VariableEntry {
         &self.pages.entry
     }
 
@@ -122,43 +122,48 @@ impl Hmi {
     /// egui may run several passes per frame: collect the commands of all passes and send them once.
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
         let mut out = Vec::new();
-        self.notice(ui, snapshot);
-        let clock = snapshot.date.unwrap_or(Date((snapshot.now.0 / 1_000_000) as i64)).time();
+        self.follow_snapshot(ui, snapshot);
+        let clock = snapshot.date.unwrap_or(DateTime((snapshot.now.0 / 1_000_000) as i64)).time();
         let theme = self.theme;
         // The blink follows controller time, so the same snapshot gives the same picture.
         let blink = (snapshot.now.0 / 500_000).is_multiple_of(2);
         let (light, brightness) = (self.light, self.brightness);
         let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: &clock, blink };
         let regions = Regions::new(ui.max_rect());
-        let panel = places(snapshot.kind, regions.panel, regions.portrait);
+        let panel = panel_layout(snapshot.kind, regions.panel, regions.portrait);
         let shown = if self.help { Page::Help } else { snapshot.page };
-        let words = self.pages.takes_words(shown) && !snapshot.state.moves();
+        let words = self.pages.accepts_text(shown) && !snapshot.state.is_active();
         let asked = keyboard::read(ui, snapshot.kind, words);
-        out.extend(self.printed(snapshot.params.bit(param::PRINT_AS_BMP)));
-        self.physical_keys(ui, &view, &asked, &mut out);
+        out.extend(self.screenshot_commands(snapshot.params.bit(param::PRINT_AS_BMP)));
+        self.handle_physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
         self.draw_panel(ui, &panel, &view, &mut out);
         if !self.help && self.pages.wants_pad(&view) {
             // Drawn after the panel to lie on top, before the page so that its touches count in this frame.
-            pad::ui(ui, &view, panel.pad, &mut edits);
+            numeric_pad::ui(ui, &view, panel.pad, &mut edits);
         }
-        let typed = Typed { edits: &edits, text: &asked.text, controls: &asked.controls, pages: asked.pages };
+        let typed = TypedInput {
+            edits: &edits,
+            text: &asked.text,
+            ctrl_keys: &asked.ctrl_keys,
+            scroll_pages: asked.scroll_pages,
+        };
         if self.help {
-            self.pages.follow(&view);
-            self.help = !self.pages.help.sheet(ui, &view, regions.content.shrink(theme::GAP), &typed);
+            self.pages.update_background(&view);
+            self.help = !self.pages.help.overlay(ui, &view, regions.content.shrink(theme::GAP), &typed);
         } else {
             self.draw_page(ui, regions.content, &view, &typed, &mut out);
         }
         self.draw_frame(ui, &regions, &view, &asked, &mut out);
         if self.brightness < *BRIGHTNESS.end() {
-            ui.painter().rect_filled(ui.max_rect(), 0.0, theme::veil(self.brightness));
+            ui.painter().rect_filled(ui.max_rect(), 0.0, theme::dimming_overlay(self.brightness));
         }
         self.presses.end_frame(ui, &mut out);
         out
     }
 
     /// Reacts to a new page, program or picture in the snapshot.
-    fn notice(&mut self, ui: &Ui, snapshot: &Snapshot) {
+    fn follow_snapshot(&mut self, ui: &Ui, snapshot: &Snapshot) {
         if self.page != Some(snapshot.page) {
             self.page = Some(snapshot.page);
             self.help = false;
@@ -167,7 +172,7 @@ impl Hmi {
             let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: "", blink: false };
             self.pages.open(&view);
         }
-        let shown = (snapshot.program.number, snapshot.grinding_page());
+        let shown = (snapshot.program.number, snapshot.grinding_page_number());
         if self.program != shown {
             self.program = shown;
             self.pages.restart_entry();
@@ -183,7 +188,7 @@ impl Hmi {
         };
         match (wanted, &self.picture) {
             (Some(wanted), Some((shown, _))) if Arc::ptr_eq(wanted, shown) => {}
-            (Some(wanted), _) => self.picture = load(ui.ctx(), wanted),
+            (Some(wanted), _) => self.picture = load_picture(ui.ctx(), wanted),
             (None, _) => self.picture = None,
         }
         let now = ui.input(|input| input.time);
@@ -197,82 +202,89 @@ impl Hmi {
     fn draw_panel(&mut self, ui: &mut Ui, layout: &PanelLayout, view: &View<'_>, out: &mut Vec<Command>) {
         let said = self.panel.ui(ui, layout, view, &mut self.presses, out);
         if let Some(reason) = said.refused {
-            self.say(ui, reason);
+            self.show_hint(ui, reason);
         }
     }
 
-    fn say(&mut self, ui: &Ui, reason: Text) {
+    fn show_hint(&mut self, ui: &Ui, reason: Text) {
         self.hint = Some((reason, ui.input(|input| input.time)));
         ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(HINT_SECONDS + 0.05));
     }
 
-    fn draw_page(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, out: &mut Vec<Command>) {
+    fn draw_page(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>, out: &mut Vec<Command>) {
         if !typed.edits.is_empty() {
             self.hint = None;
         }
         let texture = self.texture();
         let commands = self.pages.ui(ui, rect, view, typed, texture);
         for command in &commands {
-            if let Command::Page(PageCommand::KeepLang(lang)) = command {
+            if let Command::Page(PageCommand::SetLang(lang)) = command {
                 self.lang = *lang;
             }
-            if let Command::Page(PageCommand::KeepLight(light)) = command {
+            if let Command::Page(PageCommand::SetLightTheme(light)) = command {
                 self.set_light(*light);
             }
-            if let Command::Page(PageCommand::KeepBrightness(percent)) = command {
+            if let Command::Page(PageCommand::SetBrightness(percent)) = command {
                 self.set_brightness(*percent);
             }
         }
         out.extend(commands);
     }
 
-    fn draw_frame(&mut self, ui: &Ui, regions: &Regions, view: &View<'_>, asked: &Asked, out: &mut Vec<Command>) {
-        let header = frame::header(ui, view, regions.header);
+    fn draw_frame(
+        &mut self,
+        ui: &Ui,
+        regions: &Regions,
+        view: &View<'_>,
+        asked: &KeyboardInput,
+        out: &mut Vec<Command>,
+    ) {
+        let header = page_frame::header(ui, view, regions.header);
         let hint = self.hint.map(|(text, _)| text.get(view.lang));
-        match header.or(frame::message_line(ui, view, regions.message, hint)) {
-            Some(Touched::Help) => self.turn_help(view),
-            Some(Touched::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
+        match header.or(page_frame::message_line(ui, view, regions.message, hint)) {
+            Some(FrameTouch::Help) => self.toggle_help(view),
+            Some(FrameTouch::Alarm) => out.push(Command::OpenPage(Page::Alarm)),
             None => {}
         }
-        frame::status_line(ui, view, regions.status);
+        page_frame::status_line(ui, view, regions.status);
         let (page, shown) = (view.snapshot.page, view.snapshot.coordinates);
-        let chosen = |act: SoftAct| match act {
-            SoftAct::Open(other) => other == page,
-            SoftAct::Position(other) => page == Page::Position && other == shown,
-            SoftAct::Print => false,
+        let chosen = |act: SoftKeyAction| match act {
+            SoftKeyAction::Open(other) => other == page,
+            SoftKeyAction::Position(other) => page == Page::Position && other == shown,
+            SoftKeyAction::Print => false,
         };
-        let rows = softkey::rows(view);
-        let row = view.snapshot.soft_row % rows;
-        let touched = softkey::ui(ui, view, regions.soft, row, chosen);
+        let rows = soft_key_row::row_count(view);
+        let row = view.snapshot.soft_key_row % rows;
+        let touched = soft_key_row::ui(ui, view, regions.soft, row, chosen);
         // The label shown counts, even if the core has changed the row since.
-        let by_key = asked.soft.and_then(|index| soft_key::row(view.snapshot.kind, row).nth(index));
-        match touched.or(by_key.map(|soft| Pressed::Act(soft.act))) {
-            Some(Pressed::Act(act)) => self.soft(ui, act, out),
-            Some(Pressed::Next) => out.push(Command::TurnSoftRow((row + 1) % rows)),
-            None if asked.next_row => out.push(Command::TurnSoftRow((row + 1) % rows)),
+        let by_key = asked.soft_key.and_then(|index| soft_key::row(view.snapshot.kind, row).nth(index));
+        match touched.or(by_key.map(|soft| SoftKeyPress::Act(soft.action))) {
+            Some(SoftKeyPress::Act(act)) => self.run_soft_key(ui, act, out),
+            Some(SoftKeyPress::Next) => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
+            None if asked.next_soft_row => out.push(Command::ShowSoftKeyRow((row + 1) % rows)),
             None => {}
         }
     }
 
     /// Opens the help overlay at the open page, or closes it.
-    fn turn_help(&mut self, view: &View<'_>) {
+    fn toggle_help(&mut self, view: &View<'_>) {
         self.help = !self.help && view.snapshot.page != Page::Help;
         if self.help {
             self.pages.open_help(view);
         }
     }
 
-    fn soft(&mut self, ui: &Ui, act: SoftAct, out: &mut Vec<Command>) {
+    fn run_soft_key(&mut self, ui: &Ui, act: SoftKeyAction, out: &mut Vec<Command>) {
         match act {
-            SoftAct::Open(page) => out.push(Command::OpenPage(page)),
-            SoftAct::Position(coordinates) => out.push(Command::ShowCoordinates(coordinates)),
-            SoftAct::Print => self.print(ui),
+            SoftKeyAction::Open(page) => out.push(Command::OpenPage(page)),
+            SoftKeyAction::Position(coordinates) => out.push(Command::ShowCoordinates(coordinates)),
+            SoftKeyAction::Print => self.request_screenshot(ui),
         }
     }
 
     /// Requests a screenshot; it arrives after the frame is painted.
-    fn print(&self, ui: &Ui) {
-        let (prints, ctx) = (Arc::clone(&self.prints), ui.ctx().clone());
+    fn request_screenshot(&self, ui: &Ui) {
+        let (prints, ctx) = (Arc::clone(&self.screenshots), ui.ctx().clone());
         ui.ctx().request_screenshot(move |image| {
             prints.lock().unwrap_or_else(PoisonError::into_inner).push(image);
             ctx.request_repaint();
@@ -281,49 +293,52 @@ impl Hmi {
 
     /// The screenshots that have arrived.
     #[must_use]
-    pub const fn prints(&self) -> &Arc<Mutex<Vec<Arc<ColorImage>>>> {
-        &self.prints
+    pub const fn screenshots(&self) -> &Arc<Mutex<Vec<Arc<ColorImage>>>> {
+        &self.screenshots
     }
 
     /// Commands that send the screenshots that arrived since the last frame to the disk thread.
-    fn printed(&self, bmp: bool) -> Vec<Command> {
-        let pictures = std::mem::take(&mut *self.prints.lock().unwrap_or_else(PoisonError::into_inner));
+    fn screenshot_commands(&self, bmp: bool) -> Vec<Command> {
+        let pictures = std::mem::take(&mut *self.screenshots.lock().unwrap_or_else(PoisonError::into_inner));
         let print = |image: Arc<ColorImage>| {
             let rgb: Vec<u8> = image.pixels.iter().flat_map(|pixel| [pixel.r(), pixel.g(), pixel.b()]).collect();
             let (width, height) = (image.width() as u32, image.height() as u32);
-            let print = Print { width, height, rgb: rgb.into(), bmp };
-            Command::Page(PageCommand::File(Ticket::unheard(Asker::Screen), FileRequest::Print(print)))
+            let print = Screenshot { width, height, rgb: rgb.into(), as_bmp: bmp };
+            Command::Page(PageCommand::File(
+                Ticket::without_reply(Requester::Screen),
+                FileRequest::SaveScreenshot(print),
+            ))
         };
         pictures.into_iter().map(print).collect()
     }
 
-    fn physical_keys(&mut self, ui: &Ui, view: &View<'_>, asked: &Asked, out: &mut Vec<Command>) {
+    fn handle_physical_keys(&mut self, ui: &Ui, view: &View<'_>, asked: &KeyboardInput, out: &mut Vec<Command>) {
         let now = ui.input(|input| input.time);
-        self.presses.follow_keyboard(ui, out);
+        self.presses.track_keyboard(ui, out);
         for shortcut in &asked.keys {
-            if let Some(reason) = super::panel::state(view, shortcut.key).blocked {
-                self.say(ui, reason);
+            if let Some(reason) = super::panel::key_state(view, shortcut.key).blocked {
+                self.show_hint(ui, reason);
             }
             self.presses.key_down(shortcut.physical, shortcut.modifiers, shortcut.key, now, out);
         }
         // Sent in every view of the page: if no dressing point can be set, the core reports the reason.
         let position = view.snapshot.page == Page::Position;
-        for key in asked.addresses.iter().filter(|_| position && !self.help) {
+        for key in asked.address_keys.iter().filter(|_| position && !self.help) {
             out.extend([Command::Press(*key), Command::Release(*key)]);
         }
-        if asked.detents != 0 {
-            out.push(Command::Handwheel(asked.detents));
+        if asked.handwheel_detents != 0 {
+            out.push(Command::Handwheel(asked.handwheel_detents));
         }
-        if asked.alarms {
+        if asked.alarm_page {
             out.push(Command::OpenPage(Page::Alarm));
         }
         if asked.help {
-            self.turn_help(view);
+            self.toggle_help(view);
         }
     }
 }
 
-fn load(ctx: &egui::Context, picture: &Arc<Picture>) -> Option<(Arc<Picture>, TextureHandle)> {
+fn load_picture(ctx: &egui::Context, picture: &Arc<Picture>) -> Option<(Arc<Picture>, TextureHandle)> {
     let rgb = image::load_from_memory_with_format(&picture.0, image::ImageFormat::Png).ok()?.into_rgb8();
     let image = ColorImage::from_rgb([rgb.width() as usize, rgb.height() as usize], &rgb);
     Some((Arc::clone(picture), ctx.load_texture("page picture", image, TextureOptions::LINEAR)))

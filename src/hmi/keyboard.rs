@@ -3,7 +3,7 @@
 
 use egui::{Event, Modifiers, Ui};
 
-use super::entry::Edit;
+use super::variable_entry::EditKey;
 use crate::defs::key::Key;
 
 /// A physical key for a panel key.
@@ -48,7 +48,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
     ctrl(egui::Key::K, Key::BlockSkip),
     ctrl(egui::Key::O, Key::OptionalStop),
     ctrl(egui::Key::L, Key::MachineLock),
-    ctrl(egui::Key::T, Key::MstLock),
+    ctrl(egui::Key::T, Key::AuxFunctionLock),
     ctrl(egui::Key::D, Key::DryRun),
     ctrl(egui::Key::PageUp, Key::FeedOverrideUp),
     ctrl(egui::Key::PageDown, Key::FeedOverrideDown),
@@ -77,7 +77,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
     alt(egui::Key::W, Key::SpindleForward),
     alt(egui::Key::E, Key::SpindleReverse),
     alt(egui::Key::Q, Key::SpindleStop),
-    alt(egui::Key::N, Key::ToolPost),
+    alt(egui::Key::N, Key::ToolTurret),
     alt(egui::Key::H, Key::HeadstockHigh),
     alt(egui::Key::G, Key::HeadstockLow),
     alt(egui::Key::F, Key::HeadstockStop),
@@ -99,35 +99,35 @@ pub const SHORTCUTS: &[Shortcut] = &[
 
 /// The keyboard input of one frame.
 #[derive(Debug, Default)]
-pub struct Asked {
+pub struct KeyboardInput {
     /// Panel keys pressed in this frame, with the physical key and its modifiers.
     pub keys: Vec<Shortcut>,
     /// Edit and cursor keys.
-    pub edits: Vec<Edit>,
+    pub edits: Vec<EditKey>,
     /// All typed characters, for text fields.
     pub text: String,
     /// Address keys X Y Z.
-    pub addresses: Vec<Key>,
+    pub address_keys: Vec<Key>,
     /// Keys with Ctrl that are not panel keys, for the pages.
-    pub controls: Vec<egui::Key>,
+    pub ctrl_keys: Vec<egui::Key>,
     /// A soft key, 0–4.
-    pub soft: Option<usize>,
+    pub soft_key: Option<usize>,
     /// F6: next row of soft keys.
-    pub next_row: bool,
+    pub next_soft_row: bool,
     /// F12: help overlay.
     pub help: bool,
     /// F7: alarm page.
-    pub alarms: bool,
+    pub alarm_page: bool,
     /// Pages to scroll: page up is −1, page down is 1.
-    pub pages: i32,
+    pub scroll_pages: i32,
     /// Detents of the handwheel.
-    pub detents: i32,
+    pub handwheel_detents: i32,
 }
 
 /// Reads the keyboard of this frame. `words`: a page takes text and nothing runs, so the space bar types a space.
 #[must_use]
-pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> Asked {
-    let mut asked = Asked::default();
+pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> KeyboardInput {
+    let mut asked = KeyboardInput::default();
     let events = ui.input(|input| input.events.clone());
     // Alt with a digit is a panel key, not a digit; egui sends the text event right after the key event.
     let mut alt = false;
@@ -137,24 +137,26 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> Asked {
                 alt = modifiers.alt;
                 let modified = modifiers.alt || modifiers.ctrl || modifiers.command;
                 let is_it = |shortcut: &&Shortcut| {
-                    shortcut.physical == *key && modifiers.matches_exact(shortcut.modifiers) && shortcut.key.is_on(kind)
+                    shortcut.physical == *key
+                        && modifiers.matches_exact(shortcut.modifiers)
+                        && shortcut.key.exists_on(kind)
                 };
                 let found = SHORTCUTS.iter().find(is_it).filter(|_| !(words && !modified && *key == egui::Key::Space));
                 match found {
                     Some(shortcut) if !repeat => asked.keys.push(*shortcut),
                     Some(_) => {}
-                    None if modifiers.ctrl && !modifiers.alt => asked.controls.push(*key),
-                    None if modifiers.alt => asked.detents += detent(*key),
-                    None if !modified => asked.plain(*key, modifiers.shift),
+                    None if modifiers.ctrl && !modifiers.alt => asked.ctrl_keys.push(*key),
+                    None if modifiers.alt => asked.handwheel_detents += detent_of(*key),
+                    None if !modified => asked.add_unmodified(*key, modifiers.shift),
                     None => {}
                 }
             }
             // egui turns Ctrl+C, Ctrl+X and Ctrl+V into these events.
-            Event::Copy => asked.controls.push(egui::Key::C),
-            Event::Cut => asked.controls.push(egui::Key::X),
-            Event::Paste(_) => asked.controls.push(egui::Key::V),
+            Event::Copy => asked.ctrl_keys.push(egui::Key::C),
+            Event::Cut => asked.ctrl_keys.push(egui::Key::X),
+            Event::Paste(_) => asked.ctrl_keys.push(egui::Key::V),
             Event::Text(text) if !alt => {
-                asked.edits.extend(text.chars().filter_map(typed));
+                asked.edits.extend(text.chars().filter_map(edit_key_of));
                 asked.text.push_str(text);
             }
             _ => {}
@@ -164,7 +166,7 @@ pub fn read(ui: &Ui, kind: crate::defs::kind::Kind, words: bool) -> Asked {
 }
 
 /// Alt with comma or period turns the handwheel by one detent.
-const fn detent(key: egui::Key) -> i32 {
+const fn detent_of(key: egui::Key) -> i32 {
     match key {
         egui::Key::Comma => -1,
         egui::Key::Period => 1,
@@ -172,42 +174,42 @@ const fn detent(key: egui::Key) -> i32 {
     }
 }
 
-const fn typed(sign: char) -> Option<Edit> {
+const fn edit_key_of(sign: char) -> Option<EditKey> {
     match sign {
-        '0'..='9' | '.' => Some(Edit::Char(sign)),
-        '-' => Some(Edit::Sign),
+        '0'..='9' | '.' => Some(EditKey::Char(sign)),
+        '-' => Some(EditKey::Sign),
         _ => None,
     }
 }
 
-impl Asked {
-    fn plain(&mut self, key: egui::Key, shift: bool) {
+impl KeyboardInput {
+    fn add_unmodified(&mut self, key: egui::Key, shift: bool) {
         match key {
-            egui::Key::F1 => self.soft = Some(0),
-            egui::Key::F2 => self.soft = Some(1),
-            egui::Key::F3 => self.soft = Some(2),
-            egui::Key::F4 => self.soft = Some(3),
-            egui::Key::F5 => self.soft = Some(4),
-            egui::Key::F6 => self.next_row = true,
-            egui::Key::F7 => self.alarms = true,
+            egui::Key::F1 => self.soft_key = Some(0),
+            egui::Key::F2 => self.soft_key = Some(1),
+            egui::Key::F3 => self.soft_key = Some(2),
+            egui::Key::F4 => self.soft_key = Some(3),
+            egui::Key::F5 => self.soft_key = Some(4),
+            egui::Key::F6 => self.next_soft_row = true,
+            egui::Key::F7 => self.alarm_page = true,
             egui::Key::F12 => self.help = true,
-            egui::Key::X => self.addresses.push(Key::AddressX),
-            egui::Key::Y => self.addresses.push(Key::AddressY),
-            egui::Key::Z => self.addresses.push(Key::AddressZ),
-            egui::Key::PageUp => self.pages -= 1,
-            egui::Key::PageDown => self.pages += 1,
-            egui::Key::Enter => self.edits.push(Edit::Enter),
-            egui::Key::Escape => self.edits.push(Edit::Cancel),
-            egui::Key::Backspace => self.edits.push(Edit::Back),
-            egui::Key::Delete => self.edits.push(Edit::Delete),
-            egui::Key::Home => self.edits.push(Edit::LineStart),
-            egui::Key::End => self.edits.push(Edit::LineEnd),
-            egui::Key::ArrowUp => self.edits.push(Edit::Up),
-            egui::Key::ArrowDown => self.edits.push(Edit::Down),
-            egui::Key::ArrowLeft => self.edits.push(Edit::Left),
-            egui::Key::ArrowRight => self.edits.push(Edit::Right),
-            egui::Key::Tab if shift => self.edits.push(Edit::Previous),
-            egui::Key::Tab => self.edits.push(Edit::Next),
+            egui::Key::X => self.address_keys.push(Key::AddressX),
+            egui::Key::Y => self.address_keys.push(Key::AddressY),
+            egui::Key::Z => self.address_keys.push(Key::AddressZ),
+            egui::Key::PageUp => self.scroll_pages -= 1,
+            egui::Key::PageDown => self.scroll_pages += 1,
+            egui::Key::Enter => self.edits.push(EditKey::Enter),
+            egui::Key::Escape => self.edits.push(EditKey::Cancel),
+            egui::Key::Backspace => self.edits.push(EditKey::Backspace),
+            egui::Key::Delete => self.edits.push(EditKey::Delete),
+            egui::Key::Home => self.edits.push(EditKey::LineStart),
+            egui::Key::End => self.edits.push(EditKey::LineEnd),
+            egui::Key::ArrowUp => self.edits.push(EditKey::Up),
+            egui::Key::ArrowDown => self.edits.push(EditKey::Down),
+            egui::Key::ArrowLeft => self.edits.push(EditKey::Left),
+            egui::Key::ArrowRight => self.edits.push(EditKey::Right),
+            egui::Key::Tab if shift => self.edits.push(EditKey::Previous),
+            egui::Key::Tab => self.edits.push(EditKey::Next),
             _ => {}
         }
     }

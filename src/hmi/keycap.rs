@@ -3,30 +3,30 @@
 
 use egui::{Align2, Color32, CornerRadius, Painter, Rect, Stroke, StrokeKind, pos2, vec2};
 
-use super::pictogram::{self, Mark};
+use super::pictogram::{self, PictogramShape};
 use super::theme::{self, Theme};
-use super::view::{View, card, fit};
-use crate::defs::key::{Group, Key, Lamp};
+use super::view::{View, card, fit_text};
+use crate::defs::key::{Key, KeyGroup, Lamp};
 use crate::link::snapshot::KeyView;
 
 /// The visible state of a key.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Face {
+pub struct KeycapState {
     /// Lamp on.
     pub on: bool,
     /// The feedback is still missing.
-    pub working: bool,
+    pub pending: bool,
     /// Pressing it would be refused.
     pub blocked: bool,
     /// The finger is on it.
     pub pressed: bool,
 }
 
-impl Face {
+impl KeycapState {
     /// The visible state for a key of the snapshot.
     #[must_use]
-    pub const fn of(state: KeyView, pressed: bool) -> Self {
-        Self { on: state.lamp, working: state.working, blocked: state.blocked.is_some(), pressed }
+    pub const fn from_view(state: KeyView, pressed: bool) -> Self {
+        Self { on: state.lamp, pending: state.pending, blocked: state.blocked.is_some(), pressed }
     }
 }
 
@@ -37,56 +37,63 @@ pub fn accessible_name(key: Key, lang: crate::defs::text::Lang) -> String {
 }
 
 /// Draws a key of the panel.
-pub fn paint(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face, marks: &[Mark]) {
+pub fn paint(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: KeycapState, marks: &[PictogramShape]) {
     match key {
-        Key::CycleStart => run_key(painter, view, rect, key, face, view.theme.run),
-        Key::FeedHold => run_key(painter, view, rect, key, face, view.theme.hold),
-        Key::EmergencyStop => mushroom(painter, view, rect, face),
-        _ => ordinary(painter, view, rect, key, face, marks),
+        Key::CycleStart => paint_run_key(painter, view, rect, key, face, view.theme.run),
+        Key::FeedHold => paint_run_key(painter, view, rect, key, face, view.theme.hold),
+        Key::EmergencyStop => paint_emergency_stop(painter, view, rect, face),
+        _ => paint_standard(painter, view, rect, key, face, marks),
     }
 }
 
-fn ordinary(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face, marks: &[Mark]) {
+fn paint_standard(
+    painter: &Painter,
+    view: &View<'_>,
+    rect: Rect,
+    key: Key,
+    face: KeycapState,
+    marks: &[PictogramShape],
+) {
     let theme = view.theme;
-    plate(painter, theme, rect, face);
+    paint_body(painter, theme, rect, face);
     let body = if face.pressed { rect.translate(vec2(0.0, 1.5)) } else { rect };
-    let ink = ink(theme, face);
+    let ink = label_colour(theme, face);
     let has_lamp = key.row().lamp != Lamp::None;
     if has_lamp {
-        lamp(painter, view, rect, face, lamp_colour(theme, key));
+        paint_lamp(painter, view, rect, face, lamp_colour(theme, key));
     }
-    let text = key.face(view.snapshot.kind).get(view.lang);
+    let text = key.short_label(view.snapshot.kind).get(view.lang);
     let inner = body.shrink2(vec2(2.0, 0.0));
     if text.is_empty() {
         let square = Rect::from_center_size(body.center(), vec2(24.0, 24.0));
         pictogram::draw(painter, square, marks, ink);
     } else if marks.is_empty() {
-        let size = if matches!(key.row().group, Group::Override) { theme::SECONDARY } else { theme::LABEL };
+        let size = if matches!(key.row().group, KeyGroup::Override) { theme::SECONDARY } else { theme::LABEL };
         let size = if text.chars().count() <= 1 { theme::SECONDARY } else { size.min(theme::LABEL) };
         let below = if has_lamp { inner.translate(vec2(0.0, 2.0)) } else { inner };
-        fit(painter, below, Align2::CENTER_CENTER, text, size, ink);
+        fit_text(painter, below, Align2::CENTER_CENTER, text, size, ink);
     } else {
         let picture = (rect.height() * 0.40).min(26.0);
         let top = body.min.y + if has_lamp { 7.0 } else { 5.0 } + (rect.height() - 44.0).max(0.0) * 0.2;
         let square = Rect::from_center_size(pos2(body.center().x, top + picture / 2.0), vec2(picture, picture));
         pictogram::draw(painter, square, marks, ink);
         let bottom = Rect::from_min_max(pos2(inner.min.x, square.max.y - 1.0), pos2(inner.max.x, body.max.y - 2.0));
-        fit(painter, bottom, Align2::CENTER_CENTER, text, theme::LABEL, ink);
+        fit_text(painter, bottom, Align2::CENTER_CENTER, text, theme::LABEL, ink);
     }
     if face.blocked {
         let corner = Rect::from_min_size(pos2(body.max.x - 13.0, body.min.y + 7.0), vec2(10.0, 10.0));
-        pictogram::draw(painter, corner, pictogram::LOCK, theme.dim);
+        pictogram::draw(painter, corner, pictogram::LOCK, theme.disabled);
     }
 }
 
 /// The colour of text and pictogram.
-fn ink(theme: &Theme, face: Face) -> Color32 {
+fn label_colour(theme: &Theme, face: KeycapState) -> Color32 {
     if face.blocked && !face.on {
-        theme.dim
-    } else if face.on || face.working {
+        theme.disabled
+    } else if face.on || face.pending {
         theme.text
     } else {
-        theme.quiet
+        theme.muted
     }
 }
 
@@ -96,28 +103,28 @@ fn lamp_colour(theme: &Theme, key: Key) -> Color32 {
         Lamp::Output(_) => theme.run,
         Lamp::None | Lamp::OutputOff(_) | Lamp::Control => match key {
             Key::Oscillation | Key::DressReturn | Key::WheelRetract => theme.run,
-            Key::MachineLock | Key::MstLock | Key::DryRun => theme.hold,
+            Key::MachineLock | Key::AuxFunctionLock | Key::DryRun => theme.hold,
             _ => theme.info,
         },
     }
 }
 
 /// Paints the body of a key: raised, or inset while the finger is on it.
-pub fn plate(painter: &Painter, theme: &Theme, rect: Rect, face: Face) {
+pub fn paint_body(painter: &Painter, theme: &Theme, rect: Rect, face: KeycapState) {
     let radius = CornerRadius::same(theme::RADIUS as u8);
     if face.pressed {
-        card(painter, rect, theme.ground, theme.focus);
+        card(painter, rect, theme.background, theme.focus);
         painter.rect_stroke(rect.shrink(1.0), radius, Stroke::new(theme::FRAME, theme.line), StrokeKind::Inside);
     } else {
         card(painter, rect, if face.blocked { theme.surface } else { theme.raised }, theme.line);
     }
 }
 
-fn lamp(painter: &Painter, view: &View<'_>, rect: Rect, face: Face, colour: Color32) {
+fn paint_lamp(painter: &Painter, view: &View<'_>, rect: Rect, face: KeycapState, colour: Color32) {
     let bar = Rect::from_min_size(rect.min + vec2(5.0, 3.0), vec2(rect.width() - 10.0, 3.0));
     let radius = CornerRadius::same(1);
     painter.rect_filled(bar, radius, view.theme.line);
-    if face.working {
+    if face.pending {
         if view.blink {
             let half = Rect::from_center_size(bar.center(), vec2(bar.width() / 2.0, bar.height()));
             painter.rect_filled(half, radius, colour);
@@ -128,46 +135,53 @@ fn lamp(painter: &Painter, view: &View<'_>, rect: Rect, face: Face, colour: Colo
 }
 
 /// Paints cycle start or feed hold: large, framed in its colour, filled with it while lit.
-fn run_key(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: Face, colour: Color32) {
+fn paint_run_key(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: KeycapState, colour: Color32) {
     let theme = view.theme;
     let radius = CornerRadius::same(2 * theme::RADIUS as u8);
-    let lit = face.on && (!face.working || view.blink);
+    let lit = face.on && (!face.pending || view.blink);
     let fill = if lit { colour } else { theme.raised };
-    let fill = if face.pressed { theme.ground } else { fill };
+    let fill = if face.pressed { theme.background } else { fill };
     painter.rect(rect, radius, fill, Stroke::new(theme::FRAME, colour), StrokeKind::Inside);
-    let ink = if lit && !face.pressed { theme.ink } else { colour };
-    let ink = if face.blocked && !lit { theme.dim } else { ink };
+    let ink = if lit && !face.pressed { theme.on_accent } else { colour };
+    let ink = if face.blocked && !lit { theme.disabled } else { ink };
     let body = if face.pressed { rect.translate(vec2(0.0, 2.0)) } else { rect };
     let size = (rect.height() * 0.36).min(34.0);
     let centre = pos2(body.center().x, body.min.y + rect.height() * 0.36);
-    pictogram::draw(painter, Rect::from_center_size(centre, vec2(size, size)), pictogram::of(key), ink);
+    pictogram::draw(painter, Rect::from_center_size(centre, vec2(size, size)), pictogram::for_key(key), ink);
     let below =
         Rect::from_min_max(pos2(body.min.x + 3.0, centre.y + size / 2.0), pos2(body.max.x - 3.0, body.max.y - 4.0));
-    fit(painter, below, Align2::CENTER_CENTER, key.label().get(view.lang), theme::LABEL, ink);
+    fit_text(painter, below, Align2::CENTER_CENTER, key.label().get(view.lang), theme::LABEL, ink);
     if face.blocked {
         let corner = Rect::from_min_size(pos2(body.max.x - 18.0, body.min.y + 6.0), vec2(12.0, 12.0));
-        pictogram::draw(painter, corner, pictogram::LOCK, theme.dim);
+        pictogram::draw(painter, corner, pictogram::LOCK, theme.disabled);
     }
 }
 
 /// Paints the emergency stop: a red mushroom button on yellow, pushed in while it is active.
-fn mushroom(painter: &Painter, view: &View<'_>, rect: Rect, face: Face) {
+fn paint_emergency_stop(painter: &Painter, view: &View<'_>, rect: Rect, face: KeycapState) {
     let theme = view.theme;
     let radius = CornerRadius::same(2 * theme::RADIUS as u8);
-    painter.rect_filled(rect, radius, theme.stop_ground);
+    painter.rect_filled(rect, radius, theme.stop_background);
     let centre = pos2(rect.center().x, rect.min.y + rect.height() * 0.41);
     let pushed = face.pressed || face.on;
     let outer = (rect.height() * 0.34).min(rect.width() * 0.42);
-    painter.circle_filled(centre, outer, theme.stop_ink);
+    painter.circle_filled(centre, outer, theme.stop_text);
     painter.circle_filled(centre, if pushed { outer - 6.0 } else { outer - 1.5 }, theme.alarm);
     painter.circle_stroke(
         centre,
         (outer - 9.0).max(3.0),
-        Stroke::new(theme::FRAME, theme.stop_ink.gamma_multiply(0.35)),
+        Stroke::new(theme::FRAME, theme.stop_text.gamma_multiply(0.35)),
     );
     if face.on && view.blink {
         painter.circle_stroke(centre, outer + 2.5, Stroke::new(3.0, theme.alarm));
     }
     let below = Rect::from_min_max(pos2(rect.min.x + 2.0, centre.y + outer), rect.max - vec2(2.0, 1.0));
-    fit(painter, below, Align2::CENTER_CENTER, Key::EmergencyStop.label().get(view.lang), theme::LABEL, theme.stop_ink);
+    fit_text(
+        painter,
+        below,
+        Align2::CENTER_CENTER,
+        Key::EmergencyStop.label().get(view.lang),
+        theme::LABEL,
+        theme.stop_text,
+    );
 }

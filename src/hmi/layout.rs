@@ -28,7 +28,7 @@ impl Regions {
     #[must_use]
     pub fn new(display: Rect) -> Self {
         let portrait = display.height() > display.width();
-        let panel_width = if display.width() >= theme::WIDE { theme::PANEL.1 } else { theme::PANEL.0 };
+        let panel_width = if display.width() >= theme::WIDE_FROM { theme::PANEL.1 } else { theme::PANEL.0 };
         let (screen, panel) = if portrait {
             let cut = display.max.y - theme::PANEL_PORTRAIT;
             display.split_top_bottom_at_y(cut)
@@ -36,7 +36,7 @@ impl Regions {
             display.split_left_right_at_x(display.max.x - panel_width)
         };
         let (header, rest) = screen.split_top_bottom_at_y(screen.min.y + theme::HEADER);
-        let (rest, soft) = rest.split_top_bottom_at_y(rest.max.y - theme::SOFT);
+        let (rest, soft) = rest.split_top_bottom_at_y(rest.max.y - theme::SOFT_KEYS);
         let (rest, status) = rest.split_top_bottom_at_y(rest.max.y - theme::STATUS);
         let (content, message) = rest.split_top_bottom_at_y(rest.max.y - theme::MESSAGE);
         Self { header, content, message, status, soft, panel, portrait }

@@ -8,7 +8,7 @@ use crate::defs::key::Key;
 
 /// One shape of a pictogram.
 #[derive(Clone, Copy, Debug)]
-pub enum Mark {
+pub enum PictogramShape {
     /// A polyline.
     Line(&'static [(f32, f32)]),
     /// A filled convex polygon.
@@ -22,13 +22,13 @@ pub enum Mark {
     /// A box: left, top, width, height.
     Box(f32, f32, f32, f32),
     /// An arrow head: tip and direction in degrees.
-    Head(f32, f32, f32),
+    ArrowHead(f32, f32, f32),
 }
 
-use Mark::{Arc, Box, Dot, Fill, Head, Line, Ring};
+use PictogramShape::{Arc, ArrowHead, Box, Dot, Fill, Line, Ring};
 
 /// Draws a pictogram into a square.
-pub fn draw(painter: &Painter, rect: Rect, marks: &[Mark], colour: Color32) {
+pub fn draw(painter: &Painter, rect: Rect, marks: &[PictogramShape], colour: Color32) {
     let unit = rect.width().min(rect.height()) / 24.0;
     let corner = rect.center() - vec2(12.0, 12.0) * unit;
     let at = |(x, y): (f32, f32)| corner + vec2(x, y) * unit;
@@ -38,7 +38,7 @@ pub fn draw(painter: &Painter, rect: Rect, marks: &[Mark], colour: Color32) {
     }
 }
 
-impl Mark {
+impl PictogramShape {
     fn paint(self, painter: &Painter, at: &dyn Fn((f32, f32)) -> Pos2, unit: f32, stroke: Stroke) {
         match self {
             Line(points) => {
@@ -65,7 +65,7 @@ impl Mark {
                 let points = [(x, y), (x + width, y), (x + width, y + height), (x, y + height)].map(at);
                 painter.add(Shape::closed_line(points.to_vec(), stroke));
             }
-            Head(x, y, degrees) => {
+            ArrowHead(x, y, degrees) => {
                 let turn = |forward: f32, side: f32| {
                     let (sin, cos) = degrees.to_radians().sin_cos();
                     at((x + forward * cos - side * sin, y + forward * sin + side * cos))
@@ -78,41 +78,41 @@ impl Mark {
 }
 
 /// Padlock: the key is blocked.
-pub const LOCK: &[Mark] =
+pub const LOCK: &[PictogramShape] =
     &[Fill(&[(4.0, 11.0), (20.0, 11.0), (20.0, 22.0), (4.0, 22.0)]), Arc(12.0, 11.0, 5.5, 180.0, 360.0)];
 /// House: the axis is homed (H5).
-pub const HOUSE: &[Mark] =
+pub const HOUSE: &[PictogramShape] =
     &[Line(&[(2.0, 12.0), (12.0, 3.0), (22.0, 12.0)]), Line(&[(5.0, 11.0), (5.0, 21.0), (19.0, 21.0), (19.0, 11.0)])];
 /// Missing picture.
-pub const NO_PICTURE: &[Mark] = &[
+pub const NO_PICTURE: &[PictogramShape] = &[
     Box(3.0, 4.0, 18.0, 16.0),
     Line(&[(3.0, 18.0), (9.0, 11.0), (13.0, 16.0), (16.0, 13.0), (21.0, 18.0)]),
     Line(&[(1.0, 23.0), (23.0, 1.0)]),
 ];
 /// Sheet with a cross: no page.
-pub const NO_PAGE: &[Mark] = &[
+pub const NO_PAGE: &[PictogramShape] = &[
     Line(&[(14.0, 2.0), (4.0, 2.0), (4.0, 22.0), (20.0, 22.0), (20.0, 8.0), (14.0, 2.0), (14.0, 8.0), (20.0, 8.0)]),
     Line(&[(9.0, 12.5), (15.0, 18.5)]),
     Line(&[(15.0, 12.5), (9.0, 18.5)]),
 ];
 
-const WHEEL: Mark = Ring(9.0, 12.0, 7.5);
-const HUB: Mark = Dot(9.0, 12.0, 2.0);
-const ON: Mark = Line(&[(21.0, 6.0), (21.0, 18.0)]);
-const OFF: Mark = Ring(20.0, 18.0, 3.0);
-const CHUCK: Mark = Box(2.5, 4.0, 6.0, 16.0);
-const SHAFT: Mark = Line(&[(8.5, 8.5), (15.0, 8.5), (15.0, 15.5), (8.5, 15.5)]);
-const CONE: Mark = Line(&[(11.0, 12.0), (15.0, 8.0), (22.0, 8.0), (22.0, 16.0), (15.0, 16.0), (11.0, 12.0)]);
-const MAGNET: Mark = Arc(12.0, 12.0, 7.0, 180.0, 360.0);
-const POLES: Mark = Line(&[(5.0, 12.0), (5.0, 19.0)]);
-const POLES_2: Mark = Line(&[(19.0, 12.0), (19.0, 19.0)]);
-const PART: Mark = Ring(12.0, 15.0, 5.0);
-const LOCK_BODY: Mark = Box(6.0, 11.0, 12.0, 9.0);
-const LOCK_BOW: Mark = Arc(12.0, 11.0, 4.0, 180.0, 360.0);
+const WHEEL: PictogramShape = Ring(9.0, 12.0, 7.5);
+const HUB: PictogramShape = Dot(9.0, 12.0, 2.0);
+const ON: PictogramShape = Line(&[(21.0, 6.0), (21.0, 18.0)]);
+const OFF: PictogramShape = Ring(20.0, 18.0, 3.0);
+const CHUCK: PictogramShape = Box(2.5, 4.0, 6.0, 16.0);
+const SHAFT: PictogramShape = Line(&[(8.5, 8.5), (15.0, 8.5), (15.0, 15.5), (8.5, 15.5)]);
+const CONE: PictogramShape = Line(&[(11.0, 12.0), (15.0, 8.0), (22.0, 8.0), (22.0, 16.0), (15.0, 16.0), (11.0, 12.0)]);
+const MAGNET: PictogramShape = Arc(12.0, 12.0, 7.0, 180.0, 360.0);
+const POLES: PictogramShape = Line(&[(5.0, 12.0), (5.0, 19.0)]);
+const POLES_2: PictogramShape = Line(&[(19.0, 12.0), (19.0, 19.0)]);
+const PART: PictogramShape = Ring(12.0, 15.0, 5.0);
+const LOCK_BODY: PictogramShape = Box(6.0, 11.0, 12.0, 9.0);
+const LOCK_BOW: PictogramShape = Arc(12.0, 11.0, 4.0, 180.0, 360.0);
 
 /// The pictogram of a key; keys labelled with a number or letter have none.
 #[must_use]
-pub const fn of(key: Key) -> &'static [Mark] {
+pub const fn for_key(key: Key) -> &'static [PictogramShape] {
     match key {
         Key::ModeEdit
         | Key::ModeAuto
@@ -121,13 +121,13 @@ pub const fn of(key: Key) -> &'static [Mark] {
         | Key::ModeHandwheel
         | Key::ModeStep
         | Key::ModeManual
-        | Key::SingleBlock => mode(key),
+        | Key::SingleBlock => mode_shapes(key),
         Key::BlockSkip => &[
             Line(&[(2.0, 19.0), (7.0, 19.0)]),
             Box(9.0, 15.0, 6.0, 6.0),
             Line(&[(17.0, 19.0), (22.0, 19.0)]),
             Arc(12.0, 14.0, 8.0, 190.0, 335.0),
-            Head(20.5, 14.5, 65.0),
+            ArrowHead(20.5, 14.5, 65.0),
         ],
         Key::OptionalStop => &[
             Line(&[
@@ -145,7 +145,7 @@ pub const fn of(key: Key) -> &'static [Mark] {
             Line(&[(15.0, 8.5), (15.0, 15.5)]),
         ],
         Key::MachineLock => &[LOCK_BODY, LOCK_BOW, Line(&[(1.0, 22.5), (23.0, 22.5)]), Dot(12.0, 15.5, 1.6)],
-        Key::MstLock => &[
+        Key::AuxFunctionLock => &[
             Box(3.0, 12.0, 11.0, 8.5),
             Arc(8.5, 12.0, 3.6, 180.0, 360.0),
             Ring(19.0, 8.0, 3.2),
@@ -154,7 +154,7 @@ pub const fn of(key: Key) -> &'static [Mark] {
         ],
         Key::DryRun => &[
             Line(&[(2.0, 18.0), (8.0, 8.0), (12.0, 14.0), (19.0, 5.0)]),
-            Head(21.0, 2.5, -52.0),
+            ArrowHead(21.0, 2.5, -52.0),
             Line(&[(2.0, 22.0), (5.0, 22.0)]),
             Line(&[(8.0, 22.0), (11.0, 22.0)]),
             Line(&[(14.0, 22.0), (17.0, 22.0)]),
@@ -164,20 +164,22 @@ pub const fn of(key: Key) -> &'static [Mark] {
             Fill(&[(5.0, 4.0), (9.5, 4.0), (9.5, 20.0), (5.0, 20.0)]),
             Fill(&[(14.5, 4.0), (19.0, 4.0), (19.0, 20.0), (14.5, 20.0)]),
         ],
-        Key::Reset => &[Line(&[(5.0, 20.0), (15.0, 4.0)]), Line(&[(10.0, 20.0), (17.5, 8.0)]), Head(20.0, 4.0, -58.0)],
+        Key::Reset => {
+            &[Line(&[(5.0, 20.0), (15.0, 4.0)]), Line(&[(10.0, 20.0), (17.5, 8.0)]), ArrowHead(20.0, 4.0, -58.0)]
+        }
         Key::FeedOverrideUp | Key::SpindleOverrideUp => {
             &[Line(&[(4.0, 12.0), (20.0, 12.0)]), Line(&[(12.0, 4.0), (12.0, 20.0)])]
         }
         Key::FeedOverrideDown | Key::SpindleOverrideDown => &[Line(&[(4.0, 12.0), (20.0, 12.0)])],
         Key::XPlus | Key::XMinus | Key::YPlus | Key::YMinus | Key::ZPlus | Key::ZMinus => &[],
         Key::Rapid | Key::RapidF0 | Key::Rapid25 | Key::Rapid50 | Key::Rapid100 => {
-            &[Line(&[(2.0, 17.0), (8.0, 7.0), (13.0, 17.0), (19.0, 7.0)]), Head(21.5, 3.0, -60.0)]
+            &[Line(&[(2.0, 17.0), (8.0, 7.0), (13.0, 17.0), (19.0, 7.0)]), ArrowHead(21.5, 3.0, -60.0)]
         }
-        _ => unit(key),
+        _ => machine_shapes(key),
     }
 }
 
-const fn mode(key: Key) -> &'static [Mark] {
+const fn mode_shapes(key: Key) -> &'static [PictogramShape] {
     match key {
         Key::ModeEdit => &[
             Line(&[(4.0, 20.0), (5.0, 15.0), (16.0, 4.0), (20.0, 8.0), (9.0, 19.0), (4.0, 20.0)]),
@@ -185,7 +187,7 @@ const fn mode(key: Key) -> &'static [Mark] {
         ],
         Key::ModeAuto => &[
             Arc(12.0, 12.0, 8.0, -40.0, 250.0),
-            Head(13.0, 4.0, 10.0),
+            ArrowHead(13.0, 4.0, 10.0),
             Fill(&[(10.0, 8.5), (16.0, 12.0), (10.0, 15.5)]),
         ],
         Key::ModeMdi => &[
@@ -203,26 +205,26 @@ const fn mode(key: Key) -> &'static [Mark] {
         Key::ModeHandwheel => &[Ring(12.0, 12.0, 9.0), Ring(12.0, 12.0, 2.0), Dot(16.5, 7.5, 2.4)],
         Key::ModeStep => &[
             Line(&[(2.0, 20.0), (7.0, 20.0), (7.0, 14.0), (12.5, 14.0), (12.5, 8.0), (18.0, 8.0)]),
-            Head(22.5, 8.0, 0.0),
+            ArrowHead(22.5, 8.0, 0.0),
         ],
         Key::ModeManual => &[
             Line(&[(12.0, 5.0), (12.0, 19.0)]),
             Line(&[(5.0, 12.0), (19.0, 12.0)]),
-            Head(12.0, 1.0, -90.0),
-            Head(12.0, 23.0, 90.0),
-            Head(1.0, 12.0, 180.0),
-            Head(23.0, 12.0, 0.0),
+            ArrowHead(12.0, 1.0, -90.0),
+            ArrowHead(12.0, 23.0, 90.0),
+            ArrowHead(1.0, 12.0, 180.0),
+            ArrowHead(23.0, 12.0, 0.0),
         ],
         _ => &[
             Box(2.5, 7.0, 8.0, 10.0),
             Line(&[(12.0, 12.0), (16.0, 12.0)]),
-            Head(20.0, 12.0, 0.0),
+            ArrowHead(20.0, 12.0, 0.0),
             Line(&[(21.5, 5.0), (21.5, 19.0)]),
         ],
     }
 }
 
-const fn unit(key: Key) -> &'static [Mark] {
+const fn machine_shapes(key: Key) -> &'static [PictogramShape] {
     match key {
         Key::WheelStart => &[WHEEL, HUB, ON],
         Key::WheelStop => &[WHEEL, HUB, OFF],
@@ -231,10 +233,10 @@ const fn unit(key: Key) -> &'static [Mark] {
             Line(&[(13.5, 9.5), (17.0, 9.5), (17.0, 14.5), (13.5, 14.5)]),
             Ring(20.0, 12.0, 2.5),
         ],
-        Key::SpindleForward => &[CHUCK, SHAFT, Arc(16.0, 12.0, 6.0, -70.0, 60.0), Head(17.5, 18.5, 150.0)],
-        Key::SpindleReverse => &[CHUCK, SHAFT, Arc(16.0, 12.0, 6.0, -60.0, 70.0), Head(17.5, 5.5, 210.0)],
+        Key::SpindleForward => &[CHUCK, SHAFT, Arc(16.0, 12.0, 6.0, -70.0, 60.0), ArrowHead(17.5, 18.5, 150.0)],
+        Key::SpindleReverse => &[CHUCK, SHAFT, Arc(16.0, 12.0, 6.0, -60.0, 70.0), ArrowHead(17.5, 5.5, 210.0)],
         Key::SpindleStop => &[CHUCK, SHAFT, OFF],
-        Key::ToolPost => &[
+        Key::ToolTurret => &[
             Box(7.0, 7.0, 10.0, 10.0),
             Line(&[(12.0, 7.0), (12.0, 2.5)]),
             Line(&[(17.0, 12.0), (21.5, 12.0)]),
@@ -246,10 +248,10 @@ const fn unit(key: Key) -> &'static [Mark] {
             CHUCK,
             SHAFT,
             Arc(16.0, 12.0, 6.0, -70.0, 60.0),
-            Head(17.5, 18.5, 150.0),
+            ArrowHead(17.5, 18.5, 150.0),
             Arc(13.0, 12.0, 10.0, -45.0, 45.0),
         ],
-        Key::HeadstockLow => &[CHUCK, SHAFT, Arc(15.0, 12.0, 6.0, -70.0, 60.0), Head(16.5, 18.5, 150.0)],
+        Key::HeadstockLow => &[CHUCK, SHAFT, Arc(15.0, 12.0, 6.0, -70.0, 60.0), ArrowHead(16.5, 18.5, 150.0)],
         Key::HeadstockStop => &[CHUCK, SHAFT, OFF],
         Key::DresserRoll => {
             &[Ring(8.0, 9.0, 6.0), Ring(17.5, 17.0, 3.8), Dot(8.0, 9.0, 1.6), Arc(17.5, 17.0, 6.0, -60.0, 40.0)]
@@ -258,24 +260,24 @@ const fn unit(key: Key) -> &'static [Mark] {
             Line(&[(2.0, 14.0), (22.0, 14.0), (22.0, 17.5), (2.0, 17.5), (2.0, 14.0)]),
             Line(&[(12.0, 17.5), (12.0, 22.0)]),
             Arc(12.0, 9.0, 7.0, 150.0, 340.0),
-            Head(19.5, 9.5, 80.0),
+            ArrowHead(19.5, 9.5, 80.0),
         ],
-        _ => aid(key),
+        _ => auxiliary_shapes(key),
     }
 }
 
-const fn aid(key: Key) -> &'static [Mark] {
+const fn auxiliary_shapes(key: Key) -> &'static [PictogramShape] {
     match key {
         Key::TailstockAdvance => &[
             CONE,
             Line(&[(9.0, 20.5), (4.0, 20.5)]),
-            Head(1.0, 20.5, 180.0),
+            ArrowHead(1.0, 20.5, 180.0),
             Line(&[(2.0, 4.0), (2.0, 16.0), (6.0, 16.0), (6.0, 4.0)]),
         ],
         Key::TailstockRetract => &[
             CONE,
             Line(&[(11.0, 20.5), (18.0, 20.5)]),
-            Head(22.0, 20.5, 0.0),
+            ArrowHead(22.0, 20.5, 0.0),
             Line(&[(2.0, 4.0), (2.0, 16.0), (6.0, 16.0), (6.0, 4.0)]),
         ],
         Key::Magnetise => &[
@@ -306,12 +308,12 @@ const fn aid(key: Key) -> &'static [Mark] {
             Line(&[(12.0, 1.0), (12.0, 5.0)]),
             Line(&[(12.0, 20.0), (12.0, 23.0)]),
         ],
-        _ => process(key),
+        _ => process_shapes(key),
     }
 }
 
 /// Gauges, oscillation, dressing and retract.
-const fn process(key: Key) -> &'static [Mark] {
+const fn process_shapes(key: Key) -> &'static [PictogramShape] {
     match key {
         Key::RadialGauge => &[
             PART,
@@ -329,15 +331,15 @@ const fn process(key: Key) -> &'static [Mark] {
         Key::AxialGauge => &[
             Box(2.5, 8.0, 9.0, 12.0),
             Line(&[(22.0, 3.0), (22.0, 14.0), (16.0, 14.0)]),
-            Head(12.5, 14.0, 180.0),
+            ArrowHead(12.5, 14.0, 180.0),
             Line(&[(17.0, 3.0), (23.5, 3.0)]),
         ],
         Key::Oscillation => &[
             Line(&[(3.0, 5.0), (3.0, 19.0)]),
             Line(&[(21.0, 5.0), (21.0, 19.0)]),
             Line(&[(8.0, 12.0), (16.0, 12.0)]),
-            Head(5.0, 12.0, 180.0),
-            Head(19.0, 12.0, 0.0),
+            ArrowHead(5.0, 12.0, 180.0),
+            ArrowHead(19.0, 12.0, 0.0),
         ],
         Key::DressReturn => &[
             Ring(8.0, 9.0, 6.0),
@@ -351,7 +353,7 @@ const fn process(key: Key) -> &'static [Mark] {
             Dot(9.0, 9.0, 1.6),
             Line(&[(1.0, 21.0), (17.0, 21.0)]),
             Line(&[(20.0, 20.0), (20.0, 8.0)]),
-            Head(20.0, 3.5, -90.0),
+            ArrowHead(20.0, 3.5, -90.0),
         ],
         _ => &[],
     }

@@ -3,23 +3,23 @@
 
 use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
 
-use super::entry::Edit;
 use super::theme;
-use super::view::{View, card, fit, paragraph};
-use super::widget::{Look, Walk};
-use crate::defs::text::{Said, Text};
+use super::variable_entry::EditKey;
+use super::view::{View, card, fit_text, paragraph};
+use super::widget::{ButtonState, KeyboardFocus};
+use crate::defs::text::{LocalizedText, Text};
 
 /// The open question of a page, with its subject; empty if none is open.
 #[derive(Debug)]
-pub struct Asked<A>(Option<(A, Question)>);
+pub struct QuestionDialog<A>(Option<(A, Question)>);
 
-impl<A> Default for Asked<A> {
+impl<A> Default for QuestionDialog<A> {
     fn default() -> Self {
         Self(None)
     }
 }
 
-impl<A> Asked<A> {
+impl<A> QuestionDialog<A> {
     /// Opens a question; replaces an open one.
     pub fn ask(&mut self, about: A, question: Question) {
         self.0 = Some((about, question));
@@ -37,7 +37,7 @@ impl<A> Asked<A> {
     }
 
     /// Draws the question. When answered, returns its subject and the index of the pressed key; `None` for CANCEL (取消).
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> Option<(A, Option<usize>)> {
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> Option<(A, Option<usize>)> {
         let key = self.0.as_mut()?.1.ui(ui, rect, view, edits)?;
         let (about, question) = self.0.take()?;
         Some((about, Some(key).filter(|key| key + 1 < question.keys.len())))
@@ -50,53 +50,53 @@ pub struct Question {
     /// The question.
     title: Text,
     /// Details.
-    body: Said,
+    body: LocalizedText,
     /// The keys: accessible name and label; the last one only closes.
     keys: Vec<(&'static str, Text)>,
-    walk: Walk,
+    focus: KeyboardFocus,
 }
 
 impl Question {
     /// A question with one action key and CANCEL (取消).
     #[must_use]
-    pub fn new(title: Text, body: Said, yes: (&'static str, Text)) -> Self {
-        Self::of(title, body, &[yes])
+    pub fn new(title: Text, body: LocalizedText, yes: (&'static str, Text)) -> Self {
+        Self::with_keys(title, body, &[yes])
     }
 
     /// A question with several action keys and CANCEL (取消).
     #[must_use]
-    pub fn of(title: Text, body: Said, keys: &[(&'static str, Text)]) -> Self {
+    pub fn with_keys(title: Text, body: LocalizedText, keys: &[(&'static str, Text)]) -> Self {
         let mut keys = keys.to_vec();
         keys.push(("question-no", Text::new("取消", "CANCEL")));
-        let mut walk = Walk::default();
+        let mut walk = KeyboardFocus::default();
         // CANCEL is preselected: Enter alone does nothing, an action key must be selected first.
-        walk.choose(keys.len() - 1, keys.len());
-        Self { title, body, keys, walk }
+        walk.select(keys.len() - 1, keys.len());
+        Self { title, body, keys, focus: walk }
     }
 
     /// Draws the question; returns the index of the pressed key, the last one is CANCEL (取消).
-    fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit]) -> Option<usize> {
+    fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> Option<usize> {
         ui.interact(rect, Id::unique("question-veil"), Sense::CLICK | Sense::DRAG);
         let painter = ui.painter();
-        painter.rect_filled(rect, 0.0, view.theme.ground.gamma_multiply(0.86));
+        painter.rect_filled(rect, 0.0, view.theme.background.gamma_multiply(0.86));
         let size = vec2(520.0_f32.min(rect.width() - 24.0), 230.0_f32.min(rect.height() - 12.0));
         let place = Rect::from_center_size(rect.center(), size);
         card(painter, place, view.theme.surface, view.theme.hold);
         let inside = place.shrink2(vec2(20.0, 14.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
-        fit(painter, title, Align2::LEFT_CENTER, self.title.get(view.lang), theme::SECONDARY, view.theme.text);
+        fit_text(painter, title, Align2::LEFT_CENTER, self.title.get(view.lang), theme::SECONDARY, view.theme.text);
         let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - 56.0);
         let body = Rect::from_min_max(body.min + vec2(0.0, 6.0), body.max);
         paragraph(painter, body, self.body.get(view.lang), theme::LABEL, view.theme.text);
-        self.walk.begin(edits);
+        self.focus.begin_frame(edits);
         let last = self.keys.len() - 1;
         let width = ((keys.width() + theme::GAP) / self.keys.len() as f32).min(170.0);
         let left = keys.max.x + theme::GAP - width * self.keys.len() as f32;
-        let mut chosen = edits.contains(&Edit::Cancel).then_some(last);
+        let mut chosen = edits.contains(&EditKey::Cancel).then_some(last);
         for (index, (name, label)) in self.keys.iter().enumerate() {
             let corner = pos2(left + index as f32 * width, keys.min.y + 4.0);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, 52.0));
-            if self.walk.push(ui, view, place, (name, label.get(view.lang)), Look::default()) {
+            if self.focus.button(ui, view, place, (name, label.get(view.lang)), ButtonState::default()) {
                 chosen = Some(index);
             }
         }

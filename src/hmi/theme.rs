@@ -18,15 +18,15 @@ pub const INPUT: f32 = 36.0;
 /// Height of the status line.
 pub const STATUS: f32 = 28.0;
 /// Height of the soft keys.
-pub const SOFT: f32 = 52.0;
+pub const SOFT_KEYS: f32 = 52.0;
 /// Panel width on a small landscape display, and on a wide one.
 pub const PANEL: (f32, f32) = (264.0, 320.0);
 /// Logical display width from which the wide panel is used.
-pub const WIDE: f32 = 1_200.0;
+pub const WIDE_FROM: f32 = 1_200.0;
 /// Panel height on a portrait display.
 pub const PANEL_PORTRAIT: f32 = 330.0;
 /// Minimum side of a touch target.
-pub const TARGET: f32 = 44.0;
+pub const TOUCH_TARGET: f32 = 44.0;
 /// Small gap.
 pub const GAP: f32 = 6.0;
 /// Large gap.
@@ -34,7 +34,7 @@ pub const PAD: f32 = 12.0;
 /// Corner radius.
 pub const RADIUS: f32 = 4.0;
 /// A hairline.
-pub const HAIR: f32 = 1.0;
+pub const HAIRLINE: f32 = 1.0;
 /// Line width of the frame of the selected field.
 pub const FRAME: f32 = 2.0;
 /// Text size of the position digits.
@@ -56,7 +56,7 @@ pub const PICTURE: Vec2 = Vec2::new(200.0, 400.0);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Theme {
     /// Background of the screen.
-    pub ground: Color32,
+    pub background: Color32,
     /// Cards and areas.
     pub surface: Color32,
     /// Keys and input fields.
@@ -66,9 +66,9 @@ pub struct Theme {
     /// Text.
     pub text: Color32,
     /// Secondary text.
-    pub quiet: Color32,
+    pub muted: Color32,
     /// Labels of blocked keys (with a lock symbol).
-    pub dim: Color32,
+    pub disabled: Color32,
     /// Frame of the selected field.
     pub focus: Color32,
     /// Running; lamp on.
@@ -84,17 +84,17 @@ pub struct Theme {
     /// Variables and conditions in the text of a program.
     pub macros: Color32,
     /// Text and pictograms on a fill of an accent colour.
-    pub ink: Color32,
+    pub on_accent: Color32,
     /// Background of the emergency stop key.
-    pub stop_ground: Color32,
+    pub stop_background: Color32,
     /// Text on it.
-    pub stop_ink: Color32,
+    pub stop_text: Color32,
     /// Background of the page pictures.
     pub paper: Color32,
     /// Lines of the page pictures.
     pub paper_ink: Color32,
     /// Secondary lines of the page pictures: dimensions, hatching.
-    pub paper_quiet: Color32,
+    pub paper_muted: Color32,
     /// Dimension numbers of the page pictures.
     pub paper_accent: Color32,
 }
@@ -105,13 +105,13 @@ const fn rgb(hex: u32) -> Color32 {
 
 /// The dark theme of H4.
 pub const DARK: Theme = Theme {
-    ground: rgb(0x0E1216),
+    background: rgb(0x0E1216),
     surface: rgb(0x161C22),
     raised: rgb(0x202932),
     line: rgb(0x2E3A45),
     text: rgb(0xE9EEF2),
-    quiet: rgb(0x9AA8B4),
-    dim: rgb(0x7E8994),
+    muted: rgb(0x9AA8B4),
+    disabled: rgb(0x7E8994),
     focus: rgb(0x3B8EEA),
     run: rgb(0x2EBD74),
     hold: rgb(0xF2B134),
@@ -119,24 +119,24 @@ pub const DARK: Theme = Theme {
     alarm_text: rgb(0xFF8589),
     info: rgb(0x53C3F3),
     macros: rgb(0xC8A6F0),
-    ink: rgb(0x0E1216),
-    stop_ground: rgb(0xF5C518),
-    stop_ink: rgb(0x0E1216),
+    on_accent: rgb(0x0E1216),
+    stop_background: rgb(0xF5C518),
+    stop_text: rgb(0x0E1216),
     paper: rgb(0x161C22),
     paper_ink: rgb(0xE9EEF2),
-    paper_quiet: rgb(0x6F7F8D),
+    paper_muted: rgb(0x6F7F8D),
     paper_accent: rgb(0x53C3F3),
 };
 
 /// The light theme of H4, for bright halls.
 pub const LIGHT: Theme = Theme {
-    ground: rgb(0xEDF0F3),
+    background: rgb(0xEDF0F3),
     surface: rgb(0xFFFFFF),
     raised: rgb(0xE1E6EB),
     line: rgb(0xA9B4BE),
     text: rgb(0x10161B),
-    quiet: rgb(0x44515C),
-    dim: rgb(0x56626D),
+    muted: rgb(0x44515C),
+    disabled: rgb(0x56626D),
     focus: rgb(0x0B5CC0),
     run: rgb(0x0A6237),
     hold: rgb(0x7A4700),
@@ -144,12 +144,12 @@ pub const LIGHT: Theme = Theme {
     alarm_text: rgb(0xA31B14),
     info: rgb(0x00567A),
     macros: rgb(0x6233A0),
-    ink: rgb(0xFFFFFF),
-    stop_ground: rgb(0xF5C518),
-    stop_ink: rgb(0x0E1216),
+    on_accent: rgb(0xFFFFFF),
+    stop_background: rgb(0xF5C518),
+    stop_text: rgb(0x0E1216),
     paper: rgb(0x161C22),
     paper_ink: rgb(0xE9EEF2),
-    paper_quiet: rgb(0x6F7F8D),
+    paper_muted: rgb(0x6F7F8D),
     paper_accent: rgb(0x53C3F3),
 };
 
@@ -157,17 +157,17 @@ impl Theme {
     /// Every text colour with its backgrounds, for the contrast test: each pair has 4.5 : 1 or more.
     #[must_use]
     pub fn text_pairs(&self) -> Vec<(&'static str, Color32, Color32)> {
-        let grounds = [self.ground, self.surface, self.raised];
+        let grounds = [self.background, self.surface, self.raised];
         let on_grounds = |name, ink: Color32| grounds.into_iter().map(move |ground| (name, ink, ground));
-        let mut pairs: Vec<_> = on_grounds("text", self.text).chain(on_grounds("quiet", self.quiet)).collect();
+        let mut pairs: Vec<_> = on_grounds("text", self.text).chain(on_grounds("quiet", self.muted)).collect();
         pairs.extend(on_grounds("hold", self.hold).chain(on_grounds("info", self.info)));
         pairs.extend(on_grounds("run", self.run).chain(on_grounds("alarm text", self.alarm_text)));
         pairs.extend(on_grounds("macros", self.macros));
         let fills = [self.run, self.hold, self.alarm, self.info, self.focus];
-        pairs.extend(fills.into_iter().map(|fill| ("ink", self.ink, fill)));
-        pairs.push(("emergency stop", self.stop_ink, self.stop_ground));
+        pairs.extend(fills.into_iter().map(|fill| ("ink", self.on_accent, fill)));
+        pairs.push(("emergency stop", self.stop_text, self.stop_background));
         // Blocked keys are flat on the surface; their labels must stay readable.
-        pairs.extend([self.ground, self.surface].into_iter().map(|ground| ("dim", self.dim, ground)));
+        pairs.extend([self.background, self.surface].into_iter().map(|ground| ("dim", self.disabled, ground)));
         pairs.extend([self.paper_ink, self.paper_accent].into_iter().map(|ink| ("paper", ink, self.paper)));
         pairs
     }
@@ -175,7 +175,7 @@ impl Theme {
 
 /// The dark overlay that reduces the picture to `percent` of its brightness; all contrasts shrink equally.
 #[must_use]
-pub fn veil(percent: u8) -> Color32 {
+pub fn dimming_overlay(percent: u8) -> Color32 {
     Color32::from_black_alpha((255.0 * (1.0 - f32::from(percent.min(100)) / 100.0)).round() as u8)
 }
 
@@ -225,7 +225,7 @@ pub fn install(ctx: &egui::Context, theme: &Theme) {
     });
     ctx.all_styles_mut(|style| {
         style.animation_time = 0.0;
-        style.visuals.panel_fill = theme.ground;
+        style.visuals.panel_fill = theme.background;
         style.visuals.window_fill = theme.surface;
         style.interaction.selectable_labels = false;
     });

@@ -6,13 +6,13 @@ use egui::text::LayoutJob;
 use egui::{Align2, Color32, CornerRadius, Galley, Painter, Pos2, Rect, Stroke, StrokeKind};
 
 use super::theme::{self, Theme};
-use crate::defs::date::Date;
+use crate::defs::date::DateTime;
 use crate::defs::text::{Lang, Text};
 use crate::link::Snapshot;
 use crate::units::Micros;
 
 /// How far the font draws its glyphs below the middle of the line, as a share of the line height.
-const SAG: f32 = 0.045;
+const FONT_SAG: f32 = 0.045;
 
 /// Everything that a page can read. A page changes only its own cursor and edit text.
 #[derive(Clone, Copy)]
@@ -36,7 +36,7 @@ pub struct View<'a> {
 impl View<'_> {
     /// A text in the language of the screen.
     #[must_use]
-    pub const fn say(&self, zh: &'static str, en: &'static str) -> &'static str {
+    pub const fn text(&self, zh: &'static str, en: &'static str) -> &'static str {
         Text::new(zh, en).get(self.lang)
     }
 }
@@ -47,21 +47,21 @@ impl View<'_> {
     pub fn time(&self, at: Micros) -> String {
         let seconds = |time: Micros| (time.0 / 1_000_000) as i64;
         let since = seconds(self.snapshot.now) - seconds(at);
-        let Some(today) = self.snapshot.date else { return Date(seconds(at)).time() };
-        let then = Date(today.0 - since);
+        let Some(today) = self.snapshot.date else { return DateTime(seconds(at)).time() };
+        let then = DateTime(today.0 - since);
         if then.parts()[..3] == today.parts()[..3] { then.time() } else { then.to_string()["2026-".len()..].to_owned() }
     }
 }
 
 /// Date and time of a history entry; without a clock, the time since power-on.
 #[must_use]
-pub fn moment(date: Date) -> String {
+pub fn format_date_time(date: DateTime) -> String {
     if date.parts()[0] > 1_970 { date.to_string() } else { format!("+{}", date.time()) }
 }
 
 /// Lays out one line of text, truncated with … at a width.
 #[must_use]
-pub fn line(painter: &Painter, text: &str, size: f32, colour: Color32, width: f32) -> Arc<Galley> {
+pub fn layout_line(painter: &Painter, text: &str, size: f32, colour: Color32, width: f32) -> Arc<Galley> {
     let mut job = LayoutJob::simple_singleline(text.to_owned(), theme::font(size), colour);
     job.wrap.max_width = width.max(1.0);
     job.wrap.max_rows = 1;
@@ -70,20 +70,20 @@ pub fn line(painter: &Painter, text: &str, size: f32, colour: Color32, width: f3
 }
 
 /// Paints one line of text in a rectangle, truncated with … if it is too long.
-pub fn put(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
-    let galley = line(painter, text, size, colour, rect.width());
-    place(painter, rect, align, galley, colour)
+pub fn text_line(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
+    let galley = layout_line(painter, text, size, colour, rect.width());
+    paint_galley(painter, rect, align, galley, colour)
 }
 
 /// Paints one line of text in a rectangle; shrinks the font to 13 points before truncating.
-pub fn fit(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
+pub fn fit_text(painter: &Painter, rect: Rect, align: Align2, text: &str, size: f32, colour: Color32) -> Rect {
     let mut size = size;
-    let mut galley = line(painter, text, size, colour, rect.width());
+    let mut galley = layout_line(painter, text, size, colour, rect.width());
     while galley.elided && size > theme::SMALL {
         size = (size - 1.0).max(theme::SMALL);
-        galley = line(painter, text, size, colour, rect.width());
+        galley = layout_line(painter, text, size, colour, rect.width());
     }
-    place(painter, rect, align, galley, colour)
+    paint_galley(painter, rect, align, galley, colour)
 }
 
 /// Paints wrapped text from the top left corner of a rectangle; returns the area it covers.
@@ -91,28 +91,28 @@ pub fn paragraph(painter: &Painter, rect: Rect, text: &str, size: f32, colour: C
     let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
     job.wrap.max_rows = (rect.height() / (size * 1.4)).floor().max(1.0) as usize;
     let galley = painter.layout_job(job);
-    place(painter, rect, Align2::LEFT_TOP, galley, colour)
+    paint_galley(painter, rect, Align2::LEFT_TOP, galley, colour)
 }
 
 /// Paints wrapped text of at most `most` lines, vertically centred in a rectangle.
-pub fn rows(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32, most: usize) -> Rect {
+pub fn text_rows(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32, most: usize) -> Rect {
     let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
     job.wrap.max_rows = most;
-    place(painter, rect, Align2::LEFT_CENTER, painter.layout_job(job), colour)
+    paint_galley(painter, rect, Align2::LEFT_CENTER, painter.layout_job(job), colour)
 }
 
 /// Paints wrapped text from the top of a rectangle, each line horizontally centred.
-pub fn centred(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32) {
+pub fn centred_text(painter: &Painter, rect: Rect, text: &str, size: f32, colour: Color32) {
     let mut job = LayoutJob::simple(text.to_owned(), theme::font(size), colour, rect.width());
     job.halign = egui::Align::Center;
     painter.galley(Pos2::new(rect.center().x.round(), rect.min.y.round()), painter.layout_job(job), colour);
 }
 
-fn place(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley>, colour: Color32) -> Rect {
+fn paint_galley(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley>, colour: Color32) -> Rect {
     let at = align.align_size_within_rect(galley.size(), rect);
     // Rounded to whole points: nothing shifts by a pixel when a digit changes (H5).
     // The font has more space below its glyphs than above: centred text is moved up by the difference.
-    let up = if align.y() == egui::Align::Center { galley.size().y * SAG } else { 0.0 };
+    let up = if align.y() == egui::Align::Center { galley.size().y * FONT_SAG } else { 0.0 };
     let corner = Pos2::new(at.min.x.round(), (at.min.y - up).round());
     let taken = Rect::from_min_size(corner, galley.size());
     painter.galley(corner, galley, colour);
@@ -122,34 +122,34 @@ fn place(painter: &Painter, rect: Rect, align: Align2, galley: Arc<Galley>, colo
 /// Paints a filled area with a hairline around it.
 pub fn card(painter: &Painter, rect: Rect, fill: Color32, line: Color32) {
     let radius = CornerRadius::same(theme::RADIUS as u8);
-    painter.rect(rect, radius, fill, Stroke::new(theme::HAIR, line), StrokeKind::Inside);
+    painter.rect(rect, radius, fill, Stroke::new(theme::HAIRLINE, line), StrokeKind::Inside);
 }
 
 /// Paints a frame around a selected field.
-pub fn frame(painter: &Painter, rect: Rect, colour: Color32) {
+pub fn focus_frame(painter: &Painter, rect: Rect, colour: Color32) {
     let radius = CornerRadius::same(theme::RADIUS as u8);
     painter.rect_stroke(rect, radius, Stroke::new(theme::FRAME, colour), StrokeKind::Inside);
 }
 
 /// Paints a chip: a small filled label as wide as its text; `right` is its right edge.
 pub fn chip(painter: &Painter, right: f32, row: Rect, text: &str, fill: Color32, ink: Color32) -> Rect {
-    let galley = line(painter, text, theme::LABEL, ink, row.width());
+    let galley = layout_line(painter, text, theme::LABEL, ink, row.width());
     let width = galley.size().x + 2.0 * theme::PAD - 4.0;
     let rect = Rect::from_min_max(Pos2::new((right - width).round(), row.min.y), Pos2::new(right, row.max.y));
     painter.rect_filled(rect, CornerRadius::same(theme::RADIUS as u8), fill);
-    place(painter, rect, Align2::CENTER_CENTER, galley, ink);
+    paint_galley(painter, rect, Align2::CENTER_CENTER, galley, ink);
     rect
 }
 
 /// A rectangle from its top left corner and its size.
 #[must_use]
-pub fn at(x: f32, y: f32, width: f32, height: f32) -> Rect {
+pub fn rect_at(x: f32, y: f32, width: f32, height: f32) -> Rect {
     Rect::from_min_size(Pos2::new(x, y), egui::vec2(width, height))
 }
 
 /// Formats a length with three decimals; NaN and infinity become a dash.
 #[must_use]
-pub fn length(value: f64) -> String {
+pub fn format_length(value: f64) -> String {
     if !value.is_finite() {
         return "—".to_owned();
     }

@@ -21,29 +21,29 @@ use crate::link::{Command, Snapshot};
 use crate::units::PerAxis;
 
 /// Period of the watcher.
-const LOOK: Duration = Duration::from_millis(33);
+const WATCH_PERIOD: Duration = Duration::from_millis(33);
 /// Longest time between two frames; half of P76 if that is shorter.
-const QUIET: Duration = Duration::from_millis(1_000);
+const MAX_FRAME_INTERVAL: Duration = Duration::from_millis(1_000);
 /// Greatest side of a texture, px.
 const TEXTURE_SIDE: usize = 2_048;
 /// Shortest time between two `Alive`.
-const ALIVE: Duration = Duration::from_millis(100);
+const KEEP_ALIVE_INTERVAL: Duration = Duration::from_millis(100);
 
 /// The connection of the screen to the core: source of snapshots, destination of commands.
-pub trait Desk: Send {
+pub trait CoreConnection: Send {
     /// The newest snapshot; the same one again if there is no newer one. Must not block.
     fn newest(&mut self) -> Arc<Snapshot>;
     /// Sends a command. Must not block.
     fn send(&mut self, command: Command);
     /// True when the program is to end and the window to close.
-    fn is_over(&mut self) -> bool {
+    fn is_closing(&mut self) -> bool {
         false
     }
 }
 
 /// How the window opens.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct WindowOptions {
     /// Full screen; otherwise a window of 1024 × 768 points.
     pub fullscreen: bool,
     /// Language.
@@ -74,13 +74,13 @@ impl fmt::Display for WindowError {
 
 impl std::error::Error for WindowError {}
 
-type Shared = Arc<Mutex<Box<dyn Desk>>>;
+type SharedConnection = Arc<Mutex<Box<dyn CoreConnection>>>;
 
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
 /// [`WindowError::NoDisplay`] if there is no display, [`WindowError::Graphics`] if drawing fails.
-pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
+pub fn run(desk: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), WindowError> {
     let display = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(all(unix, not(target_os = "macos"))) && !display("DISPLAY") {
         return Err(WindowError::NoDisplay("DISPLAY is not set".to_owned()));
@@ -89,7 +89,7 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
     let viewport = viewport.with_fullscreen(options.fullscreen).with_decorations(!options.fullscreen);
     // Flat colours show no banding, and dithering costs time per pixel in software OpenGL.
     let native = eframe::NativeOptions { viewport, dithering: false, ..eframe::NativeOptions::default() };
-    let desk: Shared = Arc::new(Mutex::new(desk));
+    let desk: SharedConnection = Arc::new(Mutex::new(desk));
     let over = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&over);
     let made = eframe::run_native(
@@ -100,8 +100,8 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
             hmi.set_light(options.light);
             hmi.set_brightness(options.brightness);
             hmi.install(&context.egui_ctx);
-            watch(Arc::clone(&desk), context.egui_ctx.clone(), Arc::clone(&end));
-            Ok(Box::new(Window { hmi, desk, fullscreen: options.fullscreen, alive: None, sized: false }))
+            watch_snapshots(Arc::clone(&desk), context.egui_ctx.clone(), Arc::clone(&end));
+            Ok(Box::new(Window { hmi, core: desk, fullscreen: options.fullscreen, alive_sent: None, sized: false }))
         }),
     );
     over.store(true, Ordering::Relaxed);
@@ -111,24 +111,24 @@ pub fn run(desk: Box<dyn Desk>, options: Options) -> Result<(), WindowError> {
     })
 }
 
-/// Requests a frame when something shown has changed, and after [`quiet`] at the latest.
-fn watch(desk: Shared, ctx: egui::Context, over: Arc<AtomicBool>) {
+/// Requests a frame when something shown has changed, and after [`max_frame_interval`] at the latest.
+fn watch_snapshots(desk: SharedConnection, ctx: egui::Context, over: Arc<AtomicBool>) {
     thread::spawn(move || {
         let mut last = 0;
         let mut asked = Instant::now();
         while !over.load(Ordering::Relaxed) {
-            thread::sleep(LOOK);
+            thread::sleep(WATCH_PERIOD);
             let (snapshot, closing) = {
                 let mut desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
-                (desk.newest(), desk.is_over())
+                (desk.newest(), desk.is_closing())
             };
             if closing {
                 ctx.send_viewport_cmd(ViewportCommand::Close);
                 ctx.request_repaint();
                 return;
             }
-            let now = shown(&snapshot);
-            if now != last || asked.elapsed() >= quiet(&snapshot) {
+            let now = repaint_hash(&snapshot);
+            if now != last || asked.elapsed() >= max_frame_interval(&snapshot) {
                 last = now;
                 asked = Instant::now();
                 // A delayed repaint paints one frame, `request_repaint` paints two.
@@ -139,14 +139,14 @@ fn watch(desk: Shared, ctx: egui::Context, over: Arc<AtomicBool>) {
 }
 
 /// Longest time between two frames.
-fn quiet(snapshot: &Snapshot) -> Duration {
+fn max_frame_interval(snapshot: &Snapshot) -> Duration {
     let heard_within = snapshot.params.get(crate::defs::param::HMI_KEEP_ALIVE) / 2_000.0;
-    QUIET.min(Duration::from_secs_f64(heard_within.clamp(0.05, 10.0)))
+    MAX_FRAME_INTERVAL.min(Duration::from_secs_f64(heard_within.clamp(0.05, 10.0)))
 }
 
 /// A hash of what the pages show; it changes when something shown changes.
 #[must_use]
-pub fn shown(snapshot: &Snapshot) -> u64 {
+pub fn repaint_hash(snapshot: &Snapshot) -> u64 {
     let mut hasher = DefaultHasher::new();
     let h = &mut hasher;
     (snapshot.page as u8, snapshot.mode as u8, snapshot.state as u8, snapshot.kind as u8).hash(h);
@@ -158,14 +158,15 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
     }
     let program = &snapshot.program;
     (program.number, program.line, program.block, program.block_program, program.stamp).hash(h);
-    (snapshot.single_block, snapshot.handwheel_axis, snapshot.step_mm.to_bits(), snapshot.diameter).hash(h);
-    (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override, snapshot.parts).hash(h);
+    (snapshot.single_block, snapshot.handwheel_axis, snapshot.handwheel_step_mm.to_bits(), snapshot.x_as_diameter)
+        .hash(h);
+    (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override, snapshot.parts_counted).hash(h);
     (snapshot.feed_mm_min.round() as i64, snapshot.wheel_rpm.round() as i64, snapshot.cycle_seconds as u64).hash(h);
-    if snapshot.key(Key::EmergencyStop).lamp || snapshot.keys.iter().any(|key| key.working) {
+    if snapshot.key(Key::EmergencyStop).lamp || snapshot.keys.iter().any(|key| key.pending) {
         (snapshot.now.0 / 500_000).hash(h);
     }
     for key in &snapshot.keys {
-        (key.lamp, key.working, key.blocked.map(|text| text.zh)).hash(h);
+        (key.lamp, key.pending, key.blocked.map(|text| text.zh)).hash(h);
     }
     for value in snapshot.variables.iter() {
         value.map(f64::to_bits).hash(h);
@@ -183,9 +184,9 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
         (snapshot.input_terminals, snapshot.output_terminals, snapshot.inputs, snapshot.outputs).hash(h);
         (snapshot.internals, snapshot.analog_volts.map(|volts| (volts * 100.0).round() as i64)).hash(h);
     }
-    typed(snapshot, h);
+    hash_edited_values(snapshot, h);
     let access = snapshot.access;
-    (access.level as u8, access.asking, access.answers, snapshot.next_kind as u8).hash(h);
+    (access.level as u8, access.password_pending, access.answer_count, snapshot.next_kind as u8).hash(h);
     Arc::as_ptr(&snapshot.files).addr().hash(h);
     (Arc::as_ptr(&snapshot.params).addr(), Arc::as_ptr(&snapshot.alarm_history).addr()).hash(h);
     (Arc::as_ptr(&snapshot.screens).addr(), Arc::as_ptr(&snapshot.directory).addr()).hash(h);
@@ -193,24 +194,24 @@ pub fn shown(snapshot: &Snapshot) -> u64 {
 }
 
 /// Hashes offsets, active modal codes and the answer to the last value typed.
-fn typed(snapshot: &Snapshot, h: &mut DefaultHasher) {
+fn hash_edited_values(snapshot: &Snapshot, h: &mut DefaultHasher) {
     let bits = |values: &PerAxis<f64>| values.map(f64::to_bits).0;
     for row in &snapshot.offsets {
         (bits(&row.geometry), bits(&row.wear)).hash(h);
     }
-    (snapshot.edit.count, snapshot.offset_in_force, &snapshot.mdi_ready).hash(h);
+    (snapshot.edit_answer.count, snapshot.active_offset, &snapshot.prepared_mdi).hash(h);
     let modals = &snapshot.modals;
     (modals.g, modals.feed.map(f64::to_bits), modals.speed.map(f64::to_bits), modals.tool, modals.m).hash(h);
     snapshot.dressing_point.map(|at| at.map(f64::to_bits)).0.hash(h);
-    snapshot.strokes_min.map(|strokes| (strokes * 10.0).round() as i64).hash(h);
+    snapshot.strokes_per_min.map(|strokes| (strokes * 10.0).round() as i64).hash(h);
 }
 
 /// The eframe application around the user interface.
 struct Window {
     hmi: Hmi,
-    desk: Shared,
+    core: SharedConnection,
     fullscreen: bool,
-    alive: Option<Instant>,
+    alive_sent: Option<Instant>,
     sized: bool,
 }
 
@@ -232,7 +233,7 @@ impl Window {
     }
 
     /// Scales everything with the display size (H1).
-    fn scale(ctx: &egui::Context) {
+    fn apply_scale(ctx: &egui::Context) {
         let now = ctx.pixels_per_point();
         let wanted = theme::scale(ctx.viewport_rect().size() * now);
         if (wanted - now).abs() > 0.01 {
@@ -243,7 +244,7 @@ impl Window {
 
 impl eframe::App for Window {
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
-        self.hmi.ground().to_normalized_gamma_f32()
+        self.hmi.background().to_normalized_gamma_f32()
     }
 
     fn raw_input_hook(&mut self, _ctx: &egui::Context, input: &mut egui::RawInput) {
@@ -253,19 +254,19 @@ impl eframe::App for Window {
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.fill_monitor(ui.ctx());
-        Self::scale(ui.ctx());
+        Self::apply_scale(ui.ctx());
         let snapshot = {
-            let mut desk = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut desk = self.core.lock().unwrap_or_else(PoisonError::into_inner);
             desk.newest()
         };
         let commands = self.hmi.ui(ui, &snapshot);
-        let mut desk = self.desk.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut desk = self.core.lock().unwrap_or_else(PoisonError::into_inner);
         for command in commands {
             desk.send(command);
         }
-        if self.alive.is_none_or(|sent| sent.elapsed() >= ALIVE) {
-            self.alive = Some(Instant::now());
-            desk.send(Command::Alive);
+        if self.alive_sent.is_none_or(|sent| sent.elapsed() >= KEEP_ALIVE_INTERVAL) {
+            self.alive_sent = Some(Instant::now());
+            desk.send(Command::KeepAlive);
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::units::Micros;
 
 /// How often and how long each fault occurs.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rates {
+pub struct FaultRates {
     /// Probability per tick that the bus goes silent, 0 to 1.
     pub silence: f64,
     /// Longest silence, ticks.
@@ -26,28 +26,28 @@ pub struct Rates {
 #[derive(Clone, Debug)]
 pub struct FaultInjector<B> {
     inner: B,
-    rates: Rates,
+    rates: FaultRates,
     seed: u64,
-    chance: SplitMix64,
+    rng: SplitMix64,
     silent_left: u32,
     flicker_left: u32,
     /// Bit mask of the input terminals that read the wrong level.
-    wrong: u64,
+    flipped_mask: u64,
     last: InputImage,
     injected: u64,
 }
 
 impl<B: Backend> FaultInjector<B> {
     /// Wraps a backend.
-    pub fn new(inner: B, rates: Rates, seed: u64) -> Self {
+    pub fn new(inner: B, rates: FaultRates, seed: u64) -> Self {
         Self {
             inner,
             rates,
             seed,
-            chance: SplitMix64::new(seed),
+            rng: SplitMix64::new(seed),
             silent_left: 0,
             flicker_left: 0,
-            wrong: 0,
+            flipped_mask: 0,
             last: InputImage::default(),
             injected: 0,
         }
@@ -73,25 +73,25 @@ impl<B: Backend> FaultInjector<B> {
         &mut self.inner
     }
 
-    fn happens(&mut self, rate: f64) -> bool {
-        self.chance.unit() < rate
+    fn occurs(&mut self, rate: f64) -> bool {
+        self.rng.next_unit() < rate
     }
 
-    fn ticks(&mut self, most: u32) -> u32 {
-        1 + (self.chance.next() % u64::from(most.max(1))) as u32
+    fn duration_ticks(&mut self, most: u32) -> u32 {
+        1 + (self.rng.next() % u64::from(most.max(1))) as u32
     }
 
     /// Starts the faults that are due in this tick.
-    fn begin(&mut self) {
-        if self.silent_left == 0 && self.happens(self.rates.silence) {
-            self.silent_left = self.ticks(self.rates.silence_ticks);
+    fn start_faults(&mut self) {
+        if self.silent_left == 0 && self.occurs(self.rates.silence) {
+            self.silent_left = self.duration_ticks(self.rates.silence_ticks);
             self.injected += 1;
         }
         if self.flicker_left == 0 {
-            self.wrong = 0;
-            if self.happens(self.rates.flicker) {
-                self.flicker_left = self.ticks(self.rates.flicker_ticks);
-                self.wrong = 1 << (self.chance.next() % u64::from(PORTS));
+            self.flipped_mask = 0;
+            if self.occurs(self.rates.flicker) {
+                self.flicker_left = self.duration_ticks(self.rates.flicker_ticks);
+                self.flipped_mask = 1 << (self.rng.next() % u64::from(PORTS));
                 self.injected += 1;
             }
         }
@@ -101,7 +101,7 @@ impl<B: Backend> FaultInjector<B> {
 impl<B: Backend> Backend for FaultInjector<B> {
     fn read(&mut self, now: Micros) -> InputImage {
         let mut image = self.inner.read(now);
-        self.begin();
+        self.start_faults();
         if self.silent_left > 0 {
             // The handwheel detents of a silent tick are lost, as on a real bus.
             self.last.bus_alive = false;
@@ -110,7 +110,7 @@ impl<B: Backend> Backend for FaultInjector<B> {
         }
         if self.flicker_left > 0 {
             self.flicker_left -= 1;
-            image.terminals.0 ^= self.wrong;
+            image.terminals.0 ^= self.flipped_mask;
         }
         self.last = image;
         image
@@ -146,7 +146,7 @@ mod tests {
         }
     }
 
-    fn course(rates: Rates, seed: u64) -> (u32, u32, u32) {
+    fn course(rates: FaultRates, seed: u64) -> (u32, u32, u32) {
         let mut injector = FaultInjector::new(Counter::default(), rates, seed);
         let (mut silent, mut wrong) = (0, 0);
         for tick in 1..=10_000 {
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn p8_a_silent_tick_neither_tells_nor_hears() {
         let (silent, wrong, heard) =
-            course(Rates { silence: 0.01, silence_ticks: 3, flicker: 0.0, flicker_ticks: 0 }, 7);
+            course(FaultRates { silence: 0.01, silence_ticks: 3, flicker: 0.0, flicker_ticks: 0 }, 7);
         // About 10 000 · 0.01 · 2 ticks.
         assert!((100..=300).contains(&silent), "{silent}");
         assert_eq!((wrong, heard), (0, 10_000 - silent));
@@ -169,7 +169,7 @@ mod tests {
 
     #[test]
     fn p8_flicker_is_short_and_the_same_seed_gives_the_same_course() {
-        let rates = Rates { silence: 0.0, silence_ticks: 0, flicker: 0.01, flicker_ticks: 5 };
+        let rates = FaultRates { silence: 0.0, silence_ticks: 0, flicker: 0.01, flicker_ticks: 5 };
         let (silent, wrong, heard) = course(rates, 7);
         assert!((150..=450).contains(&wrong), "{wrong}");
         assert_eq!((silent, heard), (0, 10_000));

@@ -21,12 +21,12 @@ impl SplitMix64 {
     }
 
     /// A random bit.
-    pub(in crate::io) const fn coin(&mut self) -> bool {
+    pub(in crate::io) const fn next_bool(&mut self) -> bool {
         self.next() >> 63 == 1
     }
 
     /// Uniformly distributed from 0 to below 1.
-    pub(in crate::io) fn unit(&mut self) -> f64 {
+    pub(in crate::io) fn next_unit(&mut self) -> f64 {
         // 53 bits fit the mantissa exactly.
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -45,6 +45,6 @@ mod tests {
     #[test]
     fn p8_units_stay_below_one() {
         let mut chance = SplitMix64::new(1);
-        assert!((0..1_000).map(|_| chance.unit()).all(|u| (0.0..1.0).contains(&u)));
+        assert!((0..1_000).map(|_| chance.next_unit()).all(|u| (0.0..1.0).contains(&u)));
     }
 }

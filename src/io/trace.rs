@@ -46,7 +46,7 @@ impl fmt::Display for TraceRow {
 pub enum TraceError {
     /// A row has too few or too many columns.
     #[error("line {line}: {found} columns instead of {COLUMNS}")]
-    Columns {
+    ColumnCount {
         /// Line, from 1.
         line: usize,
         /// Columns found.
@@ -65,13 +65,13 @@ pub enum TraceError {
 }
 
 /// Parses the columns of one line in order.
-struct Columns<'a> {
+struct ColumnReader<'a> {
     line: usize,
     column: usize,
     rest: std::str::Split<'a, char>,
 }
 
-impl Columns<'_> {
+impl ColumnReader<'_> {
     fn next<T>(&mut self, read: impl Fn(&str) -> Option<T>) -> Result<T, TraceError> {
         self.column += 1;
         let text = self.rest.next().unwrap_or_default();
@@ -103,9 +103,9 @@ impl TraceRow {
     pub fn parse(text: &str, line: usize) -> Result<Self, TraceError> {
         let found = text.split(',').count();
         if found != COLUMNS {
-            return Err(TraceError::Columns { line, found });
+            return Err(TraceError::ColumnCount { line, found });
         }
-        let mut c = Columns { line, column: 0, rest: text.split(',') };
+        let mut c = ColumnReader { line, column: 0, rest: text.split(',') };
         Ok(Self {
             now: Micros(c.next(|text| text.parse().ok())?),
             inputs: InputImage {
@@ -131,14 +131,14 @@ impl TraceRow {
 pub struct Tracer<B> {
     inner: B,
     rows: VecDeque<TraceRow>,
-    most: usize,
-    read: InputImage,
+    capacity: usize,
+    last_inputs: InputImage,
 }
 
 impl<B: Backend> Tracer<B> {
     /// Records the last `most` ticks of a backend; their memory is allocated here.
     pub fn new(inner: B, most: usize) -> Self {
-        Self { inner, rows: VecDeque::with_capacity(most), most, read: InputImage::default() }
+        Self { inner, rows: VecDeque::with_capacity(most), capacity: most, last_inputs: InputImage::default() }
     }
 
     /// The recorded ticks, oldest first.
@@ -164,8 +164,8 @@ impl<B: Backend> Tracer<B> {
 
 impl<B: Backend> Backend for Tracer<B> {
     fn read(&mut self, now: Micros) -> InputImage {
-        self.read = self.inner.read(now);
-        self.read
+        self.last_inputs = self.inner.read(now);
+        self.last_inputs
     }
 
     fn rewire(&mut self, params: &Params) {
@@ -173,11 +173,11 @@ impl<B: Backend> Backend for Tracer<B> {
     }
 
     fn write(&mut self, now: Micros, outputs: &OutputImage) {
-        if self.rows.len() == self.most {
+        if self.rows.len() == self.capacity {
             self.rows.pop_front();
         }
-        if self.most > 0 {
-            self.rows.push_back(TraceRow { now, inputs: self.read, outputs: *outputs });
+        if self.capacity > 0 {
+            self.rows.push_back(TraceRow { now, inputs: self.last_inputs, outputs: *outputs });
         }
         self.inner.write(now, outputs);
     }
@@ -188,7 +188,7 @@ impl<B: Backend> Backend for Tracer<B> {
 pub struct Replay {
     rows: Vec<TraceRow>,
     next: usize,
-    differs: Option<usize>,
+    first_difference: Option<usize>,
 }
 
 impl Replay {
@@ -199,19 +199,19 @@ impl Replay {
     pub fn parse(text: &str) -> Result<Self, TraceError> {
         let lines = text.lines().enumerate().filter(|(_, line)| !line.is_empty() && *line != HEADER);
         let rows = lines.map(|(i, line)| TraceRow::parse(line, i + 1)).collect::<Result<_, _>>()?;
-        Ok(Self { rows, next: 0, differs: None })
+        Ok(Self { rows, next: 0, first_difference: None })
     }
 
     /// Whether all ticks have been replayed.
     #[must_use]
-    pub const fn done(&self) -> bool {
+    pub const fn is_done(&self) -> bool {
         self.next >= self.rows.len()
     }
 
     /// Index from 0 of the first tick whose outputs differ from the recorded ones.
     #[must_use]
     pub const fn first_difference(&self) -> Option<usize> {
-        self.differs
+        self.first_difference
     }
 }
 
@@ -226,8 +226,8 @@ impl Backend for Replay {
 
     fn write(&mut self, _now: Micros, outputs: &OutputImage) {
         if let Some(row) = self.rows.get(self.next) {
-            if row.outputs != *outputs && self.differs.is_none() {
-                self.differs = Some(self.next);
+            if row.outputs != *outputs && self.first_difference.is_none() {
+                self.first_difference = Some(self.next);
             }
             self.next += 1;
         }
@@ -269,7 +269,7 @@ mod tests {
         let tracer = traced(50, 100);
         let lines = tracer.rows().map(|row| format!("{row}\n")).collect::<String>();
         let mut replay = Replay::parse(&format!("{HEADER}\n{lines}")).unwrap();
-        while !replay.done() {
+        while !replay.is_done() {
             let inputs = replay.read(Micros::ZERO);
             replay.write(Micros::ZERO, &answer(inputs));
         }

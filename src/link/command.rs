@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use super::drawing::StockBox;
 use super::edit::OffsetCommand;
 use super::page_command::PageCommand;
-use super::simulated::SimCommand;
+use super::simulation::SimCommand;
 use super::teach::TeachCommand;
-use crate::defs::date::Date;
+use super::toolpath::StockBox;
+use crate::defs::date::DateTime;
 use crate::defs::key::Key;
+use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
+use crate::defs::page_text::PageText;
 use crate::defs::param::ParamAddress;
-use crate::defs::screen::PageText;
-use crate::defs::screw::ScrewTable;
-use crate::defs::soft_key::Coordinates;
-use crate::defs::text::Said;
+use crate::defs::soft_key::CoordinateView;
+use crate::defs::text::LocalizedText;
 use crate::units::{Axis, PerAxis};
 
 /// One request to the core. The tick that takes it either executes it or shows a message with the reason of the
@@ -26,17 +26,17 @@ pub enum Command {
     /// A panel key is released.
     Release(Key),
     /// A jog key is still held; sent at least every 50 ms. After `JOG_KEEP_ALIVE` without it the core stops the jog.
-    Hold(Key),
+    StillHeld(Key),
     /// Detents by which the on-screen handwheel was turned.
     Handwheel(i32),
     /// Opens a page.
     OpenPage(Page),
     /// Opens the position page with these coordinates, or switches it to them (K7.1).
-    ShowCoordinates(Coordinates),
+    ShowCoordinates(CoordinateView),
     /// Shows this row of soft keys, from 0.
-    TurnSoftRow(usize),
+    ShowSoftKeyRow(usize),
     /// Shows this sheet of the grinding page, from 0, where the page has several.
-    TurnSheet(usize),
+    ShowGrindingSheet(usize),
     /// Loads a program of the folder as the current program.
     LoadProgram(u32),
     /// Reads the current program up to a line (from 1); cycle start then runs it from there (B5).
@@ -46,7 +46,7 @@ pub enum Command {
     /// Executes a line of MDI text.
     Mdi(String),
     /// Sets a macro variable of the open page to a typed value; `None` empties it.
-    TypeVariable(u16, Option<f64>),
+    EnterVariable(u16, Option<f64>),
     /// A request of the offset or dressing page.
     Offset(OffsetCommand),
     /// Adds an increment to the wear of an offset, typed as U, V or W; G10 takes the same path (K4.1).
@@ -56,7 +56,7 @@ pub enum Command {
         /// Axis.
         axis: Axis,
         /// mm as displayed.
-        by: f64,
+        increment: f64,
     },
     /// The wheel was changed (K5.17): new size and rated speed. The wheel must be dressed before a cycle start.
     ChangeWheel {
@@ -68,27 +68,27 @@ pub enum Command {
         rated_m_s: f64,
     },
     /// Prepares a line of MDI text for cycle start; an empty line withdraws it.
-    ReadyMdi(String),
+    PrepareMdi(String),
     /// Sets a macro variable without a page (`--set`, `set` in a story, a restored backup).
     SetVariable(u16, Option<f64>),
     /// Sets a parameter without a page (`--param`, `param` in a story); no password is needed.
     SetParam(ParamAddress, f64),
     /// Sets the work offset G54 (0) to G59 (5), machine coordinates, radius mm.
-    SetFrame(usize, PerAxis<f64>),
+    SetWorkOffset(usize, PerAxis<f64>),
     /// Sets the geometry of a tool offset, 1 to 16, radius mm.
     SetGeometry(usize, PerAxis<f64>),
     /// Sets the boxes of the workpiece and its fixture, for the graphic page.
     SetStock(Arc<[StockBox]>),
     /// Sets the leadscrew error table of an axis (B7).
-    SetScrew(Axis, ScrewTable),
+    SetLeadscrew(Axis, LeadscrewCompensation),
     /// Sets the relative position of an axis to zero.
     ClearRelative(Axis),
     /// The disk thread has read the folder of page texts and pictures.
-    Screens(Arc<Screens>),
+    ScreensLoaded(Arc<Screens>),
     /// The disk thread has stored the retained data up to and including this generation.
     Stored(u64),
     /// The disk thread could not execute a request.
-    DiskFailed(Said),
+    DiskFailed(LocalizedText),
     /// A request of the parameter or settings page, a file request, or the disk's answer.
     Page(PageCommand),
     /// A request of the simulator page to the simulated machine; the core never handles it.
@@ -96,9 +96,9 @@ pub enum Command {
     /// A request of the teach-in page (L9).
     Teach(TeachCommand),
     /// Time of the computer's clock, sent periodically. Only displayed dates depend on it.
-    Calendar(Date),
+    WallClock(DateTime),
     /// Keep-alive of the screen; without it the core stops after the keep-alive time (P76, ms).
-    Alive,
+    KeepAlive,
 }
 
 /// The page files as read from the disk.
@@ -138,21 +138,24 @@ pub struct FileFault {
     /// File name.
     pub file: String,
     /// Line and column, from 1, of a text.
-    pub place: Option<(u32, u32)>,
+    pub position: Option<(u32, u32)>,
     /// Cause and remedy.
-    pub said: Said,
+    pub message: LocalizedText,
 }
 
 impl FileFault {
     /// The fault with its place, as shown.
     #[must_use]
-    pub fn said(&self) -> Said {
-        match self.place {
-            Some((line, column)) => Said::new(
-                format!("{} 第{line}行 第{column}列：{}", self.file, self.said.zh),
-                format!("{} line {line}, column {column}: {}", self.file, self.said.en),
+    pub fn full_message(&self) -> LocalizedText {
+        match self.position {
+            Some((line, column)) => LocalizedText::new(
+                format!("{} 第{line}行 第{column}列：{}", self.file, self.message.zh),
+                format!("{} line {line}, column {column}: {}", self.file, self.message.en),
             ),
-            None => Said::new(format!("{}：{}", self.file, self.said.zh), format!("{}: {}", self.file, self.said.en)),
+            None => LocalizedText::new(
+                format!("{}：{}", self.file, self.message.zh),
+                format!("{}: {}", self.file, self.message.en),
+            ),
         }
     }
 }

@@ -2,22 +2,22 @@
 //! Lengths are as displayed: diameters where diameter mode is on.
 //! Source: spec B6, K4.1, K5.10, K5.17, K7.6, K7.7.
 
-use crate::defs::text::{Said, Text};
+use crate::defs::text::{LocalizedText, Text};
 use crate::units::{Axis, PerAxis};
 
 /// Number of tool offsets; they are numbered 1 to 16 (K4.1).
-pub const OFFSETS: usize = 16;
+pub const OFFSET_COUNT: usize = 16;
 
 /// The two halves of a tool offset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Part {
+pub enum OffsetPart {
     /// Position of the wheel.
     Geometry,
     /// Corrections since then.
     Wear,
 }
 
-impl Part {
+impl OffsetPart {
     /// The name shown.
     #[must_use]
     pub const fn name(self) -> Text {
@@ -29,7 +29,7 @@ impl Part {
 
     /// Maximum absolute value, mm.
     #[must_use]
-    pub const fn most(self) -> f64 {
+    pub const fn max_abs(self) -> f64 {
         match self {
             Self::Geometry => 9_999.999,
             Self::Wear => 999.999,
@@ -38,7 +38,7 @@ impl Part {
 }
 
 /// Maximum increment typed at a page, mm; it catches a missing decimal point.
-pub const MOST_INCREMENT: f64 = 9.999;
+pub const MAX_INCREMENT: f64 = 9.999;
 
 /// A request of the offset or dressing page.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +48,7 @@ pub enum OffsetCommand {
         /// 1 to 16.
         number: usize,
         /// Geometry or wear.
-        part: Part,
+        part: OffsetPart,
         /// Axis.
         axis: Axis,
         /// mm.
@@ -61,7 +61,7 @@ pub enum OffsetCommand {
         /// Axis.
         axis: Axis,
         /// mm.
-        by: f64,
+        increment: f64,
     },
     /// The axis was measured at this work coordinate: the geometry is set to match it and the wear of the axis is
     /// cleared (K5.10).
@@ -81,7 +81,7 @@ pub struct EditAnswer {
     /// Number of answers so far; a page recognises a new answer by it.
     pub count: u32,
     /// Why the last value was refused; none if it was accepted.
-    pub refused: Option<Said>,
+    pub refused: Option<LocalizedText>,
 }
 
 /// One tool offset as displayed.
@@ -96,10 +96,10 @@ pub struct OffsetView {
 impl OffsetView {
     /// The geometry or the wear.
     #[must_use]
-    pub const fn part(&self, part: Part) -> &PerAxis<f64> {
+    pub const fn part(&self, part: OffsetPart) -> &PerAxis<f64> {
         match part {
-            Part::Geometry => &self.geometry,
-            Part::Wear => &self.wear,
+            OffsetPart::Geometry => &self.geometry,
+            OffsetPart::Wear => &self.wear,
         }
     }
 }

@@ -7,26 +7,26 @@ use std::sync::Arc;
 
 use ropey::Rope;
 
-use super::drawing::Drawing;
-use super::media::{MediaView, Print, Transfer};
-use super::page_file::{PageFile, PictureFrom};
+use super::media::{MediaView, Screenshot, TransferRequest};
+use super::page_file::{PageFile, PictureLocation};
+use super::toolpath::Toolpath;
 use crate::defs::alarm;
+use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
-use crate::defs::screw::ScrewTable;
-use crate::defs::text::{Said, Text};
+use crate::defs::text::{LocalizedText, Text};
 use crate::units::{Axis, PerAxis};
 
 /// Maximum number of lines checked in one request.
-pub const LOOKED_LINES: usize = 120;
+pub const MAX_CHECKED_LINES: usize = 120;
 /// Maximum number of characters checked in a line; no screen is wide enough for more.
-pub const LOOKED_CHARS: usize = 1_000;
+pub const MAX_CHECKED_CHARS: usize = 1_000;
 
 /// Number of answers kept for the pages: more than arrive between two frames.
-const ANSWERS: usize = 16;
+const MAX_ANSWERS: usize = 16;
 
 /// The sender of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Asker {
+pub enum Requester {
     /// The program page.
     Editor,
     /// The page designer.
@@ -36,7 +36,7 @@ pub enum Asker {
     /// The USB and RS232 page.
     Transfer,
     /// The leadscrew table page.
-    Screw,
+    Leadscrew,
     /// The graphic page.
     Graphic,
     /// The teach-in page.
@@ -49,7 +49,7 @@ pub enum Asker {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Ticket {
     /// The sender of a request.
-    pub asker: Asker,
+    pub requester: Requester,
     /// Counts the requests of one sender.
     pub number: u32,
 }
@@ -57,8 +57,8 @@ pub struct Ticket {
 impl Ticket {
     /// The ticket of a request whose answer is ignored.
     #[must_use]
-    pub const fn unheard(asker: Asker) -> Self {
-        Self { asker, number: 0 }
+    pub const fn without_reply(asker: Requester) -> Self {
+        Self { requester: asker, number: 0 }
     }
 }
 
@@ -66,7 +66,7 @@ impl Ticket {
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileRequest {
     /// Opens the editor: asks only whether the program may be edited now.
-    MayEdit(u32),
+    CheckEditable(u32),
     /// Replaces the text of a program.
     Save {
         /// O number.
@@ -74,18 +74,18 @@ pub enum FileRequest {
         /// The new text.
         text: Rope,
         /// Checksum of the text that was edited; the file on the disk must still have it.
-        base: u64,
+        base_stamp: u64,
         /// Replaces the file even if it was changed.
-        force: bool,
+        overwrite: bool,
     },
     /// Saves a recorded program under the next free name (L9).
-    Record(String),
+    SaveRecording(String),
     /// Checks the syntax of lines while they are typed.
-    Look {
+    CheckLines {
         /// O number, for the places of errors.
         number: u32,
         /// Number of the first line, from 1.
-        first: u32,
+        first_line: u32,
         /// The lines.
         text: String,
         /// Returned with the answer.
@@ -110,15 +110,15 @@ pub enum FileRequest {
     /// Deletes a program.
     Delete(u32),
     /// Computes the tool path of a program by a check run from the current machine position.
-    Draw(u32),
+    ComputeToolpath(u32),
     /// Lists the files on both sides of a transfer.
-    Media,
+    ListMedia,
     /// Copies files to or from a medium.
-    Transfer(Transfer),
+    Transfer(TransferRequest),
     /// Saves a screenshot.
-    Print(Print),
+    SaveScreenshot(Screenshot),
     /// Saves a table of samples as CSV.
-    Table(String),
+    SaveTable(String),
     /// Reads a page text for editing, with the variables that the program uses.
     ReadPage {
         /// 1000 plus the file number.
@@ -133,23 +133,23 @@ pub enum FileRequest {
         /// The new text.
         text: Rope,
         /// Checksum of the file that was edited; 0 if there was none.
-        base: u64,
+        base_stamp: u64,
         /// Replaces the file even if it was changed.
-        force: bool,
+        overwrite: bool,
     },
     /// Takes a picture for a page; another format is converted (K5.12).
-    TakePicture {
+    ImportPicture {
         /// 1000 plus the file number.
         page: u32,
         /// Where the picture is.
-        from: PictureFrom,
+        from: PictureLocation,
         /// Its file name.
         name: String,
     },
     /// Reads the leadscrew table of an axis from a file of the medium (B7).
-    ScrewIn(Axis),
+    ImportLeadscrew(Axis),
     /// Writes the leadscrew table of an axis to a file.
-    ScrewOut(Axis, ScrewTable),
+    ExportLeadscrew(Axis, LeadscrewCompensation),
     /// Cancels the long operation in progress.
     Cancel,
 }
@@ -162,12 +162,12 @@ pub struct LineFault {
     /// Column in characters, from 1.
     pub column: u32,
     /// Cause and remedy.
-    pub said: Said,
+    pub message: LocalizedText,
 }
 
 /// The result of checking lines.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Looked {
+pub struct LineCheck {
     /// The token of the request.
     pub token: u64,
     /// The errors, by line.
@@ -186,22 +186,22 @@ pub enum Refusal {
     /// These files already exist with different content.
     Overwrite(Vec<String>),
     /// These pictures are not 200×400 px in 24 bits; one fault each.
-    Convert(Vec<Said>),
+    Convert(Vec<LocalizedText>),
     /// An alarm of the table, with its place.
-    Alarm(u16, Said),
+    Alarm(u16, LocalizedText),
     /// Any other reason.
-    Because(Said),
+    Other(LocalizedText),
 }
 
 impl Refusal {
     /// The text shown.
     #[must_use]
-    pub fn said(&self) -> Said {
+    pub fn message(&self) -> LocalizedText {
         match self {
             Self::Conflict => Text::new("文件已被别处改动", "the file was changed elsewhere meanwhile").into(),
             Self::Password => Text::new("需要程序编辑密码", "the password for editing programs is needed").into(),
             Self::Builder => Text::new("需要机床厂密码", "the machine builder's password is needed").into(),
-            Self::Overwrite(names) => Said::new(
+            Self::Overwrite(names) => LocalizedText::new(
                 format!("{} 个文件已存在且内容不同", names.len()),
                 format!("{} files are there already and differ", names.len()),
             ),
@@ -209,20 +209,20 @@ impl Refusal {
             Self::Alarm(number, detail) => alarm::find(*number).map_or_else(
                 || detail.clone(),
                 |row| {
-                    Said::new(
+                    LocalizedText::new(
                         format!("{}：{}。{}", row.text.zh, detail.zh, row.remedy.zh),
                         format!("{}: {}. {}", row.text.en, detail.en, row.remedy.en),
                     )
                 },
             ),
-            Self::Because(said) => said.clone(),
+            Self::Other(said) => said.clone(),
         }
     }
 }
 
 /// Values read from a file; all of them are within their ranges.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Restored {
+pub struct RestoredValues {
     /// Parameters.
     pub params: Vec<(ParamAddress, f64)>,
     /// Macro variables.
@@ -230,18 +230,18 @@ pub struct Restored {
     /// Offsets 1 to 16: geometry and wear, radius mm.
     pub offsets: Vec<(usize, PerAxis<f64>, PerAxis<f64>)>,
     /// Work offsets, 0 is G54; machine coordinates, radius mm.
-    pub frames: Vec<(usize, PerAxis<f64>)>,
+    pub work_offsets: Vec<(usize, PerAxis<f64>)>,
 }
 
 /// An answer of the work outside the tick.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileAnswer {
     /// The request was executed.
-    Done(Said),
+    Done(LocalizedText),
     /// A program was saved.
     Saved {
         /// Message.
-        said: Said,
+        message: LocalizedText,
         /// O number.
         number: u32,
         /// Checksum of the new file.
@@ -250,66 +250,66 @@ pub enum FileAnswer {
     /// The request was refused; nothing was changed.
     Refused(Refusal),
     /// The result of checking lines.
-    Looked(Looked),
+    LinesChecked(LineCheck),
     /// Lists the files on both sides of a transfer.
     Media(MediaView),
     /// A page text for editing.
     Page(Arc<PageFile>),
     /// Values of a file; the core applies them.
-    Restored(Box<Restored>),
+    Restored(Box<RestoredValues>),
     /// A leadscrew table of an axis and the file it was read from; the core applies it.
-    Screw(Axis, ScrewTable, String),
+    Leadscrew(Axis, LeadscrewCompensation, String),
     /// A tool path.
-    Drawn(Arc<Drawing>),
+    ToolpathComputed(Arc<Toolpath>),
     /// Progress of an operation: its name, and the part done in thousandths.
     Progress(Text, u16),
     /// Bytes received so far of an operation of unknown length, with its name.
-    Bytes(Text, u64),
+    BytesReceived(Text, u64),
 }
 
 /// The result of a request that was executed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Deed {
+pub struct Completion {
     /// Message.
-    pub said: Said,
+    pub message: LocalizedText,
     /// O number and checksum of the text that was saved.
     pub saved: Option<(u32, u64)>,
 }
 
 /// A finished request.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Answered {
+pub struct FinishedRequest {
     /// The ticket of the request.
     pub ticket: Ticket,
     /// The result, or the reason of the refusal.
-    pub result: Result<Deed, Refusal>,
+    pub result: Result<Completion, Refusal>,
 }
 
 /// The state of file requests as the pages see it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FilesView {
     /// The last finished requests, newest last.
-    pub answers: Vec<Answered>,
+    pub answers: Vec<FinishedRequest>,
     /// The files on both sides of a transfer, as last listed.
     pub media: Option<Arc<MediaView>>,
     /// The last page text read.
     pub page: Option<Arc<PageFile>>,
     /// The last tool path computed.
-    pub drawing: Option<Arc<Drawing>>,
+    pub toolpath: Option<Arc<Toolpath>>,
     /// Long operation in progress: its name, thousandths done.
     pub busy: Option<(Text, u16)>,
     /// Bytes received so far, where the length is unknown.
-    pub bytes: Option<u64>,
+    pub bytes_received: Option<u64>,
     /// The result of the last line check.
-    pub looked: Arc<Looked>,
+    pub line_check: Arc<LineCheck>,
 }
 
 impl FilesView {
     /// Stores an answer for its sender; drops the oldest answer if the list is full.
-    pub fn answer(&mut self, ticket: Ticket, result: Result<Deed, Refusal>) {
-        if self.answers.len() >= ANSWERS {
+    pub fn add_answer(&mut self, ticket: Ticket, result: Result<Completion, Refusal>) {
+        if self.answers.len() >= MAX_ANSWERS {
             self.answers.remove(0);
         }
-        self.answers.push(Answered { ticket, result });
+        self.answers.push(FinishedRequest { ticket, result });
     }
 }

@@ -5,7 +5,7 @@ use crate::defs::text::Text;
 
 /// What is transferred.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Set {
+pub enum TransferSet {
     /// Programs, `O1001.NC`.
     #[default]
     Programs,
@@ -21,7 +21,7 @@ pub enum Set {
     Serial,
 }
 
-impl Set {
+impl TransferSet {
     /// All of them.
     pub const ALL: [Self; 6] =
         [Self::Programs, Self::Screens, Self::Params, Self::Variables, Self::Backup, Self::Serial];
@@ -54,13 +54,13 @@ impl Set {
 
     /// Whether its files are selected one by one.
     #[must_use]
-    pub const fn has_list(self) -> bool {
+    pub const fn has_file_list(self) -> bool {
         matches!(self, Self::Programs | Self::Screens)
     }
 
     /// The set that the listed files belong to: RS232 transfers programs.
     #[must_use]
-    pub const fn files(self) -> Self {
+    pub const fn file_set(self) -> Self {
         match self {
             Self::Serial => Self::Programs,
             other => other,
@@ -72,9 +72,9 @@ impl Set {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// From the control to the medium.
-    Out,
+    Export,
     /// From the medium to the control.
-    In,
+    Import,
 }
 
 /// A file as listed.
@@ -85,20 +85,20 @@ pub struct MediaFile {
     /// Bytes.
     pub size: u64,
     /// The set it belongs to.
-    pub set: Set,
+    pub set: TransferSet,
 }
 
 /// The two sides of a transfer.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MediaView {
     /// Folder of the medium; `None` if none is plugged in.
-    pub stick: Option<String>,
+    pub medium_folder: Option<String>,
     /// Free bytes on it.
-    pub free: Option<u64>,
+    pub free_bytes: Option<u64>,
     /// Files on the medium of known types.
-    pub there: Vec<MediaFile>,
+    pub medium_files: Vec<MediaFile>,
     /// Files on the control: programs, page files.
-    pub here: Vec<MediaFile>,
+    pub control_files: Vec<MediaFile>,
     /// The selected RS232 port.
     pub port: Option<String>,
     /// The RS232 ports of this computer.
@@ -107,9 +107,9 @@ pub struct MediaView {
 
 /// A transfer.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Transfer {
+pub struct TransferRequest {
     /// The set.
-    pub set: Set,
+    pub set: TransferSet,
     /// Direction of a transfer.
     pub direction: Direction,
     /// The files; empty: all of the set. A single program received by RS232 is stored under the first name.
@@ -122,7 +122,7 @@ pub struct Transfer {
 
 /// A screenshot.
 #[derive(Clone, PartialEq, Eq)]
-pub struct Print {
+pub struct Screenshot {
     /// Width, px.
     pub width: u32,
     /// Height, px.
@@ -130,10 +130,10 @@ pub struct Print {
     /// Red, green, blue of each pixel, top row first.
     pub rgb: std::sync::Arc<[u8]>,
     /// Saved as BMP instead of PNG (P22.1).
-    pub bmp: bool,
+    pub as_bmp: bool,
 }
 
-impl std::fmt::Debug for Print {
+impl std::fmt::Debug for Screenshot {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Print({}×{})", self.width, self.height)
     }

@@ -2,16 +2,16 @@
 //! Neither side calls the other: a page cannot call the core, the core cannot call a page.
 
 pub mod command;
-pub mod drawing;
 pub mod edit;
 pub mod files;
-pub mod internal;
+pub mod internal_signal;
 pub mod media;
 pub mod page_command;
 pub mod page_file;
-pub mod simulated;
+pub mod simulation;
 pub mod snapshot;
 pub mod teach;
+pub mod toolpath;
 
 pub use command::Command;
 pub use page_command::PageCommand;

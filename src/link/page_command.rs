@@ -5,16 +5,16 @@
 use std::fmt;
 
 use super::files::{FileAnswer, FileRequest, Ticket};
-use crate::defs::date::Date;
+use crate::defs::date::DateTime;
 use crate::defs::kind::Kind;
-use crate::defs::param::{Level, ParamAddress};
-use crate::defs::screw::ScrewTable;
-use crate::defs::text::{Lang, Said, Text};
+use crate::defs::leadscrew::LeadscrewCompensation;
+use crate::defs::param::{AccessLevel, ParamAddress};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::units::Axis;
 
 /// What a password unlocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Guard {
+pub enum PasswordScope {
     /// Editing programs (K6.2).
     Program,
     /// User parameters.
@@ -23,7 +23,7 @@ pub enum Guard {
     Builder,
 }
 
-impl Guard {
+impl PasswordScope {
     /// All scopes.
     pub const ALL: [Self; 3] = [Self::Program, Self::User, Self::Builder];
 
@@ -39,21 +39,21 @@ impl Guard {
 
     /// The password that a level requires.
     #[must_use]
-    pub const fn of(level: Level) -> Option<Self> {
+    pub const fn for_level(level: AccessLevel) -> Option<Self> {
         match level {
-            Level::Operator => None,
-            Level::User => Some(Self::User),
-            Level::Builder => Some(Self::Builder),
+            AccessLevel::Operator => None,
+            AccessLevel::User => Some(Self::User),
+            AccessLevel::Builder => Some(Self::Builder),
         }
     }
 
     /// The level that the password unlocks.
     #[must_use]
-    pub const fn level(self) -> Level {
+    pub const fn level(self) -> AccessLevel {
         match self {
-            Self::Program => Level::Operator,
-            Self::User => Level::User,
-            Self::Builder => Level::Builder,
+            Self::Program => AccessLevel::Operator,
+            Self::User => AccessLevel::User,
+            Self::Builder => AccessLevel::Builder,
         }
     }
 }
@@ -96,77 +96,77 @@ pub enum PageCommand {
     /// Changes a parameter from the parameter page; requires the level of the parameter.
     EditParam(ParamAddress, f64),
     /// Changes the leadscrew table of an axis (B7); requires the machine builder's level.
-    EditScrew(Axis, ScrewTable),
+    EditLeadscrew(Axis, LeadscrewCompensation),
     /// Unlocks a level until power-off.
-    Unlock(Guard, Secret),
+    Unlock(PasswordScope, Secret),
     /// Locks all levels.
     Lock,
     /// Replaces a password; requires the old one.
     ChangePassword {
         /// The password to replace.
-        of: Guard,
+        scope: PasswordScope,
         /// The old password.
         old: Secret,
         /// The new password.
         new: Secret,
     },
     /// Selects the kind of machine from the next start on.
-    KeepKind(Kind),
+    SetNextKind(Kind),
     /// Sets the language of the screen, now and at the next start.
-    KeepLang(Lang),
+    SetLang(Lang),
     /// Selects the light theme (true) or the dark theme, now and at the next start.
-    KeepLight(bool),
+    SetLightTheme(bool),
     /// Sets the picture brightness, percent, now and at the next start.
-    KeepBrightness(u8),
+    SetBrightness(u8),
     /// Selects the RS232 port, from now on.
-    KeepPort(String),
+    SetSerialPort(String),
     /// Sets date and time of day.
-    SetDate(Date),
+    SetDate(DateTime),
     /// A request about programs or folders, or for a long calculation.
     File(Ticket, FileRequest),
     /// The disk thread's answer to a request.
-    Answered(PageAnswer),
+    StorageAnswered(StorageAnswer),
 }
 
 /// A request to the disk thread.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PageWish {
+pub enum SettingsRequest {
     /// Checks a password.
-    Check(Guard, Secret),
+    CheckPassword(PasswordScope, Secret),
     /// Replaces a password if the old one matches.
-    Change {
+    ChangePassword {
         /// The password to replace.
-        of: Guard,
+        scope: PasswordScope,
         /// The old password.
         old: Secret,
         /// The new password.
         new: Secret,
     },
     /// Saves the kind for the next start.
-    KeepKind(Kind),
+    SaveKind(Kind),
     /// Saves the language for the next start.
-    KeepLang(Lang),
+    SaveLang(Lang),
     /// Saves the theme for the next start.
-    KeepLight(bool),
+    SaveLightTheme(bool),
     /// Saves the brightness for the next start.
-    KeepBrightness(u8),
+    SaveBrightness(u8),
     /// Saves the RS232 port.
-    KeepPort(String),
+    SaveSerialPort(String),
 }
 
 /// An answer of the disk thread.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PageAnswer {
+pub enum StorageAnswer {
     /// Whether a password matches.
-    Checked(Guard, bool),
+    PasswordChecked(PasswordScope, bool),
     /// Whether a password was replaced; false if the old one did not match.
-    Changed(Guard, bool),
+    PasswordChanged(PasswordScope, bool),
     /// The kind for the next start is saved.
-    KindKept(Kind),
+    KindSaved(Kind),
     /// The language is saved.
-    LangKept,
+    LangSaved,
     /// An answer of the work outside the tick.
     File(Ticket, FileAnswer),
     /// The disk thread failed; why.
-    Failed(Said),
+    Failed(LocalizedText),
 }

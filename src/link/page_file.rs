@@ -3,11 +3,11 @@
 
 use ropey::Rope;
 
-use crate::defs::screen::VariableUse;
+use crate::defs::page_text::VariableUse;
 
 /// Where a picture is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum PictureFrom {
+pub enum PictureLocation {
     /// On the medium.
     Medium,
     /// In the folder of page files.
@@ -18,7 +18,7 @@ pub enum PictureFrom {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PictureFile {
     /// Where it is stored.
-    pub from: PictureFrom,
+    pub location: PictureLocation,
     /// Its file name.
     pub name: String,
     /// Bytes.
@@ -37,7 +37,7 @@ pub struct PageFile {
     /// Checksum of the file; 0 if there is none.
     pub stamp: u64,
     /// The file has bytes that are neither GBK nor UTF-8: it is shown but not edited.
-    pub mistaken: bool,
+    pub has_invalid_bytes: bool,
     /// Variables used by its program and the programs called by it, by number; none if the program does not exist.
     pub uses: Option<Vec<VariableUse>>,
     /// The pictures available.

@@ -6,27 +6,27 @@ use std::sync::Arc;
 use ropey::Rope;
 
 use super::command::{ScreenFiles, Screens};
-use super::drawing::StockBox;
-use super::edit::{EditAnswer, ModalView, OFFSETS, OffsetView};
+use super::edit::{EditAnswer, ModalView, OFFSET_COUNT, OffsetView};
 use super::files::FilesView;
-use super::internal::InternalSet;
-use super::simulated::SimView;
+use super::internal_signal::InternalSignalSet;
+use super::simulation::SimView;
 use super::teach::TeachView;
-use crate::defs::date::Date;
-use crate::defs::history::PastAlarm;
+use super::toolpath::StockBox;
+use crate::defs::alarm_history::PastAlarm;
+use crate::defs::date::DateTime;
 use crate::defs::key::{Key, Mode};
 use crate::defs::kind::Kind;
+use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
-use crate::defs::param::{Level, Params};
-use crate::defs::program;
-use crate::defs::screw::ScrewTable;
+use crate::defs::param::{AccessLevel, Params};
+use crate::defs::program_number;
 use crate::defs::signal::{InputSet, OutputSet, Terminals};
-use crate::defs::soft_key::Coordinates;
-use crate::defs::text::{Said, Text};
+use crate::defs::soft_key::CoordinateView;
+use crate::defs::text::{LocalizedText, Text};
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Programs with a grinding page of their own (K7.2).
-pub const PAGED_PROGRAMS: std::ops::RangeInclusive<u32> = 1_001..=1_020;
+pub const PROGRAMS_WITH_PAGE: std::ops::RangeInclusive<u32> = 1_001..=1_020;
 
 /// Measurements of a thread that was cut (L5).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,7 +42,7 @@ pub struct ThreadCut {
 }
 
 /// Number of macro variables shown: #0 to #999.
-pub const VARIABLES: usize = 1_000;
+pub const VARIABLE_COUNT: usize = 1_000;
 
 /// The six run states shown (H7); stories distinguish the two kinds of hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -81,7 +81,7 @@ impl RunState {
 
     /// A program or homing is in progress: the stop keys must stay within reach.
     #[must_use]
-    pub const fn moves(self) -> bool {
+    pub const fn is_active(self) -> bool {
         matches!(self, Self::Running | Self::Waiting | Self::Homing)
     }
 
@@ -124,7 +124,7 @@ pub struct KeyView {
     /// The lamp is on: the actual output or state, not the command.
     pub lamp: bool,
     /// The feedback is still missing; the lamp blinks.
-    pub working: bool,
+    pub pending: bool,
     /// Why pressing the key now would be refused.
     pub blocked: Option<Text>,
 }
@@ -135,9 +135,9 @@ pub struct AlarmView {
     /// Number.
     pub number: u16,
     /// The alarm text, with its place.
-    pub text: Said,
+    pub text: LocalizedText,
     /// The remedy.
-    pub remedy: Said,
+    pub remedy: LocalizedText,
     /// When it was raised.
     pub since: Micros,
     /// Program and line that ran when it was raised; none outside a run.
@@ -146,22 +146,28 @@ pub struct AlarmView {
 
 /// The unlocked access level and the result of the last password.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Access {
+pub struct AccessView {
     /// The unlocked level.
-    pub level: Level,
+    pub level: AccessLevel,
     /// Programs may be edited: the program password was given (K6.2).
-    pub program: bool,
+    pub program_unlocked: bool,
     /// The disk thread is checking a password.
-    pub asking: bool,
+    pub password_pending: bool,
     /// Number of answers so far; a page recognises a new answer by it.
-    pub answers: u32,
+    pub answer_count: u32,
     /// Why the last password was refused.
     pub refused: Option<Text>,
 }
 
-impl Default for Access {
+impl Default for AccessView {
     fn default() -> Self {
-        Self { level: Level::Operator, program: false, asking: false, answers: 0, refused: None }
+        Self {
+            level: AccessLevel::Operator,
+            program_unlocked: false,
+            password_pending: false,
+            answer_count: 0,
+            refused: None,
+        }
     }
 }
 
@@ -170,7 +176,7 @@ impl Default for Access {
 pub enum Tone {
     /// Something was executed.
     #[default]
-    Note,
+    Info,
     /// Something was refused, with the reason.
     Refused,
 }
@@ -179,7 +185,7 @@ pub enum Tone {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Message {
     /// The text.
-    pub text: Said,
+    pub text: LocalizedText,
     /// Severity.
     pub tone: Tone,
     /// When it was raised.
@@ -196,7 +202,7 @@ pub struct ProgramView {
     /// Checksum of the file; it changes with the text.
     pub stamp: u64,
     /// The file has bytes that are neither UTF-8 nor GBK.
-    pub mistaken: bool,
+    pub has_invalid_bytes: bool,
     /// Program of the running block: a subprogram's number while one runs.
     pub block_program: u32,
     /// Line of the running block, from 1; 0 before the first.
@@ -219,11 +225,11 @@ pub struct Snapshot {
     /// Open page.
     pub page: Page,
     /// Coordinates shown by the position page.
-    pub coordinates: Coordinates,
+    pub coordinates: CoordinateView,
     /// Which row of soft keys is shown, from 0.
-    pub soft_row: usize,
+    pub soft_key_row: usize,
     /// Whether X is shown as a diameter.
-    pub diameter: bool,
+    pub x_as_diameter: bool,
     /// State of the axes.
     pub axes: PerAxis<AxisView>,
     /// The current program.
@@ -233,7 +239,7 @@ pub struct Snapshot {
     /// Axis selected for the handwheel.
     pub handwheel_axis: Axis,
     /// Step of a handwheel detent, mm as displayed.
-    pub step_mm: f64,
+    pub handwheel_step_mm: f64,
     /// Feed override, percent.
     pub feed_override: u16,
     /// Rapid override, percent (0 is F0).
@@ -245,13 +251,13 @@ pub struct Snapshot {
     /// Wheel speed commanded, rpm; on a lathe the actual speed of the main spindle.
     pub wheel_rpm: f64,
     /// Active station of the tool turret, 1 to 4, 0 if unknown; none on kinds without a turret (L8).
-    pub station: Option<u32>,
+    pub tool_station: Option<u32>,
     /// The teach-in recording of manual moves (L9).
     pub teach: Arc<TeachView>,
     /// Measured strokes per minute of the oscillating axis (K4.3).
-    pub strokes_min: Option<f64>,
+    pub strokes_per_min: Option<f64>,
     /// Number of workpieces counted.
-    pub parts: u32,
+    pub parts_counted: u32,
     /// Duration of the running or last cycle, s.
     pub cycle_seconds: f64,
     /// Inputs, debounced, by function.
@@ -261,7 +267,7 @@ pub struct Snapshot {
     /// State of every key, by `Key as usize`.
     pub keys: [KeyView; Key::COUNT],
     /// Macro variables at the current state of execution.
-    pub variables: Box<[Option<f64>; VARIABLES]>,
+    pub variables: Box<[Option<f64>; VARIABLE_COUNT]>,
     /// The block at which cycle start would restart the program, with its modal state (B5).
     pub restart: Option<Box<RestartView>>,
     /// Program and line of the run that the last power cut ended; resume is offered after homing (B5).
@@ -271,7 +277,7 @@ pub struct Snapshot {
     /// The message line.
     pub message: Message,
     /// The message of the program (`MSG`), or what the run waits for.
-    pub waiting_for: Option<Said>,
+    pub waiting_for: Option<LocalizedText>,
     /// Electrical level of the input terminals.
     pub input_terminals: Terminals,
     /// Electrical level of the output terminals.
@@ -279,13 +285,13 @@ pub struct Snapshot {
     /// The analog outputs: wheel speed, second output; volts.
     pub analog_volts: [f64; 2],
     /// Internal signals of the control.
-    pub internals: InternalSet,
+    pub internals: InternalSignalSet,
     /// Past alarms, also before the last power-off, newest last; replaced only when an alarm is raised or ends.
     pub alarm_history: Arc<Vec<Arc<PastAlarm>>>,
     /// Leadscrew tables of the axes (B7).
-    pub screws: PerAxis<ScrewTable>,
+    pub leadscrews: PerAxis<LeadscrewCompensation>,
     /// Date and time of day; none if unknown.
-    pub date: Option<Date>,
+    pub date: Option<DateTime>,
     /// The parameters; the `Arc` is replaced only when one changes.
     pub params: Arc<Params>,
     /// The simulated machine, if the machine is simulated.
@@ -295,25 +301,25 @@ pub struct Snapshot {
     /// Results of file requests and long calculations; the `Arc` is replaced only on a change.
     pub files: Arc<FilesView>,
     /// The unlocked access level.
-    pub access: Access,
+    pub access: AccessView,
     /// Kind of machine from the next start on.
     pub next_kind: Kind,
     /// Answer to the last value typed at a page.
-    pub edit: EditAnswer,
+    pub edit_answer: EditAnswer,
     /// Tool offsets 1 to 16.
-    pub offsets: [OffsetView; OFFSETS],
+    pub offsets: [OffsetView; OFFSET_COUNT],
     /// The active offset, 1 to 16; 0 if none.
-    pub offset_in_force: usize,
+    pub active_offset: usize,
     /// The active modal codes.
     pub modals: ModalView,
     /// The MDI line prepared for cycle start; empty if none.
-    pub mdi_ready: Arc<str>,
+    pub prepared_mdi: Arc<str>,
     /// Dressing point of each axis, machine coordinates, where it is set (K4.2).
     pub dressing_point: PerAxis<Option<f64>>,
     /// Number of the page files of a kind with its own grinding page; none where each program has a page.
-    pub own_page: Option<u32>,
+    pub kind_page: Option<u32>,
     /// Sheet of the grinding page, from 0, and the number of sheets.
-    pub grinding_pages: (usize, usize),
+    pub grinding_sheet: (usize, usize),
     /// Page files found on disk.
     pub screens: Arc<Screens>,
     /// Programs found on disk, by number.
@@ -332,22 +338,25 @@ pub struct RestartView {
     /// Start position of the axes, work coordinates as displayed; none for a missing axis.
     pub start: PerAxis<Option<f64>>,
     /// The wheel runs there.
-    pub wheel: bool,
+    pub wheel_turns: bool,
     /// The workpiece spindle runs there.
-    pub drive: bool,
+    pub workpiece_turns: bool,
     /// Coolant is on there.
-    pub coolant: bool,
+    pub coolant_on: bool,
 }
 
 impl RestartView {
     /// Summary in one line, for the message line.
     #[must_use]
-    pub fn said(&self) -> Said {
+    pub fn summary(&self) -> LocalizedText {
         let codes: String = self.modals.g.iter().map(|g| format!("G{g:02} ")).collect();
         let place: String = self.start.iter().filter_map(|(axis, at)| at.map(|at| format!("{axis}{at:.3} "))).collect();
         let (tool, offset) = self.modals.tool;
-        let turning =
-            [(self.wheel, "砂轮", "wheel"), (self.drive, "工件", "workpiece"), (self.coolant, "冷却", "coolant")];
+        let turning = [
+            (self.wheel_turns, "砂轮", "wheel"),
+            (self.workpiece_turns, "工件", "workpiece"),
+            (self.coolant_on, "冷却", "coolant"),
+        ];
         let list = |pick: fn(&(bool, &'static str, &'static str)) -> &'static str| {
             turning.iter().filter(|row| row.0).map(pick).collect::<Vec<_>>().join(" ")
         };
@@ -358,7 +367,7 @@ impl RestartView {
         } else {
             (format!("先启动 {zh}；"), format!("start {en} first; "))
         };
-        Said::new(
+        LocalizedText::new(
             format!("O{program:04} 第{line}行：{codes}T{tool:02}{offset:02}，起点 {place}；{first_zh}循环启动"),
             format!("O{program:04} line {line}: {codes}T{tool:02}{offset:02}, from {place}; {first_en}cycle start"),
         )
@@ -390,28 +399,28 @@ impl Snapshot {
             mode: Mode::default(),
             state: RunState::default(),
             page: Page::default(),
-            coordinates: Coordinates::default(),
-            soft_row: 0,
-            diameter: false,
+            coordinates: CoordinateView::default(),
+            soft_key_row: 0,
+            x_as_diameter: false,
             axes: PerAxis::default(),
             program: ProgramView::default(),
             single_block: false,
             handwheel_axis: Axis::X,
-            step_mm: 0.001,
+            handwheel_step_mm: 0.001,
             feed_override: 100,
             rapid_override: 100,
             spindle_override: 100,
             feed_mm_min: 0.0,
             wheel_rpm: 0.0,
-            station: None,
+            tool_station: None,
             teach: Arc::default(),
-            strokes_min: None,
-            parts: 0,
+            strokes_per_min: None,
+            parts_counted: 0,
             cycle_seconds: 0.0,
             inputs: InputSet::NONE,
             outputs: OutputSet::NONE,
             keys: [KeyView::default(); Key::COUNT],
-            variables: Box::new([None; VARIABLES]),
+            variables: Box::new([None; VARIABLE_COUNT]),
             restart: None,
             interrupted: None,
             alarms: Vec::new(),
@@ -420,55 +429,55 @@ impl Snapshot {
             input_terminals: Terminals::default(),
             output_terminals: Terminals::default(),
             analog_volts: [0.0; 2],
-            internals: InternalSet::default(),
+            internals: InternalSignalSet::default(),
             alarm_history: Arc::default(),
-            screws: PerAxis::default(),
+            leadscrews: PerAxis::default(),
             date: None,
             params: Arc::new(Params::factory(kind)),
             simulated: None,
             stock: Arc::from([]),
             files: Arc::default(),
-            access: Access::default(),
+            access: AccessView::default(),
             next_kind: kind,
-            edit: EditAnswer::default(),
-            offsets: [OffsetView::default(); OFFSETS],
-            offset_in_force: 0,
+            edit_answer: EditAnswer::default(),
+            offsets: [OffsetView::default(); OFFSET_COUNT],
+            active_offset: 0,
             modals: ModalView::default(),
-            mdi_ready: Arc::from(""),
+            prepared_mdi: Arc::from(""),
             dressing_point: PerAxis::default(),
-            own_page: None,
-            grinding_pages: (0, 1),
+            kind_page: None,
+            grinding_sheet: (0, 1),
             screens: Arc::default(),
             directory: Arc::default(),
         }
     }
 
     /// Clears inputs, outputs and lamps: the control has no power.
-    pub fn darken(&mut self) {
+    pub fn clear_for_power_off(&mut self) {
         self.inputs = InputSet::NONE;
         self.outputs = OutputSet::NONE;
         for key in &mut self.keys {
-            (key.lamp, key.working) = (false, false);
+            (key.lamp, key.pending) = (false, false);
         }
     }
 
     /// Number of the page files of the grinding page; none if the current program has no page (K7.2).
     #[must_use]
-    pub fn grinding_page(&self) -> Option<u32> {
-        self.own_page.or_else(|| PAGED_PROGRAMS.contains(&self.program.number).then_some(self.program.number))
+    pub fn grinding_page_number(&self) -> Option<u32> {
+        self.kind_page.or_else(|| PROGRAMS_WITH_PAGE.contains(&self.program.number).then_some(self.program.number))
     }
 
     /// The files of the grinding page.
     #[must_use]
     pub fn page_files(&self) -> Option<&ScreenFiles> {
-        self.screens.find(self.grinding_page()?)
+        self.screens.find(self.grinding_page_number()?)
     }
 
     /// The title of a program.
     #[must_use]
     pub fn title(&self, program: u32) -> String {
         let row = self.directory.iter().find(|row| row.number == program);
-        row.map_or_else(|| program::title(program), |row| row.name.clone())
+        row.map_or_else(|| program_number::name_of(program), |row| row.name.clone())
     }
 
     /// The state of a key.

@@ -10,7 +10,7 @@ pub enum TeachCommand {
     /// Removes the last block; the machine does not move.
     Undo,
     /// Saves the blocks as a program of the folder, `TEACH01` to `TEACH99`.
-    Keep,
+    Save,
 }
 
 impl TeachCommand {
@@ -21,7 +21,7 @@ impl TeachCommand {
             "start" => Some(Self::Start),
             "stop" => Some(Self::Stop),
             "undo" => Some(Self::Undo),
-            "keep" => Some(Self::Keep),
+            "keep" => Some(Self::Save),
             _ => None,
         }
     }
@@ -35,5 +35,5 @@ pub struct TeachView {
     /// The blocks, with N numbers.
     pub blocks: Vec<String>,
     /// The blocks are saved as a program.
-    pub kept: bool,
+    pub saved: bool,
 }

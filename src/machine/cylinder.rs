@@ -2,7 +2,7 @@
 //! Source: spec K4.4. Reset and e-stop switch both valves off.
 
 use crate::defs::alarm;
-use crate::defs::param::{self, Number, Params};
+use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::signal::{Input, InputSet, Output, OutputSet};
 use crate::units::Micros;
 
@@ -39,7 +39,7 @@ impl Cylinder {
         self != Self::Off
     }
 
-    pub fn show(self, on: &mut OutputSet) {
+    pub fn write_outputs(self, on: &mut OutputSet) {
         on.set(Output::OscillationForward, matches!(self, Self::Forward { .. }));
         on.set(Output::OscillationBackward, matches!(self, Self::Backward { .. }));
     }
@@ -47,9 +47,10 @@ impl Cylinder {
     /// One tick; `flags` are #438 and #439. Returns an alarm, which ends the cycle.
     pub fn tick(&mut self, now: Micros, inputs: InputSet, params: &Params, flags: &mut (bool, bool)) -> Option<u16> {
         let (ahead, back) = (inputs.has(Input::OscillationForwardEnd), inputs.has(Input::OscillationBackwardEnd));
-        let late = |since: Micros| now.since(since) >= params.millis(param::CYLINDER_TIME);
-        let dwelt =
-            |since: Micros, row: Number| now.since(since) >= Micros::from_millis_f64(DWELL_UNIT_MS * params.get(row));
+        let late = |since: Micros| now.since(since) >= params.millis(param::CYLINDER_TIMEOUT);
+        let dwelt = |since: Micros, row: NumberParam| {
+            now.since(since) >= Micros::from_millis_f64(DWELL_UNIT_MS * params.get(row))
+        };
         let next = match *self {
             Self::Off => {
                 *flags = (false, false);

@@ -1,58 +1,58 @@
 //! The discrete state of all units as small numbers, with short ages only.
 //!
 //! Two machines with equal discrete states answer every request alike and have the same future, if no delay is
-//! longer than [`AGE_MOST`] ticks. The exhaustive search in `tests/long/machine_explore.rs` relies on this.
+//! longer than [`MAX_AGE_TICKS`] ticks. The exhaustive search in `tests/long/machine_explore.rs` relies on this.
 
 use super::Machine;
-use super::magnet::Magnet;
+use super::magnetic_chuck::MagneticChuck;
 use super::tailstock::Tailstock;
-use super::wheel::{Drive, SecondSpindle, Wheel};
+use super::wheel::{SecondSpindleContactor, WheelContactor, WorkpieceDrive};
 use crate::units::Micros;
 
 /// Ages are counted in ticks and saturate here.
-pub const AGE_MOST: u64 = 3;
+pub const MAX_AGE_TICKS: u64 = 3;
 
 /// One number per unit that takes part in interlocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Discrete(pub [u8; 9]);
+pub struct DiscreteState(pub [u8; 9]);
 
 impl Machine {
     /// The discrete state at a moment, for ticks of this length.
     #[must_use]
-    pub fn discrete(&self, now: Micros, tick: Micros) -> Discrete {
-        let age = |since: Micros| (now.since(since).0 / tick.0.max(1)).min(AGE_MOST) as u8;
+    pub fn discrete_state(&self, now: Micros, tick: Micros) -> DiscreteState {
+        let age = |since: Micros| (now.since(since).0 / tick.0.max(1)).min(MAX_AGE_TICKS) as u8;
         let wheel = match self.wheel {
-            Wheel::Off => 0,
-            Wheel::Running => 1,
-            Wheel::RunUp { since } => 2 + age(since),
+            WheelContactor::Off => 0,
+            WheelContactor::Running => 1,
+            WheelContactor::RunUp { since } => 2 + age(since),
         };
-        let drive = match self.drive {
-            Drive::Off => 0,
-            Drive::Running { fast } => 1 + u8::from(fast),
-            Drive::RunUp { fast, since } => 4 + 4 * u8::from(fast) + age(since),
+        let drive = match self.workpiece_drive {
+            WorkpieceDrive::Off => 0,
+            WorkpieceDrive::Running { fast } => 1 + u8::from(fast),
+            WorkpieceDrive::RunUp { fast, since } => 4 + 4 * u8::from(fast) + age(since),
         };
         let second = match self.second_spindle {
-            SecondSpindle::Off => 0,
-            SecondSpindle::Turning { ccw } => 1 + u8::from(ccw),
-            SecondSpindle::Reversing { ccw, since } => 4 + 4 * u8::from(ccw) + age(since),
+            SecondSpindleContactor::Off => 0,
+            SecondSpindleContactor::Turning { ccw } => 1 + u8::from(ccw),
+            SecondSpindleContactor::Reversing { ccw, since } => 4 + 4 * u8::from(ccw) + age(since),
         };
         let tailstock = match self.tailstock {
-            Tailstock::Resting => 0,
-            Tailstock::Holding => 1,
+            Tailstock::Retracted => 0,
+            Tailstock::Clamped => 1,
             Tailstock::Lost { valve } => 2 + u8::from(valve),
             Tailstock::Advancing { since } => 4 + age(since),
             Tailstock::Retracting { since } => 8 + age(since),
         };
         let magnet = match self.magnet {
-            Magnet::Off => 0,
-            Magnet::Holding => 1,
-            Magnet::Magnetising { since } => 4 + age(since),
-            Magnet::Demagnetising { since } => 8 + age(since),
+            MagneticChuck::Off => 0,
+            MagneticChuck::Holding => 1,
+            MagneticChuck::Magnetising { since } => 4 + age(since),
+            MagneticChuck::Demagnetising { since } => 8 + age(since),
         };
         let guard = &self.guard;
         let flags = [self.e_stop, guard.open, guard.alarm, guard.stopped_drive, self.fluids.coolant];
         let flags = flags.iter().fold(0, |all, flag| all << 1 | u8::from(*flag));
-        let (spindle, post) = (self.spindle.discrete(age), self.post.discrete(age));
-        Discrete([wheel, drive, second, tailstock, magnet, flags, self.hydraulic.discrete(age), spindle, post])
+        let (spindle, post) = (self.main_spindle.discrete(age), self.turret.discrete(age));
+        DiscreteState([wheel, drive, second, tailstock, magnet, flags, self.hydraulic.discrete(age), spindle, post])
     }
 }

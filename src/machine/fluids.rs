@@ -1,36 +1,41 @@
 //! Coolant and lubrication: outputs, and supervision by flow and level switches.
 //! Source: spec K3.2, K3.8, K5.14.
 
-use super::Finding;
+use super::MachineFinding;
 use crate::defs::alarm;
-use crate::defs::param::{self, Number, Params};
+use crate::defs::param::{self, NumberParam, Params};
 use crate::defs::signal::{Input, InputSet};
 use crate::units::Micros;
 
 /// A supervised switch: its alarm is raised when the signal is missing for a delay, and clears itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Watched {
+pub enum SupervisedSwitch {
     #[default]
-    Fine,
+    Present,
     Missing {
         since: Micros,
     },
     Alarm,
 }
 
-impl Watched {
-    fn tick(&mut self, now: Micros, missing: bool, delay: Micros, number: u16) -> Option<Finding> {
+impl SupervisedSwitch {
+    fn tick(&mut self, now: Micros, missing: bool, delay: Micros, number: u16) -> Option<MachineFinding> {
         let next = match *self {
-            _ if !missing => Self::Fine,
-            Self::Fine => Self::Missing { since: now },
+            _ if !missing => Self::Present,
+            Self::Present => Self::Missing { since: now },
             Self::Missing { since } if now.since(since) >= delay => Self::Alarm,
             same @ (Self::Missing { .. } | Self::Alarm) => same,
         };
         let before = std::mem::replace(self, next);
         match (before, next) {
-            (Self::Fine | Self::Missing { .. }, Self::Alarm) => Some(Finding::Alarm { number, stopped: false }),
-            (Self::Alarm, Self::Fine) => Some(Finding::Gone(number)),
-            (Self::Fine | Self::Missing { .. } | Self::Alarm, Self::Fine | Self::Missing { .. } | Self::Alarm) => None,
+            (Self::Present | Self::Missing { .. }, Self::Alarm) => {
+                Some(MachineFinding::Alarm { number, stopped: false })
+            }
+            (Self::Alarm, Self::Present) => Some(MachineFinding::Cleared(number)),
+            (
+                Self::Present | Self::Missing { .. } | Self::Alarm,
+                Self::Present | Self::Missing { .. } | Self::Alarm,
+            ) => None,
         }
     }
 }
@@ -40,8 +45,8 @@ impl Watched {
 pub struct Fluids {
     pub coolant: bool,
     pub lubrication: Lubrication,
-    flow: Watched,
-    level: Watched,
+    flow: SupervisedSwitch,
+    level: SupervisedSwitch,
 }
 
 /// The lubrication pump: switched by key or code, and by interval.
@@ -70,7 +75,7 @@ impl Fluids {
         inputs: InputSet,
         params: &Params,
         last_dose: &mut Micros,
-    ) -> [Option<Finding>; 2] {
+    ) -> [Option<MachineFinding>; 2] {
         let interval = Micros::from_secs_f64(60.0 * params.get(param::LUBRICATION_INTERVAL));
         let time = Micros::from_secs_f64(params.get(param::LUBRICATION_TIME));
         match self.lubrication {
@@ -82,7 +87,7 @@ impl Fluids {
             Lubrication::Off | Lubrication::On | Lubrication::Dose { .. } => {}
         }
         let absent = |input: Input| params.input_port(input) != 0 && !inputs.has(input);
-        let delay = |row: Number| params.millis(row);
+        let delay = |row: NumberParam| params.millis(row);
         let no_flow = self.coolant && absent(Input::CoolantFlow);
         [
             self.flow.tick(now, no_flow, delay(param::COOLANT_FLOW_DELAY), alarm::COOLANT_FLOW),

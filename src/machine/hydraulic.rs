@@ -1,7 +1,7 @@
 //! Hydraulics: pump output and pressure supervision.
 //! Source: spec K3.5–K3.7. Reset and e-stop do not switch the pump.
 
-use super::Finding;
+use super::MachineFinding;
 use crate::defs::alarm;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet};
@@ -9,7 +9,7 @@ use crate::units::Micros;
 
 /// State of alarm 180.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Alarm180 {
+enum PressureAlarm {
     Clear,
     /// Clears itself when the signal returns.
     Present,
@@ -25,14 +25,20 @@ pub struct Hydraulic {
     on: bool,
     /// Power-on or last switching-on; the pressure is due `HYDRAULIC_DELAY` later. `None`: already due.
     since: Option<Micros>,
-    alarm: Alarm180,
+    alarm: PressureAlarm,
     refused_start: bool,
     acknowledged: bool,
 }
 
 impl Hydraulic {
     pub fn new(power_on: Micros) -> Self {
-        Self { on: false, since: Some(power_on), alarm: Alarm180::Clear, refused_start: false, acknowledged: false }
+        Self {
+            on: false,
+            since: Some(power_on),
+            alarm: PressureAlarm::Clear,
+            refused_start: false,
+            acknowledged: false,
+        }
     }
 
     pub fn make_ready(&mut self) {
@@ -46,7 +52,7 @@ impl Hydraulic {
 
     /// Alarm 180 stopped the wheel or a program and waits for RESET.
     pub fn is_latched(&self) -> bool {
-        self.alarm == Alarm180::Latched
+        self.alarm == PressureAlarm::Latched
     }
 
     pub fn switch_on(&mut self, now: Micros) {
@@ -94,7 +100,7 @@ impl Hydraulic {
         params: &Params,
         wheel_on: bool,
         run_open: bool,
-    ) -> Option<Finding> {
+    ) -> Option<MachineFinding> {
         let delay = Micros::from_millis_f64(params.get(param::HYDRAULIC_DELAY));
         let looked_at = !params.bit(param::NO_HYDRAULIC_CHECK) && delay > Micros::ZERO;
         let due = self.is_due(now, delay);
@@ -104,28 +110,34 @@ impl Hydraulic {
         let acknowledged = std::mem::take(&mut self.acknowledged);
         let granted = self.on && due && pressure_ok;
         let next = match self.alarm {
-            Alarm180::Latched if acknowledged && pressure_ok => Alarm180::Clear,
-            Alarm180::Latched => Alarm180::Latched,
-            Alarm180::Clear | Alarm180::Present | Alarm180::StartRefused if missing && (wheel_on || run_open) => {
-                Alarm180::Latched
+            PressureAlarm::Latched if acknowledged && pressure_ok => PressureAlarm::Clear,
+            PressureAlarm::Latched => PressureAlarm::Latched,
+            PressureAlarm::Clear | PressureAlarm::Present | PressureAlarm::StartRefused
+                if missing && (wheel_on || run_open) =>
+            {
+                PressureAlarm::Latched
             }
-            Alarm180::Clear | Alarm180::Present | Alarm180::StartRefused if refused && run_open => Alarm180::Latched,
-            Alarm180::Clear | Alarm180::Present if refused => Alarm180::StartRefused,
-            Alarm180::Clear | Alarm180::Present if missing => Alarm180::Present,
+            PressureAlarm::Clear | PressureAlarm::Present | PressureAlarm::StartRefused if refused && run_open => {
+                PressureAlarm::Latched
+            }
+            PressureAlarm::Clear | PressureAlarm::Present if refused => PressureAlarm::StartRefused,
+            PressureAlarm::Clear | PressureAlarm::Present if missing => PressureAlarm::Present,
             // Switching the pump again does not clear the alarm: only the signal does.
-            Alarm180::Present if !pressure_ok => Alarm180::Present,
-            Alarm180::Clear | Alarm180::Present => Alarm180::Clear,
-            Alarm180::StartRefused if granted || !looked_at => Alarm180::Clear,
-            Alarm180::StartRefused => Alarm180::StartRefused,
+            PressureAlarm::Present if !pressure_ok => PressureAlarm::Present,
+            PressureAlarm::Clear | PressureAlarm::Present => PressureAlarm::Clear,
+            PressureAlarm::StartRefused if granted || !looked_at => PressureAlarm::Clear,
+            PressureAlarm::StartRefused => PressureAlarm::StartRefused,
         };
         let before = std::mem::replace(&mut self.alarm, next);
         match (before, next) {
             (before, next) if before == next => None,
-            (_, Alarm180::Latched) => Some(Finding::Alarm { number: alarm::HYDRAULIC, stopped: true }),
-            (_, Alarm180::Present | Alarm180::StartRefused) => {
-                Some(Finding::Alarm { number: alarm::HYDRAULIC, stopped: false })
+            (_, PressureAlarm::Latched) => {
+                Some(MachineFinding::Alarm { number: alarm::HYDRAULIC_PRESSURE, stopped: true })
             }
-            (_, Alarm180::Clear) => Some(Finding::Gone(alarm::HYDRAULIC)),
+            (_, PressureAlarm::Present | PressureAlarm::StartRefused) => {
+                Some(MachineFinding::Alarm { number: alarm::HYDRAULIC_PRESSURE, stopped: false })
+            }
+            (_, PressureAlarm::Clear) => Some(MachineFinding::Cleared(alarm::HYDRAULIC_PRESSURE)),
         }
     }
 }

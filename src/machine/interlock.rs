@@ -1,16 +1,16 @@
 //! The interlock table: which request is forbidden when, and why. One row per rule; no interlock exists elsewhere.
 //!
-//! Rules are evaluated from the top; the first that applies decides. They are pure functions of [`Facts`], so that
+//! Rules are evaluated from the top; the first that applies decides. They are pure functions of [`InterlockInputs`], so that
 //! tests can cover all of them.
 //! Source: spec K3, K5, "what stops what".
 
-use super::Around;
+use super::ControlState;
 use crate::defs::mcode::Request;
 use crate::defs::text::Text;
 
 /// The inputs of the rules: the state of the machine and of the control.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Facts {
+pub struct InterlockInputs {
     /// The emergency stop is pressed.
     pub e_stop: bool,
     /// The wheel's output is on.
@@ -24,9 +24,9 @@ pub struct Facts {
     /// The drive turns the part on the magnet (GA).
     pub drive_carries_part: bool,
     /// The kind has a main spindle and a tool post.
-    pub turns_part: bool,
+    pub has_main_spindle: bool,
     /// The tool post is indexing.
-    pub post_moving: bool,
+    pub turret_moving: bool,
     /// The guard stopped the drive of a run that is still open.
     pub drive_stopped_by_guard: bool,
     /// The kind has a tailstock.
@@ -74,12 +74,12 @@ pub struct Facts {
     /// Another function uses the port of the requested output.
     pub port_conflict: bool,
     /// State of the control.
-    pub around: Around,
+    pub control_state: ControlState,
 }
 
 /// Effect of a rule on a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub enum RuleOutcome {
     /// A message; the program continues.
     NoEffect,
     /// A message; a program waits before the block.
@@ -96,17 +96,17 @@ pub struct Rule {
     /// The requests it forbids.
     pub forbids: fn(Request) -> bool,
     /// When it applies.
-    pub when: fn(&Facts) -> bool,
+    pub applies: fn(&InterlockInputs) -> bool,
     /// Its effect.
-    pub outcome: Outcome,
+    pub outcome: RuleOutcome,
     /// The reason, for the message line and the diagnosis page.
     pub reason: Text,
 }
 
 /// The first rule that forbids a request, if any.
 #[must_use]
-pub fn forbidding(rules: &'static [Rule], request: Request, facts: &Facts) -> Option<&'static Rule> {
-    rules.iter().find(|rule| (rule.forbids)(request) && (rule.when)(facts))
+pub fn first_blocking_rule(rules: &'static [Rule], request: Request, facts: &InterlockInputs) -> Option<&'static Rule> {
+    rules.iter().find(|rule| (rule.forbids)(request) && (rule.applies)(facts))
 }
 
 #[cfg(test)]
@@ -115,8 +115,8 @@ mod tests {
     use super::*;
 
     /// A machine on which everything is allowed.
-    fn ready() -> Facts {
-        Facts {
+    fn ready() -> InterlockInputs {
+        InterlockInputs {
             tailstock_on_kind: true,
             tailstock_enabled: true,
             tailstock_advanced: true,
@@ -125,34 +125,34 @@ mod tests {
             hydraulic_on: true,
             hydraulic_settled: true,
             pressure: true,
-            around: Around { homed: true, ..Around::default() },
-            ..Facts::default()
+            control_state: ControlState { homed: true, ..ControlState::default() },
+            ..InterlockInputs::default()
         }
     }
 
-    fn outcome(request: Request, facts: Facts) -> Option<Outcome> {
-        forbidding(RULES, request, &facts).map(|rule| rule.outcome)
+    fn outcome(request: Request, facts: InterlockInputs) -> Option<RuleOutcome> {
+        first_blocking_rule(RULES, request, &facts).map(|rule| rule.outcome)
     }
 
     #[test]
     fn k3_7_wheel_start_needs_hydraulics_their_delay_and_their_pressure() {
         assert_eq!(outcome(Request::WheelStart, ready()), None);
-        let alarm = Some(Outcome::Alarm(180));
-        assert_eq!(outcome(Request::WheelStart, Facts { pressure: false, ..ready() }), alarm);
-        assert_eq!(outcome(Request::WheelStart, Facts { hydraulic_settled: false, ..ready() }), alarm);
+        let alarm = Some(RuleOutcome::Alarm(180));
+        assert_eq!(outcome(Request::WheelStart, InterlockInputs { pressure: false, ..ready() }), alarm);
+        assert_eq!(outcome(Request::WheelStart, InterlockInputs { hydraulic_settled: false, ..ready() }), alarm);
     }
 
     #[test]
     fn k3_7_with_p270_zero_a_missing_pump_is_a_message() {
-        let facts = Facts { hydraulic_checked: false, pressure: false, ..ready() };
+        let facts = InterlockInputs { hydraulic_checked: false, pressure: false, ..ready() };
         assert_eq!(outcome(Request::WheelStart, facts), None);
-        let off = Facts { hydraulic_on: false, hydraulic_settled: false, ..facts };
-        assert_eq!(outcome(Request::WheelStart, off), Some(Outcome::Deny));
+        let off = InterlockInputs { hydraulic_on: false, hydraulic_settled: false, ..facts };
+        assert_eq!(outcome(Request::WheelStart, off), Some(RuleOutcome::Deny));
     }
 
     #[test]
     fn k3_7_with_p17_0_there_is_no_start_condition() {
-        let facts = Facts {
+        let facts = InterlockInputs {
             hydraulic_needed: false,
             hydraulic_checked: false,
             hydraulic_on: false,
@@ -164,35 +164,35 @@ mod tests {
 
     #[test]
     fn k3_5_hydraulics_are_not_switched_while_the_wheel_runs() {
-        let turning = Facts { wheel_on: true, ..ready() };
+        let turning = InterlockInputs { wheel_on: true, ..ready() };
         for request in [Request::HydraulicOn, Request::HydraulicOff] {
-            assert_eq!(outcome(request, turning), Some(Outcome::NoEffect));
+            assert_eq!(outcome(request, turning), Some(RuleOutcome::NoEffect));
             assert_eq!(outcome(request, ready()), None);
         }
     }
 
     #[test]
     fn k3_3_k3_4_headstock_and_tailstock_exclude_each_other() {
-        let turning = Facts { drive_on: true, ..ready() };
-        assert_eq!(outcome(Request::TailstockRetract, turning), Some(Outcome::Alarm(181)));
-        let moving = Facts { tailstock_moving: true, ..ready() };
-        assert_eq!(outcome(Request::DriveHigh, moving), Some(Outcome::Alarm(181)));
-        let disabled = Facts { tailstock_enabled: false, drive_on: true, ..ready() };
-        assert_eq!(outcome(Request::TailstockAdvance, disabled), Some(Outcome::NoEffect));
+        let turning = InterlockInputs { drive_on: true, ..ready() };
+        assert_eq!(outcome(Request::TailstockRetract, turning), Some(RuleOutcome::Alarm(181)));
+        let moving = InterlockInputs { tailstock_moving: true, ..ready() };
+        assert_eq!(outcome(Request::WorkDriveHigh, moving), Some(RuleOutcome::Alarm(181)));
+        let disabled = InterlockInputs { tailstock_enabled: false, drive_on: true, ..ready() };
+        assert_eq!(outcome(Request::TailstockAdvance, disabled), Some(RuleOutcome::NoEffect));
     }
 
     #[test]
     fn k3_7_a_latched_alarm_180_blocks_the_wheel_although_the_pressure_is_back() {
-        let latched = Facts { hydraulic_latched: true, ..ready() };
-        assert_eq!(outcome(Request::WheelStart, latched), Some(Outcome::Deny));
+        let latched = InterlockInputs { hydraulic_latched: true, ..ready() };
+        assert_eq!(outcome(Request::WheelStart, latched), Some(RuleOutcome::Deny));
     }
 
     #[test]
     fn b5_nothing_moves_while_the_drives_are_off() {
         let mut facts = ready();
-        facts.around.drives_off = true;
-        for request in [Request::MoveByHand, Request::HomeAxes, Request::CycleStart] {
-            assert_eq!(outcome(request, facts), Some(Outcome::Deny));
+        facts.control_state.drives_off = true;
+        for request in [Request::Jog, Request::HomeAxes, Request::CycleStart] {
+            assert_eq!(outcome(request, facts), Some(RuleOutcome::Deny));
         }
     }
 
@@ -200,12 +200,12 @@ mod tests {
     fn b5_cycle_start_needs_homing_and_no_alarm() {
         let mut facts = ready();
         assert_eq!(outcome(Request::CycleStart, facts), None);
-        facts.around.homed = false;
-        assert_eq!(outcome(Request::CycleStart, facts), Some(Outcome::Alarm(100)));
-        facts.around.alarm_blocks = true;
-        assert_eq!(outcome(Request::CycleStart, facts), Some(Outcome::Deny));
+        facts.control_state.homed = false;
+        assert_eq!(outcome(Request::CycleStart, facts), Some(RuleOutcome::Alarm(100)));
+        facts.control_state.alarm_blocks = true;
+        assert_eq!(outcome(Request::CycleStart, facts), Some(RuleOutcome::Deny));
         // K3.7: alarm 180 blocks neither jogging nor homing.
-        assert_eq!(outcome(Request::MoveByHand, facts), None);
+        assert_eq!(outcome(Request::Jog, facts), None);
         assert_eq!(outcome(Request::HomeAxes, facts), None);
     }
 }

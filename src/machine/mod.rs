@@ -4,59 +4,59 @@
 //! interlock table grants or refuses. [`press`] maps keys to requests, [`phase`] is the state machine of a run.
 //! Source: spec K3, K5.
 
+mod actuation;
 mod cylinder;
 pub mod discrete;
 mod fluids;
-mod gauge;
+mod gauge_arms;
 mod hydraulic;
 pub mod interlock;
 pub mod kind;
-mod magnet;
+pub(crate) mod lathe;
+mod magnetic_chuck;
+pub mod panel_key;
 pub mod phase;
 mod ports;
-pub mod press;
 pub mod rules;
-mod stroke;
 mod tailstock;
-pub(crate) mod turning;
-mod units;
+mod two_position_actuator;
 mod wheel;
 
 use crate::defs::alarm::{self, Reaction};
 use crate::defs::mcode::Request;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::{Input, InputSet, Output, OutputSet, Terminals};
-use crate::defs::text::{Said, Text};
+use crate::defs::text::{LocalizedText, Text};
 use crate::units::Micros;
 use cylinder::Cylinder;
 use fluids::Fluids;
-use gauge::{Arms, Gears};
+use gauge_arms::{GaugeArms, GearBox};
 use hydraulic::Hydraulic;
-use interlock::{Facts, Outcome, Rule};
+use interlock::{InterlockInputs, Rule, RuleOutcome};
 use kind::KindRow;
-use magnet::Magnet;
-use ports::{Owner, Ports};
+use lathe::{MainSpindle, ToolTurret};
+use magnetic_chuck::MagneticChuck;
+use ports::{PortOwner, Ports};
 use rules::RULES;
 use tailstock::Tailstock;
-use turning::{MainSpindle, Post};
-use wheel::{Drive, SecondSpindle, Wheel};
+use wheel::{SecondSpindleContactor, WheelContactor, WorkpieceDrive};
 
 /// Result of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Answer {
+pub enum RequestResult {
     /// Granted: done or in progress until [`Machine::is_settled`].
-    Taken,
+    Accepted,
     /// Ignored with a message; the program continues.
     NoEffect(Text),
     /// Refused with a message; a program waits before the block.
     Denied(Text),
     /// Refused with an alarm: number, reason.
-    Refused(u16, Text),
+    Alarm(u16, Text),
 }
 
 /// State of the control that the machine logic needs, updated each tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Around {
+pub struct ControlState {
     /// A program or an MDI line is open, including held ones.
     pub run_open: bool,
     /// Every axis is homed, or the kind needs no homing to start a program.
@@ -72,14 +72,14 @@ pub struct Around {
     /// Dry run is on.
     pub dry_run: bool,
     /// The current program is a dressing program (P91 to P92).
-    pub dressing: bool,
+    pub dressing_program: bool,
     /// Commanded speed of the wheel, rpm.
     pub wheel_rpm: f64,
 }
 
 /// Something that the machine logic detected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Finding {
+pub enum MachineFinding {
     /// An alarm condition occurred.
     Alarm {
         /// Its number.
@@ -88,9 +88,9 @@ pub enum Finding {
         stopped: bool,
     },
     /// A self-clearing alarm's condition is gone.
-    Gone(u16),
+    Cleared(u16),
     /// A unit was switched off without a request and without an alarm: the reason.
-    Told(Text),
+    Message(Text),
 }
 
 /// Effect of an alarm on the run and the machine.
@@ -125,7 +125,7 @@ impl Consequence {
 
 /// The guard door, if the machine has one (P332).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Guard {
+struct GuardDoor {
     open: bool,
     /// Its alarm is active: it was opened in a run.
     alarm: bool,
@@ -138,34 +138,34 @@ struct Guard {
 pub struct Machine {
     row: &'static KindRow,
     rules: &'static [Rule],
-    wheel: Wheel,
-    drive: Drive,
-    second_spindle: SecondSpindle,
+    wheel: WheelContactor,
+    workpiece_drive: WorkpieceDrive,
+    second_spindle: SecondSpindleContactor,
     tailstock: Tailstock,
-    magnet: Magnet,
+    magnet: MagneticChuck,
     hydraulic: Hydraulic,
     cylinder: Cylinder,
     /// #438 and #439 of the cylinder.
     cylinder_flags: (bool, bool),
     fluids: Fluids,
     /// Start of the last lubrication interval.
-    last_dose: Micros,
-    arms: Arms,
-    gears: Gears,
-    spindle: MainSpindle,
-    post: Post,
+    last_lubrication: Micros,
+    gauge_arms: GaugeArms,
+    gears: GearBox,
+    main_spindle: MainSpindle,
+    turret: ToolTurret,
     /// The last tick, for pulses.
     now: Micros,
-    user: OutputSet,
+    user_outputs: OutputSet,
     ports: Ports,
-    guard: Guard,
+    guard: GuardDoor,
     e_stop: bool,
-    around: Around,
+    control_state: ControlState,
 }
 
 /// Outputs that emergency stop, panic, loss of screen or loss of bus switch off in that tick. All others keep their
 /// state: the part must stay clamped while the wheel coasts (table after K3).
-pub const OFF_WHEN_SAFE: &[Output] = &[
+pub const OFF_IN_SAFE_STATE: &[Output] = &[
     Output::Wheel,
     Output::SecondSpindle,
     Output::SecondSpindleCcw,
@@ -178,83 +178,84 @@ pub const OFF_WHEN_SAFE: &[Output] = &[
     Output::OscillationBackward,
     Output::SpindleForward,
     Output::SpindleReverse,
-    Output::PostForward,
-    Output::PostReverse,
+    Output::TurretForward,
+    Output::TurretReverse,
 ];
 
 const GUARD_STOPPED: Text =
     Text::new("防护门打开，头架/滚轮/台面已停", "the guard is open: headstock, roll or table stopped");
 
 /// Maximum findings per tick.
-pub const FINDINGS: usize = 11;
+pub const MAX_FINDINGS: usize = 11;
 /// Findings of one tick.
-pub type Findings = [Option<Finding>; FINDINGS];
+pub type Findings = [Option<MachineFinding>; MAX_FINDINGS];
 
 impl Machine {
     /// A machine at power-on: everything off.
     #[must_use]
     pub fn new(row: &'static KindRow, now: Micros) -> Self {
-        Self::governed_by(RULES, row, now)
+        Self::with_rules(RULES, row, now)
     }
 
     /// The same with another rule table, for tests that search for the use of each rule.
     #[must_use]
-    pub fn governed_by(rules: &'static [Rule], row: &'static KindRow, now: Micros) -> Self {
+    pub fn with_rules(rules: &'static [Rule], row: &'static KindRow, now: Micros) -> Self {
         Self {
             row,
             rules,
-            wheel: Wheel::Off,
-            drive: Drive::Off,
-            second_spindle: SecondSpindle::Off,
-            tailstock: Tailstock::Resting,
-            magnet: Magnet::Off,
+            wheel: WheelContactor::Off,
+            workpiece_drive: WorkpieceDrive::Off,
+            second_spindle: SecondSpindleContactor::Off,
+            tailstock: Tailstock::Retracted,
+            magnet: MagneticChuck::Off,
             hydraulic: Hydraulic::new(now),
             cylinder: Cylinder::Off,
             cylinder_flags: (false, false),
             fluids: Fluids::default(),
-            last_dose: now,
-            arms: Arms::default(),
-            gears: Gears::default(),
-            spindle: MainSpindle::Off,
-            post: Post::Standing,
+            last_lubrication: now,
+            gauge_arms: GaugeArms::default(),
+            gears: GearBox::default(),
+            main_spindle: MainSpindle::Off,
+            turret: ToolTurret::Clamped,
             now,
-            user: OutputSet::NONE,
+            user_outputs: OutputSet::NONE,
             ports: Ports::default(),
-            guard: Guard::default(),
+            guard: GuardDoor::default(),
             e_stop: false,
-            around: Around::default(),
+            control_state: ControlState::default(),
         }
     }
 
     /// Prepares a headless run (tools.md T3): hydraulics on and settled, part clamped.
     pub fn make_ready(&mut self, params: &Params) {
-        if !self.row.turns_part {
+        if !self.row.has_main_spindle {
             self.hydraulic.make_ready();
         }
         if params.bit(param::TAILSTOCK_ENABLED) && self.row.tailstock {
-            self.tailstock = Tailstock::Holding;
+            self.tailstock = Tailstock::Clamped;
         }
         if params.bit(param::MAGNET_ENABLED) && self.row.magnet {
-            self.magnet = Magnet::Holding;
+            self.magnet = MagneticChuck::Holding;
         }
     }
 
     /// Updates the control state within a tick.
-    pub const fn inform(&mut self, around: Around) {
-        self.around = around;
+    pub const fn set_control_state(&mut self, around: ControlState) {
+        self.control_state = around;
     }
 
     /// The inputs of the interlock rules.
     #[must_use]
-    pub fn facts(&self, now: Micros, inputs: InputSet, params: &Params) -> Facts {
+    pub fn interlock_inputs(&self, now: Micros, inputs: InputSet, params: &Params) -> InterlockInputs {
         let supervised = !params.bit(param::NO_HYDRAULIC_CHECK);
-        let rim_m_s = std::f64::consts::PI * params.get(param::WHEEL_DIAMETER) * self.around.wheel_rpm / 60_000.0;
-        Facts {
+        let rim_m_s =
+            std::f64::consts::PI * params.get(param::WHEEL_DIAMETER) * self.control_state.wheel_rpm / 60_000.0;
+        InterlockInputs {
             e_stop: self.e_stop,
             wheel_on: self.wheel.is_on(),
             wheel_too_fast: rim_m_s > params.get(param::WHEEL_RATED_SPEED),
             wheel_undressed: params.bit(param::WHEEL_UNDRESSED),
-            drive_on: self.drive.is_on(),
+            drive_on: self.workpiece_drive.is_on(),
             drive_carries_part: self.row.drive_needs_magnet,
             drive_stopped_by_guard: self.guard.stopped_drive,
             tailstock_on_kind: self.row.tailstock,
@@ -274,68 +275,70 @@ impl Machine {
             magnet_needed: params.bit(param::WHEEL_NEEDS_MAGNET),
             magnetised: self.magnet.is_holding(),
             cylinder_on: self.cylinder.is_on(),
-            turns_part: self.row.turns_part,
-            post_moving: self.post.is_moving(),
+            has_main_spindle: self.row.has_main_spindle,
+            turret_moving: self.turret.is_moving(),
             guard_open: params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed),
             external_hold: inputs.has(Input::ExternalHold),
             port_owned: false,
             port_missing: false,
             port_conflict: false,
-            around: self.around,
+            control_state: self.control_state,
         }
     }
 
     /// The first rule that forbids a request now, if any.
     #[must_use]
-    pub fn forbidding(
+    pub fn blocking_rule(
         &self,
         request: Request,
         now: Micros,
         inputs: InputSet,
         params: &Params,
     ) -> Option<&'static Rule> {
-        let mut facts = self.facts(now, inputs, params);
+        let mut facts = self.interlock_inputs(now, inputs, params);
         let output = self.output_of(request);
         facts.port_missing = output.is_some_and(|output| params.output_port(output) == 0);
         facts.port_conflict = output.is_some_and(|output| params.output_conflict(self.row.kind, output).is_some());
         if let Request::Port(port, _) | Request::Pulse(port, _) = request {
-            facts.port_owned = matches!(ports::owner(port, params, self.row.kind), Owner::Interlocked(_));
+            facts.port_owned = matches!(ports::port_owner(port, params, self.row.kind), PortOwner::Interlocked(_));
         }
-        interlock::forbidding(self.rules, request, &facts)
+        interlock::first_blocking_rule(self.rules, request, &facts)
     }
 
     /// The reason of a rule; for requests by port number with the port and the function that owns it.
     #[must_use]
-    pub fn reason(&self, reason: Text, request: Request, params: &Params) -> Said {
+    pub fn reason_text(&self, reason: Text, request: Request, params: &Params) -> LocalizedText {
         let (Request::Port(port, _) | Request::Pulse(port, _)) = request else { return reason.into() };
-        let Owner::Interlocked(output) = ports::owner(port, params, self.row.kind) else { return reason.into() };
+        let PortOwner::Interlocked(output) = ports::port_owner(port, params, self.row.kind) else {
+            return reason.into();
+        };
         let name = output.name();
-        Said::new(
+        LocalizedText::new(
             format!("{} (输出口 {port}：{})", reason.zh, name.zh),
             format!("{} (port {port}: {})", reason.en, name.en),
         )
     }
 
     /// Requests a change. The interlock table decides; a refused request changes nothing.
-    pub fn ask(&mut self, request: Request, now: Micros, inputs: InputSet, params: &Params) -> Answer {
-        if let Some(rule) = self.forbidding(request, now, inputs, params) {
+    pub fn request(&mut self, request: Request, now: Micros, inputs: InputSet, params: &Params) -> RequestResult {
+        if let Some(rule) = self.blocking_rule(request, now, inputs, params) {
             return match rule.outcome {
-                Outcome::NoEffect => Answer::NoEffect(rule.reason),
-                Outcome::Deny => Answer::Denied(rule.reason),
-                Outcome::Alarm(number) => {
-                    if number == alarm::HYDRAULIC {
+                RuleOutcome::NoEffect => RequestResult::NoEffect(rule.reason),
+                RuleOutcome::Deny => RequestResult::Denied(rule.reason),
+                RuleOutcome::Alarm(number) => {
+                    if number == alarm::HYDRAULIC_PRESSURE {
                         self.hydraulic.note_refused_start();
                     }
-                    Answer::Refused(number, rule.reason)
+                    RequestResult::Alarm(number, rule.reason)
                 }
             };
         }
-        self.carry_out(request, now, inputs, params)
+        self.execute(request, now, inputs, params)
     }
 
     /// One tick: delays, feedback and supervision of all units.
-    pub fn tick(&mut self, now: Micros, inputs: InputSet, params: &Params, around: Around) -> Findings {
-        self.around = around;
+    pub fn tick(&mut self, now: Micros, inputs: InputSet, params: &Params, around: ControlState) -> Findings {
+        self.control_state = around;
         self.now = now;
         let e_stop = inputs.has(Input::EmergencyStop);
         let pressed = e_stop && !self.e_stop;
@@ -344,60 +347,60 @@ impl Machine {
             self.safe_stop();
         }
         self.wheel.tick(now, params);
-        self.drive.tick(now, params);
+        self.workpiece_drive.tick(now, params);
         self.second_spindle.tick(now, params);
-        self.spindle.tick(now, params);
+        self.main_spindle.tick(now, params);
         self.magnet.tick(now, params);
         self.ports.tick(now);
         let hydraulic = self.hydraulic.supervise(now, inputs, params, self.wheel.is_on(), around.run_open);
-        if let Some(Finding::Alarm { stopped: true, .. }) = hydraulic {
-            self.wheel = Wheel::Off; // K3.7: in the tick of the filtered edge
+        if let Some(MachineFinding::Alarm { stopped: true, .. }) = hydraulic {
+            self.wheel = WheelContactor::Off; // K3.7: in the tick of the filtered edge
         }
-        let alarm = |number| Finding::Alarm { number, stopped: true };
+        let alarm = |number| MachineFinding::Alarm { number, stopped: true };
         let pressed = pressed.then(|| alarm(alarm::EMERGENCY_STOP));
-        let tailstock = self.tailstock.watch(now, inputs, params);
-        if tailstock == Some(alarm::TAILSTOCK_LOST) {
-            self.drive = Drive::Off; // the part may come loose
+        let tailstock = self.tailstock.supervise(now, inputs, params);
+        if tailstock == Some(alarm::TAILSTOCK_SIGNAL_LOST) {
+            self.workpiece_drive = WorkpieceDrive::Off; // the part may come loose
         }
         let tailstock = tailstock.map(alarm);
-        let [radial, axial] = self.arms.watch(now, inputs, params).map(|late| late.map(alarm));
-        let gears = self.gears.watch(now, inputs, params).map(alarm);
-        let [flow, level] = self.fluids.tick(now, inputs, params, &mut self.last_dose);
+        let [radial, axial] = self.gauge_arms.supervise(now, inputs, params).map(|late| late.map(alarm));
+        let gears = self.gears.supervise(now, inputs, params).map(alarm);
+        let [flow, level] = self.fluids.tick(now, inputs, params, &mut self.last_lubrication);
         let cylinder = self.cylinder.tick(now, inputs, params, &mut self.cylinder_flags).map(alarm);
-        let guard = self.watch_guard(inputs, params);
-        let post = self.post.watch(now, inputs, params).map(alarm);
+        let guard = self.supervise_guard(inputs, params);
+        let post = self.turret.supervise(now, inputs, params).map(alarm);
         [pressed, hydraulic, tailstock, radial, axial, gears, cylinder, flow, level, guard, post]
     }
 
     /// K5.13: an open guard stops the workpiece drive; opening it in a run also holds the program.
-    fn watch_guard(&mut self, inputs: InputSet, params: &Params) -> Option<Finding> {
+    fn supervise_guard(&mut self, inputs: InputSet, params: &Params) -> Option<MachineFinding> {
         let (was_open, mut stopped) = (self.guard.open, false);
         self.guard.open = params.input_port(Input::GuardClosed) != 0 && !inputs.has(Input::GuardClosed);
-        if self.guard.open && self.drive.is_on() {
-            self.drive = Drive::Off;
-            self.guard.stopped_drive = self.around.run_open;
+        if self.guard.open && self.workpiece_drive.is_on() {
+            self.workpiece_drive = WorkpieceDrive::Off;
+            self.guard.stopped_drive = self.control_state.run_open;
             stopped = true;
         }
-        self.guard.stopped_drive &= self.around.run_open && !self.drive.is_on();
+        self.guard.stopped_drive &= self.control_state.run_open && !self.workpiece_drive.is_on();
         match (self.guard.open, self.guard.alarm) {
-            (true, false) if !was_open && self.around.run_open => {
+            (true, false) if !was_open && self.control_state.run_open => {
                 self.guard.alarm = true;
-                Some(Finding::Alarm { number: alarm::GUARD_OPEN, stopped: false })
+                Some(MachineFinding::Alarm { number: alarm::GUARD_OPEN, stopped: false })
             }
             (false, true) => {
                 self.guard.alarm = false;
-                Some(Finding::Gone(alarm::GUARD_OPEN))
+                Some(MachineFinding::Cleared(alarm::GUARD_OPEN))
             }
-            (true | false, true | false) => stopped.then_some(Finding::Told(GUARD_STOPPED)),
+            (true | false, true | false) => stopped.then_some(MachineFinding::Message(GUARD_STOPPED)),
         }
     }
 
     /// E-stop, panic, lost HMI or bus: spindles and fluids off, clamps hold (table after K3).
     pub fn safe_stop(&mut self) {
-        self.wheel = Wheel::Off;
-        self.drive = Drive::Off;
-        self.second_spindle = SecondSpindle::Off;
-        self.stop_turning();
+        self.wheel = WheelContactor::Off;
+        self.workpiece_drive = WorkpieceDrive::Off;
+        self.second_spindle = SecondSpindleContactor::Off;
+        self.stop_lathe_units();
         self.fluids.coolant = false;
         self.cylinder = Cylinder::Off;
         self.ports.end_pulses();
@@ -405,49 +408,49 @@ impl Machine {
 
     /// Reset: workpiece drive and oscillation stop; wheel, fluids, hydraulics and clamping stay (table after K3).
     pub fn reset(&mut self) {
-        self.drive = Drive::Off;
+        self.workpiece_drive = WorkpieceDrive::Off;
         self.cylinder = Cylinder::Off;
-        self.stop_turning();
+        self.stop_lathe_units();
         self.ports.end_pulses();
         self.hydraulic.acknowledge();
     }
 
     /// Alarm reaction: stops wheel, workpiece drive and lathe units.
     pub fn stop_wheel_and_drive(&mut self) {
-        self.wheel = Wheel::Off;
-        self.drive = Drive::Off;
-        self.stop_turning();
+        self.wheel = WheelContactor::Off;
+        self.workpiece_drive = WorkpieceDrive::Off;
+        self.stop_lathe_units();
     }
 
     /// M30 (K3.14): coolant and workpiece drive off; wheel and second spindle too, unless P17.2 keeps them running.
     pub fn program_end(&mut self, params: &Params) {
         self.fluids.coolant = false;
-        self.drive = Drive::Off;
-        self.stop_turning();
+        self.workpiece_drive = WorkpieceDrive::Off;
+        self.stop_lathe_units();
         if !params.bit(param::WHEEL_RUNS_AFTER_M30) {
-            self.wheel = Wheel::Off;
-            self.second_spindle = SecondSpindle::Off;
+            self.wheel = WheelContactor::Off;
+            self.second_spindle = SecondSpindleContactor::Off;
         }
     }
 
     /// Stops the main spindle by its pulse, and a turning tool post.
-    fn stop_turning(&mut self) {
-        if self.spindle.direction().is_some() {
-            self.spindle.stop(self.now);
+    fn stop_lathe_units(&mut self) {
+        if self.main_spindle.direction().is_some() {
+            self.main_spindle.stop(self.now);
         }
-        self.post = Post::Standing;
+        self.turret = ToolTurret::Clamped;
     }
 
     /// Direction of the main spindle, true counter-clockwise; `None` while it is off.
     #[must_use]
     pub const fn spindle_direction(&self) -> Option<bool> {
-        self.spindle.direction()
+        self.main_spindle.direction()
     }
 
     /// Whether the tool post is indexing.
     #[must_use]
-    pub const fn post_is_moving(&self) -> bool {
-        self.post.is_moving()
+    pub const fn turret_is_moving(&self) -> bool {
+        self.turret.is_moving()
     }
 
     /// Ports switched by number by programs.
@@ -471,7 +474,7 @@ impl Machine {
     /// Whether headstock, roll or table is switched on.
     #[must_use]
     pub fn drive_is_on(&self) -> bool {
-        self.drive.is_on()
+        self.workpiece_drive.is_on()
     }
 
     /// Whether the emergency stop is pressed.

@@ -3,7 +3,7 @@
 
 /// The control phase. `H` is the state of homing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Phase<H = ()> {
+pub enum RunPhase<H = ()> {
     /// Nothing runs.
     #[default]
     Idle,
@@ -23,7 +23,7 @@ pub enum Phase<H = ()> {
 
 /// An event that may change the phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Event<H = ()> {
+pub enum PhaseEvent<H = ()> {
     /// Cycle start, granted by the interlocks.
     Start,
     /// Feed hold, by key or by an alarm.
@@ -42,29 +42,29 @@ pub enum Event<H = ()> {
     Homed,
 }
 
-impl<H> Phase<H> {
+impl<H> RunPhase<H> {
     /// The phase after an event. Events without meaning in a phase are ignored.
     #[must_use]
-    pub fn after(self, event: Event<H>) -> Self {
+    pub fn after(self, event: PhaseEvent<H>) -> Self {
         match (self, event) {
-            (Self::Idle | Self::Held | Self::Stopped, Event::Start) => Self::Running,
-            (Self::Running, Event::Hold) => Self::Holding,
-            (Self::Running, Event::Stop) => Self::Stopped,
-            (Self::Holding, Event::AtRest) => Self::Held,
-            (Self::Running, Event::Finish) | (Self::Aborting, Event::AtRest) | (Self::Homing(_), Event::Homed) => {
-                Self::Idle
-            }
-            (Self::Idle | Self::Homing(_), Event::Home(what)) => Self::Homing(what),
-            (Self::Homing(_), Event::Hold) | (_, Event::Abort) => Self::Aborting,
+            (Self::Idle | Self::Held | Self::Stopped, PhaseEvent::Start) => Self::Running,
+            (Self::Running, PhaseEvent::Hold) => Self::Holding,
+            (Self::Running, PhaseEvent::Stop) => Self::Stopped,
+            (Self::Holding, PhaseEvent::AtRest) => Self::Held,
+            (Self::Running, PhaseEvent::Finish)
+            | (Self::Aborting, PhaseEvent::AtRest)
+            | (Self::Homing(_), PhaseEvent::Homed) => Self::Idle,
+            (Self::Idle | Self::Homing(_), PhaseEvent::Home(what)) => Self::Homing(what),
+            (Self::Homing(_), PhaseEvent::Hold) | (_, PhaseEvent::Abort) => Self::Aborting,
             (
                 phase,
-                Event::Start
-                | Event::Hold
-                | Event::AtRest
-                | Event::Stop
-                | Event::Finish
-                | Event::Home(_)
-                | Event::Homed,
+                PhaseEvent::Start
+                | PhaseEvent::Hold
+                | PhaseEvent::AtRest
+                | PhaseEvent::Stop
+                | PhaseEvent::Finish
+                | PhaseEvent::Home(_)
+                | PhaseEvent::Homed,
             ) => phase,
         }
     }
@@ -96,15 +96,15 @@ impl<H> Phase<H> {
 
     /// The phase without the homing state.
     #[must_use]
-    pub const fn bare(&self) -> Phase {
+    pub const fn without_homing(&self) -> RunPhase {
         match self {
-            Self::Idle => Phase::Idle,
-            Self::Running => Phase::Running,
-            Self::Holding => Phase::Holding,
-            Self::Held => Phase::Held,
-            Self::Stopped => Phase::Stopped,
-            Self::Aborting => Phase::Aborting,
-            Self::Homing(_) => Phase::Homing(()),
+            Self::Idle => RunPhase::Idle,
+            Self::Running => RunPhase::Running,
+            Self::Holding => RunPhase::Holding,
+            Self::Held => RunPhase::Held,
+            Self::Stopped => RunPhase::Stopped,
+            Self::Aborting => RunPhase::Aborting,
+            Self::Homing(_) => RunPhase::Homing(()),
         }
     }
 }
@@ -113,31 +113,31 @@ impl<H> Phase<H> {
 mod tests {
     use super::*;
 
-    fn check(phase: Phase, event: Event, expected: Phase) {
+    fn check(phase: RunPhase, event: PhaseEvent, expected: RunPhase) {
         assert_eq!(phase.after(event), expected, "{phase:?} after {event:?}");
     }
 
     #[test]
     fn b5_a_run_is_held_resumed_stopped_and_left() {
-        check(Phase::Idle, Event::Start, Phase::Running);
-        check(Phase::Running, Event::Hold, Phase::Holding);
-        check(Phase::Holding, Event::AtRest, Phase::Held);
-        check(Phase::Held, Event::Start, Phase::Running);
-        check(Phase::Running, Event::Stop, Phase::Stopped);
-        check(Phase::Stopped, Event::Start, Phase::Running);
-        check(Phase::Held, Event::Abort, Phase::Aborting);
-        check(Phase::Aborting, Event::AtRest, Phase::Idle);
-        check(Phase::Running, Event::Finish, Phase::Idle);
+        check(RunPhase::Idle, PhaseEvent::Start, RunPhase::Running);
+        check(RunPhase::Running, PhaseEvent::Hold, RunPhase::Holding);
+        check(RunPhase::Holding, PhaseEvent::AtRest, RunPhase::Held);
+        check(RunPhase::Held, PhaseEvent::Start, RunPhase::Running);
+        check(RunPhase::Running, PhaseEvent::Stop, RunPhase::Stopped);
+        check(RunPhase::Stopped, PhaseEvent::Start, RunPhase::Running);
+        check(RunPhase::Held, PhaseEvent::Abort, RunPhase::Aborting);
+        check(RunPhase::Aborting, PhaseEvent::AtRest, RunPhase::Idle);
+        check(RunPhase::Running, PhaseEvent::Finish, RunPhase::Idle);
     }
 
     #[test]
     fn b5_what_means_nothing_changes_nothing() {
-        check(Phase::Holding, Event::Start, Phase::Holding);
-        check(Phase::Aborting, Event::Start, Phase::Aborting);
-        check(Phase::Homing(()), Event::Start, Phase::Homing(()));
-        check(Phase::Running, Event::Home(()), Phase::Running);
-        check(Phase::Held, Event::Home(()), Phase::Held);
-        check(Phase::Idle, Event::Hold, Phase::Idle);
-        check(Phase::Homing(()), Event::Hold, Phase::Aborting);
+        check(RunPhase::Holding, PhaseEvent::Start, RunPhase::Holding);
+        check(RunPhase::Aborting, PhaseEvent::Start, RunPhase::Aborting);
+        check(RunPhase::Homing(()), PhaseEvent::Start, RunPhase::Homing(()));
+        check(RunPhase::Running, PhaseEvent::Home(()), RunPhase::Running);
+        check(RunPhase::Held, PhaseEvent::Home(()), RunPhase::Held);
+        check(RunPhase::Idle, PhaseEvent::Hold, RunPhase::Idle);
+        check(RunPhase::Homing(()), PhaseEvent::Hold, RunPhase::Aborting);
     }
 }

@@ -7,13 +7,13 @@ use crate::defs::signal::{Output, PORTS, Terminals};
 use crate::units::Micros;
 
 /// Maximum simultaneous pulses.
-const PULSES: usize = 8;
+const MAX_PULSES: usize = 8;
 
 /// The function that owns a port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Owner {
+pub enum PortOwner {
     /// No function uses it.
-    Nobody,
+    Unassigned,
     /// A function without interlocks: coolant, lubrication, a user output.
     Plain(Output),
     /// A function with interlocks or a sequence.
@@ -21,16 +21,16 @@ pub enum Owner {
 }
 
 /// The owner of an output port.
-pub fn owner(port: u8, params: &Params, kind: Kind) -> Owner {
-    let mut found = Owner::Nobody;
+pub fn port_owner(port: u8, params: &Params, kind: Kind) -> PortOwner {
+    let mut found = PortOwner::Unassigned;
     for output in Output::ALL {
-        if port == 0 || !output.is_of(kind) || params.output_port(*output) != port {
+        if port == 0 || !output.exists_on(kind) || params.output_port(*output) != port {
             continue;
         }
-        if !output.is_plain() {
-            return Owner::Interlocked(*output);
+        if !output.is_freely_switchable() {
+            return PortOwner::Interlocked(*output);
         }
-        found = Owner::Plain(*output);
+        found = PortOwner::Plain(*output);
     }
     found
 }
@@ -39,7 +39,7 @@ pub fn owner(port: u8, params: &Params, kind: Kind) -> Owner {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ports {
     on: Terminals,
-    pulses: [Option<(u8, Micros)>; PULSES],
+    pulses: [Option<(u8, Micros)>; MAX_PULSES],
 }
 
 impl Ports {
@@ -71,7 +71,7 @@ impl Ports {
 
     /// Ends expired pulses.
     pub fn tick(&mut self, now: Micros) {
-        for index in 0..PULSES {
+        for index in 0..MAX_PULSES {
             if let Some((port, until)) = self.pulses[index]
                 && now >= until
             {
@@ -82,7 +82,7 @@ impl Ports {
 
     /// Reset and e-stop: a pulse does not outlive its program.
     pub fn end_pulses(&mut self) {
-        for index in 0..PULSES {
+        for index in 0..MAX_PULSES {
             if let Some((port, _)) = self.pulses[index] {
                 self.switch(port, false);
             }

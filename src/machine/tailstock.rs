@@ -10,11 +10,11 @@ use crate::units::Micros;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tailstock {
     /// Valve off, retracted.
-    Resting,
+    Retracted,
     /// Valve on, advancing.
     Advancing { since: Micros },
     /// Valve on, part clamped.
-    Holding,
+    Clamped,
     /// Valve off, retracting.
     Retracting { since: Micros },
     /// The end-switch signal did not come or was lost: neither clamped nor retracted.
@@ -24,17 +24,17 @@ pub enum Tailstock {
 impl Tailstock {
     pub fn advance(&mut self, now: Micros) {
         *self = match *self {
-            Self::Resting | Self::Lost { .. } | Self::Retracting { .. } => Self::Advancing { since: now },
+            Self::Retracted | Self::Lost { .. } | Self::Retracting { .. } => Self::Advancing { since: now },
             Self::Advancing { since } => Self::Advancing { since },
-            Self::Holding => Self::Holding,
+            Self::Clamped => Self::Clamped,
         };
     }
 
     pub fn retract(&mut self, now: Micros) {
         *self = match *self {
-            Self::Holding | Self::Lost { .. } | Self::Advancing { .. } => Self::Retracting { since: now },
+            Self::Clamped | Self::Lost { .. } | Self::Advancing { .. } => Self::Retracting { since: now },
             Self::Retracting { since } => Self::Retracting { since },
-            Self::Resting => Self::Resting,
+            Self::Retracted => Self::Retracted,
         };
     }
 
@@ -43,7 +43,7 @@ impl Tailstock {
     }
 
     pub const fn is_advanced(self) -> bool {
-        matches!(self, Self::Holding)
+        matches!(self, Self::Clamped)
     }
 
     /// The switch signal went or did not come while the valve is on: the part may be loose.
@@ -53,24 +53,24 @@ impl Tailstock {
 
     /// The valve output.
     pub const fn output(self) -> bool {
-        matches!(self, Self::Advancing { .. } | Self::Holding | Self::Lost { valve: true })
+        matches!(self, Self::Advancing { .. } | Self::Clamped | Self::Lost { valve: true })
     }
 
     /// Feedback and time-out. Without an assigned end switch, the elapsed time counts as feedback.
-    pub fn watch(&mut self, now: Micros, inputs: InputSet, params: &Params) -> Option<u16> {
+    pub fn supervise(&mut self, now: Micros, inputs: InputSet, params: &Params) -> Option<u16> {
         let (since, switch, there) = match *self {
-            Self::Advancing { since } => (since, Input::TailstockAdvanced, Self::Holding),
-            Self::Retracting { since } => (since, Input::TailstockRetracted, Self::Resting),
-            Self::Holding => {
+            Self::Advancing { since } => (since, Input::TailstockAdvanced, Self::Clamped),
+            Self::Retracting { since } => (since, Input::TailstockRetracted, Self::Retracted),
+            Self::Clamped => {
                 if params.input_port(Input::TailstockAdvanced) != 0 && !inputs.has(Input::TailstockAdvanced) {
                     *self = Self::Lost { valve: true };
-                    return Some(alarm::TAILSTOCK_LOST);
+                    return Some(alarm::TAILSTOCK_SIGNAL_LOST);
                 }
                 return None;
             }
-            Self::Resting | Self::Lost { .. } => return None,
+            Self::Retracted | Self::Lost { .. } => return None,
         };
-        let late = now.since(since) >= Micros::from_millis_f64(params.get(param::TAILSTOCK_TIME));
+        let late = now.since(since) >= Micros::from_millis_f64(params.get(param::TAILSTOCK_TIMEOUT));
         let has_switch = params.input_port(switch) != 0;
         let arrived = inputs.has(switch) || late && !has_switch;
         if arrived {

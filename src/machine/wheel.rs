@@ -6,7 +6,7 @@ use crate::units::Micros;
 
 /// The wheel contactor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wheel {
+pub enum WheelContactor {
     #[default]
     Off,
     RunUp {
@@ -15,7 +15,7 @@ pub enum Wheel {
     Running,
 }
 
-impl Wheel {
+impl WheelContactor {
     pub fn is_on(self) -> bool {
         self != Self::Off
     }
@@ -37,7 +37,7 @@ impl Wheel {
 
 /// Headstock, dresser roll or table, whichever the kind has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Drive {
+pub enum WorkpieceDrive {
     #[default]
     Off,
     RunUp {
@@ -49,7 +49,7 @@ pub enum Drive {
     },
 }
 
-impl Drive {
+impl WorkpieceDrive {
     pub fn is_on(self) -> bool {
         self != Self::Off
     }
@@ -79,7 +79,7 @@ impl Drive {
 
 /// The second spindle: never both directions at once, with a pause (P87) between them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SecondSpindle {
+pub enum SecondSpindleContactor {
     #[default]
     Off,
     Turning {
@@ -92,7 +92,7 @@ pub enum SecondSpindle {
     },
 }
 
-impl SecondSpindle {
+impl SecondSpindleContactor {
     pub fn start(&mut self, ccw: bool, now: Micros) {
         *self = match *self {
             Self::Off => Self::Turning { ccw },

@@ -4,7 +4,7 @@
 //! drives or time of day. It is deterministic: the same calls give the same set-points bit for bit. Machine
 //! coordinates, millimetres (radius), seconds.
 //!
-//! A move passes through [`Path`]: `push` queues it. The [`planner`] turns the moves at the front of the queue into
+//! A move passes through [`TrajectoryPlanner`]: `push` queues it. The [`planner`] turns the moves at the front of the queue into
 //! *nominal* set-points, one per tick at 100 % override, and appends them to the [`trail`]. A move from rest to rest is
 //! a [`stroke`]. A [`run`] of moves that blend into each other is planned as a sequence of look-ahead windows
 //! ([`window`]), each in slices to an end at rest; the next window takes over before it brakes. `tick` follows the
@@ -12,33 +12,33 @@
 //! only after it has been simulated to its end and keeps every limit. [`ThreadMover`] moves Z in step with a spindle,
 //! [`AxisMover`] moves one axis; both use the seven-segment [`profile`].
 
-mod budget;
-mod contour;
-mod mover;
-mod path;
-mod planner;
+mod axis_mover;
+mod blending;
+mod feed_scaling;
+mod lookahead_window;
+mod path_segment;
+mod point_to_point;
 pub mod profile;
-mod run;
-mod smooth;
-mod speed;
-mod stroke;
+mod setpoint_buffer;
+mod setpoint_planner;
+mod smoother;
+mod speed_optimizer;
 mod thread;
-mod trail;
-mod tube;
-mod warp;
-mod window;
+mod tolerance_band;
+mod trajectory;
+mod work_budget;
 
-pub use mover::{AxisMover, EMERGENCY_JERK_FACTOR};
-pub use path::{FINISHED_KEPT, MOVES, Path};
-pub use planner::WORK_MOST;
+pub use axis_mover::{AxisMover, EMERGENCY_JERK_FACTOR};
 pub use profile::AxisLimits;
-pub use thread::{Thread, ThreadMover};
+pub use setpoint_planner::MAX_WORK_PER_TICK;
+pub use thread::{ThreadMover, ThreadPass};
+pub use trajectory::{MAX_FINISHED_TAGS, MAX_QUEUED_MOVES, TrajectoryPlanner};
 
 use crate::units::{Axis, PerAxis};
 
 /// Limits of the machine's axes and the length of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct MotionLimits {
     /// Limits of each axis; all positive. An axis that is not fitted may repeat the limits of another.
     pub axes: PerAxis<AxisLimits>,
     /// Length of a tick, s; 0.001 by default (P58).
@@ -47,7 +47,7 @@ pub struct Limits {
 
 /// The plane of an arc; the order of the two axes defines its direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
+pub enum MotionPlane {
     /// First X, second Y (G17).
     Xy,
     /// First Z, second X (G18).
@@ -56,7 +56,7 @@ pub enum Plane {
     Yz,
 }
 
-impl Plane {
+impl MotionPlane {
     /// First axis, second axis, and the linear axis.
     #[must_use]
     pub const fn axes(self) -> (Axis, Axis, Axis) {
@@ -68,9 +68,9 @@ impl Plane {
     }
 }
 
-/// The direction of an arc in its [`Plane`], in coordinates; independent of how a machine draws or mirrors its axes.
+/// The direction of an arc in its [`MotionPlane`], in coordinates; independent of how a machine draws or mirrors its axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub enum ArcDirection {
     /// From the plus side of the plane's first axis towards the plus side of the second: in ZX from Z+ to X+.
     Ccw,
     /// The opposite direction.
@@ -79,7 +79,7 @@ pub enum Turn {
 
 /// The shape of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
+pub enum MoveShape {
     /// A straight line.
     Line,
     /// An arc in a plane; the third axis moves in proportion (helix). If the end equals the start in the plane, it is a
@@ -88,30 +88,30 @@ pub enum Shape {
         /// Centre, mm; the value of the axis outside the plane is ignored.
         center: PerAxis<f64>,
         /// The plane of the arc.
-        plane: Plane,
+        plane: MotionPlane,
         /// Its direction.
-        turn: Turn,
+        direction: ArcDirection,
     },
 }
 
 /// The programmed speed of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Rate {
+pub enum MotionSpeed {
     /// As fast as the axes allow, in a straight line; the rapid override applies.
     Rapid,
     /// A feed along the path; the feed override applies.
     Feed {
-        /// Feed, mm/s; at least [`LEAST_FEED_MM_S`] is used.
+        /// Feed, mm/s; at least [`MIN_FEED_MM_S`] is used.
         mm_s: f64,
     },
 }
 
 /// Minimum feed, mm/s: a move with feed zero would never end. Source: our choice; 0.006 mm/min.
-pub const LEAST_FEED_MM_S: f64 = 1e-4;
+pub const MIN_FEED_MM_S: f64 = 1e-4;
 
 /// How the corner at the end of a move is passed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum End {
+pub enum CornerMode {
     /// Stop at the end point before the next move.
     ExactStop,
     /// Round the corner within a tolerance. Between a rapid and a feed move the axes stop in any case.
@@ -127,11 +127,11 @@ pub struct Move {
     /// End point, mm.
     pub to: PerAxis<f64>,
     /// Its shape.
-    pub shape: Shape,
+    pub shape: MoveShape,
     /// Its speed.
-    pub rate: Rate,
+    pub speed: MotionSpeed,
     /// How the corner at its end is passed.
-    pub end: End,
+    pub corner: CornerMode,
     /// The caller's tag, reported while the move is active and when it is finished.
     pub tag: u32,
 }
@@ -152,14 +152,14 @@ impl Override {
 
 /// The set-point of all axes at the end of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SetPoint {
+pub struct Setpoint {
     /// Position, mm.
     pub position: PerAxis<f64>,
     /// Velocity, mm/s.
     pub velocity_mm_s: PerAxis<f64>,
 }
 
-/// The move queue is full; try again after a move has finished ([`Path::room`]).
+/// The move queue is full; try again after a move has finished ([`TrajectoryPlanner::room`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the queue of moves is full")]
-pub struct PathFull;
+pub struct MoveQueueFull;

@@ -18,7 +18,7 @@ pub struct AxisLimits {
 
 /// Position, velocity and acceleration at a point in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct State {
+pub struct AxisState {
     /// Position, mm.
     pub position: f64,
     /// Velocity, mm/s.
@@ -27,7 +27,7 @@ pub struct State {
     pub acceleration: f64,
 }
 
-impl State {
+impl AxisState {
     /// At rest at a position in mm.
     #[must_use]
     pub const fn at_rest(position: f64) -> Self {
@@ -47,47 +47,47 @@ impl State {
 
 /// A segment of constant jerk: duration in s, jerk in mm/s³.
 #[derive(Clone, Copy, Debug, Default)]
-struct Leg {
+struct JerkSegment {
     seconds: f64,
     jerk: f64,
 }
 
 /// Bisection steps for the peak velocity; more than the 53 bits of the mantissa gain nothing.
-const HALVINGS: usize = 64;
+const BISECTION_STEPS: usize = 64;
 /// Number of segments of a profile.
-const LEGS: usize = 7;
+const SEGMENTS: usize = 7;
 
 /// A jerk-limited motion of one coordinate over time, starting at 0 s.
 #[derive(Clone, Copy, Debug)]
-pub struct Profile {
-    start: State,
-    legs: [Leg; LEGS],
+pub struct MotionProfile {
+    start: AxisState,
+    segments: [JerkSegment; SEGMENTS],
     seconds: f64,
-    end: State,
+    end: AxisState,
 }
 
-impl Profile {
+impl MotionProfile {
     /// At rest at a position in mm.
     #[must_use]
-    pub fn standing(position: f64) -> Self {
-        let start = State::at_rest(position);
-        Self { start, legs: [Leg::default(); LEGS], seconds: 0.0, end: start }
+    pub fn resting_at(position: f64) -> Self {
+        let start = AxisState::at_rest(position);
+        Self { start, segments: [JerkSegment::default(); SEGMENTS], seconds: 0.0, end: start }
     }
 
     /// The fastest motion from a state to rest at `target` mm.
     ///
     /// The velocity exceeds its limit only if `start` already does or must, and then decreases at once.
     #[must_use]
-    pub fn to_position(start: State, target: f64, limits: AxisLimits) -> Self {
+    pub fn to_position(start: AxisState, target: f64, limits: AxisLimits) -> Self {
         let need = target - start.position;
         let top = limits.velocity_mm_s;
         let build = |peak: f64| {
             let [a, b, c] = velocity_change(start.velocity, start.acceleration, peak, limits);
             let [e, f, g] = velocity_change(peak, 0.0, 0.0, limits);
-            [a, b, c, Leg::default(), e, f, g]
+            [a, b, c, JerkSegment::default(), e, f, g]
         };
-        let from = State { position: 0.0, ..start };
-        let travel = |legs: &[Leg; LEGS]| run(from, legs).position;
+        let from = AxisState { position: 0.0, ..start };
+        let travel = |legs: &[JerkSegment; SEGMENTS]| run(from, legs).position;
         let (mut up, mut down) = (build(top), build(-top));
         let (farthest, nearest) = (travel(&up), travel(&down));
         let legs = if farthest <= need {
@@ -98,7 +98,7 @@ impl Profile {
             down
         } else {
             let (mut low, mut high) = (-top, top);
-            for _ in 0..HALVINGS {
+            for _ in 0..BISECTION_STEPS {
                 let middle = f64::midpoint(low, high);
                 if travel(&build(middle)) <= need {
                     low = middle;
@@ -108,21 +108,21 @@ impl Profile {
             }
             build(low)
         };
-        Self::of(start, legs, State::at_rest(target))
+        Self::of(start, legs, AxisState::at_rest(target))
     }
 
     /// The fastest motion from a state to the constant velocity `target` mm/s; the velocity limit is not checked.
     #[must_use]
-    pub fn to_velocity(start: State, target: f64, limits: AxisLimits) -> Self {
+    pub fn to_velocity(start: AxisState, target: f64, limits: AxisLimits) -> Self {
         let [a, b, c] = velocity_change(start.velocity, start.acceleration, target, limits);
-        let none = Leg::default();
+        let none = JerkSegment::default();
         let legs = [a, b, c, none, none, none, none];
         let reached = run(start, &legs);
-        Self::of(start, legs, State { velocity: target, acceleration: 0.0, ..reached })
+        Self::of(start, legs, AxisState { velocity: target, acceleration: 0.0, ..reached })
     }
 
-    fn of(start: State, legs: [Leg; LEGS], end: State) -> Self {
-        Self { start, legs, seconds: legs.iter().map(|leg| leg.seconds).sum(), end }
+    fn of(start: AxisState, legs: [JerkSegment; SEGMENTS], end: AxisState) -> Self {
+        Self { start, segments: legs, seconds: legs.iter().map(|leg| leg.seconds).sum(), end }
     }
 
     /// Time until the target is reached, s.
@@ -133,19 +133,19 @@ impl Profile {
 
     /// The state at the end; a constant velocity continues from here.
     #[must_use]
-    pub const fn end(&self) -> State {
+    pub const fn end(&self) -> AxisState {
         self.end
     }
 
     /// The state `time` seconds after the start; exactly the target after the end.
     #[must_use]
-    pub fn at(&self, time: f64) -> State {
+    pub fn at(&self, time: f64) -> AxisState {
         if time >= self.seconds {
             return self.end.after(time - self.seconds, 0.0);
         }
         let mut state = self.start;
         let mut left = time.max(0.0);
-        for leg in &self.legs {
+        for leg in &self.segments {
             if left <= leg.seconds {
                 return state.after(left, leg.jerk);
             }
@@ -156,12 +156,12 @@ impl Profile {
     }
 }
 
-fn run(start: State, legs: &[Leg]) -> State {
+fn run(start: AxisState, legs: &[JerkSegment]) -> AxisState {
     legs.iter().fold(start, |state, leg| state.after(leg.seconds, leg.jerk))
 }
 
 /// The fastest change from a velocity and an acceleration to another velocity at zero acceleration.
-fn velocity_change(velocity: f64, acceleration: f64, target: f64, limits: AxisLimits) -> [Leg; 3] {
+fn velocity_change(velocity: f64, acceleration: f64, target: f64, limits: AxisLimits) -> [JerkSegment; 3] {
     let (most, jerk) = (limits.acceleration_mm_s2, limits.jerk_mm_s3);
     // The final velocity if the acceleration only drops to zero decides the direction.
     let settled = velocity + acceleration * acceleration.abs() / (2.0 * jerk);
@@ -171,32 +171,32 @@ fn velocity_change(velocity: f64, acceleration: f64, target: f64, limits: AxisLi
     if peak <= most {
         let up = (peak - first).max(0.0) / jerk;
         return [
-            Leg { seconds: up, jerk: way * jerk },
-            Leg::default(),
-            Leg { seconds: peak / jerk, jerk: -way * jerk },
+            JerkSegment { seconds: up, jerk: way * jerk },
+            JerkSegment::default(),
+            JerkSegment { seconds: peak / jerk, jerk: -way * jerk },
         ];
     }
     // An acceleration above its limit (limits lowered at rest, or after an emergency stop) is first reduced to it.
     let bend = if first > most { -jerk } else { jerk };
     let gained = (most * most - first * first) / (2.0 * bend) + most * most / (2.0 * jerk);
     [
-        Leg { seconds: (most - first) / bend, jerk: way * bend },
-        Leg { seconds: (rise - gained).max(0.0) / most, jerk: 0.0 },
-        Leg { seconds: most / jerk, jerk: -way * jerk },
+        JerkSegment { seconds: (most - first) / bend, jerk: way * bend },
+        JerkSegment { seconds: (rise - gained).max(0.0) / most, jerk: 0.0 },
+        JerkSegment { seconds: most / jerk, jerk: -way * jerk },
     ]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{AxisLimits, Profile, State};
+    use super::{AxisLimits, AxisState, MotionProfile};
     use proptest::prelude::*;
 
     const LIMITS: AxisLimits = AxisLimits { velocity_mm_s: 100.0, acceleration_mm_s2: 500.0, jerk_mm_s3: 5_000.0 };
 
     fn check_time(distance: f64, limits: AxisLimits, seconds: f64) {
-        let profile = Profile::to_position(State::at_rest(1.0), 1.0 + distance, limits);
+        let profile = MotionProfile::to_position(AxisState::at_rest(1.0), 1.0 + distance, limits);
         assert!((profile.seconds() - seconds).abs() < 1e-9, "{distance} mm took {} s", profile.seconds());
-        assert_eq!(profile.at(profile.seconds() + 1.0), State::at_rest(1.0 + distance));
+        assert_eq!(profile.at(profile.seconds() + 1.0), AxisState::at_rest(1.0 + distance));
     }
 
     #[test]
@@ -222,11 +222,12 @@ mod tests {
 
     #[test]
     fn a_target_too_near_is_overshot_and_taken_back() {
-        let profile = Profile::to_position(State { position: 0.0, velocity: 100.0, acceleration: 0.0 }, 1.0, LIMITS);
+        let profile =
+            MotionProfile::to_position(AxisState { position: 0.0, velocity: 100.0, acceleration: 0.0 }, 1.0, LIMITS);
         // 0.1 s until the acceleration is -500 at 75 mm/s after 100 · 0.1 - 5000 · 0.1³ / 6 mm, then 75² / 1000 mm.
         let farthest = (0..2_000).map(|k| profile.at(f64::from(k) * 1e-3).position).fold(0.0, f64::max);
         assert!((farthest - (10.0 - 5.0 / 6.0 + 5.625)).abs() < 1e-3, "{farthest}");
-        assert_eq!(profile.at(10.0), State::at_rest(1.0));
+        assert_eq!(profile.at(10.0), AxisState::at_rest(1.0));
     }
 
     proptest! {
@@ -239,8 +240,8 @@ mod tests {
             // A state reachable within the limits: reducing the acceleration to zero stays below the velocity limit.
             let room = limits.velocity_mm_s - acceleration * acceleration / (2.0 * limits.jerk_mm_s3);
             prop_assume!(room > 0.0);
-            let start = State { position: 3.0, velocity: velocity * room, acceleration };
-            let profile = Profile::to_position(start, target, limits);
+            let start = AxisState { position: 3.0, velocity: velocity * room, acceleration };
+            let profile = MotionProfile::to_position(start, target, limits);
             let mut before = profile.at(0.0);
             for step in 1..=1_000 {
                 let now = profile.at(profile.seconds() * f64::from(step) / 1_000.0);

@@ -8,26 +8,26 @@
 //! of the encoder. In the run-out Z brakes to its end and X retracts, each axis by itself.
 //! Source: spec L5, seed 5.1.6 note 5.
 
-use super::mover::AxisMover;
-use super::profile::{AxisLimits, Profile, State};
-use super::{Limits, SetPoint};
+use super::axis_mover::AxisMover;
+use super::profile::{AxisLimits, AxisState, MotionProfile};
+use super::{MotionLimits, Setpoint};
 use crate::units::{Axis, PerAxis};
 
 /// The thread to be cut; machine coordinates, mm (radius).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thread {
+pub struct ThreadPass {
     /// Start of the run-out.
-    pub out: PerAxis<f64>,
+    pub run_out_start: PerAxis<f64>,
     /// End of the run-out.
-    pub to: PerAxis<f64>,
+    pub run_out_end: PerAxis<f64>,
     /// Lead along Z, mm.
     pub lead_mm: f64,
 }
 
-impl Thread {
+impl ThreadPass {
     /// Shifts the thread, mm.
-    pub fn shift(&mut self, by: &PerAxis<f64>) {
-        for place in [&mut self.out, &mut self.to] {
+    pub fn shift_by(&mut self, by: &PerAxis<f64>) {
+        for place in [&mut self.run_out_start, &mut self.run_out_end] {
             *place = PerAxis::from_fn(|axis| place[axis] + by[axis]);
         }
     }
@@ -35,18 +35,18 @@ impl Thread {
 
 /// Filter for the encoder: position and speed without lag at constant speed.
 #[derive(Clone, Copy, Debug)]
-struct Follower {
+struct SpindleFilter {
     turns: f64,
     turns_per_tick: f64,
 }
 
 /// Filter gains on the deviation for position and speed: a time constant of about 20 ticks.
-const FOLLOW_POSITION: f64 = 0.1;
-const FOLLOW_SPEED: f64 = 0.005;
+const FILTER_POSITION_GAIN: f64 = 0.1;
+const FILTER_SPEED_GAIN: f64 = 0.005;
 /// Ticks for which the filter settles before a thread starts: ten time constants.
-const WATCHED: u32 = 200;
+const MEASURING_TICKS: u32 = 200;
 /// Below this speed, turns per second, the spindle counts as stopped.
-const STANDS_HZ: f64 = 0.01;
+const STANDSTILL_HZ: f64 = 0.01;
 /// Time, s, for accelerating an axis from rest to a speed in mm/s; the distance is speed · time / 2.
 #[must_use]
 pub fn run_up_s(speed_mm_s: f64, limits: AxisLimits) -> f64 {
@@ -54,23 +54,23 @@ pub fn run_up_s(speed_mm_s: f64, limits: AxisLimits) -> f64 {
     if speed_mm_s * jerk <= most * most { 2.0 * (speed_mm_s / jerk).sqrt() } else { speed_mm_s / most + most / jerk }
 }
 
-impl Follower {
+impl SpindleFilter {
     fn step(&mut self, turns: f64) {
         self.turns += self.turns_per_tick;
         let off = turns - self.turns;
-        self.turns += FOLLOW_POSITION * off;
-        self.turns_per_tick += FOLLOW_SPEED * off;
+        self.turns += FILTER_POSITION_GAIN * off;
+        self.turns_per_tick += FILTER_SPEED_GAIN * off;
     }
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Stage {
+enum ThreadStage {
     /// Measuring the spindle speed.
-    Watching { ticks: u32 },
+    MeasuringSpindle { ticks: u32 },
     /// Waiting until half a run-up before the next index; `sense` is the spindle direction, +1 forward.
-    Waiting { index: f64, sense: f64 },
+    WaitingForIndex { index: f64, sense: f64 },
     /// Synchronising, then synchronised.
-    Following { index: f64, sense: f64, profile: Profile, ticks: u32 },
+    Following { index: f64, sense: f64, profile: MotionProfile, ticks: u32 },
     /// Run-out: Z moves to its end, X retracts.
     RunningOut,
     /// Aborted: braking.
@@ -80,14 +80,14 @@ enum Stage {
 /// Cuts one thread.
 #[derive(Clone, Debug)]
 pub struct ThreadMover {
-    thread: Thread,
+    thread: ThreadPass,
     from: PerAxis<f64>,
-    limits: Limits,
+    limits: MotionLimits,
     /// Servo lag of the drives at constant speed, s.
     lag_s: f64,
-    follower: Follower,
-    stage: Stage,
-    set: SetPoint,
+    spindle: SpindleFilter,
+    stage: ThreadStage,
+    setpoint: Setpoint,
     x: AxisMover,
     z: AxisMover,
 }
@@ -95,131 +95,147 @@ pub struct ThreadMover {
 impl ThreadMover {
     /// A thread from the axis position `from`, mm, with the spindle at `turns`; `lag_s` is the servo lag, s.
     #[must_use]
-    pub fn new(thread: Thread, from: PerAxis<f64>, limits: Limits, (turns, lag_s): (f64, f64)) -> Self {
+    pub fn new(thread: ThreadPass, from: PerAxis<f64>, limits: MotionLimits, (turns, lag_s): (f64, f64)) -> Self {
         let mover = |axis: Axis| AxisMover::new(limits.axes[axis], from[axis], limits.tick_s);
         Self {
             thread,
             from,
             limits,
             lag_s,
-            follower: Follower { turns, turns_per_tick: 0.0 },
-            stage: Stage::Watching { ticks: 0 },
-            set: SetPoint { position: from, velocity_mm_s: PerAxis::default() },
+            spindle: SpindleFilter { turns, turns_per_tick: 0.0 },
+            stage: ThreadStage::MeasuringSpindle { ticks: 0 },
+            setpoint: Setpoint { position: from, velocity_mm_s: PerAxis::default() },
             x: mover(Axis::X),
             z: mover(Axis::Z),
         }
     }
 
     /// Advances by one tick with the spindle at `turns` (positive forward); returns the set-points of X and Z.
-    pub fn tick(&mut self, turns: f64) -> SetPoint {
-        self.follower.step(turns);
+    pub fn tick(&mut self, turns: f64) -> Setpoint {
+        self.spindle.step(turns);
         match self.stage {
-            Stage::Watching { ticks } if ticks < WATCHED => self.stage = Stage::Watching { ticks: ticks + 1 },
-            Stage::Watching { .. } if !self.is_turning() => {}
-            Stage::Watching { .. } => {
-                let sense = self.follower.turns_per_tick.signum();
-                self.stage = Stage::Waiting { index: (sense * self.follower.turns + self.ahead()).ceil(), sense };
+            ThreadStage::MeasuringSpindle { ticks } if ticks < MEASURING_TICKS => {
+                self.stage = ThreadStage::MeasuringSpindle { ticks: ticks + 1 }
             }
-            Stage::Waiting { index, sense } if sense * self.follower.turns + self.ahead() < index => {}
-            Stage::Waiting { index, sense } => {
-                let begun = self.in_step(index, sense) - self.from[Axis::Z];
-                let start = State { position: -begun, velocity: -self.speed_mm_s(), acceleration: 0.0 };
+            ThreadStage::MeasuringSpindle { .. } if !self.is_turning() => {}
+            ThreadStage::MeasuringSpindle { .. } => {
+                let sense = self.spindle.turns_per_tick.signum();
+                self.stage = ThreadStage::WaitingForIndex {
+                    index: (sense * self.spindle.turns + self.start_lead_turns()).ceil(),
+                    sense,
+                };
+            }
+            ThreadStage::WaitingForIndex { index, sense }
+                if sense * self.spindle.turns + self.start_lead_turns() < index => {}
+            ThreadStage::WaitingForIndex { index, sense } => {
+                let begun = self.synchronized_z_mm(index, sense) - self.from[Axis::Z];
+                let start = AxisState { position: -begun, velocity: -self.speed_mm_s(), acceleration: 0.0 };
                 // At most the synchronous speed: Z may wait for a fraction of a tick but never moves back.
                 let limits = AxisLimits { velocity_mm_s: self.speed_mm_s().abs(), ..self.limits.axes[Axis::Z] };
-                let profile = Profile::to_position(start, 0.0, limits);
-                self.stage = Stage::Following { index, sense, profile, ticks: 0 };
+                let profile = MotionProfile::to_position(start, 0.0, limits);
+                self.stage = ThreadStage::Following { index, sense, profile, ticks: 0 };
             }
-            Stage::Following { index, sense, profile, ticks } => self.follow((index, sense), profile, ticks + 1),
-            Stage::RunningOut | Stage::Braking => self.move_freely(),
+            ThreadStage::Following { index, sense, profile, ticks } => self.follow((index, sense), profile, ticks + 1),
+            ThreadStage::RunningOut | ThreadStage::Braking => self.tick_movers(),
         }
-        self.set
+        self.setpoint
     }
 
     /// Turns before the index at which Z starts: half of its run-up plus one tick.
-    fn ahead(&self) -> f64 {
+    fn start_lead_turns(&self) -> f64 {
         let seconds = run_up_s(self.speed_mm_s().abs(), self.limits.axes[Axis::Z]) / 2.0 + self.limits.tick_s;
-        self.follower.turns_per_tick.abs() / self.limits.tick_s * seconds
+        self.spindle.turns_per_tick.abs() / self.limits.tick_s * seconds
     }
 
     /// Whether the spindle turns.
     #[must_use]
     pub fn is_turning(&self) -> bool {
-        self.follower.turns_per_tick.abs() / self.limits.tick_s > STANDS_HZ
+        self.spindle.turns_per_tick.abs() / self.limits.tick_s > STANDSTILL_HZ
     }
 
     /// Whether Z is synchronised with the spindle.
     #[must_use]
-    pub fn is_in_step(&self) -> bool {
+    pub fn is_synchronized(&self) -> bool {
         match &self.stage {
-            Stage::Following { profile, ticks, .. } => f64::from(*ticks) * self.limits.tick_s >= profile.seconds(),
-            Stage::Watching { .. } | Stage::Waiting { .. } | Stage::RunningOut | Stage::Braking => false,
+            ThreadStage::Following { profile, ticks, .. } => {
+                f64::from(*ticks) * self.limits.tick_s >= profile.seconds()
+            }
+            ThreadStage::MeasuringSpindle { .. }
+            | ThreadStage::WaitingForIndex { .. }
+            | ThreadStage::RunningOut
+            | ThreadStage::Braking => false,
         }
     }
 
     /// Nominal position of Z with the spindle at `turns`, mm; `None` before the index and in the run-out.
     #[must_use]
-    pub fn belongs_mm(&self, turns: f64) -> Option<f64> {
-        let Stage::Following { index, sense, .. } = self.stage else { return None };
-        Some(self.from[Axis::Z] + self.way() * self.thread.lead_mm * (sense * turns - index).max(0.0))
+    pub fn nominal_z_mm(&self, turns: f64) -> Option<f64> {
+        let ThreadStage::Following { index, sense, .. } = self.stage else { return None };
+        Some(self.from[Axis::Z] + self.z_direction() * self.thread.lead_mm * (sense * turns - index).max(0.0))
     }
 
     /// Whether the thread with its run-out, or braking after an abort, is finished.
     #[must_use]
-    pub fn is_over(&self) -> bool {
-        matches!(self.stage, Stage::RunningOut | Stage::Braking) && self.x.is_at_rest() && self.z.is_at_rest()
+    pub fn is_finished(&self) -> bool {
+        matches!(self.stage, ThreadStage::RunningOut | ThreadStage::Braking)
+            && self.x.is_at_rest()
+            && self.z.is_at_rest()
     }
 
     /// Brakes both axes at full deceleration.
     pub fn abort(&mut self) {
-        self.release();
+        self.hand_over_to_movers();
         self.x.emergency_stop();
         self.z.emergency_stop();
-        self.stage = Stage::Braking;
+        self.stage = ThreadStage::Braking;
     }
 
     /// Direction of Z: +1 or −1.
-    fn way(&self) -> f64 {
-        (self.thread.to[Axis::Z] - self.from[Axis::Z]).signum()
+    fn z_direction(&self) -> f64 {
+        (self.thread.run_out_end[Axis::Z] - self.from[Axis::Z]).signum()
     }
 
     /// Synchronous speed of Z with its sign, mm/s.
     fn speed_mm_s(&self) -> f64 {
-        self.way() * self.thread.lead_mm * self.follower.turns_per_tick.abs() / self.limits.tick_s
+        self.z_direction() * self.thread.lead_mm * self.spindle.turns_per_tick.abs() / self.limits.tick_s
     }
 
     /// Synchronous position of Z for the filtered spindle position, mm.
-    fn in_step(&self, index: f64, sense: f64) -> f64 {
-        self.from[Axis::Z] + self.way() * self.thread.lead_mm * (sense * self.follower.turns - index)
+    fn synchronized_z_mm(&self, index: f64, sense: f64) -> f64 {
+        self.from[Axis::Z] + self.z_direction() * self.thread.lead_mm * (sense * self.spindle.turns - index)
     }
 
-    fn follow(&mut self, (index, sense): (f64, f64), profile: Profile, ticks: u32) {
-        self.stage = Stage::Following { index, sense, profile, ticks };
+    fn follow(&mut self, (index, sense): (f64, f64), profile: MotionProfile, ticks: u32) {
+        self.stage = ThreadStage::Following { index, sense, profile, ticks };
         let off = profile.at(f64::from(ticks) * self.limits.tick_s);
-        let before = self.set.position;
+        let before = self.setpoint.position;
         // A second-order position loop with input z + T·v + T²/4·a outputs z: u = x + 2/ω·x' + 1/ω²·x'', T = 2/ω.
         let early = self.lag_s * (self.speed_mm_s() + off.velocity) + self.lag_s.powi(2) / 4.0 * off.acceleration;
-        let z = self.in_step(index, sense) + off.position + early;
-        let whole = self.thread.out[Axis::Z] - self.from[Axis::Z];
+        let z = self.synchronized_z_mm(index, sense) + off.position + early;
+        let whole = self.thread.run_out_start[Axis::Z] - self.from[Axis::Z];
         let share = ((z - self.from[Axis::Z]) / whole).clamp(0.0, 1.0);
-        let x = self.from[Axis::X] + share * (self.thread.out[Axis::X] - self.from[Axis::X]);
-        self.set.position[Axis::X] = x;
-        self.set.position[Axis::Z] = z;
-        let velocity = |axis: Axis| (self.set.position[axis] - before[axis]) / self.limits.tick_s;
-        self.set.velocity_mm_s = PerAxis::from_fn(velocity);
-        if (z - self.thread.out[Axis::Z]) * self.way() >= 0.0 {
-            self.release();
+        let x = self.from[Axis::X] + share * (self.thread.run_out_start[Axis::X] - self.from[Axis::X]);
+        self.setpoint.position[Axis::X] = x;
+        self.setpoint.position[Axis::Z] = z;
+        let velocity = |axis: Axis| (self.setpoint.position[axis] - before[axis]) / self.limits.tick_s;
+        self.setpoint.velocity_mm_s = PerAxis::from_fn(velocity);
+        if (z - self.thread.run_out_start[Axis::Z]) * self.z_direction() >= 0.0 {
+            self.hand_over_to_movers();
             let limits = self.limits.axes;
-            self.x.position_target(self.thread.to[Axis::X], limits[Axis::X].velocity_mm_s);
-            self.z.position_target(self.thread.to[Axis::Z], limits[Axis::Z].velocity_mm_s.min(self.speed_mm_s().abs()));
-            self.stage = Stage::RunningOut;
+            self.x.set_position_target(self.thread.run_out_end[Axis::X], limits[Axis::X].velocity_mm_s);
+            self.z.set_position_target(
+                self.thread.run_out_end[Axis::Z],
+                limits[Axis::Z].velocity_mm_s.min(self.speed_mm_s().abs()),
+            );
+            self.stage = ThreadStage::RunningOut;
         }
     }
 
     /// Hands each axis over to its mover in its present state.
-    fn release(&mut self) {
-        let state = |axis: Axis| State {
-            position: self.set.position[axis],
-            velocity: self.set.velocity_mm_s[axis],
+    fn hand_over_to_movers(&mut self) {
+        let state = |axis: Axis| AxisState {
+            position: self.setpoint.position[axis],
+            velocity: self.setpoint.velocity_mm_s[axis],
             acceleration: 0.0,
         };
         let (x, z) = (state(Axis::X), state(Axis::Z));
@@ -227,9 +243,9 @@ impl ThreadMover {
         self.z.set_state(z);
     }
 
-    fn move_freely(&mut self) {
+    fn tick_movers(&mut self) {
         for (axis, mover) in [(Axis::X, &mut self.x), (Axis::Z, &mut self.z)] {
-            (self.set.position[axis], self.set.velocity_mm_s[axis]) = mover.tick();
+            (self.setpoint.position[axis], self.setpoint.velocity_mm_s[axis]) = mover.tick();
         }
     }
 }
@@ -240,23 +256,23 @@ mod tests {
 
     const TICK_S: f64 = 0.001;
 
-    fn limits() -> Limits {
+    fn limits() -> MotionLimits {
         let axis = AxisLimits { velocity_mm_s: 66.0, acceleration_mm_s2: 800.0, jerk_mm_s3: 20_000.0 };
-        Limits { axes: PerAxis([axis; 3]), tick_s: TICK_S }
+        MotionLimits { axes: PerAxis([axis; 3]), tick_s: TICK_S }
     }
 
     /// Cuts from Z 0 to −50 with a spindle that starts at `phase` turns; returns set-points and worst error, mm.
-    fn cut(lead_mm: f64, rpm: f64, phase: f64) -> (Vec<SetPoint>, f64) {
+    fn cut(lead_mm: f64, rpm: f64, phase: f64) -> (Vec<Setpoint>, f64) {
         let to = PerAxis([lead_mm + 1.0, 0.0, -50.0]);
-        let thread = Thread { out: PerAxis([0.0, 0.0, -48.8]), to, lead_mm };
+        let thread = ThreadPass { run_out_start: PerAxis([0.0, 0.0, -48.8]), run_out_end: to, lead_mm };
         let mut mover = ThreadMover::new(thread, PerAxis::default(), limits(), (phase, 0.0));
         let (mut points, mut worst, mut turns) = (Vec::new(), 0.0_f64, phase);
-        while !mover.is_over() {
+        while !mover.is_finished() {
             turns += rpm / 60.0 * TICK_S;
             // An encoder with 4800 steps per turn.
             let seen = (turns * 4_800.0).floor() / 4_800.0;
             let point = mover.tick(seen);
-            if let Some(z) = mover.belongs_mm(turns).filter(|_| mover.is_in_step()) {
+            if let Some(z) = mover.nominal_z_mm(turns).filter(|_| mover.is_synchronized()) {
                 worst = worst.max((point.position[Axis::Z] - z).abs());
             }
             points.push(point);
@@ -287,12 +303,12 @@ mod tests {
 
     /// A drive like the simulated one: critically damped, 2/ω = 20 ms, the set-point held for a tick.
     #[derive(Default)]
-    struct Drive {
+    struct SecondOrderDrive {
         at: f64,
         velocity: f64,
     }
 
-    impl Drive {
+    impl SecondOrderDrive {
         fn step(&mut self, set: f64) -> f64 {
             const OMEGA: f64 = 100.0;
             let (off, decay) = (self.at - set, (-OMEGA * TICK_S).exp());
@@ -306,20 +322,24 @@ mod tests {
     fn l5_note_5_the_axis_itself_is_in_step_after_three_leads_at_the_limit_speed() {
         for (lead, rpm) in [(0.25, 4_720.0), (0.35, 3_300.0), (0.5, 2_320.0), (1.5, 720.0), (12.0, 20.0)] {
             for sense in [1.0, -1.0] {
-                let thread = Thread { out: PerAxis([0.0, 0.0, -48.8]), to: PerAxis([1.0, 0.0, -50.0]), lead_mm: lead };
+                let thread = ThreadPass {
+                    run_out_start: PerAxis([0.0, 0.0, -48.8]),
+                    run_out_end: PerAxis([1.0, 0.0, -50.0]),
+                    lead_mm: lead,
+                };
                 // The spindle has turned forward before, whichever way it turns now.
                 let mut turns = 1_000.3;
                 let mut mover = ThreadMover::new(thread, PerAxis::default(), limits(), (turns, 0.02));
-                let (mut drive, mut least, mut most) = (Drive::default(), f64::INFINITY, f64::NEG_INFINITY);
+                let (mut drive, mut least, mut most) = (SecondOrderDrive::default(), f64::INFINITY, f64::NEG_INFINITY);
                 for tick in 0.. {
                     assert!(tick < 200_000, "lead {lead}: the thread does not end");
                     turns += sense * rpm / 60.0 * TICK_S;
                     let at = drive.step(mover.tick((turns * 4_800.0).floor() / 4_800.0).position[Axis::Z]);
                     assert!(at < 0.001, "lead {lead}: it goes back to {at}");
-                    if mover.is_over() {
+                    if mover.is_finished() {
                         break;
                     }
-                    if let Some(belongs) = mover.belongs_mm(turns).filter(|_| -at >= 3.0 * lead) {
+                    if let Some(belongs) = mover.nominal_z_mm(turns).filter(|_| -at >= 3.0 * lead) {
                         (least, most) = (least.min(at - belongs), most.max(at - belongs));
                     }
                 }
@@ -356,19 +376,23 @@ mod tests {
 
     #[test]
     fn l5_reset_brakes_within_a_millimetre() {
-        let thread = Thread { out: PerAxis([0.0, 0.0, -48.8]), to: PerAxis([2.5, 0.0, -50.0]), lead_mm: 1.5 };
+        let thread = ThreadPass {
+            run_out_start: PerAxis([0.0, 0.0, -48.8]),
+            run_out_end: PerAxis([2.5, 0.0, -50.0]),
+            lead_mm: 1.5,
+        };
         let mut mover = ThreadMover::new(thread, PerAxis::default(), limits(), (0.0, 0.0));
         let mut turns = 0.0;
-        while !mover.is_in_step() {
+        while !mover.is_synchronized() {
             turns += 0.012;
             mover.tick(turns);
         }
         let from = mover.tick(turns + 0.012).position[Axis::Z];
         mover.abort();
-        while !mover.is_over() {
+        while !mover.is_finished() {
             mover.tick(turns);
         }
         // v²/2a = 18²/1600 = 0.2 mm plus the jerk phases.
-        assert!((mover.set.position[Axis::Z] - from).abs() < 1.0);
+        assert!((mover.setpoint.position[Axis::Z] - from).abs() < 1.0);
     }
 }

@@ -7,37 +7,37 @@ use crate::defs::program_error::ProgramError as E;
 use crate::units::{Axis, PerAxis};
 
 /// Most strokes of one cycle.
-const STROKES: usize = 2_000;
+const MAX_STROKES: usize = 2_000;
 /// Shorter distances count as zero, mm; far below the resolution.
-const NO_WAY_MM: f64 = 1e-7;
+const MIN_LENGTH_MM: f64 = 1e-7;
 
 /// A cycle as programmed.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ContourCycle {
     /// N of the contour's first and last block.
-    pub first: u32,
-    pub last: u32,
+    pub first_block: u32,
+    pub last_block: u32,
     /// The byte of the cycle's G code, for mistakes in its contour.
     pub at: usize,
     /// Finishing allowance: the contour is shifted by it. Radius mm.
     pub allowance: PerAxis<f64>,
-    pub form: Form,
+    pub kind: CycleKind,
 }
 
 /// The kind of cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Form {
+pub(crate) enum CycleKind {
     /// G70: one pass with the feeds of the contour's blocks.
     Finish,
     /// G71 (infeed X), G72 (infeed Z): strokes along the other axis, `depth` mm each, then one pass along the contour.
-    Rough { infeed: Axis, depth: f64, escape: f64, feed: Feed },
+    Roughing { infeed: Axis, depth: f64, escape: f64, feed: Feed },
     /// G73: `passes` passes along the contour; the first is shifted by `shift`, the last is not.
     Pattern { shift: PerAxis<f64>, passes: u32, feed: Feed },
 }
 
 /// One line or arc of the contour.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
+struct ContourSegment {
     from: PerAxis<f64>,
     to: PerAxis<f64>,
     /// Centre of an arc, and its turn (−1 or 1).
@@ -50,51 +50,51 @@ pub(crate) fn expand(cycle: &ContourCycle, start: PerAxis<f64>, contour: &[Op]) 
     let segments = segments(start, contour)?;
     let Some(first) = segments.first() else { return Err(E::ContourEmpty) };
     // The axis that approaches the contour first also retracts first.
-    let across = if (first.to[Axis::X] - start[Axis::X]).abs() > NO_WAY_MM { Axis::X } else { Axis::Z };
-    match cycle.form {
-        Form::Finish => {
+    let across = if (first.to[Axis::X] - start[Axis::X]).abs() > MIN_LENGTH_MM { Axis::X } else { Axis::Z };
+    match cycle.kind {
+        CycleKind::Finish => {
             let mut ops = contour.to_vec();
-            back(&mut ops, start, across);
+            return_to_start(&mut ops, start, across);
             Ok(ops)
         }
-        Form::Rough { infeed, depth, escape, feed } => {
-            Rough { infeed, depth, escape, feed, start, allowance: cycle.allowance }.run(&segments)
+        CycleKind::Roughing { infeed, depth, escape, feed } => {
+            RoughingCycle { infeed, depth, escape, feed, start, allowance: cycle.allowance }.expand(&segments)
         }
-        Form::Pattern { shift, passes, feed } => {
+        CycleKind::Pattern { shift, passes, feed } => {
             let mut ops = Vec::new();
             for pass in 0..passes {
                 let part = if passes > 1 { f64::from(passes - 1 - pass) / f64::from(passes - 1) } else { 0.0 };
                 let by = PerAxis::from_fn(|axis| cycle.allowance[axis] + part * shift[axis]);
-                let begin = plus(start, by);
-                ops.push(rapid(begin, &[Axis::X, Axis::Z]));
-                segments.iter().for_each(|segment| ops.push(segment.op(by, feed)));
-                back(&mut ops, begin, across);
+                let begin = add(start, by);
+                ops.push(rapid_to(begin, &[Axis::X, Axis::Z]));
+                segments.iter().for_each(|segment| ops.push(segment.to_op(by, feed)));
+                return_to_start(&mut ops, begin, across);
             }
-            ops.push(rapid(start, &[Axis::X, Axis::Z]));
+            ops.push(rapid_to(start, &[Axis::X, Axis::Z]));
             Ok(ops)
         }
     }
 }
 
-fn plus(a: PerAxis<f64>, b: PerAxis<f64>) -> PerAxis<f64> {
+fn add(a: PerAxis<f64>, b: PerAxis<f64>) -> PerAxis<f64> {
     PerAxis::from_fn(|axis| a[axis] + b[axis])
 }
 
-fn words(axes: &[Axis]) -> AxisSet {
+fn axis_set(axes: &[Axis]) -> AxisSet {
     let mut set = AxisSet::NONE;
     axes.iter().for_each(|axis| set.insert(*axis));
     set
 }
 
-fn rapid(to: PerAxis<f64>, axes: &[Axis]) -> Op {
-    Op::Rapid { to, feed: None, words: words(axes), incremental: AxisSet::NONE }
+fn rapid_to(to: PerAxis<f64>, axes: &[Axis]) -> Op {
+    Op::Rapid { to, feed: None, words: axis_set(axes), incremental: AxisSet::NONE }
 }
 
 fn feed_to(to: PerAxis<f64>, feed: Feed, axes: &[Axis]) -> Op {
-    Op::Feed { to, feed, words: words(axes), incremental: AxisSet::NONE }
+    Op::Feed { to, feed, words: axis_set(axes), incremental: AxisSet::NONE }
 }
 
-const fn other(axis: Axis) -> Axis {
+const fn other_axis(axis: Axis) -> Axis {
     match axis {
         Axis::X => Axis::Z,
         Axis::Y | Axis::Z => Axis::X,
@@ -102,31 +102,33 @@ const fn other(axis: Axis) -> Axis {
 }
 
 /// Returns from the end of the contour to the start: first away from the part, then along it.
-fn back(ops: &mut Vec<Op>, start: PerAxis<f64>, across: Axis) {
-    let Some(end) = ops.iter().rev().find_map(end_of) else { return };
+fn return_to_start(ops: &mut Vec<Op>, start: PerAxis<f64>, across: Axis) {
+    let Some(end) = ops.iter().rev().find_map(end_point) else { return };
     let mut out = end;
     out[across] = start[across];
-    ops.push(rapid(out, &[across]));
-    ops.push(rapid(start, &[other(across)]));
+    ops.push(rapid_to(out, &[across]));
+    ops.push(rapid_to(start, &[other_axis(across)]));
 }
 
-const fn end_of(op: &Op) -> Option<PerAxis<f64>> {
+const fn end_point(op: &Op) -> Option<PerAxis<f64>> {
     match op {
         Op::Rapid { to, .. } | Op::Feed { to, .. } | Op::Arc { to, .. } => Some(*to),
         _ => None,
     }
 }
 
-fn segments(start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<Segment>, E> {
+fn segments(start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<ContourSegment>, E> {
     let mut from = start;
     let mut segments = Vec::with_capacity(contour.len());
     for op in contour {
         let segment = match op {
-            Op::Rapid { to, .. } => Segment { from, to: *to, arc: None, rapid: true },
-            Op::Feed { to, .. } => Segment { from, to: *to, arc: None, rapid: false },
-            Op::Arc { to, center, turn, .. } => Segment { from, to: *to, arc: Some((*center, *turn)), rapid: false },
+            Op::Rapid { to, .. } => ContourSegment { from, to: *to, arc: None, rapid: true },
+            Op::Feed { to, .. } => ContourSegment { from, to: *to, arc: None, rapid: false },
+            Op::Arc { to, center, turn, .. } => {
+                ContourSegment { from, to: *to, arc: Some((*center, *turn)), rapid: false }
+            }
             // Speed and path mode take effect only in the finishing pass.
-            Op::S { .. } | Op::Path(_) => continue,
+            Op::S { .. } | Op::SetPathMode(_) => continue,
             _ => return Err(E::ContourCode),
         };
         from = segment.to;
@@ -135,26 +137,26 @@ fn segments(start: PerAxis<f64>, contour: &[Op]) -> Result<Vec<Segment>, E> {
     Ok(segments)
 }
 
-impl Segment {
+impl ContourSegment {
     /// The segment shifted by `by`.
     fn shifted(&self, by: PerAxis<f64>) -> Self {
-        let arc = self.arc.map(|(center, turn)| (plus(center, by), turn));
-        Self { from: plus(self.from, by), to: plus(self.to, by), arc, rapid: self.rapid }
+        let arc = self.arc.map(|(center, turn)| (add(center, by), turn));
+        Self { from: add(self.from, by), to: add(self.to, by), arc, rapid: self.rapid }
     }
 
     /// The segment shifted by `by`, as an operation with the cycle's feed.
-    fn op(&self, by: PerAxis<f64>, feed: Feed) -> Op {
-        let (to, both) = (plus(self.to, by), [Axis::X, Axis::Z]);
+    fn to_op(self, by: PerAxis<f64>, feed: Feed) -> Op {
+        let (to, both) = (add(self.to, by), [Axis::X, Axis::Z]);
         match self.arc {
-            None if self.rapid => rapid(to, &both),
+            None if self.rapid => rapid_to(to, &both),
             None => feed_to(to, feed, &both),
             Some((center, turn)) => Op::Arc {
                 to,
-                center: plus(center, by),
-                plane: super::op::Plane::Zx,
+                center: add(center, by),
+                plane: super::op::ArcPlane::Zx,
                 turn,
                 feed,
-                words: words(&both),
+                words: axis_set(&both),
                 incremental: AxisSet::NONE,
             },
         }
@@ -162,12 +164,12 @@ impl Segment {
 
     /// Whether it moves only in the direction of `way` in both axes.
     fn is_monotone(&self, way: PerAxis<f64>) -> bool {
-        let goes = |axis: Axis| (self.to[axis] - self.from[axis]) * way[axis] >= -NO_WAY_MM;
-        goes(Axis::X) && goes(Axis::Z) && !self.turns_back()
+        let goes = |axis: Axis| (self.to[axis] - self.from[axis]) * way[axis] >= -MIN_LENGTH_MM;
+        goes(Axis::X) && goes(Axis::Z) && !self.passes_extreme()
     }
 
     /// Whether an arc passes an extreme of an axis between its ends.
-    fn turns_back(&self) -> bool {
+    fn passes_extreme(&self) -> bool {
         let Some((center, turn)) = self.arc else { return false };
         // Angles with Z to the right and X up; counter-clockwise is positive.
         let angle = |at: PerAxis<f64>| (at[Axis::X] - center[Axis::X]).atan2(at[Axis::Z] - center[Axis::Z]);
@@ -181,15 +183,15 @@ impl Segment {
     }
 
     /// The coordinate on the other axis where the segment crosses `level` of an axis.
-    fn at_level(&self, axis: Axis, level: f64) -> Option<f64> {
+    fn crossing_at(&self, axis: Axis, level: f64) -> Option<f64> {
         let (low, high) = (self.from[axis].min(self.to[axis]), self.from[axis].max(self.to[axis]));
-        if level < low - NO_WAY_MM || level > high + NO_WAY_MM {
+        if level < low - MIN_LENGTH_MM || level > high + MIN_LENGTH_MM {
             return None;
         }
-        let along = other(axis);
+        let along = other_axis(axis);
         let Some((center, _)) = self.arc else {
             let way = self.to[axis] - self.from[axis];
-            let part = if way.abs() > NO_WAY_MM { (level - self.from[axis]) / way } else { 0.0 };
+            let part = if way.abs() > MIN_LENGTH_MM { (level - self.from[axis]) / way } else { 0.0 };
             return Some(self.from[along] + part * (self.to[along] - self.from[along]));
         };
         let radius = (self.from[axis] - center[axis]).hypot(self.from[along] - center[along]);
@@ -203,7 +205,7 @@ impl Segment {
 }
 
 /// The roughing cycles G71 and G72.
-struct Rough {
+struct RoughingCycle {
     infeed: Axis,
     depth: f64,
     escape: f64,
@@ -212,17 +214,17 @@ struct Rough {
     allowance: PerAxis<f64>,
 }
 
-impl Rough {
-    fn run(&self, segments: &[Segment]) -> Result<Vec<Op>, E> {
-        let (a, b) = (self.infeed, other(self.infeed));
+impl RoughingCycle {
+    fn expand(&self, segments: &[ContourSegment]) -> Result<Vec<Op>, E> {
+        let (a, b) = (self.infeed, other_axis(self.infeed));
         let [first, rest @ ..] = segments else { return Err(E::ContourEmpty) };
         let (Some(last), at) = (rest.last(), first.to) else { return Err(E::ContourEmpty) };
-        if (at[b] - self.start[b]).abs() > NO_WAY_MM {
+        if (at[b] - self.start[b]).abs() > MIN_LENGTH_MM {
             return Err(E::ContourStart);
         }
         let way = |from: PerAxis<f64>, to: PerAxis<f64>, axis: Axis| {
             let way = to[axis] - from[axis];
-            if way.abs() > NO_WAY_MM { way.signum() } else { 0.0 }
+            if way.abs() > MIN_LENGTH_MM { way.signum() } else { 0.0 }
         };
         let (down, along) = (way(self.start, at, a), way(at, last.to, b));
         if down == 0.0 || along == 0.0 {
@@ -234,34 +236,34 @@ impl Rough {
         if !rest.iter().all(|segment| segment.is_monotone(allowed)) {
             return Err(E::ContourNotMonotone);
         }
-        let shifted: Vec<Segment> = rest.iter().map(|segment| segment.shifted(self.allowance)).collect();
+        let shifted: Vec<ContourSegment> = rest.iter().map(|segment| segment.shifted(self.allowance)).collect();
         let bottom = at[a] + self.allowance[a];
         let mut ops = Vec::new();
-        for stroke in 1..=STROKES {
+        for stroke in 1..=MAX_STROKES {
             let level = self.start[a] + down * self.depth * stroke as f64;
-            if (bottom - level) * down <= NO_WAY_MM {
+            if (bottom - level) * down <= MIN_LENGTH_MM {
                 break;
             }
-            if stroke == STROKES {
+            if stroke == MAX_STROKES {
                 return Err(E::ContourStrokes);
             }
-            let meets = shifted.iter().find_map(|segment| segment.at_level(a, level));
+            let meets = shifted.iter().find_map(|segment| segment.crossing_at(a, level));
             let end = meets.unwrap_or(last.to[b] + self.allowance[b]);
-            self.stroke(&mut ops, first.rapid, level, end, (down, along));
+            self.push_stroke(&mut ops, first.rapid, level, end, (down, along));
         }
-        self.once_along(&mut ops, first.rapid, bottom, rest);
+        self.push_contour_pass(&mut ops, first.rapid, bottom, rest);
         Ok(ops)
     }
 
     /// One stroke: infeed to a level, along it, retract at 45°, return.
-    fn stroke(&self, ops: &mut Vec<Op>, quick: bool, level: f64, end: f64, (down, along): (f64, f64)) {
-        let (a, b) = (self.infeed, other(self.infeed));
-        if (end - self.start[b]) * along <= NO_WAY_MM {
+    fn push_stroke(&self, ops: &mut Vec<Op>, quick: bool, level: f64, end: f64, (down, along): (f64, f64)) {
+        let (a, b) = (self.infeed, other_axis(self.infeed));
+        if (end - self.start[b]) * along <= MIN_LENGTH_MM {
             return;
         }
         let mut at = self.start;
         at[a] = level;
-        ops.push(if quick { rapid(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
+        ops.push(if quick { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
         at[b] = end;
         ops.push(feed_to(at, self.feed, &[b]));
         // The retract must not pass the start in either axis.
@@ -271,18 +273,18 @@ impl Rough {
         at[b] -= along * escape;
         ops.push(feed_to(at, self.feed, &[a, b]));
         at[b] = self.start[b];
-        ops.push(rapid(at, &[b]));
+        ops.push(rapid_to(at, &[b]));
     }
 
     /// One pass along the contour with its allowance, and return to the start.
-    fn once_along(&self, ops: &mut Vec<Op>, quick: bool, bottom: f64, rest: &[Segment]) {
-        let (a, b) = (self.infeed, other(self.infeed));
+    fn push_contour_pass(&self, ops: &mut Vec<Op>, quick: bool, bottom: f64, rest: &[ContourSegment]) {
+        let (a, b) = (self.infeed, other_axis(self.infeed));
         let mut at = self.start;
         at[b] += self.allowance[b];
-        ops.push(rapid(at, &[a, b]));
+        ops.push(rapid_to(at, &[a, b]));
         at[a] = bottom;
-        ops.push(if quick { rapid(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
-        rest.iter().for_each(|segment| ops.push(segment.op(self.allowance, self.feed)));
-        back(ops, self.start, a);
+        ops.push(if quick { rapid_to(at, &[a]) } else { feed_to(at, self.feed, &[a]) });
+        rest.iter().for_each(|segment| ops.push(segment.to_op(self.allowance, self.feed)));
+        return_to_start(ops, self.start, a);
     }
 }

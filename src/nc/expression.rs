@@ -1,23 +1,23 @@
 //! Expressions, evaluated while they are read, without a syntax tree. Null is `None` and counts as 0 in arithmetic.
 //! Two numbers are equal within 1e-9 of the larger. Source: spec B3.
 
-use super::fault::{Outcome, wrong, wrong1, wrong2};
+use super::fault::{ReadResult, fail, fail1, fail2};
 use super::functions::FUNCTIONS;
 use super::lexer::Cursor;
 use crate::defs::program_error::ProgramError as E;
 use crate::units::Axis;
 
 /// Deepest nesting of brackets, signs and indices.
-const DEPTH: usize = 32;
+const MAX_DEPTH: usize = 32;
 /// Largest whole number of the bit functions: 2^53.
-const WHOLE_LIMIT: f64 = 9_007_199_254_740_992.0;
+const MAX_WHOLE_NUMBER: f64 = 9_007_199_254_740_992.0;
 
 /// A value; `None` is null.
 pub(crate) type Value = Option<f64>;
 
 /// The coordinate system of an axis position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Frame {
+pub(crate) enum CoordinateFrame {
     /// Machine coordinates.
     Machine,
     /// Work coordinates.
@@ -27,11 +27,11 @@ pub(crate) enum Frame {
 /// Looks up variables.
 pub(crate) trait Scope {
     /// Whether variables have values; if not, only the syntax is checked.
-    const STRICT: bool;
+    const HAS_VALUES: bool;
     /// The value of a variable; `at` is its byte in the text.
-    fn read(&mut self, number: u32, at: usize) -> Outcome<Value>;
+    fn read(&mut self, number: u32, at: usize) -> ReadResult<Value>;
     /// The displayed position of an axis, read with the machine at rest.
-    fn axis_position(&mut self, axis: Axis, frame: Frame, at: usize) -> Outcome<Value>;
+    fn axis_position(&mut self, axis: Axis, frame: CoordinateFrame, at: usize) -> ReadResult<Value>;
     /// Reports that null was used as 0.
     fn null_used(&mut self, at: usize);
 }
@@ -45,37 +45,37 @@ pub(crate) fn equal(a: f64, b: f64) -> bool {
 /// The whole number that the value equals within 1e-9 (relative, absolute below 1), if any.
 #[must_use]
 #[inline]
-pub(crate) fn whole(value: f64) -> Option<i64> {
+pub(crate) fn whole_number(value: f64) -> Option<i64> {
     // A cast truncates towards zero and saturates. NaN fails the comparison.
     let near = (value + 0.5_f64.copysign(value)) as i64;
-    let limit = WHOLE_LIMIT as i64;
+    let limit = MAX_WHOLE_NUMBER as i64;
     let off = (value - near as f64).abs();
     (off <= 1e-9 * value.abs().max(1.0) && (-limit..=limit).contains(&near)).then_some(near)
 }
 
 /// Evaluates the expression at the cursor, comparisons included.
-pub(crate) fn evaluate<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<Value> {
-    Reader { cursor, scope, depth: 0 }.comparison()
+pub(crate) fn evaluate<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<Value> {
+    ExpressionParser { cursor, scope, depth: 0 }.comparison()
 }
 
 /// Evaluates `[…]`, a variable or a number, without sign.
-pub(crate) fn primary<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<Value> {
-    Reader { cursor, scope, depth: 0 }.factor()
+pub(crate) fn primary<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<Value> {
+    ExpressionParser { cursor, scope, depth: 0 }.factor()
 }
 
 /// The number of the variable whose `#` is at the cursor.
-pub(crate) fn variable<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<u32> {
-    Reader { cursor, scope, depth: 0 }.index()
+pub(crate) fn variable_number<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<u32> {
+    ExpressionParser { cursor, scope, depth: 0 }.variable_number()
 }
 
-struct Reader<'r, 'a, S> {
+struct ExpressionParser<'r, 'a, S> {
     cursor: &'r mut Cursor<'a>,
     scope: &'r mut S,
     depth: usize,
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Compare {
+enum Comparison {
     Eq,
     Ne,
     Gt,
@@ -96,52 +96,52 @@ enum Operator {
     And,
 }
 
-impl<S: Scope> Reader<'_, '_, S> {
-    fn comparison(&mut self) -> Outcome<Value> {
+impl<S: Scope> ExpressionParser<'_, '_, S> {
+    fn comparison(&mut self) -> ReadResult<Value> {
         let left = self.sum()?;
-        self.cursor.blank()?;
-        let Some(compare) = self.compare() else { return Ok(left) };
+        self.cursor.skip_blanks()?;
+        let Some(compare) = self.comparison_sign() else { return Ok(left) };
         let right = self.sum()?;
-        self.cursor.blank()?;
+        self.cursor.skip_blanks()?;
         let at = self.cursor.at;
-        if self.compare().is_some() {
-            return wrong1(at, E::BadStatement, "a EQ b EQ c");
+        if self.comparison_sign().is_some() {
+            return fail1(at, E::BadStatement, "a EQ b EQ c");
         }
-        Ok(Some(f64::from(u8::from(holds(compare, left, right)))))
+        Ok(Some(f64::from(u8::from(comparison_holds(compare, left, right)))))
     }
 
-    fn compare(&mut self) -> Option<Compare> {
-        const WORDS: [(&str, Compare); 13] = [
-            ("EQ", Compare::Eq),
-            ("NE", Compare::Ne),
-            ("GT", Compare::Gt),
-            ("GE", Compare::Ge),
-            ("LT", Compare::Lt),
-            ("LE", Compare::Le),
-            ("==", Compare::Eq),
-            ("!=", Compare::Ne),
-            ("<>", Compare::Ne),
-            (">=", Compare::Ge),
-            ("<=", Compare::Le),
-            (">", Compare::Gt),
-            ("<", Compare::Lt),
+    fn comparison_sign(&mut self) -> Option<Comparison> {
+        const WORDS: [(&str, Comparison); 13] = [
+            ("EQ", Comparison::Eq),
+            ("NE", Comparison::Ne),
+            ("GT", Comparison::Gt),
+            ("GE", Comparison::Ge),
+            ("LT", Comparison::Lt),
+            ("LE", Comparison::Le),
+            ("==", Comparison::Eq),
+            ("!=", Comparison::Ne),
+            ("<>", Comparison::Ne),
+            (">=", Comparison::Ge),
+            ("<=", Comparison::Le),
+            (">", Comparison::Gt),
+            ("<", Comparison::Lt),
         ];
         if !matches!(self.cursor.peek(), b'A'..=b'Z' | b'a'..=b'z' | b'=' | b'!' | b'<' | b'>') {
             return None;
         }
-        WORDS.into_iter().find(|(word, _)| self.cursor.keyword(word)).map(|(_, compare)| compare)
+        WORDS.into_iter().find(|(word, _)| self.cursor.accept_keyword(word)).map(|(_, compare)| compare)
     }
 
-    fn sum(&mut self) -> Outcome<Value> {
+    fn sum(&mut self) -> ReadResult<Value> {
         let mut left = self.product()?;
         loop {
-            self.cursor.blank()?;
+            self.cursor.skip_blanks()?;
             let at = self.cursor.at;
             let operator = match self.cursor.peek() {
                 b'+' => Operator::Add,
                 b'-' => Operator::Subtract,
-                b'O' | b'o' if self.cursor.keyword("OR") => Operator::Or,
-                b'X' | b'x' if self.cursor.keyword("XOR") => Operator::Xor,
+                b'O' | b'o' if self.cursor.accept_keyword("OR") => Operator::Or,
+                b'X' | b'x' if self.cursor.accept_keyword("XOR") => Operator::Xor,
                 _ => return Ok(left),
             };
             self.cursor.at += usize::from(self.cursor.at == at);
@@ -150,42 +150,42 @@ impl<S: Scope> Reader<'_, '_, S> {
         }
     }
 
-    fn product(&mut self) -> Outcome<Value> {
+    fn product(&mut self) -> ReadResult<Value> {
         let mut left = self.sign()?;
         loop {
-            self.cursor.blank()?;
+            self.cursor.skip_blanks()?;
             let at = self.cursor.at;
             let operator = match self.cursor.peek() {
                 b'*' => Operator::Multiply,
                 b'/' => Operator::Divide,
-                b'M' | b'm' if self.cursor.keyword("MOD") => Operator::Modulo,
-                b'A' | b'a' if self.cursor.keyword("AND") => Operator::And,
+                b'M' | b'm' if self.cursor.accept_keyword("MOD") => Operator::Modulo,
+                b'A' | b'a' if self.cursor.accept_keyword("AND") => Operator::And,
                 _ => return Ok(left),
             };
             self.cursor.at += usize::from(self.cursor.at == at);
-            self.cursor.blank()?;
+            self.cursor.skip_blanks()?;
             let literal = self.cursor.at_number();
             let right = self.sign()?;
             let zero = right.is_some_and(|right| right.abs() <= 0.0);
-            if literal && zero && S::STRICT && matches!(operator, Operator::Divide | Operator::Modulo) {
+            if literal && zero && S::HAS_VALUES && matches!(operator, Operator::Divide | Operator::Modulo) {
                 // The detail shows the check that no null variable is the cause.
-                return wrong1(at, E::DivisionByZero, "0");
+                return fail1(at, E::DivisionByZero, "0");
             }
             left = self.apply(operator, left, right, at)?;
         }
     }
 
     /// A sign has lower precedence than `**`: `-2**2` is −4.
-    fn sign(&mut self) -> Outcome<Value> {
+    fn sign(&mut self) -> ReadResult<Value> {
         let negative = self.signs()?;
         let value = self.power()?;
         Ok(if negative { value.map(|value| -value) } else { value })
     }
 
-    fn signs(&mut self) -> Outcome<bool> {
+    fn signs(&mut self) -> ReadResult<bool> {
         let mut negative = false;
-        for _ in 0..DEPTH {
-            self.cursor.blank()?;
+        for _ in 0..MAX_DEPTH {
+            self.cursor.skip_blanks()?;
             match self.cursor.peek() {
                 b'-' => negative = !negative,
                 b'+' => {}
@@ -193,13 +193,13 @@ impl<S: Scope> Reader<'_, '_, S> {
             }
             self.cursor.at += 1;
         }
-        wrong(self.cursor.at, E::TooComplex)
+        fail(self.cursor.at, E::TooComplex)
     }
 
-    fn power(&mut self) -> Outcome<Value> {
+    fn power(&mut self) -> ReadResult<Value> {
         let mut left = self.factor()?;
         loop {
-            self.cursor.blank()?;
+            self.cursor.skip_blanks()?;
             let at = self.cursor.at;
             if !(self.cursor.peek() == b'*' && self.cursor.peek_at(1) == b'*') {
                 return Ok(left);
@@ -210,19 +210,19 @@ impl<S: Scope> Reader<'_, '_, S> {
             let (base, exponent) = (self.operand(left, at), self.operand(right, at));
             let exponent = if negative { -exponent } else { exponent };
             let power = base.powf(exponent);
-            if power.is_nan() && S::STRICT {
-                return wrong2(at, E::Domain, "**", format!("{base}, {exponent}"));
+            if power.is_nan() && S::HAS_VALUES {
+                return fail2(at, E::FunctionDomain, "**", format!("{base}, {exponent}"));
             }
-            left = self.finite(power, at)?;
+            left = self.check_finite(power, at)?;
         }
     }
 
-    fn factor(&mut self) -> Outcome<Value> {
+    fn factor(&mut self) -> ReadResult<Value> {
         match self.cursor.peek() {
-            b'0'..=b'9' | b'.' => Ok(Some(self.cursor.number()?.value)),
+            b'0'..=b'9' | b'.' => Ok(Some(self.cursor.read_number()?.value)),
             b'#' => {
                 let at = self.cursor.at;
-                let number = self.index()?;
+                let number = self.variable_number()?;
                 self.scope.read(number, at)
             }
             b'[' => self.bracket(),
@@ -231,58 +231,58 @@ impl<S: Scope> Reader<'_, '_, S> {
         }
     }
 
-    fn bracket(&mut self) -> Outcome<Value> {
+    fn bracket(&mut self) -> ReadResult<Value> {
         let open = self.cursor.at;
-        if !self.cursor.take(b'[') {
+        if !self.cursor.accept(b'[') {
             return self.cursor.unexpected();
         }
-        self.enter(open)?;
+        self.enter_bracket(open)?;
         let value = self.comparison()?;
         self.depth -= 1;
-        self.cursor.blank()?;
-        if self.cursor.take(b']') {
+        self.cursor.skip_blanks()?;
+        if self.cursor.accept(b']') {
             return Ok(value);
         }
         if matches!(self.cursor.peek(), b'\r' | b'\n' | b';') {
-            return wrong(open, E::UnbalancedBracket);
+            return fail(open, E::UnbalancedBracket);
         }
         self.cursor.unexpected()
     }
 
-    fn enter(&mut self, at: usize) -> Outcome<()> {
+    fn enter_bracket(&mut self, at: usize) -> ReadResult<()> {
         self.depth += 1;
-        if self.depth > DEPTH { wrong(at, E::TooComplex) } else { Ok(()) }
+        if self.depth > MAX_DEPTH { fail(at, E::TooComplex) } else { Ok(()) }
     }
 
-    fn index(&mut self) -> Outcome<u32> {
+    fn variable_number(&mut self) -> ReadResult<u32> {
         let at = self.cursor.at;
         self.cursor.at += 1;
-        self.cursor.blank()?;
+        self.cursor.skip_blanks()?;
         let value = match self.cursor.peek() {
             b'0'..=b'9' | b'.' => {
-                let number = self.cursor.number()?;
-                if !number.point && number.value < f64::from(u32::MAX) {
+                let number = self.cursor.read_number()?;
+                if !number.has_point && number.value < f64::from(u32::MAX) {
                     return Ok(number.value as u32);
                 }
                 Some(number.value)
             }
             b'[' => self.bracket()?,
             b'#' => {
-                self.enter(at)?;
+                self.enter_bracket(at)?;
                 let inner = self.factor()?;
                 self.depth -= 1;
                 inner
             }
-            b'\r' | b'\n' | b';' => return wrong1(at, E::MissingNumber, "#"),
+            b'\r' | b'\n' | b';' => return fail1(at, E::MissingNumber, "#"),
             _ => return self.cursor.unexpected(),
         };
-        if !S::STRICT && value.is_none() {
+        if !S::HAS_VALUES && value.is_none() {
             return Ok(0);
         }
         let value = self.operand(value, at);
-        match whole(value).map(u32::try_from) {
+        match whole_number(value).map(u32::try_from) {
             Some(Ok(number)) => Ok(number),
-            Some(Err(_)) | None => wrong1(at, E::BadVariable, format!("#{value}")),
+            Some(Err(_)) | None => fail1(at, E::BadVariable, format!("#{value}")),
         }
     }
 
@@ -293,56 +293,56 @@ impl<S: Scope> Reader<'_, '_, S> {
         })
     }
 
-    fn finite(&self, value: f64, at: usize) -> Outcome<Value> {
-        if value.is_finite() || !S::STRICT { Ok(Some(value)) } else { wrong(at, E::Overflow) }
+    fn check_finite(&self, value: f64, at: usize) -> ReadResult<Value> {
+        if value.is_finite() || !S::HAS_VALUES { Ok(Some(value)) } else { fail(at, E::Overflow) }
     }
 
-    fn apply(&mut self, operator: Operator, left: Value, right: Value, at: usize) -> Outcome<Value> {
+    fn apply(&mut self, operator: Operator, left: Value, right: Value, at: usize) -> ReadResult<Value> {
         let (a, b) = (self.operand(left, at), self.operand(right, at));
         let value = match operator {
             Operator::Add => a + b,
             Operator::Subtract => a - b,
             Operator::Multiply => a * b,
             Operator::Divide | Operator::Modulo if b.abs() <= 0.0 => {
-                return if S::STRICT { wrong(at, E::DivisionByZero) } else { Ok(Some(0.0)) };
+                return if S::HAS_VALUES { fail(at, E::DivisionByZero) } else { Ok(Some(0.0)) };
             }
             Operator::Divide => a / b,
             Operator::Modulo => a % b,
-            Operator::And => self.bits(a, b, at, |a, b| a & b)?,
-            Operator::Or => self.bits(a, b, at, |a, b| a | b)?,
-            Operator::Xor => self.bits(a, b, at, |a, b| a ^ b)?,
+            Operator::And => self.bitwise(a, b, at, |a, b| a & b)?,
+            Operator::Or => self.bitwise(a, b, at, |a, b| a | b)?,
+            Operator::Xor => self.bitwise(a, b, at, |a, b| a ^ b)?,
         };
-        self.finite(value, at)
+        self.check_finite(value, at)
     }
 
-    fn bits(&self, a: f64, b: f64, at: usize, act: fn(i64, i64) -> i64) -> Outcome<f64> {
-        match (whole(a), whole(b)) {
+    fn bitwise(&self, a: f64, b: f64, at: usize, act: fn(i64, i64) -> i64) -> ReadResult<f64> {
+        match (whole_number(a), whole_number(b)) {
             (Some(a), Some(b)) => Ok(act(a, b) as f64),
-            _ if S::STRICT => wrong2(at, E::Domain, "AND OR XOR", format!("{a}, {b}")),
+            _ if S::HAS_VALUES => fail2(at, E::FunctionDomain, "AND OR XOR", format!("{a}, {b}")),
             _ => Ok(0.0),
         }
     }
 
-    fn function(&mut self) -> Outcome<Value> {
+    fn function(&mut self) -> ReadResult<Value> {
         let at = self.cursor.at;
-        let Some((name, act)) = FUNCTIONS.into_iter().find(|(name, _)| self.cursor.keyword(name)) else {
+        let Some((name, act)) = FUNCTIONS.into_iter().find(|(name, _)| self.cursor.accept_keyword(name)) else {
             return self.cursor.unexpected();
         };
-        self.cursor.blank()?;
+        self.cursor.skip_blanks()?;
         let argument = self.bracket()?;
         let argument = self.operand(argument, at);
-        self.cursor.blank()?;
+        self.cursor.skip_blanks()?;
         let value = if name == "ATAN" && self.cursor.peek() == b'/' && self.bracket_follows() {
             self.cursor.at += 1;
-            self.cursor.blank()?;
+            self.cursor.skip_blanks()?;
             let second = self.bracket()?;
             Some(argument.atan2(self.operand(second, at)).to_degrees())
         } else {
             act(argument)
         };
         match value {
-            Some(value) => self.finite(value, at),
-            None if S::STRICT => wrong2(at, E::Domain, name, argument.to_string()),
+            Some(value) => self.check_finite(value, at),
+            None if S::HAS_VALUES => fail2(at, E::FunctionDomain, name, argument.to_string()),
             None => Ok(Some(0.0)),
         }
     }
@@ -351,26 +351,26 @@ impl<S: Scope> Reader<'_, '_, S> {
     fn bracket_follows(&self) -> bool {
         let mut ahead = *self.cursor;
         ahead.at += 1;
-        ahead.blank().is_ok() && ahead.peek() == b'['
+        ahead.skip_blanks().is_ok() && ahead.peek() == b'['
     }
 }
 
-fn holds(compare: Compare, left: Value, right: Value) -> bool {
+fn comparison_holds(compare: Comparison, left: Value, right: Value) -> bool {
     // DECISION: for EQ and NE null equals only null, as in the KT-820 family; in order comparisons it is 0.
     let equals = match (left, right) {
         (Some(a), Some(b)) => equal(a, b),
         (None, None) => true,
-        (Some(_), None) | (None, Some(_)) if matches!(compare, Compare::Eq | Compare::Ne) => false,
+        (Some(_), None) | (None, Some(_)) if matches!(compare, Comparison::Eq | Comparison::Ne) => false,
         (a, b) => equal(a.unwrap_or(0.0), b.unwrap_or(0.0)),
     };
     let (a, b) = (left.unwrap_or(0.0), right.unwrap_or(0.0));
     match compare {
-        Compare::Eq => equals,
-        Compare::Ne => !equals,
-        Compare::Gt => a > b && !equals,
-        Compare::Ge => a > b || equals,
-        Compare::Lt => a < b && !equals,
-        Compare::Le => a < b || equals,
+        Comparison::Eq => equals,
+        Comparison::Ne => !equals,
+        Comparison::Gt => a > b && !equals,
+        Comparison::Ge => a > b || equals,
+        Comparison::Lt => a < b && !equals,
+        Comparison::Le => a < b || equals,
     }
 }
 
@@ -387,10 +387,10 @@ mod tests {
     #[test]
     fn b3_whole_numbers_are_recognised_through_rounding() {
         for (value, found) in [(2.0, Some(2)), (-2.0, Some(-2)), (2.0 - 1e-12, Some(2)), (-0.0, Some(0)), (2.5, None)] {
-            assert_eq!(whole(value), found, "{value}");
+            assert_eq!(whole_number(value), found, "{value}");
         }
         for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 0.5, -0.5, 1e-3] {
-            assert_eq!(whole(value), None, "{value}");
+            assert_eq!(whole_number(value), None, "{value}");
         }
     }
 }

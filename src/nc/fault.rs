@@ -9,7 +9,7 @@ use crate::defs::text::Lang;
 
 /// The location of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Place {
+pub struct BlockLocation {
     /// The O number.
     pub program: u32,
     /// The line, from 1.
@@ -20,27 +20,27 @@ pub struct Place {
 
 /// A program mistake: its location, its row in the error table, and details.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub struct Fault {
+pub struct ProgramFault {
     /// The block.
-    pub place: Place,
+    pub location: BlockLocation,
     /// The column, from 1, counted in characters.
     pub column: u32,
     /// The row of the error table.
     pub error: ProgramError,
     details: [String; 2],
     /// The displayed name of the program.
-    program: Box<str>,
+    program_title: Box<str>,
 }
 
-impl Fault {
-    pub(crate) fn new(program: impl Into<Box<str>>, place: Place, column: u32, wrong: Wrong) -> Self {
-        Self { place, column, error: wrong.error, details: wrong.details, program: program.into() }
+impl ProgramFault {
+    pub(crate) fn new(program: impl Into<Box<str>>, place: BlockLocation, column: u32, wrong: ErrorAt) -> Self {
+        Self { location: place, column, error: wrong.error, details: wrong.details, program_title: program.into() }
     }
 
     /// The displayed name of the program.
     #[must_use]
-    pub fn program(&self) -> &str {
-        &self.program
+    pub fn program_title(&self) -> &str {
+        &self.program_title
     }
 
     pub(crate) fn detail(&self) -> &str {
@@ -59,23 +59,23 @@ impl Fault {
         let text = self.error.text().get(lang);
         match (self.error, self.details[0].get(1..).and_then(|code| GCode::find(code.parse().ok()?))) {
             // The function's name comes from the G-code table, in the chosen language.
-            (ProgramError::LaterG | ProgramError::WrongKindG, Some(row)) => {
-                fill(text, &[self.details[0].clone(), row.text.get(lang).to_owned()])
+            (ProgramError::UnavailableG | ProgramError::WrongKindG, Some(row)) => {
+                fill_template(text, &[self.details[0].clone(), row.text.get(lang).to_owned()])
             }
-            _ => fill(text, &self.details),
+            _ => fill_template(text, &self.details),
         }
     }
 
     /// The remedy.
     #[must_use]
     pub fn remedy(&self, lang: Lang) -> String {
-        fill(self.error.remedy().get(lang), &self.details)
+        fill_template(self.error.remedy().get(lang), &self.details)
     }
 
     /// Program, line, column, cause and remedy in one line.
     #[must_use]
     pub fn text(&self, lang: Lang) -> String {
-        let (program, line, column) = (&self.program, self.place.line, self.column);
+        let (program, line, column) = (&self.program_title, self.location.line, self.column);
         let (cause, remedy) = (self.cause(lang), self.remedy(lang));
         match lang {
             Lang::Zh => format!("{program} 第{line}行 第{column}列：{cause} – {remedy}"),
@@ -84,19 +84,19 @@ impl Fault {
     }
 }
 
-impl fmt::Display for Fault {
+impl fmt::Display for ProgramFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text(Lang::En))
     }
 }
 
-fn fill(template: &str, details: &[String; 2]) -> String {
+fn fill_template(template: &str, details: &[String; 2]) -> String {
     template.replace("{}", &details[0]).replace("{2}", &details[1])
 }
 
 /// A mistake at a byte of the text; line and column are not determined yet.
 #[derive(Clone, Debug)]
-pub(crate) struct Wrong {
+pub(crate) struct ErrorAt {
     pub at: usize,
     pub error: ProgramError,
     pub details: [String; 2],
@@ -104,41 +104,41 @@ pub(crate) struct Wrong {
 
 /// Why reading a block stopped.
 #[derive(Clone, Debug)]
-pub(crate) enum Stop {
+pub(crate) enum ReadStop {
     /// A live value is needed: all motion must be done first.
     Drain,
     /// The text has a mistake.
-    Wrong(Wrong),
+    Error(ErrorAt),
 }
 
 /// The error is boxed to keep the success path small.
-pub(crate) type Outcome<T> = Result<T, Box<Stop>>;
+pub(crate) type ReadResult<T> = Result<T, Box<ReadStop>>;
 
 #[cold]
-pub(crate) fn wrong<T>(at: usize, error: ProgramError) -> Outcome<T> {
-    wrong2(at, error, "", "")
+pub(crate) fn fail<T>(at: usize, error: ProgramError) -> ReadResult<T> {
+    fail2(at, error, "", "")
 }
 
 #[cold]
-pub(crate) fn wrong1<T>(at: usize, error: ProgramError, detail: impl Into<String>) -> Outcome<T> {
-    wrong2(at, error, detail, "")
+pub(crate) fn fail1<T>(at: usize, error: ProgramError, detail: impl Into<String>) -> ReadResult<T> {
+    fail2(at, error, detail, "")
 }
 
 #[cold]
-pub(crate) fn wrong2<T>(
+pub(crate) fn fail2<T>(
     at: usize,
     error: ProgramError,
     detail: impl Into<String>,
     second: impl Into<String>,
-) -> Outcome<T> {
-    Err(Box::new(Stop::Wrong(Wrong { at, error, details: [detail.into(), second.into()] })))
+) -> ReadResult<T> {
+    Err(Box::new(ReadStop::Error(ErrorAt { at, error, details: [detail.into(), second.into()] })))
 }
 
 /// Determines line and column of a mistake.
-pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fault {
-    if wrong.error == ProgramError::ForeignCharacter
+pub(crate) fn locate_error(source: &Source, n: Option<u32>, mut wrong: ErrorAt) -> ProgramFault {
+    if wrong.error == ProgramError::NonAsciiCharacter
         && wrong.details[1].is_empty()
-        && let Some((character, instead)) = source.foreign(wrong.at)
+        && let Some((character, instead)) = source.foreign_character(wrong.at)
     {
         if character == char::REPLACEMENT_CHARACTER {
             wrong.error = ProgramError::BadEncoding;
@@ -148,8 +148,8 @@ pub(crate) fn fault_in(source: &Source, n: Option<u32>, mut wrong: Wrong) -> Fau
             wrong.details = [character.to_string(), instead];
         }
     }
-    let (place, column) = source.place(wrong.at, n);
-    Fault::new(source.title(), place, column, wrong)
+    let (place, column) = source.locate(wrong.at, n);
+    ProgramFault::new(source.title(), place, column, wrong)
 }
 
 #[cfg(test)]
@@ -158,8 +158,8 @@ mod tests {
 
     #[test]
     fn b1_a_fault_names_program_line_column_cause_and_remedy_in_both_languages() {
-        let wrong = Wrong { at: 0, error: ProgramError::UnknownWord, details: ["Q9".into(), String::new()] };
-        let fault = Fault::new("O1001", Place { program: 1001, line: 7, n: None }, 12, wrong);
+        let wrong = ErrorAt { at: 0, error: ProgramError::UnknownWord, details: ["Q9".into(), String::new()] };
+        let fault = ProgramFault::new("O1001", BlockLocation { program: 1001, line: 7, n: None }, 12, wrong);
         assert!(fault.text(Lang::En).starts_with("O1001 line 7, column 12: unknown word 'Q9' – "));
         assert!(fault.text(Lang::Zh).starts_with("O1001 第7行 第12列：无法识别的字 'Q9' – "));
         assert_eq!(fault.alarm(), 1);

@@ -4,10 +4,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::expression::Value;
-use super::fault::{Outcome, wrong1, wrong2};
+use super::fault::{ReadResult, fail1, fail2};
 use super::source::{LOOP_DEPTH, LoopEnd, Source};
-use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
+use crate::defs::program_number;
 
 /// Deepest nesting of M98.
 pub(crate) const SUB_DEPTH: usize = 4;
@@ -47,7 +47,7 @@ pub(crate) struct Call {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Open {
+struct OpenLoop {
     number: u8,
     while_at: usize,
     end: LoopEnd,
@@ -55,28 +55,28 @@ struct Open {
 
 /// An open counted loop, lines from 0.
 #[derive(Clone, Copy, Debug)]
-struct Counted {
+struct OpenCountedLoop {
     line: u32,
     end_line: u32,
-    left: u32,
+    repeats_left: u32,
 }
 
 /// A call frame: the position to return to, and the state of the caller.
 #[derive(Clone, Debug)]
-struct Level {
+struct CallFrame {
     source: Arc<Source>,
     at: usize,
     line: u32,
     mid_line: bool,
-    loops: [Open; LOOP_DEPTH],
+    loops: [OpenLoop; LOOP_DEPTH],
     depth: usize,
-    left: u32,
+    repeats_left: u32,
     callee: Callee,
-    modal: Option<Arc<ModalCall>>,
+    modal_call: Option<Arc<ModalCall>>,
     /// Number of counted loops that belong to the caller's callers.
-    base: usize,
+    counted_base: usize,
     /// The first block number of a subprogram in the same text.
-    entry: Option<u32>,
+    local_entry: Option<u32>,
 }
 
 /// The position in the running program, and the call stack.
@@ -92,31 +92,31 @@ pub(crate) struct Flow {
     /// M99 restarted the main program.
     pub restarted: bool,
     /// The active G66 call.
-    pub modal: Option<Arc<ModalCall>>,
-    loops: [Open; LOOP_DEPTH],
+    pub modal_call: Option<Arc<ModalCall>>,
+    loops: [OpenLoop; LOOP_DEPTH],
     depth: usize,
-    levels: Vec<Level>,
+    call_stack: Vec<CallFrame>,
     locals: Vec<Locals>,
-    counted: Vec<Counted>,
+    counted_loops: Vec<OpenCountedLoop>,
     /// How many of `counted` belong to callers.
-    base: usize,
+    counted_base: usize,
 }
 
 impl Flow {
     pub fn new(source: Arc<Source>) -> Self {
         Self {
-            at: source.start(0),
+            at: source.line_start(0),
             source,
             line: 0,
             mid_line: false,
             restarted: false,
-            modal: None,
-            loops: [Open::default(); LOOP_DEPTH],
+            modal_call: None,
+            loops: [OpenLoop::default(); LOOP_DEPTH],
             depth: 0,
-            levels: Vec::new(),
+            call_stack: Vec::new(),
             locals: vec![[None; 33]],
-            counted: Vec::new(),
-            base: 0,
+            counted_loops: Vec::new(),
+            counted_base: 0,
         }
     }
 
@@ -137,37 +137,37 @@ impl Flow {
     /// Whether the started program runs, not a subprogram.
     #[inline]
     pub fn is_main(&self) -> bool {
-        self.levels.is_empty()
+        self.call_stack.is_empty()
     }
 
     /// The block number of the running subprogram, if it is in the same text.
     pub fn local_sub(&self) -> Option<u32> {
-        self.levels.last().and_then(|level| level.entry)
+        self.call_stack.last().and_then(|level| level.local_entry)
     }
 
     /// Enters the counted loop of a faulty G22 for one pass, so that a check can read on.
-    pub fn enter_wrong_loop(&mut self) {
-        if let Some(found) = self.source.counted_at(self.line)
+    pub fn enter_faulty_loop(&mut self) {
+        if let Some(found) = self.source.counted_loop_at(self.line)
             && let Some(end_line) = found.end_line
         {
-            self.counted.push(Counted { line: found.line, end_line, left: 0 });
+            self.counted_loops.push(OpenCountedLoop { line: found.line, end_line, repeats_left: 0 });
         }
     }
 
     /// Saves the position of the next block.
-    pub const fn clone_place(&self) -> (usize, u32, bool) {
+    pub const fn save_position(&self) -> (usize, u32, bool) {
         (self.at, self.line, self.mid_line)
     }
 
     /// Restores a saved position.
-    pub const fn put_place(&mut self, place: (usize, u32, bool)) {
+    pub const fn restore_position(&mut self, place: (usize, u32, bool)) {
         (self.at, self.line, self.mid_line) = place;
     }
 
     /// Goes to a line (from 0).
     pub fn go_to_line(&mut self, line: u32) {
         self.line = line;
-        self.at = self.source.start(line);
+        self.at = self.source.line_start(line);
         self.mid_line = false;
     }
 
@@ -175,68 +175,68 @@ impl Flow {
     pub fn go_to(&mut self, at: usize) {
         self.line = self.source.line_of(at);
         self.at = at;
-        self.mid_line = at != self.source.start(self.line);
+        self.mid_line = at != self.source.line_start(self.line);
     }
 
     /// GOTO: goes to the next block with the number, else to the first. Leaves loops that do not contain it.
-    pub fn go_to_block(&mut self, n: u32, at: usize) -> Outcome<()> {
+    pub fn go_to_block(&mut self, n: u32, at: usize) -> ReadResult<()> {
         let Some(target) = self.source.find_block(n, self.at) else {
-            return wrong1(at, E::MissingTarget, format!("N{n}"));
+            return fail1(at, E::MissingTarget, format!("N{n}"));
         };
-        let stays = |open: &Open| open.while_at < target && target <= open.end.at as usize;
+        let stays = |open: &OpenLoop| open.while_at < target && target <= open.end.at as usize;
         self.depth = self.loops[..self.depth].iter().take_while(|open| stays(open)).count();
         self.go_to(target);
         Ok(())
     }
 
     /// The line of a label, searched in one direction from the current line. `label` is its byte range.
-    pub fn label_line(&self, label: Range<usize>, forward: bool) -> Outcome<u32> {
+    pub fn label_line(&self, label: Range<usize>, forward: bool) -> ReadResult<u32> {
         self.source.find_label(label, self.line, forward)
     }
 
     /// WHILE in the current block: enters the loop, or goes past its END.
-    pub fn begin_loop(&mut self, holds: bool, number: u8, at: usize) -> Outcome<()> {
-        let found = self.source.loop_at(self.at).filter(|found| found.number == number);
+    pub fn begin_loop(&mut self, holds: bool, number: u8, at: usize) -> ReadResult<()> {
+        let found = self.source.while_loop_at(self.at).filter(|found| found.number == number);
         let Some((while_at, end)) = found.and_then(|found| Some((found.while_at as usize, found.end?))) else {
-            return wrong1(at, E::LoopMismatch, format!("WHILE … DO{number}"));
+            return fail1(at, E::LoopMismatch, format!("WHILE … DO{number}"));
         };
         let top = self.depth.checked_sub(1).map(|top| self.loops[top]);
         let again = top.is_some_and(|top| top.while_at == while_at);
         if !again {
             if self.loops[..self.depth].iter().any(|open| open.number == number) || self.depth == LOOP_DEPTH {
-                return wrong1(at, E::DoNumber, number.to_string());
+                return fail1(at, E::DoNumber, number.to_string());
             }
-            self.loops[self.depth] = Open { number, while_at, end };
+            self.loops[self.depth] = OpenLoop { number, while_at, end };
             self.depth += 1;
         }
         if !holds {
             self.depth -= 1;
-            self.go_to(end.behind as usize);
+            self.go_to(end.after as usize);
         }
         Ok(())
     }
 
     /// END: goes back to its WHILE.
-    pub fn end_loop(&mut self, number: u8, at: usize) -> Outcome<()> {
+    pub fn end_loop(&mut self, number: u8, at: usize) -> ReadResult<()> {
         match self.depth.checked_sub(1).map(|top| self.loops[top]) {
             Some(top) if top.number == number && top.end.at as usize == self.at => {
                 self.go_to(top.while_at);
                 Ok(())
             }
-            Some(_) | None => wrong1(at, E::LoopMismatch, format!("END{number}")),
+            Some(_) | None => fail1(at, E::LoopMismatch, format!("END{number}")),
         }
     }
 
     /// Goes past the end of the outermost open loop; `false` if no loop is open.
     pub fn leave_loops(&mut self) -> bool {
         // A subprogram of the same text first returns to the loop that calls it.
-        while self.counted.len() == self.base && !self.counted.is_empty() {
+        while self.counted_loops.len() == self.counted_base && !self.counted_loops.is_empty() {
             if self.return_to(None, 0).is_err() {
                 return false;
             }
         }
-        if let Some(outermost) = self.counted.get(self.base).copied() {
-            self.counted.truncate(self.base);
+        if let Some(outermost) = self.counted_loops.get(self.counted_base).copied() {
+            self.counted_loops.truncate(self.counted_base);
             self.go_to_line(outermost.end_line + 1);
             return true;
         }
@@ -244,143 +244,143 @@ impl Flow {
             return false;
         }
         self.depth = 0;
-        self.go_to(self.loops[0].end.behind as usize);
+        self.go_to(self.loops[0].end.after as usize);
         true
     }
 
     /// Calls a program. The flow is already past the calling block.
-    pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool) -> Outcome<()> {
+    pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool) -> ReadResult<()> {
         let is_macro = matches!(call.callee, Callee::Macro(_));
-        let same = |level: &&Level| matches!(level.callee, Callee::Macro(_)) == is_macro;
+        let same = |level: &&CallFrame| matches!(level.callee, Callee::Macro(_)) == is_macro;
         let (limit, name) = match is_macro {
             true => (MACRO_DEPTH, "G65/G66"),
-            false if program::is_l(source.number()) => (L_DEPTH, "L"),
+            false if program_number::is_l_number(source.number()) => (L_DEPTH, "L"),
             false => (SUB_DEPTH, "M98"),
         };
-        if self.levels.iter().filter(same).count() >= limit {
-            return wrong2(call.at, E::TooDeep, name, limit.to_string());
+        if self.call_stack.iter().filter(same).count() >= limit {
+            return fail2(call.at, E::TooDeep, name, limit.to_string());
         }
         if let Callee::Macro(arguments) = &call.callee {
             self.locals.push(**arguments);
         }
         // Moves of a G66 macro do not call it again.
-        let restored = self.modal.clone();
+        let restored = self.modal_call.clone();
         if modal {
-            self.modal = None;
+            self.modal_call = None;
         }
-        self.levels.push(Level {
+        self.call_stack.push(CallFrame {
             source: std::mem::replace(&mut self.source, source),
             at: self.at,
             line: self.line,
             mid_line: self.mid_line,
             loops: self.loops,
             depth: self.depth,
-            left: call.times - 1,
+            repeats_left: call.times - 1,
             callee: call.callee,
-            modal: if modal { restored } else { None },
-            base: self.base,
-            entry: None,
+            modal_call: if modal { restored } else { None },
+            counted_base: self.counted_base,
+            local_entry: None,
         });
         self.depth = 0;
-        self.base = self.counted.len();
+        self.counted_base = self.counted_loops.len();
         self.go_to_line(0);
         Ok(())
     }
 
     /// Goes to the only block with a number. Leaves counted loops that do not contain it.
-    pub fn jump(&mut self, n: u32, at: usize) -> Outcome<()> {
-        let line = self.only_block(n, at)?;
+    pub fn go_to_unique_block(&mut self, n: u32, at: usize) -> ReadResult<()> {
+        let line = self.find_unique_block(n, at)?;
         if line == self.line {
-            return wrong1(at, E::JumpToItself, format!("N{n:04}"));
+            return fail1(at, E::JumpToItself, format!("N{n:04}"));
         }
-        let stays = |open: &Counted| open.line < line && line <= open.end_line;
-        let kept = self.counted[self.base..].iter().take_while(|open| stays(open)).count();
-        self.counted.truncate(self.base + kept);
+        let stays = |open: &OpenCountedLoop| open.line < line && line <= open.end_line;
+        let kept = self.counted_loops[self.counted_base..].iter().take_while(|open| stays(open)).count();
+        self.counted_loops.truncate(self.counted_base + kept);
         self.go_to_line(line);
         Ok(())
     }
 
-    fn only_block(&self, n: u32, at: usize) -> Outcome<u32> {
-        match self.source.only_block(n) {
+    fn find_unique_block(&self, n: u32, at: usize) -> ReadResult<u32> {
+        match self.source.find_unique_block(n) {
             Ok(Some(line)) => Ok(line),
-            Ok(None) => wrong1(at, E::MissingTarget, format!("N{n:04}")),
-            Err(()) => wrong1(at, E::SeveralTargets, format!("N{n:04}")),
+            Ok(None) => fail1(at, E::MissingTarget, format!("N{n:04}")),
+            Err(()) => fail1(at, E::SeveralTargets, format!("N{n:04}")),
         }
     }
 
     /// Calls a subprogram in the same text. The flow is already past the calling block.
-    pub fn call_local(&mut self, n: u32, at: usize) -> Outcome<()> {
-        let line = self.only_block(n, at)?;
+    pub fn call_local(&mut self, n: u32, at: usize) -> ReadResult<()> {
+        let line = self.find_unique_block(n, at)?;
         // L7: subprograms follow the main program, which M02 ends.
-        let within = self.source.main_end().is_some_and(|end| line < end);
+        let within = self.source.main_end_line().is_some_and(|end| line < end);
         if within || self.is_main() && line <= self.line.saturating_sub(1) {
-            return wrong1(at, E::SubBeforeMain, format!("N{n:04}"));
+            return fail1(at, E::SubBeforeMain, format!("N{n:04}"));
         }
-        if self.levels.len() >= COUNTED_DEPTH {
-            return wrong2(at, E::TooDeep, "M98", COUNTED_DEPTH.to_string());
+        if self.call_stack.len() >= COUNTED_DEPTH {
+            return fail2(at, E::TooDeep, "M98", COUNTED_DEPTH.to_string());
         }
         let (source, depth) = (Arc::clone(&self.source), self.depth);
-        self.levels.push(Level {
+        self.call_stack.push(CallFrame {
             source,
             at: self.at,
             line: self.line,
             mid_line: self.mid_line,
             loops: self.loops,
             depth,
-            left: 0,
+            repeats_left: 0,
             callee: Callee::Sub,
-            modal: None,
-            base: self.base,
-            entry: Some(n),
+            modal_call: None,
+            counted_base: self.counted_base,
+            local_entry: Some(n),
         });
         self.depth = 0;
-        self.base = self.counted.len();
+        self.counted_base = self.counted_loops.len();
         self.go_to_line(line);
         Ok(())
     }
 
     /// G22 in the current line: enters the loop, or goes past its G80. True: the loop was entered.
-    pub fn begin_counted(&mut self, times: u32, at: usize) -> Outcome<bool> {
-        let found = self.source.counted_at(self.line);
+    pub fn begin_counted_loop(&mut self, times: u32, at: usize) -> ReadResult<bool> {
+        let found = self.source.counted_loop_at(self.line);
         let Some((line, end_line)) = found.and_then(|found| Some((found.line, found.end_line?))) else {
-            return wrong2(at, E::LoopUnpaired, "G22", "G80");
+            return fail2(at, E::LoopUnpaired, "G22", "G80");
         };
         if times == 0 {
             self.go_to_line(end_line + 1);
             return Ok(false);
         }
-        if self.counted.len() - self.base >= COUNTED_DEPTH {
-            return wrong2(at, E::TooDeep, "G22", COUNTED_DEPTH.to_string());
+        if self.counted_loops.len() - self.counted_base >= COUNTED_DEPTH {
+            return fail2(at, E::TooDeep, "G22", COUNTED_DEPTH.to_string());
         }
-        self.counted.push(Counted { line, end_line, left: times - 1 });
+        self.counted_loops.push(OpenCountedLoop { line, end_line, repeats_left: times - 1 });
         Ok(true)
     }
 
     /// G80 in the current line: goes back to the line after its G22, or leaves the loop. True: the loop is over.
-    pub fn end_counted(&mut self, at: usize) -> Outcome<bool> {
+    pub fn end_counted_loop(&mut self, at: usize) -> ReadResult<bool> {
         let line = self.line;
-        let open = &mut self.counted[self.base..];
+        let open = &mut self.counted_loops[self.counted_base..];
         match open.last_mut() {
-            Some(top) if top.end_line == line && top.left > 0 => {
-                top.left -= 1;
+            Some(top) if top.end_line == line && top.repeats_left > 0 => {
+                top.repeats_left -= 1;
                 let first = top.line + 1;
                 self.go_to_line(first);
                 Ok(false)
             }
             Some(top) if top.end_line == line => {
-                self.counted.pop();
+                self.counted_loops.pop();
                 Ok(true)
             }
-            Some(_) | None => match self.source.counted_before(line) {
-                Some(begun) => wrong1(at, E::IntoLoop, (begun + 1).to_string()),
-                None => wrong2(at, E::LoopUnpaired, "G80", "G22"),
+            Some(_) | None => match self.source.counted_loop_start(line) {
+                Some(begun) => fail1(at, E::JumpIntoLoop, (begun + 1).to_string()),
+                None => fail2(at, E::LoopUnpaired, "G80", "G22"),
             },
         }
     }
 
     /// M99: starts the next repetition, returns to the caller (to block `target`, if given) or restarts the program.
-    pub fn return_to(&mut self, target: Option<u32>, at: usize) -> Outcome<()> {
-        let Some(level) = self.levels.last_mut() else {
+    pub fn return_to(&mut self, target: Option<u32>, at: usize) -> ReadResult<()> {
+        let Some(level) = self.call_stack.last_mut() else {
             self.depth = 0;
             return match target {
                 Some(n) => self.go_to_block(n, at),
@@ -394,10 +394,10 @@ impl Flow {
         if let Some(n) = target
             && level.source.find_block(n, level.at).is_none()
         {
-            return wrong1(at, E::MissingTarget, format!("{} N{n}", level.source.title()));
+            return fail1(at, E::MissingTarget, format!("{} N{n}", level.source.title()));
         }
-        if level.left > 0 && target.is_none() {
-            level.left -= 1;
+        if level.repeats_left > 0 && target.is_none() {
+            level.repeats_left -= 1;
             if let Callee::Macro(arguments) = &level.callee
                 && let Some(locals) = self.locals.last_mut()
             {
@@ -407,17 +407,17 @@ impl Flow {
             self.go_to_line(0);
             return Ok(());
         }
-        let Some(level) = self.levels.pop() else { return Ok(()) };
+        let Some(level) = self.call_stack.pop() else { return Ok(()) };
         if matches!(level.callee, Callee::Macro(_)) {
             self.locals.pop();
         }
-        self.counted.truncate(self.base);
-        self.base = level.base;
+        self.counted_loops.truncate(self.counted_base);
+        self.counted_base = level.counted_base;
         self.source = level.source;
         (self.at, self.line, self.mid_line) = (level.at, level.line, level.mid_line);
         (self.loops, self.depth) = (level.loops, level.depth);
-        if level.modal.is_some() {
-            self.modal = level.modal;
+        if level.modal_call.is_some() {
+            self.modal_call = level.modal_call;
         }
         target.map_or(Ok(()), |n| self.go_to_block(n, at))
     }

@@ -2,67 +2,67 @@
 
 use std::sync::Arc;
 
+use super::common_variables::{CommonVariables, VariableError};
 use super::contour::ContourCycle;
-use super::dialect::{self, Running, Step};
+use super::dialect::{self, BlockContext, FlowAction};
 use super::expression::Value;
-use super::fault::{Fault, Outcome, Place, Stop, Wrong, fault_in, wrong, wrong1, wrong2};
+use super::external_state::ExternalState;
+use super::fault::{BlockLocation, ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, fail2, locate_error};
 use super::flow::{Call, Callee, Flow};
 use super::lexer::Cursor;
-use super::memory::{Memory, VariableError};
-use super::modal::Modals;
+use super::modal::ModalState;
 use super::op::Op;
 use super::scope::{LiveScope, NullUse};
-use super::settings::Settings;
-use super::source::{Library, Source, at_head};
-use super::statement::{self, Content, Head};
-use super::words::Words;
-use super::world::World;
-use crate::defs::program;
+use super::settings::NcSettings;
+use super::source::{Library, Source, is_at_text_head};
+use super::statement::{self, BlockContent, ReadOptions};
+use super::words::BlockWords;
 use crate::defs::program_error::ProgramError as E;
-use crate::defs::variable::{self as system_variable, Access};
+use crate::defs::program_number;
+use crate::defs::system_variable::{self as system_variable, VariableAccess};
 
 /// Most blocks that one call of `next` reads.
-pub const STATEMENTS_PER_CALL: usize = 1_000;
+pub const MAX_BLOCKS_PER_CALL: usize = 1_000;
 
 /// The operations of one block.
 #[derive(Clone, Debug)]
 pub struct Block {
     /// Where the block is in the program.
-    pub at: Place,
+    pub location: BlockLocation,
     /// Its operations, in order.
     pub ops: Vec<Op>,
     /// The modal state after the block.
-    pub modals: Modals,
+    pub modals: ModalState,
     /// Whether this ends the block: single block stops here. A block that changes the work offset or tool and also
     /// moves is returned in two parts.
     pub complete: bool,
     /// The variables that its words were calculated from; only a check fills it.
-    pub used: Vec<u32>,
+    pub used_variables: Vec<u32>,
 }
 
 impl Block {
     /// An empty block. `Interpreter::next` fills it again for every block.
     #[must_use]
-    pub fn new(settings: &Settings) -> Self {
+    pub fn new(settings: &NcSettings) -> Self {
         Self {
-            at: Place::default(),
+            location: BlockLocation::default(),
             ops: Vec::with_capacity(8),
-            modals: Modals::new(settings),
+            modals: ModalState::new(settings),
             complete: true,
-            used: Vec::new(),
+            used_variables: Vec::new(),
         }
     }
 
     pub(super) fn clear(&mut self) {
         self.ops.clear();
-        self.used.clear();
+        self.used_variables.clear();
         self.complete = true;
     }
 }
 
 /// The result of reading the next block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
+pub enum NextStatus {
     /// The block is filled.
     Block,
     /// A live value is needed: call again when all motion is done. Nothing was changed.
@@ -77,33 +77,33 @@ pub enum Next {
 pub struct Interpreter {
     pub(super) flow: Flow,
     pub(super) library: Arc<dyn Library + Send + Sync>,
-    pub(super) settings: Settings,
-    pub(super) memory: Memory,
-    pub(super) modals: Modals,
-    pub(super) words: Words,
+    pub(super) settings: NcSettings,
+    pub(super) common_variables: CommonVariables,
+    pub(super) modals: ModalState,
+    pub(super) block_words: BlockWords,
     pub(super) ended: bool,
     pub(super) second_half: bool,
     /// The block number read last (#4114).
-    pub(super) last_n: Option<u32>,
+    pub(super) last_block_number: Option<u32>,
     /// A value that a condition may depend on has changed since the last query.
-    changed: bool,
+    condition_changed: bool,
     /// The cycle of the block just read; its contour is not read yet.
-    pub(super) pending: Option<Pending>,
+    pub(super) pending_cycle: Option<PendingCycle>,
     /// Places where null was used as 0; collected by a check only.
-    pub(crate) nulls: Option<Vec<NullUse>>,
+    pub(crate) null_uses: Option<Vec<NullUse>>,
     /// Warnings; collected by a check only.
-    pub(crate) notes: Option<Vec<Wrong>>,
+    pub(crate) warnings: Option<Vec<ErrorAt>>,
 }
 
 /// A cycle whose contour is not read yet, and the start of its own block.
-pub(super) struct Pending {
+pub(super) struct PendingCycle {
     pub cycle: Box<ContourCycle>,
-    pub begin: (usize, u32, bool),
+    pub block_start: (usize, u32, bool),
 }
 
 /// The result of reading one block.
-pub(super) enum Stepped {
-    Nothing,
+pub(super) enum StepStatus {
+    Empty,
     Block,
     End,
 }
@@ -114,44 +114,44 @@ impl Interpreter {
     pub fn new(
         source: Arc<Source>,
         library: Arc<dyn Library + Send + Sync>,
-        settings: Settings,
-        memory: Memory,
+        settings: NcSettings,
+        memory: CommonVariables,
     ) -> Self {
-        let modals = Modals::new(&settings);
+        let modals = ModalState::new(&settings);
         Self {
             flow: Flow::new(source),
             library,
             settings,
-            memory,
+            common_variables: memory,
             modals,
-            words: Words::default(),
+            block_words: BlockWords::default(),
             ended: false,
             second_half: false,
-            last_n: None,
-            changed: false,
-            pending: None,
-            nulls: None,
-            notes: None,
+            last_block_number: None,
+            condition_changed: false,
+            pending_cycle: None,
+            null_uses: None,
+            warnings: None,
         }
     }
 
     /// Continues with an earlier modal state: MDI blocks, a restart from a chosen block.
     #[must_use]
-    pub fn with_modals(mut self, modals: Modals) -> Self {
-        self.modals = Modals { preset: false, several_tools: false, modal_call: false, ..modals };
+    pub fn with_modals(mut self, modals: ModalState) -> Self {
+        self.modals = ModalState { g50_used: false, several_tools: false, modal_call: false, ..modals };
         self
     }
 
     /// The modal state after the last block returned.
     #[must_use]
-    pub const fn modals(&self) -> &Modals {
+    pub const fn modals(&self) -> &ModalState {
         &self.modals
     }
 
     /// The common variables as of the last block read (look-ahead copy).
     #[must_use]
-    pub const fn memory(&self) -> &Memory {
-        &self.memory
+    pub const fn common_variables(&self) -> &CommonVariables {
+        &self.common_variables
     }
 
     /// #1–#33 of the current call level; index 0 is #1.
@@ -162,106 +162,107 @@ impl Interpreter {
 
     /// The location of the line that is read next.
     #[must_use]
-    pub fn place(&self) -> Place {
-        Place { program: self.flow.source.number(), line: self.flow.line + 1, n: None }
+    pub fn next_location(&self) -> BlockLocation {
+        BlockLocation { program: self.flow.source.number(), line: self.flow.line + 1, n: None }
     }
 
     /// Takes over a common variable that the operator changed while the program runs.
     ///
     /// # Errors
-    /// As [`Memory::set`].
-    pub fn variable_edited(&mut self, number: u32, value: Option<f64>) -> Result<(), VariableError> {
-        self.memory.set(number, value)
+    /// As [`CommonVariables::set`].
+    pub fn update_variable(&mut self, number: u32, value: Option<f64>) -> Result<(), VariableError> {
+        self.common_variables.set(number, value)
     }
 
     /// Fills `block` with the next block that has operations.
     ///
     /// # Errors
     /// The program's mistake. Nothing of the block was done; another call returns the same fault.
-    pub fn next(&mut self, world: &mut dyn World, block: &mut Block) -> Result<Next, Fault> {
+    pub fn next(&mut self, world: &mut dyn ExternalState, block: &mut Block) -> Result<NextStatus, ProgramFault> {
         block.clear();
         if self.ended {
-            return Ok(Next::End);
+            return Ok(NextStatus::End);
         }
         // A waiting loop (`N10 IF[#438 EQ 0]GOTO 10`): reading it twice within a tick gives the same result.
         let mut idle = false;
-        for _ in 0..STATEMENTS_PER_CALL {
+        for _ in 0..MAX_BLOCKS_PER_CALL {
             let from = self.flow.at;
             match self.step(world, block) {
-                Ok(Stepped::Nothing) => {
-                    idle &= !std::mem::take(&mut self.changed);
+                Ok(StepStatus::Empty) => {
+                    idle &= !std::mem::take(&mut self.condition_changed);
                     if self.flow.at <= from {
                         if idle {
-                            return Ok(Next::Busy);
+                            return Ok(NextStatus::Busy);
                         }
                         idle = true;
                     }
                 }
-                Ok(Stepped::Block) => return Ok(Next::Block),
-                Ok(Stepped::End) => {
+                Ok(StepStatus::Block) => return Ok(NextStatus::Block),
+                Ok(StepStatus::End) => {
                     self.ended = true;
-                    return Ok(Next::End);
+                    return Ok(NextStatus::End);
                 }
                 Err(stop) => {
                     block.clear();
                     return match *stop {
-                        Stop::Drain => Ok(Next::Drain),
-                        Stop::Wrong(wrong) => Err(self.fault(wrong)),
+                        ReadStop::Drain => Ok(NextStatus::Drain),
+                        ReadStop::Error(wrong) => Err(self.locate(wrong)),
                     };
                 }
             }
         }
-        Ok(Next::Busy)
+        Ok(NextStatus::Busy)
     }
 
-    pub(super) fn fault(&self, wrong: Wrong) -> Fault {
-        fault_in(&self.flow.source, self.words.n, wrong)
+    pub(super) fn locate(&self, wrong: ErrorAt) -> ProgramFault {
+        locate_error(&self.flow.source, self.block_words.block_number, wrong)
     }
 
     /// Reads one block, with the contour if it is a cycle.
-    pub(super) fn step(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
+    pub(super) fn step(&mut self, world: &mut dyn ExternalState, block: &mut Block) -> ReadResult<StepStatus> {
         let stepped = self.read_block(world, block)?;
-        match self.pending.take() {
-            Some(pending) => self.contour(&pending, world, block),
+        match self.pending_cycle.take() {
+            Some(pending) => self.expand_contour(&pending, world, block),
             None => Ok(stepped),
         }
     }
 
     /// Reads one block without a cycle's contour.
-    pub(super) fn read_block(&mut self, world: &mut dyn World, block: &mut Block) -> Outcome<Stepped> {
+    pub(super) fn read_block(&mut self, world: &mut dyn ExternalState, block: &mut Block) -> ReadResult<StepStatus> {
         if self.ended {
-            return Ok(Stepped::End);
+            return Ok(StepStatus::End);
         }
         let source = Arc::clone(&self.flow.source);
         let (text, at, line) = (source.bytes(), self.flow.at, self.flow.line + 1);
         let mut cursor = Cursor::window(text, at);
-        if cursor.is_over() {
-            return self.text_over(at);
+        if cursor.is_at_end() {
+            return self.end_of_text(at);
         }
         // A refused block must not change the modal state.
-        let (before, head) = (self.modals, Head { mid_line: self.flow.mid_line, block_skip: world.block_skip() });
+        let (before, head) =
+            (self.modals, ReadOptions { mid_line: self.flow.mid_line, block_skip: world.block_skip() });
         let mut scope = LiveScope {
             locals: self.flow.locals(),
-            memory: &self.memory,
+            common_variables: &self.common_variables,
             modals: &before,
             settings: &self.settings,
             program: source.number(),
-            n: self.last_n,
-            used: self.nulls.is_some().then_some(&mut block.used),
-            nulls: &mut self.nulls,
+            block_number: self.last_block_number,
+            used_variables: self.null_uses.is_some().then_some(&mut block.used_variables),
+            null_uses: &mut self.null_uses,
             last_null: 0,
-            notes: &mut self.notes,
+            warnings: &mut self.warnings,
             source: &source,
             world,
         };
-        let read = dialect::read(self.settings.system, &mut cursor, &mut scope, &mut self.words, head);
-        if cursor.is_cut(text) {
-            return wrong(at, E::BlockTooLong);
+        let read = dialect::read_block(self.settings.dialect, &mut cursor, &mut scope, &mut self.block_words, head);
+        if cursor.is_truncated(text) {
+            return fail(at, E::BlockTooLong);
         }
         let step = match read? {
-            Content::Words => {
-                let mut running = Running {
-                    words: &self.words,
+            BlockContent::Words => {
+                let mut running = BlockContext {
+                    words: &self.block_words,
                     modals: &mut self.modals,
                     settings: &self.settings,
                     ops: &mut block.ops,
@@ -271,28 +272,28 @@ impl Interpreter {
                     flow: &self.flow,
                     second_half: self.second_half,
                 };
-                if self.words.has(b'O') && !at_head(text, at) {
-                    return wrong(self.words.look(b'O').map_or(at, |word| word.at as usize), E::MisplacedO);
+                if self.block_words.has(b'O') && !is_at_text_head(text, at) {
+                    return fail(self.block_words.peek(b'O').map_or(at, |word| word.at as usize), E::MisplacedO);
                 }
-                let done = dialect::run(&mut running).and_then(|step| self.prepare(step, &cursor, block));
+                let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, &cursor, block));
                 match &done {
-                    Ok(_) => self.modals.modal_call = self.flow.modal.is_some(),
+                    Ok(_) => self.modals.modal_call = self.flow.modal_call.is_some(),
                     Err(_) => self.modals = before,
                 }
                 done?
             }
-            Content::Assign { at, .. }
-            | Content::Goto { at, .. }
-            | Content::While { at, .. }
-            | Content::EndLoop { at, .. }
+            BlockContent::Assign { at, .. }
+            | BlockContent::Goto { at, .. }
+            | BlockContent::While { at, .. }
+            | BlockContent::EndLoop { at, .. }
                 if !dialect::has_macros(&self.settings) =>
             {
-                return wrong(at, E::NoMacros);
+                return fail(at, E::NoMacros);
             }
-            content => self.statement(content, &cursor, block, text)?,
+            content => self.run_statement(content, &cursor, block, text)?,
         };
-        self.last_n = self.words.n.or(self.last_n);
-        block.at = Place { program: source.number(), line, n: self.words.n };
+        self.last_block_number = self.block_words.block_number.or(self.last_block_number);
+        block.location = BlockLocation { program: source.number(), line, n: self.block_words.block_number };
         if !block.ops.is_empty() {
             block.modals = self.modals;
         }
@@ -301,180 +302,200 @@ impl Interpreter {
 
     /// Moves the flow past the block just read.
     #[inline]
-    fn pass(&mut self, cursor: &Cursor<'_>) {
+    fn advance_past_block(&mut self, cursor: &Cursor<'_>) {
         self.second_half = false;
-        if statement::goes_on(cursor) {
+        if statement::line_continues(cursor) {
             self.flow.at = cursor.at;
             self.flow.mid_line = true;
             return;
         }
         let mut cursor = *cursor;
-        cursor.line_end();
+        cursor.skip_line_end();
         self.flow.at = cursor.at;
         self.flow.line += 1;
         self.flow.mid_line = false;
     }
 
-    fn text_over(&mut self, at: usize) -> Outcome<Stepped> {
+    fn end_of_text(&mut self, at: usize) -> ReadResult<StepStatus> {
         // DECISION: a subprogram without M99 returns to the caller at the end of its text.
         if self.flow.is_main() {
-            return Ok(Stepped::End);
+            return Ok(StepStatus::End);
         }
         if let Some(n) = self.flow.local_sub() {
-            return wrong1(self.flow.source.last_line_start(), E::SubWithoutReturn, format!("N{n:04}"));
+            return fail1(self.flow.source.last_line_start(), E::SubWithoutReturn, format!("N{n:04}"));
         }
-        self.changed = true;
+        self.condition_changed = true;
         self.flow.return_to(None, at)?;
-        Ok(Stepped::Nothing)
+        Ok(StepStatus::Empty)
     }
 
-    fn statement(&mut self, content: Content, cursor: &Cursor<'_>, block: &mut Block, text: &[u8]) -> Outcome<Stepped> {
+    fn run_statement(
+        &mut self,
+        content: BlockContent,
+        cursor: &Cursor<'_>,
+        block: &mut Block,
+        text: &[u8],
+    ) -> ReadResult<StepStatus> {
         match content {
-            Content::Nothing | Content::Words => {
-                self.pass(cursor);
+            BlockContent::Empty | BlockContent::Words => {
+                self.advance_past_block(cursor);
             }
-            Content::Assign { variable, value, at, text: comment } => {
+            BlockContent::Assign { variable, value, at, text: comment } => {
                 self.assign(variable, value, at, comment.and_then(|range| text.get(range)), block)?;
-                self.pass(cursor);
+                self.advance_past_block(cursor);
             }
-            Content::Goto { n, at } => self.flow.go_to_block(n, at)?,
-            Content::Jump { label, forward, holds } => {
+            BlockContent::Goto { n, at } => self.flow.go_to_block(n, at)?,
+            BlockContent::Jump { label, forward, holds } => {
                 let line = self.flow.label_line(label, forward)?;
-                if holds { self.flow.go_to_line(line) } else { self.pass(cursor) }
+                if holds { self.flow.go_to_line(line) } else { self.advance_past_block(cursor) }
             }
-            Content::Note { text: said } => {
+            BlockContent::DisplayMessage { text: said } => {
                 let text = self.flow.source.decode(text.get(said).unwrap_or_default()).into_boxed_str();
-                block.ops.push(Op::Note { text });
-                self.pass(cursor);
+                block.ops.push(Op::DisplayMessage { text });
+                self.advance_past_block(cursor);
             }
-            Content::While { holds, number, at } => {
+            BlockContent::While { holds, number, at } => {
                 self.flow.begin_loop(holds, number, at)?;
                 if holds {
-                    self.pass(cursor);
+                    self.advance_past_block(cursor);
                 }
             }
-            Content::EndLoop { number, at } => self.flow.end_loop(number, at)?,
+            BlockContent::EndLoop { number, at } => self.flow.end_loop(number, at)?,
             // A `%` at the head of a text does not end it.
-            Content::TextEnd { at } if at_head(text, at) && !text[..at].contains(&b'%') => self.pass(cursor),
-            Content::TextEnd { at } => return self.text_over(at),
+            BlockContent::TextEnd { at } if is_at_text_head(text, at) && !text[..at].contains(&b'%') => {
+                self.advance_past_block(cursor)
+            }
+            BlockContent::TextEnd { at } => return self.end_of_text(at),
         }
-        Ok(if block.ops.is_empty() { Stepped::Nothing } else { Stepped::Block })
+        Ok(if block.ops.is_empty() { StepStatus::Empty } else { StepStatus::Block })
     }
 
     /// Executes the flow action of a block: jump, call, loop, assignment or end.
     #[inline]
-    fn prepare(&mut self, step: Step, cursor: &Cursor<'_>, block: &mut Block) -> Outcome<Stepped> {
-        if !matches!(step, Step::Again) {
+    fn apply_flow_action(
+        &mut self,
+        step: FlowAction,
+        cursor: &Cursor<'_>,
+        block: &mut Block,
+    ) -> ReadResult<StepStatus> {
+        if !matches!(step, FlowAction::SecondHalf) {
             self.set_variables(block)?;
         }
-        let moves = self.flow.modal.is_some() && block.ops.iter().any(Op::is_motion);
+        let moves = self.flow.modal_call.is_some() && block.ops.iter().any(Op::is_motion);
         match step {
-            Step::Goto { at, .. } | Step::Call(Call { at, .. }) | Step::Return { at, .. } if moves => {
+            FlowAction::Goto { at, .. } | FlowAction::Call(Call { at, .. }) | FlowAction::Return { at, .. }
+                if moves =>
+            {
                 // The G66 macro would have to run between the move and the jump.
-                return wrong2(at, E::NotTogether, "G66", "M");
+                return fail2(at, E::NotTogether, "G66", "M");
             }
-            Step::Next => {
-                let modal = self.flow.modal.clone().filter(|_| moves);
+            FlowAction::Next => {
+                let modal = self.flow.modal_call.clone().filter(|_| moves);
                 let at = self.flow.at;
-                let source = modal.as_ref().map(|modal| self.find(modal.program, at)).transpose()?;
-                self.pass(cursor);
+                let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
+                self.advance_past_block(cursor);
                 if let (Some(modal), Some(source)) = (modal, source) {
                     let callee = Callee::Macro(modal.arguments.clone());
                     self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true)?;
                 }
             }
-            Step::Again => {
+            FlowAction::SecondHalf => {
                 self.second_half = true;
                 block.complete = false;
             }
-            Step::Modal(modal) => {
+            FlowAction::SetModalCall(modal) => {
                 if let Some(modal) = &modal {
-                    self.find(modal.program, self.flow.at)?;
+                    self.find_program(modal.program, self.flow.at)?;
                 }
-                self.flow.modal = modal.map(Arc::from);
-                self.pass(cursor);
+                self.flow.modal_call = modal.map(Arc::from);
+                self.advance_past_block(cursor);
             }
-            Step::Contour(cycle) => {
+            FlowAction::Contour(cycle) => {
                 let begin = (self.flow.at, self.flow.line, self.flow.mid_line);
-                self.pass(cursor);
-                self.pending = Some(Pending { cycle, begin });
+                self.advance_past_block(cursor);
+                self.pending_cycle = Some(PendingCycle { cycle, block_start: begin });
             }
-            Step::Assign { variable, value, at } => {
+            FlowAction::Assign { variable, value, at } => {
                 self.assign(variable, value, at, None, block)?;
-                self.pass(cursor);
+                self.advance_past_block(cursor);
             }
-            Step::End => {
-                self.pass(cursor);
+            FlowAction::End => {
+                self.advance_past_block(cursor);
                 self.ended = true;
             }
-            elsewhere => self.lead(elsewhere, cursor)?,
+            elsewhere => self.change_flow(elsewhere, cursor)?,
         }
         let over = self.ended && block.ops.is_empty();
         Ok(if over {
-            Stepped::End
+            StepStatus::End
         } else if block.ops.is_empty() {
-            Stepped::Nothing
+            StepStatus::Empty
         } else {
-            Stepped::Block
+            StepStatus::Block
         })
     }
 
     /// Executes jumps, loops, calls and returns.
-    fn lead(&mut self, step: Step, cursor: &Cursor<'_>) -> Outcome<()> {
+    fn change_flow(&mut self, step: FlowAction, cursor: &Cursor<'_>) -> ReadResult<()> {
         match step {
-            Step::Goto { n, at } => {
+            FlowAction::Goto { n, at } => {
                 self.flow.go_to_block(n, at)?;
                 self.second_half = false;
             }
-            Step::Jump { n, at } => {
-                self.flow.jump(n, at)?;
+            FlowAction::GotoUnique { n, at } => {
+                self.flow.go_to_unique_block(n, at)?;
                 self.second_half = false;
             }
-            Step::Local { n, at } => {
-                self.changed = true;
-                let stood = self.flow.clone_place();
-                self.pass(cursor);
+            FlowAction::CallLocal { n, at } => {
+                self.condition_changed = true;
+                let stood = self.flow.save_position();
+                self.advance_past_block(cursor);
                 if let Err(stop) = self.flow.call_local(n, at) {
-                    self.flow.put_place(stood);
+                    self.flow.restore_position(stood);
                     return Err(stop);
                 }
             }
-            Step::Loop { times, at } => {
-                self.changed = true;
-                if self.flow.begin_counted(times, at)? {
-                    self.pass(cursor);
+            FlowAction::BeginCountedLoop { times, at } => {
+                self.condition_changed = true;
+                if self.flow.begin_counted_loop(times, at)? {
+                    self.advance_past_block(cursor);
                 }
             }
-            Step::EndLoop { at } => {
-                self.changed = true;
-                if self.flow.end_counted(at)? {
-                    self.pass(cursor);
+            FlowAction::EndCountedLoop { at } => {
+                self.condition_changed = true;
+                if self.flow.end_counted_loop(at)? {
+                    self.advance_past_block(cursor);
                 }
             }
-            Step::Call(call) => {
-                let source = self.find(call.program, call.at)?;
-                self.changed = true;
-                self.pass(cursor);
+            FlowAction::Call(call) => {
+                let source = self.find_program(call.program, call.at)?;
+                self.condition_changed = true;
+                self.advance_past_block(cursor);
                 self.flow.call(source, call, false)?;
             }
-            Step::Return { target, at } => {
+            FlowAction::Return { target, at } => {
                 self.second_half = false;
-                self.changed = true;
+                self.condition_changed = true;
                 if self.flow.is_main() && !dialect::has_macros(&self.settings) {
-                    return wrong(at, E::ReturnWithoutCall);
+                    return fail(at, E::ReturnWithoutCall);
                 }
                 self.flow.return_to(target, at)?;
             }
-            Step::Next | Step::Again | Step::Modal(_) | Step::Contour(_) | Step::Assign { .. } | Step::End => {}
+            FlowAction::Next
+            | FlowAction::SecondHalf
+            | FlowAction::SetModalCall(_)
+            | FlowAction::Contour(_)
+            | FlowAction::Assign { .. }
+            | FlowAction::End => {}
         }
         Ok(())
     }
 
     /// Sets the variables that the block assigns, before its other operations.
     #[inline]
-    fn set_variables(&mut self, block: &mut Block) -> Outcome<()> {
-        for index in 0..self.words.sets().len() {
-            let Some(set) = self.words.sets().get(index).copied() else { break };
+    fn set_variables(&mut self, block: &mut Block) -> ReadResult<()> {
+        for index in 0..self.block_words.assignments().len() {
+            let Some(set) = self.block_words.assignments().get(index).copied() else { break };
             self.assign(set.variable, Some(set.value), set.at as usize, None, block)?;
             // `assign` appends the operation; it belongs before the others.
             block.ops[index..].rotate_right(1);
@@ -482,10 +503,10 @@ impl Interpreter {
         Ok(())
     }
 
-    fn find(&self, program: u32, at: usize) -> Outcome<Arc<Source>> {
+    fn find_program(&self, program: u32, at: usize) -> ReadResult<Arc<Source>> {
         match self.library.find(program) {
             Some(source) => Ok(source),
-            None => wrong1(at, E::MissingProgram, program::title(program)),
+            None => fail1(at, E::MissingProgram, program_number::name_of(program)),
         }
     }
 
@@ -496,39 +517,40 @@ impl Interpreter {
         at: usize,
         comment: Option<&[u8]>,
         block: &mut Block,
-    ) -> Outcome<()> {
+    ) -> ReadResult<()> {
         let name = || format!("#{variable}");
         match variable {
             1..=33 => {
                 self.flow.set_local(variable, value);
-                self.changed = true;
+                self.condition_changed = true;
             }
             3000 | 3006 => {
                 let text = comment.map(|text| self.flow.source.decode(text)).unwrap_or_default().into_boxed_str();
                 let value = value.unwrap_or(0.0);
-                let Some(number) = super::expression::whole(value).filter(|number| (0..=999).contains(number)) else {
-                    return wrong2(at, E::OutOfRange, format!("#{variable}={value}"), "0–999");
+                let Some(number) = super::expression::whole_number(value).filter(|number| (0..=999).contains(number))
+                else {
+                    return fail2(at, E::OutOfRange, format!("#{variable}={value}"), "0–999");
                 };
                 let number = number as u32;
                 block.ops.push(if variable == 3000 {
                     Op::Alarm { number: 3000 + number, text }
                 } else {
-                    Op::Message { number, text }
+                    Op::StopWithMessage { number, text }
                 });
             }
-            _ if Memory::has(variable) => match self.memory.set(variable, value) {
-                Ok(()) => block.ops.push(Op::Set { variable, value }),
-                Err(VariableError::Switch(_)) => return wrong1(at, E::SwitchVariable, name()),
-                Err(VariableError::Unknown(_)) => return wrong1(at, E::BadVariable, name()),
-                Err(VariableError::NotFinite(_)) => return wrong(at, E::Overflow),
+            _ if CommonVariables::contains(variable) => match self.common_variables.set(variable, value) {
+                Ok(()) => block.ops.push(Op::SetVariable { variable, value }),
+                Err(VariableError::Switch(_)) => return fail1(at, E::SwitchVariable, name()),
+                Err(VariableError::Unknown(_)) => return fail1(at, E::BadVariable, name()),
+                Err(VariableError::NotFinite(_)) => return fail(at, E::Overflow),
             },
-            0 => return wrong1(at, E::ReadOnly, name()),
+            0 => return fail1(at, E::ReadOnly, name()),
             _ => match system_variable::find(variable).map(|range| range.access) {
-                Some(Access::Read) => return wrong1(at, E::ReadOnly, name()),
-                Some(Access::ReadWrite | Access::Write) => {
-                    block.ops.push(Op::SetSystem { number: variable, value });
+                Some(VariableAccess::Read) => return fail1(at, E::ReadOnly, name()),
+                Some(VariableAccess::ReadWrite | VariableAccess::Write) => {
+                    block.ops.push(Op::SetSystemVariable { number: variable, value });
                 }
-                None => return wrong1(at, E::BadVariable, name()),
+                None => return fail1(at, E::BadVariable, name()),
             },
         }
         Ok(())

@@ -4,11 +4,11 @@
 use nom::bytes::complete::{tag_no_case, take_till, take_while};
 use nom::{IResult, Parser};
 
-use super::fault::{Outcome, wrong, wrong1};
+use super::fault::{ReadResult, fail, fail1};
 use crate::defs::program_error::ProgramError;
 
 /// Most digits of one number.
-const NUMBER_LENGTH: usize = 40;
+const MAX_NUMBER_LENGTH: usize = 40;
 /// Mantissas with up to this many digits are exact in an `f64`.
 const EXACT_DIGITS: usize = 15;
 
@@ -18,17 +18,17 @@ const POWERS_OF_TEN: [f64; 23] = [
 ];
 
 /// Most bytes of a block. A longer one could delay a tick.
-pub(crate) const BLOCK_LENGTH: usize = 4_096;
+pub(crate) const MAX_BLOCK_LENGTH: usize = 4_096;
 
 /// The byte that `peek` returns after the end of a text.
-pub(crate) const END: u8 = b'\n';
+pub(crate) const END_OF_TEXT: u8 = b'\n';
 
 /// A number in the text.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Number {
+pub(crate) struct NumberLiteral {
     pub value: f64,
     /// It has a decimal point.
-    pub point: bool,
+    pub has_point: bool,
 }
 
 /// A read position in a text.
@@ -42,13 +42,13 @@ impl<'a> Cursor<'a> {
     /// Limits the text to one block's length from `at`.
     #[inline]
     pub fn window(text: &'a [u8], at: usize) -> Self {
-        let end = text.len().min(at + BLOCK_LENGTH);
+        let end = text.len().min(at + MAX_BLOCK_LENGTH);
         Self { text: &text[..end], at }
     }
 
     /// Whether the window cuts off a block of `text`.
     #[inline]
-    pub const fn is_cut(&self, text: &[u8]) -> bool {
+    pub const fn is_truncated(&self, text: &[u8]) -> bool {
         // The LF of a CR at the end may lie outside the window.
         self.text.len() < text.len() && self.at + 2 > self.text.len()
     }
@@ -56,17 +56,17 @@ impl<'a> Cursor<'a> {
     /// The next byte; a line end after the last byte.
     #[inline]
     pub fn peek(&self) -> u8 {
-        self.text.get(self.at).copied().unwrap_or(END)
+        self.text.get(self.at).copied().unwrap_or(END_OF_TEXT)
     }
 
     /// The byte `ahead` bytes after the next one.
     #[inline]
     pub fn peek_at(&self, ahead: usize) -> u8 {
-        self.text.get(self.at + ahead).copied().unwrap_or(END)
+        self.text.get(self.at + ahead).copied().unwrap_or(END_OF_TEXT)
     }
 
     /// Whether all bytes are read.
-    pub fn is_over(&self) -> bool {
+    pub fn is_at_end(&self) -> bool {
         self.at >= self.text.len()
     }
 
@@ -80,14 +80,14 @@ impl<'a> Cursor<'a> {
 
     /// Skips `byte` if it is next; returns whether it was.
     #[inline]
-    pub fn take(&mut self, byte: u8) -> bool {
-        let found = self.peek() == byte && !self.is_over();
+    pub fn accept(&mut self, byte: u8) -> bool {
+        let found = self.peek() == byte && !self.is_at_end();
         self.at += usize::from(found);
         found
     }
 
     /// Skips a keyword if it is next, in upper or lower case; returns whether it was.
-    pub fn keyword(&mut self, word: &str) -> bool {
+    pub fn accept_keyword(&mut self, word: &str) -> bool {
         let found: IResult<&[u8], &[u8]> = tag_no_case(word.as_bytes()).parse(self.rest());
         match found {
             Ok((rest, _)) => {
@@ -100,28 +100,28 @@ impl<'a> Cursor<'a> {
 
     /// Skips spaces and `( )` comments.
     #[inline]
-    pub fn blank(&mut self) -> Outcome<()> {
+    pub fn skip_blanks(&mut self) -> ReadResult<()> {
         loop {
             match self.peek() {
                 b' ' | b'\t' => self.at += 1,
-                b'(' => self.comment()?,
+                b'(' => self.skip_comment()?,
                 _ => return Ok(()),
             }
         }
     }
 
     #[cold]
-    fn comment(&mut self) -> Outcome<()> {
+    fn skip_comment(&mut self) -> ReadResult<()> {
         let open = self.at;
         let found: IResult<&[u8], &[u8]> = take_till(|byte| matches!(byte, b')' | b'\r' | b'\n')).parse(self.rest());
         if let Ok((rest, _)) = found {
             self.advance_to(rest);
         }
-        if self.take(b')') { Ok(()) } else { wrong(open, ProgramError::UnbalancedComment) }
+        if self.accept(b')') { Ok(()) } else { fail(open, ProgramError::UnbalancedComment) }
     }
 
     /// Skips to the line end, which stays unread.
-    pub fn rest_of_line(&mut self) {
+    pub fn skip_rest_of_line(&mut self) {
         let found: IResult<&[u8], &[u8]> = take_while(|byte| !matches!(byte, b'\r' | b'\n')).parse(self.rest());
         if let Ok((rest, _)) = found {
             self.advance_to(rest);
@@ -136,10 +136,10 @@ impl<'a> Cursor<'a> {
 
     /// Skips one line end: CR, LF or CR LF.
     #[inline]
-    pub fn line_end(&mut self) {
+    pub fn skip_line_end(&mut self) {
         if self.peek() == b'\r' {
             self.at += 1;
-            if self.peek() == b'\n' && !self.is_over() {
+            if self.peek() == b'\n' && !self.is_at_end() {
                 self.at += 1;
             }
         } else {
@@ -155,7 +155,7 @@ impl<'a> Cursor<'a> {
 
     /// Reads an unsigned number.
     #[inline]
-    pub fn number(&mut self) -> Outcome<Number> {
+    pub fn read_number(&mut self) -> ReadResult<NumberLiteral> {
         let start = self.at;
         let mut mantissa = 0_u64;
         let mut digits = 0;
@@ -178,39 +178,39 @@ impl<'a> Cursor<'a> {
             return self.long_number(start, digits, point);
         }
         let value = if scale == 0 { mantissa as f64 } else { mantissa as f64 / POWERS_OF_TEN[scale] };
-        Ok(Number { value, point })
+        Ok(NumberLiteral { value, has_point: point })
     }
 
     #[cold]
-    fn long_number(&mut self, start: usize, digits: usize, point: bool) -> Outcome<Number> {
+    fn long_number(&mut self, start: usize, digits: usize, point: bool) -> ReadResult<NumberLiteral> {
         let text = std::str::from_utf8(&self.text[start..self.at]).unwrap_or_default();
         match text.parse::<f64>() {
-            Ok(value) if digits > 0 && digits <= NUMBER_LENGTH => Ok(Number { value, point }),
+            Ok(value) if digits > 0 && digits <= MAX_NUMBER_LENGTH => Ok(NumberLiteral { value, has_point: point }),
             _ => self.bad_number(start),
         }
     }
 
     #[cold]
-    fn bad_number<T>(&mut self, start: usize) -> Outcome<T> {
+    fn bad_number<T>(&mut self, start: usize) -> ReadResult<T> {
         while self.at_number() {
             self.at += 1;
         }
-        wrong1(start, ProgramError::BadNumber, String::from_utf8_lossy(&self.text[start..self.at]))
+        fail1(start, ProgramError::BadNumber, String::from_utf8_lossy(&self.text[start..self.at]))
     }
 
     /// The error for an unexpected byte.
     #[cold]
-    pub fn unexpected<T>(&self) -> Outcome<T> {
+    pub fn unexpected<T>(&self) -> ReadResult<T> {
         match self.peek() {
-            b'[' | b']' => wrong(self.at, ProgramError::UnbalancedBracket),
-            b'(' | b')' => wrong(self.at, ProgramError::UnbalancedComment),
+            b'[' | b']' => fail(self.at, ProgramError::UnbalancedBracket),
+            b'(' | b')' => fail(self.at, ProgramError::UnbalancedComment),
             // The character is decoded when the error gets its line and column.
-            0x80.. => wrong(self.at, ProgramError::ForeignCharacter),
-            b'\r' | b'\n' => wrong1(self.at, ProgramError::UnexpectedCharacter, "⏎"),
+            0x80.. => fail(self.at, ProgramError::NonAsciiCharacter),
+            b'\r' | b'\n' => fail1(self.at, ProgramError::UnexpectedCharacter, "⏎"),
             byte if byte.is_ascii_control() => {
-                wrong1(self.at, ProgramError::UnexpectedCharacter, format!("0x{byte:02X}"))
+                fail1(self.at, ProgramError::UnexpectedCharacter, format!("0x{byte:02X}"))
             }
-            byte => wrong1(self.at, ProgramError::UnexpectedCharacter, char::from(byte)),
+            byte => fail1(self.at, ProgramError::UnexpectedCharacter, char::from(byte)),
         }
     }
 }
@@ -220,7 +220,7 @@ mod tests {
     use super::*;
 
     fn number(text: &str) -> Option<f64> {
-        Cursor::window(text.as_bytes(), 0).number().ok().map(|number| number.value)
+        Cursor::window(text.as_bytes(), 0).read_number().ok().map(|number| number.value)
     }
 
     #[test]

@@ -4,43 +4,43 @@
 //! operations (`Op`). `flow` handles jumps and calls. `Interpreter::next` returns one block at a time. `check` runs a
 //! whole file without a machine. Source: spec B1, B3, B4, B8, K4.
 //!
-//! Invariants: a refused block changes nothing. A block that needs a live value (`Next::Drain`) is read again from
+//! Invariants: a refused block changes nothing. A block that needs a live value (`NextStatus::Drain`) is read again from
 //! its start. All lengths in operations are radius millimetres.
 
 pub mod check;
-mod collect;
+pub mod common_variables;
 mod contour;
+mod contour_reader;
 mod dialect;
 mod expression;
+pub mod external_state;
 pub mod fault;
 mod flow;
-mod follow;
-pub mod frames;
 mod functions;
 pub mod interpreter;
 mod lexer;
-pub mod memory;
 pub mod modal;
+mod offline_run;
 pub mod op;
-mod proof;
+mod preflight;
+pub mod program_uses;
 mod scope;
 pub mod settings;
 pub mod source;
 mod statement;
-mod unread;
-pub mod uses;
+mod unexecuted_lines;
 mod words;
-pub mod world;
+pub mod work_offsets;
 
-pub use check::{Checked, Checking, check, check_until, check_with, look};
-pub use fault::{Fault, Place};
-pub use follow::ADVANCE_PER_CALL;
-pub use frames::Frames;
-pub use interpreter::{Block, Interpreter, Next};
-pub use memory::{Memory, VariableError};
-pub use modal::{Modals, Motion};
-pub use op::{AxisSet, Feed, Gauging, Op, PathMode, Plane, REFERENCES, SpeedMode, Threading};
-pub use proof::{Proof, Proved};
-pub use settings::{Settings, SpeedUnit, System, Turning};
-pub use source::{Library, NoLibrary, Source};
-pub use world::{CheckWorld, Live, World};
+pub use check::{CheckReport, ProgramCheck, check, check_syntax, check_until, check_with};
+pub use common_variables::{CommonVariables, VariableError};
+pub use external_state::{ExternalState, LiveValue, OfflineMachine};
+pub use fault::{BlockLocation, ProgramFault};
+pub use interpreter::{Block, Interpreter, NextStatus};
+pub use modal::{ModalState, MotionMode};
+pub use offline_run::ADVANCE_PER_CALL;
+pub use op::{ArcPlane, AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
+pub use preflight::{PreflightStatus, ProgramPreflight};
+pub use settings::{Dialect, NcSettings, SpeedUnit, SuperManSettings};
+pub use source::{EmptyLibrary, Library, Source};
+pub use work_offsets::WorkOffsets;

@@ -1,12 +1,12 @@
 //! The modal state. Source: spec B2, B3 (#4001…).
 
-use super::dialect::{self, RepeatWords, Spelling};
-use super::op::{Feed, PathMode, Plane, SpeedMode};
-use super::settings::{Settings, SpeedUnit, System};
+use super::dialect::{self, ModalCodes, RepetitiveCycleState};
+use super::op::{ArcPlane, Feed, PathMode, SpeedMode};
+use super::settings::{Dialect, NcSettings, SpeedUnit};
 
 /// The active function of group 01.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Motion {
+pub enum MotionMode {
     /// G00.
     #[default]
     Rapid,
@@ -28,7 +28,7 @@ pub enum Motion {
     MetricThread,
 }
 
-impl Motion {
+impl MotionMode {
     /// The G code.
     #[must_use]
     pub const fn g(self) -> u8 {
@@ -69,11 +69,11 @@ pub(crate) struct CycleWords {
 
 /// The modal state. It is copied into every block, so that the pages show the state of the executed block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Modals {
+pub struct ModalState {
     /// Group 01.
-    pub motion: Motion,
+    pub motion: MotionMode,
     /// G17, G18, G19.
-    pub plane: Plane,
+    pub plane: ArcPlane,
     /// G91: incremental (GS, GA, SINUMERIK).
     pub incremental: bool,
     /// Feed per revolution (G99, SINUMERIK G95) instead of per minute.
@@ -83,9 +83,9 @@ pub struct Modals {
     /// G20.
     pub inch: bool,
     /// Work offset, 54–59.
-    pub frame: u8,
+    pub work_offset: u8,
     /// G61 or G64.
-    pub path: PathMode,
+    pub path_mode: PathMode,
     /// G96 or G97, and the unit of S.
     pub speed_mode: SpeedMode,
     /// S.
@@ -95,41 +95,41 @@ pub struct Modals {
     /// Offset of the last T.
     pub offset: u16,
     /// The last M code.
-    pub m: Option<u8>,
+    pub m_code: Option<u8>,
     /// A G66 modal call is active.
     pub modal_call: bool,
-    pub(crate) rotation: SpeedMode,
+    pub(crate) g97_mode: SpeedMode,
     pub(crate) cycle: CycleWords,
-    pub(crate) repeat: RepeatWords,
+    pub(crate) repetitive: RepetitiveCycleState,
     /// Lead of the last thread, mm (L5).
-    pub(crate) lead: Option<f64>,
+    pub(crate) thread_lead_mm: Option<f64>,
     /// Direction of the last X move before a thread: 1, −1, or 0 without one (L5).
-    pub(crate) infeed: i8,
+    pub(crate) infeed_direction: i8,
     /// The program has started the main spindle (L5).
     pub(crate) spindle_on: bool,
     /// K5.11: a second tool was called; G50 is refused.
     pub(crate) several_tools: bool,
     /// K5.11: G50 was used; a second tool is refused.
-    pub(crate) preset: bool,
+    pub(crate) g50_used: bool,
 }
 
-impl Modals {
+impl ModalState {
     /// The state at power-on and after reset.
     #[must_use]
-    pub fn new(settings: &Settings) -> Self {
+    pub fn new(settings: &NcSettings) -> Self {
         let rotation = match settings.speed_unit {
             SpeedUnit::Rpm => SpeedMode::Rpm,
             SpeedUnit::MetresPerSecond => SpeedMode::MetresPerSecond,
         };
         Self {
-            motion: Motion::Rapid,
-            plane: Plane::Zx,
+            motion: MotionMode::Rapid,
+            plane: ArcPlane::Zx,
             incremental: false,
             per_rev: false,
             feed: None,
             inch: settings.inch,
-            frame: 54,
-            path: if settings.exact_stop {
+            work_offset: 54,
+            path_mode: if settings.exact_stop {
                 PathMode::ExactStop
             } else {
                 PathMode::Continuous { tolerance_mm: settings.tolerance_mm }
@@ -138,16 +138,16 @@ impl Modals {
             speed: None,
             tool: 0,
             offset: 0,
-            m: None,
+            m_code: None,
             modal_call: false,
-            rotation,
+            g97_mode: rotation,
             cycle: CycleWords::default(),
-            repeat: RepeatWords::default(),
-            lead: None,
-            infeed: 0,
+            repetitive: RepetitiveCycleState::default(),
+            thread_lead_mm: None,
+            infeed_direction: 0,
             spindle_on: false,
             several_tools: false,
-            preset: false,
+            g50_used: false,
         }
     }
 
@@ -160,16 +160,17 @@ impl Modals {
 
     /// The active G codes in display order.
     #[must_use]
-    pub fn g_codes(&self, system: System) -> [u8; 8] {
-        let Spelling { modal_distance, per_minute, per_rev, inch, metric, exact } = dialect::spelling(system);
+    pub fn g_codes(&self, system: Dialect) -> [u8; 8] {
+        let ModalCodes { distance_is_modal: modal_distance, per_minute, per_rev, inch, metric, exact_stop: exact } =
+            dialect::modal_codes(system);
         [
             self.motion.g(),
             self.plane.g(),
             if modal_distance && self.incremental { 91 } else { 90 },
             if self.per_rev { per_rev } else { per_minute },
             if self.inch { inch } else { metric },
-            self.frame,
-            if self.path == PathMode::ExactStop { exact } else { 64 },
+            self.work_offset,
+            if self.path_mode == PathMode::ExactStop { exact } else { 64 },
             if self.speed_mode == SpeedMode::SurfaceSpeed { 96 } else { 97 },
         ]
     }
@@ -186,11 +187,11 @@ impl Modals {
             4005 => code(if self.per_rev { 99 } else { 98 }),
             4006 => code(if self.inch { 20 } else { 21 }),
             4012 => code(if self.modal_call { 66 } else { 67 }),
-            4014 => code(self.frame),
-            4015 => code(if self.path == PathMode::ExactStop { 61 } else { 64 }),
+            4014 => code(self.work_offset),
+            4015 => code(if self.path_mode == PathMode::ExactStop { 61 } else { 64 }),
             4016 => code(self.plane.g()),
             4109 => Some(self.feed),
-            4113 => Some(self.m.map(f64::from)),
+            4113 => Some(self.m_code.map(f64::from)),
             4119 => Some(self.speed),
             4120 => Some(Some(f64::from(self.tool) * 100.0 + f64::from(self.offset))),
             _ => None,

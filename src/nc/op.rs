@@ -66,7 +66,7 @@ pub enum Feed {
 
 /// The plane of an arc. Seen with the first axis to the right and the second axis up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Plane {
+pub enum ArcPlane {
     /// G17: X right, Y up.
     Xy,
     /// G18: Z right, X up.
@@ -76,7 +76,7 @@ pub enum Plane {
     Yz,
 }
 
-impl Plane {
+impl ArcPlane {
     /// First and second axis.
     #[must_use]
     pub const fn axes(self) -> (Axis, Axis) {
@@ -123,7 +123,7 @@ pub enum SpeedMode {
 
 /// G78: positioning by a gauge (K4.5). Work coordinates in radius mm, feeds in mm/min.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gauging {
+pub struct GaugeMove {
     /// Z, on GS also Y.
     pub axis: Axis,
     /// The limit of the approach.
@@ -133,23 +133,23 @@ pub struct Gauging {
     /// Feed of the fine approach.
     pub fine_mm_min: f64,
     /// Gauge input of the first (or only) contact, 1–6.
-    pub first: u8,
+    pub first_input: u8,
     /// Gauge input of the second stage, 1–6; only with multi-point gauging.
-    pub second: Option<u8>,
+    pub second_input: Option<u8>,
     /// Retract distance.
     pub retract_mm: f64,
 }
 
 /// Number of reference points: the machine zero (G28) and three more (G30 P2 to P4).
-pub const REFERENCES: usize = 4;
+pub const REFERENCE_POINTS: usize = 4;
 
 /// A thread synchronised with the spindle, and its run-out. Work coordinates, radius mm (L5).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Threading {
+pub struct ThreadMove {
     /// End of the block: the end of the thread in Z, the retracted position in X.
     pub to: PerAxis<f64>,
     /// Start of the run-out.
-    pub out: PerAxis<f64>,
+    pub run_out_start: PerAxis<f64>,
     /// Lead along Z, mm.
     pub lead_mm: f64,
 }
@@ -170,7 +170,7 @@ pub enum Op {
     Arc {
         to: PerAxis<f64>,
         center: PerAxis<f64>,
-        plane: Plane,
+        plane: ArcPlane,
         turn: i8,
         feed: Feed,
         words: AxisSet,
@@ -179,17 +179,17 @@ pub enum Op {
     /// G04, seconds.
     Dwell { s: f64 },
     /// G61, G64.
-    Path(PathMode),
+    SetPathMode(PathMode),
     /// G54–G59.
-    Frame { g: u8 },
+    SelectWorkOffset { g: u8 },
     /// G50: assigns these work coordinates to the present position; clears the wear of the active tool offset (K5.10).
-    Preset { values: PerAxis<Option<f64>> },
+    SetCoordinateSystem { values: PerAxis<Option<f64>> },
     /// G50 S: speed limit under G96, rpm.
     SpeedLimit { rpm: f64 },
     /// G53: a move in machine coordinates, radius mm; at rapid speed if there is no feed.
     MachineMove { to: PerAxis<Option<f64>>, feed: Option<Feed> },
     /// G28 (number 1: machine zero) and G30 (2 to 4): the named axes move via `via` to a reference point.
-    Reference { number: u8, via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
+    ReturnToReference { number: u8, via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
     /// G31: feeds until the signal (1–6) becomes active.
     Skip { to: PerAxis<f64>, feed: Feed, signal: u8, words: AxisSet, incremental: AxisSet },
     /// G10: adds to the wear of an offset, radius mm (K4.1).
@@ -201,14 +201,14 @@ pub enum Op {
     /// G36.
     OscillationOff,
     /// G78.
-    Gauge(Gauging),
+    Gauge(GaugeMove),
     /// G32 and G33 of the 超人 lathe.
-    Thread(Threading),
+    Thread(ThreadMove),
     /// G36, G37, G39: homes these axes by their switches, X first (L6).
     HomeSwitch { axes: AxisSet },
     /// Turns the tool turret to a station. With compensation the slides move by `by`, so that the new tip is where the
     /// old tip was (L8). Work coordinates do not change.
-    Post { station: u8, by: Option<PerAxis<f64>> },
+    IndexTurret { station: u8, by: Option<PerAxis<f64>> },
     /// An M code and its parameter words.
     M { code: u8, s: Option<f64>, p: Option<f64>, l: Option<f64> },
     /// S.
@@ -216,31 +216,33 @@ pub enum Op {
     /// T: tool 0 keeps the active tool, offset 0 cancels the offset.
     T { tool: u16, offset: u16 },
     /// Sets a common variable (100–433, 500–999) when execution reaches this point.
-    Set { variable: u32, value: Option<f64> },
+    SetVariable { variable: u32, value: Option<f64> },
     /// Writes a system variable (#434–#439, #1100…, #2001…, #3001…, #3901…).
-    SetSystem { number: u32, value: Option<f64> },
+    SetSystemVariable { number: u32, value: Option<f64> },
     /// `#3000=n(text)`: raises alarm 3000–3999 and stops.
     Alarm { number: u32, text: Box<str> },
     /// MSG: a text that is shown until the next one; an empty text clears it.
-    Note { text: Box<str> },
+    DisplayMessage { text: Box<str> },
     /// `#3006=n(text)`: stops with a message; cycle start continues.
-    Message { number: u32, text: Box<str> },
+    StopWithMessage { number: u32, text: Box<str> },
 }
 
 impl Op {
     /// Whether look-ahead stops: no further block is read until this operation is done.
     #[must_use]
-    pub const fn is_barrier(&self) -> bool {
+    pub const fn stops_look_ahead(&self) -> bool {
         match self {
-            Self::Skip { .. } | Self::Reference { .. } | Self::SetSystem { .. } => true,
+            Self::Skip { .. } | Self::ReturnToReference { .. } | Self::SetSystemVariable { .. } => true,
             Self::Gauge(_) | Self::OscillationOn { .. } | Self::OscillationOff => true,
-            Self::Alarm { .. } | Self::Message { .. } => true,
+            Self::Alarm { .. } | Self::StopWithMessage { .. } => true,
             Self::M { code, .. } => matches!(code, 0 | 1 | 2 | 30 | 80..=89),
-            Self::Rapid { .. } | Self::Feed { .. } | Self::Arc { .. } | Self::Dwell { .. } | Self::Path(_) => false,
-            Self::Preset { .. } | Self::HomeSwitch { .. } => true,
-            Self::Thread(_) | Self::Post { .. } => false,
-            Self::Frame { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
-            Self::S { .. } | Self::T { .. } | Self::Set { .. } | Self::Note { .. } => false,
+            Self::Rapid { .. } | Self::Feed { .. } | Self::Arc { .. } | Self::Dwell { .. } | Self::SetPathMode(_) => {
+                false
+            }
+            Self::SetCoordinateSystem { .. } | Self::HomeSwitch { .. } => true,
+            Self::Thread(_) | Self::IndexTurret { .. } => false,
+            Self::SelectWorkOffset { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => false,
+            Self::S { .. } | Self::T { .. } | Self::SetVariable { .. } | Self::DisplayMessage { .. } => false,
             Self::AddWear { .. } | Self::DressReturn { .. } => false,
         }
     }
@@ -254,13 +256,13 @@ impl Op {
                 | Self::Feed { .. }
                 | Self::Arc { .. }
                 | Self::MachineMove { .. }
-                | Self::Reference { .. }
+                | Self::ReturnToReference { .. }
                 | Self::Skip { .. }
                 | Self::DressReturn { .. }
                 | Self::Gauge(_)
                 | Self::Thread(_)
                 | Self::HomeSwitch { .. }
-                | Self::Post { by: Some(_), .. }
+                | Self::IndexTurret { by: Some(_), .. }
         )
     }
 
@@ -279,44 +281,44 @@ impl Op {
     fn fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
         match self {
             Self::Rapid { to, feed, .. } => {
-                points(put, "", axes, *to);
+                put_points(put, "", axes, *to);
                 if let Some(feed) = feed {
-                    feed_words(put, *feed);
+                    put_feed(put, *feed);
                 }
             }
             Self::Feed { to, feed, .. } => {
-                points(put, "", axes, *to);
-                feed_words(put, *feed);
+                put_points(put, "", axes, *to);
+                put_feed(put, *feed);
             }
             Self::Arc { to, center, plane, turn, feed, .. } => {
-                points(put, "", axes, *to);
+                put_points(put, "", axes, *to);
                 let (first, second) = plane.axes();
-                points(put, "c", PerAxis::from_fn(|axis| axis == first || axis == second), *center);
+                put_points(put, "c", PerAxis::from_fn(|axis| axis == first || axis == second), *center);
                 put("turn", json!(turn));
-                feed_words(put, *feed);
+                put_feed(put, *feed);
             }
             Self::Dwell { s } => put("s", json!(s)),
-            Self::Path(PathMode::ExactStop) => put("mode", json!("exact-stop")),
-            Self::Path(PathMode::Continuous { tolerance_mm }) => {
+            Self::SetPathMode(PathMode::ExactStop) => put("mode", json!("exact-stop")),
+            Self::SetPathMode(PathMode::Continuous { tolerance_mm }) => {
                 put("mode", json!("continuous"));
                 put("tolerance", json!(tolerance_mm));
             }
-            Self::Frame { g } => put("g", json!(g)),
-            Self::Preset { values } => some_points(put, *values),
+            Self::SelectWorkOffset { g } => put("g", json!(g)),
+            Self::SetCoordinateSystem { values } => put_some_points(put, *values),
             Self::SpeedLimit { rpm } => put("rpm", json!(rpm)),
             Self::MachineMove { to, feed } => {
-                some_points(put, *to);
-                feed.iter().for_each(|feed| feed_words(put, *feed));
+                put_some_points(put, *to);
+                feed.iter().for_each(|feed| put_feed(put, *feed));
             }
-            Self::Reference { number, via, words, .. } => {
-                points(put, "", PerAxis::from_fn(|axis| words.contains(axis)), *via);
+            Self::ReturnToReference { number, via, words, .. } => {
+                put_points(put, "", PerAxis::from_fn(|axis| words.contains(axis)), *via);
                 if *number > 1 {
                     put("p", json!(number));
                 }
             }
             Self::Skip { to, feed, signal, .. } => {
-                points(put, "", axes, *to);
-                feed_words(put, *feed);
+                put_points(put, "", axes, *to);
+                put_feed(put, *feed);
                 put("signal", json!(signal));
             }
             Self::AddWear { .. }
@@ -324,7 +326,7 @@ impl Op {
             | Self::OscillationOn { .. }
             | Self::OscillationOff
             | Self::Gauge(_) => self.grinding_fields(axes, put),
-            Self::Thread(_) | Self::HomeSwitch { .. } | Self::Post { .. } => self.turning_fields(axes, put),
+            Self::Thread(_) | Self::HomeSwitch { .. } | Self::IndexTurret { .. } => self.turning_fields(axes, put),
             Self::M { code, s, p, l } => {
                 put("code", json!(code));
                 for (key, value) in [("s", s), ("p", p), ("l", l)] {
@@ -335,12 +337,12 @@ impl Op {
             }
             Self::S { value, mode } => put_both(put, ("value", json!(value)), ("unit", json!(mode.unit()))),
             Self::T { tool, offset } => put_both(put, ("tool", json!(tool)), ("offset", json!(offset))),
-            Self::Set { variable: number, value } | Self::SetSystem { number, value } => {
+            Self::SetVariable { variable: number, value } | Self::SetSystemVariable { number, value } => {
                 put("variable", json!(number));
                 put("value", json!(value));
             }
-            Self::Note { text } => put("text", json!(text)),
-            Self::Alarm { number, text } | Self::Message { number, text } => {
+            Self::DisplayMessage { text } => put("text", json!(text)),
+            Self::Alarm { number, text } | Self::StopWithMessage { number, text } => {
                 put("number", json!(number));
                 put("text", json!(text));
             }
@@ -352,7 +354,7 @@ impl Op {
         match self {
             Self::AddWear { number, by } => {
                 put("offset", json!(number));
-                points(put, "", axes, *by);
+                put_points(put, "", axes, *by);
             }
             Self::DressReturn { axes, feed } => {
                 let names: String = axes.iter().map(|axis| axis.letter().to_ascii_lowercase()).collect();
@@ -376,8 +378,8 @@ impl Op {
                 put(&gauging.axis.letter().to_ascii_lowercase().to_string(), json!(gauging.to));
                 put("f", json!(gauging.fast_mm_min));
                 put("j", json!(gauging.fine_mm_min));
-                put("p", json!(gauging.first));
-                if let Some(second) = gauging.second {
+                put("p", json!(gauging.first_input));
+                if let Some(second) = gauging.second_input {
                     put("q", json!(second));
                 }
                 put("l", json!(gauging.retract_mm));
@@ -389,20 +391,20 @@ impl Op {
     /// The fields of the lathe's functions.
     fn turning_fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
         match self {
-            Self::Thread(Threading { to, out, lead_mm }) => {
-                points(put, "", axes, *to);
-                points(put, "out", axes, *out);
+            Self::Thread(ThreadMove { to, run_out_start: out, lead_mm }) => {
+                put_points(put, "", axes, *to);
+                put_points(put, "out", axes, *out);
                 put("lead", json!(lead_mm));
             }
             Self::HomeSwitch { axes } => {
                 let names: String = axes.iter().map(|axis| axis.letter().to_ascii_lowercase()).collect();
                 put("axes", json!(names));
             }
-            Self::Post { station, by } => {
+            Self::IndexTurret { station, by } => {
                 put("tool", json!(station));
                 put("offset", json!(if by.is_some() { *station } else { 0 }));
                 if let Some(by) = by {
-                    points(put, "d", axes, *by);
+                    put_points(put, "d", axes, *by);
                 }
             }
             _ => {}
@@ -415,12 +417,12 @@ impl Op {
             Self::Feed { .. } => "feed",
             Self::Arc { .. } => "arc",
             Self::Dwell { .. } => "dwell",
-            Self::Path(_) => "path",
-            Self::Frame { .. } => "frame",
-            Self::Preset { .. } => "preset",
+            Self::SetPathMode(_) => "path",
+            Self::SelectWorkOffset { .. } => "frame",
+            Self::SetCoordinateSystem { .. } => "preset",
             Self::SpeedLimit { .. } => "speed-limit",
             Self::MachineMove { .. } => "machine",
-            Self::Reference { .. } => "reference",
+            Self::ReturnToReference { .. } => "reference",
             Self::Skip { .. } => "skip",
             Self::AddWear { .. } => "add-wear",
             Self::DressReturn { .. } => "dress-return",
@@ -429,15 +431,15 @@ impl Op {
             Self::Gauge(_) => "gauge",
             Self::Thread(_) => "thread",
             Self::HomeSwitch { .. } => "home",
-            Self::Post { .. } => "t",
+            Self::IndexTurret { .. } => "t",
             Self::M { .. } => "m",
             Self::S { .. } => "s",
             Self::T { .. } => "t",
-            Self::Set { .. } => "set",
-            Self::SetSystem { .. } => "set-system",
+            Self::SetVariable { .. } => "set",
+            Self::SetSystemVariable { .. } => "set-system",
             Self::Alarm { .. } => "alarm",
-            Self::Message { .. } => "message",
-            Self::Note { .. } => "note",
+            Self::StopWithMessage { .. } => "message",
+            Self::DisplayMessage { .. } => "note",
         }
     }
 }
@@ -452,15 +454,15 @@ impl SpeedMode {
     }
 }
 
-fn points(put: &mut dyn FnMut(&str, Value), prefix: &str, axes: PerAxis<bool>, to: PerAxis<f64>) {
-    some_points_named(put, prefix, PerAxis::from_fn(|axis| axes[axis].then_some(to[axis])));
+fn put_points(put: &mut dyn FnMut(&str, Value), prefix: &str, axes: PerAxis<bool>, to: PerAxis<f64>) {
+    put_prefixed_points(put, prefix, PerAxis::from_fn(|axis| axes[axis].then_some(to[axis])));
 }
 
-fn some_points(put: &mut dyn FnMut(&str, Value), to: PerAxis<Option<f64>>) {
-    some_points_named(put, "", to);
+fn put_some_points(put: &mut dyn FnMut(&str, Value), to: PerAxis<Option<f64>>) {
+    put_prefixed_points(put, "", to);
 }
 
-fn some_points_named(put: &mut dyn FnMut(&str, Value), prefix: &str, to: PerAxis<Option<f64>>) {
+fn put_prefixed_points(put: &mut dyn FnMut(&str, Value), prefix: &str, to: PerAxis<Option<f64>>) {
     for (axis, value) in to.iter() {
         if let Some(value) = value {
             put(&format!("{prefix}{}", axis.letter().to_ascii_lowercase()), json!(value));
@@ -473,7 +475,7 @@ fn put_both(put: &mut dyn FnMut(&str, Value), first: (&str, Value), second: (&st
     put(second.0, second.1);
 }
 
-fn feed_words(put: &mut dyn FnMut(&str, Value), feed: Feed) {
+fn put_feed(put: &mut dyn FnMut(&str, Value), feed: Feed) {
     match feed {
         Feed::PerMinute(value) => put("f", json!(value)),
         Feed::PerRev(value) => {
@@ -498,7 +500,7 @@ impl fmt::Display for Op {
         let (words, incremental) = match self {
             Self::Rapid { words, incremental, .. } | Self::Feed { words, incremental, .. } => (*words, *incremental),
             Self::Arc { words, incremental, .. } | Self::Skip { words, incremental, .. } => (*words, *incremental),
-            Self::Reference { words, incremental, .. } => (*words, *incremental),
+            Self::ReturnToReference { words, incremental, .. } => (*words, *incremental),
             _ => return Ok(()),
         };
         f.write_str(" [")?;

@@ -1,6 +1,6 @@
 //! Settings of the interpreter from machine kind and parameters. Source: spec K1, B1, B2.
 
-pub use crate::defs::kind::System;
+pub use crate::defs::kind::Dialect;
 use crate::units::PerAxis;
 
 /// The meaning of S under G97.
@@ -14,7 +14,7 @@ pub enum SpeedUnit {
 
 /// Settings for programs of the 超人 lathe (L2, L5, L6).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turning {
+pub struct SuperManSettings {
     /// Feed of a line without F, mm/min on Z.
     pub line_feed: f64,
     /// Feed of an arc without F, mm/min.
@@ -22,40 +22,40 @@ pub struct Turning {
     /// Travel of Z per millimetre of X slide travel while both move in G00, mm.
     pub rapid_z_per_x: f64,
     /// Least increment of a programmed coordinate, mm (X a diameter). An arc's end error is below five of them.
-    pub pulse_mm: f64,
+    pub increment_mm: f64,
     /// Work coordinates that G36, G37, G39 set at the machine origin, radius mm.
     pub origin: PerAxis<f64>,
     /// G02 and G03 turn opposite to ISO, as the manual warns.
-    pub arcs_opposite: bool,
+    pub arcs_reversed: bool,
     /// Spindle speed without S, rpm.
     pub spindle_rpm: f64,
     /// Highest spindle speed, rpm.
-    pub most_rpm: f64,
+    pub max_rpm: f64,
     /// Acceleration and jerk of Z, mm/s² and mm/s³, for the run-up of a thread.
-    pub run_up: (f64, f64),
+    pub z_accel_jerk: (f64, f64),
 }
 
-impl Default for Turning {
+impl Default for SuperManSettings {
     fn default() -> Self {
         Self {
             line_feed: 300.0,
             arc_feed: 300.0,
             rapid_z_per_x: 2.0,
-            pulse_mm: 0.01,
+            increment_mm: 0.01,
             origin: PerAxis([0.0; 3]),
-            arcs_opposite: true,
+            arcs_reversed: true,
             spindle_rpm: 200.0,
-            most_rpm: 5_000.0,
-            run_up: (800.0, 20_000.0),
+            max_rpm: 5_000.0,
+            z_accel_jerk: (800.0, 20_000.0),
         }
     }
 }
 
 /// All settings outside the text that change how it is read.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct NcSettings {
     /// The dialect of the machine kind.
-    pub system: System,
+    pub dialect: Dialect,
     /// X and U words are diameters.
     pub diameter: bool,
     /// The axes of the machine.
@@ -73,24 +73,24 @@ pub struct Settings {
     /// Input port of `M91`/`M92` without L; 0 = none.
     pub jump_input: u32,
     /// Highest tool and offset number of a T word.
-    pub tools: u32,
+    pub tool_count: u32,
     /// The initial path mode is exact stop (G61, G60), not G64.
     pub exact_stop: bool,
     /// The start position is the work zero until the program changes it (L3).
-    pub zero_at_start: bool,
+    pub start_is_work_zero: bool,
     /// 超人 lathe: every block begins with a four-digit number (L1). An MDI line needs none.
-    pub numbered: bool,
+    pub needs_block_numbers: bool,
     /// Settings of the 超人 lathe.
-    pub turning: Turning,
+    pub superman: SuperManSettings,
     /// P17.1: G35 moves a cylinder and has no words.
     pub oscillation_by_cylinder: bool,
     /// Rapid speed of each axis, mm/min; for the time estimate of a check.
     pub rapid_mm_min: PerAxis<f64>,
 }
 
-impl Settings {
+impl NcSettings {
     #[inline]
     pub(crate) fn is_mill(&self) -> bool {
-        self.system.is_mill()
+        self.dialect.is_mill()
     }
 }

@@ -5,10 +5,10 @@ use std::sync::{Arc, OnceLock};
 
 use encoding_rs::GB18030;
 
-use super::fault::{Outcome, Place, wrong1, wrong2};
+use super::fault::{BlockLocation, ReadResult, fail1, fail2};
 use super::statement;
-use crate::defs::program;
 use crate::defs::program_error::ProgramError as E;
+use crate::defs::program_number;
 
 /// Deepest nesting of WHILE in one program. The numbers after DO are 1 to this.
 pub(crate) const LOOP_DEPTH: usize = 3;
@@ -24,9 +24,9 @@ pub trait Library {
 
 /// A library without programs.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct NoLibrary;
+pub struct EmptyLibrary;
 
-impl Library for NoLibrary {
+impl Library for EmptyLibrary {
     fn find(&self, _number: u32) -> Option<Arc<Source>> {
         None
     }
@@ -39,18 +39,18 @@ pub struct Source {
     name: String,
     bytes: Arc<[u8]>,
     utf8: bool,
-    lines: Vec<u32>,
+    line_offsets: Vec<u32>,
     /// Block numbers at the start of a line: (N, byte at which its block begins), sorted.
-    labels: Vec<(u32, u32)>,
+    block_numbers: Vec<(u32, u32)>,
     /// Block numbers behind a `;`, in the same form.
-    inner: Vec<(u32, u32)>,
+    inner_block_numbers: Vec<(u32, u32)>,
     /// Jump labels: (label in upper case, line from 0), sorted.
-    names: Vec<(Box<[u8]>, u32)>,
-    loops: Vec<Loop>,
+    jump_labels: Vec<(Box<[u8]>, u32)>,
+    while_loops: Vec<WhileLoop>,
     /// Counted loops (G22 … G80), sorted by their first line.
-    counted: Vec<CountedLoop>,
+    counted_loops: Vec<CountedLoop>,
     /// The line (from 0) of the first M02; found on first use.
-    main_end: OnceLock<Option<u32>>,
+    main_end_line: OnceLock<Option<u32>>,
 }
 
 /// G22 and its G80, lines from 0.
@@ -62,7 +62,7 @@ pub(crate) struct CountedLoop {
 
 /// WHILE and its END, given by the bytes at which their blocks begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Loop {
+pub(crate) struct WhileLoop {
     pub number: u8,
     pub while_at: u32,
     pub end: Option<LoopEnd>,
@@ -72,7 +72,7 @@ pub(crate) struct Loop {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct LoopEnd {
     pub at: u32,
-    pub behind: u32,
+    pub after: u32,
 }
 
 impl Source {
@@ -91,15 +91,15 @@ impl Source {
             name: name.into(),
             bytes,
             utf8,
-            lines,
-            labels: Vec::new(),
-            inner: Vec::new(),
-            names: Vec::new(),
-            loops: Vec::new(),
-            counted: Vec::new(),
-            main_end: OnceLock::new(),
+            line_offsets: lines,
+            block_numbers: Vec::new(),
+            inner_block_numbers: Vec::new(),
+            jump_labels: Vec::new(),
+            while_loops: Vec::new(),
+            counted_loops: Vec::new(),
+            main_end_line: OnceLock::new(),
         };
-        source.index();
+        source.build_index();
         source
     }
 
@@ -113,7 +113,11 @@ impl Source {
     /// The displayed name of the program: its number, or the name of its file.
     #[must_use]
     pub fn title(&self) -> String {
-        if program::is_named(self.number) { program::stem(&self.name).to_owned() } else { program::title(self.number) }
+        if program_number::is_named(self.number) {
+            program_number::stem(&self.name).to_owned()
+        } else {
+            program_number::name_of(self.number)
+        }
     }
 
     /// The file name.
@@ -132,16 +136,16 @@ impl Source {
     /// The number of lines. A last line without line end counts.
     #[must_use]
     pub fn line_count(&self) -> usize {
-        let open_end = self.lines.last().is_some_and(|start| (*start as usize) < self.bytes.len());
-        self.lines.len() - usize::from(!open_end)
+        let open_end = self.line_offsets.last().is_some_and(|start| (*start as usize) < self.bytes.len());
+        self.line_offsets.len() - usize::from(!open_end)
     }
 
     /// A line (from 1) as text, without its line end.
     #[must_use]
     pub fn line(&self, line: u32) -> Option<String> {
         let index = (line as usize).checked_sub(1)?;
-        let start = *self.lines.get(index)? as usize;
-        let end = self.lines.get(index + 1).map_or(self.bytes.len(), |next| *next as usize);
+        let start = *self.line_offsets.get(index)? as usize;
+        let end = self.line_offsets.get(index + 1).map_or(self.bytes.len(), |next| *next as usize);
         let bytes = self.bytes.get(start..end)?;
         let kept = bytes.iter().rposition(|byte| !matches!(byte, b'\r' | b'\n')).map_or(0, |last| last + 1);
         Some(self.decode(&bytes[..kept]))
@@ -163,17 +167,17 @@ impl Source {
     pub(crate) fn last_line_start(&self) -> usize {
         let blank = |byte: &u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
         let last = self.bytes.iter().rposition(|byte| !blank(byte)).unwrap_or(0);
-        self.lines.iter().rev().map(|start| *start as usize).find(|start| *start <= last).unwrap_or(0)
+        self.line_offsets.iter().rev().map(|start| *start as usize).find(|start| *start <= last).unwrap_or(0)
     }
 
     /// The byte at which a line (from 0) begins.
-    pub(crate) fn start(&self, line: u32) -> usize {
-        self.lines.get(line as usize).map_or(self.bytes.len(), |start| *start as usize)
+    pub(crate) fn line_start(&self, line: u32) -> usize {
+        self.line_offsets.get(line as usize).map_or(self.bytes.len(), |start| *start as usize)
     }
 
     /// The line (from 0) that contains a byte.
     pub(crate) fn line_of(&self, at: usize) -> u32 {
-        self.lines.partition_point(|start| *start as usize <= at).saturating_sub(1) as u32
+        self.line_offsets.partition_point(|start| *start as usize <= at).saturating_sub(1) as u32
     }
 
     /// The byte at which the block with number `n` begins: the next one after byte `at`, else the first in the text.
@@ -183,17 +187,17 @@ impl Source {
                 let index = labels.partition_point(|label| *label < (n, from));
                 labels.get(index).filter(|label| label.0 == n).map(|label| label.1)
             };
-            next(&self.labels).into_iter().chain(next(&self.inner)).min()
+            next(&self.block_numbers).into_iter().chain(next(&self.inner_block_numbers)).min()
         };
         from(at as u32 + 1).or_else(|| from(0)).map(|found| found as usize)
     }
 
-    /// The line of the nearest label after `line` (forward), or at or before it. `name` is its byte range in the text.
-    pub(crate) fn find_label(&self, name: Range<usize>, line: u32, forward: bool) -> Outcome<u32> {
+    /// The line of the nearest label after `line` (forward), or at or before it. `identifier` is its byte range in the text.
+    pub(crate) fn find_label(&self, name: Range<usize>, line: u32, forward: bool) -> ReadResult<u32> {
         let at = name.start;
         let wanted = self.bytes.get(name).unwrap_or_default().to_ascii_uppercase();
-        let from = self.names.partition_point(|(label, at)| (&**label, *at) < (&*wanted, 0));
-        let own = self.names[from..].iter().take_while(|(label, _)| **label == *wanted).map(|(_, at)| *at);
+        let from = self.jump_labels.partition_point(|(label, at)| (&**label, *at) < (&*wanted, 0));
+        let own = self.jump_labels[from..].iter().take_while(|(label, _)| **label == *wanted).map(|(_, at)| *at);
         let found = match forward {
             true => own.clone().find(|at| *at > line),
             false => own.clone().filter(|at| *at <= line).last(),
@@ -202,55 +206,55 @@ impl Source {
             Some(line) => Ok(line),
             None if own.count() > 0 => {
                 let right = if forward { "GOTOB" } else { "GOTOF" };
-                wrong2(at, E::LabelElsewhere, String::from_utf8_lossy(&wanted), right)
+                fail2(at, E::LabelInOtherDirection, String::from_utf8_lossy(&wanted), right)
             }
-            None => wrong1(at, E::MissingLabel, String::from_utf8_lossy(&wanted)),
+            None => fail1(at, E::MissingLabel, String::from_utf8_lossy(&wanted)),
         }
     }
 
     /// The line (from 0) of the only block with number `n`: none if it is missing, an error if there are several.
-    pub(crate) fn only_block(&self, n: u32) -> Result<Option<u32>, ()> {
-        let first = self.labels.partition_point(|label| *label < (n, 0));
-        let is = |index: usize| self.labels.get(index).filter(|label| label.0 == n).map(|label| label.1);
+    pub(crate) fn find_unique_block(&self, n: u32) -> Result<Option<u32>, ()> {
+        let first = self.block_numbers.partition_point(|label| *label < (n, 0));
+        let is = |index: usize| self.block_numbers.get(index).filter(|label| label.0 == n).map(|label| label.1);
         let is = |index: usize| is(index).map(|at| self.line_of(at as usize));
         if is(first + 1).is_some() { Err(()) } else { Ok(is(first)) }
     }
 
     /// The line (from 0) that ends the main program: the first with an M02 (L7).
-    pub(crate) fn main_end(&self) -> Option<u32> {
-        let ends = |line: u32| has_code(&self.bytes[self.start(line)..self.start(line + 1)], b'M', 2);
-        *self.main_end.get_or_init(|| (0..self.lines.len() as u32).find(|line| ends(*line)))
+    pub(crate) fn main_end_line(&self) -> Option<u32> {
+        let ends = |line: u32| has_code(&self.bytes[self.line_start(line)..self.line_start(line + 1)], b'M', 2);
+        *self.main_end_line.get_or_init(|| (0..self.line_offsets.len() as u32).find(|line| ends(*line)))
     }
 
     /// The counted loop that begins in a line (from 0).
-    pub(crate) fn counted_at(&self, line: u32) -> Option<CountedLoop> {
-        let index = self.counted.binary_search_by_key(&line, |found| found.line).ok()?;
-        self.counted.get(index).copied()
+    pub(crate) fn counted_loop_at(&self, line: u32) -> Option<CountedLoop> {
+        let index = self.counted_loops.binary_search_by_key(&line, |found| found.line).ok()?;
+        self.counted_loops.get(index).copied()
     }
 
     /// The first line (from 0) of the counted loop that ends in a line.
-    pub(crate) fn counted_before(&self, end_line: u32) -> Option<u32> {
-        self.counted.iter().find(|found| found.end_line == Some(end_line)).map(|found| found.line)
+    pub(crate) fn counted_loop_start(&self, end_line: u32) -> Option<u32> {
+        self.counted_loops.iter().find(|found| found.end_line == Some(end_line)).map(|found| found.line)
     }
 
     /// Labels that occur more than once: line (from 0) of each occurrence but the first, and the label.
     pub(crate) fn repeated_labels(&self) -> impl Iterator<Item = (u32, &[u8])> {
-        self.names.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| (pair[1].1, &*pair[1].0))
+        self.jump_labels.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| (pair[1].1, &*pair[1].0))
     }
 
     /// The WHILE loop whose block begins at a byte.
-    pub(crate) fn loop_at(&self, at: usize) -> Option<Loop> {
-        let index = self.loops.binary_search_by_key(&(at as u32), |found| found.while_at).ok()?;
-        self.loops.get(index).copied()
+    pub(crate) fn while_loop_at(&self, at: usize) -> Option<WhileLoop> {
+        let index = self.while_loops.binary_search_by_key(&(at as u32), |found| found.while_at).ok()?;
+        self.while_loops.get(index).copied()
     }
 
     /// The line and column of a byte, both from 1.
-    pub(crate) fn place(&self, at: usize, n: Option<u32>) -> (Place, u32) {
+    pub(crate) fn locate(&self, at: usize, n: Option<u32>) -> (BlockLocation, u32) {
         let at = at.min(self.bytes.len());
-        let line = self.lines.partition_point(|start| *start as usize <= at).max(1);
-        let start = self.start(line as u32 - 1);
+        let line = self.line_offsets.partition_point(|start| *start as usize <= at).max(1);
+        let start = self.line_start(line as u32 - 1);
         let column = self.decode(&self.bytes[start.min(at)..at]).chars().count() + 1;
-        (Place { program: self.number, line: line as u32, n }, column as u32)
+        (BlockLocation { program: self.number, line: line as u32, n }, column as u32)
     }
 
     /// Decodes bytes of the text: as UTF-8 if the whole program is valid UTF-8, else as GBK.
@@ -261,67 +265,67 @@ impl Source {
     }
 
     /// The non-ASCII character that begins at a byte, and what to type instead.
-    pub(crate) fn foreign(&self, at: usize) -> Option<(char, String)> {
+    pub(crate) fn foreign_character(&self, at: usize) -> Option<(char, String)> {
         let rest = self.bytes.get(at..(at + 4).min(self.bytes.len()))?;
         let character = self.decode(rest).chars().next()?;
         // Without an ASCII equivalent it belongs in a comment. SINUMERIK comments begin with `;`.
         let end = self.name.rsplit_once('.').map(|(_, end)| end.to_ascii_uppercase());
         let comment = if matches!(end.as_deref(), Some("MPF" | "SPF")) { ";" } else { "( )" };
-        Some((character, ascii_for(character).map_or_else(|| comment.to_owned(), |ascii| format!("'{ascii}'"))))
+        Some((character, ascii_equivalent(character).map_or_else(|| comment.to_owned(), |ascii| format!("'{ascii}'"))))
     }
 
-    fn index(&mut self) {
-        let mut open = Opened::default();
+    fn build_index(&mut self) {
+        let mut open = OpenLoops::default();
         let divided = self.bytes.contains(&b';');
-        for line in 0..self.lines.len() as u32 {
-            let start = self.start(line);
-            let end = self.start(line + 1);
-            let (n, rest) = head(&self.bytes[start..]);
+        for line in 0..self.line_offsets.len() as u32 {
+            let start = self.line_start(line);
+            let end = self.line_start(line + 1);
+            let (n, rest) = block_head(&self.bytes[start..]);
             open.closed = None;
             if let Some(n) = n {
-                self.labels.push((n, start as u32));
+                self.block_numbers.push((n, start as u32));
             }
-            if let Some(name) = label(rest) {
-                self.names.push((name.to_ascii_uppercase().into_boxed_slice(), line));
+            if let Some(name) = leading_label(rest) {
+                self.jump_labels.push((name.to_ascii_uppercase().into_boxed_slice(), line));
             }
             match rest.first() {
                 Some(b'G' | b'g') if is_code(rest, b"G22") => {
-                    open.counted.push(self.counted.len());
-                    self.counted.push(CountedLoop { line, end_line: None });
+                    open.counted.push(self.counted_loops.len());
+                    self.counted_loops.push(CountedLoop { line, end_line: None });
                 }
                 Some(b'G' | b'g') if is_code(rest, b"G80") => {
-                    if let Some(place) = open.counted.pop().and_then(|index| self.counted.get_mut(index)) {
+                    if let Some(place) = open.counted.pop().and_then(|index| self.counted_loops.get_mut(index)) {
                         place.end_line = Some(line);
                     }
                 }
-                Some(b'W' | b'w' | b'E' | b'e') => open.loops(&mut self.loops, rest, start, end),
+                Some(b'W' | b'w' | b'E' | b'e') => open.visit_block(&mut self.while_loops, rest, start, end),
                 _ => {}
             }
             if divided && self.bytes[start..end].contains(&b';') {
-                self.index_behind(start, end, &mut open);
+                self.index_rest_of_line(start, end, &mut open);
             }
         }
-        self.labels.sort();
-        self.inner.sort();
-        self.names.sort();
+        self.block_numbers.sort();
+        self.inner_block_numbers.sort();
+        self.jump_labels.sort();
     }
 
     /// Block numbers and loops behind the `;` of a line.
     #[cold]
-    fn index_behind(&mut self, start: usize, end: usize, open: &mut Opened) {
+    fn index_rest_of_line(&mut self, start: usize, end: usize, open: &mut OpenLoops) {
         let bytes = Arc::clone(&self.bytes);
         let mut at = start;
-        while let Some(next) = statement::behind(&bytes[..end], at, at > start) {
+        while let Some(next) = statement::next_block_on_line(&bytes[..end], at, at > start) {
             // The previous block ends here. If it is an END, this is the block after the loop.
-            let closed = open.closed.and_then(|index| self.loops.get_mut(index));
+            let closed = open.closed.and_then(|index| self.while_loops.get_mut(index));
             if let Some(end) = closed.and_then(|found| found.end.as_mut()) {
-                end.behind = next as u32;
+                end.after = next as u32;
             }
-            let (n, rest) = head(&bytes[next..end]);
+            let (n, rest) = block_head(&bytes[next..end]);
             if let Some(n) = n {
-                self.inner.push((n, next as u32));
+                self.inner_block_numbers.push((n, next as u32));
             }
-            open.loops(&mut self.loops, rest, next, end);
+            open.visit_block(&mut self.while_loops, rest, next, end);
             at = next;
         }
     }
@@ -329,7 +333,7 @@ impl Source {
 
 /// The loops that are open while the text is indexed.
 #[derive(Default)]
-struct Opened {
+struct OpenLoops {
     loops: [usize; LOOP_DEPTH],
     depth: usize,
     /// The loop that the last block closed.
@@ -337,21 +341,21 @@ struct Opened {
     counted: Vec<usize>,
 }
 
-impl Opened {
+impl OpenLoops {
     /// Opens or closes a loop if the block is a WHILE or END. `end` is the end of its line.
-    fn loops(&mut self, loops: &mut Vec<Loop>, block: &[u8], at: usize, end: usize) {
+    fn visit_block(&mut self, loops: &mut Vec<WhileLoop>, block: &[u8], at: usize, end: usize) {
         self.closed = None;
-        if starts(block, b"WHILE") {
+        if starts_with_word(block, b"WHILE") {
             if let Some(place) = self.loops.get_mut(self.depth) {
                 *place = loops.len();
                 self.depth += 1;
             }
-            loops.push(Loop { number: do_number(block), while_at: at as u32, end: None });
-        } else if starts(block, b"END") {
-            let number = digits(&block[3..]).unwrap_or(0) as u8;
+            loops.push(WhileLoop { number: do_number(block), while_at: at as u32, end: None });
+        } else if starts_with_word(block, b"END") {
+            let number = leading_number(&block[3..]).unwrap_or(0) as u8;
             let Some(index) = self.depth.checked_sub(1).map(|top| self.loops[top]) else { return };
             if let Some(place) = loops.get_mut(index).filter(|place| place.number == number) {
-                place.end = Some(LoopEnd { at: at as u32, behind: end as u32 });
+                place.end = Some(LoopEnd { at: at as u32, after: end as u32 });
                 self.closed = Some(index);
                 self.depth -= 1;
             }
@@ -390,7 +394,7 @@ fn line_starts(bytes: &[u8]) -> Vec<u32> {
 }
 
 /// The text after leading spaces and `( )` comments.
-fn blank(mut bytes: &[u8]) -> &[u8] {
+fn after_blanks(mut bytes: &[u8]) -> &[u8] {
     loop {
         let kept = bytes.iter().position(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(bytes.len());
         bytes = &bytes[kept..];
@@ -405,7 +409,7 @@ fn blank(mut bytes: &[u8]) -> &[u8] {
     }
 }
 
-fn starts(bytes: &[u8], word: &[u8]) -> bool {
+fn starts_with_word(bytes: &[u8], word: &[u8]) -> bool {
     bytes.get(..word.len()).is_some_and(|head| head.eq_ignore_ascii_case(word))
 }
 
@@ -417,7 +421,10 @@ fn has_code(line: &[u8], letter: u8, number: u32) -> bool {
             b';' if depth == 0 => return false,
             b'(' => depth += 1,
             b')' => depth = depth.saturating_sub(1),
-            _ if depth == 0 && byte.to_ascii_uppercase() == letter && digits(&line[at + 1..]) == Some(number) => {
+            _ if depth == 0
+                && byte.to_ascii_uppercase() == letter
+                && leading_number(&line[at + 1..]) == Some(number) =>
+            {
                 return true;
             }
             _ => {}
@@ -428,36 +435,36 @@ fn has_code(line: &[u8], letter: u8, number: u32) -> bool {
 
 /// Whether a line begins with a code that no further digit follows.
 fn is_code(bytes: &[u8], word: &[u8]) -> bool {
-    starts(bytes, word) && !bytes.get(word.len()).is_some_and(u8::is_ascii_digit)
+    starts_with_word(bytes, word) && !bytes.get(word.len()).is_some_and(u8::is_ascii_digit)
 }
 
-fn digits(bytes: &[u8]) -> Option<u32> {
-    let bytes = blank(bytes);
+fn leading_number(bytes: &[u8]) -> Option<u32> {
+    let bytes = after_blanks(bytes);
     let count = bytes.iter().take(9).position(|byte| !byte.is_ascii_digit()).unwrap_or(bytes.len().min(9));
     let number = bytes[..count].iter().fold(0, |number, digit| number * 10 + u32::from(digit - b'0'));
     (count > 0).then_some(number)
 }
 
 /// The block number at the start of a line, and the text after it.
-fn head(line: &[u8]) -> (Option<u32>, &[u8]) {
-    let mut rest = blank(line);
+fn block_head(line: &[u8]) -> (Option<u32>, &[u8]) {
+    let mut rest = after_blanks(line);
     if rest.first() == Some(&b'/') {
         if rest.get(1) == Some(&b'/') {
             return (None, &[]);
         }
-        rest = blank(&rest[1..]);
+        rest = after_blanks(&rest[1..]);
     }
     if !matches!(rest.first(), Some(b'N' | b'n')) {
         return (None, rest);
     }
-    let number = digits(&rest[1..]);
-    let rest = blank(&rest[1..]);
+    let number = leading_number(&rest[1..]);
+    let rest = after_blanks(&rest[1..]);
     let kept = rest.iter().position(|byte| !byte.is_ascii_digit()).unwrap_or(rest.len());
-    (number, blank(&rest[kept..]))
+    (number, after_blanks(&rest[kept..]))
 }
 
 /// The identifier at the start of a text: two letters or `_`, then letters, digits and `_`.
-pub(crate) fn name(text: &[u8]) -> Option<&[u8]> {
+pub(crate) fn identifier(text: &[u8]) -> Option<&[u8]> {
     let letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
     if !text.get(..2)?.iter().all(letter) {
         return None;
@@ -467,8 +474,8 @@ pub(crate) fn name(text: &[u8]) -> Option<&[u8]> {
 }
 
 /// The label at the start of a block, before its `:`.
-fn label(text: &[u8]) -> Option<&[u8]> {
-    let name = name(text)?;
+fn leading_label(text: &[u8]) -> Option<&[u8]> {
+    let name = identifier(text)?;
     let after = text[name.len()..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
     (after == Some(&b':')).then_some(name)
 }
@@ -478,11 +485,11 @@ fn do_number(block: &[u8]) -> u8 {
     let end = block.iter().position(|byte| matches!(byte, b'\r' | b'\n' | b';')).unwrap_or(block.len());
     let block = &block[..end];
     let place = block.windows(2).rposition(|pair| pair.eq_ignore_ascii_case(b"DO"));
-    place.and_then(|place| digits(&block[place + 2..])).map_or(0, |number| number.min(255) as u8)
+    place.and_then(|place| leading_number(&block[place + 2..])).map_or(0, |number| number.min(255) as u8)
 }
 
 /// The ASCII equivalent of a full-width or typographic character.
-fn ascii_for(character: char) -> Option<char> {
+fn ascii_equivalent(character: char) -> Option<char> {
     match character {
         '\u{ff01}'..='\u{ff5e}' => char::from_u32(character as u32 - 0xfee0),
         '\u{3000}' | '\u{a0}' => Some(' '),
@@ -500,12 +507,12 @@ fn ascii_for(character: char) -> Option<char> {
 }
 
 /// Whether only `%`, blanks and comments precede a byte.
-pub(crate) fn at_head(text: &[u8], at: usize) -> bool {
+pub(crate) fn is_at_text_head(text: &[u8], at: usize) -> bool {
     let head = text.get(..at).unwrap_or_default();
     let head = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head);
     head.split(|byte| matches!(byte, b'\r' | b'\n')).all(|line| {
-        let line = blank(line);
-        let line = blank(line.strip_prefix(b"%").unwrap_or(line));
+        let line = after_blanks(line);
+        let line = after_blanks(line.strip_prefix(b"%").unwrap_or(line));
         line.is_empty() || line[0] == b';' || line.starts_with(b"//")
     })
 }

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::expression::{Frame, Scope, Value, evaluate, primary, variable, whole};
-use super::fault::{Outcome, wrong, wrong1};
+use super::expression::{CoordinateFrame, Scope, Value, evaluate, primary, variable_number, whole_number};
+use super::fault::{ReadResult, fail, fail1};
 use super::lexer::Cursor;
-use super::words::Words;
+use super::words::BlockWords;
 use crate::defs::program_error::ProgramError as E;
 use crate::units::Axis;
 
@@ -14,10 +14,10 @@ const IF_DEPTH: usize = 8;
 
 /// The content of a block.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Content {
+pub(crate) enum BlockContent {
     /// Empty, a comment, skipped, or an IF whose condition is false.
-    Nothing,
-    /// Words; they are in `Words`.
+    Empty,
+    /// Words; they are in `BlockWords`.
     Words,
     /// `#i = …`; `text` is the comment of #3000 and #3006.
     Assign { variable: u32, value: Value, at: usize, text: Option<Range<usize>> },
@@ -29,15 +29,15 @@ pub(crate) enum Content {
     EndLoop { number: u8, at: usize },
     /// `%`.
     TextEnd { at: usize },
-    /// A jump to a label, forward or backward; `holds`: the condition is true or missing.
+    /// A jump to a label, forward or backward; `is_true`: the condition is true or missing.
     Jump { label: Range<usize>, forward: bool, holds: bool },
     /// A message that stays until the next one; an empty one clears it.
-    Note { text: Range<usize> },
+    DisplayMessage { text: Range<usize> },
 }
 
 /// Context for reading a block.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Head {
+pub(crate) struct ReadOptions {
     /// A block of the same line was already read, up to a `;`.
     pub mid_line: bool,
     /// The 跳段 (block skip) switch.
@@ -46,184 +46,194 @@ pub(crate) struct Head {
 
 /// Reads one block. Afterwards the cursor is at the line end, or after a `;` that another block follows.
 #[inline]
-pub(crate) fn read<S: Scope>(
+pub(crate) fn read_block<S: Scope>(
     cursor: &mut Cursor<'_>,
     scope: &mut S,
-    words: &mut Words,
-    head: Head,
-) -> Outcome<Content> {
+    words: &mut BlockWords,
+    head: ReadOptions,
+) -> ReadResult<BlockContent> {
     words.clear();
     let content = loop {
-        cursor.blank()?;
+        cursor.skip_blanks()?;
         match cursor.peek() {
-            b'\r' | b'\n' => break Content::Nothing,
-            b'/' if cursor.peek_at(1) == b'/' => break Content::Nothing,
+            b'\r' | b'\n' => break BlockContent::Empty,
+            b'/' if cursor.peek_at(1) == b'/' => break BlockContent::Empty,
             b'/' => {
                 cursor.at += 1;
                 if head.block_skip {
-                    cursor.rest_of_line();
-                    return Ok(Content::Nothing);
+                    cursor.skip_rest_of_line();
+                    return Ok(BlockContent::Empty);
                 }
             }
             b';' if !head.mid_line => {
-                cursor.rest_of_line();
-                return Ok(Content::Nothing);
+                cursor.skip_rest_of_line();
+                return Ok(BlockContent::Empty);
             }
-            b'N' | b'n' if words.n.is_none() => words.n = Some(block_number(cursor)?),
-            _ => break body(cursor, scope, words, 0)?,
+            b'N' | b'n' if words.block_number.is_none() => words.block_number = Some(block_number(cursor)?),
+            _ => break read_body(cursor, scope, words, 0)?,
         }
     };
-    tail(cursor)?;
+    read_block_end(cursor)?;
     Ok(content)
 }
 
 /// Whether another block follows on the line, behind a `;`.
 #[inline]
-pub(crate) fn goes_on(cursor: &Cursor<'_>) -> bool {
-    !cursor.at_line_end() && !cursor.is_over()
+pub(crate) fn line_continues(cursor: &Cursor<'_>) -> bool {
+    !cursor.at_line_end() && !cursor.is_at_end()
 }
 
 #[inline]
-fn block_number(cursor: &mut Cursor<'_>) -> Outcome<u32> {
+fn block_number(cursor: &mut Cursor<'_>) -> ReadResult<u32> {
     let at = cursor.at;
     cursor.at += 1;
-    cursor.blank()?;
+    cursor.skip_blanks()?;
     if !cursor.at_number() {
-        return wrong1(at, E::MissingNumber, "N");
+        return fail1(at, E::MissingNumber, "N");
     }
-    let number = cursor.number()?;
-    if number.point || number.value > f64::from(u32::MAX) {
-        return wrong1(at, E::NotWhole, "N");
+    let number = cursor.read_number()?;
+    if number.has_point || number.value > f64::from(u32::MAX) {
+        return fail1(at, E::NotWhole, "N");
     }
     Ok(number.value as u32)
 }
 
-fn body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words, depth: usize) -> Outcome<Content> {
+fn read_body<S: Scope>(
+    cursor: &mut Cursor<'_>,
+    scope: &mut S,
+    words: &mut BlockWords,
+    depth: usize,
+) -> ReadResult<BlockContent> {
     let at = cursor.at;
     match cursor.peek() {
-        b'#' => assign(cursor, scope),
+        b'#' => read_assignment(cursor, scope),
         // DECISION: the end mark of old DOS texts (0x1A) ends a text as `%` does.
         b'%' | 0x1a => {
             cursor.at += 1;
-            Ok(Content::TextEnd { at })
+            Ok(BlockContent::TextEnd { at })
         }
-        b'I' | b'i' if cursor.keyword("IF") => condition(cursor, scope, words, depth),
-        b'W' | b'w' if cursor.keyword("WHILE") => {
-            let holds = holds(evaluate(cursor, scope)?);
-            cursor.blank()?;
-            if !cursor.keyword("DO") {
-                return wrong1(cursor.at, E::BadStatement, "WHILE […] DO m");
+        b'I' | b'i' if cursor.accept_keyword("IF") => read_if(cursor, scope, words, depth),
+        b'W' | b'w' if cursor.accept_keyword("WHILE") => {
+            let holds = is_true(evaluate(cursor, scope)?);
+            cursor.skip_blanks()?;
+            if !cursor.accept_keyword("DO") {
+                return fail1(cursor.at, E::BadStatement, "WHILE […] DO m");
             }
-            Ok(Content::While { holds, number: loop_number(cursor)?, at })
+            Ok(BlockContent::While { holds, number: loop_number(cursor)?, at })
         }
-        b'E' | b'e' if cursor.keyword("END") => Ok(Content::EndLoop { number: loop_number(cursor)?, at }),
-        b'G' | b'g' if cursor.keyword("GOTO") => {
-            cursor.blank()?;
+        b'E' | b'e' if cursor.accept_keyword("END") => Ok(BlockContent::EndLoop { number: loop_number(cursor)?, at }),
+        b'G' | b'g' if cursor.accept_keyword("GOTO") => {
+            cursor.skip_blanks()?;
             if matches!(cursor.peek(), b'N' | b'n') {
                 cursor.at += 1;
-                cursor.blank()?;
+                cursor.skip_blanks()?;
             }
             if !(cursor.at_number() || matches!(cursor.peek(), b'#' | b'[')) {
-                return wrong1(at, E::MissingNumber, "GOTO");
+                return fail1(at, E::MissingNumber, "GOTO");
             }
             let target = primary(cursor, scope)?;
-            if target.is_none() && !S::STRICT {
-                return Ok(Content::Goto { n: 0, at });
+            if target.is_none() && !S::HAS_VALUES {
+                return Ok(BlockContent::Goto { n: 0, at });
             }
-            match whole(target.unwrap_or(0.0)).map(u32::try_from) {
-                Some(Ok(n)) => Ok(Content::Goto { n, at }),
-                Some(Err(_)) | None => wrong1(at, E::NotWhole, "GOTO"),
+            match whole_number(target.unwrap_or(0.0)).map(u32::try_from) {
+                Some(Ok(n)) => Ok(BlockContent::Goto { n, at }),
+                Some(Err(_)) | None => fail1(at, E::NotWhole, "GOTO"),
             }
         }
         byte if byte.is_ascii_alphabetic() => {
             words.read(cursor, scope)?;
-            Ok(Content::Words)
+            Ok(BlockContent::Words)
         }
-        b';' | b'\r' | b'\n' => Ok(Content::Nothing),
+        b';' | b'\r' | b'\n' => Ok(BlockContent::Empty),
         _ => cursor.unexpected(),
     }
 }
 
-fn holds(value: Value) -> bool {
+fn is_true(value: Value) -> bool {
     value.is_some_and(|value| value.abs() > 1e-12)
 }
 
-fn loop_number(cursor: &mut Cursor<'_>) -> Outcome<u8> {
-    cursor.blank()?;
+fn loop_number(cursor: &mut Cursor<'_>) -> ReadResult<u8> {
+    cursor.skip_blanks()?;
     let at = cursor.at;
     if !cursor.at_number() {
-        return wrong1(at, E::DoNumber, "");
+        return fail1(at, E::DoNumber, "");
     }
-    let number = cursor.number()?;
-    match whole(number.value) {
+    let number = cursor.read_number()?;
+    match whole_number(number.value) {
         Some(number @ 1..=3) => Ok(number as u8),
-        Some(_) | None => wrong1(at, E::DoNumber, number.value.to_string()),
+        Some(_) | None => fail1(at, E::DoNumber, number.value.to_string()),
     }
 }
 
-fn condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words, depth: usize) -> Outcome<Content> {
+fn read_if<S: Scope>(
+    cursor: &mut Cursor<'_>,
+    scope: &mut S,
+    words: &mut BlockWords,
+    depth: usize,
+) -> ReadResult<BlockContent> {
     if depth >= IF_DEPTH {
-        return wrong(cursor.at, E::TooComplex);
+        return fail(cursor.at, E::TooComplex);
     }
-    let holds = holds(evaluate(cursor, scope)?);
-    cursor.blank()?;
+    let holds = is_true(evaluate(cursor, scope)?);
+    cursor.skip_blanks()?;
     let then = cursor.at;
-    let thens = cursor.keyword("THEN");
-    cursor.blank()?;
+    let thens = cursor.accept_keyword("THEN");
+    cursor.skip_blanks()?;
     let at = cursor.at;
     let jumps = matches!(cursor.peek(), b'G' | b'g') && matches!(cursor.peek_at(1), b'O' | b'o');
     if !(thens || jumps) {
-        return wrong1(then, E::BadStatement, "IF […] GOTO n / THEN");
+        return fail1(then, E::BadStatement, "IF […] GOTO n / THEN");
     }
     let content = if holds {
-        body(cursor, scope, words, depth + 1)?
+        read_body(cursor, scope, words, depth + 1)?
     } else {
         // The rest is still read, to report mistakes and to find a block after `;`.
-        let n = words.n;
-        let content = body(cursor, &mut Blank, words, depth + 1)?;
+        let n = words.block_number;
+        let content = read_body(cursor, &mut SyntaxOnlyScope, words, depth + 1)?;
         words.clear();
-        words.n = n;
+        words.block_number = n;
         content
     };
     match content {
-        Content::Nothing
-        | Content::While { .. }
-        | Content::EndLoop { .. }
-        | Content::TextEnd { .. }
-        | Content::Jump { .. }
-        | Content::Note { .. }
+        BlockContent::Empty
+        | BlockContent::While { .. }
+        | BlockContent::EndLoop { .. }
+        | BlockContent::TextEnd { .. }
+        | BlockContent::Jump { .. }
+        | BlockContent::DisplayMessage { .. }
             if depth == 0 || holds =>
         {
-            if matches!(content, Content::Nothing) && at < cursor.at {
-                return Ok(Content::Nothing);
+            if matches!(content, BlockContent::Empty) && at < cursor.at {
+                return Ok(BlockContent::Empty);
             }
-            wrong1(at, E::BadStatement, "IF […] THEN")
+            fail1(at, E::BadStatement, "IF […] THEN")
         }
         content if holds => Ok(content),
-        _ => Ok(Content::Nothing),
+        _ => Ok(BlockContent::Empty),
     }
 }
 
-fn assign<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<Content> {
+fn read_assignment<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<BlockContent> {
     let at = cursor.at;
-    let variable = variable(cursor, scope)?;
-    cursor.blank()?;
+    let variable = variable_number(cursor, scope)?;
+    cursor.skip_blanks()?;
     if cursor.peek() != b'=' || cursor.peek_at(1) == b'=' {
-        return wrong1(cursor.at, E::BadStatement, "#i = …");
+        return fail1(cursor.at, E::BadStatement, "#i = …");
     }
     cursor.at += 1;
-    cursor.blank()?;
+    cursor.skip_blanks()?;
     let start = cursor.at;
     if matches!(cursor.peek(), b'\r' | b'\n' | b';') {
-        return wrong1(at, E::MissingNumber, format!("#{variable}="));
+        return fail1(at, E::MissingNumber, format!("#{variable}="));
     }
     let value = evaluate(cursor, scope)?;
-    cursor.blank()?;
-    let text = matches!(variable, 3000 | 3006).then(|| comment(cursor, start)).flatten();
-    Ok(Content::Assign { variable, value, at, text })
+    cursor.skip_blanks()?;
+    let text = matches!(variable, 3000 | 3006).then(|| comment_text(cursor, start)).flatten();
+    Ok(BlockContent::Assign { variable, value, at, text })
 }
 
-fn comment(cursor: &Cursor<'_>, start: usize) -> Option<Range<usize>> {
+fn comment_text(cursor: &Cursor<'_>, start: usize) -> Option<Range<usize>> {
     let read = cursor.text.get(start..cursor.at)?;
     let open = read.iter().position(|byte| *byte == b'(')? + 1;
     let length = read[open..].iter().position(|byte| *byte == b')')?;
@@ -232,24 +242,24 @@ fn comment(cursor: &Cursor<'_>, start: usize) -> Option<Range<usize>> {
 
 /// Reads the end of a block: line end, comment, or `;` with another block.
 #[inline]
-fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
+fn read_block_end(cursor: &mut Cursor<'_>) -> ReadResult<()> {
     match cursor.peek() {
         b'\r' | b'\n' => Ok(()),
         b';' => {
             cursor.at += 1;
             if !is_block(*cursor) {
-                cursor.rest_of_line();
+                cursor.skip_rest_of_line();
             }
             Ok(())
         }
         b'/' if cursor.peek_at(1) == b'/' => {
-            cursor.rest_of_line();
+            cursor.skip_rest_of_line();
             Ok(())
         }
         // After GOTO 40, DO1 and END1.
         b' ' | b'\t' | b'(' => {
-            cursor.blank()?;
-            tail(cursor)
+            cursor.skip_blanks()?;
+            read_block_end(cursor)
         }
         _ => cursor.unexpected(),
     }
@@ -259,34 +269,34 @@ fn tail(cursor: &mut Cursor<'_>) -> Outcome<()> {
 /// Everything else is a comment. A check warns of such a block.
 #[cold]
 fn is_block(mut cursor: Cursor<'_>) -> bool {
-    let mut words = Words::default();
-    while cursor.take(b';') || cursor.take(b' ') {}
-    let said = block(&mut cursor, &mut words);
-    let closed = cursor.blank().is_ok() && matches!(cursor.peek(), b'\r' | b'\n' | b';');
-    closed && words.bare.is_none() && matches!(said, Ok(true))
+    let mut words = BlockWords::default();
+    while cursor.accept(b';') || cursor.accept(b' ') {}
+    let said = read_syntax_only(&mut cursor, &mut words);
+    let closed = cursor.skip_blanks().is_ok() && matches!(cursor.peek(), b'\r' | b'\n' | b';');
+    closed && words.address_only.is_none() && matches!(said, Ok(true))
 }
 
 /// Checks the syntax of a block with its `/` and its number; returns whether it contains anything else. An IF counts
 /// even if its condition is false.
-fn block(cursor: &mut Cursor<'_>, words: &mut Words) -> Outcome<bool> {
-    cursor.blank()?;
+fn read_syntax_only(cursor: &mut Cursor<'_>, words: &mut BlockWords) -> ReadResult<bool> {
+    cursor.skip_blanks()?;
     if cursor.peek() == b'/' && cursor.peek_at(1) != b'/' {
         cursor.at += 1;
-        cursor.blank()?;
+        cursor.skip_blanks()?;
     }
     if matches!(cursor.peek(), b'N' | b'n') {
-        words.n = Some(block_number(cursor)?);
-        cursor.blank()?;
+        words.block_number = Some(block_number(cursor)?);
+        cursor.skip_blanks()?;
     }
     let at = cursor.at;
-    body(cursor, &mut Blank, words, 0)?;
+    read_body(cursor, &mut SyntaxOnlyScope, words, 0)?;
     Ok(cursor.at > at)
 }
 
 /// The start of the block after the next `;`, for the block that begins at `at`; `text` ends with its line.
-pub(crate) fn behind(text: &[u8], at: usize, mid_line: bool) -> Option<usize> {
+pub(crate) fn next_block_on_line(text: &[u8], at: usize, mid_line: bool) -> Option<usize> {
     let mut cursor = Cursor::window(text, at);
-    cursor.blank().ok()?;
+    cursor.skip_blanks().ok()?;
     if cursor.peek() == b';' && !mid_line {
         return None;
     }
@@ -295,22 +305,22 @@ pub(crate) fn behind(text: &[u8], at: usize, mid_line: bool) -> Option<usize> {
             return None;
         }
         cursor.at += 1;
-        cursor.blank().ok()?;
+        cursor.skip_blanks().ok()?;
     }
-    (cursor.take(b';') && is_block(cursor)).then_some(cursor.at)
+    (cursor.accept(b';') && is_block(cursor)).then_some(cursor.at)
 }
 
 /// A scope without values, for syntax checks.
-pub(crate) struct Blank;
+pub(crate) struct SyntaxOnlyScope;
 
-impl Scope for Blank {
-    const STRICT: bool = false;
+impl Scope for SyntaxOnlyScope {
+    const HAS_VALUES: bool = false;
 
-    fn read(&mut self, _number: u32, _at: usize) -> Outcome<Value> {
+    fn read(&mut self, _number: u32, _at: usize) -> ReadResult<Value> {
         Ok(None)
     }
 
-    fn axis_position(&mut self, _axis: Axis, _frame: Frame, _at: usize) -> Outcome<Value> {
+    fn axis_position(&mut self, _axis: Axis, _frame: CoordinateFrame, _at: usize) -> ReadResult<Value> {
         Ok(None)
     }
 

@@ -34,7 +34,7 @@ impl Checksum {
 
 /// The checksum of some bytes.
 #[must_use]
-pub fn of(bytes: &[u8]) -> u64 {
+pub fn checksum(bytes: &[u8]) -> u64 {
     Checksum::new().add(bytes).finish()
 }
 
@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn the_value_never_changes() {
-        assert_eq!(of(b""), 0xefd0_1f60_ba99_2926);
-        assert_ne!(of(b"#500=1"), of(b"#500=2"));
+        assert_eq!(checksum(b""), 0xefd0_1f60_ba99_2926);
+        assert_ne!(checksum(b"#500=1"), checksum(b"#500=2"));
     }
 }

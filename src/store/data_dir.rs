@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 
-use super::fault::IoFault;
+use super::io_fault::IoFault;
 
 /// Why there is no usable data directory.
 #[derive(Debug, thiserror::Error)]
@@ -35,7 +35,7 @@ impl DataDir {
             None => ProjectDirs::from("", "", "kt830").ok_or(DataDirError::NoPlace)?.data_dir().to_path_buf(),
         };
         let found = Self { root };
-        for folder in [found.root(), &found.programs(), &found.screens(), &found.backups(), &found.prints()] {
+        for folder in [found.root(), &found.programs(), &found.screens(), &found.backups(), &found.screenshots()] {
             fs::create_dir_all(folder).map_err(IoFault::at(folder, "create"))?;
             // Fail now rather than while a part is being ground.
             tempfile::tempfile_in(folder).map_err(IoFault::at(folder, "write in"))?;
@@ -69,7 +69,7 @@ impl DataDir {
 
     /// Screenshots (K7.8).
     #[must_use]
-    pub fn prints(&self) -> PathBuf {
+    pub fn screenshots(&self) -> PathBuf {
         self.root.join("prints")
     }
 }

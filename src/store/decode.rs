@@ -42,7 +42,7 @@ fn remedy(utf16: bool) -> &'static str {
 
 /// Decodes a file: as UTF-8 if all bytes are valid, otherwise as GBK.
 ///
-/// DECISION: without a byte order mark, UTF-8 with letters that no workshop uses counts as GBK (`hardly_utf8`).
+/// DECISION: without a byte order mark, UTF-8 with letters that no workshop uses counts as GBK (`is_unlikely_utf8`).
 ///
 /// # Errors
 /// The first bytes that are invalid in both. A file with a UTF-8 byte order mark must be UTF-8.
@@ -53,8 +53,8 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
     let utf8_end = match std::str::from_utf8(body) {
         Ok(text) => {
             if marked.is_none()
-                && hardly_utf8(text)
-                && let Ok(text) = gbk(body)
+                && is_unlikely_utf8(text)
+                && let Ok(text) = decode_gbk(body)
             {
                 return Ok(Decoded { text, encoding: Encoding::Gbk });
             }
@@ -63,23 +63,23 @@ pub fn decode(bytes: &[u8]) -> Result<Decoded, DecodeError> {
         Err(wrong) => wrong.valid_up_to(),
     };
     if marked.is_some() {
-        return Err(place(body, utf8_end));
+        return Err(error_at(body, utf8_end));
     }
     // Up to the later of the two positions one of the encodings was valid.
-    gbk(body)
+    decode_gbk(body)
         .map(|text| Decoded { text, encoding: Encoding::Gbk })
-        .map_err(|gbk_end| place(body, gbk_end.max(utf8_end)))
+        .map_err(|gbk_end| error_at(body, gbk_end.max(utf8_end)))
 }
 
 /// Whether valid UTF-8 is a coincidence: the GBK bytes of 砂 are also ɰ in UTF-8. Chinese characters (three bytes in
 /// UTF-8) prove UTF-8; so does a text with Latin, Greek and Cyrillic letters only, including `±` and `µ`.
-fn hardly_utf8(text: &str) -> bool {
+fn is_unlikely_utf8(text: &str) -> bool {
     let odd = |c: char| matches!(c, '\u{180}'..='\u{36F}' | '\u{480}'..='\u{7FF}');
     text.contains(odd) && text.chars().all(|c| c < '\u{800}')
 }
 
 /// Decodes GBK; the error is the position of the first invalid byte.
-fn gbk(bytes: &[u8]) -> Result<String, usize> {
+fn decode_gbk(bytes: &[u8]) -> Result<String, usize> {
     let mut decoder = GBK.new_decoder_without_bom_handling();
     let mut text = String::with_capacity(decoder.max_utf8_buffer_length(bytes.len()).unwrap_or(bytes.len() * 3));
     let (result, read) = decoder.decode_to_string_without_replacement(bytes, &mut text, true);
@@ -92,7 +92,7 @@ fn gbk(bytes: &[u8]) -> Result<String, usize> {
 }
 
 /// The error at an offset, with line and byte column. LF, CRLF and CR alone end a line (B1).
-fn place(bytes: &[u8], offset: usize) -> DecodeError {
+fn error_at(bytes: &[u8], offset: usize) -> DecodeError {
     let offset = offset.min(bytes.len().saturating_sub(1));
     let (mut line, mut start) = (1, 0);
     for (at, byte) in bytes[..offset].iter().enumerate() {

@@ -9,13 +9,13 @@ pub const PICTURE_LIMIT: u64 = 1024 * 1024;
 
 /// Part programs `O1001.NC` (B1).
 pub const PROGRAM: FileClass =
-    FileClass { letter: 'O', extensions: &["NC"], limit: PROGRAM_LIMIT, comment: CommentIs::FirstComment };
+    FileClass { letter: 'O', extensions: &["NC"], limit: PROGRAM_LIMIT, comment_source: CommentSource::FirstComment };
 /// Page texts `C0001.TXT`; `C0001.NC` is used only without it (K7.3).
 pub const PAGE_TEXT: FileClass =
-    FileClass { letter: 'C', extensions: &["TXT", "NC"], limit: PAGE_TEXT_LIMIT, comment: CommentIs::Title };
+    FileClass { letter: 'C', extensions: &["TXT", "NC"], limit: PAGE_TEXT_LIMIT, comment_source: CommentSource::Title };
 /// Pictures `B0001.BMP` (K7.3).
 pub const PICTURE: FileClass =
-    FileClass { letter: 'B', extensions: &["BMP"], limit: PICTURE_LIMIT, comment: CommentIs::None };
+    FileClass { letter: 'B', extensions: &["BMP"], limit: PICTURE_LIMIT, comment_source: CommentSource::None };
 
 /// A type of file: its names and its maximum size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,12 +27,12 @@ pub struct FileClass {
     /// Maximum size, bytes.
     pub limit: u64,
     /// Source of the comment in the directory.
-    pub comment: CommentIs,
+    pub comment_source: CommentSource,
 }
 
 /// Source of the comment line of a directory entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CommentIs {
+pub enum CommentSource {
     /// The first `( )` or `;` comment at the start of the file, as in programs.
     FirstComment,
     /// The text up to the first `;`, as in page texts (K7.4).
@@ -49,7 +49,7 @@ pub(super) const LARGEST_NUMBER: u16 = 9999;
 impl FileClass {
     /// The file name for a number, as written by this control: `O1001.NC`.
     #[must_use]
-    pub fn name(&self, number: u16) -> String {
+    pub fn file_name(&self, number: u16) -> String {
         let extension = self.extensions.first().copied().unwrap_or_default();
         format!("{}{number:04}.{extension}", self.letter)
     }
@@ -71,10 +71,10 @@ impl FileClass {
 
     /// The comment line of a file that starts with `head`.
     pub(super) fn comment_in(&self, head: &str) -> String {
-        match self.comment {
-            CommentIs::FirstComment => first_comment(head),
-            CommentIs::Title => head.split([';', '；']).next().unwrap_or_default().trim().to_owned(),
-            CommentIs::None => String::new(),
+        match self.comment_source {
+            CommentSource::FirstComment => first_comment(head),
+            CommentSource::Title => head.split([';', '；']).next().unwrap_or_default().trim().to_owned(),
+            CommentSource::None => String::new(),
         }
     }
 }
@@ -109,7 +109,7 @@ mod tests {
         {
             assert_eq!(PROGRAM.parse(other), None, "{other}");
         }
-        assert_eq!(PROGRAM.name(7), "O0007.NC");
+        assert_eq!(PROGRAM.file_name(7), "O0007.NC");
     }
 
     #[test]

@@ -6,11 +6,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::fault::IoFault;
+use super::atomic_file::{self, ReadError, TEMPORARY_NAME};
 use super::file_class::{FileClass, LARGEST_NUMBER};
-use super::listing::{self, Entry, Listing};
-use super::whole_file::{self, ReadError, UNFINISHED};
-use crate::defs::text::Said;
+use super::io_fault::IoFault;
+use super::listing::{self, FolderEntry, FolderListing};
+use crate::defs::text::LocalizedText;
 
 /// Why a file was not read, written, renamed or deleted. Nothing was changed.
 #[derive(Debug, thiserror::Error)]
@@ -39,7 +39,7 @@ pub enum FolderError {
     },
     /// A link, folder or device has that name.
     #[error("{}: a link, folder or device; put the file itself there", .path.display())]
-    NotPlain {
+    NotRegular {
         /// The path.
         path: PathBuf,
     },
@@ -55,7 +55,7 @@ pub enum FolderError {
     },
     /// It changed while it was read.
     #[error("{}: still being written; wait until it is copied and try again", .path.display())]
-    Changing {
+    BeingWritten {
         /// The path.
         path: PathBuf,
     },
@@ -73,30 +73,30 @@ pub enum FolderError {
 impl FolderError {
     /// The message for the screen; it names the file without its folder.
     #[must_use]
-    pub fn said(&self) -> Said {
-        let two = |zh: String, en: String| Said::new(zh, en);
+    pub fn message(&self) -> LocalizedText {
+        let two = |zh: String, en: String| LocalizedText::new(zh, en);
         match self {
             Self::Missing { name, .. } => two(format!("{name} 不存在"), format!("{name} is not there")),
             Self::Exists { path } => {
-                let name = shown(path);
+                let name = file_name(path);
                 two(format!("{name} 已存在，请换一个号"), format!("{name} is there already: choose another number"))
             }
             Self::TooLarge { path, size, limit } => {
-                let name = shown(path);
+                let name = file_name(path);
                 two(
                     format!("{name} 太大：{size} 字节，最多 {limit}"),
                     format!("{name} is too large: {size} bytes, {limit} at most"),
                 )
             }
-            Self::NotPlain { path } => {
-                let name = shown(path);
+            Self::NotRegular { path } => {
+                let name = file_name(path);
                 two(
                     format!("{name} 是链接或目录，请换成文件本身"),
                     format!("{name} is a link or a folder: put the file itself there"),
                 )
             }
-            Self::Changing { path } => {
-                let name = shown(path);
+            Self::BeingWritten { path } => {
+                let name = file_name(path);
                 two(
                     format!("{name} 正在被写入，请稍后再试"),
                     format!("{name} is still being written: wait and try again"),
@@ -117,7 +117,7 @@ impl FolderError {
 
 /// A file's name and content.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Read {
+pub struct FileContent {
     /// The name on the disk, for messages.
     pub name: String,
     /// The content.
@@ -147,7 +147,7 @@ impl Folder {
     ///
     /// # Errors
     /// The folder cannot be listed.
-    pub fn list(&self, class: &FileClass) -> Result<Listing, FolderError> {
+    pub fn list(&self, class: &FileClass) -> Result<FolderListing, FolderError> {
         Ok(listing::list(&self.path, class)?)
     }
 
@@ -155,28 +155,28 @@ impl Folder {
     ///
     /// # Errors
     /// [`FolderError::Missing`], or the folder cannot be listed.
-    pub fn find(&self, class: &FileClass, number: u16) -> Result<Entry, FolderError> {
+    pub fn find(&self, class: &FileClass, number: u16) -> Result<FolderEntry, FolderError> {
         let (mut found, _) = listing::scan(&self.path, class)?;
         let found = found.remove(&number).ok_or_else(|| self.missing(class, number))?;
-        Ok(listing::entry(&self.path, class, number, found))
+        Ok(listing::folder_entry(&self.path, class, number, found))
     }
 
     /// Reads the file with a number.
     ///
     /// # Errors
     /// It is missing, not a regular file, larger than its class allows, still being written, or unreadable.
-    pub fn read(&self, class: &FileClass, number: u16) -> Result<Read, FolderError> {
+    pub fn read(&self, class: &FileClass, number: u16) -> Result<FileContent, FolderError> {
         let path = self.existing(class, number)?;
-        Ok(Read { name: shown(&path), bytes: read_plain(&path, class.limit)? })
+        Ok(FileContent { name: file_name(&path), bytes: read_regular_file(&path, class.limit)? })
     }
 
     /// Reads a file by its exact name, at most `class.limit` bytes.
     ///
     /// # Errors
     /// As [`Folder::read`]; also for a name with a separator or `..`.
-    pub fn read_named(&self, class: &FileClass, name: &str) -> Result<Read, FolderError> {
-        let path = self.path.join(plain_name(class, name)?);
-        Ok(Read { name: name.to_owned(), bytes: read_plain(&path, class.limit)? })
+    pub fn read_named(&self, class: &FileClass, name: &str) -> Result<FileContent, FolderError> {
+        let path = self.path.join(check_plain_name(class, name)?);
+        Ok(FileContent { name: name.to_owned(), bytes: read_regular_file(&path, class.limit)? })
     }
 
     /// Writes or replaces a file by its exact name. After a power cut it is the old or the new file. Returns its name.
@@ -184,17 +184,17 @@ impl Folder {
     /// # Errors
     /// As [`Folder::write`]; also for a name with a separator or `..`.
     pub fn write_named(&self, class: &FileClass, name: &str, bytes: &[u8]) -> Result<String, FolderError> {
-        let path = self.path.join(plain_name(class, name)?);
+        let path = self.path.join(check_plain_name(class, name)?);
         match fs::symlink_metadata(&path) {
-            Ok(told) if !told.is_file() => return Err(FolderError::NotPlain { path }),
+            Ok(told) if !told.is_file() => return Err(FolderError::NotRegular { path }),
             Ok(_) | Err(_) => {}
         }
         let size = bytes.len() as u64;
         if size > class.limit {
             return Err(FolderError::TooLarge { path, size, limit: class.limit });
         }
-        whole_file::replace(&path, bytes)?;
-        Ok(shown(&path))
+        atomic_file::replace(&path, bytes)?;
+        Ok(file_name(&path))
     }
 
     /// Writes or replaces the file with a number. After a power cut it is the old or the new file. Returns its name.
@@ -204,15 +204,15 @@ impl Folder {
     pub fn write(&self, class: &FileClass, number: u16, bytes: &[u8]) -> Result<String, FolderError> {
         let path = match self.existing(class, number) {
             Ok(path) => path,
-            Err(FolderError::Missing { .. }) => self.canonical(class, number)?,
+            Err(FolderError::Missing { .. }) => self.new_path(class, number)?,
             Err(other) => return Err(other),
         };
         let size = bytes.len() as u64;
         if size > class.limit {
             return Err(FolderError::TooLarge { path, size, limit: class.limit });
         }
-        whole_file::replace(&path, bytes)?;
-        Ok(shown(&path))
+        atomic_file::replace(&path, bytes)?;
+        Ok(file_name(&path))
     }
 
     /// Deletes a file by its exact name.
@@ -220,10 +220,10 @@ impl Folder {
     /// # Errors
     /// It is missing, or a disk error.
     pub fn delete_named(&self, class: &FileClass, name: &str) -> Result<(), FolderError> {
-        let path = self.path.join(plain_name(class, name)?);
-        read_plain(&path, class.limit)?;
+        let path = self.path.join(check_plain_name(class, name)?);
+        read_regular_file(&path, class.limit)?;
         fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?;
-        Ok(whole_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
+        Ok(atomic_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
     }
 
     /// Copies a file to a free number and returns the new name.
@@ -242,10 +242,10 @@ impl Folder {
     /// It is missing, the number is in use, or a disk error.
     pub fn rename(&self, class: &FileClass, from: u16, to: u16) -> Result<String, FolderError> {
         self.refuse_taken(class, to)?;
-        let (old, new) = (self.existing(class, from)?, self.canonical(class, to)?);
+        let (old, new) = (self.existing(class, from)?, self.new_path(class, to)?);
         fs::rename(&old, &new).map_err(IoFault::at(&old, "rename"))?;
-        whole_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?;
-        Ok(shown(&new))
+        atomic_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?;
+        Ok(file_name(&new))
     }
 
     /// Deletes the file with a number. A file that it hid (`.NC` behind `.TXT`) becomes valid.
@@ -255,20 +255,20 @@ impl Folder {
     pub fn delete(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
         let path = self.existing(class, number)?;
         fs::remove_file(&path).map_err(IoFault::at(&path, "delete"))?;
-        Ok(whole_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
+        Ok(atomic_file::flush_folder(&self.path).map_err(IoFault::at(&self.path, "flush"))?)
     }
 
     /// Deletes temporary files left by a power cut; call once at start. Returns their number.
     ///
     /// # Errors
     /// The folder cannot be listed, or a disk error.
-    pub fn remove_unfinished(&self) -> Result<usize, FolderError> {
+    pub fn remove_temporary(&self) -> Result<usize, FolderError> {
         let mut removed = 0;
         for entry in fs::read_dir(&self.path).map_err(IoFault::at(&self.path, "list"))? {
             let entry = entry.map_err(IoFault::at(&self.path, "list"))?;
             let name = entry.file_name();
             let name = name.to_string_lossy();
-            if name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1) {
+            if name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1) {
                 fs::remove_file(entry.path()).map_err(IoFault::at(&entry.path(), "delete"))?;
                 removed += 1;
             }
@@ -284,17 +284,17 @@ impl Folder {
         }
         let same = |name: &str| class.parse(name).is_some_and(|(other, _)| other == number);
         match ignored.into_iter().find(|ignored| same(&ignored.name)) {
-            Some(odd) => Err(FolderError::NotPlain { path: self.path.join(odd.name) }),
+            Some(odd) => Err(FolderError::NotRegular { path: self.path.join(odd.name) }),
             None => Err(self.missing(class, number)),
         }
     }
 
     /// The path of a new file.
-    fn canonical(&self, class: &FileClass, number: u16) -> Result<PathBuf, FolderError> {
+    fn new_path(&self, class: &FileClass, number: u16) -> Result<PathBuf, FolderError> {
         if number > LARGEST_NUMBER {
             return Err(FolderError::BadNumber { number });
         }
-        Ok(self.path.join(class.name(number)))
+        Ok(self.path.join(class.file_name(number)))
     }
 
     fn refuse_taken(&self, class: &FileClass, number: u16) -> Result<(), FolderError> {
@@ -306,30 +306,30 @@ impl Folder {
     }
 
     fn missing(&self, class: &FileClass, number: u16) -> FolderError {
-        FolderError::Missing { name: class.name(number), folder: self.path.clone() }
+        FolderError::Missing { name: class.file_name(number), folder: self.path.clone() }
     }
 }
 
 /// Checks that a name cannot lead out of the folder on any operating system.
-fn plain_name<'a>(class: &FileClass, name: &'a str) -> Result<&'a str, FolderError> {
+fn check_plain_name<'a>(class: &FileClass, name: &'a str) -> Result<&'a str, FolderError> {
     let outside = name.is_empty() || name == "." || name == ".." || name.contains(['/', '\\', ':', '\0']);
-    if outside { Err(FolderError::BadName { name: name.to_owned(), like: class.name(1001) }) } else { Ok(name) }
+    if outside { Err(FolderError::BadName { name: name.to_owned(), like: class.file_name(1001) }) } else { Ok(name) }
 }
 
-pub(super) fn read_plain(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
+pub(super) fn read_regular_file(path: &Path, limit: u64) -> Result<Vec<u8>, FolderError> {
     let here = || path.to_path_buf();
-    whole_file::read(path, limit).map_err(|refused| match refused {
+    atomic_file::read(path, limit).map_err(|refused| match refused {
         ReadError::Io(fault) if fault.is_missing() => {
-            FolderError::Missing { name: shown(path), folder: whole_file::folder_of(path).to_path_buf() }
+            FolderError::Missing { name: file_name(path), folder: atomic_file::folder_of(path).to_path_buf() }
         }
         ReadError::Io(fault) => FolderError::Io(fault),
-        ReadError::NotPlain => FolderError::NotPlain { path: here() },
+        ReadError::NotRegular => FolderError::NotRegular { path: here() },
         ReadError::TooLarge { size, limit } => FolderError::TooLarge { path: here(), size, limit },
-        ReadError::Changing => FolderError::Changing { path: here() },
+        ReadError::BeingWritten => FolderError::BeingWritten { path: here() },
     })
 }
 
 /// The file name of a path, for messages.
-fn shown(path: &Path) -> String {
+fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }

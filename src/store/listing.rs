@@ -8,9 +8,9 @@ use std::time::SystemTime;
 
 use encoding_rs::GBK;
 
-use super::fault::IoFault;
-use super::file_class::{CommentIs, FileClass};
-use super::whole_file::UNFINISHED;
+use super::atomic_file::TEMPORARY_NAME;
+use super::file_class::{CommentSource, FileClass};
+use super::io_fault::IoFault;
 
 /// Maximum number of files read in a folder; the next one is reported as ignored.
 pub const LISTING_LIMIT: usize = 20_000;
@@ -21,7 +21,7 @@ pub(super) const COMMENT_LIMIT: usize = 80;
 
 /// A file of a class.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Entry {
+pub struct FolderEntry {
     /// The number in its name.
     pub number: u16,
     /// Its name on the disk.
@@ -36,7 +36,7 @@ pub struct Entry {
 
 /// A file that is not used.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Ignored {
+pub struct IgnoredFile {
     /// Its name.
     pub name: String,
     /// The reason, for the operator.
@@ -45,33 +45,33 @@ pub struct Ignored {
 
 /// The files of one class in a folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Listing {
+pub struct FolderListing {
     /// Sorted by number.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<FolderEntry>,
     /// Sorted by name; without files of other letters.
-    pub ignored: Vec<Ignored>,
+    pub ignored: Vec<IgnoredFile>,
 }
 
 /// A file with a valid name, before its content is read.
-pub(super) struct Found {
+pub(super) struct Candidate {
     pub(super) name: String,
     rank: usize,
     pub(super) metadata: fs::Metadata,
 }
 
 /// The files of a class by number, without comments, and the ignored files.
-pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Found>, Vec<Ignored>), IoFault> {
-    let mut found: BTreeMap<u16, Found> = BTreeMap::new();
+pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Candidate>, Vec<IgnoredFile>), IoFault> {
+    let mut found: BTreeMap<u16, Candidate> = BTreeMap::new();
     let mut ignored = Vec::new();
     for (looked_at, entry) in fs::read_dir(folder).map_err(IoFault::at(folder, "list"))?.enumerate() {
         let entry = entry.map_err(IoFault::at(folder, "list"))?;
         let Ok(name) = entry.file_name().into_string() else { continue };
         if looked_at >= LISTING_LIMIT {
-            ignored.push(Ignored { name, reason: format!("more than {LISTING_LIMIT} files in the folder") });
+            ignored.push(IgnoredFile { name, reason: format!("more than {LISTING_LIMIT} files in the folder") });
             break;
         }
         let Some((number, rank)) = class.parse(&name) else {
-            ignored.extend(misnamed(class, name));
+            ignored.extend(misnamed_file(class, name));
             continue;
         };
         let metadata = match entry.metadata() {
@@ -80,15 +80,15 @@ pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Fo
             Err(_) => continue,
         };
         if !metadata.is_file() {
-            ignored.push(Ignored { name, reason: "a link, folder or device: only plain files count".to_owned() });
+            ignored.push(IgnoredFile { name, reason: "a link, folder or device: only plain files count".to_owned() });
             continue;
         }
-        let candidate = Found { name, rank, metadata };
+        let candidate = Candidate { name, rank, metadata };
         match found.remove(&number) {
             None => drop(found.insert(number, candidate)),
             Some(rival) => {
-                let (winner, loser) = first_of(rival, candidate);
-                ignored.push(Ignored { name: loser.name, reason: format!("{} counts instead", winner.name) });
+                let (winner, loser) = rank_candidates(rival, candidate);
+                ignored.push(IgnoredFile { name: loser.name, reason: format!("{} counts instead", winner.name) });
                 found.insert(number, winner);
             }
         }
@@ -98,39 +98,46 @@ pub(super) fn scan(folder: &Path, class: &FileClass) -> Result<(BTreeMap<u16, Fo
 }
 
 /// Orders two files of the same number: by rank of the extension, then upper case before lower case.
-fn first_of(one: Found, other: Found) -> (Found, Found) {
+fn rank_candidates(one: Candidate, other: Candidate) -> (Candidate, Candidate) {
     if (one.rank, &one.name) <= (other.rank, &other.name) { (one, other) } else { (other, one) }
 }
 
 /// A file with letter and extension of the class but without a number of four digits.
-fn misnamed(class: &FileClass, name: String) -> Option<Ignored> {
+fn misnamed_file(class: &FileClass, name: String) -> Option<IgnoredFile> {
     let extension = name.rsplit_once('.').map(|(_, extension)| extension)?;
     let known = class.extensions.iter().any(|known| known.eq_ignore_ascii_case(extension));
     let lettered = name.chars().next().is_some_and(|first| first.eq_ignore_ascii_case(&class.letter));
-    let unfinished = name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1);
-    (known && lettered && !unfinished).then(|| Ignored { reason: format!("rename it like {}", class.name(1001)), name })
+    let unfinished = name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1);
+    (known && lettered && !unfinished)
+        .then(|| IgnoredFile { reason: format!("rename it like {}", class.file_name(1001)), name })
 }
 
 /// The files of a class with size, time and comment line.
-pub(super) fn list(folder: &Path, class: &FileClass) -> Result<Listing, IoFault> {
+pub(super) fn list(folder: &Path, class: &FileClass) -> Result<FolderListing, IoFault> {
     let (found, ignored) = scan(folder, class)?;
-    let entries = found.into_iter().map(|(number, found)| entry(folder, class, number, found)).collect();
-    Ok(Listing { entries, ignored })
+    let entries = found.into_iter().map(|(number, found)| folder_entry(folder, class, number, found)).collect();
+    Ok(FolderListing { entries, ignored })
 }
 
 /// The entry of a file; reads its comment line.
-pub(super) fn entry(folder: &Path, class: &FileClass, number: u16, found: Found) -> Entry {
-    let head = match class.comment {
-        CommentIs::None => String::new(),
+pub(super) fn folder_entry(folder: &Path, class: &FileClass, number: u16, found: Candidate) -> FolderEntry {
+    let head = match class.comment_source {
+        CommentSource::None => String::new(),
         // An unreadable file has no comment; reading it later reports the error.
-        CommentIs::FirstComment | CommentIs::Title => head(&folder.join(&found.name)).unwrap_or_default(),
+        CommentSource::FirstComment | CommentSource::Title => read_head(&folder.join(&found.name)).unwrap_or_default(),
     };
     let comment = class.comment_in(&head).chars().filter(|c| !c.is_control()).take(COMMENT_LIMIT).collect();
-    Entry { number, name: found.name, size: found.metadata.len(), modified: found.metadata.modified().ok(), comment }
+    FolderEntry {
+        number,
+        name: found.name,
+        size: found.metadata.len(),
+        modified: found.metadata.modified().ok(),
+        comment,
+    }
 }
 
 /// The start of a file as text; invalid bytes show as `�`.
-pub(super) fn head(path: &Path) -> Option<String> {
+pub(super) fn read_head(path: &Path) -> Option<String> {
     let mut bytes = Vec::new();
     File::open(path).ok()?.take(HEAD_LIMIT).read_to_end(&mut bytes).ok()?;
     // An incomplete character at the end does not make the file GBK.

@@ -5,45 +5,46 @@
 //!
 //! | data | where | how they survive a power cut |
 //! |---|---|---|
-//! | variables, parameters, offsets, frames, texts | [`Retained`], `retained.redb` | one durable transaction a commit |
+//! | variables, parameters, offsets, frames, texts | [`RetainedDatabase`], `retained.redb` | one durable transaction a commit |
 //! | settings, backups, part files | [`ron_file`] | atomic replacement, checksum, previous version kept |
 //! | programs, page files, pictures | [`Folder`] | atomic replacement |
 //!
 //! Source: spec K3, K4.2, K6, K7.3, K7.8, B1, B3, B6.
 
+mod atomic_file;
 mod checksum;
 mod data_dir;
 mod decode;
-mod fault;
 mod file_class;
 mod folder;
+mod folder_watch;
+mod io_fault;
 mod listing;
-mod named;
+mod named_program;
 pub mod password;
+mod program_folder;
 mod retained;
 pub mod ron_file;
 mod settings;
-mod shelf;
-mod stick;
+mod usb_drive;
 mod values;
-mod watch;
-mod whole_file;
 
-pub use checksum::of as stamp;
+pub use checksum::checksum as stamp;
 pub use data_dir::{DataDir, DataDirError};
 pub use decode::{DecodeError, Decoded, Encoding, decode};
-pub use fault::IoFault;
 pub use file_class::{
-    CommentIs, FileClass, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, PICTURE_LIMIT, PROGRAM, PROGRAM_LIMIT,
+    CommentSource, FileClass, PAGE_TEXT, PAGE_TEXT_LIMIT, PICTURE, PICTURE_LIMIT, PROGRAM, PROGRAM_LIMIT,
 };
-pub use folder::{Folder, FolderError, Read};
-pub use listing::{Entry, Ignored, LISTING_LIMIT, Listing};
-pub use named::{NamedEntry, list_named, stem_of};
+pub use folder::{FileContent, Folder, FolderError};
+pub use folder_watch::{FolderChange, FolderWatch, POLL_INTERVAL};
+pub use io_fault::IoFault;
+pub use listing::{FolderEntry, FolderListing, IgnoredFile, LISTING_LIMIT};
+pub use named_program::{NamedProgram, list_named_programs, program_stem};
+pub use program_folder::{ProgramFolder, STEM_LIMIT};
 pub use retained::{
-    Change, DamageReport, Generation, Loaded, Opened, Retained, RetainedError, StorageFault, ToolOffset,
+    DamageReport, Generation, OpenedDatabase, RetainedChange, RetainedData, RetainedDatabase, RetainedError,
+    StorageFault, ToolOffset,
 };
-pub use settings::Settings;
-pub use shelf::{STEM_LIMIT, Shelf};
-pub use stick::{Stick, StickFile, read_whole, write_whole};
+pub use settings::StoredSettings;
+pub use usb_drive::{ListedFile, UsbDrive, read_file, write_atomic};
 pub use values::Values;
-pub use watch::{Changed, POLL_INTERVAL, Watch};

@@ -1,7 +1,7 @@
 //! RON files that people read, edit and copy: settings, backups of parameters and variables, part files.
 //!
-//! The last line is a comment with the checksum of the text before it. The previous version is kept as `NAME.bak`.
-//! A file edited by hand is accepted with a warning for [`Care::Person`] and refused for [`Care::Strict`].
+//! The last line is a comment with the checksum of the text before it. The previous version is kept as `PROGRESS_TEXT.bak`.
+//! A file edited by hand is accepted with a warning for [`ChecksumPolicy::Person`] and refused for [`ChecksumPolicy::Strict`].
 //! An unreadable file is never replaced silently by defaults: the previous version is read, with a warning.
 
 use std::ffi::OsString;
@@ -12,9 +12,9 @@ use ron::ser::PrettyConfig;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::atomic_file::{self, ReadError};
 use super::checksum;
-use super::fault::IoFault;
-use super::whole_file::{self, ReadError};
+use super::io_fault::IoFault;
 
 /// Maximum size of a RON file, bytes.
 pub const RON_LIMIT: u64 = 16 * 1024 * 1024;
@@ -23,16 +23,16 @@ const CHECKSUM_MARK: &str = "// checksum ";
 
 /// How strictly the checksum is checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Care {
+pub enum ChecksumPolicy {
     /// Edited by people: a missing or stale checksum is a warning.
-    Person,
+    Lenient,
     /// Written by the control alone: a missing or stale checksum refuses the file.
     Strict,
 }
 
 /// A warning about a file that was read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Warning {
+pub enum RonWarning {
     /// Edited or written by hand.
     #[error("{}: no checksum; the file was edited by hand", .0.display())]
     NoChecksum(PathBuf),
@@ -51,11 +51,11 @@ pub enum Warning {
 
 /// A value and its warnings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found<T> {
+pub struct LoadedFile<T> {
     /// The value.
     pub value: T,
     /// Empty if there is nothing to report.
-    pub warnings: Vec<Warning>,
+    pub warnings: Vec<RonWarning>,
 }
 
 /// Why a RON file was not read or written.
@@ -112,46 +112,46 @@ pub enum RonError {
 ///
 /// # Errors
 /// The error of the file itself, if the previous version is invalid, too.
-pub fn read<T: DeserializeOwned>(path: &Path, care: Care) -> Result<Found<T>, RonError> {
+pub fn read<T: DeserializeOwned>(path: &Path, care: ChecksumPolicy) -> Result<LoadedFile<T>, RonError> {
     let first = match read_one(path, care) {
         Ok(found) => return Ok(found),
         Err(first) => first,
     };
-    let backup = beside(path, "bak");
+    let backup = with_suffix(path, "bak");
     match read_one(&backup, care) {
-        Ok(Found { value, mut warnings }) => {
-            warnings.insert(0, Warning::FromBackup { backup, cause: first.to_string() });
-            Ok(Found { value, warnings })
+        Ok(LoadedFile { value, mut warnings }) => {
+            warnings.insert(0, RonWarning::FromBackup { backup, cause: first.to_string() });
+            Ok(LoadedFile { value, warnings })
         }
         Err(_) => Err(first),
     }
 }
 
-/// Writes a file: after a power cut it is the old or the new one. A valid old file becomes `NAME.bak`; an invalid one
-/// is renamed to `NAME.damaged`, so that it never replaces a valid previous version.
+/// Writes a file: after a power cut it is the old or the new one. A valid old file becomes `PROGRESS_TEXT.bak`; an invalid one
+/// is renamed to `PROGRESS_TEXT.damaged`, so that it never replaces a valid previous version.
 ///
 /// # Errors
 /// A disk error; the old file stays. [`RonError::Value`] if the value could not be read back.
-pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: Care, value: &T) -> Result<(), RonError> {
+pub fn write<T: Serialize + DeserializeOwned>(path: &Path, care: ChecksumPolicy, value: &T) -> Result<(), RonError> {
     let text = to_text(path, value)?;
     match read_one::<T>(path, care) {
-        Ok(_) => keep(path, "bak")?,
+        Ok(_) => copy_beside(path, "bak")?,
         Err(RonError::Missing { .. }) => {}
         Err(RonError::Io(fault)) => return Err(RonError::Io(fault)),
         Err(
             RonError::Text { .. } | RonError::Checksum { .. } | RonError::NotReadable { .. } | RonError::Value { .. },
         ) => {
-            let aside = beside(path, "damaged");
+            let aside = with_suffix(path, "damaged");
             fs::rename(path, &aside).map_err(IoFault::at(path, "put aside"))?;
         }
     }
-    Ok(whole_file::replace(path, text.as_bytes())?)
+    Ok(atomic_file::replace(path, text.as_bytes())?)
 }
 
-/// Copies a file to `NAME.extension`. A copy, because USB drives have no links and the file must stay.
-fn keep(path: &Path, extension: &str) -> Result<(), RonError> {
-    let bytes = whole_file::read(path, RON_LIMIT).map_err(|refused| unreadable(path, refused))?;
-    Ok(whole_file::replace(&beside(path, extension), &bytes)?)
+/// Copies a file to `PROGRESS_TEXT.extension`. A copy, because USB drives have no links and the file must stay.
+fn copy_beside(path: &Path, extension: &str) -> Result<(), RonError> {
+    let bytes = atomic_file::read(path, RON_LIMIT).map_err(|refused| read_error(path, refused))?;
+    Ok(atomic_file::replace(&with_suffix(path, extension), &bytes)?)
 }
 
 /// The text of a value with its checksum line.
@@ -161,7 +161,7 @@ fn to_text<T: Serialize + DeserializeOwned>(path: &Path, value: &T) -> Result<St
     let mut text = ron::ser::to_string_pretty(value, pretty).map_err(|wrong| refused(wrong.to_string()))?;
     text.push('\n');
     ron::from_str::<T>(&text).map_err(|wrong| refused(wrong.to_string()))?;
-    let sum = checksum::of(text.as_bytes());
+    let sum = checksum::checksum(text.as_bytes());
     text.push_str(&format!("{CHECKSUM_MARK}{sum:016x}\n"));
     if text.len() as u64 > RON_LIMIT {
         return Err(refused(format!("{} bytes, more than {RON_LIMIT}", text.len())));
@@ -170,17 +170,17 @@ fn to_text<T: Serialize + DeserializeOwned>(path: &Path, value: &T) -> Result<St
 }
 
 /// Reads one file, without its previous version.
-fn read_one<T: DeserializeOwned>(path: &Path, care: Care) -> Result<Found<T>, RonError> {
-    let bytes = whole_file::read(path, RON_LIMIT).map_err(|refused| unreadable(path, refused))?;
-    let text = std::str::from_utf8(&bytes).map_err(|wrong| not_utf8(path, &bytes, wrong.valid_up_to()))?;
-    let warnings = judge(path, care, text)?;
+fn read_one<T: DeserializeOwned>(path: &Path, care: ChecksumPolicy) -> Result<LoadedFile<T>, RonError> {
+    let bytes = atomic_file::read(path, RON_LIMIT).map_err(|refused| read_error(path, refused))?;
+    let text = std::str::from_utf8(&bytes).map_err(|wrong| utf8_error(path, &bytes, wrong.valid_up_to()))?;
+    let warnings = check_checksum(path, care, text)?;
     // The Windows editor writes a byte order mark.
     let text = text.trim_start_matches('\u{FEFF}');
     let value = ron::from_str(text).map_err(|wrong| {
         let (line, column) = next_token(text, wrong.span.start.line, wrong.span.start.col);
         RonError::Text { path: path.to_path_buf(), line, column, cause: wrong.code.to_string() }
     })?;
-    Ok(Found { value, warnings })
+    Ok(LoadedFile { value, warnings })
 }
 
 /// The position of the next token: the parser reports the position before the blanks.
@@ -196,41 +196,41 @@ fn next_token(text: &str, line: usize, column: usize) -> (usize, usize) {
 }
 
 /// Checks the checksum line.
-fn judge(path: &Path, care: Care, text: &str) -> Result<Vec<Warning>, RonError> {
+fn check_checksum(path: &Path, care: ChecksumPolicy, text: &str) -> Result<Vec<RonWarning>, RonError> {
     let refused = |cause| RonError::Checksum { path: path.to_path_buf(), cause };
     let stated = text.rfind(CHECKSUM_MARK).and_then(|at| {
         let digits = text[at + CHECKSUM_MARK.len()..].trim_end();
         u64::from_str_radix(digits, 16).ok().map(|sum| (at, sum))
     });
     match (stated, care) {
-        (Some((at, sum)), _) if checksum::of(&text.as_bytes()[..at]) == sum => Ok(Vec::new()),
-        (Some(_), Care::Person) => Ok(vec![Warning::StaleChecksum(path.to_path_buf())]),
-        (None, Care::Person) => Ok(vec![Warning::NoChecksum(path.to_path_buf())]),
-        (Some(_), Care::Strict) => Err(refused("the checksum does not fit: damaged, or edited by hand")),
-        (None, Care::Strict) => Err(refused("no checksum: cut off, or edited by hand")),
+        (Some((at, sum)), _) if checksum::checksum(&text.as_bytes()[..at]) == sum => Ok(Vec::new()),
+        (Some(_), ChecksumPolicy::Lenient) => Ok(vec![RonWarning::StaleChecksum(path.to_path_buf())]),
+        (None, ChecksumPolicy::Lenient) => Ok(vec![RonWarning::NoChecksum(path.to_path_buf())]),
+        (Some(_), ChecksumPolicy::Strict) => Err(refused("the checksum does not fit: damaged, or edited by hand")),
+        (None, ChecksumPolicy::Strict) => Err(refused("no checksum: cut off, or edited by hand")),
     }
 }
 
-fn unreadable(path: &Path, refused: ReadError) -> RonError {
+fn read_error(path: &Path, refused: ReadError) -> RonError {
     let path = path.to_path_buf();
     match refused {
         ReadError::Io(fault) if fault.is_missing() => RonError::Missing { path },
         ReadError::Io(fault) => RonError::Io(fault),
-        other @ (ReadError::NotPlain | ReadError::TooLarge { .. } | ReadError::Changing) => {
+        other @ (ReadError::NotRegular | ReadError::TooLarge { .. } | ReadError::BeingWritten) => {
             RonError::NotReadable { path, cause: other.to_string() }
         }
     }
 }
 
-fn not_utf8(path: &Path, bytes: &[u8], valid: usize) -> RonError {
+fn utf8_error(path: &Path, bytes: &[u8], valid: usize) -> RonError {
     let before = String::from_utf8_lossy(&bytes[..valid]);
     let (line, last) = (before.matches('\n').count() + 1, before.rsplit('\n').next().unwrap_or_default());
     let cause = "no UTF-8 text".to_owned();
     RonError::Text { path: path.to_path_buf(), line, column: last.chars().count() + 1, cause }
 }
 
-/// `NAME.extension`; the own extension of the file stays.
-fn beside(path: &Path, extension: &str) -> PathBuf {
+/// `PROGRESS_TEXT.extension`; the own extension of the file stays.
+fn with_suffix(path: &Path, extension: &str) -> PathBuf {
     let mut name = OsString::from(path.as_os_str());
     name.push(".");
     name.push(extension);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::ron_file::{self, Care, RonError};
+use super::ron_file::{self, ChecksumPolicy, RonError};
 use crate::defs::kind::Kind;
 use crate::defs::text::Lang;
 
@@ -15,7 +15,7 @@ const FILE: &str = "settings.ron";
 /// The settings; the caller provides defaults for `None`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Settings {
+pub struct StoredSettings {
     /// Kind of machine.
     pub kind: Option<Kind>,
     /// Language of the screen.
@@ -28,7 +28,7 @@ pub struct Settings {
     pub serial: Option<String>,
 }
 
-impl Settings {
+impl StoredSettings {
     fn path(folder: &Path) -> PathBuf {
         folder.join(FILE)
     }
@@ -38,7 +38,7 @@ impl Settings {
     /// # Errors
     /// The file cannot be read or is invalid; the error names line and column.
     pub fn read(folder: &Path) -> Result<Self, RonError> {
-        match ron_file::read(&Self::path(folder), Care::Person) {
+        match ron_file::read(&Self::path(folder), ChecksumPolicy::Lenient) {
             Ok(found) => Ok(found.value),
             Err(RonError::Missing { .. }) => Ok(Self::default()),
             Err(error) => Err(error),
@@ -50,7 +50,7 @@ impl Settings {
     /// # Errors
     /// A disk error; the old file stays.
     pub fn write(&self, folder: &Path) -> Result<(), RonError> {
-        ron_file::write(&Self::path(folder), Care::Person, self)
+        ron_file::write(&Self::path(folder), ChecksumPolicy::Lenient, self)
     }
 }
 
@@ -61,12 +61,17 @@ mod tests {
     #[test]
     fn k1_the_kind_and_the_language_are_kept() {
         let folder = tempfile::tempdir().expect("a folder");
-        assert_eq!(Settings::read(folder.path()).expect("no file"), Settings::default());
-        let chosen = Settings { kind: Some(Kind::Ga), lang: Some(Lang::En), light: Some(true), ..Settings::default() };
+        assert_eq!(StoredSettings::read(folder.path()).expect("no file"), StoredSettings::default());
+        let chosen = StoredSettings {
+            kind: Some(Kind::Ga),
+            lang: Some(Lang::En),
+            light: Some(true),
+            ..StoredSettings::default()
+        };
         chosen.write(folder.path()).expect("written");
-        assert_eq!(Settings::read(folder.path()).expect("a file"), chosen);
+        assert_eq!(StoredSettings::read(folder.path()).expect("a file"), chosen);
         std::fs::write(folder.path().join(FILE), "(kind: Some(Gs))").expect("written");
-        let by_hand = Settings::read(folder.path()).expect("edited by hand");
-        assert_eq!(by_hand, Settings { kind: Some(Kind::Gs), ..Settings::default() });
+        let by_hand = StoredSettings::read(folder.path()).expect("edited by hand");
+        assert_eq!(by_hand, StoredSettings { kind: Some(Kind::Gs), ..StoredSettings::default() });
     }
 }

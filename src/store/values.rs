@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::ron_file::{self, Care, RonError};
+use super::ron_file::{self, ChecksumPolicy, RonError};
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
 
@@ -32,7 +32,7 @@ impl Values {
     /// # Errors
     /// The file is missing or invalid; the error names line and column.
     pub fn read(path: &Path) -> Result<Self, RonError> {
-        Ok(ron_file::read(path, Care::Person)?.value)
+        Ok(ron_file::read(path, ChecksumPolicy::Lenient)?.value)
     }
 
     /// Writes a file.
@@ -40,7 +40,7 @@ impl Values {
     /// # Errors
     /// A disk error; an old file stays.
     pub fn write(&self, path: &Path) -> Result<(), RonError> {
-        ron_file::write(path, Care::Person, self)
+        ron_file::write(path, ChecksumPolicy::Lenient, self)
     }
 
     /// The RON text for an archive.
@@ -55,7 +55,7 @@ impl Values {
     ///
     /// # Errors
     /// The fault with line and column.
-    pub fn of_text(text: &str) -> Result<Self, ron::error::SpannedError> {
+    pub fn from_text(text: &str) -> Result<Self, ron::error::SpannedError> {
         ron::from_str(text)
     }
 }

@@ -4,5 +4,5 @@
 pub mod parse;
 pub mod play;
 
-pub use parse::{Line, Statement, StoryError, parse};
-pub use play::{Eyes, Player};
+pub use parse::{Statement, StoryError, StoryLine, parse};
+pub use play::{PageReader, Player};

@@ -7,20 +7,20 @@ use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::signal::{Input, Output, PORTS};
+use crate::host::bar::program_subfolder;
 use crate::io::sim::{EventKind, SimulatedMachine};
 use crate::link::snapshot::RunState;
 use crate::link::teach::TeachCommand;
-use crate::runtime::bar::own_programs;
 use crate::units::Axis;
 
 /// Maximum number of statements in a story.
-pub const MOST_STATEMENTS: usize = 100_000;
+pub const MAX_STATEMENTS: usize = 100_000;
 /// Default timeout of `wait until`, seconds.
-pub const USUAL_WAIT_S: f64 = 60.0;
+pub const DEFAULT_WAIT_S: f64 = 60.0;
 /// Maximum time in a statement, seconds: about four months.
-pub const LONGEST_S: f64 = 1e7;
+pub const MAX_TIME_S: f64 = 1e7;
 /// Default tolerance of a value, mm: half a micrometre, less than the display resolution.
-pub const USUAL_TOLERANCE: f64 = 0.000_5;
+pub const DEFAULT_TOLERANCE_MM: f64 = 0.000_5;
 
 /// A syntax error in a story.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -36,7 +36,7 @@ pub struct StoryError {
 
 /// A line of the story.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct StoryLine {
     /// Its number, from 1.
     pub number: u32,
     /// The text as written, without its comment.
@@ -47,16 +47,16 @@ pub struct Line {
 
 /// How an input is forced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Force {
+pub enum InputForce {
     /// Forced to this logical level.
     To(bool),
     /// Not forced.
-    Free,
+    Released,
 }
 
 /// The condition of `wait until`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Until {
+pub enum WaitCondition {
     /// A state.
     State(RunState),
     /// A work coordinate below (true) or above a value.
@@ -158,7 +158,7 @@ pub enum Statement {
     /// `type #505 0.03`
     Type(u16, Option<f64>),
     /// `input hydraulic-pressure off`
-    Input(String, Force),
+    Input(String, InputForce),
     /// `fault pressure-loss`
     Fault(String),
     /// `fault list`: lists the names of all faults; simulates none
@@ -166,7 +166,7 @@ pub enum Statement {
     /// `wait 2 s`
     Wait(f64),
     /// `wait until idle max 60 s`
-    WaitUntil(Until, f64),
+    WaitUntil(WaitCondition, f64),
     /// `seed 7`
     Seed(u64),
     /// `sheet 2` of a grinding page with several sheets; the first is 1
@@ -185,15 +185,15 @@ pub enum Statement {
 ///
 /// # Errors
 /// The first invalid line.
-pub fn parse(text: &str, kind: Kind) -> Result<(Kind, Vec<Line>), StoryError> {
+pub fn parse(text: &str, kind: Kind) -> Result<(Kind, Vec<StoryLine>), StoryError> {
     let (mut kind, mut lines) = (kind, Vec::new());
     for (index, whole) in text.trim_start_matches('\u{feff}').lines().enumerate() {
         let number = index as u32 + 1;
-        let words = Words::cut(whole, number)?;
-        if words.is_over() {
+        let words = LineParser::from_line(whole, number)?;
+        if words.is_at_end() {
             continue;
         }
-        if lines.len() >= MOST_STATEMENTS {
+        if lines.len() >= MAX_STATEMENTS {
             return Err(words.error("the story is too long"));
         }
         let text = words.text.clone();
@@ -208,21 +208,21 @@ pub fn parse(text: &str, kind: Kind) -> Result<(Kind, Vec<Line>), StoryError> {
             }
             kind = named;
         }
-        lines.push(Line { number, text, statement });
+        lines.push(StoryLine { number, text, statement });
     }
     Ok((kind, lines))
 }
 
 /// The words of one line and the read position.
-struct Words {
+struct LineParser {
     line: u32,
     text: String,
     words: Vec<(u32, String)>,
     next: usize,
 }
 
-impl Words {
-    fn cut(whole: &str, line: u32) -> Result<Self, StoryError> {
+impl LineParser {
+    fn from_line(whole: &str, line: u32) -> Result<Self, StoryError> {
         let text = whole.split_once("#!").map_or(whole, |(before, _)| before).trim_end();
         let mut words = Vec::new();
         let mut chars = (1_u32..).zip(text.chars()).peekable();
@@ -251,7 +251,7 @@ impl Words {
         Ok(Self { line, text: text.trim_start().to_owned(), words, next: 0 })
     }
 
-    fn is_over(&self) -> bool {
+    fn is_at_end(&self) -> bool {
         self.next >= self.words.len()
     }
 
@@ -271,7 +271,7 @@ impl Words {
         })
     }
 
-    fn end(&self) -> Result<(), StoryError> {
+    fn expect_end(&self) -> Result<(), StoryError> {
         match self.words.get(self.next) {
             None => Ok(()),
             Some((column, word)) => {
@@ -293,21 +293,25 @@ impl Words {
                 Statement::Param(self.one_of("a parameter such as P270 or P16.0", ParamAddress::parse)?, self.number()?)
             }
             "set" => self.set()?,
-            "type" => Statement::Type(self.variable()?, self.value_or_nothing()?),
-            "load" if own_programs(kind).is_some() => {
+            "type" => Statement::Type(self.variable()?, self.optional_number()?),
+            "load" if program_subfolder(kind).is_some() => {
                 Statement::LoadNamed(self.word("the name of a program, such as SHAFT")?)
             }
             "load" => {
                 let (number, name) = self
                     .one_of("a program such as O1001", |word| program(word).map(|number| (number, word.to_owned())))?;
-                if defs::program::is_named(number) { Statement::LoadNamed(name) } else { Statement::Load(number) }
+                if defs::program_number::is_named(number) {
+                    Statement::LoadNamed(name)
+                } else {
+                    Statement::Load(number)
+                }
             }
             "mode" => Statement::Mode(self.one_of("edit, auto, mdi, home, handwheel, step or jog", Mode::from_id)?),
             "home" => self.one_of("`all`", |word| (word == "all").then_some(Statement::HomeAll))?,
             "key" => Statement::Key(self.key(kind)?),
             "press" => Statement::Press(self.key(kind)?),
             "release" => Statement::Release(self.key(kind)?),
-            "hold" => Statement::Hold(self.one_of("axis and sign such as X-", jog)?, self.seconds()?),
+            "hold" => Statement::Hold(self.one_of("axis and sign such as X-", jog_key)?, self.duration()?),
             "handwheel" => self.handwheel()?,
             "mdi" => {
                 self.next = self.words.len();
@@ -327,7 +331,7 @@ impl Words {
             "expect" => Statement::Expect(self.expect(kind)?),
             verb => return Err(self.error(format!("'{verb}' is not a statement"))),
         };
-        self.end()?;
+        self.expect_end()?;
         Ok(statement)
     }
 
@@ -350,12 +354,12 @@ impl Words {
         })
     }
 
-    fn value_or_nothing(&mut self) -> Result<Option<f64>, StoryError> {
-        if self.is_over() { Ok(None) } else { self.number().map(Some) }
+    fn optional_number(&mut self) -> Result<Option<f64>, StoryError> {
+        if self.is_at_end() { Ok(None) } else { self.number().map(Some) }
     }
 
     /// `1.5 s`, `200 ms`, `2 min`; the space before the unit is optional.
-    fn seconds(&mut self) -> Result<f64, StoryError> {
+    fn duration(&mut self) -> Result<f64, StoryError> {
         let word = self.word("a time such as 1.5 s")?;
         let digits = word.trim_end_matches(char::is_alphabetic);
         let mut unit = word[digits.len()..].to_owned();
@@ -369,8 +373,8 @@ impl Words {
             unit => return Err(self.error(format!("'{unit}' is not a unit of time: ms, s, min"))),
         };
         match digits.parse::<f64>() {
-            Ok(value) if value >= 0.0 && value * factor <= LONGEST_S => Ok(value * factor),
-            Ok(value) if value > 0.0 => Err(self.error(format!("'{word}' is longer than {LONGEST_S} s"))),
+            Ok(value) if value >= 0.0 && value * factor <= MAX_TIME_S => Ok(value * factor),
+            Ok(value) if value > 0.0 => Err(self.error(format!("'{word}' is longer than {MAX_TIME_S} s"))),
             _ => Err(self.error(format!("'{word}' is not a time"))),
         }
     }
@@ -388,10 +392,10 @@ impl Words {
                     .filter(|value: &f64| value.is_finite())
                     .ok_or_else(|| self.error(format!("'{value}' is not a number")))?,
             ),
-            Some(_) => self.value_or_nothing()?,
+            Some(_) => self.optional_number()?,
             None => {
                 self.one_of("=", |word| (word == "=").then_some(()))?;
-                self.value_or_nothing()?
+                self.optional_number()?
             }
         };
         Ok(Statement::Set(number, value))
@@ -428,25 +432,25 @@ impl Words {
             (port || Input::from_id(word).is_some()).then(|| word.to_owned())
         })?;
         let force = self.one_of("on, off or free", |word| match word {
-            "free" => Some(Force::Free),
-            word => on_off(word).map(Force::To),
+            "free" => Some(InputForce::Released),
+            word => on_off(word).map(InputForce::To),
         })?;
         Ok(Statement::Input(name, force))
     }
 
     fn wait(&mut self) -> Result<Statement, StoryError> {
         if self.words.get(self.next).is_none_or(|(_, word)| word != "until") {
-            return Ok(Statement::Wait(self.seconds()?));
+            return Ok(Statement::Wait(self.duration()?));
         }
         self.next += 1;
         let wanted = "idle, running, held, stopped, waiting, homing, alarm, or such as X<10.5";
-        let until = self.one_of(wanted, |word| state(word).map(Until::State).or_else(|| comparison(word)))?;
+        let until = self.one_of(wanted, |word| state(word).map(WaitCondition::State).or_else(|| comparison(word)))?;
         let most = match self.words.get(self.next) {
             Some((_, word)) if word == "max" => {
                 self.next += 1;
-                self.seconds()?
+                self.duration()?
             }
-            _ => USUAL_WAIT_S,
+            _ => DEFAULT_WAIT_S,
         };
         Ok(Statement::WaitUntil(until, most))
     }
@@ -482,7 +486,7 @@ impl Words {
             word => {
                 let of = self.quantity(word)?;
                 let is = self.number()?;
-                let tolerance = if self.is_over() { USUAL_TOLERANCE } else { self.tolerance()? };
+                let tolerance = if self.is_at_end() { DEFAULT_TOLERANCE_MM } else { self.tolerance()? };
                 Expectation::Value { of, is, tolerance }
             }
         })
@@ -508,11 +512,11 @@ impl Words {
         let what = self.word("diameter, face or height")?;
         self.one_of("`at`", |word| (word == "at").then_some(()))?;
         match what.as_str() {
-            "diameter" => Ok(Quantity::PartDiameter(self.one_of("a place such as Z-20", place('Z'))?)),
-            "face" => Ok(Quantity::PartFace(self.one_of("a place such as X30", place('X'))?)),
+            "diameter" => Ok(Quantity::PartDiameter(self.one_of("a place such as Z-20", coordinate('Z'))?)),
+            "face" => Ok(Quantity::PartFace(self.one_of("a place such as X30", coordinate('X'))?)),
             "height" => Ok(Quantity::PartHeight(
-                self.one_of("a place such as X10", place('X'))?,
-                self.one_of("a place such as Z5", place('Z'))?,
+                self.one_of("a place such as X10", coordinate('X'))?,
+                self.one_of("a place such as Z5", coordinate('Z'))?,
             )),
             what => Err(self.error(format!("'{what}' is not diameter, face or height"))),
         }
@@ -546,13 +550,13 @@ fn on_off(word: &str) -> Option<bool> {
 #[must_use]
 pub fn program(word: &str) -> Option<u32> {
     let number = word.trim_start_matches(['O', 'o']).parse().ok().filter(|number| (1..=9_999).contains(number));
-    number.or_else(|| defs::program::is_name(word).then(|| defs::program::number(word)))
+    number.or_else(|| defs::program_number::is_name(word).then(|| defs::program_number::from_name(word)))
 }
 
 /// `#500`, `R18`.
 #[must_use]
 pub fn variable(word: &str) -> Option<u16> {
-    defs::r_parameter::parse(word)
+    defs::variable_name::parse(word)
 }
 
 fn axis(word: &str) -> Option<Axis> {
@@ -561,14 +565,14 @@ fn axis(word: &str) -> Option<Axis> {
     letters.next().is_none().then_some(axis)
 }
 
-fn jog(word: &str) -> Option<Key> {
+fn jog_key(word: &str) -> Option<Key> {
     let (letter, sign) = word.split_at_checked(1)?;
     let plus = match sign {
         "+" => true,
         "-" => false,
         _ => return None,
     };
-    Some(Key::of_jog(axis(letter)?, plus))
+    Some(Key::from_jog(axis(letter)?, plus))
 }
 
 fn state(word: &str) -> Option<RunState> {
@@ -585,15 +589,15 @@ fn state(word: &str) -> Option<RunState> {
     .find(|state| state.id() == word)
 }
 
-fn comparison(word: &str) -> Option<Until> {
+fn comparison(word: &str) -> Option<WaitCondition> {
     let at = word.find(['<', '>'])?;
     let axis = axis(&word[..at])?;
     let below = word.as_bytes()[at] == b'<';
     let value = word[at + 1..].trim_start_matches('=').parse().ok().filter(|value: &f64| value.is_finite())?;
-    Some(Until::Axis(axis, below, value))
+    Some(WaitCondition::Axis(axis, below, value))
 }
 
-fn place(letter: char) -> impl Fn(&str) -> Option<f64> {
+fn coordinate(letter: char) -> impl Fn(&str) -> Option<f64> {
     move |word| word.strip_prefix(letter)?.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
@@ -624,13 +628,19 @@ mod tests {
         assert_eq!(one("handwheel X -25 x0.01"), Statement::Handwheel(Axis::X, -25, Key::Step001));
         assert_eq!(one("mdi G00 X50 Z10"), Statement::Mdi("G00 X50 Z10".into()));
         assert_eq!(one("type #505 0.03"), Statement::Type(505, Some(0.03)));
-        assert_eq!(one("input 12 off"), Statement::Input("12".into(), Force::To(false)));
-        assert_eq!(one("input hydraulic-pressure free"), Statement::Input("hydraulic-pressure".into(), Force::Free));
+        assert_eq!(one("input 12 off"), Statement::Input("12".into(), InputForce::To(false)));
+        assert_eq!(
+            one("input hydraulic-pressure free"),
+            Statement::Input("hydraulic-pressure".into(), InputForce::Released)
+        );
         assert_eq!(one("fault stuck-on home-x"), Statement::Fault("stuck-on home-x".into()));
         assert_eq!(one("fault list"), Statement::FaultList);
         assert_eq!(one("wait 200 ms"), Statement::Wait(0.2));
-        assert_eq!(one("wait until X<10.5 max 5 s"), Statement::WaitUntil(Until::Axis(Axis::X, true, 10.5), 5.0));
-        assert_eq!(one("wait until idle"), Statement::WaitUntil(Until::State(RunState::Idle), 60.0));
+        assert_eq!(
+            one("wait until X<10.5 max 5 s"),
+            Statement::WaitUntil(WaitCondition::Axis(Axis::X, true, 10.5), 5.0)
+        );
+        assert_eq!(one("wait until idle"), Statement::WaitUntil(WaitCondition::State(RunState::Idle), 60.0));
     }
 
     #[test]
@@ -647,7 +657,7 @@ mod tests {
         assert_eq!(expected("event crash"), Expectation::Event(EventKind::Crash));
         let value = |of, is, tolerance| Expectation::Value { of, is, tolerance };
         assert_eq!(expected("X 50.000 ±0.001"), value(Quantity::Work(Axis::X), 50.0, 0.001));
-        assert_eq!(expected("machine Z -3"), value(Quantity::Machine(Axis::Z), -3.0, USUAL_TOLERANCE));
+        assert_eq!(expected("machine Z -3"), value(Quantity::Machine(Axis::Z), -3.0, DEFAULT_TOLERANCE_MM));
         assert_eq!(expected("#437 0.1 +-0.01"), value(Quantity::Variable(437), 0.1, 0.01));
         assert_eq!(expected("wear 4 X 0.1 ±0"), value(Quantity::Wear(4, Axis::X), 0.1, 0.0));
         assert_eq!(expected("part diameter at Z-20 40 ±0.002"), value(Quantity::PartDiameter(-20.0), 40.0, 0.002));

@@ -3,52 +3,52 @@
 
 use std::path::{Path, PathBuf};
 
-use super::parse::{Expectation, Force, Line, Quantity, Statement, Until};
+use super::parse::{Expectation, InputForce, Quantity, Statement, StoryLine, WaitCondition};
 use crate::defs::key::{Key, Mode};
+use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
-use crate::defs::screw::ScrewTable;
+use crate::host::headless::HeadlessHost;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot};
-use crate::runtime::rig::Rig;
 use crate::units::{Axis, Micros};
 
 /// Ticks after every statement.
 const ANSWER_TICKS: u32 = 2;
 /// Maximum wait for an answer.
-const ANSWER_MOST: Micros = Micros::from_millis(48);
+const ANSWER_TIMEOUT: Micros = Micros::from_millis(48);
 /// Ticks after an input was forced: longer than the input debounce time.
 const INPUT_TICKS: u32 = 20;
 /// Interval of `Hold` commands for a held key.
-const HOLD_EVERY: Micros = Micros::from_millis(50);
+const HOLD_INTERVAL: Micros = Micros::from_millis(50);
 /// Maximum wait of `mdi` and `handwheel` for standstill.
-const STAND_MOST: Micros = Micros::from_millis(1_000);
+const STANDSTILL_TIMEOUT: Micros = Micros::from_millis(1_000);
 /// Maximum duration of homing.
-const HOME_MOST: Micros = Micros::from_millis(300_000);
+const HOMING_TIMEOUT: Micros = Micros::from_millis(300_000);
 
 /// Reads the texts of a page for `expect page … shows`. A build without the screen has no implementation.
-pub trait Eyes {
+pub trait PageReader {
     /// The texts on the open page.
     fn texts(&mut self, snapshot: &Snapshot) -> Vec<String>;
 }
 
 /// Plays a story. Waiting ends at once when the operator touches the screen (demo).
 pub struct Player<'a> {
-    rig: &'a mut Rig,
-    eyes: Option<Box<dyn Eyes>>,
+    host: &'a mut HeadlessHost,
+    page_reader: Option<Box<dyn PageReader>>,
     folder: PathBuf,
-    part_given: bool,
+    has_part: bool,
     /// Jog keys that are held: `Hold` is repeated as by the screen, until they are released.
-    held: Vec<Key>,
+    held_keys: Vec<Key>,
     /// Time of the next `Hold`.
-    heard: Micros,
+    next_hold: Micros,
 }
 
 /// Releases all held keys at the end of the story.
 impl Drop for Player<'_> {
     fn drop(&mut self) {
-        for key in self.held.drain(..) {
-            self.rig.send(Command::Release(key));
+        for key in self.held_keys.drain(..) {
+            self.host.send(Command::Release(key));
         }
     }
 }
@@ -57,37 +57,44 @@ impl<'a> Player<'a> {
     /// Creates a player. Files named in the story are searched in `folder`. `part_given`: a part is mounted already, so
     /// loading a program does not mount another.
     #[must_use]
-    pub fn new(rig: &'a mut Rig, eyes: Option<Box<dyn Eyes>>, folder: &Path, part_given: bool) -> Self {
-        Self { rig, eyes, folder: folder.to_owned(), part_given, held: Vec::new(), heard: Micros::ZERO }
+    pub fn new(rig: &'a mut HeadlessHost, eyes: Option<Box<dyn PageReader>>, folder: &Path, part_given: bool) -> Self {
+        Self {
+            host: rig,
+            page_reader: eyes,
+            folder: folder.to_owned(),
+            has_part: part_given,
+            held_keys: Vec::new(),
+            next_hold: Micros::ZERO,
+        }
     }
 
     /// The rig.
     #[must_use]
-    pub fn rig(&mut self) -> &mut Rig {
-        self.rig
+    pub fn host(&mut self) -> &mut HeadlessHost {
+        self.host
     }
 
     /// Plays one line.
     ///
     /// # Errors
     /// Why an expectation or a statement failed.
-    pub fn play(&mut self, line: &Line) -> Result<(), String> {
+    pub fn play(&mut self, line: &StoryLine) -> Result<(), String> {
         match &line.statement {
             Statement::Kind(_) => Ok(()),
             Statement::PowerOn => {
-                self.held.clear();
-                self.rig.power_on();
-                self.answer()
+                self.held_keys.clear();
+                self.host.power_on();
+                self.wait_for_answer()
             }
             Statement::PowerCut => {
-                self.held.clear();
-                self.rig.power_cut();
+                self.held_keys.clear();
+                self.host.power_cut();
                 Ok(())
             }
             Statement::Param(at, value) => self.set(Command::SetParam(*at, *value)),
             Statement::Set(number, value) => self.set(Command::SetVariable(*number, *value)),
             Statement::Load(number) => self.load(*number),
-            Statement::LoadNamed(name) => match self.rig.program_named(name) {
+            Statement::LoadNamed(name) => match self.host.find_program(name) {
                 Some(number) => self.load(number),
                 None => Err(format!("程序目录中没有 {name}; the programs folder has no {name}")),
             },
@@ -95,34 +102,34 @@ impl<'a> Player<'a> {
             Statement::HomeAll => self.home_all(),
             Statement::Key(key) => self.press(*key),
             Statement::Press(key) => {
-                self.finger_on(*key);
-                self.answer()
+                self.press_and_hold(*key);
+                self.wait_for_answer()
             }
-            Statement::Release(key) => self.finger_off(*key),
+            Statement::Release(key) => self.release(*key),
             Statement::Hold(key, seconds) => self.hold(*key, *seconds),
             Statement::Handwheel(axis, detents, step) => self.handwheel(*axis, *detents, *step),
             Statement::Mdi(text) => {
                 self.press(Mode::Mdi.key())?;
                 self.send(Command::Mdi(text.clone()))?;
-                self.until_it_stands();
+                self.wait_for_standstill();
                 Ok(())
             }
             Statement::Page(page) => self.send(Command::OpenPage(*page)),
             Statement::Teach(command) => self.send(Command::Teach(*command)),
-            Statement::Sheet(number) => self.send(Command::TurnSheet(number - 1)),
-            Statement::Type(number, value) => self.send(Command::TypeVariable(*number, *value)),
+            Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),
+            Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),
             Statement::Input(name, force) => {
                 let level = match force {
-                    Force::To(on) => Some(*on),
-                    Force::Free => None,
+                    InputForce::To(on) => Some(*on),
+                    InputForce::Released => None,
                 };
-                self.rig.machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
+                self.host.machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
                 self.ticks(INPUT_TICKS);
                 Ok(())
             }
             Statement::Fault(text) => {
-                self.rig.machine_mut().fault(text).map_err(|error| error.to_string())?;
-                self.answer()
+                self.host.machine_mut().inject_fault(text).map_err(|error| error.to_string())?;
+                self.wait_for_answer()
             }
             Statement::FaultList => Ok(()),
             Statement::Wait(seconds) => {
@@ -131,7 +138,7 @@ impl<'a> Player<'a> {
             }
             Statement::WaitUntil(until, most) => self.wait_until(*until, Micros::from_secs_f64(*most)),
             Statement::Seed(seed) => {
-                self.rig.reseed(*seed);
+                self.host.reseed(*seed);
                 Ok(())
             }
             Statement::Part(file) => self.part(file),
@@ -142,11 +149,11 @@ impl<'a> Player<'a> {
 
     /// Steps by one tick and repeats `Hold` for held keys.
     fn step(&mut self) {
-        self.rig.step();
-        if !self.held.is_empty() && self.rig.now() >= self.heard {
-            self.heard = self.rig.now() + HOLD_EVERY;
-            for key in &self.held {
-                self.rig.send(Command::Hold(*key));
+        self.host.step();
+        if !self.held_keys.is_empty() && self.host.now() >= self.next_hold {
+            self.next_hold = self.host.now() + HOLD_INTERVAL;
+            for key in &self.held_keys {
+                self.host.send(Command::StillHeld(*key));
             }
         }
     }
@@ -158,47 +165,47 @@ impl<'a> Player<'a> {
     }
 
     /// Waits until the control has answered: two ticks, and up to 48 ms more while it brakes.
-    fn answer(&mut self) -> Result<(), String> {
+    fn wait_for_answer(&mut self) -> Result<(), String> {
         self.ticks(ANSWER_TICKS);
-        self.run_until(ANSWER_MOST, |rig| !rig.controller().is_braking());
+        self.run_until(ANSWER_TIMEOUT, |rig| !rig.controller().is_braking());
         Ok(())
     }
 
     fn send(&mut self, command: Command) -> Result<(), String> {
-        self.rig.send(command);
-        self.answer()
+        self.host.send(command);
+        self.wait_for_answer()
     }
 
     /// Changes a setting without the panel. A refusal by the control is an error of the story (T5).
     fn set(&mut self, command: Command) -> Result<(), String> {
-        self.rig.send(command);
-        self.settled()
+        self.host.send(command);
+        self.wait_for_setting()
     }
 
     /// Waits for the answer to settings; the error is the control's refusal.
-    fn settled(&mut self) -> Result<(), String> {
-        if !self.rig.is_powered() {
+    fn wait_for_setting(&mut self) -> Result<(), String> {
+        if !self.host.is_powered() {
             return Err("the control has no power".to_owned());
         }
         self.step();
-        let refused = self.rig.controller().refusal().map(|said| format!("{}; {}", said.zh, said.en));
+        let refused = self.host.controller().refusal().map(|said| format!("{}; {}", said.zh, said.en));
         self.ticks(ANSWER_TICKS - 1);
-        self.run_until(ANSWER_MOST, |rig| !rig.controller().is_braking());
+        self.run_until(ANSWER_TIMEOUT, |rig| !rig.controller().is_braking());
         refused.map_or(Ok(()), Err)
     }
 
-    fn finger_on(&mut self, key: Key) {
-        self.rig.send(Command::Press(key));
-        if key.jog().is_some() && !self.held.contains(&key) {
-            if self.held.is_empty() {
-                self.heard = self.rig.now() + HOLD_EVERY;
+    fn press_and_hold(&mut self, key: Key) {
+        self.host.send(Command::Press(key));
+        if key.jog_direction().is_some() && !self.held_keys.contains(&key) {
+            if self.held_keys.is_empty() {
+                self.next_hold = self.host.now() + HOLD_INTERVAL;
             }
-            self.held.push(key);
+            self.held_keys.push(key);
         }
     }
 
-    fn finger_off(&mut self, key: Key) -> Result<(), String> {
-        self.held.retain(|held| *held != key);
+    fn release(&mut self, key: Key) -> Result<(), String> {
+        self.held_keys.retain(|held| *held != key);
         self.send(Command::Release(key))
     }
 
@@ -208,17 +215,17 @@ impl<'a> Player<'a> {
     }
 
     fn wait(&mut self, span: Micros) {
-        let end = self.rig.now() + span;
-        while self.rig.now() < end && !self.rig.is_touched() {
+        let end = self.host.now() + span;
+        while self.host.now() < end && !self.host.is_touched() {
             self.step();
         }
     }
 
     /// Runs until the condition is true; returns false after the timeout or a touch.
-    fn run_until(&mut self, most: Micros, mut done: impl FnMut(&mut Rig) -> bool) -> bool {
-        let end = self.rig.now() + most;
-        while !done(self.rig) {
-            if self.rig.now() >= end || self.rig.is_touched() {
+    fn run_until(&mut self, most: Micros, mut done: impl FnMut(&mut HeadlessHost) -> bool) -> bool {
+        let end = self.host.now() + most;
+        while !done(self.host) {
+            if self.host.now() >= end || self.host.is_touched() {
                 return false;
             }
             self.step();
@@ -226,8 +233,8 @@ impl<'a> Player<'a> {
         true
     }
 
-    fn until_it_stands(&mut self) {
-        self.run_until(STAND_MOST, |rig| {
+    fn wait_for_standstill(&mut self) {
+        self.run_until(STANDSTILL_TIMEOUT, |rig| {
             let state = rig.controller().state();
             rig.controller().is_in_position() && !matches!(state, RunState::Running | RunState::Homing)
         });
@@ -235,11 +242,11 @@ impl<'a> Player<'a> {
 
     fn load(&mut self, number: u32) -> Result<(), String> {
         self.set(Command::LoadProgram(number))?;
-        if !self.part_given
-            && let Some(part) = self.rig.bar(number).or_else(|| PartFile::builtin(number).ok().flatten())
+        if !self.has_part
+            && let Some(part) = self.host.bar_of_program(number).or_else(|| PartFile::builtin(number).ok().flatten())
         {
-            self.rig.mount(&part);
-            self.settled()?;
+            self.host.mount_part(&part);
+            self.wait_for_setting()?;
         }
         Ok(())
     }
@@ -248,30 +255,30 @@ impl<'a> Player<'a> {
         let path = self.folder.join(file);
         let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         let part = PartFile::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
-        self.rig.mount(&part);
-        self.part_given = true;
-        self.settled()
+        self.host.mount_part(&part);
+        self.has_part = true;
+        self.wait_for_setting()
     }
 
     fn screw(&mut self, axis: Axis, file: &str) -> Result<(), String> {
         let path = self.folder.join(file);
         let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let table = ScrewTable::parse(&text).map_err(|fault| format!("{} {fault}", path.display()))?;
-        self.set(Command::SetScrew(axis, table))
+        let table = LeadscrewCompensation::parse(&text).map_err(|fault| format!("{} {fault}", path.display()))?;
+        self.set(Command::SetLeadscrew(axis, table))
     }
 
     /// Homes all axes as an operator does: mode home, then one axis key after the other.
     fn home_all(&mut self) -> Result<(), String> {
         self.press(Mode::Home.key())?;
-        let axes: Vec<Axis> = self.rig.controller().axes_present().collect();
+        let axes: Vec<Axis> = self.host.controller().axes_present().collect();
         for axis in axes {
-            self.press(Key::of_jog(axis, true))?;
+            self.press(Key::from_jog(axis, true))?;
         }
-        let homing = |rig: &mut Rig| rig.controller().state() != RunState::Homing;
-        if !self.run_until(HOME_MOST, homing) {
+        let homing = |rig: &mut HeadlessHost| rig.controller().state() != RunState::Homing;
+        if !self.run_until(HOMING_TIMEOUT, homing) {
             return Err("homing did not end".to_owned());
         }
-        let snapshot = self.rig.snapshot();
+        let snapshot = self.host.snapshot();
         let missing = snapshot.axes.iter().find(|(_, view)| view.present && !view.homed).map(|(axis, _)| axis);
         match missing {
             None => Ok(()),
@@ -280,16 +287,16 @@ impl<'a> Player<'a> {
     }
 
     fn hold(&mut self, key: Key, seconds: f64) -> Result<(), String> {
-        let end = self.rig.now() + Micros::from_secs_f64(seconds);
-        self.finger_on(key);
-        while self.rig.now() < end {
+        let end = self.host.now() + Micros::from_secs_f64(seconds);
+        self.press_and_hold(key);
+        while self.host.now() < end {
             self.step();
         }
-        self.finger_off(key)
+        self.release(key)
     }
 
     fn handwheel(&mut self, axis: Axis, detents: i32, step: Key) -> Result<(), String> {
-        if !self.rig.snapshot().axes[axis].present {
+        if !self.host.snapshot().axes[axis].present {
             return Err(format!("this machine has no {axis}"));
         }
         let chosen = match axis {
@@ -301,14 +308,14 @@ impl<'a> Player<'a> {
             self.press(key)?;
         }
         self.send(Command::Handwheel(detents))?;
-        self.until_it_stands();
+        self.wait_for_standstill();
         Ok(())
     }
 
-    fn wait_until(&mut self, until: Until, most: Micros) -> Result<(), String> {
+    fn wait_until(&mut self, until: WaitCondition, most: Micros) -> Result<(), String> {
         let there = self.run_until(most, |rig| match until {
-            Until::State(state) => rig.controller().state() == state,
-            Until::Axis(axis, below, value) => {
+            WaitCondition::State(state) => rig.controller().state() == state,
+            WaitCondition::Axis(axis, below, value) => {
                 let at = rig.snapshot().axes[axis].work;
                 if below { at < value } else { at > value }
             }
@@ -322,9 +329,9 @@ impl<'a> Player<'a> {
             if is == wanted { Ok(()) } else { Err(format!("{name} is {}", on_off(is))) }
         };
         match expectation {
-            Expectation::Output(output, on) => switched(output.id(), self.rig.snapshot().outputs.has(*output), *on),
-            Expectation::Input(input, on) => switched(input.id(), self.rig.snapshot().inputs.has(*input), *on),
-            Expectation::Lamp(key, on) => switched(key.id(), self.rig.snapshot().key(*key).lamp, *on),
+            Expectation::Output(output, on) => switched(output.id(), self.host.snapshot().outputs.has(*output), *on),
+            Expectation::Input(input, on) => switched(input.id(), self.host.snapshot().inputs.has(*input), *on),
+            Expectation::Lamp(key, on) => switched(key.id(), self.host.snapshot().key(*key).lamp, *on),
             Expectation::Alarm(number) => {
                 self.alarm(|alarm| alarm.number == *number, &format!("alarm {number} is not present"))
             }
@@ -335,25 +342,25 @@ impl<'a> Player<'a> {
                 };
                 self.alarm(has, "no alarm has this text")
             }
-            Expectation::NoAlarm => match self.rig.snapshot().alarms.first() {
+            Expectation::NoAlarm => match self.host.snapshot().alarms.first() {
                 None => Ok(()),
                 Some(alarm) => Err(format!("alarm {}: {}", alarm.number, alarm.text.zh)),
             },
             Expectation::Event(kind) => {
-                let seen: Vec<_> = self.rig.machine().events().iter().map(|event| event.kind).collect();
+                let seen: Vec<_> = self.host.machine().events().iter().map(|event| event.kind).collect();
                 if seen.contains(kind) { Ok(()) } else { Err(format!("events: {seen:?}")) }
             }
-            Expectation::NoEvent => match self.rig.machine().events().first() {
+            Expectation::NoEvent => match self.host.machine().events().first() {
                 None => Ok(()),
                 Some(event) => Err(format!("event {} at {:.3} s on {}", event.kind.id(), event.seconds, event.place)),
             },
             Expectation::State(state) => {
-                let is = self.rig.controller().state();
+                let is = self.host.controller().state();
                 if is == *state { Ok(()) } else { Err(format!("state is {}", is.id())) }
             }
             Expectation::Value { of, is, tolerance } => self.value(*of, *is, *tolerance),
             Expectation::Message(text) => {
-                let message = &self.rig.snapshot().message.text;
+                let message = &self.host.snapshot().message.text;
                 if message.zh.contains(text) || message.en.contains(text) {
                     Ok(())
                 } else {
@@ -365,7 +372,7 @@ impl<'a> Player<'a> {
     }
 
     fn alarm(&mut self, is: impl Fn(&crate::link::snapshot::AlarmView) -> bool, no: &str) -> Result<(), String> {
-        let alarms = &self.rig.snapshot().alarms;
+        let alarms = &self.host.snapshot().alarms;
         if alarms.iter().any(is) {
             return Ok(());
         }
@@ -375,16 +382,16 @@ impl<'a> Player<'a> {
 
     fn value(&mut self, of: Quantity, is: f64, tolerance: f64) -> Result<(), String> {
         let found = match of {
-            Quantity::Work(axis) => Some(self.rig.snapshot().axes[axis].work),
-            Quantity::Machine(axis) => Some(self.rig.snapshot().axes[axis].machine),
+            Quantity::Work(axis) => Some(self.host.snapshot().axes[axis].work),
+            Quantity::Machine(axis) => Some(self.host.snapshot().axes[axis].machine),
             Quantity::Variable(number) => {
-                let values = &self.rig.snapshot().variables;
+                let values = &self.host.snapshot().variables;
                 values.get(usize::from(number)).copied().flatten()
             }
-            Quantity::Wear(number, axis) => self.rig.controller().wear(number, axis),
-            Quantity::PartDiameter(z) => self.rig.machine().diameter_at(z),
-            Quantity::PartFace(x) => self.rig.machine().face_at(x, None),
-            Quantity::PartHeight(x, z) => self.rig.machine().height_at(x, z),
+            Quantity::Wear(number, axis) => self.host.controller().wear(number, axis),
+            Quantity::PartDiameter(z) => self.host.machine().diameter_at(z),
+            Quantity::PartFace(x) => self.host.machine().face_at(x, None),
+            Quantity::PartHeight(x, z) => self.host.machine().height_at(x, z),
         };
         match found {
             // 1e-9 compensates binary rounding of the tolerance.
@@ -395,11 +402,11 @@ impl<'a> Player<'a> {
     }
 
     fn page_shows(&mut self, page: Page, text: &str) -> Result<(), String> {
-        let snapshot = self.rig.snapshot();
+        let snapshot = self.host.snapshot();
         if snapshot.page != page {
             return Err(format!("the open page is {}", snapshot.page.id()));
         }
-        let Some(eyes) = &mut self.eyes else {
+        let Some(eyes) = &mut self.page_reader else {
             return Err("this build has no screen: pages cannot be looked at".to_owned());
         };
         let texts = eyes.texts(snapshot);
@@ -415,7 +422,7 @@ impl<'a> Player<'a> {
 
 /// A report of the control's state after a failed line.
 #[must_use]
-pub fn around(rig: &mut Rig) -> String {
+pub fn state_report(rig: &mut HeadlessHost) -> String {
     let now = rig.now().as_secs_f64();
     let snapshot = rig.snapshot();
     let axes: Vec<_> = snapshot

@@ -4,16 +4,16 @@ use std::fmt::Write;
 use std::path::Path;
 
 use kt830::defs::alarm::ALARMS;
-use kt830::defs::fault::FAULTS;
 use kt830::defs::gcode::G_CODES;
 use kt830::defs::key::Key;
-use kt830::defs::mcode::{MCODES, REQUESTS};
+use kt830::defs::mcode::{MCODES, REQUEST_EXAMPLES};
 use kt830::defs::param::{BITS, NUMBERS, Params};
 use kt830::defs::signal::{Input, Output};
+use kt830::defs::sim_fault::FAULTS;
+use kt830::defs::system_variable::{SYSTEM_VARIABLES, VariableAccess};
 use kt830::defs::text::Text;
-use kt830::defs::variable::{Access, SYSTEM_VARIABLES};
 use kt830::defs::{kind::Kind, program_error::ProgramError};
-use kt830::machine::{interlock::Outcome, rules::RULES};
+use kt830::machine::{interlock::RuleOutcome, rules::RULES};
 
 fn tables() -> String {
     let mut text = String::from("# 表 Tables\n\n本页由 `defs/` 生成，请勿手改。Generated from `defs/`; do not edit.\n");
@@ -31,7 +31,7 @@ fn tables() -> String {
 fn keys(text: &mut String) {
     text.push_str("\n## 面板按键 Panel keys\n\n| 按键 | key | id | 运行中 in a run | 作用 | what it does |\n|---|---|---|---|---|---|\n");
     for key in Key::ALL {
-        let (row, run) = (key.row(), if key.row().in_run { "有效 acts" } else { "–" });
+        let (row, run) = (key.row(), if key.row().active_in_run { "有效 acts" } else { "–" });
         let (label, help) = (row.label, row.help);
         writeln!(text, "| {} | {} | `{}` | {run} | {} | {} |", label.zh, label.en, row.id, help.zh, help.en).unwrap();
     }
@@ -41,8 +41,12 @@ fn codes(text: &mut String) {
     text.push_str("\n## M 代码 M codes\n\n| 代码 | 功能 | function | 依据 row | 说明 | what it does |\n|---|---|---|---|---|---|\n");
     for row in MCODES {
         let (name, help) = (row.name, row.help);
-        writeln!(text, "| M{:02} | {} | {} | {} | {} | {} |", row.code, name.zh, name.en, row.row, help.zh, help.en)
-            .unwrap();
+        writeln!(
+            text,
+            "| M{:02} | {} | {} | {} | {} | {} |",
+            row.code, name.zh, name.en, row.spec_row, help.zh, help.en
+        )
+        .unwrap();
     }
     text.push_str("\n## G 代码 G codes\n\n| 代码 | 功能 | function | 说明 | what it does |\n|---|---|---|---|---|\n");
     for row in G_CODES {
@@ -55,9 +59,9 @@ fn variables(text: &mut String) {
     text.push_str("\n## 系统变量 System variables\n\n| 变量 | 含义 | meaning | 程序可 |\n|---|---|---|---|\n");
     for row in SYSTEM_VARIABLES {
         let access = match row.access {
-            Access::Read => "读 read",
-            Access::ReadWrite => "读写 read, write",
-            Access::Write => "写 write",
+            VariableAccess::Read => "读 read",
+            VariableAccess::ReadWrite => "读写 read, write",
+            VariableAccess::Write => "写 write",
         };
         let last = row.first + row.count - 1;
         let numbers = if row.count == 1 { format!("#{}", row.first) } else { format!("#{}–#{last}", row.first) };
@@ -72,16 +76,16 @@ fn interlocks(text: &mut String) {
          on; alarm: the program stops before the block.\n\n| 依据 row | 禁止 | forbids | 结果 outcome | 原因 | reason |\n|---|---|---|---|---|---|\n",
     );
     for rule in RULES {
-        let forbidden: Vec<_> = REQUESTS.iter().filter(|(request, _)| (rule.forbids)(*request)).collect();
+        let forbidden: Vec<_> = REQUEST_EXAMPLES.iter().filter(|(request, _)| (rule.forbids)(*request)).collect();
         assert!(!forbidden.is_empty(), "{} forbids nothing", rule.reason.en);
         let names = |name: fn(&Text) -> &'static str, comma: &str| {
             forbidden.iter().map(|(_, text)| name(text)).collect::<Vec<_>>().join(comma)
         };
         let (zh, en) = (names(|text| text.zh, "、"), names(|text| text.en, ", "));
         let outcome = match rule.outcome {
-            Outcome::NoEffect => "无效 no effect".to_owned(),
-            Outcome::Deny => "拒绝 deny".to_owned(),
-            Outcome::Alarm(number) => format!("报警 alarm {number:03}"),
+            RuleOutcome::NoEffect => "无效 no effect".to_owned(),
+            RuleOutcome::Deny => "拒绝 deny".to_owned(),
+            RuleOutcome::Alarm(number) => format!("报警 alarm {number:03}"),
         };
         writeln!(text, "| {} | {zh} | {en} | {outcome} | {} | {} |", rule.row, rule.reason.zh, rule.reason.en).unwrap();
     }

@@ -10,6 +10,7 @@ mod stories;
 mod check;
 mod cli;
 mod docs;
+mod requirements;
 #[cfg(unix)]
 mod serial;
 mod store_files;

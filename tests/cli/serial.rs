@@ -11,17 +11,17 @@ use std::time::Duration;
 
 use kt830::defs::alarm;
 use kt830::defs::kind::Kind;
+use kt830::host::folders::Folders;
+use kt830::host::headless::HeadlessHost;
+use kt830::host::serial::format::{SerialProgram, XOFF, XON};
+use kt830::host::serial::port::SerialLine;
+use kt830::host::serial::transfer::SerialTransfer;
+use kt830::host::serial::{SERIAL_LIMIT, SerialError};
 use kt830::link::Command;
-use kt830::link::files::{Asker, FileAnswer, FileRequest, Refusal, Ticket};
-use kt830::link::media::{Direction, Set, Transfer};
-use kt830::link::page_command::{Guard, PageCommand, Secret};
-use kt830::runtime::disk::Folders;
-use kt830::runtime::rig::Rig;
-use kt830::runtime::serial::courier::Courier;
-use kt830::runtime::serial::line::Line;
-use kt830::runtime::serial::sheet::{Sheet, XOFF, XON};
-use kt830::runtime::serial::{SERIAL_LIMIT, Trouble};
-use kt830::store::Shelf;
+use kt830::link::files::{FileAnswer, FileRequest, Refusal, Requester, Ticket};
+use kt830::link::media::{Direction, TransferRequest, TransferSet};
+use kt830::link::page_command::{PageCommand, PasswordScope, Secret};
+use kt830::store::ProgramFolder;
 use serialport::{SerialPort, TTYPort};
 use tempfile::TempDir;
 
@@ -31,9 +31,9 @@ struct Shop {
     other: Option<TTYPort>,
     /// Keeps the pseudo-terminal alive while nobody has it open.
     _kept: fs::File,
-    line: Line,
+    line: SerialLine,
     cancelled: AtomicBool,
-    held: Mutex<Vec<Sheet>>,
+    held: Mutex<Vec<SerialProgram>>,
     named: bool,
 }
 
@@ -43,11 +43,11 @@ impl Shop {
         other.set_timeout(Duration::from_millis(300)).unwrap();
         let port = own.name().expect("its name");
         let kept = fs::File::open(&port).unwrap();
-        let line = Line {
+        let line = SerialLine {
             port,
             baud: 115_200,
-            silence: Duration::from_millis(400),
-            start: Duration::from_secs(20),
+            silence_timeout: Duration::from_millis(400),
+            start_timeout: Duration::from_secs(20),
             leader: 4,
             limit: SERIAL_LIMIT,
         };
@@ -72,11 +72,12 @@ impl Shop {
     }
 
     fn ask(&self, direction: Direction, names: &[&str], overwrite: Option<bool>) -> Result<FileAnswer, Refusal> {
-        let shelf = Shelf::new(self.folder.path(), self.named);
+        let shelf = ProgramFolder::new(self.folder.path(), self.named);
         let names = names.iter().map(|name| (*name).to_owned()).collect();
-        let ask = Transfer { set: Set::Serial, direction, names, overwrite, convert: None };
+        let ask = TransferRequest { set: TransferSet::Serial, direction, names, overwrite, convert: None };
         let (cancelled, held) = (&self.cancelled, &self.held);
-        Courier { shelf: &shelf, named: self.named, line: &self.line, cancelled, held }.carry(&ask, &mut |_| {})
+        SerialTransfer { folder: &shelf, by_name: self.named, port: &self.line, cancelled, received: held }
+            .run(&ask, &mut |_| {})
     }
 
     /// The other side hears XON, then sends these bytes.
@@ -92,7 +93,7 @@ impl Shop {
     /// Receives while the other side sends these bytes.
     fn receive(&mut self, bytes: &[u8], names: &[&str]) -> Result<FileAnswer, Refusal> {
         let sender = self.sender(bytes);
-        let done = self.ask(Direction::In, names, None);
+        let done = self.ask(Direction::Import, names, None);
         self.other = Some(sender.join().unwrap());
         done
     }
@@ -104,7 +105,7 @@ impl Shop {
             let heard = hear(&mut port, |heard| heard.ends_with(b"%\r\n\0\0\0\0"));
             (port, heard)
         });
-        let done = self.ask(Direction::Out, names, None);
+        let done = self.ask(Direction::Export, names, None);
         let (port, heard) = listener.join().unwrap();
         self.other = Some(port);
         (done, heard)
@@ -155,9 +156,9 @@ fn l9_a_program_is_received_stored_and_asked_about_before_it_overwrites() {
     let done = shop.receive(b"%\nO1234\nG00 X2\nM30\n%\n", &[]);
     assert_eq!(done, Err(Refusal::Overwrite(vec!["O1234.NC".into()])));
     assert_eq!(shop.text("O1234.NC"), "O1234\r\nG00 X1\r\nM30\r\n");
-    assert!(shop.ask(Direction::In, &[], Some(true)).is_ok());
+    assert!(shop.ask(Direction::Import, &[], Some(true)).is_ok());
     assert_eq!(shop.text("O1234.NC"), "O1234\r\nG00 X2\r\nM30\r\n");
-    assert!(shop.ask(Direction::In, &[], Some(true)).is_err(), "it is held once");
+    assert!(shop.ask(Direction::Import, &[], Some(true)).is_err(), "it is held once");
     assert!(shop.receive(b"%\nM30\n%\n", &["O0077.NC"]).is_ok());
     assert_eq!(shop.text("O0077.NC"), "M30\r\n");
 }
@@ -175,7 +176,7 @@ fn l9_the_lathes_programs_go_by_name() {
     assert_eq!(shop.text("BOLT.NC"), "N0010M02\r\n");
     // The name counts without regard to case, as on a stick.
     assert_eq!(shop.receive(b"%\n<SHAFT>\nN0020M02\n%\n", &[]), Err(Refusal::Overwrite(vec!["SHAFT.NC".into()])));
-    assert!(shop.ask(Direction::In, &[], Some(true)).is_ok());
+    assert!(shop.ask(Direction::Import, &[], Some(true)).is_ok());
     assert_eq!(shop.text("shaft.NC"), "N0020M02\r\n");
 }
 
@@ -197,7 +198,7 @@ fn long() -> String {
 #[test]
 fn l9_xoff_holds_the_sender_and_xon_lets_it_go_on() {
     let mut shop = Shop::new();
-    shop.line.silence = Duration::from_secs(20);
+    shop.line.silence_timeout = Duration::from_secs(20);
     fs::write(shop.path("O0001.NC"), long()).unwrap();
     let mut port = shop.other.take().unwrap();
     let listener = thread::spawn(move || {
@@ -210,7 +211,7 @@ fn l9_xoff_holds_the_sender_and_xon_lets_it_go_on() {
         heard.extend(hear(&mut port, |rest| rest.ends_with(b"\0\0\0\0")));
         (held_at, heard)
     });
-    let done = shop.ask(Direction::Out, &["O0001.NC"], None);
+    let done = shop.ask(Direction::Export, &["O0001.NC"], None);
     let (held_at, heard) = listener.join().unwrap();
     assert!(done.is_ok(), "{done:?}");
     let whole = [b"\0\0\0\0%\r\n", long().as_bytes(), b"%\r\n\0\0\0\0"].concat();
@@ -229,34 +230,34 @@ fn l9_a_receiver_that_holds_for_ever_is_an_alarm() {
         hear(&mut port, |_| false);
         port
     });
-    let done = shop.ask(Direction::Out, &["O0001.NC"], None);
-    assert_eq!(number(&done), Some(alarm::SERIAL_HELD), "{done:?}");
+    let done = shop.ask(Direction::Export, &["O0001.NC"], None);
+    assert_eq!(number(&done), Some(alarm::SERIAL_SEND_TIMEOUT), "{done:?}");
     drop(listener.join().unwrap());
 }
 
 #[test]
 fn l9_nothing_and_half_a_program_are_alarms_and_nothing_is_stored() {
     let mut shop = Shop::new();
-    shop.line.start = Duration::from_millis(300);
+    shop.line.start_timeout = Duration::from_millis(300);
     let done = shop.receive(b"", &[]);
-    assert_eq!(done, Err(Trouble::Silent(None).into()));
+    assert_eq!(done, Err(SerialError::NoData(None).into()));
     let done = shop.receive(b"%\nO1234\nG00 X1\nG0", &[]);
-    assert_eq!(done, Err(Trouble::Silent(Some(4)).into()));
+    assert_eq!(done, Err(SerialError::NoData(Some(4)).into()));
     assert!(!shop.path("O1234.NC").exists());
 }
 
 #[test]
 fn l9_garbled_data_parity_and_length_are_alarms_of_their_own() {
     let mut shop = Shop::new();
-    shop.line.start = Duration::from_millis(300);
+    shop.line.start_timeout = Duration::from_millis(300);
     for (bytes, expected) in [
-        (b"%\nO1\nG0\0X1\nM30\n%\n".as_slice(), alarm::SERIAL_NOISE),
-        (b"\xF8\x03\x9C\xE0\x1C\xFE\xC7", alarm::SERIAL_NOISE),
+        (b"%\nO1\nG0\0X1\nM30\n%\n".as_slice(), alarm::SERIAL_GARBLED),
+        (b"\xF8\x03\x9C\xE0\x1C\xFE\xC7", alarm::SERIAL_GARBLED),
         // "%\r\nO1001\r\n" in 7 bits with even parity.
         (b"\xA5\x8D\x0A\xCF\xB1\x30\x30\xB1\x8D\x0A\xA5\x8D\x0A\xCF\xB1", alarm::SERIAL_PARITY),
-        (b"O1001\nG00 X1\nM30\n", alarm::SERIAL_FORM),
-        (b"%\nG00 X1\nM30\n%\n", alarm::SERIAL_FORM),
-        (b"%\nO0001\nG00 (50% OF IT)\nM30\n%\n", alarm::SERIAL_FORM),
+        (b"O1001\nG00 X1\nM30\n", alarm::SERIAL_BAD_FORMAT),
+        (b"%\nG00 X1\nM30\n%\n", alarm::SERIAL_BAD_FORMAT),
+        (b"%\nO0001\nG00 (50% OF IT)\nM30\n%\n", alarm::SERIAL_BAD_FORMAT),
     ] {
         let done = shop.receive(bytes, &[]);
         assert_eq!(number(&done), Some(expected), "{done:?}");
@@ -264,7 +265,7 @@ fn l9_garbled_data_parity_and_length_are_alarms_of_their_own() {
     shop.line.limit = 20;
     assert_eq!(number(&shop.receive(b"%\nO0001\nG00 X1\nG00 X2\nM30\n%\n", &[])), Some(alarm::SERIAL_TOO_LONG));
     fs::write(shop.path("O0002.NC"), "O0002\nG00 X1\nG00 X2\nM30\n").unwrap();
-    assert_eq!(number(&shop.ask(Direction::Out, &["O0002.NC"], None)), Some(alarm::SERIAL_TOO_LONG));
+    assert_eq!(number(&shop.ask(Direction::Export, &["O0002.NC"], None)), Some(alarm::SERIAL_TOO_LONG));
     assert_eq!(fs::read_dir(shop.folder.path()).unwrap().count(), 1, "nothing was stored");
 }
 
@@ -274,11 +275,11 @@ fn l9_a_port_that_is_not_there_and_one_that_goes_are_alarms() {
     // The other end goes while it is waited for: the adapter was pulled out.
     let mut port = shop.other.take().unwrap();
     let gone = thread::spawn(move || hear(&mut port, |heard| heard.contains(&XON)));
-    let done = shop.ask(Direction::In, &[], None);
-    assert_eq!(number(&done), Some(alarm::SERIAL_GONE), "{done:?}");
+    let done = shop.ask(Direction::Import, &[], None);
+    assert_eq!(number(&done), Some(alarm::SERIAL_DISCONNECTED), "{done:?}");
     gone.join().unwrap();
     shop.line.port = "/dev/kt830-no-such-port".into();
-    assert_eq!(number(&shop.ask(Direction::In, &[], None)), Some(alarm::SERIAL_PORT));
+    assert_eq!(number(&shop.ask(Direction::Import, &[], None)), Some(alarm::SERIAL_PORT_NOT_OPEN));
 }
 
 #[test]
@@ -290,7 +291,7 @@ fn h8_a_reception_is_cancelled() {
             assert!(hear(&mut port, |heard| heard.contains(&XON)).contains(&XON));
             shop.cancelled.store(true, Ordering::Release);
         });
-        assert_eq!(shop.ask(Direction::In, &[], None), Err(Trouble::Cancelled.into()));
+        assert_eq!(shop.ask(Direction::Import, &[], None), Err(SerialError::Cancelled.into()));
     });
 }
 
@@ -299,24 +300,24 @@ fn l9_a_program_that_cannot_be_stored_or_sent_is_named() {
     let mut shop = Shop::new();
     fs::create_dir(shop.path("O0005.NC")).unwrap();
     let done = shop.receive(b"%\nO0004\nM30\nO0005\nM30\n%\n", &[]);
-    assert_eq!(number(&done), Some(alarm::SERIAL_STORE), "{done:?}");
-    assert!(done.unwrap_err().said().zh.contains("已保存 O0004.NC"));
+    assert_eq!(number(&done), Some(alarm::SERIAL_FILE_ERROR), "{done:?}");
+    assert!(done.unwrap_err().message().zh.contains("已保存 O0004.NC"));
     fs::write(shop.path("O0006.NC"), "O0006\nG00 X1 (50%)\n").unwrap();
-    let done = shop.ask(Direction::Out, &["O0006.NC"], None);
-    assert_eq!(number(&done), Some(alarm::SERIAL_TEXT));
-    assert!(done.unwrap_err().said().zh.contains("第2行"));
-    assert_eq!(number(&shop.ask(Direction::Out, &["../O0001.NC"], None)), Some(alarm::SERIAL_STORE));
+    let done = shop.ask(Direction::Export, &["O0006.NC"], None);
+    assert_eq!(number(&done), Some(alarm::SERIAL_NOT_SENDABLE));
+    assert!(done.unwrap_err().message().zh.contains("第2行"));
+    assert_eq!(number(&shop.ask(Direction::Export, &["../O0001.NC"], None)), Some(alarm::SERIAL_FILE_ERROR));
 }
 
 /// Why the last request was refused.
-fn refusal(rig: &mut Rig) -> Option<Refusal> {
+fn refusal(rig: &mut HeadlessHost) -> Option<Refusal> {
     rig.snapshot().files.answers.last()?.result.clone().err()
 }
 
-fn request(rig: &mut Rig, direction: Direction, names: &[&str]) {
+fn request(rig: &mut HeadlessHost, direction: Direction, names: &[&str]) {
     let names = names.iter().map(|name| (*name).to_owned()).collect();
-    let ask = Transfer { set: Set::Serial, direction, names, overwrite: None, convert: None };
-    rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Transfer), FileRequest::Transfer(ask))));
+    let ask = TransferRequest { set: TransferSet::Serial, direction, names, overwrite: None, convert: None };
+    rig.send(Command::Page(PageCommand::File(Ticket::without_reply(Requester::Transfer), FileRequest::Transfer(ask))));
     (0..4).for_each(|_| rig.step());
 }
 
@@ -326,18 +327,22 @@ fn l9_the_control_receives_a_program_with_its_password_and_tells_an_alarm() {
     let folders = Folders {
         programs: shop.folder.path().to_path_buf(),
         screens: crate::stories::folders().screens,
-        named: false,
+        by_name: false,
     };
     let mut rig = crate::stories::rig_of(Kind::Gc, folders);
-    request(&mut rig, Direction::In, &[]);
+    request(&mut rig, Direction::Import, &[]);
     assert_eq!(refusal(&mut rig), Some(Refusal::Password));
-    rig.send(Command::Page(PageCommand::Unlock(Guard::Program, Secret::new("187350".into()))));
+    rig.send(Command::Page(PageCommand::Unlock(PasswordScope::Program, Secret::new("187350".into()))));
     (0..4).for_each(|_| rig.step());
-    request(&mut rig, Direction::In, &[]);
-    assert_eq!(rig.snapshot().alarms.first().map(|alarm| alarm.number), Some(alarm::SERIAL_PORT), "none is chosen");
-    rig.plug_line(shop.line.port.clone());
+    request(&mut rig, Direction::Import, &[]);
+    assert_eq!(
+        rig.snapshot().alarms.first().map(|alarm| alarm.number),
+        Some(alarm::SERIAL_PORT_NOT_OPEN),
+        "none is chosen"
+    );
+    rig.set_serial_port(shop.line.port.clone());
     let sender = shop.sender(b"%\r\nO1234 (NEW)\r\nM30\r\n%\r\n");
-    request(&mut rig, Direction::In, &[]);
+    request(&mut rig, Direction::Import, &[]);
     drop(sender.join().unwrap());
     assert!(rig.has_program(1_234), "{:?}", refusal(&mut rig));
     assert!(rig.snapshot().alarms.is_empty(), "a new transmission takes the old alarm away");
@@ -347,8 +352,11 @@ fn l9_the_control_receives_a_program_with_its_password_and_tells_an_alarm() {
 fn l9_the_baud_rate_is_a_parameter_with_a_range() {
     let mut rig = crate::stories::rig();
     crate::stories::tell(&mut rig, "param P370 19200");
-    let line = Line::of(&rig.retained().params, "/dev/ttyS0".into());
-    assert_eq!((line.baud, line.silence, line.start), (19_200, Duration::from_secs(10), Duration::from_secs(120)));
+    let line = SerialLine::from_params(&rig.retained().params, "/dev/ttyS0".into());
+    assert_eq!(
+        (line.baud, line.silence_timeout, line.start_timeout),
+        (19_200, Duration::from_secs(10), Duration::from_secs(120))
+    );
     for wrong in [0.0, 299.0, 115_201.0, 9_600.5] {
         assert!(
             rig.retained().params.clone().write(kt830::defs::param::SERIAL_BAUD.address(), wrong).is_err(),

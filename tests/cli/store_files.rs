@@ -5,9 +5,10 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use kt830::store::ron_file::{self, Care, Found, RonError, Warning};
+use kt830::store::ron_file::{self, ChecksumPolicy, LoadedFile, RonError, RonWarning};
 use kt830::store::{
-    Changed, DataDir, Encoding, Folder, FolderError, PAGE_TEXT, PICTURE, POLL_INTERVAL, PROGRAM, Watch, decode,
+    DataDir, Encoding, Folder, FolderChange, FolderError, FolderWatch, PAGE_TEXT, PICTURE, POLL_INTERVAL, PROGRAM,
+    decode,
 };
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +29,7 @@ fn settings(part: &str) -> Settings {
     Settings { language: Language::Chinese, part: part.to_owned(), params: [("P270".to_owned(), 3000.0)].into() }
 }
 
-fn read(path: &Path, care: Care) -> Result<Found<Settings>, RonError> {
+fn read(path: &Path, care: ChecksumPolicy) -> Result<LoadedFile<Settings>, RonError> {
     ron_file::read(path, care)
 }
 
@@ -36,12 +37,12 @@ fn read(path: &Path, care: Care) -> Result<Found<Settings>, RonError> {
 fn a_ron_file_comes_back_as_it_was_written_and_keeps_its_predecessor() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("settings.ron");
-    assert!(matches!(read(&path, Care::Strict), Err(RonError::Missing { .. })));
-    ron_file::write(&path, Care::Strict, &settings("轴套")).unwrap();
-    ron_file::write(&path, Care::Strict, &settings("shaft")).unwrap();
-    let found = read(&path, Care::Strict).unwrap();
+    assert!(matches!(read(&path, ChecksumPolicy::Strict), Err(RonError::Missing { .. })));
+    ron_file::write(&path, ChecksumPolicy::Strict, &settings("轴套")).unwrap();
+    ron_file::write(&path, ChecksumPolicy::Strict, &settings("shaft")).unwrap();
+    let found = read(&path, ChecksumPolicy::Strict).unwrap();
     assert_eq!((found.value, found.warnings.len()), (settings("shaft"), 0));
-    let backup = read(&folder.path().join("settings.ron.bak"), Care::Strict).unwrap();
+    let backup = read(&folder.path().join("settings.ron.bak"), ChecksumPolicy::Strict).unwrap();
     assert_eq!(backup.value, settings("轴套"));
     let names = fs::read_dir(folder.path()).unwrap().count();
     assert_eq!(names, 2, "no temporary file stays");
@@ -51,38 +52,38 @@ fn a_ron_file_comes_back_as_it_was_written_and_keeps_its_predecessor() {
 fn a_hand_edited_file_counts_for_people_and_not_where_only_the_control_writes() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("settings.ron");
-    ron_file::write(&path, Care::Person, &settings("a")).unwrap();
+    ron_file::write(&path, ChecksumPolicy::Lenient, &settings("a")).unwrap();
     let text = fs::read_to_string(&path).unwrap();
     fs::write(&path, text.replace("\"a\"", "\"b\"")).unwrap();
-    let found = read(&path, Care::Person).unwrap();
-    assert_eq!((found.value, found.warnings), (settings("b"), vec![Warning::StaleChecksum(path.clone())]));
-    assert!(matches!(read(&path, Care::Strict), Err(RonError::Checksum { .. })));
+    let found = read(&path, ChecksumPolicy::Lenient).unwrap();
+    assert_eq!((found.value, found.warnings), (settings("b"), vec![RonWarning::StaleChecksum(path.clone())]));
+    assert!(matches!(read(&path, ChecksumPolicy::Strict), Err(RonError::Checksum { .. })));
 
     let body = text.split("// checksum").next().unwrap();
     fs::write(&path, format!("\u{FEFF}{body}")).unwrap();
-    let found = read(&path, Care::Person).unwrap();
-    assert_eq!((found.value, found.warnings), (settings("a"), vec![Warning::NoChecksum(path.clone())]));
-    assert!(matches!(read(&path, Care::Strict), Err(RonError::Checksum { .. })));
+    let found = read(&path, ChecksumPolicy::Lenient).unwrap();
+    assert_eq!((found.value, found.warnings), (settings("a"), vec![RonWarning::NoChecksum(path.clone())]));
+    assert!(matches!(read(&path, ChecksumPolicy::Strict), Err(RonError::Checksum { .. })));
 }
 
 #[test]
 fn a_file_cut_off_falls_back_to_its_predecessor_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("settings.ron");
-    ron_file::write(&path, Care::Person, &settings("old")).unwrap();
-    ron_file::write(&path, Care::Person, &settings("new")).unwrap();
+    ron_file::write(&path, ChecksumPolicy::Lenient, &settings("old")).unwrap();
+    ron_file::write(&path, ChecksumPolicy::Lenient, &settings("new")).unwrap();
     let text = fs::read(&path).unwrap();
     for length in [0, 1, text.len() / 3, text.len() / 2] {
         fs::write(&path, &text[..length]).unwrap();
-        let found = read(&path, Care::Person).unwrap();
+        let found = read(&path, ChecksumPolicy::Lenient).unwrap();
         assert_eq!(found.value, settings("old"), "cut to {length}");
-        assert!(matches!(found.warnings[0], Warning::FromBackup { .. }), "cut to {length}");
+        assert!(matches!(found.warnings[0], RonWarning::FromBackup { .. }), "cut to {length}");
     }
     // Writing again puts the cut file aside and leaves the good predecessor alone.
-    ron_file::write(&path, Care::Person, &settings("third")).unwrap();
-    assert_eq!(read(&path, Care::Person).unwrap().value, settings("third"));
+    ron_file::write(&path, ChecksumPolicy::Lenient, &settings("third")).unwrap();
+    assert_eq!(read(&path, ChecksumPolicy::Lenient).unwrap().value, settings("third"));
     fs::remove_file(&path).unwrap();
-    assert_eq!(read(&path, Care::Person).unwrap().value, settings("old"));
+    assert_eq!(read(&path, ChecksumPolicy::Lenient).unwrap().value, settings("old"));
     assert_eq!(fs::read(folder.path().join("settings.ron.damaged")).unwrap(), &text[..text.len() / 2]);
 }
 
@@ -91,10 +92,10 @@ fn a_ron_error_names_file_line_and_column() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("settings.ron");
     fs::write(&path, "(\n    language: Chinese,\n    part: 7,\n)\n").unwrap();
-    let told = read(&path, Care::Person).unwrap_err().to_string();
+    let told = read(&path, ChecksumPolicy::Lenient).unwrap_err().to_string();
     assert!(told.contains("settings.ron line 3, column 11"), "{told}");
     fs::write(&path, b"(\n  \xE8\xBD\xAE\xFF").unwrap();
-    let told = read(&path, Care::Person).unwrap_err().to_string();
+    let told = read(&path, ChecksumPolicy::Lenient).unwrap_err().to_string();
     assert!(told.contains("line 2, column 4"), "{told}");
 }
 
@@ -174,14 +175,14 @@ fn links_folders_and_devices_are_refused() {
     std::os::unix::fs::symlink("/dev/zero", at("O1002.NC")).unwrap();
     fs::create_dir(at("O1003.NC")).unwrap();
     for number in 1001..=1003 {
-        assert!(matches!(folder.read(&PROGRAM, number), Err(FolderError::NotPlain { .. })), "{number}");
-        assert!(matches!(folder.write(&PROGRAM, number, b""), Err(FolderError::NotPlain { .. })), "{number}");
-        let named = folder.read_named(&PROGRAM, &PROGRAM.name(number));
-        assert!(matches!(named, Err(FolderError::NotPlain { .. })), "{number}");
+        assert!(matches!(folder.read(&PROGRAM, number), Err(FolderError::NotRegular { .. })), "{number}");
+        assert!(matches!(folder.write(&PROGRAM, number, b""), Err(FolderError::NotRegular { .. })), "{number}");
+        let named = folder.read_named(&PROGRAM, &PROGRAM.file_name(number));
+        assert!(matches!(named, Err(FolderError::NotRegular { .. })), "{number}");
     }
     assert_eq!(folder.list(&PROGRAM).unwrap().ignored.len(), 3);
     let device = Folder::new("/dev").read_named(&PROGRAM, "null");
-    assert!(matches!(device, Err(FolderError::NotPlain { .. })), "{device:?}");
+    assert!(matches!(device, Err(FolderError::NotRegular { .. })), "{device:?}");
 }
 
 #[test]
@@ -199,7 +200,7 @@ fn a_file_over_its_limit_is_refused_unread_and_unwritten() {
 fn what_a_power_cut_left_half_written_is_swept_and_never_listed() {
     let (temporary, folder) = folder_with(&["O1001.NC", ".kt830-Ab12Cd.part"]);
     assert_eq!(folder.list(&PROGRAM).unwrap().ignored, []);
-    assert_eq!(folder.remove_unfinished().unwrap(), 1);
+    assert_eq!(folder.remove_temporary().unwrap(), 1);
     assert_eq!(fs::read_dir(temporary.path()).unwrap().count(), 1);
 }
 
@@ -243,7 +244,7 @@ fn k7_3_a_copied_file_is_seen_once_and_reading_it_is_no_change() {
     let folder = tempfile::tempdir().unwrap();
     let directory = DataDir::resolve(Some(folder.path())).unwrap();
     let (programs, screens) = (directory.programs(), directory.screens());
-    let mut watch = Watch::start(&programs, &screens);
+    let mut watch = FolderWatch::start(&programs, &screens);
     assert_eq!(watch.polling_because(), None);
     let now = Instant::now();
     assert_eq!(watch.try_recv(now), None);
@@ -251,11 +252,11 @@ fn k7_3_a_copied_file_is_seen_once_and_reading_it_is_no_change() {
         fs::write(screens.join(format!("C{number:04}.TXT")), "x;").unwrap();
     }
     let longest = Duration::from_secs(10);
-    assert_eq!(watch.recv_timeout(now, longest), Some(Changed::Screens));
+    assert_eq!(watch.recv_timeout(now, longest), Some(FolderChange::Screens));
     Folder::new(&programs).write(&PROGRAM, 1001, b"M30\n").unwrap();
     // Of the many events of twenty files at most a few are told again before the other folder's.
     let mut told = Vec::new();
-    while told.last() != Some(&Changed::Programs) {
+    while told.last() != Some(&FolderChange::Programs) {
         told.push(watch.recv_timeout(now, longest).expect("the program is seen"));
         assert!(told.len() < 20, "{told:?}");
     }
@@ -265,7 +266,7 @@ fn k7_3_a_copied_file_is_seen_once_and_reading_it_is_no_change() {
 fn without_notices_the_folders_are_listed_now_and_then() {
     let folder = tempfile::tempdir().unwrap();
     let directory = DataDir::resolve(Some(folder.path())).unwrap();
-    let mut watch = Watch::polling(&directory.programs(), &directory.screens());
+    let mut watch = FolderWatch::polling(&directory.programs(), &directory.screens());
     assert!(watch.polling_because().is_some());
     let start = Instant::now();
     assert_eq!(watch.try_recv(start), None);
@@ -273,8 +274,8 @@ fn without_notices_the_folders_are_listed_now_and_then() {
     fs::write(directory.screens().join("C0001.TXT"), "x;").unwrap();
     assert_eq!(watch.try_recv(start), None, "not before the interval is over");
     let later = start + POLL_INTERVAL;
-    assert_eq!(watch.try_recv(later), Some(Changed::Programs));
-    assert_eq!(watch.try_recv(later), Some(Changed::Screens));
+    assert_eq!(watch.try_recv(later), Some(FolderChange::Programs));
+    assert_eq!(watch.try_recv(later), Some(FolderChange::Screens));
     assert_eq!(watch.try_recv(later + POLL_INTERVAL), None);
 }
 
@@ -286,42 +287,42 @@ fn k7_3_folders_beside_the_program_are_watched_by_their_short_names() {
     let (programs, screens) = (short.join("programs"), short.join("screens"));
     fs::create_dir(&programs).unwrap();
     fs::create_dir(&screens).unwrap();
-    let mut watch = Watch::start(&programs, &screens);
+    let mut watch = FolderWatch::start(&programs, &screens);
     assert_eq!(watch.polling_because(), None);
     fs::write(screens.join("C0001.TXT"), "x;").unwrap();
-    assert_eq!(watch.recv_timeout(Instant::now(), Duration::from_secs(10)), Some(Changed::Screens));
+    assert_eq!(watch.recv_timeout(Instant::now(), Duration::from_secs(10)), Some(FolderChange::Screens));
 }
 
 #[test]
 fn a_watched_folder_that_is_removed_is_polled_from_then_on() {
     let folder = tempfile::tempdir().unwrap();
     let directory = DataDir::resolve(Some(folder.path())).unwrap();
-    let mut watch = Watch::start(&directory.programs(), &directory.screens());
+    let mut watch = FolderWatch::start(&directory.programs(), &directory.screens());
     let now = Instant::now();
     fs::remove_dir(directory.programs()).unwrap();
     // What else changed meanwhile is not known, so both folders are told.
     let mut told = Vec::new();
-    while !(told.contains(&Changed::Programs) && told.contains(&Changed::Screens)) {
+    while !(told.contains(&FolderChange::Programs) && told.contains(&FolderChange::Screens)) {
         told.push(watch.recv_timeout(now, Duration::from_secs(10)).expect("the removal is seen"));
         assert!(told.len() < 10, "{told:?}");
     }
     assert!(watch.polling_because().is_some());
     fs::create_dir(directory.programs()).unwrap();
     fs::write(directory.programs().join("O1001.NC"), "M30").unwrap();
-    assert_eq!(watch.try_recv(now + POLL_INTERVAL), Some(Changed::Programs));
+    assert_eq!(watch.try_recv(now + POLL_INTERVAL), Some(FolderChange::Programs));
 }
 
 #[test]
 fn a_folder_that_is_not_there_is_polled_until_it_comes() {
     let folder = tempfile::tempdir().unwrap();
     let (programs, screens) = (folder.path().join("programs"), folder.path().join("screens"));
-    let mut watch = Watch::start(&programs, &screens);
+    let mut watch = FolderWatch::start(&programs, &screens);
     assert!(watch.polling_because().is_some());
     let start = Instant::now();
     assert_eq!(watch.try_recv(start), None);
     fs::create_dir(&programs).unwrap();
     fs::write(programs.join("O1001.NC"), "M30").unwrap();
-    assert_eq!(watch.try_recv(start + POLL_INTERVAL), Some(Changed::Programs));
+    assert_eq!(watch.try_recv(start + POLL_INTERVAL), Some(FolderChange::Programs));
 }
 
 #[test]
@@ -329,7 +330,7 @@ fn the_data_directory_is_made_or_refused_with_path_and_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let root = folder.path().join("new").join("data");
     let directory = DataDir::resolve(Some(&root)).unwrap();
-    for made in [directory.programs(), directory.screens(), directory.backups(), directory.prints()] {
+    for made in [directory.programs(), directory.screens(), directory.backups(), directory.screenshots()] {
         assert!(made.is_dir() && made.starts_with(&root), "{}", made.display());
     }
     let file = folder.path().join("file");
@@ -350,8 +351,8 @@ fn k7_3_a_page_file_that_cannot_be_read_is_told_by_its_name_in_both_languages() 
     }
     fs::write(root.path().join("elsewhere"), "a;%").unwrap();
     std::os::unix::fs::symlink(root.path().join("elsewhere"), screens.join("C0005.TXT")).unwrap();
-    let found = kt830::runtime::disk::Folders { programs, screens, named: false }.read_screens().unwrap();
-    let said = |number: u32| found.find(number).unwrap().text.as_ref().unwrap_err().said();
+    let found = kt830::host::folders::Folders { programs, screens, by_name: false }.read_screens().unwrap();
+    let said = |number: u32| found.find(number).unwrap().text.as_ref().unwrap_err().full_message();
     assert_eq!(said(1_004).zh, "C0004.TXT：文件不存在，请拷入 screens 目录");
     assert!(said(1_005).zh.contains("C0005.TXT 是链接"), "{}", said(1_005).zh);
     for number in [1_004, 1_005] {

@@ -3,51 +3,53 @@
 use std::fs;
 use std::path::Path;
 
-use kt830::defs::date::Date;
-use kt830::defs::history::{End, MOST_ALARMS_KEPT, PastAlarm};
-use kt830::defs::text::Said;
-use kt830::store::{Change, Generation, Loaded, Opened, Retained, RetainedError, ToolOffset};
+use kt830::defs::alarm_history::{AlarmEnd, MAX_ALARM_HISTORY, PastAlarm};
+use kt830::defs::date::DateTime;
+use kt830::defs::text::LocalizedText;
+use kt830::store::{
+    Generation, OpenedDatabase, RetainedChange, RetainedData, RetainedDatabase, RetainedError, ToolOffset,
+};
 use kt830::units::PerAxis;
 
-fn open(folder: &Path) -> Opened {
-    Retained::open(folder).expect("opens")
+fn open(folder: &Path) -> OpenedDatabase {
+    RetainedDatabase::open(folder).expect("opens")
 }
 
-fn variable(number: u16, value: f64) -> Change {
-    Change::Variable { number, value: Some(value) }
+fn variable(number: u16, value: f64) -> RetainedChange {
+    RetainedChange::Variable { number, value: Some(value) }
 }
 
 /// One of each kind.
-fn one_of_each() -> Vec<Change> {
+fn one_of_each() -> Vec<RetainedChange> {
     let offset = ToolOffset { geometry: PerAxis([1.0, 2.0, 3.0]), wear: PerAxis([-0.005, 0.0, 0.01]) };
     vec![
         variable(500, 12.345),
-        Change::Param { key: "P16.0".to_owned(), value: Some(1.0) },
-        Change::Offset { number: 16, offset },
-        Change::Frame { index: 5, origin: PerAxis([-100.0, 0.0, 50.5]) },
-        Change::Number { key: "dressing point X".to_owned(), value: Some(-12.5) },
-        Change::Text { key: "program".to_owned(), value: Some("O1001 外圆".to_owned()) },
-        Change::Alarm(Box::new(alarm(7, "急停"))),
+        RetainedChange::Param { key: "P16.0".to_owned(), value: Some(1.0) },
+        RetainedChange::Offset { number: 16, offset },
+        RetainedChange::WorkOffset { index: 5, origin: PerAxis([-100.0, 0.0, 50.5]) },
+        RetainedChange::Number { key: "dressing point X".to_owned(), value: Some(-12.5) },
+        RetainedChange::Text { key: "program".to_owned(), value: Some("O1001 外圆".to_owned()) },
+        RetainedChange::Alarm(Box::new(alarm(7, "急停"))),
     ]
 }
 
 /// An alarm of the history.
 fn alarm(count: u64, text: &str) -> PastAlarm {
-    let ended = Some((End::Reset, Some(Date(1_795_273_400))));
+    let ended = Some((AlarmEnd::Reset, Some(DateTime(1_795_273_400))));
     PastAlarm {
         count,
         number: 0,
-        text: Said::new(text, text),
+        text: LocalizedText::new(text, text),
         place: Some((1_001, 7)),
-        came: Date(1_795_273_316),
+        came: DateTime(1_795_273_316),
         ended,
     }
 }
 
 /// A file of 400 variables, closed; returns what was in it.
-fn filled(folder: &Path) -> Loaded {
-    let mut retained = open(folder).retained;
-    let changes: Vec<Change> = (200..600).map(|number| variable(number, f64::from(number) / 8.0)).collect();
+fn filled(folder: &Path) -> RetainedData {
+    let mut retained = open(folder).database;
+    let changes: Vec<RetainedChange> = (200..600).map(|number| variable(number, f64::from(number) / 8.0)).collect();
     retained.commit(&changes).expect("commits");
     retained.commit(&one_of_each()).expect("commits");
     retained.load().expect("loads")
@@ -58,20 +60,20 @@ fn what_was_committed_is_there_after_a_restart() {
     let folder = tempfile::tempdir().unwrap();
     let first = open(folder.path());
     assert!(first.fresh && first.damaged.is_none());
-    let mut retained = first.retained;
-    assert_eq!(retained.load().unwrap(), Loaded::default());
+    let mut retained = first.database;
+    assert_eq!(retained.load().unwrap(), RetainedData::default());
     assert_eq!(retained.commit(&one_of_each()).unwrap(), Generation(1));
     let before = retained.load().unwrap();
     drop(retained);
 
     let again = open(folder.path());
     assert!(!again.fresh && again.damaged.is_none());
-    let mut retained = again.retained;
+    let mut retained = again.database;
     assert_eq!(retained.load().unwrap(), before);
     assert_eq!(before.variables.get(&500), Some(&12.345));
     assert_eq!(before.params.get("P16.0"), Some(&1.0));
     assert_eq!(before.offsets[&16].wear, PerAxis([-0.005, 0.0, 0.01]));
-    assert_eq!(before.frames[&5], PerAxis([-100.0, 0.0, 50.5]));
+    assert_eq!(before.work_offsets[&5], PerAxis([-100.0, 0.0, 50.5]));
     assert_eq!(before.numbers.get("dressing point X"), Some(&-12.5));
     assert_eq!(before.texts.get("program").map(String::as_str), Some("O1001 外圆"));
     assert_eq!(retained.commit(&[]).unwrap(), Generation(2));
@@ -80,15 +82,15 @@ fn what_was_committed_is_there_after_a_restart() {
 #[test]
 fn b3_a_variable_set_to_null_is_absent_and_the_later_change_of_a_commit_wins() {
     let folder = tempfile::tempdir().unwrap();
-    let mut retained = open(folder.path()).retained;
+    let mut retained = open(folder.path()).database;
     retained.commit(&[variable(500, 1.0), variable(500, 2.0), variable(501, 3.0)]).unwrap();
-    let clear = |key: &str| Change::Param { key: key.to_owned(), value: None };
-    retained.commit(&[Change::Variable { number: 501, value: None }, clear("P270")]).unwrap();
-    retained.commit(&[Change::Text { key: "never set".to_owned(), value: None }]).unwrap();
+    let clear = |key: &str| RetainedChange::Param { key: key.to_owned(), value: None };
+    retained.commit(&[RetainedChange::Variable { number: 501, value: None }, clear("P270")]).unwrap();
+    retained.commit(&[RetainedChange::Text { key: "never set".to_owned(), value: None }]).unwrap();
     drop(retained);
     let opened = open(folder.path());
     assert!(opened.damaged.is_none(), "{:?}", opened.damaged);
-    let mut retained = opened.retained;
+    let mut retained = opened.database;
     let loaded = retained.load().unwrap();
     assert_eq!(loaded.variables.into_iter().collect::<Vec<_>>(), [(500, 2.0)]);
     assert!(loaded.params.is_empty());
@@ -97,30 +99,30 @@ fn b3_a_variable_set_to_null_is_absent_and_the_later_change_of_a_commit_wins() {
 #[test]
 fn a_bad_change_refuses_the_whole_commit() {
     let folder = tempfile::tempdir().unwrap();
-    let mut retained = open(folder.path()).retained;
+    let mut retained = open(folder.path()).database;
     let zero = ToolOffset::default();
     let bad = [
         variable(500, f64::NAN),
-        Change::Param { key: String::new(), value: Some(1.0) },
-        Change::Param { key: "P".repeat(65), value: Some(1.0) },
-        Change::Offset { number: 0, offset: zero },
-        Change::Offset { number: 17, offset: zero },
-        Change::Frame { index: 6, origin: PerAxis([0.0; 3]) },
-        Change::Frame { index: 0, origin: PerAxis([0.0, f64::INFINITY, 0.0]) },
-        Change::Text { key: "note".to_owned(), value: Some("x".repeat(5000)) },
+        RetainedChange::Param { key: String::new(), value: Some(1.0) },
+        RetainedChange::Param { key: "P".repeat(65), value: Some(1.0) },
+        RetainedChange::Offset { number: 0, offset: zero },
+        RetainedChange::Offset { number: 17, offset: zero },
+        RetainedChange::WorkOffset { index: 6, origin: PerAxis([0.0; 3]) },
+        RetainedChange::WorkOffset { index: 0, origin: PerAxis([0.0, f64::INFINITY, 0.0]) },
+        RetainedChange::Text { key: "note".to_owned(), value: Some("x".repeat(5000)) },
     ];
     for change in bad {
         let refused = retained.commit(&[variable(501, 1.0), change.clone()]);
         assert!(matches!(refused, Err(RetainedError::BadChange { .. })), "{change:?}: {refused:?}");
     }
-    assert_eq!(retained.load().unwrap(), Loaded::default());
+    assert_eq!(retained.load().unwrap(), RetainedData::default());
 }
 
 #[test]
 fn a_second_control_on_the_same_data_is_refused_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let first = open(folder.path());
-    let refused = Retained::open(folder.path()).expect_err("refused").to_string();
+    let refused = RetainedDatabase::open(folder.path()).expect_err("refused").to_string();
     assert!(refused.contains("another kt830 is running on this data"), "{refused}");
     drop(first);
     assert!(!open(folder.path()).fresh);
@@ -137,8 +139,8 @@ fn check_damage(what: &str, bytes: &[u8]) {
     assert!(!report.cause.is_empty(), "{what}");
     assert_eq!(report.kept_as, folder.path().join("retained.damaged-1.redb"), "{what}");
     assert!(fs::read(&report.kept_as).unwrap() == bytes, "{what}: not kept as it was");
-    let mut retained = opened.retained;
-    assert_eq!(retained.load().unwrap(), Loaded::default(), "{what}");
+    let mut retained = opened.database;
+    assert_eq!(retained.load().unwrap(), RetainedData::default(), "{what}");
     retained.commit(&[variable(500, 1.0)]).unwrap();
     drop(retained);
     let again = open(folder.path());
@@ -186,12 +188,12 @@ fn a_flipped_byte_never_gives_other_values() {
         fs::create_dir(&place).unwrap();
         fs::write(place.join("retained.redb"), &flipped).unwrap();
         tried += 1;
-        match Retained::open(&place) {
-            Ok(Opened { damaged: Some(report), .. }) => {
+        match RetainedDatabase::open(&place) {
+            Ok(OpenedDatabase { damaged: Some(report), .. }) => {
                 noticed += 1;
                 assert!(fs::read(report.kept_as).unwrap() == flipped, "offset {offset}");
             }
-            Ok(mut opened) => assert_eq!(opened.retained.load().unwrap(), good, "offset {offset}"),
+            Ok(mut opened) => assert_eq!(opened.database.load().unwrap(), good, "offset {offset}"),
             Err(refused) => panic!("offset {offset}: {refused}"),
         }
         fs::remove_dir_all(&place).unwrap();
@@ -203,14 +205,14 @@ fn a_flipped_byte_never_gives_other_values() {
 #[test]
 fn a_power_cut_after_a_commit_loses_nothing_and_is_no_damage() {
     let folder = tempfile::tempdir().unwrap();
-    let mut retained = open(folder.path()).retained;
+    let mut retained = open(folder.path()).database;
     for round in 0..5_u16 {
         retained.commit(&[variable(500 + round, f64::from(round)), variable(700, f64::from(round))]).unwrap();
         let cut = tempfile::tempdir().unwrap();
         fs::copy(retained.path(), cut.path().join("retained.redb")).unwrap();
         let opened = open(cut.path());
         assert!(opened.damaged.is_none(), "{:?}", opened.damaged);
-        let mut after = opened.retained;
+        let mut after = opened.database;
         assert_eq!(after.load().unwrap(), retained.load().unwrap());
     }
 }
@@ -227,7 +229,7 @@ fn a_file_of_a_newer_control_is_left_alone() {
     transaction.commit().unwrap();
     drop(database);
     let before = fs::read(&path).unwrap();
-    let refused = Retained::open(folder.path()).expect_err("refused");
+    let refused = RetainedDatabase::open(folder.path()).expect_err("refused");
     assert!(matches!(refused, RetainedError::Newer { found: 3, known: 2, .. }), "{refused}");
     assert!(fs::read(&path).unwrap() == before);
 }
@@ -251,7 +253,7 @@ fn a_row_changed_behind_the_control_is_damage() {
 fn b6_the_data_of_a_control_without_a_history_are_taken_over() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("retained.redb");
-    open(folder.path()).retained.commit(&[variable(500, 1.5)]).unwrap();
+    open(folder.path()).database.commit(&[variable(500, 1.5)]).unwrap();
     // As the format before had it: without the table of alarms.
     let database = redb::Database::open(&path).unwrap();
     let transaction = database.begin_write().unwrap();
@@ -262,26 +264,27 @@ fn b6_the_data_of_a_control_without_a_history_are_taken_over() {
     drop(database);
     let opened = open(folder.path());
     assert!(opened.damaged.is_none() && !opened.fresh);
-    let mut retained = opened.retained;
+    let mut retained = opened.database;
     assert_eq!(retained.load().unwrap().variables[&500].to_bits(), 1.5_f64.to_bits());
-    retained.commit(&[Change::Alarm(Box::new(alarm(1, "急停")))]).unwrap();
+    retained.commit(&[RetainedChange::Alarm(Box::new(alarm(1, "急停")))]).unwrap();
     drop(retained);
-    assert_eq!(open(folder.path()).retained.load().unwrap().alarms.len(), 1);
+    assert_eq!(open(folder.path()).database.load().unwrap().alarms.len(), 1);
 }
 
 #[test]
 fn b6_the_history_takes_the_place_of_the_oldest() {
     let folder = tempfile::tempdir().unwrap();
-    let mut retained = open(folder.path()).retained;
-    let most = MOST_ALARMS_KEPT as u64;
-    let changes: Vec<Change> = (1..=most + 20).map(|count| Change::Alarm(Box::new(alarm(count, "x")))).collect();
+    let mut retained = open(folder.path()).database;
+    let most = MAX_ALARM_HISTORY as u64;
+    let changes: Vec<RetainedChange> =
+        (1..=most + 20).map(|count| RetainedChange::Alarm(Box::new(alarm(count, "x")))).collect();
     retained.commit(&changes).unwrap();
     let kept: Vec<u64> = retained.load().unwrap().alarms.values().map(|past| past.count).collect();
-    assert_eq!(kept.len(), MOST_ALARMS_KEPT);
+    assert_eq!(kept.len(), MAX_ALARM_HISTORY);
     assert_eq!((kept.iter().min(), kept.iter().max()), (Some(&21), Some(&(most + 20))));
     let long = "长".repeat(2_000);
     assert!(matches!(
-        retained.commit(&[Change::Alarm(Box::new(alarm(1, &long)))]),
+        retained.commit(&[RetainedChange::Alarm(Box::new(alarm(1, &long)))]),
         Err(RetainedError::BadChange { .. })
     ));
 }

@@ -6,25 +6,25 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use kt830::defs::alarm::{ALARMS, Alarm};
-use kt830::defs::date::Date;
-use kt830::defs::history::{End, PastAlarm};
+use kt830::defs::alarm_history::{AlarmEnd, PastAlarm};
+use kt830::defs::date::DateTime;
 use kt830::defs::key::{Key, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
+use kt830::defs::page_text::{self, VariableUse};
 use kt830::defs::param::{ParamAddress, Params};
-use kt830::defs::screen::{self, VariableUse};
 use kt830::defs::signal::Input;
 use kt830::defs::soft_key;
-use kt830::defs::text::{Lang, Said, Text};
+use kt830::defs::text::{Lang, LocalizedText, Text};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Picture, ScreenFiles, Screens};
-use kt830::link::drawing::{Drawing, Point, StockBox, Way};
 use kt830::link::edit::ModalView;
 use kt830::link::files::FilesView;
-use kt830::link::media::{MediaFile, MediaView, Set};
-use kt830::link::page_file::{PageFile, PictureFile, PictureFrom};
-use kt830::link::simulated::SimView;
+use kt830::link::media::{MediaFile, MediaView, TransferSet};
+use kt830::link::page_file::{PageFile, PictureFile, PictureLocation};
+use kt830::link::simulation::SimView;
 use kt830::link::snapshot::{AlarmView, AxisView, DirectoryRow, Message, ProgramView, RunState, Tone};
+use kt830::link::toolpath::{MoveKind, PathPoint, StockBox, Toolpath};
 use kt830::units::{Axis, Micros, PerAxis};
 
 /// The customer's own page text (seed 000).
@@ -66,15 +66,17 @@ pub fn page_file() -> PageFile {
     };
     let mut uses: Vec<_> = (500..514).map(|variable| used(variable, true, false, 5, "")).collect();
     uses.extend([used(101, true, true, 3, "步距 step sizes"), used(560, true, false, 12, "修整间隔")]);
-    let pictures = [(PictureFrom::Medium, "drawing of the part.png"), (PictureFrom::Screens, "B0001.BMP")];
+    let pictures = [(PictureLocation::Medium, "drawing of the part.png"), (PictureLocation::Screens, "B0001.BMP")];
     PageFile {
         number: 1_001,
         name: "C0001.TXT".into(),
         text: C0001.into(),
         stamp: 1,
-        mistaken: false,
+        has_invalid_bytes: false,
         uses: Some(uses),
-        pictures: pictures.map(|(from, name)| PictureFile { from, name: name.into(), size: 240_054 }).to_vec(),
+        pictures: pictures
+            .map(|(from, name)| PictureFile { location: from, name: name.into(), size: 240_054 })
+            .to_vec(),
     }
 }
 
@@ -83,10 +85,10 @@ pub fn snapshot(page: Page) -> Snapshot {
     let mut snapshot = Snapshot::new(Kind::Gc);
     snapshot.now = Micros(54_116_000_000);
     snapshot.page = page;
-    snapshot.soft_row = soft_key::row_of(page);
+    snapshot.soft_key_row = soft_key::row_of_page(page);
     snapshot.files = Arc::new(FilesView { page: Some(Arc::new(page_file())), ..FilesView::default() });
     snapshot.mode = Mode::Manual;
-    snapshot.diameter = true;
+    snapshot.x_as_diameter = true;
     let axis = |work: f64, machine: f64, relative: f64| AxisView {
         present: true,
         work,
@@ -108,7 +110,7 @@ pub fn snapshot(page: Page) -> Snapshot {
     };
     snapshot.wheel_rpm = 1_260.0;
     snapshot.feed_mm_min = 0.0;
-    snapshot.parts = 12;
+    snapshot.parts_counted = 12;
     snapshot.cycle_seconds = 187.0;
     for (number, value) in
         [(500, 40.2), (501, -12.5), (503, 120.0), (504, 85.0), (505, 0.03), (506, 0.25), (507, 0.0), (508, 1.0)]
@@ -125,14 +127,14 @@ pub fn snapshot(page: Page) -> Snapshot {
         snapshot.keys[key as usize].lamp = true;
     }
     snapshot.rapid_override = 50;
-    snapshot.step_mm = 0.01;
-    snapshot.keys[Key::Lubrication as usize].working = true;
+    snapshot.handwheel_step_mm = 0.01;
+    snapshot.keys[Key::Lubrication as usize].pending = true;
     let wheel_on = Text::new("砂轮旋转时液压键无效", "no effect while the wheel turns");
     snapshot.keys[Key::Hydraulic as usize].blocked = Some(wheel_on);
-    let text = screen::parse(C0001).map(Arc::new).map_err(|fault| FileFault {
+    let text = page_text::parse(C0001).map(Arc::new).map_err(|fault| FileFault {
         file: "C0001.TXT".into(),
-        place: Some((fault.line, fault.column)),
-        said: fault.said,
+        position: Some((fault.line, fault.column)),
+        message: fault.message,
     });
     let files = ScreenFiles { text, picture: Ok(picture("B0001.BMP")) };
     snapshot.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: Some(Ok(picture("B0100.BMP"))) });
@@ -141,7 +143,7 @@ pub fn snapshot(page: Page) -> Snapshot {
         row.geometry = PerAxis([-9_999.999 + index as f64, 0.0, -20.0]);
         row.wear = PerAxis([0.01 * index as f64, 0.0, -999.999]);
     }
-    snapshot.offset_in_force = 4;
+    snapshot.active_offset = 4;
     snapshot.dressing_point[Axis::X] = Some(-1_234.567);
     snapshot.modals = ModalView {
         g: [1, 18, 90, 98, 21, 54, 64, 97],
@@ -150,7 +152,7 @@ pub fn snapshot(page: Page) -> Snapshot {
         tool: (1, 4),
         m: Some(8),
     };
-    snapshot.mdi_ready = "G01 X120.5 Z-35 F300".into();
+    snapshot.prepared_mdi = "G01 X120.5 Z-35 F300".into();
     snapshot
 }
 
@@ -189,7 +191,7 @@ pub fn running(page: Page) -> Snapshot {
     let why = Text::new("自动运行中此键无效", "dead while a program runs");
     for key in Key::ALL {
         let row = key.row();
-        snapshot.keys[*key as usize].blocked = (!row.in_run).then_some(why);
+        snapshot.keys[*key as usize].blocked = (!row.active_in_run).then_some(why);
     }
     snapshot.keys[Key::ModeManual as usize].lamp = false;
     for key in [Key::ModeAuto, Key::CycleStart, Key::HeadstockHigh] {
@@ -202,52 +204,57 @@ pub fn running(page: Page) -> Snapshot {
 /// A simulated machine, a medium with files, a path: what the pages of work beside the tick show.
 pub fn busy(page: Page) -> Snapshot {
     let mut snapshot = running(page);
-    let said = |zh: &str, en: &str| Said::new(zh, en);
+    let said = |zh: &str, en: &str| LocalizedText::new(zh, en);
     snapshot.simulated = Some(Arc::new(SimView {
         forced: vec![(Input::HydraulicPressure, true)],
         faults: vec!["drive-x"],
         wheel_diameter_mm: 599.987,
-        wheel_dull: 0.4,
+        wheel_dullness: 0.4,
         wheel_load_percent: 63.0,
         sizes: (0..12).map(|row| (said(&format!("直径 Z{row}0.0"), &format!("diameter Z{row}0.0")), 40.012)).collect(),
         events: vec![said("12.3 s burn", "12.3 s burn")],
-        room: None,
+        lathe_workspace: None,
     }));
     let set = |name: &str| match name {
-        name if name.starts_with('O') => Set::Programs,
-        name if name.ends_with("TAR") => Set::Backup,
-        _ => Set::Screens,
+        name if name.starts_with('O') => TransferSet::Programs,
+        name if name.ends_with("TAR") => TransferSet::Backup,
+        _ => TransferSet::Screens,
     };
     let file = |name: &&str| MediaFile { name: (*name).into(), size: 123_456_789, set: set(name) };
     let files = |names: &[&str]| names.iter().map(file).collect();
     let names = ["O1001.NC", "O1002.NC", "C0001.TXT", "B0001.BMP", "KT830-20261121-101112.TAR"];
     let media = MediaView {
-        stick: Some("/media/usb".into()),
-        free: Some(7_987_654_321),
-        there: files(&names),
-        here: files(&names[..4]),
+        medium_folder: Some("/media/usb".into()),
+        free_bytes: Some(7_987_654_321),
+        medium_files: files(&names),
+        control_files: files(&names[..4]),
         port: Some("/dev/ttyUSB0".into()),
         ports: vec!["/dev/ttyS0".into(), "/dev/ttyUSB0".into()],
     };
-    let mut drawing = Drawing {
+    let mut drawing = Toolpath {
         number: snapshot.program.number,
         length_mm: 123_456.7,
-        seconds: 36_061.0,
+        duration_s: 36_061.0,
         lines: 1_000_000,
         extents: Some((PerAxis([-371.54, -1.0, -139.08]), PerAxis([371.54, 1_000.0, 139.08]))),
         finished: true,
-        ..Drawing::default()
+        ..Toolpath::default()
     };
-    let at = |x: f32, z: f32, way: Way| Point { at: [x, 0.0, z], way };
-    drawing.take_path(vec![at(0.0, 0.0, Way::Lift), at(-371.54, -139.08, Way::Rapid), at(371.54, 139.08, Way::Feed)]);
+    let at = |x: f32, z: f32, way: MoveKind| PathPoint { at: [x, 0.0, z], kind: way };
+    drawing.set_path(vec![
+        at(0.0, 0.0, MoveKind::Break),
+        at(-371.54, -139.08, MoveKind::Rapid),
+        at(371.54, 139.08, MoveKind::Feed),
+    ]);
     snapshot.files = Arc::new(FilesView {
         media: Some(Arc::new(media)),
-        drawing: Some(Arc::new(drawing)),
+        toolpath: Some(Arc::new(drawing)),
         busy: Some((Text::new("正在复制", "copying"), 437)),
         ..(*snapshot.files).clone()
     });
     let corner = |x, y, z| PerAxis([x, y, z]);
-    snapshot.stock = Arc::from([StockBox { low: corner(-20.0, 0.0, 0.0), high: corner(20.0, 10.0, 60.0), part: true }]);
+    snapshot.stock =
+        Arc::from([StockBox { low: corner(-20.0, 0.0, 0.0), high: corner(20.0, 10.0, 60.0), is_workpiece: true }]);
     snapshot
 }
 
@@ -255,7 +262,7 @@ pub fn busy(page: Page) -> Snapshot {
 pub fn alarm(page: Page) -> Snapshot {
     let mut snapshot = snapshot(page);
     snapshot.state = RunState::Alarm;
-    let said = |zh: &str, en: &str| Said::new(zh, en);
+    let said = |zh: &str, en: &str| LocalizedText::new(zh, en);
     snapshot.alarms = vec![
         AlarmView {
             number: 180,
@@ -291,9 +298,10 @@ pub fn troubled(page: Page) -> Snapshot {
     snapshot.params = Arc::new(params);
     let past = |number: u16, minutes: u64, gone: Option<u64>| {
         let row = ALARMS.iter().find(|row| row.number == number).unwrap_or(&ALARMS[0]);
-        let date = |minutes: u64| Date(1_795_273_316 - minutes as i64 * 60);
+        let date = |minutes: u64| DateTime(1_795_273_316 - minutes as i64 * 60);
         let place = number.is_multiple_of(2).then_some((1_001, 13));
-        let ended = gone.map(|minutes| (if number == 102 { End::Reset } else { End::Itself }, Some(date(minutes))));
+        let ended =
+            gone.map(|minutes| (if number == 102 { AlarmEnd::Reset } else { AlarmEnd::Itself }, Some(date(minutes))));
         let count = 1_000 - minutes;
         Arc::new(PastAlarm { count, number, text: row.text.into(), place, came: date(minutes), ended })
     };
@@ -301,7 +309,7 @@ pub fn troubled(page: Page) -> Snapshot {
     history.extend((1..40).rev().map(|minutes| past(184, minutes + 1, Some(minutes))));
     history.push(past(180, 0, None));
     snapshot.alarm_history = Arc::new(history);
-    snapshot.date = Some(Date(1_795_273_316));
+    snapshot.date = Some(DateTime(1_795_273_316));
     snapshot
 }
 
@@ -319,8 +327,8 @@ pub fn long(page: Page) -> Snapshot {
     };
     snapshot.axes =
         PerAxis::from_fn(|axis| if snapshot.axes[axis].present { most(9_999.999) } else { AxisView::default() });
-    (snapshot.feed_mm_min, snapshot.wheel_rpm, snapshot.parts) = (24_000.0, 99_999.0, 999_999);
-    (snapshot.cycle_seconds, snapshot.strokes_min) = (59_999.0, Some(1_234.5));
+    (snapshot.feed_mm_min, snapshot.wheel_rpm, snapshot.parts_counted) = (24_000.0, 99_999.0, 999_999);
+    (snapshot.cycle_seconds, snapshot.strokes_per_min) = (59_999.0, Some(1_234.5));
     (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override) = (150, 100, 120);
     snapshot.single_block = true;
     for value in snapshot.variables.iter_mut() {
@@ -348,7 +356,7 @@ pub fn long(page: Page) -> Snapshot {
 /// The core has refused something just now.
 pub fn refused(page: Page) -> Snapshot {
     let mut snapshot = snapshot(page);
-    let text = Said::new("头架旋转时尾座不能动作", "the tailstock is locked while the headstock turns");
+    let text = LocalizedText::new("头架旋转时尾座不能动作", "the tailstock is locked while the headstock turns");
     snapshot.message = Message { text, tone: Tone::Refused, since: snapshot.now };
     snapshot
 }

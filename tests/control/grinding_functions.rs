@@ -4,8 +4,8 @@ use crate::stories::{ready, ready_of, ready_with, tell};
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::signal::Output;
+use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
-use kt830::runtime::rig::Rig;
 use kt830::units::Axis;
 
 #[test]
@@ -141,7 +141,7 @@ fn k4_2_g27_without_a_point_or_with_a_number_is_an_alarm() {
 }
 
 /// Set-points of an axis, tick by tick.
-fn course(rig: &mut Rig, axis: Axis, ticks: usize) -> Vec<f64> {
+fn course(rig: &mut HeadlessHost, axis: Axis, ticks: usize) -> Vec<f64> {
     (0..ticks)
         .map(|_| {
             rig.step();
@@ -175,7 +175,7 @@ fn k4_3_the_cruise_speed_is_two_l_q_of_slide_travel() {
 fn k4_3_dwells_flags_and_measured_frequency() {
     let mut rig = ready_with("G35 Z-200 D400 Q10\nG04 X100\nM30");
     tell(&mut rig, "param P235 250\nparam P236 125\nmode auto\nkey cycle-start\nwait 0.05 s");
-    let flags = |rig: &Rig| rig.controller().oscillation_flags();
+    let flags = |rig: &HeadlessHost| rig.controller().oscillation_flags();
     assert_eq!(flags(&rig), (false, false));
     let mut edges = Vec::new();
     let mut last = (false, false);
@@ -202,7 +202,7 @@ fn k4_3_dwells_flags_and_measured_frequency() {
         let cycle = pair[1] - pair[0];
         assert!((7_680..=7_800).contains(&cycle), "a cycle of {cycle} ms");
     }
-    let shown = rig.snapshot().strokes_min.unwrap();
+    let shown = rig.snapshot().strokes_per_min.unwrap();
     assert!((7.69..=7.82).contains(&shown), "{shown} strokes a minute");
 }
 
@@ -397,7 +397,7 @@ fn k4_5_single_contact_latches_both_approaches() {
     tell(&mut rig, "expect state stopped\nexpect no alarm\nexpect output axial-gauge off");
     // 10 mm/s a tick are 0.01 mm; 1 mm/s are 0.001 mm. #437 = #436 − #435.
     tell(&mut rig, "expect #435 -155.005 ±0.012\nexpect #436 -155 ±0.002\nexpect #434 -80 ±0.001");
-    let [fast, fine, off] = [435, 436, 437].map(|number| rig.controller().system_value(number).unwrap());
+    let [fast, fine, off] = [435, 436, 437].map(|number| rig.controller().system_variable(number).unwrap());
     assert!((off - (fine - fast)).abs() < 1e-12);
     // Retracted by L from where it stood: -155 and a little, plus 3.
     assert!((rig.snapshot().axes[Axis::Z].work + 152.0).abs() < 0.1);
@@ -412,7 +412,7 @@ fn k4_5_two_stages_go_on_in_the_same_direction() {
 }
 
 /// Gives the gauge's signals as a part at these places would, until the run stands.
-fn touch(rig: &mut Rig, first: f64, second: Option<f64>) {
+fn touch(rig: &mut HeadlessHost, first: f64, second: Option<f64>) {
     for _ in 0..60_000 {
         let z = rig.controller().actual()[Axis::Z];
         rig.machine_mut().force_input("gauge-4", Some(z <= first)).unwrap();
@@ -439,7 +439,11 @@ fn k4_5_missing_words_are_named_before_anything_moves() {
         tell(&mut rig, "mode auto\nkey cycle-start\nwait until alarm max 2 s\nexpect alarm 33\nexpect Z -150 ±0.001");
     }
     let mut rig = ready_of(Kind::Gs);
-    rig.add_program(kt830::runtime::disk::program(7_000, "O7000.NC", b"G78 Y-110 F600 J60 P4 L3\nM30".to_vec()));
+    rig.add_program(kt830::host::folders::program_from_bytes(
+        7_000,
+        "O7000.NC",
+        b"G78 Y-110 F600 J60 P4 L3\nM30".to_vec(),
+    ));
     tell(
         &mut rig,
         "load O7000\nmode auto\nkey cycle-start\nwait until alarm max 10 s\nexpect alarm 183\nexpect Y -110 ±0.001",
@@ -460,6 +464,6 @@ fn k4_5_a_contact_while_the_axis_brakes_in_a_hold_is_latched_at_its_edge() {
     let stands = rig.controller().actual()[Axis::Z];
     assert!(after - stands > 0.2, "it went on from {after} to {stands}");
     tell(&mut rig, "input gauge-4 off\nkey cycle-start\nwait 1 s");
-    let latched = rig.controller().system_value(435).unwrap();
+    let latched = rig.controller().system_variable(435).unwrap();
     assert!(latched <= before && latched >= after, "latched {latched}, the edge came between {before} and {after}");
 }

@@ -7,31 +7,31 @@ use crate::stories::{rig_of, tell};
 use kt830::defs::kind::Kind;
 use kt830::defs::param::{ParamAddress, Params};
 use kt830::defs::program_error::ProgramError as E;
+use kt830::host::bar;
+use kt830::host::folders::{Folders, program_from_bytes};
+use kt830::host::headless::HeadlessHost;
 use kt830::io::sim::EventKind;
 use kt830::link::command::Command;
-use kt830::nc::{CheckWorld, Library, Memory, NoLibrary, Settings, Source, check, check_with};
-use kt830::runtime::bar;
-use kt830::runtime::disk::{Folders, program};
-use kt830::runtime::rig::Rig;
+use kt830::nc::{CommonVariables, EmptyLibrary, Library, NcSettings, OfflineMachine, Source, check, check_with};
 use kt830::units::{Axis, PerAxis};
 
 fn folders() -> Folders {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    Folders { programs: root.join("programs/lathe"), screens: root.join("screens"), named: true }
+    Folders { programs: root.join("programs/lathe"), screens: root.join("screens"), by_name: true }
 }
 
 /// A ready lathe with a program of this text and a bar of 45 mm.
-fn lathe(text: &str) -> Rig {
+fn lathe(text: &str) -> HeadlessHost {
     let mut rig = rig_of(Kind::Lathe, folders());
-    rig.add_program(program(7_000, "PART.NC", text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec()));
     let mut params = rig.retained().params.clone();
     params.write(ParamAddress::parse("P384").unwrap(), 45.0).unwrap();
     let source = rig.program_source(7_000).unwrap();
-    if let Some(bar) = bar::of_program(Kind::Lathe, &params, &source) {
-        rig.mount(&bar);
+    if let Some(bar) = bar::bar_of_program(Kind::Lathe, &params, &source) {
+        rig.mount_part(&bar);
         rig.step();
         rig.make_ready();
-        rig.mount(&bar);
+        rig.mount_part(&bar);
     } else {
         rig.make_ready();
     }
@@ -41,13 +41,13 @@ fn lathe(text: &str) -> Rig {
 }
 
 /// Runs it to its end.
-fn run(text: &str) -> Rig {
+fn run(text: &str) -> HeadlessHost {
     let mut rig = lathe(text);
     tell(&mut rig, "key cycle-start\nwait until idle max 600 s\nexpect no alarm\nexpect no event");
     rig
 }
 
-fn params(text: &str, values: &[(&str, f64)]) -> Rig {
+fn params(text: &str, values: &[(&str, f64)]) -> HeadlessHost {
     let mut rig = lathe(text);
     for (at, value) in values {
         rig.send(Command::SetParam(ParamAddress::parse(at).unwrap(), *value));
@@ -96,7 +96,7 @@ fn l3_the_tool_change_point_stays_where_it_is_when_homing_names_the_axes_anew() 
     ] {
         for ready in [false, true] {
             let mut rig = rig_of(Kind::Lathe, folders());
-            rig.add_program(program(7_000, "PART.NC", text.as_bytes().to_vec()));
+            rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec()));
             if ready {
                 tell(&mut rig, "home all");
                 tell(&mut rig, "mode mdi\nmdi G00X-300Z-450\nwait 10 s");
@@ -314,7 +314,7 @@ fn l8_a_station_that_does_not_come_is_an_alarm() {
 #[test]
 fn l6_g36_homes_x_then_z_and_the_coordinate_is_the_parameters() {
     let mut rig = rig_of(Kind::Lathe, folders());
-    rig.add_program(program(7_000, "PART.NC", b"N0010G36\nN0020M02".to_vec()));
+    rig.add_program(program_from_bytes(7_000, "PART.NC", b"N0010G36\nN0020M02".to_vec()));
     // A cold machine that was never homed: a lathe may begin a program so.
     tell(
         &mut rig,
@@ -334,7 +334,7 @@ fn l6_an_origin_beyond_the_soft_limit_is_homed_and_left_towards_the_inside() {
     ] {
         let mut rig = rig_of(Kind::Lathe, folders());
         let text = format!("N0010{code}\nN0020M02");
-        rig.add_program(program(7_000, "PART.NC", text.into_bytes()));
+        rig.add_program(program_from_bytes(7_000, "PART.NC", text.into_bytes()));
         tell(&mut rig, &format!("{set}\nload PART\nmode auto\nkey cycle-start\nwait until idle max 120 s"));
         tell(&mut rig, &format!("expect no alarm\nexpect X {x} ±0.001\nexpect Z {z} ±0.001"));
     }
@@ -356,7 +356,7 @@ fn l6_a_home_switch_that_never_comes_or_never_goes_is_an_alarm() {
     // Without its switch the axis comes to the limit switch behind it.
     for (fault, most, alarm) in [("stuck-off home-z", 60, 102), ("stuck-on home-z", 200, 105)] {
         let mut rig = rig_of(Kind::Lathe, folders());
-        rig.add_program(program(7_000, "PART.NC", b"N0010G39\nN0020M02".to_vec()));
+        rig.add_program(program_from_bytes(7_000, "PART.NC", b"N0010G39\nN0020M02".to_vec()));
         tell(&mut rig, &format!("fault {fault}\nload PART\nmode auto\nkey cycle-start\nwait until alarm max {most} s"));
         tell(&mut rig, &format!("wait 1 s\nexpect alarm {alarm}"));
         let z = &rig.snapshot().axes[Axis::Z];
@@ -386,7 +386,7 @@ fn l6_b5_an_axis_counts_as_homed_when_it_is_at_its_zero_point() {
 #[test]
 fn l3_a_refused_program_changes_no_work_zero() {
     let mut rig = rig_of(Kind::Lathe, folders());
-    rig.add_program(program(7_000, "PART.NC", b"N0010G01W1F600\nN0020G99\nN0030M02".to_vec()));
+    rig.add_program(program_from_bytes(7_000, "PART.NC", b"N0010G01W1F600\nN0020G99\nN0030M02".to_vec()));
     tell(&mut rig, "home all\nmode mdi\nmdi G00W-50\nwait 4 s\nexpect Z -50 ±0.001\nload PART\nmode auto");
     tell(&mut rig, "key cycle-start\nwait until alarm max 5 s\nexpect Z -50 ±0.001\nexpect machine Z -50 ±0.001");
     // From a block too the whole text is looked at, and the axes stay.
@@ -398,12 +398,12 @@ fn l3_a_refused_program_changes_no_work_zero() {
 #[test]
 fn l10_the_bar_is_cut_and_can_be_measured() {
     let mut rig = rig_of(Kind::Lathe, folders());
-    let number = rig.program_named("SHAFT").unwrap();
-    let bar = rig.bar(number).unwrap();
-    rig.mount(&bar);
+    let number = rig.find_program("SHAFT").unwrap();
+    let bar = rig.bar_of_program(number).unwrap();
+    rig.mount_part(&bar);
     rig.step();
     rig.make_ready();
-    rig.mount(&bar);
+    rig.mount_part(&bar);
     rig.step();
     tell(
         &mut rig,
@@ -437,13 +437,13 @@ fn l4_l9_two_hundred_fifty_five_levels_of_loops_run_and_one_more_is_an_error() {
         let close = "N0002G80\n".repeat(levels);
         let text = format!("{open}N0003G01U-0.02F300\n{close}N0004M02\n");
         let source = Arc::new(Source::new(1, "", text.into_bytes()));
-        let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
-        check(&source, &library, &Settings::superman())
+        let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
+        check(&source, &library, &NcSettings::superman())
     };
     let deep = nested(255);
     assert!(deep.faults.is_empty() && deep.finished && deep.blocks == 2, "{:?}", deep.faults);
     let deeper = nested(256);
-    assert_eq!(deeper.faults[0].place.line, 256);
+    assert_eq!(deeper.faults[0].location.line, 256);
 }
 
 #[test]
@@ -455,10 +455,10 @@ fn l9_a_million_blocks_are_checked_and_loops_do_not_grow() {
     // And as many again by loops: 500 × 1000.
     text.push_str("N0030G22L0500\nN0040G22L0500\nN0050W-1\nN0060W1\nN0070G80\nN0080G80\nN0090M02\n");
     let source = Arc::new(Source::new(1, "", text.into_bytes()));
-    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
-    let settings = Settings::superman();
-    let mut world = CheckWorld::new(&settings);
-    let checked = check_with(&source, &library, &settings, Memory::default(), &mut world, &mut |_| {});
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
+    let settings = NcSettings::superman();
+    let mut world = OfflineMachine::new(&settings);
+    let checked = check_with(&source, &library, &settings, CommonVariables::default(), &mut world, &mut |_| {});
     assert!(checked.faults.is_empty() && checked.finished);
     // 500 000 lines, 500 · 500 · 2 in the loops, M02.
     assert_eq!(checked.blocks, 1_000_001);
@@ -507,10 +507,10 @@ fn l1_files_of_one_letter_are_reported_by_their_names() {
 #[test]
 fn l9_loop_run_begins_again_as_often_as_the_parameter_says() {
     let mut rig = params("N0010G01U-10F600\nN0020U10\nN0030M02", &[("P390", 3.0)]);
-    let before = rig.controller().blocks();
+    let before = rig.controller().block_count();
     tell(&mut rig, "key cycle-start\nwait 3 s\nexpect state running\nwait until idle max 30 s\nexpect X 0 ±0.001");
     // Three blocks, three times.
-    assert_eq!(rig.controller().blocks() - before, 9);
+    assert_eq!(rig.controller().block_count() - before, 9);
     // RESET ends it for good.
     tell(&mut rig, "key cycle-start\nwait 1 s\nkey reset\nwait 3 s\nexpect state idle");
 }
@@ -548,7 +548,7 @@ fn l7_a_spindle_stopped_in_a_pause_must_turn_again_before_the_run_goes_on() {
 /// Starts the program and tells its alarm in English and Chinese; nothing may have moved.
 fn refused(text: &str) -> (u16, [String; 2]) {
     let mut rig = lathe(text);
-    let places = |rig: &mut Rig| rig.snapshot().axes.0.each_ref().map(|axis| (axis.work, axis.machine));
+    let places = |rig: &mut HeadlessHost| rig.snapshot().axes.0.each_ref().map(|axis| (axis.work, axis.machine));
     let before = (rig.controller().set_point(), places(&mut rig));
     tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s");
     assert_eq!((rig.controller().set_point(), places(&mut rig)), before, "{text}");
@@ -574,11 +574,11 @@ fn l1_to_l7_a_program_with_a_mistake_does_not_start() {
         ("M97L0020", 9, E::JumpToItself, "N0020 jumps to itself", "N0020 跳转到本段"),
         ("G92X100", 6, E::MissingWord, "G92 needs Z", "G92 缺少 Z"),
         ("G92Z100", 6, E::MissingWord, "G92 needs X", "G92 缺少 X"),
-        ("G92U5Z100", 9, E::PresetByDistance, "G92 takes no U W", "G92 不能用 U W"),
+        ("G92U5Z100", 9, E::G92WithDistances, "G92 takes no U W", "G92 不能用 U W"),
         ("G23U0W-50F240", 9, E::RectangleSide, "the side of the rectangle along X has no length", "矩形循环 X 方向边长为零"),
         ("G23U-5W0F240", 12, E::RectangleSide, "the side of the rectangle along Z has no length", "矩形循环 Z 方向边长为零"),
         ("G02U0W0R100", 13, E::FullCircleByRadius, "a full circle cannot be written with R", "整圆不能用 R 编程"),
-        ("G02U0W-100.05I0K-50F300", 19, E::ArcEndOff, "the arc's end lies 0.050 mm off the circle", "圆弧终点偏离圆周 0.050 mm"),
+        ("G02U0W-100.05I0K-50F300", 19, E::ArcEndOffCircle, "the arc's end lies 0.050 mm off the circle", "圆弧终点偏离圆周 0.050 mm"),
         ("G02U0.4W0I0.4K0", 15, E::ArcTooSmall, "the arc's radius of 0.200 mm has to be above 0.2 mm", "圆弧半径 0.200 mm 应大于 0.2 mm"),
         ("G03U0W0.2R0.15", 15, E::ArcTooSmall, "the arc's radius of 0.150 mm has to be above 0.2 mm", "圆弧半径 0.150 mm 应大于 0.2 mm"),
         ("G00U-2F1999", 12, E::OutOfRange, "F1999 is out of range 2000–6000 mm/min", "F1999 超出范围 2000–6000 mm/min"),
@@ -590,7 +590,7 @@ fn l1_to_l7_a_program_with_a_mistake_does_not_start() {
         ("G80", 6, E::LoopUnpaired, "G80 has no G22", "G80 没有配对的 G22"),
         ("G22L2", 6, E::LoopUnpaired, "G22 has no G80", "G22 没有配对的 G80"),
         ("M99", 6, E::ReturnWithoutCall, "M99 without M98", "M99 没有对应的 M98"),
-        ("G54", 6, E::NoSuchCode, "unknown code G54", "没有 G54 指令"),
+        ("G54", 6, E::UnknownCode, "unknown code G54", "没有 G54 指令"),
     ];
     let mut wrong = Vec::new();
     for (block, column, error, en, zh) in ROWS {
@@ -607,7 +607,7 @@ fn l1_to_l7_a_program_with_a_mistake_does_not_start() {
     // No X infeed anywhere before the thread.
     let (number, said) = refused("N0010G00W5\nN0015M03\nN0020G33W-50F1.5\nN0030M02\n");
     assert!(said[0].starts_with("O7000 line 3, column 6: no move of X before the thread"), "{said:?}");
-    assert_eq!(number, E::NoInfeed.number());
+    assert_eq!(number, E::ThreadWithoutInfeed.number());
     // A mistake in a block that the run would not come to, and in a subprogram.
     let (_, said) = refused("N0010G00W5\nN0020M97L0040\nN0030X5U5\nN0040M02\n");
     assert!(said[0].starts_with("O7000 line 3, column 8: X and U"), "{said:?}");

@@ -8,13 +8,13 @@ use crate::stories::{rig_of, tell};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::param::ParamAddress;
-use kt830::defs::program::number;
+use kt830::defs::program_number::from_name;
+use kt830::host::folders::{Folders, program_from_bytes};
+use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
-use kt830::link::drawing::Drawing;
-use kt830::link::files::{Asker, FileRequest, Ticket};
+use kt830::link::files::{FileRequest, Requester, Ticket};
 use kt830::link::page_command::PageCommand;
-use kt830::runtime::disk::{Folders, program};
-use kt830::runtime::rig::Rig;
+use kt830::link::toolpath::Toolpath;
 use kt830::units::Axis;
 
 fn screens() -> std::path::PathBuf {
@@ -22,8 +22,8 @@ fn screens() -> std::path::PathBuf {
 }
 
 /// A ready lathe whose programs lie in a folder of their own.
-fn lathe(folder: &Path) -> Rig {
-    let mut rig = rig_of(Kind::Lathe, Folders { programs: folder.to_owned(), screens: screens(), named: true });
+fn lathe(folder: &Path) -> HeadlessHost {
+    let mut rig = rig_of(Kind::Lathe, Folders { programs: folder.to_owned(), screens: screens(), by_name: true });
     rig.make_ready();
     rig.step();
     rig
@@ -79,7 +79,7 @@ fn l9_teach_in_is_refused_in_a_run_and_where_there_is_nothing_and_on_a_grinder()
     let folder = tempfile::tempdir().unwrap();
     let mut rig = lathe(folder.path());
     tell(&mut rig, "teach keep\nexpect message \"没有录返记录\"\nteach stop\nexpect message \"没有录返记录\"");
-    rig.add_program(program(number("LONG"), "LONG.NC", b"N0010G04F5\r\nN0020M02".to_vec()));
+    rig.add_program(program_from_bytes(from_name("LONG"), "LONG.NC", b"N0010G04F5\r\nN0020M02".to_vec()));
     tell(&mut rig, "load LONG\nmode auto\nkey cycle-start\nwait 1 s\nteach start\nexpect message \"不能录返\"");
     let mut rig = crate::stories::ready();
     tell(&mut rig, "teach start\nexpect message \"没有录返功能\"\npage teach\nexpect message \"本机床没有\"");
@@ -91,20 +91,20 @@ fn l9_a_program_with_a_name_is_edited_copied_and_deleted() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("PIN.NC"), "N0010G04F1\r\nN0020M02\r\n").unwrap();
     let mut rig = lathe(folder.path());
-    let ask = |rig: &mut Rig, request: FileRequest| {
-        rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Directory), request)));
+    let ask = |rig: &mut HeadlessHost, request: FileRequest| {
+        rig.send(Command::Page(PageCommand::File(Ticket::without_reply(Requester::Directory), request)));
         (0..5).for_each(|_| rig.step());
     };
     tell(&mut rig, "load PIN\nmode edit\nparam P22.5 0");
     let (of, base) = (rig.snapshot().program.number, rig.snapshot().program.stamp);
-    assert_eq!(of, number("PIN"));
+    assert_eq!(of, from_name("PIN"));
     let text = ropey::Rope::from_str("N0010G04F2\r\nN0020M02\r\n");
-    ask(&mut rig, FileRequest::Save { number: of, text, base, force: false });
+    ask(&mut rig, FileRequest::Save { number: of, text, base_stamp: base, overwrite: false });
     tell(&mut rig, "expect message \"PIN 已保存\"");
     assert!(std::fs::read_to_string(folder.path().join("PIN.NC")).unwrap().starts_with("N0010G04F2"));
     // Somebody else has changed it meanwhile: the stamp is an old one.
     let text = ropey::Rope::from_str("N0010M02\r\n");
-    ask(&mut rig, FileRequest::Save { number: of, text, base, force: false });
+    ask(&mut rig, FileRequest::Save { number: of, text, base_stamp: base, overwrite: false });
     tell(&mut rig, "expect message \"文件已被别处改动\"");
     ask(&mut rig, FileRequest::Copy { from: of, to: 5 });
     assert!(folder.path().join("O0005.NC").is_file());
@@ -115,17 +115,20 @@ fn l9_a_program_with_a_name_is_edited_copied_and_deleted() {
 }
 
 /// The drawing of a program on a bar of 45 mm with its face at X0 Z0.
-fn drawn(text: &str, params: &[(&str, f64)]) -> Arc<Drawing> {
+fn drawn(text: &str, params: &[(&str, f64)]) -> Arc<Toolpath> {
     let folder = tempfile::tempdir().unwrap();
     let mut rig = lathe(folder.path());
-    rig.add_program(program(number("PART"), "PART.NC", text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text.as_bytes().to_vec()));
     for (at, value) in [("P384", 45.0)].iter().chain(params) {
         rig.send(Command::SetParam(ParamAddress::parse(at).unwrap(), *value));
     }
     tell(&mut rig, "load PART");
-    rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Graphic), FileRequest::Draw(number("PART")))));
+    rig.send(Command::Page(PageCommand::File(
+        Ticket::without_reply(Requester::Graphic),
+        FileRequest::ComputeToolpath(from_name("PART")),
+    )));
     (0..5).for_each(|_| rig.step());
-    rig.snapshot().files.drawing.clone().unwrap()
+    rig.snapshot().files.toolpath.clone().unwrap()
 }
 
 #[test]
@@ -135,7 +138,7 @@ fn l9_interference_is_told_before_anything_moves() {
         let told: Vec<(u32, String)> = drawing
             .faults
             .iter()
-            .map(|fault| (fault.line, fault.said.en.split(',').next().unwrap().to_owned()))
+            .map(|fault| (fault.line, fault.message.en.split(',').next().unwrap().to_owned()))
             .collect();
         assert_eq!(drawing.crashes.len(), drawing.faults.len());
         told
@@ -158,12 +161,12 @@ fn l9_a_tool_as_it_is_defined_crashes_in_the_run_as_in_the_drawing() {
     let folder = tempfile::tempdir().unwrap();
     let mut rig = lathe(folder.path());
     let text = b"N0010G92X60Z20\nN0020M03\nN0030G01X35F300\nN0040Z-30\nN0050M02".to_vec();
-    rig.add_program(program(number("PART"), "PART.NC", text));
+    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text));
     tell(&mut rig, "param P384 45\nparam P402 3");
-    let bar = rig.bar(number("PART")).unwrap();
-    rig.mount(&bar);
+    let bar = rig.bar_of_program(from_name("PART")).unwrap();
+    rig.mount_part(&bar);
     rig.make_ready();
-    rig.mount(&bar);
+    rig.mount_part(&bar);
     rig.step();
     tell(&mut rig, "load PART\nmode auto\nkey cycle-start\nwait until alarm max 120 s\nexpect event crash");
     assert_eq!(rig.machine().events()[0].place, "part, shank of the tool");

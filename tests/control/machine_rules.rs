@@ -3,7 +3,7 @@
 use crate::stories::{ready, ready_with, refused, story, story_on, tell};
 use kt830::defs::kind::Kind;
 use kt830::defs::signal::Output;
-use kt830::runtime::rig::Rig;
+use kt830::host::headless::HeadlessHost;
 
 /// Hydraulics on, pressure there, its delay gone by, nothing homed.
 const HYDRAULICS: &str = "key hydraulic\nwait 4 s\nexpect no alarm\n";
@@ -178,7 +178,7 @@ fn k3_14_m30_switches_coolant_headstock_and_wheel_off_and_m31_counts() {
     let mut rig = ready_with("M03\nM63\nM08\nM31\nM30");
     tell(&mut rig, "mode auto\nkey cycle-start\nwait 10 s\nexpect output wheel on\nwait until idle max 20 s");
     tell(&mut rig, "expect output wheel off\nexpect output headstock-high off\nexpect output coolant off");
-    assert_eq!(rig.snapshot().parts, 1);
+    assert_eq!(rig.snapshot().parts_counted, 1);
 }
 
 #[test]
@@ -417,7 +417,7 @@ fn k5_15_the_tower_light_shows_the_state() {
 #[test]
 fn k5_17_after_a_wheel_change_the_first_program_is_a_dressing_program() {
     let mut rig = ready_with("G04 X5\nM30");
-    rig.add_program(kt830::runtime::disk::program(1_011, "O1011.NC", b"G04 X1\nM30".to_vec()));
+    rig.add_program(kt830::host::folders::program_from_bytes(1_011, "O1011.NC", b"G04 X1\nM30".to_vec()));
     tell(&mut rig, "param P6.7 1\nmode auto\nkey cycle-start\nexpect state idle\nexpect message \"修整\"");
     tell(&mut rig, "load O1011\nkey cycle-start\nexpect state running\nwait until idle max 5 s");
     tell(&mut rig, "load O7000\nkey cycle-start\nexpect state running");
@@ -490,7 +490,7 @@ fn b4_the_second_spindle_pauses_before_it_reverses() {
 fn b4_m20_pulses_a_free_port_for_its_milliseconds() {
     let mut rig = ready_with("M20 P40 L500\nM00\nM30");
     tell(&mut rig, "mode auto\nkey cycle-start");
-    let level = |rig: &Rig| rig.controller().outputs().terminals.level(40);
+    let level = |rig: &HeadlessHost| rig.controller().outputs().terminals.level(40);
     let mut lasted = 0;
     for _ in 0..1_000 {
         rig.step();
@@ -549,7 +549,7 @@ fn b5_mst_lock_leaves_codes_out_and_keeps_the_flow() {
     let mut rig = ready_with("M03\nM08\nM80\nM31\nM00\nM30");
     tell(&mut rig, "mode auto\nkey mst-lock\nkey cycle-start\nwait until stopped max 2 s");
     tell(&mut rig, "expect output wheel off\nexpect output coolant off");
-    assert_eq!(rig.snapshot().parts, 1);
+    assert_eq!(rig.snapshot().parts_counted, 1);
 }
 
 #[test]
@@ -715,7 +715,7 @@ fn k3_3_a_tailstock_that_loses_its_switch_stops_the_headstock_and_says_so() {
 #[test]
 fn k5_17_only_a_real_dressing_run_counts() {
     let mut rig = ready();
-    rig.add_program(kt830::runtime::disk::program(1_011, "O1011.NC", b"G04 X1\nM30".to_vec()));
+    rig.add_program(kt830::host::folders::program_from_bytes(1_011, "O1011.NC", b"G04 X1\nM30".to_vec()));
     tell(
         &mut rig,
         "load O1011\nparam P6.7 1\nmdi M30\nwait 0.5 s\nmode auto\nkey machine-lock\nkey cycle-start\nwait 2 s",
@@ -765,7 +765,7 @@ fn k2_1_a_key_that_a_story_presses_stays_held_until_it_is_let_go() {
     let at = rig.snapshot().axes.0[0].machine;
     tell(&mut rig, &format!("wait 1 s\nexpect machine X {at} ±2"));
     // Two at once: the other axis goes on when one is let go. A power cut takes every finger off.
-    let z = |rig: &mut kt830::runtime::rig::Rig| rig.snapshot().axes.0[2].machine;
+    let z = |rig: &mut kt830::host::headless::HeadlessHost| rig.snapshot().axes.0[2].machine;
     let before = z(&mut rig);
     tell(&mut rig, "press x-minus\npress z-minus\nwait 1 s\nkey coolant\nwait 1 s\nrelease x-minus\nwait 1 s");
     assert!(!rig.snapshot().message.text.zh.contains("按键"), "no finger was lost");

@@ -48,10 +48,10 @@ impl Watched {
 #[test]
 fn jog_runs_until_let_go() {
     let mut w = Watched::new();
-    w.axis.velocity_target(-20.0);
+    w.axis.set_velocity_target(-20.0);
     w.ticks(1_000);
     assert!((w.axis.velocity_mm_s() + 20.0).abs() < 1e-12);
-    w.axis.velocity_target(0.0);
+    w.axis.set_velocity_target(0.0);
     w.run_to_rest();
     assert!(w.axis.velocity_mm_s().abs() < 1e-12);
 }
@@ -60,11 +60,11 @@ fn jog_runs_until_let_go() {
 fn jog_lands_on_the_software_limit_and_outward_is_refused_there() {
     let mut w = Watched::new();
     w.axis.set_bounds(Some((-5.0, 12.5)));
-    w.axis.velocity_target(50.0);
+    w.axis.set_velocity_target(50.0);
     assert!((w.run_to_rest() - 12.5).abs() < 1e-12);
-    w.axis.velocity_target(10.0);
+    w.axis.set_velocity_target(10.0);
     assert!((w.run_to_rest() - 12.5).abs() < 1e-12);
-    w.axis.velocity_target(-50.0);
+    w.axis.set_velocity_target(-50.0);
     assert!((w.run_to_rest() + 5.0).abs() < 1e-12);
 }
 
@@ -72,10 +72,10 @@ fn jog_lands_on_the_software_limit_and_outward_is_refused_there() {
 fn from_beyond_a_limit_only_the_way_back_is_open() {
     let mut w = Watched::new();
     w.axis.set_bounds(Some((3.0, 10.0)));
-    w.axis.velocity_target(-5.0);
+    w.axis.set_velocity_target(-5.0);
     w.ticks(100);
     assert!(w.axis.position().abs() < 1e-12);
-    w.axis.velocity_target(5.0);
+    w.axis.set_velocity_target(5.0);
     assert!((w.run_to_rest() - 10.0).abs() < 1e-12);
 }
 
@@ -83,18 +83,18 @@ fn from_beyond_a_limit_only_the_way_back_is_open() {
 fn handwheel_detents_at_every_moment_end_exactly_on_the_last() {
     let mut w = Watched::new();
     for detent in 1..=40 {
-        w.axis.position_target(f64::from(detent) * 0.01, 50.0);
+        w.axis.set_position_target(f64::from(detent) * 0.01, 50.0);
         w.ticks(7);
     }
     assert!((w.run_to_rest() - 0.4).abs() < 1e-15);
-    w.axis.position_target(0.399, 50.0);
+    w.axis.set_position_target(0.399, 50.0);
     assert!((w.run_to_rest() - 0.399).abs() < 1e-15);
 }
 
 #[test]
 fn emergency_stop_brakes_with_more_jerk_but_no_more_deceleration() {
     let mut w = Watched::new();
-    w.axis.velocity_target(50.0);
+    w.axis.set_velocity_target(50.0);
     w.ticks(500);
     w.jerk_mm_s3 = LIMITS.jerk_mm_s3 * EMERGENCY_JERK_FACTOR;
     let from = w.axis.position();
@@ -127,8 +127,8 @@ proptest! {
         w.axis.set_bounds(Some((-8.0, 9.0)));
         for (wait, ask) in asks {
             match ask {
-                Ask::Velocity(v) => w.axis.velocity_target(v),
-                Ask::Position(p, v) => w.axis.position_target(p, v),
+                Ask::Velocity(v) => w.axis.set_velocity_target(v),
+                Ask::Position(p, v) => w.axis.set_position_target(p, v),
                 Ask::Stop => w.axis.stop(),
             }
             for _ in 0..wait {
@@ -137,7 +137,7 @@ proptest! {
                 prop_assert!((-8.0 - 1e-9..=9.0 + 1e-9).contains(&w.axis.position()), "{}", w.axis.position());
             }
         }
-        w.axis.position_target(1.25, 50.0);
+        w.axis.set_position_target(1.25, 50.0);
         prop_assert!((w.run_to_rest() - 1.25).abs() < 1e-12);
     }
 }

@@ -1,24 +1,27 @@
 //! Stories of program motion: strokes, hold, abort, overrides, taking moves back.
 #![allow(clippy::unwrap_used, clippy::expect_used)] // A test may fail so.
 
-use kt830::motion::{AxisLimits, End, Limits, MOVES, Move, Override, Path, PathFull, Rate, Shape, WORK_MOST};
+use kt830::motion::{
+    AxisLimits, CornerMode, MAX_QUEUED_MOVES, MAX_WORK_PER_TICK, MotionLimits, MotionSpeed, Move, MoveQueueFull,
+    MoveShape, Override, TrajectoryPlanner,
+};
 use kt830::units::PerAxis;
 
 /// Jerk is ample: a stroke is 0.2 s up, 0.8 s along, 0.2 s down, and 5 ms for each change of acceleration.
 const AXIS: AxisLimits = AxisLimits { velocity_mm_s: 100.0, acceleration_mm_s2: 500.0, jerk_mm_s3: 100_000.0 };
 const FULL: Override = Override::FULL;
 
-fn path() -> Path {
-    Path::new(Limits { axes: PerAxis([AXIS; 3]), tick_s: 0.001 }, PerAxis([0.0; 3]))
+fn path() -> TrajectoryPlanner {
+    TrajectoryPlanner::new(MotionLimits { axes: PerAxis([AXIS; 3]), tick_s: 0.001 }, PerAxis([0.0; 3]))
 }
 
 fn line(x: f64, z: f64, tag: u32) -> Move {
-    let rate = Rate::Feed { mm_s: 100.0 };
-    Move { to: PerAxis([x, 0.0, z]), shape: Shape::Line, rate, end: End::ExactStop, tag }
+    let rate = MotionSpeed::Feed { mm_s: 100.0 };
+    Move { to: PerAxis([x, 0.0, z]), shape: MoveShape::Line, speed: rate, corner: CornerMode::ExactStop, tag }
 }
 
 /// Ticks until done.
-fn finish(path: &mut Path) -> u32 {
+fn finish(path: &mut TrajectoryPlanner) -> u32 {
     let mut ticks = 0;
     while !path.is_done() {
         path.tick(FULL);
@@ -28,14 +31,14 @@ fn finish(path: &mut Path) -> u32 {
     ticks
 }
 
-fn ticks(path: &mut Path, count: u32, requested: Override) {
+fn ticks(path: &mut TrajectoryPlanner, count: u32, requested: Override) {
     for _ in 0..count {
         path.tick(requested);
     }
 }
 
 /// Ticks until at rest.
-fn ticks_to_rest(path: &mut Path) -> u32 {
+fn ticks_to_rest(path: &mut TrajectoryPlanner) -> u32 {
     (0..5_000)
         .find(|_| {
             let at_rest = path.is_at_rest();
@@ -96,7 +99,7 @@ fn override_nothing_is_a_stop_and_half_is_half_the_speed() {
 #[test]
 fn override_above_full_raises_a_feed_but_never_an_axis_limit() {
     let mut path = path();
-    path.push(Move { rate: Rate::Feed { mm_s: 40.0 }, ..line(0.0, 100.0, 0) }).unwrap();
+    path.push(Move { speed: MotionSpeed::Feed { mm_s: 40.0 }, ..line(0.0, 100.0, 0) }).unwrap();
     path.push(line(0.0, 0.0, 1)).unwrap();
     ticks(&mut path, 100, FULL);
     ticks(&mut path, 1_200, Override { feed: 1.5, rapid: 1.0 });
@@ -116,7 +119,7 @@ fn abort_brakes_forgets_and_reports_nothing() {
     }
     ticks(&mut path, 500, FULL);
     path.abort();
-    assert_eq!((path.room(), path.push(line(0.0, 0.0, 9))), (0, Err(PathFull)));
+    assert_eq!((path.free_slots(), path.push(line(0.0, 0.0, 9))), (0, Err(MoveQueueFull)));
     while !path.is_done() {
         path.tick(FULL);
     }
@@ -143,7 +146,7 @@ fn moves_taken_back_in_a_hold_lead_on_from_where_the_handwheel_left_the_axis() {
     path.drain_unfinished(&mut unfinished);
     assert_eq!(unfinished.iter().map(|m| m.tag).collect::<Vec<_>>(), [2, 3]);
     let PerAxis([_, _, z]) = path.position();
-    path.clear_at(PerAxis([1.0, 0.0, z]));
+    path.reset_to(PerAxis([1.0, 0.0, z]));
     for m in unfinished {
         path.push(m).unwrap();
     }
@@ -168,10 +171,10 @@ fn moves_of_no_length_finish_at_once_and_are_reported() {
 #[test]
 fn a_full_queue_refuses() {
     let mut path = path();
-    for tag in 0..MOVES as u32 {
+    for tag in 0..MAX_QUEUED_MOVES as u32 {
         path.push(line(0.0, f64::from(tag + 1), tag)).unwrap();
     }
-    assert_eq!((path.room(), path.push(line(0.0, 0.0, 0))), (0, Err(PathFull)));
+    assert_eq!((path.free_slots(), path.push(line(0.0, 0.0, 0))), (0, Err(MoveQueueFull)));
 }
 
 #[test]
@@ -185,11 +188,11 @@ fn distance_to_go_is_to_the_end_of_the_active_move() {
 }
 
 /// A quarter of a circle of 20 mm in chords of 1°, sagitta 0.8 µm.
-fn chords(path: &mut Path) {
+fn chords(path: &mut TrajectoryPlanner) {
     for k in 1..=90_u32 {
         let (sin, cos) = f64::from(k).to_radians().sin_cos();
-        let end = End::Continuous { tolerance_mm: 0.01 };
-        path.push(Move { end, ..line(20.0 - 20.0 * cos, 20.0 * sin, k) }).unwrap();
+        let end = CornerMode::Continuous { tolerance_mm: 0.01 };
+        path.push(Move { corner: end, ..line(20.0 - 20.0 * cos, 20.0 * sin, k) }).unwrap();
     }
 }
 
@@ -227,14 +230,14 @@ fn hold_in_a_curve_comes_to_rest_soon() {
 }
 
 /// A sine of 5 mm over `count` chords of 0.1 mm along Z, fed as room allows; calls `see` after every tick.
-fn sine(path: &mut Path, count: u32, mut see: impl FnMut(&Path)) {
-    let end = End::Continuous { tolerance_mm: 0.01 };
+fn sine(path: &mut TrajectoryPlanner, count: u32, mut see: impl FnMut(&TrajectoryPlanner)) {
+    let end = CornerMode::Continuous { tolerance_mm: 0.01 };
     let at = |k: u32| (5.0 * (f64::from(k) / 60.0).sin(), 0.1 * f64::from(k));
     let mut next = 1;
     while next <= count || !path.is_done() {
-        while path.room() > 0 && next <= count {
+        while path.free_slots() > 0 && next <= count {
             let (x, z) = at(next);
-            path.push(Move { end, ..line(x, z, next) }).unwrap();
+            path.push(Move { corner: end, ..line(x, z, next) }).unwrap();
             next += 1;
         }
         path.tick(FULL);
@@ -258,15 +261,15 @@ fn two_thousand_chords_never_rest_between_the_first_and_the_last() {
 #[test]
 fn override_above_full_reaches_a_smooth_run_within_a_second() {
     let mut path = path();
-    let end = End::Continuous { tolerance_mm: 0.01 };
-    let rate = Rate::Feed { mm_s: 40.0 };
+    let end = CornerMode::Continuous { tolerance_mm: 0.01 };
+    let rate = MotionSpeed::Feed { mm_s: 40.0 };
     let mut next = 0_u32;
-    let mut run = |path: &mut Path, count: u32, feed: f64| {
+    let mut run = |path: &mut TrajectoryPlanner, count: u32, feed: f64| {
         for _ in 0..count {
-            while path.room() > 0 {
+            while path.free_slots() > 0 {
                 next += 1;
                 let z = 0.5 * f64::from(next);
-                path.push(Move { end, rate, ..line(5.0 * (z / 12.0).sin(), z, next) }).unwrap();
+                path.push(Move { corner: end, speed: rate, ..line(5.0 * (z / 12.0).sin(), z, next) }).unwrap();
             }
             path.tick(Override { feed, rapid: 1.0 });
         }
@@ -292,19 +295,19 @@ fn planning_is_spread_over_ticks_and_the_start_does_not_wait_long() {
             waited = Some(ticks);
         }
     });
-    assert!(most <= WORK_MOST, "{most} units in a tick");
+    assert!(most <= MAX_WORK_PER_TICK, "{most} units in a tick");
     assert!(waited <= Some(60), "first movement in tick {waited:?}");
 }
 
 #[test]
 fn strokes_with_rounded_corners_never_go_beyond_their_ends() {
     let mut path = path();
-    let end = End::Continuous { tolerance_mm: 0.01 };
+    let end = CornerMode::Continuous { tolerance_mm: 0.01 };
     for stroke in 0..12_u32 {
         let x = if stroke % 2 == 0 { 50.0 } else { 0.0 };
         let z = f64::from(stroke) * -0.002;
-        path.push(Move { end, ..line(x, z, 2 * stroke) }).unwrap();
-        path.push(Move { end, ..line(x, z - 0.002, 2 * stroke + 1) }).unwrap();
+        path.push(Move { corner: end, ..line(x, z, 2 * stroke) }).unwrap();
+        path.push(Move { corner: end, ..line(x, z - 0.002, 2 * stroke + 1) }).unwrap();
     }
     let (mut low, mut high) = (0.0_f64, 0.0_f64);
     while !path.is_done() {

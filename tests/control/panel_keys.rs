@@ -2,13 +2,13 @@
 //! changes something that the operator sees or says why it does not. The keys come from the key table, the modes from the
 //! mode table; a new one is looked at as well. Source: spec K2.1, K2.2, K2.4.
 
-use kt830::defs::key::{Group, Key, Mode};
+use kt830::defs::key::{Key, KeyGroup, Mode};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
-use kt830::defs::soft_key::Coordinates;
+use kt830::defs::soft_key::CoordinateView;
+use kt830::host::folders::{Folders, program_from_bytes};
+use kt830::host::headless::HeadlessHost;
 use kt830::link::{Command, Snapshot};
-use kt830::runtime::disk::{Folders, program};
-use kt830::runtime::rig::Rig;
 use kt830::units::Axis;
 
 /// A place that a machine is in when a key is pressed: the words that lead there from a cold start or a ready machine.
@@ -75,13 +75,13 @@ fn places(kind: Kind) -> Vec<Place> {
     places
 }
 
-fn rig_at(kind: Kind, folders: &Folders, place: &Place) -> Rig {
+fn rig_at(kind: Kind, folders: &Folders, place: &Place) -> HeadlessHost {
     let mut rig = crate::stories::rig_of(kind, folders.clone());
     if place.ready {
         rig.make_ready();
     }
     let (name, text) = long_program(kind);
-    rig.add_program(program(7_000, name, text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, name, text.as_bytes().to_vec()));
     crate::stories::tell(&mut rig, &place.story);
     (0..5).for_each(|_| rig.step());
     rig
@@ -89,11 +89,11 @@ fn rig_at(kind: Kind, folders: &Folders, place: &Place) -> Rig {
 
 /// What the operator sees change besides the axes: everything that has a lamp, a place in the frame or a page.
 fn seen(snapshot: &Snapshot) -> String {
-    let lamps: Vec<(bool, bool)> = snapshot.keys.iter().map(|key| (key.lamp, key.working)).collect();
+    let lamps: Vec<(bool, bool)> = snapshot.keys.iter().map(|key| (key.lamp, key.pending)).collect();
     let alarms: Vec<u16> = snapshot.alarms.iter().map(|alarm| alarm.number).collect();
     let overrides = (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override);
-    let rows = (snapshot.coordinates, snapshot.soft_row);
-    let switches = (snapshot.single_block, snapshot.handwheel_axis, snapshot.step_mm.to_bits());
+    let rows = (snapshot.coordinates, snapshot.soft_key_row);
+    let switches = (snapshot.single_block, snapshot.handwheel_axis, snapshot.handwheel_step_mm.to_bits());
     format!(
         "{:?}",
         (snapshot.page, rows, snapshot.mode, snapshot.state, overrides, switches, snapshot.outputs, lamps, alarms)
@@ -105,20 +105,20 @@ fn stands(snapshot: &Snapshot) -> [u64; 3] {
 }
 
 /// Presses a key for 80 ms, holding it as a finger does; gives why that was silent, if it was.
-fn silent(rig: &mut Rig, key: Key) -> Option<String> {
+fn silent(rig: &mut HeadlessHost, key: Key) -> Option<String> {
     let before = rig.snapshot().clone();
     rig.send(Command::Press(key));
     for tick in 0..120 {
         rig.step();
         match tick {
             80 => rig.send(Command::Release(key)),
-            0..80 if tick % 40 == 39 && key.jog().is_some() => rig.send(Command::Hold(key)),
+            0..80 if tick % 40 == 39 && key.jog_direction().is_some() => rig.send(Command::StillHeld(key)),
             _ => {}
         }
     }
     let after = rig.snapshot();
     let told = after.message != before.message && !after.message.text.zh.is_empty();
-    let moved = key.jog().is_some() && stands(after) != stands(&before);
+    let moved = key.jog_direction().is_some() && stands(after) != stands(&before);
     let changed = seen(after) != seen(&before);
     match before.key(key).blocked {
         Some(reason) if !told => Some(format!("is shown blocked ({}) and says nothing", reason.en)),
@@ -128,7 +128,7 @@ fn silent(rig: &mut Rig, key: Key) -> Option<String> {
 
 fn check(kinds: &[Kind]) {
     let folder = tempfile::tempdir().unwrap();
-    let folders = Folders { programs: folder.path().to_owned(), screens: folder.path().to_owned(), named: false };
+    let folders = Folders { programs: folder.path().to_owned(), screens: folder.path().to_owned(), by_name: false };
     let mut wrong = Vec::new();
     for kind in kinds {
         for place in places(*kind) {
@@ -136,7 +136,7 @@ fn check(kinds: &[Kind]) {
             let before = seen(still.snapshot());
             (0..120).for_each(|_| still.step());
             assert_eq!(seen(still.snapshot()), before, "{kind:?} {}: something changes by itself", place.name);
-            for key in Key::ALL.iter().copied().filter(|key| key.is_on(*kind)) {
+            for key in Key::ALL.iter().copied().filter(|key| key.exists_on(*kind)) {
                 let mut rig = rig_at(*kind, &folders, &place);
                 if let Some(why) = silent(&mut rig, key) {
                     wrong.push(format!("{kind:?} · {} · {} {why}", place.name, key.id()));
@@ -171,8 +171,8 @@ fn k2_4_no_key_of_the_lathes_is_silent() {
 #[test]
 fn k2_1_every_key_of_a_kind_is_a_key_of_the_panel_or_of_the_screen() {
     for kind in Kind::ALL {
-        let keys: Vec<Key> = Key::ALL.iter().copied().filter(|key| key.is_on(kind)).collect();
-        let panel = keys.iter().filter(|key| key.row().group != Group::Screen).count();
+        let keys: Vec<Key> = Key::ALL.iter().copied().filter(|key| key.exists_on(kind)).collect();
+        let panel = keys.iter().filter(|key| key.row().group != KeyGroup::Screen).count();
         assert!(panel >= 44 && keys.len() > panel, "{kind:?}: {panel} of {}", keys.len());
     }
 }
@@ -181,14 +181,14 @@ fn k2_1_every_key_of_a_kind_is_a_key_of_the_panel_or_of_the_screen() {
 #[test]
 fn k7_1_the_soft_keys_of_a_story_are_those_of_the_screen() {
     let mut rig = crate::stories::rig();
-    let is = |rig: &mut Rig| (rig.snapshot().page, rig.snapshot().coordinates, rig.snapshot().soft_row);
+    let is = |rig: &mut HeadlessHost| (rig.snapshot().page, rig.snapshot().coordinates, rig.snapshot().soft_key_row);
     crate::stories::tell(&mut rig, "page position");
-    assert_eq!(is(&mut rig), (Page::Position, Coordinates::All, 0));
+    assert_eq!(is(&mut rig), (Page::Position, CoordinateView::All, 0));
     for (key, coordinates) in [
-        ("f1", Coordinates::Relative),
-        ("f3", Coordinates::Machine),
-        ("f2", Coordinates::All),
-        ("f1", Coordinates::Relative),
+        ("f1", CoordinateView::Relative),
+        ("f3", CoordinateView::Machine),
+        ("f2", CoordinateView::All),
+        ("f1", CoordinateView::Relative),
     ] {
         crate::stories::tell(&mut rig, &format!("key {key}"));
         assert_eq!(is(&mut rig), (Page::Position, coordinates, 0), "{key}");
@@ -210,5 +210,5 @@ fn k7_1_the_soft_keys_of_a_story_are_those_of_the_screen() {
     // From the second row: the fifth has the simulator alone, then comes the first.
     crate::stories::tell(&mut rig, "key next-row\nkey next-row\nkey next-row");
     crate::stories::tell(&mut rig, "key f2\nexpect message \"没有 F2\"\nkey next-row\nkey f3");
-    assert_eq!(is(&mut rig), (Page::Position, Coordinates::Machine, 0));
+    assert_eq!(is(&mut rig), (Page::Position, CoordinateView::Machine, 0));
 }

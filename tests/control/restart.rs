@@ -1,14 +1,14 @@
 //! Running from a chosen block, and going on after a power cut (B5).
 
 use crate::stories::{ready_with, tell};
+use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
-use kt830::runtime::rig::Rig;
 use kt830::units::Axis;
 
 /// X -80 (diameter), Z -150 at the start of a ready machine.
 const TEXT: &str = "G98 T0101\n#100=3\nM03\nG00 X-70 Z-140\nG01 X-72 F100\nW-20\n#101=#100+1\nM30";
 
-fn choose(rig: &mut Rig, line: u32) {
+fn choose(rig: &mut HeadlessHost, line: u32) {
     rig.send(Command::RestartAt(line));
     tell(rig, "wait 0.1 s");
 }
@@ -20,7 +20,7 @@ fn b5_a_run_from_a_block_shows_its_codes_and_place_and_waits_for_the_wheel() {
     choose(&mut rig, 6);
     let view = rig.snapshot().restart.clone().unwrap();
     assert_eq!((view.program, view.line, view.modals.g[0], view.modals.feed), (7_000, 6, 1, Some(100.0)));
-    assert_eq!((view.modals.tool, view.wheel, view.drive), ((1, 1), true, false));
+    assert_eq!((view.modals.tool, view.wheel_turns, view.workpiece_turns), ((1, 1), true, false));
     assert_eq!((view.start[Axis::X], view.start[Axis::Z]), (Some(-72.0), Some(-140.0)));
     tell(
         &mut rig,
@@ -70,7 +70,7 @@ fn b5_what_the_skipped_blocks_switch_off_again_is_not_asked_for() {
     tell(&mut rig, "mode auto");
     choose(&mut rig, 6);
     let view = rig.snapshot().restart.clone().unwrap();
-    assert!(!view.wheel && !view.drive);
+    assert!(!view.wheel_turns && !view.workpiece_turns);
     tell(&mut rig, "key cycle-start\nwait until idle max 20 s\nexpect Z -170 ±0.001");
 }
 

@@ -5,28 +5,28 @@ use crate::command::kt830;
 use crate::stories::{ready_of, tell};
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
-use kt830::defs::program;
-use kt830::defs::screw::ScrewTable;
+use kt830::defs::leadscrew::LeadscrewCompensation;
+use kt830::defs::program_number;
 use kt830::defs::signal::Output as SignalOutput;
-use kt830::io::sim::{Along, MachineFile, PartFile, SurfaceFile};
+use kt830::host::folders;
+use kt830::host::headless::HeadlessHost;
+use kt830::io::sim::{MachineFile, PartFile, SurfaceFile, TablePoint};
 use kt830::link::command::Command;
 use kt830::link::snapshot::RunState;
-use kt830::runtime::disk;
-use kt830::runtime::rig::Rig;
 use kt830::units::{Axis, Micros};
 
 /// The variable of R0.
 const R0: u32 = 600;
 
-fn r(rig: &Rig, number: u32) -> f64 {
+fn r(rig: &HeadlessHost, number: u32) -> f64 {
     rig.controller().variable(R0 + number).unwrap_or_default()
 }
 
 /// A ready machine with the shipped program and its part.
-fn vgrind(seed: u64, values: &str) -> Rig {
+fn vgrind(seed: u64, values: &str) -> HeadlessHost {
     let mut rig = ready_of(Kind::Vertical);
     rig.reseed(seed);
-    rig.mount(&PartFile::builtin(program::number("VGRIND")).unwrap().unwrap());
+    rig.mount_part(&PartFile::builtin(program_number::from_name("VGRIND")).unwrap().unwrap());
     rig.step();
     rig.make_ready();
     tell(&mut rig, &format!("load VGRIND\nseed {seed}\nmode auto\n{values}"));
@@ -34,7 +34,7 @@ fn vgrind(seed: u64, values: &str) -> Rig {
 }
 
 /// Runs to the end; looks at the rig in every tick.
-fn run(rig: &mut Rig, mut look: impl FnMut(&Rig)) {
+fn run(rig: &mut HeadlessHost, mut look: impl FnMut(&HeadlessHost)) {
     rig.send(Command::Press(Key::CycleStart));
     let end = rig.now() + Micros::from_secs_f64(3_600.0);
     rig.step();
@@ -90,10 +90,10 @@ fn bore_at(z: f64) -> f64 {
 const BORE: &str = "set R18 = 500\nset R20 = 499.5\nset R14 = -1\nset R28 = 0.01\nset R43 = 0.01";
 
 /// A ready machine with the program of the bore and its part.
-fn vbore(seed: u64, values: &str) -> Rig {
+fn vbore(seed: u64, values: &str) -> HeadlessHost {
     let mut rig = ready_of(Kind::Vertical);
     rig.reseed(seed);
-    rig.mount(&PartFile::builtin(program::number("VBORE")).unwrap().unwrap());
+    rig.mount_part(&PartFile::builtin(program_number::from_name("VBORE")).unwrap().unwrap());
     rig.step();
     rig.make_ready();
     tell(&mut rig, &format!("load VBORE\nseed {seed}\nmode auto\n{values}"));
@@ -118,7 +118,7 @@ fn s6_a_tapered_bore_is_ground_to_size_and_the_wheel_leaves_it_upwards() {
             assert!((at.d - bore_at(at.z)).abs() <= 0.003, "seed {seed}: {at:?}, wanted {}", bore_at(at.z));
         }
         // Dressed along its own rim, the wheel is still a cylinder.
-        let rims = rig.machine().rim_mm();
+        let rims = rig.machine().rim_wear_mm();
         let (least, most) = rims.iter().fold((f64::MAX, f64::MIN), |(a, b), mm| (a.min(*mm), b.max(*mm)));
         assert!(most - least < 0.002, "seed {seed}: {least} to {most}");
     }
@@ -127,7 +127,7 @@ fn s6_a_tapered_bore_is_ground_to_size_and_the_wheel_leaves_it_upwards() {
 #[test]
 fn s6_a_cylindrical_bore_is_ground_as_well() {
     let mut rig = vbore(1, "set R18 = 500\nset R20 = 499.8\nset R28 = 0.01\nset R43 = 0.01");
-    let mut part = PartFile::builtin(program::number("VBORE")).unwrap().unwrap();
+    let mut part = PartFile::builtin(program_number::from_name("VBORE")).unwrap().unwrap();
     part.head_deg = 0.0;
     part.surfaces = vec![SurfaceFile::Bore {
         z_from: 60.0,
@@ -139,7 +139,7 @@ fn s6_a_cylindrical_bore_is_ground_as_well() {
         runout: 0.02,
         waviness: 0.003,
     }];
-    rig.mount(&part);
+    rig.mount_part(&part);
     rig.step();
     run(&mut rig, |_| ());
     tell(&mut rig, "expect no alarm\nexpect no event");
@@ -239,7 +239,7 @@ fn s4_every_wrong_value_is_named_and_every_exit_stops_the_wheel() {
 
 /// A value that the program can judge is judged before anything starts or moves: the way of a wrong one ends in the diamond
 /// or the part.
-fn refused_at_the_start(rig: &mut Rig, values: &str, (message, flag): (&str, f64)) {
+fn refused_at_the_start(rig: &mut HeadlessHost, values: &str, (message, flag): (&str, f64)) {
     let kept: Vec<_> =
         (R0 as u16 + 1..R0 as u16 + 48).map(|number| (number, rig.controller().variable(number.into()))).collect();
     tell(rig, values);
@@ -330,14 +330,18 @@ fn s4_a_value_that_goes_wrong_in_the_run_is_still_found() {
 fn s6_the_stroke_follows_the_cone() {
     let mut rig = vgrind(1, "");
     let text = "N10 G90 G94\nN20 R14=1 R50=0.02 R51=1200 R15=0 R21=105 R19=35\nN30 G0 X700 Z105\nN40 L10\nN50 M2";
-    rig.add_program(disk::program(program::number("CONE"), "CONE.MPF", text.as_bytes().to_vec()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("CONE"),
+        "CONE.MPF",
+        text.as_bytes().to_vec(),
+    ));
     tell(&mut rig, "load CONE\nmode auto");
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     rig.send(Command::Press(Key::CycleStart));
     for _ in 0..30_000 {
         rig.step();
         let at = rig.snapshot().axes;
-        if rig.controller().place().program == program::of_l(10) {
+        if rig.controller().current_block().program == program_number::from_l(10) {
             low = low.min(at[Axis::X].work);
             high = high.max(at[Axis::X].work);
         }
@@ -353,7 +357,11 @@ fn s6_the_stroke_follows_the_cone() {
 fn s2_r_parameters_are_shown_as_executed_in_every_tick() {
     let mut rig = vgrind(1, "");
     let text = "N10 R1=0\nN15 G90 G94 F600 G0 X690\nAA1:R1=R1+1\nN30 G1 G91 X-0.2\nN40 IF R1<30 GOTOB AA1\nN50 M2";
-    rig.add_program(disk::program(program::number("LOOP"), "LOOP.MPF", text.as_bytes().to_vec()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("LOOP"),
+        "LOOP.MPF",
+        text.as_bytes().to_vec(),
+    ));
     tell(&mut rig, "load LOOP\nmode auto");
     let mut before = None;
     let mut seen = 0;
@@ -428,9 +436,9 @@ fn s1_an_alarm_in_a_subprogram_names_it() {
 fn p8_one_crash_is_one_event_until_its_place_is_left() {
     let mut rig = vgrind(1, "");
     let text = "N10 G90 G94 M63 S1500 M3\nN20 G0 X=R46 Z=R47\nN30 R80=R11-R3+1\nN40 G0 X=R80 Z=R12\nN50 M2";
-    rig.add_program(disk::program(program::number("RAM"), "RAM.MPF", text.as_bytes().to_vec()));
+    rig.add_program(folders::program_from_bytes(program_number::from_name("RAM"), "RAM.MPF", text.as_bytes().to_vec()));
     tell(&mut rig, "load RAM\nmode auto\nkey cycle-start\nwait until alarm max 60 s\nwait 20 s\nexpect event crash");
-    let places = |rig: &Rig| rig.machine().events().iter().map(|event| event.place).collect::<Vec<_>>();
+    let places = |rig: &HeadlessHost| rig.machine().events().iter().map(|event| event.place).collect::<Vec<_>>();
     assert_eq!(places(&rig), ["dresser"]);
     // Away and back again is another one.
     tell(&mut rig, "key reset\nmode jog\nhold X- 1 s\nwait 2 s");
@@ -442,7 +450,11 @@ fn p8_one_crash_is_one_event_until_its_place_is_left() {
 #[test]
 fn s1_a_feed_per_revolution_without_a_turning_part_says_so() {
     let mut rig = vgrind(1, "");
-    rig.add_program(disk::program(program::number("TURN"), "TURN.MPF", b"G95 G1 X690 F0.2\nM2\n".to_vec()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("TURN"),
+        "TURN.MPF",
+        b"G95 G1 X690 F0.2\nM2\n".to_vec(),
+    ));
     tell(&mut rig, "load TURN\nmode auto\nkey cycle-start\nwait 2 s\nexpect alarm \"每转进给需要工件转动\"");
     assert!(!rig.snapshot().alarms[0].text.zh.contains("需要头架"));
 }
@@ -495,12 +507,12 @@ fn s1_a_subprogram_is_looked_for_beside_the_file_first() {
 }
 
 /// What each line of a program took off the part, as the sum of diameters at every millimetre.
-fn removed_by_line(rig: &mut Rig, lines: [u32; 2]) -> [Vec<f64>; 2] {
-    let sum = |rig: &Rig| (62..118).filter_map(|z| rig.machine().diameter_at(f64::from(z))).sum::<f64>();
+fn removed_by_line(rig: &mut HeadlessHost, lines: [u32; 2]) -> [Vec<f64>; 2] {
+    let sum = |rig: &HeadlessHost| (62..118).filter_map(|z| rig.machine().diameter_at(f64::from(z))).sum::<f64>();
     let (mut line, mut before) = (0, sum(rig));
     let mut removed = [Vec::new(), Vec::new()];
     run(rig, |rig| {
-        let now = rig.controller().place().line;
+        let now = rig.controller().current_block().line;
         if now != line {
             let after = sum(rig);
             if let Some(index) = lines.iter().position(|of| *of == line) {
@@ -513,10 +525,10 @@ fn removed_by_line(rig: &mut Rig, lines: [u32; 2]) -> [Vec<f64>; 2] {
 }
 
 /// A cone of 2 · 70 · 0.02 = 2.8 mm between Z 105 and 35, ready for strokes: the part is a stair of its steps.
-fn cone(screw: &[(f64, f64)], table: &str) -> Rig {
+fn cone(screw: &[(f64, f64)], table: &str) -> HeadlessHost {
     let mut machine = MachineFile::builtin(Kind::Vertical).unwrap();
-    machine.x.backlash_mm = screw.iter().map(|(at, play)| Along(*at, *play)).collect();
-    let mut part = PartFile::builtin(program::number("VGRIND")).unwrap().unwrap();
+    machine.x.backlash_mm = screw.iter().map(|(at, play)| TablePoint(*at, *play)).collect();
+    let mut part = PartFile::builtin(program_number::from_name("VGRIND")).unwrap().unwrap();
     part.finished = None;
     // A slim wheel grinds the cone true enough; its lower edge stands at Z. On the cone X is 499.32 at Z 122.
     machine.wheel.width_mm = 4.0;
@@ -535,18 +547,22 @@ fn cone(screw: &[(f64, f64)], table: &str) -> Rig {
         .collect();
     let mut rig = ready_of(Kind::Vertical);
     rig.swap_machine(machine, 1);
-    rig.mount(&part);
+    rig.mount_part(&part);
     rig.step();
     if !table.is_empty() {
-        rig.send(Command::SetScrew(Axis::X, ScrewTable::parse(table).unwrap()));
+        rig.send(Command::SetLeadscrew(Axis::X, LeadscrewCompensation::parse(table).unwrap()));
         rig.step();
     }
     rig.make_ready();
     let text = "N10 G90 G94 M63 M3\nN20 R1=40\nN30 G0 X499.4 Z122\nAA1:G91 G1 X=-0.01 F600\nG1 X=0.04*70 Z=-70\nG4 F0.5\n\
                 G1 X=-0.01\nG1 X=-0.04*70 Z=70\nG4 F0.5\nR1=R1-1\nIF R1>0 GOTOB AA1\nG90 G0 X700\nM5 M65\nM2";
-    rig.add_program(disk::program(program::number("TAPER"), "TAPER.MPF", text.as_bytes().to_vec()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("TAPER"),
+        "TAPER.MPF",
+        text.as_bytes().to_vec(),
+    ));
     tell(&mut rig, "load TAPER\nmode auto");
-    rig.mount(&part);
+    rig.mount_part(&part);
     rig.step();
     rig
 }
@@ -557,7 +573,7 @@ fn cone(screw: &[(f64, f64)], table: &str) -> Rig {
 fn s6_the_backlash_table_makes_both_directions_of_a_taper_stroke_cut() {
     let screw = [(-300.0, 0.04), (-200.0, 0.02), (-100.0, 0.0)];
     let table: String = screw.iter().map(|(at, play)| format!("{at},{play}\n")).collect();
-    let shares = |rig: &mut Rig| {
+    let shares = |rig: &mut HeadlessHost| {
         // Lines 5 (X plus, Z minus) and 8 (X minus, Z plus); the last ten strokes, when the cone is under way.
         let [down, up] = removed_by_line(rig, [5, 8]);
         assert_eq!((down.len(), up.len()), (40, 40));
@@ -577,7 +593,11 @@ fn b7_a_diameter_of_0_005_is_shown_as_0_005() {
     let shown = |value: f64| format!("{value:.3}");
     let mut rig = vgrind(1, "");
     let text = "G90 G94 F30\nG0 X700\nG91 G1 X-0.005\nG1 X-0.001\nM2";
-    rig.add_program(disk::program(program::number("FINE"), "FINE.MPF", text.as_bytes().to_vec()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("FINE"),
+        "FINE.MPF",
+        text.as_bytes().to_vec(),
+    ));
     tell(&mut rig, "load FINE\nmode auto\nkey single-block\nkey cycle-start\nwait until stopped");
     rig.send(Command::Press(Key::CycleStart));
     let mut to_go = Vec::new();
@@ -597,13 +617,13 @@ fn b7_a_worn_screw_is_put_right_by_its_table_in_both_directions() {
     let folder = tempfile::tempdir().unwrap();
     // 0.05 mm at the stop −458, none at the stop 8.
     std::fs::write(folder.path().join("x.csv"), "位置,间隙\n-458,0.05\n8,0\n").unwrap();
-    let off = |rig: &Rig| rig.machine().slide_mm()[Axis::X] - rig.controller().actual()[Axis::X];
+    let off = |rig: &HeadlessHost| rig.machine().slide_mm()[Axis::X] - rig.controller().actual()[Axis::X];
     let mut rig = vgrind(1, "fault worn-screw-x\nmode mdi\nmdi G90 G0 X600\nwait 0.5 s");
     // Machine −150 from above: the motor is there, the slide hangs back by 0.05 · 158/466 = 0.01695 mm.
     assert!((off(&rig) - 0.016_95).abs() < 0.000_1, "{}", off(&rig));
-    rig.send(Command::SetScrew(
+    rig.send(Command::SetLeadscrew(
         Axis::X,
-        ScrewTable::parse(&std::fs::read_to_string(folder.path().join("x.csv")).unwrap()).unwrap(),
+        LeadscrewCompensation::parse(&std::fs::read_to_string(folder.path().join("x.csv")).unwrap()).unwrap(),
     ));
     tell(&mut rig, "wait 0.5 s\nexpect X 600 ±0.001");
     assert!(off(&rig).abs() < 0.000_1, "{}", off(&rig));
@@ -644,10 +664,10 @@ fn b7_a_screw_table_is_imported_from_csv_and_kept() {
 fn s3_the_r_page_shows_the_table_of_the_seed_and_takes_values() {
     let mut rig = vgrind(1, "page grinding\nexpect no alarm");
     for (number, sheet) in [(1_801, 0), (1_802, 1), (1_803, 2)] {
-        rig.send(Command::TurnSheet(sheet));
+        rig.send(Command::ShowGrindingSheet(sheet));
         rig.step();
         let shown = rig.snapshot().clone();
-        assert_eq!((shown.grinding_page(), shown.grinding_pages), (Some(number), (sheet, 3)));
+        assert_eq!((shown.grinding_page_number(), shown.grinding_sheet), (Some(number), (sheet, 3)));
         let files = shown.page_files().unwrap();
         assert!(files.text.is_ok() && files.picture.is_ok(), "{number}");
     }
@@ -675,10 +695,10 @@ fn s3_the_r_page_shows_the_table_of_the_seed_and_takes_values() {
 #[test]
 fn s3_page_texts_name_r_parameters() {
     let left = ";".repeat(8);
-    let text = kt830::defs::screen::parse(&format!("题;\nR1 砂轮 R18;\n余量 #500;\n{left}\n%")).unwrap();
+    let text = kt830::defs::page_text::parse(&format!("题;\nR1 砂轮 R18;\n余量 #500;\n{left}\n%")).unwrap();
     let rows: Vec<_> = text.rows().map(|row| (row.label.as_str(), row.variable)).collect();
     assert_eq!(rows, [("R1 砂轮", 618), ("余量", 500)]);
-    let wrong = kt830::defs::screen::parse(&format!("题;\n砂轮 R300;\n{}\n%", ";".repeat(9))).unwrap_err();
+    let wrong = kt830::defs::page_text::parse(&format!("题;\n砂轮 R300;\n{}\n%", ";".repeat(9))).unwrap_err();
     assert_eq!((wrong.line, wrong.column), (2, 1));
 }
 
@@ -713,10 +733,10 @@ fn s1_a_wrong_block_is_an_alarm_with_its_place_and_nothing_of_it_moves() {
 }
 
 /// Has started a program of a move to X690 and this block.
-fn wrong(block: &str) -> Rig {
+fn wrong(block: &str) -> HeadlessHost {
     let mut rig = vgrind(1, "");
     let text = format!("; 错误\nG90 G0 X690\n{block}\nG0 X600\nAA1:M2\n");
-    rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", text.into_bytes()));
+    rig.add_program(folders::program_from_bytes(program_number::from_name("WRONG"), "WRONG.MPF", text.into_bytes()));
     tell(&mut rig, "load WRONG\nmode auto\nset R1 = 1\nkey cycle-start\nwait 3 s\nexpect alarm any\nexpect R1 1");
     rig
 }
@@ -726,9 +746,13 @@ fn wrong(block: &str) -> Rig {
 fn s1_a_message_stays_until_the_next_and_repeats_are_counted() {
     let mut rig = vgrind(1, "");
     let text = "R1=0\nMSG(“粗磨”)\nG4 F1\nMSG()\nG4 F1\nMSG(\"精磨\")\nM2";
-    rig.add_program(disk::program(program::number("TELL"), "TELL.MPF", text.as_bytes().to_vec()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("TELL"),
+        "TELL.MPF",
+        text.as_bytes().to_vec(),
+    ));
     tell(&mut rig, "load TELL\nmode auto\nkey cycle-start\nwait 0.5 s");
-    let told = |rig: &mut Rig| rig.snapshot().waiting_for.as_ref().map(|said| said.zh.clone());
+    let told = |rig: &mut HeadlessHost| rig.snapshot().waiting_for.as_ref().map(|said| said.zh.clone());
     assert_eq!(told(&mut rig).as_deref(), Some("粗磨"));
     tell(&mut rig, "wait 1 s");
     assert_eq!(told(&mut rig), None);
@@ -756,7 +780,11 @@ fn s1_a_program_with_a_mistake_does_not_start() {
     for (block, column, alarm, en, zh) in ROWS {
         let mut rig = vgrind(1, "");
         let text = format!("N10 G90 G94 F600 G0 X650\nAA1:M3\n{block}\nBB1:M2\n");
-        rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", text.into_bytes()));
+        rig.add_program(folders::program_from_bytes(
+            program_number::from_name("WRONG"),
+            "WRONG.MPF",
+            text.into_bytes(),
+        ));
         tell(&mut rig, "load WRONG\nmode auto");
         let before = rig.controller().set_point();
         tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s\nexpect output wheel off");
@@ -769,8 +797,16 @@ fn s1_a_program_with_a_mistake_does_not_start() {
     }
     let mut rig = vgrind(1, "");
     let main = "N10 G90 G94 F600 G0 X650\nL77\nM2\n";
-    rig.add_program(disk::program(program::number("WRONG"), "WRONG.MPF", main.as_bytes().to_vec()));
-    rig.add_program(disk::program(program::number("L77"), "L77.SPF", b"G0 X600\nGOTOF AA1\nRET\n".to_vec()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("WRONG"),
+        "WRONG.MPF",
+        main.as_bytes().to_vec(),
+    ));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("L77"),
+        "L77.SPF",
+        b"G0 X600\nGOTOF AA1\nRET\n".to_vec(),
+    ));
     tell(&mut rig, "load WRONG\nmode auto");
     let before = rig.controller().set_point();
     tell(&mut rig, "key cycle-start\nwait until alarm max 20 s\nwait 1 s");

@@ -3,25 +3,25 @@
 
 use crate::stories::{ready_with, tell};
 use kt830::defs::param;
-use kt830::runtime::rig::Rig;
+use kt830::host::headless::HeadlessHost;
 use kt830::units::Axis;
 
 /// Runs a text to its end, in automatic mode.
-fn ran(text: &str) -> Rig {
+fn ran(text: &str) -> HeadlessHost {
     let mut rig = ready_with(text);
     tell(&mut rig, "mode auto\nkey cycle-start\nwait until idle max 60 s\nexpect no alarm");
     rig
 }
 
 /// Runs a text into an alarm.
-fn alarmed(text: &str, number: u16) -> Rig {
+fn alarmed(text: &str, number: u16) -> HeadlessHost {
     let mut rig = ready_with(text);
     tell(&mut rig, "mode auto\nkey cycle-start\nwait until alarm max 60 s");
     tell(&mut rig, &format!("expect alarm {number}"));
     rig
 }
 
-fn value(rig: &mut Rig, row: param::Number) -> f64 {
+fn value(rig: &mut HeadlessHost, row: param::NumberParam) -> f64 {
     rig.snapshot().params.get(row)
 }
 
@@ -46,8 +46,8 @@ fn k4_2_a_dressing_makes_the_wheel_smaller_and_everything_follows() {
     tell(&mut rig, "expect wear 1 X -0.04 ±0.00001");
     assert!((value(&mut rig, param::WHEEL_DIAMETER) - (before - 0.04)).abs() < 1e-9);
     assert!((rig.snapshot().dressing_point[Axis::X].unwrap() - (point - 0.04)).abs() < 1e-9, "shown as a diameter");
-    assert_eq!((value(&mut rig, param::DRESSINGS), value(&mut rig, param::PARTS_SINCE_DRESSING)), (1.0, 0.0));
-    let variable = |rig: &mut Rig, number: usize| rig.snapshot().variables[number];
+    assert_eq!((value(&mut rig, param::DRESSING_COUNT), value(&mut rig, param::PARTS_SINCE_DRESSING)), (1.0, 0.0));
+    let variable = |rig: &mut HeadlessHost, number: usize| rig.snapshot().variables[number];
     assert!((variable(&mut rig, 100).unwrap() - (before - 0.04)).abs() < 1e-9);
     assert_eq!(variable(&mut rig, 101), Some(1.0));
 }
@@ -78,7 +78,7 @@ fn k4_2_a_wheel_does_not_grow_and_needs_its_offset() {
 fn b2_constant_surface_speed_follows_the_wheel_through_its_dressings() {
     // 1 500 m/min on 600 mm: 1500 / (π·0.6) = 795.77 rpm; on 500 mm 954.93 rpm.
     let mut rig = ready_with("T0101\nG96 S1500 M03\nM00\n#5801=500\nM00\nG97 S600\nM00\nG50 S700\nG96 S1500\nM00\nM30");
-    let rpm = |rig: &mut Rig, expected: f64| {
+    let rpm = |rig: &mut HeadlessHost, expected: f64| {
         tell(rig, "key cycle-start\nwait until stopped max 60 s");
         let rpm = rig.snapshot().wheel_rpm;
         assert!((rpm - expected).abs() < 0.01, "{rpm} rpm");

@@ -7,7 +7,7 @@ use crate::live_screen::Bench;
 use kt830::defs::alarm::{ALARMS, Alarm};
 use kt830::defs::page::Page;
 use kt830::defs::program_error::ProgramError;
-use kt830::defs::text::Said;
+use kt830::defs::text::LocalizedText;
 use kt830::link::Snapshot;
 
 fn row(number: u16) -> &'static Alarm {
@@ -86,7 +86,7 @@ fn b6_help_opens_at_the_chosen_one_of_the_present_alarms() {
     // Of those of a program, by their number; those of #3000 share one.
     let mut snapshot = crate::sample::alarm(Page::Alarm);
     snapshot.alarms[1].number = 3_007;
-    snapshot.alarms[1].text = Said::new("尺寸", "size");
+    snapshot.alarms[1].text = LocalizedText::new("尺寸", "size");
     let mut bench = still(snapshot);
     press(&mut bench, egui::Key::ArrowDown);
     press(&mut bench, egui::Key::ArrowDown);
@@ -100,7 +100,7 @@ fn b8_a_program_alarm_of_the_history_has_its_remedy() {
     let mut snapshot = crate::sample::troubled(Page::Alarm);
     let history = Arc::make_mut(&mut snapshot.alarm_history);
     let last = Arc::make_mut(history.last_mut().unwrap());
-    (last.number, last.text) = (error.number(), Said::new("此处不应出现 '?'", "unexpected '?'"));
+    (last.number, last.text) = (error.number(), LocalizedText::new("此处不应出现 '?'", "unexpected '?'"));
     let mut bench = still(snapshot);
     press(&mut bench, egui::Key::ArrowRight);
     press(&mut bench, egui::Key::Enter);

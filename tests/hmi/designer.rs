@@ -10,7 +10,7 @@ use encoding_rs::GBK;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
-use kt830::runtime::disk::Folders;
+use kt830::host::folders::Folders;
 use tempfile::TempDir;
 
 const PROGRAM: &str =
@@ -44,8 +44,8 @@ impl Shop {
             fs::write(path("screens").join("C0003.TXT"), GBK.encode(page).0).unwrap();
         }
         let mut rig =
-            crate::stories::rig_in(Folders { programs: path("programs"), screens: path("screens"), named: false });
-        rig.plug_in(Some(path("prints")), Some(path("usb")));
+            crate::stories::rig_in(Folders { programs: path("programs"), screens: path("screens"), by_name: false });
+        rig.set_drives(Some(path("prints")), Some(path("usb")));
         crate::stories::tell(&mut rig, "load O1003");
         let bench = Bench::new(rig, Page::Designer);
         Self { folder, bench }
@@ -209,7 +209,7 @@ fn k7_3_a_page_that_is_not_there_is_begun_from_a_form() {
     shop.edit();
     shop.bench.write("新");
     let saved = shop.save();
-    assert!(saved.starts_with("新标题;") && kt830::defs::screen::parse(&saved).is_ok(), "{saved}");
+    assert!(saved.starts_with("新标题;") && kt830::defs::page_text::parse(&saved).is_ok(), "{saved}");
 }
 
 #[test]

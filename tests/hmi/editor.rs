@@ -7,10 +7,10 @@ use crate::live_screen::Bench;
 use egui_kittest::kittest::Queryable;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
+use kt830::host::folders::Folders;
 use kt830::link::Command;
-use kt830::link::files::{Asker, FileRequest, Refusal, Ticket};
+use kt830::link::files::{FileRequest, Refusal, Requester, Ticket};
 use kt830::link::page_command::PageCommand;
-use kt830::runtime::disk::Folders;
 use tempfile::TempDir;
 
 const TEXT: &str = "O1234 (A)\r\nN10 G00 X10\r\nN20 M30\r\n";
@@ -30,7 +30,7 @@ impl Shop {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join(name), text).unwrap();
         let screens = crate::stories::folders().screens;
-        let mut rig = crate::stories::rig_in(Folders { programs: folder.path().to_owned(), screens, named: false });
+        let mut rig = crate::stories::rig_in(Folders { programs: folder.path().to_owned(), screens, by_name: false });
         crate::stories::tell(&mut rig, &format!("load {}", name.trim_end_matches(".NC")));
         Self { folder, bench: Bench::new(rig, Page::Program) }
     }
@@ -126,8 +126,8 @@ fn b6_programs_are_edited_in_edit_mode_only_and_not_in_a_run() {
     let save = |force| {
         let text = "M30\n".into();
         Command::Page(PageCommand::File(
-            Ticket::unheard(Asker::Editor),
-            FileRequest::Save { number: 1_234, text, base: 0, force },
+            Ticket::without_reply(Requester::Editor),
+            FileRequest::Save { number: 1_234, text, base_stamp: 0, overwrite: force },
         ))
     };
     let mut rig = crate::stories::ready_with("G04 P9000\nM30\n");
@@ -197,16 +197,16 @@ fn b6_a_mistake_is_told_while_it_is_typed() {
     for _ in 0..30 {
         shop.bench.turn();
     }
-    let looked = shop.bench.rig.snapshot().files.looked.clone();
+    let looked = shop.bench.rig.snapshot().files.line_check.clone();
     assert!(looked.faults.iter().any(|fault| fault.line == 2), "{looked:?}");
     assert!(looked.faults.iter().all(|fault| fault.line == 2), "{looked:?}");
-    let said = looked.faults[0].said.zh.clone();
+    let said = looked.faults[0].message.zh.clone();
     assert!(shop.bench.shows(&said));
     (0..5).for_each(|_| shop.bench.press(egui::Key::Backspace));
     for _ in 0..30 {
         shop.bench.turn();
     }
-    assert_eq!(shop.bench.rig.snapshot().files.looked.faults, []);
+    assert_eq!(shop.bench.rig.snapshot().files.line_check.faults, []);
 }
 
 #[test]

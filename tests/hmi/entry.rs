@@ -6,8 +6,8 @@ use egui::Event;
 use egui_kittest::kittest::Queryable;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
-use kt830::defs::screen;
-use kt830::defs::soft_key::{Coordinates, ROWS as SOFT_ROWS, SoftAct, row as soft_row};
+use kt830::defs::page_text;
+use kt830::defs::soft_key::{CoordinateView, ROWS as SOFT_ROWS, SoftKeyAction, row as soft_row};
 use kt830::defs::text::Lang;
 use kt830::link::Snapshot;
 use kt830::link::command::{ScreenFiles, Screens};
@@ -42,11 +42,11 @@ fn h6_by_touch_a_value_is_typed_stored_and_the_next_field_chosen() {
     for key in ["pad-0", "pad-point", "pad-0", "pad-3", "pad-5", "pad-back", "pad-sign"] {
         touch(&mut screen, key);
     }
-    assert_eq!(screen.state().hmi.entry().typing.text, "-0.03");
+    assert_eq!(screen.state().hmi.variable_entry().editor.text, "-0.03");
     assert!(sent(&mut screen).is_empty(), "nothing is stored before 输入");
     touch(&mut screen, "输入 input");
     assert_eq!(sent(&mut screen), ["TypeVariable(505, Some(-0.03))"]);
-    assert_eq!(screen.state().hmi.entry().cursor, 5, "the next field is chosen");
+    assert_eq!(screen.state().hmi.variable_entry().cursor, 5, "the next field is chosen");
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn h6_cancel_restores_then_closes_the_pad() {
     touch(&mut screen, "卡尺X轴始磨位置 #500");
     touch(&mut screen, "pad-9");
     touch(&mut screen, "取消 cancel");
-    assert!(screen.state().hmi.entry().typing.text.is_empty());
+    assert!(screen.state().hmi.variable_entry().editor.text.is_empty());
     touch(&mut screen, "取消 cancel");
     assert!(screen.query_by_label("pad-9").is_none());
     assert!(sent(&mut screen).is_empty());
@@ -76,13 +76,13 @@ fn h6_physical_keys_do_the_same() {
     press(&mut screen, egui::Key::Escape);
     press(&mut screen, egui::Key::ArrowRight);
     assert_eq!(sent(&mut screen), ["TypeVariable(501, Some(-12.75))", "TypeVariable(504, Some(8.0))"]);
-    assert_eq!(screen.state().hmi.entry().cursor, 12, "the arrow goes to the field beside it");
+    assert_eq!(screen.state().hmi.variable_entry().cursor, 12, "the arrow goes to the field beside it");
 }
 
 #[test]
 fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
     let mut machine = snapshot(Page::Grinding);
-    let text = screen::parse(&C0001.replace("#508", "#570")).map(Arc::new).expect("the sample is right");
+    let text = page_text::parse(&C0001.replace("#508", "#570")).map(Arc::new).expect("the sample is right");
     let picture = crate::sample::picture("B0001.BMP");
     let files = ScreenFiles { text: Ok(text), picture: Ok(picture) };
     machine.screens = Arc::new(Screens { pages: vec![(1_001, files)], dressing: None });
@@ -91,15 +91,15 @@ fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
     write(&mut screen, "2");
     press(&mut screen, egui::Key::Enter);
     assert!(sent(&mut screen).is_empty());
-    assert_eq!(screen.state().hmi.entry().reason(Lang::Zh), Some("只能输入 0 或 1"));
-    assert_eq!(screen.state().hmi.entry().typing.text, "2");
+    assert_eq!(screen.state().hmi.variable_entry().refusal(Lang::Zh), Some("只能输入 0 或 1"));
+    assert_eq!(screen.state().hmi.variable_entry().editor.text, "2");
     write(&mut screen, "1");
-    assert_eq!(screen.state().hmi.entry().reason(Lang::Zh), None);
+    assert_eq!(screen.state().hmi.variable_entry().refusal(Lang::Zh), None);
     press(&mut screen, egui::Key::Enter);
     assert_eq!(sent(&mut screen), ["TypeVariable(570, Some(1.0))"]);
     write(&mut screen, "100000");
     press(&mut screen, egui::Key::Enter);
-    assert_eq!(screen.state().hmi.entry().reason(Lang::En), Some("out of range ±99999.999"));
+    assert_eq!(screen.state().hmi.variable_entry().refusal(Lang::En), Some("out of range ±99999.999"));
     assert!(sent(&mut screen).is_empty());
 }
 
@@ -117,7 +117,7 @@ fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
     screen.step();
     screen.step();
     assert_eq!(sent(&mut screen), ["Press(Step001)", "Release(Step001)"]);
-    assert_eq!(screen.state().hmi.entry().typing.text, "");
+    assert_eq!(screen.state().hmi.variable_entry().editor.text, "");
 }
 
 #[test]
@@ -142,10 +142,10 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
     let mut screen = open(machine);
     for row in 0..SOFT_ROWS.len() {
         for (index, soft) in soft_row(Kind::Gc, row).enumerate() {
-            let wanted = match soft.act {
-                SoftAct::Open(page) => Some(format!("OpenPage({page:?})")),
-                SoftAct::Position(coordinates) => Some(format!("ShowCoordinates({coordinates:?})")),
-                SoftAct::Print => None,
+            let wanted = match soft.action {
+                SoftKeyAction::Open(page) => Some(format!("OpenPage({page:?})")),
+                SoftKeyAction::Position(coordinates) => Some(format!("ShowCoordinates({coordinates:?})")),
+                SoftKeyAction::Print => None,
             };
             touch(&mut screen, &format!("{} f{}", soft.label.zh, index + 1));
             assert_eq!(sent(&mut screen), Vec::from_iter(wanted.clone()), "{}", soft.label.en);
@@ -155,7 +155,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
         touch(&mut screen, "▶ next-row");
         let next = (row + 1) % SOFT_ROWS.len();
         assert_eq!(sent(&mut screen), [format!("TurnSoftRow({next})")]);
-        screen.state_mut().snapshot.soft_row = next;
+        screen.state_mut().snapshot.soft_key_row = next;
         screen.step();
     }
 }
@@ -175,7 +175,7 @@ fn b6_the_directory_loads_by_its_own_key_only() {
 #[test]
 fn k4_2_on_the_relative_page_letters_and_answers_are_keys() {
     let mut machine = snapshot(Page::Position);
-    machine.coordinates = Coordinates::Relative;
+    machine.coordinates = CoordinateView::Relative;
     let mut screen = open(machine);
     for (label, key) in [("X address-x", "AddressX"), ("输入 input", "Input"), ("取消 cancel", "Cancel")] {
         touch(&mut screen, label);

@@ -4,9 +4,9 @@ use crate::live_screen::Bench;
 use egui_kittest::kittest::Queryable;
 use kt830::defs::page::Page;
 use kt830::link::Command;
-use kt830::link::drawing::Way;
-use kt830::link::files::{Asker, FileRequest, Ticket};
+use kt830::link::files::{FileRequest, Requester, Ticket};
 use kt830::link::page_command::PageCommand;
+use kt830::link::toolpath::MoveKind;
 use kt830::units::Axis;
 
 fn bench(text: &str) -> Bench {
@@ -20,15 +20,15 @@ fn b6_path_time_and_extents_are_there_before_the_first_start() {
     // X is a diameter: 10 mm of slide at 60 mm/min are 10 s, 20 mm along Z 20 s; rapids come on top.
     let mut bench = bench("G00 X40 Z5\nG01 X20 F60\nG01 Z-15\nM30\n");
     bench.turn();
-    let drawing = bench.rig.snapshot().files.drawing.clone().expect("a drawing");
+    let drawing = bench.rig.snapshot().files.toolpath.clone().expect("a drawing");
     let (low, high) = drawing.extents.unwrap();
     // From wherever the machine stands to X40 Z5, then the two cuts.
     let at: Vec<[f32; 3]> = drawing.levels[0].points.iter().map(|point| point.at).collect();
     assert_eq!(at[1..], [[20.0, 0.0, 5.0], [10.0, 0.0, 5.0], [10.0, 0.0, -15.0]]);
     assert!(low[Axis::X] <= 10.0 && low[Axis::Z] <= -15.0 && high[Axis::X] >= 20.0 && high[Axis::Z] >= 5.0);
-    assert!(drawing.finished && drawing.seconds > 30.0 && drawing.seconds < 60.0, "{}", drawing.seconds);
-    let ways: Vec<Way> = drawing.levels[0].points.iter().map(|point| point.way).collect();
-    assert_eq!(ways, [Way::Lift, Way::Rapid, Way::Feed, Way::Feed]);
+    assert!(drawing.finished && drawing.duration_s > 30.0 && drawing.duration_s < 60.0, "{}", drawing.duration_s);
+    let ways: Vec<MoveKind> = drawing.levels[0].points.iter().map(|point| point.kind).collect();
+    assert_eq!(ways, [MoveKind::Break, MoveKind::Rapid, MoveKind::Feed, MoveKind::Feed]);
     // As a diameter, as everywhere.
     let (least, most) = (format!("{:.3}", low[Axis::X] * 2.0), format!("{:.3}", high[Axis::X] * 2.0));
     assert!(bench.shows(&least) && bench.shows(&most) && bench.shows("检查无错误"));
@@ -39,9 +39,10 @@ fn b6_an_arc_is_drawn_round() {
     // A quarter of 10 mm radius about X(diameter)40 Z0: no chord lies more than 2 µm off it.
     let mut bench = bench("G00 X40 Z10\nG03 X60 Z0 I0 K-10 F100\nM30\n");
     bench.turn();
-    let drawing = bench.rig.snapshot().files.drawing.clone().expect("a drawing");
+    let drawing = bench.rig.snapshot().files.toolpath.clone().expect("a drawing");
     assert_eq!(drawing.faults, []);
-    let feeds: Vec<[f32; 3]> = drawing.levels[0].points.iter().filter(|p| p.way == Way::Feed).map(|p| p.at).collect();
+    let feeds: Vec<[f32; 3]> =
+        drawing.levels[0].points.iter().filter(|p| p.kind == MoveKind::Feed).map(|p| p.at).collect();
     assert!(feeds.len() > 10, "{}", feeds.len());
     for pair in feeds.windows(2) {
         let middle = [f32::midpoint(pair[0][0], pair[1][0]), f32::midpoint(pair[0][2], pair[1][2])];
@@ -56,7 +57,7 @@ fn b6_mistakes_and_changes_are_told() {
     bench.turn();
     assert!(bench.shows("行 2:"), "the line of the mistake");
     // Another text of the same number is drawn anew by itself.
-    bench.rig.add_program(kt830::runtime::disk::program(7_000, "O7000.NC", b"G00 X10\nM30\n".to_vec()));
+    bench.rig.add_program(kt830::host::folders::program_from_bytes(7_000, "O7000.NC", b"G00 X10\nM30\n".to_vec()));
     (0..4).for_each(|_| bench.turn());
     assert!(bench.shows("检查无错误"));
 }
@@ -66,7 +67,10 @@ fn h8_what_does_not_end_is_left_and_a_missing_program_is_refused() {
     let mut bench = bench("N1 G00 X10\nGOTO 1\nM30\n");
     bench.turn();
     assert!(bench.shows("未到程序结束") || bench.shows("检查无错误"));
-    bench.rig.send(Command::Page(PageCommand::File(Ticket::unheard(Asker::Graphic), FileRequest::Draw(4_321))));
+    bench.rig.send(Command::Page(PageCommand::File(
+        Ticket::without_reply(Requester::Graphic),
+        FileRequest::ComputeToolpath(4_321),
+    )));
     bench.turn();
     assert!(bench.message().contains("O4321"), "{}", bench.message());
 }

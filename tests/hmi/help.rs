@@ -5,16 +5,16 @@ use crate::sample::{alarm, snapshot};
 use crate::screen::{Screen, open, painted};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::alarm::ALARMS;
-use kt830::defs::gcode::{Exists, G_CODES};
+use kt830::defs::gcode::{Availability, G_CODES};
 use kt830::defs::key::Key;
-use kt830::defs::kind::{Kind, System};
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::mcode;
 use kt830::defs::page::Page;
 use kt830::defs::param_row;
 use kt830::defs::program_error::ProgramError;
 use kt830::defs::soft_key::{ROWS as SOFT_ROWS, row as soft_row};
 use kt830::defs::text::{Lang, Text};
-use kt830::hmi::shot::Stage;
+use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::hmi::{HelpSection, Hmi, help_entries};
 
 fn touch(screen: &mut Screen, label: &str) {
@@ -63,16 +63,16 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
                 assert!(entry.text(lang).contains(words), "{id} on {kind:?}: {words}");
             }
         };
-        for page in Page::ALL.iter().filter(|page| page.is_on(kind)) {
+        for page in Page::ALL.iter().filter(|page| page.exists_on(kind)) {
             says(HelpSection::Pages, &format!("page-{}", page.id()), page.help());
             says(HelpSection::Pages, &format!("page-{}", page.id()), page.usage());
         }
         for row in 0..SOFT_ROWS.len() {
             for (index, soft) in soft_row(kind, row).enumerate() {
-                says(HelpSection::SoftKeys, &format!("soft-{}-{}", row + 1, index + 1), soft.act.help());
+                says(HelpSection::SoftKeys, &format!("soft-{}-{}", row + 1, index + 1), soft.action.help());
             }
         }
-        for key in Key::ALL.iter().filter(|key| key.is_on(kind)) {
+        for key in Key::ALL.iter().filter(|key| key.exists_on(kind)) {
             says(HelpSection::Keys, &format!("key-{}", key.id()), key.row().help);
         }
         for row in ALARMS {
@@ -84,18 +84,19 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
         for error in ProgramError::ALL {
             says(HelpSection::Alarms, &format!("alarm-{:03}", error.number()), error.remedy());
         }
-        let (mill, family) = (kind.system() == System::Mill, matches!(kind.system(), System::LatheA | System::Mill));
-        for row in G_CODES.iter().filter(|row| family && row.exists_on(mill) != Exists::No) {
+        let (mill, family) =
+            (kind.dialect() == Dialect::Mill, matches!(kind.dialect(), Dialect::LatheA | Dialect::Mill));
+        for row in G_CODES.iter().filter(|row| family && row.availability_on(mill) != Availability::No) {
             says(HelpSection::GCodes, &format!("g-G{:02}", row.code), row.help);
         }
-        for row in mcode::on(kind) {
+        for row in mcode::rows_on(kind) {
             says(HelpSection::MCodes, &format!("m-M{:02}", row.code), row.help);
         }
         for section in HelpSection::ALL {
             assert!(all.iter().any(|entry| entry.section == section), "{section:?} on {kind:?}");
         }
         for entry in &all {
-            for (caption, said) in &entry.parts {
+            for (caption, said) in &entry.paragraphs {
                 let name = format!("{} of {} on {kind:?}", caption.en, entry.id);
                 assert!(!said.zh.is_empty() && !said.en.is_empty(), "{name}");
                 assert!(!is_chinese(&said.en), "{name}: {}", said.en);
@@ -109,13 +110,13 @@ fn b6_every_page_key_alarm_and_code_has_its_help_in_both_languages() {
 #[test]
 fn b6_the_help_knows_the_g_codes_that_the_language_knows() {
     use kt830::defs::dialect_word;
-    use kt830::nc::{Settings, Source, check::look};
-    let unknown = [ProgramError::UnknownG.number(), ProgramError::NoSuchCode.number()];
-    for (kind, system) in [(Kind::Lathe, System::SuperMan), (Kind::Vertical, System::Sinumerik)] {
-        let listed: Vec<u32> = dialect_word::table(system).iter().filter_map(|word| word.g_code()).collect();
+    use kt830::nc::{NcSettings, Source, check::check_syntax};
+    let unknown = [ProgramError::UnknownG.number(), ProgramError::UnknownCode.number()];
+    for (kind, system) in [(Kind::Lathe, Dialect::SuperMan), (Kind::Vertical, Dialect::Sinumerik)] {
+        let listed: Vec<u32> = dialect_word::words_of(system).iter().filter_map(|word| word.g_code()).collect();
         for code in 0..=120 {
             let source = std::sync::Arc::new(Source::new(1, "", format!("N0010 G{code}\n").into_bytes()));
-            let faults = look(&source, &Settings::of(system));
+            let faults = check_syntax(&source, &NcSettings::for_dialect(system));
             let knows = faults.iter().all(|fault| !unknown.contains(&fault.error.number()));
             assert_eq!(listed.contains(&code), knows, "G{code} on {kind:?}");
         }
@@ -126,7 +127,7 @@ fn b6_the_help_knows_the_g_codes_that_the_language_knows() {
 fn b6_help_opens_on_every_page_with_that_page() {
     for page in Page::ALL.iter().filter(|page| **page != Page::Help) {
         let mut machine = snapshot(*page);
-        if !page.is_on(machine.kind) {
+        if !page.exists_on(machine.kind) {
             machine.kind = Kind::Lathe;
         }
         let mut screen = open(machine);
@@ -203,7 +204,7 @@ fn b6_help_is_found_by_keyboard() {
 fn k2_4_help_on_a_key_says_why_it_is_refused_now() {
     let mut machine = snapshot(Page::Position);
     machine.keys[Key::WheelStart as usize].blocked = Some(Text::new("液压未打开", "hydraulics are off"));
-    let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
+    let mut stage = OffscreenHmi::new(Hmi::new(Lang::Zh), (1_024, 768));
     stage.frame(&machine);
     let key = |key| egui::Event::Key {
         key,
@@ -231,10 +232,10 @@ fn h9_no_help_text_is_cut() {
         for kind in [Kind::Gc, Kind::Ga, Kind::Vertical, Kind::Lathe] {
             let mut machine = snapshot(Page::Help);
             machine.kind = kind;
-            let mut stage = Stage::new(Hmi::new(lang), (1_024, 768));
+            let mut stage = OffscreenHmi::new(Hmi::new(lang), (1_024, 768));
             stage.ctx().set_missing_glyph_policy(egui::MissingGlyphPolicy::Panic);
             stage.frame(&machine);
-            let mut step = |stage: &mut Stage, key| {
+            let mut step = |stage: &mut OffscreenHmi, key| {
                 let modifiers = egui::Modifiers::NONE;
                 stage.events.push(egui::Event::Key {
                     key,
@@ -267,7 +268,7 @@ fn h9_no_help_text_is_cut() {
 
 /// The entries that a search lists, the best first, as the page sorts them.
 fn found(kind: Kind, search: &str) -> Vec<String> {
-    let mut all: Vec<_> = help_entries(kind).into_iter().filter(|entry| entry.has(search)).collect();
+    let mut all: Vec<_> = help_entries(kind).into_iter().filter(|entry| entry.matches(search)).collect();
     all.sort_by_key(|entry| entry.rank(search));
     all.into_iter().map(|entry| entry.id).collect()
 }
@@ -292,7 +293,7 @@ fn b6_a_parameter_is_found_with_its_meaning_range_and_value() {
     assert_eq!(serial, ["param-P370", "param-P371", "param-P372", "param-P373"]);
     let all = help_entries(Kind::Gc);
     let entry = all.iter().find(|entry| entry.id == "param-P370").unwrap();
-    let row = param_row::rows(Kind::Gc).into_iter().find(|row| row.at.number == 370).unwrap();
+    let row = param_row::rows(Kind::Gc).into_iter().find(|row| row.address.number == 370).unwrap();
     for lang in [Lang::Zh, Lang::En] {
         let text = entry.text(lang);
         for words in [row.name.get(lang), row.range().get(lang), "9600", row.level.name().get(lang)] {
@@ -303,7 +304,12 @@ fn b6_a_parameter_is_found_with_its_meaning_range_and_value() {
     for kind in Kind::ALL {
         let all = help_entries(kind);
         for row in param_row::rows(kind) {
-            assert_eq!(all.iter().filter(|entry| entry.id == format!("param-{}", row.at)).count(), 1, "{}", row.at);
+            assert_eq!(
+                all.iter().filter(|entry| entry.id == format!("param-{}", row.address)).count(),
+                1,
+                "{}",
+                row.address
+            );
         }
     }
     let mut screen = open(snapshot(Page::Help));
@@ -315,16 +321,16 @@ fn b6_a_parameter_is_found_with_its_meaning_range_and_value() {
 fn h6_a_long_entry_is_read_to_its_end_beside_the_letters() {
     let longest = |all: Vec<kt830::hmi::HelpEntry>| all.into_iter().max_by_key(|entry| entry.text(Lang::En).len());
     let entry = longest(help_entries(Kind::Gc)).unwrap();
-    let (_, last) = entry.parts.last().unwrap();
+    let (_, last) = entry.paragraphs.last().unwrap();
     let end = last.en.split(' ').next_back().unwrap().to_owned();
-    let mut stage = Stage::new(Hmi::new(Lang::En), (1_024, 768));
+    let mut stage = OffscreenHmi::new(Hmi::new(Lang::En), (1_024, 768));
     let machine = snapshot(Page::Help);
     stage.frame(&machine);
     for letter in format!("/{}", entry.id).split_inclusive(|_| true) {
         stage.events.push(egui::Event::Text(letter.to_owned()));
         stage.frame(&machine);
     }
-    let right = |stage: &Stage| -> Vec<String> {
+    let right = |stage: &OffscreenHmi| -> Vec<String> {
         let texts = stage.texts().into_iter().filter(|(_, ink, ..)| ink.min.x > 320.0 && ink.max.x < 760.0);
         texts.map(|(text, ..)| text).collect()
     };

@@ -4,19 +4,19 @@ use crate::live_screen::Bench;
 use crate::stories::{rig_of, tell};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
-use kt830::runtime::disk::Folders;
-use kt830::runtime::rig::Rig;
+use kt830::host::folders::Folders;
+use kt830::host::headless::HeadlessHost;
 
 /// A ready lathe with SHAFT and its bar of 45 mm.
-fn lathe() -> Rig {
+fn lathe() -> HeadlessHost {
     let all = crate::stories::folders();
-    let folders = Folders { programs: all.programs.join("lathe"), screens: all.screens, named: true };
+    let folders = Folders { programs: all.programs.join("lathe"), screens: all.screens, by_name: true };
     let mut rig = rig_of(Kind::Lathe, folders);
-    let bar = rig.bar(rig.program_named("SHAFT").unwrap()).unwrap();
-    rig.mount(&bar);
+    let bar = rig.bar_of_program(rig.find_program("SHAFT").unwrap()).unwrap();
+    rig.mount_part(&bar);
     rig.step();
     rig.make_ready();
-    rig.mount(&bar);
+    rig.mount_part(&bar);
     rig.step();
     tell(&mut rig, "load SHAFT\nmode auto");
     rig
@@ -87,7 +87,7 @@ fn l9_f4_and_f5_are_the_lathes_own_pages_and_no_page_speaks_of_a_wheel() {
     tell(&mut rig, "key f5");
     assert_eq!(rig.snapshot().page, Page::Tools);
     tell(&mut rig, "page dressing\nexpect message \"本机床没有\"");
-    for page in Page::ALL.iter().copied().filter(|page| page.is_on(Kind::Lathe)) {
+    for page in Page::ALL.iter().copied().filter(|page| page.exists_on(Kind::Lathe)) {
         // Parameters, alarms and help stand in tables that all kinds share.
         if matches!(page, Page::Params | Page::Help | Page::Alarm) {
             continue;

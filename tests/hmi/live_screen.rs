@@ -8,19 +8,19 @@ use kt830::defs::page::Page;
 use kt830::defs::param::ParamAddress;
 use kt830::defs::text::Lang;
 use kt830::hmi::page_text;
+use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
-use kt830::runtime::rig::Rig;
 
 use crate::screen::{Screen, open};
 
 /// The screen and the machine behind it.
 pub struct Bench {
-    pub rig: Rig,
+    pub rig: HeadlessHost,
     pub screen: Screen,
 }
 
 impl Bench {
-    pub fn new(mut rig: Rig, page: Page) -> Self {
+    pub fn new(mut rig: HeadlessHost, page: Page) -> Self {
         rig.send(Command::OpenPage(page));
         rig.step();
         rig.step();

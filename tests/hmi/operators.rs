@@ -8,10 +8,10 @@ use egui_kittest::kittest::Queryable;
 use kt830::defs::key::Key;
 use kt830::defs::page::Page;
 use kt830::defs::signal::{Output, Terminals};
-use kt830::defs::soft_key::{ROWS as SOFT_ROWS, SoftAct, row as soft_row};
+use kt830::defs::soft_key::{ROWS as SOFT_ROWS, SoftKeyAction, row as soft_row};
 use kt830::hmi::SHORTCUTS;
+use kt830::host::headless::HeadlessHost;
 use kt830::link::Snapshot;
-use kt830::runtime::rig::Rig;
 use kt830::units::Micros;
 
 use crate::screen::{Screen, open};
@@ -31,7 +31,7 @@ pub enum Hand {
 /// Somebody at the screen.
 pub struct Operator {
     pub hand: Hand,
-    pub rig: Rig,
+    pub rig: HeadlessHost,
     pub screen: Screen,
     ports: Terminals,
     /// What the outputs did, in order, without the tower light.
@@ -40,7 +40,7 @@ pub struct Operator {
 
 impl Operator {
     /// In front of a machine.
-    pub fn new(hand: Hand, mut rig: Rig) -> Self {
+    pub fn new(hand: Hand, mut rig: HeadlessHost) -> Self {
         rig.step();
         rig.step();
         let screen = open(rig.snapshot().clone());
@@ -208,7 +208,7 @@ impl Operator {
             Hand::Fingers => self.tap(&format!("{} {}", key.label().zh, key.id())),
             Hand::Keyboard => {
                 let kind = self.rig.kind();
-                assert!(key.is_on(kind), "{}", key.id());
+                assert!(key.exists_on(kind), "{}", key.id());
                 let shortcut = SHORTCUTS.iter().find(|shortcut| shortcut.key == key).expect("every key has one");
                 self.strike(shortcut.physical, shortcut.modifiers);
             }
@@ -221,13 +221,13 @@ impl Operator {
         if page == Page::Designer {
             return self.designer();
         }
-        let opens = |act: SoftAct| match act {
-            SoftAct::Open(other) => other == page,
-            SoftAct::Position(_) => page == Page::Position,
-            SoftAct::Print => false,
+        let opens = |act: SoftKeyAction| match act {
+            SoftKeyAction::Open(other) => other == page,
+            SoftKeyAction::Position(_) => page == Page::Position,
+            SoftKeyAction::Print => false,
         };
         let kind = self.rig.kind();
-        let soft = |row: usize| soft_row(kind, row).position(|soft| opens(soft.act));
+        let soft = |row: usize| soft_row(kind, row).position(|soft| opens(soft.action));
         let row = (0..SOFT_ROWS.len()).find(|row| soft(*row).is_some()).unwrap_or_else(|| panic!("{page:?}"));
         let index = soft(row).unwrap();
         let soft = soft_row(kind, row).nth(index).unwrap();
@@ -314,7 +314,7 @@ impl Operator {
             Hand::Keyboard => {
                 let wanted = self.rows().iter().position(|(number, _)| *number == variable).expect("on the page");
                 for _ in 0..20 {
-                    if self.screen.state().hmi.entry().cursor == wanted {
+                    if self.screen.state().hmi.variable_entry().cursor == wanted {
                         break;
                     }
                     self.plain(egui::Key::ArrowDown);

@@ -8,11 +8,11 @@ use egui::{Color32, Rect, Shape};
 use kt830::defs::alarm::ALARMS;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
-use kt830::defs::text::{Lang, Said};
-use kt830::hmi::shot::Stage;
+use kt830::defs::text::{Lang, LocalizedText};
+use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::hmi::theme::{DARK, LIGHT, contrast, font, scale};
-use kt830::hmi::window::shown;
-use kt830::hmi::{Hmi, page_text, shot};
+use kt830::hmi::window::repaint_hash;
+use kt830::hmi::{Hmi, page_text, screenshot};
 use kt830::link::Snapshot;
 use kt830::link::command::{FileFault, Screens};
 use kt830::link::snapshot::AxisView;
@@ -61,10 +61,11 @@ fn h8_what_is_missing_is_said_with_the_remedy() {
     machine.program.number = 1_002;
     assert!(says(&machine, "C0002.TXT") && says(&machine, "screens"));
     let mut machine = snapshot(Page::Grinding);
-    let fault =
-        |file: &str, place| FileFault {
-            file: file.into(), place, said: Said::new("全角符号“；”", "full-width")
-        };
+    let fault = |file: &str, place| FileFault {
+        file: file.into(),
+        position: place,
+        message: LocalizedText::new("全角符号“；”", "full-width"),
+    };
     let mut screens = Screens::clone(&machine.screens);
     screens.pages[0].1.text = Err(fault("C0001.TXT", Some((4, 16))));
     screens.pages[0].1.picture = Err(fault("B0001.BMP", None));
@@ -103,7 +104,7 @@ fn b6_the_program_page_marks_the_block_and_stays_fluid() {
     let long: String = (1..=1_000_000).map(|line| format!("N{line} G01 X{line}\n")).collect();
     machine.program.text = long.into();
     machine.program.line = 999_999;
-    let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
+    let mut stage = OffscreenHmi::new(Hmi::new(Lang::Zh), (1_024, 768));
     stage.frame(&machine);
     // Only the lines in sight are laid out.
     assert!(stage.texts().len() < 400, "{}", stage.texts().len());
@@ -111,7 +112,7 @@ fn b6_the_program_page_marks_the_block_and_stays_fluid() {
 }
 
 /// Every text of a page keeps inside its clip and the screen, is not cut, and lies on no other text; else what is wrong.
-fn misfits(stage: &mut Stage, machine: &Snapshot, what: &str) -> Vec<String> {
+fn misfits(stage: &mut OffscreenHmi, machine: &Snapshot, what: &str) -> Vec<String> {
     // A sign that the font lacks ends the test.
     stage.ctx().set_missing_glyph_policy(egui::MissingGlyphPolicy::Panic);
     stage.frame(machine);
@@ -153,7 +154,7 @@ fn h7_every_alarm_can_be_read_whole() {
     let mut wrong = Vec::new();
     for lang in [Lang::Zh, Lang::En] {
         for size in [(1_024, 768), (768, 1_024)] {
-            let mut stage = Stage::new(Hmi::new(lang), size);
+            let mut stage = OffscreenHmi::new(Hmi::new(lang), size);
             for row in ALARMS {
                 let mut machine = alarm(Page::Alarm);
                 machine.alarms.truncate(1);
@@ -171,7 +172,7 @@ fn h9_nothing_is_cut_or_overlaps() {
     let mut wrong = Vec::new();
     for lang in [Lang::Zh, Lang::En] {
         for size in SIZES {
-            let mut stage = Stage::new(Hmi::new(lang), size);
+            let mut stage = OffscreenHmi::new(Hmi::new(lang), size);
             for page in Page::ALL {
                 let what = |more: &str| format!("{more} {lang:?} {size:?}");
                 let page = *page;
@@ -226,7 +227,7 @@ const USES: [(Page, &[&str]); 30] = [
     (Page::Wheel, &["550", "⏎", "⏎", "50", "⏎", "⏎"]),
 ];
 
-fn use_page(stage: &mut Stage, machine: &Snapshot, keys: &[&str]) {
+fn use_page(stage: &mut OffscreenHmi, machine: &Snapshot, keys: &[&str]) {
     for key in keys {
         let physical = match *key {
             "→" => Some(egui::Key::ArrowRight),
@@ -253,7 +254,7 @@ fn h9_what_is_shown_in_use_fits_as_well() {
     let mut wrong = Vec::new();
     for lang in [Lang::Zh, Lang::En] {
         for size in [(1_024, 768), (1_920, 1_080), (768, 1_024)] {
-            let mut stage = Stage::new(Hmi::new(lang), size);
+            let mut stage = OffscreenHmi::new(Hmi::new(lang), size);
             for (page, keys) in USES {
                 for machine in [troubled(page), of_kind(running(page), Kind::Gs), busy(page)] {
                     // A page that is opened anew has forgotten what was typed on it.
@@ -276,7 +277,7 @@ fn h3_every_kind_has_a_panel_that_fits() {
     let mut wrong = Vec::new();
     for lang in [Lang::Zh, Lang::En] {
         for size in SIZES {
-            let mut stage = Stage::new(Hmi::new(lang), size);
+            let mut stage = OffscreenHmi::new(Hmi::new(lang), size);
             for kind in Kind::ALL {
                 let mut machine = snapshot(Page::Panel);
                 machine.kind = kind;
@@ -303,7 +304,7 @@ fn quoted(text: &str) -> String {
 
 #[test]
 fn h9_every_sign_of_every_text_is_in_the_font() {
-    let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
+    let mut stage = OffscreenHmi::new(Hmi::new(Lang::Zh), (1_024, 768));
     stage.frame(&snapshot(Page::Position));
     let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src")];
     let mut missing = Vec::new();
@@ -331,7 +332,7 @@ fn h4_text_has_contrast() {
 }
 
 /// The text of the last frame that is too faint on what lies beneath it.
-fn faint(stage: &Stage, ground: Color32, what: &str) -> Vec<String> {
+fn faint(stage: &OffscreenHmi, ground: Color32, what: &str) -> Vec<String> {
     let mut grounds: Vec<(Rect, Color32)> = vec![(Rect::EVERYTHING, ground)];
     let mut wrong = Vec::new();
     for clipped in stage.shapes() {
@@ -378,13 +379,13 @@ fn h4_what_is_painted_has_contrast() {
     for light in [false, true] {
         let mut hmi = Hmi::new(Lang::Zh);
         hmi.set_light(light);
-        let mut stage = Stage::new(hmi, (1_024, 768));
+        let mut stage = OffscreenHmi::new(hmi, (1_024, 768));
         for page in Page::ALL {
             for kind in [Kind::Gc, Kind::Ga] {
                 for machine in [running(*page), refused(*page), troubled(*page), busy(*page)] {
                     stage.frame(&of_kind(machine, kind));
                     let (theme, name) = if light { (&LIGHT, "light") } else { (&DARK, "dark") };
-                    wrong.extend(faint(&stage, theme.ground, &format!("{page:?} {kind:?} {name}")));
+                    wrong.extend(faint(&stage, theme.background, &format!("{page:?} {kind:?} {name}")));
                 }
             }
         }
@@ -396,21 +397,21 @@ fn h4_what_is_painted_has_contrast() {
 #[test]
 fn h8_whatever_changes_on_a_page_is_painted() {
     let changes: [fn(&mut Snapshot); 8] = [
-        |machine| machine.edit.count += 1,
+        |machine| machine.edit_answer.count += 1,
         |machine| machine.offsets[15].wear[Axis::Z] += 0.001,
         |machine| machine.offsets[0].geometry[Axis::X] += 0.001,
-        |machine| machine.offset_in_force = 5,
+        |machine| machine.active_offset = 5,
         |machine| machine.modals.g[0] = 0,
-        |machine| machine.mdi_ready = "M30".into(),
+        |machine| machine.prepared_mdi = "M30".into(),
         |machine| machine.dressing_point[Axis::Z] = Some(1.0),
-        |machine| machine.strokes_min = Some(12.5),
+        |machine| machine.strokes_per_min = Some(12.5),
     ];
     let before = snapshot(Page::Offset);
-    assert_eq!(shown(&before), shown(&before.clone()));
+    assert_eq!(repaint_hash(&before), repaint_hash(&before.clone()));
     for (index, change) in changes.into_iter().enumerate() {
         let mut machine = before.clone();
         change(&mut machine);
-        assert_ne!(shown(&machine), shown(&before), "change {index}");
+        assert_ne!(repaint_hash(&machine), repaint_hash(&before), "change {index}");
     }
 }
 
@@ -437,8 +438,8 @@ fn k5_12_page_pictures_are_of_the_form() {
 #[test]
 fn h1_the_grinding_page_looks_as_committed() {
     let machine = snapshot(Page::Grinding);
-    let picture = shot(&machine, Lang::Zh, (1_024, 768));
-    assert!(picture == shot(&machine, Lang::Zh, (1_024, 768)), "two shots differ");
+    let picture = screenshot(&machine, Lang::Zh, (1_024, 768));
+    assert!(picture == screenshot(&machine, Lang::Zh, (1_024, 768)), "two shots differ");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hmi/grinding.png");
     let committed = image::open(&path).map(|read| read.to_rgba8());
     if committed.is_ok_and(|committed| committed == picture) {

@@ -4,20 +4,23 @@ use crate::sample::snapshot;
 use crate::screen::{Screen, open};
 use egui::{Event, Modifiers, PointerButton, Pos2, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable;
-use kt830::defs::key::{Group, Key};
+use kt830::defs::key::{Key, KeyGroup};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::hmi::layout::Regions;
-use kt830::hmi::panel::places::{PanelLayout, places as panel};
-use kt830::hmi::shot::Stage;
+use kt830::hmi::offscreen::OffscreenHmi;
+use kt830::hmi::panel::layout::{PanelLayout, panel_layout as panel};
 use kt830::hmi::{Hmi, SHORTCUTS};
 use kt830::link::Command;
 
 /// Press and release of a key, in the order they were sent, without the holds between them.
 fn sent(screen: &mut Screen) -> Vec<String> {
     let all = std::mem::take(&mut screen.state_mut().sent);
-    all.iter().filter(|command| !matches!(command, Command::Hold(_))).map(|command| format!("{command:?}")).collect()
+    all.iter()
+        .filter(|command| !matches!(command, Command::StillHeld(_)))
+        .map(|command| format!("{command:?}"))
+        .collect()
 }
 
 fn pointer(screen: &mut Screen, pos: Pos2, pressed: Option<bool>) {
@@ -41,7 +44,7 @@ fn layout(kind: Kind, size: egui::Vec2) -> PanelLayout {
 }
 
 fn panel_keys(kind: Kind) -> impl Iterator<Item = Key> {
-    Key::ALL.iter().copied().filter(move |key| key.is_on(kind) && key.row().group != Group::Screen)
+    Key::ALL.iter().copied().filter(move |key| key.exists_on(kind) && key.row().group != KeyGroup::Screen)
 }
 
 #[test]
@@ -57,7 +60,7 @@ fn k2_1_every_key_has_a_place_of_44_points_and_none_overlaps() {
             for (index, (key, rect)) in layout.keys.iter().enumerate() {
                 assert!(rect.width() >= 43.99 && rect.height() >= 43.99, "{} {rect} at {size}", key.id());
                 assert!(screen.contains_rect(*rect), "{} {rect} at {size}", key.id());
-                let others = layout.keys[..index].iter().map(|(_, other)| *other).chain([layout.wheel]);
+                let others = layout.keys[..index].iter().map(|(_, other)| *other).chain([layout.handwheel]);
                 assert!(others.into_iter().all(|other| !other.shrink(0.1).intersects(*rect)), "{}", key.id());
             }
         }
@@ -122,7 +125,7 @@ fn k2_1_every_key_of_every_kind_is_on_the_keyboard() {
             let wanted = [format!("Press({key:?})"), format!("Release({key:?})")];
             assert_eq!(sent(&mut screen), wanted, "{} of {kind:?}", key.id());
         }
-        let on = |index: usize| SHORTCUTS[index].key.is_on(kind);
+        let on = |index: usize| SHORTCUTS[index].key.exists_on(kind);
         for (index, one) in SHORTCUTS.iter().enumerate().filter(|(index, _)| on(*index)) {
             let twice = |other: usize| {
                 on(other) && SHORTCUTS[other].physical == one.physical && SHORTCUTS[other].modifiers == one.modifiers
@@ -138,7 +141,7 @@ fn k2_1_the_help_page_tells_the_physical_key_of_every_key_of_the_kind() {
         let mut machine = snapshot(Page::Help);
         machine.kind = kind;
         for lang in [Lang::Zh, Lang::En] {
-            let mut stage = Stage::new(Hmi::new(lang), (1_024, 768));
+            let mut stage = OffscreenHmi::new(Hmi::new(lang), (1_024, 768));
             stage.frame(&machine);
             // The map is the tab left of the first one.
             let (key, modifiers) = (egui::Key::ArrowLeft, egui::Modifiers::NONE);
@@ -146,7 +149,7 @@ fn k2_1_the_help_page_tells_the_physical_key_of_every_key_of_the_kind() {
             stage.frame(&machine);
             let page: Vec<String> = stage.texts().into_iter().map(|(text, ..)| text).collect();
             for key in panel_keys(kind) {
-                assert!(page.iter().any(|text| text == key.name_on(kind).get(lang)), "{} on {kind:?}", key.id());
+                assert!(page.iter().any(|text| text == key.label_on(kind).get(lang)), "{} on {kind:?}", key.id());
             }
             assert!(page.iter().any(|text| text == "F10 Space") && page.iter().any(|text| text == "Alt+C"));
         }
@@ -155,9 +158,9 @@ fn k2_1_the_help_page_tells_the_physical_key_of_every_key_of_the_kind() {
 
 #[test]
 fn k2_1_direction_keys_lie_in_the_kinds_own_arrangement() {
-    use kt830::hmi::panel::places::jog_places;
+    use kt830::hmi::panel::layout::jog_positions;
     let at = |kind, column, row| {
-        let places = jog_places(kind);
+        let places = jog_positions(kind);
         places.into_iter().find(|(_, x, y)| (*x, *y) == (column, row)).map(|(key, ..)| key)
     };
     // Left, right, up, down.
@@ -180,7 +183,7 @@ fn k2_jog_holds_while_the_finger_stays_and_lets_go_when_it_leaves() {
     }
     let all = std::mem::take(&mut screen.state_mut().sent);
     assert!(matches!(all.first(), Some(Command::Press(Key::XMinus))), "{all:?}");
-    let holds = all.iter().filter(|command| matches!(command, Command::Hold(Key::XMinus))).count();
+    let holds = all.iter().filter(|command| matches!(command, Command::StillHeld(Key::XMinus))).count();
     // kittest steps a quarter of a second: one hold a frame.
     assert!(holds >= 20 && holds + 1 == all.len(), "{all:?}");
     pointer(&mut screen, key.center() + vec2(0.0, 80.0), None);
@@ -222,7 +225,7 @@ fn k2_jog_by_keyboard_holds_until_the_key_is_up() {
     }
     let all = std::mem::take(&mut screen.state_mut().sent);
     assert!(matches!(all.first(), Some(Command::Press(Key::XMinus))), "{all:?}");
-    assert!(all.iter().any(|command| matches!(command, Command::Hold(Key::XMinus))), "{all:?}");
+    assert!(all.iter().any(|command| matches!(command, Command::StillHeld(Key::XMinus))), "{all:?}");
     screen.event(alt_j(false));
     screen.step();
     screen.step();
@@ -258,7 +261,7 @@ fn k2_4_a_blocked_key_says_why() {
         screen.step();
     }
     assert_eq!(sent(&mut screen), ["Press(Hydraulic)", "Release(Hydraulic)"]);
-    let mut stage = kt830::hmi::shot::Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
+    let mut stage = kt830::hmi::offscreen::OffscreenHmi::new(Hmi::new(Lang::Zh), (1_024, 768));
     let machine = snapshot(Page::Position);
     stage.frame(&machine);
     let alt_p = |pressed| Event::Key {

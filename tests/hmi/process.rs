@@ -8,7 +8,7 @@ use crate::screen::{Screen, open, painted};
 use egui::{Event, Modifiers, PointerButton, pos2};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::page::Page;
-use kt830::defs::param::{self, Number};
+use kt830::defs::param::{self, NumberParam};
 use kt830::link::Command;
 use kt830::link::files::FileRequest;
 use kt830::link::page_command::PageCommand;
@@ -17,22 +17,22 @@ use kt830::units::{Axis, Micros};
 /// A machine that measures into #540, nominal #541 = 40, +0.010 −0.005.
 fn measuring() -> Screen {
     let mut machine = running(Page::Process);
-    set(&mut machine, param::TREND_SIZE, 540.0);
-    set(&mut machine, param::TREND_NOMINAL, 541.0);
+    set(&mut machine, param::TREND_SIZE_VARIABLE, 540.0);
+    set(&mut machine, param::TREND_NOMINAL_VARIABLE, 541.0);
     set(&mut machine, param::TREND_UPPER, 0.010);
     set(&mut machine, param::TREND_LOWER, -0.005);
     machine.variables[541] = Some(40.0);
     open(machine)
 }
 
-fn set(machine: &mut kt830::link::Snapshot, at: Number, value: f64) {
+fn set(machine: &mut kt830::link::Snapshot, at: NumberParam, value: f64) {
     Arc::make_mut(&mut machine.params).write(at.address(), value).unwrap();
 }
 
 fn finish(screen: &mut Screen, size: f64) {
     let machine = &mut screen.state_mut().snapshot;
     machine.variables[540] = Some(size);
-    machine.parts += 1;
+    machine.parts_counted += 1;
     machine.now = Micros(machine.now.0 + 1_000_000);
     screen.step();
 }
@@ -47,7 +47,7 @@ fn table(screen: &mut Screen) -> String {
     screen.step();
     let sent = std::mem::take(&mut screen.state_mut().sent);
     let text = sent.into_iter().find_map(|command| match command {
-        Command::Page(PageCommand::File(_, FileRequest::Table(text))) => Some(text),
+        Command::Page(PageCommand::File(_, FileRequest::SaveTable(text))) => Some(text),
         _ => None,
     });
     text.unwrap()
@@ -90,12 +90,12 @@ fn process_sizes_are_shown_between_their_limits() {
 fn process_without_limits_nothing_is_out() {
     let mut screen = measuring();
     let machine = &mut screen.state_mut().snapshot;
-    set(machine, param::TREND_NOMINAL, 0.0);
+    set(machine, param::TREND_NOMINAL_VARIABLE, 0.0);
     finish(&mut screen, 12.0);
     assert!(shows(&screen, "12.000") && !shows(&screen, "超差") && !shows(&screen, "12.000 /"));
     // A variable without a value is no size.
     let mut screen = measuring();
-    screen.state_mut().snapshot.parts += 1;
+    screen.state_mut().snapshot.parts_counted += 1;
     screen.step();
     assert!(shows(&screen, "P375"));
 }
@@ -146,21 +146,21 @@ fn k5_17_the_dressings_that_are_left_are_told() {
     let mut screen = measuring();
     let left = |screen: &Screen, value: &str| shows(screen, "还可修整次数") && shows(screen, value);
     let machine = &mut screen.state_mut().snapshot;
-    set(machine, param::WHEEL_SMALLEST, 400.0);
+    set(machine, param::WHEEL_MIN_DIAMETER, 400.0);
     set(machine, param::WHEEL_DIAMETER, 500.0);
-    set(machine, param::DRESSINGS, 3.0);
+    set(machine, param::DRESSING_COUNT, 3.0);
     screen.step();
     // A dressing takes 0.04: 99.96 / 0.04 = 2499 more.
     let machine = &mut screen.state_mut().snapshot;
     set(machine, param::WHEEL_DIAMETER, 499.96);
-    set(machine, param::DRESSINGS, 4.0);
+    set(machine, param::DRESSING_COUNT, 4.0);
     screen.step();
     screen.step();
     assert!(left(&screen, "2499"));
     // A new wheel is not known yet.
     let machine = &mut screen.state_mut().snapshot;
     set(machine, param::WHEEL_DIAMETER, 600.0);
-    set(machine, param::DRESSINGS, 0.0);
+    set(machine, param::DRESSING_COUNT, 0.0);
     screen.step();
     screen.step();
     assert!(!shows(&screen, "2499"));
@@ -168,7 +168,7 @@ fn k5_17_the_dressings_that_are_left_are_told() {
     for (diameter, dressings) in [(450.0, 0.0), (449.92, 1.0)] {
         let machine = &mut screen.state_mut().snapshot;
         set(machine, param::WHEEL_DIAMETER, diameter);
-        set(machine, param::DRESSINGS, dressings);
+        set(machine, param::DRESSING_COUNT, dressings);
         screen.step();
         screen.step();
     }

@@ -4,14 +4,14 @@
 use crate::operators::{Hand, Operator};
 use egui::{Pos2, Rect, vec2};
 use egui_kittest::kittest::Queryable;
-use kt830::defs::key::{Group, Key};
+use kt830::defs::key::{Key, KeyGroup};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::link::Command;
 
 /// The panel stands beside every page; its own word in the page table is for pictures of it.
 fn pages(kind: Kind) -> impl Iterator<Item = Page> {
-    Page::ALL.iter().copied().filter(move |page| *page != Page::Panel && page.is_on(kind))
+    Page::ALL.iter().copied().filter(move |page| *page != Page::Panel && page.exists_on(kind))
 }
 
 fn panel_is_there(operator: &Operator, page: Page) {
@@ -20,7 +20,8 @@ fn panel_is_there(operator: &Operator, page: Page) {
     // The keys of an axis are there where it is fitted.
     let fitted = operator.snapshot().axes[kt830::units::Axis::Y].present;
     let lacking = |key: &Key| !fitted && matches!(key, Key::YPlus | Key::YMinus | Key::HandwheelY);
-    for key in Key::ALL.iter().filter(|key| key.is_on(kind) && key.row().group != Group::Screen && !lacking(key)) {
+    for key in Key::ALL.iter().filter(|key| key.exists_on(kind) && key.row().group != KeyGroup::Screen && !lacking(key))
+    {
         let label = format!("{} {}", key.label().zh, key.id());
         let found = operator.screen.query_by_label(&label).unwrap_or_else(|| panic!("{label} on {page:?} of {kind:?}"));
         // The harness keeps a margin of 8 around the screen: 44 points there are 43. Sizes are looked at in hmi_panel.
@@ -76,8 +77,8 @@ fn p1_a_real_machine_has_no_way_to_a_simulator() {
         screen.key_press(egui::Key::F6);
         (0..3).for_each(|_| screen.step());
         for command in std::mem::take(&mut screen.state_mut().sent) {
-            let Command::TurnSoftRow(row) = command else { panic!("{command:?}: what is not there opens nothing") };
-            screen.state_mut().snapshot.soft_row = row;
+            let Command::ShowSoftKeyRow(row) = command else { panic!("{command:?}: what is not there opens nothing") };
+            screen.state_mut().snapshot.soft_key_row = row;
         }
         screen.step();
     }

@@ -4,11 +4,11 @@
 use std::fs;
 
 use crate::live_screen::Bench;
+use kt830::defs::leadscrew::LeadscrewCompensation;
 use kt830::defs::page::Page;
-use kt830::defs::screw::ScrewTable;
 use kt830::defs::text::Lang;
 use kt830::link::Command;
-use kt830::link::page_command::{Guard, PageCommand, Secret};
+use kt830::link::page_command::{PageCommand, PasswordScope, Secret};
 use kt830::units::Axis;
 
 fn sheet() -> Bench {
@@ -18,11 +18,11 @@ fn sheet() -> Bench {
 }
 
 fn table(bench: &mut Bench, axis: Axis) -> String {
-    bench.rig.snapshot().screws[axis].text()
+    bench.rig.snapshot().leadscrews[axis].to_text()
 }
 
 fn builder(bench: &mut Bench) {
-    bench.rig.send(Command::Page(PageCommand::Unlock(Guard::Builder, Secret::new("830830".into()))));
+    bench.rig.send(Command::Page(PageCommand::Unlock(PasswordScope::Builder, Secret::new("830830".into()))));
     bench.turn();
 }
 
@@ -41,7 +41,7 @@ fn b7_a_table_is_typed_point_by_point_with_the_builders_password() {
         bench.press(egui::Key::Enter);
     }
     assert_eq!(table(&mut bench, Axis::X), "0,0,0\n100,0.03,-0.005\n");
-    assert_eq!(bench.rig.retained().screws[Axis::X].points().len(), 2, "it is kept");
+    assert_eq!(bench.rig.retained().leadscrew_tables[Axis::X].points().len(), 2, "it is kept");
     // Between two points a new one changes nothing.
     bench.touch("位置 1 screw-0-0");
     bench.touch("加点 screw-add");
@@ -58,7 +58,7 @@ fn b7_a_table_is_typed_point_by_point_with_the_builders_password() {
 fn b7_a_value_that_cannot_stand_there_is_refused_and_the_old_one_stays() {
     let mut bench = sheet();
     let before = "-100,0.03,0\n0,0.01,0\n100,0.02,0.001\n";
-    bench.rig.send(Command::SetScrew(Axis::Z, ScrewTable::parse(before).unwrap()));
+    bench.rig.send(Command::SetLeadscrew(Axis::Z, LeadscrewCompensation::parse(before).unwrap()));
     builder(&mut bench);
     bench.touch("Z 轴 · 点 3 screw-z");
     for (field, value, why) in [
@@ -90,7 +90,7 @@ fn b7_a_value_that_cannot_stand_there_is_refused_and_the_old_one_stays() {
 fn b7_a_table_comes_from_the_medium_whole_or_not_at_all() {
     let usb = tempfile::tempdir().unwrap();
     let mut bench = sheet();
-    bench.rig.plug_in(None, Some(usb.path().to_path_buf()));
+    bench.rig.set_drives(None, Some(usb.path().to_path_buf()));
     builder(&mut bench);
     bench.touch("导入 CSV screw-import");
     assert!(bench.shows("U 盘上没有 KT830-SCREW-X.CSV"));
@@ -114,7 +114,7 @@ fn b7_a_table_comes_from_the_medium_whole_or_not_at_all() {
     // Out, and in again: the plain name goes before those with a date.
     fs::remove_file(&file).unwrap();
     bench.touch("导出 CSV screw-export");
-    bench.rig.send(Command::SetScrew(Axis::X, ScrewTable::default()));
+    bench.rig.send(Command::SetLeadscrew(Axis::X, LeadscrewCompensation::default()));
     bench.turn();
     bench.touch("导入 CSV screw-import");
     assert_eq!(table(&mut bench, Axis::X), "-100,0.03,0.002\n0,0.01,0\n");
@@ -123,16 +123,16 @@ fn b7_a_table_comes_from_the_medium_whole_or_not_at_all() {
 #[test]
 fn b7_no_table_is_changed_in_a_run_or_without_the_password() {
     let mut rig = crate::stories::ready_with("G04 P9000\nM30");
-    let wish = PageCommand::EditScrew(Axis::X, ScrewTable::parse("0,0.01").unwrap());
+    let wish = PageCommand::EditLeadscrew(Axis::X, LeadscrewCompensation::parse("0,0.01").unwrap());
     rig.send(Command::Page(wish.clone()));
     (0..3).for_each(|_| rig.step());
-    assert!(rig.snapshot().screws[Axis::X].points().is_empty());
-    assert_eq!(rig.snapshot().edit.refused.as_ref().map(|said| said.zh.as_str()), Some("需要机床厂参数密码"));
-    rig.send(Command::Page(PageCommand::Unlock(Guard::Builder, Secret::new("830830".into()))));
+    assert!(rig.snapshot().leadscrews[Axis::X].points().is_empty());
+    assert_eq!(rig.snapshot().edit_answer.refused.as_ref().map(|said| said.zh.as_str()), Some("需要机床厂参数密码"));
+    rig.send(Command::Page(PageCommand::Unlock(PasswordScope::Builder, Secret::new("830830".into()))));
     crate::stories::tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.1 s\nexpect state running");
     rig.send(Command::Page(wish));
     (0..3).for_each(|_| rig.step());
-    assert!(rig.snapshot().screws[Axis::X].points().is_empty() && rig.snapshot().edit.refused.is_some());
+    assert!(rig.snapshot().leadscrews[Axis::X].points().is_empty() && rig.snapshot().edit_answer.refused.is_some());
 }
 
 #[test]

@@ -5,33 +5,38 @@ use std::sync::Arc;
 
 use crate::live_screen::Bench;
 use egui_kittest::kittest::Queryable;
-use kt830::controller::Retained;
-use kt830::defs::date::Date;
-use kt830::defs::history::End;
-use kt830::defs::key::{Group, Key};
+use kt830::controller::PowerOnState;
+use kt830::defs::alarm_history::AlarmEnd;
+use kt830::defs::date::DateTime;
+use kt830::defs::key::{Key, KeyGroup};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
-use kt830::defs::param::{Level, ParamAddress, Params};
+use kt830::defs::param::{AccessLevel, ParamAddress, Params};
 use kt830::defs::text::Lang;
 use kt830::hmi::page_text;
+use kt830::host::headless::{HeadlessHost, HostSetup};
+use kt830::host::retained_store::RetainedStore;
 use kt830::link::Command;
-use kt830::link::page_command::{Guard, PageCommand, Secret};
-use kt830::runtime::keeper::Keeper;
-use kt830::runtime::rig::{Rig, Setup};
-use kt830::store::Settings;
+use kt830::link::page_command::{PageCommand, PasswordScope, Secret};
+use kt830::store::StoredSettings;
 
 /// A rig whose data stay in a folder.
-fn kept(folder: &Path, kind: Kind) -> Rig {
-    let (keeper, found) = Keeper::open(folder, kind).unwrap();
+fn kept(folder: &Path, kind: Kind) -> HeadlessHost {
+    let (keeper, found) = RetainedStore::open(folder, kind).unwrap();
     let setup =
-        Setup { kind, retained: found.retained, keeper: Some(keeper), folders: crate::stories::folders(), seed: 1 };
-    Rig::new(setup).unwrap()
+        HostSetup { kind, retained: found.retained, store: Some(keeper), folders: crate::stories::folders(), seed: 1 };
+    HeadlessHost::new(setup).unwrap()
 }
 
-fn of_kind(kind: Kind) -> Rig {
-    let setup =
-        Setup { kind, retained: Retained::factory(kind), keeper: None, folders: crate::stories::folders(), seed: 1 };
-    Rig::new(setup).unwrap()
+fn of_kind(kind: Kind) -> HeadlessHost {
+    let setup = HostSetup {
+        kind,
+        retained: PowerOnState::factory(kind),
+        store: None,
+        folders: crate::stories::folders(),
+        seed: 1,
+    };
+    HeadlessHost::new(setup).unwrap()
 }
 
 #[test]
@@ -55,12 +60,12 @@ fn b6_a_builder_parameter_asks_for_its_password_once() {
     assert!(bench.asks_password());
     bench.press(egui::Key::Escape);
     assert_eq!(bench.param("P48").to_bits(), 2_000.0_f64.to_bits());
-    bench.rig.send(Command::Page(PageCommand::Unlock(Guard::Builder, Secret::new("830830".into()))));
+    bench.rig.send(Command::Page(PageCommand::Unlock(PasswordScope::Builder, Secret::new("830830".into()))));
     bench.turn();
-    assert_eq!(bench.rig.snapshot().access.level, Level::Builder);
+    assert_eq!(bench.rig.snapshot().access.level, AccessLevel::Builder);
     bench.rig.power_cut();
     bench.rig.power_on();
-    assert_eq!(bench.rig.snapshot().access.level, Level::Operator);
+    assert_eq!(bench.rig.snapshot().access.level, AccessLevel::Operator);
 }
 
 #[test]
@@ -134,18 +139,18 @@ fn b6_parameters_are_not_changed_in_a_run() {
 fn b6_three_wrong_passwords_bring_a_pause() {
     let mut rig = crate::stories::rig();
     let mut ask = |text: &str| {
-        rig.send(Command::Page(PageCommand::Unlock(Guard::User, Secret::new(text.into()))));
+        rig.send(Command::Page(PageCommand::Unlock(PasswordScope::User, Secret::new(text.into()))));
         (0..3).for_each(|_| rig.step());
         (rig.snapshot().access.level, rig.snapshot().message.text.zh.clone())
     };
     for _ in 0..3 {
-        assert_eq!(ask("000000"), (Level::Operator, "密码错误".into()));
+        assert_eq!(ask("000000"), (AccessLevel::Operator, "密码错误".into()));
     }
-    assert_eq!(ask("123456"), (Level::Operator, "密码错误次数过多，30 秒后再试".into()));
+    assert_eq!(ask("123456"), (AccessLevel::Operator, "密码错误次数过多，30 秒后再试".into()));
     crate::stories::tell(&mut rig, "wait 31 s");
-    rig.send(Command::Page(PageCommand::Unlock(Guard::User, Secret::new("123456".into()))));
+    rig.send(Command::Page(PageCommand::Unlock(PasswordScope::User, Secret::new("123456".into()))));
     (0..3).for_each(|_| rig.step());
-    assert_eq!(rig.snapshot().access.level, Level::User);
+    assert_eq!(rig.snapshot().access.level, AccessLevel::User);
 }
 
 #[test]
@@ -165,8 +170,8 @@ fn b6_a_password_is_changed_at_the_panel_and_kept_hashed() {
     let holds = |word: &[u8]| bytes.windows(word.len()).any(|window| window == word);
     assert!(holds(b"$argon2id$") && !holds(b"77665544"));
     let mut bench = Bench::new(kept(folder.path(), Kind::Gc), Page::Settings);
-    for (text, level) in [("123456", Level::Operator), ("77665544", Level::User)] {
-        bench.rig.send(Command::Page(PageCommand::Unlock(Guard::User, Secret::new(text.into()))));
+    for (text, level) in [("123456", AccessLevel::Operator), ("77665544", AccessLevel::User)] {
+        bench.rig.send(Command::Page(PageCommand::Unlock(PasswordScope::User, Secret::new(text.into()))));
         bench.turn();
         assert_eq!(bench.rig.snapshot().access.level, level, "{text}");
     }
@@ -209,12 +214,12 @@ fn b6_the_settings_are_reached_by_keyboard() {
     assert!(bench.asks_password(), "it is the user's level");
     bench.write("123456");
     bench.press(egui::Key::Enter);
-    assert_eq!(bench.rig.snapshot().access.level, Level::User);
+    assert_eq!(bench.rig.snapshot().access.level, AccessLevel::User);
 }
 
 #[test]
 fn b6_a_secret_is_never_printed() {
-    let command = Command::Page(PageCommand::Unlock(Guard::User, Secret::new("123456".into())));
+    let command = Command::Page(PageCommand::Unlock(PasswordScope::User, Secret::new("123456".into())));
     assert!(!format!("{command:?}").contains("123456"));
 }
 
@@ -226,18 +231,18 @@ fn k1_the_kind_is_chosen_with_the_builders_password_and_kept_for_the_next_start(
     assert!(bench.asks_password());
     bench.write("830830");
     bench.press(egui::Key::Enter);
-    assert_eq!(Settings::read(folder.path()).unwrap().kind, Some(Kind::Ga));
+    assert_eq!(StoredSettings::read(folder.path()).unwrap().kind, Some(Kind::Ga));
     assert_eq!((bench.rig.snapshot().kind, bench.rig.snapshot().next_kind), (Kind::Gc, Kind::Ga));
     assert!(bench.says("下次启动"));
     bench.touch("English lang-en");
-    assert_eq!(Settings::read(folder.path()).unwrap().lang, Some(Lang::En));
+    assert_eq!(StoredSettings::read(folder.path()).unwrap().lang, Some(Lang::En));
     assert!(bench.screen.query_by_label("USER change-user").is_some(), "the screen turns at once");
 }
 
 #[test]
 fn b6_diagnosis_shows_a_forced_input_with_its_port_level_and_contact() {
     let mut rig = crate::stories::rig();
-    let line = |rig: &mut Rig, name: &str| {
+    let line = |rig: &mut HeadlessHost, name: &str| {
         rig.send(Command::OpenPage(Page::Diagnosis));
         (0..20).for_each(|_| rig.step());
         let texts = page_text(rig.snapshot(), Lang::Zh);
@@ -286,7 +291,7 @@ fn k2_4_diagnosis_lists_every_dead_key_with_its_reason() {
     let mut bench = Bench::new(rig, Page::Diagnosis);
     let dead = Key::ALL
         .iter()
-        .filter(|key| key.is_on(Kind::Gc) && key.row().group != Group::Screen)
+        .filter(|key| key.exists_on(Kind::Gc) && key.row().group != KeyGroup::Screen)
         .filter(|key| bench.screen.state().snapshot.key(**key).blocked.is_some());
     let count = dead.count();
     assert!(count > 20);
@@ -299,7 +304,7 @@ fn k2_4_diagnosis_lists_every_dead_key_with_its_reason() {
 fn k2_4_every_key_of_every_kind_acts_or_says_why_not() {
     for kind in Kind::ALL {
         let mut bench = Bench::new(of_kind(kind), Page::Panel);
-        let on_panel = |key: &&Key| key.is_on(kind) && key.row().group != Group::Screen;
+        let on_panel = |key: &&Key| key.exists_on(kind) && key.row().group != KeyGroup::Screen;
         for key in Key::ALL.iter().filter(on_panel) {
             let blocked = bench.rig.snapshot().key(*key).blocked;
             let before = bench.rig.snapshot().clone();
@@ -325,7 +330,7 @@ fn b6_the_history_tells_when_an_alarm_came_and_went() {
     assert_eq!(history.len(), 1);
     let (how, gone) = history[0].ended.expect("it went");
     let seconds = gone.expect("when").0 - history[0].came.0;
-    assert!(how == End::Reset && (2..=3).contains(&seconds), "{how:?} after {seconds} s");
+    assert!(how == AlarmEnd::Reset && (2..=3).contains(&seconds), "{how:?} after {seconds} s");
     bench.turn();
     bench.touch("历史 1 alarm-history");
     let shown = Arc::clone(&bench.screen.state().snapshot.alarm_history);
@@ -343,7 +348,7 @@ fn h7_an_alarm_of_a_run_tells_its_program_and_line() {
 #[test]
 fn b6_what_does_not_change_is_shared_from_snapshot_to_snapshot() {
     let mut rig = crate::stories::rig();
-    let shared = |rig: &mut Rig| {
+    let shared = |rig: &mut HeadlessHost| {
         rig.step();
         let shown = rig.snapshot();
         (Arc::clone(&shown.params), Arc::clone(&shown.alarm_history))
@@ -361,10 +366,10 @@ fn b6_what_does_not_change_is_shared_from_snapshot_to_snapshot() {
 fn b6_the_history_outlives_the_power_and_is_exported() {
     let (folder, usb) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     // 2026-11-21 15:01:56
-    let date = Date(1_795_273_316);
+    let date = DateTime(1_795_273_316);
     {
         let mut rig = kept(folder.path(), Kind::Gc);
-        rig.send(Command::Calendar(date));
+        rig.send(Command::WallClock(date));
         crate::stories::tell(
             &mut rig,
             "wait 1 s\nkey emergency-stop\nwait 0.1 s\nexpect alarm 0\nkey emergency-stop\nwait 0.1 s",
@@ -376,13 +381,13 @@ fn b6_the_history_outlives_the_power_and_is_exported() {
         // The power goes with the button in.
     }
     let mut bench = Bench::new(kept(folder.path(), Kind::Gc), Page::Alarm);
-    bench.rig.plug_in(None, Some(usb.path().to_path_buf()));
-    bench.rig.send(Command::Calendar(Date(date.0 + 86_400)));
+    bench.rig.set_drives(None, Some(usb.path().to_path_buf()));
+    bench.rig.send(Command::WallClock(DateTime(date.0 + 86_400)));
     bench.turn();
     let history = Arc::clone(&bench.rig.snapshot().alarm_history);
     let numbers: Vec<_> =
         history.iter().map(|past| (past.count, past.number, past.ended.map(|(how, _)| how))).collect();
-    assert_eq!(numbers, [(1, 0, Some(End::Reset)), (2, 0, Some(End::PowerOff))]);
+    assert_eq!(numbers, [(1, 0, Some(AlarmEnd::Reset)), (2, 0, Some(AlarmEnd::PowerOff))]);
     assert!((date.0..date.0 + 10).contains(&history[0].came.0), "{}", history[0].came);
     bench.touch("历史 2 alarm-history");
     assert!(bench.shows("2026-11-21 15:01:5") && bench.shows("复位") && bench.shows("断电"));
@@ -399,7 +404,7 @@ fn b6_the_history_outlives_the_power_and_is_exported() {
 #[test]
 fn b6_the_clock_is_set_part_by_part_and_kept_as_an_offset() {
     let folder = tempfile::tempdir().unwrap();
-    let computer = Date(1_795_273_316);
+    let computer = DateTime(1_795_273_316);
     {
         let mut bench = Bench::new(kept(folder.path(), Kind::Gc), Page::Settings);
         bench.touch("日 clock-day");
@@ -408,7 +413,7 @@ fn b6_the_clock_is_set_part_by_part_and_kept_as_an_offset() {
         assert_eq!(bench.screen.state().hmi.refusal(Lang::Zh).unwrap().1, "没有系统时钟");
         bench.press(egui::Key::Escape);
         bench.press(egui::Key::Escape);
-        bench.rig.send(Command::Calendar(computer));
+        bench.rig.send(Command::WallClock(computer));
         bench.turn();
         for (field, value, why) in [
             ("月 clock-month", "13", "超出范围 1 … 12"),
@@ -433,7 +438,7 @@ fn b6_the_clock_is_set_part_by_part_and_kept_as_an_offset() {
         }
         assert_eq!(bench.rig.snapshot().date.unwrap().parts()[..4], [2_027, 2, 28, 15]);
         // The 31st of a month that has 30 days.
-        bench.rig.send(Command::Page(PageCommand::SetDate(Date::of([2_027, 1, 31, 8, 0, 0]).unwrap())));
+        bench.rig.send(Command::Page(PageCommand::SetDate(DateTime::from_parts([2_027, 1, 31, 8, 0, 0]).unwrap())));
         bench.turn();
         bench.touch("月 clock-month");
         bench.write("4");
@@ -441,7 +446,7 @@ fn b6_the_clock_is_set_part_by_part_and_kept_as_an_offset() {
         assert_eq!(bench.screen.state().hmi.refusal(Lang::Zh).unwrap().1, "该月没有 31 日，请先改日");
     }
     let mut rig = kept(folder.path(), Kind::Gc);
-    rig.send(Command::Calendar(Date(computer.0 + 3_600)));
+    rig.send(Command::WallClock(DateTime(computer.0 + 3_600)));
     (0..3).for_each(|_| rig.step());
     assert_eq!(rig.snapshot().date.unwrap().parts()[..4], [2_027, 1, 31, 9], "an hour later");
 }
@@ -455,7 +460,7 @@ fn b6_brightness_and_switches_are_kept_and_switches_ask_for_the_users_password()
     }
     assert!(bench.shows("亮度 70 %"), "no darker than can be read");
     bench.touch("+ brightness-up");
-    assert_eq!(Settings::read(folder.path()).unwrap().brightness, Some(80));
+    assert_eq!(StoredSettings::read(folder.path()).unwrap().brightness, Some(80));
     bench.touch("M30 计件 switch-count");
     assert!(bench.asks_password() && bench.param("P6.4").to_bits() == 0.0_f64.to_bits());
     bench.write("123456");

@@ -11,9 +11,9 @@ use egui::Modifiers;
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
+use kt830::host::folders::Folders;
 use kt830::io::sim::PartFile;
 use kt830::link::snapshot::RunState;
-use kt830::runtime::disk::Folders;
 use kt830::units::Axis;
 
 /// What a shift came to.
@@ -32,14 +32,14 @@ fn cold(kind: Kind, hand: Hand, program: u32, folder: &Path) -> Operator {
     for entry in fs::read_dir(shipped.programs).unwrap().filter_map(Result::ok).filter(|entry| entry.path().is_file()) {
         fs::copy(entry.path(), folder.join(entry.file_name())).unwrap();
     }
-    let folders = Folders { programs: folder.to_owned(), screens: shipped.screens, named: false };
+    let folders = Folders { programs: folder.to_owned(), screens: shipped.screens, by_name: false };
     let mut rig = crate::stories::rig_of(kind, folders);
-    rig.mount(&PartFile::builtin(program).unwrap().unwrap());
+    rig.mount_part(&PartFile::builtin(program).unwrap().unwrap());
     Operator::new(hand, rig)
 }
 
 fn idle(operator: &mut Operator, longest_s: f64) {
-    operator.until("the end", longest_s, |snapshot| !snapshot.state.moves() && snapshot.state != RunState::Held);
+    operator.until("the end", longest_s, |snapshot| !snapshot.state.is_active() && snapshot.state != RunState::Held);
     assert_eq!(operator.snapshot().state, RunState::Idle, "{:?}", operator.snapshot().alarms);
 }
 
@@ -138,7 +138,7 @@ fn gc_shift(hand: Hand) -> Outcome {
     one.wait(2.0);
     one.key(Key::Hydraulic);
     one.wait(1.0);
-    let parts = one.snapshot().parts;
+    let parts = one.snapshot().parts_counted;
     Outcome { sizes: vec![first, second], outputs: operator.trace, parts, edited }
 }
 
@@ -156,7 +156,7 @@ fn gs_shift(hand: Hand) -> Outcome {
     one.page(Page::Mdi);
     for line in ["G90 G00 Y60", "G00 X-30 Z-45"] {
         one.words(line);
-        assert_eq!(&*one.snapshot().mdi_ready, line, "{hand:?}");
+        assert_eq!(&*one.snapshot().prepared_mdi, line, "{hand:?}");
         one.key(Key::CycleStart);
         idle(one, 30.0);
     }
@@ -169,7 +169,7 @@ fn gs_shift(hand: Hand) -> Outcome {
     one.key(Key::ModeManual);
     one.key(Key::Demagnetise);
     one.wait(8.0);
-    let parts = one.snapshot().parts;
+    let parts = one.snapshot().parts_counted;
     Outcome { sizes: vec![sizes], outputs: operator.trace, parts, edited: String::new() }
 }
 
@@ -192,7 +192,7 @@ fn ga_shift(hand: Hand) -> Outcome {
     one.key(Key::ModeManual);
     one.key(Key::Demagnetise);
     one.wait(8.0);
-    let parts = one.snapshot().parts;
+    let parts = one.snapshot().parts_counted;
     Outcome { sizes: vec![sizes], outputs: operator.trace, parts, edited: String::new() }
 }
 

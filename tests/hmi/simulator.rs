@@ -40,7 +40,7 @@ fn p1_a_real_machine_has_no_simulator() {
 fn h9_the_process_is_kept_as_a_table() {
     let folder = tempfile::tempdir().unwrap();
     let mut rig = crate::stories::ready();
-    rig.plug_in(Some(folder.path().to_owned()), None);
+    rig.set_drives(Some(folder.path().to_owned()), None);
     let mut bench = Bench::new(rig, Page::Process);
     for _ in 0..20 {
         crate::stories::tell(&mut bench.rig, "wait 0.1 s");

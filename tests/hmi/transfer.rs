@@ -10,11 +10,11 @@ use crate::screen::{Screen, open};
 use egui::{Color32, ColorImage};
 use egui_kittest::kittest::Queryable;
 use kt830::defs::page::Page;
-use kt830::defs::text::{Lang, Said};
+use kt830::defs::text::{Lang, LocalizedText};
+use kt830::host::folders::Folders;
 use kt830::link::Command;
-use kt830::link::files::{Asker, Deed, FileAnswer, FileRequest, Refusal, Ticket};
-use kt830::link::page_command::{Guard, PageAnswer, PageCommand, Secret};
-use kt830::runtime::disk::Folders;
+use kt830::link::files::{Completion, FileAnswer, FileRequest, Refusal, Requester, Ticket};
+use kt830::link::page_command::{PageCommand, PasswordScope, Secret, StorageAnswer};
 use tempfile::TempDir;
 
 /// A control with folders of its own and a medium.
@@ -41,8 +41,8 @@ impl Shop {
             fs::copy(crate::stories::folders().screens.join(name), path("screens").join(name)).unwrap();
         }
         let mut rig =
-            crate::stories::rig_in(Folders { programs: path("programs"), screens: path("screens"), named: false });
-        rig.plug_in(Some(path("prints")), Some(path("usb")));
+            crate::stories::rig_in(Folders { programs: path("programs"), screens: path("screens"), by_name: false });
+        rig.set_drives(Some(path("prints")), Some(path("usb")));
         let mut bench = Bench::new(rig, Page::Transfer);
         bench.turn();
         Self { folder, bench }
@@ -80,7 +80,7 @@ impl Shop {
 
     /// The builder is at the panel.
     fn builder(&mut self) {
-        self.bench.rig.send(Command::Page(PageCommand::Unlock(Guard::Builder, Secret::new("830830".into()))));
+        self.bench.rig.send(Command::Page(PageCommand::Unlock(PasswordScope::Builder, Secret::new("830830".into()))));
         self.bench.turn();
     }
 
@@ -140,7 +140,7 @@ fn k5_12_a_picture_of_another_form_is_named_and_converted() {
     shop.bench.touch("转换 question-convert");
     let bytes = fs::read(shop.path("screens/B0003.BMP")).unwrap();
     assert_eq!(bytes.len(), 240_054);
-    let picture = kt830::runtime::disk::parse_picture("B0003.BMP", &bytes).unwrap();
+    let picture = kt830::host::folders::parse_picture("B0003.BMP", &bytes).unwrap();
     let picture = image::load_from_memory(&picture.0).unwrap().into_rgb8();
     assert_eq!((picture.get_pixel(100, 200).0, picture.get_pixel(100, 10).0), ([255, 0, 0], [255, 255, 255]));
 }
@@ -252,7 +252,7 @@ fn k7_8_nothing_comes_in_while_a_program_runs() {
     shop.bench.touch("宏变量 set-variables");
     shop.out();
     let mut rig = crate::stories::ready_with("G04 P9000\nM30");
-    rig.plug_in(None, Some(shop.path("usb")));
+    rig.set_drives(None, Some(shop.path("usb")));
     crate::stories::tell(&mut rig, "set #600 = 5\nmode auto\nkey cycle-start\nwait 0.1 s\nexpect state running");
     let mut bench = Bench::new(rig, Page::Transfer);
     bench.turn();
@@ -267,7 +267,7 @@ fn k7_8_nothing_comes_in_while_a_program_runs() {
 fn k7_8_the_screen_is_kept_as_a_picture() {
     let mut shop = Shop::new();
     let image = ColorImage::filled([40, 30], Color32::from_rgb(1, 2, 3));
-    shop.bench.screen.state().hmi.prints().lock().unwrap().push(Arc::new(image));
+    shop.bench.screen.state().hmi.screenshots().lock().unwrap().push(Arc::new(image));
     shop.bench.turn();
     assert!(shop.bench.message().contains("已保存"), "{}", shop.bench.message());
     let file = fs::read_dir(shop.path("usb")).unwrap().next().expect("on the medium").unwrap().path();
@@ -276,14 +276,14 @@ fn k7_8_the_screen_is_kept_as_a_picture() {
     // Without a medium it is kept in the control's own folder.
     fs::remove_dir_all(shop.path("usb")).unwrap();
     let image = ColorImage::filled([4, 3], Color32::from_rgb(1, 2, 3));
-    shop.bench.screen.state().hmi.prints().lock().unwrap().push(Arc::new(image));
+    shop.bench.screen.state().hmi.screenshots().lock().unwrap().push(Arc::new(image));
     shop.bench.turn();
     assert_eq!(fs::read_dir(shop.path("prints")).unwrap().count(), 1);
     // P22.1: as BMP.
     crate::stories::tell(&mut shop.bench.rig, "param P22.1 1");
     shop.bench.turn();
     let image = ColorImage::filled([4, 3], Color32::from_rgb(1, 2, 3));
-    shop.bench.screen.state().hmi.prints().lock().unwrap().push(Arc::new(image));
+    shop.bench.screen.state().hmi.screenshots().lock().unwrap().push(Arc::new(image));
     shop.bench.turn();
     let files = fs::read_dir(shop.path("prints")).unwrap().map(|file| file.unwrap().path());
     let bmp = files.filter(|path| path.extension().is_some_and(|end| end == "BMP")).collect::<Vec<_>>();
@@ -333,8 +333,8 @@ fn l9_the_lathes_programs_are_listed_and_carried_by_name() {
     fs::write(path("usb/..\\EVIL.NC"), "N0010M02\n").unwrap();
     let kind = kt830::defs::kind::Kind::Lathe;
     let mut rig =
-        crate::stories::rig_of(kind, Folders { programs: path("lathe"), screens: path("screens"), named: true });
-    rig.plug_in(None, Some(path("usb")));
+        crate::stories::rig_of(kind, Folders { programs: path("lathe"), screens: path("screens"), by_name: true });
+    rig.set_drives(None, Some(path("usb")));
     let mut bench = Bench::new(rig, Page::Transfer);
     bench.turn();
     assert!(bench.shows("SHAFT.NC") && bench.shows("BOLT.NC") && !bench.shows("EVIL"));
@@ -399,7 +399,7 @@ fn b1_bytes_of_no_encoding_are_carried_as_they_are_and_shown_not_edited() {
     shop.bench.rig.send(Command::LoadProgram(901));
     shop.bench.rig.send(Command::OpenPage(Page::Program));
     shop.bench.turn();
-    assert!(shop.bench.rig.snapshot().program.mistaken && shop.bench.shows("O0901"));
+    assert!(shop.bench.rig.snapshot().program.has_invalid_bytes && shop.bench.shows("O0901"));
 }
 
 #[cfg(unix)]
@@ -414,7 +414,7 @@ fn l9_the_page_carries_over_rs232() {
     let port = serialport::SerialPort::name(&own).unwrap();
     let kept = fs::File::open(&port).unwrap();
     drop(own);
-    shop.bench.rig.plug_line(port);
+    shop.bench.rig.set_serial_port(port);
     shop.bench.rig.send(Command::OpenPage(Page::Position));
     shop.bench.turn();
     shop.bench.rig.send(Command::OpenPage(Page::Transfer));
@@ -455,8 +455,8 @@ fn copying() -> (Screen, Ticket) {
     (screen, sent.expect("a copy was asked for"))
 }
 
-fn answer(screen: &mut Screen, ticket: Ticket, result: Result<Deed, Refusal>) {
-    Arc::make_mut(&mut screen.state_mut().snapshot.files).answer(ticket, result);
+fn answer(screen: &mut Screen, ticket: Ticket, result: Result<Completion, Refusal>) {
+    Arc::make_mut(&mut screen.state_mut().snapshot.files).add_answer(ticket, result);
     screen.step();
     screen.step();
 }
@@ -465,12 +465,12 @@ fn answer(screen: &mut Screen, ticket: Ticket, result: Result<Deed, Refusal>) {
 fn h8_the_transfer_page_hears_its_own_answers_only() {
     let (mut screen, ticket) = copying();
     let shown = |screen: &Screen| screen.state().hmi.refusal(Lang::Zh).map(|(_, why)| why).unwrap_or_default();
-    let because = |words: &str| Refusal::Because(Said::new(words, words));
+    let because = |words: &str| Refusal::Other(LocalizedText::new(words, words));
     // What others have asked for, with the same number and with another one.
-    answer(&mut screen, Ticket { asker: Asker::Editor, ..ticket }, Err(Refusal::Password));
+    answer(&mut screen, Ticket { requester: Requester::Editor, ..ticket }, Err(Refusal::Password));
     assert!(screen.query_by_label("密码 password").is_none(), "the editor's password is not this page's");
-    answer(&mut screen, Ticket { asker: Asker::Screw, ..ticket }, Err(because("甲")));
-    answer(&mut screen, Ticket::unheard(Asker::Transfer), Err(because("乙")));
+    answer(&mut screen, Ticket { requester: Requester::Leadscrew, ..ticket }, Err(because("甲")));
+    answer(&mut screen, Ticket::without_reply(Requester::Transfer), Err(because("乙")));
     assert_eq!(shown(&screen), "");
     answer(&mut screen, ticket, Err(because("丙")));
     assert_eq!(shown(&screen), "丙");
@@ -481,15 +481,16 @@ fn h8_a_refusal_of_another_request_does_not_end_the_work_under_way() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("O1234.NC"), "M30\n").unwrap();
     let screens = crate::stories::folders().screens;
-    let mut rig = crate::stories::rig_in(Folders { programs: folder.path().to_owned(), screens, named: false });
+    let mut rig = crate::stories::rig_in(Folders { programs: folder.path().to_owned(), screens, by_name: false });
     crate::stories::tell(&mut rig, "param P22.5 0\nmode edit\nload O1234");
-    let ticket = Ticket { asker: Asker::Directory, number: 1 };
+    let ticket = Ticket { requester: Requester::Directory, number: 1 };
     rig.send(Command::Page(PageCommand::File(ticket, FileRequest::Rename { from: 1_234, to: 1_235 })));
     // In the same tick: the office had no room for something else.
-    let other = PageAnswer::File(Ticket { asker: Asker::Screen, number: 1 }, FileAnswer::Refused(Refusal::Conflict));
-    rig.send(Command::Page(PageCommand::Answered(other)));
+    let other =
+        StorageAnswer::File(Ticket { requester: Requester::Screen, number: 1 }, FileAnswer::Refused(Refusal::Conflict));
+    rig.send(Command::Page(PageCommand::StorageAnswered(other)));
     (0..3).for_each(|_| rig.step());
     assert_eq!(rig.snapshot().program.number, 1_235, "the current program goes by its new number");
-    let answers: Vec<_> = rig.snapshot().files.answers.iter().map(|answer| answer.ticket.asker).collect();
-    assert_eq!(answers, [Asker::Screen, Asker::Directory]);
+    let answers: Vec<_> = rig.snapshot().files.answers.iter().map(|answer| answer.ticket.requester).collect();
+    assert_eq!(answers, [Requester::Screen, Requester::Directory]);
 }

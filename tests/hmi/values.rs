@@ -9,12 +9,12 @@ use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
 use kt830::hmi::page_text;
+use kt830::host::folders::Folders;
+use kt830::host::headless::{HeadlessHost, HostSetup};
+use kt830::host::retained_store::RetainedStore;
 use kt830::link::Command;
-use kt830::link::edit::{OffsetCommand, Part};
+use kt830::link::edit::{OffsetCommand, OffsetPart};
 use kt830::link::snapshot::RunState;
-use kt830::runtime::disk::Folders;
-use kt830::runtime::keeper::Keeper;
-use kt830::runtime::rig::{Rig, Setup};
 use kt830::units::Axis;
 
 /// A ready machine of a kind on a page, told something first.
@@ -67,7 +67,7 @@ fn b6_an_offset_takes_values_as_displayed() {
         bench.touch(key);
     }
     assert!(is(geometry(&bench, 4, Axis::X), -12.5), "the diameter that was typed");
-    assert!(is(bench.rig.retained().frames.geometry[3][Axis::X], -6.25), "radius inside");
+    assert!(is(bench.rig.retained().work_offsets.geometry[3][Axis::X], -6.25), "radius inside");
     // The next field is Z of the same offset, then the wear.
     type_in(&mut bench, "3");
     type_in(&mut bench, "0.02");
@@ -100,10 +100,10 @@ fn k4_1_an_increment_without_its_point_is_refused() {
     type_in(&mut bench, "15");
     let (text, reason) = red(&bench).unwrap();
     assert_eq!((text.as_str(), reason.as_str()), ("15", "超出范围 ±9.999"));
-    bench.rig.send(Command::AddWear { number: 1, axis: Axis::X, by: 15.0 });
+    bench.rig.send(Command::AddWear { number: 1, axis: Axis::X, increment: 15.0 });
     bench.turn();
     assert!(is(wear(&bench, 1, Axis::X), 0.0), "nor past the page");
-    bench.rig.send(Command::AddWear { number: 17, axis: Axis::X, by: 0.1 });
+    bench.rig.send(Command::AddWear { number: 17, axis: Axis::X, increment: 0.1 });
     bench.turn();
     assert_eq!(bench.message(), "刀补号应为 1-16");
 }
@@ -131,7 +131,7 @@ fn k5_10_a_measurement_sets_the_geometry_and_clears_the_wear() {
     assert!((work - 40.012).abs() < 1e-6, "the axis stands at what was measured, not at {work}");
     assert!(is(wear(&bench, 4, Axis::X), 0.0), "its wear is cleared");
     assert!(is(wear(&bench, 4, Axis::Z), 0.07), "the other axis keeps its own");
-    assert_eq!(bench.rig.snapshot().offset_in_force, 4);
+    assert_eq!(bench.rig.snapshot().active_offset, 4);
 }
 
 #[test]
@@ -200,15 +200,15 @@ fn k7_7_an_edit_in_a_run_outlives_the_frames_that_were_read_ahead() {
 fn b6_offsets_outlive_the_power() {
     let folder = tempfile::tempdir().unwrap();
     let start = || {
-        let (keeper, found) = Keeper::open(folder.path(), Kind::Gc).unwrap();
-        let setup = Setup {
+        let (keeper, found) = RetainedStore::open(folder.path(), Kind::Gc).unwrap();
+        let setup = HostSetup {
             kind: Kind::Gc,
             retained: found.retained,
-            keeper: Some(keeper),
+            store: Some(keeper),
             folders: crate::stories::folders(),
             seed: 1,
         };
-        Bench::new(Rig::new(setup).unwrap(), Page::Offset)
+        Bench::new(HeadlessHost::new(setup).unwrap(), Page::Offset)
     };
     {
         let mut bench = start();
@@ -225,7 +225,7 @@ fn b6_offsets_outlive_the_power() {
 
 #[test]
 fn b6_each_kind_has_the_offsets_of_its_axes() {
-    for kind in Kind::ALL.iter().copied().filter(|kind| Page::Offset.is_on(*kind)) {
+    for kind in Kind::ALL.iter().copied().filter(|kind| Page::Offset.exists_on(*kind)) {
         let bench = bench_of(kind, Page::Offset, "");
         for axis in Axis::ALL {
             let present = bench.screen.state().snapshot.axes[axis].present;
@@ -248,7 +248,7 @@ fn k7_6_the_dressing_page_edits_the_same_wear_without_p22_0() {
     // The cursor has gone on to Z of the same offset; U is X.
     type_in(&mut bench, "0.01");
     assert!(is(wear(&bench, 3, Axis::X), 0.13));
-    let geometry_there = OffsetCommand::Set { number: 3, part: Part::Geometry, axis: Axis::X, value: 1.0 };
+    let geometry_there = OffsetCommand::Set { number: 3, part: OffsetPart::Geometry, axis: Axis::X, value: 1.0 };
     bench.rig.send(Command::Offset(geometry_there));
     bench.turn();
     assert!(is(geometry(&bench, 3, Axis::X), 0.0), "the geometry is not this page's");
@@ -358,7 +358,7 @@ fn b6_an_mdi_line_is_put_ready_by_input_and_executed_by_cycle_start() {
     }
     bench.write("600");
     bench.touch("输入 letter-done");
-    assert_eq!(&*bench.rig.snapshot().mdi_ready, "G01 W-2 F600");
+    assert_eq!(&*bench.rig.snapshot().prepared_mdi, "G01 W-2 F600");
     assert!(bench.says("按循环启动执行： G01 W-2 F600"));
     assert!(is(bench.rig.snapshot().axes[Axis::Z].work, before), "the page moves nothing");
     bench.rig.send(Command::Press(Key::CycleStart));
@@ -370,9 +370,9 @@ fn b6_an_mdi_line_is_put_ready_by_input_and_executed_by_cycle_start() {
     // The line stands in the history, and comes back by a touch.
     bench.touch("mdi-line-0");
     bench.press(Enter);
-    assert_eq!(&*bench.rig.snapshot().mdi_ready, "G01 W-2 F600");
+    assert_eq!(&*bench.rig.snapshot().prepared_mdi, "G01 W-2 F600");
     bench.press(Escape);
-    assert!(bench.rig.snapshot().mdi_ready.is_empty(), "取消 takes it back");
+    assert!(bench.rig.snapshot().prepared_mdi.is_empty(), "取消 takes it back");
 }
 
 #[test]
@@ -381,12 +381,12 @@ fn b6_a_wrong_mdi_line_stays_in_red_with_its_reason() {
     type_in(&mut bench, "g01 u-1 q");
     let (text, reason) = red(&bench).unwrap();
     assert_eq!(text, "G01 U-1 Q");
-    assert!(!reason.is_empty() && bench.rig.snapshot().mdi_ready.is_empty());
+    assert!(!reason.is_empty() && bench.rig.snapshot().prepared_mdi.is_empty());
     bench.press(egui::Key::Backspace);
     bench.press(egui::Key::Backspace);
     bench.write(" f100");
     bench.press(Enter);
-    assert_eq!(&*bench.rig.snapshot().mdi_ready, "G01 U-1 F100", "mended, not typed anew");
+    assert_eq!(&*bench.rig.snapshot().prepared_mdi, "G01 U-1 F100", "mended, not typed anew");
     // Beyond a soft limit.
     type_in(&mut bench, "G00 Z99999");
     assert!(red(&bench).unwrap().1.contains("软限位"));
@@ -405,7 +405,7 @@ fn b6_mdi_needs_its_mode_and_a_line() {
     assert_eq!(bench.message(), "先输入一行，再按循环启动");
     assert_eq!(bench.rig.snapshot().state, RunState::Idle);
     bench.press(Enter);
-    assert_eq!(&*bench.rig.snapshot().mdi_ready, "G00 U-1", "the text was kept");
+    assert_eq!(&*bench.rig.snapshot().prepared_mdi, "G00 U-1", "the text was kept");
 }
 
 #[test]
@@ -414,10 +414,10 @@ fn b6_a_ready_mdi_line_outlives_a_refused_cycle_start() {
     crate::stories::tell(&mut rig, "mode mdi\nwait 4 s\nexpect alarm 180");
     let mut bench = Bench::new(rig, Page::Mdi);
     type_in(&mut bench, "M08");
-    assert_eq!(&*bench.rig.snapshot().mdi_ready, "M08");
+    assert_eq!(&*bench.rig.snapshot().prepared_mdi, "M08");
     bench.rig.send(Command::Press(Key::CycleStart));
     bench.turn();
-    assert_eq!(&*bench.rig.snapshot().mdi_ready, "M08", "alarm 180 blocks: it waits on");
+    assert_eq!(&*bench.rig.snapshot().prepared_mdi, "M08", "alarm 180 blocks: it waits on");
     assert!(bench.rig.snapshot().state != RunState::Running);
 }
 
@@ -426,9 +426,9 @@ fn b6_a_ready_mdi_line_goes_with_the_mode_and_with_reset() {
     let mut bench = bench(Page::Mdi, "mode mdi");
     for story in ["mode auto\nmode mdi", "key reset"] {
         type_in(&mut bench, "G00 U-1");
-        assert!(!bench.rig.snapshot().mdi_ready.is_empty());
+        assert!(!bench.rig.snapshot().prepared_mdi.is_empty());
         crate::stories::tell(&mut bench.rig, story);
-        assert!(bench.rig.snapshot().mdi_ready.is_empty(), "{story}");
+        assert!(bench.rig.snapshot().prepared_mdi.is_empty(), "{story}");
     }
 }
 
@@ -455,7 +455,7 @@ fn k5_17_a_new_wheel_blocks_cycle_start_until_it_is_dressed() {
     );
     assert_eq!(bench.rig.snapshot().state, RunState::Idle);
     // The dressing program may run, and takes the flag away at its M30.
-    let dressing = kt830::runtime::disk::program(1_011, "O1011.NC", b"G04 P100\nM30".to_vec());
+    let dressing = kt830::host::folders::program_from_bytes(1_011, "O1011.NC", b"G04 P100\nM30".to_vec());
     bench.rig.add_program(dressing);
     crate::stories::tell(&mut bench.rig, "load O1011\nkey cycle-start\nwait until idle");
     assert!(is(bench.param("P6.7"), 0.0));
@@ -518,11 +518,11 @@ fn h6_what_the_core_refuses_on_the_grinding_page_stays_in_red() {
     type_in(&mut bench, "12.5");
     let said = Some(("12.5".into(), "程序运行中不能修改 (P6.3)".into()));
     assert_eq!(red(&bench), said);
-    assert_eq!((bench.screen.state().hmi.entry().cursor, bench.rig.snapshot().variables[501]), (1, before));
+    assert_eq!((bench.screen.state().hmi.variable_entry().cursor, bench.rig.snapshot().variables[501]), (1, before));
     // It outlasts the message line's five seconds, and goes with the next key.
     crate::stories::tell(&mut bench.rig, "wait 6 s");
     bench.turn();
     assert_eq!(red(&bench), said);
     bench.write("3");
-    assert_eq!((red(&bench), bench.screen.state().hmi.entry().typing.text.as_str()), (None, "3"));
+    assert_eq!((red(&bench), bench.screen.state().hmi.variable_entry().editor.text.as_str()), (None, "3"));
 }

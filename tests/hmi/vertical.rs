@@ -4,14 +4,14 @@ use crate::stories::{ready_of, tell};
 use kt830::defs::kind::Kind;
 use kt830::defs::page::Page;
 use kt830::defs::text::Lang;
-use kt830::defs::{program, r_name};
-use kt830::hmi::shot::Stage;
+use kt830::defs::{program_number, r_parameter_name};
+use kt830::hmi::offscreen::OffscreenHmi;
 use kt830::hmi::{Hmi, page_text};
+use kt830::host::folders;
+use kt830::host::headless::HeadlessHost;
 use kt830::io::sim::PartFile;
 use kt830::link::Command;
 use kt830::link::snapshot::RunState;
-use kt830::runtime::disk;
-use kt830::runtime::rig::Rig;
 use kt830::units::Axis;
 
 /// How many blocks go round: all of them are read before the second is over.
@@ -20,9 +20,9 @@ const LOOP: usize = 30;
 const STEP_MM: f64 = 0.1;
 
 /// A ready vertical grinder with the part of VGRIND in it, so that G54 is where programs want it.
-fn vertical() -> Rig {
+fn vertical() -> HeadlessHost {
     let mut rig = ready_of(Kind::Vertical);
-    rig.mount(&PartFile::builtin(program::number("VGRIND")).unwrap().unwrap());
+    rig.mount_part(&PartFile::builtin(program_number::from_name("VGRIND")).unwrap().unwrap());
     rig.step();
     rig.make_ready();
     rig
@@ -36,8 +36,8 @@ fn value(texts: &[String], label: &str) -> Option<f64> {
 
 /// Runs a loop that counts a variable up by 1 for every step of X− and looks at the page in every tick: k is shown when
 /// k − 1 steps are done, and not before.
-fn counts_as_executed(rig: &mut Rig, label: &str) {
-    let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
+fn counts_as_executed(rig: &mut HeadlessHost, label: &str) {
+    let mut stage = OffscreenHmi::new(Hmi::new(Lang::Zh), (1_024, 768));
     let from = rig.controller().set_point()[Axis::X];
     rig.send(Command::Press(kt830::defs::key::Key::CycleStart));
     rig.step();
@@ -68,7 +68,7 @@ fn counts_as_executed(rig: &mut Rig, label: &str) {
 fn s2_the_r_page_shows_r_parameters_as_executed_in_every_tick() {
     let mut rig = vertical();
     let text = format!("R61=0\nG90 G94 F600\nAA1:R61=R61+1\nG1 G91 X-{}\nIF R61<{LOOP} GOTOB AA1\nM2", 2.0 * STEP_MM);
-    rig.add_program(disk::program(program::number("LOOP"), "LOOP.MPF", text.into_bytes()));
+    rig.add_program(folders::program_from_bytes(program_number::from_name("LOOP"), "LOOP.MPF", text.into_bytes()));
     tell(&mut rig, "mode mdi\nmdi G90 G0 X690\nwait 2 s\nset R61 = 0\nload LOOP\nmode auto\npage grinding\nsheet 3");
     counts_as_executed(&mut rig, "R61 ");
 }
@@ -78,7 +78,7 @@ fn b3_the_macro_page_shows_variables_as_executed_in_every_tick() {
     let mut rig = ready_of(Kind::Gc);
     let text =
         format!("G61\n#100=0\nWHILE[#100 LT {LOOP}]DO1\n#100=#100+1\nG98 G01 U-{} F600\nEND1\nM30", 2.0 * STEP_MM);
-    rig.add_program(disk::program(7_000, "O7000.NC", text.into_bytes()));
+    rig.add_program(folders::program_from_bytes(7_000, "O7000.NC", text.into_bytes()));
     tell(&mut rig, "set #100 = 0\nload O7000\nmode auto\npage macro");
     counts_as_executed(&mut rig, "#100");
 }
@@ -90,7 +90,7 @@ fn s2_the_reader_of_that_loop_is_far_ahead() {
     let mut rig = vertical();
     let text =
         format!("R61=0\nG90 G94 F600\nAA1:R61=R61+1\nG1 G91 X-{}\nIF R61<25 GOTOB AA1\nR62=1/R99\nM2", 2.0 * STEP_MM);
-    rig.add_program(disk::program(program::number("AHEAD"), "AHEAD.MPF", text.into_bytes()));
+    rig.add_program(folders::program_from_bytes(program_number::from_name("AHEAD"), "AHEAD.MPF", text.into_bytes()));
     tell(&mut rig, "mode mdi\nmdi G90 G0 X690\nwait 2 s\nload AHEAD\nmode auto\nkey cycle-start\nwait 0.3 s");
     // 0.3 s are a few of the 25 steps, and what is shown is what is done.
     let shown = rig.snapshot().variables[661].unwrap_or_default();
@@ -98,7 +98,7 @@ fn s2_the_reader_of_that_loop_is_far_ahead() {
     tell(&mut rig, "wait until alarm max 10 s\nexpect R61 25");
 }
 
-fn r_page(kind_story: &str) -> Rig {
+fn r_page(kind_story: &str) -> HeadlessHost {
     let mut rig = vertical();
     tell(&mut rig, &format!("load VGRIND\nmode auto\npage grinding\n{kind_story}"));
     rig
@@ -110,12 +110,12 @@ fn r_page(kind_story: &str) -> Rig {
 fn s3_the_r_page_is_complete_in_english() {
     for sheet in 1..=3 {
         let mut rig = r_page(&format!("sheet {sheet}"));
-        let number = rig.snapshot().grinding_page().unwrap();
+        let number = rig.snapshot().grinding_page_number().unwrap();
         let screens = rig.snapshot().screens.clone();
         let text = screens.find(number).unwrap().text.clone().unwrap();
-        assert!(r_name::english_title(&text.title).is_some(), "{}", text.title);
+        assert!(r_parameter_name::english_title(&text.title).is_some(), "{}", text.title);
         for row in text.rows() {
-            assert!(r_name::english_label(&row.label).is_some(), "{}", row.label);
+            assert!(r_parameter_name::english_label(&row.label).is_some(), "{}", row.label);
         }
         let chinese = |text: &String| text.chars().any(|sign| ('\u{4e00}'..='\u{9fff}').contains(&sign));
         let left: Vec<String> = page_text(rig.snapshot(), Lang::En).into_iter().filter(chinese).collect();
@@ -132,7 +132,7 @@ fn s3_nothing_on_the_r_page_collides_at_any_size() {
     {
         for sheet in 1..=3 {
             let mut rig = r_page(&format!("sheet {sheet}\nset R60 = 199.995"));
-            let mut stage = Stage::new(Hmi::new(lang), size);
+            let mut stage = OffscreenHmi::new(Hmi::new(lang), size);
             stage.frame(rig.snapshot());
             stage.frame(rig.snapshot());
             let texts = stage.texts();
@@ -180,10 +180,14 @@ fn s3_the_vertical_grinder_has_keys_of_its_own_only() {
 fn b7_small_steps_of_a_diameter_stand_on_the_page_as_they_are() {
     let mut rig = vertical();
     let text = "G90 G94 F30\nG0 X700\nG91 G1 X-0.005\nG1 X-0.001\nM2";
-    rig.add_program(disk::program(program::number("FINE"), "FINE.MPF", text.as_bytes().to_vec()));
+    rig.add_program(folders::program_from_bytes(
+        program_number::from_name("FINE"),
+        "FINE.MPF",
+        text.as_bytes().to_vec(),
+    ));
     tell(&mut rig, "load FINE\nmode auto\npage grinding\nkey single-block\nkey cycle-start\nwait until stopped");
-    let mut stage = Stage::new(Hmi::new(Lang::Zh), (1_024, 768));
-    let mut shown = |rig: &mut Rig| -> Vec<String> {
+    let mut stage = OffscreenHmi::new(Hmi::new(Lang::Zh), (1_024, 768));
+    let mut shown = |rig: &mut HeadlessHost| -> Vec<String> {
         stage.frame(rig.snapshot());
         stage.texts().into_iter().map(|(text, ..)| text).collect()
     };

@@ -16,11 +16,11 @@ use kt830::defs::kind::Kind;
 use kt830::defs::mcode::{Gauge, Request};
 use kt830::defs::param::{self, ParamAddress, Params};
 use kt830::defs::signal::{Input, InputSet, Output, OutputSet};
-use kt830::machine::discrete::Discrete;
+use kt830::machine::discrete::DiscreteState;
 use kt830::machine::interlock::Rule;
-use kt830::machine::phase::{Event, Phase};
+use kt830::machine::phase::{PhaseEvent, RunPhase};
 use kt830::machine::rules::RULES;
-use kt830::machine::{Answer, Around, Consequence, Finding, Machine, kind, press};
+use kt830::machine::{Consequence, ControlState, Machine, MachineFinding, RequestResult, kind, panel_key};
 use kt830::units::{Micros, PerAxis};
 
 const TICK: Micros = Micros(1_000);
@@ -84,15 +84,15 @@ struct Plan {
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct State {
-    units: Discrete,
-    phase: Phase,
+    units: DiscreteState,
+    phase: RunPhase,
     drives_off: bool,
 }
 
 #[derive(Clone)]
 struct Node {
     machine: Machine,
-    phase: Phase,
+    phase: RunPhase,
     /// An alarm has stopped everything and waits for RESET.
     drives_off: bool,
 }
@@ -209,7 +209,7 @@ impl Search {
     fn run(&self) -> Found {
         let first = Node {
             machine: Machine::governed_by(self.rules, kind::find(self.plan.kind), self.now),
-            phase: Phase::Idle,
+            phase: RunPhase::Idle,
             drives_off: false,
         };
         let mut seen: HashMap<State, Micros> = HashMap::from([(self.state(&first, self.now), self.now)]);
@@ -260,23 +260,23 @@ impl Search {
                 false => return Ok(None),
             },
             Deed::Program(request) => {
-                if node.phase != Phase::Running {
+                if node.phase != RunPhase::Running {
                     return Ok(None);
                 }
                 let answer = self.ask(&mut node, request, seen_by_machine, now)?;
-                if matches!(answer, Answer::Denied(_)) {
-                    node.phase = node.phase.after(Event::Hold);
+                if matches!(answer, RequestResult::Denied(_)) {
+                    node.phase = node.phase.after(PhaseEvent::Hold);
                 }
             }
-            Deed::ProgramEnds if node.phase == Phase::Running => {
+            Deed::ProgramEnds if node.phase == RunPhase::Running => {
                 node.machine.program_end(&self.params);
-                node.phase = node.phase.after(Event::Finish);
+                node.phase = node.phase.after(PhaseEvent::Finish);
             }
-            Deed::ProgramStops if node.phase == Phase::Running => node.phase = node.phase.after(Event::Stop),
-            Deed::ComesToRest if matches!(node.phase, Phase::Holding | Phase::Aborting) => {
-                node.phase = node.phase.after(Event::AtRest);
+            Deed::ProgramStops if node.phase == RunPhase::Running => node.phase = node.phase.after(PhaseEvent::Stop),
+            Deed::ComesToRest if matches!(node.phase, RunPhase::Holding | RunPhase::Aborting) => {
+                node.phase = node.phase.after(PhaseEvent::AtRest);
             }
-            Deed::Homed if node.phase == Phase::Homing(()) => node.phase = node.phase.after(Event::Homed),
+            Deed::Homed if node.phase == RunPhase::Homing(()) => node.phase = node.phase.after(PhaseEvent::Homed),
             Deed::ProgramEnds | Deed::ProgramStops | Deed::ComesToRest | Deed::Homed => return Ok(None),
         }
         let asked = self.outputs(&node.machine);
@@ -287,10 +287,10 @@ impl Search {
 
     fn tick(&self, node: &mut Node, inputs: InputSet, now: Micros) {
         for finding in node.machine.tick(now, inputs, &self.params, around(node)).into_iter().flatten() {
-            let Finding::Alarm { number, stopped } = finding else { continue };
+            let MachineFinding::Alarm { number, stopped } = finding else { continue };
             match Consequence::of(number, stopped) {
                 Consequence::Nothing => {}
-                Consequence::Hold => node.phase = node.phase.after(Event::Hold),
+                Consequence::Hold => node.phase = node.phase.after(PhaseEvent::Hold),
                 Consequence::Abort => node.phase = abort(node.phase),
                 Consequence::AbortAndStop => {
                     node.machine.stop_wheel_and_drive();
@@ -308,7 +308,7 @@ impl Search {
     /// A key as the controller takes it; false when it is not on the panel.
     fn press(&self, node: &mut Node, key: Key, inputs: InputSet, now: Micros) -> Result<bool, String> {
         let fitted = kind::find(self.plan.kind).fitted(&self.params);
-        if let Some(reason) = press::dead(key, self.plan.kind, fitted, node.phase) {
+        if let Some(reason) = panel_key::inactive_reason(key, self.plan.kind, fitted, node.phase) {
             self.reasoned(reason.en)?;
             let by_run = node.phase.is_automatic() && key.is_on(self.plan.kind);
             if !(by_run && self.plan.without.dead_keys) {
@@ -316,37 +316,37 @@ impl Search {
             }
         }
         match key {
-            Key::FeedHold => node.phase = node.phase.after(Event::Hold),
+            Key::FeedHold => node.phase = node.phase.after(PhaseEvent::Hold),
             Key::Reset => {
                 node.phase = abort(node.phase);
                 node.machine.reset();
                 node.drives_off = node.machine.is_e_stopped();
             }
             key => {
-                let Some(request) = press::request(key, Mode::Auto, self.outputs(&node.machine)) else {
+                let Some(request) = panel_key::machine_request(key, Mode::Auto, self.outputs(&node.machine)) else {
                     return Ok(false);
                 };
                 let answer = self.ask(node, request, inputs, now)?;
-                if request == Request::CycleStart && answer == Answer::Taken {
-                    node.phase = node.phase.after(Event::Start);
+                if request == Request::CycleStart && answer == RequestResult::Taken {
+                    node.phase = node.phase.after(PhaseEvent::Start);
                 }
             }
         }
         Ok(true)
     }
 
-    fn ask(&self, node: &mut Node, request: Request, inputs: InputSet, now: Micros) -> Result<Answer, String> {
+    fn ask(&self, node: &mut Node, request: Request, inputs: InputSet, now: Micros) -> Result<RequestResult, String> {
         let before = self.outputs(&node.machine);
         node.machine.inform(around(node));
         let answer = node.machine.ask(request, now, inputs, &self.params);
         match answer {
-            Answer::Taken => return Ok(answer),
-            Answer::NoEffect(reason) | Answer::Denied(reason) => self.reasoned(reason.en)?,
-            Answer::Refused(number, reason) => {
+            RequestResult::Taken => return Ok(answer),
+            RequestResult::NoEffect(reason) | RequestResult::Denied(reason) => self.reasoned(reason.en)?,
+            RequestResult::Refused(number, reason) => {
                 self.reasoned(reason.en)?;
                 match Consequence::of(number, false) {
                     Consequence::Nothing => {}
-                    Consequence::Hold => node.phase = node.phase.after(Event::Hold),
+                    Consequence::Hold => node.phase = node.phase.after(PhaseEvent::Hold),
                     Consequence::Abort | Consequence::AbortAndStop | Consequence::AbortAndMakeSafe => {
                         node.phase = abort(node.phase);
                     }
@@ -432,7 +432,7 @@ impl Search {
         }
         for request in foreign_requests() {
             let mut machine = node.machine.clone();
-            if machine.ask(request, now, inputs, &self.params) != Answer::Taken {
+            if machine.ask(request, now, inputs, &self.params) != RequestResult::Taken {
                 return Err(format!("{request:?} depends on the searched units"));
             }
             if machine.discrete(now, TICK) != node.machine.discrete(now, TICK) {
@@ -450,15 +450,20 @@ impl std::fmt::Debug for Node {
 }
 
 /// What the controller tells the machine.
-fn around(node: &Node) -> Around {
-    Around { run_open: node.phase.is_run_open(), homed: true, drives_off: node.drives_off, ..Around::default() }
+fn around(node: &Node) -> ControlState {
+    ControlState {
+        run_open: node.phase.is_run_open(),
+        homed: true,
+        drives_off: node.drives_off,
+        ..ControlState::default()
+    }
 }
 
 /// The run ends; nothing to end when nothing runs.
-fn abort(phase: Phase) -> Phase {
+fn abort(phase: RunPhase) -> RunPhase {
     match phase {
-        Phase::Idle => Phase::Idle,
-        phase => phase.after(Event::Abort),
+        RunPhase::Idle => RunPhase::Idle,
+        phase => phase.after(PhaseEvent::Abort),
     }
 }
 

@@ -7,10 +7,10 @@ use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::mcode::MCODES;
 use kt830::defs::signal::{Input, Output};
+use kt830::host::folders::program_from_bytes;
+use kt830::host::headless::HeadlessHost;
 use kt830::link::command::Command;
 use kt830::link::snapshot::{RunState, Tone};
-use kt830::runtime::disk::program;
-use kt830::runtime::rig::Rig;
 
 const ALL: &[Kind] = &Kind::KT830;
 const GC: &[Kind] = &[Kind::Gc];
@@ -176,7 +176,7 @@ fn table() -> Vec<Row> {
 /// Codes whose rows stand in stories of their own (`machine_rules`, `run_control`, `grinding_functions`, the nc tests).
 const ELSEWHERE: &[u16] = &[0, 1, 2, 30, 31, 35, 36, 80, 81, 82, 83, 84, 85, 86, 87, 88, 89, 91, 92, 98, 99];
 
-fn begin(row: &Row, kind: Kind) -> Rig {
+fn begin(row: &Row, kind: Kind) -> HeadlessHost {
     let mut rig = ready_of(kind);
     for line in QUICK.split(';').chain(row.setup.split(';').filter(|line| !line.is_empty())) {
         tell(&mut rig, line);
@@ -184,15 +184,15 @@ fn begin(row: &Row, kind: Kind) -> Rig {
     rig
 }
 
-fn load(rig: &mut Rig, text: &str) {
-    rig.add_program(program(7_000, "O7000.NC", text.as_bytes().to_vec()));
+fn load(rig: &mut HeadlessHost, text: &str) {
+    rig.add_program(program_from_bytes(7_000, "O7000.NC", text.as_bytes().to_vec()));
     rig.send(Command::LoadProgram(7_000));
     rig.step();
     tell(rig, "mode auto\nkey cycle-start");
 }
 
 /// Until the control stands; 20 s are more than any code takes here.
-fn settle(rig: &mut Rig) -> RunState {
+fn settle(rig: &mut HeadlessHost) -> RunState {
     for _ in 0..20_000 {
         rig.step();
         if rig.controller().state() != RunState::Running {
@@ -209,7 +209,7 @@ fn lines(codes: &str) -> String {
     codes.split(' ').filter(|code| !code.is_empty()).map(|code| format!("{code}\n")).collect()
 }
 
-fn judge(row: &Row, rig: &mut Rig, mode: &str, kind: Kind) {
+fn judge(row: &Row, rig: &mut HeadlessHost, mode: &str, kind: Kind) {
     let snapshot = rig.snapshot().clone();
     let at = || format!("{} after {:?} with {:?} on {} {mode}", row.code, row.before, row.setup, kind.id());
     let numbers: Vec<_> = snapshot.alarms.iter().map(|alarm| alarm.number).collect();

@@ -3,7 +3,10 @@
 //! Everything is measured on the emitted set-points by differences over ticks, and the distance to the programmed
 //! contour directly; nothing of the planner's own arithmetic is used. Source: spec, motion, the property test.
 
-use kt830::motion::{AxisLimits, End, Limits, Move, Override, Path, Plane, Rate, Shape, Turn, WORK_MOST};
+use kt830::motion::{
+    ArcDirection, AxisLimits, CornerMode, MAX_WORK_PER_TICK, MotionLimits, MotionPlane, MotionSpeed, Move, MoveShape,
+    Override, TrajectoryPlanner,
+};
 use kt830::units::PerAxis;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -18,15 +21,15 @@ const LOOKS: u32 = 48;
 /// An axis may go beyond where the program leads it by a thousandth of the finest increment, mm.
 const BEYOND: f64 = 1e-6;
 
-fn limits() -> Limits {
+fn limits() -> MotionLimits {
     let axis = |v, a, j| AxisLimits { velocity_mm_s: v, acceleration_mm_s2: a, jerk_mm_s3: j };
     let axes = PerAxis([axis(80.0, 800.0, 15_000.0), axis(100.0, 1_000.0, 20_000.0), axis(150.0, 1_500.0, 30_000.0)]);
-    Limits { axes, tick_s: TICK_S }
+    MotionLimits { axes, tick_s: TICK_S }
 }
 
 /// Sees every set-point and compares it with the limits and the contour.
 struct Witness {
-    limits: Limits,
+    limits: MotionLimits,
     past: [[f64; 3]; 4],
     contour: Vec<([f64; 3], Move)>,
     extent: [(f64, f64); 3],
@@ -41,14 +44,14 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 fn distance_to(from: [f64; 3], program: &Move, p: [f64; 3]) -> f64 {
     let to = program.to.0;
     match program.shape {
-        Shape::Line => {
+        MoveShape::Line => {
             let d = [0, 1, 2].map(|x| to[x] - from[x]);
             let square: f64 = d.iter().map(|x| x * x).sum();
             let along = (0..3).map(|x| (p[x] - from[x]) * d[x]).sum::<f64>();
             let t = if square > 0.0 { (along / square).clamp(0.0, 1.0) } else { 0.0 };
             distance(p, [0, 1, 2].map(|x| from[x] + t * d[x]))
         }
-        Shape::Arc { center, plane, turn } => {
+        MoveShape::Arc { center, plane, turn } => {
             let arc = Arc::new(from, to, center.0, plane, turn);
             // Looked for everywhere, then closely around the best: on a steep helix the angle says little.
             let off = |part: f64| distance(p, arc.at(part));
@@ -76,11 +79,11 @@ struct Arc {
 }
 
 impl Arc {
-    fn new(from: [f64; 3], to: [f64; 3], center: [f64; 3], plane: Plane, turn: Turn) -> Self {
+    fn new(from: [f64; 3], to: [f64; 3], center: [f64; 3], plane: MotionPlane, turn: ArcDirection) -> Self {
         let (a, b, c) = plane.axes();
         let axes = [a, b, c].map(|axis| axis as usize);
         let polar = |q: [f64; 3]| (q[axes[1]] - center[axes[1]]).atan2(q[axes[0]] - center[axes[0]]);
-        let sense = if turn == Turn::Ccw { 1.0 } else { -1.0 };
+        let sense = if turn == ArcDirection::Ccw { 1.0 } else { -1.0 };
         let sweep = sense * (sense * (polar(to) - polar(from))).rem_euclid(TAU);
         let radius = (from[axes[0]] - center[axes[0]]).hypot(from[axes[1]] - center[axes[1]]);
         Self { center, axes, from, rise: to[axes[2]] - from[axes[2]], radius, start: polar(from), sweep }
@@ -107,7 +110,7 @@ fn extent(contour: &[([f64; 3], Move)]) -> [(f64, f64); 3] {
     for (from, m) in contour {
         see(*from);
         see(m.to.0);
-        if let Shape::Arc { center, plane, turn } = m.shape {
+        if let MoveShape::Arc { center, plane, turn } = m.shape {
             let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
             for quarter in -8..=8 {
                 let part = (f64::from(quarter) * FRAC_PI_2 - arc.start) / arc.sweep;
@@ -146,7 +149,7 @@ impl Witness {
 #[derive(Clone, Debug)]
 struct Leg {
     by: [f64; 3],
-    arc: Option<(f64, bool, Plane, bool)>,
+    arc: Option<(f64, bool, MotionPlane, bool)>,
     rapid: bool,
     feed: f64,
     exact: bool,
@@ -162,7 +165,7 @@ fn length() -> impl Strategy<Value = f64> {
 }
 
 fn leg() -> impl Strategy<Value = Leg> {
-    let plane = prop_oneof![Just(Plane::Zx), Just(Plane::Xy), Just(Plane::Yz)];
+    let plane = prop_oneof![Just(MotionPlane::Zx), Just(MotionPlane::Xy), Just(MotionPlane::Yz)];
     let arc = prop_oneof![2 => Just(None), 1 => (-1.5..1.5_f64, any::<bool>(), plane, any::<bool>()).prop_map(Some)];
     let by = (length(), length(), length(), any::<bool>());
     (by, arc, 0..8_u8, 5.0..200.0_f64, 0..4_u8).prop_map(|((x, y, z, flat), arc, rapid, feed, exact)| Leg {
@@ -201,7 +204,7 @@ fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
         .zip(0_u32..)
         .map(|(leg, tag)| {
             let mut to = [0, 1, 2].map(|x| from[x] + leg.by[x]);
-            let mut shape = Shape::Line;
+            let mut shape = MoveShape::Line;
             if let Some((bulge, ccw, plane, flat)) = leg.arc {
                 // The centre lies off the middle of the chord by `bulge` chords; a helix unless flat.
                 let (a, b, c) = plane.axes();
@@ -212,12 +215,12 @@ fn program(legs: &[Leg], tolerance_mm: f64) -> Vec<([f64; 3], Move)> {
                     let mut center = [0.0; 3];
                     center[a] = from[a] + u / 2.0 - bulge * v;
                     center[b] = from[b] + v / 2.0 + bulge * u;
-                    let turn = if ccw { Turn::Ccw } else { Turn::Cw };
-                    shape = Shape::Arc { center: PerAxis(center), plane, turn };
+                    let turn = if ccw { ArcDirection::Ccw } else { ArcDirection::Cw };
+                    shape = MoveShape::Arc { center: PerAxis(center), plane, turn };
                 }
             }
-            let rate = if leg.rapid { Rate::Rapid } else { Rate::Feed { mm_s: leg.feed } };
-            let end = if leg.exact { End::ExactStop } else { End::Continuous { tolerance_mm } };
+            let rate = if leg.rapid { MotionSpeed::Rapid } else { MotionSpeed::Feed { mm_s: leg.feed } };
+            let end = if leg.exact { CornerMode::ExactStop } else { CornerMode::Continuous { tolerance_mm } };
             let start = std::mem::replace(&mut from, to);
             (start, Move { to: PerAxis(to), shape, rate, end, tag })
         })
@@ -239,20 +242,20 @@ fn most_ticks(contour: &[([f64; 3], Move)]) -> u64 {
     }
     let seconds = |(from, m): &([f64; 3], Move)| {
         let feed = match m.rate {
-            Rate::Feed { mm_s } => mm_s.min(80.0),
-            Rate::Rapid => 80.0,
+            MotionSpeed::Feed { mm_s } => mm_s.min(80.0),
+            MotionSpeed::Rapid => 80.0,
         };
         let length = match m.shape {
-            Shape::Line => distance(*from, m.to.0),
-            Shape::Arc { center, plane, turn } => {
+            MoveShape::Line => distance(*from, m.to.0),
+            MoveShape::Arc { center, plane, turn } => {
                 let arc = Arc::new(*from, m.to.0, center.0, plane, turn);
                 (arc.radius * arc.sweep).hypot(arc.rise)
             }
         };
         // An arc is slower than its feed where its radius asks for it: v ≤ ∛(0.3 j r²) and √(0.7 a r).
         let radius = match m.shape {
-            Shape::Line => f64::INFINITY,
-            Shape::Arc { center, plane, turn } => Arc::new(*from, m.to.0, center.0, plane, turn).radius.max(1e-3),
+            MoveShape::Line => f64::INFINITY,
+            MoveShape::Arc { center, plane, turn } => Arc::new(*from, m.to.0, center.0, plane, turn).radius.max(1e-3),
         };
         let feed = feed.min((0.3 * j * radius * radius).cbrt()).min((0.7 * a * radius).sqrt());
         length / feed + 2.0 * (feed / a + a / j) + STOP_S
@@ -270,7 +273,7 @@ struct Play {
 /// Plays it; returns every set-point.
 fn run(legs: &[Leg], play: &Play, tolerance_mm: f64) -> Vec<[f64; 3]> {
     let contour = program(legs, tolerance_mm);
-    let mut path = Path::new(limits(), PerAxis([0.0; 3]));
+    let mut path = TrajectoryPlanner::new(limits(), PerAxis([0.0; 3]));
     let end = contour.last().map_or([0.0; 3], |(_, m)| m.to.0);
     let tags: Vec<u32> = contour.iter().map(|(_, m)| m.tag).collect();
     let moves: Vec<Move> = contour.iter().map(|(_, m)| *m).collect();
@@ -280,7 +283,7 @@ fn run(legs: &[Leg], play: &Play, tolerance_mm: f64) -> Vec<[f64; 3]> {
         Witness { limits: limits(), past: [[0.0; 3]; 4], extent: extent(&contour), contour, tolerance_mm };
     let mut ov = Override::FULL;
     let (mut seen, mut trace) = (Vec::new(), Vec::new());
-    let mut step = |path: &mut Path, ov: Override| {
+    let mut step = |path: &mut TrajectoryPlanner, ov: Override| {
         while next < moves.len() && due <= tick && path.room() > 0 {
             assert_eq!(path.push(moves[next]), Ok(()));
             next += 1;
@@ -291,7 +294,7 @@ fn run(legs: &[Leg], play: &Play, tolerance_mm: f64) -> Vec<[f64; 3]> {
         witness.sees(at, seen.len());
         trace.push(at);
         seen.extend(std::iter::from_fn(|| path.pop_finished()));
-        assert!(path.work_of_last_tick() <= WORK_MOST);
+        assert!(path.work_of_last_tick() <= MAX_WORK_PER_TICK);
         next == moves.len()
     };
     for (wait, event) in &play.events {

@@ -2,14 +2,14 @@
 //! (K4.3).
 
 use crate::stories::tell;
-use kt830::controller::Retained;
+use kt830::controller::PowerOnState;
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
 use kt830::defs::param;
+use kt830::host::folders::program_from_bytes;
+use kt830::host::headless::{HeadlessHost, HostSetup};
 use kt830::link::Command;
 use kt830::link::snapshot::RunState;
-use kt830::runtime::disk::program;
-use kt830::runtime::rig::{Rig, Setup};
 use kt830::units::Axis;
 
 /// Tick time, ms: P58 at its greatest.
@@ -42,7 +42,7 @@ impl Operator {
         (self.seed >> 33) % most
     }
 
-    fn act(&mut self, rig: &mut Rig) {
+    fn act(&mut self, rig: &mut HeadlessHost) {
         let running = matches!(rig.controller().state(), RunState::Running);
         let key = match self.draw(6) {
             0 if self.feed > 10 => {
@@ -76,13 +76,13 @@ struct Count {
 }
 
 /// A ready machine with a tick of 4 ms and the infeed program.
-fn slow_ticks() -> Rig {
-    let mut retained = Retained::factory(Kind::Gc);
+fn slow_ticks() -> HeadlessHost {
+    let mut retained = PowerOnState::factory(Kind::Gc);
     retained.params.write(param::TICK_TIME.address(), f64::from(TICK_MS) * 1_000.0).unwrap();
-    let setup = Setup { kind: Kind::Gc, retained, keeper: None, folders: crate::stories::folders(), seed: 1 };
-    let mut rig = Rig::new(setup).unwrap();
+    let setup = HostSetup { kind: Kind::Gc, retained, keeper: None, folders: crate::stories::folders(), seed: 1 };
+    let mut rig = HeadlessHost::new(setup).unwrap();
     rig.make_ready();
-    rig.add_program(program(7_000, "O7000.NC", INFEED.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, "O7000.NC", INFEED.as_bytes().to_vec()));
     tell(&mut rig, "load O7000");
     rig
 }
@@ -119,7 +119,7 @@ fn k4_3_ten_hours_of_strokes_with_overrides_holds_and_infeed() {
 }
 
 /// What the program sees in a tick in which it runs.
-fn look(rig: &Rig, flags: (bool, bool), count: &mut Count) {
+fn look(rig: &HeadlessHost, flags: (bool, bool), count: &mut Count) {
     if matches!(rig.controller().state(), RunState::Running) {
         if flags.0 && count.armed {
             count.seen += 1;
@@ -130,7 +130,7 @@ fn look(rig: &Rig, flags: (bool, bool), count: &mut Count) {
     }
 }
 
-fn judge(rig: &mut Rig, count: &Count) {
+fn judge(rig: &mut HeadlessHost, count: &Count) {
     // One way: 100 mm at 2000 mm/min = 33.333 mm/s with 416.667 mm/s² and 20 000 mm/s³:
     // 100/33.333 + 33.333/416.667 + 416.667/20 000 = 3.0000 + 0.0800 + 0.0208 = 3.1008 s, then the lag dies away to P54.
     let cycles: Vec<u32> = count.forward.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -3,14 +3,17 @@
 use std::sync::Arc;
 
 use kt830::defs::text::Lang;
-use kt830::nc::{Block, CheckWorld, Interpreter, Library, Memory, Next, NoLibrary, Op, Settings, Source, check};
+use kt830::nc::{
+    Block, CommonVariables, EmptyLibrary, Interpreter, Library, NcSettings, NextStatus, OfflineMachine, Op, Source,
+    check,
+};
 use kt830::units::Axis;
 use proptest::prelude::*;
 
-fn start(text: &[u8], settings: Settings) -> (Interpreter, CheckWorld, Block) {
-    let (world, block) = (CheckWorld::new(&settings), Block::new(&settings));
+fn start(text: &[u8], settings: NcSettings) -> (Interpreter, OfflineMachine, Block) {
+    let (world, block) = (OfflineMachine::new(&settings), Block::new(&settings));
     let source = Arc::new(Source::new(1001, "O1001.NC", text));
-    (Interpreter::new(source, Arc::new(NoLibrary), settings, Memory::default()), world, block)
+    (Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default()), world, block)
 }
 
 proptest! {
@@ -19,9 +22,9 @@ proptest! {
     #[test]
     fn b1_any_bytes_neither_panic_nor_hang(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         exercise(&bytes);
-        let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+        let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
         let source = Arc::new(Source::new(1, "", bytes));
-        let checked = check(&source, &library, &Settings::lathe());
+        let checked = check(&source, &library, &NcSettings::lathe_a());
         prop_assert!(checked.lines <= 200);
     }
 
@@ -44,25 +47,25 @@ proptest! {
     fn b1_numbers_printed_and_read_again_are_the_same(micrometres in -99_999_999_i64..=99_999_999) {
         let value = micrometres as f64 / 1000.0;
         let text = format!("G0 Z{value}\n#500={value}");
-        let (mut interpreter, mut world, mut block) = start(text.as_bytes(), Settings::lathe());
+        let (mut interpreter, mut world, mut block) = start(text.as_bytes(), NcSettings::lathe_a());
         interpreter.next(&mut world, &mut block).unwrap();
         let [Op::Rapid { to, .. }] = block.ops[..] else { panic!("{:?}", block.ops) };
         interpreter.next(&mut world, &mut block).unwrap();
-        prop_assert_eq!(&block.ops[0], &Op::Set { variable: 500, value: Some(value) });
+        prop_assert_eq!(&block.ops[0], &Op::SetVariable { variable: 500, value: Some(value) });
         prop_assert_eq!(to[Axis::Z].to_bits(), (value + 0.0).to_bits());
     }
 }
 
 fn exercise(bytes: &[u8]) {
-    for settings in [Settings::lathe(), Settings::mill()] {
+    for settings in [NcSettings::lathe_a(), NcSettings::mill()] {
         let (mut interpreter, mut world, mut block) = start(bytes, settings.clone());
         for _ in 0..50 {
             match interpreter.next(&mut world, &mut block) {
-                Ok(Next::Block) => block.ops.iter().for_each(|op| world.apply(op)),
-                Ok(Next::Busy | Next::Drain) => {}
-                Ok(Next::End) => break,
+                Ok(NextStatus::Block) => block.ops.iter().for_each(|op| world.apply(op)),
+                Ok(NextStatus::Busy | NextStatus::Drain) => {}
+                Ok(NextStatus::End) => break,
                 Err(fault) => {
-                    assert!(fault.column >= 1 && fault.place.line >= 1);
+                    assert!(fault.column >= 1 && fault.location.line >= 1);
                     assert!(!fault.text(Lang::Zh).is_empty());
                     break;
                 }

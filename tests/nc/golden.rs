@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use kt830::defs::text::Lang;
-use kt830::nc::{CheckWorld, Checked, Library, Memory, NoLibrary, Settings, Source, check_with};
+use kt830::nc::{CheckReport, CommonVariables, EmptyLibrary, Library, NcSettings, OfflineMachine, Source, check_with};
 
 /// Programs of one folder, by number.
 struct Folder(HashMap<u32, Arc<Source>>);
@@ -16,8 +16,8 @@ impl Library for Folder {
     }
 }
 
-fn settings_for(text: &str) -> Settings {
-    if text.contains("(MILL") { Settings::mill() } else { Settings::lathe() }
+fn settings_for(text: &str) -> NcSettings {
+    if text.contains("(MILL") { NcSettings::mill() } else { NcSettings::lathe_a() }
 }
 
 fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
@@ -28,11 +28,11 @@ fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
     files
 }
 
-fn run(path: &Path) -> (String, Checked) {
+fn run(path: &Path) -> (String, CheckReport) {
     run_as(path, None)
 }
 
-fn run_as(path: &Path, settings: Option<Settings>) -> (String, Checked) {
+fn run_as(path: &Path, settings: Option<NcSettings>) -> (String, CheckReport) {
     let bytes = std::fs::read(path).unwrap();
     let text = String::from_utf8_lossy(&bytes).into_owned();
     let settings = settings.unwrap_or_else(|| settings_for(&text));
@@ -45,11 +45,11 @@ fn run_as(path: &Path, settings: Option<Settings>) -> (String, Checked) {
         .collect();
     let library: Arc<dyn Library + Send + Sync> = Arc::new(Folder(library));
     let source = Arc::new(Source::new(1001, path.file_name().unwrap().to_string_lossy(), bytes));
-    let mut world = CheckWorld::new(&settings);
+    let mut world = OfflineMachine::new(&settings);
     let mut ops = String::new();
-    let checked = check_with(&source, &library, &settings, Memory::default(), &mut world, &mut |block| {
+    let checked = check_with(&source, &library, &settings, CommonVariables::default(), &mut world, &mut |block| {
         for op in &block.ops {
-            ops.push_str(&format!("{}:{} {op}\n", block.at.program, block.at.line));
+            ops.push_str(&format!("{}:{} {op}\n", block.location.program, block.location.line));
         }
     });
     (ops, checked)
@@ -79,7 +79,7 @@ fn b1_wrong_programs_name_every_error_with_line_and_column() {
         let found: Vec<_> = checked
             .faults
             .iter()
-            .map(|fault| format!("{}:{} {}", fault.place.line, fault.column, fault.cause(Lang::En)))
+            .map(|fault| format!("{}:{} {}", fault.location.line, fault.column, fault.cause(Lang::En)))
             .collect();
         assert_eq!(found.join(" | "), expected, "{}", path.display());
     }
@@ -91,7 +91,7 @@ fn l1_to_l8_the_manuals_examples_give_their_operations() {
     let programs = files("programs/lathe", "NC");
     assert!(programs.len() >= 12);
     for path in programs {
-        let (ops, checked) = run_as(&path, Some(Settings::superman()));
+        let (ops, checked) = run_as(&path, Some(NcSettings::superman()));
         let faults: Vec<_> = checked.faults.iter().map(|fault| fault.text(Lang::En)).collect();
         assert!(faults.is_empty() && checked.finished, "{}: {faults:#?}", path.display());
         let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/nc/lathe");
@@ -107,11 +107,12 @@ fn l1_to_l8_wrong_programs_name_every_error_with_line_and_column() {
     let programs = files("tests/nc/lathe/bad", "NC");
     assert!(programs.len() >= 10);
     for path in programs {
-        let (_, checked) = run_as(&path, Some(Settings::superman()));
+        let (_, checked) = run_as(&path, Some(NcSettings::superman()));
         let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
         let expected = text.lines().next().unwrap().trim_start_matches("; ");
-        let told =
-            |fault: &kt830::nc::Fault| format!("{}:{} {}", fault.place.line, fault.column, fault.cause(Lang::En));
+        let told = |fault: &kt830::nc::ProgramFault| {
+            format!("{}:{} {}", fault.location.line, fault.column, fault.cause(Lang::En))
+        };
         let found: Vec<_> = checked.faults.iter().map(told).collect();
         let remarks = checked.warnings.iter().map(|fault| format!("?{}", told(fault)));
         let found: Vec<_> = found.into_iter().chain(remarks).collect();
@@ -121,7 +122,7 @@ fn l1_to_l8_wrong_programs_name_every_error_with_line_and_column() {
 
 #[test]
 fn b1_an_empty_library_has_no_programs() {
-    assert!(NoLibrary.find(1).is_none());
+    assert!(EmptyLibrary.find(1).is_none());
 }
 
 /// What to do about it, in the words of the 超人 lathe: no variables, no brackets, no J.
@@ -134,18 +135,18 @@ fn l1_remedies_name_what_this_language_has() {
     ];
     for (block, en, zh) in rows {
         let text = format!("N0010G01U-1F300\nN0015M03\nN0020{block}\nN0030M02\n");
-        let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+        let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
         let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes()));
-        let checked = kt830::nc::check(&source, &library, &Settings::superman());
+        let checked = kt830::nc::check(&source, &library, &NcSettings::superman());
         let [fault] = checked.faults.as_slice() else { panic!("{block}: {:?}", checked.faults) };
         assert!(fault.remedy(Lang::En).contains(en), "{block}: {}", fault.remedy(Lang::En));
         assert!(fault.remedy(Lang::Zh).contains(zh), "{block}: {}", fault.remedy(Lang::Zh));
     }
     // 256 loops one in the other.
     let text = format!("{}{}N0003M02\n", "N0001G22L0001\n".repeat(256), "N0002G80\n".repeat(256));
-    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let source = Arc::new(Source::new(7_000, "T.NC", text.into_bytes()));
-    let checked = kt830::nc::check(&source, &library, &Settings::superman());
+    let checked = kt830::nc::check(&source, &library, &NcSettings::superman());
     assert_eq!(checked.faults[0].cause(Lang::En), "G22 nested deeper than 255");
     assert_eq!(checked.faults[0].cause(Lang::Zh), "G22 嵌套超过 255 层");
 }

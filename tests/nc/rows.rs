@@ -4,75 +4,76 @@ use std::sync::Arc;
 
 use kt830::defs::text::Lang;
 use kt830::nc::{
-    Block, CheckWorld, Fault, Feed, Interpreter, Library, Live, Memory, Next, NoLibrary, Op, Settings, Source, World,
-    check,
+    Block, CommonVariables, EmptyLibrary, ExternalState, Feed, Interpreter, Library, LiveValue, NcSettings, NextStatus,
+    OfflineMachine, Op, ProgramFault, Source, check,
 };
 use kt830::units::{Axis, PerAxis};
 
-fn start(text: impl Into<Vec<u8>>, settings: Settings) -> (Interpreter, CheckWorld, Block) {
-    let (world, block) = (CheckWorld::new(&settings), Block::new(&settings));
+fn start(text: impl Into<Vec<u8>>, settings: NcSettings) -> (Interpreter, OfflineMachine, Block) {
+    let (world, block) = (OfflineMachine::new(&settings), Block::new(&settings));
     let source = Arc::new(Source::new(1001, "O1001.NC", text.into()));
-    (Interpreter::new(source, Arc::new(NoLibrary), settings, Memory::default()), world, block)
+    (Interpreter::new(source, Arc::new(EmptyLibrary), settings, CommonVariables::default()), world, block)
 }
 
 /// All operations of a text, or its first fault.
-fn run_with(text: impl Into<Vec<u8>>, settings: Settings) -> Result<Vec<Op>, Fault> {
+fn run_with(text: impl Into<Vec<u8>>, settings: NcSettings) -> Result<Vec<Op>, ProgramFault> {
     let (mut interpreter, mut world, mut block) = start(text, settings);
     let mut ops = Vec::new();
     loop {
         match interpreter.next(&mut world, &mut block)? {
-            Next::Block => {
+            NextStatus::Block => {
                 block.ops.iter().for_each(|op| world.apply(op));
                 ops.append(&mut block.ops);
             }
-            Next::Drain => {}
-            Next::Busy => panic!("busy"),
-            Next::End => return Ok(ops),
+            NextStatus::Drain => {}
+            NextStatus::Busy => panic!("busy"),
+            NextStatus::End => return Ok(ops),
         }
     }
 }
 
-fn lines(text: &str, settings: Settings) -> Vec<String> {
+fn lines(text: &str, settings: NcSettings) -> Vec<String> {
     run_with(text, settings).unwrap().iter().map(Op::to_string).collect()
 }
 
 fn refused(text: &str) -> String {
-    run_with(text, Settings::lathe()).unwrap_err().text(Lang::En)
+    run_with(text, NcSettings::lathe_a()).unwrap_err().text(Lang::En)
 }
 
 #[test]
 fn b3_null_word_is_left_out() {
-    assert_eq!(lines("#1=#0\nG0 X10 Z#1\nM#1 G#2 X-#3", Settings::lathe()), ["rapid x=5 y=0 z=0 [X]"]);
+    assert_eq!(lines("#1=#0\nG0 X10 Z#1\nM#1 G#2 X-#3", NcSettings::lathe_a()), ["rapid x=5 y=0 z=0 [X]"]);
 }
 
 #[test]
 fn b2_blanks_and_comments_may_stand_behind_every_statement() {
     let text = "N10 #100=0 (A)\nWHILE[#100 LT 3]DO1 (B)\n#100=#100+1 (C)\nEND1 (D)\nIF[#100 EQ 3]GOTO 40 (E)\nG0 X2\n\
                 N40 GOTO 50 \t \nG0 X4\nN50 IF[#100 EQ 3]THEN G0 X6 (F)\nGOTO 60 (G) ; G0 X8\nG0 X10\nN60 M30 (H)\n";
-    let rapids: Vec<_> = lines(text, Settings::lathe()).into_iter().filter(|line| line.starts_with("rapid")).collect();
+    let rapids: Vec<_> =
+        lines(text, NcSettings::lathe_a()).into_iter().filter(|line| line.starts_with("rapid")).collect();
     assert_eq!(rapids, ["rapid x=3 y=0 z=0 [X]"]);
     assert!(refused("GOTO 40 X1\nN40 M30").contains('X'), "a word is no comment");
 }
 
 #[test]
 fn b3_null_reads_as_zero_in_arithmetic_and_the_check_warns() {
-    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let source = Arc::new(Source::new(1001, "", "#100=#110-#162\nM30\n".as_bytes().to_vec()));
-    let checked = check(&source, &library, &Settings::lathe());
+    let checked = check(&source, &library, &NcSettings::lathe_a());
     assert!(checked.faults.is_empty());
     let warning = checked.warnings.first().unwrap().text(Lang::En);
     assert!(warning.starts_with("O1001 line 1, column 10: empty variable #"), "{warning}");
-    assert_eq!(lines("#100=#110-#162", Settings::lathe()), ["set variable=100 value=0"]);
+    assert_eq!(lines("#100=#110-#162", NcSettings::lathe_a()), ["set variable=100 value=0"]);
 }
 
 #[test]
 fn b3_what_empty_variables_cause_is_a_warning_of_the_check_and_a_fault_of_the_run() {
-    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let text = "G98 G1 X10 F#526\nX9\nG4 X#528\n#100=1/#529\nM30\n";
     let source = Arc::new(Source::new(1001, "", text.as_bytes().to_vec()));
-    let checked = check(&source, &library, &Settings::lathe());
+    let checked = check(&source, &library, &NcSettings::lathe_a());
     assert!(checked.faults.is_empty(), "{:?}", checked.faults);
-    let alarms: Vec<_> = checked.warnings.iter().map(|fault| (fault.place.line, fault.alarm())).collect();
+    let alarms: Vec<_> = checked.warnings.iter().map(|fault| (fault.location.line, fault.alarm())).collect();
     assert_eq!(alarms, [(1, 19), (3, 33), (4, 21), (4, 45)]);
     for (text, cause) in [("G4 X#528", "G04 needs"), ("#100=1/#529", "division by zero"), ("G1 X1 F#1", "no feed")] {
         assert!(refused(text).contains(cause), "{text}");
@@ -84,42 +85,42 @@ fn k1_diameter_can_be_switched_to_radius_and_f_stays_true_travel() {
     let text = "G98 G1 X10 U2 F60";
     assert!(refused(text).contains("X and U name the same axis"));
     let text = "G98 G1 X10 F60\nU2";
-    assert_eq!(lines(text, Settings::lathe()), ["feed x=5 y=0 z=0 f=60 [X]", "feed x=6 y=0 z=0 f=60 [X+]"]);
-    let radius = Settings { diameter: false, ..Settings::lathe() };
+    assert_eq!(lines(text, NcSettings::lathe_a()), ["feed x=5 y=0 z=0 f=60 [X]", "feed x=6 y=0 z=0 f=60 [X+]"]);
+    let radius = NcSettings { diameter: false, ..NcSettings::lathe_a() };
     assert_eq!(lines(text, radius), ["feed x=10 y=0 z=0 f=60 [X]", "feed x=12 y=0 z=0 f=60 [X+]"]);
 }
 
 #[test]
 fn b1_a_number_without_a_point_can_count_least_increments() {
-    let least = Settings { least_increment_mm: Some(0.001), ..Settings::lathe() };
+    let least = NcSettings { least_increment_mm: Some(0.001), ..NcSettings::lathe_a() };
     assert_eq!(lines("G0 X1000 Z1.5\nX#1", least), ["rapid x=0.5 y=0 z=1.5 [XZ]"]);
-    assert_eq!(lines("G0 X100", Settings::lathe()), ["rapid x=50 y=0 z=0 [X]"]);
+    assert_eq!(lines("G0 X100", NcSettings::lathe_a()), ["rapid x=50 y=0 z=0 [X]"]);
 }
 
 #[test]
 fn b1_blocks_end_at_cr_lf_crlf_and_semicolon_and_spaces_are_free() {
     for text in ["G0X2\rZ3\r", "G0X2\nZ3", "g 0 x 2.\r\nz 3\r\n", "G0X2;Z3", "G0X2;Z3;", "%\nO1001;\nG0X2;\nZ3;\n%\nX9"]
     {
-        assert_eq!(lines(text, Settings::lathe()), ["rapid x=1 y=0 z=0 [X]", "rapid x=1 y=0 z=3 [Z]"], "{text:?}");
+        assert_eq!(lines(text, NcSettings::lathe_a()), ["rapid x=1 y=0 z=0 [X]", "rapid x=1 y=0 z=3 [Z]"], "{text:?}");
     }
-    assert_eq!(lines("\u{feff}G0X2 // Z3\n; X3\n(X4) ; text X5\x1a", Settings::lathe()), ["rapid x=1 y=0 z=0 [X]"]);
+    assert_eq!(lines("\u{feff}G0X2 // Z3\n; X3\n(X4) ; text X5\x1a", NcSettings::lathe_a()), ["rapid x=1 y=0 z=0 [X]"]);
 }
 
 #[test]
 fn b1_block_skip_leaves_out_blocks_with_a_slash_only_when_the_switch_is_set() {
     let text = "/G0X2\nN5 /Z3\nX4";
-    assert_eq!(lines(text, Settings::lathe()).len(), 3);
-    let (mut interpreter, world, mut block) = start(text, Settings::lathe());
+    assert_eq!(lines(text, NcSettings::lathe_a()).len(), 3);
+    let (mut interpreter, world, mut block) = start(text, NcSettings::lathe_a());
     let mut world = world.with_block_skip(true);
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
-    assert_eq!((block.at.line, block.ops.len()), (3, 1));
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::End));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Block));
+    assert_eq!((block.location.line, block.ops.len()), (3, 1));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::End));
 }
 
 #[test]
 fn b2_g40_is_in_force_already_and_g41_is_refused_by_name() {
     let moved = ["rapid x=5 y=0 z=0 [X]", "m code=30"];
-    assert_eq!(lines("G40 G98\nG00 X10\nM30", Settings::lathe()), moved);
+    assert_eq!(lines("G40 G98\nG00 X10\nM30", NcSettings::lathe_a()), moved);
     assert!(refused("G41 G01 X10 F100").contains("G41"));
 }
 
@@ -127,7 +128,7 @@ fn b2_g40_is_in_force_already_and_g41_is_refused_by_name() {
 fn b1_a_mark_of_utf8_and_comment_lines_may_stand_before_the_first_block() {
     for head in ["\u{feff}%\nO1001\n", "\u{feff}O1001\n", "// c\n%\nO1001\n", "%(A)\n\n; b\nO1001 (C)\n"] {
         let text = format!("{head}G0 X10\nM30\n%\nG0 X20\n");
-        assert_eq!(lines(&text, Settings::lathe()), ["rapid x=5 y=0 z=0 [X]", "m code=30"], "{head:?}");
+        assert_eq!(lines(&text, NcSettings::lathe_a()), ["rapid x=5 y=0 z=0 [X]", "m code=30"], "{head:?}");
     }
     assert!(refused("G0 X1\nO1001").contains("O"), "behind a block it is no head");
 }
@@ -139,30 +140,30 @@ fn b1_gbk_comments_are_read_and_columns_count_characters() {
     let source = Source::new(1001, "", text.clone());
     assert_eq!(source.comment_title().as_deref(), Some("外圆"));
     assert_eq!(source.line(2).as_deref(), Some("G0 (外圆) X1 Q9"));
-    let fault = run_with(text.clone(), Settings::lathe()).unwrap_err();
-    assert_eq!((fault.place.line, fault.column), (2, 12));
+    let fault = run_with(text.clone(), NcSettings::lathe_a()).unwrap_err();
+    assert_eq!((fault.location.line, fault.column), (2, 12));
     // A wide semicolon in GBK, outside a comment.
     text.splice(13.., b"G0 X1 \xa3\xbb".iter().copied());
-    let fault = run_with(text, Settings::lathe()).unwrap_err();
+    let fault = run_with(text, NcSettings::lathe_a()).unwrap_err();
     assert_eq!(fault.text(Lang::Zh), "O1001 第2行 第7列：注释以外出现字符 '；' – 请改用半角英文字符 ';'");
 }
 
 /// A world whose live values must be waited for once.
 struct Live434 {
-    inner: CheckWorld,
+    inner: OfflineMachine,
     drained: bool,
 }
 
-impl World for Live434 {
+impl ExternalState for Live434 {
     fn position(&self) -> PerAxis<f64> {
         self.inner.position()
     }
 
-    fn system(&mut self, number: u32) -> Live {
+    fn system_variable(&mut self, number: u32) -> LiveValue {
         match (number, self.drained) {
-            (434 | 1002, true) => Live::Value(Some(1.0)),
-            (434 | 1002, false) => Live::Drain,
-            _ => Live::Unknown,
+            (434 | 1002, true) => LiveValue::Value(Some(1.0)),
+            (434 | 1002, false) => LiveValue::Drain,
+            _ => LiveValue::Unknown,
         }
     }
 
@@ -173,34 +174,35 @@ impl World for Live434 {
 
 #[test]
 fn b3_a_live_value_waits_for_motion_and_the_block_is_read_again() {
-    let (mut interpreter, inner, mut block) = start("#500=#434+1\nM91 P3 L7\nG0 X9\nN7 #501=#502", Settings::lathe());
+    let (mut interpreter, inner, mut block) =
+        start("#500=#434+1\nM91 P3 L7\nG0 X9\nN7 #501=#502", NcSettings::lathe_a());
     let mut world = Live434 { inner, drained: false };
     for _ in 0..3 {
-        assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Drain));
+        assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Drain));
         assert!(block.ops.is_empty());
     }
     world.drained = true;
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
-    assert_eq!(block.ops, [Op::Set { variable: 500, value: Some(2.0) }]);
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Block));
+    assert_eq!(block.ops, [Op::SetVariable { variable: 500, value: Some(2.0) }]);
     world.drained = false;
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Drain));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Drain));
     world.drained = true;
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
-    assert_eq!((block.at.line, block.at.n), (4, Some(7)));
-    assert_eq!(block.ops, [Op::Set { variable: 501, value: None }]);
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Block));
+    assert_eq!((block.location.line, block.location.n), (4, Some(7)));
+    assert_eq!(block.ops, [Op::SetVariable { variable: 501, value: None }]);
 }
 
 /// Counts how often the machine is asked.
-struct Counting(CheckWorld, u32);
+struct Counting(OfflineMachine, u32);
 
-impl World for Counting {
+impl ExternalState for Counting {
     fn position(&self) -> PerAxis<f64> {
         self.0.position()
     }
 
-    fn system(&mut self, number: u32) -> Live {
+    fn system_variable(&mut self, number: u32) -> LiveValue {
         self.1 += 1;
-        self.0.system(number)
+        self.0.system_variable(number)
     }
 
     fn block_skip(&self) -> bool {
@@ -211,84 +213,87 @@ impl World for Counting {
 #[test]
 fn b3_a_loop_that_waits_for_the_machine_asks_it_twice_a_tick_at_most() {
     for text in ["N10 IF[#438 EQ 0]GOTO 10\nG04 P1", "WHILE[#1000 EQ 0]DO1\nEND1\nG04 P1"] {
-        let (mut interpreter, world, mut block) = start(text, Settings::lathe());
+        let (mut interpreter, world, mut block) = start(text, NcSettings::lathe_a());
         let mut world = Counting(world, 0);
         for tick in 1..=5 {
-            assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Busy), "{text}");
+            assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Busy), "{text}");
             assert!(world.1 <= 2 * tick, "{text}: asked {} times in {tick} ticks", world.1);
         }
         let number = if text.contains("#438") { 438 } else { 1_000 };
         world.0.set_system(number, Some(1.0));
-        assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block), "{text}");
+        assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Block), "{text}");
     }
 }
 
 #[test]
 fn b3_loops_without_operations_do_not_hold_up_the_tick() {
     for text in ["WHILE[1]DO1\n#1=1\nEND1", "N1 GOTO 1", "M99", "N1 M99 P1", "N1 G65 H80 P1"] {
-        let (mut interpreter, mut world, mut block) = start(text, Settings::lathe());
+        let (mut interpreter, mut world, mut block) = start(text, NcSettings::lathe_a());
         for _ in 0..3 {
-            assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Busy), "{text}");
+            assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Busy), "{text}");
         }
     }
 }
 
 #[test]
 fn b3_an_edited_variable_counts_from_the_next_block_read() {
-    let (mut interpreter, mut world, mut block) = start("#500=1\nG0 X#500\nX#500", Settings::lathe());
+    let (mut interpreter, mut world, mut block) = start("#500=1\nG0 X#500\nX#500", NcSettings::lathe_a());
     interpreter.next(&mut world, &mut block).unwrap();
     interpreter.next(&mut world, &mut block).unwrap();
     assert_eq!(block.ops[0].to_string(), "rapid x=0.5 y=0 z=0 [X]");
-    interpreter.variable_edited(500, Some(4.0)).unwrap();
-    assert!(interpreter.variable_edited(570, Some(4.0)).is_err());
+    interpreter.update_variable(500, Some(4.0)).unwrap();
+    assert!(interpreter.update_variable(570, Some(4.0)).is_err());
     interpreter.next(&mut world, &mut block).unwrap();
     assert_eq!(block.ops[0].to_string(), "rapid x=2 y=0 z=0 [X]");
 }
 
 #[test]
 fn b2_a_frame_and_a_move_in_one_block_come_in_two_parts() {
-    let (mut interpreter, mut world, mut block) = start("G55 T0303 G0 U2", Settings::lathe());
+    let (mut interpreter, mut world, mut block) = start("G55 T0303 G0 U2", NcSettings::lathe_a());
     interpreter.next(&mut world, &mut block).unwrap();
-    assert_eq!(block.ops, [Op::Frame { g: 55 }, Op::T { tool: 3, offset: 3 }]);
+    assert_eq!(block.ops, [Op::SelectWorkOffset { g: 55 }, Op::T { tool: 3, offset: 3 }]);
     assert!(!block.complete);
     // Frame and offset have moved the origin meanwhile.
-    let mut world = world.at(PerAxis([7.0, 0.0, 0.0]));
+    let mut world = world.with_position(PerAxis([7.0, 0.0, 0.0]));
     interpreter.next(&mut world, &mut block).unwrap();
     assert_eq!(block.ops[0].to_string(), "rapid x=8 y=0 z=0 [X+]");
     assert!(block.complete);
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::End));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::End));
 }
 
 #[test]
 fn b5_a_run_from_a_chosen_block_knows_what_is_in_force_there() {
     let text = "G99 G1 X20 F0.2\nT0202\nG56\nU2\nN70 G0 Z9\nM30";
-    let (mut interpreter, mut world, mut block) = start(text, Settings::lathe());
-    assert_eq!(interpreter.advance_to(5, &mut world, &mut |_| {}), Ok(Next::Block));
+    let (mut interpreter, mut world, mut block) = start(text, NcSettings::lathe_a());
+    assert_eq!(interpreter.advance_to(5, &mut world, &mut |_| {}), Ok(NextStatus::Block));
     let modals = *interpreter.modals();
-    assert_eq!((modals.frame, modals.tool, modals.feed(), modals.motion.g()), (56, 2, Some(Feed::PerRev(0.2)), 1));
+    assert_eq!(
+        (modals.work_offset, modals.tool, modals.feed(), modals.motion.g()),
+        (56, 2, Some(Feed::PerRev(0.2)), 1)
+    );
     assert_eq!(world.position(), PerAxis([11.0, 0.0, 0.0]));
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
-    assert_eq!((block.at.line, block.at.n), (5, Some(70)));
-    assert_eq!(interpreter.advance_to(99, &mut world, &mut |_| {}), Ok(Next::End));
-    let (mut interpreter, mut world, _) = start("N1 GOTO 1\nM30", Settings::lathe());
-    assert_eq!(interpreter.advance_to(2, &mut world, &mut |_| {}), Ok(Next::Busy));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Block));
+    assert_eq!((block.location.line, block.location.n), (5, Some(70)));
+    assert_eq!(interpreter.advance_to(99, &mut world, &mut |_| {}), Ok(NextStatus::End));
+    let (mut interpreter, mut world, _) = start("N1 GOTO 1\nM30", NcSettings::lathe_a());
+    assert_eq!(interpreter.advance_to(2, &mut world, &mut |_| {}), Ok(NextStatus::Busy));
 }
 
 #[test]
 fn b2_a_mistake_behind_a_frame_refuses_the_whole_block() {
-    let (mut interpreter, mut world, mut block) = start("G55 G0 X2 Q1", Settings::lathe());
+    let (mut interpreter, mut world, mut block) = start("G55 G0 X2 Q1", NcSettings::lathe_a());
     for _ in 0..2 {
         assert!(interpreter.next(&mut world, &mut block).is_err());
         assert!(block.ops.is_empty());
     }
-    assert_eq!(interpreter.modals().frame, 54);
+    assert_eq!(interpreter.modals().work_offset, 54);
 }
 
 #[test]
 fn b2_a_change_between_g98_and_g99_asks_for_a_new_feed() {
-    assert_eq!(run_with("G99 G1 X2 F0.1", Settings::lathe()).unwrap().len(), 1);
+    assert_eq!(run_with("G99 G1 X2 F0.1", NcSettings::lathe_a()).unwrap().len(), 1);
     assert!(refused("G98 F100\nG99 G1 X2").contains("line 2, column 8: no feed"));
-    assert_eq!(lines("G98 F100\nG98 G1 X2", Settings::lathe()).len(), 1);
+    assert_eq!(lines("G98 F100\nG98 G1 X2", NcSettings::lathe_a()).len(), 1);
 }
 
 #[test]
@@ -306,25 +311,25 @@ fn k4_motion_waits_behind_m80_m00_g31_g28_and_system_writes() {
         ("G0 X1", false),
         ("#500=1", false),
     ] {
-        assert_eq!(run_with(text, Settings::lathe()).unwrap()[0].is_barrier(), barrier, "{text}");
+        assert_eq!(run_with(text, NcSettings::lathe_a()).unwrap()[0].stops_look_ahead(), barrier, "{text}");
     }
 }
 
 #[test]
 fn b3_m30_ends_and_nothing_follows() {
-    let (mut interpreter, mut world, mut block) = start("M30\nG0 X1", Settings::lathe());
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::Block));
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::End));
-    assert_eq!(interpreter.next(&mut world, &mut block), Ok(Next::End));
+    let (mut interpreter, mut world, mut block) = start("M30\nG0 X1", NcSettings::lathe_a());
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::Block));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::End));
+    assert_eq!(interpreter.next(&mut world, &mut block), Ok(NextStatus::End));
 }
 
 #[test]
 fn b3_modal_system_variables_are_what_is_in_force() {
     let text = "G99 G1 X2 F0.5\nM8\n#100=#4001\n#101=#4109\n#102=#4113\nN30 #1=1\n#103=#4114+#4115\n#104=#4005";
-    let found: Vec<_> = run_with(text, Settings::lathe())
+    let found: Vec<_> = run_with(text, NcSettings::lathe_a())
         .unwrap()
         .into_iter()
-        .filter_map(|op| if let Op::Set { value, .. } = op { value } else { None })
+        .filter_map(|op| if let Op::SetVariable { value, .. } = op { value } else { None })
         .collect();
     assert_eq!(found, [1.0, 0.5, 8.0, 30.0 + 1001.0, 99.0]);
 }
@@ -333,13 +338,14 @@ fn b3_modal_system_variables_are_what_is_in_force() {
 fn k5_11_g50_and_several_tools_refuse_each_other_in_both_orders() {
     assert!(refused("T0101\nG50 X1\nT0202").contains("line 3, column 1: G50 in a program with several tools"));
     assert!(refused("T0101\nT0202\nG50 X1").contains("line 3, column 1: G50 in a program with several tools"));
-    assert_eq!(lines("T0101\nG50 X1\nT0100\nT0101", Settings::lathe()).len(), 4);
+    assert_eq!(lines("T0101\nG50 X1\nT0100\nT0101", NcSettings::lathe_a()).len(), 4);
 }
 
 #[test]
 fn t4_the_json_form_is_radius_mm_with_the_named_keys() {
-    let ops = run_with("G98 G0 X20 Z0\nG03 X40 Z-10 R10 F100\nG99 G1 X2 F0.1\nG4 X1\nM3", Settings::lathe()).unwrap();
-    let axes = Settings::lathe().axes;
+    let ops =
+        run_with("G98 G0 X20 Z0\nG03 X40 Z-10 R10 F100\nG99 G1 X2 F0.1\nG4 X1\nM3", NcSettings::lathe_a()).unwrap();
+    let axes = NcSettings::lathe_a().axes;
     let found: Vec<_> = ops.iter().map(|op| op.json(axes).to_string()).collect();
     assert_eq!(
         found,
@@ -355,9 +361,9 @@ fn t4_the_json_form_is_radius_mm_with_the_named_keys() {
 
 #[test]
 fn t4_the_check_measures_way_time_and_extents() {
-    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let text = "G98 G0 X20\nG1 Z-30 F60\nG02 X20 Z-30 K-5\nM30\n";
-    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &Settings::lathe());
+    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &NcSettings::lathe_a());
     assert!(checked.faults.is_empty() && checked.finished);
     let circle = std::f64::consts::TAU * 5.0;
     assert!((checked.length_mm - (10.0 + 30.0 + circle)).abs() < 1e-9);
@@ -369,19 +375,19 @@ fn t4_the_check_measures_way_time_and_extents() {
 
 #[test]
 fn t4_the_check_leaves_a_loop_that_waits_for_the_machine() {
-    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let text = "WHILE[#1003 EQ 0]DO1\nEND1\nG0 X5 Q1\nM30\n";
-    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &Settings::lathe());
+    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &NcSettings::lathe_a());
     assert_eq!(checked.warnings.len(), 1);
     assert!(checked.faults[0].text(Lang::En).starts_with("O0001 line 3, column 7: unknown word 'Q1'"));
 }
 
 #[test]
 fn k4_3_the_check_goes_through_waits_for_the_ends_of_a_stroke() {
-    let library: Arc<dyn Library + Send + Sync> = Arc::new(NoLibrary);
+    let library: Arc<dyn Library + Send + Sync> = Arc::new(EmptyLibrary);
     let text = "G98\nG35 Z-10 Q10\n#1=0\nWHILE[#1 LT 3]DO1\nN10 IF[#438 EQ 0]GOTO 10\nG01 U-1 F60\n\
                 N20 IF[#439 EQ 0]GOTO 20\n#1=#1+1\nEND1\nG36\nM30\n";
-    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &Settings::lathe());
+    let checked = check(&Arc::new(Source::new(1, "", text.as_bytes().to_vec())), &library, &NcSettings::lathe_a());
     assert!(checked.faults.is_empty() && checked.warnings.is_empty() && checked.finished);
     // Three infeeds of 1 mm of diameter.
     assert!((checked.length_mm - 1.5).abs() < 1e-9, "{}", checked.length_mm);
@@ -390,14 +396,14 @@ fn k4_3_the_check_goes_through_waits_for_the_ends_of_a_stroke() {
 #[test]
 fn k7_9_switches_refuse_other_values_from_a_program_too() {
     assert!(refused("#575=2").contains("variable #575 takes 0 or 1 only"));
-    assert_eq!(lines("#575=1\n#575=0", Settings::lathe()).len(), 2);
+    assert_eq!(lines("#575=1\n#575=0", NcSettings::lathe_a()).len(), 2);
 }
 
 #[test]
 fn b3_a_sign_binds_weaker_than_a_power() {
     let text = "#100=-2**2\n#101=2**-1\n#102=[-2]**2\n#103=3--2\n#1=4\n#104=-#1**0.5*2";
     let values = ["-4", "0.5", "4", "5", "-4"];
-    for ((line, value), variable) in lines(text, Settings::lathe()).iter().zip(values).zip(100..) {
+    for ((line, value), variable) in lines(text, NcSettings::lathe_a()).iter().zip(values).zip(100..) {
         assert_eq!(*line, format!("set variable={variable} value={value}"));
     }
 }
@@ -406,14 +412,14 @@ fn b3_a_sign_binds_weaker_than_a_power() {
 fn b3_comments_may_stand_before_numbers_and_statements() {
     let text =
         "#1=0\n(ROUGH) N10 WHILE[#1 LT 2]DO1\n #1=#1+1 (STEP)\n/(X) END1\nIF[#1 EQ 2]GOTO 20\nG0 X9\n (LAST) N20 M30";
-    assert_eq!(lines(text, Settings::lathe()), ["m code=30"]);
+    assert_eq!(lines(text, NcSettings::lathe_a()), ["m code=30"]);
 }
 
 #[test]
 fn b3_g66_is_not_lost_where_a_move_and_a_call_share_a_block() {
     let library: Arc<dyn Library + Send + Sync> = Arc::new(Twice);
     let source = Arc::new(Source::new(1, "", "G66 P9000\nG0 X1 M98 P9000\nG67\nM30\n".as_bytes().to_vec()));
-    let checked = check(&source, &library, &Settings::lathe());
+    let checked = check(&source, &library, &NcSettings::lathe_a());
     assert!(
         checked.faults[0].text(Lang::En).starts_with("O0001 line 2, column 11: G66 and M cannot stand in one block")
     );
@@ -423,7 +429,7 @@ fn b3_g66_is_not_lost_where_a_move_and_a_call_share_a_block() {
 fn b1_a_block_of_more_than_4096_bytes_is_refused_and_does_not_hold_up_the_tick() {
     let long = |length: usize| format!("G0 X2\r\n({})\r\nX4\r\n", "c".repeat(length - 4));
     for length in 4_080..4_092 {
-        assert_eq!(lines(&long(length), Settings::lathe()).len(), 2, "{length}");
+        assert_eq!(lines(&long(length), NcSettings::lathe_a()).len(), 2, "{length}");
     }
     for length in [4_100, 100_000] {
         assert!(refused(&long(length)).contains("line 2, column 1: the block is too long"), "{length}");
@@ -447,7 +453,7 @@ fn b2_a_distance_cannot_lead_past_the_greatest_coordinate() {
 
 #[test]
 fn b2_inch_words_become_millimetres() {
-    let ops = run_with("G20 G98 G1 X2 Z-1 F1", Settings::lathe()).unwrap();
+    let ops = run_with("G20 G98 G1 X2 Z-1 F1", NcSettings::lathe_a()).unwrap();
     let Some(Op::Feed { to, feed, .. }) = ops.first() else { panic!("{ops:?}") };
     assert!((to[Axis::X] - 25.4).abs() < 1e-12 && (to[Axis::Z] + 25.4).abs() < 1e-12);
     assert_eq!(*feed, Feed::PerMinute(25.4));

@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use kt830::defs::program;
+use kt830::defs::program_number;
 use kt830::defs::text::Lang;
-use kt830::nc::{CheckWorld, Checked, Library, Memory, Settings, Source, check_with};
+use kt830::nc::{CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, Source, check_with};
 
 /// Subprograms of one folder, by number.
 struct Folder(HashMap<u32, Arc<Source>>);
@@ -28,20 +28,24 @@ fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
 
 fn source(path: &Path) -> Arc<Source> {
     let name = path.file_name().unwrap().to_str().unwrap();
-    let number = program::number(program::stem(name));
+    let number = program_number::from_name(program_number::stem(name));
     Arc::new(Source::new(number, name.to_uppercase(), std::fs::read(path).unwrap()))
 }
 
-fn run(source: &Arc<Source>) -> (String, Checked) {
-    let settings = Settings::sinumerik();
+fn run(source: &Arc<Source>) -> (String, CheckReport) {
+    let settings = NcSettings::sinumerik();
     let subs = files("tests/nc/802d/sub", "SPF").iter().map(|path| source_of(path)).collect();
     let library: Arc<dyn Library + Send + Sync> = Arc::new(Folder(subs));
-    let mut world = CheckWorld::new(&settings);
+    let mut world = OfflineMachine::new(&settings);
     let mut ops = String::new();
-    let checked = check_with(source, &library, &settings, Memory::default(), &mut world, &mut |block| {
-        let name = if block.at.program == source.number() { source.title() } else { program::title(block.at.program) };
+    let checked = check_with(source, &library, &settings, CommonVariables::default(), &mut world, &mut |block| {
+        let name = if block.location.program == source.number() {
+            source.title()
+        } else {
+            program_number::name_of(block.location.program)
+        };
         for op in &block.ops {
-            ops.push_str(&format!("{name}:{} {op}\n", block.at.line));
+            ops.push_str(&format!("{name}:{} {op}\n", block.location.line));
         }
     });
     (ops, checked)
@@ -53,11 +57,11 @@ fn source_of(path: &Path) -> (u32, Arc<Source>) {
 }
 
 /// What a text comes to, as one line a mistake.
-fn mistakes(checked: &Checked) -> Vec<String> {
+fn mistakes(checked: &CheckReport) -> Vec<String> {
     checked
         .faults
         .iter()
-        .map(|fault| format!("{}:{} {}", fault.place.line, fault.column, fault.cause(Lang::En)))
+        .map(|fault| format!("{}:{} {}", fault.location.line, fault.column, fault.cause(Lang::En)))
         .collect()
 }
 

@@ -45,7 +45,7 @@ pub fn ready_wired(
     let mut params = Params::factory(part.kind);
     wire(&mut params);
     let mut rig = rig(machine, Some(&part), params);
-    rig.sim.start_ready();
+    rig.sim.make_ready();
     rig.out.drives_on = true;
     for output in [Output::Hydraulic, Output::Tailstock, Output::Magnetise] {
         rig.out.terminals.set(rig.params.output_port(output), true);

@@ -2,7 +2,7 @@
 
 use crate::bench::{Rig, ready, ready_with};
 use kt830::defs::signal::{Input, Output};
-use kt830::io::sim::{EventKind, Looks, SurfaceFile};
+use kt830::io::sim::{EventKind, FaceDirection, SurfaceFile};
 use kt830::units::Axis;
 
 /// O1002 by hand: approach, rough, fine, spark-out, retract.
@@ -47,7 +47,7 @@ fn p5_a_plunge_without_spark_out_stays_larger() {
 #[test]
 fn p6_a_dull_wheel_needs_longer() {
     let mut rig = ready(1002);
-    rig.sim.set_wheel_dull(1.0);
+    rig.sim.set_wheel_dullness(1.0);
     plunge(&mut rig, 4.0);
     let (least, greatest) = size_um(&rig);
     // 2·5 µm/s·2 s = 20 µm, after 2 τ: 2.7 µm and 0.5 µm of wear.
@@ -58,7 +58,7 @@ fn p6_a_dull_wheel_needs_longer() {
 fn p5_the_same_seed_and_the_same_outputs_give_the_same_bits() {
     let course = || {
         let mut rig = ready(1002);
-        rig.sim.fault("bounce coolant-flow").unwrap();
+        rig.sim.inject_fault("bounce coolant-flow").unwrap();
         plunge(&mut rig, 1.0);
         (rig.sim.measure(), rig.sim.wheel(), rig.seen, rig.sim.slide_mm())
     };
@@ -219,7 +219,7 @@ fn jaw(rig: &mut Rig, from_z: f64, stages: &[(f64, f64, f64)], side: f64, spark_
 fn p5_jaw_faces_come_to_their_place_within_three_micrometres() {
     for dull in [0.0, 1.0] {
         let mut rig = ready(1001);
-        rig.sim.set_wheel_dull(dull);
+        rig.sim.set_wheel_dullness(dull);
         rig.switch(Output::Wheel, true);
         rig.wait(9.0);
         let stages = [(0.2, 0.02, 1_500.0), (0.05, 0.005, 800.0)];
@@ -261,8 +261,8 @@ fn p4_a_face_looking_the_other_way_is_touched_by_the_other_side() {
     rig.go(70.0, 30.05, 6_000.0);
     rig.go(10.0, 30.05, 800.0);
     rig.go(70.0, 30.05, 800.0);
-    let left = rig.sim.face_at(40.0, Some(Looks::PlusZ)).unwrap();
-    let right = rig.sim.face_at(40.0, Some(Looks::MinusZ)).unwrap();
+    let left = rig.sim.face_at(40.0, Some(FaceDirection::PlusZ)).unwrap();
+    let right = rig.sim.face_at(40.0, Some(FaceDirection::MinusZ)).unwrap();
     assert!((left - 9.98).abs() < 0.005, "the left face is as it was");
     assert!((right - 50.05).abs() < 0.001, "{right}");
     assert_eq!(rig.sim.face_at(70.0, None), None);
@@ -313,11 +313,11 @@ fn dress(rig: &mut Rig, depth: f64) {
 fn p6_dressing_takes_the_rim_back_and_sharpens_it() {
     let mut rig = ready(1002);
     rig.spin();
-    rig.sim.set_wheel_dull(0.8);
+    rig.sim.set_wheel_dullness(0.8);
     dress(&mut rig, 0.02);
     let wheel = rig.sim.wheel();
     assert!((600.0 - wheel.diameter_mm - 0.04).abs() < 0.000_1, "{}", wheel.diameter_mm);
-    assert!(wheel.dull <= 0.0);
+    assert!(wheel.dullness <= 0.0);
     dress(&mut rig, 0.02);
     assert!((600.0 - rig.sim.wheel().diameter_mm - 0.04).abs() < 0.000_1, "the second pass finds nothing");
     assert_eq!(rig.events(), []);

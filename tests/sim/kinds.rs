@@ -177,8 +177,8 @@ fn p3_coolant_flow_and_lubrication_level_have_switches_that_can_fail() {
         assert!(!rig.input(Input::CoolantFlow) && rig.input(Input::LubricationLevel), "{kind:?}");
         rig.switch(Output::Coolant, true);
         assert!(after(&mut rig, 0.6, Input::CoolantFlow), "{kind:?}");
-        rig.sim.fault("coolant-missing").unwrap();
-        rig.sim.fault("lubrication-missing").unwrap();
+        rig.sim.inject_fault("coolant-missing").unwrap();
+        rig.sim.inject_fault("lubrication-missing").unwrap();
         rig.step();
         assert!(!rig.input(Input::CoolantFlow) && !rig.input(Input::LubricationLevel), "{kind:?}");
         rig.sim.clear_fault("coolant-missing").unwrap();
@@ -328,7 +328,7 @@ fn p8_a_dead_gauge_tells_nothing() {
         rig.wait(1.1);
         let all = [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4];
         assert!(all.iter().all(|input| rig.input(*input)), "{kind:?}: far below the set size");
-        rig.sim.fault("gauge-dead").unwrap();
+        rig.sim.inject_fault("gauge-dead").unwrap();
         rig.step();
         assert!(all.iter().all(|input| !rig.input(*input)), "{kind:?}");
         rig.sim.clear_fault("gauge-dead").unwrap();
@@ -352,7 +352,7 @@ fn p8_every_switch_can_stick_and_chatter_on_every_kind() {
             for (fault, on) in [("stuck-on", true), ("stuck-off", false)] {
                 let text = format!("{fault} {}", input.id());
                 let before = rig.input(*input);
-                rig.sim.fault(&text).unwrap();
+                rig.sim.inject_fault(&text).unwrap();
                 rig.step();
                 assert_eq!(rig.input(*input), on, "{kind:?} {text}");
                 rig.sim.clear_fault(&text).unwrap();
@@ -360,7 +360,7 @@ fn p8_every_switch_can_stick_and_chatter_on_every_kind() {
                 assert_eq!(rig.input(*input), before, "{kind:?} {text}");
             }
             let text = format!("bounce {}", input.id());
-            rig.sim.fault(&text).unwrap();
+            rig.sim.inject_fault(&text).unwrap();
             let on = (0..100).filter(|_| {
                 rig.step();
                 rig.input(*input)
@@ -382,12 +382,12 @@ fn p8_drives_fault_and_lose_their_axis_on_every_kind() {
             }
             let letter = axis.letter().to_ascii_lowercase();
             let drive = [Input::DriveX, Input::DriveY, Input::DriveZ][axis as usize];
-            rig.sim.fault(&format!("drive-{letter}")).unwrap();
+            rig.sim.inject_fault(&format!("drive-{letter}")).unwrap();
             rig.jog(axis, -1.0, 50.0);
             rig.wait(0.2);
             assert!(rig.input(drive) && rig.seen.encoder_mm[axis].abs() < 0.002, "{kind:?} {axis}");
             let mut rig = driven_of(kind);
-            rig.sim.fault(&format!("following-{letter}")).unwrap();
+            rig.sim.inject_fault(&format!("following-{letter}")).unwrap();
             rig.jog(axis, -1.0, 50.0);
             rig.wait(0.2);
             assert!(!rig.input(drive) && rig.seen.encoder_mm[axis].abs() < 0.002, "{kind:?} {axis}");
@@ -399,11 +399,11 @@ fn p8_drives_fault_and_lose_their_axis_on_every_kind() {
 fn p8_pressure_supply_and_bus_fail_on_every_kind() {
     for kind in Kind::KT830 {
         let mut rig = ready(program_of(kind));
-        rig.sim.fault("pressure-loss").unwrap();
+        rig.sim.inject_fault("pressure-loss").unwrap();
         // 0.6·ln(3/2.2) = 0.186 s.
         assert!(after(&mut rig, 0.15, Input::HydraulicPressure), "{kind:?}");
         assert!(!after(&mut rig, 0.1, Input::HydraulicPressure), "{kind:?}");
-        rig.sim.fault("bus-silent 2").unwrap();
+        rig.sim.inject_fault("bus-silent 2").unwrap();
         let alive: Vec<bool> = (0..3)
             .map(|_| {
                 rig.step();
@@ -411,13 +411,13 @@ fn p8_pressure_supply_and_bus_fail_on_every_kind() {
             })
             .collect();
         assert_eq!(alive, [false, false, true], "{kind:?}");
-        rig.sim.fault("bus-late 2").unwrap();
+        rig.sim.inject_fault("bus-late 2").unwrap();
         rig.step();
         assert!(!rig.seen.bus_alive, "{kind:?}");
         rig.step();
         assert!(rig.seen.bus_alive, "{kind:?}");
         rig.wait(0.01);
-        rig.sim.fault("supply-loss").unwrap();
+        rig.sim.inject_fault("supply-loss").unwrap();
         rig.step();
         assert_eq!(rig.seen.terminals, Terminals(0), "{kind:?}");
     }
@@ -485,7 +485,7 @@ fn k1_an_axis_y_is_there_where_it_is_fitted() {
     rig.wait(0.3);
     assert!((rig.seen.encoder_mm[Axis::Y] + 5.0).abs() < 1e-9);
     assert!(!rig.input(Input::LimitYMinus) && !rig.input(Input::DriveY));
-    rig.sim.fault("drive-y").unwrap();
+    rig.sim.inject_fault("drive-y").unwrap();
     rig.step();
     assert!(rig.input(Input::DriveY));
     assert_eq!(rig.events(), []);

@@ -113,7 +113,7 @@ fn p3_a_ready_machine_has_pressure_and_its_tailstock_advanced() {
 #[test]
 fn p8_pressure_loss_drops_the_switch_in_two_tenths_of_a_second() {
     let mut rig = ready(1002);
-    rig.sim.fault("pressure-loss").unwrap();
+    rig.sim.inject_fault("pressure-loss").unwrap();
     // 0.6·ln(3/2.2) = 0.186 s.
     rig.wait(0.15);
     assert!(rig.input(Input::HydraulicPressure));
@@ -127,7 +127,7 @@ fn p8_pressure_loss_drops_the_switch_in_two_tenths_of_a_second() {
 #[test]
 fn p8_a_drive_fault_tells_and_stops_its_axis_only() {
     let mut rig = driven();
-    rig.sim.fault("drive-x").unwrap();
+    rig.sim.inject_fault("drive-x").unwrap();
     rig.jog(Axis::X, -1.0, 50.0);
     rig.jog(Axis::Z, -1.0, 50.0);
     rig.wait(0.2);
@@ -139,7 +139,7 @@ fn p8_a_drive_fault_tells_and_stops_its_axis_only() {
 #[test]
 fn p8_an_axis_that_does_not_follow_tells_nothing() {
     let mut rig = driven();
-    rig.sim.fault("following-z").unwrap();
+    rig.sim.inject_fault("following-z").unwrap();
     rig.jog(Axis::Z, -10.0, 50.0);
     assert!(!rig.input(Input::DriveZ), "the control has to see it from the encoder");
     assert!(rig.seen.encoder_mm[Axis::Z].abs() < 0.002, "{}", rig.seen.encoder_mm[Axis::Z]);
@@ -148,11 +148,11 @@ fn p8_an_axis_that_does_not_follow_tells_nothing() {
 #[test]
 fn p8_switches_stick_and_chatter() {
     let mut rig = driven();
-    rig.sim.fault("stuck-on home-x").unwrap();
+    rig.sim.inject_fault("stuck-on home-x").unwrap();
     rig.step();
     assert!(rig.input(Input::HomeX));
     rig.sim.clear_fault("stuck-on home-x").unwrap();
-    rig.sim.fault("bounce tailstock-retracted").unwrap();
+    rig.sim.inject_fault("bounce tailstock-retracted").unwrap();
     let (mut on, mut off) = (0, 0);
     for _ in 0..100 {
         rig.step();
@@ -164,7 +164,7 @@ fn p8_switches_stick_and_chatter() {
 #[test]
 fn p8_a_forced_input_goes_before_the_machine_and_a_fault() {
     let mut rig = ready(1002);
-    rig.sim.fault("stuck-on hydraulic-pressure").unwrap();
+    rig.sim.inject_fault("stuck-on hydraulic-pressure").unwrap();
     rig.sim.force_input("hydraulic-pressure", Some(false)).unwrap();
     rig.step();
     assert!(!rig.input(Input::HydraulicPressure));
@@ -181,7 +181,7 @@ fn p8_a_silent_bus_keeps_the_last_image_and_hears_nothing() {
     let mut rig = driven();
     rig.jog(Axis::Z, -1.0, 50.0);
     let before = rig.seen;
-    rig.sim.fault("bus-silent 3").unwrap();
+    rig.sim.inject_fault("bus-silent 3").unwrap();
     rig.out.terminals.set(10, true);
     for _ in 0..3 {
         rig.step();
@@ -198,7 +198,7 @@ fn p8_a_silent_bus_keeps_the_last_image_and_hears_nothing() {
 #[test]
 fn p8_a_late_bus_answers_a_tick_late() {
     let mut rig = driven();
-    rig.sim.fault("bus-late 5").unwrap();
+    rig.sim.inject_fault("bus-late 5").unwrap();
     let mut alive = Vec::new();
     for tick in 1..=8 {
         rig.out.set_point_mm[Axis::Z] = -0.5 * f64::from(tick);
@@ -213,7 +213,7 @@ fn p8_a_late_bus_answers_a_tick_late() {
 #[test]
 fn p8_supply_loss_makes_every_terminal_low() {
     let mut rig = ready(1002);
-    rig.sim.fault("supply-loss").unwrap();
+    rig.sim.inject_fault("supply-loss").unwrap();
     rig.step();
     assert_eq!(rig.seen.terminals, Terminals(0));
     assert!(rig.input(Input::EmergencyStop) && rig.input(Input::LimitXPlus), "broken wires stop the machine");
@@ -225,8 +225,8 @@ fn p8_supply_loss_makes_every_terminal_low() {
 #[test]
 fn p8_an_unknown_fault_is_refused() {
     let mut rig = cold();
-    assert!(rig.sim.fault("earthquake").is_err());
-    assert!(rig.sim.fault("stuck-on wheel").is_err());
+    assert!(rig.sim.inject_fault("earthquake").is_err());
+    assert!(rig.sim.inject_fault("stuck-on wheel").is_err());
 }
 
 #[test]

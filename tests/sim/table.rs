@@ -79,7 +79,7 @@ fn p5_one_pass_over_a_plane_leaves_a_quarter_whatever_the_speed_and_the_tick() {
 #[test]
 fn p6_a_dull_wheel_leaves_more_of_a_plane() {
     let mut rig = ready(1007);
-    rig.sim.set_wheel_dull(1.0);
+    rig.sim.set_wheel_dullness(1.0);
     rig.spin();
     rig.go_xyz(-60.0, 20.09, 10.0, 6_000.0);
     rig.go_xyz(260.0, 20.09, 10.0, 12_000.0);
@@ -372,20 +372,20 @@ fn p8_crashes_of_a_rotary_table_grinder() {
 fn p6_the_diamond_of_a_rotary_table_grinder_sharpens_slice_by_slice() {
     let mut rig = ready(1010);
     rig.spin();
-    rig.sim.set_wheel_dull(1.0);
+    rig.sim.set_wheel_dullness(1.0);
     rig.go(200.0, 85.0, 6_000.0);
     rig.go(295.0, 85.0, 6_000.0);
     rig.go(295.0, 79.98, 1_000.0);
     rig.go(245.0, 79.98, 200.0);
     let wheel = rig.sim.wheel();
-    assert!((500.0 - wheel.diameter_mm - 0.04).abs() < 0.000_1 && wheel.dull <= 0.0, "{wheel:?}");
+    assert!((500.0 - wheel.diameter_mm - 0.04).abs() < 0.000_1 && wheel.dullness <= 0.0, "{wheel:?}");
 }
 
 #[test]
 fn p6_the_roll_dresses_the_whole_width_at_once_while_it_turns() {
     let mut rig = ready(1007);
     rig.spin();
-    rig.sim.set_wheel_dull(1.0);
+    rig.sim.set_wheel_dullness(1.0);
     assert!((rig.sim.roll_rpm() - 200.0).abs() < 1e-9);
     // Roll: machine X -15, Y -240, Z -150 to -90: part 385, 40, 40 to 100.
     rig.go_xyz(385.0, 60.0, 50.0, 6_000.0);
@@ -393,7 +393,7 @@ fn p6_the_roll_dresses_the_whole_width_at_once_while_it_turns() {
     rig.go_xyz(385.0, 39.98, 50.0, 1.0);
     rig.wait(0.2);
     let wheel = rig.sim.wheel();
-    assert!((500.0 - wheel.diameter_mm - 0.04).abs() < 0.000_1 && wheel.dull <= 0.0, "{wheel:?}");
+    assert!((500.0 - wheel.diameter_mm - 0.04).abs() < 0.000_1 && wheel.dullness <= 0.0, "{wheel:?}");
     assert_eq!(rig.events(), []);
     // 10 mm off along the stroke the two circles of 250 and 40 mm leave 10²/(2·290) = 0.17 mm.
     rig.go_xyz(385.0, 50.0, 50.0, 3_000.0);

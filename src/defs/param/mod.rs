@@ -14,14 +14,14 @@ use super::text::Text;
 use crate::units::{Axis, Micros};
 
 /// Column of the bit table with the factory bits of each kind, in the order of `Kind::ALL`.
-const KT830_COLUMN: [usize; Kind::ALL.len()] = [0, 1, 2, 0, 0];
+const FACTORY_COLUMN_OF_KIND: [usize; Kind::ALL.len()] = [0, 1, 2, 0, 0];
 
 /// Exclusive upper limit of parameter numbers.
 pub const PARAM_LIMIT: usize = 440;
 
 /// Who may change a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum Level {
+pub enum AccessLevel {
     /// Anyone at the panel.
     Operator,
     /// The user's password.
@@ -32,7 +32,7 @@ pub enum Level {
 
 /// A numeric parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Number {
+pub struct NumberParam {
     /// P number.
     pub number: u16,
     /// Display name.
@@ -46,12 +46,12 @@ pub struct Number {
     /// Factory value.
     pub factory: f64,
     /// Who may change it.
-    pub level: Level,
+    pub level: AccessLevel,
 }
 
 /// One bit of a bit parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bit {
+pub struct BitParam {
     /// P number.
     pub number: u16,
     /// Bit 0…7.
@@ -61,10 +61,10 @@ pub struct Bit {
     /// Factory value on GC, GS, GA; the other kinds use the GC value, except for `FACTORY_BITS_OF_KIND`.
     pub factory: [bool; 3],
     /// Who may change it.
-    pub level: Level,
+    pub level: AccessLevel,
 }
 
-impl Bit {
+impl BitParam {
     /// The address of the parameter.
     #[must_use]
     pub const fn address(self) -> ParamAddress {
@@ -72,17 +72,17 @@ impl Bit {
     }
 }
 
-impl Bit {
+impl BitParam {
     /// Its factory value on a kind of machine.
     #[must_use]
-    pub fn factory_of(&self, kind: Kind) -> bool {
+    pub fn factory_on(&self, kind: Kind) -> bool {
         let own = FACTORY_BITS_OF_KIND.iter().find(|(of, row, _)| *of == kind && row == self);
-        let like = KT830_COLUMN[kind as usize];
+        let like = FACTORY_COLUMN_OF_KIND[kind as usize];
         own.map_or(self.factory[like], |(.., value)| *value)
     }
 }
 
-impl Number {
+impl NumberParam {
     /// The address of the parameter.
     #[must_use]
     pub const fn address(self) -> ParamAddress {
@@ -110,7 +110,7 @@ pub enum ParamError {
     },
     /// The value is not a whole number (ports, counts and codes).
     #[error("P{number} takes a whole number, not {value}")]
-    Whole {
+    NotWhole {
         /// P number.
         number: u16,
         /// The refused value.
@@ -135,7 +135,7 @@ impl ParamError {
         match self {
             Self::Unknown(number) => format!("没有参数 P{number}"),
             Self::Range { number, min, max, value } => format!("P{number} 范围 {min} 到 {max}，不能为 {value}"),
-            Self::Whole { number, value } => format!("P{number} 应为整数，不能为 {value}"),
+            Self::NotWhole { number, value } => format!("P{number} 应为整数，不能为 {value}"),
             Self::Bit { number, bit, value } => format!("P{number}.{bit} 只能为 0 或 1，不能为 {value}"),
         }
     }
@@ -201,7 +201,7 @@ impl Params {
             params.numbers[usize::from(output.port_param())] = f64::from(factory_output_port(*output));
         }
         for row in BITS {
-            params.put_bit(row.number, row.bit, row.factory_of(kind));
+            params.put_bit(row.number, row.bit, row.factory_on(kind));
         }
         params
     }
@@ -213,13 +213,13 @@ impl Params {
 
     /// The value of a number parameter.
     #[must_use]
-    pub fn get(&self, row: Number) -> f64 {
+    pub fn get(&self, row: NumberParam) -> f64 {
         self.numbers[usize::from(row.number)]
     }
 
     /// Whether a bit is 1.
     #[must_use]
-    pub fn bit(&self, row: Bit) -> bool {
+    pub fn bit(&self, row: BitParam) -> bool {
         self.bits[usize::from(row.number)] >> row.bit & 1 == 1
     }
 
@@ -239,13 +239,13 @@ impl Params {
     #[must_use]
     pub fn output_conflict(&self, kind: Kind, output: Output) -> Option<Output> {
         let port = self.output_port(output);
-        let others = Output::ALL.iter().copied().filter(|other| *other != output && other.is_of(kind));
-        others.into_iter().find(|other| port != 0 && output.is_of(kind) && self.output_port(*other) == port)
+        let others = Output::ALL.iter().copied().filter(|other| *other != output && other.exists_on(kind));
+        others.into_iter().find(|other| port != 0 && output.exists_on(kind) && self.output_port(*other) == port)
     }
 
     /// A number parameter in milliseconds, as a time span.
     #[must_use]
-    pub fn millis(&self, row: Number) -> Micros {
+    pub fn millis(&self, row: NumberParam) -> Micros {
         Micros::from_millis_f64(self.get(row))
     }
 
@@ -260,7 +260,7 @@ impl Params {
 
     /// The value for an axis, of three consecutive parameters X, Y, Z; `x` is the first.
     #[must_use]
-    pub fn of_axis(&self, x: Number, axis: Axis) -> f64 {
+    pub fn get_axis(&self, x: NumberParam, axis: Axis) -> f64 {
         self.numbers[usize::from(x.number) + axis as usize]
     }
 
@@ -303,7 +303,7 @@ impl Params {
             return Err(ParamError::Range { number: at.number, min, max, value });
         }
         if whole && value.fract().abs() > 0.0 {
-            return Err(ParamError::Whole { number: at.number, value });
+            return Err(ParamError::NotWhole { number: at.number, value });
         }
         self.numbers[usize::from(at.number)] = value;
         Ok(())

@@ -1,29 +1,29 @@
 //! The table of parameters: bits, numbers and the factory ports.
 //! Source: the customer's numbers (P4.4 … P349) and spec K3, K4, B7; numbers 30 to 99 are defined by this project.
 
-use super::{Bit, Level, Number};
+use super::{AccessLevel, BitParam, NumberParam};
 use crate::defs::kind::Kind;
 use crate::defs::signal::{Input, Output};
 use crate::defs::text::Text;
 
 macro_rules! bits {
     ($($name:ident = $number:literal bit $bit:literal, $factory:expr, $level:ident, $zh:literal, $en:literal;)*) => {
-        $(#[doc = $en] pub const $name: Bit = Bit {
-            number: $number, bit: $bit, name: Text::new($zh, $en), factory: $factory, level: Level::$level,
+        $(#[doc = $en] pub const $name: BitParam = BitParam {
+            number: $number, bit: $bit, name: Text::new($zh, $en), factory: $factory, level: AccessLevel::$level,
         };)*
         /// Every bit, by number and bit.
-        pub const BITS: &[Bit] = &[$($name,)*];
+        pub const BITS: &[BitParam] = &[$($name,)*];
     };
 }
 
 macro_rules! numbers {
     ($($name:ident = $number:literal, $min:expr => $max:expr, $factory:expr, $unit:literal, $level:ident, $zh:literal, $en:literal;)*) => {
-        $(#[doc = $en] pub const $name: Number = Number {
+        $(#[doc = $en] pub const $name: NumberParam = NumberParam {
             number: $number, name: Text::new($zh, $en), unit: $unit,
-            min: $min as f64, max: $max as f64, factory: $factory as f64, level: Level::$level,
+            min: $min as f64, max: $max as f64, factory: $factory as f64, level: AccessLevel::$level,
         };)*
         /// Every number parameter except the ports, in table order.
-        pub const NUMBERS: &[Number] = &[$($name,)*];
+        pub const NUMBERS: &[NumberParam] = &[$($name,)*];
     };
 }
 
@@ -35,10 +35,10 @@ bits! {
     HOME_MINUS_X = 5 bit 0, NO, Builder, "X 回零方向为负", "X homes in minus direction";
     HOME_MINUS_Y = 5 bit 1, NO, Builder, "Y 回零方向为负", "Y homes in minus direction";
     HOME_MINUS_Z = 5 bit 2, NO, Builder, "Z 回零方向为负", "Z homes in minus direction";
-    SPEED_AT_THE_RIM = 5 bit 3, NO, Builder, "S 为砂轮线速度 m/s", "S is the rim speed of the wheel, m/s";
-    ARCS_AS_ISO = 5 bit 4, NO, Builder, "超人：G02/G03 方向按 ISO", "SuperMan: G02 and G03 turn as in ISO";
+    S_IS_SURFACE_SPEED = 5 bit 3, NO, Builder, "S 为砂轮线速度 m/s", "S is the rim speed of the wheel, m/s";
+    ISO_ARC_DIRECTION = 5 bit 4, NO, Builder, "超人：G02/G03 方向按 ISO", "SuperMan: G02 and G03 turn as in ISO";
     RADIUS_PROGRAMMING = 6 bit 0, [false, true, true], Builder, "半径编程", "radius programming";
-    LEAST_INCREMENT = 6 bit 1, NO, Builder, "无小数点数值为最小单位", "numbers without a point are least increments";
+    INTEGERS_AS_LEAST_INCREMENTS = 6 bit 1, NO, Builder, "无小数点数值为最小单位", "numbers without a point are least increments";
     IN_POSITION_CHECK = 6 bit 2, NO, Builder, "准停时检测到位", "in-position check at every exact stop";
     EDIT_VALUES_IN_RUN = 6 bit 3, NO, User, "运行中允许修改磨削数据", "grinding values may be edited in a run";
     COUNT_ON_M30 = 6 bit 4, NO, User, "M30 工件计数", "M30 counts a workpiece";
@@ -92,12 +92,12 @@ numbers! {
     HOMING_TRAVEL = 60, 1 => 9_999, 1_500, "mm", Builder, "回零最大行程", "greatest homing travel";
     WHEEL_RUN_UP = 61, 0 => 60_000, 9_000, "ms", Builder, "砂轮启动延时", "wheel run-up delay";
     HEADSTOCK_RUN_UP = 62, 0 => 60_000, 2_000, "ms", Builder, "头架启动延时", "headstock run-up delay";
-    TAILSTOCK_TIME = 63, 0 => 60_000, 3_000, "ms", Builder, "尾座动作超时", "tailstock time-out";
+    TAILSTOCK_TIMEOUT = 63, 0 => 60_000, 3_000, "ms", Builder, "尾座动作超时", "tailstock time-out";
     WHEEL_RPM_MAX = 64, 1 => 20_000, 1_260, "rpm", Builder, "砂轮最高转速 (10V)", "wheel speed at 10 V";
     ANALOG_2_RPM_MAX = 65, 1 => 20_000, 300, "rpm", Builder, "第二模拟量最高转速 (10V)", "second analog speed at 10 V";
     JOG_KEEP_ALIVE = 66, 20 => 1_000, 200, "ms", Builder, "手动键保持时间", "jog keep-alive";
     HANDWHEEL_SPEED = 67, 1 => 20_000, 3_000, "mm/min", Builder, "手轮最高速度", "greatest handwheel speed";
-    DRAIN_TIME = 68, 10 => 60_000, 5_000, "ms", Builder, "到位等待超时", "in-position time-out";
+    IN_POSITION_TIMEOUT = 68, 10 => 60_000, 5_000, "ms", Builder, "到位等待超时", "in-position time-out";
     SKIP_SPEED_MAX = 69, 1 => 20_000, 1_500, "mm/min", Builder, "G31 最大速度", "greatest G31 speed";
     RAPID_F0 = 72, 1 => 5_000, 400, "mm/min", Builder, "快速 F0 速度", "rapid speed at F0";
     WHEEL_RPM = 73, 0 => 20_000, 1_100, "rpm", User, "砂轮默认转速", "wheel speed without S";
@@ -107,7 +107,7 @@ numbers! {
     WHEEL_DIAMETER = 77, 10 => 2_000, 600, "mm", User, "砂轮直径", "wheel diameter";
     WHEEL_WIDTH = 78, 1 => 1_000, 20, "mm", User, "砂轮宽度", "wheel width";
     WHEEL_RATED_SPEED = 79, 1 => 200, 35, "m/s", User, "砂轮额定线速度", "rated peripheral speed of the wheel";
-    GAUGE_ARM_TIME = 80, 0 => 60_000, 3_000, "ms", Builder, "量仪动作超时", "gauge arm time-out";
+    GAUGE_ARM_TIMEOUT = 80, 0 => 60_000, 3_000, "ms", Builder, "量仪动作超时", "gauge arm time-out";
     MAGNETISE_TIME = 81, 0 => 60_000, 1_000, "ms", Builder, "充磁时间", "time until the magnet holds";
     DEMAGNETISE_TIME = 82, 0 => 60_000, 6_000, "ms", Builder, "退磁时间", "demagnetising time";
     COOLANT_FLOW_DELAY = 83, 0 => 60_000, 3_000, "ms", Builder, "冷却液流量检测延时", "coolant flow check delay";
@@ -115,16 +115,16 @@ numbers! {
     LUBRICATION_INTERVAL = 85, 0 => 1_440, 0, "min", Builder, "润滑间隔 (0 为手动)", "lubrication interval, 0 by hand";
     LUBRICATION_TIME = 86, 1 => 600, 10, "s", Builder, "润滑时间", "lubrication time";
     SECOND_SPINDLE_PAUSE = 87, 0 => 60_000, 1_000, "ms", Builder, "第二主轴换向停顿", "pause before the second spindle reverses";
-    GEAR_TIME = 88, 0 => 60_000, 2_000, "ms", Builder, "换档超时", "gear change time-out";
+    GEAR_CHANGE_TIMEOUT = 88, 0 => 60_000, 2_000, "ms", Builder, "换档超时", "gear change time-out";
     DRY_RUN_FEED = 89, 1 => 20_000, 3_000, "mm/min", User, "空运行速度", "dry-run feed";
-    HOLD_WITHDRAW = 90, 0 => 50, 0, "mm", User, "进给保持退砂轮距离", "wheel withdrawal in a feed hold, 0 none";
-    DRESSING_FIRST = 91, 0 => 9_999, 1_011, "", User, "修整程序起始号", "first dressing program";
-    DRESSING_LAST = 92, 0 => 9_999, 1_012, "", User, "修整程序末号", "last dressing program";
+    HOLD_RETRACT_DISTANCE = 90, 0 => 50, 0, "mm", User, "进给保持退砂轮距离", "wheel withdrawal in a feed hold, 0 none";
+    DRESSING_PROGRAM_FIRST = 91, 0 => 9_999, 1_011, "", User, "修整程序起始号", "first dressing program";
+    DRESSING_PROGRAM_LAST = 92, 0 => 9_999, 1_012, "", User, "修整程序末号", "last dressing program";
     JUMP_INPUT = 93, 0 => 64, 0, "", Builder, "M91/M92 默认输入口", "input port of M91/M92 without L, 0 none";
-    CYLINDER_TIME = 94, 0 => 60_000, 3_000, "ms", Builder, "振荡气缸超时", "oscillation cylinder time-out";
+    CYLINDER_TIMEOUT = 94, 0 => 60_000, 3_000, "ms", Builder, "振荡气缸超时", "oscillation cylinder time-out";
     DRESSING_INTERVAL = 95, 0 => 9_999, 0, "", User, "修整间隔件数 (0 无)", "dressing interval in parts, 0 none";
     PARTS_SINCE_DRESSING = 96, 0 => 999_999, 0, "", User, "修整后件数", "parts since the last dressing";
-    DRESSINGS = 97, 0 => 999_999, 0, "", User, "换砂轮后修整次数", "dressings since the wheel was changed";
+    DRESSING_COUNT = 97, 0 => 999_999, 0, "", User, "换砂轮后修整次数", "dressings since the wheel was changed";
     DRESSING_POINT_SIDE = 98, -1 => 1, -1, "", Builder, "修整器位置 -1:工件侧 0:修整点不变 1:对侧", "dresser: -1 on the part's side, 0 the point stays, 1 opposite";
     REFERENCE_2_X = 161, -9_999 => 9_999, 0, "mm", Builder, "第 2 参考点 X", "reference point 2 X";
     REFERENCE_2_Y = 162, -9_999 => 9_999, 0, "mm", Builder, "第 2 参考点 Y", "reference point 2 Y";
@@ -136,18 +136,18 @@ numbers! {
     REFERENCE_4_Y = 168, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Y", "reference point 4 Y";
     REFERENCE_4_Z = 169, -9_999 => 9_999, 0, "mm", Builder, "第 4 参考点 Z", "reference point 4 Z";
     COMPENSATION_SPEED = 99, 6 => 6_000, 600, "mm/min", Builder, "螺距/间隙补偿最大速度", "greatest speed of screw compensation";
-    SPINDLE_PULSE = 386, 10 => 5_000, 400, "ms", Builder, "主轴 M03 M04 M05 脉冲时间", "length of the spindle's pulses";
+    SPINDLE_PULSE_TIME = 386, 10 => 5_000, 400, "ms", Builder, "主轴 M03 M04 M05 脉冲时间", "length of the spindle's pulses";
     SPINDLE_RUN_UP = 387, 0 => 60_000, 2_000, "ms", Builder, "主轴启动延时", "spindle run-up delay";
-    POST_TIME = 388, 0 => 60_000, 5_000, "ms", Builder, "刀架转位超时", "tool post time-out";
-    POST_CLAMP_TIME = 389, 0 => 10_000, 500, "ms", Builder, "刀架反转锁紧时间", "time of the tool post's clamping";
-    DRIVE_LAG = 391, 0 => 200, 20, "ms", Builder, "螺纹：驱动滞后时间", "threads: how long the drives lag behind";
-    LINE_FEED = 380, 6 => 2_000, 300, "mm/min", User, "G01 默认速度", "feed of G01 without F";
-    ARC_FEED = 381, 6 => 600, 300, "mm/min", User, "G02/G03 默认速度", "feed of G02 and G03 without F";
+    TOOL_TURRET_TIMEOUT = 388, 0 => 60_000, 5_000, "ms", Builder, "刀架转位超时", "tool post time-out";
+    TOOL_TURRET_CLAMP_TIME = 389, 0 => 10_000, 500, "ms", Builder, "刀架反转锁紧时间", "time of the tool post's clamping";
+    SERVO_LAG = 391, 0 => 200, 20, "ms", Builder, "螺纹：驱动滞后时间", "threads: how long the drives lag behind";
+    DEFAULT_LINE_FEED = 380, 6 => 2_000, 300, "mm/min", User, "G01 默认速度", "feed of G01 without F";
+    DEFAULT_ARC_FEED = 381, 6 => 600, 300, "mm/min", User, "G02/G03 默认速度", "feed of G02 and G03 without F";
     RAPID_Z_PER_X = 382, 0.1 => 10, 2, "mm/mm", Builder, "G00 联动时 Z 与 X 位移比", "Z to X travel while both run in G00";
-    PULSE = 383, 0.0001 => 0.1, 0.01, "mm", Builder, "编程最小增量", "least increment of a programmed coordinate";
+    LEAST_INPUT_INCREMENT = 383, 0.0001 => 0.1, 0.01, "mm", Builder, "编程最小增量", "least increment of a programmed coordinate";
     BAR_DIAMETER = 384, 0 => 1_000, 0, "mm", Operator, "棒料直径 (0 按程序)", "bar diameter, 0 as comes with the program";
     BAR_LENGTH = 385, 1 => 2_000, 120, "mm", Operator, "棒料伸出长度", "bar length out of the chuck";
-    FIXED_STEP = 395, 0 => 500, 0, "mm", Operator, "单步方式定长进给 (0 按倍率键)", "fixed length of a step by hand, 0 by the step keys";
+    FIXED_STEP_LENGTH = 395, 0 => 500, 0, "mm", Operator, "单步方式定长进给 (0 按倍率键)", "fixed length of a step by hand, 0 by the step keys";
     TOOL_1_SHAPE = 400, 1 => 4, 1, "", Operator, "1 号刀形状 1:外圆 2:尖刀 3:切槽 4:螺纹", "tool 1: 1 turning, 2 neutral, 3 grooving, 4 threading";
     TOOL_1_WIDTH = 401, 0.5 => 50, 8, "mm", Operator, "1 号刀刀刃宽度", "tool 1: width of its edge";
     TOOL_1_EDGE = 402, 1 => 100, 8, "mm", Operator, "1 号刀刀刃高度", "tool 1: how far its edge cuts";
@@ -164,18 +164,18 @@ numbers! {
     TOOL_4_WIDTH = 413, 0.5 => 50, 2, "mm", Operator, "4 号刀刀刃宽度", "tool 4: width of its edge";
     TOOL_4_EDGE = 414, 1 => 100, 8, "mm", Operator, "4 号刀刀刃高度", "tool 4: how far its edge cuts";
     TOOL_4_SHANK = 415, 5 => 200, 25, "mm", Operator, "4 号刀刀杆宽度", "tool 4: width of its shank";
-    LOOP_RUN = 390, 1 => 9_999, 1, "", User, "程序循环执行次数", "how often a program runs on one cycle start";
+    PROGRAM_REPEATS = 390, 1 => 9_999, 1, "", User, "程序循环执行次数", "how often a program runs on one cycle start";
     SERIAL_BAUD = 370, 300 => 115_200, 9_600, "", User, "RS232 波特率 bit/s", "RS232 baud rate, bit/s";
-    SERIAL_SILENCE = 371, 1 => 600, 10, "s", User, "RS232 传输中断等待时间", "RS232: pause that ends a transmission";
-    SERIAL_START = 372, 1 => 3_600, 120, "s", User, "RS232 等待对方开始时间", "RS232: how long the beginning is waited for";
-    SERIAL_LEADER = 373, 0 => 500, 32, "", User, "RS232 引导空字符数", "RS232: NUL before and after programs";
-    WHEEL_SMALLEST = 374, 0 => 2_000, 0, "mm", User, "砂轮最小直径 (0 不计还可修整次数)", "smallest wheel diameter, 0: dressings left are not told";
-    TREND_SIZE = 375, 0 => 999, 0, "", User, "趋势：存实测尺寸的变量 (0 仿真尺寸)", "trend: variable that holds the measured size, 0 the simulated one";
-    TREND_NOMINAL = 376, 0 => 999, 0, "", User, "趋势：公称尺寸的变量 (0 无)", "trend: variable that holds the nominal size, 0 none";
+    SERIAL_PAUSE_TIMEOUT = 371, 1 => 600, 10, "s", User, "RS232 传输中断等待时间", "RS232: pause that ends a transmission";
+    SERIAL_START_TIMEOUT = 372, 1 => 3_600, 120, "s", User, "RS232 等待对方开始时间", "RS232: how long the beginning is waited for";
+    SERIAL_LEADER_LENGTH = 373, 0 => 500, 32, "", User, "RS232 引导空字符数", "RS232: NUL before and after programs";
+    WHEEL_MIN_DIAMETER = 374, 0 => 2_000, 0, "mm", User, "砂轮最小直径 (0 不计还可修整次数)", "smallest wheel diameter, 0: dressings left are not told";
+    TREND_SIZE_VARIABLE = 375, 0 => 999, 0, "", User, "趋势：存实测尺寸的变量 (0 仿真尺寸)", "trend: variable that holds the measured size, 0 the simulated one";
+    TREND_NOMINAL_VARIABLE = 376, 0 => 999, 0, "", User, "趋势：公称尺寸的变量 (0 无)", "trend: variable that holds the nominal size, 0 none";
     TREND_UPPER = 377, -10 => 10, 0, "mm", User, "趋势：上偏差", "trend: upper deviation";
     TREND_LOWER = 378, -10 => 10, 0, "mm", User, "趋势：下偏差", "trend: lower deviation";
     PARTS_DONE = 70, 0 => 999_999, 0, "", Operator, "已加工件数", "parts done";
-    PARTS_WANTED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
+    PARTS_REQUIRED = 71, 0 => 999_999, 0, "", Operator, "需加工件数", "parts wanted";
     OSCILLATION_DWELL_FORWARD = 235, 0 => 10_000, 0, "x4ms", User, "振荡前进到位延时", "oscillation dwell forward";
     OSCILLATION_DWELL_BACKWARD = 236, 0 => 10_000, 0, "x4ms", User, "振荡后退到位延时", "oscillation dwell backward";
     OSCILLATION_SPEED = 237, 1 => 20_000, 3_000, "mm/min", User, "振荡最大速度", "greatest oscillation speed";
@@ -183,7 +183,7 @@ numbers! {
     OSCILLATION_POSITION = 239, -9_999 => 9_999, 0, "mm", User, "手动振荡位置", "manual oscillation position";
     OSCILLATION_TIME_CONSTANT = 240, 1 => 5_000, 400, "ms", User, "振荡加减速时间常数", "oscillation time constant";
     OSCILLATION_FREQUENCY = 241, 1 => 1_000, 5, "1/min", User, "振荡频率", "oscillation frequency";
-    WHEEL_ON_SPEED = 242, 1 => 20_000, 500, "mm/min", User, "砂轮启动后负向限速", "slow-direction speed with the wheel on";
+    WHEEL_ON_INFEED_SPEED = 242, 1 => 20_000, 500, "mm/min", User, "砂轮启动后负向限速", "slow-direction speed with the wheel on";
     DRESS_RETURN_SPEED = 243, 1 => 20_000, 1_000, "mm/min", User, "回修整点速度", "dressing-point return speed";
     HYDRAULIC_DELAY = 270, 0 => 60_000, 3_000, "ms", Builder, "液压检测延时", "hydraulic check delay";
     INPUTS_INVERTED_1 = 354, 0 => 65_535, 8, "", Builder, "输入口 1-16 反相", "inputs 1-16 inverted";
@@ -193,20 +193,20 @@ numbers! {
 }
 
 /// Factory values of a kind that differ from the table: travels, wheel, speeds.
-pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
+pub(super) const FACTORY_OF_KIND: &[(Kind, NumberParam, f64)] = &[
     (Kind::Gs, SOFT_MINUS_X, -600.0),
     (Kind::Gs, SOFT_MINUS_Z, -300.0),
     (Kind::Gs, WHEEL_DIAMETER, 500.0),
     (Kind::Gs, WHEEL_WIDTH, 40.0),
     (Kind::Gs, WHEEL_RATED_SPEED, 30.0),
-    (Kind::Gs, DRESSING_FIRST, 1_013.0),
-    (Kind::Gs, DRESSING_LAST, 1_013.0),
+    (Kind::Gs, DRESSING_PROGRAM_FIRST, 1_013.0),
+    (Kind::Gs, DRESSING_PROGRAM_LAST, 1_013.0),
     (Kind::Ga, SOFT_MINUS_X, -400.0),
     (Kind::Ga, WHEEL_DIAMETER, 500.0),
     (Kind::Ga, WHEEL_WIDTH, 40.0),
     (Kind::Ga, WHEEL_RATED_SPEED, 30.0),
-    (Kind::Ga, DRESSING_FIRST, 1_014.0),
-    (Kind::Ga, DRESSING_LAST, 1_014.0),
+    (Kind::Ga, DRESSING_PROGRAM_FIRST, 1_014.0),
+    (Kind::Ga, DRESSING_PROGRAM_LAST, 1_014.0),
     (Kind::Ga, SOFT_MINUS_Z, -300.0),
     (Kind::Vertical, SOFT_MINUS_X, -450.0),
     (Kind::Vertical, SOFT_MINUS_Z, -600.0),
@@ -227,11 +227,11 @@ pub(super) const FACTORY_OF_KIND: &[(Kind, Number, f64)] = &[
 ];
 
 /// Narrower ranges of a kind. L2: rapid 2000–6000 mm/min on Z, half of that on X.
-pub(super) const RANGE_OF_KIND: &[(Kind, Number, f64, f64)] =
+pub(super) const RANGE_OF_KIND: &[(Kind, NumberParam, f64, f64)] =
     &[(Kind::Lathe, RAPID_X, 1_000.0, 3_000.0), (Kind::Lathe, RAPID_Z, 2_000.0, 6_000.0)];
 
 /// Factory bits of the kinds without a column in the bit table, where they differ from the GC column.
-pub(super) const FACTORY_BITS_OF_KIND: &[(Kind, Bit, bool)] = &[
+pub(super) const FACTORY_BITS_OF_KIND: &[(Kind, BitParam, bool)] = &[
     (Kind::Vertical, TAILSTOCK_ENABLED, false),
     (Kind::Lathe, TAILSTOCK_ENABLED, false),
     (Kind::Lathe, NO_HYDRAULIC_CHECK, true),

@@ -1,10 +1,10 @@
 //! The help entries: one per page, soft key, panel key, alarm, G and M code and parameter, each from its table row.
 //! Source: spec B6, K2.4, B8; the tables in `defs`.
 
-use super::map;
+use super::keyboard_map;
 use crate::defs::alarm::{self, ALARMS, Reaction, ResetRule};
 use crate::defs::dialect_word;
-use crate::defs::gcode::{Exists, G_CODES, Group};
+use crate::defs::gcode::{Availability, G_CODES, GCodeGroup};
 use crate::defs::key::{self, Key};
 use crate::defs::kind::Kind;
 use crate::defs::mcode;
@@ -12,8 +12,8 @@ use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::param_row::{self, ParamRow};
 use crate::defs::program_error::ProgramError;
-use crate::defs::soft_key::{self, SoftAct};
-use crate::defs::text::{Lang, Said, Text};
+use crate::defs::soft_key::{self, SoftKeyAction};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::keyboard::SHORTCUTS;
 
 /// A section of the help.
@@ -72,11 +72,11 @@ impl Section {
 
 /// The subject of an entry; the machine adds live text to some subjects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum About {
+pub enum HelpTopic {
     /// A page.
     Page(Page),
     /// A soft key.
-    Soft(SoftAct),
+    SoftKey(SoftKeyAction),
     /// A key of the panel.
     Key(Key),
     /// An alarm by its number.
@@ -87,10 +87,10 @@ pub enum About {
     Param(ParamAddress),
 }
 
-impl About {
+impl HelpTopic {
     /// The subject of an alarm number; the alarms that programs raise by `#3000` share one entry.
-    pub(super) fn alarm(number: u16) -> Self {
-        Self::Alarm(number.min(alarm::USER_FIRST))
+    pub(super) fn for_alarm(number: u16) -> Self {
+        Self::Alarm(number.min(alarm::USER_ALARM_FIRST))
     }
 }
 
@@ -100,45 +100,52 @@ pub struct HelpEntry {
     /// Its section.
     pub section: Section,
     /// Its subject.
-    pub about: About,
+    pub topic: HelpTopic,
     /// Its id: `page-grinding`, `alarm-180`, `m-M03`.
     pub id: String,
     /// The short code in front: `F4`, `180`, `M03`.
-    pub sign: String,
+    pub code: String,
     /// Its name.
-    pub name: Said,
+    pub name: LocalizedText,
     /// Captions and texts.
-    pub parts: Vec<(Text, Said)>,
+    pub paragraphs: Vec<(Text, LocalizedText)>,
     /// All texts in lower case, for the search.
-    haystack: String,
+    search_text: String,
 }
 
 impl HelpEntry {
-    fn new(section: Section, about: About, id: String, sign: String, name: Said, parts: Vec<(Text, Said)>) -> Self {
+    fn new(
+        section: Section,
+        about: HelpTopic,
+        id: String,
+        sign: String,
+        name: LocalizedText,
+        parts: Vec<(Text, LocalizedText)>,
+    ) -> Self {
         let mut haystack = format!("{id} {sign} {} {}", name.zh, name.en);
         for (_, said) in &parts {
             haystack.push_str(&format!(" {} {}", said.zh, said.en));
         }
-        Self { section, about, id, sign, name, parts, haystack: haystack.to_lowercase() }
+        Self { section, topic: about, id, code: sign, name, paragraphs: parts, search_text: haystack.to_lowercase() }
     }
 
     /// Whether the entry contains every word of a search. Case-insensitive.
     #[must_use]
-    pub fn has(&self, search: &str) -> bool {
-        search.to_lowercase().split_whitespace().all(|word| self.haystack.contains(word))
+    pub fn matches(&self, search: &str) -> bool {
+        search.to_lowercase().split_whitespace().all(|word| self.search_text.contains(word))
     }
 
     /// Rank in a search, 0 is best: its own code, then whole words in name or text, then parts of words.
     #[must_use]
     pub fn rank(&self, search: &str) -> u8 {
         let search = search.trim().to_lowercase();
-        let (sign, name) = (self.sign.to_lowercase(), format!("{} {}", self.name.zh, self.name.en).to_lowercase());
-        let all_in = |text: &str| search.split_whitespace().all(|word| stands_in(text, word));
+        let (sign, name) = (self.code.to_lowercase(), format!("{} {}", self.name.zh, self.name.en).to_lowercase());
+        let all_in = |text: &str| search.split_whitespace().all(|word| contains_word(text, word));
         match () {
             () if sign == search => 0,
             () if all_in(&name) => 1,
             () if sign.starts_with(&search) => 2,
-            () if all_in(&self.haystack) => 3,
+            () if all_in(&self.search_text) => 3,
             () if name.contains(&search) => 4,
             () if sign.contains(&search) => 5,
             () => 6,
@@ -148,13 +155,13 @@ impl HelpEntry {
     /// Captions and texts as one text.
     #[must_use]
     pub fn text(&self, lang: Lang) -> String {
-        let parts = self.parts.iter().map(|(caption, said)| format!("{}: {}", caption.get(lang), said.get(lang)));
+        let parts = self.paragraphs.iter().map(|(caption, said)| format!("{}: {}", caption.get(lang), said.get(lang)));
         parts.collect::<Vec<_>>().join("\n")
     }
 }
 
 /// Whether a text contains a whole word: `clock` is not in `clockwise`. Chinese has no spaces between words.
-fn stands_in(text: &str, word: &str) -> bool {
+fn contains_word(text: &str, word: &str) -> bool {
     let joins = |sign: Option<char>, edge: Option<char>| {
         let is_part = |sign: char| sign.is_ascii_alphanumeric();
         sign.is_some_and(is_part) && edge.is_some_and(is_part)
@@ -165,109 +172,111 @@ fn stands_in(text: &str, word: &str) -> bool {
     })
 }
 
-const WHAT: Text = Text::new("作用", "what it does");
+const PURPOSE: Text = Text::new("作用", "what it does");
 const USAGE: Text = Text::new("操作", "how to use it");
 const CAUSE: Text = Text::new("原因", "cause");
 const REMEDY: Text = Text::new("处理", "remedy");
 const REACTION: Text = Text::new("反应", "reaction");
-const CLEARED: Text = Text::new("清除", "goes away");
+const CLEARED_BY: Text = Text::new("清除", "goes away");
 const KEYBOARD: Text = Text::new("键盘", "keyboard");
-const RUN: Text = Text::new("运行中", "in a run");
-const EFFECT: Text = Text::new("有效", "in force");
-const NEXT: Text = Text::new("下一段", "next block");
+const DURING_RUN: Text = Text::new("运行中", "in a run");
+const SCOPE: Text = Text::new("有效", "in force");
+const NEXT_BLOCK: Text = Text::new("下一段", "next block");
 
 /// All help entries of a kind of machine.
 #[must_use]
 pub fn entries(kind: Kind) -> Vec<HelpEntry> {
-    let pages = Page::ALL.iter().copied().filter(|page| page.is_on(kind));
-    let mut all: Vec<HelpEntry> = pages.map(|page| of_page(page, kind)).collect();
+    let pages = Page::ALL.iter().copied().filter(|page| page.exists_on(kind));
+    let mut all: Vec<HelpEntry> = pages.map(|page| page_entry(page, kind)).collect();
     soft_keys(kind, &mut all);
-    all.extend(Key::ALL.iter().filter(|key| key.is_on(kind)).map(|key| of_key(*key, kind)));
+    all.extend(Key::ALL.iter().filter(|key| key.exists_on(kind)).map(|key| key_entry(*key, kind)));
     alarms(&mut all);
     g_codes(kind, &mut all);
-    all.extend(mcode::on(kind).map(of_mcode));
-    all.extend(param_row::rows(kind).iter().map(of_param));
+    all.extend(mcode::rows_on(kind).map(mcode_entry));
+    all.extend(param_row::rows(kind).iter().map(param_entry));
     all
 }
 
-fn of_param(row: &ParamRow) -> HelpEntry {
-    let sign = row.at.to_string();
+fn param_entry(row: &ParamRow) -> HelpEntry {
+    let sign = row.address.to_string();
     let unit = if row.unit.is_empty() { String::new() } else { format!(" {}", row.unit) };
     let factory = format!("{}{unit}", row.factory);
-    let where_ = Said::new(format!("参数页，查找 {sign}"), format!("page parameters, search {sign}"));
+    let where_ = LocalizedText::new(format!("参数页，查找 {sign}"), format!("page parameters, search {sign}"));
     let parts = vec![
-        (WHAT, row.name.clone()),
+        (PURPOSE, row.name.clone()),
         (Text::new("范围", "range"), row.range()),
-        (Text::new("出厂值", "factory"), Said::new(factory.clone(), factory)),
+        (Text::new("出厂值", "factory"), LocalizedText::new(factory.clone(), factory)),
         (Text::new("级别", "level"), row.level.name().into()),
         (Text::new("位置", "where"), where_),
     ];
     let id = format!("param-{sign}");
-    HelpEntry::new(Section::Params, About::Param(row.at), id, sign, row.name.clone(), parts)
+    HelpEntry::new(Section::Params, HelpTopic::Param(row.address), id, sign, row.name.clone(), parts)
 }
 
-fn of_page(page: Page, kind: Kind) -> HelpEntry {
-    let keys: Vec<Text> = soft_key::row(kind, soft_key::row_of(page)).map(|soft| soft.label_on(kind)).collect();
+fn page_entry(page: Page, kind: Kind) -> HelpEntry {
+    let keys: Vec<Text> = soft_key::row(kind, soft_key::row_of_page(page)).map(|soft| soft.label_on(kind)).collect();
     let list = |text: fn(&Text) -> &'static str| {
         let words = keys.iter().enumerate().map(|(index, label)| format!("F{} {}", index + 1, text(label)));
         words.collect::<Vec<_>>().join(" · ")
     };
-    let keys = Said::new(list(|text| text.zh), list(|text| text.en));
+    let keys = LocalizedText::new(list(|text| text.zh), list(|text| text.en));
     let parts = vec![
-        (WHAT, page.help().into()),
+        (PURPOSE, page.help().into()),
         (USAGE, page.usage().into()),
         (Text::new("打开时的软键", "its soft keys"), keys),
     ];
     let id = format!("page-{}", page.id());
-    HelpEntry::new(Section::Pages, About::Page(page), id, String::new(), page.title_on(kind).into(), parts)
+    HelpEntry::new(Section::Pages, HelpTopic::Page(page), id, String::new(), page.title_on(kind).into(), parts)
 }
 
 fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
     for row in 0..soft_key::ROWS.len() {
         for (index, soft) in soft_key::row(kind, row).enumerate() {
-            let place = Said::new(
+            let place = LocalizedText::new(
                 format!("▶ 翻到第 {} 行，F{}", row + 1, index + 1),
                 format!("▶ to row {}, then F{}", row + 1, index + 1),
             );
-            let parts = vec![(WHAT, soft.act.help().into()), (Text::new("位置", "where"), place)];
+            let parts = vec![(PURPOSE, soft.action.help().into()), (Text::new("位置", "where"), place)];
             let (id, sign) = (format!("soft-{}-{}", row + 1, index + 1), format!("{}·F{}", row + 1, index + 1));
-            let about = About::Soft(soft.act);
+            let about = HelpTopic::SoftKey(soft.action);
             all.push(HelpEntry::new(Section::SoftKeys, about, id, sign, soft.label_on(kind).into(), parts));
         }
     }
 }
 
-fn of_key(key: Key, kind: Kind) -> HelpEntry {
+fn key_entry(key: Key, kind: Kind) -> HelpEntry {
     let row = key.row();
-    let mut parts = vec![(WHAT, row.help.into())];
-    let shortcuts: Vec<_> = SHORTCUTS.iter().filter(|shortcut| shortcut.key == key).map(map::written).collect();
+    let mut parts = vec![(PURPOSE, row.help.into())];
+    let shortcuts: Vec<_> =
+        SHORTCUTS.iter().filter(|shortcut| shortcut.key == key).map(keyboard_map::shortcut_label).collect();
     if !shortcuts.is_empty() {
         let written = shortcuts.join(" · ");
-        parts.push((KEYBOARD, Said::new(written.clone(), written)));
+        parts.push((KEYBOARD, LocalizedText::new(written.clone(), written)));
     }
-    if row.group != key::Group::Screen {
-        let acts = if row.in_run {
+    if row.group != key::KeyGroup::Screen {
+        let acts = if row.active_in_run {
             Text::new("有效", "it acts")
         } else {
             Text::new("无效；暂停和手动时有效", "it is dead; it acts in a hold and by hand")
         };
-        parts.push((RUN, acts.into()));
+        parts.push((DURING_RUN, acts.into()));
     }
     let sign = shortcuts.into_iter().next().unwrap_or_default();
     let id = format!("key-{}", row.id);
-    HelpEntry::new(Section::Keys, About::Key(key), id, sign, key.name_on(kind).into(), parts)
+    HelpEntry::new(Section::Keys, HelpTopic::Key(key), id, sign, key.label_on(kind).into(), parts)
 }
 
 fn alarms(all: &mut Vec<HelpEntry>) {
-    let add = |number: u16, sign: String, name: Said, texts: [Said; 2], acts: (Reaction, ResetRule)| {
-        let [cause, remedy] = texts;
-        let mut parts = Vec::with_capacity(4);
-        if !cause.zh.is_empty() {
-            parts.push((CAUSE, cause));
-        }
-        parts.extend([(REMEDY, remedy), (REACTION, acts.0.name().into()), (CLEARED, acts.1.name().into())]);
-        HelpEntry::new(Section::Alarms, About::Alarm(number), format!("alarm-{sign}"), sign, name, parts)
-    };
+    let add =
+        |number: u16, sign: String, name: LocalizedText, texts: [LocalizedText; 2], acts: (Reaction, ResetRule)| {
+            let [cause, remedy] = texts;
+            let mut parts = Vec::with_capacity(4);
+            if !cause.zh.is_empty() {
+                parts.push((CAUSE, cause));
+            }
+            parts.extend([(REMEDY, remedy), (REACTION, acts.0.name().into()), (CLEARED_BY, acts.1.name().into())]);
+            HelpEntry::new(Section::Alarms, HelpTopic::Alarm(number), format!("alarm-{sign}"), sign, name, parts)
+        };
     let from = all.len();
     for row in ALARMS {
         let texts = [row.cause.into(), row.remedy.into()];
@@ -276,7 +285,7 @@ fn alarms(all: &mut Vec<HelpEntry>) {
     for error in ProgramError::ALL {
         // The alarm itself gives the details.
         let open = |text: &str| text.replace("{2}", "…").replace("{}", "…");
-        let said = |text: Text| Said::new(open(text.zh), open(text.en));
+        let said = |text: Text| LocalizedText::new(open(text.zh), open(text.en));
         let number = error.number();
         let acts = (alarm::reaction(number), alarm::reset_rule(number));
         let cause = Text::new(
@@ -285,44 +294,44 @@ fn alarms(all: &mut Vec<HelpEntry>) {
         );
         all.push(add(number, format!("{number:03}"), said(error.text()), [cause.into(), said(error.remedy())], acts));
     }
-    all[from..].sort_by(|a, b| a.sign.cmp(&b.sign));
-    let (text, remedy) = alarm::USER;
-    let acts = (alarm::reaction(alarm::USER_FIRST), alarm::reset_rule(alarm::USER_FIRST));
-    let texts = [Said::default(), remedy.into()];
-    all.push(add(alarm::USER_FIRST, "3000–3999".to_owned(), text.into(), texts, acts));
+    all[from..].sort_by(|a, b| a.code.cmp(&b.code));
+    let (text, remedy) = alarm::USER_ALARM_TEXTS;
+    let acts = (alarm::reaction(alarm::USER_ALARM_FIRST), alarm::reset_rule(alarm::USER_ALARM_FIRST));
+    let texts = [LocalizedText::default(), remedy.into()];
+    all.push(add(alarm::USER_ALARM_FIRST, "3000–3999".to_owned(), text.into(), texts, acts));
 }
 
 fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
-    let system = kind.system();
+    let system = kind.dialect();
     let mill = system.is_mill();
-    for row in G_CODES.iter().filter(|row| system.is_grinder() && row.exists_on(mill) != Exists::No) {
-        let once = matches!(row.group_on(mill), Group::Once);
+    for row in G_CODES.iter().filter(|row| system.is_kt830() && row.availability_on(mill) != Availability::No) {
+        let once = matches!(row.group_on(mill), GCodeGroup::NonModal);
         let stays = if once {
             Text::new("只在本段", "in its block only")
         } else {
             Text::new("模态，直到同组的另一个代码", "until another code of its group")
         };
-        let mut parts = vec![(WHAT, row.help.into()), (EFFECT, stays.into())];
-        if row.exists_on(mill) == Exists::Later {
+        let mut parts = vec![(PURPOSE, row.help.into()), (SCOPE, stays.into())];
+        if row.availability_on(mill) == Availability::NotYet {
             parts.pop();
         }
         let sign = format!("G{:02}", row.code);
-        all.push(HelpEntry::new(Section::GCodes, About::Code, format!("g-{sign}"), sign, row.text.into(), parts));
+        all.push(HelpEntry::new(Section::GCodes, HelpTopic::Code, format!("g-{sign}"), sign, row.text.into(), parts));
     }
-    for word in dialect_word::table(system) {
+    for word in dialect_word::words_of(system) {
         let (id, sign) = (format!("g-{}", word.word), word.word.to_owned());
-        let parts = vec![(WHAT, word.help.into())];
-        all.push(HelpEntry::new(Section::GCodes, About::Code, id, sign, word.text.into(), parts));
+        let parts = vec![(PURPOSE, word.help.into())];
+        all.push(HelpEntry::new(Section::GCodes, HelpTopic::Code, id, sign, word.text.into(), parts));
     }
 }
 
-fn of_mcode(row: &mcode::MCode) -> HelpEntry {
+fn mcode_entry(row: &mcode::MCode) -> HelpEntry {
     let waits = if row.waits {
         Text::new("等本段完成后执行", "waits until it is done")
     } else {
         Text::new("不等待", "does not wait")
     };
-    let parts = vec![(WHAT, row.help.into()), (NEXT, waits.into())];
+    let parts = vec![(PURPOSE, row.help.into()), (NEXT_BLOCK, waits.into())];
     let sign = format!("M{:02}", row.code);
-    HelpEntry::new(Section::MCodes, About::Code, format!("m-{sign}"), sign, row.name.into(), parts)
+    HelpEntry::new(Section::MCodes, HelpTopic::Code, format!("m-{sign}"), sign, row.name.into(), parts)
 }

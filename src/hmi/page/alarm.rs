@@ -7,44 +7,44 @@ use std::sync::Arc;
 use egui::accesskit::Role;
 use egui::{Align2, Id, Painter, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::Typed;
+use super::TypedInput;
 use super::scroll::Scroll;
 use crate::defs::alarm::{self, ALARMS};
-use crate::defs::history::PastAlarm;
+use crate::defs::alarm_history::PastAlarm;
 use crate::defs::text::Lang;
-use crate::hmi::entry::Edit;
 use crate::hmi::help::Help;
-use crate::hmi::view::{View, card, fit, frame, moment, paragraph, put};
-use crate::hmi::widget::Look;
+use crate::hmi::variable_entry::EditKey;
+use crate::hmi::view::{View, card, fit_text, focus_frame, format_date_time, paragraph, text_line};
+use crate::hmi::widget::ButtonState;
 use crate::hmi::{theme, widget};
 use crate::link::Command;
-use crate::link::files::{Asker, FileRequest, Ticket};
+use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::link::snapshot::AlarmView;
 use crate::units::Micros;
 
 /// Heights of a row of an active alarm and of a row of the history.
-const PRESENT: f32 = 158.0;
-const PAST: f32 = 56.0;
+const PRESENT_HEIGHT: f32 = 158.0;
+const PAST_HEIGHT: f32 = 56.0;
 /// Width of the captions beside cause and remedy.
-const CAPTION: f32 = 80.0;
+const CAPTION_WIDTH: f32 = 80.0;
 
 /// Identifies an alarm while its place in the list changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Which {
+enum AlarmRef {
     Present(u16, Micros),
     Past(u64),
 }
 
 /// State of the page.
 #[derive(Debug, Default)]
-pub struct Alarms {
-    history: bool,
-    chosen: Option<Which>,
+pub struct AlarmPage {
+    shows_history: bool,
+    selected: Option<AlarmRef>,
     scroll: Scroll,
 }
 
-impl Alarms {
+impl AlarmPage {
     /// Shows the active alarms from the top.
     pub fn open(&mut self) {
         *self = Self::default();
@@ -52,78 +52,81 @@ impl Alarms {
 
     /// Number of the selected alarm; without a selection the first active one.
     #[must_use]
-    pub fn number(&self, view: &View<'_>) -> Option<u16> {
+    pub fn selected_number(&self, view: &View<'_>) -> Option<u16> {
         let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
-        let chosen = self.chosen.and_then(|chosen| match chosen {
-            Which::Present(number, _) => Some(number),
-            Which::Past(count) => past.iter().find(|past| past.count == count).map(|past| past.number),
+        let chosen = self.selected.and_then(|chosen| match chosen {
+            AlarmRef::Present(number, _) => Some(number),
+            AlarmRef::Past(count) => past.iter().find(|past| past.count == count).map(|past| past.number),
         });
         chosen.or_else(|| present.first().map(|alarm| alarm.number))
     }
 
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, help: &Help) -> Vec<Command> {
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>, help: &Help) -> Vec<Command> {
         let inside = rect.shrink(theme::PAD);
-        let (bar, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS);
+        let (bar, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS_HEIGHT);
         let out = self.bar(ui, bar, view, typed);
         let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::PAD), rest.max);
         let rows = self.rows(view);
         if rows.is_empty() {
-            let words = if self.history {
-                view.say("没有报警记录", "no alarm is remembered")
+            let words = if self.shows_history {
+                view.text("没有报警记录", "no alarm is remembered")
             } else {
-                view.say("没有报警", "no alarm")
+                view.text("没有报警", "no alarm")
             };
             let line = Rect::from_center_size(rest.center(), vec2(rest.width(), 30.0));
-            fit(ui.painter(), line, Align2::CENTER_CENTER, words, theme::SECONDARY, view.theme.quiet);
+            fit_text(ui.painter(), line, Align2::CENTER_CENTER, words, theme::SECONDARY, view.theme.muted);
             return out;
         }
-        let line = if self.history { PAST } else { PRESENT };
-        self.walk(&rows, typed.edits, widget::whole_lines(rest, line), line);
-        let chosen = self.chosen.filter(|chosen| rows.contains(chosen));
-        let told = chosen.filter(|_| self.history).and(self.number(view)).and_then(|number| help.alarm(number));
+        let line = if self.shows_history { PAST_HEIGHT } else { PRESENT_HEIGHT };
+        self.move_selection(&rows, typed.edits, widget::round_to_lines(rest, line), line);
+        let chosen = self.selected.filter(|chosen| rows.contains(chosen));
+        let told =
+            chosen.filter(|_| self.shows_history).and(self.selected_number(view)).and_then(|number| help.alarm(number));
         let below = told.map_or(0.0, |entry| {
-            let parts = entry.parts.iter().map(|(caption, said)| (caption.get(view.lang), said.get(view.lang)));
+            let parts = entry.paragraphs.iter().map(|(caption, said)| (caption.get(view.lang), said.get(view.lang)));
             let place = Rect::from_min_max(pos2(rest.min.x, rest.min.y + rest.height() / 3.0), rest.max);
             detail(ui.painter(), view, place, parts.collect())
         });
-        let list = widget::whole_lines(Rect::from_min_max(rest.min, rest.max - vec2(0.0, below)), line);
-        if typed.pages != 0 {
-            self.scroll.page(typed.pages, list, line);
+        let list = widget::round_to_lines(Rect::from_min_max(rest.min, rest.max - vec2(0.0, below)), line);
+        if typed.scroll_pages != 0 {
+            self.scroll.scroll_pages(typed.scroll_pages, list, line);
         }
-        if let Some(at) = rows.iter().position(|row| Some(*row) == chosen).filter(|_| !self.scroll.by_hand) {
+        if let Some(at) = rows.iter().position(|row| Some(*row) == chosen).filter(|_| !self.scroll.user_scrolled) {
             self.scroll.reveal(at, list, line);
         }
-        let (first, last) = self.scroll.follow(ui, "alarms", list, line, rows.len());
+        let (first, last) = self.scroll.handle_input(ui, "alarms", list, line, rows.len());
         for (index, row) in rows.iter().enumerate().take(last).skip(first) {
             let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(line)) as f32;
             let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, line - theme::GAP));
             self.row(ui, view, (list, place), *row);
         }
-        self.scroll.bar(ui, view, list, line, rows.len());
+        self.scroll.draw_bar(ui, view, list, line, rows.len());
         out
     }
 
     /// The tabs, and the key that exports the history.
-    fn bar(&mut self, ui: &Ui, bar: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
+    fn bar(&mut self, ui: &Ui, bar: Rect, view: &View<'_>, typed: &TypedInput<'_>) -> Vec<Command> {
         let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
         let keys = [
-            ("alarms-present", format!("{} {}", view.say("当前", "PRESENT"), present.len())),
-            ("alarm-history", format!("{} {}", view.say("历史", "HISTORY"), past.len())),
+            ("alarms-present", format!("{} {}", view.text("当前", "PRESENT"), present.len())),
+            ("alarm-history", format!("{} {}", view.text("历史", "HISTORY"), past.len())),
         ];
         let tabs = Rect::from_min_size(bar.min, vec2(bar.width().min(420.0), bar.height()));
-        let touched = widget::tabs(ui, view, tabs, &keys, usize::from(self.history)).map(|index| index == 1);
-        let turned = typed.edits.iter().any(|edit| matches!(edit, Edit::Left | Edit::Right | Edit::Next));
-        let wanted = touched.unwrap_or(self.history != turned);
-        if wanted != self.history {
-            *self = Self { history: wanted, ..Self::default() };
+        let touched = widget::tabs(ui, view, tabs, &keys, usize::from(self.shows_history)).map(|index| index == 1);
+        let turned = typed.edits.iter().any(|edit| matches!(edit, EditKey::Left | EditKey::Right | EditKey::Next));
+        let wanted = touched.unwrap_or(self.shows_history != turned);
+        if wanted != self.shows_history {
+            *self = Self { shows_history: wanted, ..Self::default() };
         }
-        if self.history {
+        if self.shows_history {
             let key = Rect::from_min_max(pos2(bar.max.x - 150.0, bar.min.y), bar.max);
-            let look = Look { on: false, locked: past.is_empty() };
-            if widget::push(ui, view, key, "alarm-export", view.say("导出 CSV", "EXPORT CSV"), look) && !past.is_empty()
+            let look = ButtonState { on: false, locked: past.is_empty() };
+            if widget::button(ui, view, key, "alarm-export", view.text("导出 CSV", "EXPORT CSV"), look)
+                && !past.is_empty()
             {
-                let (ticket, request) = (Ticket::unheard(Asker::Screen), FileRequest::Table(table(view.lang, past)));
+                let (ticket, request) =
+                    (Ticket::without_reply(Requester::Screen), FileRequest::SaveTable(history_csv(view.lang, past)));
                 return vec![Command::Page(PageCommand::File(ticket, request))];
             }
         }
@@ -131,59 +134,59 @@ impl Alarms {
     }
 
     /// Rows of the tab; the history has the latest on top.
-    fn rows(&self, view: &View<'_>) -> Vec<Which> {
-        if self.history {
-            view.snapshot.alarm_history.iter().rev().map(|past| Which::Past(past.count)).collect()
+    fn rows(&self, view: &View<'_>) -> Vec<AlarmRef> {
+        if self.shows_history {
+            view.snapshot.alarm_history.iter().rev().map(|past| AlarmRef::Past(past.count)).collect()
         } else {
-            view.snapshot.alarms.iter().map(|alarm| Which::Present(alarm.number, alarm.since)).collect()
+            view.snapshot.alarms.iter().map(|alarm| AlarmRef::Present(alarm.number, alarm.since)).collect()
         }
     }
 
     /// Moves the selection; 取消 clears it.
-    fn walk(&mut self, rows: &[Which], edits: &[Edit], list: Rect, line: f32) {
+    fn move_selection(&mut self, rows: &[AlarmRef], edits: &[EditKey], list: Rect, line: f32) {
         for edit in edits {
-            let at = self.chosen.and_then(|chosen| rows.iter().position(|row| *row == chosen));
+            let at = self.selected.and_then(|chosen| rows.iter().position(|row| *row == chosen));
             // Without a selection the first visible row is next.
-            let first = self.scroll.lines(list, line).start;
+            let first = self.scroll.visible_lines(list, line).start;
             let to = match (edit, at) {
-                (Edit::Down | Edit::Up | Edit::Enter, None) => first,
-                (Edit::Down, Some(at)) => at + 1,
-                (Edit::Up, Some(at)) => at.saturating_sub(1),
-                (Edit::LineStart, _) => 0,
-                (Edit::LineEnd, _) => rows.len(),
-                (Edit::Cancel, _) => {
-                    self.chosen = None;
+                (EditKey::Down | EditKey::Up | EditKey::Enter, None) => first,
+                (EditKey::Down, Some(at)) => at + 1,
+                (EditKey::Up, Some(at)) => at.saturating_sub(1),
+                (EditKey::LineStart, _) => 0,
+                (EditKey::LineEnd, _) => rows.len(),
+                (EditKey::Cancel, _) => {
+                    self.selected = None;
                     continue;
                 }
                 _ => continue,
             };
-            self.chosen = rows.get(to.min(rows.len() - 1)).copied();
-            self.scroll.by_hand = false;
+            self.selected = rows.get(to.min(rows.len() - 1)).copied();
+            self.scroll.user_scrolled = false;
         }
     }
 
-    fn row(&mut self, ui: &Ui, view: &View<'_>, (list, place): (Rect, Rect), row: Which) {
+    fn row(&mut self, ui: &Ui, view: &View<'_>, (list, place): (Rect, Rect), row: AlarmRef) {
         let painter = &ui.painter().with_clip_rect(list);
-        let chosen = self.chosen == Some(row);
+        let chosen = self.selected == Some(row);
         let name = match row {
-            Which::Present(number, since) => {
+            AlarmRef::Present(number, since) => {
                 let is = |alarm: &&AlarmView| alarm.number == number && alarm.since == since;
                 let Some(alarm) = view.snapshot.alarms.iter().find(is) else { return };
                 present_row(painter, view, place, alarm, chosen);
                 format!("{number:03} {} alarm-{number}", alarm.text.get(view.lang))
             }
-            Which::Past(count) => {
+            AlarmRef::Past(count) => {
                 let Some(past) = view.snapshot.alarm_history.iter().find(|past| past.count == count) else { return };
-                gone(painter, view, place, past, chosen);
+                past_row(painter, view, place, past, chosen);
                 format!("{:03} {} past-{count}", past.number, past.text.get(view.lang))
             }
         };
         let response = ui.interact(place.intersect(list), Id::unique(("alarm-row", &name)), Sense::CLICK);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
         if response.clicked() {
-            self.chosen = (!chosen).then_some(row);
+            self.selected = (!chosen).then_some(row);
             // The detail card must not cover the row.
-            self.scroll.by_hand = false;
+            self.scroll.user_scrolled = false;
         }
     }
 }
@@ -196,19 +199,19 @@ fn row_card(painter: &Painter, view: &View<'_>, place: Rect, (here, chosen): (bo
     let edge = if here { view.theme.alarm } else { view.theme.line };
     painter.rect_filled(Rect::from_min_size(place.min, vec2(4.0, place.height())), 0.0, edge);
     if chosen {
-        frame(painter, place, view.theme.focus);
+        focus_frame(painter, place, view.theme.focus);
     }
     let inside = place.shrink2(vec2(theme::PAD, 3.0));
     inside.split_left_right_at_x(inside.min.x + 60.0)
 }
 
 /// Captioned texts, one below the other; returns the top of the next item.
-fn parts_below(painter: &Painter, view: &View<'_>, room: Rect, parts: &[(&str, &str)]) -> f32 {
+fn captioned_texts(painter: &Painter, view: &View<'_>, room: Rect, parts: &[(&str, &str)]) -> f32 {
     let mut top = room.min.y;
     for (caption, words) in parts.iter().filter(|(_, words)| !words.is_empty()) {
-        let label = Rect::from_min_size(pos2(room.min.x, top), vec2(CAPTION - 4.0, 22.0));
-        fit(painter, label, Align2::LEFT_TOP, caption, theme::LABEL, view.theme.quiet);
-        let words_room = Rect::from_min_max(pos2(room.min.x + CAPTION, top), pos2(room.max.x, top + 44.0));
+        let label = Rect::from_min_size(pos2(room.min.x, top), vec2(CAPTION_WIDTH - 4.0, 22.0));
+        fit_text(painter, label, Align2::LEFT_TOP, caption, theme::LABEL, view.theme.muted);
+        let words_room = Rect::from_min_max(pos2(room.min.x + CAPTION_WIDTH, top), pos2(room.max.x, top + 44.0));
         top = paragraph(painter, words_room, words, theme::LABEL, view.theme.text).max.y + 2.0;
     }
     top
@@ -217,7 +220,7 @@ fn parts_below(painter: &Painter, view: &View<'_>, room: Rect, parts: &[(&str, &
 /// Card with the texts of the selected alarm, at the lower edge of `room`, as high as the texts need. Returns its
 /// height and the gap above it.
 fn detail(painter: &Painter, view: &View<'_>, room: Rect, parts: Vec<(&str, &str)>) -> f32 {
-    let width = room.width() - 2.0 * theme::PAD - CAPTION;
+    let width = room.width() - 2.0 * theme::PAD - CAPTION_WIDTH;
     let height = |words: &str| {
         let text = painter.layout(words.to_owned(), theme::font(theme::LABEL), view.theme.text, width);
         text.size().y.min(44.0) + 2.0
@@ -226,15 +229,15 @@ fn detail(painter: &Painter, view: &View<'_>, room: Rect, parts: Vec<(&str, &str
     let place = Rect::from_min_max(pos2(room.min.x, (room.max.y - all).max(room.min.y)), room.max);
     card(painter, place, view.theme.surface, view.theme.focus);
     let inside = place.shrink2(vec2(theme::PAD, theme::GAP));
-    let top = parts_below(painter, view, inside, &parts);
-    let hint = Rect::from_min_size(pos2(inside.min.x + CAPTION, top), vec2(width, 20.0));
-    let words = view.say("? 帮助中打开这一条", "? opens it in the help");
-    fit(painter, hint, Align2::LEFT_CENTER, words, theme::SMALL, view.theme.quiet);
+    let top = captioned_texts(painter, view, inside, &parts);
+    let hint = Rect::from_min_size(pos2(inside.min.x + CAPTION_WIDTH, top), vec2(width, 20.0));
+    let words = view.text("? 帮助中打开这一条", "? opens it in the help");
+    fit_text(painter, hint, Align2::LEFT_CENTER, words, theme::SMALL, view.theme.muted);
     place.height() + theme::PAD
 }
 
 /// `O1001 第7行`; none outside a run.
-fn place_word(view: &View<'_>, place: Option<(u32, u32)>) -> Option<String> {
+fn location_text(view: &View<'_>, place: Option<(u32, u32)>) -> Option<String> {
     place.map(|(program, line)| (view.snapshot.title(program), line)).map(|(program, line)| match view.lang {
         Lang::Zh => format!("{program} 第{line}行"),
         Lang::En => format!("{program} line {line}"),
@@ -246,50 +249,57 @@ fn present_row(painter: &Painter, view: &View<'_>, place: Rect, alarm: &AlarmVie
     let (top, below) = words.split_top_bottom_at_y(words.min.y + 33.0);
     let (title, when) = top.split_left_right_at_x(top.max.x - 196.0);
     let head = Rect::from_min_size(number.min, vec2(number.width(), top.height()));
-    put(painter, head, Align2::LEFT_CENTER, &format!("{:03}", alarm.number), theme::SECONDARY, view.theme.alarm_text);
-    fit(painter, title, Align2::LEFT_CENTER, alarm.text.get(view.lang), theme::TITLE, view.theme.text);
+    text_line(
+        painter,
+        head,
+        Align2::LEFT_CENTER,
+        &format!("{:03}", alarm.number),
+        theme::SECONDARY,
+        view.theme.alarm_text,
+    );
+    fit_text(painter, title, Align2::LEFT_CENTER, alarm.text.get(view.lang), theme::TITLE, view.theme.text);
     let mut word = view.time(alarm.since);
-    if let Some(place) = place_word(view, alarm.place) {
+    if let Some(place) = location_text(view, alarm.place) {
         word = format!("{place} · {word}");
     }
-    fit(painter, when, Align2::RIGHT_CENTER, &word, theme::LABEL, view.theme.quiet);
+    fit_text(painter, when, Align2::RIGHT_CENTER, &word, theme::LABEL, view.theme.muted);
     let cause = ALARMS.iter().find(|row| row.number == alarm.number).map_or("", |row| row.cause.get(view.lang));
     let parts = [
-        (view.say("原因", "cause"), cause),
-        (view.say("处理", "remedy"), alarm.remedy.get(view.lang)),
-        (view.say("清除", "goes away"), alarm::reset_rule(alarm.number).name().get(view.lang)),
+        (view.text("原因", "cause"), cause),
+        (view.text("处理", "remedy"), alarm.remedy.get(view.lang)),
+        (view.text("清除", "goes away"), alarm::reset_rule(alarm.number).name().get(view.lang)),
     ];
-    parts_below(painter, view, below, &parts);
+    captioned_texts(painter, view, below, &parts);
 }
 
-fn gone(painter: &Painter, view: &View<'_>, place: Rect, past: &PastAlarm, chosen: bool) {
+fn past_row(painter: &Painter, view: &View<'_>, place: Rect, past: &PastAlarm, chosen: bool) {
     let here = past.ended.is_none();
     let (number, words) = row_card(painter, view, place, (here, chosen));
     let ink = if here { view.theme.alarm_text } else { view.theme.text };
-    put(painter, number, Align2::LEFT_CENTER, &format!("{:03}", past.number), theme::SECONDARY, ink);
+    text_line(painter, number, Align2::LEFT_CENTER, &format!("{:03}", past.number), theme::SECONDARY, ink);
     let (top, below) = words.split_top_bottom_at_fraction(0.54);
-    fit(painter, top, Align2::LEFT_CENTER, past.text.get(view.lang), theme::LABEL, view.theme.text);
+    fit_text(painter, top, Align2::LEFT_CENTER, past.text.get(view.lang), theme::LABEL, view.theme.text);
     let (times, where_) = below.split_left_right_at_fraction(0.7);
-    let word = format!("{} → {}", moment(past.came), ended(view, past));
-    fit(painter, times, Align2::LEFT_CENTER, &word, theme::LABEL, view.theme.quiet);
-    if let Some(word) = place_word(view, past.place) {
-        fit(painter, where_, Align2::RIGHT_CENTER, &word, theme::LABEL, view.theme.quiet);
+    let word = format!("{} → {}", format_date_time(past.came), end_text(view, past));
+    fit_text(painter, times, Align2::LEFT_CENTER, &word, theme::LABEL, view.theme.muted);
+    if let Some(word) = location_text(view, past.place) {
+        fit_text(painter, where_, Align2::RIGHT_CENTER, &word, theme::LABEL, view.theme.muted);
     }
 }
 
 /// `15:01:56 复位`, with the date if the alarm ended on another day.
-fn ended(view: &View<'_>, past: &PastAlarm) -> String {
-    let Some((how, when)) = past.ended else { return view.say("仍在", "present").to_owned() };
+fn end_text(view: &View<'_>, past: &PastAlarm) -> String {
+    let Some((how, when)) = past.ended else { return view.text("仍在", "present").to_owned() };
     let how = how.name().get(view.lang);
     match when {
         None => how.to_owned(),
         Some(when) if when.parts()[..3] == past.came.parts()[..3] => format!("{} {how}", when.time()),
-        Some(when) => format!("{} {how}", moment(when)),
+        Some(when) => format!("{} {how}", format_date_time(when)),
     }
 }
 
 /// The history as CSV: UTF-8 with byte order mark, so that spreadsheets detect the encoding.
-fn table(lang: Lang, history: &[Arc<PastAlarm>]) -> String {
+fn history_csv(lang: Lang, history: &[Arc<PastAlarm>]) -> String {
     let head = match lang {
         Lang::Zh => "序号,报警号,出现,消除,方式,程序,行,内容",
         Lang::En => "count,number,came,ended,how,program,line,text",
@@ -297,11 +307,11 @@ fn table(lang: Lang, history: &[Arc<PastAlarm>]) -> String {
     let mut text = format!("\u{FEFF}{head}\r\n");
     for past in history {
         let (how, when) = past.ended.map_or(("", None), |(how, when)| (how.name().get(lang), when));
-        let when = when.map(moment).unwrap_or_default();
+        let when = when.map(format_date_time).unwrap_or_default();
         let (program, line) =
             past.place.map(|(program, line)| (program.to_string(), line.to_string())).unwrap_or_default();
         let words = past.text.get(lang).replace('"', "\"\"").replace(['\r', '\n'], " ");
-        let (count, number, came) = (past.count, past.number, moment(past.came));
+        let (count, number, came) = (past.count, past.number, format_date_time(past.came));
         text.push_str(&format!("{count},{number},{came},{when},{how},{program},{line},\"{words}\"\r\n"));
     }
     text

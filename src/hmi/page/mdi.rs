@@ -4,32 +4,32 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::Typed;
+use super::TypedInput;
 use super::scroll::Scroll;
 use crate::defs::key::Mode;
-use crate::hmi::entry::Edit;
-use crate::hmi::keycap::{self, Face};
-use crate::hmi::letters::{self, Letter};
-use crate::hmi::typing::{Heard, Typing};
-use crate::hmi::view::{View, card, fit, frame, put};
-use crate::hmi::{frame as lines, theme, widget};
+use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
+use crate::hmi::keycap::{self, KeycapState};
+use crate::hmi::letter_pad::{self, LetterKey};
+use crate::hmi::variable_entry::EditKey;
+use crate::hmi::view::{View, card, fit_text, focus_frame, text_line};
+use crate::hmi::{page_frame as lines, theme, widget};
 use crate::link::Command;
 use crate::link::snapshot::RunState;
 
 /// Maximum number of lines in the history.
-const HISTORY: usize = 20;
+const MAX_HISTORY: usize = 20;
 /// Height of a line of the history.
-const LINE: f32 = 46.0;
+const LINE_HEIGHT: f32 = 46.0;
 /// Height of the input field and of the message below it.
-const INPUT: f32 = 78.0;
+const INPUT_HEIGHT: f32 = 78.0;
 /// Maximum length of a line, characters.
-const LONGEST: usize = 120;
+const MAX_CHARS: usize = 120;
 
 /// State of the page.
 #[derive(Debug, Default)]
-pub struct Mdi {
+pub struct MdiPage {
     /// The line being typed.
-    pub typing: Typing,
+    pub typing: FieldEditor,
     /// Lines that were loaded, latest first.
     history: Vec<String>,
     /// History line recalled with the arrow keys.
@@ -37,7 +37,7 @@ pub struct Mdi {
     scroll: Scroll,
 }
 
-impl Mdi {
+impl MdiPage {
     /// The page was opened again: history and typed text stay.
     pub fn open(&mut self) {
         self.recalled = None;
@@ -45,90 +45,101 @@ impl Mdi {
     }
 
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>) -> Vec<Command> {
         let mut out = Vec::new();
-        if let Heard::Taken(_, line) = self.typing.hear(&view.snapshot.edit)
+        if let CoreAnswer::Accepted(_, line) = self.typing.poll_answer(&view.snapshot.edit_answer)
             && !line.is_empty()
         {
             self.history.retain(|old| *old != line);
             self.history.insert(0, line);
-            self.history.truncate(HISTORY);
+            self.history.truncate(MAX_HISTORY);
             self.scroll = Scroll::default();
         }
         for sign in typed.text.chars().filter(|sign| !sign.is_control()) {
-            self.push(sign);
+            self.push_char(sign);
         }
         for edit in typed.edits {
             self.edit(*edit, view, &mut out);
         }
-        let pad = letters::block(view.snapshot.kind);
+        let pad = letter_pad::block_layout(view.snapshot.kind);
         let (main, board) = rect.split_top_bottom_at_y(rect.max.y - pad.height());
-        if let Some(letter) = letters::ui(ui, view, board.shrink2(vec2(theme::GAP, 0.0)), &pad) {
+        if let Some(letter) = letter_pad::ui(ui, view, board.shrink2(vec2(theme::GAP, 0.0)), &pad) {
             self.letter(&letter, view, &mut out);
         }
         let inside = Rect::from_min_max(main.min + vec2(theme::PAD, 6.0), main.max - vec2(theme::PAD, 6.0));
-        let (top, input) = inside.split_top_bottom_at_y(inside.max.y - INPUT);
+        let (top, input) = inside.split_top_bottom_at_y(inside.max.y - INPUT_HEIGHT);
         let (title, body) = top.split_top_bottom_at_y(top.min.y + 30.0);
         self.title(ui, title, view);
         let (left, right) = body.split_left_right_at_x(body.min.x + 196.0);
         modals(ui, Rect::from_min_max(left.min, left.max - vec2(theme::GAP, theme::GAP)), view);
-        self.lines(ui, Rect::from_min_max(right.min, right.max - vec2(0.0, theme::GAP)), view, typed.pages);
+        self.history_list(
+            ui,
+            Rect::from_min_max(right.min, right.max - vec2(0.0, theme::GAP)),
+            view,
+            typed.scroll_pages,
+        );
         self.input(ui, input, view);
         out
     }
 
-    fn push(&mut self, sign: char) {
+    fn push_char(&mut self, sign: char) {
         if self.typing.refused.take().is_some() && sign == '\u{8}' {
             return;
         }
-        if self.typing.text.chars().count() < LONGEST {
+        if self.typing.text.chars().count() < MAX_CHARS {
             self.typing.text.extend(sign.to_uppercase());
         }
         self.recalled = None;
     }
 
-    fn letter(&mut self, letter: &Letter, view: &View<'_>, out: &mut Vec<Command>) {
+    fn letter(&mut self, letter: &LetterKey, view: &View<'_>, out: &mut Vec<Command>) {
         match letter {
-            Letter::Sign(sign) => self.push(*sign),
-            Letter::Word(word) => {
+            LetterKey::Char(sign) => self.push_char(*sign),
+            LetterKey::Word(word) => {
                 if !self.typing.text.is_empty() && !self.typing.text.ends_with(' ') {
-                    self.push(' ');
+                    self.push_char(' ');
                 }
-                word.chars().for_each(|sign| self.push(sign));
-                self.push(' ');
+                word.chars().for_each(|sign| self.push_char(sign));
+                self.push_char(' ');
             }
-            Letter::Back => self.edit(Edit::Back, view, out),
-            Letter::Done => self.edit(Edit::Enter, view, out),
+            LetterKey::Backspace => self.edit(EditKey::Backspace, view, out),
+            LetterKey::Done => self.edit(EditKey::Enter, view, out),
         }
     }
 
-    fn edit(&mut self, edit: Edit, view: &View<'_>, out: &mut Vec<Command>) {
+    fn edit(&mut self, edit: EditKey, view: &View<'_>, out: &mut Vec<Command>) {
         match edit {
             // A refused line is corrected, not typed again.
-            Edit::Back | Edit::Delete => {
+            EditKey::Backspace | EditKey::Delete => {
                 self.typing.refused = None;
                 self.typing.text.pop();
             }
-            Edit::Enter if self.typing.text.trim().is_empty() => {}
-            Edit::Enter => {
+            EditKey::Enter if self.typing.text.trim().is_empty() => {}
+            EditKey::Enter => {
                 self.typing.refused = None;
                 let line = self.typing.text.trim().to_owned();
                 self.typing.text.clone_from(&line);
                 self.typing.send(0);
-                out.push(Command::ReadyMdi(line));
+                out.push(Command::PrepareMdi(line));
             }
-            Edit::Cancel if !self.typing.text.is_empty() => self.typing.clear(),
-            Edit::Cancel if !view.snapshot.mdi_ready.is_empty() => out.push(Command::ReadyMdi(String::new())),
-            Edit::Up | Edit::Previous => {
+            EditKey::Cancel if !self.typing.text.is_empty() => self.typing.clear(),
+            EditKey::Cancel if !view.snapshot.prepared_mdi.is_empty() => out.push(Command::PrepareMdi(String::new())),
+            EditKey::Up | EditKey::Previous => {
                 let next = self.recalled.map_or(0, |at| at + 1).min(self.history.len().saturating_sub(1));
                 self.recall(next);
             }
-            Edit::Down | Edit::Next => match self.recalled {
+            EditKey::Down | EditKey::Next => match self.recalled {
                 Some(at) if at > 0 => self.recall(at - 1),
                 Some(_) | None => {}
             },
             // Digits and signs arrive as text.
-            Edit::Char(_) | Edit::Sign | Edit::Cancel | Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd => {}
+            EditKey::Char(_)
+            | EditKey::Sign
+            | EditKey::Cancel
+            | EditKey::Left
+            | EditKey::Right
+            | EditKey::LineStart
+            | EditKey::LineEnd => {}
         }
     }
 
@@ -143,57 +154,57 @@ impl Mdi {
     /// The title, and the line that waits for cycle start.
     fn title(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let (name, told) = rect.split_left_right_at_x(rect.min.x + 196.0);
-        lines::title(ui, view, name, view.say("录入 MDI", "MDI"));
-        let ready = &view.snapshot.mdi_ready;
+        lines::title(ui, view, name, view.text("录入 MDI", "MDI"));
+        let ready = &view.snapshot.prepared_mdi;
         let (words, ink) = if view.snapshot.mode != Mode::Mdi {
-            (view.say("先按面板上的 录入 键", "press MDI on the panel first").to_owned(), view.theme.hold)
+            (view.text("先按面板上的 录入 键", "press MDI on the panel first").to_owned(), view.theme.hold)
         } else if !ready.is_empty() {
-            (format!("{} {ready}", view.say("按循环启动执行：", "cycle start executes:")), view.theme.run)
+            (format!("{} {ready}", view.text("按循环启动执行：", "cycle start executes:")), view.theme.run)
         } else if view.snapshot.state == RunState::Running {
-            (view.say("正在执行", "executing").to_owned(), view.theme.run)
+            (view.text("正在执行", "executing").to_owned(), view.theme.run)
         } else {
-            (view.say("输入一行，再按循环启动", "type a line, INPUT, cycle start").to_owned(), view.theme.quiet)
+            (view.text("输入一行，再按循环启动", "type a line, INPUT, cycle start").to_owned(), view.theme.muted)
         };
-        fit(ui.painter(), told, Align2::LEFT_CENTER, &words, theme::TITLE, ink);
+        fit_text(ui.painter(), told, Align2::LEFT_CENTER, &words, theme::TITLE, ink);
     }
 
     /// The history; a touch recalls a line.
-    fn lines(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, pages: i32) {
+    fn history_list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, pages: i32) {
         let painter = ui.painter();
         card(painter, rect, view.theme.surface, view.theme.line);
         let list = rect.shrink(4.0);
         if self.history.is_empty() {
             let words = view
-                .say("执行过的行列在这里，触摸可再用", "lines that were used stand here; touch one to use it again");
+                .text("执行过的行列在这里，触摸可再用", "lines that were used stand here; touch one to use it again");
             let place = list.shrink2(vec2(theme::PAD, 4.0));
-            crate::hmi::view::paragraph(painter, place, words, theme::LABEL, view.theme.quiet);
+            crate::hmi::view::paragraph(painter, place, words, theme::LABEL, view.theme.muted);
             return;
         }
-        let list = widget::whole_lines(list, LINE);
+        let list = widget::round_to_lines(list, LINE_HEIGHT);
         if pages != 0 {
-            self.scroll.page(pages, list, LINE);
+            self.scroll.scroll_pages(pages, list, LINE_HEIGHT);
         }
-        let (first, last) = self.scroll.follow(ui, "mdi-history", list, LINE, self.history.len());
+        let (first, last) = self.scroll.handle_input(ui, "mdi-history", list, LINE_HEIGHT, self.history.len());
         let mut touched = None;
         for index in first..last {
             let painter = &ui.painter().with_clip_rect(list);
-            let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(LINE)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, LINE - 2.0));
+            let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(LINE_HEIGHT)) as f32;
+            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, LINE_HEIGHT - 2.0));
             let touch = place.intersect(list);
             let response = ui.interact(touch, Id::unique(("mdi-line", index)), Sense::CLICK);
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("mdi-line-{index}")));
-            let face = Face { pressed: response.is_pointer_button_down_on(), ..Face::default() };
-            keycap::plate(painter, view.theme, place, face);
+            let face = KeycapState { pressed: response.is_pointer_button_down_on(), ..KeycapState::default() };
+            keycap::paint_body(painter, view.theme, place, face);
             let words = place.shrink2(vec2(theme::PAD, 0.0));
-            fit(painter, words, Align2::LEFT_CENTER, &self.history[index], theme::TITLE, view.theme.text);
+            fit_text(painter, words, Align2::LEFT_CENTER, &self.history[index], theme::TITLE, view.theme.text);
             if self.recalled == Some(index) {
-                frame(painter, place, view.theme.focus);
+                focus_frame(painter, place, view.theme.focus);
             }
             if response.clicked() {
                 touched = Some(index);
             }
         }
-        self.scroll.bar(ui, view, list, LINE, self.history.len());
+        self.scroll.draw_bar(ui, view, list, LINE_HEIGHT, self.history.len());
         if let Some(index) = touched {
             self.recall(index);
         }
@@ -203,18 +214,18 @@ impl Mdi {
     fn input(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let painter = ui.painter();
         let (field, told) = rect.split_top_bottom_at_y(rect.min.y + 50.0);
-        let refused = self.typing.reason(view.lang);
-        let face = Face::default();
-        keycap::plate(painter, view.theme, field, face);
+        let refused = self.typing.refusal(view.lang);
+        let face = KeycapState::default();
+        keycap::paint_body(painter, view.theme, field, face);
         let edge = if refused.is_some() { view.theme.alarm } else { view.theme.focus };
-        frame(painter, field, edge);
+        focus_frame(painter, field, edge);
         let response = ui.interact(field, Id::unique("mdi-input"), Sense::HOVER);
         response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "录入行 mdi-input"));
         let ink = if refused.is_some() { view.theme.alarm_text } else { view.theme.text };
         let words = format!("{}_", self.typing.text);
-        fit(painter, field.shrink2(vec2(theme::PAD, 0.0)), Align2::LEFT_CENTER, &words, theme::SECONDARY, ink);
+        fit_text(painter, field.shrink2(vec2(theme::PAD, 0.0)), Align2::LEFT_CENTER, &words, theme::SECONDARY, ink);
         if let Some(reason) = refused {
-            fit(painter, told, Align2::LEFT_CENTER, reason, theme::LABEL, view.theme.alarm_text);
+            fit_text(painter, told, Align2::LEFT_CENTER, reason, theme::LABEL, view.theme.alarm_text);
         }
     }
 }
@@ -227,7 +238,7 @@ fn modals(ui: &Ui, rect: Rect, view: &View<'_>) {
     let modals = &view.snapshot.modals;
     let number = |value: Option<f64>| value.map_or_else(|| "—".to_owned(), |value| value.to_string());
     // The lathe dialect has one group only.
-    let groups = if view.snapshot.kind.face().macros { modals.g.len() } else { 1 };
+    let groups = if view.snapshot.kind.ui().has_macros { modals.g.len() } else { 1 };
     let mut words: Vec<String> = modals.g.iter().take(groups).map(|code| format!("G{code:02}")).collect();
     words.push(format!("T{:02}{:02}", modals.tool.0, modals.tool.1));
     words.push(modals.m.map_or_else(|| "M—".to_owned(), |code| format!("M{code:02}")));
@@ -241,6 +252,6 @@ fn modals(ui: &Ui, rect: Rect, view: &View<'_>) {
     for (index, word) in words.iter().enumerate() {
         let corner = inside.min + vec2((index % columns) as f32 * width, (index / columns) as f32 * height);
         let place = Rect::from_min_size(corner, vec2(width - 4.0, height));
-        put(painter, place, Align2::LEFT_CENTER, word, theme::LABEL, view.theme.text);
+        text_line(painter, place, Align2::LEFT_CENTER, word, theme::LABEL, view.theme.text);
     }
 }

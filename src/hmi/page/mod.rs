@@ -9,7 +9,6 @@ pub mod empty;
 pub mod graphic;
 pub mod grinding;
 pub mod input_line;
-pub mod line;
 pub mod mdi;
 pub mod offset;
 pub mod params;
@@ -17,6 +16,7 @@ pub mod position;
 pub mod process;
 pub mod program;
 pub mod scroll;
+pub mod serial;
 pub mod settings;
 pub mod simulator;
 mod teach;
@@ -27,10 +27,10 @@ pub mod wheel;
 
 use egui::{Rect, TextureId, Ui};
 
-use super::entry::{Edit, Entry};
-use super::frame;
 use super::help::Help;
 use super::login::Login;
+use super::page_frame;
+use super::variable_entry::{EditKey, VariableEntry};
 use super::view::View;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
@@ -39,81 +39,81 @@ use crate::link::Command;
 
 /// Keyboard input of this frame.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Typed<'a> {
+pub struct TypedInput<'a> {
     /// Digits, cursor moves, Enter and Cancel.
-    pub edits: &'a [Edit],
+    pub edits: &'a [EditKey],
     /// All typed characters, for pages that accept text.
     pub text: &'a str,
     /// Keys pressed with Ctrl.
-    pub controls: &'a [egui::Key],
+    pub ctrl_keys: &'a [egui::Key],
     /// Number of pages to scroll.
-    pub pages: i32,
+    pub scroll_pages: i32,
 }
 
 /// State of all pages.
 #[derive(Debug, Default)]
-pub struct Pages {
+pub struct PageSet {
     /// Value being typed on the grinding page.
-    pub entry: Entry,
+    pub entry: VariableEntry,
     /// Help on pages, keys, alarms and codes.
     pub help: Help,
     /// Page designer.
-    pub designer: designer::Designer,
-    program: program::Program,
-    graphic: graphic::Graphic,
-    transfer: transfer::Transfer,
-    process: process::Process,
-    simulator: simulator::Simulator,
-    simulator_tab: usize,
-    directory: directory::Directory,
-    diagnosis: diagnosis::Diagnosis,
-    alarms: alarm::Alarms,
-    params: params::Params,
-    settings: settings::Settings,
-    offset: offset::Offset,
-    dressing: dressing::Dressing,
-    variables: variables::Variables,
-    mdi: mdi::Mdi,
-    wheel: wheel::WheelChange,
-    teach: teach::Teach,
-    tools: tools::Tools,
+    pub designer: designer::DesignerPage,
+    program: program::ProgramPage,
+    graphic: graphic::GraphicPage,
+    transfer: transfer::TransferPage,
+    process: process::ProcessPage,
+    simulator: simulator::SimulatorPage,
+    simulator_tab_index: usize,
+    directory: directory::DirectoryPage,
+    diagnosis: diagnosis::DiagnosisPage,
+    alarms: alarm::AlarmPage,
+    params: params::ParamPage,
+    settings: settings::SettingsPage,
+    offset: offset::OffsetPage,
+    dressing: dressing::DressingPage,
+    variables: variables::VariablesPage,
+    mdi: mdi::MdiPage,
+    wheel: wheel::WheelPage,
+    teach: teach::TeachPage,
+    tools: tools::ToolsPage,
     login: Login,
 }
 
-impl Pages {
+impl PageSet {
     /// Resets the pages after another page was opened.
     pub fn open(&mut self, view: &View<'_>) {
         self.entry.restart();
         self.login.close();
         self.directory.open(view);
         self.program.open();
-        self.designer.open(view, self.directory.page_of.take());
+        self.designer.open(view, self.directory.designer_program.take());
         self.transfer.open();
         self.alarms.open();
-        self.diagnosis = diagnosis::Diagnosis::default();
-        self.settings = settings::Settings::default();
-        self.simulator = simulator::Simulator::default();
+        self.diagnosis = diagnosis::DiagnosisPage::default();
+        self.settings = settings::SettingsPage::default();
+        self.simulator = simulator::SimulatorPage::default();
         self.params.open();
-        self.offset.table.open(view.snapshot.offset_in_force);
-        self.dressing.table.open(view.snapshot.offset_in_force);
+        self.offset.table.open(view.snapshot.active_offset);
+        self.dressing.table.open(view.snapshot.active_offset);
         self.variables.open();
         self.mdi.open();
-        self.wheel = wheel::WheelChange::default();
-        self.tools = tools::Tools::default();
+        self.wheel = wheel::WheelPage::default();
+        self.tools = tools::ToolsPage::default();
         self.help.open(view, Page::Help, None);
     }
 
     /// Opens the help for the open page; on the alarm page for the selected alarm.
     pub fn open_help(&mut self, view: &View<'_>) {
         let page = view.snapshot.page;
-        let alarm = self.alarms.number(view).filter(|_| page == Page::Alarm);
+        let alarm = self.alarms.selected_number(view).filter(|_| page == Page::Alarm);
         self.help.open(view, page, alarm);
     }
 
     /// Records path and process data; called in every frame, whichever page is open.
-    pub fn follow(&mut self, view: &View<'_>) {
-        self.graphic.follow(view);
-        self.process.follow(view);
+    pub fn update_background(&mut self, view: &View<'_>) {
+        self.graphic.record_position(view);
+        self.process.record_sample(view);
     }
 
     /// Drops the typed value; called when another program becomes current.
@@ -124,7 +124,7 @@ impl Pages {
     /// Why the value typed on the parameter page was refused.
     #[must_use]
     pub fn param_refusal(&self, lang: Lang) -> Option<String> {
-        self.params.typing.reason(lang).map(str::to_owned)
+        self.params.typing.refusal(lang).map(str::to_owned)
     }
 
     /// What was typed on the open page, and why it was refused.
@@ -148,9 +148,9 @@ impl Pages {
                 let (text, why) = (self.program.text().to_string(), self.program.refusal()?);
                 return Some((text, why.get(lang).to_owned()));
             }
-            _ => &self.entry.typing,
+            _ => &self.entry.editor,
         };
-        Some((typing.text.clone(), typing.reason(lang)?.to_owned()))
+        Some((typing.text.clone(), typing.refusal(lang)?.to_owned()))
     }
 
     /// Text on the program page, with unsaved changes.
@@ -161,11 +161,11 @@ impl Pages {
 
     /// Whether the open page accepts text now.
     #[must_use]
-    pub fn takes_words(&self, page: Page) -> bool {
+    pub fn accepts_text(&self, page: Page) -> bool {
         match page {
             Page::Mdi => true,
-            Page::Program => self.program.takes_words(),
-            Page::Params => self.params.searches(),
+            Page::Program => self.program.accepts_text(),
+            Page::Params => self.params.is_searching(),
             Page::Help => self.help.searches(),
             _ => false,
         }
@@ -180,16 +180,16 @@ impl Pages {
         match view.snapshot.page {
             Page::Params => self.params.wants_pad(),
             Page::Directory => self.directory.wants_pad(),
-            Page::Offset => self.offset.table.typing.pad,
-            Page::Dressing => self.dressing.table.typing.pad,
-            Page::Macro => self.variables.typing.pad,
+            Page::Offset => self.offset.table.typing.pad_open,
+            Page::Dressing => self.dressing.table.typing.pad_open,
+            Page::Macro => self.variables.typing.pad_open,
             Page::Wheel => self.wheel.wants_pad(),
-            Page::Tools => self.tools.typing.pad,
+            Page::Tools => self.tools.typing.pad_open,
             Page::Transfer => self.transfer.wants_pad(),
-            Page::Settings => self.settings.clock.typing.pad,
+            Page::Settings => self.settings.clock.typing.pad_open,
             page => {
                 let has_fields = view.snapshot.page_files().is_some_and(|files| files.text.is_ok());
-                self.entry.typing.pad && frame::takes_numbers(page) && has_fields
+                self.entry.editor.pad_open && page_frame::has_number_fields(page) && has_fields
             }
         }
     }
@@ -200,13 +200,13 @@ impl Pages {
         ui: &Ui,
         rect: Rect,
         view: &View<'_>,
-        typed: &Typed<'_>,
+        typed: &TypedInput<'_>,
         picture: Option<TextureId>,
     ) -> Vec<Command> {
-        self.follow(view);
+        self.update_background(view);
         let mut out = match view.snapshot.page {
             Page::Position | Page::Panel => {
-                let mut out = answers(typed.edits);
+                let mut out = panel_key_commands(typed.edits);
                 out.extend(position::ui(ui, rect, view));
                 out
             }
@@ -214,7 +214,7 @@ impl Pages {
             Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
             Page::Designer => self.designer.ui(ui, rect, view, typed, (&mut self.login, picture)),
             Page::Process => self.process.ui(ui, rect, view, typed),
-            Page::Simulator => self.simulator.ui(ui, rect, view, typed, &mut self.simulator_tab),
+            Page::Simulator => self.simulator.ui(ui, rect, view, typed, &mut self.simulator_tab_index),
             Page::Graphic => self.graphic.ui(ui, rect, view, typed),
             Page::Transfer => self.transfer.ui(ui, rect, view, typed, &mut self.login),
             Page::Directory => self.directory.ui(ui, rect, view, typed, &mut self.login),
@@ -233,7 +233,7 @@ impl Pages {
             }
             Page::Alarm => self.alarms.ui(ui, rect, view, typed, &self.help),
             Page::Help => {
-                self.help.page(ui, view, rect, typed);
+                self.help.ui(ui, view, rect, typed);
                 Vec::new()
             }
         };
@@ -243,15 +243,20 @@ impl Pages {
 }
 
 /// On a page without fields Enter and Esc act as the panel keys 输入 and 取消.
-fn answers(edits: &[Edit]) -> Vec<Command> {
+fn panel_key_commands(edits: &[EditKey]) -> Vec<Command> {
     let press = |key| [Command::Press(key), Command::Release(key)];
     let mut out = Vec::new();
     for edit in edits {
         match edit {
-            Edit::Enter => out.extend(press(Key::Input)),
-            Edit::Cancel => out.extend(press(Key::Cancel)),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::Up | Edit::Down => {}
-            Edit::Left | Edit::Right | Edit::LineStart | Edit::LineEnd | Edit::Next | Edit::Previous => {}
+            EditKey::Enter => out.extend(press(Key::Input)),
+            EditKey::Cancel => out.extend(press(Key::Cancel)),
+            EditKey::Char(_) | EditKey::Sign | EditKey::Backspace | EditKey::Delete | EditKey::Up | EditKey::Down => {}
+            EditKey::Left
+            | EditKey::Right
+            | EditKey::LineStart
+            | EditKey::LineEnd
+            | EditKey::Next
+            | EditKey::Previous => {}
         }
     }
     out

@@ -11,12 +11,12 @@ pub struct Scroll {
     /// Lines above the first visible one; fractional while a finger drags.
     pub top: f64,
     /// The operator scrolled: the list no longer follows the cursor.
-    pub by_hand: bool,
+    pub user_scrolled: bool,
 }
 
 impl Scroll {
     /// Handles finger and mouse wheel; returns the lines to draw, first and one past the last.
-    pub fn follow(&mut self, ui: &Ui, id: &str, rect: Rect, line: f32, count: usize) -> (usize, usize) {
+    pub fn handle_input(&mut self, ui: &Ui, id: &str, rect: Rect, line: f32, count: usize) -> (usize, usize) {
         let response = ui.interact(rect, Id::unique(id), Sense::DRAG | Sense::HOVER);
         let mut moved = 0.0;
         if response.dragged() {
@@ -26,7 +26,7 @@ impl Scroll {
             moved -= ui.input(|input| input.smooth_scroll_delta()).y;
         }
         if moved.abs() > 0.0 {
-            self.by_hand = true;
+            self.user_scrolled = true;
             self.top += f64::from(moved / line);
         }
         let visible = (rect.height() / line).floor().max(1.0) as usize;
@@ -39,19 +39,19 @@ impl Scroll {
 
     /// The lines that are fully visible.
     #[must_use]
-    pub fn lines(&self, rect: Rect, line: f32) -> std::ops::Range<usize> {
+    pub fn visible_lines(&self, rect: Rect, line: f32) -> std::ops::Range<usize> {
         let first = self.top.ceil() as usize;
         first..first + (rect.height() / line).floor() as usize
     }
 
     /// Scrolls by a number of pages.
-    pub fn page(&mut self, pages: i32, rect: Rect, line: f32) {
-        self.by_hand = true;
+    pub fn scroll_pages(&mut self, pages: i32, rect: Rect, line: f32) {
+        self.user_scrolled = true;
         self.top += f64::from(pages) * f64::from((rect.height() / line).floor() - 1.0);
     }
 
     /// Scrolls a line to a third of the height, unless it is well in view.
-    pub fn show(&mut self, row: usize, rect: Rect, line: f32) {
+    pub fn scroll_to(&mut self, row: usize, rect: Rect, line: f32) {
         let visible = f64::from((rect.height() / line).floor());
         let row = row as f64;
         if row < self.top + 1.0 || row > self.top + visible - 3.0 {
@@ -67,7 +67,7 @@ impl Scroll {
     }
 
     /// A slim scroll bar.
-    pub fn bar(&self, ui: &Ui, view: &View<'_>, rect: Rect, line: f32, count: usize) {
+    pub fn draw_bar(&self, ui: &Ui, view: &View<'_>, rect: Rect, line: f32, count: usize) {
         let visible = f64::from(rect.height() / line);
         let all = count as f64;
         if all <= visible {
@@ -77,6 +77,6 @@ impl Scroll {
         let room = f64::from(rect.height() - height);
         let top = rect.min.y + (self.top / (all - visible).max(1.0) * room).clamp(0.0, room) as f32;
         let bar = Rect::from_min_size(egui::pos2(rect.max.x - 5.0, top), vec2(4.0, height));
-        ui.painter().rect_filled(bar, theme::RADIUS / 2.0, view.theme.quiet);
+        ui.painter().rect_filled(bar, theme::RADIUS / 2.0, view.theme.muted);
     }
 }

@@ -6,42 +6,42 @@ use std::collections::BTreeSet;
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::Typed;
-use super::line::LineSide;
+use super::TypedInput;
 use super::scroll::Scroll;
+use super::serial::SerialPane;
 use crate::defs::kind::Kind;
-use crate::defs::text::{Said, Text};
-use crate::hmi::asking::{Asking, Why};
+use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::login::Login;
-use crate::hmi::question::{Asked, Question};
-use crate::hmi::view::{View, card, fit, frame, paragraph, put};
-use crate::hmi::widget::{Look, Walk, whole_lines};
-use crate::hmi::{frame as lines, theme};
+use crate::hmi::question::{Question, QuestionDialog};
+use crate::hmi::requests::{PendingRequests, RequestReason};
+use crate::hmi::view::{View, card, fit_text, focus_frame, paragraph, text_line};
+use crate::hmi::widget::{ButtonState, KeyboardFocus, round_to_lines};
+use crate::hmi::{page_frame as lines, theme};
 use crate::link::Command;
-use crate::link::files::{Asker, FileRequest, Refusal, Ticket};
-use crate::link::media::{Direction, MediaFile, MediaView, Set, Transfer as Ask};
-use crate::link::page_command::{Guard, PageCommand};
+use crate::link::files::{FileRequest, Refusal, Requester, Ticket};
+use crate::link::media::{Direction, MediaFile, MediaView, TransferRequest as Ask, TransferSet};
+use crate::link::page_command::{PageCommand, PasswordScope};
 
 /// Height of a row of the file list.
-const ROW: f32 = 46.0;
+const ROW_HEIGHT: f32 = 46.0;
 /// Height of the keys below.
-const KEYS: f32 = 52.0;
+const KEYS_HEIGHT: f32 = 52.0;
 /// Index of the overwrite key in its question.
-const OVERWRITE: usize = 0;
+const OVERWRITE_KEY: usize = 0;
 /// Seconds between two checks of the USB drive while the page is open.
-const LOOK_EVERY: f64 = 2.0;
+const MEDIUM_POLL_SECONDS: f64 = 2.0;
 
 /// Request to transfer files.
 #[derive(Debug)]
-struct Carry;
+struct MediaRequest;
 
-impl Why for Carry {
-    const ASKER: Asker = Asker::Transfer;
+impl RequestReason for MediaRequest {
+    const REQUESTER: Requester = Requester::Transfer;
 }
 
 /// Subject of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum About {
+enum TransferQuestion {
     /// Files that exist already.
     Overwrite,
     /// Pictures in another format.
@@ -50,146 +50,155 @@ enum About {
 
 /// State of the page.
 #[derive(Debug, Default)]
-pub struct Transfer {
-    set: Set,
+pub struct TransferPage {
+    set: TransferSet,
     /// Selected files on the control and on the USB drive.
     chosen: [BTreeSet<String>; 2],
     scroll: [Scroll; 2],
-    walk: Walk,
-    asked: Option<Ask>,
+    walk: KeyboardFocus,
+    request: Option<Ask>,
     /// The transfer waits for a password.
-    waiting: Option<Guard>,
-    question: Asked<About>,
-    told: Option<(Said, bool)>,
-    asking: Asking<Carry>,
-    looked: f64,
+    awaiting_password: Option<PasswordScope>,
+    question: QuestionDialog<TransferQuestion>,
+    message: Option<(LocalizedText, bool)>,
+    asking: PendingRequests<MediaRequest>,
+    last_poll: f64,
     /// The RS232 half.
-    line: LineSide,
+    serial: SerialPane,
     /// When the running work was first seen, s, and its progress then, per mille.
-    begun: Option<(f64, u16)>,
+    work_start: Option<(f64, u16)>,
 }
 
-impl Transfer {
+impl TransferPage {
     /// The page was opened.
     pub fn open(&mut self) {
         let asking = std::mem::take(&mut self.asking);
-        *self = Self { set: self.set, asking, looked: f64::NEG_INFINITY, ..Self::default() };
+        *self = Self { set: self.set, asking, last_poll: f64::NEG_INFINITY, ..Self::default() };
     }
 
     /// Whether the numeric pad is shown.
     #[must_use]
     pub fn wants_pad(&self) -> bool {
-        self.set == Set::Serial && self.line.pad && !self.question.is_open()
+        self.set == TransferSet::Serial && self.serial.pad && !self.question.is_open()
     }
 
     /// Why the last transfer was refused.
     #[must_use]
-    pub fn refusal(&self) -> Option<&Said> {
-        self.told.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
+    pub fn refusal(&self) -> Option<&LocalizedText> {
+        self.message.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
     }
 
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
+    pub fn ui(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        view: &View<'_>,
+        typed: &TypedInput<'_>,
+        login: &mut Login,
+    ) -> Vec<Command> {
         let mut out = Vec::new();
-        self.hear(view, login, &mut out);
+        self.handle_answer(view, login, &mut out);
         let now = ui.input(|input| input.time);
         let busy = view.snapshot.files.busy;
-        if busy.is_none() && self.asked.is_none() && now - self.looked > LOOK_EVERY {
-            self.looked = now;
-            out.push(request(FileRequest::Media));
+        if busy.is_none() && self.request.is_none() && now - self.last_poll > MEDIUM_POLL_SECONDS {
+            self.last_poll = now;
+            out.push(request(FileRequest::ListMedia));
         }
-        ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(LOOK_EVERY));
+        ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(MEDIUM_POLL_SECONDS));
         let free = !self.question.is_open() && !login.is_open();
         let edits = match free {
-            true if self.set == Set::Serial => self.line.take(typed.edits),
+            true if self.set == TransferSet::Serial => self.serial.handle_edits(typed.edits),
             true => typed.edits.to_vec(),
             false => Vec::new(),
         };
-        self.walk.begin(&edits);
-        self.begun = busy.map(|(_, share)| self.begun.unwrap_or((now, share)));
+        self.walk.begin_frame(&edits);
+        self.work_start = busy.map(|(_, share)| self.work_start.unwrap_or((now, share)));
         let none = MediaView::default();
         let media = view.snapshot.files.media.as_deref().unwrap_or(&none);
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
-        let (tabs, rest) = inside.split_top_bottom_at_y(inside.min.y + KEYS);
+        let (tabs, rest) = inside.split_top_bottom_at_y(inside.min.y + KEYS_HEIGHT);
         self.tabs(ui, tabs, view);
-        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - KEYS);
+        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - KEYS_HEIGHT);
         let (body, told) = body.split_top_bottom_at_y(body.max.y - 30.0);
         let half = (body.width() - theme::PAD) / 2.0;
         let side = |index: f32| {
             let corner = pos2(body.min.x + index * (half + theme::PAD), body.min.y);
             Rect::from_min_size(corner, vec2(half, body.height()))
         };
-        self.side(ui, side(0.0), view, (0, media), typed.pages);
-        if self.set == Set::Serial {
+        self.side(ui, side(0.0), view, (0, media), typed.scroll_pages);
+        if self.set == TransferSet::Serial {
             let (head, body) = side(1.0).split_top_bottom_at_y(side(1.0).min.y + 34.0);
             lines::title(ui, view, head, "RS232");
             card(ui.painter(), body, view.theme.surface, view.theme.line);
-            self.line.ui(ui, body.shrink(theme::PAD), view, media, (&mut self.walk, login, &mut out));
+            self.serial.ui(ui, body.shrink(theme::PAD), view, media, (&mut self.walk, login, &mut out));
         } else {
-            self.side(ui, side(1.0), view, (1, media), typed.pages);
+            self.side(ui, side(1.0), view, (1, media), typed.scroll_pages);
         }
-        self.told(ui, told, view);
+        self.message_line(ui, told, view);
         self.keys(ui, keys, view, media, &mut out);
         match self.question.ui(ui, rect, view, typed.edits) {
-            Some((About::Convert, Some(_))) => {
-                self.asked.iter_mut().for_each(|ask| ask.convert = Some(true));
-                let overwrite = self.asked.as_ref().and_then(|ask| ask.overwrite);
-                self.again(overwrite, &mut out);
+            Some((TransferQuestion::Convert, Some(_))) => {
+                self.request.iter_mut().for_each(|ask| ask.convert = Some(true));
+                let overwrite = self.request.as_ref().and_then(|ask| ask.overwrite);
+                self.send_request(overwrite, &mut out);
             }
-            Some((About::Overwrite, Some(key))) => self.again(Some(key == OVERWRITE), &mut out),
-            Some((_, None)) => self.asked = None,
+            Some((TransferQuestion::Overwrite, Some(key))) => self.send_request(Some(key == OVERWRITE_KEY), &mut out),
+            Some((_, None)) => self.request = None,
             None => {}
         }
         out
     }
 
-    fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+    fn handle_answer(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let access = view.snapshot.access;
-        if let Some(guard) = self.waiting.filter(|_| !login.is_open()) {
-            self.waiting = None;
-            let open = if guard == Guard::Program { access.program } else { access.level >= guard.level() };
+        if let Some(guard) = self.awaiting_password.filter(|_| !login.is_open()) {
+            self.awaiting_password = None;
+            let open =
+                if guard == PasswordScope::Program { access.program_unlocked } else { access.level >= guard.level() };
             if open {
-                let overwrite = self.asked.as_ref().and_then(|ask| ask.overwrite);
-                self.again(overwrite, out);
+                let overwrite = self.request.as_ref().and_then(|ask| ask.overwrite);
+                self.send_request(overwrite, out);
             } else {
-                self.asked = None;
+                self.request = None;
             }
         }
-        let Some((Carry, answer)) = self.asking.hear(&view.snapshot.files).filter(|_| self.asked.is_some()) else {
+        let Some((MediaRequest, answer)) = self.asking.poll(&view.snapshot.files).filter(|_| self.request.is_some())
+        else {
             return;
         };
-        self.looked = f64::NEG_INFINITY;
+        self.last_poll = f64::NEG_INFINITY;
         match answer {
             Ok(deed) => {
-                self.asked = None;
+                self.request = None;
                 self.chosen = Default::default();
-                self.told = Some((deed.said, false));
+                self.message = Some((deed.message, false));
             }
             Err(refusal @ (Refusal::Password | Refusal::Builder)) => {
-                let guard = if refusal == Refusal::Builder { Guard::Builder } else { Guard::Program };
-                self.waiting = Some(guard);
+                let guard = if refusal == Refusal::Builder { PasswordScope::Builder } else { PasswordScope::Program };
+                self.awaiting_password = Some(guard);
                 login.unlock(view, guard);
             }
             Err(Refusal::Overwrite(names)) => {
-                let question = self.overwrite(&names);
-                self.question.ask(About::Overwrite, question);
+                let question = self.overwrite_question(&names);
+                self.question.ask(TransferQuestion::Overwrite, question);
             }
-            Err(Refusal::Convert(faults)) => self.question.ask(About::Convert, conversion(&faults)),
+            Err(Refusal::Convert(faults)) => self.question.ask(TransferQuestion::Convert, conversion_question(&faults)),
             Err(refusal) => {
-                self.asked = None;
-                self.told = Some((refusal.said(), true));
+                self.request = None;
+                self.message = Some((refusal.message(), true));
             }
         }
     }
 
     /// Question about existing files: overwrite, skip or cancel.
-    fn overwrite(&self, names: &[String]) -> Question {
+    fn overwrite_question(&self, names: &[String]) -> Question {
         let list = names.iter().take(6).cloned().collect::<Vec<_>>().join("  ");
         let more = if names.len() > 6 { "  …" } else { "" };
         let yes = ("question-overwrite", Text::new("覆盖", "OVERWRITE"));
         let skip = ("question-skip", Text::new("跳过", "SKIP"));
-        if self.set == Set::Backup {
-            let body = Said::new(
+        if self.set == TransferSet::Backup {
+            let body = LocalizedText::new(
                 format!("{list}：程序、页面文件、参数、变量和刀补将被备份中的内容替换。"),
                 format!(
                     "{list}: programs, page files, parameters, variables and offsets are replaced by those of the backup."
@@ -198,45 +207,46 @@ impl Transfer {
             return Question::new(Text::new("恢复备份？", "restore the backup?"), body, yes);
         }
         let title = Text::new("文件已存在且内容不同", "there already, with other contents");
-        let body = Said::new(format!("{list}{more}"), format!("{list}{more}"));
-        if self.set.files().has_list() {
-            Question::of(title, body, &[yes, skip])
+        let body = LocalizedText::new(format!("{list}{more}"), format!("{list}{more}"));
+        if self.set.file_set().has_file_list() {
+            Question::with_keys(title, body, &[yes, skip])
         } else {
             Question::new(title, body, yes)
         }
     }
 
-    fn again(&mut self, overwrite: Option<bool>, out: &mut Vec<Command>) {
-        if let Some(ask) = &mut self.asked {
+    fn send_request(&mut self, overwrite: Option<bool>, out: &mut Vec<Command>) {
+        if let Some(ask) = &mut self.request {
             ask.overwrite = overwrite;
-            out.push(self.asking.ask(Carry, FileRequest::Transfer(ask.clone())));
+            out.push(self.asking.send(MediaRequest, FileRequest::Transfer(ask.clone())));
         }
     }
 
-    fn begin(&mut self, kind: Kind, direction: Direction, out: &mut Vec<Command>) {
-        let side = usize::from(direction == Direction::In);
+    fn start(&mut self, kind: Kind, direction: Direction, out: &mut Vec<Command>) {
+        let side = usize::from(direction == Direction::Import);
         let names = match (self.set, direction) {
-            (Set::Serial, Direction::In) => match self.line.file(kind) {
+            (TransferSet::Serial, Direction::Import) => match self.serial.file_name(kind) {
                 Ok(name) => name.into_iter().collect(),
-                Err(said) => return self.told = Some((said, true)),
+                Err(said) => return self.message = Some((said, true)),
             },
             _ => self.chosen[side].iter().cloned().collect(),
         };
-        self.line.pad = false;
-        self.told = None;
-        self.asked = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None });
-        self.again(None, out);
+        self.serial.pad = false;
+        self.message = None;
+        self.request = Some(Ask { set: self.set, direction, names, overwrite: None, convert: None });
+        self.send_request(None, out);
     }
 
     fn tabs(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) {
-        let width = (rect.width() + theme::GAP) / Set::ALL.len() as f32;
-        for (index, set) in Set::ALL.into_iter().enumerate() {
+        let width = (rect.width() + theme::GAP) / TransferSet::ALL.len() as f32;
+        for (index, set) in TransferSet::ALL.into_iter().enumerate() {
             let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - theme::GAP));
-            let look = Look { on: set == self.set, locked: false };
-            if self.walk.push(ui, view, place, (set.id(), set.name().get(view.lang)), look) && self.asked.is_none() {
+            let look = ButtonState { on: set == self.set, locked: false };
+            if self.walk.button(ui, view, place, (set.id(), set.name().get(view.lang)), look) && self.request.is_none()
+            {
                 let asking = std::mem::take(&mut self.asking);
-                *self = Self { set, asking, looked: self.looked, walk: self.walk, ..Self::default() };
+                *self = Self { set, asking, last_poll: self.last_poll, walk: self.walk, ..Self::default() };
             }
         }
     }
@@ -244,48 +254,48 @@ impl Transfer {
     /// One side: its name, free space, its files.
     fn side(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, (side, media): (usize, &MediaView), pages: i32) {
         let (head, body) = rect.split_top_bottom_at_y(rect.min.y + 34.0);
-        let name = if side == 0 { view.say("本机", "this control") } else { view.say("U 盘", "USB medium") };
+        let name = if side == 0 { view.text("本机", "this control") } else { view.text("U 盘", "USB medium") };
         lines::title(ui, view, head, name);
-        if let Some(free) = media.free.filter(|_| side == 1 && media.stick.is_some()) {
-            let words = format!("{} {}", view.say("剩余", "free"), size(free));
-            put(ui.painter(), head, Align2::RIGHT_CENTER, &words, theme::LABEL, view.theme.quiet);
+        if let Some(free) = media.free_bytes.filter(|_| side == 1 && media.medium_folder.is_some()) {
+            let words = format!("{} {}", view.text("剩余", "free"), size_text(free));
+            text_line(ui.painter(), head, Align2::RIGHT_CENTER, &words, theme::LABEL, view.theme.muted);
         }
         card(ui.painter(), body, view.theme.surface, view.theme.line);
         let inside = body.shrink(theme::PAD);
-        if side == 1 && media.stick.is_none() {
-            let words = view.say(
+        if side == 1 && media.medium_folder.is_none() {
+            let words = view.text(
                 "没有 U 盘。请插入 U 盘（FAT32 或 exFAT），几秒后自动识别。",
                 "No USB medium. Plug one in (FAT32 or exFAT); it is found within seconds.",
             );
             paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.hold);
             return;
         }
-        let files: Vec<&MediaFile> = if side == 0 { &media.here } else { &media.there }
+        let files: Vec<&MediaFile> = if side == 0 { &media.control_files } else { &media.medium_files }
             .iter()
-            .filter(|file| file.set == self.set.files())
+            .filter(|file| file.set == self.set.file_set())
             .collect();
-        if side == 0 && !self.set.files().has_list() {
-            let words = about(self.set, view);
-            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.quiet);
+        if side == 0 && !self.set.file_set().has_file_list() {
+            let words = set_description(self.set, view);
+            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.muted);
             return;
         }
         if files.is_empty() {
-            let words = view.say("没有此类文件", "no files of this sort");
-            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.quiet);
+            let words = view.text("没有此类文件", "no files of this sort");
+            paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.muted);
             return;
         }
-        let list = whole_lines(body.shrink(4.0), ROW);
+        let list = round_to_lines(body.shrink(4.0), ROW_HEIGHT);
         if pages != 0 {
-            self.scroll[side].page(pages, list, ROW);
+            self.scroll[side].scroll_pages(pages, list, ROW_HEIGHT);
         }
         let id = if side == 0 { "files-here" } else { "files-there" };
-        let (first, last) = self.scroll[side].follow(ui, id, list, ROW, files.len());
+        let (first, last) = self.scroll[side].handle_input(ui, id, list, ROW_HEIGHT, files.len());
         for (index, file) in files.iter().enumerate().take(last).skip(first) {
-            let top = list.min.y + ((index as f64 - self.scroll[side].top) * f64::from(ROW)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, ROW - 2.0));
+            let top = list.min.y + ((index as f64 - self.scroll[side].top) * f64::from(ROW_HEIGHT)) as f32;
+            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, ROW_HEIGHT - 2.0));
             self.file(ui, list, place, view, (side, file));
         }
-        self.scroll[side].bar(ui, view, list, ROW, files.len());
+        self.scroll[side].draw_bar(ui, view, list, ROW_HEIGHT, files.len());
     }
 
     fn file(&mut self, ui: &Ui, list: Rect, place: Rect, view: &View<'_>, (side, file): (usize, &MediaFile)) {
@@ -294,9 +304,9 @@ impl Transfer {
         let response = ui.interact(place.intersect(list), Id::unique(("media-file", side, &file.name)), Sense::CLICK);
         let word = format!("{} file-{side}", file.name);
         response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &word));
-        let (walked, entered) = self.walk.pass();
+        let (walked, entered) = self.walk.item();
         if walked {
-            frame(painter, place, view.theme.info);
+            focus_frame(painter, place, view.theme.info);
         }
         if response.clicked() || entered {
             if chosen {
@@ -307,52 +317,52 @@ impl Transfer {
         }
         if chosen {
             painter.rect_filled(place, theme::RADIUS, view.theme.raised);
-            frame(painter, place, view.theme.focus);
+            focus_frame(painter, place, view.theme.focus);
         }
         let inside = place.shrink2(vec2(theme::PAD, 0.0));
         let (name, bytes) = inside.split_left_right_at_x(inside.max.x - 86.0);
-        fit(painter, name, Align2::LEFT_CENTER, &file.name, theme::TITLE, view.theme.text);
-        put(painter, bytes, Align2::RIGHT_CENTER, &size(file.size), theme::LABEL, view.theme.quiet);
+        fit_text(painter, name, Align2::LEFT_CENTER, &file.name, theme::TITLE, view.theme.text);
+        text_line(painter, bytes, Align2::RIGHT_CENTER, &size_text(file.size), theme::LABEL, view.theme.muted);
     }
 
-    fn told(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    fn message_line(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         if let Some((what, share)) = view.snapshot.files.busy {
             let bar = Rect::from_min_max(pos2(rect.min.x, rect.max.y - 8.0), pos2(rect.max.x, rect.max.y - 2.0));
             ui.painter().rect_filled(bar, theme::RADIUS, view.theme.line);
             let done = Rect::from_min_size(bar.min, vec2(bar.width() * f32::from(share) / 1_000.0, bar.height()));
             ui.painter().rect_filled(done, theme::RADIUS, view.theme.focus);
             let line = Rect::from_min_max(rect.min, pos2(rect.max.x, bar.min.y));
-            let words = match view.snapshot.files.bytes {
-                Some(bytes) => format!("{}  {}", what.get(view.lang), size(bytes)),
-                None => format!("{} {} %{}", what.get(view.lang), share / 10, self.left(ui, view, share)),
+            let words = match view.snapshot.files.bytes_received {
+                Some(bytes) => format!("{}  {}", what.get(view.lang), size_text(bytes)),
+                None => format!("{} {} %{}", what.get(view.lang), share / 10, self.time_left(ui, view, share)),
             };
-            fit(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
+            fit_text(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
             return;
         }
-        if let Some((said, refused)) = &self.told {
+        if let Some((said, refused)) = &self.message {
             let ink = if *refused { view.theme.alarm_text } else { view.theme.run };
-            fit(ui.painter(), rect, Align2::LEFT_CENTER, said.get(view.lang), theme::LABEL, ink);
-        } else if self.set == Set::Serial {
-            let words = view.say("触摸选择要发送的程序", "touch to choose the programs to send");
-            fit(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
-        } else if self.set.has_list() {
-            let words = view.say("触摸选择文件；不选为全部", "touch to choose files; none chosen: all");
-            fit(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.quiet);
+            fit_text(ui.painter(), rect, Align2::LEFT_CENTER, said.get(view.lang), theme::LABEL, ink);
+        } else if self.set == TransferSet::Serial {
+            let words = view.text("触摸选择要发送的程序", "touch to choose the programs to send");
+            fit_text(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.muted);
+        } else if self.set.has_file_list() {
+            let words = view.text("触摸选择文件；不选为全部", "touch to choose files; none chosen: all");
+            fit_text(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.muted);
         }
     }
 
     /// Remaining time, once 2 % of the work are done since its start was seen (H8).
-    fn left(&self, ui: &Ui, view: &View<'_>, share: u16) -> String {
-        let Some((since, from)) = self.begun.filter(|(_, from)| share >= from + 20) else { return String::new() };
+    fn time_left(&self, ui: &Ui, view: &View<'_>, share: u16) -> String {
+        let Some((since, from)) = self.work_start.filter(|(_, from)| share >= from + 20) else { return String::new() };
         let gone = ui.input(|input| input.time) - since;
         let left = (gone * f64::from(1_000 - share.min(1_000)) / f64::from(share - from)).ceil() as u64;
-        format!(" · {} {}:{:02}", view.say("还需", "left"), left / 60, left % 60)
+        format!(" · {} {}:{:02}", view.text("还需", "left"), left / 60, left % 60)
     }
 
     fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, media: &MediaView, out: &mut Vec<Command>) {
-        let busy = view.snapshot.files.busy.is_some() || self.asked.is_some();
-        let serial = self.set == Set::Serial;
-        let missing = if serial { media.port.is_none() } else { media.stick.is_none() };
+        let busy = view.snapshot.files.busy.is_some() || self.request.is_some();
+        let serial = self.set == TransferSet::Serial;
+        let missing = if serial { media.port.is_none() } else { media.medium_folder.is_none() };
         let locked = busy || missing;
         let width = (rect.width() + theme::GAP) / 3.0;
         let cell = |index: f32| {
@@ -360,39 +370,40 @@ impl Transfer {
             Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height() - 2.0))
         };
         let to_stick = match serial {
-            true => ("transfer-out", view.say("本机 → RS232", "TO RS232 →")),
-            false => ("transfer-out", view.say("本机 → U 盘", "TO USB →")),
+            true => ("transfer-out", view.text("本机 → RS232", "TO RS232 →")),
+            false => ("transfer-out", view.text("本机 → U 盘", "TO USB →")),
         };
         let from_stick = match serial {
-            true => ("transfer-in", view.say("RS232 → 本机", "← FROM RS232")),
-            false => ("transfer-in", view.say("U 盘 → 本机", "← FROM USB")),
+            true => ("transfer-in", view.text("RS232 → 本机", "← FROM RS232")),
+            false => ("transfer-in", view.text("U 盘 → 本机", "← FROM USB")),
         };
-        let touched = [(to_stick, Direction::Out), (from_stick, Direction::In)].into_iter().enumerate().find_map(
-            |(index, (words, direction))| {
-                let look = Look { on: false, locked };
-                self.walk.push(ui, view, cell(index as f32), words, look).then_some(direction)
-            },
-        );
+        let touched = [(to_stick, Direction::Export), (from_stick, Direction::Import)]
+            .into_iter()
+            .enumerate()
+            .find_map(|(index, (words, direction))| {
+                let look = ButtonState { on: false, locked };
+                self.walk.button(ui, view, cell(index as f32), words, look).then_some(direction)
+            });
         match touched {
             Some(_) if missing => {
                 let said = match serial {
-                    true => Said::new("没有选择端口，请按 换端口", "no port is chosen: touch CHANGE"),
-                    false => Said::new("没有 U 盘", "no USB medium"),
+                    true => LocalizedText::new("没有选择端口，请按 换端口", "no port is chosen: touch CHANGE"),
+                    false => LocalizedText::new("没有 U 盘", "no USB medium"),
                 };
-                self.told = Some((said, true));
+                self.message = Some((said, true));
             }
-            Some(direction) if !busy => self.begin(view.snapshot.kind, direction, out),
+            Some(direction) if !busy => self.start(view.snapshot.kind, direction, out),
             Some(_) | None => {}
         }
-        let look = Look { on: false, locked: !busy };
-        if self.walk.push(ui, view, cell(2.0), ("transfer-cancel", view.say("取消", "CANCEL")), look) && busy {
+        let look = ButtonState { on: false, locked: !busy };
+        if self.walk.button(ui, view, cell(2.0), ("transfer-cancel", view.text("取消", "CANCEL")), look) && busy {
             out.push(request(FileRequest::Cancel));
         }
     }
 }
 
 /// K5.12: names pictures in a wrong format with their faults, and offers to convert them.
-fn conversion(faults: &[Said]) -> Question {
+fn conversion_question(faults: &[LocalizedText]) -> Question {
     let list = |zh: bool| {
         let lines = faults.iter().take(3).map(|said| if zh { said.zh.as_str() } else { said.en.as_str() });
         let mut text = lines.collect::<Vec<_>>().join("\n");
@@ -402,33 +413,37 @@ fn conversion(faults: &[Said]) -> Question {
         text
     };
     let title = Text::new("转换为 200×400 24 位图片？", "convert to 200×400, 24 bit?");
-    Question::new(title, Said::new(list(true), list(false)), ("question-convert", Text::new("转换", "CONVERT")))
+    Question::new(
+        title,
+        LocalizedText::new(list(true), list(false)),
+        ("question-convert", Text::new("转换", "CONVERT")),
+    )
 }
 
 /// A request whose answer goes to every page, or that has none.
 const fn request(request: FileRequest) -> Command {
-    Command::Page(PageCommand::File(Ticket::unheard(Asker::Transfer), request))
+    Command::Page(PageCommand::File(Ticket::without_reply(Requester::Transfer), request))
 }
 
-const fn about(set: Set, view: &View<'_>) -> &'static str {
+const fn set_description(set: TransferSet, view: &View<'_>) -> &'static str {
     match set {
-        Set::Params => view.say(
+        TransferSet::Params => view.text(
             "全部参数写到 KT830-PARAM.RON，或从该文件读入。读入需要机床厂密码；文件中任何一个值不允许则全部不读入。",
             "All parameters go to KT830-PARAM.RON, or come from it. Taking them in asks for the machine builder's password; one value that is not allowed refuses the whole file.",
         ),
-        Set::Variables => view.say(
+        TransferSet::Variables => view.text(
             "宏变量 #200-#433、#500-#999 写到 KT830-MACRO.RON，或从该文件读入。",
             "The macro variables #200-#433 and #500-#999 go to KT830-MACRO.RON, or come from it.",
         ),
-        Set::Serial => "",
-        Set::Backup | Set::Programs | Set::Screens => view.say(
+        TransferSet::Serial => "",
+        TransferSet::Backup | TransferSet::Programs | TransferSet::Screens => view.text(
             "程序、页面文件、参数、变量、刀补和坐标系写成一个带校验的文件 KT830-日期-时间.TAR，或从所选（最新）备份恢复。恢复需要机床厂密码。",
             "Programs, page files, parameters, variables, offsets and work frames go into one file with checksums, KT830-DATE-TIME.TAR, or come back from the chosen (newest) one. Restoring asks for the machine builder's password.",
         ),
     }
 }
 
-fn size(bytes: u64) -> String {
+fn size_text(bytes: u64) -> String {
     match bytes {
         0..1_024 => format!("{bytes} B"),
         1_024..1_048_576 => format!("{:.1} kB", bytes as f64 / 1_024.0),

@@ -1,17 +1,17 @@
 //! The operator panel: all keys of the kind with their lamps, the overrides, the handwheel.
 //! Source: spec K2, H2, H3.
 
-pub mod places;
+pub mod layout;
 
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, vec2};
 
-use self::places::PanelLayout;
-use super::keycap::{self, Face};
-use super::pictogram::{self, Mark};
-use super::press::Presses;
+use self::layout::PanelLayout;
+use super::key_press::KeyPresses;
+use super::keycap::{self, KeycapState};
+use super::pictogram::{self, PictogramShape};
 use super::theme;
-use super::view::{View, card, fit, put};
+use super::view::{View, card, fit_text, text_line};
 use crate::defs::key::Key;
 use crate::defs::text::Text;
 use crate::link::Command;
@@ -24,13 +24,13 @@ const DETENT: f32 = 10.0;
 /// State of the on-screen handwheel between frames, points.
 #[derive(Debug, Default)]
 pub struct Panel {
-    turned: f32,
-    phase: f32,
+    drag_points: f32,
+    rib_offset: f32,
 }
 
 /// What the panel returns besides commands.
 #[derive(Debug, Default)]
-pub struct Said {
+pub struct PanelResponse {
     /// Why the key that was just pressed is blocked, if it is.
     pub refused: Option<Text>,
 }
@@ -42,52 +42,56 @@ impl Panel {
         ui: &mut Ui,
         layout: &PanelLayout,
         view: &View<'_>,
-        presses: &mut Presses,
+        presses: &mut KeyPresses,
         out: &mut Vec<Command>,
-    ) -> Said {
+    ) -> PanelResponse {
         let painter = ui.painter().clone();
         for group in &layout.groups {
-            card(&painter, group.frame, view.theme.ground, view.theme.line);
+            card(&painter, group.frame, view.theme.background, view.theme.line);
             if let Some((rect, text)) = &group.caption {
                 let row = rect.shrink2(vec2(4.0, 0.0));
-                fit(&painter, row, Align2::LEFT_CENTER, text.get(view.lang), theme::SMALL, view.theme.quiet);
+                fit_text(&painter, row, Align2::LEFT_CENTER, text.get(view.lang), theme::SMALL, view.theme.muted);
             }
         }
-        override_value(ui, view, layout.feed, ("进给", "FEED"), view.snapshot.feed_override);
-        override_value(ui, view, layout.spindle, ("主轴", "SPIN"), view.snapshot.spindle_override);
-        let mut said = Said::default();
+        override_value(ui, view, layout.feed_value, ("进给", "FEED"), view.snapshot.feed_override);
+        override_value(ui, view, layout.spindle_value, ("主轴", "SPIN"), view.snapshot.spindle_override);
+        let mut said = PanelResponse::default();
         for (key, rect) in &layout.keys {
-            let Some(rect) = place(layout, view, *key, *rect) else { continue };
+            let Some(rect) = visible_rect(layout, view, *key, *rect) else { continue };
             let refused = key_ui(ui, view, *key, rect, presses, out);
             said.refused = said.refused.or(refused);
         }
-        self.handwheel(ui, view, layout.wheel, out);
+        self.handwheel(ui, view, layout.handwheel, out);
         said
     }
 
     /// Draws a thumb wheel, turned by drag or scroll; one command carries all detents of a frame.
     fn handwheel(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, out: &mut Vec<Command>) {
         let response = ui.interact(rect, Id::unique("handwheel"), Sense::DRAG | Sense::HOVER);
-        let text =
-            format!("{} {} ×{}", view.say("手轮", "WHEEL"), view.snapshot.handwheel_axis, step(view.snapshot.step_mm));
+        let text = format!(
+            "{} {} ×{}",
+            view.text("手轮", "WHEEL"),
+            view.snapshot.handwheel_axis,
+            format_step(view.snapshot.handwheel_step_mm)
+        );
         response.widget_info(|| {
-            WidgetInfo::labeled(Role::Button, true, format!("{} handwheel", view.say("手轮", "handwheel")))
+            WidgetInfo::labeled(Role::Button, true, format!("{} handwheel", view.text("手轮", "handwheel")))
         });
         if response.dragged() {
-            self.turned += response.drag_delta().x;
-            self.phase = (self.phase + response.drag_delta().x).rem_euclid(DETENT);
+            self.drag_points += response.drag_delta().x;
+            self.rib_offset = (self.rib_offset + response.drag_delta().x).rem_euclid(DETENT);
         }
         if response.hovered() {
             let scroll = ui.input(|input| input.smooth_scroll_delta());
-            self.turned += (scroll.y + scroll.x) * 0.5;
-            self.phase = (self.phase + (scroll.y + scroll.x) * 0.5).rem_euclid(DETENT);
+            self.drag_points += (scroll.y + scroll.x) * 0.5;
+            self.rib_offset = (self.rib_offset + (scroll.y + scroll.x) * 0.5).rem_euclid(DETENT);
         }
         if response.drag_stopped() {
-            self.turned = 0.0;
+            self.drag_points = 0.0;
         }
-        let detents = (self.turned / DETENT).trunc();
+        let detents = (self.drag_points / DETENT).trunc();
         if detents.abs() >= 1.0 {
-            self.turned -= detents * DETENT;
+            self.drag_points -= detents * DETENT;
             out.push(Command::Handwheel(detents as i32));
         }
         self.paint_wheel(ui, view, rect, &text);
@@ -98,11 +102,11 @@ impl Panel {
         let painter = ui.painter().with_clip_rect(rect);
         card(&painter, rect, view.theme.surface, if active { view.theme.info } else { view.theme.line });
         let (words, ribs) = rect.shrink2(vec2(6.0, 3.0)).split_top_bottom_at_fraction(0.5);
-        let ink = if active { view.theme.text } else { view.theme.quiet };
-        fit(&painter, words, Align2::CENTER_CENTER, text, theme::LABEL, ink);
+        let ink = if active { view.theme.text } else { view.theme.muted };
+        fit_text(&painter, words, Align2::CENTER_CENTER, text, theme::LABEL, ink);
         let ribs = ribs.shrink2(vec2(0.0, 2.0));
         let half = ribs.width() / 2.0;
-        let mut x = ribs.min.x + self.phase;
+        let mut x = ribs.min.x + self.rib_offset;
         while x < ribs.max.x {
             // Ribs of a wheel: shorter towards its sides.
             let out_there = ((x - ribs.center().x) / half).abs();
@@ -110,7 +114,7 @@ impl Panel {
             painter.vline(
                 x,
                 ribs.center().y - reach..=ribs.center().y + reach,
-                egui::Stroke::new(2.0, view.theme.quiet),
+                egui::Stroke::new(2.0, view.theme.muted),
             );
             x += DETENT;
         }
@@ -118,15 +122,15 @@ impl Panel {
 }
 
 /// The step without trailing zeros, mm.
-fn step(mm: f64) -> String {
+fn format_step(mm: f64) -> String {
     let text = format!("{mm:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn override_value(ui: &Ui, view: &View<'_>, rect: Rect, name: (&'static str, &'static str), percent: u16) {
     let (top, bottom) = rect.split_top_bottom_at_fraction(0.46);
-    put(ui.painter(), top, Align2::CENTER_CENTER, view.say(name.0, name.1), theme::SMALL, view.theme.quiet);
-    fit(ui.painter(), bottom, Align2::CENTER_CENTER, &percent.to_string(), theme::TITLE, view.theme.text);
+    text_line(ui.painter(), top, Align2::CENTER_CENTER, view.text(name.0, name.1), theme::SMALL, view.theme.muted);
+    fit_text(ui.painter(), bottom, Align2::CENTER_CENTER, &percent.to_string(), theme::TITLE, view.theme.text);
 }
 
 /// The axis of a panel key.
@@ -141,7 +145,7 @@ const fn axis_of(key: Key) -> Option<Axis> {
 
 /// Where a key is painted; none for an axis that the machine does not have. Without Y, the handwheel keys X and Z share
 /// the height of three keys.
-fn place(layout: &PanelLayout, view: &View<'_>, key: Key, rect: Rect) -> Option<Rect> {
+fn visible_rect(layout: &PanelLayout, view: &View<'_>, key: Key, rect: Rect) -> Option<Rect> {
     let present = |axis: Axis| view.snapshot.axes[axis].present;
     if axis_of(key).is_some_and(|axis| !present(axis)) {
         return None;
@@ -163,7 +167,7 @@ fn place(layout: &PanelLayout, view: &View<'_>, key: Key, rect: Rect) -> Option<
 
 /// The state of a key on the panel; keys of an axis that the machine does not have are blocked.
 #[must_use]
-pub fn state(view: &View<'_>, key: Key) -> KeyView {
+pub fn key_state(view: &View<'_>, key: Key) -> KeyView {
     let mut state = view.snapshot.key(key);
     let axis = axis_of(key);
     if axis.is_some_and(|axis| !view.snapshot.axes[axis].present) && state.blocked.is_none() {
@@ -178,36 +182,36 @@ pub fn key_ui(
     view: &View<'_>,
     key: Key,
     rect: Rect,
-    presses: &mut Presses,
+    presses: &mut KeyPresses,
     out: &mut Vec<Command>,
 ) -> Option<Text> {
     // Senses drag as well as click: egui drops a click after 0.8 s, but a jog key is held for minutes.
     let response = ui.interact(rect, Id::unique(("key", key as u8)), Sense::CLICK | Sense::DRAG);
-    let state = state(view, key);
+    let state = key_state(view, key);
     let name = || keycap::accessible_name(key, view.lang);
     response.widget_info(|| WidgetInfo::selected(Role::Button, state.blocked.is_none(), state.lamp, name()));
     let before = out.len();
-    let pressed = presses.touch(ui, &response, rect, key, out) || presses.is_down(key);
-    keycap::paint(ui.painter(), view, rect, key, Face::of(state, pressed), marks(view, key));
+    let pressed = presses.track_touch(ui, &response, rect, key, out) || presses.is_down(key);
+    keycap::paint(ui.painter(), view, rect, key, KeycapState::from_view(state, pressed), key_shapes(view, key));
     let asked = out[before..].iter().any(|command| matches!(command, Command::Press(_)));
     state.blocked.filter(|_| asked)
 }
 
-fn marks(view: &View<'_>, key: Key) -> &'static [Mark] {
-    use Mark::{Head, Line};
-    const UP: &[Mark] = &[Line(&[(12.0, 20.0), (12.0, 8.0)]), Head(12.0, 2.0, -90.0)];
-    const DOWN: &[Mark] = &[Line(&[(12.0, 4.0), (12.0, 16.0)]), Head(12.0, 22.0, 90.0)];
-    const LEFT: &[Mark] = &[Line(&[(20.0, 12.0), (8.0, 12.0)]), Head(2.0, 12.0, 180.0)];
-    const RIGHT: &[Mark] = &[Line(&[(4.0, 12.0), (16.0, 12.0)]), Head(22.0, 12.0, 0.0)];
-    const AWAY: &[Mark] = &[Line(&[(5.0, 19.0), (15.0, 9.0)]), Head(20.0, 4.0, -45.0)];
-    const NEAR: &[Mark] = &[Line(&[(19.0, 5.0), (9.0, 15.0)]), Head(4.0, 20.0, 135.0)];
-    if key.jog().is_none() {
+fn key_shapes(view: &View<'_>, key: Key) -> &'static [PictogramShape] {
+    use PictogramShape::{ArrowHead, Line};
+    const UP: &[PictogramShape] = &[Line(&[(12.0, 20.0), (12.0, 8.0)]), ArrowHead(12.0, 2.0, -90.0)];
+    const DOWN: &[PictogramShape] = &[Line(&[(12.0, 4.0), (12.0, 16.0)]), ArrowHead(12.0, 22.0, 90.0)];
+    const LEFT: &[PictogramShape] = &[Line(&[(20.0, 12.0), (8.0, 12.0)]), ArrowHead(2.0, 12.0, 180.0)];
+    const RIGHT: &[PictogramShape] = &[Line(&[(4.0, 12.0), (16.0, 12.0)]), ArrowHead(22.0, 12.0, 0.0)];
+    const AWAY: &[PictogramShape] = &[Line(&[(5.0, 19.0), (15.0, 9.0)]), ArrowHead(20.0, 4.0, -45.0)];
+    const NEAR: &[PictogramShape] = &[Line(&[(19.0, 5.0), (9.0, 15.0)]), ArrowHead(4.0, 20.0, 135.0)];
+    if key.jog_direction().is_none() {
         return match key {
             Key::RapidF0 | Key::Rapid25 | Key::Rapid50 | Key::Rapid100 => &[],
-            _ => pictogram::of(key),
+            _ => pictogram::for_key(key),
         };
     }
-    let place = places::jog_places(view.snapshot.kind).into_iter().find(|(other, ..)| *other == key);
+    let place = layout::jog_positions(view.snapshot.kind).into_iter().find(|(other, ..)| *other == key);
     match place {
         Some((_, 0, 1)) => LEFT,
         Some((_, 2, 1)) => RIGHT,

@@ -7,28 +7,28 @@
 //! If it exceeds the drive's acceleration or jerk limit, the limited acceleration is integrated instead.
 //! The slide follows the motor with backlash, plus the pitch error at its position (B7).
 
-use super::contact::Contact;
-use super::machine_rows::{Along, AxisFile};
+use super::contact::BouncingContact;
+use super::machine_sections::{AxisFile, TablePoint};
 use super::scatter::SlideScatter;
 use crate::io::random::SplitMix64;
 
 /// Backlash of a worn leadscrew at the minus stop, mm.
-const WORN_MM: f64 = 0.05;
+const WORN_PLAY_MM: f64 = 0.05;
 
 /// The command to an axis in this tick.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Drive {
+pub(super) struct AxisCommand {
     /// Set-point in the encoder's frame, mm.
     pub set_point_mm: f64,
     /// The drive is on; otherwise the brake stops and holds the axis.
     pub on: bool,
     /// The drive is on but the axis does not follow (fault `following-x`).
-    pub lost: bool,
+    pub following_lost: bool,
 }
 
 /// Logical states of the switches of an axis.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Switches {
+pub(super) struct AxisSwitches {
     pub home: bool,
     pub limit_plus: bool,
     pub limit_minus: bool,
@@ -36,7 +36,7 @@ pub(super) struct Switches {
 
 /// An axis has hit a hard stop.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Struck {
+pub(super) struct StopHit {
     /// The plus stop; otherwise the minus stop.
     pub plus: bool,
     /// Speed at the stop, mm/s, unsigned.
@@ -52,18 +52,18 @@ pub(super) struct SimAxis {
     velocity_mm_s: f64,
     accel_mm_s2: f64,
     /// The leadscrew is worn: its backlash grows towards the minus end (fault `worn-screw-x`).
-    worn: bool,
+    screw_worn: bool,
     /// Slide position before pitch error and scatter, mm.
-    carried_mm: f64,
+    nominal_slide_mm: f64,
     /// Actual slide position, machine coordinates, mm.
     slide_mm: f64,
-    zero_mm: f64,
+    encoder_zero_mm: f64,
     /// Last set-point of the drive, mm; the encoder counts from it.
-    held_mm: f64,
+    last_set_point_mm: f64,
     coefficients: Coefficients,
-    home: Contact,
-    plus: Contact,
-    minus: Contact,
+    home: BouncingContact,
+    limit_plus: BouncingContact,
+    limit_minus: BouncingContact,
     /// Random deviation of the slide.
     scatter: Option<SlideScatter>,
 }
@@ -99,38 +99,38 @@ impl SimAxis {
             motor_mm: start,
             velocity_mm_s: 0.0,
             accel_mm_s2: 0.0,
-            worn: false,
-            carried_mm: start,
+            screw_worn: false,
+            nominal_slide_mm: start,
             slide_mm: start,
-            zero_mm: start,
-            held_mm: 0.0,
+            encoder_zero_mm: start,
+            last_set_point_mm: 0.0,
             coefficients: Coefficients::default(),
-            home: Contact::default(),
-            plus: Contact::default(),
-            minus: Contact::default(),
+            home: BouncingContact::default(),
+            limit_plus: BouncingContact::default(),
+            limit_minus: BouncingContact::default(),
             scatter: None,
         };
-        axis.place(start);
+        axis.reset_at(start);
         axis
     }
 
     /// Puts the axis at rest at a machine position and zeroes its encoder there.
-    pub(super) fn place(&mut self, machine_mm: f64) {
+    pub(super) fn reset_at(&mut self, machine_mm: f64) {
         self.motor_mm = machine_mm;
-        self.carried_mm = machine_mm;
-        self.zero_mm = machine_mm;
-        self.held_mm = 0.0;
+        self.nominal_slide_mm = machine_mm;
+        self.encoder_zero_mm = machine_mm;
+        self.last_set_point_mm = 0.0;
         self.velocity_mm_s = 0.0;
         self.accel_mm_s2 = 0.0;
-        self.slide_mm = machine_mm + at(&self.file.pitch_error_mm, machine_mm);
-        self.home = Contact::at(self.at_home());
-        self.plus = Contact::at(self.slide_mm >= self.file.limit_plus_mm);
-        self.minus = Contact::at(self.slide_mm <= self.file.limit_minus_mm);
+        self.slide_mm = machine_mm + interpolate(&self.file.pitch_error_mm, machine_mm);
+        self.home = BouncingContact::at_rest(self.at_home());
+        self.limit_plus = BouncingContact::at_rest(self.slide_mm >= self.file.limit_plus_mm);
+        self.limit_minus = BouncingContact::at_rest(self.slide_mm <= self.file.limit_minus_mm);
     }
 
     /// Machine position at which the encoder reads zero, mm.
-    pub(super) const fn zero_mm(&self) -> f64 {
-        self.zero_mm
+    pub(super) const fn encoder_zero_mm(&self) -> f64 {
+        self.encoder_zero_mm
     }
 
     /// Actual slide position, machine coordinates, mm.
@@ -146,22 +146,22 @@ impl SimAxis {
     /// Encoder reading, mm. DECISION: it counts in steps of the resolution from the last set-point (as interpolating
     /// drives do), so that an axis in position reads its set-point exactly.
     pub(super) fn encoder_mm(&self) -> f64 {
-        let off = self.motor_mm - self.zero_mm - self.held_mm;
-        self.held_mm + (off / self.file.resolution_mm).round() * self.file.resolution_mm
+        let off = self.motor_mm - self.encoder_zero_mm - self.last_set_point_mm;
+        self.last_set_point_mm + (off / self.file.resolution_mm).round() * self.file.resolution_mm
     }
 
     /// Moves the axis for one tick; returns the hit if it runs onto a hard stop.
-    pub(super) fn step(&mut self, drive: Drive, dt_s: f64) -> Option<Struck> {
+    pub(super) fn step(&mut self, drive: AxisCommand, dt_s: f64) -> Option<StopHit> {
         // The drive ignores a set-point that is not finite; the control's own assertions find the cause.
         if drive.on && drive.set_point_mm.is_finite() {
-            self.held_mm = drive.set_point_mm;
+            self.last_set_point_mm = drive.set_point_mm;
         }
-        if drive.on && !drive.lost {
+        if drive.on && !drive.following_lost {
             self.follow(dt_s)
         } else {
             self.brake(dt_s)
         }
-        self.carry()
+        self.move_slide()
     }
 
     fn follow(&mut self, dt_s: f64) {
@@ -169,7 +169,7 @@ impl SimAxis {
             self.coefficients = Coefficients::new(self.file.following_rad_s, dt_s);
         }
         let c = self.coefficients;
-        let target = self.zero_mm + self.held_mm;
+        let target = self.encoder_zero_mm + self.last_set_point_mm;
         let error = self.motor_mm - target;
         let wanted_v = c.v_from_e * error + c.v_from_v * self.velocity_mm_s;
         let wanted_a = (wanted_v - self.velocity_mm_s) / dt_s;
@@ -208,40 +208,44 @@ impl SimAxis {
     }
 
     /// Moves the slide with the motor, as far as the hard stops.
-    fn carry(&mut self) -> Option<Struck> {
+    fn move_slide(&mut self) -> Option<StopHit> {
         // Towards plus the screw pushes at once; towards minus it first takes up the backlash.
-        let play = at(&self.file.backlash_mm, self.motor_mm) + self.worn_mm();
-        self.carried_mm = self.carried_mm.max(self.motor_mm).min(self.motor_mm + play);
-        let off_mm = self.scatter.as_mut().map_or(0.0, |scatter| scatter.off_mm(self.carried_mm));
-        self.slide_mm = self.carried_mm + at(&self.file.pitch_error_mm, self.carried_mm) + off_mm;
+        let play = interpolate(&self.file.backlash_mm, self.motor_mm) + self.worn_play_mm();
+        self.nominal_slide_mm = self.nominal_slide_mm.max(self.motor_mm).min(self.motor_mm + play);
+        let off_mm = self.scatter.as_mut().map_or(0.0, |scatter| scatter.deviation_mm(self.nominal_slide_mm));
+        self.slide_mm = self.nominal_slide_mm + interpolate(&self.file.pitch_error_mm, self.nominal_slide_mm) + off_mm;
         let plus = self.slide_mm > self.file.stop_plus_mm;
         if !plus && self.slide_mm >= self.file.stop_minus_mm {
             return None;
         }
         let stop = if plus { self.file.stop_plus_mm } else { self.file.stop_minus_mm };
         self.motor_mm += stop - self.slide_mm;
-        self.carried_mm += stop - self.slide_mm;
+        self.nominal_slide_mm += stop - self.slide_mm;
         self.slide_mm = stop;
         let speed_mm_s = self.velocity_mm_s.abs();
         self.velocity_mm_s = 0.0;
         self.accel_mm_s2 = 0.0;
-        Some(Struck { plus, speed_mm_s })
+        Some(StopHit { plus, speed_mm_s })
     }
 
     /// Sets the random deviation of the slide.
-    pub(super) fn scatter(&mut self, scatter: SlideScatter) {
+    pub(super) fn set_scatter(&mut self, scatter: SlideScatter) {
         self.scatter = Some(scatter);
     }
 
     /// Makes the leadscrew worn or as new.
-    pub(super) const fn wear_screw(&mut self, worn: bool) {
-        self.worn = worn;
+    pub(super) const fn set_screw_worn(&mut self, worn: bool) {
+        self.screw_worn = worn;
     }
 
-    /// Extra backlash of a worn leadscrew, mm: none at the plus stop, `WORN_MM` at the minus stop.
-    fn worn_mm(&self) -> f64 {
+    /// Extra backlash of a worn leadscrew, mm: none at the plus stop, `WORN_PLAY_MM` at the minus stop.
+    fn worn_play_mm(&self) -> f64 {
         let AxisFile { stop_plus_mm, stop_minus_mm, .. } = self.file;
-        if self.worn { WORN_MM * (stop_plus_mm - self.motor_mm) / (stop_plus_mm - stop_minus_mm) } else { 0.0 }
+        if self.screw_worn {
+            WORN_PLAY_MM * (stop_plus_mm - self.motor_mm) / (stop_plus_mm - stop_minus_mm)
+        } else {
+            0.0
+        }
     }
 
     fn at_home(&self) -> bool {
@@ -251,18 +255,18 @@ impl SimAxis {
     }
 
     /// The switches after this tick, with contact bounce.
-    pub(super) fn switches(&mut self, dt_s: f64, bounce_s: f64, chance: &mut SplitMix64) -> Switches {
+    pub(super) fn switches(&mut self, dt_s: f64, bounce_s: f64, chance: &mut SplitMix64) -> AxisSwitches {
         let (home, slide) = (self.at_home(), self.slide_mm);
-        Switches {
+        AxisSwitches {
             home: self.home.step(home, dt_s, bounce_s, chance),
-            limit_plus: self.plus.step(slide >= self.file.limit_plus_mm, dt_s, bounce_s, chance),
-            limit_minus: self.minus.step(slide <= self.file.limit_minus_mm, dt_s, bounce_s, chance),
+            limit_plus: self.limit_plus.step(slide >= self.file.limit_plus_mm, dt_s, bounce_s, chance),
+            limit_minus: self.limit_minus.step(slide <= self.file.limit_minus_mm, dt_s, bounce_s, chance),
         }
     }
 }
 
 /// Interpolates a table over position; constant beyond its ends, zero if empty.
-fn at(table: &[Along], position_mm: f64) -> f64 {
+fn interpolate(table: &[TablePoint], position_mm: f64) -> f64 {
     let (Some(first), Some(last)) = (table.first(), table.last()) else { return 0.0 };
     if position_mm <= first.0 {
         return first.1;
@@ -287,8 +291,8 @@ mod tests {
         SimAxis::new(file)
     }
 
-    fn drive(set_point_mm: f64) -> Drive {
-        Drive { set_point_mm, on: true, lost: false }
+    fn drive(set_point_mm: f64) -> AxisCommand {
+        AxisCommand { set_point_mm, on: true, following_lost: false }
     }
 
     #[test]
@@ -298,7 +302,7 @@ mod tests {
             x.step(drive(-50.0 * DT * f64::from(tick)), DT);
         }
         // 2/ω = 20 ms at 50 mm/s: 1 mm, and up to a tick (0.05 mm) for the held set-point.
-        let lag = x.motor_mm - (x.zero_mm - 50.0);
+        let lag = x.motor_mm - (x.encoder_zero_mm - 50.0);
         assert!((0.95..=1.0).contains(&lag), "{lag}");
     }
 
@@ -322,15 +326,19 @@ mod tests {
                 assert!(accel.abs() <= 3_000.0 + 1e-6 && (accel - a).abs() <= 400_000.0 * DT + 1e-6);
                 (v, a) = (x.velocity_mm_s, accel);
             }
-            assert!((x.motor_mm - x.zero_mm - step_mm).abs() < 0.001, "{step_mm}: {}", x.motor_mm - x.zero_mm);
+            assert!(
+                (x.motor_mm - x.encoder_zero_mm - step_mm).abs() < 0.001,
+                "{step_mm}: {}",
+                x.motor_mm - x.encoder_zero_mm
+            );
         }
     }
 
     #[test]
     fn p1_backlash_and_pitch_error_move_the_slide_not_the_encoder() {
         let mut x = axis(|file| {
-            file.backlash_mm = vec![Along(-300.0, 0.02)];
-            file.pitch_error_mm = vec![Along(-100.0, 0.01), Along(0.0, 0.0)];
+            file.backlash_mm = vec![TablePoint(-300.0, 0.02)];
+            file.pitch_error_mm = vec![TablePoint(-100.0, 0.01), TablePoint(0.0, 0.0)];
         });
         for _ in 0..400 {
             x.step(drive(-10.0), DT);
@@ -361,7 +369,7 @@ mod tests {
         }
         let from = x.slide_mm();
         for _ in 0..100 {
-            x.step(Drive { set_point_mm: -80.0, on: false, lost: false }, DT);
+            x.step(AxisCommand { set_point_mm: -80.0, on: false, following_lost: false }, DT);
         }
         // v²/2a = 100²/8000 = 1.25 mm.
         assert!((from - x.slide_mm() - 1.25).abs() < 0.01, "{}", from - x.slide_mm());

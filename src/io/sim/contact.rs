@@ -4,14 +4,14 @@ use crate::io::random::SplitMix64;
 
 /// A switch contact with bounce.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Contact {
+pub(super) struct BouncingContact {
     closed: bool,
     bounce_left_s: f64,
 }
 
-impl Contact {
+impl BouncingContact {
     /// A contact at rest.
-    pub(super) const fn at(closed: bool) -> Self {
+    pub(super) const fn at_rest(closed: bool) -> Self {
         Self { closed, bounce_left_s: 0.0 }
     }
 
@@ -25,7 +25,7 @@ impl Contact {
         if self.bounce_left_s > 0.0 {
             self.bounce_left_s -= dt_s;
             if self.bounce_left_s > 0.0 {
-                return chance.coin();
+                return chance.next_bool();
             }
         }
         closed
@@ -39,7 +39,7 @@ mod tests {
     #[test]
     fn p1_a_contact_bounces_five_milliseconds_and_no_longer() {
         let mut chance = SplitMix64::new(3);
-        let mut contact = Contact::at(false);
+        let mut contact = BouncingContact::at_rest(false);
         assert!(!contact.step(false, 0.001, 0.005, &mut chance));
         assert!(contact.step(true, 0.001, 0.005, &mut chance), "the first edge is not late");
         let course: Vec<bool> = (0..20).map(|_| contact.step(true, 0.001, 0.005, &mut chance)).collect();

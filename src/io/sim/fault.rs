@@ -21,12 +21,12 @@ pub enum FaultError {
     Ticks(String),
     /// A fault without argument is followed by one.
     #[error("'{0}' takes nothing more, not '{1}'")]
-    TooMuch(&'static str, String),
+    UnexpectedArgument(&'static str, String),
 }
 
 /// A parsed fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Fault {
+pub(super) enum SimFault {
     StuckOn(Input),
     StuckOff(Input),
     Bounce(Input),
@@ -42,7 +42,7 @@ pub(super) enum Fault {
     SupplyLoss,
 }
 
-impl Fault {
+impl SimFault {
     /// Parses a fault, in upper or lower case. `ticks_optional` allows the number to be omitted, to end a fault.
     pub(super) fn parse(text: &str, ticks_optional: bool) -> Result<Self, FaultError> {
         let lower = text.trim().to_ascii_lowercase();
@@ -54,7 +54,7 @@ impl Fault {
             _ => Err(FaultError::Ticks(rest.to_owned())),
         };
         let alone = |name: &'static str, fault: Self| {
-            if rest.is_empty() { Ok(fault) } else { Err(FaultError::TooMuch(name, rest.to_owned())) }
+            if rest.is_empty() { Ok(fault) } else { Err(FaultError::UnexpectedArgument(name, rest.to_owned())) }
         };
         match word {
             "stuck-on" => input().map(Self::StuckOn),
@@ -86,7 +86,7 @@ impl Fault {
 /// DECISION: `bus-late N` – for N ticks the bus answers one tick late: the first has no answer, outputs arrive one tick
 /// late; `bus-silent N` – for N ticks there is no answer and outputs do not arrive; drives hold the last set-point.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Ailing {
+pub(super) struct ActiveFaults {
     pub pressure_loss: bool,
     pub drive: PerAxis<bool>,
     pub following: PerAxis<bool>,
@@ -97,7 +97,7 @@ pub(super) struct Ailing {
     /// Remaining ticks in which the bus answers one tick late.
     pub late_ticks: u32,
     /// The bus was late in the tick before.
-    pub late_before: bool,
+    pub was_late: bool,
     /// Remaining ticks in which the bus is silent.
     pub silent_ticks: u32,
 }
@@ -128,15 +128,15 @@ impl SimulatedMachine {
     /// # Errors
     /// The name, its input or its number of ticks is wrong.
     pub fn check_fault(text: &str) -> Result<(), FaultError> {
-        Fault::parse(text, false).map(drop)
+        SimFault::parse(text, false).map(drop)
     }
 
     /// Injects a fault by name.
     ///
     /// # Errors
     /// The name, its input or its number of ticks is wrong; nothing changes.
-    pub fn fault(&mut self, text: &str) -> Result<(), FaultError> {
-        self.suffer(Fault::parse(text, false)?, true);
+    pub fn inject_fault(&mut self, text: &str) -> Result<(), FaultError> {
+        self.set_fault(SimFault::parse(text, false)?, true);
         Ok(())
     }
 
@@ -145,7 +145,7 @@ impl SimulatedMachine {
     /// # Errors
     /// The name or its input is wrong.
     pub fn clear_fault(&mut self, text: &str) -> Result<(), FaultError> {
-        self.suffer(Fault::parse(text, true)?, false);
+        self.set_fault(SimFault::parse(text, true)?, false);
         Ok(())
     }
 
@@ -161,21 +161,21 @@ impl SimulatedMachine {
         Ok(())
     }
 
-    fn suffer(&mut self, fault: Fault, present: bool) {
+    fn set_fault(&mut self, fault: SimFault, present: bool) {
         match fault {
-            Fault::StuckOn(input) => self.wiring.stick(input, present.then_some(true)),
-            Fault::StuckOff(input) => self.wiring.stick(input, present.then_some(false)),
-            Fault::Bounce(input) => self.wiring.bounce(input, present),
-            Fault::PressureLoss => self.ailing.pressure_loss = present,
-            Fault::Drive(axis) => self.ailing.drive[axis] = present,
-            Fault::Following(axis) => self.ailing.following[axis] = present,
-            Fault::WornScrew(axis) => self.axes[axis].iter_mut().for_each(|axis| axis.wear_screw(present)),
-            Fault::GaugeDead => self.ailing.gauge_dead = present,
-            Fault::CoolantMissing => self.ailing.coolant_missing = present,
-            Fault::LubricationMissing => self.ailing.lubrication_missing = present,
-            Fault::SupplyLoss => self.ailing.supply_loss = present,
-            Fault::BusLate(ticks) => self.ailing.late_ticks = if present { ticks } else { 0 },
-            Fault::BusSilent(ticks) => self.ailing.silent_ticks = if present { ticks } else { 0 },
+            SimFault::StuckOn(input) => self.wiring.set_stuck(input, present.then_some(true)),
+            SimFault::StuckOff(input) => self.wiring.set_stuck(input, present.then_some(false)),
+            SimFault::Bounce(input) => self.wiring.set_bouncing(input, present),
+            SimFault::PressureLoss => self.active_faults.pressure_loss = present,
+            SimFault::Drive(axis) => self.active_faults.drive[axis] = present,
+            SimFault::Following(axis) => self.active_faults.following[axis] = present,
+            SimFault::WornScrew(axis) => self.axes[axis].iter_mut().for_each(|axis| axis.set_screw_worn(present)),
+            SimFault::GaugeDead => self.active_faults.gauge_dead = present,
+            SimFault::CoolantMissing => self.active_faults.coolant_missing = present,
+            SimFault::LubricationMissing => self.active_faults.lubrication_missing = present,
+            SimFault::SupplyLoss => self.active_faults.supply_loss = present,
+            SimFault::BusLate(ticks) => self.active_faults.late_ticks = if present { ticks } else { 0 },
+            SimFault::BusSilent(ticks) => self.active_faults.silent_ticks = if present { ticks } else { 0 },
         }
     }
 }
@@ -183,24 +183,24 @@ impl SimulatedMachine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::defs::fault::FAULTS;
+    use crate::defs::sim_fault::FAULTS;
 
     #[test]
     fn p8_every_name_listed_can_be_said() {
         for row in FAULTS {
             let text = row.usage().replace("NAME", "home-x").replace(" N", " 3");
-            assert!(Fault::parse(&text, false).is_ok(), "{text}");
+            assert!(SimFault::parse(&text, false).is_ok(), "{text}");
         }
-        assert_eq!(Fault::parse("Drive-X", false), Ok(Fault::Drive(Axis::X)));
+        assert_eq!(SimFault::parse("Drive-X", false), Ok(SimFault::Drive(Axis::X)));
     }
 
     #[test]
     fn p8_a_wrong_fault_says_what_is_wrong() {
-        let said = |text| Fault::parse(text, false).unwrap_err().to_string();
+        let said = |text| SimFault::parse(text, false).unwrap_err().to_string();
         assert_eq!(said("earthquake"), "there is no fault 'earthquake'; `fault list` tells them all");
         assert_eq!(said("stuck-on wheel"), "'wheel' is not the id of an input");
         assert_eq!(said("bus-late"), "'' is not a number of ticks from 1 to 1000000");
         assert_eq!(said("supply-loss now"), "'supply-loss' takes nothing more, not 'now'");
-        assert_eq!(Fault::parse("bus-late", true), Ok(Fault::BusLate(1)));
+        assert_eq!(SimFault::parse("bus-late", true), Ok(SimFault::BusLate(1)));
     }
 }

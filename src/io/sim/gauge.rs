@@ -4,89 +4,94 @@
 //! Every signal follows its cause after a delay. DECISION: a stage switches off only `hysteresis_um` above its level,
 //! as in gauge amplifiers, so that noise gives one edge; a cause shorter than the delay gives no signal.
 
-use super::machine_rows::GaugesFile;
+use super::machine_sections::GaugesFile;
 use crate::io::random::SplitMix64;
 
 /// A signal that follows its cause after a delay.
 #[derive(Clone, Copy, Debug, Default)]
-struct Signal {
-    cause: bool,
-    shown: bool,
-    left_s: f64,
+struct DelayedSignal {
+    input: bool,
+    output: bool,
+    remaining_s: f64,
 }
 
-impl Signal {
+impl DelayedSignal {
     fn step(&mut self, cause: bool, delay_s: f64, dt_s: f64) {
-        if cause != self.cause {
-            self.cause = cause;
-            self.left_s = delay_s;
+        if cause != self.input {
+            self.input = cause;
+            self.remaining_s = delay_s;
         }
-        if self.shown != self.cause {
-            self.left_s -= dt_s;
+        if self.output != self.input {
+            self.remaining_s -= dt_s;
             // Tolerance of half a tick: the sum of many dt does not equal the delay exactly.
-            self.shown = if self.left_s <= 0.5 * dt_s { self.cause } else { self.shown };
+            self.output = if self.remaining_s <= 0.5 * dt_s { self.input } else { self.output };
         }
     }
 
-    const fn rests(self) -> bool {
-        !self.cause && !self.shown
+    const fn is_idle(self) -> bool {
+        !self.input && !self.output
     }
 }
 
 /// What the gauges measure in a tick.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Found {
+pub(super) struct GaugeContact {
     /// Size of the part above its set size, µm; `None` with the arm retracted or nothing to measure.
-    pub over_um: Option<f64>,
+    pub oversize_um: Option<f64>,
     /// Deflection of the plane gauge's tip, mm; `None` with the arm retracted or without contact.
-    pub pressed_mm: Option<f64>,
+    pub probe_deflection_mm: Option<f64>,
 }
 
 /// Both gauges.
 #[derive(Clone, Debug)]
 pub(super) struct Gauges {
     file: GaugesFile,
-    stages: [Signal; 4],
-    touch: Signal,
-    second: Signal,
+    stages: [DelayedSignal; 4],
+    touch: DelayedSignal,
+    second_stage: DelayedSignal,
 }
 
 impl Gauges {
     /// Gauges without signals.
     pub(super) fn new(file: GaugesFile) -> Self {
-        Self { file, stages: [Signal::default(); 4], touch: Signal::default(), second: Signal::default() }
+        Self {
+            file,
+            stages: [DelayedSignal::default(); 4],
+            touch: DelayedSignal::default(),
+            second_stage: DelayedSignal::default(),
+        }
     }
 
     /// One tick.
-    pub(super) fn step(&mut self, found: Found, dt_s: f64, chance: &mut SplitMix64) {
-        let quiet = found.over_um.is_none() && found.pressed_mm.is_none();
-        if quiet && self.touch.rests() && self.second.rests() && self.stages[0].rests() {
+    pub(super) fn step(&mut self, found: GaugeContact, dt_s: f64, chance: &mut SplitMix64) {
+        let quiet = found.oversize_um.is_none() && found.probe_deflection_mm.is_none();
+        if quiet && self.touch.is_idle() && self.second_stage.is_idle() && self.stages[0].is_idle() {
             return;
         }
         let delay_s = self.file.delay_s;
-        let over_um = found.over_um.map(|over| over + self.file.noise_um * (2.0 * chance.unit() - 1.0));
+        let over_um = found.oversize_um.map(|over| over + self.file.noise_um * (2.0 * chance.next_unit() - 1.0));
         for (signal, stage_um) in self.stages.iter_mut().zip(self.file.stages_um) {
-            let edge = stage_um + if signal.cause { self.file.hysteresis_um } else { 0.0 };
+            let edge = stage_um + if signal.input { self.file.hysteresis_um } else { 0.0 };
             signal.step(over_um.is_some_and(|over| over <= edge), delay_s, dt_s);
         }
-        let pressed_mm = found.pressed_mm.unwrap_or(-1.0);
+        let pressed_mm = found.probe_deflection_mm.unwrap_or(-1.0);
         self.touch.step(pressed_mm >= 0.0, delay_s, dt_s);
-        self.second.step(pressed_mm >= self.file.probe.second_mm, delay_s, dt_s);
+        self.second_stage.step(pressed_mm >= self.file.probe.second_mm, delay_s, dt_s);
     }
 
     /// Signal of a stage; the index 0 to 3 is the stage 1 to 4.
     pub(super) fn stage(&self, index: usize) -> bool {
-        self.stages[index].shown
+        self.stages[index].output
     }
 
     /// Whether the tip of the plane gauge touches.
-    pub(super) const fn touches(&self) -> bool {
-        self.touch.shown
+    pub(super) const fn touching(&self) -> bool {
+        self.touch.output
     }
 
     /// Whether the tip of the plane gauge is deflected to its second stage.
-    pub(super) const fn second(&self) -> bool {
-        self.second.shown
+    pub(super) const fn second_stage(&self) -> bool {
+        self.second_stage.output
     }
 }
 
@@ -100,8 +105,8 @@ mod tests {
         Gauges::new(MachineFile::builtin(Kind::Gc).unwrap().gauges)
     }
 
-    fn size(over_um: f64) -> Found {
-        Found { over_um: Some(over_um), pressed_mm: None }
+    fn size(over_um: f64) -> GaugeContact {
+        GaugeContact { oversize_um: Some(over_um), probe_deflection_mm: None }
     }
 
     #[test]
@@ -143,17 +148,17 @@ mod tests {
     #[test]
     fn p7_the_signal_comes_ten_milliseconds_after_the_touch() {
         let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
-        let pressed = |mm| Found { over_um: None, pressed_mm: Some(mm) };
+        let pressed = |mm| GaugeContact { oversize_um: None, probe_deflection_mm: Some(mm) };
         for _ in 0..9 {
             g.step(pressed(0.0), 0.001, &mut chance);
-            assert!(!g.touches());
+            assert!(!g.touching());
         }
         g.step(pressed(0.0), 0.001, &mut chance);
-        assert!(g.touches() && !g.second());
+        assert!(g.touching() && !g.second_stage());
         (0..10).for_each(|_| g.step(pressed(0.5), 0.001, &mut chance));
-        assert!(g.second());
-        (0..10).for_each(|_| g.step(Found::default(), 0.001, &mut chance));
-        assert!(!g.touches() && !g.second());
+        assert!(g.second_stage());
+        (0..10).for_each(|_| g.step(GaugeContact::default(), 0.001, &mut chance));
+        assert!(!g.touching() && !g.second_stage());
     }
 
     #[test]
@@ -161,7 +166,7 @@ mod tests {
         let (mut g, mut chance) = (gauges(), SplitMix64::new(5));
         (0..20).for_each(|_| g.step(size(-1.0), 0.001, &mut chance));
         assert!((0..4).all(|stage| g.stage(stage)));
-        (0..10).for_each(|_| g.step(Found::default(), 0.001, &mut chance));
+        (0..10).for_each(|_| g.step(GaugeContact::default(), 0.001, &mut chance));
         assert!((0..4).all(|stage| !g.stage(stage)));
     }
 }

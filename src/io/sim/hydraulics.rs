@@ -1,91 +1,91 @@
 //! Hydraulic pump and pressure switch, and the actuators that take time to move: tailstock, gauge arms,
 //! oscillation cylinder, coolant flow, gears (P3).
 
-use super::contact::Contact;
-use super::machine_rows::HydraulicsFile;
+use super::contact::BouncingContact;
+use super::machine_sections::HydraulicsFile;
 use crate::io::random::SplitMix64;
 
 /// A cylinder or arm that moves between two end positions, with a switch at each.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Travel {
+pub(super) struct SimCylinder {
     /// Position: 0 at the back end, 1 at the front end.
-    place: f64,
+    position: f64,
     rate_per_s: f64,
-    front: Contact,
-    back: Contact,
+    front_contact: BouncingContact,
+    back_contact: BouncingContact,
     /// States of the switches: front, back.
-    shown: (bool, bool),
+    switches: (bool, bool),
 }
 
 /// Command to a cylinder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Push {
+pub(super) enum CylinderCommand {
     Forward,
     Backward,
-    Not,
+    Hold,
 }
 
-impl Travel {
+impl SimCylinder {
     fn new(whole_s: f64) -> Self {
         Self {
-            place: 0.0,
+            position: 0.0,
             rate_per_s: whole_s.recip(),
-            front: Contact::at(false),
-            back: Contact::at(true),
-            shown: (false, true),
+            front_contact: BouncingContact::at_rest(false),
+            back_contact: BouncingContact::at_rest(true),
+            switches: (false, true),
         }
     }
 
-    fn place_at(&mut self, front: bool) {
-        self.place = if front { 1.0 } else { 0.0 };
-        self.front = Contact::at(front);
-        self.back = Contact::at(!front);
-        self.shown = (front, !front);
+    fn set_at(&mut self, front: bool) {
+        self.position = if front { 1.0 } else { 0.0 };
+        self.front_contact = BouncingContact::at_rest(front);
+        self.back_contact = BouncingContact::at_rest(!front);
+        self.switches = (front, !front);
     }
 
-    fn step(&mut self, push: Push, tick: Tick, chance: &mut SplitMix64) {
+    fn step(&mut self, push: CylinderCommand, tick: StepTimes, chance: &mut SplitMix64) {
         match push {
-            Push::Forward => self.place = (self.place + self.rate_per_s * tick.dt_s).min(1.0),
-            Push::Backward => self.place = (self.place - self.rate_per_s * tick.dt_s).max(0.0),
-            Push::Not => {}
+            CylinderCommand::Forward => self.position = (self.position + self.rate_per_s * tick.dt_s).min(1.0),
+            CylinderCommand::Backward => self.position = (self.position - self.rate_per_s * tick.dt_s).max(0.0),
+            CylinderCommand::Hold => {}
         }
-        self.shown = (
-            self.front.step(self.place >= 1.0, tick.dt_s, tick.bounce_s, chance),
-            self.back.step(self.place <= 0.0, tick.dt_s, tick.bounce_s, chance),
+        self.switches = (
+            self.front_contact.step(self.position >= 1.0, tick.dt_s, tick.bounce_s, chance),
+            self.back_contact.step(self.position <= 0.0, tick.dt_s, tick.bounce_s, chance),
         );
     }
 
     /// State of the front switch.
-    pub(super) const fn front(&self) -> bool {
-        self.shown.0
+    pub(super) const fn front_switch(&self) -> bool {
+        self.switches.0
     }
 
     /// State of the back switch.
-    pub(super) const fn back(&self) -> bool {
-        self.shown.1
+    pub(super) const fn back_switch(&self) -> bool {
+        self.switches.1
     }
 
     /// Whether it is at the front end, regardless of the switch.
-    pub(super) fn is_out(&self) -> bool {
-        self.place >= 1.0
+    pub(super) fn is_at_front(&self) -> bool {
+        self.position >= 1.0
     }
 
     /// Position: 0 at the back end, 1 at the front end.
-    pub(super) const fn place(&self) -> f64 {
-        self.place
+    pub(super) const fn position(&self) -> f64 {
+        self.position
     }
 }
 
 /// Duration of a tick and of contact bounce, s.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tick {
+pub(super) struct StepTimes {
     pub dt_s: f64,
     pub bounce_s: f64,
 }
 
 /// The outputs used here.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Valves {
+pub(super) struct HydraulicOutputs {
     pub pump: bool,
     pub tailstock: bool,
     pub radial_gauge: bool,
@@ -101,14 +101,14 @@ pub(super) struct Valves {
 pub(super) struct Hydraulics {
     file: HydraulicsFile,
     pressure_mpa: f64,
-    switch: bool,
+    pressure_switch: bool,
     decay: (f64, f64),
-    pub(super) tailstock: Option<Travel>,
-    pub(super) radial_arm: Travel,
-    pub(super) axial_arm: Travel,
-    pub(super) oscillation: Travel,
-    coolant_left_s: f64,
-    gear_left_s: [f64; 4],
+    pub(super) tailstock: Option<SimCylinder>,
+    pub(super) radial_arm: SimCylinder,
+    pub(super) axial_arm: SimCylinder,
+    pub(super) oscillation: SimCylinder,
+    coolant_delay_s: f64,
+    gear_delay_s: [f64; 4],
 }
 
 impl Hydraulics {
@@ -116,14 +116,14 @@ impl Hydraulics {
     pub(super) fn new(file: HydraulicsFile) -> Self {
         Self {
             pressure_mpa: 0.0,
-            switch: false,
+            pressure_switch: false,
             decay: (0.0, 1.0),
-            tailstock: file.tailstock.as_ref().map(|quill| Travel::new(quill.travel_s)),
-            radial_arm: Travel::new(file.gauge_arm_s),
-            axial_arm: Travel::new(file.gauge_arm_s),
-            oscillation: Travel::new(file.oscillation_mm / file.oscillation_mm_s),
-            coolant_left_s: file.coolant_s,
-            gear_left_s: [file.gear_s; 4],
+            tailstock: file.tailstock.as_ref().map(|quill| SimCylinder::new(quill.travel_s)),
+            radial_arm: SimCylinder::new(file.gauge_arm_s),
+            axial_arm: SimCylinder::new(file.gauge_arm_s),
+            oscillation: SimCylinder::new(file.oscillation_mm / file.oscillation_mm_s),
+            coolant_delay_s: file.coolant_s,
+            gear_delay_s: [file.gear_s; 4],
             file,
         }
     }
@@ -131,41 +131,41 @@ impl Hydraulics {
     /// Sets full pressure and the tailstock position.
     pub(super) fn make_ready(&mut self, tailstock_advanced: bool) {
         self.pressure_mpa = self.file.pressure_mpa;
-        self.switch = true;
+        self.pressure_switch = true;
         self.place_tailstock(tailstock_advanced);
     }
 
     /// Puts the tailstock at one end position.
     pub(super) fn place_tailstock(&mut self, advanced: bool) {
         if let Some(tailstock) = &mut self.tailstock {
-            tailstock.place_at(advanced);
+            tailstock.set_at(advanced);
         }
     }
 
     /// Moves everything for one tick; `leak` is the fault of lost pressure.
-    pub(super) fn step(&mut self, valves: &Valves, leak: bool, tick: Tick, chance: &mut SplitMix64) {
+    pub(super) fn step(&mut self, valves: &HydraulicOutputs, leak: bool, tick: StepTimes, chance: &mut SplitMix64) {
         if tick.dt_s.total_cmp(&self.decay.0).is_ne() {
             self.decay = (tick.dt_s, (-tick.dt_s / self.file.time_constant_s).exp());
         }
         let target = if valves.pump && !leak { self.file.pressure_mpa } else { 0.0 };
         self.pressure_mpa = target + (self.pressure_mpa - target) * self.decay.1;
-        let edge = if self.switch { self.file.switch_off_mpa } else { self.file.switch_on_mpa };
-        self.switch = self.pressure_mpa >= edge;
+        let edge = if self.pressure_switch { self.file.switch_off_mpa } else { self.file.switch_on_mpa };
+        self.pressure_switch = self.pressure_mpa >= edge;
         let moves = self.pressure_mpa >= self.file.moves_from_mpa;
-        let two_way = |front: bool| if front { Push::Forward } else { Push::Backward };
+        let two_way = |front: bool| if front { CylinderCommand::Forward } else { CylinderCommand::Backward };
         if let Some(tailstock) = &mut self.tailstock {
-            tailstock.step(if moves { two_way(valves.tailstock) } else { Push::Not }, tick, chance);
+            tailstock.step(if moves { two_way(valves.tailstock) } else { CylinderCommand::Hold }, tick, chance);
         }
         self.radial_arm.step(two_way(valves.radial_gauge), tick, chance);
         self.axial_arm.step(two_way(valves.axial_gauge), tick, chance);
         let oscillation = match (valves.oscillation_forward, valves.oscillation_backward) {
-            (true, false) => Push::Forward,
-            (false, true) => Push::Backward,
-            (true, true) | (false, false) => Push::Not,
+            (true, false) => CylinderCommand::Forward,
+            (false, true) => CylinderCommand::Backward,
+            (true, true) | (false, false) => CylinderCommand::Hold,
         };
         self.oscillation.step(oscillation, tick, chance);
-        count_down(&mut self.coolant_left_s, valves.coolant, self.file.coolant_s, tick.dt_s);
-        for (left, on) in self.gear_left_s.iter_mut().zip(valves.gears) {
+        count_down(&mut self.coolant_delay_s, valves.coolant, self.file.coolant_s, tick.dt_s);
+        for (left, on) in self.gear_delay_s.iter_mut().zip(valves.gears) {
             count_down(left, on, self.file.gear_s, tick.dt_s);
         }
     }
@@ -177,23 +177,23 @@ impl Hydraulics {
 
     /// State of the pressure switch.
     pub(super) const fn pressure_switch(&self) -> bool {
-        self.switch
+        self.pressure_switch
     }
 
     /// Whether coolant flows.
     pub(super) fn coolant_flows(&self) -> bool {
-        self.coolant_left_s <= 0.0
+        self.coolant_delay_s <= 0.0
     }
 
     /// Whether a gear, 0 to 3, is in position.
     pub(super) fn gear_in(&self, gear: usize) -> bool {
-        self.gear_left_s[gear] <= 0.0
+        self.gear_delay_s[gear] <= 0.0
     }
 
     /// Distance of the tailstock from its advanced position, mm.
-    pub(super) fn tailstock_back_mm(&self) -> f64 {
+    pub(super) fn tailstock_retracted_mm(&self) -> f64 {
         let quill = self.tailstock.as_ref().zip(self.file.tailstock.as_ref());
-        quill.map_or(0.0, |(tailstock, file)| (1.0 - tailstock.place()) * file.travel_mm)
+        quill.map_or(0.0, |(tailstock, file)| (1.0 - tailstock.position()) * file.travel_mm)
     }
 }
 
@@ -208,9 +208,9 @@ mod tests {
     use crate::defs::kind::Kind;
     use crate::io::sim::MachineFile;
 
-    const TICK: Tick = Tick { dt_s: 0.001, bounce_s: 0.005 };
+    const TICK: StepTimes = StepTimes { dt_s: 0.001, bounce_s: 0.005 };
 
-    fn run(hydraulics: &mut Hydraulics, valves: Valves, leak: bool, ticks: u32) {
+    fn run(hydraulics: &mut Hydraulics, valves: HydraulicOutputs, leak: bool, ticks: u32) {
         let mut chance = SplitMix64::new(1);
         (0..ticks).for_each(|_| hydraulics.step(&valves, leak, TICK, &mut chance));
     }
@@ -221,7 +221,7 @@ mod tests {
 
     #[test]
     fn p3_pressure_comes_after_its_time_constant() {
-        let pump = Valves { pump: true, ..Valves::default() };
+        let pump = HydraulicOutputs { pump: true, ..HydraulicOutputs::default() };
         let mut h = hydraulics();
         // 2.5 of 3.0 MPa: 0.6·ln(3/0.5) = 1.075 s.
         run(&mut h, pump, false, 1_074);
@@ -237,33 +237,33 @@ mod tests {
     }
 
     fn front(h: &Hydraulics) -> bool {
-        h.tailstock.unwrap().front()
+        h.tailstock.unwrap().front_switch()
     }
 
     fn back(h: &Hydraulics) -> bool {
-        h.tailstock.unwrap().back()
+        h.tailstock.unwrap().back_switch()
     }
 
     #[test]
     fn p3_the_tailstock_takes_a_second_and_needs_pressure() {
-        let wish = Valves { tailstock: true, ..Valves::default() };
+        let wish = HydraulicOutputs { tailstock: true, ..HydraulicOutputs::default() };
         let mut h = hydraulics();
         run(&mut h, wish, false, 3_000);
         assert!(back(&h) && !front(&h), "no pressure, no movement");
         h.make_ready(false);
-        let wish = Valves { pump: true, ..wish };
+        let wish = HydraulicOutputs { pump: true, ..wish };
         run(&mut h, wish, false, 998);
         assert!(!front(&h) && !back(&h));
         run(&mut h, wish, false, 10);
-        assert!(front(&h) && h.tailstock_back_mm() <= 0.0);
+        assert!(front(&h) && h.tailstock_retracted_mm() <= 0.0);
     }
 
     #[test]
     fn p3_the_oscillation_cylinder_runs_at_two_tenths_of_a_metre_a_second() {
         let mut h = hydraulics();
-        run(&mut h, Valves { oscillation_forward: true, ..Valves::default() }, false, 490);
-        assert!(!h.oscillation.front());
-        run(&mut h, Valves { oscillation_forward: true, ..Valves::default() }, false, 20);
-        assert!(h.oscillation.front() && !h.oscillation.back());
+        run(&mut h, HydraulicOutputs { oscillation_forward: true, ..HydraulicOutputs::default() }, false, 490);
+        assert!(!h.oscillation.front_switch());
+        run(&mut h, HydraulicOutputs { oscillation_forward: true, ..HydraulicOutputs::default() }, false, 20);
+        assert!(h.oscillation.front_switch() && !h.oscillation.back_switch());
     }
 }

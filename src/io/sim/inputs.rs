@@ -2,8 +2,8 @@
 
 use super::super::InputImage;
 use super::SimulatedMachine;
-use super::axis::{SimAxis, Switches};
-use super::turning::Turning;
+use super::axis::{AxisSwitches, SimAxis};
+use super::lathe::SimLathe;
 use crate::defs::signal::{Input, InputSet, Terminals};
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -19,16 +19,16 @@ const GEARS: [Input; 4] = [Input::Gear1In, Input::Gear2In, Input::Gear3In, Input
 
 impl SimulatedMachine {
     /// The image of this tick, without the handwheel.
-    pub(super) fn show(&mut self, dt: Micros) -> InputImage {
+    pub(super) fn input_image(&mut self, dt: Micros) -> InputImage {
         let logical = self.logical_inputs(dt.as_secs_f64());
-        let mut terminals = self.wiring.terminals(logical, &mut self.chance);
-        if self.ailing.supply_loss {
+        let mut terminals = self.wiring.terminals(logical, &mut self.rng);
+        if self.active_faults.supply_loss {
             terminals = Terminals::default();
         }
         InputImage {
             terminals,
             encoder_mm: PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::encoder_mm)),
-            spindle_turns: self.turning.as_ref().map_or(0.0, Turning::encoder_turns),
+            spindle_turns: self.lathe.as_ref().map_or(0.0, SimLathe::encoder_turns),
             handwheel_detents: 0,
             bus_alive: true,
         }
@@ -38,41 +38,41 @@ impl SimulatedMachine {
         let mut set = InputSet::NONE;
         for axis in Axis::ALL {
             let Some(sim) = &mut self.axes[axis] else { continue };
-            let Switches { home, limit_plus, limit_minus } = sim.switches(dt_s, self.file.bounce_s, &mut self.chance);
-            let fault = self.tripped || self.ailing.drive[axis];
+            let AxisSwitches { home, limit_plus, limit_minus } = sim.switches(dt_s, self.file.bounce_s, &mut self.rng);
+            let fault = self.tripped || self.active_faults.drive[axis];
             for (input, on) in AXIS_INPUTS[axis].into_iter().zip([home, limit_plus, limit_minus, fault]) {
                 set.set(input, on);
             }
         }
         let h = &self.hydraulics;
         set.set(Input::HydraulicPressure, h.pressure_switch());
-        set.set(Input::TailstockAdvanced, h.tailstock.is_some_and(|tailstock| tailstock.front()));
-        set.set(Input::TailstockRetracted, h.tailstock.is_some_and(|tailstock| tailstock.back()));
-        set.set(Input::RadialArmOut, h.radial_arm.front());
-        set.set(Input::RadialArmIn, h.radial_arm.back());
-        set.set(Input::AxialArmOut, h.axial_arm.front());
-        set.set(Input::AxialArmIn, h.axial_arm.back());
-        set.set(Input::OscillationForwardEnd, h.oscillation.front());
-        set.set(Input::OscillationBackwardEnd, h.oscillation.back());
-        set.set(Input::CoolantFlow, h.coolant_flows() && !self.ailing.coolant_missing);
-        set.set(Input::LubricationLevel, !self.ailing.lubrication_missing);
+        set.set(Input::TailstockAdvanced, h.tailstock.is_some_and(|tailstock| tailstock.front_switch()));
+        set.set(Input::TailstockRetracted, h.tailstock.is_some_and(|tailstock| tailstock.back_switch()));
+        set.set(Input::RadialArmOut, h.radial_arm.front_switch());
+        set.set(Input::RadialArmIn, h.radial_arm.back_switch());
+        set.set(Input::AxialArmOut, h.axial_arm.front_switch());
+        set.set(Input::AxialArmIn, h.axial_arm.back_switch());
+        set.set(Input::OscillationForwardEnd, h.oscillation.front_switch());
+        set.set(Input::OscillationBackwardEnd, h.oscillation.back_switch());
+        set.set(Input::CoolantFlow, h.coolant_flows() && !self.active_faults.coolant_missing);
+        set.set(Input::LubricationLevel, !self.active_faults.lubrication_missing);
         set.set(Input::GuardClosed, true);
         for (gear, input) in GEARS.into_iter().enumerate() {
             set.set(input, h.gear_in(gear));
         }
-        if let Some(turning) = &self.turning {
+        if let Some(turning) = &self.lathe {
             for (station, input) in Input::STATIONS.into_iter().enumerate() {
                 set.set(input, turning.at_station(station));
             }
         }
-        if !self.ailing.gauge_dead {
+        if !self.active_faults.gauge_dead {
             let g = &self.gauges;
             set.set(Input::Gauge1, g.stage(0));
             set.set(Input::Gauge2, g.stage(1));
             set.set(Input::Gauge3, g.stage(2));
             // The last stage of the radial gauge and the touch of the axial gauge share one signal (K4.5).
-            set.set(Input::Gauge4, g.stage(3) || g.touches());
-            set.set(Input::Gauge6, g.second());
+            set.set(Input::Gauge4, g.stage(3) || g.touching());
+            set.set(Input::Gauge6, g.second_stage());
         }
         set
     }

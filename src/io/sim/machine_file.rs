@@ -3,9 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::machine_rows::{
+use super::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
-    ScatterFile, SecondSpindleFile, ToolPostFile, WheelFile,
+    ScatterFile, SecondSpindleFile, ToolTurretFile, WheelFile,
 };
 use crate::defs::kind::Kind;
 use crate::units::PerAxis;
@@ -24,7 +24,7 @@ const BUILTIN: [&str; Kind::ALL.len()] = [
 pub enum SimFileError {
     /// Syntax error; RON gives line and column.
     #[error("{0}")]
-    Form(#[from] ron::error::SpannedError),
+    Syntax(#[from] ron::error::SpannedError),
     /// A value is invalid.
     #[error("{field} is {value}: {rule}")]
     Value {
@@ -37,7 +37,7 @@ pub enum SimFileError {
     },
     /// Two settings contradict each other.
     #[error("{what}: {rule}")]
-    Unfit {
+    Incompatible {
         /// The setting at fault.
         what: String,
         /// The rule that is violated.
@@ -78,7 +78,7 @@ pub struct MachineFile {
     pub main_spindle: Option<MainSpindleFile>,
     /// The tool turret of a lathe.
     #[serde(default)]
-    pub tool_post: Option<ToolPostFile>,
+    pub tool_post: Option<ToolTurretFile>,
     /// The second spindle.
     pub second_spindle: SecondSpindleFile,
     /// Pump and the actuators that it moves.
@@ -128,11 +128,11 @@ impl MachineFile {
             file.map_or(Ok(()), |file| file.check(&axis.letter().to_ascii_lowercase().to_string()))?;
         }
         if let Some(spindle) = &self.main_spindle {
-            above_zero("main_spindle.run_up_s", spindle.run_up_s)?;
-            above_zero("main_spindle.encoder_steps", spindle.encoder_steps)?;
+            require_positive("main_spindle.run_up_s", spindle.run_up_s)?;
+            require_positive("main_spindle.encoder_steps", spindle.encoder_steps)?;
         }
         if let Some(post) = &self.tool_post {
-            above_zero("tool_post.step_s", post.step_s)?;
+            require_positive("tool_post.step_s", post.step_s)?;
         }
         let roll = self.dresser.as_ref().and_then(|dresser| dresser.roll.as_ref());
         let roll_drive = roll.map(|roll| &roll.drive);
@@ -142,11 +142,14 @@ impl MachineFile {
             drive.map_or(Ok(()), |drive| drive.check(name))?;
         }
         self.check_layout()?;
-        self.positive().into_iter().try_for_each(|(field, value)| above_zero(field, value))?;
+        self.positive_fields().into_iter().try_for_each(|(field, value)| require_positive(field, value))?;
         if let Some(quill) = &self.hydraulics.tailstock {
-            above_zero("hydraulics.tailstock.travel_s", quill.travel_s)?;
+            require_positive("hydraulics.tailstock.travel_s", quill.travel_s)?;
         }
-        self.magnet.iter().flat_map(MagnetFile::positive).try_for_each(|(field, value)| above_zero(field, value))
+        self.magnet
+            .iter()
+            .flat_map(MagnetFile::positive_fields)
+            .try_for_each(|(field, value)| require_positive(field, value))
     }
 
     /// Checks that the axes of the layout exist and differ.
@@ -155,17 +158,17 @@ impl MachineFile {
         for axis in [Some(infeed), Some(across), stroke].into_iter().flatten() {
             if self.axes(false)[axis].is_none() {
                 let what = format!("layout: axis {axis}");
-                return Err(SimFileError::Unfit { what, rule: "the machine has no such axis" });
+                return Err(SimFileError::Incompatible { what, rule: "the machine has no such axis" });
             }
         }
         if infeed == across || stroke == Some(infeed) || stroke == Some(across) {
             let rule = "infeed, across and stroke are three different axes";
-            return Err(SimFileError::Unfit { what: "layout".to_owned(), rule });
+            return Err(SimFileError::Incompatible { what: "layout".to_owned(), rule });
         }
         Ok(())
     }
 
-    fn positive(&self) -> [(&'static str, f64); 23] {
+    fn positive_fields(&self) -> [(&'static str, f64); 23] {
         [
             ("wheel.diameter_mm", self.wheel.diameter_mm),
             ("wheel.width_mm", self.wheel.width_mm),
@@ -195,7 +198,7 @@ impl MachineFile {
 }
 
 /// Refuses a value that is not positive and finite.
-pub(super) fn above_zero(field: &str, value: f64) -> Result<(), SimFileError> {
+pub(super) fn require_positive(field: &str, value: f64) -> Result<(), SimFileError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
@@ -278,7 +281,7 @@ mod tests {
     #[test]
     fn p1_a_wrong_machine_file_is_refused_with_its_place() {
         let unknown = BUILTIN[0].replacen("bounce_s", "bounce", 1);
-        assert!(matches!(MachineFile::parse(&unknown), Err(SimFileError::Form(_))));
+        assert!(matches!(MachineFile::parse(&unknown), Err(SimFileError::Syntax(_))));
         let zero = BUILTIN[0].replacen("grinding_ratio: 40.0", "grinding_ratio: 0.0", 1);
         let said = MachineFile::parse(&zero).unwrap_err().to_string();
         assert_eq!(said, "wheel.grinding_ratio is 0: must be above zero");

@@ -8,19 +8,19 @@
 
 use std::f64::consts::PI;
 
-use super::machine_rows::MagnetFile;
+use super::machine_sections::MagnetFile;
 
 /// Command to the coil.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Current {
+pub(super) enum CoilCommand {
     Magnetise,
     Demagnetise,
     Off,
 }
 
-impl Current {
+impl CoilCommand {
     /// From the two outputs.
-    pub(super) const fn of(magnetise: bool, demagnetise: bool) -> Self {
+    pub(super) const fn from_outputs(magnetise: bool, demagnetise: bool) -> Self {
         match (magnetise, demagnetise) {
             (true, false) => Self::Magnetise,
             (false, true) => Self::Demagnetise,
@@ -31,55 +31,55 @@ impl Current {
 
 /// Coil and iron core.
 #[derive(Clone, Debug)]
-pub(super) struct Magnet {
+pub(super) struct SimMagnet {
     file: MagnetFile,
     /// Force of the coil, −1 to 1 of the full force; negative in every other reversal.
     coil: f64,
     /// Remanence: force without current, 0 to 1 of the full force.
-    kept: f64,
+    remanence: f64,
     /// Time of uninterrupted demagnetising so far, s.
     reversing_s: f64,
 }
 
-impl Magnet {
+impl SimMagnet {
     /// A magnet without current or remanence.
     pub(super) const fn new(file: MagnetFile) -> Self {
-        Self { file, coil: 0.0, kept: 0.0, reversing_s: 0.0 }
+        Self { file, coil: 0.0, remanence: 0.0, reversing_s: 0.0 }
     }
 
     /// Sets full force at once.
     pub(super) const fn make_ready(&mut self) {
         self.coil = 1.0;
-        self.kept = self.file.remanence;
+        self.remanence = self.file.remanence;
         self.reversing_s = 0.0;
     }
 
     /// One tick.
-    pub(super) fn step(&mut self, current: Current, dt_s: f64) {
-        if current != Current::Demagnetise {
+    pub(super) fn step(&mut self, current: CoilCommand, dt_s: f64) {
+        if current != CoilCommand::Demagnetise {
             self.reversing_s = 0.0;
         }
         match current {
-            Current::Magnetise => {
+            CoilCommand::Magnetise => {
                 self.coil = (self.coil.max(0.0) + dt_s / self.file.magnetise_s).min(1.0);
-                self.kept = self.kept.max(self.coil * self.file.remanence);
+                self.remanence = self.remanence.max(self.coil * self.file.remanence);
             }
-            Current::Off => {
+            CoilCommand::Off => {
                 let drop = dt_s / self.file.release_s;
                 self.coil = if self.coil > 0.0 { (self.coil - drop).max(0.0) } else { (self.coil + drop).min(0.0) };
             }
-            Current::Demagnetise => {
+            CoilCommand::Demagnetise => {
                 self.reversing_s += dt_s;
                 let amplitude = (1.0 - self.reversing_s / self.file.demagnetise_s).max(0.0);
                 self.coil = -amplitude * (PI * self.reversing_s / self.file.reversal_s).sin();
-                self.kept = self.kept.min(amplitude * self.file.remanence);
+                self.remanence = self.remanence.min(amplitude * self.file.remanence);
             }
         }
     }
 
     /// Holding force, 0 to 1 of the full force.
     pub(super) fn force(&self) -> f64 {
-        self.coil.abs().max(self.kept)
+        self.coil.abs().max(self.remanence)
     }
 
     /// Whether the part is held while it is ground or rotated.
@@ -94,11 +94,11 @@ mod tests {
     use crate::defs::kind::Kind;
     use crate::io::sim::MachineFile;
 
-    fn magnet() -> Magnet {
-        Magnet::new(MachineFile::builtin(Kind::Gs).unwrap().magnet.unwrap())
+    fn magnet() -> SimMagnet {
+        SimMagnet::new(MachineFile::builtin(Kind::Gs).unwrap().magnet.unwrap())
     }
 
-    fn run(magnet: &mut Magnet, current: Current, ticks: u32) {
+    fn run(magnet: &mut SimMagnet, current: CoilCommand, ticks: u32) {
         (0..ticks).for_each(|_| magnet.step(current, 0.001));
     }
 
@@ -106,30 +106,30 @@ mod tests {
     fn p3_the_magnet_has_its_full_force_after_a_second() {
         let mut m = magnet();
         assert!(!m.holds() && m.force() <= 0.0);
-        run(&mut m, Current::Magnetise, 990);
+        run(&mut m, CoilCommand::Magnetise, 990);
         assert!(m.force() < 1.0);
-        run(&mut m, Current::Magnetise, 11);
+        run(&mut m, CoilCommand::Magnetise, 11);
         assert!(m.holds() && m.force() >= 1.0);
     }
 
     #[test]
     fn p3_without_current_only_the_remanence_is_left_and_does_not_hold() {
         let mut m = magnet();
-        run(&mut m, Current::Magnetise, 1_001);
+        run(&mut m, CoilCommand::Magnetise, 1_001);
         // Release 0.2 s.
-        run(&mut m, Current::Off, 201);
+        run(&mut m, CoilCommand::Off, 201);
         assert!(!m.holds() && (m.force() - 0.15).abs() < 1e-9, "{}", m.force());
-        run(&mut m, Current::Off, 60_000);
+        run(&mut m, CoilCommand::Off, 60_000);
         assert!((m.force() - 0.15).abs() < 1e-9, "it stays");
     }
 
     #[test]
     fn p3_six_seconds_of_decaying_reversals_take_the_remanence_away() {
         let mut m = magnet();
-        run(&mut m, Current::Magnetise, 1_001);
+        run(&mut m, CoilCommand::Magnetise, 1_001);
         let (mut reversals, mut before, mut crest) = (0, 0.0_f64, Vec::new());
         for _ in 0..6_000 {
-            m.step(Current::Demagnetise, 0.001);
+            m.step(CoilCommand::Demagnetise, 0.001);
             if m.coil * before < 0.0 {
                 reversals += 1;
                 crest.push(0.0_f64);
@@ -149,16 +149,16 @@ mod tests {
     #[test]
     fn p3_a_demagnetising_that_is_broken_off_leaves_its_share() {
         let mut m = magnet();
-        run(&mut m, Current::Magnetise, 1_001);
-        run(&mut m, Current::Demagnetise, 3_000);
-        run(&mut m, Current::Off, 1_000);
+        run(&mut m, CoilCommand::Magnetise, 1_001);
+        run(&mut m, CoilCommand::Demagnetise, 3_000);
+        run(&mut m, CoilCommand::Off, 1_000);
         // Half of the time: half of 0.15.
         assert!((m.force() - 0.075).abs() < 1e-3, "{}", m.force());
     }
 
     #[test]
     fn p3_both_outputs_at_once_give_no_current() {
-        assert_eq!(Current::of(true, true), Current::Off);
-        assert_eq!(Current::of(false, true), Current::Demagnetise);
+        assert_eq!(CoilCommand::from_outputs(true, true), CoilCommand::Off);
+        assert_eq!(CoilCommand::from_outputs(false, true), CoilCommand::Demagnetise);
     }
 }

@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use super::SimulatedMachine;
 use super::axis::SimAxis;
-use super::magnet::Magnet;
-use super::part_file::Looks;
-use super::report::{Event, PartReport};
-use super::turning::Turning;
+use super::lathe::SimLathe;
+use super::magnet::SimMagnet;
+use super::part_file::FaceDirection;
+use super::report::{PartReport, SimEvent};
 use crate::units::PerAxis;
 
 /// Present state of the wheel.
@@ -26,14 +26,14 @@ pub struct WheelState {
     /// Load of its motor, percent.
     pub load_percent: f64,
     /// Dullness: 0 sharp, 1 dull.
-    pub dull: f64,
+    pub dullness: f64,
 }
 
 impl SimulatedMachine {
     /// Machine position of each axis at encoder zero, mm; homing must determine it.
     #[must_use]
     pub fn encoder_zero_mm(&self) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::zero_mm))
+        PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::encoder_zero_mm))
     }
 
     /// Actual position of each slide, machine coordinates, mm of slide travel.
@@ -53,20 +53,20 @@ impl SimulatedMachine {
             rpm,
             peripheral_m_s: PI * diameter_mm / 1_000.0 * rpm / 60.0,
             load_percent: self.grinding.load_percent(),
-            dull: self.wheel.rim_dull(),
+            dullness: self.wheel.rim_dullness(),
         }
     }
 
     /// Wear of each slice of the rim from a new wheel, from the minus side on, mm. Includes dressing and a dressed
     /// profile.
     #[must_use]
-    pub fn rim_mm(&self) -> &[f64] {
-        self.wheel.rims_mm()
+    pub fn rim_wear_mm(&self) -> &[f64] {
+        self.wheel.rim_profile_mm()
     }
 
     /// Sets the dullness of the whole wheel, 0 sharp to 1 dull.
-    pub fn set_wheel_dull(&mut self, dull: f64) {
-        self.wheel.set_dull(dull);
+    pub fn set_wheel_dullness(&mut self, dull: f64) {
+        self.wheel.set_dullness(dull);
     }
 
     /// Speed of the workhead, rpm; zero where there is none.
@@ -96,7 +96,7 @@ impl SimulatedMachine {
     /// Holding force of the magnet, 0 to 1 of its full force; zero where there is none.
     #[must_use]
     pub fn magnet_force(&self) -> f64 {
-        self.magnet.as_ref().map_or(0.0, Magnet::force)
+        self.magnet.as_ref().map_or(0.0, SimMagnet::force)
     }
 
     /// Which axes exist.
@@ -115,7 +115,7 @@ impl SimulatedMachine {
     #[must_use]
     pub fn measure(&self) -> PartReport {
         let mut report = self.grinding.report();
-        if let Some(turning) = &self.turning {
+        if let Some(turning) = &self.lathe {
             turning.report(&mut report);
         }
         report
@@ -124,32 +124,32 @@ impl SimulatedMachine {
     /// Diameter of the part at Z, mm; `None` if there is no diameter at Z.
     #[must_use]
     pub fn diameter_at(&self, z: f64) -> Option<f64> {
-        let turned = || self.turning.as_ref().and_then(|turning| turning.diameter_at(z));
+        let turned = || self.lathe.as_ref().and_then(|turning| turning.diameter_at(z));
         self.grinding.surfaces().iter().find_map(|surface| surface.diameter_at(z)).or_else(turned)
     }
 
     /// Bar, chuck and tool of a lathe for the drawing; `None` without a bar.
     #[must_use]
     pub fn lathe_scene(&self) -> Option<super::LatheScene<'_>> {
-        self.turning.as_ref()?.scene()
+        self.lathe.as_ref()?.scene()
     }
 
     /// First Z, cell size and the radius of each cell of a lathe's bar, mm.
     #[must_use]
     pub fn bar_profile(&self) -> Option<(f64, f64, &[f64])> {
-        self.turning.as_ref().and_then(Turning::profile)
+        self.lathe.as_ref().and_then(SimLathe::profile)
     }
 
     /// Speed of a lathe's main spindle, rpm, forward positive.
     #[must_use]
     pub fn main_spindle_rpm(&self) -> f64 {
-        self.turning.as_ref().map_or(0.0, Turning::rpm)
+        self.lathe.as_ref().map_or(0.0, SimLathe::rpm)
     }
 
     /// Z of the first face at X, of the given direction if one is given. X is a diameter on GC, the radius on GA, the
     /// position along X on GS (a wall).
     #[must_use]
-    pub fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
+    pub fn face_at(&self, x: f64, looks: Option<FaceDirection>) -> Option<f64> {
         self.grinding.surfaces().iter().find_map(|surface| surface.face_at(x, looks))
     }
 
@@ -161,13 +161,13 @@ impl SimulatedMachine {
 
     /// The events so far, oldest first; at most 256.
     #[must_use]
-    pub fn events(&self) -> &[Event] {
-        self.log.all()
+    pub fn events(&self) -> &[SimEvent] {
+        self.log.events()
     }
 
     /// Number of further events that were not stored.
     #[must_use]
     pub const fn events_lost(&self) -> u64 {
-        self.log.lost()
+        self.log.dropped()
     }
 }

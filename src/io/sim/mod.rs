@@ -13,9 +13,10 @@ mod gauge;
 mod grinding;
 mod hydraulics;
 mod inputs;
-mod lathe_rehearsal;
+mod interference_check;
+mod lathe;
 mod machine_file;
-mod machine_rows;
+mod machine_sections;
 mod magnet;
 mod measure;
 mod obstacle;
@@ -26,20 +27,19 @@ mod report;
 mod scatter;
 mod spindle;
 mod surface;
-mod turning;
 mod wheel;
 mod wiring;
 
-use self::axis::{Drive, SimAxis};
-use self::fault::Ailing;
-use self::gauge::{Found, Gauges};
-use self::grinding::{Grinding, Scene};
-use self::hydraulics::{Hydraulics, Tick, Valves};
-use self::magnet::{Current, Magnet};
+use self::axis::{AxisCommand, SimAxis};
+use self::fault::ActiveFaults;
+use self::gauge::{GaugeContact, Gauges};
+use self::grinding::{Grinding, MachineState};
+use self::hydraulics::{HydraulicOutputs, Hydraulics, StepTimes};
+use self::lathe::SimLathe;
+use self::magnet::{CoilCommand, SimMagnet};
 use self::report::EventLog;
 use self::spindle::Spindles;
-use self::turning::Turning;
-use self::wheel::Wheel;
+use self::wheel::GrindingWheel;
 use self::wiring::Wiring;
 use super::random::SplitMix64;
 use super::{Backend, InputImage, OutputImage};
@@ -48,20 +48,20 @@ use crate::defs::signal::{Output, OutputSet};
 use crate::units::{Axis, Micros, PerAxis};
 
 pub use self::fault::FaultError;
-pub use self::lathe_rehearsal::LatheRehearsal;
+pub use self::interference_check::InterferenceCheck;
+pub use self::lathe::LatheScene;
 pub use self::machine_file::{MachineFile, SimFileError};
-pub use self::machine_rows::{
-    Along, AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile,
-    MainSpindleFile, PlateFile, ProbeFile, QuillFile, RollFile, ScatterFile, SecondSpindleFile, ToolFile, ToolPostFile,
+pub use self::machine_sections::{
+    AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
+    PlateFile, ProbeFile, QuillFile, RollFile, ScatterFile, SecondSpindleFile, TablePoint, ToolFile, ToolTurretFile,
     WheelFile,
 };
 pub use self::measure::WheelState;
 pub use self::part_file::{
-    BarFile, BlockFile, Body, BodyFile, FinishedFile, GaugeFile, Looks, OffsetPreset, PartFile, Place, SurfaceFile,
-    TailstockFile,
+    BarFile, BlockFile, Body, BodyFile, FaceDirection, FinishedSizeFile, GaugeSetupFile, OffsetPreset, PartFile,
+    SlidePosition, SurfaceFile, TailstockFile,
 };
-pub use self::report::{DiameterAt, Event, EventKind, FaceAt, HeightAt, PartReport};
-pub use self::turning::LatheScene;
+pub use self::report::{DiameterAt, EventKind, FaceAt, HeightAt, PartReport, SimEvent};
 
 /// Longest step of the physics, µs; a longer tick is divided into several steps.
 const STEP_LIMIT_US: u64 = 4_000;
@@ -75,16 +75,16 @@ pub struct SimulatedMachine {
     axes: PerAxis<Option<SimAxis>>,
     spindles: Spindles,
     hydraulics: Hydraulics,
-    magnet: Option<Magnet>,
+    magnet: Option<SimMagnet>,
     gauges: Gauges,
-    wheel: Wheel,
+    wheel: GrindingWheel,
     grinding: Grinding,
     /// Spindle, tool turret and bar of a lathe.
-    turning: Option<Turning>,
+    lathe: Option<SimLathe>,
     wiring: Wiring,
-    ailing: Ailing,
+    active_faults: ActiveFaults,
     log: EventLog,
-    chance: SplitMix64,
+    rng: SplitMix64,
     start_mm: PerAxis<f64>,
     tailstock_at_start: bool,
     /// A crash has tripped all drives. Cleared when the drives are off and the axes are at rest.
@@ -95,55 +95,55 @@ pub struct SimulatedMachine {
     seconds: f64,
     outputs: OutputImage,
     /// Outputs delayed by one tick (fault `bus-late`).
-    outputs_late: Option<OutputImage>,
-    on: OutputSet,
+    delayed_outputs: Option<OutputImage>,
+    active_outputs: OutputSet,
     image: InputImage,
     /// Latest image; a late bus delivers it one tick later.
-    fresh: InputImage,
-    detents: i32,
+    latest_image: InputImage,
+    pending_detents: i32,
 }
 
 impl SimulatedMachine {
     /// A machine at power-on, wired as the parameters define, with or without a part.
     #[must_use]
     pub fn new(machine: MachineFile, part: Option<&PartFile>, wiring: &Params, seed: u64) -> Self {
-        let axes = fitted(&machine, wiring);
+        let axes = fitted_axes(&machine, wiring);
         let mut sim = Self {
-            start_mm: PerAxis::from_fn(|axis| axes[axis].as_ref().map_or(0.0, SimAxis::zero_mm)),
+            start_mm: PerAxis::from_fn(|axis| axes[axis].as_ref().map_or(0.0, SimAxis::encoder_zero_mm)),
             axes,
             spindles: Spindles::new(&machine),
             hydraulics: Hydraulics::new(machine.hydraulics.clone()),
-            magnet: machine.magnet.clone().map(Magnet::new),
+            magnet: machine.magnet.clone().map(SimMagnet::new),
             gauges: Gauges::new(machine.gauges.clone()),
-            wheel: Wheel::new(&machine.wheel, &machine.cutting),
+            wheel: GrindingWheel::new(&machine.wheel, &machine.cutting),
             grinding: Grinding::new(&machine),
-            turning: machine.main_spindle.clone().zip(machine.tool_post.clone()).map(|(s, p)| Turning::new(s, p)),
+            lathe: machine.main_spindle.clone().zip(machine.tool_post.clone()).map(|(s, p)| SimLathe::new(s, p)),
             wiring: Wiring::new(wiring),
-            ailing: Ailing::default(),
+            active_faults: ActiveFaults::default(),
             log: EventLog::new(),
-            chance: SplitMix64::new(seed),
+            rng: SplitMix64::new(seed),
             tailstock_at_start: true,
             tripped: false,
             overspeed: false,
             now: None,
             seconds: 0.0,
             outputs: OutputImage::default(),
-            outputs_late: None,
-            on: OutputSet::NONE,
+            delayed_outputs: None,
+            active_outputs: OutputSet::NONE,
             image: InputImage::default(),
-            fresh: InputImage::default(),
-            detents: 0,
+            latest_image: InputImage::default(),
+            pending_detents: 0,
             file: machine,
         };
-        sim.scatter(seed);
+        sim.apply_scatter(seed);
         sim.set_part(part);
-        sim.shape_tools(wiring);
+        sim.apply_tool_shapes(wiring);
         sim
     }
 
-    fn shape_tools(&mut self, params: &Params) {
-        if let Some(turning) = &mut self.turning {
-            turning.shape_tools(params);
+    fn apply_tool_shapes(&mut self, params: &Params) {
+        if let Some(turning) = &mut self.lathe {
+            turning.apply_tool_shapes(params);
         }
     }
 
@@ -151,7 +151,7 @@ impl SimulatedMachine {
     /// Everything else is kept.
     pub fn power_on(&mut self, wiring: &Params) {
         self.rewire(wiring);
-        let mut axes = fitted(&self.file, wiring);
+        let mut axes = fitted_axes(&self.file, wiring);
         for axis in Axis::ALL {
             if let (Some(there), Some(kept)) = (&mut axes[axis], self.axes[axis].take()) {
                 *there = kept;
@@ -162,8 +162,8 @@ impl SimulatedMachine {
 
     /// Restarts the random numbers: bounce, noise, scatter and the next part follow the new seed.
     pub fn reseed(&mut self, seed: u64) {
-        self.chance = SplitMix64::new(seed);
-        self.scatter(seed);
+        self.rng = SplitMix64::new(seed);
+        self.apply_scatter(seed);
     }
 
     /// Loads a new part from its file, or removes the part. The axes do not move. A part for another kind of machine
@@ -171,8 +171,8 @@ impl SimulatedMachine {
     pub fn set_part(&mut self, part: Option<&PartFile>) {
         let part = part.filter(|part| part.kind == self.file.kind);
         self.log.begin_part();
-        self.grinding.set_part(part, &mut self.chance);
-        if let Some(turning) = &mut self.turning {
+        self.grinding.set_part(part, &mut self.rng);
+        if let Some(turning) = &mut self.lathe {
             turning.set_part(part);
         }
         if let Some(part) = part {
@@ -186,10 +186,10 @@ impl SimulatedMachine {
     /// encoders at zero there, pressure present, tailstock as in the part file (advanced without a part), magnet on.
     /// The control must switch hydraulics, tailstock and magnet on in its first tick and take over
     /// [`Self::encoder_zero_mm`].
-    pub fn start_ready(&mut self) {
+    pub fn make_ready(&mut self) {
         for axis in Axis::ALL {
             if let Some(sim) = &mut self.axes[axis] {
-                sim.place(self.start_mm[axis]);
+                sim.reset_at(self.start_mm[axis]);
             }
         }
         self.hydraulics.make_ready(self.tailstock_at_start);
@@ -200,7 +200,7 @@ impl SimulatedMachine {
 
     /// Turns the handwheel by a number of detents, positive clockwise.
     pub const fn turn_handwheel(&mut self, detents: i32) {
-        self.detents = self.detents.saturating_add(detents);
+        self.pending_detents = self.pending_detents.saturating_add(detents);
     }
 
     /// Advances the machine by the time since the last read.
@@ -219,38 +219,38 @@ impl SimulatedMachine {
     }
 
     fn step(&mut self, dt_s: f64) {
-        self.log.stand(PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm)));
+        self.log.set_slides(PerAxis::from_fn(|axis| self.axes[axis].as_ref().map_or(0.0, SimAxis::slide_mm)));
         let mut crashed = self.move_axes(dt_s);
-        let on = self.on;
+        let on = self.active_outputs;
         self.spindles.step(&self.file, on, (self.outputs.wheel_volts, self.outputs.analog_2_volts), dt_s);
-        let tick = Tick { dt_s, bounce_s: self.file.bounce_s };
-        self.hydraulics.step(&valves(on), self.ailing.pressure_loss, tick, &mut self.chance);
+        let tick = StepTimes { dt_s, bounce_s: self.file.bounce_s };
+        self.hydraulics.step(&hydraulic_outputs(on), self.active_faults.pressure_loss, tick, &mut self.rng);
         if let Some(magnet) = &mut self.magnet {
-            magnet.step(Current::of(on.has(Output::Magnetise), on.has(Output::Demagnetise)), dt_s);
+            magnet.step(CoilCommand::from_outputs(on.has(Output::Magnetise), on.has(Output::Demagnetise)), dt_s);
         }
-        if let Some(turning) = &mut self.turning {
-            turning.drive(on, self.outputs.wheel_volts, dt_s);
+        if let Some(turning) = &mut self.lathe {
+            turning.step(on, self.outputs.wheel_volts, dt_s);
         }
-        let scene = self.scene(dt_s);
-        crashed |= match &mut self.turning {
+        let scene = self.machine_state(dt_s);
+        crashed |= match &mut self.lathe {
             Some(turning) => turning
                 .cut(&scene)
                 .is_some_and(|place| self.log.push(self.grinding.event(EventKind::Crash, place, &scene))),
             None => self.grinding.step(&scene, &mut self.wheel, &mut self.log),
         };
-        self.supervise_speed(&scene);
-        let found = Found {
-            over_um: if self.hydraulics.radial_arm.is_out() { self.grinding.over_um() } else { None },
-            pressed_mm: self.grinding.pressed_mm(&scene),
+        self.check_overspeed(&scene);
+        let found = GaugeContact {
+            oversize_um: if self.hydraulics.radial_arm.is_at_front() { self.grinding.oversize_um() } else { None },
+            probe_deflection_mm: self.grinding.probe_deflection_mm(&scene),
         };
-        self.gauges.step(found, dt_s, &mut self.chance);
+        self.gauges.step(found, dt_s, &mut self.rng);
         let standing = scene.speed_mm_s.0.iter().all(|v| v.abs() <= 0.0);
         self.tripped = crashed || (self.tripped && (self.outputs.drives_on || !standing));
     }
 
-    fn scene(&self, dt_s: f64) -> Scene {
+    fn machine_state(&self, dt_s: f64) -> MachineState {
         let of = |axis: Axis, value: fn(&SimAxis) -> f64| self.axes[axis].as_ref().map_or(0.0, value);
-        Scene {
+        MachineState {
             seconds: self.seconds,
             dt_s,
             slide_mm: PerAxis::from_fn(|axis| of(axis, SimAxis::slide_mm)),
@@ -259,14 +259,14 @@ impl SimulatedMachine {
             wheel_m_s: self.wheel().peripheral_m_s,
             part_rpm: self.spindles.part_rpm(),
             roll_rpm: self.spindles.roll_rpm(),
-            tailstock_back_mm: self.hydraulics.tailstock_back_mm(),
-            held: self.magnet.as_ref().is_none_or(Magnet::holds),
-            probe_out: self.hydraulics.axial_arm.is_out(),
+            tailstock_retracted_mm: self.hydraulics.tailstock_retracted_mm(),
+            part_held: self.magnet.as_ref().is_none_or(SimMagnet::holds),
+            probe_out: self.hydraulics.axial_arm.is_at_front(),
         }
     }
 
     /// Logs one event when the wheel exceeds its rated peripheral speed.
-    fn supervise_speed(&mut self, scene: &Scene) {
+    fn check_overspeed(&mut self, scene: &MachineState) {
         let over = scene.wheel_m_s > self.file.wheel.rated_m_s;
         if over && !self.overspeed {
             self.log.push(self.grinding.event(EventKind::Overspeed, "wheel", scene));
@@ -278,83 +278,83 @@ impl SimulatedMachine {
     fn move_axes(&mut self, dt_s: f64) -> bool {
         let mut crashed = false;
         for axis in Axis::ALL {
-            let drive = Drive {
+            let drive = AxisCommand {
                 set_point_mm: self.outputs.set_point_mm[axis],
-                on: self.outputs.drives_on && !self.tripped && !self.ailing.drive[axis],
-                lost: self.ailing.following[axis],
+                on: self.outputs.drives_on && !self.tripped && !self.active_faults.drive[axis],
+                following_lost: self.active_faults.following[axis],
             };
             let Some(sim) = &mut self.axes[axis] else { continue };
             let Some(struck) = sim.step(drive, dt_s) else { continue };
             if struck.speed_mm_s < self.file.cutting.stop_crash_mm_s {
                 continue;
             }
-            let at = self.grinding.event(EventKind::Crash, stop_name(axis, struck.plus), &self.scene(dt_s));
-            crashed |= self.log.push(Event { speed: struck.speed_mm_s * 60.0, ..at });
+            let at = self.grinding.event(EventKind::Crash, stop_name(axis, struck.plus), &self.machine_state(dt_s));
+            crashed |= self.log.push(SimEvent { speed: struck.speed_mm_s * 60.0, ..at });
         }
         crashed
     }
 
-    fn take(&mut self, outputs: &OutputImage) {
+    fn apply_outputs(&mut self, outputs: &OutputImage) {
         self.outputs = *outputs;
-        self.on = self.wiring.outputs(outputs.terminals);
+        self.active_outputs = self.wiring.outputs(outputs.terminals);
     }
 }
 
 impl Backend for SimulatedMachine {
     fn read(&mut self, now: Micros) -> InputImage {
-        if self.ailing.silent_ticks == 0
-            && self.ailing.late_ticks == 0
-            && let Some(late) = self.outputs_late.take()
+        if self.active_faults.silent_ticks == 0
+            && self.active_faults.late_ticks == 0
+            && let Some(late) = self.delayed_outputs.take()
         {
-            self.take(&late);
+            self.apply_outputs(&late);
         }
         let before = self.now.unwrap_or(now);
         self.advance(now);
-        let mut made = self.show(now.since(before));
-        if self.ailing.silent_ticks > 0 {
-            self.ailing.silent_ticks -= 1;
+        let mut made = self.input_image(now.since(before));
+        if self.active_faults.silent_ticks > 0 {
+            self.active_faults.silent_ticks -= 1;
             self.image.bus_alive = false;
             self.image.handwheel_detents = 0;
             return self.image;
         }
-        made.handwheel_detents = std::mem::take(&mut self.detents);
-        if self.ailing.late_ticks > 0 {
+        made.handwheel_detents = std::mem::take(&mut self.pending_detents);
+        if self.active_faults.late_ticks > 0 {
             // The first late tick has no answer; each following one delivers the image of the tick before.
-            self.ailing.late_ticks -= 1;
-            let first = !std::mem::replace(&mut self.ailing.late_before, true);
-            let before = std::mem::replace(&mut self.fresh, made);
+            self.active_faults.late_ticks -= 1;
+            let first = !std::mem::replace(&mut self.active_faults.was_late, true);
+            let before = std::mem::replace(&mut self.latest_image, made);
             self.image = InputImage { bus_alive: !first, ..before };
             return self.image;
         }
-        self.ailing.late_before = false;
-        self.fresh = made;
+        self.active_faults.was_late = false;
+        self.latest_image = made;
         self.image = made;
         made
     }
 
     fn rewire(&mut self, params: &Params) {
         self.wiring.rewire(params);
-        self.shape_tools(params);
-        self.on = self.wiring.outputs(self.outputs.terminals);
+        self.apply_tool_shapes(params);
+        self.active_outputs = self.wiring.outputs(self.outputs.terminals);
     }
 
     fn write(&mut self, _now: Micros, outputs: &OutputImage) {
-        if self.ailing.silent_ticks > 0 {
+        if self.active_faults.silent_ticks > 0 {
             return; // the outputs do not arrive
         }
-        if self.ailing.late_ticks > 0 {
-            if let Some(late) = self.outputs_late.replace(*outputs) {
-                self.take(&late);
+        if self.active_faults.late_ticks > 0 {
+            if let Some(late) = self.delayed_outputs.replace(*outputs) {
+                self.apply_outputs(&late);
             }
             return;
         }
-        self.outputs_late = None;
-        self.take(outputs);
+        self.delayed_outputs = None;
+        self.apply_outputs(outputs);
     }
 }
 
 /// The axes that machine file and parameters define.
-fn fitted(machine: &MachineFile, params: &Params) -> PerAxis<Option<SimAxis>> {
+fn fitted_axes(machine: &MachineFile, params: &Params) -> PerAxis<Option<SimAxis>> {
     machine.axes(params.bit(param::Y_FITTED)).map(|file| file.cloned().map(SimAxis::new))
 }
 
@@ -369,8 +369,8 @@ const fn stop_name(axis: Axis, plus: bool) -> &'static str {
     }
 }
 
-fn valves(on: OutputSet) -> Valves {
-    Valves {
+fn hydraulic_outputs(on: OutputSet) -> HydraulicOutputs {
+    HydraulicOutputs {
         pump: on.has(Output::Hydraulic),
         tailstock: on.has(Output::Tailstock),
         radial_gauge: on.has(Output::RadialGauge),

@@ -1,10 +1,10 @@
 //! Obstacles of the wheel: chuck, tailstock, fixture, magnet plate (P8 crash). Any contact is a crash, reported once
 //! until the wheel is clear.
 
-use super::machine_rows::PlateFile;
+use super::machine_sections::PlateFile;
 use super::part_file::{BlockFile, Body, BodyFile, TailstockFile};
-use super::surface::Pass;
-use super::wheel::Wheel;
+use super::surface::WheelMotion;
+use super::wheel::GrindingWheel;
 
 /// An obstacle, part coordinates in wheel directions, mm.
 #[derive(Clone, Copy, Debug)]
@@ -51,7 +51,7 @@ impl Obstacle {
     }
 
     /// The plate of the magnet; `zero` is the work zero in wheel directions.
-    pub(super) fn of_plate(plate: &PlateFile, zero: &Pass) -> Self {
+    pub(super) fn of_plate(plate: &PlateFile, zero: &WheelMotion) -> Self {
         let shifted = |(from, to): (f64, f64), by: f64| (from - by, to - by);
         let stroke = plate.stroke_mm.map(|stroke| shifted(stroke, zero.stroke_mm));
         Self::new("magnet", shifted(plate.across_mm, zero.left_mm), stroke, plate.top_mm - zero.front_mm)
@@ -63,12 +63,12 @@ impl Obstacle {
     }
 
     /// Notes that the wheel is clear.
-    pub(super) const fn come_free(&mut self) {
+    pub(super) const fn clear_contact(&mut self) {
         self.touched = false;
     }
 
     /// Whether the wheel has newly entered it in this tick.
-    pub(super) fn newly_hit(&mut self, pass: &Pass, wheel: &Wheel, tailstock_back_mm: f64) -> bool {
+    pub(super) fn newly_touched(&mut self, pass: &WheelMotion, wheel: &GrindingWheel, tailstock_back_mm: f64) -> bool {
         let back = if self.on_tailstock { tailstock_back_mm } else { 0.0 };
         let half = || wheel.half_chord_mm(self.top - pass.front_mm);
         let inside = pass.front_mm < self.top

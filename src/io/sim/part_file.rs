@@ -8,10 +8,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::machine_file::{SimFileError, above_zero};
-use crate::defs::face::Form;
+use super::machine_file::{SimFileError, require_positive};
 use crate::defs::kind::Kind;
-use crate::defs::program;
+use crate::defs::kind_ui::GrindingForm;
+use crate::defs::program_number;
 
 /// Built-in parts of numbered programs.
 const BUILTIN: &[(&str, &str)] = &[
@@ -50,9 +50,9 @@ pub struct PartFile {
     #[serde(default)]
     pub kind: Kind,
     /// Machine coordinates of the work zero, preset in G54; X as slide travel (radius).
-    pub g54_mm: Place,
+    pub g54_mm: SlidePosition,
     /// Position of the axes at the start of a run, machine coordinates; X as slide travel (radius).
-    pub start_mm: Place,
+    pub start_mm: SlidePosition,
     /// Tool geometry to preset.
     #[serde(default)]
     pub offsets: Vec<OffsetPreset>,
@@ -73,7 +73,7 @@ pub struct PartFile {
     pub blocks: Vec<BlockFile>,
     /// Set size and measuring point of the radial (thickness) gauge.
     #[serde(default)]
-    pub gauge: Option<GaugeFile>,
+    pub gauge: Option<GaugeSetupFile>,
     /// The bar of a lathe.
     #[serde(default)]
     pub bar: Option<BarFile>,
@@ -85,14 +85,14 @@ pub struct PartFile {
     pub head_deg: f64,
     /// The finished size, if variables of the program define it.
     #[serde(default)]
-    pub finished: Option<FinishedFile>,
+    pub finished: Option<FinishedSizeFile>,
 }
 
 /// The finished diameter, defined by variables of the program. X programs the wheel's centre: the rim is at
 /// X − wheel diameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FinishedFile {
+pub struct FinishedSizeFile {
     /// Number of the variable with the finished diameter.
     pub size: u16,
     /// Number of the variable with the wheel's diameter.
@@ -126,7 +126,7 @@ pub struct BarFile {
 /// A machine position, mm of slide travel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Place {
+pub struct SlidePosition {
     /// X, radius.
     pub x: f64,
     /// Y, on machines that have it.
@@ -192,7 +192,7 @@ pub struct BlockFile {
 /// The set size of the radial (thickness) gauge.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct GaugeFile {
+pub struct GaugeSetupFile {
     /// Set diameter, or height on a table.
     pub set: f64,
     /// Measuring point: X of a height (the radius on a rotary table).
@@ -214,7 +214,7 @@ pub enum Body {
 
 /// Direction that a face points to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Looks {
+pub enum FaceDirection {
     /// Towards +Z: ground by the wheel's left (−Z) side.
     PlusZ,
     /// Towards −Z: ground by the wheel's right (+Z) side.
@@ -285,7 +285,7 @@ pub enum SurfaceFile {
     /// A face z(x) ground by the side of the wheel.
     Face {
         /// Direction that it points to.
-        looks: Looks,
+        looks: FaceDirection,
         /// From diameter (the smaller).
         x_from: f64,
         /// To diameter.
@@ -326,7 +326,7 @@ pub enum SurfaceFile {
     /// GS: a wall z(y) of a slot or step along X ground by the side of the wheel.
     Wall {
         /// Direction that it points to.
-        looks: Looks,
+        looks: FaceDirection,
         /// From X.
         x_from: f64,
         /// To X.
@@ -370,7 +370,11 @@ impl PartFile {
     /// # Errors
     /// The built-in file is wrong, which a test excludes.
     pub fn builtin(number: u32) -> Result<Option<Self>, SimFileError> {
-        BUILTIN.iter().find(|(name, _)| program::number(name) == number).map(|(_, text)| Self::parse(text)).transpose()
+        BUILTIN
+            .iter()
+            .find(|(name, _)| program_number::from_name(name) == number)
+            .map(|(_, text)| Self::parse(text))
+            .transpose()
     }
 
     /// The built-in part of a program name (without extension, upper or lower case).
@@ -390,14 +394,14 @@ impl PartFile {
         let file: Self = ron::from_str(text)?;
         for (i, surface) in file.surfaces.iter().enumerate() {
             surface.check(i + 1)?;
-            if !file.kind.grinds().contains(&surface.form()) {
+            if !file.kind.grinding_forms().contains(&surface.form()) {
                 let what = format!("surface {}", i + 1);
-                return Err(SimFileError::Unfit { what, rule: "the part's kind of machine cannot grind it" });
+                return Err(SimFileError::Incompatible { what, rule: "the part's kind of machine cannot grind it" });
             }
         }
         if let Some(bar) = file.bar {
-            above_zero("bar.diameter", bar.diameter)?;
-            above_zero("bar.cell", bar.cell)?;
+            require_positive("bar.diameter", bar.diameter)?;
+            require_positive("bar.cell", bar.cell)?;
             let cells = (bar.z_to - bar.z_from) / bar.cell;
             if !(1.0..=CELL_LIMIT).contains(&cells) {
                 let rule = "there must be 1 to 100000 cells from the one end to the other";
@@ -414,12 +418,12 @@ impl PartFile {
 
 impl SurfaceFile {
     /// The form that the machine must be able to grind.
-    const fn form(&self) -> Form {
+    const fn form(&self) -> GrindingForm {
         match self {
-            Self::Diameter { .. } | Self::Cone { .. } | Self::Face { .. } => Form::Outside,
-            Self::Bore { .. } => Form::Bore,
-            Self::Plane { .. } | Self::Wall { .. } => Form::Flat,
-            Self::Disc { .. } => Form::Ring,
+            Self::Diameter { .. } | Self::Cone { .. } | Self::Face { .. } => GrindingForm::Outside,
+            Self::Bore { .. } => GrindingForm::Bore,
+            Self::Plane { .. } | Self::Wall { .. } => GrindingForm::Flat,
+            Self::Disc { .. } => GrindingForm::RotaryFlat,
         }
     }
 
@@ -441,7 +445,7 @@ impl SurfaceFile {
             Self::Disc { x_from, x_to, cell, stock, .. } => (cell, stock, [x_to - x_from, cell]),
         };
         let name = |field: &str| format!("surface {number}: {field}");
-        above_zero(&name("cell"), cell)?;
+        require_positive(&name("cell"), cell)?;
         if !stock.is_finite() {
             return Err(SimFileError::Value { field: name("stock"), value: stock, rule: "must be a number" });
         }
@@ -453,13 +457,13 @@ impl SurfaceFile {
         }
         match *self {
             Self::Face { width, thickness, .. } => {
-                above_zero(&name("width"), width)?;
-                above_zero(&name("thickness"), thickness)
+                require_positive(&name("width"), width)?;
+                require_positive(&name("thickness"), thickness)
             }
-            Self::Bore { thickness, .. } => above_zero(&name("thickness"), thickness),
+            Self::Bore { thickness, .. } => require_positive(&name("thickness"), thickness),
             Self::Wall { x_from, x_to, thickness, .. } => {
-                above_zero(&name("length"), x_to - x_from)?;
-                above_zero(&name("thickness"), thickness)
+                require_positive(&name("length"), x_to - x_from)?;
+                require_positive(&name("thickness"), thickness)
             }
             Self::Disc { x_from, .. } if x_from < 0.0 => {
                 Err(SimFileError::Value { field: name("x_from"), value: x_from, rule: "a radius is not below zero" })
@@ -480,7 +484,7 @@ mod tests {
     #[test]
     fn p4_the_parts_built_in_can_be_read() {
         for (program, _) in BUILTIN {
-            let part = PartFile::builtin(program::number(program)).unwrap().unwrap();
+            let part = PartFile::builtin(program_number::from_name(program)).unwrap().unwrap();
             assert!(!part.surfaces.is_empty(), "{program}");
         }
         for (name, _) in NAMED {

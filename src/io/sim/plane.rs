@@ -11,8 +11,8 @@ use std::ops::Range;
 
 use super::part_file::SurfaceFile;
 use super::report::{HeightAt, PartReport};
-use super::surface::{Cut, Pass, taken};
-use super::wheel::Wheel;
+use super::surface::{Cut, WheelMotion, removed_share};
+use super::wheel::GrindingWheel;
 use crate::io::random::SplitMix64;
 
 /// Wavelengths of the waviness along X and along Z, mm.
@@ -20,30 +20,30 @@ const WAVES_MM: (f64, f64) = (23.0, 17.0);
 
 /// A two-dimensional field of cells.
 #[derive(Clone, Debug)]
-pub(super) struct Plane {
-    x: Row,
-    z: Row,
+pub(super) struct PlaneSurface {
+    x: CellRow,
+    z: CellRow,
     /// Heights in columns along Z, ordered along X.
     height_mm: Box<[f64]>,
     /// Height of the highest cell.
     highest_mm: f64,
     /// Height of the highest cell of each column; columns below the wheel are skipped.
-    column_mm: Box<[f64]>,
+    column_top_mm: Box<[f64]>,
     /// Wear of the rim over each row in this tick; valid only for the rows under the wheel.
-    rim_mm: Box<[f64]>,
+    rim_wear_mm: Box<[f64]>,
     /// Depth removed from each row in this tick, mm.
-    gave_mm: Box<[f64]>,
+    removed_mm: Box<[f64]>,
 }
 
 /// Cells along one direction.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct CellRow {
     from_mm: f64,
     cell_mm: f64,
     count: usize,
 }
 
-impl Row {
+impl CellRow {
     fn new(from: f64, to: f64, cell: f64) -> Self {
         let count = ((to - from) / cell).round().max(1.0) as usize;
         Self { from_mm: from, cell_mm: (to - from) / count as f64, count }
@@ -65,7 +65,7 @@ impl Row {
     }
 
     /// The two cells next to a position and the weight of the second; `None` outside the row.
-    fn around(self, place_mm: f64) -> Option<(usize, usize, f64)> {
+    fn neighbours(self, place_mm: f64) -> Option<(usize, usize, f64)> {
         let cells = (place_mm - self.from_mm) / self.cell_mm;
         if !(0.0..=self.count as f64).contains(&cells) {
             return None;
@@ -77,12 +77,12 @@ impl Row {
     }
 }
 
-impl Plane {
+impl PlaneSurface {
     /// The plane before grinding; the phase of its waviness is random. `None` if the file describes something else.
     pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
         let SurfaceFile::Plane { x_from, x_to, z_from, z_to, stock, cell, waviness } = *file else { return None };
-        let (x, z) = (Row::new(x_from, x_to, cell), Row::new(z_from, z_to, cell));
-        let phases = (chance.unit(), chance.unit());
+        let (x, z) = (CellRow::new(x_from, x_to, cell), CellRow::new(z_from, z_to, cell));
+        let phases = (chance.next_unit(), chance.next_unit());
         let wave = |place: f64, length: f64, phase: f64| (2.0 * PI * (place / length + phase)).sin();
         let height = |i: usize| {
             let along_x = wave(x.middle(i / z.count), WAVES_MM.0, phases.0);
@@ -94,7 +94,7 @@ impl Plane {
         let column = |column: &[f64]| column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let column_mm = height_mm.chunks(z.count).map(column).collect();
         let row = vec![0.0; z.count].into_boxed_slice();
-        Some(Self { x, z, height_mm, highest_mm, column_mm, rim_mm: row.clone(), gave_mm: row })
+        Some(Self { x, z, height_mm, highest_mm, column_top_mm: column_mm, rim_wear_mm: row.clone(), removed_mm: row })
     }
 
     /// Height of the highest cell, mm.
@@ -103,7 +103,7 @@ impl Plane {
     }
 
     /// The ranges of cells along X and Z that the wheel may touch in this tick.
-    fn under(&self, pass: &Pass, wheel: &Wheel) -> (Range<usize>, Range<usize>) {
+    fn cells_under(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> (Range<usize>, Range<usize>) {
         let half = 0.5 * pass.traverse.contact_mm + wheel.half_chord_mm(self.highest_mm - pass.front_mm);
         let (least, most) = pass.sweep_mm();
         let x = self.x.cells(least - half, most + half);
@@ -113,7 +113,7 @@ impl Plane {
 
     /// Over a column in this tick, both mm: least height of the rim above its lowest point, and the length of the sweep
     /// within the contact.
-    fn met(&self, x: usize, pass: &Pass, wheel: &Wheel) -> (f64, f64) {
+    fn sweep_over(&self, x: usize, pass: &WheelMotion, wheel: &GrindingWheel) -> (f64, f64) {
         let (middle, flat, (least, most)) = (self.x.middle(x), 0.5 * pass.traverse.contact_mm, pass.sweep_mm());
         let off = ((least - middle).max(middle - most) - flat).max(0.0);
         let radius = wheel.radius_mm();
@@ -123,24 +123,24 @@ impl Plane {
     }
 
     /// Greatest overlap with the wheel, mm; zero without contact.
-    pub(super) fn overlap_mm(&mut self, pass: &Pass, wheel: &Wheel) -> f64 {
+    pub(super) fn overlap_mm(&mut self, pass: &WheelMotion, wheel: &GrindingWheel) -> f64 {
         if pass.front_mm >= self.highest_mm {
             return 0.0;
         }
-        let (xs, zs) = self.under(pass, wheel);
+        let (xs, zs) = self.cells_under(pass, wheel);
         if xs.is_empty() || zs.is_empty() {
             return 0.0;
         }
         for z in zs.clone() {
             let slice = wheel.slice_at(self.z.middle(z) - pass.left_mm);
-            self.rim_mm[z] = slice.map_or(f64::INFINITY, |slice| wheel.rim_mm(slice));
+            self.rim_wear_mm[z] = slice.map_or(f64::INFINITY, |slice| wheel.rim_wear_mm(slice));
         }
         let mut greatest = 0.0_f64;
         for x in xs {
-            let surface = pass.front_mm + self.met(x, pass, wheel).0;
-            if surface < self.column_mm[x] {
+            let surface = pass.front_mm + self.sweep_over(x, pass, wheel).0;
+            if surface < self.column_top_mm[x] {
                 let heights = &self.height_mm[x * self.z.count..][zs.clone()];
-                for (h, rim) in heights.iter().zip(&self.rim_mm[zs.clone()]) {
+                for (h, rim) in heights.iter().zip(&self.rim_wear_mm[zs.clone()]) {
                     greatest = greatest.max(h - surface - rim);
                 }
             }
@@ -149,26 +149,26 @@ impl Plane {
     }
 
     /// Grinds the overlap for one tick. Call `overlap_mm` first: it updates `rim_mm`.
-    pub(super) fn grind(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
-        let tau = wheel.rim_s();
-        let slower = wheel.slower(tau);
+    pub(super) fn grind(&mut self, pass: &WheelMotion, wheel: &mut GrindingWheel) -> Cut {
+        let tau = wheel.rim_time_constant_s();
+        let slower = wheel.dullness_factor(tau);
         let across = pass.across_mm_s / (pass.traverse.across_mm * slower);
-        let (xs, zs) = self.under(pass, wheel);
-        self.gave_mm[zs.clone()].fill(0.0);
+        let (xs, zs) = self.cells_under(pass, wheel);
+        self.removed_mm[zs.clone()].fill(0.0);
         let mut widest = 0;
         for x in xs {
-            let (lift, way) = self.met(x, pass, wheel);
+            let (lift, way) = self.sweep_over(x, pass, wheel);
             let surface = pass.front_mm + lift;
-            if surface >= self.column_mm[x] {
+            if surface >= self.column_top_mm[x] {
                 continue;
             }
-            let taken = taken(pass.dt_s, tau, across + way / (pass.traverse.plane_mm * slower * pass.dt_s));
+            let taken = removed_share(pass.dt_s, tau, across + way / (pass.traverse.plane_mm * slower * pass.dt_s));
             widest = widest.max(self.grind_column(x, &zs, surface, taken));
         }
         let area = self.x.cell_mm * self.z.cell_mm;
         let mut volume = 0.0;
         for z in zs {
-            let gave = area * self.gave_mm[z];
+            let gave = area * self.removed_mm[z];
             if gave > 0.0
                 && let Some(slice) = wheel.slice_at(self.z.middle(z) - pass.left_mm)
             {
@@ -183,7 +183,7 @@ impl Plane {
     /// Removes a share of the overlap in a column; returns the number of cells touched.
     fn grind_column(&mut self, x: usize, zs: &Range<usize>, surface: f64, taken: f64) -> usize {
         let column = &mut self.height_mm[x * self.z.count..][..self.z.count];
-        let (rims, gave) = (&self.rim_mm[zs.clone()], &mut self.gave_mm[zs.clone()]);
+        let (rims, gave) = (&self.rim_wear_mm[zs.clone()], &mut self.removed_mm[zs.clone()]);
         let mut touched = 0;
         for ((h, rim), gave) in column[zs.clone()].iter_mut().zip(rims).zip(gave) {
             let overlap = (*h - surface - rim).max(0.0);
@@ -192,14 +192,14 @@ impl Plane {
             *gave += overlap * taken;
         }
         if touched > 0 {
-            self.column_mm[x] = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            self.column_top_mm[x] = column.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         }
         touched
     }
 
     /// Height at a position, interpolated between the cell centres, mm; `None` outside the plane.
     pub(super) fn height_at(&self, x: f64, z: f64) -> Option<f64> {
-        let ((xa, xb, xs), (za, zb, zs)) = (self.x.around(x)?, self.z.around(z)?);
+        let ((xa, xb, xs), (za, zb, zs)) = (self.x.neighbours(x)?, self.z.neighbours(z)?);
         let across = |x: usize| {
             let column = x * self.z.count;
             self.height_mm[column + za] * (1.0 - zs) + self.height_mm[column + zb] * zs
@@ -209,7 +209,7 @@ impl Plane {
 
     /// Adds the heights of this plane to the report: five positions along X by three along Z.
     pub(super) fn report(&self, report: &mut PartReport) {
-        let place = |row: Row, tenths: f64| row.from_mm + row.length_mm() * tenths / 10.0;
+        let place = |row: CellRow, tenths: f64| row.from_mm + row.length_mm() * tenths / 10.0;
         for z in [1.0, 5.0, 9.0].map(|tenths| place(self.z, tenths)) {
             for x in [1.0, 3.0, 5.0, 7.0, 9.0].map(|tenths| place(self.x, tenths)) {
                 report.heights.extend(self.height_at(x, z).map(|y| HeightAt { x, z, y }));

@@ -6,10 +6,10 @@
 
 use std::f64::consts::PI;
 
-use super::part_file::{Looks, SurfaceFile};
+use super::part_file::{FaceDirection, SurfaceFile};
 use super::report::{DiameterAt, FaceAt, PartReport};
-use super::surface::{Cut, Pass, taken};
-use super::wheel::{Side, Wheel};
+use super::surface::{Cut, WheelMotion, removed_share};
+use super::wheel::{GrindingWheel, Side};
 use crate::io::random::SplitMix64;
 
 /// Wavelength of the waviness, mm.
@@ -17,8 +17,8 @@ const WAVE_MM: f64 = 7.0;
 
 /// One line of cells.
 #[derive(Clone, Debug)]
-pub(super) struct Profile {
-    shape: Shape,
+pub(super) struct ProfileSurface {
+    shape: ProfileShape,
     /// Height along the normal: radius of a diameter, minus that of a bore, ±Z of a face, Z of a disc.
     height_mm: Box<[f64]>,
     floor_mm: Box<[f64]>,
@@ -29,7 +29,7 @@ pub(super) struct Profile {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Shape {
+enum ProfileShape {
     /// Outer diameter: cells along the wheel's axis.
     Diameter,
     /// Bore: the height is minus the radius; thickness of the material around it, mm.
@@ -48,7 +48,7 @@ struct Wall {
 }
 
 /// Values common to the one-dimensional surfaces of a part file.
-struct Line {
+struct ProfileSpec {
     from: f64,
     to: f64,
     cell: f64,
@@ -59,36 +59,56 @@ struct Line {
     rise: f64,
     waviness: f64,
     runout: f64,
-    shape: Shape,
+    shape: ProfileShape,
 }
 
-const fn side_of(looks: Looks) -> (Side, f64) {
+const fn side_of(looks: FaceDirection) -> (Side, f64) {
     match looks {
-        Looks::PlusZ => (Side::Left, 1.0),
-        Looks::MinusZ => (Side::Right, -1.0),
+        FaceDirection::PlusZ => (Side::Left, 1.0),
+        FaceDirection::MinusZ => (Side::Right, -1.0),
     }
 }
 
 /// The common values of a surface; `None` for a plane.
-fn line(file: &SurfaceFile) -> Option<Line> {
+fn profile_spec(file: &SurfaceFile) -> Option<ProfileSpec> {
     match *file {
         SurfaceFile::Diameter { z_from, z_to, stock, cell, runout, waviness } => {
             let (from, to, stock) = (z_from, z_to, stock / 2.0);
-            Some(Line { from, to, cell, normal: 1.0, stock, rise: 0.0, waviness, runout, shape: Shape::Diameter })
+            Some(ProfileSpec {
+                from,
+                to,
+                cell,
+                normal: 1.0,
+                stock,
+                rise: 0.0,
+                waviness,
+                runout,
+                shape: ProfileShape::Diameter,
+            })
         }
         SurfaceFile::Cone { z_from, z_to, stock_from, stock_to, cell, runout, waviness } => {
             let (from, to, stock, rise) = (z_from, z_to, stock_from / 2.0, (stock_to - stock_from) / 2.0);
-            Some(Line { from, to, cell, normal: 1.0, stock, rise, waviness, runout, shape: Shape::Diameter })
+            Some(ProfileSpec {
+                from,
+                to,
+                cell,
+                normal: 1.0,
+                stock,
+                rise,
+                waviness,
+                runout,
+                shape: ProfileShape::Diameter,
+            })
         }
         SurfaceFile::Bore { z_from, z_to, stock_from, stock_to, thickness, cell, runout, waviness } => {
             let (from, to, stock, rise) = (z_from, z_to, stock_from / 2.0, (stock_from - stock_to) / 2.0);
-            let shape = Shape::Bore { thickness_mm: thickness };
-            Some(Line { from, to, cell, normal: -1.0, stock, rise, waviness, runout, shape })
+            let shape = ProfileShape::Bore { thickness_mm: thickness };
+            Some(ProfileSpec { from, to, cell, normal: -1.0, stock, rise, waviness, runout, shape })
         }
         SurfaceFile::Face { looks, x_from, x_to, stock, cell, waviness, width, thickness, turns } => {
             let (side, normal) = side_of(looks);
-            let shape = Shape::Face { side, width_mm: width, thickness_mm: thickness, turns, wall: None };
-            Some(Line {
+            let shape = ProfileShape::Face { side, width_mm: width, thickness_mm: thickness, turns, wall: None };
+            Some(ProfileSpec {
                 from: x_from / 2.0,
                 to: x_to / 2.0,
                 cell,
@@ -104,23 +124,33 @@ fn line(file: &SurfaceFile) -> Option<Line> {
             let (side, normal) = side_of(looks);
             let wall = Some(Wall { from_mm: x_from, to_mm: x_to });
             let width_mm = x_to - x_from;
-            let shape = Shape::Face { side, width_mm, thickness_mm: thickness, turns: false, wall };
-            Some(Line { from: y_from, to: y_to, cell, normal, stock, rise: 0.0, waviness, runout: 0.0, shape })
+            let shape = ProfileShape::Face { side, width_mm, thickness_mm: thickness, turns: false, wall };
+            Some(ProfileSpec { from: y_from, to: y_to, cell, normal, stock, rise: 0.0, waviness, runout: 0.0, shape })
         }
         SurfaceFile::Disc { x_from, x_to, stock, cell, runout, waviness } => {
             let (from, to) = (x_from, x_to);
-            Some(Line { from, to, cell, normal: 1.0, stock, rise: 0.0, waviness, runout, shape: Shape::Disc })
+            Some(ProfileSpec {
+                from,
+                to,
+                cell,
+                normal: 1.0,
+                stock,
+                rise: 0.0,
+                waviness,
+                runout,
+                shape: ProfileShape::Disc,
+            })
         }
         SurfaceFile::Plane { .. } => None,
     }
 }
 
-impl Profile {
+impl ProfileSurface {
     /// The surface before grinding; the phase of its waviness is random. `None` if the file describes a plane.
     pub(super) fn new(file: &SurfaceFile, chance: &mut SplitMix64) -> Option<Self> {
-        let Line { from, to, cell, normal, stock, rise, waviness, runout, shape } = line(file)?;
+        let ProfileSpec { from, to, cell, normal, stock, rise, waviness, runout, shape } = profile_spec(file)?;
         let count = ((to - from) / cell).round().max(1.0) as usize;
-        let phase = chance.unit();
+        let phase = chance.next_unit();
         let wave = |i: usize| waviness * (2.0 * PI * (i as f64 * cell / WAVE_MM + phase)).sin();
         let height = |i: usize| normal * stock + rise * (i as f64 + 0.5) / count as f64;
         let mean: Vec<f64> = (0..count).map(|i| height(i) + wave(i)).collect();
@@ -136,27 +166,27 @@ impl Profile {
     }
 
     /// Whether the part must rotate for this surface to be ground.
-    pub(super) const fn turns(&self) -> bool {
+    pub(super) const fn needs_rotation(&self) -> bool {
         match self.shape {
-            Shape::Diameter | Shape::Bore { .. } | Shape::Disc => true,
-            Shape::Face { turns, .. } => turns,
+            ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Disc => true,
+            ProfileShape::Face { turns, .. } => turns,
         }
     }
 
     /// Event text for a part that is stopped but should rotate.
-    pub(super) const fn stands(&self) -> &'static str {
+    pub(super) const fn place_when_stopped(&self) -> &'static str {
         match self.shape {
-            Shape::Diameter | Shape::Face { .. } => "part, workhead standing",
-            Shape::Bore { .. } | Shape::Disc => "part, table standing",
+            ProfileShape::Diameter | ProfileShape::Face { .. } => "part, workhead standing",
+            ProfileShape::Bore { .. } | ProfileShape::Disc => "part, table standing",
         }
     }
 
     /// Position along the infeed below which the wheel can touch the surface, mm.
     pub(super) fn reach_mm(&self) -> f64 {
         match self.shape {
-            Shape::Diameter | Shape::Disc => self.highest_mm,
-            Shape::Bore { thickness_mm } => self.outside_mm(thickness_mm),
-            Shape::Face { .. } => self.from_mm + self.length_mm(),
+            ProfileShape::Diameter | ProfileShape::Disc => self.highest_mm,
+            ProfileShape::Bore { thickness_mm } => self.outside_mm(thickness_mm),
+            ProfileShape::Face { .. } => self.from_mm + self.length_mm(),
         }
     }
 
@@ -178,27 +208,27 @@ impl Profile {
     }
 
     /// Unworn rim over a cell, along the normal, mm.
-    fn rim_over(&self, cell: usize, surface: f64, pass: &Pass) -> f64 {
-        let back = pass.lean * (self.middle(cell) - pass.left_mm);
+    fn rim_over(&self, cell: usize, surface: f64, pass: &WheelMotion) -> f64 {
+        let back = pass.swivel_tan * (self.middle(cell) - pass.left_mm);
         match self.shape {
-            Shape::Bore { .. } => surface + back,
-            Shape::Diameter | Shape::Disc | Shape::Face { .. } => surface - back,
+            ProfileShape::Bore { .. } => surface + back,
+            ProfileShape::Diameter | ProfileShape::Disc | ProfileShape::Face { .. } => surface - back,
         }
     }
 
     /// The cells under the wheel, and the wheel's surface along the normal, mm.
-    fn under(&self, pass: &Pass, wheel: &Wheel) -> (std::ops::Range<usize>, f64) {
+    fn cells_under(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> (std::ops::Range<usize>, f64) {
         match self.shape {
-            Shape::Diameter => {
+            ProfileShape::Diameter => {
                 let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
                 (cells, pass.front_mm)
             }
-            Shape::Bore { .. } => {
+            ProfileShape::Bore { .. } => {
                 let cells = self.cell_from(pass.left_mm)..self.cell_from(pass.left_mm + wheel.width_mm());
                 // The wheel's centre is off the part's axis; the rim on the far side touches the bore.
                 (cells, -(pass.front_mm + wheel.radius_mm()).abs() - wheel.radius_mm())
             }
-            Shape::Disc => {
+            ProfileShape::Disc => {
                 // Beyond the table's centre the wheel covers radii on the other side.
                 let right = pass.left_mm + wheel.width_mm();
                 let (from, to) = if pass.left_mm >= 0.0 {
@@ -210,11 +240,11 @@ impl Profile {
                 };
                 (self.cell_from(from)..self.cell_from(to), pass.front_mm)
             }
-            Shape::Face { side, .. } => {
-                let from = self.cell_from(pass.front_mm + wheel.corner_mm(side));
+            ProfileShape::Face { side, .. } => {
+                let from = self.cell_from(pass.front_mm + wheel.corner_wear_mm(side));
                 let surface = match side {
-                    Side::Left => pass.left_mm + wheel.side_mm(side),
-                    Side::Right => wheel.side_mm(side) - pass.left_mm - wheel.width_mm(),
+                    Side::Left => pass.left_mm + wheel.side_wear_mm(side),
+                    Side::Right => wheel.side_wear_mm(side) - pass.left_mm - wheel.width_mm(),
                 };
                 (from..self.height_mm.len(), surface)
             }
@@ -222,50 +252,50 @@ impl Profile {
     }
 
     /// The slice of the rim over a cell; of two, on both sides of the table's centre, the less worn one.
-    fn slice_over(&self, cell: usize, pass: &Pass, wheel: &Wheel) -> Option<usize> {
+    fn slice_over(&self, cell: usize, pass: &WheelMotion, wheel: &GrindingWheel) -> Option<usize> {
         let middle = self.middle(cell);
         let slice = wheel.slice_at(middle - pass.left_mm);
         match self.shape {
-            Shape::Diameter | Shape::Bore { .. } | Shape::Face { .. } => slice,
-            Shape::Disc => match (slice, wheel.slice_at(-middle - pass.left_mm)) {
-                (Some(a), Some(b)) => Some(if wheel.rim_mm(a) <= wheel.rim_mm(b) { a } else { b }),
+            ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Face { .. } => slice,
+            ProfileShape::Disc => match (slice, wheel.slice_at(-middle - pass.left_mm)) {
+                (Some(a), Some(b)) => Some(if wheel.rim_wear_mm(a) <= wheel.rim_wear_mm(b) { a } else { b }),
                 (a, b) => a.or(b),
             },
         }
     }
 
     /// Share of a wall's length that the wheel's side covers; 1 for other surfaces.
-    fn covered(&self, pass: &Pass, wheel: &Wheel) -> f64 {
-        let Shape::Face { wall: Some(wall), .. } = self.shape else { return 1.0 };
+    fn covered_share(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> f64 {
+        let ProfileShape::Face { wall: Some(wall), .. } = self.shape else { return 1.0 };
         let half = wheel.half_chord_mm(self.reach_mm() - pass.front_mm);
         let common = wall.to_mm.min(pass.stroke_mm + half) - wall.from_mm.max(pass.stroke_mm - half);
         (common / (wall.to_mm - wall.from_mm)).max(0.0)
     }
 
     /// Greatest overlap with the wheel, mm; zero without contact.
-    pub(super) fn overlap_mm(&self, pass: &Pass, wheel: &Wheel) -> f64 {
+    pub(super) fn overlap_mm(&self, pass: &WheelMotion, wheel: &GrindingWheel) -> f64 {
         let quick = match self.shape {
             // Limit of the rim, swivelled or not: no slice reaches further.
-            Shape::Diameter | Shape::Disc => pass.front_mm - pass.lean.max(0.0) * wheel.width_mm(),
-            Shape::Bore { thickness_mm } if pass.front_mm >= self.outside_mm(thickness_mm) => return 0.0,
-            Shape::Bore { .. } => self.under(pass, wheel).1 + pass.lean.min(0.0) * wheel.width_mm(),
-            Shape::Face { side: Side::Left, .. } => pass.left_mm,
-            Shape::Face { side: Side::Right, .. } => -pass.left_mm - wheel.width_mm(),
+            ProfileShape::Diameter | ProfileShape::Disc => pass.front_mm - pass.swivel_tan.max(0.0) * wheel.width_mm(),
+            ProfileShape::Bore { thickness_mm } if pass.front_mm >= self.outside_mm(thickness_mm) => return 0.0,
+            ProfileShape::Bore { .. } => self.cells_under(pass, wheel).1 + pass.swivel_tan.min(0.0) * wheel.width_mm(),
+            ProfileShape::Face { side: Side::Left, .. } => pass.left_mm,
+            ProfileShape::Face { side: Side::Right, .. } => -pass.left_mm - wheel.width_mm(),
         };
-        if quick >= self.highest_mm || self.covered(pass, wheel) <= 0.0 {
+        if quick >= self.highest_mm || self.covered_share(pass, wheel) <= 0.0 {
             return 0.0;
         }
-        let (cells, surface) = self.under(pass, wheel);
+        let (cells, surface) = self.cells_under(pass, wheel);
         let mut greatest = 0.0_f64;
         match self.shape {
-            Shape::Diameter | Shape::Bore { .. } | Shape::Disc => {
+            ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Disc => {
                 for cell in cells {
                     let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
                     let rim = self.rim_over(cell, surface, pass);
-                    greatest = greatest.max(self.height_mm[cell] - rim - wheel.rim_mm(slice));
+                    greatest = greatest.max(self.height_mm[cell] - rim - wheel.rim_wear_mm(slice));
                 }
             }
-            Shape::Face { thickness_mm, .. } => {
+            ProfileShape::Face { thickness_mm, .. } => {
                 for h in &self.height_mm[cells] {
                     greatest = greatest.max(h - surface);
                 }
@@ -278,30 +308,30 @@ impl Profile {
     }
 
     /// Grinds the overlap for one tick.
-    pub(super) fn grind(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
+    pub(super) fn grind(&mut self, pass: &WheelMotion, wheel: &mut GrindingWheel) -> Cut {
         match self.shape {
-            Shape::Diameter | Shape::Bore { .. } | Shape::Disc => self.grind_round(pass, wheel),
-            Shape::Face { side, width_mm, turns, .. } => self.grind_face(pass, wheel, side, (width_mm, turns)),
+            ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Disc => self.grind_round(pass, wheel),
+            ProfileShape::Face { side, width_mm, turns, .. } => self.grind_face(pass, wheel, side, (width_mm, turns)),
         }
     }
 
     /// Grinds a rotating part with the rim.
-    fn grind_round(&mut self, pass: &Pass, wheel: &mut Wheel) -> Cut {
-        let tau = wheel.rim_s();
-        let lambda = pass.traverse.across_mm * wheel.slower(tau);
-        let taken = taken(pass.dt_s, tau, pass.across_mm_s / lambda);
-        let (cells, surface) = self.under(pass, wheel);
+    fn grind_round(&mut self, pass: &WheelMotion, wheel: &mut GrindingWheel) -> Cut {
+        let tau = wheel.rim_time_constant_s();
+        let lambda = pass.traverse.across_mm * wheel.dullness_factor(tau);
+        let taken = removed_share(pass.dt_s, tau, pass.across_mm_s / lambda);
+        let (cells, surface) = self.cells_under(pass, wheel);
         let (mut volume, mut touched) = (0.0, 0.0);
         for cell in cells {
             let Some(slice) = self.slice_over(cell, pass, wheel) else { continue };
             let h = self.height_mm[cell];
-            let overlap = h - self.rim_over(cell, surface, pass) - wheel.rim_mm(slice);
+            let overlap = h - self.rim_over(cell, surface, pass) - wheel.rim_wear_mm(slice);
             if overlap <= 0.0 {
                 continue;
             }
             let depth = overlap * taken;
             let share = if h > self.floor_mm[cell] { 0.5 } else { 1.0 };
-            let radius = if matches!(self.shape, Shape::Disc) { self.middle(cell) } else { h.abs() };
+            let radius = if matches!(self.shape, ProfileShape::Disc) { self.middle(cell) } else { h.abs() };
             let cell_volume = share * 2.0 * PI * radius * self.cell_mm * depth;
             self.height_mm[cell] = h - depth;
             wheel.wear_rim(slice, cell_volume);
@@ -312,13 +342,19 @@ impl Profile {
     }
 
     /// Grinds a face with the side of the wheel. Stroke and infeed both traverse a wall.
-    fn grind_face(&mut self, pass: &Pass, wheel: &mut Wheel, side: Side, (width_mm, turns): (f64, bool)) -> Cut {
-        let tau = wheel.side_s(side);
-        let lambda = pass.traverse.face_mm * wheel.slower(tau);
-        let covered = self.covered(pass, wheel).min(1.0);
+    fn grind_face(
+        &mut self,
+        pass: &WheelMotion,
+        wheel: &mut GrindingWheel,
+        side: Side,
+        (width_mm, turns): (f64, bool),
+    ) -> Cut {
+        let tau = wheel.side_time_constant_s(side);
+        let lambda = pass.traverse.face_mm * wheel.dullness_factor(tau);
+        let covered = self.covered_share(pass, wheel).min(1.0);
         let along_mm_s = pass.infeed_mm_s + pass.stroke_mm_s;
-        let taken = taken(pass.dt_s * covered, tau, along_mm_s / lambda);
-        let (cells, surface) = self.under(pass, wheel);
+        let taken = removed_share(pass.dt_s * covered, tau, along_mm_s / lambda);
+        let (cells, surface) = self.cells_under(pass, wheel);
         let (mut volume, mut engaged) = (0.0, 0.0);
         for cell in cells {
             let overlap = self.height_mm[cell] - surface;
@@ -337,20 +373,21 @@ impl Profile {
     }
 
     /// Depth of a point inside the surface along its normal, mm; `None` outside or behind the surface.
-    pub(super) fn inside_mm(&self, at: &Pass) -> Option<f64> {
+    pub(super) fn penetration_mm(&self, at: &WheelMotion) -> Option<f64> {
         match self.shape {
-            Shape::Diameter => self.between(at.left_mm, |s, cell| s.height_mm[cell] - at.front_mm),
-            Shape::Bore { thickness_mm } => {
-                let inside = self.between(at.left_mm, |s, cell| s.height_mm[cell] + at.front_mm.abs());
+            ProfileShape::Diameter => self.interpolate(at.left_mm, |s, cell| s.height_mm[cell] - at.front_mm),
+            ProfileShape::Bore { thickness_mm } => {
+                let inside = self.interpolate(at.left_mm, |s, cell| s.height_mm[cell] + at.front_mm.abs());
                 inside.filter(|inside| *inside < thickness_mm)
             }
-            Shape::Disc => self.between(at.left_mm.abs(), |s, cell| s.height_mm[cell] - at.front_mm),
-            Shape::Face { side, thickness_mm, wall, .. } => {
+            ProfileShape::Disc => self.interpolate(at.left_mm.abs(), |s, cell| s.height_mm[cell] - at.front_mm),
+            ProfileShape::Face { side, thickness_mm, wall, .. } => {
                 if wall.is_some_and(|wall| !(wall.from_mm..=wall.to_mm).contains(&at.stroke_mm)) {
                     return None;
                 }
                 let place = if side == Side::Left { at.left_mm } else { -at.left_mm };
-                self.between(at.front_mm, |s, cell| s.height_mm[cell] - place).filter(|inside| *inside < thickness_mm)
+                self.interpolate(at.front_mm, |s, cell| s.height_mm[cell] - place)
+                    .filter(|inside| *inside < thickness_mm)
             }
         }
     }
@@ -363,22 +400,24 @@ impl Profile {
     /// Mean diameter at Z, interpolated between the cell centres, mm; `None` outside the surface.
     pub(super) fn diameter_at(&self, z: f64) -> Option<f64> {
         match self.shape {
-            Shape::Diameter | Shape::Bore { .. } => self.between(z, |s, cell| 2.0 * s.mean(cell).abs()),
-            Shape::Face { .. } | Shape::Disc => None,
+            ProfileShape::Diameter | ProfileShape::Bore { .. } => {
+                self.interpolate(z, |s, cell| 2.0 * s.mean(cell).abs())
+            }
+            ProfileShape::Face { .. } | ProfileShape::Disc => None,
         }
     }
 
     /// Z of the face at X, of the given direction if one is given; `None` outside the surface. X is a diameter, on a
     /// disc the radius, on a wall the position along the stroke (measured at half its height).
-    pub(super) fn face_at(&self, x: f64, looks: Option<Looks>) -> Option<f64> {
+    pub(super) fn face_at(&self, x: f64, looks: Option<FaceDirection>) -> Option<f64> {
         let (side, wall) = match self.shape {
-            Shape::Diameter | Shape::Bore { .. } => return None,
-            Shape::Disc => return self.height_at(x),
-            Shape::Face { side, wall, .. } => (side, wall),
+            ProfileShape::Diameter | ProfileShape::Bore { .. } => return None,
+            ProfileShape::Disc => return self.height_at(x),
+            ProfileShape::Face { side, wall, .. } => (side, wall),
         };
         let (mine, normal) = match side {
-            Side::Left => (Looks::PlusZ, 1.0),
-            Side::Right => (Looks::MinusZ, -1.0),
+            Side::Left => (FaceDirection::PlusZ, 1.0),
+            Side::Right => (FaceDirection::MinusZ, -1.0),
         };
         if looks.is_some_and(|looks| looks != mine) {
             return None;
@@ -388,14 +427,14 @@ impl Profile {
             Some(wall) if (wall.from_mm..=wall.to_mm).contains(&x) => self.from_mm + 0.5 * self.length_mm(),
             Some(_) => return None,
         };
-        self.between(place, |s, cell| normal * s.height_mm[cell])
+        self.interpolate(place, |s, cell| normal * s.height_mm[cell])
     }
 
     /// Mean height of a disc at a radius on either side of the centre, mm; `None` outside the disc.
     pub(super) fn height_at(&self, x: f64) -> Option<f64> {
         match self.shape {
-            Shape::Disc => self.between(x.abs(), Self::mean),
-            Shape::Diameter | Shape::Bore { .. } | Shape::Face { .. } => None,
+            ProfileShape::Disc => self.interpolate(x.abs(), Self::mean),
+            ProfileShape::Diameter | ProfileShape::Bore { .. } | ProfileShape::Face { .. } => None,
         }
     }
 
@@ -403,7 +442,7 @@ impl Profile {
         self.cell_mm * self.height_mm.len() as f64
     }
 
-    fn between(&self, place_mm: f64, value: impl Fn(&Self, usize) -> f64) -> Option<f64> {
+    fn interpolate(&self, place_mm: f64, value: impl Fn(&Self, usize) -> f64) -> Option<f64> {
         let last = self.height_mm.len() - 1;
         let cells = (place_mm - self.from_mm) / self.cell_mm;
         if !(0.0..=self.height_mm.len() as f64).contains(&cells) {
@@ -420,22 +459,22 @@ impl Profile {
         let place = |tenths: f64| self.from_mm + self.length_mm() * tenths / 10.0;
         let thirds = [1.0, 5.0, 9.0];
         match self.shape {
-            Shape::Diameter | Shape::Bore { .. } => {
+            ProfileShape::Diameter | ProfileShape::Bore { .. } => {
                 for z in [1.0, 3.0, 5.0, 7.0, 9.0].map(place) {
                     report.diameters.extend(self.diameter_at(z).map(|d| DiameterAt { z, d }));
                 }
             }
-            Shape::Disc => {
+            ProfileShape::Disc => {
                 for x in thirds.map(place) {
                     report.faces.extend(self.height_at(x).map(|z| FaceAt { x, z }));
                 }
             }
-            Shape::Face { wall: None, .. } => {
+            ProfileShape::Face { wall: None, .. } => {
                 for x in thirds.map(|tenths| 2.0 * place(tenths)) {
                     report.faces.extend(self.face_at(x, None).map(|z| FaceAt { x, z }));
                 }
             }
-            Shape::Face { wall: Some(wall), .. } => {
+            ProfileShape::Face { wall: Some(wall), .. } => {
                 let x = 0.5 * (wall.from_mm + wall.to_mm);
                 report.faces.extend(self.face_at(x, None).map(|z| FaceAt { x, z }));
             }

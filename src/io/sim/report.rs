@@ -7,7 +7,7 @@ use crate::units::{Axis, PerAxis};
 /// Greatest number of stored events; further ones are only counted.
 const EVENT_LIMIT: usize = 256;
 /// A crash ends once a slide is this far away, mm: more than its position noise.
-const LEFT_MM: f64 = 0.05;
+const SEPARATION_MM: f64 = 0.05;
 
 /// Kind of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -47,7 +47,7 @@ impl EventKind {
 
 /// One event.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Event {
+pub struct SimEvent {
     /// Kind.
     pub kind: EventKind,
     /// Simulated time, s.
@@ -70,72 +70,78 @@ pub struct Event {
 /// The event log, of limited length.
 #[derive(Clone, Debug)]
 pub(super) struct EventLog {
-    events: Vec<Event>,
-    lost: u64,
+    events: Vec<SimEvent>,
+    dropped: u64,
     /// Present positions of the slides.
     slide_mm: PerAxis<f64>,
     /// Crashes whose contact has not ended.
-    crashed: Vec<Crashed>,
+    active_crashes: Vec<ActiveCrash>,
 }
 
 /// A crash still in contact.
 #[derive(Clone, Copy, Debug)]
-struct Crashed {
+struct ActiveCrash {
     place: &'static str,
     /// Positions of the slides at the last contact.
     slide_mm: PerAxis<f64>,
     /// There was contact in the last step.
-    met: bool,
+    touched: bool,
 }
 
 impl EventLog {
     /// An empty log with its memory allocated.
     pub(super) fn new() -> Self {
-        Self { events: Vec::with_capacity(EVENT_LIMIT), lost: 0, slide_mm: PerAxis::default(), crashed: Vec::new() }
+        Self {
+            events: Vec::with_capacity(EVENT_LIMIT),
+            dropped: 0,
+            slide_mm: PerAxis::default(),
+            active_crashes: Vec::new(),
+        }
     }
 
     /// Takes over the slide positions and ends the crashes that the slides have left.
-    pub(super) fn stand(&mut self, slide_mm: PerAxis<f64>) {
+    pub(super) fn set_slides(&mut self, slide_mm: PerAxis<f64>) {
         self.slide_mm = slide_mm;
-        self.crashed.retain_mut(|crashed| {
-            let near = Axis::ALL.into_iter().all(|axis| (crashed.slide_mm[axis] - slide_mm[axis]).abs() < LEFT_MM);
-            std::mem::replace(&mut crashed.met, false) || near
+        self.active_crashes.retain_mut(|crashed| {
+            let near =
+                Axis::ALL.into_iter().all(|axis| (crashed.slide_mm[axis] - slide_mm[axis]).abs() < SEPARATION_MM);
+            std::mem::replace(&mut crashed.touched, false) || near
         });
     }
 
     /// Ends all crashes for a new part.
     pub(super) fn begin_part(&mut self) {
-        self.crashed.clear();
+        self.active_crashes.clear();
     }
 
     /// Logs an event; beyond the limit it is only counted. False if it is the same crash, already logged.
-    pub(super) fn push(&mut self, event: Event) -> bool {
+    pub(super) fn push(&mut self, event: SimEvent) -> bool {
         if event.kind == EventKind::Crash {
             let slide_mm = self.slide_mm;
-            if let Some(crashed) = self.crashed.iter_mut().find(|crashed| crashed.place == event.place) {
-                (crashed.slide_mm, crashed.met) = (slide_mm, true);
+            if let Some(crashed) = self.active_crashes.iter_mut().find(|crashed| crashed.place == event.place) {
+                (crashed.slide_mm, crashed.touched) = (slide_mm, true);
                 return false;
             }
-            self.crashed.push(Crashed { place: event.place, slide_mm, met: true });
+            self.active_crashes.push(ActiveCrash { place: event.place, slide_mm, touched: true });
         }
-        self.note(event);
+        self.store(event);
         true
     }
 
-    fn note(&mut self, event: Event) {
+    fn store(&mut self, event: SimEvent) {
         if self.events.len() < EVENT_LIMIT {
             self.events.push(event);
         } else {
-            self.lost += 1;
+            self.dropped += 1;
         }
     }
 
-    pub(super) fn all(&self) -> &[Event] {
+    pub(super) fn events(&self) -> &[SimEvent] {
         &self.events
     }
 
-    pub(super) const fn lost(&self) -> u64 {
-        self.lost
+    pub(super) const fn dropped(&self) -> u64 {
+        self.dropped
     }
 }
 

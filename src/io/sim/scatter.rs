@@ -4,18 +4,18 @@
 use std::f64::consts::TAU;
 
 use super::SimulatedMachine;
-use super::machine_rows::ScatterFile;
+use super::machine_sections::ScatterFile;
 use crate::io::random::SplitMix64;
 use crate::units::Axis;
 
 /// Separates these random numbers from those of contacts and parts.
-const APART: u64 = 0x5CA7_7E12;
+const SCATTER_SEED: u64 = 0x5CA7_7E12;
 /// Wavelength of a leadscrew's error, mm: several revolutions.
 const SCREW_WAVE_MM: f64 = 70.0;
 
 /// Uniformly distributed from −1 to 1.
-fn either_way(chance: &mut SplitMix64) -> f64 {
-    2.0 * chance.unit() - 1.0
+fn symmetric_unit(chance: &mut SplitMix64) -> f64 {
+    2.0 * chance.next_unit() - 1.0
 }
 
 /// Random position error of a slide.
@@ -24,60 +24,64 @@ pub(super) struct SlideScatter {
     screw_mm: f64,
     phase: f64,
     servo_mm: f64,
-    chance: SplitMix64,
+    rng: SplitMix64,
 }
 
 impl SlideScatter {
     fn new(file: ScatterFile, chance: &mut SplitMix64) -> Self {
         Self {
-            screw_mm: file.screw_um / 1_000.0 * either_way(chance),
-            phase: chance.unit(),
+            screw_mm: file.screw_um / 1_000.0 * symmetric_unit(chance),
+            phase: chance.next_unit(),
             servo_mm: file.servo_um / 1_000.0,
-            chance: SplitMix64::new(chance.next()),
+            rng: SplitMix64::new(chance.next()),
         }
     }
 
     /// Position error of the slide at a position in this tick, mm.
-    pub(super) fn off_mm(&mut self, place_mm: f64) -> f64 {
+    pub(super) fn deviation_mm(&mut self, place_mm: f64) -> f64 {
         let screw = self.screw_mm * (TAU * (place_mm / SCREW_WAVE_MM + self.phase)).sin();
-        screw + self.servo_mm * either_way(&mut self.chance)
+        screw + self.servo_mm * symmetric_unit(&mut self.rng)
     }
 }
 
 /// Random depth of the diamond in each stroke.
 #[derive(Clone, Debug)]
 pub(super) struct DiamondScatter {
-    most_mm: f64,
-    now_mm: f64,
-    chance: SplitMix64,
+    amplitude_mm: f64,
+    extra_depth_mm: f64,
+    rng: SplitMix64,
 }
 
 impl DiamondScatter {
     /// Draws the depth of the next stroke.
     pub(super) fn next_stroke(&mut self) {
-        self.now_mm = self.most_mm * either_way(&mut self.chance);
+        self.extra_depth_mm = self.amplitude_mm * symmetric_unit(&mut self.rng);
     }
 
     /// Extra depth of cut in this stroke, mm.
-    pub(super) const fn deeper_mm(&self) -> f64 {
-        self.now_mm
+    pub(super) const fn extra_depth_mm(&self) -> f64 {
+        self.extra_depth_mm
     }
 }
 
 impl SimulatedMachine {
     /// Draws the deviations from the machine file; none if the file has no scatter.
-    pub(super) fn scatter(&mut self, seed: u64) {
+    pub(super) fn apply_scatter(&mut self, seed: u64) {
         let Some(file) = self.file.scatter else { return };
-        let chance = &mut SplitMix64::new(seed ^ APART);
-        let factors = [0, 0].map(|_: u8| 1.0 + file.wheel * either_way(chance));
-        self.wheel.set_figures(&self.file.wheel, &self.file.cutting, factors);
+        let chance = &mut SplitMix64::new(seed ^ SCATTER_SEED);
+        let factors = [0, 0].map(|_: u8| 1.0 + file.wheel * symmetric_unit(chance));
+        self.wheel.set_batch_factors(&self.file.wheel, &self.file.cutting, factors);
         for axis in Axis::ALL {
             let slide = SlideScatter::new(file, chance);
             if let Some(sim) = &mut self.axes[axis] {
-                sim.scatter(slide);
+                sim.set_scatter(slide);
             }
         }
         let most_mm = file.dressing_um / 1_000.0;
-        self.grinding.scatter(DiamondScatter { most_mm, now_mm: 0.0, chance: SplitMix64::new(chance.next()) });
+        self.grinding.set_scatter(DiamondScatter {
+            amplitude_mm: most_mm,
+            extra_depth_mm: 0.0,
+            rng: SplitMix64::new(chance.next()),
+        });
     }
 }

@@ -1,11 +1,11 @@
 //! Spindles: wheel, workhead or table, dressing roll, second spindle. Speeds rise and fall at constant rates (P2).
 
 use super::machine_file::MachineFile;
-use super::machine_rows::{DriveFile, RollFile, SecondSpindleFile, WheelFile};
+use super::machine_sections::{DriveFile, RollFile, SecondSpindleFile, WheelFile};
 use crate::defs::signal::{Output, OutputSet};
 
 /// Below this an analog output commands no speed, V: the motor then runs at its fixed speed.
-const NO_VOLTS: f64 = 0.05;
+const MIN_SPEED_VOLTS: f64 = 0.05;
 /// Full scale of an analog output, V.
 const FULL_VOLTS: f64 = 10.0;
 
@@ -14,9 +14,9 @@ const FULL_VOLTS: f64 = 10.0;
 pub(super) struct Spindle {
     rpm: f64,
     /// Last commanded speed above zero, rpm.
-    asked_rpm: f64,
-    rise_rpm_s: f64,
-    fall_rpm_s: f64,
+    commanded_rpm: f64,
+    accel_rpm_s: f64,
+    decel_rpm_s: f64,
 }
 
 impl Spindle {
@@ -24,27 +24,27 @@ impl Spindle {
     pub(super) fn wheel(file: &WheelFile) -> Self {
         Self {
             rpm: 0.0,
-            asked_rpm: file.mains_rpm,
-            rise_rpm_s: file.mains_rpm / file.run_up_s,
-            fall_rpm_s: file.mains_rpm / file.coast_down_s,
+            commanded_rpm: file.mains_rpm,
+            accel_rpm_s: file.mains_rpm / file.run_up_s,
+            decel_rpm_s: file.mains_rpm / file.coast_down_s,
         }
     }
 
     /// Workhead, table or roll: decelerates as fast as it accelerates.
     pub(super) fn driven(file: &DriveFile) -> Self {
         let rate = file.high_rpm / file.run_up_s;
-        Self { rpm: 0.0, asked_rpm: file.high_rpm, rise_rpm_s: rate, fall_rpm_s: rate }
+        Self { rpm: 0.0, commanded_rpm: file.high_rpm, accel_rpm_s: rate, decel_rpm_s: rate }
     }
 
     /// Moves the speed towards `target_rpm` for one tick; zero is off.
     pub(super) fn step(&mut self, target_rpm: f64, dt_s: f64) {
         if target_rpm > 0.0 {
-            self.asked_rpm = target_rpm;
+            self.commanded_rpm = target_rpm;
         }
         self.rpm = if self.rpm < target_rpm {
-            (self.rpm + self.rise_rpm_s * dt_s).min(target_rpm)
+            (self.rpm + self.accel_rpm_s * dt_s).min(target_rpm)
         } else {
-            (self.rpm - self.fall_rpm_s * dt_s).max(target_rpm)
+            (self.rpm - self.decel_rpm_s * dt_s).max(target_rpm)
         };
     }
 
@@ -54,15 +54,15 @@ impl Spindle {
     }
 
     /// Whether it is fast enough to cut: at least half of the last commanded speed.
-    pub(super) fn cuts(&self) -> bool {
-        self.rpm >= 0.5 * self.asked_rpm
+    pub(super) fn can_cut(&self) -> bool {
+        self.rpm >= 0.5 * self.commanded_rpm
     }
 }
 
 /// Commanded wheel speed, rpm. DECISION: switched on without a voltage the wheel runs at mains speed, as a motor on a
 /// contactor does; a program without S still grinds.
-pub(super) fn wheel_target(file: &WheelFile, on: bool, volts: f64) -> f64 {
-    match (on, volts > NO_VOLTS) {
+pub(super) fn wheel_target_rpm(file: &WheelFile, on: bool, volts: f64) -> f64 {
+    match (on, volts > MIN_SPEED_VOLTS) {
         (false, _) => 0.0,
         (true, false) => file.mains_rpm,
         (true, true) => file.rpm_at_10_v * volts.min(FULL_VOLTS) / FULL_VOLTS,
@@ -70,8 +70,8 @@ pub(super) fn wheel_target(file: &WheelFile, on: bool, volts: f64) -> f64 {
 }
 
 /// Commanded speed of workhead, table or roll, rpm. High has priority over low, a voltage over both fixed speeds.
-pub(super) fn drive_target(file: &DriveFile, high: bool, low: bool, volts: f64) -> f64 {
-    match (high || low, volts > NO_VOLTS) {
+pub(super) fn drive_target_rpm(file: &DriveFile, high: bool, low: bool, volts: f64) -> f64 {
+    match (high || low, volts > MIN_SPEED_VOLTS) {
         (false, _) => 0.0,
         (true, true) => (file.greatest_rpm * volts / FULL_VOLTS).clamp(file.least_rpm, file.greatest_rpm),
         (true, false) if high => file.high_rpm,
@@ -81,13 +81,13 @@ pub(super) fn drive_target(file: &DriveFile, high: bool, low: bool, volts: f64) 
 
 /// A spindle with one speed and two directions.
 #[derive(Clone, Debug)]
-pub(super) struct SecondSpindle {
+pub(super) struct ReversibleSpindle {
     file: SecondSpindleFile,
     /// Present speed, rpm, clockwise positive.
     rpm: f64,
 }
 
-impl SecondSpindle {
+impl ReversibleSpindle {
     /// DECISION: with both directions commanded it stops, as with interlocked contactors.
     fn step(&mut self, clockwise: bool, counter: bool, dt_s: f64) {
         let target = match (clockwise, counter) {
@@ -107,7 +107,7 @@ pub(super) struct Spindles {
     workhead: Option<Spindle>,
     table: Option<Spindle>,
     roll: Option<Spindle>,
-    second: SecondSpindle,
+    second: ReversibleSpindle,
 }
 
 impl Spindles {
@@ -118,22 +118,22 @@ impl Spindles {
             workhead: file.workhead.as_ref().map(Spindle::driven),
             table: file.table.as_ref().map(Spindle::driven),
             roll: roll(file).map(|roll| Spindle::driven(&roll.drive)),
-            second: SecondSpindle { file: file.second_spindle.clone(), rpm: 0.0 },
+            second: ReversibleSpindle { file: file.second_spindle.clone(), rpm: 0.0 },
         }
     }
 
     /// One tick under the outputs; `volts` are the first (wheel) and the second analog output.
     pub(super) fn step(&mut self, file: &MachineFile, on: OutputSet, volts: (f64, f64), dt_s: f64) {
-        self.wheel.step(wheel_target(&file.wheel, on.has(Output::Wheel), volts.0), dt_s);
+        self.wheel.step(wheel_target_rpm(&file.wheel, on.has(Output::Wheel), volts.0), dt_s);
         if let (Some(spindle), Some(drive)) = (&mut self.workhead, &file.workhead) {
             let (high, low) = (on.has(Output::HeadstockHigh), on.has(Output::HeadstockLow));
-            spindle.step(drive_target(drive, high, low, volts.1), dt_s);
+            spindle.step(drive_target_rpm(drive, high, low, volts.1), dt_s);
         }
         if let (Some(spindle), Some(drive)) = (&mut self.table, &file.table) {
-            spindle.step(drive_target(drive, on.has(Output::TableRotation), false, volts.1), dt_s);
+            spindle.step(drive_target_rpm(drive, on.has(Output::TableRotation), false, volts.1), dt_s);
         }
         if let (Some(spindle), Some(roll)) = (&mut self.roll, roll(file)) {
-            spindle.step(drive_target(&roll.drive, on.has(Output::DresserRoll), false, volts.1), dt_s);
+            spindle.step(drive_target_rpm(&roll.drive, on.has(Output::DresserRoll), false, volts.1), dt_s);
         }
         self.second.step(on.has(Output::SecondSpindle), on.has(Output::SecondSpindleCcw), dt_s);
     }
@@ -180,7 +180,7 @@ mod tests {
         for _ in 0..7_900 {
             wheel.step(1_000.0, 0.001);
         }
-        assert!(wheel.rpm() < 1_000.0 && wheel.cuts());
+        assert!(wheel.rpm() < 1_000.0 && wheel.can_cut());
         for _ in 0..200 {
             wheel.step(1_000.0, 0.001);
         }
@@ -188,7 +188,7 @@ mod tests {
         for _ in 0..59_900 {
             wheel.step(0.0, 0.001);
         }
-        assert!(wheel.rpm() > 0.0 && !wheel.cuts(), "it still turns");
+        assert!(wheel.rpm() > 0.0 && !wheel.can_cut(), "it still turns");
         for _ in 0..200 {
             wheel.step(0.0, 0.001);
         }
@@ -198,18 +198,18 @@ mod tests {
     #[test]
     fn p2_a_voltage_sets_the_speed_and_none_is_the_mains() {
         let file = MachineFile::builtin(Kind::Gc).unwrap();
-        assert!((wheel_target(&file.wheel, true, 5.0) - 630.0).abs() < 1e-9);
-        assert!((wheel_target(&file.wheel, true, 0.0) - 1_000.0).abs() < 1e-9);
-        assert!(wheel_target(&file.wheel, false, 5.0) <= 0.0);
+        assert!((wheel_target_rpm(&file.wheel, true, 5.0) - 630.0).abs() < 1e-9);
+        assert!((wheel_target_rpm(&file.wheel, true, 0.0) - 1_000.0).abs() < 1e-9);
+        assert!(wheel_target_rpm(&file.wheel, false, 5.0) <= 0.0);
         let head = file.workhead.unwrap();
-        assert!((drive_target(&head, false, true, 0.5) - 30.0).abs() < 1e-9, "15 rpm is below its least");
-        assert!((drive_target(&head, true, false, 0.0) - 200.0).abs() < 1e-9);
+        assert!((drive_target_rpm(&head, false, true, 0.5) - 30.0).abs() < 1e-9, "15 rpm is below its least");
+        assert!((drive_target_rpm(&head, true, false, 0.0) - 200.0).abs() < 1e-9);
     }
 
     #[test]
     fn p2_the_second_spindle_turns_both_ways_and_neither_at_once() {
         let file = SecondSpindleFile { rpm: 1_500.0, run_up_s: 1.0 };
-        let mut second = SecondSpindle { file, rpm: 0.0 };
+        let mut second = ReversibleSpindle { file, rpm: 0.0 };
         (0..1_000).for_each(|_| second.step(true, false, 0.001));
         assert!((second.rpm - 1_500.0).abs() < 1e-6);
         // Down to rest and up the other way: 2 s.

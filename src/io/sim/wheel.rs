@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use super::machine_rows::{CuttingFile, WheelFile};
+use super::machine_sections::{CuttingFile, WheelFile};
 
 /// Number of slices along the width.
 const SLICES: usize = 20;
@@ -26,26 +26,26 @@ pub(super) enum Side {
 
 /// The wheel.
 #[derive(Clone, Debug)]
-pub(super) struct Wheel {
+pub(super) struct GrindingWheel {
     radius_mm: f64,
     width_mm: f64,
     slices_per_mm: f64,
     grinding_ratio: f64,
     /// Wear of a slice per removed volume, mm/mm³.
-    rim_mm_per_mm3: f64,
-    dull_per_mm3: f64,
+    rim_wear_per_mm3: f64,
+    dullness_per_mm3: f64,
     /// Wear of each slice of the rim (dressing included), from −Z to +Z, mm.
-    rim_mm: [f64; SLICES],
+    rim_wear_mm: [f64; SLICES],
     /// Sum of `rim_mm`, mm.
-    rims_mm: f64,
-    side_mm: [f64; 2],
-    rim_dull: f64,
-    side_dull: [f64; 2],
+    rim_wear_sum_mm: f64,
+    side_wear_mm: [f64; 2],
+    rim_dullness: f64,
+    side_dullness: [f64; 2],
     sharp_s: f64,
     dull_s: f64,
 }
 
-impl Wheel {
+impl GrindingWheel {
     /// A new, sharp wheel.
     pub(super) fn new(file: &WheelFile, cutting: &CuttingFile) -> Self {
         let slice_mm = file.width_mm / SLICES as f64;
@@ -54,24 +54,24 @@ impl Wheel {
             width_mm: file.width_mm,
             slices_per_mm: slice_mm.recip(),
             grinding_ratio: file.grinding_ratio,
-            rim_mm_per_mm3: (file.grinding_ratio * PI * file.diameter_mm * slice_mm).recip(),
-            dull_per_mm3: cutting.dull_after_mm3.recip(),
-            rim_mm: [0.0; SLICES],
-            rims_mm: 0.0,
-            side_mm: [0.0; 2],
-            rim_dull: 0.0,
-            side_dull: [0.0; 2],
+            rim_wear_per_mm3: (file.grinding_ratio * PI * file.diameter_mm * slice_mm).recip(),
+            dullness_per_mm3: cutting.dull_after_mm3.recip(),
+            rim_wear_mm: [0.0; SLICES],
+            rim_wear_sum_mm: 0.0,
+            side_wear_mm: [0.0; 2],
+            rim_dullness: 0.0,
+            side_dullness: [0.0; 2],
             sharp_s: cutting.sharp_s,
             dull_s: cutting.dull_s,
         }
     }
 
     /// Scales the grinding ratio and the volume that dulls the wheel by these factors: another batch of the same wheel.
-    pub(super) fn set_figures(&mut self, file: &WheelFile, cutting: &CuttingFile, factors: [f64; 2]) {
+    pub(super) fn set_batch_factors(&mut self, file: &WheelFile, cutting: &CuttingFile, factors: [f64; 2]) {
         let whole = Self::new(file, cutting);
         self.grinding_ratio = file.grinding_ratio * factors[0];
-        self.rim_mm_per_mm3 = whole.rim_mm_per_mm3 / factors[0];
-        self.dull_per_mm3 = whole.dull_per_mm3 / factors[1];
+        self.rim_wear_per_mm3 = whole.rim_wear_per_mm3 / factors[0];
+        self.dullness_per_mm3 = whole.dullness_per_mm3 / factors[1];
     }
 
     /// Width when new, mm.
@@ -92,7 +92,7 @@ impl Wheel {
 
     /// Mean diameter, mm.
     pub(super) fn diameter_mm(&self) -> f64 {
-        2.0 * (self.radius_mm - self.rims_mm / SLICES as f64)
+        2.0 * (self.radius_mm - self.rim_wear_sum_mm / SLICES as f64)
     }
 
     /// Slice of the rim at a distance from the left side; `None` beyond the width.
@@ -112,83 +112,83 @@ impl Wheel {
     }
 
     /// Wear of the rim in a slice, mm.
-    pub(super) fn rim_mm(&self, slice: usize) -> f64 {
-        self.rim_mm[slice]
+    pub(super) fn rim_wear_mm(&self, slice: usize) -> f64 {
+        self.rim_wear_mm[slice]
     }
 
     /// Wear of the rim in each slice, mm.
-    pub(super) const fn rims_mm(&self) -> &[f64] {
-        &self.rim_mm
+    pub(super) const fn rim_profile_mm(&self) -> &[f64] {
+        &self.rim_wear_mm
     }
 
     /// Wear of the rim at the corner next to a side, mm.
-    pub(super) fn corner_mm(&self, side: Side) -> f64 {
+    pub(super) fn corner_wear_mm(&self, side: Side) -> f64 {
         match side {
-            Side::Left => self.rim_mm[0],
-            Side::Right => self.rim_mm[SLICES - 1],
+            Side::Left => self.rim_wear_mm[0],
+            Side::Right => self.rim_wear_mm[SLICES - 1],
         }
     }
 
     /// Wear of a side, mm.
-    pub(super) const fn side_mm(&self, side: Side) -> f64 {
-        self.side_mm[side as usize]
+    pub(super) const fn side_wear_mm(&self, side: Side) -> f64 {
+        self.side_wear_mm[side as usize]
     }
 
     /// Time constant of the contact at the rim, s.
-    pub(super) fn rim_s(&self) -> f64 {
-        self.sharp_s + (self.dull_s - self.sharp_s) * self.rim_dull
+    pub(super) fn rim_time_constant_s(&self) -> f64 {
+        self.sharp_s + (self.dull_s - self.sharp_s) * self.rim_dullness
     }
 
     /// Time constant of the contact at a side, s.
-    pub(super) fn side_s(&self, side: Side) -> f64 {
-        self.sharp_s + (self.dull_s - self.sharp_s) * self.side_dull[side as usize]
+    pub(super) fn side_time_constant_s(&self, side: Side) -> f64 {
+        self.sharp_s + (self.dull_s - self.sharp_s) * self.side_dullness[side as usize]
     }
 
     /// Dullness of the rim, 0 to 1.
-    pub(super) const fn rim_dull(&self) -> f64 {
-        self.rim_dull
+    pub(super) const fn rim_dullness(&self) -> f64 {
+        self.rim_dullness
     }
 
     /// Ratio of a time constant to that of a sharp wheel.
-    pub(super) fn slower(&self, time_constant_s: f64) -> f64 {
+    pub(super) fn dullness_factor(&self, time_constant_s: f64) -> f64 {
         time_constant_s / self.sharp_s
     }
 
     /// Wears a slice of the rim by the volume that it removed.
     pub(super) fn wear_rim(&mut self, slice: usize, volume_mm3: f64) {
-        self.rim_mm[slice] += volume_mm3 * self.rim_mm_per_mm3;
-        self.rims_mm += volume_mm3 * self.rim_mm_per_mm3;
-        self.rim_dull = (self.rim_dull + volume_mm3 * self.dull_per_mm3).min(1.0);
+        self.rim_wear_mm[slice] += volume_mm3 * self.rim_wear_per_mm3;
+        self.rim_wear_sum_mm += volume_mm3 * self.rim_wear_per_mm3;
+        self.rim_dullness = (self.rim_dullness + volume_mm3 * self.dullness_per_mm3).min(1.0);
     }
 
     /// Wears a side, engaged to a depth along the infeed, by the volume that it removed.
     pub(super) fn wear_side(&mut self, side: Side, engaged_mm: f64, volume_mm3: f64) {
         let ring = self.grinding_ratio * 2.0 * PI * self.radius_mm * engaged_mm.max(LEAST_ENGAGEMENT_MM);
-        self.side_mm[side as usize] += volume_mm3 / ring;
-        let dull = &mut self.side_dull[side as usize];
-        *dull = (*dull + volume_mm3 * self.dull_per_mm3).min(1.0);
+        self.side_wear_mm[side as usize] += volume_mm3 / ring;
+        let dull = &mut self.side_dullness[side as usize];
+        *dull = (*dull + volume_mm3 * self.dullness_per_mm3).min(1.0);
     }
 
     /// Dresses a slice by a depth. A cut sharpens this share of the rim; at an edge it also sharpens the side.
     /// `sharpened` ranges from 0 (touch only) to 1 (cut of full sharpening depth).
     pub(super) fn dress(&mut self, slice: usize, depth_mm: f64, sharpened: f64) {
-        self.rim_mm[slice] += depth_mm;
-        self.rims_mm += depth_mm;
-        self.rim_dull = (self.rim_dull - sharpened / SLICES as f64).max(0.0);
+        self.rim_wear_mm[slice] += depth_mm;
+        self.rim_wear_sum_mm += depth_mm;
+        self.rim_dullness = (self.rim_dullness - sharpened / SLICES as f64).max(0.0);
         let side = match slice {
             0 => Side::Left,
             last if last == SLICES - 1 => Side::Right,
             _ => return,
         };
-        let dull = &mut self.side_dull[side as usize];
+        let dull = &mut self.side_dullness[side as usize];
         *dull = (*dull - sharpened).max(0.0);
     }
 
     /// Sets the dullness of rim and sides, 0 to 1.
-    pub(super) fn set_dull(&mut self, dull: f64) {
+    pub(super) fn set_dullness(&mut self, dull: f64) {
         let dull = dull.clamp(0.0, 1.0);
-        self.rim_dull = dull;
-        self.side_dull = [dull; 2];
+        self.rim_dullness = dull;
+        self.side_dullness = [dull; 2];
     }
 }
 
@@ -198,9 +198,9 @@ mod tests {
     use crate::defs::kind::Kind;
     use crate::io::sim::MachineFile;
 
-    fn wheel() -> Wheel {
+    fn wheel() -> GrindingWheel {
         let file = MachineFile::builtin(Kind::Gc).unwrap();
-        Wheel::new(&file.wheel, &file.cutting)
+        GrindingWheel::new(&file.wheel, &file.cutting)
     }
 
     #[test]
@@ -216,14 +216,14 @@ mod tests {
     #[test]
     fn p6_a_dull_wheel_is_slower_and_the_diamond_sharpens_where_it_cuts() {
         let mut wheel = wheel();
-        wheel.set_dull(1.0);
-        assert!((wheel.rim_s() - 2.0).abs() < 1e-12);
+        wheel.set_dullness(1.0);
+        assert!((wheel.rim_time_constant_s() - 2.0).abs() < 1e-12);
         for slice in 0..SLICES / 2 {
             wheel.dress(slice, 0.02, 1.0);
         }
-        assert!((wheel.rim_s() - 1.4).abs() < 1e-9, "half the rim is sharp");
+        assert!((wheel.rim_time_constant_s() - 1.4).abs() < 1e-9, "half the rim is sharp");
         wheel.dress(SLICES - 1, 0.001, 0.0);
-        assert!((wheel.side_s(Side::Right) - 2.0).abs() < 1e-12, "a touch does not sharpen");
-        assert!((wheel.side_s(Side::Left) - 0.8).abs() < 1e-12);
+        assert!((wheel.side_time_constant_s(Side::Right) - 2.0).abs() < 1e-12, "a touch does not sharpen");
+        assert!((wheel.side_time_constant_s(Side::Left) - 0.8).abs() < 1e-12);
     }
 }

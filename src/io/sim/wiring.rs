@@ -10,7 +10,7 @@ use crate::io::random::SplitMix64;
 
 /// Forcing or fault of one input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct Meddled {
+struct InputForcing {
     /// By a story's `input` statement; has priority over the fault.
     forced: Option<bool>,
     /// By `stuck-on`, `stuck-off`.
@@ -25,15 +25,15 @@ pub(super) struct Wiring {
     inputs: Vec<(Input, u8)>,
     outputs: Vec<(Output, u8)>,
     inverted: u64,
-    meddled: [Meddled; Input::COUNT],
-    any_meddled: bool,
+    forcings: [InputForcing; Input::COUNT],
+    any_forced: bool,
     any_bounces: bool,
     /// Bit masks of the ports forced by number, and their levels.
     port_mask: u64,
     port_level: u64,
     /// Last logical state and the resulting terminals.
     last: Option<(InputSet, Terminals)>,
-    last_out: (Terminals, OutputSet),
+    last_outputs: (Terminals, OutputSet),
 }
 
 impl Wiring {
@@ -43,13 +43,13 @@ impl Wiring {
             inputs: Vec::new(),
             outputs: Vec::new(),
             inverted: params.inverted_inputs(),
-            meddled: [Meddled::default(); Input::COUNT],
-            any_meddled: false,
+            forcings: [InputForcing::default(); Input::COUNT],
+            any_forced: false,
             any_bounces: false,
             port_mask: 0,
             port_level: 0,
             last: None,
-            last_out: (Terminals::default(), OutputSet::NONE),
+            last_outputs: (Terminals::default(), OutputSet::NONE),
         };
         wiring.rewire(params);
         wiring
@@ -64,7 +64,7 @@ impl Wiring {
         let outputs = Output::ALL.iter().map(|output| (*output, params.output_port(*output)));
         self.outputs.extend(outputs.filter(|(_, port)| *port != 0));
         self.last = None;
-        self.last_out = (Terminals::default(), OutputSet::NONE);
+        self.last_outputs = (Terminals::default(), OutputSet::NONE);
     }
 
     /// The terminal levels for a logical state.
@@ -75,7 +75,7 @@ impl Wiring {
         {
             return terminals;
         }
-        let shown = if self.any_meddled { self.meddle(logical, chance) } else { logical };
+        let shown = if self.any_forced { self.apply_forcings(logical, chance) } else { logical };
         let mut active = Terminals::default();
         for (input, port) in &self.inputs {
             if shown.has(*input) {
@@ -88,12 +88,12 @@ impl Wiring {
         terminals
     }
 
-    fn meddle(&self, logical: InputSet, chance: &mut SplitMix64) -> InputSet {
+    fn apply_forcings(&self, logical: InputSet, chance: &mut SplitMix64) -> InputSet {
         let mut shown = logical;
         for input in Input::ALL {
-            let m = self.meddled[*input as usize];
+            let m = self.forcings[*input as usize];
             if m.bounces {
-                shown.set(*input, chance.coin());
+                shown.set(*input, chance.next_bool());
             }
             if let Some(on) = m.forced.or(m.stuck) {
                 shown.set(*input, on);
@@ -104,26 +104,26 @@ impl Wiring {
 
     /// The outputs that the terminals switch on.
     pub(super) fn outputs(&mut self, terminals: Terminals) -> OutputSet {
-        if self.last_out.0 != terminals {
+        if self.last_outputs.0 != terminals {
             let mut set = OutputSet::NONE;
             for (output, port) in &self.outputs {
                 set.set(*output, terminals.level(*port));
             }
-            self.last_out = (terminals, set);
+            self.last_outputs = (terminals, set);
         }
-        self.last_out.1
+        self.last_outputs.1
     }
 
-    fn change(&mut self, input: Input, change: impl FnOnce(&mut Meddled)) {
-        change(&mut self.meddled[input as usize]);
-        self.any_bounces = self.meddled.iter().any(|m| m.bounces);
-        self.any_meddled = self.meddled.iter().any(|m| *m != Meddled::default());
+    fn update_forcing(&mut self, input: Input, change: impl FnOnce(&mut InputForcing)) {
+        change(&mut self.forcings[input as usize]);
+        self.any_bounces = self.forcings.iter().any(|m| m.bounces);
+        self.any_forced = self.forcings.iter().any(|m| *m != InputForcing::default());
         self.last = None;
     }
 
     /// Forces an input; `None` ends the forcing.
     pub(super) fn force(&mut self, input: Input, on: Option<bool>) {
-        self.change(input, |m| m.forced = on);
+        self.update_forcing(input, |m| m.forced = on);
     }
 
     /// Forces a port, where `on` is logically active; `None` ends the forcing.
@@ -137,13 +137,13 @@ impl Wiring {
     }
 
     /// Makes a switch stick; `None` ends the fault.
-    pub(super) fn stick(&mut self, input: Input, on: Option<bool>) {
-        self.change(input, |m| m.stuck = on);
+    pub(super) fn set_stuck(&mut self, input: Input, on: Option<bool>) {
+        self.update_forcing(input, |m| m.stuck = on);
     }
 
     /// Makes a switch bounce continuously, or ends the fault.
-    pub(super) fn bounce(&mut self, input: Input, bounces: bool) {
-        self.change(input, |m| m.bounces = bounces);
+    pub(super) fn set_bouncing(&mut self, input: Input, bounces: bool) {
+        self.update_forcing(input, |m| m.bounces = bounces);
     }
 }
 

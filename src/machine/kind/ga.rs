@@ -9,7 +9,7 @@ use crate::units::{Axis, PerAxis};
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Ga,
     axes: PerAxis([true, false, true]),
-    system: Kind::Ga.system(),
+    dialect: Kind::Ga.dialect(),
     home_order: &[Axis::Z, Axis::X, Axis::Y],
     drive_high: Output::TableRotation,
     drive_low: Output::TableRotation,
@@ -18,7 +18,7 @@ pub(super) static ROW: KindRow = KindRow {
     drive_needs_magnet: true,
     page_files: &[],
     variables: &[],
-    slow_axis: Axis::Z,
-    turns_part: false,
-    own_programs: None,
+    wheel_axis: Axis::Z,
+    has_main_spindle: false,
+    program_folder: None,
 };

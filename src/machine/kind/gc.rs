@@ -9,7 +9,7 @@ use crate::units::{Axis, PerAxis};
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Gc,
     axes: PerAxis([true, false, true]),
-    system: Kind::Gc.system(),
+    dialect: Kind::Gc.dialect(),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     drive_high: Output::HeadstockHigh,
     drive_low: Output::HeadstockLow,
@@ -18,7 +18,7 @@ pub(super) static ROW: KindRow = KindRow {
     drive_needs_magnet: false,
     page_files: &[],
     variables: &[],
-    slow_axis: Axis::X,
-    turns_part: false,
-    own_programs: None,
+    wheel_axis: Axis::X,
+    has_main_spindle: false,
+    program_folder: None,
 };

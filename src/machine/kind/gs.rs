@@ -9,7 +9,7 @@ use crate::units::{Axis, PerAxis};
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Gs,
     axes: PerAxis([true, true, true]),
-    system: Kind::Gs.system(),
+    dialect: Kind::Gs.dialect(),
     home_order: &[Axis::Y, Axis::Z, Axis::X],
     drive_high: Output::DresserRoll,
     drive_low: Output::DresserRoll,
@@ -18,7 +18,7 @@ pub(super) static ROW: KindRow = KindRow {
     drive_needs_magnet: false,
     page_files: &[],
     variables: &[],
-    slow_axis: Axis::Y,
-    turns_part: false,
-    own_programs: None,
+    wheel_axis: Axis::Y,
+    has_main_spindle: false,
+    program_folder: None,
 };

@@ -10,7 +10,7 @@ use crate::units::{Axis, PerAxis};
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Lathe,
     axes: PerAxis([true, false, true]),
-    system: Kind::Lathe.system(),
+    dialect: Kind::Lathe.dialect(),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     drive_high: Output::SpindleForward,
     drive_low: Output::SpindleForward,
@@ -19,7 +19,7 @@ pub(super) static ROW: KindRow = KindRow {
     drive_needs_magnet: false,
     page_files: &[],
     variables: &[],
-    slow_axis: Axis::X,
-    turns_part: true,
-    own_programs: Some("lathe"),
+    wheel_axis: Axis::X,
+    has_main_spindle: true,
+    program_folder: Some("lathe"),
 };

@@ -7,7 +7,7 @@ mod gs;
 mod lathe;
 mod vertical;
 
-use crate::defs::kind::{Kind, System};
+use crate::defs::kind::{Dialect, Kind};
 use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::units::{Axis, PerAxis};
@@ -20,7 +20,7 @@ pub struct KindRow {
     /// The standard axes; Y can be fitted to any kind (P6.6).
     pub axes: PerAxis<bool>,
     /// The dialect of its programs.
-    pub system: System,
+    pub dialect: Dialect,
     /// The order of homing: the wheel axis first, away from the part (K5.16).
     pub home_order: &'static [Axis],
     /// Output of M63.
@@ -38,11 +38,11 @@ pub struct KindRow {
     /// Factory values of common variables: number, value.
     pub variables: &'static [(u16, f64)],
     /// The axis whose minus direction is slow while the wheel turns (K5.9).
-    pub slow_axis: Axis,
+    pub wheel_axis: Axis,
     /// Whether it has a main spindle that turns the part and a tool post (L7, L8).
-    pub turns_part: bool,
+    pub has_main_spindle: bool,
     /// Folder of its own programs below `programs`; they are identified by name there.
-    pub own_programs: Option<&'static str>,
+    pub program_folder: Option<&'static str>,
 }
 
 impl KindRow {
@@ -54,14 +54,14 @@ impl KindRow {
 
     /// Whether homing passes the switch and returns onto its far edge (L6).
     #[must_use]
-    pub const fn homes_past_switch(&self) -> bool {
-        self.turns_part
+    pub const fn homes_over_switch(&self) -> bool {
+        self.has_main_spindle
     }
 
     /// Whether a program may start before homing: a lathe program homes the axes itself (L6).
     #[must_use]
-    pub const fn starts_unhomed(&self) -> bool {
-        self.turns_part
+    pub const fn may_start_unhomed(&self) -> bool {
+        self.has_main_spindle
     }
 
     /// The output of a drive speed.

@@ -4,12 +4,12 @@
 
 use super::KindRow;
 use crate::defs::kind::Kind;
-use crate::defs::r_parameter;
 use crate::defs::signal::Output;
+use crate::defs::variable_name;
 use crate::units::{Axis, PerAxis};
 
 /// The variable of R0.
-const R0: u16 = match r_parameter::of_r(0) {
+const R0: u16 = match variable_name::variable_of_r(0) {
     Some(number) => number as u16,
     None => 0,
 };
@@ -60,7 +60,7 @@ const R: &[(u16, f64)] = &[
 pub(super) static ROW: KindRow = KindRow {
     kind: Kind::Vertical,
     axes: PerAxis([true, false, true]),
-    system: Kind::Vertical.system(),
+    dialect: Kind::Vertical.dialect(),
     home_order: &[Axis::X, Axis::Z, Axis::Y],
     drive_high: Output::TableRotation,
     drive_low: Output::TableRotation,
@@ -69,7 +69,7 @@ pub(super) static ROW: KindRow = KindRow {
     drive_needs_magnet: false,
     page_files: &[801, 802, 803],
     variables: R,
-    slow_axis: Axis::X,
-    turns_part: false,
-    own_programs: None,
+    wheel_axis: Axis::X,
+    has_main_spindle: false,
+    program_folder: None,
 };

@@ -1,16 +1,16 @@
 //! The centre of an arc by radius or by offsets. Source: spec B2, S1.
 
-use crate::nc::op::Plane;
+use crate::nc::op::ArcPlane;
 use crate::units::PerAxis;
 
 /// Shorter chords and radii count as zero, mm.
-const NOTHING_MM: f64 = 1e-9;
+const MIN_LENGTH_MM: f64 = 1e-9;
 
 /// The centre of an arc by its radius; a negative radius is the major arc. `None` if no such arc reaches the end. The
 /// radius of a half circle may be too small by `tolerance_mm`, the rounding of the text.
 pub(super) fn centre_by_radius(
     (from, to): (PerAxis<f64>, PerAxis<f64>),
-    plane: Plane,
+    plane: ArcPlane,
     turn: i8,
     radius: f64,
     tolerance_mm: f64,
@@ -19,7 +19,7 @@ pub(super) fn centre_by_radius(
     let (a, b) = (to[first] - from[first], to[second] - from[second]);
     let chord = a.hypot(b);
     let half = chord / 2.0;
-    if chord <= NOTHING_MM || radius.abs() <= f64::EPSILON || radius.abs() + tolerance_mm < half {
+    if chord <= MIN_LENGTH_MM || radius.abs() <= f64::EPSILON || radius.abs() + tolerance_mm < half {
         return None;
     }
     let height = (radius * radius - half * half).max(0.0).sqrt();
@@ -32,10 +32,10 @@ pub(super) fn centre_by_radius(
 }
 
 /// The radius of an arc around a centre, and the distance of its end from the circle, mm.
-pub(super) fn radius_and_miss(
+pub(super) fn radius_and_end_error(
     (from, to): (PerAxis<f64>, PerAxis<f64>),
     center: PerAxis<f64>,
-    plane: Plane,
+    plane: ArcPlane,
 ) -> (f64, f64) {
     let (first, second) = plane.axes();
     let radius = |point: PerAxis<f64>| (point[first] - center[first]).hypot(point[second] - center[second]);

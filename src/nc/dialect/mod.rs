@@ -2,34 +2,34 @@
 //! operations and check are shared.
 
 mod arc;
-mod block;
-mod factory;
+mod common;
+mod defaults;
 mod grinder;
 mod sinumerik;
 mod superman;
 
-pub(crate) use factory::{Spelling, spelling};
-pub(crate) use grinder::RepeatWords;
+pub(crate) use defaults::{ModalCodes, modal_codes};
+pub(crate) use grinder::RepetitiveCycleState;
 
 use super::contour::ContourCycle;
 use super::expression::{Scope, Value};
-use super::fault::Outcome;
+use super::fault::ReadResult;
 use super::flow::{Call, Flow, ModalCall};
 use super::lexer::Cursor;
-use super::modal::Modals;
+use super::modal::ModalState;
 use super::op::Op;
 use super::scope::LiveScope;
-use super::settings::{Settings, System};
+use super::settings::{Dialect, NcSettings};
 use super::source::Source;
-use super::statement::{self, Content, Head};
-use super::words::Words;
+use super::statement::{self, BlockContent, ReadOptions};
+use super::words::BlockWords;
 
 /// What a dialect needs to execute a block of words.
-pub(crate) struct Running<'r, 'w> {
-    pub words: &'r Words,
+pub(crate) struct BlockContext<'r, 'w> {
+    pub words: &'r BlockWords,
     /// The modal state; restored if the block is refused.
-    pub modals: &'r mut Modals,
-    pub settings: &'r Settings,
+    pub modals: &'r mut ModalState,
+    pub settings: &'r NcSettings,
     pub ops: &'r mut Vec<Op>,
     pub scope: &'r mut LiveScope<'w>,
     /// The text of the program; some words are read from it again.
@@ -38,30 +38,30 @@ pub(crate) struct Running<'r, 'w> {
     pub at: usize,
     /// The position in the program: in the started program or in a subprogram of the same text (L7).
     pub flow: &'r Flow,
-    /// This is the second half of a block that `Step::Again` split.
+    /// This is the second half of a block that `FlowAction::Again` split.
     pub second_half: bool,
 }
 
 /// How the program continues after a block of words.
-pub(crate) enum Step {
+pub(crate) enum FlowAction {
     /// The next block.
     Next,
     /// The same block again with `second_half`: the operations so far change the start position of the rest.
-    Again,
+    SecondHalf,
     /// Goes to a block.
     Goto { n: u32, at: usize },
     /// Goes to the only block with the number; an error if there are several, or if it is this block (L1, L7).
-    Jump { n: u32, at: usize },
+    GotoUnique { n: u32, at: usize },
     /// Calls a subprogram of the same text; it begins at the only block with the number (L7).
-    Local { n: u32, at: usize },
+    CallLocal { n: u32, at: usize },
     /// Begins a counted loop with `times` passes; 0 skips it (L4).
-    Loop { times: u32, at: usize },
+    BeginCountedLoop { times: u32, at: usize },
     /// Ends a counted loop.
-    EndLoop { at: usize },
+    EndCountedLoop { at: usize },
     /// Calls another program.
     Call(Call),
     /// G66, or G67 with `None`.
-    Modal(Option<Box<ModalCall>>),
+    SetModalCall(Option<Box<ModalCall>>),
     /// M99.
     Return { target: Option<u32>, at: usize },
     /// Expands a cycle over a contour of the program (G70–G73).
@@ -75,93 +75,97 @@ pub(crate) enum Step {
 /// Reads one block in the machine's dialect. Afterwards the cursor is at the line end, or after a `;` that another
 /// block follows.
 #[inline]
-pub(crate) fn read<S: Scope>(
-    system: System,
+pub(crate) fn read_block<S: Scope>(
+    system: Dialect,
     cursor: &mut Cursor<'_>,
     scope: &mut S,
-    words: &mut Words,
-    head: Head,
-) -> Outcome<Content> {
+    words: &mut BlockWords,
+    head: ReadOptions,
+) -> ReadResult<BlockContent> {
     match system {
-        System::LatheA | System::Mill => statement::read(cursor, scope, words, head),
-        System::SuperMan => {
-            let content = statement::read(cursor, scope, words, head)?;
+        Dialect::LatheA | Dialect::Mill => statement::read_block(cursor, scope, words, head),
+        Dialect::SuperMan => {
+            let content = statement::read_block(cursor, scope, words, head)?;
             // L1: a line is one block. Text after `;` is always a comment.
-            cursor.rest_of_line();
+            cursor.skip_rest_of_line();
             Ok(content)
         }
-        System::Sinumerik => sinumerik::read(cursor, scope, words, head),
+        Dialect::Sinumerik => sinumerik::read_block(cursor, scope, words, head),
     }
 }
 
 /// Executes a block of words in the machine's dialect.
-pub(crate) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
-    match running.settings.system {
-        System::LatheA | System::Mill => grinder::run(running),
-        System::Sinumerik => sinumerik::run(running),
-        System::SuperMan => superman::run(running),
+pub(crate) fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+    match running.settings.dialect {
+        Dialect::LatheA | Dialect::Mill => grinder::execute(running),
+        Dialect::Sinumerik => sinumerik::execute(running),
+        Dialect::SuperMan => superman::execute(running),
     }
 }
 
 /// A block that is not executed: its text, its first byte, its line from 0.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Unrun<'r> {
+pub(crate) struct UnexecutedBlock<'r> {
     pub source: &'r Source,
     pub at: usize,
     pub line: u32,
 }
 
 /// Checks a block of words that is not executed: its syntax, its codes, and that the blocks it names exist.
-pub(crate) fn look(words: &Words, settings: &Settings, block: &Unrun<'_>) -> Outcome<()> {
-    match settings.system {
-        System::LatheA | System::Mill => grinder::look(words, settings),
-        System::Sinumerik => sinumerik::look(words, block.source.bytes()),
-        System::SuperMan => superman::look(words, settings, block),
+pub(crate) fn check_unexecuted(
+    words: &BlockWords,
+    settings: &NcSettings,
+    block: &UnexecutedBlock<'_>,
+) -> ReadResult<()> {
+    match settings.dialect {
+        Dialect::LatheA | Dialect::Mill => grinder::check_unexecuted(words, settings),
+        Dialect::Sinumerik => sinumerik::check_unexecuted(words, block.source.bytes()),
+        Dialect::SuperMan => superman::check_unexecuted(words, settings, block),
     }
 }
 
 /// The program that a block certainly calls (literal number, at least one call), and the byte of the call.
-pub(crate) fn called(words: &Words, settings: &Settings) -> Option<(u32, usize)> {
-    match settings.system {
-        System::Sinumerik => sinumerik::called(words),
-        System::LatheA | System::Mill | System::SuperMan => None,
+pub(crate) fn called_program(words: &BlockWords, settings: &NcSettings) -> Option<(u32, usize)> {
+    match settings.dialect {
+        Dialect::Sinumerik => sinumerik::called_program(words),
+        Dialect::LatheA | Dialect::Mill | Dialect::SuperMan => None,
     }
 }
 
 /// How much of a program can be checked before it starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Provable {
+pub(crate) enum PreflightScope {
     /// All of it: it has neither variables nor conditions.
-    Whole,
+    FullRun,
     /// The syntax of its text and of the texts that it calls; values are known only in the run.
-    Text,
+    TextOnly,
     /// Nothing: it depends on macro calculations and on the machine's state.
-    No,
+    Unsupported,
 }
 
 /// How much of a program in a dialect can be checked before it starts.
-pub(crate) const fn provable(settings: &Settings) -> Provable {
-    match settings.system {
-        System::SuperMan => Provable::Whole,
-        System::Sinumerik => Provable::Text,
-        System::LatheA | System::Mill => Provable::No,
+pub(crate) const fn preflight_scope(settings: &NcSettings) -> PreflightScope {
+    match settings.dialect {
+        Dialect::SuperMan => PreflightScope::FullRun,
+        Dialect::Sinumerik => PreflightScope::TextOnly,
+        Dialect::LatheA | Dialect::Mill => PreflightScope::Unsupported,
     }
 }
 
 /// Whether a dialect has labels (`AA1:`), each unique in a program.
-pub(crate) const fn has_labels(settings: &Settings) -> bool {
-    matches!(settings.system, System::Sinumerik)
+pub(crate) const fn has_labels(settings: &NcSettings) -> bool {
+    matches!(settings.dialect, Dialect::Sinumerik)
 }
 
 /// The code that ends a program, if a program without blocks is a mistake (L1).
-pub(crate) const fn asks_for_blocks(settings: &Settings) -> Option<&'static str> {
-    match settings.system {
-        System::SuperMan if settings.numbered => Some("M02"),
-        System::SuperMan | System::LatheA | System::Mill | System::Sinumerik => None,
+pub(crate) const fn required_end_code(settings: &NcSettings) -> Option<&'static str> {
+    match settings.dialect {
+        Dialect::SuperMan if settings.needs_block_numbers => Some("M02"),
+        Dialect::SuperMan | Dialect::LatheA | Dialect::Mill | Dialect::Sinumerik => None,
     }
 }
 
 /// Whether a dialect has macro statements (`#1=…`, IF, WHILE, GOTO).
-pub(crate) const fn has_macros(settings: &Settings) -> bool {
-    !matches!(settings.system, System::SuperMan)
+pub(crate) const fn has_macros(settings: &NcSettings) -> bool {
+    !matches!(settings.dialect, Dialect::SuperMan)
 }

@@ -1,10 +1,10 @@
 //! Retained (non-volatile) data, in `retained.redb`.
 //!
-//! One [`Retained::commit`] is one durable transaction: when it returns, all changes are on the disk; after an earlier
+//! One [`RetainedDatabase::commit`] is one durable transaction: when it returns, all changes are on the disk; after an earlier
 //! power cut none of them is. A damaged or foreign file is detected before it is opened, renamed and reported; the
 //! caller raises an alarm and starts with factory data. Source: spec K4.2 (points kept over power-off), B3, B6.
 
-mod examine;
+mod integrity;
 mod tables;
 
 use std::collections::BTreeMap;
@@ -13,20 +13,20 @@ use std::path::{Path, PathBuf};
 
 use redb::{Database, DatabaseError};
 
-use super::fault::IoFault;
-use super::whole_file;
-use crate::defs::history::PastAlarm;
+use super::atomic_file;
+use super::io_fault::IoFault;
+use crate::defs::alarm_history::PastAlarm;
 use crate::units::PerAxis;
 pub use tables::StorageFault;
 
 /// The database's file name.
-const FILE: &str = "retained.redb";
+const DATABASE_FILE: &str = "retained.redb";
 /// Temporary name of a new database, until it is complete.
-const FRESH: &str = "retained.fresh.redb";
+const NEW_DATABASE_FILE: &str = "retained.fresh.redb";
 /// Locked while a control uses the data.
-const LOCK: &str = "retained.lock";
+const LOCK_FILE: &str = "retained.lock";
 /// Maximum number of damaged files kept; then a person must delete them.
-const DAMAGED_LIMIT: u32 = 99;
+const MAX_DAMAGED_FILES: u32 = 99;
 /// Page cache, bytes; the whole database has some hundred kilobytes.
 const CACHE_BYTES: usize = 8 * 1024 * 1024;
 
@@ -45,7 +45,7 @@ pub struct ToolOffset {
 
 /// One change to the retained data. `None` deletes the value: a null variable, a parameter at its default.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Change {
+pub enum RetainedChange {
     /// A macro variable `#number` (B3).
     Variable {
         /// Its number.
@@ -68,7 +68,7 @@ pub enum Change {
         offset: ToolOffset,
     },
     /// A work offset: 0 is G54, 5 is G59.
-    Frame {
+    WorkOffset {
         /// Its index.
         index: u8,
         /// Its zero point in machine coordinates, mm.
@@ -94,7 +94,7 @@ pub enum Change {
 
 /// All retained data at once.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Loaded {
+pub struct RetainedData {
     /// Number of the last commit.
     pub generation: Generation,
     /// Macro variables by number; absent is null.
@@ -104,7 +104,7 @@ pub struct Loaded {
     /// Tool offsets by number, 1 to 16; absent is all zero.
     pub offsets: BTreeMap<u8, ToolOffset>,
     /// Work offsets by index, 0 to 5; absent is all zero.
-    pub frames: BTreeMap<u8, PerAxis<f64>>,
+    pub work_offsets: BTreeMap<u8, PerAxis<f64>>,
     /// Retained numbers by name.
     pub numbers: BTreeMap<String, f64>,
     /// Retained texts by name.
@@ -124,9 +124,9 @@ pub struct DamageReport {
 
 /// Result of opening.
 #[derive(Debug)]
-pub struct Opened {
+pub struct OpenedDatabase {
     /// The store, ready for use.
-    pub retained: Retained,
+    pub database: RetainedDatabase,
     /// Set when the old data were unusable: the store is empty; raise an alarm and start with factory data.
     pub damaged: Option<DamageReport>,
     /// Whether the store is new and empty: first start, file deleted, or damaged.
@@ -153,7 +153,7 @@ pub enum RetainedError {
         known: u64,
     },
     /// Too many damaged files.
-    #[error("{}: {DAMAGED_LIMIT} damaged files are kept here; the disk is failing, replace it and clear them away", .path.display())]
+    #[error("{}: {MAX_DAMAGED_FILES} damaged files are kept here; the disk is failing, replace it and clear them away", .path.display())]
     TooManyDamaged {
         /// The data directory.
         path: PathBuf,
@@ -181,35 +181,35 @@ pub enum RetainedError {
 
 /// The retained data of one machine, used by one process at a time.
 #[derive(Debug)]
-pub struct Retained {
+pub struct RetainedDatabase {
     path: PathBuf,
     /// `None` after a failed commit; the next use opens the file again.
     database: Option<Database>,
     _lock: File,
 }
 
-impl Retained {
+impl RetainedDatabase {
     /// Opens `retained.redb` in a data directory, or creates it.
     ///
     /// # Errors
-    /// Another process has it open, a newer control wrote it, or a disk error. Damage is not an error: see [`Opened`].
-    pub fn open(folder: &Path) -> Result<Opened, RetainedError> {
+    /// Another process has it open, a newer control wrote it, or a disk error. Damage is not an error: see [`OpenedDatabase`].
+    pub fn open(folder: &Path) -> Result<OpenedDatabase, RetainedError> {
         let lock = lock(folder)?;
-        let path = folder.join(FILE);
+        let path = folder.join(DATABASE_FILE);
         let mut damaged = None;
         let present = fs::symlink_metadata(&path).is_ok();
-        if present && let Some(cause) = examine::damage(&path)? {
-            damaged = Some(DamageReport { kept_as: put_aside(folder, &path)?, cause });
+        if present && let Some(cause) = integrity::find_damage(&path)? {
+            damaged = Some(DamageReport { kept_as: rename_damaged(folder, &path)?, cause });
         }
         let fresh = !present || damaged.is_some();
         if fresh {
-            begin(folder, &path)?;
+            create_database(folder, &path)?;
         }
         let database = open_database(&path)?;
         if !fresh {
             tables::upgrade(&database).map_err(|fault| RetainedError::Storage { path: path.clone(), fault })?;
         }
-        Ok(Opened { retained: Self { path, database: Some(database), _lock: lock }, damaged, fresh })
+        Ok(OpenedDatabase { database: Self { path, database: Some(database), _lock: lock }, damaged, fresh })
     }
 
     /// Stores all changes or none, in their order. When it returns, they survive a power cut.
@@ -217,25 +217,25 @@ impl Retained {
     /// # Errors
     /// [`RetainedError::BadChange`] for values that are not finite and keys out of range; [`RetainedError::Storage`]
     /// for a disk error: the next use opens the file again.
-    pub fn commit(&mut self, changes: &[Change]) -> Result<Generation, RetainedError> {
+    pub fn commit(&mut self, changes: &[RetainedChange]) -> Result<Generation, RetainedError> {
         for change in changes {
-            tables::check(change)?;
+            tables::check_change(change)?;
         }
-        self.with(|database| tables::apply(database, changes))
+        self.with_database(|database| tables::commit_changes(database, changes))
     }
 
     /// Whether a change is valid.
     #[must_use]
-    pub fn takes(change: &Change) -> bool {
-        tables::check(change).is_ok()
+    pub fn accepts(change: &RetainedChange) -> bool {
+        tables::check_change(change).is_ok()
     }
 
     /// All retained data.
     ///
     /// # Errors
     /// A disk error.
-    pub fn load(&mut self) -> Result<Loaded, RetainedError> {
-        self.with(|database| Ok(tables::load(database)?.loaded))
+    pub fn load(&mut self) -> Result<RetainedData, RetainedError> {
+        self.with_database(|database| Ok(tables::load(database)?.data))
     }
 
     /// The path of the database.
@@ -244,7 +244,7 @@ impl Retained {
         &self.path
     }
 
-    fn with<T>(&mut self, act: impl FnOnce(&Database) -> Result<T, StorageFault>) -> Result<T, RetainedError> {
+    fn with_database<T>(&mut self, act: impl FnOnce(&Database) -> Result<T, StorageFault>) -> Result<T, RetainedError> {
         let database = match self.database.take() {
             Some(database) => database,
             None => open_database(&self.path)?,
@@ -258,7 +258,7 @@ impl Retained {
 
 /// Locks the data directory for this process.
 fn lock(folder: &Path) -> Result<File, RetainedError> {
-    let path = folder.join(LOCK);
+    let path = folder.join(LOCK_FILE);
     let file = File::options().create(true).truncate(false).write(true).open(&path);
     let file = file.map_err(IoFault::at(&path, "open"))?;
     match file.try_lock() {
@@ -269,22 +269,22 @@ fn lock(folder: &Path) -> Result<File, RetainedError> {
 }
 
 /// Renames a damaged file to the first free `retained.damaged-N.redb`.
-fn put_aside(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> {
-    for number in 1..=DAMAGED_LIMIT {
+fn rename_damaged(folder: &Path, path: &Path) -> Result<PathBuf, RetainedError> {
+    for number in 1..=MAX_DAMAGED_FILES {
         let kept = folder.join(format!("retained.damaged-{number}.redb"));
         if fs::symlink_metadata(&kept).is_ok() {
             continue;
         }
         fs::rename(path, &kept).map_err(IoFault::at(path, "put aside"))?;
-        whole_file::flush_folder(folder).map_err(IoFault::at(folder, "flush"))?;
+        atomic_file::flush_folder(folder).map_err(IoFault::at(folder, "flush"))?;
         return Ok(kept);
     }
     Err(RetainedError::TooManyDamaged { path: folder.to_path_buf() })
 }
 
 /// Creates a database under a temporary name and renames it: a power cut never leaves an incomplete one.
-fn begin(folder: &Path, path: &Path) -> Result<(), RetainedError> {
-    let fresh = folder.join(FRESH);
+fn create_database(folder: &Path, path: &Path) -> Result<(), RetainedError> {
+    let fresh = folder.join(NEW_DATABASE_FILE);
     match fs::remove_file(&fresh) {
         Ok(()) => {}
         Err(missing) if missing.kind() == std::io::ErrorKind::NotFound => {}
@@ -292,13 +292,13 @@ fn begin(folder: &Path, path: &Path) -> Result<(), RetainedError> {
     }
     let refused = |fault| RetainedError::Storage { path: fresh.clone(), fault };
     let database = builder().create(&fresh).map_err(|wrong| refused(wrong.into()))?;
-    tables::begin(&database).map_err(refused)?;
+    tables::create_tables(&database).map_err(refused)?;
     drop(database);
     // Closing has written the header again.
     let file = File::open(&fresh).map_err(IoFault::at(&fresh, "open"))?;
     file.sync_all().map_err(IoFault::at(&fresh, "flush"))?;
     fs::rename(&fresh, path).map_err(IoFault::at(&fresh, "rename"))?;
-    Ok(whole_file::flush_folder(folder).map_err(IoFault::at(folder, "flush"))?)
+    Ok(atomic_file::flush_folder(folder).map_err(IoFault::at(folder, "flush"))?)
 }
 
 fn open_database(path: &Path) -> Result<Database, RetainedError> {

@@ -5,15 +5,15 @@
 
 use redb::{Database, ReadableDatabase, ReadableTable, Table, TableDefinition, TableError, WriteTransaction};
 
-use super::{Change, Generation, Loaded, RetainedError, ToolOffset};
-use crate::defs::history::{MOST_ALARMS_KEPT, PastAlarm};
+use super::{Generation, RetainedChange, RetainedData, RetainedError, ToolOffset};
+use crate::defs::alarm_history::{MAX_ALARM_HISTORY, PastAlarm};
 use crate::store::checksum::Checksum;
 use crate::units::PerAxis;
 
 /// The current format of the tables.
 pub(super) const FORMAT: u64 = 2;
 /// The oldest supported format: without alarms.
-pub(super) const OLDEST: u64 = 1;
+pub(super) const OLDEST_FORMAT: u64 = 1;
 /// Maximum length of a key, bytes.
 const KEY_LIMIT: usize = 64;
 /// Maximum length of a text, bytes.
@@ -21,7 +21,7 @@ const TEXT_LIMIT: usize = 4096;
 /// Tool offsets 1 to 16.
 const LAST_OFFSET: u8 = 16;
 /// Number of work offsets, G54 to G59.
-const FRAMES: u8 = 6;
+const WORK_OFFSET_COUNT: u8 = 6;
 
 const META: TableDefinition<&str, u64> = TableDefinition::new("meta");
 const VARIABLES: TableDefinition<u16, f64> = TableDefinition::new("variables");
@@ -49,33 +49,33 @@ impl<E: Into<redb::Error>> From<E> for StorageFault {
 }
 
 /// All data of the database, with format and checksums.
-pub(super) struct Content {
-    pub(super) loaded: Loaded,
+pub(super) struct DatabaseContent {
+    pub(super) data: RetainedData,
     pub(super) format: u64,
     /// The checksum over the rows, as stored by the last commit.
-    pub(super) stated: u64,
+    pub(super) stored_sum: u64,
     /// The checksum computed from the rows.
-    pub(super) counted: u64,
+    pub(super) computed_sum: u64,
 }
 
 /// Refuses invalid values, so that they cannot be restored after a power cut.
-pub(super) fn check(change: &Change) -> Result<(), RetainedError> {
+pub(super) fn check_change(change: &RetainedChange) -> Result<(), RetainedError> {
     let finite = |value: &Option<f64>| value.is_none_or(f64::is_finite);
     let keyed = |key: &String| !key.is_empty() && key.len() <= KEY_LIMIT;
     let all_finite = |values: &PerAxis<f64>| values.0.iter().all(|value| value.is_finite());
     let (good_key, good_value) = match change {
-        Change::Variable { value, .. } => (true, finite(value)),
-        Change::Param { key, value } | Change::Number { key, value } => (keyed(key), finite(value)),
-        Change::Offset { number, offset } => {
+        RetainedChange::Variable { value, .. } => (true, finite(value)),
+        RetainedChange::Param { key, value } | RetainedChange::Number { key, value } => (keyed(key), finite(value)),
+        RetainedChange::Offset { number, offset } => {
             ((1..=LAST_OFFSET).contains(number), all_finite(&offset.geometry) && all_finite(&offset.wear))
         }
-        Change::Frame { index, origin } => (*index < FRAMES, all_finite(origin)),
-        Change::Alarm(past) => {
-            (past.slot() < MOST_ALARMS_KEPT as u16, alarm_text(past).is_some_and(|text| text.len() <= TEXT_LIMIT))
+        RetainedChange::WorkOffset { index, origin } => (*index < WORK_OFFSET_COUNT, all_finite(origin)),
+        RetainedChange::Alarm(past) => {
+            (past.slot() < MAX_ALARM_HISTORY as u16, alarm_text(past).is_some_and(|text| text.len() <= TEXT_LIMIT))
         }
-        Change::Text { key, value } => (keyed(key), value.as_ref().is_none_or(|text| text.len() <= TEXT_LIMIT)),
+        RetainedChange::Text { key, value } => (keyed(key), value.as_ref().is_none_or(|text| text.len() <= TEXT_LIMIT)),
     };
-    let what = || name(change);
+    let what = || change_name(change);
     match (good_key, good_value) {
         (true, true) => Ok(()),
         (false, _) => Err(RetainedError::BadChange { what: what(), cause: "its number or name is out of range" }),
@@ -84,18 +84,20 @@ pub(super) fn check(change: &Change) -> Result<(), RetainedError> {
 }
 
 /// The name of the changed item, without its value.
-fn name(change: &Change) -> String {
+fn change_name(change: &RetainedChange) -> String {
     match change {
-        Change::Variable { number, .. } => format!("#{number}"),
-        Change::Param { key, .. } | Change::Number { key, .. } | Change::Text { key, .. } => key.clone(),
-        Change::Offset { number, .. } => format!("offset {number}"),
-        Change::Frame { index, .. } => format!("frame {index}"),
-        Change::Alarm(past) => format!("alarm record {}", past.slot()),
+        RetainedChange::Variable { number, .. } => format!("#{number}"),
+        RetainedChange::Param { key, .. } | RetainedChange::Number { key, .. } | RetainedChange::Text { key, .. } => {
+            key.clone()
+        }
+        RetainedChange::Offset { number, .. } => format!("offset {number}"),
+        RetainedChange::WorkOffset { index, .. } => format!("frame {index}"),
+        RetainedChange::Alarm(past) => format!("alarm record {}", past.slot()),
     }
 }
 
 /// Creates the empty tables and writes the format.
-pub(super) fn begin(database: &Database) -> Result<(), StorageFault> {
+pub(super) fn create_tables(database: &Database) -> Result<(), StorageFault> {
     let transaction = database.begin_write()?;
     {
         let mut meta = transaction.open_table(META)?;
@@ -116,7 +118,7 @@ pub(super) fn begin(database: &Database) -> Result<(), StorageFault> {
 /// Upgrades the tables of an older control to this format.
 pub(super) fn upgrade(database: &Database) -> Result<(), StorageFault> {
     let transaction = database.begin_read()?;
-    if value_of(&transaction.open_table(META)?, META_FORMAT)? == FORMAT {
+    if meta_value(&transaction.open_table(META)?, META_FORMAT)? == FORMAT {
         return Ok(());
     }
     drop(transaction);
@@ -127,13 +129,13 @@ pub(super) fn upgrade(database: &Database) -> Result<(), StorageFault> {
 }
 
 /// Writes all changes in one durable transaction.
-pub(super) fn apply(database: &Database, changes: &[Change]) -> Result<Generation, StorageFault> {
+pub(super) fn commit_changes(database: &Database, changes: &[RetainedChange]) -> Result<Generation, StorageFault> {
     let transaction = database.begin_write()?;
     let moved = apply_rows(&transaction, changes)?;
     let generation = {
         let mut meta = transaction.open_table(META)?;
-        let rows = value_of(&meta, META_ROWS)?.wrapping_add(moved);
-        let generation = value_of(&meta, META_GENERATION)? + 1;
+        let rows = meta_value(&meta, META_ROWS)?.wrapping_add(moved);
+        let generation = meta_value(&meta, META_GENERATION)? + 1;
         meta.insert(META_ROWS, rows)?;
         meta.insert(META_GENERATION, generation)?;
         Generation(generation)
@@ -144,7 +146,7 @@ pub(super) fn apply(database: &Database, changes: &[Change]) -> Result<Generatio
 }
 
 /// Changes the rows; returns the change of their checksum sum.
-fn apply_rows(transaction: &WriteTransaction, changes: &[Change]) -> Result<u64, StorageFault> {
+fn apply_rows(transaction: &WriteTransaction, changes: &[RetainedChange]) -> Result<u64, StorageFault> {
     let mut variables = transaction.open_table(VARIABLES)?;
     let mut params = transaction.open_table(PARAMS)?;
     let mut offsets = transaction.open_table(OFFSETS)?;
@@ -155,37 +157,41 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[Change]) -> Result<u64,
     let mut moved = 0_u64;
     for change in changes {
         let by = match change {
-            Change::Variable { number, value } => {
-                let row = |value: f64| variable_row(*number, value);
+            RetainedChange::Variable { number, value } => {
+                let row = |value: f64| variable_checksum(*number, value);
                 let old = match value {
                     Some(value) => variables.insert(number, value)?.map(|old| row(old.value())),
                     None => variables.remove(number)?.map(|old| row(old.value())),
                 };
-                shift(old, value.map(row))
+                sum_change(old, value.map(row))
             }
-            Change::Param { key, value } => set_number(&mut params, RowOf::Param, key, *value)?,
-            Change::Number { key, value } => set_number(&mut numbers, RowOf::Number, key, *value)?,
-            Change::Offset { number, offset } => {
-                let values = flat(offset);
-                let old = offsets.insert(number, values)?.map(|old| axes_row(RowOf::Offset, *number, &old.value()));
-                shift(old, Some(axes_row(RowOf::Offset, *number, &values)))
+            RetainedChange::Param { key, value } => set_number(&mut params, RowTable::Param, key, *value)?,
+            RetainedChange::Number { key, value } => set_number(&mut numbers, RowTable::Number, key, *value)?,
+            RetainedChange::Offset { number, offset } => {
+                let values = offset_values(offset);
+                let old =
+                    offsets.insert(number, values)?.map(|old| axes_checksum(RowTable::Offset, *number, &old.value()));
+                sum_change(old, Some(axes_checksum(RowTable::Offset, *number, &values)))
             }
-            Change::Frame { index, origin } => {
-                let old = frames.insert(index, origin.0)?.map(|old| axes_row(RowOf::Frame, *index, &old.value()));
-                shift(old, Some(axes_row(RowOf::Frame, *index, &origin.0)))
+            RetainedChange::WorkOffset { index, origin } => {
+                let old = frames
+                    .insert(index, origin.0)?
+                    .map(|old| axes_checksum(RowTable::WorkOffset, *index, &old.value()));
+                sum_change(old, Some(axes_checksum(RowTable::WorkOffset, *index, &origin.0)))
             }
-            Change::Text { key, value } => {
-                let row = |text: &str| row(RowOf::Text, key.as_bytes(), text.as_bytes());
+            RetainedChange::Text { key, value } => {
+                let row = |text: &str| row_checksum(RowTable::Text, key.as_bytes(), text.as_bytes());
                 let old = match value {
                     Some(text) => texts.insert(key.as_str(), text.as_str())?.map(|old| row(old.value())),
                     None => texts.remove(key.as_str())?.map(|old| row(old.value())),
                 };
-                shift(old, value.as_deref().map(row))
+                sum_change(old, value.as_deref().map(row))
             }
-            Change::Alarm(past) => {
+            RetainedChange::Alarm(past) => {
                 let text = alarm_text(past).unwrap_or_default();
-                let old = alarms.insert(past.slot(), text.as_str())?.map(|old| alarm_row(past.slot(), old.value()));
-                shift(old, Some(alarm_row(past.slot(), &text)))
+                let old =
+                    alarms.insert(past.slot(), text.as_str())?.map(|old| alarm_checksum(past.slot(), old.value()));
+                sum_change(old, Some(alarm_checksum(past.slot(), &text)))
             }
         };
         moved = moved.wrapping_add(by);
@@ -195,58 +201,60 @@ fn apply_rows(transaction: &WriteTransaction, changes: &[Change]) -> Result<u64,
 
 fn set_number(
     table: &mut Table<'_, &'static str, f64>,
-    of: RowOf,
+    of: RowTable,
     key: &str,
     value: Option<f64>,
 ) -> Result<u64, StorageFault> {
     let old = match value {
-        Some(value) => table.insert(key, value)?.map(|old| number_row(of, key, old.value())),
-        None => table.remove(key)?.map(|old| number_row(of, key, old.value())),
+        Some(value) => table.insert(key, value)?.map(|old| number_checksum(of, key, old.value())),
+        None => table.remove(key)?.map(|old| number_checksum(of, key, old.value())),
     };
-    Ok(shift(old, value.map(|value| number_row(of, key, value))))
+    Ok(sum_change(old, value.map(|value| number_checksum(of, key, value))))
 }
 
 /// Reads all data.
-pub(super) fn load(database: &Database) -> Result<Content, StorageFault> {
+pub(super) fn load(database: &Database) -> Result<DatabaseContent, StorageFault> {
     let transaction = database.begin_read()?;
     let meta = transaction.open_table(META)?;
-    let mut loaded = Loaded { generation: Generation(value_of(&meta, META_GENERATION)?), ..Loaded::default() };
+    let mut loaded =
+        RetainedData { generation: Generation(meta_value(&meta, META_GENERATION)?), ..RetainedData::default() };
     let mut counted = 0_u64;
     for row in transaction.open_table(VARIABLES)?.iter()? {
         let (number, value) = row?;
-        counted = counted.wrapping_add(variable_row(number.value(), value.value()));
+        counted = counted.wrapping_add(variable_checksum(number.value(), value.value()));
         loaded.variables.insert(number.value(), value.value());
     }
-    for (table, of, into) in [(PARAMS, RowOf::Param, &mut loaded.params), (NUMBERS, RowOf::Number, &mut loaded.numbers)]
+    for (table, of, into) in
+        [(PARAMS, RowTable::Param, &mut loaded.params), (NUMBERS, RowTable::Number, &mut loaded.numbers)]
     {
         for row in transaction.open_table(table)?.iter()? {
             let (key, value) = row?;
-            counted = counted.wrapping_add(number_row(of, key.value(), value.value()));
+            counted = counted.wrapping_add(number_checksum(of, key.value(), value.value()));
             into.insert(key.value().to_owned(), value.value());
         }
     }
     for row in transaction.open_table(OFFSETS)?.iter()? {
         let (number, values) = row?;
         let [gx, gy, gz, wx, wy, wz] = values.value();
-        counted = counted.wrapping_add(axes_row(RowOf::Offset, number.value(), &values.value()));
+        counted = counted.wrapping_add(axes_checksum(RowTable::Offset, number.value(), &values.value()));
         let offset = ToolOffset { geometry: PerAxis([gx, gy, gz]), wear: PerAxis([wx, wy, wz]) };
         loaded.offsets.insert(number.value(), offset);
     }
     for row in transaction.open_table(WORK_FRAMES)?.iter()? {
         let (index, origin) = row?;
-        counted = counted.wrapping_add(axes_row(RowOf::Frame, index.value(), &origin.value()));
-        loaded.frames.insert(index.value(), PerAxis(origin.value()));
+        counted = counted.wrapping_add(axes_checksum(RowTable::WorkOffset, index.value(), &origin.value()));
+        loaded.work_offsets.insert(index.value(), PerAxis(origin.value()));
     }
     for entry in transaction.open_table(TEXTS)?.iter()? {
         let (key, text) = entry?;
-        counted = counted.wrapping_add(row(RowOf::Text, key.value().as_bytes(), text.value().as_bytes()));
+        counted = counted.wrapping_add(row_checksum(RowTable::Text, key.value().as_bytes(), text.value().as_bytes()));
         loaded.texts.insert(key.value().to_owned(), text.value().to_owned());
     }
     match transaction.open_table(ALARMS) {
         Ok(table) => {
             for entry in table.iter()? {
                 let (slot, text) = entry?;
-                counted = counted.wrapping_add(alarm_row(slot.value(), text.value()));
+                counted = counted.wrapping_add(alarm_checksum(slot.value(), text.value()));
                 // An alarm in a newer text format cannot be shown; this is not damage.
                 if let Ok(past) = serde_json::from_str(text.value()) {
                     loaded.alarms.insert(slot.value(), past);
@@ -257,28 +265,28 @@ pub(super) fn load(database: &Database) -> Result<Content, StorageFault> {
         Err(TableError::TableDoesNotExist(_)) => {}
         Err(other) => return Err(other.into()),
     }
-    let (format, stated) = (value_of(&meta, META_FORMAT)?, value_of(&meta, META_ROWS)?);
-    Ok(Content { loaded, format, stated, counted })
+    let (format, stated) = (meta_value(&meta, META_FORMAT)?, meta_value(&meta, META_ROWS)?);
+    Ok(DatabaseContent { data: loaded, format, stored_sum: stated, computed_sum: counted })
 }
 
 /// A number of the meta table; 0 if it is missing. 0 is not a valid format.
-fn value_of(meta: &impl ReadableTable<&'static str, u64>, key: &str) -> Result<u64, StorageFault> {
+fn meta_value(meta: &impl ReadableTable<&'static str, u64>, key: &str) -> Result<u64, StorageFault> {
     Ok(meta.get(key)?.map_or(0, |value| value.value()))
 }
 
 /// The table of a row, as used in the row's checksum; the numbers are part of the file format.
 #[derive(Clone, Copy)]
-enum RowOf {
+enum RowTable {
     Variable = 1,
     Param = 2,
     Offset = 3,
-    Frame = 4,
+    WorkOffset = 4,
     Number = 5,
     Text = 6,
     Alarm = 7,
 }
 
-fn row(of: RowOf, key: &[u8], value: &[u8]) -> u64 {
+fn row_checksum(of: RowTable, key: &[u8], value: &[u8]) -> u64 {
     let length = u8::try_from(key.len()).unwrap_or(u8::MAX);
     Checksum::new().add(&[of as u8, length]).add(key).add(value).finish()
 }
@@ -287,29 +295,29 @@ fn alarm_text(past: &PastAlarm) -> Option<String> {
     serde_json::to_string(past).ok()
 }
 
-fn alarm_row(slot: u16, text: &str) -> u64 {
-    row(RowOf::Alarm, &slot.to_le_bytes(), text.as_bytes())
+fn alarm_checksum(slot: u16, text: &str) -> u64 {
+    row_checksum(RowTable::Alarm, &slot.to_le_bytes(), text.as_bytes())
 }
 
-fn variable_row(number: u16, value: f64) -> u64 {
-    row(RowOf::Variable, &number.to_le_bytes(), &value.to_le_bytes())
+fn variable_checksum(number: u16, value: f64) -> u64 {
+    row_checksum(RowTable::Variable, &number.to_le_bytes(), &value.to_le_bytes())
 }
 
-fn number_row(of: RowOf, key: &str, value: f64) -> u64 {
-    row(of, key.as_bytes(), &value.to_le_bytes())
+fn number_checksum(of: RowTable, key: &str, value: f64) -> u64 {
+    row_checksum(of, key.as_bytes(), &value.to_le_bytes())
 }
 
-fn axes_row(of: RowOf, number: u8, values: &[f64]) -> u64 {
+fn axes_checksum(of: RowTable, number: u8, values: &[f64]) -> u64 {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-    row(of, &[number], &bytes)
+    row_checksum(of, &[number], &bytes)
 }
 
 /// Change of the sum when a row is replaced, added or removed.
-fn shift(old: Option<u64>, new: Option<u64>) -> u64 {
+fn sum_change(old: Option<u64>, new: Option<u64>) -> u64 {
     new.unwrap_or(0).wrapping_sub(old.unwrap_or(0))
 }
 
-fn flat(offset: &ToolOffset) -> [f64; 6] {
+fn offset_values(offset: &ToolOffset) -> [f64; 6] {
     let [gx, gy, gz] = offset.geometry.0;
     let [wx, wy, wz] = offset.wear.0;
     [gx, gy, gz, wx, wy, wz]

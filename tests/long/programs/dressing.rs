@@ -130,7 +130,7 @@ key address-z\nkey input\nmode auto",
 fn k5_17_the_factory_range_of_dressing_programs_is_that_of_the_kind() {
     for (program, kind) in PROGRAMS.into_iter().filter(|(program, _)| *program > 1010) {
         let params = kt830::defs::param::Params::factory(kind);
-        let range = params.get(param::DRESSING_FIRST)..=params.get(param::DRESSING_LAST);
+        let range = params.get(param::DRESSING_PROGRAM_FIRST)..=params.get(param::DRESSING_PROGRAM_LAST);
         assert!(range.contains(&f64::from(program)), "O{program} on {kind:?}");
         assert_eq!(PartFile::builtin(program).unwrap().unwrap().kind, kind);
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use kt830::runtime::disk::{parse_page_text, parse_picture};
+use kt830::host::folders::{parse_page_text, parse_picture};
 
 use crate::shop::{PROGRAMS, part_of};
 

@@ -1,12 +1,12 @@
 //! A machine with a program and its part, ready for cycle start.
 
-use kt830::controller::Retained;
+use kt830::controller::PowerOnState;
 use kt830::defs::key::Key;
 use kt830::defs::kind::Kind;
+use kt830::host::headless::{HeadlessHost, HostSetup};
 use kt830::io::sim::{EventKind, PartFile, SurfaceFile};
 use kt830::link::command::Command;
 use kt830::link::snapshot::RunState;
-use kt830::runtime::rig::{Rig, Setup};
 
 use crate::stories::folders;
 
@@ -17,7 +17,7 @@ const LONGEST_S: f64 = 3_600.0;
 
 /// Machine, control, part.
 pub struct Shop {
-    pub rig: Rig,
+    pub rig: HeadlessHost,
     pub part: PartFile,
 }
 
@@ -44,8 +44,9 @@ pub fn shop(program: u32) -> Shop {
 pub fn shop_with(program: u32, seed: u64, change: impl FnOnce(&mut PartFile)) -> Shop {
     let mut part = part_of(program);
     change(&mut part);
-    let retained = Retained::factory(part.kind);
-    let mut rig = Rig::new(Setup { kind: part.kind, retained, keeper: None, folders: folders(), seed }).unwrap();
+    let retained = PowerOnState::factory(part.kind);
+    let mut rig =
+        HeadlessHost::new(HostSetup { kind: part.kind, retained, keeper: None, folders: folders(), seed }).unwrap();
     rig.mount(&part);
     rig.step();
     rig.make_ready();

@@ -2,7 +2,7 @@
 //! the available pictures, or the errors by line.
 //! Source: spec K5.12, K6.2, K7.2–K7.4.
 
-mod acts;
+mod actions;
 mod paint;
 
 use std::sync::Arc;
@@ -13,32 +13,32 @@ use ropey::Rope;
 use super::program::document::Document;
 use super::program::listing;
 use super::scroll::Scroll;
-use super::{Typed, empty};
+use super::{TypedInput, empty};
 use crate::defs::key::Mode;
-use crate::defs::screen::{self, Reading};
-use crate::defs::text::{Said, Text};
-use crate::hmi::asking::{self, Guarded, Heard, Why};
-use crate::hmi::entry::Edit;
-use crate::hmi::letters::{self, Letter};
+use crate::defs::page_text::{self, ParsedPageText};
+use crate::defs::text::{LocalizedText, Text};
+use crate::hmi::letter_pad::{self, LetterKey};
 use crate::hmi::login::Login;
-use crate::hmi::question::Asked;
+use crate::hmi::question::QuestionDialog;
+use crate::hmi::requests::{self, ProtectedRequests, RequestEvent, RequestReason};
+use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::View;
-use crate::hmi::widget::{self, Look, Walk};
+use crate::hmi::widget::{self, ButtonState, KeyboardFocus};
 use crate::hmi::{pictogram, theme};
-use crate::link::files::{Asker, FileRequest, Refusal, Ticket};
+use crate::link::files::{FileRequest, Refusal, Requester, Ticket};
 use crate::link::page_command::PageCommand;
-use crate::link::page_file::{PageFile, PictureFrom};
-use crate::link::snapshot::{PAGED_PROGRAMS, RunState};
+use crate::link::page_file::{PageFile, PictureLocation};
+use crate::link::snapshot::{PROGRAMS_WITH_PAGE, RunState};
 use crate::link::{Command, Snapshot};
 
 /// Height of a row of keys.
-const KEYS: f32 = 46.0;
+const KEYS_HEIGHT: f32 = 46.0;
 /// Height of the message line.
-const TOLD: f32 = 28.0;
+const MESSAGE_HEIGHT: f32 = 28.0;
 
 /// Tabs of the right half.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Tab {
+enum DesignerTab {
     /// The page as it will look.
     #[default]
     Preview,
@@ -50,11 +50,12 @@ enum Tab {
     Faults,
 }
 
-const TABS: [Tab; 4] = [Tab::Preview, Tab::Variables, Tab::Pictures, Tab::Faults];
+const TABS: [DesignerTab; 4] =
+    [DesignerTab::Preview, DesignerTab::Variables, DesignerTab::Pictures, DesignerTab::Faults];
 
 /// Request whose answer is awaited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Awaited {
+enum DesignerRequest {
     /// May the text be edited?
     Edit,
     /// Save the text of this version.
@@ -63,75 +64,75 @@ enum Awaited {
     Picture,
 }
 
-impl Why for Awaited {
-    const ASKER: Asker = Asker::Designer;
+impl RequestReason for DesignerRequest {
+    const REQUESTER: Requester = Requester::Designer;
 }
 
 /// Subject of a question.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum About {
+enum DesignerQuestion {
     Conflict,
     Discard,
-    Picture(PictureFrom, String),
+    Picture(PictureLocation, String),
 }
 
 /// Seconds before a page file is requested again, and maximum number of tries: a request can be lost, a file faulty.
-const ASK_AGAIN: f64 = 0.5;
-const TRIES: u8 = 3;
+const RETRY_SECONDS: f64 = 0.5;
+const MAX_TRIES: u8 = 3;
 
 /// State of the page.
 #[derive(Debug, Default)]
-pub struct Designer {
+pub struct DesignerPage {
     /// Page selected in the directory; none: the page of the current program.
-    wanted: Option<u32>,
+    requested_program: Option<u32>,
     document: Document,
     file: Option<Arc<PageFile>>,
-    reading: Reading,
+    reading: ParsedPageText,
     /// Page, file stamp and version of the text that was parsed last.
-    read: Option<(u32, u64, u64)>,
-    place: listing::Place,
+    read_version: Option<(u32, u64, u64)>,
+    position: listing::ListingPosition,
     list: Scroll,
     /// Selected row of the list on the right.
-    row: usize,
-    tab: Tab,
+    selected_row: usize,
+    tab: DesignerTab,
     editing: bool,
-    board: bool,
+    keyboard_open: bool,
     /// The file must be requested.
     stale: bool,
     /// Page of the last file request, its time in s, and the number of tries.
-    asked: (u32, f64, u8),
-    asking: Guarded<Awaited>,
-    question: Asked<About>,
-    told: Option<(Said, bool)>,
-    walk: Walk,
+    last_request: (u32, f64, u8),
+    asking: ProtectedRequests<DesignerRequest>,
+    question: QuestionDialog<DesignerQuestion>,
+    message: Option<(LocalizedText, bool)>,
+    walk: KeyboardFocus,
     /// The keyboard moves over the keys instead of the text.
-    on_keys: bool,
+    keys_focused: bool,
 }
 
-impl Designer {
+impl DesignerPage {
     /// The page was opened; `program` was selected in the directory.
     pub fn open(&mut self, view: &View<'_>, program: Option<u32>) {
         if view.snapshot.page == crate::defs::page::Page::Designer {
-            self.wanted = program;
+            self.requested_program = program;
             self.stale = true;
         }
-        (self.editing, self.board, self.on_keys) = (false, false, false);
+        (self.editing, self.keyboard_open, self.keys_focused) = (false, false, false);
         self.question.close();
     }
 
-    /// Number of the page: 1000 plus the number of its files. A number outside `PAGED_PROGRAMS` has no page.
+    /// Number of the page: 1000 plus the number of its files. A number outside `PROGRAMS_WITH_PAGE` has no page.
     #[must_use]
     pub fn number(&self, snapshot: &Snapshot) -> u32 {
-        match self.wanted {
-            Some(program) if snapshot.own_page.is_none() => program,
-            _ => snapshot.grinding_page().unwrap_or(snapshot.program.number),
+        match self.requested_program {
+            Some(program) if snapshot.kind_page.is_none() => program,
+            _ => snapshot.grinding_page_number().unwrap_or(snapshot.program.number),
         }
     }
 
     /// Why the last request was refused.
     #[must_use]
-    pub fn refusal(&self) -> Option<&Said> {
-        self.told.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
+    pub fn refusal(&self) -> Option<&LocalizedText> {
+        self.message.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
     }
 
     /// The text with its unsaved changes.
@@ -146,20 +147,20 @@ impl Designer {
         ui: &Ui,
         rect: Rect,
         view: &View<'_>,
-        typed: &Typed<'_>,
+        typed: &TypedInput<'_>,
         (login, picture): (&mut Login, Option<TextureId>),
     ) -> Vec<Command> {
         let mut out = Vec::new();
         let number = self.number(view.snapshot);
-        let has_page = PAGED_PROGRAMS.contains(&number) || view.snapshot.own_page.is_some();
+        let has_page = PROGRAMS_WITH_PAGE.contains(&number) || view.snapshot.kind_page.is_some();
         if !has_page {
             paint::no_page(ui, rect, view, number, &mut out);
             return out;
         }
-        self.hear(view, login, &mut out);
-        self.follow(view, (number, ui.input(|input| input.time)), &mut out);
+        self.handle_answers(view, login, &mut out);
+        self.sync_file(view, (number, ui.input(|input| input.time)), &mut out);
         if self.file.is_none() && !self.document.changed {
-            let remedy = view.say(
+            let remedy = view.text(
                 "原因见下面的提示行；检查 screens 目录中的文件。",
                 "See the line below; check the file in the folder screens.",
             );
@@ -168,33 +169,33 @@ impl Designer {
                 view,
                 rect,
                 pictogram::NO_PAGE,
-                view.say("页面文件还没有读出", "the page file is not read"),
+                view.text("页面文件还没有读出", "the page file is not read"),
                 remedy,
             );
             return out;
         }
         if !self.question.is_open() && !login.is_open() {
-            self.take_typed(view, typed, &mut out);
+            self.handle_typed(view, typed, &mut out);
         }
         self.read_text();
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
-        let board = if self.board { letters::PAGE.height() } else { 0.0 };
+        let board = if self.keyboard_open { letter_pad::PAGE_TEXT_LAYOUT.height() } else { 0.0 };
         let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
-        let (body, below) = rest.split_top_bottom_at_y(rest.max.y - KEYS - TOLD);
-        let (told, keys) = below.split_top_bottom_at_y(below.min.y + TOLD);
+        let (body, below) = rest.split_top_bottom_at_y(rest.max.y - KEYS_HEIGHT - MESSAGE_HEIGHT);
+        let (told, keys) = below.split_top_bottom_at_y(below.min.y + MESSAGE_HEIGHT);
         // The preview needs 200 points for its picture and as much for each column.
         let share = if body.width() > 900.0 { 0.40 } else { 0.34 };
         let (text, right) = body.split_left_right_at_fraction(share);
         self.title(ui, title, view);
-        self.listing(ui, Rect::from_min_max(text.min, text.max - vec2(theme::GAP, 0.0)), view, typed.pages);
+        self.listing(ui, Rect::from_min_max(text.min, text.max - vec2(theme::GAP, 0.0)), view, typed.scroll_pages);
         self.right(ui, right, view, picture);
-        self.told(ui, told, view);
-        if let Some(act) = acts::ui(ui, view, keys, self) {
-            self.act(act, view, &mut out);
+        self.message_line(ui, told, view);
+        if let Some(act) = actions::ui(ui, view, keys, self) {
+            self.perform(act, view, &mut out);
         }
-        if self.board
-            && let Some(letter) = letters::ui(ui, view, pad, &letters::PAGE)
+        if self.keyboard_open
+            && let Some(letter) = letter_pad::ui(ui, view, pad, &letter_pad::PAGE_TEXT_LAYOUT)
         {
             self.letter(&letter);
         }
@@ -205,41 +206,41 @@ impl Designer {
     }
 
     /// Handles the answers of the core.
-    fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        while let Some(heard) = self.asking.hear(view, login) {
+    fn handle_answers(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        while let Some(heard) = self.asking.poll(view, login) {
             match heard {
-                Heard::Open => self.wish_edit(view, out),
-                Heard::Answer(Awaited::Edit, Ok(_)) => (self.editing, self.told) = (true, None),
-                Heard::Answer(Awaited::Save(version), Ok(deed)) => {
-                    self.document.hear_saved(version, &deed);
-                    (self.told, self.stale) = (Some((deed.said, false)), true);
+                RequestEvent::Unlocked => self.request_edit(view, out),
+                RequestEvent::Answer(DesignerRequest::Edit, Ok(_)) => (self.editing, self.message) = (true, None),
+                RequestEvent::Answer(DesignerRequest::Save(version), Ok(deed)) => {
+                    self.document.mark_saved(version, &deed);
+                    (self.message, self.stale) = (Some((deed.message, false)), true);
                 }
-                Heard::Answer(Awaited::Picture, Ok(deed)) => {
-                    (self.told, self.stale) = (Some((deed.said, false)), true);
+                RequestEvent::Answer(DesignerRequest::Picture, Ok(deed)) => {
+                    (self.message, self.stale) = (Some((deed.message, false)), true);
                 }
-                Heard::Answer(Awaited::Save(_), Err(Refusal::Conflict)) => {
-                    self.question.ask(About::Conflict, asking::conflict());
+                RequestEvent::Answer(DesignerRequest::Save(_), Err(Refusal::Conflict)) => {
+                    self.question.ask(DesignerQuestion::Conflict, requests::conflict_question());
                 }
-                Heard::Answer(_, Err(refusal)) => self.refuse(refusal.said()),
+                RequestEvent::Answer(_, Err(refusal)) => self.refuse(refusal.message()),
             }
         }
     }
 
     /// Requests the file when the page opens or shows another file; keeps an unsaved text.
-    fn follow(&mut self, view: &View<'_>, (number, now): (u32, f64), out: &mut Vec<Command>) {
+    fn sync_file(&mut self, view: &View<'_>, (number, now): (u32, f64), out: &mut Vec<Command>) {
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         if self.editing && (view.snapshot.mode != Mode::Edit || !idle) {
-            (self.editing, self.board) = (false, false);
+            (self.editing, self.keyboard_open) = (false, false);
         }
         let other = self.document.number != number && !self.document.changed;
-        let (asked, since, tries) = self.asked;
-        let again = asked != number || (self.file.is_none() && now - since > ASK_AGAIN && tries < TRIES);
+        let (asked, since, tries) = self.last_request;
+        let again = asked != number || (self.file.is_none() && now - since > RETRY_SECONDS && tries < MAX_TRIES);
         if self.stale || (other && again) {
-            self.asked = (number, now, if asked == number && !self.stale { tries + 1 } else { 1 });
+            self.last_request = (number, now, if asked == number && !self.stale { tries + 1 } else { 1 });
             self.stale = false;
             let page = if self.document.changed { self.document.number } else { number };
-            let program = if PAGED_PROGRAMS.contains(&page) { page } else { view.snapshot.program.number };
-            let ticket = Ticket::unheard(Asker::Designer);
+            let program = if PROGRAMS_WITH_PAGE.contains(&page) { page } else { view.snapshot.program.number };
+            let ticket = Ticket::without_reply(Requester::Designer);
             out.push(Command::Page(PageCommand::File(ticket, FileRequest::ReadPage { page, program })));
             if other {
                 (self.file, self.document) = (None, Document::default());
@@ -251,9 +252,9 @@ impl Designer {
         }
         let same = (file.number, file.stamp) == (self.document.number, self.document.base);
         if !self.document.changed && !same {
-            let line = if file.number == self.document.number { self.document.place().0 } else { 0 };
+            let line = if file.number == self.document.number { self.document.cursor_position().0 } else { 0 };
             self.document = Document::open(file.number, file.stamp, &file.text);
-            self.document.go(line, 0);
+            self.document.move_to(line, 0);
         }
         self.file = Some(Arc::clone(file));
     }
@@ -261,148 +262,149 @@ impl Designer {
     /// Parses the text after a change.
     fn read_text(&mut self) {
         let now = (self.document.number, self.document.base, self.document.version);
-        if self.read != Some(now) {
-            self.read = Some(now);
-            self.reading = screen::read(&self.document.rope.to_string());
+        if self.read_version != Some(now) {
+            self.read_version = Some(now);
+            self.reading = page_text::parse_all(&self.document.rope.to_string());
         }
     }
 
-    fn refuse(&mut self, why: impl Into<Said>) {
-        self.told = Some((why.into(), true));
+    fn refuse(&mut self, why: impl Into<LocalizedText>) {
+        self.message = Some((why.into(), true));
     }
 
-    fn wish_edit(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
-        if self.file.as_ref().is_some_and(|file| file.mistaken) {
-            return self.refuse(Said::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
+    fn request_edit(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
+        if self.file.as_ref().is_some_and(|file| file.has_invalid_bytes) {
+            return self
+                .refuse(LocalizedText::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
         }
         let number = self.number(view.snapshot);
-        out.push(self.asking.ask(Awaited::Edit, FileRequest::MayEdit(number)));
+        out.push(self.asking.send(DesignerRequest::Edit, FileRequest::CheckEditable(number)));
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
         let (page, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
-        let request = FileRequest::SavePage { page, text, base, force };
-        out.push(self.asking.ask(Awaited::Save(self.document.version), request));
+        let request = FileRequest::SavePage { page, text, base_stamp: base, overwrite: force };
+        out.push(self.asking.send(DesignerRequest::Save(self.document.version), request));
     }
 
     /// Handles a key of a question other than 取消, by its index.
-    fn answer(&mut self, about: About, key: usize, out: &mut Vec<Command>) {
+    fn answer(&mut self, about: DesignerQuestion, key: usize, out: &mut Vec<Command>) {
         match about {
-            About::Conflict if key == asking::OVERWRITE => self.save(true, out),
+            DesignerQuestion::Conflict if key == requests::OVERWRITE_KEY => self.save(true, out),
             // The requested file replaces a text without changes.
-            About::Conflict => {
+            DesignerQuestion::Conflict => {
                 (self.document.changed, self.stale) = (false, true);
-                self.told = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
+                self.message = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
             }
-            About::Discard => {
+            DesignerQuestion::Discard => {
                 if let Some(file) = &self.file {
                     self.document = Document::open(file.number, file.stamp, &file.text);
                 }
-                (self.editing, self.board, self.stale) = (false, false, true);
+                (self.editing, self.keyboard_open, self.stale) = (false, false, true);
             }
-            About::Picture(from, name) => {
+            DesignerQuestion::Picture(from, name) => {
                 let page = self.document.number;
-                out.push(self.asking.ask(Awaited::Picture, FileRequest::TakePicture { page, from, name }));
+                out.push(self.asking.send(DesignerRequest::Picture, FileRequest::ImportPicture { page, from, name }));
             }
         }
     }
 
     /// Handles keyboard input.
-    fn take_typed(&mut self, view: &View<'_>, typed: &Typed<'_>, out: &mut Vec<Command>) {
-        for control in typed.controls {
-            if let Some(act) = acts::of_control(*control) {
-                self.act(act, view, out);
+    fn handle_typed(&mut self, view: &View<'_>, typed: &TypedInput<'_>, out: &mut Vec<Command>) {
+        for control in typed.ctrl_keys {
+            if let Some(act) = actions::from_shortcut(*control) {
+                self.perform(act, view, out);
             }
         }
         // Typed characters always go to the text, even while Tab has moved to the keys.
-        self.on_keys &= !typed.text.contains(|sign: char| !sign.is_control() && sign != ' ');
-        let text = self.editing && !self.on_keys;
-        self.walk.begin(if text { &[] } else { typed.edits });
+        self.keys_focused &= !typed.text.contains(|sign: char| !sign.is_control() && sign != ' ');
+        let text = self.editing && !self.keys_focused;
+        self.walk.begin_frame(if text { &[] } else { typed.edits });
         if text {
-            typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.sign(sign));
+            typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.type_char(sign));
         }
         for edit in typed.edits {
             match edit {
-                Edit::Next | Edit::Previous if self.editing => {
-                    self.on_keys = !self.on_keys;
-                    self.walk.choose(0, 1);
+                EditKey::Next | EditKey::Previous if self.editing => {
+                    self.keys_focused = !self.keys_focused;
+                    self.walk.select(0, 1);
                 }
-                Edit::Cancel if self.on_keys => self.on_keys = false,
+                EditKey::Cancel if self.keys_focused => self.keys_focused = false,
                 _ if text => self.edit(*edit),
-                Edit::Cancel => self.told = None,
+                EditKey::Cancel => self.message = None,
                 _ => {}
             }
         }
     }
 
-    fn sign(&mut self, sign: char) {
-        self.told = None;
-        self.document.type_sign(sign);
-        self.place.scroll.by_hand = false;
+    fn type_char(&mut self, sign: char) {
+        self.message = None;
+        self.document.insert_char(sign);
+        self.position.scroll.user_scrolled = false;
     }
 
-    fn letter(&mut self, letter: &Letter) {
-        self.on_keys = false;
+    fn letter(&mut self, letter: &LetterKey) {
+        self.keys_focused = false;
         match letter {
-            Letter::Sign(sign) => self.sign(*sign),
-            Letter::Word(word) => word.chars().for_each(|sign| self.sign(sign)),
-            Letter::Back => self.edit(Edit::Back),
-            Letter::Done => self.edit(Edit::Enter),
+            LetterKey::Char(sign) => self.type_char(*sign),
+            LetterKey::Word(word) => word.chars().for_each(|sign| self.type_char(sign)),
+            LetterKey::Backspace => self.edit(EditKey::Backspace),
+            LetterKey::Done => self.edit(EditKey::Enter),
         }
     }
 
-    fn edit(&mut self, edit: Edit) {
-        self.told = None;
+    fn edit(&mut self, edit: EditKey) {
+        self.message = None;
         if self.document.edit(edit) {
-            self.place.scroll.by_hand = false;
+            self.position.scroll.user_scrolled = false;
         }
     }
 
     /// A key of the page; the keyboard moves over it unless it edits the text.
-    fn key(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, words: (&str, &str), look: Look) -> bool {
-        if self.on_keys || !self.editing {
-            self.walk.push(ui, view, rect, words, look)
+    fn key(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, words: (&str, &str), look: ButtonState) -> bool {
+        if self.keys_focused || !self.editing {
+            self.walk.button(ui, view, rect, words, look)
         } else {
-            widget::push(ui, view, rect, words.0, words.1, look)
+            widget::button(ui, view, rect, words.0, words.1, look)
         }
     }
 
     /// The tabs and the content of the selected one.
     fn right(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, picture: Option<TextureId>) {
-        let (bar, rest) = rect.split_top_bottom_at_y(rect.min.y + widget::TABS - 2.0);
+        let (bar, rest) = rect.split_top_bottom_at_y(rect.min.y + widget::TABS_HEIGHT - 2.0);
         let count = |words: &str, count: usize| {
             if count > 0 { format!("{words} {count}") } else { words.trim_end_matches(['缺', ' ']).to_owned() }
         };
         let missing = self.variables(view).iter().filter(|row| row.missing).count();
         let keys = [
-            ("page-preview", view.say("预览", "PREVIEW").to_owned()),
-            ("page-variables", count(view.say("变量 缺", "VARS"), missing)),
-            ("page-pictures", view.say("图片", "PICTURES").to_owned()),
-            ("page-faults", count(view.say("错误", "ERRORS"), self.reading.faults.len())),
+            ("page-preview", view.text("预览", "PREVIEW").to_owned()),
+            ("page-variables", count(view.text("变量 缺", "VARS"), missing)),
+            ("page-pictures", view.text("图片", "PICTURES").to_owned()),
+            ("page-faults", count(view.text("错误", "ERRORS"), self.reading.faults.len())),
         ];
         let width = (bar.width() + theme::GAP) / keys.len() as f32;
         for (index, (tab, (name, label))) in TABS.into_iter().zip(&keys).enumerate() {
             let corner = pos2(bar.min.x + index as f32 * width, bar.min.y);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, bar.height()));
-            if self.key(ui, view, place, (name, label), Look { on: tab == self.tab, locked: false }) {
-                (self.tab, self.row, self.list) = (tab, 0, Scroll::default());
+            if self.key(ui, view, place, (name, label), ButtonState { on: tab == self.tab, locked: false }) {
+                (self.tab, self.selected_row, self.list) = (tab, 0, Scroll::default());
                 // A USB drive may have been plugged in since.
-                self.stale |= tab == Tab::Pictures;
+                self.stale |= tab == DesignerTab::Pictures;
             }
         }
         let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::GAP), rest.max);
         match self.tab {
             // The letter pad leaves no room for the preview, so the errors are shown.
-            Tab::Preview if self.board => self.faults(ui, rest, view),
-            Tab::Preview => self.preview(ui, rest, view, picture),
-            Tab::Variables => self.variable_list(ui, rest, view),
-            Tab::Pictures => self.picture_list(ui, rest, view),
-            Tab::Faults => self.faults(ui, rest, view),
+            DesignerTab::Preview if self.keyboard_open => self.faults(ui, rest, view),
+            DesignerTab::Preview => self.preview(ui, rest, view, picture),
+            DesignerTab::Variables => self.variable_list(ui, rest, view),
+            DesignerTab::Pictures => self.picture_list(ui, rest, view),
+            DesignerTab::Faults => self.faults(ui, rest, view),
         }
     }
 
     /// Height of a line of the text.
-    const fn line() -> f32 {
-        listing::LINE
+    const fn line_height() -> f32 {
+        listing::LINE_HEIGHT
     }
 }

@@ -2,121 +2,123 @@
 //! time are shown before the first cycle start.
 //! Source: spec B6 (图形), H8, H9.
 
+mod lathe;
 mod paint;
-mod room;
 
 use std::sync::Arc;
 
 use egui::{Align2, Id, Rect, Sense, Ui, Vec2, pos2, vec2};
 
-use super::{Typed, empty};
+use super::{TypedInput, empty};
 use crate::defs::text::Text;
-use crate::hmi::asking::{Asking, Why};
-use crate::hmi::entry::Edit;
-use crate::hmi::view::{View, card, fit, length, paragraph};
-use crate::hmi::widget::{Look, Walk};
-use crate::hmi::{frame as lines, pictogram, theme};
+use crate::hmi::requests::{PendingRequests, RequestReason};
+use crate::hmi::variable_entry::EditKey;
+use crate::hmi::view::{View, card, fit_text, format_length, paragraph};
+use crate::hmi::widget::{ButtonState, KeyboardFocus};
+use crate::hmi::{page_frame as lines, pictogram, theme};
 use crate::link::Command;
-use crate::link::drawing::{Around, Drawing};
-use crate::link::files::{Asker, FileRequest, Ticket};
+use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::page_command::PageCommand;
+use crate::link::toolpath::{BoundingBox, Toolpath};
 use crate::units::Axis;
 use paint::{Camera, Canvas};
 
 /// Height of the keys below.
-const KEYS: f32 = 46.0;
+const KEYS_HEIGHT: f32 = 46.0;
 /// Width of the figures beside the drawing.
-const FIGURES: f32 = 196.0;
+const FIGURES_WIDTH: f32 = 196.0;
 /// Maximum number of points of the actual path; when full, every second point is removed.
-const TRAIL: usize = 8_000;
+const MAX_PATH_POINTS: usize = 8_000;
 /// Seconds after which an unanswered request is repeated.
-const AGAIN: f64 = 1.0;
+const RETRY_SECONDS: f64 = 1.0;
 /// Zoom factor of a key press.
-const ZOOM: f32 = 1.5;
+const ZOOM_STEP: f32 = 1.5;
 /// Pan distance of a key press, as a share of the canvas.
-const MOVE: f32 = 0.15;
+const PAN_STEP: f32 = 0.15;
 
 /// View plane: the axis to the right and the axis upwards.
-pub type PlaneOf = (Axis, Axis);
+pub type ViewPlane = (Axis, Axis);
 
 /// Request for a tool path.
 #[derive(Debug)]
-struct Path;
+struct DrawingRequest;
 
-impl Why for Path {
-    const ASKER: Asker = Asker::Graphic;
+impl RequestReason for DrawingRequest {
+    const REQUESTER: Requester = Requester::Graphic;
 }
 
 /// State of the page.
 #[derive(Debug, Default)]
-pub struct Graphic {
+pub struct GraphicPage {
     camera: Option<Camera>,
     plane: usize,
     canvas: Canvas,
     /// Program and text stamp of the last request, and its time in s.
-    asked: Option<((u32, u64), f64)>,
-    asking: Asking<Path>,
+    last_request: Option<((u32, u64), f64)>,
+    asking: PendingRequests<DrawingRequest>,
     /// Actual path X Y Z, mm, work coordinates, X as radius.
-    trail: Vec<[f32; 3]>,
+    actual_path: Vec<[f32; 3]>,
     /// Touched Z positions to measure, mm, two at most (L10).
-    touched: Vec<f32>,
-    walk: Walk,
+    measured_at: Vec<f32>,
+    walk: KeyboardFocus,
 }
 
 const fn index(axis: Axis) -> usize {
     axis as usize
 }
 
-impl Graphic {
+impl GraphicPage {
     /// Records the machine position; called in every frame, whichever page is open.
-    pub fn follow(&mut self, view: &View<'_>) {
-        let at = position(view);
+    pub fn record_position(&mut self, view: &View<'_>) {
+        let at = machine_position(view);
         let running = view.snapshot.state == crate::link::snapshot::RunState::Running;
-        let moved = self.trail.last().is_none_or(|last| (0..3).any(|axis| (last[axis] - at[axis]).abs() > 5e-4));
+        let moved = self.actual_path.last().is_none_or(|last| (0..3).any(|axis| (last[axis] - at[axis]).abs() > 5e-4));
         if !running || !moved {
             return;
         }
-        if self.trail.len() >= TRAIL {
+        if self.actual_path.len() >= MAX_PATH_POINTS {
             let mut keep = false;
-            self.trail.retain(|_| {
+            self.actual_path.retain(|_| {
                 keep = !keep;
                 keep
             });
         }
-        self.trail.push(at);
+        self.actual_path.push(at);
     }
 
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>) -> Vec<Command> {
         let mut out = Vec::new();
         let program = &view.snapshot.program;
         if program.number == 0 {
-            let remedy = view.say("按“目录”选择一个程序并装入。", "Choose a program in the directory and load it.");
-            empty::show(ui, view, rect, pictogram::NO_PAGE, view.say("没有装入程序", "no program is loaded"), remedy);
+            let remedy = view.text("按“目录”选择一个程序并装入。", "Choose a program in the directory and load it.");
+            empty::show(ui, view, rect, pictogram::NO_PAGE, view.text("没有装入程序", "no program is loaded"), remedy);
             return out;
         }
-        let drawing = view.snapshot.files.drawing.as_ref().filter(|drawing| drawing.number == program.number);
+        let drawing = view.snapshot.files.toolpath.as_ref().filter(|drawing| drawing.number == program.number);
         let fresh = drawing.is_some_and(|drawing| drawing.stamp == program.stamp);
         let wanted = (program.number, program.stamp);
         let now = ui.input(|input| input.time);
-        while self.asking.hear(&view.snapshot.files).is_some() {}
+        while self.asking.poll(&view.snapshot.files).is_some() {}
         // An unanswered request is repeated; a refused or cancelled one is not.
-        let due = self.asked.is_none_or(|(of, when)| of != wanted || self.asking.waits() && now - when > AGAIN);
+        let due = self
+            .last_request
+            .is_none_or(|(of, when)| of != wanted || self.asking.is_waiting() && now - when > RETRY_SECONDS);
         if !fresh && due && view.snapshot.files.busy.is_none() {
-            self.redraw(wanted, now, &mut out);
+            self.request_drawing(wanted, now, &mut out);
         }
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
-        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - KEYS);
+        let (body, keys) = rest.split_top_bottom_at_y(rest.max.y - KEYS_HEIGHT);
         let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
-        let (canvas, figures) = body.split_left_right_at_x(body.max.x - FIGURES);
+        let (canvas, figures) = body.split_left_right_at_x(body.max.x - FIGURES_WIDTH);
         let canvas = Rect::from_min_max(canvas.min, canvas.max - vec2(theme::GAP, 0.0));
-        let planes = view.snapshot.kind.planes();
+        let planes = view.snapshot.kind.drawing_planes();
         let plane = planes[self.plane % planes.len()];
         let words = format!("{} · {}{}", view.snapshot.title(program.number), plane.0.letter(), plane.1.letter());
         lines::title(ui, view, title, &words);
         self.canvas(ui, canvas, view, (drawing, plane), typed);
-        figures_of(ui, figures, view, drawing, fresh);
+        path_figures(ui, figures, view, drawing, fresh);
         self.keys(ui, keys, view, typed.edits, &mut out);
         if let Some((what, share)) = view.snapshot.files.busy {
             progress(ui, canvas, view, what, share);
@@ -124,9 +126,9 @@ impl Graphic {
         out
     }
 
-    fn redraw(&mut self, wanted: (u32, u64), now: f64, out: &mut Vec<Command>) {
-        self.asked = Some((wanted, now));
-        out.push(self.asking.ask(Path, FileRequest::Draw(wanted.0)));
+    fn request_drawing(&mut self, wanted: (u32, u64), now: f64, out: &mut Vec<Command>) {
+        self.last_request = Some((wanted, now));
+        out.push(self.asking.send(DrawingRequest, FileRequest::ComputeToolpath(wanted.0)));
     }
 
     fn canvas(
@@ -134,12 +136,12 @@ impl Graphic {
         ui: &Ui,
         rect: Rect,
         view: &View<'_>,
-        (drawing, plane): (Option<&Arc<Drawing>>, PlaneOf),
-        typed: &Typed<'_>,
+        (drawing, plane): (Option<&Arc<Toolpath>>, ViewPlane),
+        typed: &TypedInput<'_>,
     ) {
         card(ui.painter(), rect, view.theme.surface, view.theme.line);
         let inside = rect.shrink(2.0);
-        let whole = paint::whole(view, drawing, &self.trail);
+        let whole = paint::scene_bounds(view, drawing, &self.actual_path);
         let camera = *self.camera.get_or_insert_with(|| Camera::fit(whole, plane, inside));
         let mut camera = if camera.fitted { Camera::fit(whole, plane, inside) } else { camera };
         let response = ui.interact(inside, Id::unique("graphic-canvas"), Sense::CLICK | Sense::DRAG | Sense::HOVER);
@@ -151,47 +153,58 @@ impl Graphic {
         });
         let at = at.filter(|at| inside.contains(*at));
         if response.dragged() {
-            camera.shift(response.drag_delta());
+            camera.pan(response.drag_delta());
         }
         if let Some(at) = at {
             camera.zoom(pinch * (scroll / 240.0).exp(), at - inside.center());
         }
-        if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked() && room::of(view).is_some()) {
-            if self.touched.len() == 2 {
-                self.touched.clear();
+        if let Some(at) =
+            response.interact_pointer_pos().filter(|_| response.clicked() && lathe::work_area(view).is_some())
+        {
+            if self.measured_at.len() == 2 {
+                self.measured_at.clear();
             }
-            self.touched.push(camera.right_at(inside, at));
+            self.measured_at.push(camera.right_at(inside, at));
         }
         for edit in typed.edits {
             match edit {
-                Edit::Left => camera.shift(vec2(MOVE * inside.width(), 0.0)),
-                Edit::Right => camera.shift(vec2(-MOVE * inside.width(), 0.0)),
-                Edit::Up => camera.shift(vec2(0.0, MOVE * inside.height())),
-                Edit::Down => camera.shift(vec2(0.0, -MOVE * inside.height())),
-                Edit::Sign => camera.zoom(1.0 / ZOOM, Vec2::ZERO),
+                EditKey::Left => camera.pan(vec2(PAN_STEP * inside.width(), 0.0)),
+                EditKey::Right => camera.pan(vec2(-PAN_STEP * inside.width(), 0.0)),
+                EditKey::Up => camera.pan(vec2(0.0, PAN_STEP * inside.height())),
+                EditKey::Down => camera.pan(vec2(0.0, -PAN_STEP * inside.height())),
+                EditKey::Sign => camera.zoom(1.0 / ZOOM_STEP, Vec2::ZERO),
                 _ => {}
             }
         }
         for sign in typed.text.chars() {
             match sign {
-                '+' | '=' => camera.zoom(ZOOM, Vec2::ZERO),
+                '+' | '=' => camera.zoom(ZOOM_STEP, Vec2::ZERO),
                 'f' | 'F' => camera = Camera::fit(whole, plane, inside),
                 _ => {}
             }
         }
-        camera.zoom(ZOOM.powi(-typed.pages), Vec2::ZERO);
+        camera.zoom(ZOOM_STEP.powi(-typed.scroll_pages), Vec2::ZERO);
         self.camera = Some(camera);
         let painter = ui.painter().with_clip_rect(inside);
-        let scene = paint::Scene { drawing, plane, camera, trail: &self.trail, touched: &self.touched };
+        let scene = paint::GraphicScene {
+            drawing,
+            plane,
+            camera,
+            actual_path: &self.actual_path,
+            measured_at: &self.measured_at,
+        };
         self.canvas.paint(&painter, inside, view, &scene);
     }
 
-    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[Edit], out: &mut Vec<Command>) {
+    fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey], out: &mut Vec<Command>) {
         // The arrow keys pan the drawing, so Tab moves over the keys.
-        let walked: Vec<Edit> =
-            edits.iter().copied().filter(|edit| matches!(edit, Edit::Next | Edit::Previous | Edit::Enter)).collect();
-        self.walk.begin(&walked);
-        let several = view.snapshot.kind.planes().len() > 1;
+        let walked: Vec<EditKey> = edits
+            .iter()
+            .copied()
+            .filter(|edit| matches!(edit, EditKey::Next | EditKey::Previous | EditKey::Enter))
+            .collect();
+        self.walk.begin_frame(&walked);
+        let several = view.snapshot.kind.drawing_planes().len() > 1;
         let busy = view.snapshot.files.busy.is_some();
         let keys = [
             ("graphic-fit", Text::new("适合", "FIT"), true),
@@ -207,13 +220,13 @@ impl Graphic {
         for (index, (name, label, _)) in shown.into_iter().enumerate() {
             let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height()));
-            if !self.walk.push(ui, view, place, (name, label.get(view.lang)), Look::default()) {
+            if !self.walk.button(ui, view, place, (name, label.get(view.lang)), ButtonState::default()) {
                 continue;
             }
             match name {
                 "graphic-fit" => self.camera = None,
                 "graphic-in" | "graphic-out" => {
-                    let factor = if name == "graphic-in" { ZOOM } else { 1.0 / ZOOM };
+                    let factor = if name == "graphic-in" { ZOOM_STEP } else { 1.0 / ZOOM_STEP };
                     self.camera.iter_mut().for_each(|camera| camera.zoom(factor, Vec2::ZERO));
                 }
                 "graphic-plane" => {
@@ -221,14 +234,17 @@ impl Graphic {
                     self.camera = None;
                 }
                 "graphic-clear" => {
-                    self.trail.clear();
-                    self.touched.clear();
+                    self.actual_path.clear();
+                    self.measured_at.clear();
                 }
                 "graphic-redraw" => {
                     let wanted = (view.snapshot.program.number, view.snapshot.program.stamp);
-                    self.redraw(wanted, ui.input(|input| input.time), out);
+                    self.request_drawing(wanted, ui.input(|input| input.time), out);
                 }
-                _ => out.push(Command::Page(PageCommand::File(Ticket::unheard(Asker::Graphic), FileRequest::Cancel))),
+                _ => out.push(Command::Page(PageCommand::File(
+                    Ticket::without_reply(Requester::Graphic),
+                    FileRequest::Cancel,
+                ))),
             }
             ui.ctx().request_repaint();
         }
@@ -236,9 +252,9 @@ impl Graphic {
 }
 
 /// Position of the wheel's reference point: X Y Z, mm, X as radius, work coordinates.
-fn position(view: &View<'_>) -> [f32; 3] {
+fn machine_position(view: &View<'_>) -> [f32; 3] {
     Axis::ALL.map(|axis| {
-        let halved = if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
+        let halved = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
         (view.snapshot.axes[axis].work / halved) as f32
     })
 }
@@ -250,53 +266,54 @@ fn duration(seconds: f64) -> String {
 }
 
 /// Time, distance, extents, errors.
-fn figures_of(ui: &Ui, rect: Rect, view: &View<'_>, drawing: Option<&Arc<Drawing>>, fresh: bool) {
+fn path_figures(ui: &Ui, rect: Rect, view: &View<'_>, drawing: Option<&Arc<Toolpath>>, fresh: bool) {
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
     let inside = rect.shrink2(vec2(10.0, 8.0));
     let Some(drawing) = drawing else {
-        let words = view.say("还没有轨迹", "no path yet");
-        paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.quiet);
+        let words = view.text("还没有轨迹", "no path yet");
+        paragraph(ui.painter(), inside, words, theme::LABEL, view.theme.muted);
         return;
     };
     let mut rows = vec![
-        (view.say("时间", "time").to_owned(), duration(drawing.seconds)),
-        (view.say("行程 m", "way m").to_owned(), format!("{:.2}", drawing.length_mm / 1_000.0)),
-        (view.say("行数", "lines").to_owned(), drawing.lines.to_string()),
+        (view.text("时间", "time").to_owned(), duration(drawing.duration_s)),
+        (view.text("行程 m", "way m").to_owned(), format!("{:.2}", drawing.length_mm / 1_000.0)),
+        (view.text("行数", "lines").to_owned(), drawing.lines.to_string()),
     ];
     if let Some((low, high)) = drawing.extents {
         for axis in Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present) {
-            let factor = if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
-            rows.push((format!("{} {}", axis.letter(), view.say("最小", "min")), length(low[axis] * factor)));
-            rows.push((format!("{} {}", axis.letter(), view.say("最大", "max")), length(high[axis] * factor)));
+            let factor = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
+            rows.push((format!("{} {}", axis.letter(), view.text("最小", "min")), format_length(low[axis] * factor)));
+            rows.push((format!("{} {}", axis.letter(), view.text("最大", "max")), format_length(high[axis] * factor)));
         }
     }
     let mut top = inside.min.y;
     for (name, value) in rows {
         let line = Rect::from_min_size(pos2(inside.min.x, top), vec2(inside.width(), 25.0));
         let (left, right) = line.split_left_right_at_fraction(0.42);
-        fit(ui.painter(), left, Align2::LEFT_CENTER, &name, theme::LABEL, view.theme.quiet);
-        fit(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::LABEL, view.theme.text);
+        fit_text(ui.painter(), left, Align2::LEFT_CENTER, &name, theme::LABEL, view.theme.muted);
+        fit_text(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::LABEL, view.theme.text);
         top += 25.0;
     }
-    if room::of(view).is_some() {
-        let words = view.say("触摸工件：量直径和长度", "touch the part: diameter, length");
+    if lathe::work_area(view).is_some() {
+        let words = view.text("触摸工件：量直径和长度", "touch the part: diameter, length");
         let place = Rect::from_min_max(pos2(inside.min.x, top + 4.0), inside.max);
-        top = paragraph(ui.painter(), place, words, theme::SMALL, view.theme.quiet).max.y;
+        top = paragraph(ui.painter(), place, words, theme::SMALL, view.theme.muted).max.y;
     }
     let below = Rect::from_min_max(pos2(inside.min.x, top + 6.0), inside.max);
     let (words, ink) = if let Some(fault) = drawing.faults.first() {
         let more = drawing.faults.len() - 1;
         let more = if more > 0 { format!(" (+{more})") } else { String::new() };
-        let line = view.say("行", "line");
-        (format!("{line} {}: {}{more}", fault.line, fault.said.get(view.lang)), view.theme.alarm_text)
+        let line = view.text("行", "line");
+        (format!("{line} {}: {}{more}", fault.line, fault.message.get(view.lang)), view.theme.alarm_text)
     } else if !fresh {
-        let words = view.say("程序已改动，请重算", "the program was changed: redraw");
+        let words = view.text("程序已改动，请重算", "the program was changed: redraw");
         (words.to_owned(), view.theme.hold)
     } else if !drawing.finished {
-        let words = view.say("未到程序结束：太长或循环等待", "not followed to its end: too long, or a loop that waits");
+        let words =
+            view.text("未到程序结束：太长或循环等待", "not followed to its end: too long, or a loop that waits");
         (words.to_owned(), view.theme.hold)
     } else {
-        (view.say("检查无错误", "checked: no mistakes").to_owned(), view.theme.run)
+        (view.text("检查无错误", "checked: no mistakes").to_owned(), view.theme.run)
     };
     paragraph(ui.painter(), below, &words, theme::LABEL, ink);
 }
@@ -308,7 +325,7 @@ fn progress(ui: &Ui, rect: Rect, view: &View<'_>, what: Text, share: u16) {
     let inside = place.shrink(theme::PAD);
     let words = format!("{} {} %", what.get(view.lang), share / 10);
     let (line, bar) = inside.split_top_bottom_at_y(inside.min.y + 28.0);
-    fit(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
+    fit_text(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
     let bar = Rect::from_min_max(pos2(bar.min.x, bar.max.y - 12.0), bar.max);
     ui.painter().rect_filled(bar, theme::RADIUS, view.theme.line);
     let done = Rect::from_min_size(bar.min, vec2(bar.width() * f32::from(share) / 1_000.0, bar.height()));
@@ -316,6 +333,6 @@ fn progress(ui: &Ui, rect: Rect, view: &View<'_>, what: Text, share: u16) {
 }
 
 /// The given box; without one a box of ±50 mm around the machine position.
-fn or_here(around: Option<Around>, here: [f32; 3]) -> Around {
-    around.unwrap_or(Around { low: here.map(|at| at - 50.0), high: here.map(|at| at + 50.0) })
+fn or_around_machine(around: Option<BoundingBox>, here: [f32; 3]) -> BoundingBox {
+    around.unwrap_or(BoundingBox { low: here.map(|at| at - 50.0), high: here.map(|at| at + 50.0) })
 }

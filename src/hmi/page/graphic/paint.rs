@@ -7,28 +7,28 @@ use std::sync::Arc;
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Align2, Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
-use super::{PlaneOf, index, or_here, position, room};
-use crate::defs::face::WheelPose;
+use super::{ViewPlane, index, lathe, machine_position, or_around_machine};
+use crate::defs::kind_ui::WheelPose;
 use crate::defs::param;
 use crate::hmi::theme;
-use crate::hmi::view::{View, put};
-use crate::link::drawing::{Around, Drawing, PIECE, Way};
+use crate::hmi::view::{View, text_line};
+use crate::link::toolpath::{BoundingBox, CHUNK_POINTS, MoveKind, Toolpath};
 use crate::units::Axis;
 
 /// Maximum number of path lines per frame; above that a coarser level of detail is used.
-const MOST_LINES: usize = 24_000;
+const MAX_LINES: usize = 24_000;
 /// Maximum error of the simplified path, pixels.
-const MISSING: f32 = 0.6;
+const MAX_ERROR_PX: f32 = 0.6;
 /// Limits of the scale, pixels per mm.
-const SCALES: std::ops::RangeInclusive<f32> = 0.01..=20_000.0;
+const SCALE_RANGE: std::ops::RangeInclusive<f32> = 0.01..=20_000.0;
 /// Minimum distance of two grid lines, pixels.
-const GRID: f32 = 70.0;
+const MIN_GRID_PX: f32 = 70.0;
 
 /// Section of the plane that is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Centre of the canvas, mm: to the right, upwards.
-    middle: (f32, f32),
+    centre: (f32, f32),
     /// Pixels per mm.
     scale: f32,
     /// Everything is in view; true until the operator pans or zooms.
@@ -37,98 +37,102 @@ pub struct Camera {
 
 impl Camera {
     /// A camera that shows everything.
-    pub fn fit(whole: Around, (right, up): PlaneOf, rect: Rect) -> Self {
+    pub fn fit(whole: BoundingBox, (right, up): ViewPlane, rect: Rect) -> Self {
         let (right, up) = (index(right), index(up));
         let size = |axis: usize| (whole.high[axis] - whole.low[axis]).max(1.0);
         let scale = (rect.width() * 0.88 / size(right)).min(rect.height() * 0.88 / size(up));
         let middle = |axis: usize| f32::midpoint(whole.low[axis], whole.high[axis]);
-        Self { middle: (middle(right), middle(up)), scale: scale.clamp(*SCALES.start(), *SCALES.end()), fitted: true }
+        Self {
+            centre: (middle(right), middle(up)),
+            scale: scale.clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end()),
+            fitted: true,
+        }
     }
 
     /// Pans by pixels.
-    pub fn shift(&mut self, by: Vec2) {
+    pub fn pan(&mut self, by: Vec2) {
         if by != Vec2::ZERO {
-            self.middle.0 -= by.x / self.scale;
-            self.middle.1 += by.y / self.scale;
+            self.centre.0 -= by.x / self.scale;
+            self.centre.1 += by.y / self.scale;
             self.fitted = false;
         }
     }
 
     /// Zooms around `about`, pixels from the centre.
     pub fn zoom(&mut self, factor: f32, about: Vec2) {
-        let scale = (self.scale * factor).clamp(*SCALES.start(), *SCALES.end());
+        let scale = (self.scale * factor).clamp(*SCALE_RANGE.start(), *SCALE_RANGE.end());
         if !scale.is_finite() || (scale / self.scale - 1.0).abs() < 1e-4 {
             return;
         }
-        self.middle.0 += about.x / self.scale - about.x / scale;
-        self.middle.1 -= about.y / self.scale - about.y / scale;
+        self.centre.0 += about.x / self.scale - about.x / scale;
+        self.centre.1 -= about.y / self.scale - about.y / scale;
         (self.scale, self.fitted) = (scale, false);
     }
 
     /// Coordinate to the right at a canvas position, mm.
     pub fn right_at(&self, rect: Rect, at: Pos2) -> f32 {
-        self.middle.0 + (at.x - rect.center().x) / self.scale
+        self.centre.0 + (at.x - rect.center().x) / self.scale
     }
 
     /// Canvas position of a point in mm.
-    pub fn place(&self, rect: Rect, right: f32, up: f32) -> Pos2 {
+    pub fn to_canvas(self, rect: Rect, right: f32, up: f32) -> Pos2 {
         let centre = rect.center();
-        pos2(centre.x + (right - self.middle.0) * self.scale, centre.y - (up - self.middle.1) * self.scale)
+        pos2(centre.x + (right - self.centre.0) * self.scale, centre.y - (up - self.centre.1) * self.scale)
     }
 
     /// Visible range, mm: least and greatest to the right, least and greatest upwards.
-    fn sight(&self, rect: Rect) -> [f32; 4] {
+    fn visible_mm(&self, rect: Rect) -> [f32; 4] {
         let (wide, high) = (rect.width() / 2.0 / self.scale, rect.height() / 2.0 / self.scale);
-        [self.middle.0 - wide, self.middle.0 + wide, self.middle.1 - high, self.middle.1 + high]
+        [self.centre.0 - wide, self.centre.0 + wide, self.centre.1 - high, self.centre.1 + high]
     }
 }
 
 /// What is painted.
-pub struct Scene<'a> {
-    pub drawing: Option<&'a Arc<Drawing>>,
-    pub plane: PlaneOf,
+pub struct GraphicScene<'a> {
+    pub drawing: Option<&'a Arc<Toolpath>>,
+    pub plane: ViewPlane,
     pub camera: Camera,
-    pub trail: &'a [[f32; 3]],
+    pub actual_path: &'a [[f32; 3]],
     /// Touched Z positions to measure, mm (L10).
-    pub touched: &'a [f32],
+    pub measured_at: &'a [f32],
 }
 
 /// Mesh of the tool path as last painted.
 #[derive(Debug, Default)]
 pub struct Canvas {
-    of: Option<(Arc<Drawing>, PlaneOf, Camera, Rect)>,
+    of: Option<(Arc<Toolpath>, ViewPlane, Camera, Rect)>,
     mesh: Arc<Mesh>,
 }
 
 /// Bounding box of tool path, part and bar; without a drawing also of the actual path.
-pub fn whole(view: &View<'_>, drawing: Option<&Arc<Drawing>>, trail: &[[f32; 3]]) -> Around {
-    let mut all: Option<Around> = drawing.and_then(|drawing| drawing.around());
+pub fn scene_bounds(view: &View<'_>, drawing: Option<&Arc<Toolpath>>, trail: &[[f32; 3]]) -> BoundingBox {
+    let mut all: Option<BoundingBox> = drawing.and_then(|drawing| drawing.bounding_box());
     let mut take = |low: [f32; 3], high: [f32; 3]| {
-        let around = all.get_or_insert(Around { low, high });
+        let around = all.get_or_insert(BoundingBox { low, high });
         for axis in 0..3 {
             around.low[axis] = around.low[axis].min(low[axis]);
             around.high[axis] = around.high[axis].max(high[axis]);
         }
     };
-    for stock in view.snapshot.stock.iter().filter(|stock| stock.part) {
+    for stock in view.snapshot.stock.iter().filter(|stock| stock.is_workpiece) {
         take(stock.low.0.map(|at| at as f32), stock.high.0.map(|at| at as f32));
     }
-    if let Some(bar) = room::around(view) {
+    if let Some(bar) = lathe::bar_bounds(view) {
         take(bar.low, bar.high);
     }
     if drawing.is_none() {
         trail.iter().for_each(|at| take(*at, *at));
     }
-    or_here(all, position(view))
+    or_around_machine(all, machine_position(view))
 }
 
 impl Canvas {
     /// Paints everything into a clipped painter.
-    pub fn paint(&mut self, painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+    pub fn paint(&mut self, painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
         grid_lines(painter, rect, view, scene.camera);
-        match room::of(view) {
-            Some(_) => room::paint(painter, rect, view, scene),
-            None => stock(painter, rect, view, scene),
+        match lathe::work_area(view) {
+            Some(_) => lathe::paint(painter, rect, view, scene),
+            None => paint_stock(painter, rect, view, scene),
         }
         if let Some(drawing) = scene.drawing {
             let wanted = (Arc::clone(drawing), scene.plane, scene.camera, rect);
@@ -136,16 +140,16 @@ impl Canvas {
                 Arc::ptr_eq(drawn, drawing) && (*plane, *camera, *place) == (scene.plane, scene.camera, rect)
             });
             if !same {
-                self.mesh = Arc::new(path(drawing, scene, rect, view));
+                self.mesh = Arc::new(path_mesh(drawing, scene, rect, view));
                 self.of = Some(wanted);
             }
             painter.add(Shape::Mesh(Arc::clone(&self.mesh)));
         }
-        trail(painter, rect, view, scene);
-        wheel(painter, rect, view, scene);
+        paint_actual_path(painter, rect, view, scene);
+        paint_wheel(painter, rect, view, scene);
         grid_labels(painter, rect, view, scene);
-        crashes(painter, rect, view, scene);
-        room::measured(painter, rect, view, scene.camera, scene.touched);
+        paint_collisions(painter, rect, view, scene);
+        lathe::paint_measurements(painter, rect, view, scene.camera, scene.measured_at);
     }
 }
 
@@ -157,21 +161,22 @@ fn round_up(length: f32) -> f32 {
 
 /// One line of the grid.
 struct GridLine {
-    upright: bool,
+    vertical: bool,
     at: Pos2,
     value: f32,
 }
 
 /// The distance of the grid lines, mm, and the visible lines.
 fn grid(rect: Rect, camera: Camera) -> (f32, Vec<GridLine>) {
-    let step = round_up(GRID / camera.scale);
-    let [left, right, low, high] = camera.sight(rect);
+    let step = round_up(MIN_GRID_PX / camera.scale);
+    let [left, right, low, high] = camera.visible_mm(rect);
     let values = |from: f32, to: f32| {
         ((from / step).ceil() as i64..=(to / step).floor() as i64).map(move |number| number as f32 * step)
     };
     let upright =
-        values(left, right).map(|value| GridLine { upright: true, at: camera.place(rect, value, 0.0), value });
-    let level = values(low, high).map(|value| GridLine { upright: false, at: camera.place(rect, 0.0, value), value });
+        values(left, right).map(|value| GridLine { vertical: true, at: camera.to_canvas(rect, value, 0.0), value });
+    let level =
+        values(low, high).map(|value| GridLine { vertical: false, at: camera.to_canvas(rect, 0.0, value), value });
     (step, upright.chain(level).collect())
 }
 
@@ -179,8 +184,8 @@ fn grid_lines(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera) {
     let (step, lines) = grid(rect, camera);
     for line in lines {
         let zero = line.value.abs() < step * 0.01;
-        let stroke = Stroke::new(theme::HAIR, if zero { view.theme.quiet } else { view.theme.line });
-        if line.upright {
+        let stroke = Stroke::new(theme::HAIRLINE, if zero { view.theme.muted } else { view.theme.line });
+        if line.vertical {
             painter.vline(line.at.x, rect.y_range(), stroke);
         } else {
             painter.hline(rect.x_range(), line.at.y, stroke);
@@ -189,79 +194,81 @@ fn grid_lines(painter: &Painter, rect: Rect, view: &View<'_>, camera: Camera) {
 }
 
 /// Coordinates of the grid lines, above part and wheel.
-fn grid_labels(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+fn grid_labels(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (step, lines) = grid(rect, scene.camera);
     let digits = if step >= 1.0 { 0 } else { (-step.log10()).ceil() as usize };
-    let size = vec2(GRID - 8.0, 16.0);
+    let size = vec2(MIN_GRID_PX - 8.0, 16.0);
     for line in lines {
-        let (axis, place) = if line.upright {
+        let (axis, place) = if line.vertical {
             (scene.plane.0, Rect::from_min_size(pos2(line.at.x + 3.0, rect.max.y - 18.0), size))
         } else {
             (scene.plane.1, Rect::from_min_size(pos2(rect.min.x + 4.0, line.at.y - 17.0), size))
         };
-        let room = if line.upright {
+        let room = if line.vertical {
             place.max.x < rect.max.x
         } else {
             place.min.y > rect.min.y && place.max.y < rect.max.y - 20.0
         };
         if room {
-            let diameter = if axis == Axis::X && view.snapshot.diameter { 2.0 } else { 1.0 };
+            let diameter = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
             let words = format!("{:.*}", digits, line.value * diameter);
-            put(painter, place, Align2::LEFT_CENTER, &words, theme::SMALL, view.theme.quiet);
+            text_line(painter, place, Align2::LEFT_CENTER, &words, theme::SMALL, view.theme.muted);
         }
     }
 }
 
-fn stock(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+fn paint_stock(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (right, up) = scene.plane;
     for stock in view.snapshot.stock.iter() {
         let at =
-            |corner: &crate::units::PerAxis<f64>| scene.camera.place(rect, corner[right] as f32, corner[up] as f32);
+            |corner: &crate::units::PerAxis<f64>| scene.camera.to_canvas(rect, corner[right] as f32, corner[up] as f32);
         let place = Rect::from_two_pos(at(&stock.low), at(&stock.high));
-        let (fill, line) = if stock.part {
-            (view.theme.quiet.gamma_multiply(0.30), view.theme.quiet)
+        let (fill, line) = if stock.is_workpiece {
+            (view.theme.muted.gamma_multiply(0.30), view.theme.muted)
         } else {
             (view.theme.line.gamma_multiply(0.5), view.theme.line)
         };
         painter.rect_filled(place, 0.0, fill);
-        painter.rect_stroke(place, 0.0, Stroke::new(theme::HAIR, line), egui::StrokeKind::Inside);
+        painter.rect_stroke(place, 0.0, Stroke::new(theme::HAIRLINE, line), egui::StrokeKind::Inside);
     }
 }
 
 /// The path as one mesh: the coarsest level of detail without a visible error, or a coarser one with few enough lines.
-fn path(drawing: &Drawing, scene: &Scene<'_>, rect: Rect, view: &View<'_>) -> Mesh {
+fn path_mesh(drawing: &Toolpath, scene: &GraphicScene<'_>, rect: Rect, view: &View<'_>) -> Mesh {
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
-    let sight = scene.camera.sight(rect);
-    let seen = |piece: &Around| {
+    let sight = scene.camera.visible_mm(rect);
+    let seen = |piece: &BoundingBox| {
         piece.high[right] >= sight[0]
             && piece.low[right] <= sight[1]
             && piece.high[up] >= sight[2]
             && piece.low[up] <= sight[3]
     };
-    let fine = drawing.levels.iter().rposition(|level| level.tolerance_mm * scene.camera.scale <= MISSING).unwrap_or(0);
-    let count = |level: usize| drawing.levels[level].pieces.iter().filter(|piece| seen(piece)).count() * PIECE;
-    let chosen = (fine..drawing.levels.len()).find(|level| count(*level) <= MOST_LINES);
+    let fine =
+        drawing.levels.iter().rposition(|level| level.tolerance_mm * scene.camera.scale <= MAX_ERROR_PX).unwrap_or(0);
+    let count =
+        |level: usize| drawing.levels[level].chunk_boxes.iter().filter(|piece| seen(piece)).count() * CHUNK_POINTS;
+    let chosen = (fine..drawing.levels.len()).find(|level| count(*level) <= MAX_LINES);
     let Some(level) = drawing.levels.get(chosen.unwrap_or(drawing.levels.len().saturating_sub(1))) else {
         return Mesh::default();
     };
     let mut mesh = Mesh::default();
-    let colours = [view.theme.quiet, view.theme.info];
+    let colours = [view.theme.muted, view.theme.info];
     // A path too dense for every level of detail: pieces are skipped to keep the frame short.
-    let visible: Vec<usize> = (0..level.pieces.len()).filter(|piece| seen(&level.pieces[*piece])).collect();
-    let every = (visible.len() * PIECE / (2 * MOST_LINES)).max(1);
+    let visible: Vec<usize> = (0..level.chunk_boxes.len()).filter(|piece| seen(&level.chunk_boxes[*piece])).collect();
+    let every = (visible.len() * CHUNK_POINTS / (2 * MAX_LINES)).max(1);
     for piece in visible.into_iter().step_by(every) {
-        let first = piece * PIECE;
-        for at in first..(first + PIECE).min(level.points.len()) {
+        let first = piece * CHUNK_POINTS;
+        for at in first..(first + CHUNK_POINTS).min(level.points.len()) {
             let point = level.points[at];
-            let colour = match point.way {
-                Way::Lift => continue,
-                Way::Rapid => colours[0],
-                Way::Feed => colours[1],
+            let colour = match point.kind {
+                MoveKind::Break => continue,
+                MoveKind::Rapid => colours[0],
+                MoveKind::Feed => colours[1],
             };
             let Some(before) = at.checked_sub(1).map(|before| level.points[before].at) else { continue };
-            let from = scene.camera.place(rect, before[right], before[up]);
-            let to = scene.camera.place(rect, point.at[right], point.at[up]);
-            let width = if point.way == Way::Feed { 1.6 } else { 1.0 };
+            let from = scene.camera.to_canvas(rect, before[right], before[up]);
+            let to = scene.camera.to_canvas(rect, point.at[right], point.at[up]);
+            let width = if point.kind == MoveKind::Feed { 1.6 } else { 1.0 };
             if let Some((from, to)) = clipped(from, to, rect) {
                 segment(&mut mesh, from, to, width, colour);
             }
@@ -307,11 +314,11 @@ fn segment(mesh: &mut Mesh, from: Pos2, to: Pos2, width: f32, colour: Color32) {
 }
 
 /// Paints the actual path of the machine.
-fn trail(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+fn paint_actual_path(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let mut mesh = Mesh::default();
-    let place = |at: &[f32; 3]| scene.camera.place(rect, at[right], at[up]);
-    for pair in scene.trail.windows(2) {
+    let place = |at: &[f32; 3]| scene.camera.to_canvas(rect, at[right], at[up]);
+    for pair in scene.actual_path.windows(2) {
         if let Some((from, to)) = clipped(place(&pair[0]), place(&pair[1]), rect) {
             segment(&mut mesh, from, to, 2.0, view.theme.run);
         }
@@ -320,12 +327,12 @@ fn trail(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
 }
 
 /// Marks each collision of the check run with a cross (L9).
-fn crashes(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
+fn paint_collisions(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
     let Some(drawing) = scene.drawing else { return };
     let (right, up) = (index(scene.plane.0), index(scene.plane.1));
     let stroke = Stroke::new(theme::FRAME, view.theme.alarm);
     for at in &drawing.crashes {
-        let here = scene.camera.place(rect, at[right], at[up]);
+        let here = scene.camera.to_canvas(rect, at[right], at[up]);
         if rect.contains(here) {
             painter.circle_stroke(here, 9.0, stroke);
             painter.line_segment([here - vec2(6.0, 6.0), here + vec2(6.0, 6.0)], stroke);
@@ -335,17 +342,17 @@ fn crashes(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
 }
 
 /// Paints the wheel at its present position. Its reference point is the lowest or foremost point on the minus side.
-fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
-    let at = position(view);
+fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
+    let at = machine_position(view);
     let (right, up) = scene.plane;
     let params = &view.snapshot.params;
     let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);
-    let here = scene.camera.place(rect, at[index(right)], at[index(up)]);
+    let here = scene.camera.to_canvas(rect, at[index(right)], at[index(up)]);
     // `body`: axis towards which the wheel's body lies; `spindle`: axis along its spindle.
-    let Some(WheelPose { body, spindle, by_centre }) = view.snapshot.kind.wheel_pose() else {
+    let Some(WheelPose { body, spindle, position_is_centre: by_centre }) = view.snapshot.kind.wheel_pose() else {
         // Without a bar a turning tool is shown as its tip.
-        match room::of(view) {
-            Some(_) => room::tool(painter, rect, view, scene.camera, at),
+        match lathe::work_area(view) {
+            Some(_) => lathe::paint_tool(painter, rect, view, scene.camera, at),
             None => drop(painter.circle_filled(here, 3.5, view.theme.hold)),
         }
         return;
@@ -373,8 +380,8 @@ fn wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Scene<'_>) {
             let across = if spindle == right { up } else { right };
             far[index(across)] += diameter / 2.0;
         }
-        let corner = scene.camera.place(rect, far[index(right)], far[index(up)]);
-        let here = scene.camera.place(rect, near[index(right)], near[index(up)]);
+        let corner = scene.camera.to_canvas(rect, far[index(right)], far[index(up)]);
+        let here = scene.camera.to_canvas(rect, near[index(right)], near[index(up)]);
         let place = Rect::from_two_pos(here, corner).intersect(rect.expand(8.0));
         if place.is_positive() {
             painter.rect(place, 0.0, fill, stroke, egui::StrokeKind::Outside);
@@ -392,18 +399,18 @@ mod tests {
     #[test]
     fn h9_zoom_keeps_the_place_under_the_finger() {
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(500.0, 400.0));
-        let around = Around { low: [0.0; 3], high: [100.0; 3] };
+        let around = BoundingBox { low: [0.0; 3], high: [100.0; 3] };
         let mut camera = Camera::fit(around, (Axis::Z, Axis::X), rect);
         let finger = vec2(80.0, -50.0);
         let under =
-            |camera: &Camera| (camera.middle.0 + finger.x / camera.scale, camera.middle.1 - finger.y / camera.scale);
+            |camera: &Camera| (camera.centre.0 + finger.x / camera.scale, camera.centre.1 - finger.y / camera.scale);
         let before = under(&camera);
         camera.zoom(3.0, finger);
         let after = under(&camera);
         assert!((before.0 - after.0).abs() < 1e-3 && (before.1 - after.1).abs() < 1e-3);
         // No zoom leaves the range that can be drawn.
         (0..200).for_each(|_| camera.zoom(10.0, finger));
-        assert!(camera.scale <= *SCALES.end() && camera.middle.0.is_finite());
+        assert!(camera.scale <= *SCALE_RANGE.end() && camera.centre.0.is_finite());
         camera.zoom(f32::NAN, finger);
         assert!(camera.scale.is_finite());
     }

@@ -5,30 +5,30 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-use crate::hmi::entry::Edit;
-use crate::hmi::keycap::{self, Face};
-use crate::hmi::page::Typed;
-use crate::hmi::page::input_line::{self, Told};
+use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
+use crate::hmi::keycap::{self, KeycapState};
+use crate::hmi::page::TypedInput;
+use crate::hmi::page::input_line::{self, InputPrompt};
 use crate::hmi::page::scroll::Scroll;
-use crate::hmi::typing::{Heard, Typing};
-use crate::hmi::view::{View, fit, frame, length, put};
+use crate::hmi::variable_entry::EditKey;
+use crate::hmi::view::{View, fit_text, focus_frame, format_length, text_line};
 use crate::hmi::{pictogram, theme, widget};
 use crate::link::Command;
-use crate::link::edit::{MOST_INCREMENT, OFFSETS, OffsetCommand, Part};
+use crate::link::edit::{MAX_INCREMENT, OFFSET_COUNT, OffsetCommand, OffsetPart};
 use crate::units::Axis;
 
 /// Height of a line.
-const LINE: f32 = 46.0;
+const LINE_HEIGHT: f32 = 46.0;
 /// Heights of the two header lines: parts, axes.
-const HEAD: (f32, f32) = (22.0, 22.0);
+const HEAD_HEIGHTS: (f32, f32) = (22.0, 22.0);
 /// Width of the offset number.
-const NUMBER: f32 = 46.0;
+const NUMBER_WIDTH: f32 = 46.0;
 /// Maximum number of columns: two parts of three axes.
-const COLUMNS: usize = 6;
+const MAX_COLUMNS: usize = 6;
 
 /// How a typed value is applied.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum How {
+pub enum EntryMode {
     /// Replaces the old value.
     #[default]
     Absolute,
@@ -39,52 +39,57 @@ pub enum How {
 }
 
 /// Configuration of the table by its page.
-pub struct Form<'a> {
+pub struct OffsetTableSpec<'a> {
     /// Id of the page.
     pub id: &'a str,
     /// Columns from the left.
-    pub columns: &'a [(Part, Axis)],
+    pub columns: &'a [(OffsetPart, Axis)],
     /// Entry modes that the page offers.
-    pub hows: &'a [How],
+    pub modes: &'a [EntryMode],
     /// Wear, increments and measurements are locked by P22.0.
     pub locked: bool,
 }
 
 /// The columns of the parts: one for each axis of the machine.
 #[must_use]
-pub fn columns(view: &View<'_>, parts: &[Part]) -> Vec<(Part, Axis)> {
+pub fn columns(view: &View<'_>, parts: &[OffsetPart]) -> Vec<(OffsetPart, Axis)> {
     let axes = || Axis::ALL.into_iter().filter(|axis| view.snapshot.axes[*axis].present);
     parts.iter().flat_map(|part| axes().map(|axis| (*part, axis))).collect()
 }
 
 /// State of the table.
 #[derive(Debug, Default)]
-pub struct Table {
+pub struct OffsetTable {
     /// The value being typed.
-    pub typing: Typing,
+    pub typing: FieldEditor,
     row: usize,
     column: usize,
-    how: How,
+    mode: EntryMode,
     scroll: Scroll,
 }
 
-impl Table {
+impl OffsetTable {
     /// The page was opened; the offset in force is selected.
     pub fn open(&mut self, in_force: usize) {
         *self = Self { row: in_force.saturating_sub(1), ..Self::default() };
     }
 
     /// Handles the keyboard input of this frame.
-    pub fn take(&mut self, view: &View<'_>, typed: &Typed<'_>, form: &Form<'_>) -> Vec<Command> {
-        if let Heard::Refused(field) = self.typing.hear(&view.snapshot.edit) {
-            let cell = field / form.hows.len();
-            (self.row, self.column) = (cell / COLUMNS, cell % COLUMNS);
-            self.how = form.hows[field % form.hows.len()];
+    pub fn handle_typed(
+        &mut self,
+        view: &View<'_>,
+        typed: &TypedInput<'_>,
+        form: &OffsetTableSpec<'_>,
+    ) -> Vec<Command> {
+        if let CoreAnswer::Refused(field) = self.typing.poll_answer(&view.snapshot.edit_answer) {
+            let cell = field / form.modes.len();
+            (self.row, self.column) = (cell / MAX_COLUMNS, cell % MAX_COLUMNS);
+            self.mode = form.modes[field % form.modes.len()];
         }
         self.column = self.column.min(form.columns.len().saturating_sub(1));
         let mut out = Vec::new();
         for sign in typed.text.chars() {
-            self.letter(sign, form);
+            self.handle_letter(sign, form);
         }
         for edit in typed.edits {
             self.edit(*edit, form, &mut out);
@@ -93,231 +98,240 @@ impl Table {
     }
 
     /// U, V, W start an increment of the wear; X, Y, Z select an axis; M starts a measurement.
-    fn letter(&mut self, sign: char, form: &Form<'_>) {
-        let part = form.columns.get(self.column).map_or(Part::Wear, |(part, _)| *part);
+    fn handle_letter(&mut self, sign: char, form: &OffsetTableSpec<'_>) {
+        let part = form.columns.get(self.column).map_or(OffsetPart::Wear, |(part, _)| *part);
         let (part, axis, how) = match sign.to_ascii_uppercase() {
-            'U' => (Part::Wear, Some(Axis::X), How::Increment),
-            'V' => (Part::Wear, Some(Axis::Y), How::Increment),
-            'W' => (Part::Wear, Some(Axis::Z), How::Increment),
-            'M' => (part, None, How::Measured),
+            'U' => (OffsetPart::Wear, Some(Axis::X), EntryMode::Increment),
+            'V' => (OffsetPart::Wear, Some(Axis::Y), EntryMode::Increment),
+            'W' => (OffsetPart::Wear, Some(Axis::Z), EntryMode::Increment),
+            'M' => (part, None, EntryMode::Measured),
             letter => match Axis::from_letter(letter) {
-                Some(axis) => (part, Some(axis), self.how),
+                Some(axis) => (part, Some(axis), self.mode),
                 None => return,
             },
         };
         let axis = axis.or(form.columns.get(self.column).map(|(_, axis)| *axis));
         let column = form.columns.iter().position(|column| Some(column.1) == axis && column.0 == part);
-        if let (Some(column), true) = (column, form.hows.contains(&how)) {
+        if let (Some(column), true) = (column, form.modes.contains(&how)) {
             self.typing.clear();
-            (self.column, self.how) = (column, how);
+            (self.column, self.mode) = (column, how);
         }
     }
 
-    fn edit(&mut self, edit: Edit, form: &Form<'_>, out: &mut Vec<Command>) {
-        self.typing.next_key(edit);
-        if edit == Edit::Cancel && self.typing.text.is_empty() && self.how != How::Absolute {
-            self.how = How::Absolute;
+    fn edit(&mut self, edit: EditKey, form: &OffsetTableSpec<'_>, out: &mut Vec<Command>) {
+        self.typing.clear_refused(edit);
+        if edit == EditKey::Cancel && self.typing.text.is_empty() && self.mode != EntryMode::Absolute {
+            self.mode = EntryMode::Absolute;
             return;
         }
-        if self.typing.key(edit) {
+        if self.typing.handle_key(edit) {
             return;
         }
         let count = form.columns.len();
         let cell = self.row * count + self.column;
-        let cells = OFFSETS * count;
+        let cells = OFFSET_COUNT * count;
         match edit {
-            Edit::Enter => out.extend(self.enter(form)),
-            Edit::Up => self.go((cell + cells - count) % cells, form),
-            Edit::Down => self.go((cell + count) % cells, form),
-            Edit::Left | Edit::Previous => self.go((cell + cells - 1) % cells, form),
-            Edit::Right | Edit::Next => self.go((cell + 1) % cells, form),
-            Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::LineStart | Edit::LineEnd | Edit::Cancel => {
-            }
+            EditKey::Enter => out.extend(self.enter(form)),
+            EditKey::Up => self.select_cell((cell + cells - count) % cells, form),
+            EditKey::Down => self.select_cell((cell + count) % cells, form),
+            EditKey::Left | EditKey::Previous => self.select_cell((cell + cells - 1) % cells, form),
+            EditKey::Right | EditKey::Next => self.select_cell((cell + 1) % cells, form),
+            EditKey::Char(_)
+            | EditKey::Sign
+            | EditKey::Backspace
+            | EditKey::Delete
+            | EditKey::LineStart
+            | EditKey::LineEnd
+            | EditKey::Cancel => {}
         }
     }
 
-    fn go(&mut self, cell: usize, form: &Form<'_>) {
+    fn select_cell(&mut self, cell: usize, form: &OffsetTableSpec<'_>) {
         (self.row, self.column) = (cell / form.columns.len(), cell % form.columns.len());
-        self.how = How::Absolute;
+        self.mode = EntryMode::Absolute;
         self.typing.clear();
-        self.scroll.by_hand = false;
+        self.scroll.user_scrolled = false;
     }
 
-    fn enter(&mut self, form: &Form<'_>) -> Option<Command> {
+    fn enter(&mut self, form: &OffsetTableSpec<'_>) -> Option<Command> {
         let cell = self.row * form.columns.len() + self.column;
         if self.typing.text.is_empty() {
-            self.go((cell + 1) % (OFFSETS * form.columns.len()), form);
+            self.select_cell((cell + 1) % (OFFSET_COUNT * form.columns.len()), form);
             return None;
         }
         let (part, axis) = *form.columns.get(self.column)?;
         let number = self.row + 1;
-        let value = match self.typing.number(self.most(part)) {
+        let value = match self.typing.number(self.max_value(part)) {
             Ok(value) => value,
             Err(reason) => {
                 self.typing.refused = Some(reason);
                 return None;
             }
         };
-        let how = form.hows.iter().position(|how| *how == self.how).unwrap_or(0);
-        self.typing.send((self.row * COLUMNS + self.column) * form.hows.len() + how);
-        let command = match (self.how, part) {
-            (How::Absolute, _) => {
-                self.go((cell + 1) % (OFFSETS * form.columns.len()), form);
+        let how = form.modes.iter().position(|how| *how == self.mode).unwrap_or(0);
+        self.typing.send((self.row * MAX_COLUMNS + self.column) * form.modes.len() + how);
+        let command = match (self.mode, part) {
+            (EntryMode::Absolute, _) => {
+                self.select_cell((cell + 1) % (OFFSET_COUNT * form.columns.len()), form);
                 Command::Offset(OffsetCommand::Set { number, part, axis, value })
             }
-            (How::Increment, Part::Wear) => Command::AddWear { number, axis, by: value },
-            (How::Increment, Part::Geometry) => Command::Offset(OffsetCommand::AddGeometry { number, axis, by: value }),
-            (How::Measured, _) => Command::Offset(OffsetCommand::Measure { number, axis, value }),
+            (EntryMode::Increment, OffsetPart::Wear) => Command::AddWear { number, axis, increment: value },
+            (EntryMode::Increment, OffsetPart::Geometry) => {
+                Command::Offset(OffsetCommand::AddGeometry { number, axis, increment: value })
+            }
+            (EntryMode::Measured, _) => Command::Offset(OffsetCommand::Measure { number, axis, value }),
         };
-        self.how = How::Absolute;
+        self.mode = EntryMode::Absolute;
         Some(command)
     }
 
-    const fn most(&self, part: Part) -> f64 {
-        match self.how {
-            How::Increment => MOST_INCREMENT,
-            How::Measured => Part::Geometry.most(),
-            How::Absolute => part.most(),
+    const fn max_value(&self, part: OffsetPart) -> f64 {
+        match self.mode {
+            EntryMode::Increment => MAX_INCREMENT,
+            EntryMode::Measured => OffsetPart::Geometry.max_abs(),
+            EntryMode::Absolute => part.max_abs(),
         }
     }
 
     /// The keys that select the entry mode of the next value.
-    pub fn hows(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, form: &Form<'_>) {
-        let key = |how: &How| match how {
-            How::Absolute => ("how-absolute", view.say("绝对值", "VALUE").to_owned()),
-            How::Increment => ("how-increment", view.say("增量 U/W", "INCREMENT").to_owned()),
-            How::Measured => ("how-measured", view.say("测量值", "MEASURED").to_owned()),
+    pub fn mode_keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
+        let key = |how: &EntryMode| match how {
+            EntryMode::Absolute => ("how-absolute", view.text("绝对值", "VALUE").to_owned()),
+            EntryMode::Increment => ("how-increment", view.text("增量 U/W", "INCREMENT").to_owned()),
+            EntryMode::Measured => ("how-measured", view.text("测量值", "MEASURED").to_owned()),
         };
-        let keys: Vec<_> = form.hows.iter().map(key).collect();
-        let chosen = form.hows.iter().position(|how| *how == self.how).unwrap_or(0);
+        let keys: Vec<_> = form.modes.iter().map(key).collect();
+        let chosen = form.modes.iter().position(|how| *how == self.mode).unwrap_or(0);
         if let Some(index) = widget::tabs(ui, view, rect, &keys, chosen) {
             self.typing.clear();
-            self.typing.pad = true;
-            self.how = form.hows[index];
+            self.typing.pad_open = true;
+            self.mode = form.modes[index];
         }
     }
 
     /// Draws header and lines.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, form: &Form<'_>) {
-        let (head, list) = rect.split_top_bottom_at_y(rect.min.y + HEAD.1 + parts_height(form));
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>, form: &OffsetTableSpec<'_>) {
+        let (head, list) = rect.split_top_bottom_at_y(rect.min.y + HEAD_HEIGHTS.1 + parts_height(form));
         head_line(ui, head, view, form);
-        let list = widget::whole_lines(list, LINE);
-        if typed.pages != 0 {
-            self.scroll.page(typed.pages, list, LINE);
+        let list = widget::round_to_lines(list, LINE_HEIGHT);
+        if typed.scroll_pages != 0 {
+            self.scroll.scroll_pages(typed.scroll_pages, list, LINE_HEIGHT);
         }
-        if !self.scroll.by_hand {
-            self.scroll.show(self.row, list, LINE);
+        if !self.scroll.user_scrolled {
+            self.scroll.scroll_to(self.row, list, LINE_HEIGHT);
         }
-        let (first, last) = self.scroll.follow(ui, form.id, list, LINE, OFFSETS);
+        let (first, last) = self.scroll.handle_input(ui, form.id, list, LINE_HEIGHT, OFFSET_COUNT);
         for row in first..last {
-            let top = list.min.y + ((row as f64 - self.scroll.top) * f64::from(LINE)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, LINE - 2.0));
+            let top = list.min.y + ((row as f64 - self.scroll.top) * f64::from(LINE_HEIGHT)) as f32;
+            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, LINE_HEIGHT - 2.0));
             self.line(ui, (list, place), view, row, form);
         }
-        self.scroll.bar(ui, view, list, LINE, OFFSETS);
+        self.scroll.draw_bar(ui, view, list, LINE_HEIGHT, OFFSET_COUNT);
     }
 
-    fn line(&mut self, ui: &Ui, (list, place): (Rect, Rect), view: &View<'_>, row: usize, form: &Form<'_>) {
+    fn line(&mut self, ui: &Ui, (list, place): (Rect, Rect), view: &View<'_>, row: usize, form: &OffsetTableSpec<'_>) {
         let painter = &ui.painter().with_clip_rect(list);
-        let in_force = view.snapshot.offset_in_force == row + 1;
-        let number = Rect::from_min_size(place.min, vec2(NUMBER, place.height()));
+        let in_force = view.snapshot.active_offset == row + 1;
+        let number = Rect::from_min_size(place.min, vec2(NUMBER_WIDTH, place.height()));
         let ink = if in_force { view.theme.info } else { view.theme.text };
         if in_force {
             painter.rect_filled(Rect::from_min_size(place.min, vec2(4.0, place.height())), 0.0, view.theme.info);
         }
         let words = format!("{:02}", row + 1);
-        put(painter, number, Align2::CENTER_CENTER, &words, theme::TITLE, ink);
+        text_line(painter, number, Align2::CENTER_CENTER, &words, theme::TITLE, ink);
         for (column, (part, axis)) in form.columns.iter().enumerate() {
-            let cell = cell(place, column, form);
+            let cell = cell_rect(place, column, form);
             let touch = cell.intersect(list);
             let response = ui.interact(touch, Id::unique((form.id, row, column)), Sense::CLICK);
             let name = format!("{}-{:02}-{axis}", part.name().en, row + 1);
             response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
             if response.clicked() {
                 if (row, column) != (self.row, self.column) {
-                    let how = if self.typing.refused.is_some() { How::Absolute } else { self.how };
-                    self.go(row * form.columns.len() + column, form);
-                    self.how = how;
+                    let how = if self.typing.refused.is_some() { EntryMode::Absolute } else { self.mode };
+                    self.select_cell(row * form.columns.len() + column, form);
+                    self.mode = how;
                 }
                 // After a touch the list must not scroll.
-                self.scroll.by_hand = true;
-                self.typing.pad = true;
+                self.scroll.user_scrolled = true;
+                self.typing.pad_open = true;
             }
             let chosen = (row, column) == (self.row, self.column);
-            let face = Face { pressed: response.is_pointer_button_down_on(), ..Face::default() };
-            keycap::plate(painter, view.theme, cell, face);
+            let face = KeycapState { pressed: response.is_pointer_button_down_on(), ..KeycapState::default() };
+            keycap::paint_body(painter, view.theme, cell, face);
             let inside = cell.shrink2(vec2(8.0, 2.0));
-            let old = length(view.snapshot.offsets[row].part(*part)[*axis]);
+            let old = format_length(view.snapshot.offsets[row].part(*part)[*axis]);
             let (words, ink) = match chosen && !self.typing.text.is_empty() {
                 true if self.typing.refused.is_some() => (self.typing.text.clone(), view.theme.alarm_text),
-                true if self.how == How::Increment => (format!("+= {}_", self.typing.text), view.theme.info),
+                true if self.mode == EntryMode::Increment => (format!("+= {}_", self.typing.text), view.theme.info),
                 true => (format!("{}_", self.typing.text), view.theme.info),
                 false => (old, view.theme.text),
             };
-            fit(painter, inside, Align2::RIGHT_CENTER, &words, theme::TITLE, ink);
+            fit_text(painter, inside, Align2::RIGHT_CENTER, &words, theme::TITLE, ink);
             if chosen {
                 let refused = self.typing.refused.is_some();
-                frame(painter, cell, if refused { view.theme.alarm } else { view.theme.focus });
+                focus_frame(painter, cell, if refused { view.theme.alarm } else { view.theme.focus });
             }
         }
     }
 
     /// `数据输入: 磨耗 04 X += 0.01   当前 … 范围 …`
-    pub fn input_line(&self, ui: &Ui, rect: Rect, view: &View<'_>, form: &Form<'_>) {
+    pub fn input_line(&self, ui: &Ui, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
         let Some((part, axis)) = form.columns.get(self.column) else { return };
         let number = self.row + 1;
-        let old = length(view.snapshot.offsets[self.row].part(*part)[*axis]);
-        let (sign, part, then) = match self.how {
-            How::Absolute => ("=", *part, format!("{} {old}", view.say("原值", "was"))),
-            How::Increment => (" +=", *part, format!("{} {old}", view.say("原值", "was"))),
-            How::Measured => {
-                let work = length(view.snapshot.axes[*axis].work);
+        let old = format_length(view.snapshot.offsets[self.row].part(*part)[*axis]);
+        let (sign, part, then) = match self.mode {
+            EntryMode::Absolute => ("=", *part, format!("{} {old}", view.text("原值", "was"))),
+            EntryMode::Increment => (" +=", *part, format!("{} {old}", view.text("原值", "was"))),
+            EntryMode::Measured => {
+                let work = format_length(view.snapshot.axes[*axis].work);
                 (
-                    view.say(" 测量值=", " measured="),
-                    Part::Geometry,
-                    format!("{} {axis} {work}", view.say("当前", "now")),
+                    view.text(" 测量值=", " measured="),
+                    OffsetPart::Geometry,
+                    format!("{} {axis} {work}", view.text("当前", "now")),
                 )
             }
         };
         let what = format!("{} {number:02} {axis}{sign}", part.name().get(view.lang));
-        let range = format!("{} ±{:.3} · {then}", view.say("范围", "range"), self.most(part));
-        let name = if form.locked && (part == Part::Wear || self.how != How::Absolute) { "P22.0=0" } else { "" };
-        input_line::ui(ui, view, rect, &self.typing, &Told { what: &what, name, range: &range });
+        let range = format!("{} ±{:.3} · {then}", view.text("范围", "range"), self.max_value(part));
+        let name =
+            if form.locked && (part == OffsetPart::Wear || self.mode != EntryMode::Absolute) { "P22.0=0" } else { "" };
+        input_line::ui(ui, view, rect, &self.typing, &InputPrompt { label: &what, name, range: &range });
     }
 }
 
-fn cell(line: Rect, column: usize, form: &Form<'_>) -> Rect {
-    let width = (line.width() - NUMBER) / form.columns.len() as f32;
-    let corner = pos2(line.min.x + NUMBER + column as f32 * width, line.min.y);
+fn cell_rect(line: Rect, column: usize, form: &OffsetTableSpec<'_>) -> Rect {
+    let width = (line.width() - NUMBER_WIDTH) / form.columns.len() as f32;
+    let corner = pos2(line.min.x + NUMBER_WIDTH + column as f32 * width, line.min.y);
     Rect::from_min_size(corner, vec2(width - 4.0, line.height()))
 }
 
 /// A single part needs no caption.
-fn parts_height(form: &Form<'_>) -> f32 {
+fn parts_height(form: &OffsetTableSpec<'_>) -> f32 {
     let first = form.columns.first().map(|column| column.0);
-    if form.columns.iter().all(|column| Some(column.0) == first) { 0.0 } else { HEAD.0 }
+    if form.columns.iter().all(|column| Some(column.0) == first) { 0.0 } else { HEAD_HEIGHTS.0 }
 }
 
 /// Parts above axes; a lock where P22.0 forbids editing.
-fn head_line(ui: &Ui, rect: Rect, view: &View<'_>, form: &Form<'_>) {
+fn head_line(ui: &Ui, rect: Rect, view: &View<'_>, form: &OffsetTableSpec<'_>) {
     let painter = ui.painter();
     let (parts, axes) = rect.split_top_bottom_at_y(rect.min.y + parts_height(form));
     let line = |rect: Rect| Rect::from_min_max(rect.min, rect.max - vec2(8.0, 0.0));
-    let number = Rect::from_min_size(axes.min, vec2(NUMBER, axes.height()));
-    put(painter, number, Align2::CENTER_CENTER, view.say("号", "No."), theme::SMALL, view.theme.quiet);
+    let number = Rect::from_min_size(axes.min, vec2(NUMBER_WIDTH, axes.height()));
+    text_line(painter, number, Align2::CENTER_CENTER, view.text("号", "No."), theme::SMALL, view.theme.muted);
     let mut last = None;
     for (column, (part, axis)) in form.columns.iter().enumerate() {
-        let below = cell(line(axes), column, form).shrink2(vec2(8.0, 0.0));
-        fit(painter, below, Align2::RIGHT_CENTER, &axis.to_string(), theme::LABEL, view.theme.text);
-        if last.replace(*part) == Some(*part) || parts_height(form) < HEAD.0 {
+        let below = cell_rect(line(axes), column, form).shrink2(vec2(8.0, 0.0));
+        fit_text(painter, below, Align2::RIGHT_CENTER, &axis.to_string(), theme::LABEL, view.theme.text);
+        if last.replace(*part) == Some(*part) || parts_height(form) < HEAD_HEIGHTS.0 {
             continue;
         }
-        let above = cell(line(parts), column, form).shrink2(vec2(8.0, 0.0));
-        let taken = fit(painter, above, Align2::LEFT_CENTER, part.name().get(view.lang), theme::LABEL, view.theme.text);
-        if form.locked && *part == Part::Wear {
+        let above = cell_rect(line(parts), column, form).shrink2(vec2(8.0, 0.0));
+        let taken =
+            fit_text(painter, above, Align2::LEFT_CENTER, part.name().get(view.lang), theme::LABEL, view.theme.text);
+        if form.locked && *part == OffsetPart::Wear {
             let lock = Rect::from_center_size(pos2(taken.max.x + 12.0, above.center().y), vec2(13.0, 13.0));
-            pictogram::draw(painter, lock, pictogram::LOCK, view.theme.quiet);
+            pictogram::draw(painter, lock, pictogram::LOCK, view.theme.muted);
         }
     }
-    painter.hline(rect.x_range(), rect.max.y - 2.0, Stroke::new(theme::HAIR, view.theme.line));
+    painter.hline(rect.x_range(), rect.max.y - 2.0, Stroke::new(theme::HAIRLINE, view.theme.line));
 }

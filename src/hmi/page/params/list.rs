@@ -2,11 +2,11 @@
 //! Source: spec B6.
 
 use crate::defs::kind::Kind;
-use crate::defs::param_row::{ParamRow, Sort, rows};
+use crate::defs::param_row::{ParamRow, ParamType, rows};
 
 /// Filter of the tabs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Part {
+pub enum ParamFilter {
     /// All parameters.
     #[default]
     All,
@@ -20,19 +20,19 @@ pub enum Part {
 
 /// One line of the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Line {
+pub enum ParamLine {
     /// Parameter number and its bits, bit 7 first, as row indices.
     Bits(u16, [Option<usize>; 8]),
     /// Row index of one number or port.
-    One(usize),
+    Single(usize),
 }
 
-impl Line {
+impl ParamLine {
     /// The rows of the line, from the left.
     pub fn rows(&self) -> impl Iterator<Item = usize> {
         let (bits, one) = match self {
             Self::Bits(_, bits) => (*bits, None),
-            Self::One(row) => ([None; 8], Some(*row)),
+            Self::Single(row) => ([None; 8], Some(*row)),
         };
         bits.into_iter().flatten().chain(one)
     }
@@ -40,47 +40,47 @@ impl Line {
 
 /// Parameters of a kind of machine, and the lines that match tab and search.
 #[derive(Debug, Default)]
-pub struct List {
+pub struct ParamList {
     kind: Option<Kind>,
-    part: Part,
+    filter: ParamFilter,
     search: String,
     /// All parameters of the kind.
     pub rows: Vec<ParamRow>,
     /// The lines shown.
-    pub lines: Vec<Line>,
+    pub lines: Vec<ParamLine>,
     /// Whether each row matches; the other bits of a matching line are shown, too.
-    pub found: Vec<bool>,
+    pub matches: Vec<bool>,
 }
 
-impl List {
+impl ParamList {
     /// Updates the lines; true if they changed.
-    pub fn update(&mut self, kind: Kind, part: Part, search: &str) -> bool {
-        let same = self.kind == Some(kind) && self.part == part && self.search == search;
+    pub fn update(&mut self, kind: Kind, part: ParamFilter, search: &str) -> bool {
+        let same = self.kind == Some(kind) && self.filter == part && self.search == search;
         if same {
             return false;
         }
         if self.kind != Some(kind) {
             self.rows = rows(kind);
         }
-        (self.kind, self.part) = (Some(kind), part);
+        (self.kind, self.filter) = (Some(kind), part);
         search.clone_into(&mut self.search);
         let wanted = search.trim().to_lowercase();
-        self.found = self.rows.iter().map(|row| is_in(row, part) && fits(row, &wanted)).collect();
+        self.matches = self.rows.iter().map(|row| passes_filter(row, part) && matches_search(row, &wanted)).collect();
         self.lines.clear();
         for (index, row) in self.rows.iter().enumerate() {
-            match (row.at.bit, self.lines.last_mut()) {
-                (Some(bit), Some(Line::Bits(number, bits))) if *number == row.at.number => {
+            match (row.address.bit, self.lines.last_mut()) {
+                (Some(bit), Some(ParamLine::Bits(number, bits))) if *number == row.address.number => {
                     bits[7 - usize::from(bit)] = Some(index);
                 }
                 (Some(bit), _) => {
                     let mut bits = [None; 8];
                     bits[7 - usize::from(bit)] = Some(index);
-                    self.lines.push(Line::Bits(row.at.number, bits));
+                    self.lines.push(ParamLine::Bits(row.address.number, bits));
                 }
-                (None, _) => self.lines.push(Line::One(index)),
+                (None, _) => self.lines.push(ParamLine::Single(index)),
             }
         }
-        let found = &self.found;
+        let found = &self.matches;
         self.lines.retain(|line| line.rows().any(|row| found[row]));
         true
     }
@@ -88,7 +88,7 @@ impl List {
     /// The first row that matches.
     #[must_use]
     pub fn first(&self) -> Option<usize> {
-        self.lines.iter().flat_map(Line::rows).find(|row| self.found[*row])
+        self.lines.iter().flat_map(ParamLine::rows).find(|row| self.matches[*row])
     }
 
     /// The line of a row.
@@ -99,46 +99,46 @@ impl List {
 
     /// The row `lines` further down, on the same bit or the nearest one.
     #[must_use]
-    pub fn below(&self, row: usize, lines: isize) -> Option<usize> {
+    pub fn row_lines_down(&self, row: usize, lines: isize) -> Option<usize> {
         let here = self.line_of(row)?;
         let there = here.saturating_add_signed(lines).min(self.lines.len().checked_sub(1)?);
-        let bit = self.rows[row].at.bit.unwrap_or(7);
-        let apart = |other: &usize| self.rows[*other].at.bit.map_or(0, |bit_there| bit_there.abs_diff(bit));
+        let bit = self.rows[row].address.bit.unwrap_or(7);
+        let apart = |other: &usize| self.rows[*other].address.bit.map_or(0, |bit_there| bit_there.abs_diff(bit));
         self.lines[there].rows().min_by_key(apart)
     }
 
     /// The next or previous row, across lines.
     #[must_use]
-    pub fn beside(&self, row: usize, forward: bool) -> Option<usize> {
-        let all: Vec<usize> = self.lines.iter().flat_map(Line::rows).collect();
+    pub fn adjacent_row(&self, row: usize, forward: bool) -> Option<usize> {
+        let all: Vec<usize> = self.lines.iter().flat_map(ParamLine::rows).collect();
         let here = all.iter().position(|other| *other == row)?;
         let there = if forward { (here + 1) % all.len() } else { (here + all.len() - 1) % all.len() };
         all.get(there).copied()
     }
 }
 
-fn is_in(row: &ParamRow, part: Part) -> bool {
+fn passes_filter(row: &ParamRow, part: ParamFilter) -> bool {
     match part {
-        Part::All => true,
-        Part::Bits => row.sort == Sort::Bit,
-        Part::Numbers => row.sort == Sort::Number,
-        Part::Ports => matches!(row.sort, Sort::Input(_) | Sort::Output(_)),
+        ParamFilter::All => true,
+        ParamFilter::Bits => row.param_type == ParamType::Bit,
+        ParamFilter::Numbers => row.param_type == ParamType::Number,
+        ParamFilter::Ports => matches!(row.param_type, ParamType::Input(_) | ParamType::Output(_)),
     }
 }
 
 /// A number matches from its first digit; a word matches anywhere in either name or in the id.
-fn fits(row: &ParamRow, wanted: &str) -> bool {
+fn matches_search(row: &ParamRow, wanted: &str) -> bool {
     if wanted.is_empty() {
         return true;
     }
     let number = wanted.strip_prefix('p').unwrap_or(wanted);
     if number.starts_with(|sign: char| sign.is_ascii_digit()) {
-        return row.at.to_string()[1..].starts_with(number);
+        return row.address.to_string()[1..].starts_with(number);
     }
-    let id = match row.sort {
-        Sort::Input(input) => input.id(),
-        Sort::Output(output) => output.id(),
-        Sort::Bit | Sort::Number => "",
+    let id = match row.param_type {
+        ParamType::Input(input) => input.id(),
+        ParamType::Output(output) => output.id(),
+        ParamType::Bit | ParamType::Number => "",
     };
     row.name.zh.contains(wanted) || row.name.en.to_lowercase().contains(wanted) || id.contains(wanted)
 }
@@ -147,37 +147,37 @@ fn fits(row: &ParamRow, wanted: &str) -> bool {
 mod tests {
     use super::*;
 
-    fn found(part: Part, search: &str) -> Vec<String> {
-        let mut list = List::default();
+    fn found(part: ParamFilter, search: &str) -> Vec<String> {
+        let mut list = ParamList::default();
         list.update(Kind::Gc, part, search);
-        let rows = list.rows.iter().zip(&list.found).filter(|(_, found)| **found);
-        rows.map(|(row, _)| row.at.to_string()).collect()
+        let rows = list.rows.iter().zip(&list.matches).filter(|(_, found)| **found);
+        rows.map(|(row, _)| row.address.to_string()).collect()
     }
 
     #[test]
     fn b6_search_finds_numbers_and_words_of_both_languages() {
-        assert_eq!(found(Part::All, "P270"), ["P270"]);
-        assert_eq!(found(Part::All, "270"), ["P270"]);
-        assert_eq!(found(Part::All, "16."), ["P16.0", "P16.1", "P16.2"]);
-        assert_eq!(found(Part::All, "液压检测"), ["P270"]);
-        assert_eq!(found(Part::All, "hydraulic CHECK"), ["P270"]);
-        assert_eq!(found(Part::Ports, "hydraulic-pressure"), ["P269"]);
-        assert!(found(Part::Bits, "液压").contains(&"P17.0".to_owned()));
-        assert!(found(Part::All, "nothing of the kind").is_empty());
+        assert_eq!(found(ParamFilter::All, "P270"), ["P270"]);
+        assert_eq!(found(ParamFilter::All, "270"), ["P270"]);
+        assert_eq!(found(ParamFilter::All, "16."), ["P16.0", "P16.1", "P16.2"]);
+        assert_eq!(found(ParamFilter::All, "液压检测"), ["P270"]);
+        assert_eq!(found(ParamFilter::All, "hydraulic CHECK"), ["P270"]);
+        assert_eq!(found(ParamFilter::Ports, "hydraulic-pressure"), ["P269"]);
+        assert!(found(ParamFilter::Bits, "液压").contains(&"P17.0".to_owned()));
+        assert!(found(ParamFilter::All, "nothing of the kind").is_empty());
     }
 
     #[test]
     fn b6_arrows_reach_every_parameter() {
-        let mut list = List::default();
-        list.update(Kind::Gc, Part::All, "");
+        let mut list = ParamList::default();
+        list.update(Kind::Gc, ParamFilter::All, "");
         let (mut row, mut seen) = (list.first().expect("a row"), 0);
         for _ in 0..list.rows.len() {
-            row = list.beside(row, true).expect("a row");
+            row = list.adjacent_row(row, true).expect("a row");
             seen += 1;
         }
         assert_eq!((Some(row), seen), (list.first(), list.rows.len()));
-        let below = list.below(row, 1).expect("a line below");
+        let below = list.row_lines_down(row, 1).expect("a line below");
         assert_eq!(list.line_of(below), Some(1));
-        assert_eq!(list.below(row, -1).and_then(|row| list.line_of(row)), Some(0));
+        assert_eq!(list.row_lines_down(row, -1).and_then(|row| list.line_of(row)), Some(0));
     }
 }

@@ -1,116 +1,131 @@
 //! Parameters: bits in rows of eight, numbers and ports, with search. Values are typed here and checked by the core.
 //! Source: spec B6, H6, K6.1.
 
+mod leadscrew;
 mod list;
 mod paint;
-mod screw;
 
 use egui::{Rect, Ui, pos2, vec2};
 
-use super::Typed;
+use super::TypedInput;
 use super::scroll::Scroll;
-use crate::defs::param::Level;
-use crate::defs::param_row::{ParamRow, Sort};
-use crate::defs::text::Said;
-use crate::hmi::entry::Edit;
-use crate::hmi::letters::{self, Letter};
+use crate::defs::param::AccessLevel;
+use crate::defs::param_row::{ParamRow, ParamType};
+use crate::defs::text::LocalizedText;
+use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
+use crate::hmi::letter_pad::{self, LetterKey};
 use crate::hmi::login::Login;
-use crate::hmi::search::{self, SearchTouch};
+use crate::hmi::search_field::{self, SearchTouch};
 use crate::hmi::theme;
-use crate::hmi::typing::{Heard, Typing};
+use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::View;
 use crate::hmi::widget;
 use crate::link::Command;
-use crate::link::page_command::{Guard, PageCommand};
-use list::{List, Part};
+use crate::link::page_command::{PageCommand, PasswordScope};
+use list::{ParamFilter, ParamList};
 
 /// Maximum length of a search, characters.
-const LONGEST: usize = 14;
+const MAX_SEARCH_CHARS: usize = 14;
 /// Filters of the tabs.
-const PARTS: [Part; 4] = [Part::All, Part::Bits, Part::Numbers, Part::Ports];
+const FILTERS: [ParamFilter; 4] = [ParamFilter::All, ParamFilter::Bits, ParamFilter::Numbers, ParamFilter::Ports];
 
 /// State of the page.
 #[derive(Debug, Default)]
-pub struct Params {
-    part: Part,
+pub struct ParamPage {
+    filter: ParamFilter,
     search: String,
     /// Typed characters go to the search.
     searching: bool,
-    list: List,
+    list: ParamList,
     scroll: Scroll,
     /// Index of the selected row.
     cursor: usize,
     /// The value being typed.
-    pub typing: Typing,
+    pub typing: FieldEditor,
     /// Row and value that wait for the password of the level.
-    waiting: Option<(usize, f64)>,
+    pending_value: Option<(usize, f64)>,
     /// The leadscrew tables are shown instead.
-    screws: bool,
+    shows_leadscrews: bool,
     /// The leadscrew tab.
-    pub screw: screw::Screw,
+    pub leadscrew: leadscrew::LeadscrewTab,
 }
 
-impl Params {
+impl ParamPage {
     /// The page was opened: nothing is being typed.
     pub fn open(&mut self) {
-        let (part, cursor, screws) = (self.part, self.cursor, self.screws);
-        *self = Self { part, cursor, screws, ..Self::default() };
+        let (part, cursor, screws) = (self.filter, self.cursor, self.shows_leadscrews);
+        *self = Self { filter: part, cursor, shows_leadscrews: screws, ..Self::default() };
     }
 
     /// The value being typed.
     #[must_use]
-    pub const fn typing(&self) -> &Typing {
-        if self.screws { &self.screw.typing } else { &self.typing }
+    pub const fn typing(&self) -> &FieldEditor {
+        if self.shows_leadscrews { &self.leadscrew.typing } else { &self.typing }
     }
 
     /// Whether a search is being typed.
     #[must_use]
-    pub const fn searches(&self) -> bool {
+    pub const fn is_searching(&self) -> bool {
         self.searching
     }
 
     /// Whether the numeric pad is shown.
     #[must_use]
     pub const fn wants_pad(&self) -> bool {
-        if self.screws { self.screw.typing.pad } else { self.typing.pad && !self.searching }
+        if self.shows_leadscrews { self.leadscrew.typing.pad_open } else { self.typing.pad_open && !self.searching }
     }
 
     /// Draws the page; returns its commands.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
+    pub fn ui(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        view: &View<'_>,
+        typed: &TypedInput<'_>,
+        login: &mut Login,
+    ) -> Vec<Command> {
         let mut out = Vec::new();
         // Ctrl+P selects the next tab.
-        if typed.controls.contains(&egui::Key::P) && !login.is_open() {
-            let tab =
-                if self.screws { PARTS.len() } else { PARTS.iter().position(|part| *part == self.part).unwrap_or(0) };
-            self.turn_to((tab + 1) % (PARTS.len() + 1));
+        if typed.ctrl_keys.contains(&egui::Key::P) && !login.is_open() {
+            let tab = if self.shows_leadscrews {
+                FILTERS.len()
+            } else {
+                FILTERS.iter().position(|part| *part == self.filter).unwrap_or(0)
+            };
+            self.select_tab((tab + 1) % (FILTERS.len() + 1));
         }
-        if self.screws {
-            let places = paint::Places::new(rect, false, 0);
-            self.top(ui, &places, view, login, &mut out);
+        if self.shows_leadscrews {
+            let places = paint::ParamLayout::new(rect, false, 0);
+            self.header(ui, &places, view, login, &mut out);
             let below = Rect::from_min_max(pos2(rect.min.x, places.tabs.max.y + theme::GAP), rect.max);
-            out.extend(self.screw.ui(ui, below, view, typed, login));
+            out.extend(self.leadscrew.ui(ui, below, view, typed, login));
             return out;
         }
-        if self.list.update(view.snapshot.kind, self.part, &self.search) {
+        if self.list.update(view.snapshot.kind, self.filter, &self.search) {
             self.scroll = Scroll::default();
-            let shown = self.list.found.get(self.cursor).copied().unwrap_or(false);
+            let shown = self.list.matches.get(self.cursor).copied().unwrap_or(false);
             if !shown {
-                self.choose(self.list.first().unwrap_or(0));
+                self.select(self.list.first().unwrap_or(0));
             }
             self.reveal(self.cursor);
         }
-        if let Heard::Refused(row) = self.typing.hear(&view.snapshot.edit) {
+        if let CoreAnswer::Refused(row) = self.typing.poll_answer(&view.snapshot.edit_answer) {
             self.cursor = row;
             self.reveal(row);
         }
-        self.send_waiting(view, login, &mut out);
+        self.send_pending(view, login, &mut out);
         if !login.is_open() {
-            self.take(typed, view, login, &mut out);
+            self.handle_typed(typed, view, login, &mut out);
         }
-        let number = self.list.rows.get(self.cursor).filter(|row| row.sort == Sort::Bit).map(|row| row.at.number);
-        let bits = self.list.rows.iter().filter(|row| Some(row.at.number) == number).count();
-        let places = paint::Places::new(rect, self.searching, bits);
-        self.top(ui, &places, view, login, &mut out);
+        let number = self
+            .list
+            .rows
+            .get(self.cursor)
+            .filter(|row| row.param_type == ParamType::Bit)
+            .map(|row| row.address.number);
+        let bits = self.list.rows.iter().filter(|row| Some(row.address.number) == number).count();
+        let places = paint::ParamLayout::new(rect, self.searching, bits);
+        self.header(ui, &places, view, login, &mut out);
         self.lines(ui, &places, view, typed);
         paint::detail(ui.painter(), view, &places, &self.list, self.cursor);
         paint::input_line(
@@ -122,7 +137,7 @@ impl Params {
             self.typing.refused.as_ref(),
         );
         if self.searching
-            && let Some(letter) = letters::ui(ui, view, places.letters, &letters::SEARCH)
+            && let Some(letter) = letter_pad::ui(ui, view, places.letters, &letter_pad::SEARCH_LAYOUT)
         {
             self.letter(&letter);
         }
@@ -130,36 +145,43 @@ impl Params {
     }
 
     /// Sends the waiting value once its level is unlocked; drops it if the password is not given.
-    fn send_waiting(&mut self, view: &View<'_>, login: &Login, out: &mut Vec<Command>) {
-        let Some((row, value)) = self.waiting else { return };
+    fn send_pending(&mut self, view: &View<'_>, login: &Login, out: &mut Vec<Command>) {
+        let Some((row, value)) = self.pending_value else { return };
         let Some(row) = self.list.rows.get(row) else { return };
         if row.level <= view.snapshot.access.level {
-            out.push(Command::Page(PageCommand::EditParam(row.at, value)));
-            self.typing.send(self.waiting.take().map_or(0, |(row, _)| row));
+            out.push(Command::Page(PageCommand::EditParam(row.address, value)));
+            self.typing.send(self.pending_value.take().map_or(0, |(row, _)| row));
         } else if !login.is_open() {
-            self.waiting = None;
+            self.pending_value = None;
         }
     }
 
     /// Tabs, search field and access level.
-    fn top(&mut self, ui: &Ui, places: &paint::Places, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+    fn header(
+        &mut self,
+        ui: &Ui,
+        places: &paint::ParamLayout,
+        view: &View<'_>,
+        login: &mut Login,
+        out: &mut Vec<Command>,
+    ) {
         let keys = [
-            ("params-all", view.say("全部", "ALL").to_owned()),
-            ("params-bits", view.say("位", "BITS").to_owned()),
-            ("params-numbers", view.say("数值", "VALUES").to_owned()),
-            ("params-ports", view.say("端口", "PORTS").to_owned()),
-            ("params-screws", view.say("丝杠", "SCREWS").to_owned()),
+            ("params-all", view.text("全部", "ALL").to_owned()),
+            ("params-bits", view.text("位", "BITS").to_owned()),
+            ("params-numbers", view.text("数值", "VALUES").to_owned()),
+            ("params-ports", view.text("端口", "PORTS").to_owned()),
+            ("params-screws", view.text("丝杠", "SCREWS").to_owned()),
         ];
-        let chosen = PARTS.iter().position(|part| *part == self.part).unwrap_or(0);
-        let chosen = if self.screws { PARTS.len() } else { chosen };
+        let chosen = FILTERS.iter().position(|part| *part == self.filter).unwrap_or(0);
+        let chosen = if self.shows_leadscrews { FILTERS.len() } else { chosen };
         if let Some(index) = widget::tabs(ui, view, places.tabs, &keys, chosen) {
-            self.turn_to(index);
+            self.select_tab(index);
         }
-        if self.screws {
-            return self.level(ui, places, view, login, out);
+        if self.shows_leadscrews {
+            return self.level_key(ui, places, view, login, out);
         }
-        let hint = view.say("查找 号码/文字", "find number/text");
-        match search::field(ui, view, places.search, hint, &self.search, self.searching) {
+        let hint = view.text("查找 号码/文字", "find number/text");
+        match search_field::field(ui, view, places.search, hint, &self.search, self.searching) {
             Some(SearchTouch::Field) => {
                 self.searching = !self.searching;
                 self.typing.text.clear();
@@ -167,47 +189,56 @@ impl Params {
             Some(SearchTouch::Clear) => self.search.clear(),
             None => {}
         }
-        self.level(ui, places, view, login, out);
+        self.level_key(ui, places, view, login, out);
     }
 
     /// Selects a tab; the last one is that of the leadscrews.
-    fn turn_to(&mut self, tab: usize) {
-        self.screws = tab == PARTS.len();
-        self.part = PARTS.get(tab).copied().unwrap_or(self.part);
-        (self.typing.pad, self.screw.typing.pad) = (false, false);
+    fn select_tab(&mut self, tab: usize) {
+        self.shows_leadscrews = tab == FILTERS.len();
+        self.filter = FILTERS.get(tab).copied().unwrap_or(self.filter);
+        (self.typing.pad_open, self.leadscrew.typing.pad_open) = (false, false);
     }
 
     /// The key that shows, unlocks or locks the access level.
-    fn level(&self, ui: &Ui, places: &paint::Places, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+    fn level_key(
+        &self,
+        ui: &Ui,
+        places: &paint::ParamLayout,
+        view: &View<'_>,
+        login: &mut Login,
+        out: &mut Vec<Command>,
+    ) {
         let level = view.snapshot.access.level;
         if paint::level_key(ui, view, places.level, level) {
-            if level > Level::Operator {
+            if level > AccessLevel::Operator {
                 out.push(Command::Page(PageCommand::Lock));
             } else {
-                let guard = self.list.rows.get(self.cursor).and_then(|row| Guard::of(row.level));
-                let guard = guard.filter(|_| !self.screws).or(self.screws.then_some(Guard::Builder));
-                login.unlock(view, guard.unwrap_or(Guard::User));
+                let guard = self.list.rows.get(self.cursor).and_then(|row| PasswordScope::for_level(row.level));
+                let guard = guard
+                    .filter(|_| !self.shows_leadscrews)
+                    .or(self.shows_leadscrews.then_some(PasswordScope::Builder));
+                login.unlock(view, guard.unwrap_or(PasswordScope::User));
             }
         }
     }
 
     /// The visible lines.
-    fn lines(&mut self, ui: &Ui, places: &paint::Places, view: &View<'_>, typed: &Typed<'_>) {
+    fn lines(&mut self, ui: &Ui, places: &paint::ParamLayout, view: &View<'_>, typed: &TypedInput<'_>) {
         if self.list.lines.is_empty() {
-            paint::nothing(ui.painter(), view, places.list);
+            paint::no_match(ui.painter(), view, places.list);
             return;
         }
-        let list = widget::whole_lines(places.list, paint::LINE);
-        if typed.pages != 0 {
-            self.scroll.page(typed.pages, list, paint::LINE);
+        let list = widget::round_to_lines(places.list, paint::LINE_HEIGHT);
+        if typed.scroll_pages != 0 {
+            self.scroll.scroll_pages(typed.scroll_pages, list, paint::LINE_HEIGHT);
         }
-        let (first, last) = self.scroll.follow(ui, "params", list, paint::LINE, self.list.lines.len());
+        let (first, last) = self.scroll.handle_input(ui, "params", list, paint::LINE_HEIGHT, self.list.lines.len());
         let mut touched = None;
         for index in first..last {
-            let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(paint::LINE)) as f32;
-            let size = vec2(list.width() - 8.0, paint::LINE - 4.0);
+            let top = list.min.y + ((index as f64 - self.scroll.top) * f64::from(paint::LINE_HEIGHT)) as f32;
+            let size = vec2(list.width() - 8.0, paint::LINE_HEIGHT - 4.0);
             let place = Rect::from_min_size(egui::pos2(list.min.x, top), size);
-            let drawn = paint::Drawn {
+            let drawn = paint::ParamListView {
                 list: &self.list,
                 cursor: self.cursor,
                 text: &self.typing.text,
@@ -215,15 +246,15 @@ impl Params {
             };
             touched = paint::line(ui, view, (list, place), index, &drawn).or(touched);
         }
-        self.scroll.bar(ui, view, list, paint::LINE, self.list.lines.len());
+        self.scroll.draw_bar(ui, view, list, paint::LINE_HEIGHT, self.list.lines.len());
         if let Some(row) = touched {
-            self.choose(row);
-            self.typing.pad = true;
+            self.select(row);
+            self.typing.pad_open = true;
             self.searching = false;
         }
     }
 
-    fn choose(&mut self, row: usize) {
+    fn select(&mut self, row: usize) {
         if row != self.cursor {
             self.typing.clear();
         }
@@ -231,7 +262,7 @@ impl Params {
     }
 
     /// Handles typed input: for the search while it is open, else for the value. A letter opens the search.
-    fn take(&mut self, typed: &Typed<'_>, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+    fn handle_typed(&mut self, typed: &TypedInput<'_>, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let begins = |sign: char| sign == '/' || sign.is_alphabetic();
         if !self.searching && typed.text.starts_with(begins) {
             self.searching = true;
@@ -239,25 +270,30 @@ impl Params {
         }
         if self.searching {
             for sign in typed.text.chars().filter(|sign| *sign != '/' && !sign.is_control()) {
-                self.letter(&Letter::Sign(sign));
+                self.letter(&LetterKey::Char(sign));
             }
         }
         for edit in typed.edits {
             match edit {
-                Edit::Char(_) | Edit::Sign if self.searching => {}
-                Edit::Back | Edit::Delete if self.searching => self.letter(&Letter::Back),
-                Edit::Enter if self.searching => self.searching = false,
-                Edit::Cancel if self.searching => {
+                EditKey::Char(_) | EditKey::Sign if self.searching => {}
+                EditKey::Backspace | EditKey::Delete if self.searching => self.letter(&LetterKey::Backspace),
+                EditKey::Enter if self.searching => self.searching = false,
+                EditKey::Cancel if self.searching => {
                     self.searching = false;
                     self.search.clear();
                 }
-                Edit::Up => self.go(self.list.below(self.cursor, -1)),
-                Edit::Down => self.go(self.list.below(self.cursor, 1)),
-                Edit::Left | Edit::Previous => self.go(self.list.beside(self.cursor, false)),
-                Edit::Right | Edit::Next => self.go(self.list.beside(self.cursor, true)),
-                Edit::LineStart | Edit::LineEnd => {}
-                Edit::Char(_) | Edit::Sign | Edit::Back | Edit::Delete | Edit::Enter | Edit::Cancel => {
-                    self.value(*edit, view, login, out);
+                EditKey::Up => self.go(self.list.row_lines_down(self.cursor, -1)),
+                EditKey::Down => self.go(self.list.row_lines_down(self.cursor, 1)),
+                EditKey::Left | EditKey::Previous => self.go(self.list.adjacent_row(self.cursor, false)),
+                EditKey::Right | EditKey::Next => self.go(self.list.adjacent_row(self.cursor, true)),
+                EditKey::LineStart | EditKey::LineEnd => {}
+                EditKey::Char(_)
+                | EditKey::Sign
+                | EditKey::Backspace
+                | EditKey::Delete
+                | EditKey::Enter
+                | EditKey::Cancel => {
+                    self.edit_value(*edit, view, login, out);
                 }
             }
         }
@@ -265,7 +301,7 @@ impl Params {
 
     fn go(&mut self, row: Option<usize>) {
         let Some(row) = row else { return };
-        self.choose(row);
+        self.select(row);
         self.reveal(row);
     }
 
@@ -273,29 +309,29 @@ impl Params {
     fn reveal(&mut self, row: usize) {
         if let Some(line) = self.list.line_of(row) {
             // An approximate list height: a line more or less does not matter to `show`.
-            let seen = Rect::from_min_size(egui::Pos2::ZERO, vec2(1.0, 7.0 * paint::LINE));
-            self.scroll.show(line, seen, paint::LINE);
+            let seen = Rect::from_min_size(egui::Pos2::ZERO, vec2(1.0, 7.0 * paint::LINE_HEIGHT));
+            self.scroll.scroll_to(line, seen, paint::LINE_HEIGHT);
         }
     }
 
-    fn letter(&mut self, letter: &Letter) {
+    fn letter(&mut self, letter: &LetterKey) {
         match letter {
-            Letter::Sign(sign) if self.search.chars().count() < LONGEST => self.search.push(*sign),
-            Letter::Sign(_) => {}
-            Letter::Word(word) => (*word).clone_into(&mut self.search),
-            Letter::Back => {
+            LetterKey::Char(sign) if self.search.chars().count() < MAX_SEARCH_CHARS => self.search.push(*sign),
+            LetterKey::Char(_) => {}
+            LetterKey::Word(word) => (*word).clone_into(&mut self.search),
+            LetterKey::Backspace => {
                 self.search.pop();
             }
-            Letter::Done => self.searching = false,
+            LetterKey::Done => self.searching = false,
         }
     }
 
-    fn value(&mut self, edit: Edit, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        self.typing.next_key(edit);
-        if edit == Edit::Cancel && self.typing.text.is_empty() && !self.typing.pad {
+    fn edit_value(&mut self, edit: EditKey, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        self.typing.clear_refused(edit);
+        if edit == EditKey::Cancel && self.typing.text.is_empty() && !self.typing.pad_open {
             return self.search.clear();
         }
-        if !self.typing.key(edit) && edit == Edit::Enter {
+        if !self.typing.handle_key(edit) && edit == EditKey::Enter {
             self.enter(view, login, out);
         }
     }
@@ -306,15 +342,15 @@ impl Params {
         if self.typing.text.is_empty() {
             return;
         }
-        match check(row, &self.typing.text) {
+        match parse_value(row, &self.typing.text) {
             Err(reason) => self.typing.refused = Some(reason),
-            Ok(value) => match Guard::of(row.level).filter(|_| row.level > view.snapshot.access.level) {
+            Ok(value) => match PasswordScope::for_level(row.level).filter(|_| row.level > view.snapshot.access.level) {
                 Some(guard) => {
-                    self.waiting = Some((self.cursor, value));
+                    self.pending_value = Some((self.cursor, value));
                     login.unlock(view, guard);
                 }
                 None => {
-                    out.push(Command::Page(PageCommand::EditParam(row.at, value)));
+                    out.push(Command::Page(PageCommand::EditParam(row.address, value)));
                     self.typing.send(self.cursor);
                 }
             },
@@ -326,18 +362,18 @@ impl Params {
 ///
 /// # Errors
 /// The reason, in both languages.
-pub fn check(row: &ParamRow, text: &str) -> Result<f64, Said> {
+pub fn parse_value(row: &ParamRow, text: &str) -> Result<f64, LocalizedText> {
     let Ok(value) = text.parse::<f64>() else {
-        return Err(Said::new("不是数字", "not a number"));
+        return Err(LocalizedText::new("不是数字", "not a number"));
     };
-    let whole = !matches!(row.sort, Sort::Number);
+    let whole = !matches!(row.param_type, ParamType::Number);
     if whole && value.fract().abs() > 0.0 {
-        return Err(Said::new("只能输入整数", "whole numbers only"));
+        return Err(LocalizedText::new("只能输入整数", "whole numbers only"));
     }
     if !(row.min..=row.max).contains(&value) {
-        return Err(match row.sort {
-            Sort::Bit => Said::new("只能输入 0 或 1", "only 0 or 1"),
-            Sort::Number | Sort::Input(_) | Sort::Output(_) => Said::new(
+        return Err(match row.param_type {
+            ParamType::Bit => LocalizedText::new("只能输入 0 或 1", "only 0 or 1"),
+            ParamType::Number | ParamType::Input(_) | ParamType::Output(_) => LocalizedText::new(
                 format!("超出范围 {} … {}", row.min, row.max),
                 format!("out of range {} … {}", row.min, row.max),
             ),
@@ -350,4 +386,4 @@ pub fn check(row: &ParamRow, text: &str) -> Result<f64, Said> {
 const BIT_NAMES: [&str; 8] = ["BIT7", "BIT6", "BIT5", "BIT4", "BIT3", "BIT2", "BIT1", "BIT0"];
 
 /// Gap between the items of a row.
-const SPACE: f32 = theme::GAP;
+const ROW_GAP: f32 = theme::GAP;

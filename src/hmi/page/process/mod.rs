@@ -10,34 +10,34 @@ use std::fmt::Write;
 use egui::accesskit::Role;
 use egui::{Align2, Color32, Id, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-use super::Typed;
+use super::TypedInput;
 use crate::defs::param;
 use crate::defs::signal::Input;
-use crate::defs::text::{Said, Text};
-use crate::hmi::question::{Asked, Question};
+use crate::defs::text::{LocalizedText, Text};
+use crate::hmi::question::{Question, QuestionDialog};
 use crate::hmi::theme;
-use crate::hmi::view::{View, card, fit, length, put};
-use crate::hmi::widget::{Look, Walk};
-use crate::link::files::{Asker, FileRequest, Ticket};
+use crate::hmi::view::{View, card, fit_text, format_length, text_line};
+use crate::hmi::widget::{ButtonState, KeyboardFocus};
+use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::link::{Command, Snapshot};
 use crate::units::{Axis, Micros};
-use trend::Part;
+use trend::FinishedPart;
 
 /// Time between two samples, and how many are kept: ten minutes.
-const EVERY: Micros = Micros::from_millis(100);
-const SAMPLES: usize = 6_000;
-/// Time spans that the key steps through, s, and least span by pinching, s; the greatest is the last of `SPANS`.
-const SPANS: [f64; 4] = [10.0, 60.0, 180.0, 600.0];
-const LEAST_SPAN: f64 = 1.0;
+const SAMPLE_PERIOD: Micros = Micros::from_millis(100);
+const MAX_SAMPLES: usize = 6_000;
+/// Time spans that the key steps through, s, and least span by pinching, s; the greatest is the last of `SPANS_SECONDS`.
+const SPANS_SECONDS: [f64; 4] = [10.0, 60.0, 180.0, 600.0];
+const MIN_SPAN_SECONDS: f64 = 1.0;
 /// Height of sizes, cycle times and wheel.
-const BELOW: f32 = 132.0;
+const BELOW_HEIGHT: f32 = 132.0;
 /// Width of name and value in front of a curve.
-const NAMES: f32 = 150.0;
+const NAME_WIDTH: f32 = 150.0;
 /// Number of parts kept.
-const PARTS: usize = 50;
+const MAX_PARTS: usize = 50;
 /// Height of the keys.
-const KEYS: f32 = 46.0;
+const KEYS_HEIGHT: f32 = 46.0;
 /// Inputs of the gauge.
 const GAUGES: [Input; 6] = [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
 
@@ -49,11 +49,11 @@ struct Sample {
     feed_mm_min: f64,
     /// None if the machine has no such signal.
     load_percent: Option<f64>,
-    gauges: u8,
+    gauge_bits: u8,
 }
 
 /// One curve: name, colour, and its value in a sample.
-struct Curve {
+struct ProcessCurve {
     name: String,
     colour: Color32,
     value: Box<dyn Fn(&Sample) -> f64>,
@@ -61,55 +61,55 @@ struct Curve {
 
 /// State of the page.
 #[derive(Debug)]
-pub struct Process {
+pub struct ProcessPage {
     samples: VecDeque<Sample>,
-    parts: VecDeque<Part>,
-    counted: Option<u32>,
+    parts: VecDeque<FinishedPart>,
+    last_part_count: Option<u32>,
     /// Dressing count and wheel diameter, mm, as last seen; what the last dressing took off the diameter, mm.
-    dressed: Option<(f64, f64)>,
-    taken: Option<f64>,
+    last_dressing: Option<(f64, f64)>,
+    dressing_removed_mm: Option<f64>,
     /// Displayed time span, s, and its end; none: now.
-    span: f64,
-    end: Option<Micros>,
+    span_seconds: f64,
+    window_end: Option<Micros>,
     /// Question whether to clear the data.
-    question: Asked<()>,
-    walk: Walk,
+    question: QuestionDialog<()>,
+    walk: KeyboardFocus,
 }
 
-impl Default for Process {
+impl Default for ProcessPage {
     fn default() -> Self {
-        let (samples, parts, walk) = (VecDeque::new(), VecDeque::new(), Walk::default());
+        let (samples, parts, walk) = (VecDeque::new(), VecDeque::new(), KeyboardFocus::default());
         Self {
             samples,
             parts,
-            counted: None,
-            dressed: None,
-            taken: None,
-            span: SPANS[0],
-            end: None,
-            question: Asked::default(),
+            last_part_count: None,
+            last_dressing: None,
+            dressing_removed_mm: None,
+            span_seconds: SPANS_SECONDS[0],
+            window_end: None,
+            question: QuestionDialog::default(),
             walk,
         }
     }
 }
 
-impl Process {
+impl ProcessPage {
     /// Records a sample; called in every frame, whichever page is open.
-    pub fn follow(&mut self, view: &View<'_>) {
+    pub fn record_sample(&mut self, view: &View<'_>) {
         let snapshot = view.snapshot;
-        if self.counted.is_some_and(|counted| snapshot.parts > counted) {
-            self.parts.push_back(Part::of(snapshot));
-            if self.parts.len() > PARTS {
+        if self.last_part_count.is_some_and(|counted| snapshot.parts_counted > counted) {
+            self.parts.push_back(FinishedPart::of(snapshot));
+            if self.parts.len() > MAX_PARTS {
                 self.parts.pop_front();
             }
         }
-        self.counted = Some(snapshot.parts);
-        self.follow_wheel(snapshot);
+        self.last_part_count = Some(snapshot.parts_counted);
+        self.track_dressing(snapshot);
         if self.samples.back().is_some_and(|last| snapshot.now < last.at) {
             self.samples.clear();
-            self.end = None;
+            self.window_end = None;
         }
-        if self.samples.back().is_some_and(|last| snapshot.now.since(last.at) < EVERY) {
+        if self.samples.back().is_some_and(|last| snapshot.now.since(last.at) < SAMPLE_PERIOD) {
             return;
         }
         let gauges = GAUGES.iter().enumerate().filter(|(_, gauge)| snapshot.inputs.has(**gauge));
@@ -118,30 +118,30 @@ impl Process {
             axes: Axis::ALL.map(|axis| snapshot.axes[axis].work),
             feed_mm_min: snapshot.feed_mm_min,
             load_percent: snapshot.simulated.as_ref().map(|sim| sim.wheel_load_percent),
-            gauges: gauges.fold(0, |bits, (index, _)| bits | 1 << index),
+            gauge_bits: gauges.fold(0, |bits, (index, _)| bits | 1 << index),
         });
-        if self.samples.len() > SAMPLES {
+        if self.samples.len() > MAX_SAMPLES {
             self.samples.pop_front();
         }
     }
 
     /// Tracks what a dressing takes off the wheel; a new wheel starts again.
-    fn follow_wheel(&mut self, snapshot: &Snapshot) {
-        let now = (snapshot.params.get(param::DRESSINGS), snapshot.params.get(param::WHEEL_DIAMETER));
-        match self.dressed {
+    fn track_dressing(&mut self, snapshot: &Snapshot) {
+        let now = (snapshot.params.get(param::DRESSING_COUNT), snapshot.params.get(param::WHEEL_DIAMETER));
+        match self.last_dressing {
             Some((count, diameter)) if now.0 > count => {
-                self.taken = Some(diameter - now.1);
-                self.dressed = Some(now);
+                self.dressing_removed_mm = Some(diameter - now.1);
+                self.last_dressing = Some(now);
             }
-            Some((count, _)) if now.0 < count => (self.taken, self.dressed) = (None, Some(now)),
+            Some((count, _)) if now.0 < count => (self.dressing_removed_mm, self.last_dressing) = (None, Some(now)),
             // Same count: the wheel was changed or measured again. P97 may be 0 before and after.
-            Some(_) | None => self.dressed = Some(now),
+            Some(_) | None => self.last_dressing = Some(now),
         }
     }
 
     /// End of the displayed time span.
-    fn end(&self, view: &View<'_>) -> Micros {
-        self.end.map_or(view.snapshot.now, |end| Micros(end.0.min(view.snapshot.now.0)))
+    fn window_end(&self, view: &View<'_>) -> Micros {
+        self.window_end.map_or(view.snapshot.now, |end| Micros(end.0.min(view.snapshot.now.0)))
     }
 
     /// A finger drags the time axis, two fingers zoom it (H9). A span dragged to the present follows it again.
@@ -152,36 +152,36 @@ impl Process {
             let touch = input.multi_touch();
             (touch.map_or_else(|| input.zoom_delta(), |touch| touch.zoom_delta), input.smooth_scroll_delta().y)
         });
-        let width = f64::from((rect.width() - NAMES).max(1.0));
-        let (mut end, mut span) = (self.end(view).as_secs_f64(), self.span);
+        let width = f64::from((rect.width() - NAME_WIDTH).max(1.0));
+        let (mut end, mut span) = (self.window_end(view).as_secs_f64(), self.span_seconds);
         if response.hovered() || response.dragged() {
-            let longest = SPANS[SPANS.len() - 1];
-            span = (span / f64::from(zoom * (scroll / 240.0).exp())).clamp(LEAST_SPAN, longest);
+            let longest = SPANS_SECONDS[SPANS_SECONDS.len() - 1];
+            span = (span / f64::from(zoom * (scroll / 240.0).exp())).clamp(MIN_SPAN_SECONDS, longest);
         }
-        let drawn = (span - self.span).abs() > 1e-9;
-        if drawn && self.end.is_some() {
+        let drawn = (span - self.span_seconds).abs() > 1e-9;
+        if drawn && self.window_end.is_some() {
             // Zooms around the middle of the displayed span.
-            end += (span - self.span) / 2.0;
+            end += (span - self.span_seconds) / 2.0;
         }
         let moved = if response.dragged() { f64::from(response.drag_delta().x) } else { 0.0 };
         end -= moved / width * span;
-        self.span = span;
-        if moved.abs() < f64::EPSILON && !(drawn && self.end.is_some()) {
+        self.span_seconds = span;
+        if moved.abs() < f64::EPSILON && !(drawn && self.window_end.is_some()) {
             return;
         }
         let (now, first) = (view.snapshot.now, self.samples.front().map_or(0.0, |sample| sample.at.as_secs_f64()));
         let wanted = Micros((end.max(first + span) * 1e6) as u64);
-        self.end = (wanted.0 < now.0).then_some(wanted);
+        self.window_end = (wanted.0 < now.0).then_some(wanted);
     }
 
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>) -> Vec<Command> {
-        ui.ctx().request_repaint_after(std::time::Duration::from_micros(EVERY.0));
-        self.walk.begin(if self.question.is_open() { &[] } else { typed.edits });
+    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>) -> Vec<Command> {
+        ui.ctx().request_repaint_after(std::time::Duration::from_micros(SAMPLE_PERIOD.0));
+        self.walk.begin_frame(if self.question.is_open() { &[] } else { typed.edits });
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
-        let (body, keys) = inside.split_top_bottom_at_y(inside.max.y - KEYS);
+        let (body, keys) = inside.split_top_bottom_at_y(inside.max.y - KEYS_HEIGHT);
         let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
-        let (curves, below) = body.split_top_bottom_at_y(body.max.y - BELOW);
+        let (curves, below) = body.split_top_bottom_at_y(body.max.y - BELOW_HEIGHT);
         let curves = Rect::from_min_max(curves.min, curves.max - vec2(0.0, theme::GAP));
         self.drag(ui, curves, view);
         self.curves(ui, curves, view);
@@ -189,13 +189,13 @@ impl Process {
         let (parts, wheel) = rest.split_left_right_at_fraction(0.42);
         let cut = |rect: Rect| Rect::from_min_max(rect.min, rect.max - vec2(theme::GAP, 0.0));
         self.trend(ui, cut(trend), view);
-        self.cycles(ui, cut(parts), view);
+        self.cycle_times(ui, cut(parts), view);
         self.wheel(ui, wheel, view);
         let out = self.keys(ui, keys, view);
         if let Some(((), Some(_))) = self.question.ui(ui, rect, view, typed.edits) {
             self.samples.clear();
             self.parts.clear();
-            self.end = None;
+            self.window_end = None;
         }
         out
     }
@@ -203,9 +203,9 @@ impl Process {
     fn curves(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let snapshot = view.snapshot;
         let colours = [view.theme.info, view.theme.run, view.theme.macros];
-        let mut rows: Vec<Curve> = Vec::new();
+        let mut rows: Vec<ProcessCurve> = Vec::new();
         let mut add = |name: String, colour: Color32, value: Box<dyn Fn(&Sample) -> f64>| {
-            rows.push(Curve { name, colour, value });
+            rows.push(ProcessCurve { name, colour, value });
         };
         for axis in Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present) {
             let index = axis as usize;
@@ -213,7 +213,7 @@ impl Process {
         }
         add("F mm/min".to_owned(), view.theme.hold, Box::new(|sample| sample.feed_mm_min));
         if snapshot.simulated.is_some() {
-            let name = view.say("砂轮负载 %", "wheel load %");
+            let name = view.text("砂轮负载 %", "wheel load %");
             add(name.to_owned(), view.theme.alarm_text, Box::new(|sample| sample.load_percent.unwrap_or(0.0)));
         }
         let gauge = 26.0;
@@ -227,33 +227,33 @@ impl Process {
         self.gauges(ui.painter(), strip, view);
     }
 
-    fn window(&self, end: Micros) -> impl Iterator<Item = &Sample> {
-        let from = end.0.saturating_sub((self.span * 1e6) as u64);
+    fn visible_samples(&self, end: Micros) -> impl Iterator<Item = &Sample> {
+        let from = end.0.saturating_sub((self.span_seconds * 1e6) as u64);
         let first = self.samples.partition_point(|sample| sample.at.0 < from);
         self.samples.iter().skip(first).take_while(move |sample| sample.at.0 <= end.0)
     }
 
-    fn curve(&self, painter: &Painter, rect: Rect, view: &View<'_>, curve: &Curve) {
-        let span = self.span;
+    fn curve(&self, painter: &Painter, rect: Rect, view: &View<'_>, curve: &ProcessCurve) {
+        let span = self.span_seconds;
         let (colour, value) = (curve.colour, curve.value.as_ref());
         card(painter, rect, view.theme.surface, view.theme.line);
-        let now = self.end(view);
+        let now = self.window_end(view);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for sample in self.window(now) {
+        for sample in self.visible_samples(now) {
             (low, high) = (low.min(value(sample)), high.max(value(sample)));
         }
         if low > high {
             (low, high) = (0.0, 0.0);
         }
-        let (words, plot) = rect.shrink2(vec2(8.0, 3.0)).split_left_right_at_x(rect.min.x + NAMES);
+        let (words, plot) = rect.shrink2(vec2(8.0, 3.0)).split_left_right_at_x(rect.min.x + NAME_WIDTH);
         let line = words.height() / 3.0;
         let row =
             |index: f32| Rect::from_min_size(words.min + vec2(0.0, index * line), vec2(words.width() - 8.0, line));
-        let last = self.window(now).last().or(self.samples.back()).map_or(0.0, value);
-        put(painter, row(0.0), Align2::LEFT_CENTER, &curve.name, theme::SMALL, colour);
-        put(painter, row(1.0), Align2::LEFT_CENTER, &length(last), theme::TITLE, view.theme.text);
+        let last = self.visible_samples(now).last().or(self.samples.back()).map_or(0.0, value);
+        text_line(painter, row(0.0), Align2::LEFT_CENTER, &curve.name, theme::SMALL, colour);
+        text_line(painter, row(1.0), Align2::LEFT_CENTER, &format_length(last), theme::TITLE, view.theme.text);
         let range = format!("{low:.3} … {high:.3}");
-        fit(painter, row(2.0), Align2::LEFT_CENTER, &range, theme::SMALL, view.theme.quiet);
+        fit_text(painter, row(2.0), Align2::LEFT_CENTER, &range, theme::SMALL, view.theme.muted);
         let room = (high - low).max(1e-3);
         let place = |sample: &Sample| {
             let age = (now.0.saturating_sub(sample.at.0)) as f64 / 1e6;
@@ -263,7 +263,7 @@ impl Process {
         };
         // At most three points per pixel column: the first two and the last.
         let mut points: Vec<Pos2> = Vec::new();
-        for at in self.window(now).map(place) {
+        for at in self.visible_samples(now).map(place) {
             let column = |point: &Pos2| point.x.floor() as i32;
             let same = points.len() >= 3 && points[points.len() - 3..].iter().all(|point| column(point) == column(&at));
             if same {
@@ -276,15 +276,22 @@ impl Process {
 
     /// The gauge signals as bars.
     fn gauges(&self, painter: &Painter, rect: Rect, view: &View<'_>) {
-        let (words, plot) = rect.shrink2(vec2(8.0, 0.0)).split_left_right_at_x(rect.min.x + NAMES);
-        let span = self.span;
-        fit(painter, words, Align2::LEFT_CENTER, view.say("量仪 1–6", "gauge 1–6"), theme::SMALL, view.theme.quiet);
-        let now = self.end(view);
+        let (words, plot) = rect.shrink2(vec2(8.0, 0.0)).split_left_right_at_x(rect.min.x + NAME_WIDTH);
+        let span = self.span_seconds;
+        fit_text(
+            painter,
+            words,
+            Align2::LEFT_CENTER,
+            view.text("量仪 1–6", "gauge 1–6"),
+            theme::SMALL,
+            view.theme.muted,
+        );
+        let now = self.window_end(view);
         let height = plot.height() / GAUGES.len() as f32;
         painter.rect_filled(plot, 0.0, view.theme.surface);
-        let samples: Vec<&Sample> = self.window(now).collect();
+        let samples: Vec<&Sample> = self.visible_samples(now).collect();
         for pair in samples.windows(2) {
-            for bit in (0..GAUGES.len()).filter(|bit| pair[0].gauges >> bit & 1 == 1) {
+            for bit in (0..GAUGES.len()).filter(|bit| pair[0].gauge_bits >> bit & 1 == 1) {
                 let x = |at: Micros| {
                     plot.max.x - (now.0.saturating_sub(at.0) as f64 / 1e6 / span * f64::from(plot.width())) as f32
                 };
@@ -296,13 +303,13 @@ impl Process {
     }
 
     fn keys(&mut self, ui: &Ui, rect: Rect, view: &View<'_>) -> Vec<Command> {
-        let words = format!("{} {:.0} s", view.say("时间", "SPAN"), self.span);
-        let live = match self.end {
-            None => view.say("实时", "LIVE").to_owned(),
-            Some(end) => format!("{} {}", view.say("回到实时", "TO LIVE"), view.time(end)),
+        let words = format!("{} {:.0} s", view.text("时间", "SPAN"), self.span_seconds);
+        let live = match self.window_end {
+            None => view.text("实时", "LIVE").to_owned(),
+            Some(end) => format!("{} {}", view.text("回到实时", "TO LIVE"), view.time(end)),
         };
-        let clear = view.say("清除", "CLEAR").to_owned();
-        let export = view.say("存为 CSV", "SAVE CSV").to_owned();
+        let clear = view.text("清除", "CLEAR").to_owned();
+        let export = view.text("存为 CSV", "SAVE CSV").to_owned();
         let mut out = Vec::new();
         let keys =
             [("process-span", words), ("process-live", live), ("process-clear", clear), ("process-export", export)];
@@ -310,20 +317,20 @@ impl Process {
         for (index, (name, label)) in keys.into_iter().enumerate() {
             let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height()));
-            let look = Look { on: name == "process-live" && self.end.is_none(), locked: false };
-            if !self.walk.push(ui, view, place, (name, &label), look) {
+            let look = ButtonState { on: name == "process-live" && self.window_end.is_none(), locked: false };
+            if !self.walk.button(ui, view, place, (name, &label), look) {
                 continue;
             }
             match name {
                 "process-span" => {
-                    let longer = SPANS.into_iter().find(|span| *span > self.span + 0.5);
-                    self.span = longer.unwrap_or(SPANS[0]);
+                    let longer = SPANS_SECONDS.into_iter().find(|span| *span > self.span_seconds + 0.5);
+                    self.span_seconds = longer.unwrap_or(SPANS_SECONDS[0]);
                 }
-                "process-live" => self.end = None,
-                "process-clear" => self.question.ask((), self.clearing()),
+                "process-live" => self.window_end = None,
+                "process-clear" => self.question.ask((), self.clear_question()),
                 _ => out.push(Command::Page(PageCommand::File(
-                    Ticket::unheard(Asker::Screen),
-                    FileRequest::Table(self.table(view.snapshot)),
+                    Ticket::without_reply(Requester::Screen),
+                    FileRequest::SaveTable(self.csv(view.snapshot)),
                 ))),
             }
         }
@@ -331,11 +338,11 @@ impl Process {
     }
 
     /// The question names how much data will be lost.
-    fn clearing(&self) -> Question {
+    fn clear_question(&self) -> Question {
         let ends = self.samples.front().zip(self.samples.back());
         let seconds = ends.map_or(0.0, |(first, last)| last.at.since(first.at).as_secs_f64());
         let parts = self.parts.len();
-        let body = Said::new(
+        let body = LocalizedText::new(
             format!("{seconds:.0} 秒的曲线和 {parts} 个工件的尺寸将丢失；需要时先存为 CSV。"),
             format!("{seconds:.0} s of curves and the sizes of {parts} parts are lost; SAVE CSV keeps them."),
         );
@@ -345,12 +352,12 @@ impl Process {
 
     /// CSV: one line per sample, then the parts. Only axes of the machine have a column; a missing signal leaves its
     /// field empty.
-    fn table(&self, snapshot: &Snapshot) -> String {
+    fn csv(&self, snapshot: &Snapshot) -> String {
         let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| snapshot.axes[*axis].present).collect();
         let letters: String = axes.iter().map(|axis| format!("{},", axis.letter())).collect();
         let mut text = format!("seconds,{letters}feed_mm_min,wheel_load_percent,gauges\r\n");
         for sample in &self.samples {
-            let (seconds, feed, gauges) = (sample.at.as_secs_f64(), sample.feed_mm_min, sample.gauges);
+            let (seconds, feed, gauges) = (sample.at.as_secs_f64(), sample.feed_mm_min, sample.gauge_bits);
             let places: String = axes.iter().map(|axis| format!("{:.4},", sample.axes[*axis as usize])).collect();
             let load = sample.load_percent.map_or_else(String::new, |load| format!("{load:.1}"));
             // Writing to a string does not fail.
@@ -360,8 +367,8 @@ impl Process {
         let number = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.4}"));
         for part in &self.parts {
             let [nominal, low, high] = [0, 1, 2].map(|at| number(part.limits.map(|limits| limits[at])));
-            let within = part.keeps().map_or("", |keeps| if keeps { "1" } else { "0" });
-            let (count, seconds, size) = (part.number, part.seconds, number(part.size));
+            let within = part.within_limits().map_or("", |keeps| if keeps { "1" } else { "0" });
+            let (count, seconds, size) = (part.number, part.cycle_seconds, number(part.size));
             let _ = write!(text, "{count},{seconds:.1},{size},{nominal},{low},{high},{within}\r\n");
         }
         text

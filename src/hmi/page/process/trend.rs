@@ -3,26 +3,26 @@
 
 use egui::{Align2, Painter, Rect, Stroke, Ui, pos2, vec2};
 
-use super::{PARTS, Process};
+use super::{MAX_PARTS, ProcessPage};
 use crate::defs::param;
 use crate::hmi::theme;
-use crate::hmi::view::{View, card, fit, length, paragraph, put};
+use crate::hmi::view::{View, card, fit_text, format_length, paragraph, text_line};
 use crate::link::Snapshot;
 
 /// A finished part.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct FinishedPart {
     /// Its number in the part count.
     pub number: u32,
     /// Cycle time, s.
-    pub seconds: f64,
+    pub cycle_seconds: f64,
     /// Measured size, mm; none: not measured.
     pub size: Option<f64>,
     /// Nominal, least and greatest size, mm, as in force when the part was finished.
     pub limits: Option<[f64; 3]>,
 }
 
-impl Part {
+impl FinishedPart {
     /// The part that was just counted.
     #[must_use]
     pub fn of(snapshot: &Snapshot) -> Self {
@@ -31,77 +31,84 @@ impl Part {
             let number = params.get(at) as usize;
             snapshot.variables.get(number).copied().flatten().filter(|_| number > 0)
         };
-        let nominal: Option<f64> = variable(param::TREND_NOMINAL);
+        let nominal: Option<f64> = variable(param::TREND_NOMINAL_VARIABLE);
         let (lower, upper) = (params.get(param::TREND_LOWER), params.get(param::TREND_UPPER));
         let limits = nominal.filter(|_| upper > lower).map(|nominal| [nominal, nominal + lower, nominal + upper]);
         let near = |size: &f64| nominal.map_or(0.0, |nominal| (size - nominal).abs());
         let simulated = snapshot.simulated.iter().flat_map(|sim| sim.sizes.iter().map(|(_, size)| *size));
         // Without a size variable: the simulated diameter that is nearest to the nominal size.
-        let size = match params.get(param::TREND_SIZE) > 0.0 {
-            true => variable(param::TREND_SIZE),
+        let size = match params.get(param::TREND_SIZE_VARIABLE) > 0.0 {
+            true => variable(param::TREND_SIZE_VARIABLE),
             false => simulated.min_by(|a, b| near(a).total_cmp(&near(b))),
         };
-        Self { number: snapshot.parts, seconds: snapshot.cycle_seconds, size, limits }
+        Self { number: snapshot.parts_counted, cycle_seconds: snapshot.cycle_seconds, size, limits }
     }
 
     /// Whether the size is within its limits; none: nothing to compare.
     #[must_use]
-    pub fn keeps(&self) -> Option<bool> {
+    pub fn within_limits(&self) -> Option<bool> {
         let ([_, low, high], size) = (self.limits?, self.size?);
         // Rounding errors up to 1e-6 mm are tolerated.
         Some(size >= low - 1e-6 && size <= high + 1e-6)
     }
 }
 
-impl Process {
+impl ProcessPage {
     /// Sizes of the last parts as points between their limits; a size out of tolerance is a square.
     pub(super) fn trend(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let painter = ui.painter();
         card(painter, rect, view.theme.surface, view.theme.line);
         let inside = rect.shrink2(vec2(10.0, 6.0));
         let (head, plot) = inside.split_top_bottom_at_y(inside.min.y + 22.0);
-        let name = view.say("工件尺寸 mm", "part sizes mm");
-        let taken = put(painter, head, Align2::LEFT_CENTER, name, theme::SMALL, view.theme.quiet);
-        let sized: Vec<&Part> = self.parts.iter().filter(|part| part.size.is_some()).collect();
+        let name = view.text("工件尺寸 mm", "part sizes mm");
+        let taken = text_line(painter, head, Align2::LEFT_CENTER, name, theme::SMALL, view.theme.muted);
+        let sized: Vec<&FinishedPart> = self.parts.iter().filter(|part| part.size.is_some()).collect();
         let Some(last) = sized.last() else {
-            let words = view.say(
+            let words = view.text(
                 "还没有实测尺寸：P375 为存实测尺寸的变量，P376 为公称尺寸的变量，P377、P378 为偏差",
                 "no size yet: P375 names the variable that holds it, P376 the nominal one, P377 and P378 the deviations",
             );
-            paragraph(painter, plot, words, theme::SMALL, view.theme.quiet);
+            paragraph(painter, plot, words, theme::SMALL, view.theme.muted);
             return;
         };
-        let out = sized.iter().filter(|part| part.keeps() == Some(false)).count();
-        let ink = if last.keeps() == Some(false) { view.theme.alarm_text } else { view.theme.text };
-        let mut words = length(last.size.unwrap_or(f64::NAN));
+        let out = sized.iter().filter(|part| part.within_limits() == Some(false)).count();
+        let ink = if last.within_limits() == Some(false) { view.theme.alarm_text } else { view.theme.text };
+        let mut words = format_length(last.size.unwrap_or(f64::NAN));
         if let Some([nominal, low, high]) = last.limits {
             words = format!("{words} / {nominal:.3} {:+.3} {:+.3}", high - nominal, low - nominal);
         }
         if out > 0 {
-            words = format!("{words} · {} {out}", view.say("超差", "out"));
+            words = format!("{words} · {} {out}", view.text("超差", "out"));
         }
         let room = Rect::from_min_max(pos2(taken.max.x + theme::GAP, head.min.y), head.max);
-        fit(painter, room, Align2::RIGHT_CENTER, &words, theme::LABEL, ink);
-        points(painter, view, plot, &sized);
+        fit_text(painter, room, Align2::RIGHT_CENTER, &words, theme::LABEL, ink);
+        paint_sizes(painter, view, plot, &sized);
     }
 
     /// Cycle times of the last parts as bars.
-    pub(super) fn cycles(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    pub(super) fn cycle_times(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         card(ui.painter(), rect, view.theme.surface, view.theme.line);
         let inside = rect.shrink2(vec2(10.0, 6.0));
         let (head, plot) = inside.split_top_bottom_at_y(inside.min.y + 22.0);
-        let name = view.say("最近工件节拍 s", "cycle times s");
-        fit(ui.painter(), head, Align2::LEFT_CENTER, name, theme::SMALL, view.theme.quiet);
+        let name = view.text("最近工件节拍 s", "cycle times s");
+        fit_text(ui.painter(), head, Align2::LEFT_CENTER, name, theme::SMALL, view.theme.muted);
         let Some(last) = self.parts.back() else {
-            let words = view.say("开机后还没有加工完的工件", "no part finished since power-on");
-            paragraph(ui.painter(), plot, words, theme::SMALL, view.theme.quiet);
+            let words = view.text("开机后还没有加工完的工件", "no part finished since power-on");
+            paragraph(ui.painter(), plot, words, theme::SMALL, view.theme.muted);
             return;
         };
-        put(ui.painter(), head, Align2::RIGHT_CENTER, &format!("{:.1}", last.seconds), theme::LABEL, view.theme.text);
-        let most = self.parts.iter().map(|part| part.seconds).fold(1e-3, f64::max);
-        let width = plot.width() / PARTS as f32;
+        text_line(
+            ui.painter(),
+            head,
+            Align2::RIGHT_CENTER,
+            &format!("{:.1}", last.cycle_seconds),
+            theme::LABEL,
+            view.theme.text,
+        );
+        let most = self.parts.iter().map(|part| part.cycle_seconds).fold(1e-3, f64::max);
+        let width = plot.width() / MAX_PARTS as f32;
         for (index, part) in self.parts.iter().enumerate() {
-            let height = (part.seconds / most) as f32 * plot.height();
+            let height = (part.cycle_seconds / most) as f32 * plot.height();
             let corner = pos2(plot.min.x + index as f32 * width, plot.max.y - height);
             let bar = Rect::from_min_size(corner, vec2(width - 1.5, height));
             ui.painter().rect_filled(bar, 0.0, view.theme.info);
@@ -118,33 +125,34 @@ impl Process {
         let next = if interval > 0.0 { format!("{:.0}", (interval - since).max(0.0)) } else { "—".to_owned() };
         let left = self.dressings_left(view.snapshot).map_or_else(|| "—".to_owned(), |left| left.to_string());
         let rows = [
-            (view.say("砂轮直径 mm", "wheel diameter mm"), length(params.get(param::WHEEL_DIAMETER))),
-            (view.say("修整次数", "dressings"), format!("{:.0}", params.get(param::DRESSINGS))),
-            (view.say("还可修整次数", "dressings left"), left),
-            (view.say("修整后件数", "parts since dressing"), format!("{since:.0}")),
-            (view.say("距下次修整 件", "parts to the next"), next),
+            (view.text("砂轮直径 mm", "wheel diameter mm"), format_length(params.get(param::WHEEL_DIAMETER))),
+            (view.text("修整次数", "dressings"), format!("{:.0}", params.get(param::DRESSING_COUNT))),
+            (view.text("还可修整次数", "dressings left"), left),
+            (view.text("修整后件数", "parts since dressing"), format!("{since:.0}")),
+            (view.text("距下次修整 件", "parts to the next"), next),
         ];
         let height = inside.height() / rows.len() as f32;
         for (index, (name, value)) in rows.into_iter().enumerate() {
             let corner = inside.min + vec2(0.0, index as f32 * height);
             let line = Rect::from_min_size(corner, vec2(inside.width(), height));
             let (left, right) = line.split_left_right_at_fraction(0.66);
-            fit(ui.painter(), left, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.quiet);
-            put(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::LABEL, view.theme.text);
+            fit_text(ui.painter(), left, Align2::LEFT_CENTER, name, theme::LABEL, view.theme.muted);
+            text_line(ui.painter(), right, Align2::RIGHT_CENTER, &value, theme::LABEL, view.theme.text);
         }
     }
 
     /// Dressings left down to the smallest diameter (P374), each taking as much as the last one. None before the first
     /// dressing since power-on, or without P374.
     fn dressings_left(&self, snapshot: &Snapshot) -> Option<u32> {
-        let (smallest, now) = (snapshot.params.get(param::WHEEL_SMALLEST), snapshot.params.get(param::WHEEL_DIAMETER));
-        let taken = self.taken.filter(|taken| *taken > 0.0 && smallest > 0.0)?;
+        let (smallest, now) =
+            (snapshot.params.get(param::WHEEL_MIN_DIAMETER), snapshot.params.get(param::WHEEL_DIAMETER));
+        let taken = self.dressing_removed_mm.filter(|taken| *taken > 0.0 && smallest > 0.0)?;
         Some(((now - smallest).max(0.0) / taken + 1e-6).floor() as u32)
     }
 }
 
 /// The sizes over the lines of their limits.
-fn points(painter: &Painter, view: &View<'_>, plot: Rect, sized: &[&Part]) {
+fn paint_sizes(painter: &Painter, view: &View<'_>, plot: Rect, sized: &[&FinishedPart]) {
     let sizes = sized.iter().filter_map(|part| part.size);
     let bounds = sized.iter().filter_map(|part| part.limits).flat_map(|limits| limits.into_iter());
     let (low, high) = sizes
@@ -153,18 +161,18 @@ fn points(painter: &Painter, view: &View<'_>, plot: Rect, sized: &[&Part]) {
     let room = (high - low).max(1e-3) * 1.16;
     let middle = f64::midpoint(low, high);
     let y = |value: f64| plot.center().y - ((value - middle) / room * f64::from(plot.height())) as f32;
-    let step = plot.width() / PARTS as f32;
+    let step = plot.width() / MAX_PARTS as f32;
     let x = |index: usize| plot.min.x + (index as f32 + 0.5) * step;
     for (index, part) in sized.iter().enumerate() {
         let across = x(index) - step / 2.0..=x(index) + step / 2.0;
         if let Some([nominal, low, high]) = part.limits {
-            painter.hline(across.clone(), y(nominal), Stroke::new(theme::HAIR, view.theme.line));
+            painter.hline(across.clone(), y(nominal), Stroke::new(theme::HAIRLINE, view.theme.line));
             painter.hline(across.clone(), y(low), Stroke::new(theme::FRAME, view.theme.hold));
             painter.hline(across, y(high), Stroke::new(theme::FRAME, view.theme.hold));
         }
         let Some(size) = part.size else { continue };
         let at = pos2(x(index), y(size));
-        if part.keeps() == Some(false) {
+        if part.within_limits() == Some(false) {
             let square = Rect::from_center_size(at, vec2(9.0, 9.0));
             painter.rect_filled(square, 0.0, view.theme.alarm_text);
         } else {

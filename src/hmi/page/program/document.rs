@@ -2,16 +2,16 @@
 //! held once, however many undo steps there are.
 //! Source: spec B6 (程序: edit, copy, undo).
 
-use crate::hmi::entry::Edit;
-use crate::link::files::Deed;
+use crate::hmi::variable_entry::EditKey;
+use crate::link::files::Completion;
 use ropey::{Rope, RopeSlice};
 
 /// Maximum number of undo steps.
-const STEPS: usize = 500;
+const MAX_UNDO: usize = 500;
 
 /// Kind of a change; consecutive typing is one undo step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum ChangeKind {
     Typing,
     Deleting,
     Other,
@@ -19,7 +19,7 @@ enum Kind {
 
 /// An undo state.
 #[derive(Clone, Debug)]
-struct Past {
+struct UndoState {
     rope: Rope,
     cursor: usize,
 }
@@ -38,16 +38,16 @@ pub struct Document {
     /// Cursor, in characters from the start of the text.
     pub cursor: usize,
     /// First or last line of the block while one is marked; the cursor's line is the other end.
-    pub mark: Option<usize>,
+    pub block_anchor: Option<usize>,
     /// Counts the changes.
     pub version: u64,
-    undo: Vec<Past>,
-    redo: Vec<Past>,
-    last: Option<(Kind, usize)>,
+    undo: Vec<UndoState>,
+    redo: Vec<UndoState>,
+    last_change: Option<(ChangeKind, usize)>,
 }
 
 /// Length of a line without its line end, characters.
-pub fn trimmed(line: RopeSlice<'_>) -> usize {
+pub fn content_len(line: RopeSlice<'_>) -> usize {
     let mut length = line.len_chars();
     while length > 0 && matches!(line.char(length - 1), '\n' | '\r') {
         length -= 1;
@@ -71,7 +71,7 @@ impl Document {
 
     /// Line and column of the cursor, from 0.
     #[must_use]
-    pub fn place(&self) -> (usize, usize) {
+    pub fn cursor_position(&self) -> (usize, usize) {
         let line = self.rope.char_to_line(self.cursor.min(self.rope.len_chars()));
         (line, self.cursor - self.rope.line_to_char(line))
     }
@@ -79,97 +79,97 @@ impl Document {
     /// Lines of the block, first and one past the last.
     #[must_use]
     pub fn block(&self) -> Option<(usize, usize)> {
-        let (mark, here) = (self.mark?, self.place().0);
+        let (mark, here) = (self.block_anchor?, self.cursor_position().0);
         Some((mark.min(here), (mark.max(here) + 1).min(self.rope.len_lines())))
     }
 
     /// Moves the cursor to a line and column, or as near as the text allows.
-    pub fn go(&mut self, line: usize, column: usize) {
+    pub fn move_to(&mut self, line: usize, column: usize) {
         let line = line.min(self.lines().saturating_sub(1));
-        let length = trimmed(self.rope.line(line));
+        let length = content_len(self.rope.line(line));
         self.cursor = self.rope.line_to_char(line) + column.min(length);
-        self.last = None;
+        self.last_change = None;
     }
 
     /// Moves the cursor by characters; a line end counts as one.
-    pub fn step(&mut self, by: isize) {
-        let (line, column) = self.place();
-        let length = trimmed(self.rope.line(line));
+    pub fn move_chars(&mut self, by: isize) {
+        let (line, column) = self.cursor_position();
+        let length = content_len(self.rope.line(line));
         match by {
             1.. if column < length => self.cursor += 1,
-            1.. if line + 1 < self.lines() => self.go(line + 1, 0),
+            1.. if line + 1 < self.lines() => self.move_to(line + 1, 0),
             ..=-1 if column > 0 => self.cursor -= 1,
-            ..=-1 if line > 0 => self.go(line - 1, usize::MAX),
+            ..=-1 if line > 0 => self.move_to(line - 1, usize::MAX),
             _ => {}
         }
-        self.last = None;
+        self.last_change = None;
     }
 
     /// Moves the cursor by lines.
-    pub fn step_lines(&mut self, by: isize) {
-        let (line, column) = self.place();
-        self.go(line.saturating_add_signed(by), column);
+    pub fn move_lines(&mut self, by: isize) {
+        let (line, column) = self.cursor_position();
+        self.move_to(line.saturating_add_signed(by), column);
     }
 
     /// Applies an editing key; false if it does nothing here.
-    pub fn edit(&mut self, edit: Edit) -> bool {
+    pub fn edit(&mut self, edit: EditKey) -> bool {
         match edit {
-            Edit::Back => self.back(),
-            Edit::Delete => self.delete(),
-            Edit::LineStart => self.go(self.place().0, 0),
-            Edit::LineEnd => self.go(self.place().0, usize::MAX),
-            Edit::Enter => self.new_line(),
-            Edit::Up => self.step_lines(-1),
-            Edit::Down => self.step_lines(1),
-            Edit::Left => self.step(-1),
-            Edit::Right => self.step(1),
-            Edit::Cancel | Edit::Char(_) | Edit::Sign | Edit::Next | Edit::Previous => return false,
+            EditKey::Backspace => self.backspace(),
+            EditKey::Delete => self.delete(),
+            EditKey::LineStart => self.move_to(self.cursor_position().0, 0),
+            EditKey::LineEnd => self.move_to(self.cursor_position().0, usize::MAX),
+            EditKey::Enter => self.new_line(),
+            EditKey::Up => self.move_lines(-1),
+            EditKey::Down => self.move_lines(1),
+            EditKey::Left => self.move_chars(-1),
+            EditKey::Right => self.move_chars(1),
+            EditKey::Cancel | EditKey::Char(_) | EditKey::Sign | EditKey::Next | EditKey::Previous => return false,
         }
         true
     }
 
     /// Inserts a character at the cursor.
-    pub fn type_sign(&mut self, sign: char) {
-        self.keep(Kind::Typing);
+    pub fn insert_char(&mut self, sign: char) {
+        self.record_undo(ChangeKind::Typing);
         self.rope.insert_char(self.cursor, sign);
         self.cursor += 1;
-        self.last = Some((Kind::Typing, self.cursor));
+        self.last_change = Some((ChangeKind::Typing, self.cursor));
     }
 
     /// Inserts a line end at the cursor, of the same style as in the file.
     pub fn new_line(&mut self) {
-        self.keep(Kind::Other);
+        self.record_undo(ChangeKind::Other);
         let end = self.line_end();
         self.rope.insert(self.cursor, end);
         self.cursor += end.len();
     }
 
     /// Deletes the character before the cursor; at the start of a line the line end.
-    pub fn back(&mut self) {
+    pub fn backspace(&mut self) {
         if self.cursor == 0 {
             return;
         }
-        self.keep(Kind::Deleting);
+        self.record_undo(ChangeKind::Deleting);
         let pair =
             self.cursor >= 2 && self.rope.char(self.cursor - 1) == '\n' && self.rope.char(self.cursor - 2) == '\r';
         let from = self.cursor - if pair { 2 } else { 1 };
         self.rope.remove(from..self.cursor);
         self.cursor = from;
-        self.last = Some((Kind::Deleting, self.cursor));
+        self.last_change = Some((ChangeKind::Deleting, self.cursor));
     }
 
     /// Deletes the character behind the cursor; at the end of a line the line end.
     pub fn delete(&mut self) {
         let here = self.cursor;
-        self.step(1);
+        self.move_chars(1);
         if self.cursor != here {
-            self.back();
+            self.backspace();
         }
     }
 
     /// Replaces characters by a text and puts the cursor behind it.
     pub fn replace(&mut self, from: usize, to: usize, text: &str) {
-        self.keep(Kind::Other);
+        self.record_undo(ChangeKind::Other);
         self.rope.remove(from..to);
         self.rope.insert(from, text);
         self.cursor = from + text.chars().count();
@@ -177,16 +177,16 @@ impl Document {
 
     /// Replaces the whole text, as one undo step.
     pub fn replace_all(&mut self, rope: Rope) {
-        self.keep(Kind::Other);
-        let (line, column) = self.place();
+        self.record_undo(ChangeKind::Other);
+        let (line, column) = self.cursor_position();
         self.rope = rope;
-        self.go(line, column);
-        self.mark = None;
+        self.move_to(line, column);
+        self.block_anchor = None;
     }
 
     /// Copies the block, whole lines.
     #[must_use]
-    pub fn copied(&self) -> Option<Rope> {
+    pub fn copy_block(&self) -> Option<Rope> {
         let (first, end) = self.block()?;
         let mut copy = Rope::from(self.rope.slice(self.rope.line_to_char(first)..self.rope.line_to_char(end)));
         if copy.len_chars() > 0 && !matches!(copy.char(copy.len_chars() - 1), '\n' | '\r') {
@@ -198,27 +198,27 @@ impl Document {
     /// Deletes the lines of the block.
     pub fn delete_block(&mut self) {
         let Some((first, end)) = self.block() else { return };
-        self.keep(Kind::Other);
+        self.record_undo(ChangeKind::Other);
         self.rope.remove(self.rope.line_to_char(first)..self.rope.line_to_char(end));
-        self.mark = None;
-        self.go(first, 0);
+        self.block_anchor = None;
+        self.move_to(first, 0);
     }
 
     /// Inserts lines before the cursor's line; the cursor moves behind them.
     pub fn paste(&mut self, lines: &Rope) {
-        self.keep(Kind::Other);
-        let at = self.rope.line_to_char(self.place().0);
+        self.record_undo(ChangeKind::Other);
+        let at = self.rope.line_to_char(self.cursor_position().0);
         let rest = self.rope.split_off(at);
         self.rope.append(lines.clone());
         self.rope.append(rest);
-        self.mark = None;
+        self.block_anchor = None;
         self.cursor = at + lines.len_chars();
     }
 
     /// Undoes the last change; false if there is none.
     pub fn undo(&mut self) -> bool {
         let Some(past) = self.undo.pop() else { return false };
-        self.redo.push(Past { rope: self.rope.clone(), cursor: self.cursor });
+        self.redo.push(UndoState { rope: self.rope.clone(), cursor: self.cursor });
         self.restore(past);
         true
     }
@@ -226,19 +226,19 @@ impl Document {
     /// Redoes the last undone change; false if there is none.
     pub fn redo(&mut self) -> bool {
         let Some(past) = self.redo.pop() else { return false };
-        self.undo.push(Past { rope: self.rope.clone(), cursor: self.cursor });
+        self.undo.push(UndoState { rope: self.rope.clone(), cursor: self.cursor });
         self.restore(past);
         true
     }
 
     /// Whether undo and redo are possible.
     #[must_use]
-    pub const fn can(&self) -> (bool, bool) {
+    pub const fn can_undo_redo(&self) -> (bool, bool) {
         (!self.undo.is_empty(), !self.redo.is_empty())
     }
 
     /// This version was saved to its file; later changes are still unsaved.
-    pub fn hear_saved(&mut self, version: u64, deed: &Deed) {
+    pub fn mark_saved(&mut self, version: u64, deed: &Completion) {
         if let Some((number, stamp)) = deed.saved
             && number == self.number
         {
@@ -246,23 +246,23 @@ impl Document {
         }
     }
 
-    fn restore(&mut self, past: Past) {
+    fn restore(&mut self, past: UndoState) {
         self.rope = past.rope;
         self.cursor = past.cursor.min(self.rope.len_chars());
-        (self.mark, self.last, self.changed) = (None, None, true);
+        (self.block_anchor, self.last_change, self.changed) = (None, None, true);
         self.version += 1;
     }
 
     /// Saves the present state for undo, unless the change continues the last one.
-    fn keep(&mut self, kind: Kind) {
-        if self.last != Some((kind, self.cursor)) || kind == Kind::Other {
-            self.undo.push(Past { rope: self.rope.clone(), cursor: self.cursor });
-            if self.undo.len() > STEPS {
+    fn record_undo(&mut self, kind: ChangeKind) {
+        if self.last_change != Some((kind, self.cursor)) || kind == ChangeKind::Other {
+            self.undo.push(UndoState { rope: self.rope.clone(), cursor: self.cursor });
+            if self.undo.len() > MAX_UNDO {
                 self.undo.remove(0);
             }
         }
         self.redo.clear();
-        (self.last, self.changed) = (None, true);
+        (self.last_change, self.changed) = (None, true);
         self.version += 1;
     }
 
@@ -289,8 +289,8 @@ mod tests {
     #[test]
     fn b6_typing_is_one_step_back() {
         let mut text = document("G00\r\nM30\r\n");
-        text.go(0, 3);
-        " X10".chars().for_each(|sign| text.type_sign(sign));
+        text.move_to(0, 3);
+        " X10".chars().for_each(|sign| text.insert_char(sign));
         text.new_line();
         assert_eq!(text.rope.to_string(), "G00 X10\r\n\r\nM30\r\n", "a new line ends as the others do");
         assert!(text.undo() && text.undo());
@@ -302,49 +302,49 @@ mod tests {
     #[test]
     fn b6_back_takes_a_line_end_whole_and_stops_at_the_beginning() {
         let mut text = document("A\r\nB");
-        text.go(1, 0);
-        text.back();
+        text.move_to(1, 0);
+        text.backspace();
         assert_eq!((text.rope.to_string().as_str(), text.cursor), ("AB", 1));
-        text.back();
-        text.back();
+        text.backspace();
+        text.backspace();
         assert_eq!(text.rope.to_string(), "B");
     }
 
     #[test]
     fn b6_a_block_is_copied_and_moved_by_lines() {
         let mut text = document("1\n2\n3\n4");
-        text.go(1, 0);
-        text.mark = Some(1);
-        text.go(2, 0);
-        let copy = text.copied().expect("a block");
+        text.move_to(1, 0);
+        text.block_anchor = Some(1);
+        text.move_to(2, 0);
+        let copy = text.copy_block().expect("a block");
         assert_eq!(copy.to_string(), "2\n3\n");
         text.delete_block();
         assert_eq!(text.rope.to_string(), "1\n4");
-        text.go(0, 0);
+        text.move_to(0, 0);
         text.paste(&copy);
-        assert_eq!((text.rope.to_string().as_str(), text.place()), ("2\n3\n1\n4", (2, 0)));
+        assert_eq!((text.rope.to_string().as_str(), text.cursor_position()), ("2\n3\n1\n4", (2, 0)));
         // The last line has no line end; a copied block gets one.
-        text.mark = Some(3);
-        text.go(3, 0);
-        assert_eq!(text.copied().expect("a block").to_string(), "4\n");
+        text.block_anchor = Some(3);
+        text.move_to(3, 0);
+        assert_eq!(text.copy_block().expect("a block").to_string(), "4\n");
     }
 
     #[test]
     fn b6_the_cursor_keeps_inside_the_text() {
         let mut text = document("AB\nC\n");
-        text.step(-1);
-        text.step_lines(-3);
-        assert_eq!(text.place(), (0, 0));
-        text.go(99, 99);
-        assert_eq!((text.place(), text.lines()), ((1, 1), 2));
-        text.step(1);
-        text.step(1);
+        text.move_chars(-1);
+        text.move_lines(-3);
+        assert_eq!(text.cursor_position(), (0, 0));
+        text.move_to(99, 99);
+        assert_eq!((text.cursor_position(), text.lines()), ((1, 1), 2));
+        text.move_chars(1);
+        text.move_chars(1);
         assert!(text.cursor <= text.rope.len_chars());
         let mut none = document("");
-        none.back();
-        none.step(1);
-        none.step(-1);
-        none.mark = Some(0);
+        none.backspace();
+        none.move_chars(1);
+        none.move_chars(-1);
+        none.block_anchor = Some(0);
         none.delete_block();
         assert_eq!(none.lines(), 1);
     }

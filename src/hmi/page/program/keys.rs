@@ -3,7 +3,7 @@
 
 use egui::{Rect, Ui, pos2, vec2};
 
-use super::Program;
+use super::ProgramPage;
 use crate::defs::page::Page;
 use crate::defs::text::Text;
 use crate::hmi::theme;
@@ -16,11 +16,11 @@ macro_rules! acts {
     ($($variant:ident = $name:literal, $zh:literal, $en:literal;)*) => {
         /// Action of a key.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub enum Act { $($variant,)* }
+        pub enum EditorAction { $($variant,)* }
 
-        impl Act {
+        impl EditorAction {
             /// Accessible name and label.
-            const fn words(self) -> (&'static str, Text) {
+            const fn id_and_label(self) -> (&'static str, Text) {
                 match self { $(Self::$variant => ($name, Text::new($zh, $en)),)* }
             }
         }
@@ -30,11 +30,11 @@ macro_rules! acts {
 acts! {
     Edit = "edit-begin", "编辑", "EDIT";
     End = "edit-end", "结束", "END";
-    Board = "edit-board", "键盘", "KEYS";
+    Keyboard = "edit-board", "键盘", "KEYS";
     Find = "edit-find", "查找", "FIND";
-    Again = "edit-again", "下一个", "NEXT";
+    FindNext = "edit-again", "下一个", "NEXT";
     Replace = "edit-replace", "替换", "REPLACE";
-    Go = "edit-go", "定位", "GO TO";
+    GoTo = "edit-go", "定位", "GO TO";
     Renumber = "edit-renumber", "重排 N", "RENUM";
     First = "edit-first", "首行", "FIRST";
     Last = "edit-last", "末行", "LAST";
@@ -56,17 +56,17 @@ acts! {
     Skip = "replace-skip", "跳过", "SKIP";
     ReplaceAll = "replace-all", "全部", "ALL";
     EndReplace = "replace-end", "结束", "END";
-    AskDone = "ask-done", "确定", "OK";
-    AskEnd = "ask-end", "取消", "CANCEL";
-    Stop = "work-stop", "停止", "STOP";
-    Here = "run-here", "从此段", "FROM N";
+    PromptAccept = "ask-done", "确定", "OK";
+    PromptCancel = "ask-end", "取消", "CANCEL";
+    StopTask = "work-stop", "停止", "STOP";
+    RestartHere = "run-here", "从此段", "FROM N";
     Resume = "run-resume", "断电续", "RESUME";
-    Design = "design-page", "页面", "PAGE";
+    OpenDesigner = "design-page", "页面", "PAGE";
 }
 
-impl Act {
+impl EditorAction {
     /// Whether the action needs edit mode.
-    pub const fn changes(self) -> bool {
+    pub const fn needs_editing(self) -> bool {
         matches!(
             self,
             Self::Replace
@@ -86,40 +86,47 @@ impl Act {
     }
 }
 
-use Act::{
-    Again, AskDone, AskEnd, Board, CopyBlock, Cut, DeleteBlock, Design, Discard, Down, Edit, End, EndReplace, Find,
-    First, Go, Here, Last, Left, Mark, Paste, Redo, Renumber, Replace, ReplaceAll, ReplaceThis, Resume, Right, Save,
-    Skip, Stop, Undo, Unmark, Up,
+use EditorAction::{
+    CopyBlock, Cut, DeleteBlock, Discard, Down, Edit, End, EndReplace, Find, FindNext, First, GoTo, Keyboard, Last,
+    Left, Mark, OpenDesigner, Paste, PromptAccept, PromptCancel, Redo, Renumber, Replace, ReplaceAll, ReplaceThis,
+    RestartHere, Resume, Right, Save, Skip, StopTask, Undo, Unmark, Up,
 };
 
 /// The keys while a prompt is open.
-pub const ASK: [&[Act]; 2] = [&[AskDone, AskEnd], &[]];
+pub const PROMPT_KEYS: [&[EditorAction]; 2] = [&[PromptAccept, PromptCancel], &[]];
 
 /// The rows of keys for a state of the page.
-pub const fn rows(editing: bool, board: bool, block: bool, replacing: bool, work: bool) -> [&'static [Act]; 2] {
+pub const fn rows(
+    editing: bool,
+    board: bool,
+    block: bool,
+    replacing: bool,
+    work: bool,
+) -> [&'static [EditorAction]; 2] {
     match (editing, board, block, replacing, work) {
-        (.., true) => [&[Stop], &[]],
-        (false, ..) => [&[Edit, Find, Again, Go, First, Last, Here, Resume, Design], &[]],
+        (.., true) => [&[StopTask], &[]],
+        (false, ..) => [&[Edit, Find, FindNext, GoTo, First, Last, RestartHere, Resume, OpenDesigner], &[]],
         (.., true, false) => [&[ReplaceThis, Skip, ReplaceAll, EndReplace], &[]],
-        (true, true, ..) => [&[Board, Left, Right, Up, Down, Undo, Redo, Save], &[]],
+        (true, true, ..) => [&[Keyboard, Left, Right, Up, Down, Undo, Redo, Save], &[]],
         (true, false, true, ..) => {
-            [&[Board, Find, Replace, Go, Unmark, Undo, Redo, Save], &[CopyBlock, Cut, DeleteBlock, Paste, End]]
+            [&[Keyboard, Find, Replace, GoTo, Unmark, Undo, Redo, Save], &[CopyBlock, Cut, DeleteBlock, Paste, End]]
         }
-        (true, false, false, ..) => {
-            [&[Board, Find, Replace, Go, Mark, Undo, Redo, Save], &[Paste, Again, Renumber, First, Last, Discard, End]]
-        }
+        (true, false, false, ..) => [
+            &[Keyboard, Find, Replace, GoTo, Mark, Undo, Redo, Save],
+            &[Paste, FindNext, Renumber, First, Last, Discard, End],
+        ],
     }
 }
 
 /// Action of a keyboard key with Ctrl.
-pub const fn of_control(key: egui::Key) -> Option<Act> {
+pub const fn from_shortcut(key: egui::Key) -> Option<EditorAction> {
     Some(match key {
         egui::Key::S => Save,
         egui::Key::Z => Undo,
         egui::Key::Y => Redo,
         egui::Key::F => Find,
         egui::Key::H => Replace,
-        egui::Key::G => Go,
+        egui::Key::G => GoTo,
         egui::Key::M => Mark,
         egui::Key::C => CopyBlock,
         egui::Key::X => Cut,
@@ -131,28 +138,28 @@ pub const fn of_control(key: egui::Key) -> Option<Act> {
 }
 
 /// Draws the keys; returns the pressed one.
-pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut Program) -> Option<Act> {
+pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut ProgramPage) -> Option<EditorAction> {
     let mut pressed = None;
-    let on_keys = page.on_keys || !page.editing;
-    for (row, acts) in page.rows().into_iter().enumerate() {
+    let on_keys = page.keys_focused || !page.editing;
+    for (row, acts) in page.key_rows().into_iter().enumerate() {
         if acts.is_empty() {
             continue;
         }
         // A kind of machine without grinding pages has no page designer.
-        let has = |act: &&Act| **act != Design || Page::Designer.is_on(view.snapshot.kind);
-        let acts: Vec<Act> = acts.iter().filter(has).copied().collect();
+        let has = |act: &&EditorAction| **act != OpenDesigner || Page::Designer.exists_on(view.snapshot.kind);
+        let acts: Vec<EditorAction> = acts.iter().filter(has).copied().collect();
         let count = acts.len().max(6) as f32;
         let width = (rect.width() + theme::GAP) / count;
         for (index, act) in acts.iter().enumerate() {
-            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y + row as f32 * super::KEYS);
-            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, super::KEYS - 2.0));
-            let (name, label) = act.words();
+            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y + row as f32 * super::KEYS_HEIGHT);
+            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, super::KEYS_HEIGHT - 2.0));
+            let (name, label) = act.id_and_label();
             let look = page.look_of(*act);
             let words = (name, label.get(view.lang));
             let touched = if on_keys {
-                page.walk.push(ui, view, place, words, look)
+                page.walk.button(ui, view, place, words, look)
             } else {
-                crate::hmi::widget::push(ui, view, place, name, words.1, look)
+                crate::hmi::widget::button(ui, view, place, name, words.1, look)
             };
             if touched {
                 pressed = Some(*act);

@@ -4,33 +4,33 @@
 use egui::{Align2, Color32, Id, Painter, Rect, Ui, pos2, vec2};
 use ropey::Rope;
 
-use super::document::trimmed;
-use super::ink;
+use super::document::content_len;
+use super::highlight;
 use crate::hmi::page::scroll::Scroll;
 use crate::hmi::theme;
-use crate::hmi::view::{View, card, fit, frame};
+use crate::hmi::view::{View, card, fit_text, focus_frame};
 use crate::link::snapshot::ProgramView;
 
 /// Height of a line.
-pub const LINE: f32 = 28.0;
+pub const LINE_HEIGHT: f32 = 28.0;
 /// Width of the line number.
-pub const NUMBER: f32 = 76.0;
+pub const NUMBER_WIDTH: f32 = 76.0;
 /// Width kept free right of the cursor.
-const AHEAD: f32 = 40.0;
+const CURSOR_MARGIN: f32 = 40.0;
 /// Approximate width of a column.
-const COLUMN: f32 = 11.0;
+const COLUMN_WIDTH: f32 = 11.0;
 /// Maximum number of characters laid out per line.
-const WIDEST: usize = 200;
+const MAX_SHOWN_CHARS: usize = 200;
 
 /// Marks of a line.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Mark {
+pub struct LineMarks {
     /// It is being executed.
     pub running: bool,
     /// It belongs to the marked block.
     pub block: bool,
     /// It has an error.
-    pub wrong: bool,
+    pub faulty: bool,
     /// Column of the cursor.
     pub cursor: Option<usize>,
     /// It was selected by touch or search: a restart begins here (B5).
@@ -39,36 +39,43 @@ pub struct Mark {
 
 /// The visible part of a line, from column `left` on.
 #[must_use]
-pub fn shown(rope: &Rope, line: usize, left: usize) -> String {
+pub fn visible_text(rope: &Rope, line: usize, left: usize) -> String {
     let slice = rope.line(line);
-    let length = trimmed(slice);
+    let length = content_len(slice);
     let from = left.min(length);
-    let text: String = slice.slice(from..length.min(from + WIDEST)).into();
+    let text: String = slice.slice(from..length.min(from + MAX_SHOWN_CHARS)).into();
     // The font has no glyph for an invalid character.
     text.replace('\t', " ").replace('\u{FFFD}', "?")
 }
 
 /// Paints a line.
-pub fn row(painter: &Painter, place: Rect, view: &View<'_>, rope: &Rope, (line, left): (usize, usize), mark: Mark) {
+pub fn paint_line(
+    painter: &Painter,
+    place: Rect,
+    view: &View<'_>,
+    rope: &Rope,
+    (line, left): (usize, usize),
+    mark: LineMarks,
+) {
     if mark.running || mark.block || mark.cursor.is_some() {
         let fill = if mark.block { view.theme.focus.gamma_multiply(0.35) } else { view.theme.raised };
         painter.rect_filled(place, theme::RADIUS, fill);
     }
     if mark.chosen {
-        frame(painter, place, view.theme.line);
+        focus_frame(painter, place, view.theme.line);
     }
     let bar = Rect::from_min_size(place.min, vec2(4.0, place.height()));
-    if mark.wrong {
+    if mark.faulty {
         painter.rect_filled(bar, 0.0, view.theme.alarm);
     } else if mark.running {
         painter.rect_filled(bar, 0.0, view.theme.run);
     }
-    let (number, words) = place.split_left_right_at_x(place.min.x + NUMBER);
+    let (number, words) = place.split_left_right_at_x(place.min.x + NUMBER_WIDTH);
     let number = Rect::from_min_max(number.min + vec2(6.0, 0.0), number.max - vec2(theme::PAD, 0.0));
-    let ink = if mark.wrong { view.theme.alarm_text } else { view.theme.quiet };
-    fit(painter, number, Align2::RIGHT_CENTER, &(line + 1).to_string(), theme::SMALL, ink);
-    let text = shown(rope, line, left);
-    let galley = painter.layout_job(ink::job(&text, theme::TITLE - 1.0, view.theme));
+    let ink = if mark.faulty { view.theme.alarm_text } else { view.theme.muted };
+    fit_text(painter, number, Align2::RIGHT_CENTER, &(line + 1).to_string(), theme::SMALL, ink);
+    let text = visible_text(rope, line, left);
+    let galley = painter.layout_job(highlight::layout_line(&text, theme::TITLE - 1.0, view.theme));
     let top = (words.center().y - galley.size().y / 2.0).round();
     if let Some(column) = mark.cursor {
         let column = column.saturating_sub(left).min(text.chars().count());
@@ -86,24 +93,25 @@ pub fn row(painter: &Painter, place: Rect, view: &View<'_>, rope: &Rope, (line, 
 /// The column at a horizontal position in a line.
 #[must_use]
 pub fn column_at(painter: &Painter, view: &View<'_>, rope: &Rope, (line, left): (usize, usize), x: f32) -> usize {
-    let galley = painter.layout_job(ink::job(&shown(rope, line, left), theme::TITLE - 1.0, view.theme));
+    let galley =
+        painter.layout_job(highlight::layout_line(&visible_text(rope, line, left), theme::TITLE - 1.0, view.theme));
     left + galley.cursor_from_pos(vec2(x, galley.size().y / 2.0)).index.0
 }
 
 /// The running block and its neighbours, as many lines as fit.
-pub fn strip(ui: &Ui, rect: Rect, view: &View<'_>) {
+pub fn running_lines(ui: &Ui, rect: Rect, view: &View<'_>) {
     let program = &view.snapshot.program;
-    let count = ((rect.height() - 8.0) / LINE).floor().max(0.0) as usize;
+    let count = ((rect.height() - 8.0) / LINE_HEIGHT).floor().max(0.0) as usize;
     if count < 2 || program.number == 0 || in_subprogram(program) {
         return;
     }
     card(ui.painter(), rect, view.theme.surface, view.theme.line);
     let first = (program.line as usize).saturating_sub(1 + count / 3);
     for (index, line) in (first..program.text.len_lines().min(first + count)).enumerate() {
-        let corner = pos2(rect.min.x + 2.0, rect.min.y + 4.0 + index as f32 * LINE);
-        let place = Rect::from_min_size(corner, vec2(rect.width() - 4.0, LINE));
-        let mark = Mark { running: line + 1 == program.line as usize, ..Mark::default() };
-        row(&ui.painter().with_clip_rect(rect), place, view, &program.text, (line, 0), mark);
+        let corner = pos2(rect.min.x + 2.0, rect.min.y + 4.0 + index as f32 * LINE_HEIGHT);
+        let place = Rect::from_min_size(corner, vec2(rect.width() - 4.0, LINE_HEIGHT));
+        let mark = LineMarks { running: line + 1 == program.line as usize, ..LineMarks::default() };
+        paint_line(&ui.painter().with_clip_rect(rect), place, view, &program.text, (line, 0), mark);
     }
 }
 
@@ -115,47 +123,47 @@ pub const fn in_subprogram(program: &ProgramView) -> bool {
 
 /// Scroll position of the listing.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Place {
+pub struct ListingPosition {
     /// Vertical position, in lines.
     pub scroll: Scroll,
     /// The running line that was followed last, from 1.
-    pub line: u32,
+    pub followed_line: u32,
     /// Columns left of the first visible one.
-    pub left: usize,
+    pub first_column: usize,
     /// Sideways drag that is less than a column, points.
-    rest: f32,
+    drag_remainder: f32,
 }
 
-impl Place {
+impl ListingPosition {
     /// Scrolls sideways to keep the cursor in `room` points; a hidden cursor comes to the middle.
     pub fn follow_cursor(&mut self, painter: &Painter, rope: &Rope, (line, column): (usize, usize), room: f32) {
         let slice = rope.line(line);
-        let column = column.min(trimmed(slice));
+        let column = column.min(content_len(slice));
         let width = |from: usize| match column.saturating_sub(from) {
-            0..=WIDEST => {
+            0..=MAX_SHOWN_CHARS => {
                 let text: String = slice.slice(from.min(column)..column).into();
                 painter.layout_no_wrap(text, theme::font(theme::TITLE - 1.0), Color32::PLACEHOLDER).size().x
             }
             _ => f32::INFINITY,
         };
-        if width(0) <= room - AHEAD {
-            self.left = 0;
-        } else if column < self.left || width(self.left) > room - AHEAD {
+        if width(0) <= room - CURSOR_MARGIN {
+            self.first_column = 0;
+        } else if column < self.first_column || width(self.first_column) > room - CURSOR_MARGIN {
             let fits = |from: &usize| width(*from) <= room / 2.0;
-            self.left = (0..column).rev().take_while(fits).last().unwrap_or(column);
+            self.first_column = (0..column).rev().take_while(fits).last().unwrap_or(column);
         }
     }
 
     /// Scrolls sideways while a finger drags the list `id`, up to the longest visible line.
-    pub fn drag(&mut self, ui: &Ui, id: &str, rope: &Rope, lines: std::ops::Range<usize>) {
+    pub fn drag_sideways(&mut self, ui: &Ui, id: &str, rope: &Rope, lines: std::ops::Range<usize>) {
         if !ui.ctx().is_being_dragged(Id::unique(id)) {
-            self.rest = 0.0;
+            self.drag_remainder = 0.0;
             return;
         }
-        self.rest -= ui.input(|input| input.pointer.delta().x);
-        let longest = lines.map(|line| trimmed(rope.line(line))).max().unwrap_or(0);
-        let columns = (self.rest / COLUMN).trunc();
-        self.rest -= columns * COLUMN;
-        self.left = self.left.saturating_add_signed(columns as isize).min(longest.saturating_sub(1));
+        self.drag_remainder -= ui.input(|input| input.pointer.delta().x);
+        let longest = lines.map(|line| content_len(rope.line(line))).max().unwrap_or(0);
+        let columns = (self.drag_remainder / COLUMN_WIDTH).trunc();
+        self.drag_remainder -= columns * COLUMN_WIDTH;
+        self.first_column = self.first_column.saturating_add_signed(columns as isize).min(longest.saturating_sub(1));
     }
 }

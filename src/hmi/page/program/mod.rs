@@ -2,111 +2,111 @@
 //! responsive: it is shared with the core, only visible lines are laid out, and whole-text work is done in slices.
 //! Source: spec B6 (程序), K6.2, H6, H8.
 
-mod acts;
+mod actions;
 pub mod document;
-mod ink;
+mod highlight;
 mod keys;
 pub mod listing;
-mod work;
+mod text_task;
 
 use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
 
-use super::{Typed, empty};
+use super::{TypedInput, empty};
 use crate::defs::key::Mode;
-use crate::defs::text::{Said, Text};
-use crate::hmi::asking::{self, Guarded, Heard, Why};
-use crate::hmi::entry::Edit;
-use crate::hmi::letters::{self, Letter};
+use crate::defs::text::{LocalizedText, Text};
+use crate::hmi::letter_pad::{self, LetterKey};
 use crate::hmi::login::Login;
-use crate::hmi::question::Asked;
-use crate::hmi::view::{View, card, fit, frame, put};
-use crate::hmi::widget::{Look, Walk, whole_lines};
-use crate::hmi::{frame as lines, pictogram, theme};
+use crate::hmi::question::QuestionDialog;
+use crate::hmi::requests::{self, ProtectedRequests, RequestEvent, RequestReason};
+use crate::hmi::variable_entry::EditKey;
+use crate::hmi::view::{View, card, fit_text, focus_frame, text_line};
+use crate::hmi::widget::{ButtonState, KeyboardFocus, round_to_lines};
+use crate::hmi::{page_frame as lines, pictogram, theme};
 use crate::link::Command;
-use crate::link::files::{Asker, FileRequest, LOOKED_CHARS, LOOKED_LINES, Refusal, Ticket};
+use crate::link::files::{FileRequest, MAX_CHECKED_CHARS, MAX_CHECKED_LINES, Refusal, Requester, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::link::snapshot::RunState;
-use document::{Document, trimmed};
-use keys::Act;
-use listing::{LINE, Mark};
+use document::{Document, content_len};
+use keys::EditorAction;
+use listing::{LINE_HEIGHT, LineMarks};
 use ropey::Rope;
-use work::Work;
+use text_task::TextTask;
 
 /// Height of a row of keys.
-const KEYS: f32 = 46.0;
+const KEYS_HEIGHT: f32 = 46.0;
 /// Height of the message line.
-const TOLD: f32 = 28.0;
+const MESSAGE_HEIGHT: f32 = 28.0;
 /// Seconds without typing before the visible lines are checked.
-const PAUSE: f64 = 0.3;
+const CHECK_DELAY_SECONDS: f64 = 0.3;
 /// Maximum length of prompt input, characters.
-const ASKED: usize = 60;
+const MAX_PROMPT_CHARS: usize = 60;
 
 /// Prompt that is open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Ask {
+enum Prompt {
     Find,
-    ReplaceWhat,
-    ReplaceWith,
-    Go,
+    ReplaceOld,
+    ReplaceNew,
+    GoTo,
     Renumber,
 }
 
 /// Request whose answer is awaited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Awaited {
+enum EditorRequest {
     /// May the text be edited?
     Edit,
     /// Save the text of this version.
     Save(u64),
 }
 
-impl Why for Awaited {
-    const ASKER: Asker = Asker::Editor;
+impl RequestReason for EditorRequest {
+    const REQUESTER: Requester = Requester::Editor;
 }
 
 /// Subject of a question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum About {
+enum EditorQuestion {
     Conflict,
     Discard,
 }
 
 /// State of the page.
 #[derive(Debug, Default)]
-pub struct Program {
+pub struct ProgramPage {
     document: Document,
-    place: listing::Place,
-    clip: Option<Rope>,
+    position: listing::ListingPosition,
+    clipboard: Option<Rope>,
     editing: bool,
-    board: bool,
-    ask: Option<Ask>,
-    text: String,
-    what: String,
+    keyboard_open: bool,
+    prompt: Option<Prompt>,
+    prompt_text: String,
+    pattern: String,
     /// Replacing one by one: the next key decides about this match.
     replacing: bool,
-    work: Option<Work>,
-    asking: Guarded<Awaited>,
-    question: Asked<About>,
-    told: Option<(Said, bool)>,
-    looked: (u64, usize, f64),
-    walk: Walk,
+    task: Option<TextTask>,
+    asking: ProtectedRequests<EditorRequest>,
+    question: QuestionDialog<EditorQuestion>,
+    message: Option<(LocalizedText, bool)>,
+    last_check: (u64, usize, f64),
+    walk: KeyboardFocus,
     /// The keyboard moves over the keys instead of the text.
-    on_keys: bool,
+    keys_focused: bool,
     /// Editing has just begun: the cursor moves to the visible lines.
-    entered: bool,
+    editing_began: bool,
 }
 
-impl Program {
+impl ProgramPage {
     /// Why the last request was refused.
     #[must_use]
-    pub fn refusal(&self) -> Option<&Said> {
-        self.told.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
+    pub fn refusal(&self) -> Option<&LocalizedText> {
+        self.message.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
     }
 
     /// Whether text is accepted: for the program or for a prompt.
     #[must_use]
-    pub const fn takes_words(&self) -> bool {
-        self.editing || self.ask.is_some()
+    pub const fn accepts_text(&self) -> bool {
+        self.editing || self.prompt.is_some()
     }
 
     /// The text with its unsaved changes.
@@ -121,39 +121,46 @@ impl Program {
     }
 
     /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &Typed<'_>, login: &mut Login) -> Vec<Command> {
+    pub fn ui(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        view: &View<'_>,
+        typed: &TypedInput<'_>,
+        login: &mut Login,
+    ) -> Vec<Command> {
         let mut out = Vec::new();
-        self.hear(view, login, &mut out);
-        self.follow(view);
+        self.handle_answers(view, login, &mut out);
+        self.sync_with_core(view);
         if self.document.number == 0 {
-            let remedy = view.say("按“目录”选择一个程序并装入。", "Choose a program in the directory and load it.");
-            empty::show(ui, view, rect, pictogram::NO_PAGE, view.say("没有装入程序", "no program is loaded"), remedy);
+            let remedy = view.text("按“目录”选择一个程序并装入。", "Choose a program in the directory and load it.");
+            empty::show(ui, view, rect, pictogram::NO_PAGE, view.text("没有装入程序", "no program is loaded"), remedy);
             return out;
         }
         let free = !self.question.is_open() && !login.is_open();
         if free {
-            self.take_typed(view, typed, login, &mut out);
+            self.handle_typed(view, typed, login, &mut out);
         }
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
-        let board = if self.board { letters::block(view.snapshot.kind).height() } else { 0.0 };
-        let rows = if self.editing && !self.board && self.ask.is_none() { 2.0 } else { 1.0 };
+        let board = if self.keyboard_open { letter_pad::block_layout(view.snapshot.kind).height() } else { 0.0 };
+        let rows = if self.editing && !self.keyboard_open && self.prompt.is_none() { 2.0 } else { 1.0 };
         let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
-        let (list, below) = rest.split_top_bottom_at_y(rest.max.y - rows * KEYS - TOLD);
+        let (list, below) = rest.split_top_bottom_at_y(rest.max.y - rows * KEYS_HEIGHT - MESSAGE_HEIGHT);
         self.title(ui, title, view);
-        self.list(ui, list, view, typed.pages);
-        let (told, keys) = below.split_top_bottom_at_y(below.min.y + TOLD);
-        self.told(ui, told, view);
+        self.listing(ui, list, view, typed.scroll_pages);
+        let (told, keys) = below.split_top_bottom_at_y(below.min.y + MESSAGE_HEIGHT);
+        self.message_line(ui, told, view);
         if let Some(act) = keys::ui(ui, view, keys, self) {
-            self.act(act, view, login, &mut out);
+            self.perform(act, view, login, &mut out);
         }
-        if self.board
-            && let Some(letter) = letters::ui(ui, view, pad, &letters::block(view.snapshot.kind))
+        if self.keyboard_open
+            && let Some(letter) = letter_pad::ui(ui, view, pad, &letter_pad::block_layout(view.snapshot.kind))
         {
             self.letter(&letter, &mut out);
         }
-        self.go_on(ui);
-        self.look(ui, list, &mut out);
+        self.run_task(ui);
+        self.request_check(ui, list, &mut out);
         if let Some((about, Some(key))) = self.question.ui(ui, rect, view, typed.edits) {
             self.answer(about, key, view, &mut out);
         }
@@ -161,28 +168,30 @@ impl Program {
     }
 
     /// Handles the answers of the core.
-    fn hear(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        while let Some(heard) = self.asking.hear(view, login) {
+    fn handle_answers(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        while let Some(heard) = self.asking.poll(view, login) {
             match heard {
-                Heard::Open => self.wish_edit(out),
-                Heard::Answer(Awaited::Edit, Ok(_)) => {
-                    (self.editing, self.told, self.entered) = (true, None, true);
-                    self.place.scroll.by_hand = true;
+                RequestEvent::Unlocked => self.request_edit(out),
+                RequestEvent::Answer(EditorRequest::Edit, Ok(_)) => {
+                    (self.editing, self.message, self.editing_began) = (true, None, true);
+                    self.position.scroll.user_scrolled = true;
                 }
-                Heard::Answer(Awaited::Save(version), Ok(deed)) => {
-                    self.document.hear_saved(version, &deed);
-                    self.told = Some((deed.said, false));
+                RequestEvent::Answer(EditorRequest::Save(version), Ok(deed)) => {
+                    self.document.mark_saved(version, &deed);
+                    self.message = Some((deed.message, false));
                 }
-                Heard::Answer(Awaited::Save(_), Err(Refusal::Conflict)) => {
-                    self.question.ask(About::Conflict, asking::conflict());
+                RequestEvent::Answer(EditorRequest::Save(_), Err(Refusal::Conflict)) => {
+                    self.question.ask(EditorQuestion::Conflict, requests::conflict_question());
                 }
-                Heard::Answer(Awaited::Edit | Awaited::Save(_), Err(refusal)) => self.refuse(refusal.said()),
+                RequestEvent::Answer(EditorRequest::Edit | EditorRequest::Save(_), Err(refusal)) => {
+                    self.refuse(refusal.message())
+                }
             }
         }
     }
 
     /// Shows the core's text until it is edited here; keeps an unsaved text whatever program becomes current.
-    fn follow(&mut self, view: &View<'_>) {
+    fn sync_with_core(&mut self, view: &View<'_>) {
         let program = &view.snapshot.program;
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         if self.editing && (view.snapshot.mode != Mode::Edit || !idle) {
@@ -196,46 +205,46 @@ impl Program {
             // The saved text comes back from the disk unchanged; keep the undo history.
             return;
         }
-        let (line, other) = (self.document.place().0, program.number != self.document.number);
+        let (line, other) = (self.document.cursor_position().0, program.number != self.document.number);
         self.document = Document::open(program.number, program.stamp, &program.text);
-        self.document.go(if other { 0 } else { line }, 0);
-        self.work = None;
+        self.document.move_to(if other { 0 } else { line }, 0);
+        self.task = None;
         if other {
             self.stop_editing();
-            self.place = listing::Place::default();
+            self.position = listing::ListingPosition::default();
         }
     }
 
     fn stop_editing(&mut self) {
-        (self.editing, self.board, self.replacing, self.on_keys) = (false, false, false, false);
-        (self.ask, self.work, self.document.mark) = (None, None, None);
-        self.place.left = 0;
+        (self.editing, self.keyboard_open, self.replacing, self.keys_focused) = (false, false, false, false);
+        (self.prompt, self.task, self.document.block_anchor) = (None, None, None);
+        self.position.first_column = 0;
     }
 
-    fn refuse(&mut self, why: impl Into<Said>) {
-        self.told = Some((why.into(), true));
+    fn refuse(&mut self, why: impl Into<LocalizedText>) {
+        self.message = Some((why.into(), true));
     }
 
-    fn wish_edit(&mut self, out: &mut Vec<Command>) {
-        out.push(self.asking.ask(Awaited::Edit, FileRequest::MayEdit(self.document.number)));
+    fn request_edit(&mut self, out: &mut Vec<Command>) {
+        out.push(self.asking.send(EditorRequest::Edit, FileRequest::CheckEditable(self.document.number)));
     }
 
     fn save(&mut self, force: bool, out: &mut Vec<Command>) {
         let (number, text, base) = (self.document.number, self.document.rope.clone(), self.document.base);
-        let request = FileRequest::Save { number, text, base, force };
-        out.push(self.asking.ask(Awaited::Save(self.document.version), request));
+        let request = FileRequest::Save { number, text, base_stamp: base, overwrite: force };
+        out.push(self.asking.send(EditorRequest::Save(self.document.version), request));
     }
 
     /// Handles a key of a question other than 取消, by its index.
-    fn answer(&mut self, about: About, key: usize, view: &View<'_>, out: &mut Vec<Command>) {
+    fn answer(&mut self, about: EditorQuestion, key: usize, view: &View<'_>, out: &mut Vec<Command>) {
         let program = &view.snapshot.program;
         match (about, key) {
-            (About::Conflict, asking::OVERWRITE) => self.save(true, out),
-            (About::Conflict, _) => {
+            (EditorQuestion::Conflict, requests::OVERWRITE_KEY) => self.save(true, out),
+            (EditorQuestion::Conflict, _) => {
                 self.document = Document::open(program.number, program.stamp, &program.text);
-                self.told = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
+                self.message = Some((Text::new("已读磁盘上的文件", "read from the disk").into(), false));
             }
-            (About::Discard, _) => {
+            (EditorQuestion::Discard, _) => {
                 self.document = Document::open(program.number, program.stamp, &program.text);
                 self.stop_editing();
             }
@@ -243,300 +252,310 @@ impl Program {
     }
 
     /// Handles keyboard input.
-    fn take_typed(&mut self, view: &View<'_>, typed: &Typed<'_>, login: &mut Login, out: &mut Vec<Command>) {
-        for control in typed.controls {
-            if let Some(act) = keys::of_control(*control) {
-                self.act(act, view, login, out);
+    fn handle_typed(&mut self, view: &View<'_>, typed: &TypedInput<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        for control in typed.ctrl_keys {
+            if let Some(act) = keys::from_shortcut(*control) {
+                self.perform(act, view, login, out);
             }
         }
-        if self.on_keys || (!self.editing && self.ask.is_none()) {
-            self.walk.begin(typed.edits);
+        if self.keys_focused || (!self.editing && self.prompt.is_none()) {
+            self.walk.begin_frame(typed.edits);
         } else {
-            self.walk.begin(&[]);
+            self.walk.begin_frame(&[]);
         }
-        let text = self.ask.is_some() || (self.editing && !self.on_keys);
+        let text = self.prompt.is_some() || (self.editing && !self.keys_focused);
         if text {
-            typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.sign(sign));
+            typed.text.chars().filter(|sign| !sign.is_control()).for_each(|sign| self.type_char(sign));
         } else if typed.text.contains('/') {
-            self.act(Act::Find, view, login, out);
+            self.perform(EditorAction::Find, view, login, out);
         } else if !self.editing && typed.text.contains(|sign: char| !sign.is_control() && sign != ' ') {
             self.refuse(keys::EDIT_FIRST);
         }
         for edit in typed.edits {
             match edit {
-                Edit::Next | Edit::Previous if self.editing && self.ask.is_none() => {
-                    self.on_keys = !self.on_keys;
-                    self.walk.choose(0, 1);
+                EditKey::Next | EditKey::Previous if self.editing && self.prompt.is_none() => {
+                    self.keys_focused = !self.keys_focused;
+                    self.walk.select(0, 1);
                 }
-                Edit::Cancel if self.on_keys => self.on_keys = false,
+                EditKey::Cancel if self.keys_focused => self.keys_focused = false,
                 _ if text => self.edit(*edit, out),
-                Edit::Cancel => self.told = None,
+                EditKey::Cancel => self.message = None,
                 _ => {}
             }
         }
     }
 
-    fn sign(&mut self, sign: char) {
-        self.told = None;
-        if self.ask.is_some() {
-            if self.text.chars().count() < ASKED {
-                self.text.extend(sign.to_uppercase());
+    fn type_char(&mut self, sign: char) {
+        self.message = None;
+        if self.prompt.is_some() {
+            if self.prompt_text.chars().count() < MAX_PROMPT_CHARS {
+                self.prompt_text.extend(sign.to_uppercase());
             }
-        } else if self.editing && self.work.is_none() {
-            self.document.type_sign(sign);
-            self.keep_in_sight();
+        } else if self.editing && self.task.is_none() {
+            self.document.insert_char(sign);
+            self.follow_cursor();
         }
     }
 
-    fn letter(&mut self, letter: &Letter, out: &mut Vec<Command>) {
+    fn letter(&mut self, letter: &LetterKey, out: &mut Vec<Command>) {
         // The letter pad always types into the text, even while Tab has moved to the keys.
-        self.on_keys = false;
+        self.keys_focused = false;
         match letter {
-            Letter::Sign(sign) => self.sign(*sign),
-            Letter::Word(word) => word.chars().for_each(|sign| self.sign(sign)),
-            Letter::Back => self.edit(Edit::Back, out),
-            Letter::Done => self.edit(Edit::Enter, out),
+            LetterKey::Char(sign) => self.type_char(*sign),
+            LetterKey::Word(word) => word.chars().for_each(|sign| self.type_char(sign)),
+            LetterKey::Backspace => self.edit(EditKey::Backspace, out),
+            LetterKey::Done => self.edit(EditKey::Enter, out),
         }
     }
 
     /// Applies an edit to the text or to the prompt.
-    fn edit(&mut self, edit: Edit, out: &mut Vec<Command>) {
-        if self.ask.is_some() {
+    fn edit(&mut self, edit: EditKey, out: &mut Vec<Command>) {
+        if self.prompt.is_some() {
             match edit {
-                Edit::Back | Edit::Delete => drop(self.text.pop()),
-                Edit::Enter => self.enter(),
-                Edit::Cancel => (self.ask, self.board) = (None, self.board && self.editing),
+                EditKey::Backspace | EditKey::Delete => drop(self.prompt_text.pop()),
+                EditKey::Enter => self.accept_prompt(),
+                EditKey::Cancel => (self.prompt, self.keyboard_open) = (None, self.keyboard_open && self.editing),
                 _ => {}
             }
             return;
         }
-        self.told = None;
-        if self.work.is_some() {
-            if edit == Edit::Cancel {
-                self.work = None;
-                out.push(Command::Page(PageCommand::File(Ticket::unheard(Asker::Editor), FileRequest::Cancel)));
+        self.message = None;
+        if self.task.is_some() {
+            if edit == EditKey::Cancel {
+                self.task = None;
+                out.push(Command::Page(PageCommand::File(
+                    Ticket::without_reply(Requester::Editor),
+                    FileRequest::Cancel,
+                )));
             }
             return;
         }
         match edit {
-            Edit::Cancel => (self.document.mark, self.replacing) = (None, false),
+            EditKey::Cancel => (self.document.block_anchor, self.replacing) = (None, false),
             edit if self.document.edit(edit) => {}
             _ => return,
         }
-        self.keep_in_sight();
+        self.follow_cursor();
     }
 
-    const fn keep_in_sight(&mut self) {
-        self.place.scroll.by_hand = false;
+    const fn follow_cursor(&mut self) {
+        self.position.scroll.user_scrolled = false;
     }
 
     fn title(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let program = &view.snapshot.program;
         let document = &self.document;
-        let (line, column) = document.place();
+        let (line, column) = document.cursor_position();
         let line = if self.editing { line + 1 } else { program.line as usize };
         let place = if self.editing {
-            format!("{} {line}:{} / {}", view.say("行", "line"), column + 1, document.lines())
+            format!("{} {line}:{} / {}", view.text("行", "line"), column + 1, document.lines())
         } else {
-            format!("{} {line} / {}", view.say("行", "line"), document.lines())
+            format!("{} {line} / {}", view.text("行", "line"), document.lines())
         };
-        let right = put(ui.painter(), rect, Align2::RIGHT_CENTER, &place, theme::LABEL, view.theme.quiet);
+        let right = text_line(ui.painter(), rect, Align2::RIGHT_CENTER, &place, theme::LABEL, view.theme.muted);
         let room = Rect::from_min_max(rect.min, pos2(rect.min.x + 240.0, rect.max.y));
         let name = lines::title(ui, view, room, &view.snapshot.title(document.number));
         let mut left = (rect.min.x + 92.0).max(name.max.x + theme::PAD);
         let state = if document.changed {
-            Some((view.say("未保存", "not saved"), view.theme.hold))
+            Some((view.text("未保存", "not saved"), view.theme.hold))
         } else if self.editing {
-            Some((view.say("编辑", "editing"), view.theme.info))
+            Some((view.text("编辑", "editing"), view.theme.info))
         } else {
             None
         };
         if let Some((words, ink)) = state {
             let place = Rect::from_min_max(pos2(left, rect.min.y), rect.max);
-            left = put(ui.painter(), place, Align2::LEFT_CENTER, words, theme::LABEL, ink).max.x + theme::PAD;
+            left = text_line(ui.painter(), place, Align2::LEFT_CENTER, words, theme::LABEL, ink).max.x + theme::PAD;
         }
         if listing::in_subprogram(program) {
             let words = format!(
                 "{} {}",
-                view.say("正在执行子程序", "running subprogram"),
+                view.text("正在执行子程序", "running subprogram"),
                 view.snapshot.title(program.block_program)
             );
             let place = Rect::from_min_max(pos2(left, rect.min.y), pos2(right.min.x - theme::PAD, rect.max.y));
-            fit(ui.painter(), place, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.info);
+            fit_text(ui.painter(), place, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.info);
         }
     }
 
-    fn list(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, pages: i32) {
+    fn listing(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, pages: i32) {
         card(ui.painter(), rect, view.theme.surface, view.theme.line);
         if self.editing {
-            frame(ui.painter(), rect, view.theme.focus);
+            focus_frame(ui.painter(), rect, view.theme.focus);
         }
         let program = &view.snapshot.program;
-        let list = whole_lines(rect.shrink2(vec2(3.0, 4.0)), LINE);
+        let list = round_to_lines(rect.shrink2(vec2(3.0, 4.0)), LINE_HEIGHT);
         let count = self.document.lines();
         let current = program.number == self.document.number && !listing::in_subprogram(program);
-        if !self.editing && program.line != self.place.line && current {
-            self.place.line = program.line;
-            self.place.scroll.by_hand = program.line == 0;
+        if !self.editing && program.line != self.position.followed_line && current {
+            self.position.followed_line = program.line;
+            self.position.scroll.user_scrolled = program.line == 0;
         }
         if pages != 0 {
             if self.editing {
-                let by = pages as isize * ((list.height() / LINE) as isize - 1);
-                self.document.step_lines(by);
-                self.keep_in_sight();
+                let by = pages as isize * ((list.height() / LINE_HEIGHT) as isize - 1);
+                self.document.move_lines(by);
+                self.follow_cursor();
             } else {
-                self.place.scroll.page(pages, list, LINE);
+                self.position.scroll.scroll_pages(pages, list, LINE_HEIGHT);
             }
         }
-        if std::mem::take(&mut self.entered) {
+        if std::mem::take(&mut self.editing_began) {
             let running = (program.line as usize).checked_sub(1).filter(|_| current);
-            self.come_into_sight(self.place.scroll.lines(list, LINE), running);
+            self.move_cursor_into_view(self.position.scroll.visible_lines(list, LINE_HEIGHT), running);
         }
-        let (line, column) = self.document.place();
-        if !self.place.scroll.by_hand {
+        let (line, column) = self.document.cursor_position();
+        if !self.position.scroll.user_scrolled {
             let followed = if self.editing || !current || program.line == 0 { line } else { program.line as usize - 1 };
-            self.place.scroll.show(followed, list, LINE);
-            let room = list.width() - listing::NUMBER;
-            self.place.follow_cursor(ui.painter(), &self.document.rope, (line, column), room);
+            self.position.scroll.scroll_to(followed, list, LINE_HEIGHT);
+            let room = list.width() - listing::NUMBER_WIDTH;
+            self.position.follow_cursor(ui.painter(), &self.document.rope, (line, column), room);
         }
         let tap = ui.interact(list, Id::unique("listing-tap"), Sense::CLICK);
-        let (first, last) = self.place.scroll.follow(ui, "listing", list, LINE, count);
-        self.place.drag(ui, "listing", &self.document.rope, first..last.min(count));
+        let (first, last) = self.position.scroll.handle_input(ui, "listing", list, LINE_HEIGHT, count);
+        self.position.drag_sideways(ui, "listing", &self.document.rope, first..last.min(count));
         if tap.clicked()
             && let Some(at) = tap.interact_pointer_pos()
         {
-            self.touch(ui, view, list, at);
+            self.place_cursor(ui, view, list, at);
         }
         let block = self.document.block();
         let idle = matches!(view.snapshot.state, RunState::Idle | RunState::Alarm);
         let running = current && !self.document.changed;
         let painter = &ui.painter().with_clip_rect(list);
         for row in first..last.min(count) {
-            let top = list.min.y + ((row as f64 - self.place.scroll.top) * f64::from(LINE)) as f32;
-            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, LINE));
-            let mark = Mark {
+            let top = list.min.y + ((row as f64 - self.position.scroll.top) * f64::from(LINE_HEIGHT)) as f32;
+            let place = Rect::from_min_size(pos2(list.min.x, top), vec2(list.width() - 8.0, LINE_HEIGHT));
+            let mark = LineMarks {
                 running: running && row + 1 == program.line as usize,
                 block: block.is_some_and(|(from, to)| (from..to).contains(&row)),
-                wrong: self.fault(view, row).is_some(),
+                faulty: self.fault_in_line(view, row).is_some(),
                 cursor: (self.editing && row == line).then_some(column),
                 chosen: idle && !self.editing && row == line,
             };
-            listing::row(painter, place, view, &self.document.rope, (row, self.place.left), mark);
+            listing::paint_line(painter, place, view, &self.document.rope, (row, self.position.first_column), mark);
         }
-        self.place.scroll.bar(ui, view, list, LINE, count);
+        self.position.scroll.draw_bar(ui, view, list, LINE_HEIGHT, count);
     }
 
     /// Moves a hidden cursor to the running line, else to the first visible one.
-    fn come_into_sight(&mut self, sight: std::ops::Range<usize>, running: Option<usize>) {
-        if !sight.contains(&self.document.place().0) {
-            self.document.go(running.filter(|line| sight.contains(line)).unwrap_or(sight.start), 0);
+    fn move_cursor_into_view(&mut self, sight: std::ops::Range<usize>, running: Option<usize>) {
+        if !sight.contains(&self.document.cursor_position().0) {
+            self.document.move_to(running.filter(|line| sight.contains(line)).unwrap_or(sight.start), 0);
         }
     }
 
-    fn touch(&mut self, ui: &Ui, view: &View<'_>, list: Rect, at: egui::Pos2) {
-        let row = (f64::from((at.y - list.min.y) / LINE) + self.place.scroll.top).floor().max(0.0) as usize;
+    fn place_cursor(&mut self, ui: &Ui, view: &View<'_>, list: Rect, at: egui::Pos2) {
+        let row = (f64::from((at.y - list.min.y) / LINE_HEIGHT) + self.position.scroll.top).floor().max(0.0) as usize;
         if row >= self.document.lines() {
             return;
         }
-        let x = at.x - list.min.x - listing::NUMBER;
-        let column = listing::column_at(ui.painter(), view, &self.document.rope, (row, self.place.left), x);
-        self.document.go(row, column);
-        self.on_keys = false;
+        let x = at.x - list.min.x - listing::NUMBER_WIDTH;
+        let column = listing::column_at(ui.painter(), view, &self.document.rope, (row, self.position.first_column), x);
+        self.document.move_to(row, column);
+        self.keys_focused = false;
     }
 
     /// The error in a line of the present text.
-    fn fault<'v>(&self, view: &View<'v>, row: usize) -> Option<&'v Said> {
-        let looked = &view.snapshot.files.looked;
-        let ours = self.editing && looked.token == self.token() || !self.editing && !self.document.changed;
+    fn fault_in_line<'v>(&self, view: &View<'v>, row: usize) -> Option<&'v LocalizedText> {
+        let looked = &view.snapshot.files.line_check;
+        let ours = self.editing && looked.token == self.text_token() || !self.editing && !self.document.changed;
         let fault = looked.faults.iter().find(|fault| fault.line as usize == row + 1);
-        fault.filter(|_| ours && looked.token >> 32 == u64::from(self.document.number)).map(|fault| &fault.said)
+        fault.filter(|_| ours && looked.token >> 32 == u64::from(self.document.number)).map(|fault| &fault.message)
     }
 
     /// Identifies this text in the answers to check requests.
-    fn token(&self) -> u64 {
+    fn text_token(&self) -> u64 {
         u64::from(self.document.number) << 32 | (self.document.version & 0xFFFF_FFFF)
     }
 
     /// Message line: prompt, message or progress, error in the cursor's line, encoding, unsaved program.
-    fn told(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
+    fn message_line(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let row = rect.shrink2(vec2(4.0, 0.0));
-        let line = self.document.place().0;
-        let (words, ink) = if let Some(ask) = self.ask {
+        let line = self.document.cursor_position().0;
+        let (words, ink) = if let Some(ask) = self.prompt {
             let what = match ask {
-                Ask::Find => view.say("查找：", "find:"),
-                Ask::ReplaceWhat => view.say("替换，原文：", "replace, old:"),
-                Ask::ReplaceWith => view.say("替换，新文：", "replace, new:"),
-                Ask::Go => view.say("定位到行号或 N：", "go to line or N:"),
-                Ask::Renumber => view.say("重排段号，起始 步长：", "renumber, first and step:"),
+                Prompt::Find => view.text("查找：", "find:"),
+                Prompt::ReplaceOld => view.text("替换，原文：", "replace, old:"),
+                Prompt::ReplaceNew => view.text("替换，新文：", "replace, new:"),
+                Prompt::GoTo => view.text("定位到行号或 N：", "go to line or N:"),
+                Prompt::Renumber => view.text("重排段号，起始 步长：", "renumber, first and step:"),
             };
-            (format!("{what} {}_", self.text), view.theme.info)
-        } else if let Some((said, refused)) = &self.told {
+            (format!("{what} {}_", self.prompt_text), view.theme.info)
+        } else if let Some((said, refused)) = &self.message {
             (said.get(view.lang).to_owned(), if *refused { view.theme.alarm_text } else { view.theme.text })
-        } else if let Some(said) = self.fault(view, line) {
+        } else if let Some(said) = self.fault_in_line(view, line) {
             (said.get(view.lang).to_owned(), view.theme.alarm_text)
-        } else if view.snapshot.program.mistaken && !self.document.changed {
-            let words = view.say(
+        } else if view.snapshot.program.has_invalid_bytes && !self.document.changed {
+            let words = view.text(
                 "文件含有不是 GBK 或 UTF-8 的字节：只能查看，请在电脑上另存",
                 "bytes that are neither GBK nor UTF-8: shown only, save it again on a computer",
             );
             (words.to_owned(), view.theme.hold)
         } else if self.document.changed && self.document.number != view.snapshot.program.number {
-            let words = view.say("这是未保存的程序，不是当前程序", "this is the unsaved program, not the current one");
+            let words = view.text("这是未保存的程序，不是当前程序", "this is the unsaved program, not the current one");
             (words.to_owned(), view.theme.hold)
         } else {
             return;
         };
-        fit(ui.painter(), row, Align2::LEFT_CENTER, &words, theme::LABEL, ink);
+        fit_text(ui.painter(), row, Align2::LEFT_CENTER, &words, theme::LABEL, ink);
     }
 
     /// Requests a syntax check of the visible lines after a pause in typing.
-    fn look(&mut self, ui: &Ui, list: Rect, out: &mut Vec<Command>) {
-        if !self.editing || self.work.is_some() {
+    fn request_check(&mut self, ui: &Ui, list: Rect, out: &mut Vec<Command>) {
+        if !self.editing || self.task.is_some() {
             return;
         }
-        let first = self.place.scroll.top as usize;
+        let first = self.position.scroll.top as usize;
         let now = ui.input(|input| input.time);
-        let (version, at, since) = self.looked;
+        let (version, at, since) = self.last_check;
         if (version, at) != (self.document.version, first) {
-            self.looked = (self.document.version, first, now);
-            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(PAUSE + 0.01));
+            self.last_check = (self.document.version, first, now);
+            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(CHECK_DELAY_SECONDS + 0.01));
             return;
         }
         let asked = since < 0.0;
-        if asked || now - since < PAUSE {
+        if asked || now - since < CHECK_DELAY_SECONDS {
             return;
         }
-        self.looked.2 = -1.0;
-        let count = ((list.height() / LINE) as usize + 2).min(LOOKED_LINES);
+        self.last_check.2 = -1.0;
+        let count = ((list.height() / LINE_HEIGHT) as usize + 2).min(MAX_CHECKED_LINES);
         let end = (first + count).min(self.document.lines());
         let mut text = String::new();
         for line in first..end {
             let slice = self.document.rope.line(line);
-            text.extend(slice.slice(..trimmed(slice).min(LOOKED_CHARS)).chars());
+            text.extend(slice.slice(..content_len(slice).min(MAX_CHECKED_CHARS)).chars());
             text.push('\n');
         }
-        let (number, token) = (self.document.number, self.token());
-        let request = FileRequest::Look { number, first: first as u32 + 1, text, token };
-        out.push(Command::Page(PageCommand::File(Ticket::unheard(Asker::Editor), request)));
+        let (number, token) = (self.document.number, self.text_token());
+        let request = FileRequest::CheckLines { number, first_line: first as u32 + 1, text, token };
+        out.push(Command::Page(PageCommand::File(Ticket::without_reply(Requester::Editor), request)));
     }
 
     /// The rows of keys below the listing.
-    fn rows(&self) -> [&'static [Act]; 2] {
-        if self.ask.is_some() {
-            return keys::ASK;
+    fn key_rows(&self) -> [&'static [EditorAction]; 2] {
+        if self.prompt.is_some() {
+            return keys::PROMPT_KEYS;
         }
-        keys::rows(self.editing, self.board, self.document.mark.is_some(), self.replacing, self.work.is_some())
+        keys::rows(
+            self.editing,
+            self.keyboard_open,
+            self.document.block_anchor.is_some(),
+            self.replacing,
+            self.task.is_some(),
+        )
     }
 
-    fn look_of(&self, act: Act) -> Look {
-        let (undo, redo) = self.document.can();
-        let on = (act == Act::Board && self.board) || (act == Act::Save && self.document.changed);
+    fn look_of(&self, act: EditorAction) -> ButtonState {
+        let (undo, redo) = self.document.can_undo_redo();
+        let on = (act == EditorAction::Keyboard && self.keyboard_open)
+            || (act == EditorAction::Save && self.document.changed);
         let locked = match act {
-            Act::Undo => !undo,
-            Act::Redo => !redo,
-            Act::Paste => self.clip.is_none(),
+            EditorAction::Undo => !undo,
+            EditorAction::Redo => !redo,
+            EditorAction::Paste => self.clipboard.is_none(),
             _ => false,
         };
-        Look { on, locked }
+        ButtonState { on, locked }
     }
 }

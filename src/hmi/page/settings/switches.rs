@@ -2,17 +2,17 @@
 
 use egui::{Rect, Ui};
 
-use super::{beside, cell, group, row_of};
-use crate::defs::param::{self, Bit};
+use super::{cell, group, key_row, title_note};
+use crate::defs::param::{self, BitParam};
 use crate::defs::text::Text;
 use crate::hmi::login::Login;
 use crate::hmi::view::View;
-use crate::hmi::widget::{Look, Walk};
+use crate::hmi::widget::{ButtonState, KeyboardFocus};
 use crate::link::Command;
-use crate::link::page_command::{Guard, PageCommand};
+use crate::link::page_command::{PageCommand, PasswordScope};
 
 /// The bits, each with the id and the label of its key.
-const SWITCHES: [(Bit, &str, Text); 4] = [
+const SWITCHES: [(BitParam, &str, Text); 4] = [
     (param::COUNT_ON_M30, "switch-count", Text::new("M30 计件", "M30 COUNTS")),
     (param::EDIT_OFFSETS, "switch-offsets", Text::new("刀补允许修改", "EDIT OFFSETS")),
     (param::EDIT_VALUES_IN_RUN, "switch-values", Text::new("运行中可改数据", "EDIT IN A RUN")),
@@ -21,20 +21,20 @@ const SWITCHES: [(Bit, &str, Text); 4] = [
 
 /// State of the group.
 #[derive(Debug, Default)]
-pub struct Switches {
+pub struct SwitchGroup {
     /// Index of the switch that waits for its password.
-    waiting: Option<usize>,
+    pending_switch: Option<usize>,
 }
 
-impl Switches {
+impl SwitchGroup {
     /// Toggles the waiting switch once its level is unlocked; leaves it if the password is not given.
-    pub fn send_waiting(&mut self, view: &View<'_>, login: &Login, out: &mut Vec<Command>) {
-        let Some(index) = self.waiting else { return };
+    pub fn send_pending(&mut self, view: &View<'_>, login: &Login, out: &mut Vec<Command>) {
+        let Some(index) = self.pending_switch else { return };
         if view.snapshot.access.level >= SWITCHES[index].0.level {
-            turn(view, index, out);
-            self.waiting = None;
+            toggle(view, index, out);
+            self.pending_switch = None;
         } else if !login.is_open() {
-            self.waiting = None;
+            self.pending_switch = None;
         }
     }
 
@@ -44,31 +44,31 @@ impl Switches {
         ui: &Ui,
         rect: Rect,
         view: &View<'_>,
-        keys: (f32, &mut Walk, &mut Login),
+        keys: (f32, &mut KeyboardFocus, &mut Login),
         out: &mut Vec<Command>,
     ) {
         let (key, walk, login) = keys;
-        let (body, free) = group(ui, view, rect, view.say("开关", "switches"));
-        beside(ui, view, free, view.say("亮条为开", "a bar: on"));
+        let (body, free) = group(ui, view, rect, view.text("开关", "switches"));
+        title_note(ui, view, free, view.text("亮条为开", "a bar: on"));
         for (index, (bit, id, label)) in SWITCHES.iter().enumerate() {
-            let row = row_of(body, key, index / 2);
+            let row = key_row(body, key, index / 2);
             let locked = view.snapshot.access.level < bit.level;
-            let look = Look { on: view.snapshot.params.bit(*bit), locked };
-            if !walk.push(ui, view, cell(row, index % 2, 2), (id, label.get(view.lang)), look) {
+            let look = ButtonState { on: view.snapshot.params.bit(*bit), locked };
+            if !walk.button(ui, view, cell(row, index % 2, 2), (id, label.get(view.lang)), look) {
                 continue;
             }
-            match Guard::of(bit.level).filter(|_| locked) {
+            match PasswordScope::for_level(bit.level).filter(|_| locked) {
                 Some(guard) => {
-                    self.waiting = Some(index);
+                    self.pending_switch = Some(index);
                     login.unlock(view, guard);
                 }
-                None => turn(view, index, out),
+                None => toggle(view, index, out),
             }
         }
     }
 }
 
-fn turn(view: &View<'_>, index: usize, out: &mut Vec<Command>) {
+fn toggle(view: &View<'_>, index: usize, out: &mut Vec<Command>) {
     let bit = SWITCHES[index].0;
     let wanted = if view.snapshot.params.bit(bit) { 0.0 } else { 1.0 };
     out.push(Command::Page(PageCommand::EditParam(bit.address(), wanted)));

@@ -1,31 +1,31 @@
 //! S, T and M. Source: spec B2, B4, K3.4, K3.14, K3.15, K5.11.
 
-use super::codes::Plan;
-use super::{LIMIT, integer, out_of_range};
+use super::codes::GrinderCodes;
+use super::{MAX_VALUE, integer, out_of_range};
 use crate::defs::mcode;
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{Running, Step};
+use crate::nc::dialect::{BlockContext, FlowAction};
 use crate::nc::expression::Scope;
-use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::flow::{Call, Callee};
 use crate::nc::op::Op;
 use crate::nc::words::{Code, Word};
 
 /// Highest block number and packed P of M98.
-const NUMBERS: u32 = 99_999_999;
+const MAX_BLOCK_NUMBER: u32 = 99_999_999;
 /// Most repetitions of a subprogram.
-pub(super) const REPEATS: u32 = 9_999;
+pub(super) const MAX_REPEATS: u32 = 9_999;
 /// Number of input and output ports.
-const PORTS: u32 = 64;
+const PORT_COUNT: u32 = 64;
 
 /// T: tool and offset.
-pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
+pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let Some(word) = running.words.take(b'T') else { return Ok(()) };
-    let count = running.settings.tools;
+    let count = running.settings.tool_count;
     let value = integer(word, 0, 9_999)?;
     let (tool, offset) = (value / 100, value % 100);
     if tool > count || offset > count || (tool == 0 && offset != 0) {
-        return wrong2(
+        return fail2(
             word.at as usize,
             E::OutOfRange,
             format!("T{value:04}"),
@@ -36,8 +36,8 @@ pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
     let tool = tool as u16;
     if tool != 0 && modals.tool != 0 && tool != modals.tool {
         modals.several_tools = true;
-        if modals.preset {
-            return wrong(word.at as usize, E::PresetWithTools);
+        if modals.g50_used {
+            return fail(word.at as usize, E::G50WithTools);
         }
     }
     if tool != 0 {
@@ -49,9 +49,9 @@ pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
 }
 
 /// S, unless an M code uses it.
-pub(super) fn speed(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
+pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<()> {
     // K3.4: M63 S drives the second analog output; G50 S is a limit.
-    if plan.once_is(50) || running.words.m().iter().any(|code| takes_s(code.number)) {
+    if plan.is_one_shot(50) || running.words.m().iter().any(|code| takes_s(code.number)) {
         return Ok(());
     }
     let Some(word) = running.words.take(b'S') else { return Ok(()) };
@@ -61,8 +61,8 @@ pub(super) fn speed(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
     Ok(())
 }
 
-fn speed_value(word: Word) -> Outcome<f64> {
-    if (0.0..=LIMIT).contains(&word.value) { Ok(word.value) } else { out_of_range("S", word, "0–99999.999") }
+fn speed_value(word: Word) -> ReadResult<f64> {
+    if (0.0..=MAX_VALUE).contains(&word.value) { Ok(word.value) } else { out_of_range("S", word, "0–99999.999") }
 }
 
 const fn takes_s(code: u32) -> bool {
@@ -80,31 +80,31 @@ const fn acts_after_motion(code: u32) -> bool {
 }
 
 /// Checks the M codes, adds those that act before the motion, and returns how the program continues.
-pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Step> {
+pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
     let words = running.words;
-    let mut flow = Step::Next;
+    let mut flow = FlowAction::Next;
     for code in words.m() {
         if !mcode::is_known(code.number) {
-            return wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number));
+            return fail1(code.at as usize, E::UnknownM, format!("M{}", code.number));
         }
         if stands_alone(code.number)
             && let Some(other) = words.m().iter().find(|other| other.at != code.at)
         {
             let names = [code, other].map(|code| format!("M{:02}", code.number));
             let [first, second] = names;
-            return wrong2(code.at as usize, E::NotTogether, first, second);
+            return fail2(code.at as usize, E::NotTogether, first, second);
         }
-        running.modals.m = Some(code.number as u8);
+        running.modals.m_code = Some(code.number as u8);
         match code.number {
-            1 if words.has(b'L') => flow = jump(running, *code)?,
-            2 | 30 => flow = Step::End,
+            1 if words.has(b'L') => flow = jump_by_m01(running, *code)?,
+            2 | 30 => flow = FlowAction::End,
             91 | 92 => flow = input_jump(running, *code)?,
             98 => flow = subprogram(running, *code)?,
-            99 => flow = back(running, *code)?,
+            99 => flow = return_from_subprogram(running, *code)?,
             // K4.3: M35 and M36 are misprints of G35 and G36 in the customer's text.
-            35 => super::grinding::oscillation(running, code.at as usize)?,
+            35 => super::grinding::oscillation_on(running, code.at as usize)?,
             36 => running.ops.push(Op::OscillationOff),
-            number if !acts_after_motion(number) => hand_out(running, *code)?,
+            number if !acts_after_motion(number) => push_m_code(running, *code)?,
             _ => {}
         }
     }
@@ -112,30 +112,30 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Step> {
 }
 
 /// Adds the M codes that act after the motion.
-pub(super) fn after_motion(running: &mut Running<'_, '_>) -> Outcome<()> {
+pub(super) fn after_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let words = running.words;
     for code in words.m() {
         let jumps = code.number == 1 && words.has(b'L');
         if acts_after_motion(code.number) && !jumps {
-            hand_out(running, *code)?;
+            push_m_code(running, *code)?;
         }
     }
     Ok(())
 }
 
-fn hand_out(running: &mut Running<'_, '_>, code: Code) -> Outcome<()> {
+fn push_m_code(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<()> {
     let words = running.words;
     let number = code.number;
     let s = if takes_s(number) { words.take(b'S').map(speed_value).transpose()? } else { None };
     let (mut p, mut l) = (None, None);
     if (20..=22).contains(&number) {
         let name = || format!("M{number}");
-        let Some(port) = words.take(b'P') else { return wrong2(code.at as usize, E::MissingWord, name(), "P") };
-        p = Some(f64::from(integer(port, 1, PORTS)?));
+        let Some(port) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name(), "P") };
+        p = Some(f64::from(integer(port, 1, PORT_COUNT)?));
         if number == 20 {
             // B4: a pulse of L milliseconds.
-            let Some(millis) = words.take(b'L') else { return wrong2(code.at as usize, E::MissingWord, name(), "L") };
-            if !(0.0..=LIMIT).contains(&millis.value) {
+            let Some(millis) = words.take(b'L') else { return fail2(code.at as usize, E::MissingWord, name(), "L") };
+            if !(0.0..=MAX_VALUE).contains(&millis.value) {
                 return out_of_range("L", millis, "0–99999.999");
             }
             l = Some(millis.value);
@@ -146,43 +146,43 @@ fn hand_out(running: &mut Running<'_, '_>, code: Code) -> Outcome<()> {
 }
 
 /// `M01 L n`: continues at block n.
-fn jump(running: &Running<'_, '_>, code: Code) -> Outcome<Step> {
+fn jump_by_m01(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
     match running.words.take(b'L') {
-        Some(word) => Ok(Step::Goto { n: integer(word, 0, NUMBERS)?, at: word.at as usize }),
-        None => wrong2(code.at as usize, E::MissingWord, "M01", "L"),
+        Some(word) => Ok(FlowAction::Goto { n: integer(word, 0, MAX_BLOCK_NUMBER)?, at: word.at as usize }),
+        None => fail2(code.at as usize, E::MissingWord, "M01", "L"),
     }
 }
 
 /// `M91 P<in> L<block>` jumps if the input is active (low), `M92` if not; without L: P is the block.
-fn input_jump(running: &mut Running<'_, '_>, code: Code) -> Outcome<Step> {
+fn input_jump(running: &mut BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
     let name = || format!("M{}", code.number);
     let words = running.words;
-    let Some(p) = words.take(b'P') else { return wrong2(code.at as usize, E::MissingWord, name(), "P") };
+    let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name(), "P") };
     let (port, target) = match words.take(b'L') {
-        Some(block) => (integer(p, 1, PORTS)?, block),
-        None if running.settings.jump_input == 0 => return wrong1(code.at as usize, E::NoInput, name()),
+        Some(block) => (integer(p, 1, PORT_COUNT)?, block),
+        None if running.settings.jump_input == 0 => return fail1(code.at as usize, E::InputNotAssigned, name()),
         None => (running.settings.jump_input, p),
     };
-    let n = integer(target, 0, NUMBERS)?;
+    let n = integer(target, 0, MAX_BLOCK_NUMBER)?;
     let value = running.scope.read(999 + port, code.at as usize)?;
     let active = value.is_some_and(|value| value.abs() > 0.5);
-    Ok(if active == (code.number == 91) { Step::Goto { n, at: target.at as usize } } else { Step::Next })
+    Ok(if active == (code.number == 91) { FlowAction::Goto { n, at: target.at as usize } } else { FlowAction::Next })
 }
 
 /// `M98 P○○○○ L□□□□`, or both in P: `P×××○○○○`.
-fn subprogram(running: &Running<'_, '_>, code: Code) -> Outcome<Step> {
+fn subprogram(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
     let words = running.words;
-    let Some(p) = words.take(b'P') else { return wrong2(code.at as usize, E::MissingWord, "M98", "P") };
-    let packed = integer(p, 1, NUMBERS)?;
+    let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, "M98", "P") };
+    let packed = integer(p, 1, MAX_BLOCK_NUMBER)?;
     let (program, times) = match words.take(b'L') {
-        Some(times) => (integer(p, 1, 9_999)?, integer(times, 1, REPEATS)?),
+        Some(times) => (integer(p, 1, 9_999)?, integer(times, 1, MAX_REPEATS)?),
         None if packed > 9_999 => (packed % 10_000, packed / 10_000),
         None => (packed, 1),
     };
-    Ok(Step::Call(Call { program, times, callee: Callee::Sub, at: p.at as usize }))
+    Ok(FlowAction::Call(Call { program, times, callee: Callee::Sub, at: p.at as usize }))
 }
 
-fn back(running: &Running<'_, '_>, code: Code) -> Outcome<Step> {
-    let target = running.words.take(b'P').map(|word| integer(word, 0, NUMBERS)).transpose()?;
-    Ok(Step::Return { target, at: code.at as usize })
+fn return_from_subprogram(running: &BlockContext<'_, '_>, code: Code) -> ReadResult<FlowAction> {
+    let target = running.words.take(b'P').map(|word| integer(word, 0, MAX_BLOCK_NUMBER)).transpose()?;
+    Ok(FlowAction::Return { target, at: code.at as usize })
 }

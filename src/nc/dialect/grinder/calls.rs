@@ -1,58 +1,58 @@
 //! G65 and G66 with their arguments. Source: spec B3.
 
-use super::auxiliary::REPEATS;
-use super::codes::Plan;
+use super::auxiliary::MAX_REPEATS;
+use super::codes::GrinderCodes;
 use super::{integer, macro_a};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{Running, Step};
-use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::dialect::{BlockContext, FlowAction};
+use crate::nc::fault::{ReadResult, fail1, fail2};
 use crate::nc::flow::{Call, Callee, Locals, ModalCall};
-use crate::nc::words::{Kind, Word};
+use crate::nc::words::{ValueKind, Word};
 
 /// Most sets of I, J, K in argument system II.
-const SETS: usize = 10;
+const MAX_IJK_SETS: usize = 10;
 
 /// G65 and G66 calls, and G65 with H (calculation).
-pub(super) fn macro_call(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
+pub(super) fn macro_call(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<FlowAction> {
     let words = running.words;
-    let (code, name) = match (plan.once, plan.call) {
+    let (code, name) = match (plan.one_shot, plan.modal_call) {
         (Some(once), Some(call)) => {
             let names = [once, call].map(|code| format!("G{:02}", code.number));
             let [first, second] = names;
-            return wrong2(call.at as usize, E::NotTogether, first, second);
+            return fail2(call.at as usize, E::NotTogether, first, second);
         }
         (Some(once), None) => (once, "G65"),
         (None, Some(call)) => (call, "G66"),
-        (None, None) => return Ok(Step::Next),
+        (None, None) => return Ok(FlowAction::Next),
     };
     if let Some(m) = words.m().get(1) {
-        return wrong1(m.at as usize, E::DoubleWord, "M");
+        return fail1(m.at as usize, E::DoubleWord, "M");
     }
     if let Some(other) = words.g().iter().find(|other| other.at != code.at) {
-        return wrong2(other.at as usize, E::NotTogether, name, format!("G{:02}", other.number));
+        return fail2(other.at as usize, E::NotTogether, name, format!("G{:02}", other.number));
     }
-    if name == "G65" && calculates(running) {
-        words.use_all();
-        return macro_a::run(running);
+    if name == "G65" && is_macro_a_call(running) {
+        words.mark_all_used();
+        return macro_a::execute(running);
     }
-    let Some(p) = words.take(b'P') else { return wrong2(code.at as usize, E::MissingWord, name, "P") };
+    let Some(p) = words.take(b'P') else { return fail2(code.at as usize, E::MissingWord, name, "P") };
     let program = integer(p, 1, 9_999)?;
-    let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, REPEATS))?;
+    let times = words.take(b'L').map_or(Ok(1), |word| integer(word, 1, MAX_REPEATS))?;
     let mut arguments = Box::new(arguments(words.list())?);
     if let Some(m) = words.m().first() {
         arguments[12] = Some(f64::from(m.number));
     }
-    words.use_all();
+    words.mark_all_used();
     Ok(if name == "G65" {
-        Step::Call(Call { program, times, callee: Callee::Macro(arguments), at: p.at as usize })
+        FlowAction::Call(Call { program, times, callee: Callee::Macro(arguments), at: p.at as usize })
     } else {
-        Step::Modal(Some(Box::new(ModalCall { program, times, arguments })))
+        FlowAction::SetModalCall(Some(Box::new(ModalCall { program, times, arguments })))
     })
 }
 
 /// Whether `G65 Hm` calculates. DECISION: it does if it has only P, Q and R. H is the argument #11 if P precedes it
 /// and is a plain number, and H is no jump or alarm, which use a plain number.
-fn calculates(running: &Running<'_, '_>) -> bool {
+fn is_macro_a_call(running: &BlockContext<'_, '_>) -> bool {
     let words = running.words;
     let find = |letter| words.list().iter().find(|word| word.letter == letter);
     let Some(h) = find(b'H') else { return false };
@@ -70,10 +70,12 @@ fn calculates(running: &Running<'_, '_>) -> bool {
 
 /// System I: each letter has its own variable. System II: if I, J or K occurs twice, up to ten sets of them; a letter
 /// out of order (I after K) begins the next set. If both systems set a variable, the later word counts.
-fn arguments(words: &[Word]) -> Outcome<Locals> {
+fn arguments(words: &[Word]) -> ReadResult<Locals> {
     let mut locals: Locals = [None; 33];
     let mut seen = 0_u32;
-    let given = || words.iter().filter(|word| !matches!(word.letter, b'P' | b'L' | b'O') && word.kind != Kind::Bare);
+    let given = || {
+        words.iter().filter(|word| !matches!(word.letter, b'P' | b'L' | b'O') && word.kind != ValueKind::AddressOnly)
+    };
     let mut count = [0; 3];
     for word in given() {
         if let Some(place) = (b'I'..=b'K').position(|letter| letter == word.letter) {
@@ -91,29 +93,29 @@ fn arguments(words: &[Word]) -> Outcome<Locals> {
                     set += 1;
                 }
                 last = Some(place);
-                if set >= SETS {
-                    return wrong1(at, E::DoubleWord, char::from(letter));
+                if set >= MAX_IJK_SETS {
+                    return fail1(at, E::DoubleWord, char::from(letter));
                 }
                 4 + 3 * set + place
             }
             letter => {
                 let bit = 1 << (letter - b'A');
                 if seen & bit != 0 {
-                    return wrong1(at, E::DoubleWord, char::from(letter));
+                    return fail1(at, E::DoubleWord, char::from(letter));
                 }
                 seen |= bit;
-                match system_1(letter) {
+                match argument_variable(letter) {
                     Some(index) => index,
-                    None => return wrong1(at, E::UnknownWord, char::from(letter)),
+                    None => return fail1(at, E::UnknownWord, char::from(letter)),
                 }
             }
         };
-        locals[index - 1] = (word.kind != Kind::Null).then_some(word.value);
+        locals[index - 1] = (word.kind != ValueKind::Null).then_some(word.value);
     }
     Ok(locals)
 }
 
-const fn system_1(letter: u8) -> Option<usize> {
+const fn argument_variable(letter: u8) -> Option<usize> {
     Some(match letter {
         b'A' => 1,
         b'B' => 2,
@@ -145,7 +147,7 @@ mod tests {
     use super::*;
 
     fn word(letter: u8, value: f64) -> Word {
-        Word { value, at: 0, letter, kind: Kind::Digits }
+        Word { value, at: 0, letter, kind: ValueKind::Integer }
     }
 
     #[test]

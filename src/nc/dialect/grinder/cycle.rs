@@ -1,27 +1,27 @@
 //! The canned cycles of GC: G90 along Z, G94 along X. Each has four moves and returns to the starting point.
 //! Source: spec B2, K1.
 
-use super::length;
-use super::motion::{Target, feed, target};
+use super::length_mm;
+use super::motion::{MoveTarget, modal_feed, target};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::Running;
-use crate::nc::fault::{Outcome, wrong2};
+use crate::nc::dialect::BlockContext;
+use crate::nc::fault::{ReadResult, fail2};
 use crate::nc::op::{AxisSet, Op};
 use crate::units::{Axis, PerAxis};
 
 /// G90: X in at rapid, Z at feed (taper R: start radius minus end radius), X out at feed, Z back at rapid.
-pub(super) fn longitudinal(running: &mut Running<'_, '_>) -> Outcome<()> {
-    run(running, Axis::X, Axis::Z)
+pub(super) fn longitudinal(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+    push_cycle(running, Axis::X, Axis::Z)
 }
 
 /// G94: Z in at rapid, X at feed (taper R in Z), Z out at feed, X back at rapid.
-pub(super) fn face(running: &mut Running<'_, '_>) -> Outcome<()> {
-    run(running, Axis::Z, Axis::X)
+pub(super) fn face(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+    push_cycle(running, Axis::Z, Axis::X)
 }
 
-fn run(running: &mut Running<'_, '_>, infeed: Axis, stroke: Axis) -> Outcome<()> {
+fn push_cycle(running: &mut BlockContext<'_, '_>, infeed: Axis, stroke: Axis) -> ReadResult<()> {
     let from = running.scope.position();
-    let Target { to, words, incremental } = target(running, from)?;
+    let MoveTarget { to, words, incremental } = target(running, from)?;
     let mut kept = running.modals.cycle;
     if words.contains(Axis::X) {
         kept.x = Some(to[Axis::X]);
@@ -30,13 +30,13 @@ fn run(running: &mut Running<'_, '_>, infeed: Axis, stroke: Axis) -> Outcome<()>
         kept.z = Some(to[Axis::Z]);
     }
     if let Some(taper) = running.words.take(b'R') {
-        kept.taper = length(running, taper)?;
+        kept.taper = length_mm(running, taper)?;
     }
     let name = format_args!("G{:02}", running.modals.motion.g()).to_string();
     let (Some(x), Some(z)) = (kept.x, kept.z) else {
-        return wrong2(running.at, E::MissingWord, name, if kept.x.is_none() { "X / U" } else { "Z / W" });
+        return fail2(running.at, E::MissingWord, name, if kept.x.is_none() { "X / U" } else { "Z / W" });
     };
-    let feed = feed(running)?;
+    let feed = modal_feed(running)?;
     running.modals.cycle = kept;
     let with = |base: PerAxis<f64>, axis: Axis, value: f64| {
         let mut point = base;

@@ -1,21 +1,21 @@
 //! The grinding functions: G10 wear, G27 dressing point, G35/G36 oscillation, G78 gauge positioning. Source: spec K4.
 
-use super::{LIMIT, axis_letters, integer, length, out_of_range};
+use super::{MAX_VALUE, axis_letters, integer, length_mm, out_of_range};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::Running;
-use crate::nc::fault::{Outcome, wrong1, wrong2};
-use crate::nc::op::{AxisSet, Gauging, Op};
-use crate::nc::words::{Kind, Word};
+use crate::nc::dialect::BlockContext;
+use crate::nc::fault::{ReadResult, fail1, fail2};
+use crate::nc::op::{AxisSet, GaugeMove, Op};
+use crate::nc::words::{ValueKind, Word};
 use crate::units::{Axis, PerAxis};
 
 /// Number of gauge inputs.
-const SIGNALS: u32 = 6;
+const GAUGE_INPUTS: u32 = 6;
 
 /// G10 `D_ U_ W_ V_`: adds to the wear of offset D (K4.1).
-pub(super) fn add_wear(running: &mut Running<'_, '_>, at: usize) -> Outcome<()> {
+pub(super) fn add_wear(running: &mut BlockContext<'_, '_>, at: usize) -> ReadResult<()> {
     let words = running.words;
-    let Some(number) = words.take(b'D') else { return wrong2(at, E::MissingWord, "G10", "D") };
-    let number = integer(number, 1, running.settings.tools)? as u8;
+    let Some(number) = words.take(b'D') else { return fail2(at, E::MissingWord, "G10", "D") };
+    let number = integer(number, 1, running.settings.tool_count)? as u8;
     let mut by = PerAxis::default();
     let mut named = false;
     for axis in Axis::ALL {
@@ -25,28 +25,28 @@ pub(super) fn add_wear(running: &mut Running<'_, '_>, at: usize) -> Outcome<()> 
         by[axis] = coordinate(running, axis, word)?;
     }
     if !named {
-        return wrong2(at, E::MissingWord, "G10", "U / W");
+        return fail2(at, E::MissingWord, "G10", "U / W");
     }
     running.ops.push(Op::AddWear { number, by });
     Ok(())
 }
 
 /// G27 `X Z F_`: axes without numbers; X if there is none, P243 if there is no F (K4.2).
-pub(super) fn dress_return(running: &mut Running<'_, '_>) -> Outcome<()> {
+pub(super) fn dress_return(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let words = running.words;
     let mut axes = AxisSet::NONE;
     for axis in Axis::ALL {
         let [letter, _] = axis_letters(axis);
         let Some(word) = words.take(letter) else { continue };
-        if word.kind != Kind::Bare {
-            return wrong2(word.at as usize, E::TakesNoNumber, "G27", axis.letter().to_string());
+        if word.kind != ValueKind::AddressOnly {
+            return fail2(word.at as usize, E::TakesNoNumber, "G27", axis.letter().to_string());
         }
         if !running.settings.axes[axis] {
-            return wrong1(word.at as usize, E::NoAxis, axis.letter());
+            return fail1(word.at as usize, E::NoAxis, axis.letter());
         }
         axes.insert(axis);
     }
-    let feed = words.take(b'F').map(|word| speed(running, word)).transpose()?;
+    let feed = words.take(b'F').map(|word| feed_word(running, word)).transpose()?;
     if axes.is_empty() {
         axes = AxisSet::of(Axis::X);
     }
@@ -55,7 +55,7 @@ pub(super) fn dress_return(running: &mut Running<'_, '_>) -> Outcome<()> {
 }
 
 /// G35 `X_|Z_ D_ Q_` (K4.3); with a cylinder it has no words (K4.4).
-pub(super) fn oscillation(running: &mut Running<'_, '_>, at: usize) -> Outcome<()> {
+pub(super) fn oscillation_on(running: &mut BlockContext<'_, '_>, at: usize) -> ReadResult<()> {
     let words = running.words;
     if running.settings.oscillation_by_cylinder {
         running.ops.push(Op::OscillationOn { stroke: None, ramp_ms: None, strokes_min: None });
@@ -63,16 +63,16 @@ pub(super) fn oscillation(running: &mut Running<'_, '_>, at: usize) -> Outcome<(
     }
     let named = |axis: &Axis| words.take(axis_letters(*axis)[0]).map(|word| (*axis, word));
     let mut ends = [Axis::X, Axis::Z].iter().filter_map(named);
-    let Some((axis, word)) = ends.next() else { return wrong2(at, E::MissingWord, "G35", "X / Z") };
+    let Some((axis, word)) = ends.next() else { return fail2(at, E::MissingWord, "G35", "X / Z") };
     if let Some((other, second)) = ends.next() {
         let (first, other) = (axis.letter().to_string(), other.letter().to_string());
-        return wrong2(second.at as usize, E::NotTogether, first, other);
+        return fail2(second.at as usize, E::NotTogether, first, other);
     }
     let to = coordinate(running, axis, word)?;
     // K4.3: values below the minimum are raised to it, with a message, when the oscillation starts.
     let bounded = |word: Word| {
         let name = char::from(word.letter);
-        if word.value <= LIMIT { Ok(word.value) } else { out_of_range(name, word, "≤99999.999") }
+        if word.value <= MAX_VALUE { Ok(word.value) } else { out_of_range(name, word, "≤99999.999") }
     };
     let ramp_ms = words.take(b'D').map(bounded).transpose()?;
     let strokes_min = words.take(b'Q').map(bounded).transpose()?;
@@ -81,24 +81,24 @@ pub(super) fn oscillation(running: &mut Running<'_, '_>, at: usize) -> Outcome<(
 }
 
 /// G78 `Z_ F_ J_ P_ Q_ L_`; on GS the axis may be Y (K4.5).
-pub(super) fn gauge(running: &mut Running<'_, '_>, at: usize) -> Outcome<()> {
+pub(super) fn gauge_move(running: &mut BlockContext<'_, '_>, at: usize) -> ReadResult<()> {
     let words = running.words;
-    let missing = |name: &str| wrong2(at, E::MissingWord, "G78", name);
+    let missing = |name: &str| fail2(at, E::MissingWord, "G78", name);
     let other = running.settings.is_mill().then(|| words.take(b'Y')).flatten();
     let (axis, word) = match (words.take(b'Z'), other) {
         (Some(word), None) => (Axis::Z, word),
         (None, Some(word)) => (Axis::Y, word),
-        (Some(_), Some(word)) => return wrong2(word.at as usize, E::NotTogether, "Z", "Y"),
+        (Some(_), Some(word)) => return fail2(word.at as usize, E::NotTogether, "Z", "Y"),
         (None, None) => return missing("Z"),
     };
     let to = coordinate(running, axis, word)?;
     let Some(fast) = words.take(b'F') else { return missing("F") };
     let Some(fine) = words.take(b'J') else { return missing("J") };
     let Some(first) = words.take(b'P') else { return missing("P") };
-    let (fast_mm_min, fine_mm_min) = (speed(running, fast)?, speed(running, fine)?);
-    let first = integer(first, 1, SIGNALS)? as u8;
-    let second = words.take(b'Q').map(|word| integer(word, 1, SIGNALS)).transpose()?.map(|signal| signal as u8);
-    let retract = words.take(b'L').map(|word| length(running, word).map(|mm| (word, mm))).transpose()?;
+    let (fast_mm_min, fine_mm_min) = (feed_word(running, fast)?, feed_word(running, fine)?);
+    let first = integer(first, 1, GAUGE_INPUTS)? as u8;
+    let second = words.take(b'Q').map(|word| integer(word, 1, GAUGE_INPUTS)).transpose()?.map(|signal| signal as u8);
+    let retract = words.take(b'L').map(|word| length_mm(running, word).map(|mm| (word, mm))).transpose()?;
     let retract_mm = match retract {
         Some((word, mm)) if mm < 0.0 || second.is_none() && mm <= 0.0 => {
             return out_of_range("L", word, "> 0");
@@ -108,23 +108,31 @@ pub(super) fn gauge(running: &mut Running<'_, '_>, at: usize) -> Outcome<()> {
         None if second.is_none() => return missing("L"),
         None => 0.0,
     };
-    running.ops.push(Op::Gauge(Gauging { axis, to, fast_mm_min, fine_mm_min, first, second, retract_mm }));
+    running.ops.push(Op::Gauge(GaugeMove {
+        axis,
+        to,
+        fast_mm_min,
+        fine_mm_min,
+        first_input: first,
+        second_input: second,
+        retract_mm,
+    }));
     Ok(())
 }
 
 /// A coordinate or distance of an axis, radius mm.
-fn coordinate(running: &Running<'_, '_>, axis: Axis, word: Word) -> Outcome<f64> {
+fn coordinate(running: &BlockContext<'_, '_>, axis: Axis, word: Word) -> ReadResult<f64> {
     if !running.settings.axes[axis] {
-        return wrong1(word.at as usize, E::NoAxis, axis.letter());
+        return fail1(word.at as usize, E::NoAxis, axis.letter());
     }
-    let value = length(running, word)?;
+    let value = length_mm(running, word)?;
     Ok(if axis == Axis::X && running.settings.diameter { value / 2.0 } else { value })
 }
 
 /// A feed word, mm/min.
-fn speed(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
+fn feed_word(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     let unit = if running.modals.inch { crate::units::MM_PER_INCH } else { 1.0 };
-    if word.value <= 0.0 || word.value > LIMIT {
+    if word.value <= 0.0 || word.value > MAX_VALUE {
         return out_of_range(char::from(word.letter), word, "0–99999.999");
     }
     Ok(word.value * unit)

@@ -12,15 +12,15 @@ mod macro_a;
 mod motion;
 mod repetitive;
 
-use self::codes::Plan;
-pub(crate) use self::repetitive::RepeatWords;
-use super::block::{self, LIMIT, out_of_range};
-use super::{Running, Step};
+use self::codes::GrinderCodes;
+pub(crate) use self::repetitive::RepetitiveCycleState;
+use super::common::{self, MAX_VALUE, out_of_range};
+use super::{BlockContext, FlowAction};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::fault::{Outcome, wrong1};
+use crate::nc::fault::{ReadResult, fail1};
 use crate::nc::op::{Op, PathMode};
-use crate::nc::settings::Settings;
-use crate::nc::words::{Kind, Word, Words};
+use crate::nc::settings::NcSettings;
+use crate::nc::words::{BlockWords, ValueKind, Word};
 use crate::units::{Axis, MM_PER_INCH};
 
 /// The letters X Y Z U V W.
@@ -32,113 +32,113 @@ const AXIS_WORDS: u32 = 1 << (b'X' - b'A')
     | 1 << (b'W' - b'A');
 
 /// Executes a block of words.
-pub(super) fn run(running: &mut Running<'_, '_>) -> Outcome<Step> {
-    let plan = codes::read(running)?;
-    if let Some(at) = running.words.bare
-        && !(plan.once_is(27) && running.words.bare_only(b"XYZ"))
+pub(super) fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
+    let plan = codes::read_g_codes(running)?;
+    if let Some(at) = running.words.address_only
+        && !(plan.is_one_shot(27) && running.words.address_only_among(b"XYZ"))
     {
         return missing_number(running, at);
     }
     if plan.is_macro_call() {
         return calls::macro_call(running, &plan);
     }
-    block::refuse_double(running)?;
+    common::refuse_duplicate_address(running)?;
     running.words.take(b'O');
-    modes(running, &plan)?;
+    apply_modes(running, &plan)?;
     running.words.take(b'T');
     if running.second_half {
-        return rest(running, &plan);
+        return execute_remainder(running, &plan);
     }
-    auxiliary::tool(running)?;
-    if !changes_position(running, &plan) {
-        return rest(running, &plan);
+    auxiliary::tool_call(running)?;
+    if !changes_coordinates(running, &plan) {
+        return execute_remainder(running, &plan);
     }
-    block::divided(running, |running| rest(running, &plan))
+    common::split_block(running, |running| execute_remainder(running, &plan))
 }
 
 /// Executes what follows the modes, the work offset and the tool.
-fn rest(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<Step> {
-    auxiliary::speed(running, plan)?;
+fn execute_remainder(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<FlowAction> {
+    auxiliary::spindle_speed(running, plan)?;
     let mut flow = auxiliary::before_motion(running)?;
-    match plan.once.map(|once| once.number) {
+    match plan.one_shot.map(|once| once.number) {
         Some(code) if repetitive::is_contour_cycle(code) => {
-            if let Some(cycle) = repetitive::contour(running, code)? {
-                flow = Step::Contour(cycle);
+            if let Some(cycle) = repetitive::contour_cycle(running, code)? {
+                flow = FlowAction::Contour(cycle);
             }
         }
-        _ => once_or_move(running, plan)?,
+        _ => execute_one_shot_or_move(running, plan)?,
     }
     auxiliary::after_motion(running)?;
     if let Some(unused) = running.words.unused() {
         return unknown_word(running, plan, unused);
     }
-    if matches!(flow, Step::Next)
-        && let Some(call) = plan.call
+    if matches!(flow, FlowAction::Next)
+        && let Some(call) = plan.modal_call
         && call.number == 67
     {
-        return Ok(Step::Modal(None));
+        return Ok(FlowAction::SetModalCall(None));
     }
     Ok(flow)
 }
 
 /// Checks the codes of a block that is not executed.
-pub(super) fn look(words: &Words, settings: &Settings) -> Outcome<()> {
+pub(super) fn check_unexecuted(words: &BlockWords, settings: &NcSettings) -> ReadResult<()> {
     for code in words.g() {
         codes::look_up(*code, settings.is_mill())?;
     }
     match words.m().iter().find(|code| !crate::defs::mcode::is_known(code.number)) {
-        Some(code) => wrong1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
+        Some(code) => fail1(code.at as usize, E::UnknownM, format!("M{}", code.number)),
         None => Ok(()),
     }
 }
 
 /// Sets feed, path mode and work offset.
 #[inline]
-fn modes(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
+fn apply_modes(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<()> {
     // The F of G27 and G78 is not modal.
-    if !(plan.once_is(27) || plan.once_is(78)) {
+    if !(plan.is_one_shot(27) || plan.is_one_shot(78)) {
         let mm = if running.modals.inch { MM_PER_INCH } else { 1.0 };
-        block::feed(running, mm)?;
+        common::set_feed(running, mm)?;
     }
-    block::modes(running, block::Modes { path: plan.path, frame: plan.frame });
+    common::push_modes(running, common::ModeChanges { path: plan.path_mode, frame: plan.work_offset });
     Ok(())
 }
 
 /// Whether the block changes its work offset or tool offset and also moves.
 #[inline]
-fn changes_position(running: &Running<'_, '_>, plan: &Plan) -> bool {
-    let moves = running.words.has_any(AXIS_WORDS) && !plan.once_is(4);
-    moves && !plan.once_is(10) && (plan.frame || running.words.has(b'T'))
+fn changes_coordinates(running: &BlockContext<'_, '_>, plan: &GrinderCodes) -> bool {
+    let moves = running.words.has_any(AXIS_WORDS) && !plan.is_one_shot(4);
+    moves && !plan.is_one_shot(10) && (plan.work_offset || running.words.has(b'T'))
 }
 
-fn once_or_move(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
-    match plan.once.map(|once| once.number) {
+fn execute_one_shot_or_move(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<()> {
+    match plan.one_shot.map(|once| once.number) {
         // M35 has used the axis words.
         None if running.words.m().iter().any(|code| code.number == 35) => Ok(()),
-        None => motion::modal(running, plan),
+        None => motion::modal_move(running, plan),
         Some(4) => motion::dwell(running),
-        Some(10) => grinding::add_wear(running, motion::code_place(running, 10)),
+        Some(10) => grinding::add_wear(running, motion::code_offset(running, 10)),
         Some(27) => grinding::dress_return(running),
-        Some(35) => grinding::oscillation(running, motion::code_place(running, 35)),
+        Some(35) => grinding::oscillation_on(running, motion::code_offset(running, 35)),
         Some(36) => {
             running.ops.push(Op::OscillationOff);
             Ok(())
         }
-        Some(code @ (74 | 75)) => repetitive::groove(running, code),
-        Some(78) => grinding::gauge(running, motion::code_place(running, 78)),
-        Some(code @ (28 | 30)) => motion::reference(running, code),
+        Some(code @ (74 | 75)) => repetitive::grooving_cycle(running, code),
+        Some(78) => grinding::gauge_move(running, motion::code_offset(running, 78)),
+        Some(code @ (28 | 30)) => motion::return_to_reference(running, code),
         Some(31) => motion::skip(running),
-        Some(50) => motion::preset(running),
-        Some(53) => motion::machine(running),
+        Some(50) => motion::set_coordinate_system(running),
+        Some(53) => motion::machine_move(running),
         Some(_) => Ok(()),
     }
 }
 
 /// The length of a word in millimetres; applies inches and least increment.
 #[inline]
-fn length(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
+fn length_mm(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     let mut value = word.value;
-    if word.kind == Kind::Digits
+    if word.kind == ValueKind::Integer
         && let Some(least) = running.settings.least_increment_mm
     {
         value *= least;
@@ -146,36 +146,36 @@ fn length(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     if running.modals.inch {
         value *= MM_PER_INCH;
     }
-    if value.abs() > LIMIT {
+    if value.abs() > MAX_VALUE {
         return out_of_range(char::from(word.letter), word, "±99999.999");
     }
     Ok(value)
 }
 
 /// The value of a word that must be a whole number in a range.
-fn integer(word: Word, low: u32, high: u32) -> Outcome<u32> {
-    block::integer(char::from(word.letter), word, low, high)
+fn integer(word: Word, low: u32, high: u32) -> ReadResult<u32> {
+    common::integer(char::from(word.letter), word, low, high)
 }
 
 #[cold]
-fn missing_number<T>(running: &Running<'_, '_>, at: u32) -> Outcome<T> {
-    wrong1(at as usize, E::MissingNumber, block::letter_at(running, at))
+fn missing_number<T>(running: &BlockContext<'_, '_>, at: u32) -> ReadResult<T> {
+    fail1(at as usize, E::MissingNumber, common::letter_at(running, at))
 }
 
 /// Reports an unknown word, as written up to the next letter or blank.
 #[cold]
-fn unknown_word<T>(running: &Running<'_, '_>, plan: &Plan, word: Word) -> Outcome<T> {
+fn unknown_word<T>(running: &BlockContext<'_, '_>, plan: &GrinderCodes, word: Word) -> ReadResult<T> {
     let at = word.at as usize;
     let rest = running.text.get(at..).unwrap_or_default();
     let ends = |byte: &u8| !matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+' | b'#' | b'[' | b']');
     let length = rest.iter().skip(1).position(ends).map_or(rest.len(), |length| length + 1);
     let text = String::from_utf8_lossy(&rest[..length]).to_ascii_uppercase();
     if Axis::ALL.into_iter().any(|axis| axis_letters(axis).contains(&word.letter))
-        && let Some(once) = plan.once
+        && let Some(once) = plan.one_shot
     {
-        return wrong1(at, E::AxisUnused, format!("G{:02}", once.number));
+        return fail1(at, E::AxisUnused, format!("G{:02}", once.number));
     }
-    wrong1(at, E::UnknownWord, text)
+    fail1(at, E::UnknownWord, text)
 }
 
 /// The address letters of an axis: absolute and incremental.
@@ -188,6 +188,6 @@ const fn axis_letters(axis: Axis) -> [u8; 2] {
     }
 }
 
-const fn continuous(tolerance_mm: f64) -> PathMode {
+const fn continuous_path(tolerance_mm: f64) -> PathMode {
     PathMode::Continuous { tolerance_mm }
 }

@@ -1,31 +1,31 @@
 //! Lines, arcs, dwell, skip, G50 and moves to reference points. Source: spec B2, K1, K5.10, K5.11.
 
-use super::codes::Plan;
-use super::{AXIS_WORDS, LIMIT, axis_letters, cycle, integer, length, out_of_range};
+use super::codes::GrinderCodes;
+use super::{AXIS_WORDS, MAX_VALUE, axis_letters, cycle, integer, length_mm, out_of_range};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{Running, arc};
-use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
-use crate::nc::modal::Motion;
-use crate::nc::op::{AxisSet, Feed, Op, REFERENCES};
-use crate::nc::words::{Kind, Word};
+use crate::nc::dialect::{BlockContext, arc};
+use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::modal::MotionMode;
+use crate::nc::op::{AxisSet, Feed, Op, REFERENCE_POINTS};
+use crate::nc::words::{ValueKind, Word};
 use crate::units::{Axis, PerAxis};
 
 /// Number of skip signals of G31.
-const SIGNALS: u32 = 6;
-const MOTION_ARC_LETTERS: u32 = 1 << (b'I' - b'A') | 1 << (b'J' - b'A') | 1 << (b'K' - b'A');
+const SKIP_SIGNALS: u32 = 6;
+const CENTRE_ADDRESSES: u32 = 1 << (b'I' - b'A') | 1 << (b'J' - b'A') | 1 << (b'K' - b'A');
 
 /// The end of a move.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Target {
+pub(super) struct MoveTarget {
     pub to: PerAxis<f64>,
     pub words: AxisSet,
     pub incremental: AxisSet,
 }
 
 /// The end of the move from `from` by the axis words of the block.
-pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<Target> {
+pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> ReadResult<MoveTarget> {
     let words = running.words;
-    let mut target = Target { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
+    let mut target = MoveTarget { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
     for axis in Axis::ALL {
         let [absolute, distance] = axis_letters(axis).map(|letter| words.take(letter));
         let (word, by) = match (absolute, distance) {
@@ -36,7 +36,7 @@ pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<T
                 let (first, second) = if first.at < second.at { (first, second) } else { (second, first) };
                 let names = [first, second].map(|word| char::from(word.letter).to_string());
                 let [first_name, second_name] = names;
-                return wrong2(second.at as usize, E::AbsoluteAndIncremental, first_name, second_name);
+                return fail2(second.at as usize, E::AbsoluteAndIncremental, first_name, second_name);
             }
         };
         let value = axis_value(running, axis, word)?;
@@ -45,7 +45,7 @@ pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<T
             target.incremental.insert(axis);
         }
         let to = if by { from[axis] + value } else { value };
-        if to.abs() > LIMIT {
+        if to.abs() > MAX_VALUE {
             return out_of_range(char::from(word.letter), word, "±99999.999");
         }
         target.to[axis] = to;
@@ -55,90 +55,90 @@ pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<T
 
 /// The value of an axis word, radius mm.
 #[inline]
-pub(super) fn axis_value(running: &Running<'_, '_>, axis: Axis, word: Word) -> Outcome<f64> {
+pub(super) fn axis_value(running: &BlockContext<'_, '_>, axis: Axis, word: Word) -> ReadResult<f64> {
     if !running.settings.axes[axis] {
-        return wrong1(word.at as usize, E::NoAxis, axis.letter());
+        return fail1(word.at as usize, E::NoAxis, axis.letter());
     }
-    let value = length(running, word)?;
+    let value = length_mm(running, word)?;
     Ok(if axis == Axis::X && running.settings.diameter { value / 2.0 } else { value })
 }
 
 /// The active feed.
 #[inline]
-pub(super) fn feed(running: &Running<'_, '_>) -> Outcome<Feed> {
+pub(super) fn modal_feed(running: &BlockContext<'_, '_>) -> ReadResult<Feed> {
     match running.modals.feed() {
         Some(feed) => Ok(feed),
-        None => wrong1(first_place(running), E::FeedMissing, "G98/G99"),
+        None => fail1(first_offset(running), E::FeedMissing, "G98/G99"),
     }
 }
 
 /// The byte of the first axis word, else of the first code.
-fn first_place(running: &Running<'_, '_>) -> usize {
+fn first_offset(running: &BlockContext<'_, '_>) -> usize {
     let words = running.words;
     let axis = words.list().iter().find(|word| Axis::ALL.iter().any(|axis| axis_letters(*axis).contains(&word.letter)));
     axis.map_or_else(|| words.g().first().map_or(running.at, |code| code.at as usize), |word| word.at as usize)
 }
 
 /// The move of the active function of group 01.
-pub(super) fn modal(running: &mut Running<'_, '_>, plan: &Plan) -> Outcome<()> {
+pub(super) fn modal_move(running: &mut BlockContext<'_, '_>, plan: &GrinderCodes) -> ReadResult<()> {
     let named = running.words.has_any(AXIS_WORDS);
-    let arc = matches!(running.modals.motion, Motion::ArcClockwise | Motion::ArcCounterClockwise);
-    let by_centre = arc && running.words.has_any(MOTION_ARC_LETTERS);
+    let arc = matches!(running.modals.motion, MotionMode::ArcClockwise | MotionMode::ArcCounterClockwise);
+    let by_centre = arc && running.words.has_any(CENTRE_ADDRESSES);
     if !named && !by_centre {
-        return match running.words.look(b'R') {
+        return match running.words.peek(b'R') {
             // An arc by radius needs an end point.
             Some(radius) if arc && plan.motion.is_some() => {
-                wrong1(radius.at as usize, E::ArcRadius, format!("R{}", radius.value))
+                fail1(radius.at as usize, E::ArcRadius, format!("R{}", radius.value))
             }
             Some(_) | None => Ok(()),
         };
     }
     match running.modals.motion {
-        Motion::Rapid => {
-            let Target { to, words, incremental } = target(running, running.scope.position())?;
+        MotionMode::Rapid => {
+            let MoveTarget { to, words, incremental } = target(running, running.scope.position())?;
             running.ops.push(Op::Rapid { to, feed: None, words, incremental });
         }
-        Motion::Feed => {
-            let Target { to, words, incremental } = target(running, running.scope.position())?;
-            let feed = feed(running)?;
+        MotionMode::Feed => {
+            let MoveTarget { to, words, incremental } = target(running, running.scope.position())?;
+            let feed = modal_feed(running)?;
             running.ops.push(Op::Feed { to, feed, words, incremental });
         }
-        Motion::ArcClockwise => along_arc(running, -1)?,
-        Motion::ArcCounterClockwise => along_arc(running, 1)?,
-        Motion::LongitudinalCycle => cycle::longitudinal(running)?,
-        Motion::FaceCycle => cycle::face(running)?,
+        MotionMode::ArcClockwise => arc_move(running, -1)?,
+        MotionMode::ArcCounterClockwise => arc_move(running, 1)?,
+        MotionMode::LongitudinalCycle => cycle::longitudinal(running)?,
+        MotionMode::FaceCycle => cycle::face(running)?,
         // Of another dialect; no code of this one selects them.
-        Motion::RectangleCycle | Motion::InchThread | Motion::MetricThread => {}
+        MotionMode::RectangleCycle | MotionMode::InchThread | MotionMode::MetricThread => {}
     }
     Ok(())
 }
 
-fn along_arc(running: &mut Running<'_, '_>, turn: i8) -> Outcome<()> {
+fn arc_move(running: &mut BlockContext<'_, '_>, turn: i8) -> ReadResult<()> {
     let from = running.scope.position();
     let target = target(running, from)?;
     let plane = running.modals.plane;
     let (first, second) = plane.axes();
     if let Some(outside) = target.words.iter().find(|axis| *axis != first && *axis != second) {
-        return wrong1(first_place(running), E::AxisOutsidePlane, outside.letter());
+        return fail1(first_offset(running), E::AxisOutsidePlane, outside.letter());
     }
-    let feed = feed(running)?;
-    let offsets = [first, second].map(|axis| running.words.take(centre_letter(axis)));
+    let feed = modal_feed(running)?;
+    let offsets = [first, second].map(|axis| running.words.take(centre_address(axis)));
     let radius = running.words.take(b'R');
     let center = match (offsets, radius) {
-        ([None, None], None) => return wrong2(first_place(running), E::ArcWithoutCentre, "R", "I J K"),
-        ([None, None], Some(radius)) => by_radius(running, from, target.to, radius, turn)?,
-        ([a, b], None) => by_offsets(running, from, target.to, [a, b])?,
+        ([None, None], None) => return fail2(first_offset(running), E::ArcWithoutCentre, "R", "I J K"),
+        ([None, None], Some(radius)) => centre_from_r(running, from, target.to, radius, turn)?,
+        ([a, b], None) => centre_by_offsets(running, from, target.to, [a, b])?,
         ([a, b], Some(radius)) => {
             let other = a.or(b).map_or('I', |word| char::from(word.letter));
-            return wrong2(radius.at as usize, E::NotTogether, "R", other.to_string());
+            return fail2(radius.at as usize, E::NotTogether, "R", other.to_string());
         }
     };
-    let Target { to, words, incremental } = target;
+    let MoveTarget { to, words, incremental } = target;
     running.ops.push(Op::Arc { to, center, plane, turn, feed, words, incremental });
     Ok(())
 }
 
-const fn centre_letter(axis: Axis) -> u8 {
+const fn centre_address(axis: Axis) -> u8 {
     match axis {
         Axis::X => b'I',
         Axis::Y => b'J',
@@ -146,63 +146,63 @@ const fn centre_letter(axis: Axis) -> u8 {
     }
 }
 
-fn by_offsets(
-    running: &Running<'_, '_>,
+fn centre_by_offsets(
+    running: &BlockContext<'_, '_>,
     from: PerAxis<f64>,
     to: PerAxis<f64>,
     offsets: [Option<Word>; 2],
-) -> Outcome<PerAxis<f64>> {
+) -> ReadResult<PerAxis<f64>> {
     let (first, second) = running.modals.plane.axes();
     let mut center = from;
     for (axis, word) in [first, second].into_iter().zip(offsets) {
         if let Some(word) = word {
             // B2: I is a radius, even if X is a diameter.
-            center[axis] += length(running, word)?;
+            center[axis] += length_mm(running, word)?;
         }
     }
-    let (radius, off) = arc::radius_and_miss((from, to), center, running.modals.plane);
+    let (radius, off) = arc::radius_and_end_error((from, to), center, running.modals.plane);
     if radius <= f64::EPSILON {
-        return wrong1(first_place(running), E::ArcRadius, "0");
+        return fail1(first_offset(running), E::ArcRadius, "0");
     }
     if off > running.settings.arc_tolerance_mm {
-        return wrong1(first_place(running), E::ArcEndOff, format!("{off:.3}"));
+        return fail1(first_offset(running), E::ArcEndOffCircle, format!("{off:.3}"));
     }
     Ok(center)
 }
 
-fn by_radius(
-    running: &Running<'_, '_>,
+fn centre_from_r(
+    running: &BlockContext<'_, '_>,
     from: PerAxis<f64>,
     to: PerAxis<f64>,
     word: Word,
     turn: i8,
-) -> Outcome<PerAxis<f64>> {
-    let radius = length(running, word)?;
+) -> ReadResult<PerAxis<f64>> {
+    let radius = length_mm(running, word)?;
     let tolerance = running.settings.arc_tolerance_mm;
     match arc::centre_by_radius((from, to), running.modals.plane, turn, radius, tolerance) {
         Some(center) => Ok(center),
-        None => wrong1(word.at as usize, E::ArcRadius, format!("R{}", word.value)),
+        None => fail1(word.at as usize, E::ArcRadius, format!("R{}", word.value)),
     }
 }
 
 /// G04: P milliseconds, X or U seconds.
-pub(super) fn dwell(running: &mut Running<'_, '_>) -> Outcome<()> {
+pub(super) fn dwell(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let words = running.words;
     let found = [b'P', b'X', b'U'].map(|letter| words.take(letter));
     let mut given = found.into_iter().flatten();
-    let Some(word) = given.next() else { return wrong2(code_place(running, 4), E::MissingWord, "G04", "P / X / U") };
+    let Some(word) = given.next() else { return fail2(code_offset(running, 4), E::MissingWord, "G04", "P / X / U") };
     if let Some(second) = given.next() {
         let names = [word, second].map(|word| char::from(word.letter).to_string());
         let [first, other] = names;
-        return wrong2(second.at as usize, E::NotTogether, first, other);
+        return fail2(second.at as usize, E::NotTogether, first, other);
     }
     let scale = match (word.letter, word.kind, running.settings.least_increment_mm) {
         (b'P', _, _) => 0.001,
-        (_, Kind::Digits, Some(least)) => least,
+        (_, ValueKind::Integer, Some(least)) => least,
         _ => 1.0,
     };
     let s = word.value * scale;
-    if !(0.0..=LIMIT).contains(&s) {
+    if !(0.0..=MAX_VALUE).contains(&s) {
         return out_of_range(char::from(word.letter), word, "0–99999.999 s");
     }
     running.ops.push(Op::Dwell { s });
@@ -210,73 +210,75 @@ pub(super) fn dwell(running: &mut Running<'_, '_>) -> Outcome<()> {
 }
 
 /// G28: via the intermediate point to the machine zero; G30 P2 to P4: to another reference point.
-pub(super) fn reference(running: &mut Running<'_, '_>, code: u32) -> Outcome<()> {
-    let Target { to, words, incremental } = target(running, running.scope.position())?;
+pub(super) fn return_to_reference(running: &mut BlockContext<'_, '_>, code: u32) -> ReadResult<()> {
+    let MoveTarget { to, words, incremental } = target(running, running.scope.position())?;
     if words.is_empty() {
-        return wrong2(code_place(running, code), E::MissingWord, format!("G{code}"), "X / Z");
+        return fail2(code_offset(running, code), E::MissingWord, format!("G{code}"), "X / Z");
     }
     let number = match running.words.take(b'P').filter(|_| code == 30) {
-        Some(word) => integer(word, 2, REFERENCES as u32)? as u8,
+        Some(word) => integer(word, 2, REFERENCE_POINTS as u32)? as u8,
         None if code == 30 => 2,
         None => 1,
     };
-    running.ops.push(Op::Reference { number, via: to, words, incremental });
+    running.ops.push(Op::ReturnToReference { number, via: to, words, incremental });
     Ok(())
 }
 
 /// G31: feeds until skip signal P is active (1–6, default 1).
-pub(super) fn skip(running: &mut Running<'_, '_>) -> Outcome<()> {
-    let Target { to, words, incremental } = target(running, running.scope.position())?;
+pub(super) fn skip(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+    let MoveTarget { to, words, incremental } = target(running, running.scope.position())?;
     if words.is_empty() {
-        return wrong2(code_place(running, 31), E::MissingWord, "G31", "X / Z");
+        return fail2(code_offset(running, 31), E::MissingWord, "G31", "X / Z");
     }
-    let signal = running.words.take(b'P').map_or(Ok(1), |word| integer(word, 1, SIGNALS))? as u8;
-    let feed = feed(running)?;
+    let signal = running.words.take(b'P').map_or(Ok(1), |word| integer(word, 1, SKIP_SIGNALS))? as u8;
+    let feed = modal_feed(running)?;
     running.ops.push(Op::Skip { to, feed, signal, words, incremental });
     Ok(())
 }
 
 /// G50: assigns work coordinates X Z to the present position; U and W shift them; S limits the speed under G96.
-pub(super) fn preset(running: &mut Running<'_, '_>) -> Outcome<()> {
-    let at = code_place(running, 50);
-    let Target { to, words, .. } = target(running, running.scope.position())?;
+pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+    let at = code_offset(running, 50);
+    let MoveTarget { to, words, .. } = target(running, running.scope.position())?;
     let limit = running.words.take(b'S');
     if let Some(word) = limit {
-        if !(0.0..=LIMIT).contains(&word.value) {
+        if !(0.0..=MAX_VALUE).contains(&word.value) {
             return out_of_range("S", word, "0–99999.999");
         }
         running.ops.push(Op::SpeedLimit { rpm: word.value });
     }
     if words.is_empty() {
-        return if limit.is_some() { Ok(()) } else { wrong2(at, E::MissingWord, "G50", "X / Z / S") };
+        return if limit.is_some() { Ok(()) } else { fail2(at, E::MissingWord, "G50", "X / Z / S") };
     }
     if running.modals.several_tools {
-        return wrong(at, E::PresetWithTools);
+        return fail(at, E::G50WithTools);
     }
-    running.modals.preset = true;
-    running.ops.push(Op::Preset { values: PerAxis::from_fn(|axis| words.contains(axis).then_some(to[axis])) });
+    running.modals.g50_used = true;
+    running
+        .ops
+        .push(Op::SetCoordinateSystem { values: PerAxis::from_fn(|axis| words.contains(axis).then_some(to[axis])) });
     Ok(())
 }
 
 /// G53: machine coordinates for this block.
-pub(super) fn machine(running: &mut Running<'_, '_>) -> Outcome<()> {
-    let at = code_place(running, 53);
-    let Target { to, words, incremental } = target(running, running.scope.position())?;
+pub(super) fn machine_move(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
+    let at = code_offset(running, 53);
+    let MoveTarget { to, words, incremental } = target(running, running.scope.position())?;
     if words.is_empty() {
-        return wrong2(at, E::MissingWord, "G53", "X / Z");
+        return fail2(at, E::MissingWord, "G53", "X / Z");
     }
     if !incremental.is_empty() {
-        return wrong2(first_place(running), E::NotTogether, "G53", "U V W G91");
+        return fail2(first_offset(running), E::NotTogether, "G53", "U V W G91");
     }
     let feed = match running.modals.motion {
-        Motion::Rapid => None,
-        Motion::Feed => Some(feed(running)?),
-        motion => return wrong2(at, E::NotTogether, "G53", format!("G{:02}", motion.g())),
+        MotionMode::Rapid => None,
+        MotionMode::Feed => Some(modal_feed(running)?),
+        motion => return fail2(at, E::NotTogether, "G53", format!("G{:02}", motion.g())),
     };
     running.ops.push(Op::MachineMove { to: PerAxis::from_fn(|axis| words.contains(axis).then_some(to[axis])), feed });
     Ok(())
 }
 
-pub(super) fn code_place(running: &Running<'_, '_>, number: u32) -> usize {
+pub(super) fn code_offset(running: &BlockContext<'_, '_>, number: u32) -> usize {
     running.words.g().iter().find(|code| code.number == number).map_or(running.at, |code| code.at as usize)
 }

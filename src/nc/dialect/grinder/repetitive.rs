@@ -3,28 +3,28 @@
 //! A first block stores modal settings (`G71 U2 R1`); a second block executes the cycle
 //! (`G71 P10 Q50 U0.4 W0.1 F80`). Source: spec B2, K1.
 
-use super::motion::{Target, code_place, feed, target};
-use super::{LIMIT, integer, length, out_of_range};
+use super::motion::{MoveTarget, code_offset, modal_feed, target};
+use super::{MAX_VALUE, integer, length_mm, out_of_range};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::contour::{ContourCycle, Form};
-use crate::nc::dialect::Running;
-use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::contour::{ContourCycle, CycleKind};
+use crate::nc::dialect::BlockContext;
+use crate::nc::fault::{ReadResult, fail1, fail2};
 use crate::nc::op::{AxisSet, Feed, Op};
-use crate::nc::words::{Kind, Word};
+use crate::nc::words::{ValueKind, Word};
 use crate::units::{Axis, PerAxis};
 
 /// Most passes of G73.
-const PASSES: u32 = 1_000;
+const MAX_PASSES: u32 = 1_000;
 /// Most pecks of G74 and G75.
-const PECKS: usize = 5_000;
+const MAX_PECKS: usize = 5_000;
 /// Unit of P and Q of G74 and G75 without a decimal point, mm.
-const LEAST_MM: f64 = 0.001;
+const INCREMENT_MM: f64 = 0.001;
 /// Shorter distances count as zero, mm.
-const NO_WAY_MM: f64 = 1e-7;
+const MIN_LENGTH_MM: f64 = 1e-7;
 
 /// The stored settings of the cycles, radius mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct RepeatWords {
+pub(crate) struct RepetitiveCycleState {
     /// G71, G72: depth of a stroke and retract at 45°.
     depth: Option<f64>,
     escape: f64,
@@ -41,19 +41,19 @@ pub(super) const fn is_contour_cycle(code: u32) -> bool {
 }
 
 /// G70 to G73: stores the settings of the block, or returns the cycle to execute.
-pub(super) fn contour(running: &mut Running<'_, '_>, code: u32) -> Outcome<Option<Box<ContourCycle>>> {
-    let at = code_place(running, code);
+pub(super) fn contour_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> ReadResult<Option<Box<ContourCycle>>> {
+    let at = code_offset(running, code);
     let name = format!("G{code}");
     let (first, last) = (running.words.take(b'P'), running.words.take(b'Q'));
     let (first, last) = match (first, last) {
-        (None, None) if code != 70 => return settings(running, code, at).map(|()| None),
+        (None, None) if code != 70 => return store_settings(running, code, at).map(|()| None),
         (Some(first), Some(last)) => (integer(first, 1, 99_999_999)?, integer(last, 1, 99_999_999)?),
-        (first, _) => return wrong2(at, E::MissingWord, name, if first.is_none() { "P" } else { "Q" }),
+        (first, _) => return fail2(at, E::MissingWord, name, if first.is_none() { "P" } else { "Q" }),
     };
     if let Some(code) = running.words.m().first() {
-        return wrong2(code.at as usize, E::NotTogether, name, format!("M{:02}", code.number));
+        return fail2(code.at as usize, E::NotTogether, name, format!("M{:02}", code.number));
     }
-    let kept = running.modals.repeat;
+    let kept = running.modals.repetitive;
     let mut allowance = PerAxis::default();
     if code != 70 {
         let given = [(b'U', Axis::X), (b'W', Axis::Z)].map(|(letter, axis)| (running.words.take(letter), axis));
@@ -62,103 +62,103 @@ pub(super) fn contour(running: &mut Running<'_, '_>, code: u32) -> Outcome<Optio
         }
     }
     let form = match code {
-        70 => Form::Finish,
+        70 => CycleKind::Finish,
         73 => {
             let (Some((x, z)), Some(passes)) = (kept.shift, kept.passes) else {
-                return wrong2(at, E::MissingWord, name, "U W R");
+                return fail2(at, E::MissingWord, name, "U W R");
             };
-            Form::Pattern { shift: PerAxis([x, 0.0, z]), passes, feed: feed(running)? }
+            CycleKind::Pattern { shift: PerAxis([x, 0.0, z]), passes, feed: modal_feed(running)? }
         }
         _ => {
             let (infeed, letter) = if code == 71 { (Axis::X, "U") } else { (Axis::Z, "W") };
-            let Some(depth) = kept.depth else { return wrong2(at, E::MissingWord, name, letter) };
-            Form::Rough { infeed, depth, escape: kept.escape, feed: feed(running)? }
+            let Some(depth) = kept.depth else { return fail2(at, E::MissingWord, name, letter) };
+            CycleKind::Roughing { infeed, depth, escape: kept.escape, feed: modal_feed(running)? }
         }
     };
-    Ok(Some(Box::new(ContourCycle { first, last, at, allowance, form })))
+    Ok(Some(Box::new(ContourCycle { first_block: first, last_block: last, at, allowance, kind: form })))
 }
 
 /// A block without P and Q: stores the settings.
-fn settings(running: &mut Running<'_, '_>, code: u32, at: usize) -> Outcome<()> {
+fn store_settings(running: &mut BlockContext<'_, '_>, code: u32, at: usize) -> ReadResult<()> {
     let words = running.words;
     let (u, w, r) = (words.take(b'U'), words.take(b'W'), words.take(b'R'));
-    let mut kept = running.modals.repeat;
+    let mut kept = running.modals.repetitive;
     if code == 73 {
-        let of = |word: Option<Word>| word.map_or(Ok(0.0), |word| length(running, word));
+        let of = |word: Option<Word>| word.map_or(Ok(0.0), |word| length_mm(running, word));
         if u.is_none() && w.is_none() {
-            return wrong2(at, E::MissingWord, "G73", "U / W");
+            return fail2(at, E::MissingWord, "G73", "U / W");
         }
         kept.shift = Some((of(u)?, of(w)?));
-        kept.passes = r.map(|word| integer(word, 1, PASSES)).transpose()?.or(kept.passes);
+        kept.passes = r.map(|word| integer(word, 1, MAX_PASSES)).transpose()?.or(kept.passes);
         if kept.passes.is_none() {
-            return wrong2(at, E::MissingWord, "G73", "R");
+            return fail2(at, E::MissingWord, "G73", "R");
         }
     } else {
         let (depth, stray, letter) = if code == 71 { (u, w, "U") } else { (w, u, "W") };
         if let Some(stray) = stray {
-            return wrong1(stray.at as usize, E::UnknownWord, char::from(stray.letter));
+            return fail1(stray.at as usize, E::UnknownWord, char::from(stray.letter));
         }
-        let Some(word) = depth else { return wrong2(at, E::MissingWord, format!("G{code}"), letter) };
-        kept.depth = Some(positive(running, word)?);
+        let Some(word) = depth else { return fail2(at, E::MissingWord, format!("G{code}"), letter) };
+        kept.depth = Some(positive_length(running, word)?);
         if let Some(word) = r {
-            kept.escape = not_negative(running, word)?;
+            kept.escape = non_negative_length(running, word)?;
         }
     }
-    running.modals.repeat = kept;
+    running.modals.repetitive = kept;
     Ok(())
 }
 
 /// G74 pecks along Z and steps along X; G75 pecks along X and steps along Z.
-pub(super) fn groove(running: &mut Running<'_, '_>, code: u32) -> Outcome<()> {
-    let at = code_place(running, code);
+pub(super) fn grooving_cycle(running: &mut BlockContext<'_, '_>, code: u32) -> ReadResult<()> {
+    let at = code_offset(running, code);
     let (peck, step) = if code == 74 { (Axis::Z, Axis::X) } else { (Axis::X, Axis::Z) };
     let from = running.scope.position();
-    let Target { to, words, .. } = target(running, from)?;
+    let MoveTarget { to, words, .. } = target(running, from)?;
     let relief = running.words.take(b'R');
     if words.is_empty() {
-        let Some(word) = relief else { return wrong2(at, E::MissingWord, format!("G{code}"), "X / Z / R") };
-        running.modals.repeat.peck_back = not_negative(running, word)?;
+        let Some(word) = relief else { return fail2(at, E::MissingWord, format!("G{code}"), "X / Z / R") };
+        running.modals.repetitive.peck_back = non_negative_length(running, word)?;
         return Ok(());
     }
     let axis_word = if peck == Axis::X { "X / U" } else { "Z / W" };
     if !words.contains(peck) {
-        return wrong2(at, E::MissingWord, format!("G{code}"), axis_word);
+        return fail2(at, E::MissingWord, format!("G{code}"), axis_word);
     }
     let (p, q) = (running.words.take(b'P'), running.words.take(b'Q'));
     let (of_peck, of_step) = if code == 74 { (q, p) } else { (p, q) };
-    let groove = Groove {
+    let groove = GroovingCycle {
         peck,
         step,
         from,
         to,
-        depth: of_peck.map(|word| increment(running, word)).transpose()?,
-        width: of_step.map(|word| increment(running, word)).transpose()?,
-        back: running.modals.repeat.peck_back,
-        relief: relief.map_or(Ok(0.0), |word| length(running, word))?,
-        feed: feed(running)?,
+        peck_depth: of_peck.map(|word| increment_mm(running, word)).transpose()?,
+        step_width: of_step.map(|word| increment_mm(running, word)).transpose()?,
+        peck_back: running.modals.repetitive.peck_back,
+        relief: relief.map_or(Ok(0.0), |word| length_mm(running, word))?,
+        feed: modal_feed(running)?,
     };
-    if (to[step] - from[step]).abs() > NO_WAY_MM && groove.width.is_none() {
+    if (to[step] - from[step]).abs() > MIN_LENGTH_MM && groove.step_width.is_none() {
         let letter = if code == 74 { "P" } else { "Q" };
-        return wrong2(at, E::MissingWord, format!("G{code}"), letter);
+        return fail2(at, E::MissingWord, format!("G{code}"), letter);
     }
-    groove.hand_out(running, at)
+    groove.push_ops(running, at)
 }
 
-struct Groove {
+struct GroovingCycle {
     peck: Axis,
     step: Axis,
     from: PerAxis<f64>,
     to: PerAxis<f64>,
     /// Depth of a peck; none: one cut to full depth.
-    depth: Option<f64>,
-    width: Option<f64>,
-    back: f64,
+    peck_depth: Option<f64>,
+    step_width: Option<f64>,
+    peck_back: f64,
     relief: f64,
     feed: Feed,
 }
 
-impl Groove {
-    fn hand_out(&self, running: &mut Running<'_, '_>, at: usize) -> Outcome<()> {
+impl GroovingCycle {
+    fn push_ops(&self, running: &mut BlockContext<'_, '_>, at: usize) -> ReadResult<()> {
         let (peck, step) = (self.peck, self.step);
         let (one, side) = (AxisSet::of(peck), AxisSet::of(step));
         let rapid = |to, words| Op::Rapid { to, feed: None, words, incremental: AxisSet::NONE };
@@ -166,23 +166,23 @@ impl Groove {
         let way = |axis: Axis| self.to[axis] - self.from[axis];
         let mut place = self.from;
         let mut count = 0;
-        for across in stations(self.from[step], self.to[step], self.width) {
+        for across in positions_in_steps(self.from[step], self.to[step], self.step_width) {
             place[step] = across;
             running.ops.push(rapid(place, side));
-            for depth in stations(self.from[peck], self.to[peck], self.depth).into_iter().skip(1) {
+            for depth in positions_in_steps(self.from[peck], self.to[peck], self.peck_depth).into_iter().skip(1) {
                 place[peck] = depth;
                 running.ops.push(cut(place));
-                if (self.to[peck] - depth).abs() > NO_WAY_MM && self.back > 0.0 {
-                    place[peck] -= self.back.copysign(way(peck));
+                if (self.to[peck] - depth).abs() > MIN_LENGTH_MM && self.peck_back > 0.0 {
+                    place[peck] -= self.peck_back.copysign(way(peck));
                     running.ops.push(rapid(place, one));
                 }
                 count += 1;
-                if count > PECKS {
-                    return wrong1(at, E::ContourStrokes, "");
+                if count > MAX_PECKS {
+                    return fail1(at, E::ContourStrokes, "");
                 }
             }
             // At the bottom, relief away from the cut wall, towards the start of the groove.
-            if self.relief.abs() > NO_WAY_MM && (across - self.from[step]).abs() > NO_WAY_MM {
+            if self.relief.abs() > MIN_LENGTH_MM && (across - self.from[step]).abs() > MIN_LENGTH_MM {
                 place[step] -= self.relief.copysign(way(step));
                 running.ops.push(rapid(place, side));
             }
@@ -195,15 +195,15 @@ impl Groove {
 }
 
 /// Positions from `from` to `to` in steps of at most `by`, both ends included.
-fn stations(from: f64, to: f64, by: Option<f64>) -> Vec<f64> {
+fn positions_in_steps(from: f64, to: f64, by: Option<f64>) -> Vec<f64> {
     let way = to - from;
     let mut all = vec![from];
-    if way.abs() <= NO_WAY_MM {
+    if way.abs() <= MIN_LENGTH_MM {
         return all;
     }
     let by = by.unwrap_or(way.abs());
     let mut number = 1.0;
-    while by * number < way.abs() - NO_WAY_MM && all.len() <= PECKS {
+    while by * number < way.abs() - MIN_LENGTH_MM && all.len() <= MAX_PECKS {
         all.push(from + (by * number).copysign(way));
         number += 1.0;
     }
@@ -212,23 +212,23 @@ fn stations(from: f64, to: f64, by: Option<f64>) -> Vec<f64> {
 }
 
 /// P and Q: least increments without a decimal point, millimetres with one; radius, greater than zero.
-fn increment(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
+fn increment_mm(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     let value = match word.kind {
-        Kind::Digits => word.value * LEAST_MM,
-        Kind::Exact | Kind::Null | Kind::Bare => length(running, word)?,
+        ValueKind::Integer => word.value * INCREMENT_MM,
+        ValueKind::Decimal | ValueKind::Null | ValueKind::AddressOnly => length_mm(running, word)?,
     };
-    above_zero(word, value)
+    check_positive(word, value)
 }
 
-fn positive(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
-    above_zero(word, length(running, word)?)
+fn positive_length(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
+    check_positive(word, length_mm(running, word)?)
 }
 
-fn above_zero(word: Word, value: f64) -> Outcome<f64> {
-    if value > 0.0 && value <= LIMIT { Ok(value) } else { out_of_range(char::from(word.letter), word, ">0") }
+fn check_positive(word: Word, value: f64) -> ReadResult<f64> {
+    if value > 0.0 && value <= MAX_VALUE { Ok(value) } else { out_of_range(char::from(word.letter), word, ">0") }
 }
 
-fn not_negative(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
-    let value = length(running, word)?;
+fn non_negative_length(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
+    let value = length_mm(running, word)?;
     if value >= 0.0 { Ok(value) } else { out_of_range(char::from(word.letter), word, "≥0") }
 }

@@ -3,20 +3,20 @@
 
 use super::read::unexpected;
 use crate::defs::program_error::ProgramError as E;
-use crate::defs::r_parameter;
-use crate::nc::expression::{Frame, Scope, whole};
-use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::defs::variable_name;
+use crate::nc::expression::{CoordinateFrame, Scope, whole_number};
+use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::functions::FUNCTIONS;
 use crate::nc::lexer::Cursor;
-use crate::nc::source::name;
-use crate::nc::words::Set;
+use crate::nc::source::identifier;
+use crate::nc::words::Assignment;
 use crate::units::Axis;
 
 /// Deepest nesting of brackets and signs.
-const DEPTH: usize = 32;
+const MAX_DEPTH: usize = 32;
 
 /// SINUMERIK function names, and the same functions in `FUNCTIONS`.
-const NAMES: [(&str, &str); 11] = [
+const FUNCTION_NAMES: [(&str, &str); 11] = [
     ("SIN", "SIN"),
     ("COS", "COS"),
     ("TAN", "TAN"),
@@ -31,47 +31,51 @@ const NAMES: [(&str, &str); 11] = [
 ];
 
 /// Functions that are not in `FUNCTIONS`: the square, and ATAN2 with two arguments.
-const OTHERS: [&str; 2] = ["POT", "ATAN2"];
+const EXTRA_FUNCTIONS: [&str; 2] = ["POT", "ATAN2"];
 
 /// The names of all functions.
 pub(super) fn function_names() -> impl Iterator<Item = &'static str> {
-    NAMES.into_iter().map(|(name, _)| name).chain(OTHERS)
+    FUNCTION_NAMES.into_iter().map(|(name, _)| name).chain(EXTRA_FUNCTIONS)
 }
 
 /// Skips spaces. Brackets are not comments here.
-pub(super) fn blanks(cursor: &mut Cursor<'_>) {
-    while matches!(cursor.peek(), b' ' | b'\t') && !cursor.is_over() {
+pub(super) fn skip_blanks(cursor: &mut Cursor<'_>) {
+    while matches!(cursor.peek(), b' ' | b'\t') && !cursor.is_at_end() {
         cursor.at += 1;
     }
 }
 
 /// Evaluates the expression at the cursor.
-pub(super) fn evaluate<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<f64> {
-    evaluate_after(cursor, scope, &[])
+pub(super) fn evaluate<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<f64> {
+    evaluate_with(cursor, scope, &[])
 }
 
 /// Evaluates the expression at the cursor; `sets` are earlier assignments in the same block.
-pub(super) fn evaluate_after<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, sets: &[Set]) -> Outcome<f64> {
-    Reader { cursor, scope, sets, depth: 0 }.sum()
+pub(super) fn evaluate_with<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, sets: &[Assignment]) -> ReadResult<f64> {
+    SinumerikExpressionParser { cursor, scope, assignments: sets, depth: 0 }.sum()
 }
 
 /// The variable number of the R parameter at the cursor: `R18` or `R[…]`.
-pub(super) fn parameter<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, sets: &[Set]) -> Outcome<u32> {
-    Reader { cursor, scope, sets, depth: 0 }.parameter()
+pub(super) fn parameter_number<S: Scope>(
+    cursor: &mut Cursor<'_>,
+    scope: &mut S,
+    sets: &[Assignment],
+) -> ReadResult<u32> {
+    SinumerikExpressionParser { cursor, scope, assignments: sets, depth: 0 }.parameter_number()
 }
 
-struct Reader<'r, 'a, S> {
+struct SinumerikExpressionParser<'r, 'a, S> {
     cursor: &'r mut Cursor<'a>,
     scope: &'r mut S,
-    sets: &'r [Set],
+    assignments: &'r [Assignment],
     depth: usize,
 }
 
-impl<S: Scope> Reader<'_, '_, S> {
-    fn sum(&mut self) -> Outcome<f64> {
+impl<S: Scope> SinumerikExpressionParser<'_, '_, S> {
+    fn sum(&mut self) -> ReadResult<f64> {
         let mut left = self.product()?;
         loop {
-            blanks(self.cursor);
+            skip_blanks(self.cursor);
             let at = self.cursor.at;
             let minus = match self.cursor.peek() {
                 b'+' => false,
@@ -80,37 +84,37 @@ impl<S: Scope> Reader<'_, '_, S> {
             };
             self.cursor.at += 1;
             let right = self.product()?;
-            left = self.finite(if minus { left - right } else { left + right }, at)?;
+            left = self.check_finite(if minus { left - right } else { left + right }, at)?;
         }
     }
 
-    fn product(&mut self) -> Outcome<f64> {
+    fn product(&mut self) -> ReadResult<f64> {
         let mut left = self.sign()?;
         loop {
-            blanks(self.cursor);
+            skip_blanks(self.cursor);
             let at = self.cursor.at;
             let act: fn(f64, f64) -> f64 = match self.cursor.peek() {
                 b'*' => |a, b| a * b,
                 b'/' => |a, b| a / b,
-                _ if self.word("DIV") => |a, b| (a / b).trunc(),
-                _ if self.word("MOD") => |a, b| a % b,
+                _ if self.accept_keyword("DIV") => |a, b| (a / b).trunc(),
+                _ if self.accept_keyword("MOD") => |a, b| a % b,
                 _ => return Ok(left),
             };
             let divides = self.cursor.text.get(at) != Some(&b'*');
             self.cursor.at += usize::from(self.cursor.at == at);
             let right = self.sign()?;
-            left = match (divides && right.abs() <= 0.0, S::STRICT) {
-                (true, true) => return wrong(at, E::DivisionByZero),
+            left = match (divides && right.abs() <= 0.0, S::HAS_VALUES) {
+                (true, true) => return fail(at, E::DivisionByZero),
                 (true, false) => 0.0,
-                (false, _) => self.finite(act(left, right), at)?,
+                (false, _) => self.check_finite(act(left, right), at)?,
             };
         }
     }
 
-    fn sign(&mut self) -> Outcome<f64> {
-        blanks(self.cursor);
+    fn sign(&mut self) -> ReadResult<f64> {
+        skip_blanks(self.cursor);
         let mut negative = false;
-        for _ in 0..DEPTH {
+        for _ in 0..MAX_DEPTH {
             match self.cursor.peek() {
                 b'-' => negative = !negative,
                 b'+' => {}
@@ -120,20 +124,20 @@ impl<S: Scope> Reader<'_, '_, S> {
                 }
             }
             self.cursor.at += 1;
-            blanks(self.cursor);
+            skip_blanks(self.cursor);
         }
-        wrong(self.cursor.at, E::TooComplex)
+        fail(self.cursor.at, E::TooComplex)
     }
 
-    fn factor(&mut self) -> Outcome<f64> {
+    fn factor(&mut self) -> ReadResult<f64> {
         match self.cursor.peek() {
-            b'0'..=b'9' | b'.' => Ok(self.cursor.number()?.value),
+            b'0'..=b'9' | b'.' => Ok(self.cursor.read_number()?.value),
             b'(' => self.bracket(),
-            b'$' => self.system(),
+            b'$' => self.position_variable(),
             b'R' | b'r' if matches!(self.cursor.peek_at(1), b'0'..=b'9' | b'[' | b'-') => {
                 let at = self.cursor.at;
-                let variable = self.parameter()?;
-                match self.sets.iter().rev().find(|set| set.variable == variable) {
+                let variable = self.parameter_number()?;
+                match self.assignments.iter().rev().find(|set| set.variable == variable) {
                     Some(set) => Ok(set.value),
                     None => Ok(self.scope.read(variable, at)?.unwrap_or(0.0)),
                 }
@@ -143,18 +147,18 @@ impl<S: Scope> Reader<'_, '_, S> {
                 unexpected(self.cursor)
             }
             b'A'..=b'Z' | b'a'..=b'z' => self.function(),
-            b'\r' | b'\n' | b';' => wrong1(self.cursor.at, E::MissingNumber, "="),
+            b'\r' | b'\n' | b';' => fail1(self.cursor.at, E::MissingNumber, "="),
             _ => unexpected(self.cursor),
         }
     }
 
-    fn bracket(&mut self) -> Outcome<f64> {
+    fn bracket(&mut self) -> ReadResult<f64> {
         let open = self.cursor.at;
-        blanks(self.cursor);
-        if !self.cursor.take(b'(') {
-            return wrong(open, E::UnbalancedRound);
+        skip_blanks(self.cursor);
+        if !self.cursor.accept(b'(') {
+            return fail(open, E::UnbalancedRound);
         }
-        self.enter(open)?;
+        self.enter_bracket(open)?;
         let value = self.sum()?;
         self.depth -= 1;
         self.close(open)?;
@@ -162,148 +166,149 @@ impl<S: Scope> Reader<'_, '_, S> {
     }
 
     /// The argument of a function, in round brackets.
-    fn argument(&mut self, function: &str, at: usize) -> Outcome<f64> {
-        blanks(self.cursor);
+    fn argument(&mut self, function: &str, at: usize) -> ReadResult<f64> {
+        skip_blanks(self.cursor);
         match self.cursor.peek() {
             b'(' => self.bracket(),
-            _ => wrong2(at, E::MissingWord, function, "( )"),
+            _ => fail2(at, E::MissingWord, function, "( )"),
         }
     }
 
-    fn close(&mut self, open: usize) -> Outcome<()> {
-        blanks(self.cursor);
+    fn close(&mut self, open: usize) -> ReadResult<()> {
+        skip_blanks(self.cursor);
         match self.cursor.peek() {
             b')' => {
                 self.cursor.at += 1;
                 Ok(())
             }
-            b'\r' | b'\n' | b';' => wrong(open, E::UnbalancedRound),
+            b'\r' | b'\n' | b';' => fail(open, E::UnbalancedRound),
             _ => unexpected(self.cursor),
         }
     }
 
-    fn enter(&mut self, at: usize) -> Outcome<()> {
+    fn enter_bracket(&mut self, at: usize) -> ReadResult<()> {
         self.depth += 1;
-        if self.depth > DEPTH { wrong(at, E::TooComplex) } else { Ok(()) }
+        if self.depth > MAX_DEPTH { fail(at, E::TooComplex) } else { Ok(()) }
     }
 
-    fn parameter(&mut self) -> Outcome<u32> {
+    fn parameter_number(&mut self) -> ReadResult<u32> {
         let at = self.cursor.at;
         self.cursor.at += 1;
         let index = match self.cursor.peek() {
             b'0'..=b'9' => {
-                let number = self.cursor.number()?;
-                if number.point {
-                    return wrong1(at, E::NotWhole, "R");
+                let number = self.cursor.read_number()?;
+                if number.has_point {
+                    return fail1(at, E::NotWhole, "R");
                 }
                 number.value
             }
             b'[' => {
                 self.cursor.at += 1;
-                self.enter(at)?;
+                self.enter_bracket(at)?;
                 let value = self.sum()?;
                 self.depth -= 1;
-                blanks(self.cursor);
-                if !self.cursor.take(b']') {
-                    return wrong(at + 1, E::UnbalancedBracket);
+                skip_blanks(self.cursor);
+                if !self.cursor.accept(b']') {
+                    return fail(at + 1, E::UnbalancedBracket);
                 }
                 value
             }
             b'-' if self.cursor.peek_at(1).is_ascii_digit() => {
                 self.cursor.at += 1;
-                -self.cursor.number()?.value
+                -self.cursor.read_number()?.value
             }
-            _ => return wrong1(at, E::MissingNumber, "R"),
+            _ => return fail1(at, E::MissingNumber, "R"),
         };
-        let number = whole(index).and_then(|index| u32::try_from(index).ok()).and_then(r_parameter::of_r);
-        number.map_or_else(|| wrong1(at, E::BadR, format!("R{index}")), Ok)
+        let number =
+            whole_number(index).and_then(|index| u32::try_from(index).ok()).and_then(variable_name::variable_of_r);
+        number.map_or_else(|| fail1(at, E::BadRParameter, format!("R{index}")), Ok)
     }
 
     /// `$AA_IW[X]`, `$AA_IM[X]`.
-    fn system(&mut self) -> Outcome<f64> {
+    fn position_variable(&mut self) -> ReadResult<f64> {
         let at = self.cursor.at;
         self.cursor.at += 1;
-        let word = name(&self.cursor.text[self.cursor.at..]).unwrap_or_default();
+        let word = identifier(&self.cursor.text[self.cursor.at..]).unwrap_or_default();
         let frame = match word.to_ascii_uppercase().as_slice() {
-            b"AA_IW" => Frame::Work,
-            b"AA_IM" => Frame::Machine,
-            word => return wrong1(at, E::UnknownSystemVariable, format!("${}", String::from_utf8_lossy(word))),
+            b"AA_IW" => CoordinateFrame::Work,
+            b"AA_IM" => CoordinateFrame::Machine,
+            word => return fail1(at, E::UnknownSystemVariable, format!("${}", String::from_utf8_lossy(word))),
         };
         self.cursor.at += word.len();
-        blanks(self.cursor);
+        skip_blanks(self.cursor);
         let open = self.cursor.at;
-        if !self.cursor.take(b'[') {
-            return wrong1(open, E::MissingNumber, "$AA_IW");
+        if !self.cursor.accept(b'[') {
+            return fail1(open, E::MissingNumber, "$AA_IW");
         }
-        blanks(self.cursor);
+        skip_blanks(self.cursor);
         let letter = self.cursor.peek().to_ascii_uppercase();
         let Some(axis) = Axis::ALL.into_iter().find(|axis| axis.letter() == char::from(letter)) else {
-            return wrong1(self.cursor.at, E::NoAxis, char::from(letter));
+            return fail1(self.cursor.at, E::NoAxis, char::from(letter));
         };
         let place = self.cursor.at;
         self.cursor.at += 1;
-        blanks(self.cursor);
-        if !self.cursor.take(b']') {
-            return wrong(open, E::UnbalancedBracket);
+        skip_blanks(self.cursor);
+        if !self.cursor.accept(b']') {
+            return fail(open, E::UnbalancedBracket);
         }
         Ok(self.scope.axis_position(axis, frame, place)?.unwrap_or(0.0))
     }
 
     /// Skips a word if it is next and no further letter or digit follows; returns whether it was.
-    fn word(&mut self, word: &str) -> bool {
-        let found = name(&self.cursor.text[self.cursor.at.min(self.cursor.text.len())..]);
+    fn accept_keyword(&mut self, word: &str) -> bool {
+        let found = identifier(&self.cursor.text[self.cursor.at.min(self.cursor.text.len())..]);
         let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
         self.cursor.at += if found { word.len() } else { 0 };
         found
     }
 
-    fn function(&mut self) -> Outcome<f64> {
+    fn function(&mut self) -> ReadResult<f64> {
         let at = self.cursor.at;
-        if self.word("POT") {
+        if self.accept_keyword("POT") {
             let value = self.argument("POT", at)?;
-            return self.finite(value * value, at);
+            return self.check_finite(value * value, at);
         }
-        if self.word("ATAN2") {
+        if self.accept_keyword("ATAN2") {
             return self.arc_tangent(at);
         }
-        let found = NAMES.into_iter().find(|(name, _)| self.word(name));
+        let found = FUNCTION_NAMES.into_iter().find(|(name, _)| self.accept_keyword(name));
         let act = found.and_then(|(_, name)| FUNCTIONS.into_iter().find(|(other, _)| *other == name));
         let (Some((shown, _)), Some((_, act))) = (found, act) else {
-            let word = name(&self.cursor.text[at..]).unwrap_or(&self.cursor.text[at..=at]);
+            let word = identifier(&self.cursor.text[at..]).unwrap_or(&self.cursor.text[at..=at]);
             // `X= F100`: the next word begins where a value is expected.
             if word.len() == 1 && matches!(self.cursor.peek_at(1), b'0'..=b'9' | b'.' | b'+' | b'-' | b'=') {
-                return wrong1(at, E::MissingNumber, "=");
+                return fail1(at, E::MissingNumber, "=");
             }
             let shown = String::from_utf8_lossy(word).to_ascii_uppercase();
             self.cursor.at += word.len();
-            blanks(self.cursor);
+            skip_blanks(self.cursor);
             return match self.cursor.peek() {
-                b'(' => wrong2(at, E::UnknownFunction, shown, function_names().collect::<Vec<_>>().join(" ")),
-                _ => wrong1(at, E::UnknownWord, shown),
+                b'(' => fail2(at, E::UnknownFunction, shown, function_names().collect::<Vec<_>>().join(" ")),
+                _ => fail1(at, E::UnknownWord, shown),
             };
         };
         let argument = self.argument(shown, at)?;
         match act(argument) {
-            Some(value) => self.finite(value, at),
-            None if S::STRICT => wrong2(at, E::Domain, shown, argument.to_string()),
+            Some(value) => self.check_finite(value, at),
+            None if S::HAS_VALUES => fail2(at, E::FunctionDomain, shown, argument.to_string()),
             None => Ok(0.0),
         }
     }
 
     /// `ATAN2(y, x)`, degrees from the first axis.
-    fn arc_tangent(&mut self, at: usize) -> Outcome<f64> {
-        blanks(self.cursor);
+    fn arc_tangent(&mut self, at: usize) -> ReadResult<f64> {
+        skip_blanks(self.cursor);
         let open = self.cursor.at;
-        if !self.cursor.take(b'(') {
-            return wrong2(at, E::MissingWord, "ATAN2", "(y, x)");
+        if !self.cursor.accept(b'(') {
+            return fail2(at, E::MissingWord, "ATAN2", "(y, x)");
         }
-        self.enter(open)?;
+        self.enter_bracket(open)?;
         let y = self.sum()?;
-        blanks(self.cursor);
-        if !self.cursor.take(b',') {
+        skip_blanks(self.cursor);
+        if !self.cursor.accept(b',') {
             return match self.cursor.peek() {
-                b')' => wrong2(at, E::MissingWord, "ATAN2", "(y, x)"),
-                b'\r' | b'\n' | b';' => wrong(open, E::UnbalancedRound),
+                b')' => fail2(at, E::MissingWord, "ATAN2", "(y, x)"),
+                b'\r' | b'\n' | b';' => fail(open, E::UnbalancedRound),
                 _ => unexpected(self.cursor),
             };
         }
@@ -313,7 +318,7 @@ impl<S: Scope> Reader<'_, '_, S> {
         Ok(y.atan2(x).to_degrees())
     }
 
-    fn finite(&self, value: f64, at: usize) -> Outcome<f64> {
-        if value.is_finite() || !S::STRICT { Ok(value) } else { wrong(at, E::Overflow) }
+    fn check_finite(&self, value: f64, at: usize) -> ReadResult<f64> {
+        if value.is_finite() || !S::HAS_VALUES { Ok(value) } else { fail(at, E::Overflow) }
     }
 }

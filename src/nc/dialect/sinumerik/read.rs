@@ -2,51 +2,51 @@
 
 use std::ops::Range;
 
-use super::expression::{blanks, evaluate, evaluate_after, function_names, parameter};
-use super::{RADIUS, RETURN};
+use super::expression::{evaluate, evaluate_with, function_names, parameter_number, skip_blanks};
+use super::{CR_ADDRESS, RETURN_M_CODE};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::expression::{Frame, Scope, equal};
-use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
+use crate::nc::expression::{CoordinateFrame, Scope, equal};
+use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::lexer::Cursor;
-use crate::nc::source::name;
-use crate::nc::statement::{Content, Head};
-use crate::nc::words::{Kind, Set, Word, Words};
+use crate::nc::source::identifier;
+use crate::nc::statement::{BlockContent, ReadOptions};
+use crate::nc::words::{Assignment, BlockWords, ValueKind, Word};
 use crate::units::Axis;
 
-const CONDITION: &str = "IF a<b GOTOF …";
+const IF_SYNTAX: &str = "IF a<b GOTOF …";
 
 /// Opening and closing quotes: ASCII, then “ ” in UTF-8 and in GBK.
 const QUOTES: [(&[u8], &[u8]); 3] =
     [(b"\"", b"\""), (&[0xe2, 0x80, 0x9c], &[0xe2, 0x80, 0x9d]), (&[0xa1, 0xb0], &[0xa1, 0xb1])];
 
 /// Reads one line. Afterwards the cursor is at its end.
-pub(in crate::nc::dialect) fn read<S: Scope>(
+pub(in crate::nc::dialect) fn read_block<S: Scope>(
     cursor: &mut Cursor<'_>,
     scope: &mut S,
-    words: &mut Words,
-    head: Head,
-) -> Outcome<Content> {
+    words: &mut BlockWords,
+    head: ReadOptions,
+) -> ReadResult<BlockContent> {
     words.clear();
-    blanks(cursor);
+    skip_blanks(cursor);
     // `%_N_NAME_MPF` is the header of a file from serial transfer.
-    if cursor.peek() == b'%' || cursor.take(b'/') && head.block_skip {
-        cursor.rest_of_line();
-        return Ok(Content::Nothing);
+    if cursor.peek() == b'%' || cursor.accept(b'/') && head.block_skip {
+        cursor.skip_rest_of_line();
+        return Ok(BlockContent::Empty);
     }
-    blanks(cursor);
+    skip_blanks(cursor);
     if let Some(n) = block_number(cursor)? {
-        words.n = Some(n);
-        blanks(cursor);
+        words.block_number = Some(n);
+        skip_blanks(cursor);
     }
-    label(cursor)?;
-    let content = body(cursor, scope, words)?;
-    blanks(cursor);
+    skip_label(cursor)?;
+    let content = read_body(cursor, scope, words)?;
+    skip_blanks(cursor);
     match cursor.peek() {
         b'\r' | b'\n' => {}
-        b';' => cursor.rest_of_line(),
+        b';' => cursor.skip_rest_of_line(),
         // A comment in other dialects.
-        b'(' => return wrong2(cursor.at, E::ForeignCharacter, "(", ";"),
-        sign @ (b'[' | b']') => return wrong1(cursor.at, E::UnexpectedCharacter, char::from(sign)),
+        b'(' => return fail2(cursor.at, E::NonAsciiCharacter, "(", ";"),
+        sign @ (b'[' | b']') => return fail1(cursor.at, E::UnexpectedCharacter, char::from(sign)),
         _ => return unexpected(cursor),
     }
     Ok(content)
@@ -54,37 +54,37 @@ pub(in crate::nc::dialect) fn read<S: Scope>(
 
 /// The error for an unexpected byte. Round brackets are not comments here.
 #[cold]
-pub(super) fn unexpected<T>(cursor: &Cursor<'_>) -> Outcome<T> {
+pub(super) fn unexpected<T>(cursor: &Cursor<'_>) -> ReadResult<T> {
     match cursor.peek() {
-        b'(' | b')' => wrong(cursor.at, E::UnbalancedRound),
+        b'(' | b')' => fail(cursor.at, E::UnbalancedRound),
         _ => cursor.unexpected(),
     }
 }
 
 /// `N40`, with or without blanks; none if the block has no number.
-fn block_number(cursor: &mut Cursor<'_>) -> Outcome<Option<u32>> {
+fn block_number(cursor: &mut Cursor<'_>) -> ReadResult<Option<u32>> {
     let at = cursor.at;
     let mut ahead = Cursor { at: at + 1, ..*cursor };
-    blanks(&mut ahead);
+    skip_blanks(&mut ahead);
     if !matches!(cursor.peek(), b'N' | b'n') || !ahead.peek().is_ascii_digit() {
         return Ok(None);
     }
-    let number = ahead.number()?;
+    let number = ahead.read_number()?;
     *cursor = ahead;
-    if number.point || number.value > f64::from(u32::MAX) {
-        return wrong1(at, E::NotWhole, "N");
+    if number.has_point || number.value > f64::from(u32::MAX) {
+        return fail1(at, E::NotWhole, "N");
     }
     Ok(Some(number.value as u32))
 }
 
 /// The letters, digits and `_` at the cursor.
-fn written<'a>(cursor: &Cursor<'a>) -> &'a [u8] {
+fn word_at<'a>(cursor: &Cursor<'a>) -> &'a [u8] {
     let rest = cursor.text.get(cursor.at..).unwrap_or_default();
     let ends = |byte: &u8| !byte.is_ascii_alphanumeric() && *byte != b'_';
     &rest[..rest.iter().position(ends).unwrap_or(rest.len())]
 }
 
-fn shown(bytes: &[u8]) -> String {
+fn upper_text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).to_ascii_uppercase()
 }
 
@@ -95,98 +95,98 @@ fn is_reserved(word: &[u8]) -> bool {
 }
 
 /// Skips the label of the line.
-fn label(cursor: &mut Cursor<'_>) -> Outcome<()> {
-    let word = written(cursor);
+fn skip_label(cursor: &mut Cursor<'_>) -> ReadResult<()> {
+    let word = word_at(cursor);
     let mut ahead = Cursor { at: cursor.at + word.len(), ..*cursor };
-    blanks(&mut ahead);
-    if word.is_empty() || !ahead.take(b':') {
+    skip_blanks(&mut ahead);
+    if word.is_empty() || !ahead.accept(b':') {
         return Ok(());
     }
-    if name(word).is_none() || is_reserved(word) {
-        return wrong1(cursor.at, E::BadLabel, shown(word));
+    if identifier(word).is_none() || is_reserved(word) {
+        return fail1(cursor.at, E::BadLabel, upper_text(word));
     }
-    blanks(&mut ahead);
+    skip_blanks(&mut ahead);
     *cursor = ahead;
     Ok(())
 }
 
 /// Skips a keyword if it is next and no further letter or digit follows; returns whether it was.
-fn keyword(cursor: &mut Cursor<'_>, word: &str) -> bool {
-    let found = name(&cursor.text[cursor.at.min(cursor.text.len())..]);
+fn accept_keyword(cursor: &mut Cursor<'_>, word: &str) -> bool {
+    let found = identifier(&cursor.text[cursor.at.min(cursor.text.len())..]);
     let found = found.is_some_and(|name| name.eq_ignore_ascii_case(word.as_bytes()));
     cursor.at += if found { word.len() } else { 0 };
     found
 }
 
-fn body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words) -> Outcome<Content> {
+fn read_body<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWords) -> ReadResult<BlockContent> {
     let at = cursor.at;
-    if keyword(cursor, "IF") {
-        let holds = condition(cursor, scope)?;
-        blanks(cursor);
-        return match direction(cursor)? {
-            Some(forward) => jump(cursor, forward, holds),
-            None => wrong1(cursor.at, E::BadCondition, CONDITION),
+    if accept_keyword(cursor, "IF") {
+        let holds = read_condition(cursor, scope)?;
+        skip_blanks(cursor);
+        return match jump_direction(cursor)? {
+            Some(forward) => read_jump(cursor, forward, holds),
+            None => fail1(cursor.at, E::BadCondition, IF_SYNTAX),
         };
     }
-    if let Some(forward) = direction(cursor)? {
-        return jump(cursor, forward, true);
+    if let Some(forward) = jump_direction(cursor)? {
+        return read_jump(cursor, forward, true);
     }
-    if keyword(cursor, "MSG") {
-        return message(cursor);
+    if accept_keyword(cursor, "MSG") {
+        return read_message(cursor);
     }
-    if keyword(cursor, "STOPRE") {
+    if accept_keyword(cursor, "STOPRE") {
         // Blocks after STOPRE are read when execution reaches this point.
-        scope.axis_position(Axis::X, Frame::Machine, at)?;
-        return Ok(Content::Nothing);
+        scope.axis_position(Axis::X, CoordinateFrame::Machine, at)?;
+        return Ok(BlockContent::Empty);
     }
-    while block_word(cursor, scope, words)? {}
-    Ok(if words.is_empty() { Content::Nothing } else { Content::Words })
+    while read_word(cursor, scope, words)? {}
+    Ok(if words.is_empty() { BlockContent::Empty } else { BlockContent::Words })
 }
 
 /// `GOTOF` (true) or `GOTOB` (false); refuses other GOTO keywords.
-fn direction(cursor: &mut Cursor<'_>) -> Outcome<Option<bool>> {
-    if keyword(cursor, "GOTOF") {
+fn jump_direction(cursor: &mut Cursor<'_>) -> ReadResult<Option<bool>> {
+    if accept_keyword(cursor, "GOTOF") {
         return Ok(Some(true));
     }
-    if keyword(cursor, "GOTOB") {
+    if accept_keyword(cursor, "GOTOB") {
         return Ok(Some(false));
     }
-    match written(cursor) {
+    match word_at(cursor) {
         word if word.len() >= 4 && word[..4].eq_ignore_ascii_case(b"GOTO") => {
-            wrong1(cursor.at, E::NoSuchJump, shown(word))
+            fail1(cursor.at, E::UnknownJump, upper_text(word))
         }
         _ => Ok(None),
     }
 }
 
-fn jump(cursor: &mut Cursor<'_>, forward: bool, holds: bool) -> Outcome<Content> {
-    blanks(cursor);
+fn read_jump(cursor: &mut Cursor<'_>, forward: bool, holds: bool) -> ReadResult<BlockContent> {
+    skip_blanks(cursor);
     let at = cursor.at;
-    match (name(written(cursor)), written(cursor)) {
-        (Some(label), _) if is_reserved(label) => wrong1(at, E::BadLabel, shown(label)),
+    match (identifier(word_at(cursor)), word_at(cursor)) {
+        (Some(label), _) if is_reserved(label) => fail1(at, E::BadLabel, upper_text(label)),
         (Some(label), _) => {
             cursor.at += label.len();
-            Ok(Content::Jump { label: at..cursor.at, forward, holds })
+            Ok(BlockContent::Jump { label: at..cursor.at, forward, holds })
         }
-        (None, word) if !word.is_empty() => wrong1(at, E::BadLabel, shown(word)),
+        (None, word) if !word.is_empty() => fail1(at, E::BadLabel, upper_text(word)),
         (None, _) if matches!(cursor.peek(), b'\r' | b'\n' | b';') => {
-            wrong1(at, E::LabelLeftOut, if forward { "GOTOF" } else { "GOTOB" })
+            fail1(at, E::MissingJumpLabel, if forward { "GOTOF" } else { "GOTOB" })
         }
         (None, _) => unexpected(cursor),
     }
 }
 
-fn condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<bool> {
+fn read_condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> ReadResult<bool> {
     const SIGNS: [&str; 6] = ["==", "<>", ">=", "<=", ">", "<"];
     let left = evaluate(cursor, scope)?;
-    blanks(cursor);
+    skip_blanks(cursor);
     let at = cursor.at;
-    let Some(sign) = SIGNS.into_iter().find(|sign| cursor.keyword(sign)) else {
-        let what = if cursor.peek() == b'=' { "=" } else { CONDITION };
-        return wrong1(at, E::BadCondition, what);
+    let Some(sign) = SIGNS.into_iter().find(|sign| cursor.accept_keyword(sign)) else {
+        let what = if cursor.peek() == b'=' { "=" } else { IF_SYNTAX };
+        return fail1(at, E::BadCondition, what);
     };
     if matches!(cursor.peek(), b'=' | b'<' | b'>') {
-        return wrong1(at, E::BadCondition, format!("{sign}{}", char::from(cursor.peek())));
+        return fail1(at, E::BadCondition, format!("{sign}{}", char::from(cursor.peek())));
     }
     let right = evaluate(cursor, scope)?;
     let equals = equal(left, right);
@@ -201,44 +201,44 @@ fn condition<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S) -> Outcome<bool> 
 }
 
 /// `MSG("…")`, `MSG(“…”)` or `MSG()`.
-fn message(cursor: &mut Cursor<'_>) -> Outcome<Content> {
-    blanks(cursor);
+fn read_message(cursor: &mut Cursor<'_>) -> ReadResult<BlockContent> {
+    skip_blanks(cursor);
     let open = cursor.at;
-    if !cursor.take(b'(') {
-        return wrong(open, E::BadMessage);
+    if !cursor.accept(b'(') {
+        return fail(open, E::BadMessage);
     }
-    blanks(cursor);
+    skip_blanks(cursor);
     let at = cursor.at;
-    let text = if cursor.peek() == b')' { at..at } else { quoted(cursor)? };
-    blanks(cursor);
+    let text = if cursor.peek() == b')' { at..at } else { read_quoted(cursor)? };
+    skip_blanks(cursor);
     match cursor.peek() {
         b')' => {
             cursor.at += 1;
-            Ok(Content::Note { text })
+            Ok(BlockContent::DisplayMessage { text })
         }
-        b'\r' | b'\n' | b';' => wrong(open, E::UnbalancedRound),
-        _ if quote(cursor).is_some() => wrong(cursor.at, E::UnbalancedQuote),
-        _ => wrong(cursor.at, E::BadMessage),
+        b'\r' | b'\n' | b';' => fail(open, E::UnbalancedRound),
+        _ if quotes_at(cursor).is_some() => fail(cursor.at, E::UnbalancedQuote),
+        _ => fail(cursor.at, E::BadMessage),
     }
 }
 
 /// The pair of quotes whose opening quote is at the cursor.
-fn quote(cursor: &Cursor<'_>) -> Option<(&'static [u8], &'static [u8])> {
+fn quotes_at(cursor: &Cursor<'_>) -> Option<(&'static [u8], &'static [u8])> {
     let rest = cursor.text.get(cursor.at..).unwrap_or_default();
     QUOTES.into_iter().find(|(begin, _)| rest.starts_with(begin))
 }
 
 /// Reads a text in quotes; the cursor is then after it.
-fn quoted(cursor: &mut Cursor<'_>) -> Outcome<Range<usize>> {
+fn read_quoted(cursor: &mut Cursor<'_>) -> ReadResult<Range<usize>> {
     let open = cursor.at;
-    let Some((begin, end)) = quote(cursor) else { return wrong(open, E::UnbalancedQuote) };
+    let Some((begin, end)) = quotes_at(cursor) else { return fail(open, E::UnbalancedQuote) };
     let start = open + begin.len();
     // A GBK character has two bytes, the first from 0x81; the second may look like a first byte.
     let wide = begin == QUOTES[2].0;
     let mut at = start;
     loop {
         match cursor.text.get(at) {
-            None | Some(b'\r' | b'\n') => return wrong(open, E::UnbalancedQuote),
+            None | Some(b'\r' | b'\n') => return fail(open, E::UnbalancedQuote),
             Some(_) if cursor.text[at..].starts_with(end) => break,
             Some(0x81..) if wide => at += 2,
             Some(_) => at += 1,
@@ -249,26 +249,26 @@ fn quoted(cursor: &mut Cursor<'_>) -> Outcome<Range<usize>> {
 }
 
 /// Reads one word of a block; `false` if there is none.
-fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Words) -> Outcome<bool> {
-    blanks(cursor);
+fn read_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut BlockWords) -> ReadResult<bool> {
+    skip_blanks(cursor);
     let at = cursor.at;
     let start = at as u32;
-    if let Some(found) = name(&cursor.text[at.min(cursor.text.len())..]) {
-        if keyword(cursor, "RET") {
-            words.add(Word { value: f64::from(RETURN), at: start, letter: b'M', kind: Kind::Digits })?;
+    if let Some(found) = identifier(&cursor.text[at.min(cursor.text.len())..]) {
+        if accept_keyword(cursor, "RET") {
+            words.add(Word { value: f64::from(RETURN_M_CODE), at: start, letter: b'M', kind: ValueKind::Integer })?;
             return Ok(true);
         }
-        if keyword(cursor, "CR") {
-            let value = assigned(cursor, scope, words, at)?;
-            words.add(Word { value, at: start, letter: RADIUS, kind: Kind::Exact })?;
+        if accept_keyword(cursor, "CR") {
+            let value = value_after_equals(cursor, scope, words, at)?;
+            words.add(Word { value, at: start, letter: CR_ADDRESS, kind: ValueKind::Decimal })?;
             return Ok(true);
         }
         // `XR20`: `=` is missing.
         if matches!(found, [_, b'R' | b'r', digits @ ..] if is_number(digits)) {
-            let address = if shown(&found[..2]) == "CR" { &found[..2] } else { &found[..1] };
-            return wrong1(at, E::EqualsMissing, shown(address));
+            let address = if upper_text(&found[..2]) == "CR" { &found[..2] } else { &found[..1] };
+            return fail1(at, E::EqualsMissing, upper_text(address));
         }
-        return wrong1(at, E::UnknownWord, shown(found));
+        return fail1(at, E::UnknownWord, upper_text(found));
     }
     let letter = cursor.peek().to_ascii_uppercase();
     if !letter.is_ascii_alphabetic() {
@@ -276,35 +276,35 @@ fn block_word<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &mut Word
     }
     if letter == b'R' {
         if words.g().iter().any(|code| matches!(code.number, 2 | 3)) {
-            refuse_radius(cursor)?;
+            refuse_r_as_radius(cursor)?;
         }
-        let variable = parameter(cursor, scope, words.sets())?;
-        let value = assigned(cursor, scope, words, at)?;
-        words.push_set(Set { variable, value, at: start })?;
+        let variable = parameter_number(cursor, scope, words.assignments())?;
+        let value = value_after_equals(cursor, scope, words, at)?;
+        words.push_assignment(Assignment { variable, value, at: start })?;
         return Ok(true);
     }
     cursor.at += 1;
-    blanks(cursor);
+    skip_blanks(cursor);
     let fixed = matches!(letter, b'G' | b'L' | b'N');
     let (value, kind) = match cursor.peek() {
-        b'=' if fixed => return wrong1(at, E::DigitsOnly, char::from(letter)),
+        b'=' if fixed => return fail1(at, E::DigitsOnly, char::from(letter)),
         b'=' => {
             cursor.at += 1;
-            (evaluate_after(cursor, scope, words.sets())?, Kind::Exact)
+            (evaluate_with(cursor, scope, words.assignments())?, ValueKind::Decimal)
         }
-        b'0'..=b'9' | b'.' | b'+' | b'-' => number(cursor, at, letter)?,
+        b'0'..=b'9' | b'.' | b'+' | b'-' => read_number(cursor, at, letter)?,
         0x80.. => return cursor.unexpected(),
-        _ => return no_number(cursor, at, letter),
+        _ => return missing_number(cursor, at, letter),
     };
     if letter == b'N' {
-        return wrong1(at, E::DoubleWord, "N");
+        return fail1(at, E::DoubleWord, "N");
     }
     words.add(Word { value, at: start, letter, kind })?;
     Ok(true)
 }
 
 /// Refuses `R5` without `=` in an arc block: in other dialects it is the radius.
-fn refuse_radius(cursor: &Cursor<'_>) -> Outcome<()> {
+fn refuse_r_as_radius(cursor: &Cursor<'_>) -> ReadResult<()> {
     let rest = &cursor.text[cursor.at + 1..];
     let length = rest.iter().take_while(|byte| matches!(byte, b'0'..=b'9' | b'.' | b'-' | b'+')).count();
     let after = rest[length..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
@@ -312,7 +312,7 @@ fn refuse_radius(cursor: &Cursor<'_>) -> Outcome<()> {
         return Ok(());
     }
     let number = String::from_utf8_lossy(&rest[..length]).into_owned();
-    wrong2(cursor.at, E::RadiusByCr, format!("R{number}"), format!("CR={number}"))
+    fail2(cursor.at, E::RadiusByCr, format!("R{number}"), format!("CR={number}"))
 }
 
 fn is_number(digits: &[u8]) -> bool {
@@ -321,30 +321,35 @@ fn is_number(digits: &[u8]) -> bool {
 
 /// The error for a missing number: an expression without `=`, or nothing.
 #[cold]
-fn no_number<T>(cursor: &Cursor<'_>, at: usize, letter: u8) -> Outcome<T> {
+fn missing_number<T>(cursor: &Cursor<'_>, at: usize, letter: u8) -> ReadResult<T> {
     let calculated = matches!(cursor.peek(), b'(' | b'$')
-        || matches!(written(cursor), [b'R' | b'r', digits @ ..] if is_number(digits));
+        || matches!(word_at(cursor), [b'R' | b'r', digits @ ..] if is_number(digits));
     let error = if calculated && letter != b'G' && letter != b'L' { E::EqualsMissing } else { E::MissingNumber };
-    wrong1(at, error, char::from(letter))
+    fail1(at, error, char::from(letter))
 }
 
-fn number(cursor: &mut Cursor<'_>, at: usize, letter: u8) -> Outcome<(f64, Kind)> {
+fn read_number(cursor: &mut Cursor<'_>, at: usize, letter: u8) -> ReadResult<(f64, ValueKind)> {
     let negative = cursor.peek() == b'-';
     cursor.at += usize::from(matches!(cursor.peek(), b'+' | b'-'));
     if !cursor.at_number() {
-        return no_number(cursor, at, letter);
+        return missing_number(cursor, at, letter);
     }
-    let number = cursor.number()?;
-    let kind = if number.point { Kind::Exact } else { Kind::Digits };
+    let number = cursor.read_number()?;
+    let kind = if number.has_point { ValueKind::Decimal } else { ValueKind::Integer };
     Ok((if negative { -number.value } else { number.value }, kind))
 }
 
 /// The value after `=`; `at` is the start of the word.
-fn assigned<S: Scope>(cursor: &mut Cursor<'_>, scope: &mut S, words: &Words, at: usize) -> Outcome<f64> {
+fn value_after_equals<S: Scope>(
+    cursor: &mut Cursor<'_>,
+    scope: &mut S,
+    words: &BlockWords,
+    at: usize,
+) -> ReadResult<f64> {
     let end = cursor.at;
-    blanks(cursor);
-    if !cursor.take(b'=') {
-        return wrong1(cursor.at, E::EqualsMissing, shown(&cursor.text[at..end]));
+    skip_blanks(cursor);
+    if !cursor.accept(b'=') {
+        return fail1(cursor.at, E::EqualsMissing, upper_text(&cursor.text[at..end]));
     }
-    evaluate_after(cursor, scope, words.sets())
+    evaluate_with(cursor, scope, words.assignments())
 }

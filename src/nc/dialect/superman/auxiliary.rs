@@ -1,50 +1,50 @@
 //! S, T, M and the counted loop. Source: spec L4, L7, L8.
 
-use super::{NUMBERS, integer, out_of_range};
-use crate::defs::kind::System;
+use super::{MAX_BLOCK_NUMBER, integer, out_of_range};
+use crate::defs::kind::Dialect;
 use crate::defs::mcode::{self, MCode};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::{Running, Step, Unrun};
-use crate::nc::fault::{Outcome, wrong1, wrong2};
+use crate::nc::dialect::{BlockContext, FlowAction, UnexecutedBlock};
+use crate::nc::fault::{ReadResult, fail1, fail2};
 use crate::nc::op::{Op, SpeedMode};
-use crate::nc::words::{Code, Words};
+use crate::nc::words::{BlockWords, Code};
 use crate::units::{Axis, PerAxis};
 
 /// Lowest and highest programmable speed, rpm. M05 stops the spindle, S0 does not.
-const SPEEDS: (f64, f64) = (1.0, 9_999.0);
+const SPEED_RANGE_RPM: (f64, f64) = (1.0, 9_999.0);
 /// M05.
 const SPINDLE_STOP: u32 = 5;
 /// Most passes of a counted loop.
-const REPEATS: u32 = 9_999;
+const MAX_REPEATS: u32 = 9_999;
 
 /// The row of an M code.
-fn row(code: Code) -> Option<&'static MCode> {
-    mcode::find_in(System::SuperMan, u16::try_from(code.number).ok()?)
+fn m_code_row(code: Code) -> Option<&'static MCode> {
+    mcode::find_in(Dialect::SuperMan, u16::try_from(code.number).ok()?)
 }
 
 /// Refuses an M code that the dialect does not have; the error lists the valid codes.
-pub(super) fn exists(code: Code) -> Outcome<()> {
-    if row(code).is_some() {
+pub(super) fn check_exists(code: Code) -> ReadResult<()> {
+    if m_code_row(code).is_some() {
         return Ok(());
     }
-    let known: Vec<_> = mcode::table(System::SuperMan).iter().map(|row| format!("M{:02}", row.code)).collect();
-    wrong2(code.at as usize, E::NoSuchCode, format!("M{:02}", code.number), known.join(" "))
+    let known: Vec<_> = mcode::table(Dialect::SuperMan).iter().map(|row| format!("M{:02}", row.code)).collect();
+    fail2(code.at as usize, E::UnknownCode, format!("M{:02}", code.number), known.join(" "))
 }
 
 /// Checks an M code of a block that is not executed, and its jump target.
-pub(super) fn look(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> {
-    exists(code)?;
+pub(super) fn check_m_code(code: Code, words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
+    check_exists(code)?;
     if !matches!(code.number, 97 | 98) {
         return Ok(());
     }
-    let Some(word) = words.look(b'L') else {
-        return wrong2(code.at as usize, E::MissingWord, format!("M{:02}", code.number), "L");
+    let Some(word) = words.peek(b'L') else {
+        return fail2(code.at as usize, E::MissingWord, format!("M{:02}", code.number), "L");
     };
-    let n = integer(word, 0, NUMBERS)?;
-    let named = |error| wrong1(word.at as usize, error, format!("N{n:04}"));
-    match block.source.only_block(n) {
+    let n = integer(word, 0, MAX_BLOCK_NUMBER)?;
+    let named = |error| fail1(word.at as usize, error, format!("N{n:04}"));
+    match block.source.find_unique_block(n) {
         Ok(Some(line)) if line == block.line && code.number == 97 => named(E::JumpToItself),
-        Ok(Some(line)) if code.number == 98 && block.source.main_end().is_some_and(|end| line < end) => {
+        Ok(Some(line)) if code.number == 98 && block.source.main_end_line().is_some_and(|end| line < end) => {
             named(E::SubBeforeMain)
         }
         Ok(Some(_)) => Ok(()),
@@ -54,22 +54,22 @@ pub(super) fn look(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> 
 }
 
 /// Checks a G22 that is not executed.
-pub(super) fn look_at_loop(code: Code, words: &Words, block: &Unrun<'_>) -> Outcome<()> {
+pub(super) fn check_loop(code: Code, words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
     let at = code.at as usize;
-    let Some(word) = words.look(b'L') else { return wrong2(at, E::MissingWord, "G22", "L") };
-    integer(word, 0, REPEATS)?;
-    match block.source.counted_at(block.line) {
+    let Some(word) = words.peek(b'L') else { return fail2(at, E::MissingWord, "G22", "L") };
+    integer(word, 0, MAX_REPEATS)?;
+    match block.source.counted_loop_at(block.line) {
         Some(found) if found.end_line.is_some() => Ok(()),
-        Some(_) | None => wrong2(at, E::LoopUnpaired, "G22", "G80"),
+        Some(_) | None => fail2(at, E::LoopUnpaired, "G22", "G80"),
     }
 }
 
 /// S: spindle speed, rpm (D: the manual leaves the unit to the customer), at most the highest spindle speed (P64).
-pub(super) fn speed(running: &mut Running<'_, '_>) -> Outcome<()> {
+pub(super) fn spindle_speed(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let Some(word) = running.words.take(b'S') else { return Ok(()) };
-    let most = running.settings.turning.most_rpm.min(SPEEDS.1);
-    if !(SPEEDS.0..=most).contains(&word.value) {
-        return out_of_range(word, &format!("{}–{most} r/min (P64)", SPEEDS.0));
+    let most = running.settings.superman.max_rpm.min(SPEED_RANGE_RPM.1);
+    if !(SPEED_RANGE_RPM.0..=most).contains(&word.value) {
+        return out_of_range(word, &format!("{}–{most} r/min (P64)", SPEED_RANGE_RPM.0));
     }
     running.modals.speed = Some(word.value);
     running.ops.push(Op::S { value: word.value, mode: SpeedMode::Rpm });
@@ -77,7 +77,7 @@ pub(super) fn speed(running: &mut Running<'_, '_>) -> Outcome<()> {
 }
 
 /// `T b`, `T 0 b`: station b. `T a 0`: station a with compensation: the slides move by the difference of the tips.
-pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
+pub(super) fn tool_call(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let Some(word) = running.words.take(b'T') else { return Ok(()) };
     let (station, with) = match integer(word, 0, 99)? {
         station @ 1..=4 => (station, false),
@@ -85,14 +85,14 @@ pub(super) fn tool(running: &mut Running<'_, '_>) -> Outcome<()> {
         _ => return out_of_range(word, "T1–T4 T01–T04 T10 T20 T30 T40"),
     };
     let world = &running.scope.world;
-    let before = if running.modals.tool == 0 { world.tool() } else { u32::from(running.modals.tool) };
+    let before = if running.modals.tool == 0 { world.active_tool() } else { u32::from(running.modals.tool) };
     let by = with.then(|| {
-        let (old, new) = (world.compensation(before), world.compensation(station));
+        let (old, new) = (world.tool_compensation(before), world.tool_compensation(station));
         PerAxis::from_fn(|axis: Axis| old[axis] - new[axis])
     });
     running.modals.tool = station as u16;
     running.modals.offset = if with { station as u16 } else { 0 };
-    running.ops.push(Op::Post { station: station as u8, by });
+    running.ops.push(Op::IndexTurret { station: station as u8, by });
     Ok(())
 }
 
@@ -102,52 +102,52 @@ const fn stands_alone(code: u32) -> bool {
 }
 
 /// Mutually exclusive M codes of a block: spindle, coolant.
-const EXCLUSIVE: [&[u32]; 2] = [&[3, 4, 5], &[7, 8]];
+const EXCLUSIVE_M_CODES: [&[u32]; 2] = [&[3, 4, 5], &[7, 8]];
 
 /// Checks M codes that must be alone or exclude each other; M02, jumps, calls and returns must not have F.
-pub(super) fn alone(words: &Words) -> Outcome<()> {
+pub(super) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {
     let name = |code: &Code| format!("M{:02}", code.number);
     for code in words.m().iter().filter(|code| stands_alone(code.number)) {
         if let Some(other) = words.m().iter().find(|other| other.at != code.at) {
-            return wrong2(code.at as usize, E::NotTogether, name(code), name(other));
+            return fail2(code.at as usize, E::NotTogether, name(code), name(other));
         }
-        if let Some(feed) = words.look(b'F').filter(|_| code.number != 0 && words.g().is_empty()) {
-            return wrong2(feed.at as usize, E::NotTogether, name(code), "F");
+        if let Some(feed) = words.peek(b'F').filter(|_| code.number != 0 && words.g().is_empty()) {
+            return fail2(feed.at as usize, E::NotTogether, name(code), "F");
         }
     }
-    for codes in EXCLUSIVE {
+    for codes in EXCLUSIVE_M_CODES {
         let mut found = words.m().iter().filter(|code| codes.contains(&code.number));
         if let (Some(first), Some(second)) = (found.next(), found.next())
             && first.number != second.number
         {
-            return wrong2(second.at as usize, E::DoubleGroup, name(first), name(second));
+            return fail2(second.at as usize, E::DoubleGroup, name(first), name(second));
         }
     }
     Ok(())
 }
 
 /// Checks the M codes, adds those that act before the motion, and returns how the program continues.
-pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Code, Step)>> {
+pub(super) fn before_motion(running: &mut BlockContext<'_, '_>) -> ReadResult<Option<(Code, FlowAction)>> {
     let words = running.words;
     let mut flow = None;
-    alone(words)?;
+    check_exclusive_m_codes(words)?;
     for code in words.m() {
         let name = format!("M{:02}", code.number);
-        exists(*code)?;
-        running.modals.m = Some(code.number as u8);
+        check_exists(*code)?;
+        running.modals.m_code = Some(code.number as u8);
         let target = || match words.take(b'L') {
-            Some(word) => Ok((integer(word, 0, NUMBERS)?, word.at as usize)),
-            None => wrong2(code.at as usize, E::MissingWord, name.clone(), "L"),
+            Some(word) => Ok((integer(word, 0, MAX_BLOCK_NUMBER)?, word.at as usize)),
+            None => fail2(code.at as usize, E::MissingWord, name.clone(), "L"),
         };
         let step = match code.number {
             0 => continue,
             2 => match running.flow.local_sub() {
-                Some(n) => return wrong1(code.at as usize, E::EndInSub, format!("N{n:04}")),
-                None => Step::End,
+                Some(n) => return fail1(code.at as usize, E::EndInSub, format!("N{n:04}")),
+                None => FlowAction::End,
             },
-            97 => target().map(|(n, at)| Step::Jump { n, at })?,
-            98 => target().map(|(n, at)| Step::Local { n, at })?,
-            99 => Step::Return { target: None, at: code.at as usize },
+            97 => target().map(|(n, at)| FlowAction::GotoUnique { n, at })?,
+            98 => target().map(|(n, at)| FlowAction::CallLocal { n, at })?,
+            99 => FlowAction::Return { target: None, at: code.at as usize },
             number => {
                 // L5: a check warns of a thread if the program has not started the spindle.
                 running.modals.spindle_on =
@@ -162,16 +162,16 @@ pub(super) fn before_motion(running: &mut Running<'_, '_>) -> Outcome<Option<(Co
 }
 
 /// Adds the M codes that act after the motion.
-pub(super) fn after_motion(running: &mut Running<'_, '_>) {
+pub(super) fn after_motion(running: &mut BlockContext<'_, '_>) {
     for code in running.words.m().iter().filter(|code| matches!(code.number, 0 | 2)) {
         running.ops.push(Op::M { code: code.number as u8, s: None, p: None, l: None });
     }
 }
 
 /// `G22 L n`: executes the blocks up to G80 n times; L0000 skips them.
-pub(super) fn begin_loop(running: &Running<'_, '_>, at: usize) -> Outcome<Step> {
+pub(super) fn begin_loop(running: &BlockContext<'_, '_>, at: usize) -> ReadResult<FlowAction> {
     match running.words.take(b'L') {
-        Some(word) => Ok(Step::Loop { times: integer(word, 0, REPEATS)?, at }),
-        None => wrong2(at, E::MissingWord, "G22", "L"),
+        Some(word) => Ok(FlowAction::BeginCountedLoop { times: integer(word, 0, MAX_REPEATS)?, at }),
+        None => fail2(at, E::MissingWord, "G22", "L"),
     }
 }

@@ -1,55 +1,55 @@
 //! Rapids, lines, arcs, the rectangle cycle, dwell, G92 and moves to fixed points. Source: spec L2–L4, L6.
 
-use super::{LIMIT, out_of_range};
+use super::{MAX_COORDINATE_MM, out_of_range};
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::Running;
-use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
-use crate::nc::modal::Motion;
-use crate::nc::op::{AxisSet, Feed, Op, Plane};
-use crate::nc::words::{Word, Words};
+use crate::nc::dialect::BlockContext;
+use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::modal::MotionMode;
+use crate::nc::op::{ArcPlane, AxisSet, Feed, Op};
+use crate::nc::words::{BlockWords, Word};
 use crate::units::{Axis, PerAxis};
 
 /// Ranges of F, mm/min on Z: G00, G01 and G23, G02 and G03.
-const RAPIDS: (f64, f64) = (2_000.0, 6_000.0);
-const LINES: (f64, f64) = (6.0, 2_000.0);
-const ARCS: (f64, f64) = (6.0, 600.0);
+const RAPID_FEED_RANGE: (f64, f64) = (2_000.0, 6_000.0);
+const LINE_FEED_RANGE: (f64, f64) = (6.0, 2_000.0);
+const ARC_FEED_RANGE: (f64, f64) = (6.0, 600.0);
 /// Range of G04, seconds. The manual's text says 9999.99, its table 99.99; the text applies (D).
-const DWELLS: (f64, f64) = (0.01, 9_999.99);
+const DWELL_RANGE_S: (f64, f64) = (0.01, 9_999.99);
 /// An arc's radius must be greater than this, mm.
-const LEAST_RADIUS_MM: f64 = 0.2;
+const MIN_RADIUS_MM: f64 = 0.2;
 /// The end error of an arc must be below this many increments.
-const INCREMENTS_OFF: f64 = 5.0;
+const MAX_END_ERROR_INCREMENTS: f64 = 5.0;
 /// Shorter lengths count as zero, mm.
-const NOTHING_MM: f64 = 1e-9;
+const MIN_LENGTH_MM: f64 = 1e-9;
 
 /// The end of a move.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Target {
+pub(super) struct SuperManTarget {
     pub to: PerAxis<f64>,
     pub words: AxisSet,
     pub incremental: AxisSet,
 }
 
 /// The absolute and the incremental word of X and of Z.
-const PAIRS: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
+const AXIS_ADDRESSES: [(u8, u8); 2] = [(b'X', b'U'), (b'Z', b'W')];
 
 /// Refuses X with U and Z with W (L1).
-pub(super) fn one_word_each(words: &Words) -> Outcome<()> {
-    for (absolute, distance) in PAIRS {
-        if let (Some(first), Some(second)) = (words.look(absolute), words.look(distance)) {
+pub(super) fn check_one_word_per_axis(words: &BlockWords) -> ReadResult<()> {
+    for (absolute, distance) in AXIS_ADDRESSES {
+        if let (Some(first), Some(second)) = (words.peek(absolute), words.peek(distance)) {
             let (first, second) = if first.at < second.at { (first, second) } else { (second, first) };
             let [a, b] = [first, second].map(|word| char::from(word.letter).to_string());
-            return wrong2(second.at as usize, E::AbsoluteAndIncremental, a, b);
+            return fail2(second.at as usize, E::AbsoluteAndIncremental, a, b);
         }
     }
     Ok(())
 }
 
 /// The end of the move by the axis words of the block.
-pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<Target> {
-    let mut target = Target { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
-    one_word_each(running.words)?;
-    for (axis, (absolute, distance)) in [Axis::X, Axis::Z].into_iter().zip(PAIRS) {
+pub(super) fn target(running: &BlockContext<'_, '_>, from: PerAxis<f64>) -> ReadResult<SuperManTarget> {
+    let mut target = SuperManTarget { to: from, words: AxisSet::NONE, incremental: AxisSet::NONE };
+    check_one_word_per_axis(running.words)?;
+    for (axis, (absolute, distance)) in [Axis::X, Axis::Z].into_iter().zip(AXIS_ADDRESSES) {
         let (word, by) = match (running.words.take(absolute), running.words.take(distance)) {
             (None, None) => continue,
             (Some(word), _) => (word, false),
@@ -66,24 +66,24 @@ pub(super) fn target(running: &Running<'_, '_>, from: PerAxis<f64>) -> Outcome<T
 }
 
 /// The value of an axis word, radius mm.
-pub(super) fn coordinate(axis: Axis, word: Word) -> Outcome<f64> {
-    if word.value.abs() > LIMIT {
+pub(super) fn coordinate(axis: Axis, word: Word) -> ReadResult<f64> {
+    if word.value.abs() > MAX_COORDINATE_MM {
         return out_of_range(word, "±9999.99");
     }
     Ok(if axis == Axis::X { word.value / 2.0 } else { word.value })
 }
 
-const fn range(motion: Motion) -> (f64, f64) {
+const fn feed_range(motion: MotionMode) -> (f64, f64) {
     match motion {
-        Motion::Rapid => RAPIDS,
-        Motion::ArcClockwise | Motion::ArcCounterClockwise => ARCS,
-        _ => LINES,
+        MotionMode::Rapid => RAPID_FEED_RANGE,
+        MotionMode::ArcClockwise | MotionMode::ArcCounterClockwise => ARC_FEED_RANGE,
+        _ => LINE_FEED_RANGE,
     }
 }
 
 /// Checks a feed against the range of a motion (L2).
-pub(super) fn feed_in_range(word: Word, motion: Motion) -> Outcome<()> {
-    let (low, high) = range(motion);
+pub(super) fn check_feed(word: Word, motion: MotionMode) -> ReadResult<()> {
+    let (low, high) = feed_range(motion);
     if (low..=high).contains(&word.value) {
         return Ok(());
     }
@@ -91,118 +91,118 @@ pub(super) fn feed_in_range(word: Word, motion: Motion) -> Outcome<()> {
 }
 
 /// F of the block, checked against the range of the active function. The F of G00 is not modal.
-pub(super) fn take_feed(running: &mut Running<'_, '_>) -> Outcome<Option<f64>> {
+pub(super) fn take_feed(running: &mut BlockContext<'_, '_>) -> ReadResult<Option<f64>> {
     let Some(word) = running.words.take(b'F') else { return Ok(None) };
-    feed_in_range(word, running.modals.motion)?;
-    if running.modals.motion != Motion::Rapid {
+    check_feed(word, running.modals.motion)?;
+    if running.modals.motion != MotionMode::Rapid {
         running.modals.feed = Some(word.value);
     }
     Ok(Some(word.value))
 }
 
 /// The active feed of lines, else the parameter's.
-fn line_feed(running: &Running<'_, '_>) -> f64 {
-    running.modals.feed.unwrap_or(running.settings.turning.line_feed)
+fn line_feed(running: &BlockContext<'_, '_>) -> f64 {
+    running.modals.feed.unwrap_or(running.settings.superman.line_feed)
 }
 
 /// Feed along a line: F, reduced so that X moves at no more than half of F.
-fn along(feed: f64, from: PerAxis<f64>, to: PerAxis<f64>) -> Feed {
+fn feed_along(feed: f64, from: PerAxis<f64>, to: PerAxis<f64>) -> Feed {
     let (x, z) = ((to[Axis::X] - from[Axis::X]).abs(), to[Axis::Z] - from[Axis::Z]);
     let length = x.hypot(z);
-    let most = if x > NOTHING_MM { feed / 2.0 * length / x } else { feed };
+    let most = if x > MIN_LENGTH_MM { feed / 2.0 * length / x } else { feed };
     Feed::PerMinute(feed.min(most))
 }
 
 /// Records the direction of X, for the run-out of a thread.
-fn note_infeed(running: &mut Running<'_, '_>, from: PerAxis<f64>, to: PerAxis<f64>) {
+fn record_infeed(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, to: PerAxis<f64>) {
     let by = to[Axis::X] - from[Axis::X];
-    if by.abs() > NOTHING_MM {
-        running.modals.infeed = if by > 0.0 { 1 } else { -1 };
+    if by.abs() > MIN_LENGTH_MM {
+        running.modals.infeed_direction = if by > 0.0 { 1 } else { -1 };
     }
 }
 
 /// G00: both axes move in a fixed speed ratio, then one axis completes its distance.
-pub(super) fn rapid(running: &mut Running<'_, '_>, feed: Option<f64>) -> Outcome<()> {
+pub(super) fn rapid(running: &mut BlockContext<'_, '_>, feed: Option<f64>) -> ReadResult<()> {
     let from = running.scope.position();
-    let Target { to, words, incremental } = target(running, from)?;
-    note_infeed(running, from, to);
+    let SuperManTarget { to, words, incremental } = target(running, from)?;
+    record_infeed(running, from, to);
     let (x, z) = (to[Axis::X] - from[Axis::X], to[Axis::Z] - from[Axis::Z]);
-    let ratio = running.settings.turning.rapid_z_per_x;
+    let ratio = running.settings.superman.rapid_z_per_x;
     let both = x.abs().min(z.abs() / ratio);
     let (over_x, over_z) = (x.abs() - both, z.abs() - both * ratio);
     let mut corner = from;
     corner[Axis::X] += both.copysign(x);
     corner[Axis::Z] += (both * ratio).copysign(z);
-    if both <= NOTHING_MM || over_x.max(over_z) <= NOTHING_MM {
-        push_rapid(running, from, Target { to, words, incremental }, feed);
+    if both <= MIN_LENGTH_MM || over_x.max(over_z) <= MIN_LENGTH_MM {
+        push_rapid(running, from, SuperManTarget { to, words, incremental }, feed);
         return Ok(());
     }
-    push_rapid(running, from, Target { to: corner, words, incremental }, feed);
+    push_rapid(running, from, SuperManTarget { to: corner, words, incremental }, feed);
     // The axis that is in position is not named again.
     let left = AxisSet::of(if over_x > over_z { Axis::X } else { Axis::Z });
-    push_rapid(running, corner, Target { to, words: left, incremental: within(incremental, left) }, feed);
+    push_rapid(running, corner, SuperManTarget { to, words: left, incremental: intersection(incremental, left) }, feed);
     Ok(())
 }
 
-fn within(set: AxisSet, of: AxisSet) -> AxisSet {
+fn intersection(set: AxisSet, of: AxisSet) -> AxisSet {
     let mut both = AxisSet::NONE;
     set.iter().filter(|axis| of.contains(*axis)).for_each(|axis| both.insert(axis));
     both
 }
 
 /// Adds a rapid; with F, at that feed.
-fn push_rapid(running: &mut Running<'_, '_>, from: PerAxis<f64>, target: Target, feed: Option<f64>) {
-    let Target { to, words, incremental } = target;
-    let feed = feed.map(|feed| along(feed, from, to));
+fn push_rapid(running: &mut BlockContext<'_, '_>, from: PerAxis<f64>, target: SuperManTarget, feed: Option<f64>) {
+    let SuperManTarget { to, words, incremental } = target;
+    let feed = feed.map(|feed| feed_along(feed, from, to));
     running.ops.push(Op::Rapid { to, feed, words, incremental });
 }
 
 /// G01.
-pub(super) fn line(running: &mut Running<'_, '_>) -> Outcome<()> {
+pub(super) fn line(running: &mut BlockContext<'_, '_>) -> ReadResult<()> {
     let from = running.scope.position();
-    let Target { to, words, incremental } = target(running, from)?;
-    note_infeed(running, from, to);
-    let feed = along(line_feed(running), from, to);
+    let SuperManTarget { to, words, incremental } = target(running, from)?;
+    record_infeed(running, from, to);
+    let feed = feed_along(line_feed(running), from, to);
     running.ops.push(Op::Feed { to, feed, words, incremental });
     Ok(())
 }
 
 /// G02 (`iso_opposite` 1) and G03 (−1): I (a diameter) and K from the start, or R (negative: major arc).
-pub(super) fn arc(running: &mut Running<'_, '_>, place: usize, iso_opposite: i8) -> Outcome<()> {
+pub(super) fn arc_move(running: &mut BlockContext<'_, '_>, place: usize, iso_opposite: i8) -> ReadResult<()> {
     let from = running.scope.position();
-    let turn = if running.settings.turning.arcs_opposite { iso_opposite } else { -iso_opposite };
-    let Target { to, words, incremental } = target(running, from)?;
+    let turn = if running.settings.superman.arcs_reversed { iso_opposite } else { -iso_opposite };
+    let SuperManTarget { to, words, incremental } = target(running, from)?;
     let offsets = [running.words.take(b'I'), running.words.take(b'K')];
     let center = match (offsets, running.words.take(b'R')) {
-        ([None, None], None) => return wrong2(place, E::ArcWithoutCentre, "R", "I K"),
-        ([None, None], Some(radius)) => by_radius(from, to, radius, turn)?,
-        ([i, k], None) => by_offsets(running, place, (from, to), [i, k])?,
+        ([None, None], None) => return fail2(place, E::ArcWithoutCentre, "R", "I K"),
+        ([None, None], Some(radius)) => centre_from_r(from, to, radius, turn)?,
+        ([i, k], None) => centre_by_offsets(running, place, (from, to), [i, k])?,
         ([i, k], Some(radius)) => {
             let other = i.or(k).map_or('I', |word| char::from(word.letter));
-            return wrong2(radius.at as usize, E::NotTogether, "R", other);
+            return fail2(radius.at as usize, E::NotTogether, "R", other);
         }
     };
     // A feed from lines may be too fast for an arc; the parameter's feed then applies.
-    let turning = &running.settings.turning;
-    let feed = running.modals.feed.filter(|feed| *feed <= ARCS.1).unwrap_or(turning.arc_feed);
+    let turning = &running.settings.superman;
+    let feed = running.modals.feed.filter(|feed| *feed <= ARC_FEED_RANGE.1).unwrap_or(turning.arc_feed);
     let feed = Feed::PerMinute(feed);
-    running.ops.push(Op::Arc { to, center, plane: Plane::Zx, turn, feed, words, incremental });
+    running.ops.push(Op::Arc { to, center, plane: ArcPlane::Zx, turn, feed, words, incremental });
     Ok(())
 }
 
-fn large_enough(at: usize, radius: f64) -> Outcome<()> {
-    if radius > LEAST_RADIUS_MM {
+fn check_radius(at: usize, radius: f64) -> ReadResult<()> {
+    if radius > MIN_RADIUS_MM {
         return Ok(());
     }
-    wrong2(at, E::ArcTooSmall, format!("{radius:.3}"), LEAST_RADIUS_MM.to_string())
+    fail2(at, E::ArcTooSmall, format!("{radius:.3}"), MIN_RADIUS_MM.to_string())
 }
 
-fn by_offsets(
-    running: &Running<'_, '_>,
+fn centre_by_offsets(
+    running: &BlockContext<'_, '_>,
     place: usize,
     (from, to): (PerAxis<f64>, PerAxis<f64>),
     offsets: [Option<Word>; 2],
-) -> Outcome<PerAxis<f64>> {
+) -> ReadResult<PerAxis<f64>> {
     let mut center = from;
     for (axis, word) in [Axis::X, Axis::Z].into_iter().zip(offsets) {
         if let Some(word) = word {
@@ -213,29 +213,29 @@ fn by_offsets(
     let arm = |point: PerAxis<f64>| (point[Axis::X] - center[Axis::X], point[Axis::Z] - center[Axis::Z]);
     let ((start_x, start_z), (end_x, end_z)) = (arm(from), arm(to));
     let (radius, reached) = (start_x.hypot(start_z), end_x.hypot(end_z));
-    large_enough(at, radius)?;
+    check_radius(at, radius)?;
     // The end error in each coordinate as programmed.
     let off = (reached - radius).abs();
-    let share = if reached > NOTHING_MM { (2.0 * end_x.abs() / reached).max(end_z.abs() / reached) } else { 2.0 };
+    let share = if reached > MIN_LENGTH_MM { (2.0 * end_x.abs() / reached).max(end_z.abs() / reached) } else { 2.0 };
     // Tolerates the rounding error of the sum.
-    if off * share + NOTHING_MM >= INCREMENTS_OFF * running.settings.turning.pulse_mm {
-        return wrong1(at, E::ArcEndOff, format!("{off:.3}"));
+    if off * share + MIN_LENGTH_MM >= MAX_END_ERROR_INCREMENTS * running.settings.superman.increment_mm {
+        return fail1(at, E::ArcEndOffCircle, format!("{off:.3}"));
     }
     Ok(center)
 }
 
-fn by_radius(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> Outcome<PerAxis<f64>> {
+fn centre_from_r(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> ReadResult<PerAxis<f64>> {
     let (radius, at) = (word.value, word.at as usize);
     let (a, b) = (to[Axis::Z] - from[Axis::Z], to[Axis::X] - from[Axis::X]);
     let chord = a.hypot(b);
-    if chord <= NOTHING_MM {
-        return wrong(at, E::FullCircleByRadius);
+    if chord <= MIN_LENGTH_MM {
+        return fail(at, E::FullCircleByRadius);
     }
-    large_enough(at, radius.abs())?;
+    check_radius(at, radius.abs())?;
     let half = chord / 2.0;
     // The radius of a half circle may be too small by the rounding of the text.
     if radius.abs() + 0.01 < half {
-        return wrong1(at, E::ArcRadius, format!("R{radius}"));
+        return fail1(at, E::ArcRadius, format!("R{radius}"));
     }
     let height = (radius * radius - half * half).max(0.0).sqrt();
     let side = f64::from(turn) * radius.signum();
@@ -246,20 +246,20 @@ fn by_radius(from: PerAxis<f64>, to: PerAxis<f64>, word: Word, turn: i8) -> Outc
 }
 
 /// G23: from A to B (X at rapid), C (Z at F), D (X at F) and back to A (Z at rapid).
-pub(super) fn rectangle(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
+pub(super) fn rectangle(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
     let from = running.scope.position();
-    let Target { to, words, incremental } = target(running, from)?;
+    let SuperManTarget { to, words, incremental } = target(running, from)?;
     let kept = running.modals.cycle;
     let x = if words.contains(Axis::X) { Some(to[Axis::X]) } else { kept.x };
     let z = if words.contains(Axis::Z) { Some(to[Axis::Z]) } else { kept.z };
     let (Some(x), Some(z)) = (x, z) else {
-        return wrong2(place, E::MissingWord, "G23", if x.is_none() { "X / U" } else { "Z / W" });
+        return fail2(place, E::MissingWord, "G23", if x.is_none() { "X / U" } else { "Z / W" });
     };
     for (axis, corner) in [(Axis::X, x), (Axis::Z, z)] {
-        if (corner - from[axis]).abs() <= NOTHING_MM {
+        if (corner - from[axis]).abs() <= MIN_LENGTH_MM {
             let letters: &[u8] = if axis == Axis::X { b"XU" } else { b"ZW" };
-            let word = letters.iter().find_map(|letter| running.words.look(*letter));
-            return wrong1(word.map_or(place, |word| word.at as usize), E::RectangleSide, axis.letter());
+            let word = letters.iter().find_map(|letter| running.words.peek(*letter));
+            return fail1(word.map_or(place, |word| word.at as usize), E::RectangleSide, axis.letter());
         }
     }
     (running.modals.cycle.x, running.modals.cycle.z) = (Some(x), Some(z));
@@ -272,63 +272,68 @@ pub(super) fn rectangle(running: &mut Running<'_, '_>, place: usize) -> Outcome<
     let corner_c = with(corner_b, Axis::Z, z);
     let corner_d = with(corner_c, Axis::X, from[Axis::X]);
     let (on_x, on_z) = (AxisSet::of(Axis::X), AxisSet::of(Axis::Z));
-    let (by_x, by_z) = (within(incremental, on_x), within(incremental, on_z));
+    let (by_x, by_z) = (intersection(incremental, on_x), intersection(incremental, on_z));
     running.ops.push(Op::Rapid { to: corner_b, feed: None, words: on_x, incremental: by_x });
-    let along_z = along(feed, corner_b, corner_c);
+    let along_z = feed_along(feed, corner_b, corner_c);
     running.ops.push(Op::Feed { to: corner_c, feed: along_z, words: on_z, incremental: by_z });
-    let along_x = along(feed, corner_c, corner_d);
+    let along_x = feed_along(feed, corner_c, corner_d);
     running.ops.push(Op::Feed { to: corner_d, feed: along_x, words: on_x, incremental: by_x });
     running.ops.push(Op::Rapid { to: from, feed: None, words: on_z, incremental: by_z });
     Ok(())
 }
 
 /// Checks the range of G04 (L2).
-pub(super) fn dwell_in_range(word: Word) -> Outcome<()> {
-    if (DWELLS.0..=DWELLS.1).contains(&word.value) {
+pub(super) fn check_dwell(word: Word) -> ReadResult<()> {
+    if (DWELL_RANGE_S.0..=DWELL_RANGE_S.1).contains(&word.value) {
         return Ok(());
     }
-    out_of_range(word, &format!("{}–{} s", DWELLS.0, DWELLS.1))
+    out_of_range(word, &format!("{}–{} s", DWELL_RANGE_S.0, DWELL_RANGE_S.1))
 }
 
 /// G04 F, seconds.
-pub(super) fn dwell(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
-    let Some(word) = running.words.take(b'F') else { return wrong2(place, E::MissingWord, "G04", "F") };
-    dwell_in_range(word)?;
+pub(super) fn dwell(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
+    let Some(word) = running.words.take(b'F') else { return fail2(place, E::MissingWord, "G04", "F") };
+    check_dwell(word)?;
     running.ops.push(Op::Dwell { s: word.value });
     Ok(())
 }
 
 /// Checks that G92 has X and Z, and neither U nor W (L3).
-pub(super) fn whole_preset(words: &Words, place: usize) -> Outcome<()> {
-    if let Some(word) = [b'U', b'W'].into_iter().find_map(|letter| words.look(letter)) {
-        return wrong2(word.at as usize, E::PresetByDistance, "G92", "U W");
+pub(super) fn check_preset_words(words: &BlockWords, place: usize) -> ReadResult<()> {
+    if let Some(word) = [b'U', b'W'].into_iter().find_map(|letter| words.peek(letter)) {
+        return fail2(word.at as usize, E::G92WithDistances, "G92", "U W");
     }
-    match [b'X', b'Z'].into_iter().find(|letter| words.look(*letter).is_none()) {
-        Some(letter) => wrong2(place, E::MissingWord, "G92", char::from(letter)),
+    match [b'X', b'Z'].into_iter().find(|letter| words.peek(*letter).is_none()) {
+        Some(letter) => fail2(place, E::MissingWord, "G92", char::from(letter)),
         None => Ok(()),
     }
 }
 
 /// G92: assigns work coordinates X Z to the present position; nothing moves.
-pub(super) fn preset(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
-    whole_preset(running.words, place)?;
+pub(super) fn set_coordinate_system(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
+    check_preset_words(running.words, place)?;
     let from = running.scope.position();
-    let Target { to, .. } = target(running, from)?;
-    running.ops.push(Op::Preset { values: PerAxis([Some(to[Axis::X]), None, Some(to[Axis::Z])]) });
+    let SuperManTarget { to, .. } = target(running, from)?;
+    running.ops.push(Op::SetCoordinateSystem { values: PerAxis([Some(to[Axis::X]), None, Some(to[Axis::Z])]) });
     Ok(())
 }
 
 /// Refuses coordinates.
-fn no_coordinates(running: &Running<'_, '_>, place: usize) -> Outcome<()> {
-    let found = [b'X', b'Z', b'U', b'W'].into_iter().find_map(|letter| running.words.look(letter));
+fn refuse_coordinates(running: &BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
+    let found = [b'X', b'Z', b'U', b'W'].into_iter().find_map(|letter| running.words.peek(letter));
     let code = running.words.g().iter().find(|code| code.at as usize == place).map_or(0, |code| code.number);
-    found.map_or(Ok(()), |word| wrong1(word.at as usize, E::AxisUnused, format!("G{code:02}")))
+    found.map_or(Ok(()), |word| fail1(word.at as usize, E::AxisUnused, format!("G{code:02}")))
 }
 
 /// G26, G27, G29: moves to the tool-change point, X before Z.
-pub(super) fn return_to_start(running: &mut Running<'_, '_>, place: usize, x: bool, z: bool) -> Outcome<()> {
-    no_coordinates(running, place)?;
-    let (mut at, start) = (running.scope.position(), running.scope.world.start());
+pub(super) fn return_to_tool_change(
+    running: &mut BlockContext<'_, '_>,
+    place: usize,
+    x: bool,
+    z: bool,
+) -> ReadResult<()> {
+    refuse_coordinates(running, place)?;
+    let (mut at, start) = (running.scope.position(), running.scope.world.program_start());
     for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
         at[axis] = start[axis];
         running.ops.push(Op::Rapid { to: at, feed: None, words: AxisSet::of(axis), incremental: AxisSet::NONE });
@@ -337,14 +342,14 @@ pub(super) fn return_to_start(running: &mut Running<'_, '_>, place: usize, x: bo
 }
 
 /// G36, G37, G39: homes by the switch; the coordinate there is the parameter's.
-pub(super) fn home(running: &mut Running<'_, '_>, place: usize, x: bool, z: bool) -> Outcome<()> {
-    no_coordinates(running, place)?;
+pub(super) fn home(running: &mut BlockContext<'_, '_>, place: usize, x: bool, z: bool) -> ReadResult<()> {
+    refuse_coordinates(running, place)?;
     let (mut axes, mut values) = (AxisSet::NONE, PerAxis::default());
     for axis in [(Axis::X, x), (Axis::Z, z)].into_iter().filter_map(|(axis, asked)| asked.then_some(axis)) {
         axes.insert(axis);
-        values[axis] = Some(running.settings.turning.origin[axis]);
+        values[axis] = Some(running.settings.superman.origin[axis]);
     }
     running.ops.push(Op::HomeSwitch { axes });
-    running.ops.push(Op::Preset { values });
+    running.ops.push(Op::SetCoordinateSystem { values });
     Ok(())
 }

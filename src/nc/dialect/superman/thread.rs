@@ -3,17 +3,17 @@
 use super::motion::coordinate;
 use super::out_of_range;
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::Running;
-use crate::nc::fault::{Outcome, wrong, wrong1, wrong2};
-use crate::nc::modal::Motion;
-use crate::nc::op::{Op, Threading};
+use crate::nc::dialect::BlockContext;
+use crate::nc::fault::{ReadResult, fail, fail1, fail2};
+use crate::nc::modal::MotionMode;
+use crate::nc::op::{Op, ThreadMove};
 use crate::nc::words::Word;
 use crate::units::{Axis, MM_PER_INCH};
 
 /// Range of the lead of G33, mm.
-const LEADS: (f64, f64) = (0.25, 12.0);
+const LEAD_RANGE_MM: (f64, f64) = (0.25, 12.0);
 /// Range of G32, turns per inch.
-const TURNS: (f64, f64) = (3.0, 33.5);
+const TURNS_PER_INCH_RANGE: (f64, f64) = (3.0, 33.5);
 /// Length of the run-out along Z, mm: the tool retracts there.
 const RUN_OUT_MM: f64 = 1.2;
 /// Approach length before the part, in leads.
@@ -21,52 +21,52 @@ const APPROACH_LEADS: f64 = 3.0;
 
 /// Highest spindle speed for a lead, rpm.
 #[must_use]
-fn speed_limit(lead_mm: f64) -> f64 {
+fn max_spindle_rpm(lead_mm: f64) -> f64 {
     1_200.0 / lead_mm - 80.0
 }
 
 /// A thread from the present position.
-pub(super) fn run(running: &mut Running<'_, '_>, place: usize) -> Outcome<()> {
+pub(super) fn execute(running: &mut BlockContext<'_, '_>, place: usize) -> ReadResult<()> {
     let words = running.words;
-    if let Some(word) = [b'X', b'Z'].into_iter().find_map(|letter| words.look(letter)) {
-        return wrong2(word.at as usize, E::IncrementalOnly, char::from(word.letter), "");
+    if let Some(word) = [b'X', b'Z'].into_iter().find_map(|letter| words.peek(letter)) {
+        return fail2(word.at as usize, E::IncrementalOnly, char::from(word.letter), "");
     }
-    let code = if running.modals.motion == Motion::InchThread { "G32" } else { "G33" };
-    let Some(length) = words.take(b'W') else { return wrong2(place, E::MissingWord, code, "W") };
+    let code = if running.modals.motion == MotionMode::InchThread { "G32" } else { "G33" };
+    let Some(length) = words.take(b'W') else { return fail2(place, E::MissingWord, code, "W") };
     let lead = match words.take(b'F') {
-        Some(word) if code == "G32" => MM_PER_INCH / turns_an_inch(running, word)?,
-        Some(word) if (LEADS.0..=LEADS.1).contains(&word.value) => word.value,
-        Some(word) => return out_of_range(word, &format!("{}–{} mm", LEADS.0, LEADS.1)),
-        None => match running.modals.lead {
+        Some(word) if code == "G32" => MM_PER_INCH / turns_per_inch(running, word)?,
+        Some(word) if (LEAD_RANGE_MM.0..=LEAD_RANGE_MM.1).contains(&word.value) => word.value,
+        Some(word) => return out_of_range(word, &format!("{}–{} mm", LEAD_RANGE_MM.0, LEAD_RANGE_MM.1)),
+        None => match running.modals.thread_lead_mm {
             Some(lead) => lead,
-            None => return wrong2(place, E::MissingWord, code, "F"),
+            None => return fail2(place, E::MissingWord, code, "F"),
         },
     };
     let along = coordinate(Axis::Z, length)?;
     if along.abs() <= RUN_OUT_MM {
         let details = (format!("{}", along.abs()), RUN_OUT_MM.to_string());
-        return wrong2(length.at as usize, E::ThreadTooShort, details.0, details.1);
+        return fail2(length.at as usize, E::ThreadTooShort, details.0, details.1);
     }
     let taper = words.take(b'U').map_or(Ok(0.0), |word| coordinate(Axis::X, word))?;
-    if running.modals.infeed == 0 {
-        return wrong(place, E::NoInfeed);
+    if running.modals.infeed_direction == 0 {
+        return fail(place, E::ThreadWithoutInfeed);
     }
-    remark(running, place, lead, along);
+    warn_about_thread(running, place, lead, along);
     let from = running.scope.position();
     let (mut out, mut to) = (from, from);
     let share = 1.0 - RUN_OUT_MM / along.abs();
     out[Axis::X] += taper * share;
     out[Axis::Z] += along * share;
     // Retracts by 2 · lead + 2 mm on the diameter, against the last infeed.
-    to[Axis::X] += taper - f64::from(running.modals.infeed) * (lead + 1.0);
+    to[Axis::X] += taper - f64::from(running.modals.infeed_direction) * (lead + 1.0);
     to[Axis::Z] += along;
-    running.modals.lead = Some(lead);
-    running.ops.push(Op::Thread(Threading { to, out, lead_mm: lead }));
+    running.modals.thread_lead_mm = Some(lead);
+    running.ops.push(Op::Thread(ThreadMove { to, run_out_start: out, lead_mm: lead }));
     Ok(())
 }
 
 /// Turns per inch. The digits after the point are the denominator of a fraction: 33.2 is 33½.
-fn turns_an_inch(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
+fn turns_per_inch(running: &BlockContext<'_, '_>, word: Word) -> ReadResult<f64> {
     let refused = || out_of_range(word, "3–33.2 (33½)");
     let written = running.text.get(word.at as usize + 1..).unwrap_or_default();
     let digits = |bytes: &[u8]| -> usize { bytes.iter().take_while(|byte| byte.is_ascii_digit()).count() };
@@ -79,10 +79,14 @@ fn turns_an_inch(running: &Running<'_, '_>, word: Word) -> Outcome<f64> {
     let fraction = match denominator {
         none if none < 1.0 => 0.0,
         denominator if denominator >= 2.0 => 1.0 / denominator,
-        _ => return wrong1(word.at as usize, E::ThreadFraction, format!("F{}", word.value)),
+        _ => return fail1(word.at as usize, E::ThreadFraction, format!("F{}", word.value)),
     };
     let turns = number(&written[..whole]) + fraction;
-    if word.value < 0.0 || !(TURNS.0..=TURNS.1).contains(&turns) { refused() } else { Ok(turns) }
+    if word.value < 0.0 || !(TURNS_PER_INCH_RANGE.0..=TURNS_PER_INCH_RANGE.1).contains(&turns) {
+        refused()
+    } else {
+        Ok(turns)
+    }
 }
 
 /// Run-up distance of Z to `speed` (mm/s) by acceleration and jerk, mm: half of `speed` times the run-up time.
@@ -93,22 +97,22 @@ fn run_up_mm(speed: f64, (accel, jerk): (f64, f64)) -> f64 {
 }
 
 /// Warnings about approach length and spindle speed, for a check. The run monitors the spindle itself.
-fn remark(running: &mut Running<'_, '_>, place: usize, lead: f64, along: f64) {
+fn warn_about_thread(running: &mut BlockContext<'_, '_>, place: usize, lead: f64, along: f64) {
     let z = running.scope.position()[Axis::Z];
-    let speed = running.modals.speed.unwrap_or(running.settings.turning.spindle_rpm);
+    let speed = running.modals.speed.unwrap_or(running.settings.superman.spindle_rpm);
     // Note 5: the approach is at least three leads and at least the run-up of the axis.
-    let needed = (APPROACH_LEADS * lead).max(run_up_mm(lead * speed / 60.0, running.settings.turning.run_up));
+    let needed = (APPROACH_LEADS * lead).max(run_up_mm(lead * speed / 60.0, running.settings.superman.z_accel_jerk));
     // The part's face is at Z 0, if the thread crosses it.
     let enters = if along < 0.0 { z >= 0.0 && z + along < 0.0 } else { z <= 0.0 && z + along > 0.0 };
     if enters && z.abs() < needed {
         let details = [format!("{:.3}", z.abs()), format!("{needed:.3}")];
-        running.scope.note(place, E::ApproachShort, details);
+        running.scope.warn(place, E::ThreadApproachShort, details);
     }
     if !running.modals.spindle_on {
-        running.scope.note(place, E::ThreadSpindle, [String::new(), String::new()]);
+        running.scope.warn(place, E::ThreadSpindle, [String::new(), String::new()]);
     }
-    let limit = speed_limit(lead);
+    let limit = max_spindle_rpm(lead);
     if speed > limit {
-        running.scope.note(place, E::SpindleTooFast, [format!("{speed}"), format!("{limit:.0}")]);
+        running.scope.warn(place, E::SpindleTooFast, [format!("{speed}"), format!("{limit:.0}")]);
     }
 }

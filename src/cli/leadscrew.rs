@@ -1,0 +1,45 @@
+//! `kt830 screw`: imports, shows or clears a leadscrew compensation table in the retained data.
+//! Source: spec B7.
+
+use super::args::{LeadscrewArgs, SharedArgs};
+use super::{CallError, SUCCESS, print_line};
+use crate::controller::StorageRequest;
+use crate::defs::leadscrew::LeadscrewCompensation;
+use crate::defs::text::Lang;
+use crate::host::retained_store::RetainedStore;
+use crate::store::DataDir;
+
+/// Reads a compensation table.
+///
+/// # Errors
+/// The file cannot be read, or a line is invalid.
+pub fn read_table(path: &std::path::Path, lang: Lang) -> Result<LeadscrewCompensation, CallError> {
+    let bytes =
+        std::fs::read(path).map_err(|error| CallError::new(format!("{}: {error}; check the path", path.display())))?;
+    let text = crate::store::decode(&bytes).map_err(|error| CallError::new(format!("{}: {error}", path.display())))?;
+    LeadscrewCompensation::parse(&text.text)
+        .map_err(|fault| CallError::new(format!("{}:{}: {}", path.display(), fault.line, fault.message.get(lang))))
+}
+
+/// Shows, imports or clears the table.
+///
+/// # Errors
+/// The data cannot be opened or written, or the file is invalid; then nothing is changed.
+pub fn screw(shared: &SharedArgs, call: &LeadscrewArgs) -> Result<u8, CallError> {
+    let table = match &call.file {
+        Some(path) => Some(read_table(path, shared.lang)?),
+        None => call.clear.then(LeadscrewCompensation::default),
+    };
+    let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
+    let (mut keeper, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
+    let shown = match table {
+        Some(table) => {
+            keeper.commit(&[StorageRequest::LeadscrewTable(call.axis, table.clone())]).map_err(CallError::new)?;
+            table
+        }
+        None => found.retained.leadscrew_tables[call.axis].clone(),
+    };
+    print_line(format!("# {} 位置,反向间隙,螺距误差 position,backlash,pitch error mm", call.axis));
+    print_line(shown.to_text().trim_end());
+    Ok(SUCCESS)
+}

@@ -1,0 +1,255 @@
+//! Interlock check before a run: finds the blocks that the machine would refuse. The interlock table is evaluated for a
+//! machine whose units respond at once. Also checked: missing ports and moves of an oscillating axis.
+//! Source: spec K3 (the checker reads the table), K4.3, B3, B4, T4.
+
+use super::offsets::offset_in_range;
+use super::run::MCall;
+use super::system_variables::offset_part_of_variable;
+use super::wheel_size::wheel_rpm_of;
+use crate::defs::alarm;
+use crate::defs::kind::Kind;
+use crate::defs::mcode::{self, MCodeAction, Request};
+use crate::defs::param::{self, Params};
+use crate::defs::signal::{Input, InputSet, Output};
+use crate::defs::system_variable;
+use crate::defs::text::LocalizedText;
+use crate::machine::interlock::RuleOutcome;
+use crate::machine::kind::{KindRow, find};
+use crate::machine::{ControlState, Machine};
+use crate::nc::{AxisSet, Block, BlockLocation, Op, SpeedMode};
+use crate::units::{Axis, Micros};
+
+/// Longer than the response time of any unit.
+const SETTLE_TIME: Micros = Micros::from_millis(600_000);
+const TICK: Micros = Micros::from_millis(1);
+/// Threshold between off (0) and on (1) when a program writes an output.
+const SWITCH_THRESHOLD: f64 = 0.5;
+/// Maximum number of reported blocks.
+const MAX_REFUSALS: usize = 20;
+/// Feedback inputs of outputs; true: active while the output is on.
+const FEEDBACK_INPUTS: [(Input, Output, bool); 7] = [
+    (Input::HydraulicPressure, Output::Hydraulic, true),
+    (Input::TailstockAdvanced, Output::Tailstock, true),
+    (Input::TailstockRetracted, Output::Tailstock, false),
+    (Input::RadialArmOut, Output::RadialGauge, true),
+    (Input::RadialArmIn, Output::RadialGauge, false),
+    (Input::AxialArmOut, Output::AxialGauge, true),
+    (Input::AxialArmIn, Output::AxialGauge, false),
+];
+/// Inputs that are active on a machine in order.
+const READY_INPUTS: [Input; 3] = [Input::GuardClosed, Input::CoolantFlow, Input::LubricationLevel];
+
+/// A block that the run would refuse.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PredictedRefusal {
+    /// The block.
+    pub at: BlockLocation,
+    /// Code, reason and alarm.
+    pub text: LocalizedText,
+}
+
+/// Follows the operations of a program check, starting from a ready machine (T3).
+pub struct InterlockCheck<'a> {
+    row: &'static KindRow,
+    params: &'a Params,
+    machine: Machine,
+    now: Micros,
+    wheel_speed: (f64, SpeedMode),
+    wheel_rpm_limit: Option<f64>,
+    wheel_diameter_mm: f64,
+    oscillating: Option<Axis>,
+    refusals: Vec<PredictedRefusal>,
+}
+
+impl<'a> InterlockCheck<'a> {
+    /// A machine of a kind with these parameters, ready to run.
+    #[must_use]
+    pub fn new(kind: Kind, params: &'a Params) -> Self {
+        let row = find(kind);
+        let mut machine = Machine::new(row, Micros::ZERO);
+        machine.make_ready(params);
+        let mut foresight = Self {
+            row,
+            params,
+            machine,
+            now: Micros::ZERO,
+            wheel_speed: (params.get(param::WHEEL_RPM), SpeedMode::Rpm),
+            wheel_rpm_limit: None,
+            wheel_diameter_mm: params.get(param::WHEEL_DIAMETER),
+            oscillating: None,
+            refusals: Vec::new(),
+        };
+        foresight.settle();
+        foresight
+    }
+
+    /// Checks a block that was read.
+    pub fn check_block(&mut self, block: &Block) {
+        for op in &block.ops {
+            let Some(said) = self.check_op(op) else { continue };
+            let told =
+                self.refusals.len() >= MAX_REFUSALS || self.refusals.iter().any(|found| found.at == block.location);
+            if !told {
+                self.refusals.push(PredictedRefusal { at: block.location, text: said });
+            }
+        }
+    }
+
+    /// The refusals, in program order.
+    #[must_use]
+    pub fn refusals(self) -> Vec<PredictedRefusal> {
+        self.refusals
+    }
+
+    fn check_op(&mut self, op: &Op) -> Option<LocalizedText> {
+        match op {
+            Op::M { code, s, p, l } => {
+                let row = mcode::find_in(self.row.dialect, u16::from(*code))?;
+                let call = MCall { row, s: *s, p: p.unwrap_or(0.0) as u8, l_ms: l.unwrap_or(0.0) as u32 };
+                self.m_code(call)
+            }
+            Op::SetSystemVariable { number, value } => self.check_system_variable(*number, value.unwrap_or(0.0)),
+            Op::S { value, mode } => {
+                self.wheel_speed = (*value, *mode);
+                self.update_control_state();
+                None
+            }
+            Op::SpeedLimit { rpm } => {
+                self.wheel_rpm_limit = Some(*rpm);
+                self.update_control_state();
+                None
+            }
+            Op::OscillationOn { stroke: Some((axis, _)), .. } => {
+                let refused = self.oscillating_refusal(*axis);
+                self.oscillating = Some(*axis);
+                refused
+            }
+            Op::OscillationOn { stroke: None, .. } => self.request(Request::CylinderOn, "G35"),
+            Op::OscillationOff => {
+                self.oscillating = None;
+                None
+            }
+            Op::Rapid { words, .. }
+            | Op::Feed { words, .. }
+            | Op::Arc { words, .. }
+            | Op::Skip { words, .. }
+            | Op::ReturnToReference { words, .. }
+            | Op::DressReturn { axes: words, .. } => self.check_axes(*words),
+            Op::MachineMove { to, .. } => {
+                let mut words = AxisSet::NONE;
+                to.iter().filter(|(_, to)| to.is_some()).for_each(|(axis, _)| words.insert(axis));
+                self.check_axes(words)
+            }
+            _ => None,
+        }
+    }
+
+    fn check_axes(&self, words: AxisSet) -> Option<LocalizedText> {
+        self.oscillating.filter(|axis| words.contains(*axis)).and_then(|axis| self.oscillating_refusal(axis))
+    }
+
+    fn oscillating_refusal(&self, asked: Axis) -> Option<LocalizedText> {
+        let axis = self.oscillating?;
+        Some(with_alarm(
+            alarm::AXIS_OSCILLATES,
+            format!("{asked}：{axis} 轴在振荡中，先用 G36 关闭"),
+            format!("{asked}: {axis} oscillates, end it with G36 first"),
+        ))
+    }
+
+    fn m_code(&mut self, call: MCall) -> Option<LocalizedText> {
+        let name = format!("M{:02}", call.row.code);
+        match call.row.action {
+            MCodeAction::AwaitInput(input) if self.params.input_port(input) == 0 => {
+                let said = input.name();
+                let (zh, en) = (format!("{name}：{} 没有输入口", said.zh), format!("{name}: {} has no port", said.en));
+                Some(with_alarm(alarm::INPUT_NOT_ASSIGNED, zh, en))
+            }
+            MCodeAction::ProgramEnd => {
+                self.machine.program_end(self.params);
+                self.settle();
+                None
+            }
+            _ => call.request().and_then(|request| self.request(request, &name)),
+        }
+    }
+
+    /// Requests a change of the machine and lets it settle.
+    fn request(&mut self, request: Request, name: &str) -> Option<LocalizedText> {
+        let inputs = self.inputs();
+        if let Some(rule) = self.machine.blocking_rule(request, self.now, inputs, self.params) {
+            let reason = self.machine.reason_text(rule.reason, request, self.params);
+            let (zh, en) = (format!("{name}：{}", reason.zh), format!("{name}: {}", reason.en));
+            return match rule.outcome {
+                RuleOutcome::NoEffect => None,
+                RuleOutcome::Deny => Some(LocalizedText::new(zh, en)),
+                RuleOutcome::Alarm(number) => Some(with_alarm(number, zh, en)),
+            };
+        }
+        self.machine.request(request, self.now, inputs, self.params);
+        self.settle();
+        None
+    }
+
+    /// A program writes a system variable.
+    fn check_system_variable(&mut self, number: u32, value: f64) -> Option<LocalizedText> {
+        if let Some(index) = system_variable::OUTPUTS.index(number) {
+            return self
+                .request(Request::Port(index as u8 + 1, value.abs() >= SWITCH_THRESHOLD), &format!("#{number}"));
+        }
+        if let Some(part) = offset_part_of_variable(number).filter(|part| !offset_in_range(*part, value)) {
+            let most = part.max_abs();
+            let range = format!("#{number} = {value} (±{most})");
+            return Some(with_alarm(alarm::OFFSET_RANGE, range.clone(), range));
+        }
+        if number == system_variable::WHEEL_DIAMETER.first {
+            if value > self.wheel_diameter_mm || value < param::WHEEL_DIAMETER.min {
+                let before = self.wheel_diameter_mm;
+                let zh = format!("#{number} = {value:.4}，现直径 {before:.4}");
+                return Some(with_alarm(
+                    alarm::WHEEL_DIAMETER_REFUSED,
+                    zh,
+                    format!("#{number} = {value:.4}, the wheel has {before:.4}"),
+                ));
+            }
+            self.wheel_diameter_mm = value;
+            self.update_control_state();
+        }
+        None
+    }
+
+    /// Advances the time until every request is finished.
+    fn settle(&mut self) {
+        for wait in [TICK, SETTLE_TIME, TICK] {
+            self.now = self.now + wait;
+            let (inputs, around) = (self.inputs(), self.control_state());
+            self.machine.tick(self.now, inputs, self.params, around);
+        }
+    }
+
+    fn update_control_state(&mut self) {
+        let around = self.control_state();
+        self.machine.set_control_state(around);
+    }
+
+    fn control_state(&self) -> ControlState {
+        let wheel_rpm = wheel_rpm_of(self.wheel_speed, self.wheel_rpm_limit, self.wheel_diameter_mm)
+            .min(self.params.get(param::WHEEL_RPM_MAX));
+        ControlState { homed: true, run_open: true, wheel_rpm, ..ControlState::default() }
+    }
+
+    fn inputs(&self) -> InputSet {
+        let on = self.machine.outputs(self.params);
+        let mut inputs = InputSet::NONE;
+        FEEDBACK_INPUTS.iter().for_each(|(input, output, with)| inputs.set(*input, on.has(*output) == *with));
+        READY_INPUTS.iter().for_each(|input| inputs.set(*input, true));
+        for (input, output) in Input::GEARS.into_iter().zip(Output::GEARS) {
+            inputs.set(input, on.has(output));
+        }
+        inputs
+    }
+}
+
+fn with_alarm(number: u16, zh: String, en: String) -> LocalizedText {
+    LocalizedText::new(format!("{zh} (报警 {number})"), format!("{en} (alarm {number})"))
+}

@@ -1,0 +1,62 @@
+//! Requests of the core to the disk thread. The core never waits: the answer comes back as a command.
+//! Source: style "effects to the disk", notes "acknowledge after commit".
+
+use super::files::BackgroundJob;
+use crate::defs::alarm_history::PastAlarm;
+use crate::defs::leadscrew::LeadscrewCompensation;
+use crate::defs::param::ParamAddress;
+use crate::defs::signal::{Input, Output};
+use crate::defs::turning_tool;
+use crate::link::page_command::SettingsRequest;
+use crate::units::{Axis, PerAxis};
+
+/// One request.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StorageRequest {
+    /// Store the value of a retained variable; `None` is null.
+    Variable(u32, Option<f64>),
+    /// Store a parameter.
+    Param(ParamAddress, f64),
+    /// Store a tool offset (1 to 16): geometry and wear, radius mm.
+    Offset {
+        /// Number.
+        number: usize,
+        /// Geometry.
+        geometry: PerAxis<f64>,
+        /// Wear.
+        wear: PerAxis<f64>,
+    },
+    /// Store a work offset: index 0 is G54; origin in machine coordinates, radius mm.
+    WorkOffset(usize, PerAxis<f64>),
+    /// Store the dressing point of an axis: machine coordinate, radius mm.
+    DressPoint(Axis, f64),
+    /// Store the leadscrew compensation table of an axis.
+    LeadscrewTable(Axis, LeadscrewCompensation),
+    /// Store the number of the current program.
+    CurrentProgram(u32),
+    /// Store the position of the running program for a power failure: program, line from 1; `None` when it is over.
+    RunningAt(Option<(u32, u32)>),
+    /// Store an alarm of the history in its slot.
+    Alarm(Box<PastAlarm>),
+    /// Store the date set at the machine minus the system clock, s.
+    ClockOffset(i64),
+    /// Store the workpiece count.
+    PartCount(u32),
+    /// A job for the background thread: folders, long calculations. It is answered by commands.
+    Job(Box<BackgroundJob>),
+    /// A request of a page: passwords, settings. It is answered by a command.
+    Page(SettingsRequest),
+}
+
+impl StorageRequest {
+    /// Whether it assigns a port to a function or changes the shape of a lathe tool.
+    #[must_use]
+    pub fn changes_machine_setup(&self) -> bool {
+        let is_port = |number| {
+            Input::ALL.iter().any(|input| input.port_param() == number)
+                || Output::ALL.iter().any(|output| output.port_param() == number)
+                || turning_tool::TOOL_PARAMS.iter().flatten().any(|row| row.number == number)
+        };
+        matches!(self, Self::Param(at, _) if at.bit.is_none() && is_port(at.number))
+    }
+}

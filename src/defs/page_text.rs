@@ -1,0 +1,342 @@
+//! The page text of a grinding program (C00nn.TXT): format and parser.
+//! Source: spec K7.2–K7.4. Parses text only; `store` reads the files.
+
+use super::text::LocalizedText;
+use super::variable_name;
+
+/// Rows of one column.
+pub const COLUMN_ROWS: usize = 10;
+
+/// One row of the page: a label and its macro variable.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PageTextRow {
+    /// Label as written by the customer.
+    pub label: String,
+    /// Macro variable number.
+    pub variable: u16,
+}
+
+/// A page text: a title and two columns of ten rows; rows may be empty.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PageText {
+    /// Title; the page appends 参数设置.
+    pub title: String,
+    /// Left column.
+    pub left: [Option<PageTextRow>; COLUMN_ROWS],
+    /// Right column.
+    pub right: [Option<PageTextRow>; COLUMN_ROWS],
+}
+
+impl PageText {
+    /// The rows in reading order: left column, then right.
+    pub fn rows(&self) -> impl Iterator<Item = &PageTextRow> {
+        self.left.iter().chain(self.right.iter()).flatten()
+    }
+}
+
+/// Whether a variable is allowed on a page.
+#[must_use]
+pub const fn is_allowed_on_page(variable: u16) -> bool {
+    matches!(variable, 100..=433 | 500..=999)
+}
+
+/// How a program uses a variable.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct VariableUse {
+    /// Variable number.
+    pub variable: u16,
+    /// The program reads it.
+    pub reads: bool,
+    /// The program writes it.
+    pub writes: bool,
+    /// Program and line of the first use.
+    pub place: (u32, u32),
+    /// The comment in that line.
+    pub comment: String,
+}
+
+/// An error in a page text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PageTextFault {
+    /// Line, from 1.
+    pub line: u32,
+    /// Column in characters, from 1.
+    pub column: u32,
+    /// Error message with cause and remedy.
+    pub message: LocalizedText,
+}
+
+/// The result of parsing a page text that may contain errors.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ParsedPageText {
+    /// The valid part.
+    pub page: PageText,
+    /// Every error, by line.
+    pub faults: Vec<PageTextFault>,
+    /// Line and column, from 1, of the start of each entry after the title; at most twenty.
+    pub entry_positions: Vec<(u32, u32)>,
+    /// Line and column of the `%`.
+    pub end: Option<(u32, u32)>,
+}
+
+/// Parses a page text.
+///
+/// # Errors
+/// The first error in the text, with line and column.
+pub fn parse(text: &str) -> Result<PageText, PageTextFault> {
+    let reading = parse_all(text);
+    reading.faults.into_iter().next().map_or(Ok(reading.page), Err)
+}
+
+/// Parses a page text and collects all errors, for the page designer.
+#[must_use]
+pub fn parse_all(text: &str) -> ParsedPageText {
+    let mut reading = ParsedPageText::default();
+    let mut entries = entries(text, &mut reading).into_iter();
+    match entries.next() {
+        None if reading.faults.iter().all(|fault| fault.line > 1) => {
+            let (zh, en) = ("文件是空的：第一行应为标题和 ;", "the file is empty: the first line is the title and ;");
+            reading.faults.insert(0, fault(1, 1, zh, en));
+            return reading;
+        }
+        None => return reading,
+        Some(title) if title.text.is_empty() => {
+            if reading.faults.iter().all(|fault| fault.line != title.line) {
+                reading.faults.push(fault(title.line, title.column, "标题是空的", "the title is empty"));
+            }
+        }
+        Some(title) => title.text.clone_into(&mut reading.page.title),
+    }
+    let mut count = 0;
+    for entry in entries {
+        let slot = match count {
+            0..COLUMN_ROWS => &mut reading.page.left[count],
+            _ if count < 2 * COLUMN_ROWS => &mut reading.page.right[count - COLUMN_ROWS],
+            _ => {
+                reading.faults.push(fault(
+                    entry.line,
+                    entry.column,
+                    "多于 20 行：左栏 10 行、右栏 10 行后应为 %",
+                    "more than 20 entries: % is expected after ten for the left and ten for the right column",
+                ));
+                break;
+            }
+        };
+        match row(&entry) {
+            Ok(row) => *slot = row,
+            Err(wrong) => reading.faults.push(wrong),
+        }
+        reading.entry_positions.push((entry.line, entry.column));
+        count += 1;
+    }
+    if count < COLUMN_ROWS && reading.faults.is_empty() {
+        let line = text.lines().count().max(1) as u32;
+        reading.faults.push(fault(
+            line,
+            1,
+            &format!("左栏应有 10 行，只有 {count} 行；空行写一个 ;"),
+            &format!("the left column has ten entries, here are {count}; write ; for an empty one"),
+        ));
+    }
+    reading.faults.sort_by_key(|fault| (fault.line, fault.column));
+    reading
+}
+
+/// One entry of the text, ended by `;`.
+struct PageTextEntry<'a> {
+    text: &'a str,
+    line: u32,
+    column: u32,
+}
+
+/// Splits the text at `;` up to the `%`. A line with an error counts as one entry.
+fn entries<'a>(text: &'a str, reading: &mut ParsedPageText) -> Vec<PageTextEntry<'a>> {
+    let mut found = Vec::new();
+    let faults = &mut reading.faults;
+    for (index, line) in text.lines().enumerate() {
+        let number = index as u32 + 1;
+        let mut rest = line.trim_start_matches('\u{feff}');
+        let mut column = 1;
+        while !rest.trim().is_empty() {
+            column += skip_blanks(&mut rest);
+            if let Some(after) = rest.strip_prefix('%') {
+                if !after.trim().is_empty() {
+                    faults.push(fault(number, column + 1, "% 之后不能有内容", "nothing may follow %"));
+                }
+                reading.end = Some((number, column));
+                return found;
+            }
+            let wide = full_width(rest, number, column).err();
+            let missing = || fault(number, column, "缺少行末的 ;", "the ; at the end of the entry is missing");
+            let cut = rest.split_once(';');
+            let (Some((piece, after)), None) = (cut, &wide) else {
+                faults.push(wide.unwrap_or_else(missing));
+                found.push(PageTextEntry { text: "", line: number, column });
+                break;
+            };
+            found.push(PageTextEntry { text: piece.trim(), line: number, column });
+            column += piece.chars().count() as u32 + 1;
+            rest = after;
+        }
+    }
+    let line = text.lines().count().max(1) as u32;
+    faults.push(fault(line, 1, "缺少文件末尾的 %", "the % at the end of the file is missing"));
+    found
+}
+
+fn skip_blanks(rest: &mut &str) -> u32 {
+    let trimmed = rest.trim_start();
+    let skipped = rest.chars().count() - trimmed.chars().count();
+    *rest = trimmed;
+    skipped as u32
+}
+
+/// Finds full-width punctuation and digits, the most common error with a Chinese keyboard.
+fn full_width(piece: &str, line: u32, column: u32) -> Result<(), PageTextFault> {
+    let signs = [('；', ';'), ('＃', '#'), ('％', '%')];
+    for (offset, sign) in piece.chars().enumerate() {
+        if let Some((wide, narrow)) = signs.into_iter().find(|(wide, _)| *wide == sign) {
+            return Err(fault(
+                line,
+                column + offset as u32,
+                &format!("全角符号“{wide}”：请改用英文符号 {narrow}"),
+                &format!("full-width '{wide}': type the ASCII '{narrow}'"),
+            ));
+        }
+        if sign.is_ascii_digit() || sign == ';' && offset > 0 {
+            continue;
+        }
+        if ('０'..='９').contains(&sign) && piece.contains('#') {
+            return Err(fault(
+                line,
+                column + offset as u32,
+                "全角数字：请改用英文数字",
+                "full-width digit: type ASCII digits",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn row(entry: &PageTextEntry<'_>) -> Result<Option<PageTextRow>, PageTextFault> {
+    if entry.text.is_empty() {
+        return Ok(None);
+    }
+    if let Some((label, variable)) = r_row(entry.text) {
+        return named(entry, label, variable);
+    }
+    let Some((label, number)) = entry.text.rsplit_once('#') else {
+        return Err(fault(
+            entry.line,
+            entry.column,
+            "缺少宏变量号：应为“名称 #号;”",
+            "no macro variable: an entry reads 'label #number;'",
+        ));
+    };
+    let column = entry.column + label.chars().count() as u32 + 1;
+    let variable: u16 = match number.trim().parse() {
+        Ok(variable) => variable,
+        Err(_) => {
+            return Err(fault(
+                entry.line,
+                column,
+                &format!("宏变量号“{}”不是数字", number.trim()),
+                &format!("'{}' is not a variable number", number.trim()),
+            ));
+        }
+    };
+    if !is_allowed_on_page(variable) {
+        return Err(fault(
+            entry.line,
+            column,
+            &format!("宏变量 #{variable} 不能在页面上修改：可用 #100-#433、#500-#999"),
+            &format!("#{variable} cannot stand on a page: use #100-#433 or #500-#999"),
+        ));
+    }
+    named(entry, label, variable)
+}
+
+fn named(entry: &PageTextEntry<'_>, label: &str, variable: u16) -> Result<Option<PageTextRow>, PageTextFault> {
+    if label.trim().is_empty() {
+        return Err(fault(entry.line, entry.column, "缺少名称", "the label is missing"));
+    }
+    Ok(Some(PageTextRow { label: label.trim().to_owned(), variable }))
+}
+
+/// Parses `名称 R18`: an R parameter after the last blank (S3).
+fn r_row(text: &str) -> Option<(&str, u16)> {
+    let (label, word) = text.rsplit_once([' ', '\t']).unwrap_or(("", text));
+    Some((label, variable_name::parse(word).filter(|_| word.starts_with(['R', 'r']))?))
+}
+
+fn fault(line: u32, column: u32, zh: &str, en: &str) -> PageTextFault {
+    PageTextFault { line, column, message: LocalizedText::new(zh, en) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The customer's own sample (seed 000), remarks of the document left out.
+    const SAMPLE: &str = "外卡磨削;\n\n卡尺 X 轴始磨位置 #500;\n卡尺 X 轴终点位置 #501;\n卡尺 X 轴安全位置 #503;\n\
+        卡尺 Z 轴终点位置 #504;\n左卡磨耗余量 #505;\n左卡粗磨余量 #506;\n粗磨进给方式 #507;\n精磨进给方式 #508;\n\n\
+        ;\n;\n\n左卡 Z 轴始磨位置 #502;\n右尺 Z 轴始磨位置 #514;\n右卡粗磨余量 #515;\n右卡精磨余量 #516;\n\
+        粗磨速度 #512;\n精磨速度 #513;\n光磨次数 #511;\n\n;\n;\n%\n\n";
+
+    #[test]
+    fn k7_4_the_customers_sample_is_read() {
+        let page = parse(SAMPLE).unwrap();
+        assert_eq!(page.title, "外卡磨削");
+        assert_eq!(page.left[0], Some(PageTextRow { label: "卡尺 X 轴始磨位置".into(), variable: 500 }));
+        assert_eq!(page.left[7].as_ref().unwrap().variable, 508);
+        assert_eq!((&page.left[8], &page.left[9]), (&None, &None));
+        assert_eq!(page.right[0].as_ref().unwrap().variable, 502);
+        // Seven rows and two empty rows before %: fewer than ten right entries are allowed.
+        assert_eq!(page.right[6].as_ref().unwrap().variable, 511);
+        assert_eq!(page.right[9], None);
+        assert_eq!(page.rows().count(), 15);
+    }
+
+    #[test]
+    fn k7_4_full_width_punctuation_is_named_with_its_place() {
+        let fault = parse(&SAMPLE.replacen("位置 #501;", "位置 #501；", 1)).unwrap_err();
+        // "卡尺 X 轴终点位置 #501；": 2+1+1+1+5+1+4 = 15 characters before it.
+        assert_eq!((fault.line, fault.column), (4, 16));
+        assert!(fault.message.zh.contains("全角") && fault.message.en.contains("full-width"));
+        assert_eq!(parse(&SAMPLE.replacen('#', "＃", 1)).unwrap_err().line, 3);
+        assert!(parse(&SAMPLE.replace('%', "％")).unwrap_err().message.zh.contains("全角"));
+    }
+
+    #[test]
+    fn k7_4_every_mistake_of_a_text_is_told_with_its_line() {
+        let text = SAMPLE.replacen("#501;", "#501；", 1).replacen("#503;", "#1;", 1).replacen("#505;", "#505", 1);
+        let reading = parse_all(&text);
+        assert_eq!(reading.faults.iter().map(|fault| fault.line).collect::<Vec<_>>(), [4, 5, 7]);
+        // Valid rows keep their positions.
+        assert_eq!(reading.page.left[0].as_ref().unwrap().variable, 500);
+        assert_eq!((&reading.page.left[1], &reading.page.left[2], &reading.page.left[4]), (&None, &None, &None));
+        assert_eq!(reading.page.right[6].as_ref().unwrap().variable, 511);
+        let right = parse_all(SAMPLE);
+        assert_eq!((right.faults.len(), right.entry_positions.len(), right.entry_positions[8]), (0, 19, (12, 1)));
+    }
+
+    #[test]
+    fn k7_4_what_is_not_of_the_format_is_refused() {
+        for (text, line) in [
+            ("", 1),
+            (";\n", 1),
+            ("标题;\n;\n%", 3),
+            ("标题;\nA #500\n%", 2),
+            ("标题;\nA 500;\n%", 2),
+            ("标题;\nA #1;\n%", 2),
+            ("标题;\nA #4x;\n%", 2),
+            ("标题;\n#500;\n%", 2),
+        ] {
+            assert_eq!(parse(text).unwrap_err().line, line, "{text:?}");
+        }
+        let long = format!("标题;{}%", "\n;".repeat(21));
+        assert_eq!(parse(&long).unwrap_err().line, 22);
+        assert_eq!(parse(&long.replacen("\n;", "", 1)).unwrap().rows().count(), 0);
+        assert_eq!(parse("标题;\n;;;;;;;;;;").unwrap_err().message.en, "the % at the end of the file is missing");
+    }
+}

@@ -1,0 +1,87 @@
+//! Program names: `O1001`, `L10` and SINUMERIK names such as `VGRIND`. Each name maps to one number, which identifies
+//! the program inside the control. Source: spec B1, S1.
+
+/// First number of the subprograms `L0` to `L9999999`.
+const L_FIRST: u32 = 10_000_000;
+/// The highest L number.
+pub const L_MAX: u32 = 9_999_999;
+/// Numbers from here on are hashes of names.
+const NAMED_FIRST: u32 = 1 << 31;
+
+/// The number of the subprogram `L n`.
+#[must_use]
+pub const fn from_l(n: u32) -> u32 {
+    L_FIRST + n
+}
+
+/// Whether a number is the hash of a name; the name itself is only in the file name.
+#[must_use]
+pub const fn is_named(number: u32) -> bool {
+    number >= NAMED_FIRST
+}
+
+/// The number of a program name: `O1001`, `L10`, `VGRIND`, in either case.
+#[must_use]
+pub fn from_name(name: &str) -> u32 {
+    let digits = |rest: &str| rest.parse::<u32>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
+    let upper = name.to_ascii_uppercase();
+    if let Some(n) = upper.strip_prefix('O').filter(|rest| rest.len() == 4).and_then(digits) {
+        return n;
+    }
+    if let Some(n) = upper.strip_prefix('L').and_then(digits).filter(|n| *n <= L_MAX) {
+        return from_l(n);
+    }
+    // FNV-1a, 31 bits: names in a folder of a few dozen programs collide about once in several million folders.
+    let hash = upper.bytes().fold(0x811c_9dc5_u32, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193));
+    NAMED_FIRST | hash
+}
+
+/// Whether a word is a valid program name: starts with two letters or `_`, or with L and a digit.
+#[must_use]
+pub fn is_name(word: &str) -> bool {
+    let bytes = word.as_bytes();
+    let letter = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'_';
+    let l = matches!(bytes.first(), Some(b'L' | b'l')) && bytes.get(1).is_some_and(u8::is_ascii_digit);
+    (l || bytes.len() >= 2 && bytes.iter().take(2).all(letter))
+        && bytes.iter().all(|byte| letter(byte) || byte.is_ascii_digit())
+}
+
+/// The name of a number: `O1001`, `L10`; `MPF` for a named program.
+#[must_use]
+pub fn name_of(number: u32) -> String {
+    match number {
+        NAMED_FIRST.. => "MPF".to_owned(),
+        L_FIRST.. => format!("L{}", number - L_FIRST),
+        _ => format!("O{number:04}"),
+    }
+}
+
+/// Whether a number belongs to an L subprogram such as `L10`.
+#[must_use]
+pub const fn is_l_number(number: u32) -> bool {
+    number >= L_FIRST && number <= from_l(L_MAX)
+}
+
+/// A file name without folder and extension.
+#[must_use]
+pub fn stem(file: &str) -> &str {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn s1_names_have_one_number_for_good() {
+        assert_eq!((from_name("O1001"), from_name("o1001")), (1001, 1001));
+        assert_eq!(
+            (from_name("L10"), from_name("l10"), name_of(from_name("L10"))),
+            (from_l(10), from_l(10), "L10".to_owned())
+        );
+        assert!(is_named(from_name("VGRIND")) && from_name("VGRIND") == from_name("vgrind"));
+        assert!(from_name("VGRIND") != from_name("PRINTED") && !is_named(from_l(L_MAX)));
+        assert_eq!(stem("programs/802d/VGRIND.MPF"), "VGRIND");
+    }
+}

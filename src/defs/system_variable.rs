@@ -1,0 +1,107 @@
+//! The table of system variables that a program can read or write.
+//! Numbers follow FANUC; #434–#439 are defined by the customer, #5801–#5805 by this control.
+//! Source: spec B3, K4.3, K4.5; docs/decisions.md "Grinding functions".
+
+use super::text::Text;
+
+/// A range of system variables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SystemVariableRange {
+    /// The first number.
+    pub first: u32,
+    /// Number of variables.
+    pub count: u32,
+    /// Access rights of a program.
+    pub access: VariableAccess,
+    /// Meaning.
+    pub name: Text,
+}
+
+/// Access rights of a program to a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VariableAccess {
+    /// Read only.
+    Read,
+    /// Read and write.
+    ReadWrite,
+    /// Write only; the assignment is a command.
+    Write,
+}
+
+impl SystemVariableRange {
+    /// Index of a variable number in the range, from 0.
+    #[must_use]
+    pub const fn index(&self, number: u32) -> Option<usize> {
+        if number >= self.first && number - self.first < self.count {
+            return Some((number - self.first) as usize);
+        }
+        None
+    }
+}
+
+macro_rules! ranges {
+    ($($name:ident = $first:literal, $count:literal, $access:ident, $zh:literal, $en:literal;)*) => {
+        $(#[doc = $en] pub const $name: SystemVariableRange = SystemVariableRange {
+            first: $first, count: $count, access: VariableAccess::$access, name: Text::new($zh, $en),
+        };)*
+        /// Every range, by number.
+        pub const SYSTEM_VARIABLES: &[SystemVariableRange] = &[$($name,)*];
+    };
+}
+
+ranges! {
+    GAUGE_POSITIONS = 434, 4, Read, "G78：X、快速 Z、慢速 Z、两者之差", "G78: X, fast Z, fine Z, their difference";
+    OSCILLATION = 438, 2, Read, "振荡：前进到位、后退到位", "oscillation: forward end, backward end";
+    INPUTS = 1_000, 64, Read, "输入口 1-64，有效为 1", "inputs by port, 1 active";
+    OUTPUTS = 1_100, 64, ReadWrite, "输出口 1-64；赋值同 M21/M22", "outputs by port; a value acts as M21, M22";
+    WEAR_X = 2_001, 16, ReadWrite, "X 磨耗 1-16", "wear of X, 1 to 16";
+    WEAR_Z = 2_101, 16, ReadWrite, "Z 磨耗 1-16", "wear of Z, 1 to 16";
+    WEAR_Y = 2_401, 16, ReadWrite, "Y 磨耗 1-16", "wear of Y, 1 to 16";
+    GEOMETRY_Y = 2_451, 16, ReadWrite, "Y 几何 1-16", "geometry of Y, 1 to 16";
+    GEOMETRY_X = 2_701, 16, ReadWrite, "X 几何 1-16", "geometry of X, 1 to 16";
+    GEOMETRY_Z = 2_801, 16, ReadWrite, "Z 几何 1-16", "geometry of Z, 1 to 16";
+    ALARM = 3_000, 1, Write, "报警 3000+数值 (注释为文字)", "alarm 3000 + value, text in the comment";
+    MILLISECONDS = 3_001, 1, ReadWrite, "计时 ms，通电为 0", "timer, ms, 0 at power-on";
+    HOURS = 3_002, 1, ReadWrite, "计时 h，通电为 0", "timer, hours, 0 at power-on";
+    MESSAGE = 3_006, 1, Write, "信息并停止 (注释为文字)", "stop with a message, text in the comment";
+    PARTS_DONE = 3_901, 1, ReadWrite, "已加工件数", "parts done";
+    PARTS_REQUIRED = 3_902, 1, ReadWrite, "需加工件数", "parts wanted";
+    MODALS = 4_001, 130, Read, "模态：#4001-#4016 G 代码组，#4109 F #4113 M #4114 N #4115 O #4119 S #4120 T", "modal: G groups, F, M, N, O, S, T";
+    BLOCK_END = 5_001, 3, Read, "段终点 (工件坐标)", "end of the block, work coordinates";
+    MACHINE_POSITION = 5_021, 3, Read, "机床坐标", "machine position";
+    WORK_POSITION = 5_041, 3, Read, "工件坐标", "work position";
+    SKIP_POSITION = 5_061, 3, Read, "G31 锁存位置", "position latched by G31";
+    WHEEL_DIAMETER = 5_801, 1, ReadWrite, "砂轮直径 mm (P77)；赋值表示已修整", "wheel diameter (P77); a value says that it was dressed";
+    WHEEL_WIDTH = 5_802, 1, Read, "砂轮宽度 mm (P78)", "wheel width (P78)";
+    PARTS_SINCE_DRESSING = 5_803, 1, Read, "修整后件数 (P96)", "parts since the last dressing (P96)";
+    DRESSING_INTERVAL = 5_804, 1, Read, "修整间隔件数 (P95)", "dressing interval in parts (P95)";
+    DRESSING_COUNT = 5_805, 1, Read, "换砂轮后修整次数 (P97)", "dressings since the wheel was changed (P97)";
+}
+
+/// Whether a variable is a position or a distance; programs read it in the active unit (mm or inch).
+#[must_use]
+pub fn is_position(number: u32) -> bool {
+    [GAUGE_POSITIONS, BLOCK_END, MACHINE_POSITION, WORK_POSITION, SKIP_POSITION]
+        .iter()
+        .any(|range| range.index(number).is_some())
+}
+
+/// The range of a variable number.
+#[must_use]
+pub fn find(number: u32) -> Option<&'static SystemVariableRange> {
+    SYSTEM_VARIABLES.iter().find(|range| range.index(number).is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn b3_ranges_do_not_overlap_and_stand_in_order() {
+        for pair in SYSTEM_VARIABLES.windows(2) {
+            assert!(pair[0].first + pair[0].count <= pair[1].first, "{:?}", pair);
+        }
+        assert_eq!(find(2_016).map(|range| range.first), Some(2_001));
+        assert!(find(2_017).is_none() && find(3_003).is_none());
+    }
+}

@@ -1,0 +1,75 @@
+//! Names of variables. There is one memory of common variables. SINUMERIK R parameters are its part from #600 on: they
+//! are retained, shown and edited like all others. Source: spec B3, S1, S2.
+
+use super::kind::{Dialect, Kind};
+
+/// The common variable of R0.
+const R_FIRST: u32 = 600;
+/// Number of R parameters.
+pub const R_COUNT: u32 = 300;
+
+/// The common variable of R n; `None` if n is out of range.
+#[must_use]
+pub const fn variable_of_r(n: u32) -> Option<u32> {
+    if n < R_COUNT { Some(R_FIRST + n) } else { None }
+}
+
+/// R62: the programs of the vertical grinder store their error number here (seed 002's table); 0 is no error.
+const ERROR_FLAG: u32 = 62;
+
+/// The variable in which programs of a kind store their error number; `None` if there is none.
+#[must_use]
+pub const fn error_variable(kind: Kind) -> Option<u32> {
+    match kind.dialect() {
+        Dialect::Sinumerik => variable_of_r(ERROR_FLAG),
+        Dialect::LatheA | Dialect::Mill | Dialect::SuperMan => None,
+    }
+}
+
+/// The name of a variable in a dialect.
+#[must_use]
+pub fn variable_name(number: u32, system: Dialect) -> String {
+    match system {
+        Dialect::Sinumerik if (R_FIRST..R_FIRST + R_COUNT).contains(&number) => format!("R{}", number - R_FIRST),
+        Dialect::LatheA | Dialect::Mill | Dialect::Sinumerik | Dialect::SuperMan => format!("#{number}"),
+    }
+}
+
+/// The name of a variable on a kind of machine.
+#[must_use]
+pub fn variable_name_on(number: u32, kind: Kind) -> String {
+    variable_name(number, kind.dialect())
+}
+
+/// The variable number of a name: `#500`, `R18`.
+#[must_use]
+pub fn parse(word: &str) -> Option<u16> {
+    let digits = |rest: &str| rest.parse::<u16>().ok().filter(|_| rest.bytes().all(|byte| byte.is_ascii_digit()));
+    match word.strip_prefix('#') {
+        Some(rest) => digits(rest),
+        None => word
+            .strip_prefix(['R', 'r'])
+            .and_then(digits)
+            .and_then(|n| variable_of_r(u32::from(n)))
+            .map(|number| number as u16),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn s1_r_parameters_have_names_of_their_own() {
+        assert_eq!(
+            (parse("R18"), parse("r0"), parse("R299"), parse("R300"), parse("#618")),
+            (Some(618), Some(600), Some(899), None, Some(618))
+        );
+        assert_eq!(
+            (variable_name(618, Dialect::Sinumerik), variable_name(618, Dialect::Mill)),
+            ("R18".to_owned(), "#618".to_owned())
+        );
+        assert_eq!(variable_name(500, Dialect::Sinumerik), "#500");
+        assert!(parse("R").is_none() && parse("R-1").is_none() && parse("18").is_none());
+    }
+}

@@ -1,0 +1,145 @@
+//! A value being typed: its text, and its refusal by the page or by the core.
+//! A value refused by the core returns to its field in red with the reason, like a value refused by the page (H6).
+
+use super::variable_entry::EditKey;
+use crate::defs::text::{Lang, LocalizedText};
+use crate::link::edit::EditAnswer;
+
+/// Maximum number of characters of a value.
+const MAX_CHARS: usize = 11;
+
+/// The answer of the core.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CoreAnswer {
+    /// No new answer for this field.
+    Nothing,
+    /// The text of this field was accepted.
+    Accepted(usize, String),
+    /// The text sent from this field was refused.
+    Refused(usize),
+}
+
+/// The text of the selected field.
+#[derive(Clone, Debug, Default)]
+pub struct FieldEditor {
+    /// The text typed so far.
+    pub text: String,
+    /// Whether the numeric pad is open.
+    pub pad_open: bool,
+    /// Why the text was refused; cleared by the next key.
+    pub refused: Option<LocalizedText>,
+    /// Field and text sent to the core, not answered yet.
+    sent: Option<(usize, String)>,
+    /// Number of answers seen so far.
+    answers_seen: u32,
+}
+
+impl FieldEditor {
+    /// Clears the text; for another field.
+    pub fn clear(&mut self) {
+        self.text.clear();
+        self.refused = None;
+    }
+
+    /// The next key clears a refused text, unless the key edits it.
+    pub fn clear_refused(&mut self, edit: EditKey) {
+        if self.refused.take().is_some() && !matches!(edit, EditKey::Backspace | EditKey::Delete | EditKey::Sign) {
+            self.text.clear();
+        }
+    }
+
+    /// Handles digits, sign, backspace and cancel; false for any other key.
+    pub fn handle_key(&mut self, edit: EditKey) -> bool {
+        match edit {
+            EditKey::Char(sign) => {
+                let point_again = sign == '.' && self.text.contains('.');
+                if self.text.len() < MAX_CHARS && !point_again {
+                    self.text.push(sign);
+                }
+            }
+            EditKey::Sign => match self.text.strip_prefix('-') {
+                Some(rest) => self.text = rest.to_owned(),
+                None => self.text.insert(0, '-'),
+            },
+            EditKey::Backspace | EditKey::Delete => {
+                self.text.pop();
+            }
+            EditKey::Cancel if self.text.is_empty() => self.pad_open = false,
+            EditKey::Cancel => self.text.clear(),
+            EditKey::Enter | EditKey::Up | EditKey::Down | EditKey::Left | EditKey::Right => return false,
+            EditKey::LineStart | EditKey::LineEnd | EditKey::Next | EditKey::Previous => {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Parses the text as a number within ± `most`.
+    ///
+    /// # Errors
+    /// The reason, in both languages.
+    pub fn number(&self, most: f64) -> Result<f64, LocalizedText> {
+        let Ok(value) = self.text.parse::<f64>() else {
+            return Err(LocalizedText::new("不是数字", "not a number"));
+        };
+        if !value.is_finite() || value.abs() > most {
+            return Err(LocalizedText::new(format!("超出范围 ±{most:.3}"), format!("out of range ±{most:.3}")));
+        }
+        Ok(value)
+    }
+
+    /// Marks the text of a field as sent to the core.
+    pub fn send(&mut self, field: usize) {
+        self.sent = Some((field, std::mem::take(&mut self.text)));
+    }
+
+    /// Polls the core's answer. A refused text is restored unless another one is being typed.
+    pub fn poll_answer(&mut self, answer: &EditAnswer) -> CoreAnswer {
+        if std::mem::replace(&mut self.answers_seen, answer.count) == answer.count {
+            return CoreAnswer::Nothing;
+        }
+        match (self.sent.take(), &answer.refused) {
+            (None, _) => CoreAnswer::Nothing,
+            (Some((field, text)), None) => CoreAnswer::Accepted(field, text),
+            (Some((field, text)), Some(why)) if self.text.is_empty() => {
+                (self.text, self.refused) = (text, Some(why.clone()));
+                CoreAnswer::Refused(field)
+            }
+            (Some(_), Some(_)) => CoreAnswer::Nothing,
+        }
+    }
+
+    /// The reason of a refusal in a language.
+    #[must_use]
+    pub fn refusal(&self, lang: Lang) -> Option<&str> {
+        self.refused.as_ref().map(|said| said.get(lang))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn h6_what_the_core_refuses_comes_back_with_its_reason() {
+        let mut typing = FieldEditor { text: "1.5".into(), ..FieldEditor::default() };
+        typing.send(7);
+        assert!(typing.text.is_empty());
+        let no = EditAnswer { count: 1, refused: Some(LocalizedText::new("不行", "no")) };
+        assert_eq!(typing.poll_answer(&no), CoreAnswer::Refused(7));
+        assert_eq!((typing.text.as_str(), typing.refusal(Lang::En)), ("1.5", Some("no")));
+        assert_eq!(typing.poll_answer(&no), CoreAnswer::Nothing, "an answer counts once");
+    }
+
+    #[test]
+    fn h6_a_refusal_does_not_disturb_what_is_being_typed() {
+        let mut typing = FieldEditor { text: "1".into(), ..FieldEditor::default() };
+        typing.send(0);
+        typing.handle_key(EditKey::Char('9'));
+        assert_eq!(
+            typing.poll_answer(&EditAnswer { count: 1, refused: Some(LocalizedText::new("不行", "no")) }),
+            CoreAnswer::Nothing
+        );
+        assert_eq!((typing.text.as_str(), typing.refused), ("9", None));
+    }
+}

@@ -1,0 +1,165 @@
+//! Touches and physical keys on panel keys: when a press counts, when it ends, and the repeated hold of a jog key.
+//! Source: spec H9, K2; link::Command (Press once, Hold every 50 ms at least, Release).
+
+use egui::{Modifiers, Rect, Response, Ui};
+
+use crate::defs::key::Key;
+use crate::link::Command;
+
+/// Time between two `Command::Hold`, s.
+const HOLD_REPEAT_S: f64 = 0.03;
+
+/// When a press of a key takes effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeyTrigger {
+    /// While the finger stays on the key.
+    WhileHeld,
+    /// In the frame of the press: a stop key must not wait.
+    OnPress,
+    /// When the finger is lifted inside the key: a swipe does nothing.
+    OnRelease,
+}
+
+/// When a press of a key takes effect.
+#[must_use]
+pub const fn trigger_of(key: Key) -> KeyTrigger {
+    match key {
+        Key::EmergencyStop | Key::FeedHold | Key::Reset => KeyTrigger::OnPress,
+        _ if key.jog_direction().is_some() => KeyTrigger::WhileHeld,
+        _ => KeyTrigger::OnRelease,
+    }
+}
+
+/// State of a key that is held down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PressState {
+    /// Takes effect when the finger is lifted.
+    Armed,
+    /// `Press` has been sent and `Release` has not.
+    Sent,
+    /// Released although the finger is still down; ignored until the next touch.
+    Cancelled,
+}
+
+/// A key that is held down.
+#[derive(Clone, Copy, Debug)]
+struct HeldKey {
+    key: Key,
+    state: PressState,
+    last: f64,
+    /// Drawn in this frame: a key that disappears from the screen is released.
+    drawn: bool,
+}
+
+/// All keys that are held down.
+#[derive(Debug, Default)]
+pub struct KeyPresses {
+    finger: Option<HeldKey>,
+    physical: Vec<(egui::Key, Modifiers, HeldKey)>,
+}
+
+impl KeyPresses {
+    /// Follows the finger on one key; true while the key is drawn pressed.
+    pub fn track_touch(&mut self, ui: &Ui, response: &Response, rect: Rect, key: Key, out: &mut Vec<Command>) -> bool {
+        let (now, inside, lifted, lost) = ui.input(|input| {
+            let place = release_position(input).or(input.pointer.interact_pos());
+            let inside = place.is_some_and(|place| rect.contains(place));
+            (input.time, inside, input.pointer.any_released(), focus_lost(input))
+        });
+        let held = response.is_pointer_button_down_on();
+        let on_it = held && inside && !lost;
+        match self.finger.filter(|down| down.key == key) {
+            None if on_it && self.finger.is_none() => {
+                let at_once = trigger_of(key) != KeyTrigger::OnRelease;
+                let stage = if at_once { PressState::Sent } else { PressState::Armed };
+                out.extend(at_once.then_some(Command::Press(key)));
+                self.finger = Some(HeldKey { key, state: stage, last: now, drawn: true });
+            }
+            None if response.clicked() && !lost => out.extend([Command::Press(key), Command::Release(key)]),
+            None => {}
+            Some(down) if on_it => self.finger = Some(repeat_hold(down, now, out)),
+            Some(down) => {
+                let counts = response.clicked() || (lifted && inside);
+                match down.state {
+                    PressState::Armed if counts && !lost => out.extend([Command::Press(key), Command::Release(key)]),
+                    PressState::Sent => out.push(Command::Release(key)),
+                    PressState::Armed | PressState::Cancelled => {}
+                }
+                let stage =
+                    if down.state == PressState::Armed && !lost { PressState::Armed } else { PressState::Cancelled };
+                self.finger = held.then_some(HeldKey { state: stage, drawn: true, ..down });
+            }
+        }
+        if self.finger.is_some() {
+            ui.ctx().request_repaint_after(std::time::Duration::from_millis(20));
+        }
+        on_it && self.finger.is_some_and(|down| down.key == key && down.state != PressState::Cancelled)
+    }
+
+    /// A physical key presses a panel key.
+    pub fn key_down(&mut self, by: egui::Key, modifiers: Modifiers, key: Key, now: f64, out: &mut Vec<Command>) {
+        if self.physical.iter().any(|(other, ..)| *other == by) {
+            return;
+        }
+        out.push(Command::Press(key));
+        self.physical.push((by, modifiers, HeldKey { key, state: PressState::Sent, last: now, drawn: true }));
+    }
+
+    /// Releases physical keys that are up, repeats `Hold` for those that are down.
+    pub fn track_keyboard(&mut self, ui: &Ui, out: &mut Vec<Command>) {
+        let (now, lost, held, modifiers) =
+            ui.input(|input| (input.time, focus_lost(input), input.keys_down.clone(), input.modifiers));
+        self.physical.retain_mut(|(by, with, down)| {
+            if !lost && held.contains(by) && modifiers.contains(*with) {
+                *down = repeat_hold(*down, now, out);
+                return true;
+            }
+            out.push(Command::Release(down.key));
+            false
+        });
+        if !self.physical.is_empty() {
+            ui.ctx().request_repaint_after(std::time::Duration::from_millis(20));
+        }
+    }
+
+    /// Releases a key that was not drawn in this frame.
+    pub fn end_frame(&mut self, ui: &Ui, out: &mut Vec<Command>) {
+        let down = ui.input(|input| input.pointer.any_down());
+        let Some(finger) = self.finger.as_mut() else { return };
+        if finger.drawn && down {
+            finger.drawn = false;
+            return;
+        }
+        if finger.state == PressState::Sent {
+            out.push(Command::Release(finger.key));
+        }
+        self.finger = None;
+    }
+
+    /// Whether a physical key holds this panel key down.
+    #[must_use]
+    pub fn is_down(&self, key: Key) -> bool {
+        self.physical.iter().any(|(_, _, down)| down.key == key)
+    }
+}
+
+fn repeat_hold(down: HeldKey, now: f64, out: &mut Vec<Command>) -> HeldKey {
+    let due = now - down.last >= HOLD_REPEAT_S;
+    if down.state == PressState::Sent && trigger_of(down.key) == KeyTrigger::WhileHeld && due {
+        out.push(Command::StillHeld(down.key));
+    }
+    HeldKey { drawn: true, last: if due { now } else { down.last }, ..down }
+}
+
+/// Where the finger was lifted in this frame; after a touch egui has no pointer position.
+fn release_position(input: &egui::InputState) -> Option<egui::Pos2> {
+    input.events.iter().rev().find_map(|event| match event {
+        egui::Event::PointerButton { pos, pressed: false, .. } => Some(*pos),
+        _ => None,
+    })
+}
+
+/// The window loses the focus in this frame. Only the loss counts: without a window manager it never has the focus.
+fn focus_lost(input: &egui::InputState) -> bool {
+    input.events.iter().any(|event| matches!(event, egui::Event::WindowFocused(false)))
+}

@@ -1,0 +1,139 @@
+//! The letter pads: touch input of search words and program blocks.
+//! Source: spec B6 (search by number or text, MDI), H6.
+
+use egui::{Id, Rect, Sense, Ui, vec2};
+
+use super::theme;
+use super::view::{View, card};
+use super::widget::{self, ButtonState};
+use crate::defs::kind::Kind;
+use crate::defs::text::Text;
+
+/// The keys of a letter pad.
+#[derive(Clone, Copy, Debug)]
+pub struct LetterLayout {
+    /// Words entered by one touch each.
+    words: &'static [Text],
+    /// Characters, ten per row; the last row leaves space for two keys.
+    rows: &'static [&'static str],
+    /// Label of the key that finishes the input.
+    enter_label: Text,
+}
+
+/// For a search, with the most frequent search words.
+pub const SEARCH_LAYOUT: LetterLayout = LetterLayout {
+    words: &[
+        Text::new("速度", "speed"),
+        Text::new("延时", "delay"),
+        Text::new("限位", "limit"),
+        Text::new("零点", "home"),
+        Text::new("液压", "hydraulic"),
+        Text::new("振荡", "oscillation"),
+        Text::new("砂轮", "wheel"),
+        Text::new("尾座", "tailstock"),
+        Text::new("量仪", "gauge"),
+    ],
+    rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"],
+    enter_label: Text::new("完成", "OK"),
+};
+/// For a page text, with words of its labels.
+pub const PAGE_TEXT_LAYOUT: LetterLayout = LetterLayout {
+    words: &[
+        Text::new("粗磨", "rough"),
+        Text::new("精磨", "finish"),
+        Text::new("余量", "amount"),
+        Text::new("速度", "speed"),
+        Text::new("位置", "place"),
+        Text::new("次数", "count"),
+        Text::new("X轴", "X axis"),
+        Text::new("Z轴", "Z axis"),
+        Text::new("砂轮", "wheel"),
+    ],
+    rows: &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#;%()+/=_ ", "ZXCVBNM-"],
+    enter_label: Text::new("换行", "ENTER"),
+};
+/// For a program block, with the most frequent codes of the kind.
+#[must_use]
+pub const fn block_layout(kind: Kind) -> LetterLayout {
+    let face = kind.ui();
+    let rows: &[&str] = if face.has_macros { MACRO_ROWS } else { PLAIN_ROWS };
+    LetterLayout { words: face.mdi_codes, rows, enter_label: Text::new("输入", "INPUT") }
+}
+
+const MACRO_ROWS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "#[]()=+*/ ", "ZXCVBNM-"];
+/// Without the characters of the macro language.
+const PLAIN_ROWS: &[&str] = &["1234567890", "QWERTYUIOP", "ASDFGHJKL.", "ZXCVBNM-"];
+const ROW: f32 = 46.0;
+
+impl LetterLayout {
+    /// Height of the pad: one row of words and the rows of characters.
+    #[must_use]
+    pub const fn height(&self) -> f32 {
+        (self.rows.len() + 1) as f32 * ROW + 2.0 * theme::GAP
+    }
+}
+
+/// What was touched.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LetterKey {
+    /// Appends a character.
+    Char(char),
+    /// Replaces the text by this word.
+    Word(&'static str),
+    /// Deletes the last character.
+    Backspace,
+    /// Finishes the input.
+    Done,
+}
+
+/// Draws the pad; returns the touched key.
+pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, board: &LetterLayout) -> Option<LetterKey> {
+    ui.interact(rect, Id::unique("letters"), Sense::CLICK | Sense::DRAG);
+    card(ui.painter(), rect, view.theme.surface, view.theme.focus);
+    let inside = rect.shrink(theme::GAP);
+    let mut touched = None;
+    let cell = |column: f32, row: f32, columns: f32, wide: f32| {
+        let width = (inside.width() + 3.0) / columns;
+        let corner = inside.min + vec2(column * width, row * ROW);
+        Rect::from_min_size(corner, vec2(wide * width - 3.0, ROW - 2.0))
+    };
+    for (index, word) in board.words.iter().enumerate() {
+        let name = format!("word-{}", word.en);
+        let place = cell(index as f32, 0.0, board.words.len() as f32, 1.0);
+        if widget::button(ui, view, place, &name, word.get(view.lang), ButtonState::default()) {
+            touched = Some(LetterKey::Word(word.get(view.lang)));
+        }
+    }
+    for (line, signs) in board.rows.iter().enumerate() {
+        for (index, sign) in signs.chars().enumerate() {
+            let place = cell(index as f32, 1.0 + line as f32, 10.0, 1.0);
+            let mut label = [0; 4];
+            let label = if sign == ' ' { view.text("空格", "SPACE") } else { sign.encode_utf8(&mut label) };
+            if widget::button(ui, view, place, &format!("letter-{sign}"), label, ButtonState::default()) {
+                touched = Some(LetterKey::Char(sign));
+            }
+        }
+    }
+    let last = board.rows.len() as f32;
+    if widget::button(
+        ui,
+        view,
+        cell(8.0, last, 10.0, 1.0),
+        "letter-back",
+        view.text("退格", "DEL"),
+        ButtonState::default(),
+    ) {
+        touched = Some(LetterKey::Backspace);
+    }
+    if widget::button(
+        ui,
+        view,
+        cell(9.0, last, 10.0, 1.0),
+        "letter-done",
+        board.enter_label.get(view.lang),
+        ButtonState::default(),
+    ) {
+        touched = Some(LetterKey::Done);
+    }
+    touched
+}

@@ -1,0 +1,214 @@
+//! Actions of the keys of the page designer, and the list of variables that the page lacks.
+//! Source: spec K7.3, K7.4, K6.2.
+
+use egui::{Rect, Ui, pos2, vec2};
+
+use super::{DesignerPage, DesignerQuestion, DesignerTab};
+use crate::defs::page::Page;
+use crate::defs::page_text::COLUMN_ROWS;
+use crate::defs::text::{LocalizedText, Text};
+use crate::defs::variable_name;
+use crate::hmi::question::Question;
+use crate::hmi::theme;
+use crate::hmi::view::View;
+use crate::hmi::widget::ButtonState;
+use crate::link::Command;
+use crate::link::command::ScreenFiles;
+
+/// Action of a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DesignerAction {
+    Edit,
+    Keyboard,
+    Undo,
+    Redo,
+    Save,
+    Discard,
+    End,
+    /// Opens the grinding page.
+    OpenGrinding,
+}
+
+impl DesignerAction {
+    const fn id_and_label(self) -> (&'static str, Text) {
+        match self {
+            Self::Edit => ("page-edit", Text::new("编辑", "EDIT")),
+            Self::Keyboard => ("page-board", Text::new("键盘", "KEYS")),
+            Self::Undo => ("page-undo", Text::new("撤销", "UNDO")),
+            Self::Redo => ("page-redo", Text::new("重做", "REDO")),
+            Self::Save => ("page-save", Text::new("保存", "SAVE")),
+            Self::Discard => ("page-discard", Text::new("放弃", "DISCARD")),
+            Self::End => ("page-end", Text::new("结束", "END")),
+            Self::OpenGrinding => ("page-show", Text::new("磨削页面", "GRINDING")),
+        }
+    }
+}
+
+const VIEWING: &[DesignerAction] = &[DesignerAction::Edit, DesignerAction::OpenGrinding];
+const EDITING: &[DesignerAction] = &[
+    DesignerAction::Keyboard,
+    DesignerAction::Undo,
+    DesignerAction::Redo,
+    DesignerAction::Save,
+    DesignerAction::Discard,
+    DesignerAction::End,
+];
+
+/// Action of a keyboard key with Ctrl, as on the program page.
+pub const fn from_shortcut(key: egui::Key) -> Option<DesignerAction> {
+    Some(match key {
+        egui::Key::S => DesignerAction::Save,
+        egui::Key::Z => DesignerAction::Undo,
+        egui::Key::Y => DesignerAction::Redo,
+        egui::Key::E => DesignerAction::Edit,
+        _ => return None,
+    })
+}
+
+/// Draws the keys; returns the pressed one.
+pub fn ui(ui: &Ui, view: &View<'_>, rect: Rect, page: &mut DesignerPage) -> Option<DesignerAction> {
+    let acts = if page.editing { EDITING } else { VIEWING };
+    let width = (rect.width() + theme::GAP) / EDITING.len() as f32;
+    let (undo, redo) = page.document.can_undo_redo();
+    let mut pressed = None;
+    for (index, act) in acts.iter().enumerate() {
+        let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
+        let place = Rect::from_min_size(corner, vec2(width - theme::GAP, super::KEYS_HEIGHT - 2.0));
+        let (name, label) = act.id_and_label();
+        let on = (*act == DesignerAction::Keyboard && page.keyboard_open)
+            || (*act == DesignerAction::Save && page.document.changed);
+        let locked = (*act == DesignerAction::Undo && !undo) || (*act == DesignerAction::Redo && !redo);
+        if page.key(ui, view, place, (name, label.get(view.lang)), ButtonState { on, locked }) {
+            pressed = Some(*act);
+        }
+    }
+    pressed
+}
+
+/// A variable in the list.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct VariableRow {
+    pub variable: u16,
+    pub reads: bool,
+    pub writes: bool,
+    /// Program and line of its first use.
+    pub place: Option<(u32, u32)>,
+    /// The comment beside its first use.
+    pub comment: String,
+    /// Its label on the page.
+    pub label: Option<String>,
+    /// Another page that shows it.
+    pub elsewhere: Option<u32>,
+    /// It is read, never written, and on no page. A variable read by the program itself must be on its own page; one
+    /// read by a called program may be on another page.
+    pub missing: bool,
+}
+
+impl DesignerPage {
+    /// Variables of program and page: missing ones first, internal ones of the program last.
+    pub(super) fn variables(&self, view: &View<'_>) -> Vec<VariableRow> {
+        let uses = self.file.as_ref().and_then(|file| file.uses.as_deref()).unwrap_or_default();
+        let label =
+            |variable: u16| self.reading.page.rows().find(|row| row.variable == variable).map(|row| row.label.clone());
+        let number = self.document.number;
+        let offers = |variable: u16| {
+            let of_page = |(other, files): &&(u32, ScreenFiles)| {
+                let text = files.text.as_ref().ok().filter(|_| *other != number);
+                text.is_some_and(|text| text.rows().any(|row| row.variable == variable))
+            };
+            view.snapshot.screens.pages.iter().find(of_page).map(|(other, _)| *other)
+        };
+        let mut rows: Vec<_> = uses
+            .iter()
+            .map(|used| {
+                let label = label(used.variable);
+                let elsewhere = offers(used.variable).filter(|_| used.place.0 != number);
+                VariableRow {
+                    variable: used.variable,
+                    reads: used.reads,
+                    writes: used.writes,
+                    place: Some(used.place),
+                    comment: used.comment.clone(),
+                    missing: used.reads && !used.writes && label.is_none() && elsewhere.is_none(),
+                    elsewhere,
+                    label,
+                }
+            })
+            .collect();
+        for row in self.reading.page.rows() {
+            if rows.iter().all(|known| known.variable != row.variable) {
+                let label = Some(row.label.clone());
+                rows.push(VariableRow { variable: row.variable, label, ..VariableRow::default() });
+            }
+        }
+        rows.sort_by_key(|row| (!row.missing, row.label.is_none(), row.variable));
+        rows
+    }
+
+    pub(super) fn perform(&mut self, act: DesignerAction, view: &View<'_>, out: &mut Vec<Command>) {
+        self.message = None;
+        if !self.editing && !matches!(act, DesignerAction::Edit | DesignerAction::OpenGrinding) {
+            return self.refuse(LocalizedText::new("先按“编辑”", "press EDIT first"));
+        }
+        match act {
+            DesignerAction::Edit => self.request_edit(view, out),
+            DesignerAction::Keyboard => self.keyboard_open = !self.keyboard_open,
+            DesignerAction::Undo => drop(self.document.undo()),
+            DesignerAction::Redo => drop(self.document.redo()),
+            DesignerAction::Save if !self.document.changed => {
+                self.message = Some((LocalizedText::new("没有改动", "nothing to save"), false));
+            }
+            DesignerAction::Save => self.save(false, out),
+            DesignerAction::Discard if self.document.changed => {
+                let name = self.file.as_ref().map_or("", |file| file.name.as_str());
+                let body = LocalizedText::new(
+                    format!("{name} 的改动将丢失。"),
+                    format!("The changes of {name} will be lost."),
+                );
+                let title = Text::new("放弃改动？", "discard the changes?");
+                let key = ("question-discard", Text::new("放弃", "DISCARD"));
+                self.question.ask(DesignerQuestion::Discard, Question::new(title, body, key));
+            }
+            DesignerAction::Discard | DesignerAction::End => {
+                (self.editing, self.keyboard_open, self.keys_focused) = (false, false, false)
+            }
+            DesignerAction::OpenGrinding => out.push(Command::OpenPage(Page::Grinding)),
+        }
+    }
+
+    /// Adds a page entry for a variable: in the first empty entry, else before the `%`.
+    pub(super) fn add_variable(&mut self, view: &View<'_>, row: &VariableRow) {
+        if !self.editing {
+            return self.refuse(LocalizedText::new("先按“编辑”", "press EDIT first"));
+        }
+        let name = variable_name::variable_name_on(u32::from(row.variable), view.snapshot.kind);
+        let label: String = row.comment.chars().filter(|sign| !";#%；＃％".contains(*sign)).take(16).collect();
+        let label = match label.trim() {
+            "" => view.text("参数", "value").to_owned(),
+            label => label.to_owned(),
+        };
+        let page = &self.reading.page;
+        let slots = page.left.iter().chain(&page.right);
+        let faulty = |line: u32| self.reading.faults.iter().any(|fault| fault.line == line);
+        let free = slots.zip(&self.reading.entry_positions).find(|(slot, (line, _))| slot.is_none() && !faulty(*line));
+        let at = match (free, self.reading.end) {
+            (Some((_, (line, column))), _) => Ok((*line, *column, format!("{label} {name}"))),
+            (None, Some((line, column))) if self.reading.entry_positions.len() < 2 * COLUMN_ROWS => {
+                Ok((line, column, format!("{label} {name};\n")))
+            }
+            (None, Some(_)) => Err(LocalizedText::new("页面已满：左右各十项", "the page is full: ten in each column")),
+            (None, None) => Err(LocalizedText::new("先改正错误：缺少 %", "mend the mistakes first: the % is missing")),
+        };
+        match at {
+            Ok((line, column, text)) => {
+                self.document.move_to(line as usize - 1, column as usize - 1);
+                let at = self.document.cursor;
+                self.document.replace(at, at, &text);
+                self.position.scroll.user_scrolled = false;
+                let (zh, en) = (format!("已加入 {name}，请改名称"), format!("{name} is added: give it its name"));
+                (self.message, self.tab) = (Some((LocalizedText::new(zh, en), false)), DesignerTab::Variables);
+            }
+            Err(why) => self.refuse(why),
+        }
+    }
+}

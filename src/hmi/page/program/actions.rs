@@ -1,0 +1,240 @@
+//! Actions of the keys of the program page: cursor moves, blocks, undo, search, replace, renumber, save.
+//! Source: spec B6.
+
+use egui::Ui;
+
+use super::keys::EditorAction;
+use super::text_task::{TaskStep, TextTask};
+use super::{EditorQuestion, ProgramPage, Prompt};
+use crate::defs::page::Page;
+use crate::defs::text::{LocalizedText, Text};
+use crate::hmi::login::Login;
+use crate::hmi::question::Question;
+use crate::hmi::variable_entry::EditKey;
+use crate::hmi::view::View;
+use crate::link::Command;
+
+impl ProgramPage {
+    /// Accepts the prompt input.
+    pub(super) fn accept_prompt(&mut self) {
+        let Some(ask) = self.prompt.take() else { return };
+        let text = std::mem::take(&mut self.prompt_text);
+        self.keyboard_open = self.keyboard_open && self.editing;
+        match ask {
+            Prompt::Find | Prompt::ReplaceOld if text.is_empty() => {}
+            Prompt::Find => {
+                self.pattern.clone_from(&text);
+                self.task = Some(TextTask::find(&text, &self.document));
+            }
+            Prompt::ReplaceOld => (self.pattern, self.prompt) = (text, Some(Prompt::ReplaceNew)),
+            Prompt::ReplaceNew => {
+                (self.prompt_text, self.replacing) = (text, true);
+                self.task = Some(TextTask::find(&self.pattern, &self.document));
+            }
+            Prompt::GoTo => self.go_to(&text),
+            Prompt::Renumber => {
+                let mut words = text.split([' ', ',', '/']).filter(|word| !word.is_empty()).map(str::parse::<u64>);
+                match (words.next().unwrap_or(Ok(10)), words.next().unwrap_or(Ok(10))) {
+                    (Ok(first), Ok(by)) if by > 0 => self.task = Some(TextTask::renumber(first, by)),
+                    _ => self.refuse(LocalizedText::new(
+                        "格式：起始 步长，例如 10 10",
+                        "first number and step, such as 10 10",
+                    )),
+                }
+            }
+        }
+    }
+
+    /// Goes to a line by its number, or to a block by N.
+    fn go_to(&mut self, text: &str) {
+        let text = text.trim();
+        if let Ok(line) = text.parse::<usize>() {
+            if line == 0 || line > self.document.lines() {
+                let last = self.document.lines();
+                return self.refuse(LocalizedText::new(format!("行号为 1-{last}"), format!("lines are 1 to {last}")));
+            }
+            self.document.move_to(line - 1, 0);
+            self.follow_cursor();
+        } else if let Some(Ok(number)) = text.strip_prefix(['N', 'n']).map(str::parse) {
+            self.pattern = text.to_owned();
+            self.task = Some(TextTask::find_block(number));
+        } else if !text.is_empty() {
+            self.pattern = text.to_owned();
+            self.task = Some(TextTask::find(text, &self.document));
+        }
+    }
+
+    /// Runs one slice of the work.
+    pub(super) fn run_task(&mut self, ui: &Ui) {
+        let Some(work) = &mut self.task else { return };
+        let step = work.step(&self.document.rope);
+        let name = work.name();
+        ui.ctx().request_repaint();
+        match step {
+            TaskStep::Running(share) => {
+                let part = f32::from(share) / 10.0;
+                self.message = Some((
+                    LocalizedText::new(format!("{} {part:.0} %", name.zh), format!("{} {part:.0} %", name.en)),
+                    false,
+                ));
+                return;
+            }
+            TaskStep::Found(from, to) => {
+                self.document.cursor = to.min(self.document.rope.len_chars());
+                self.message = self.replacing.then(|| {
+                    let (with, what) = (&self.prompt_text, &self.pattern);
+                    (LocalizedText::new(format!("{what} → {with} ？"), format!("{what} → {with} ?")), false)
+                });
+                let line = self.document.rope.char_to_line(from);
+                self.position.first_column = 0;
+                self.position.scroll.user_scrolled = false;
+                self.position.followed_line = line as u32;
+            }
+            TaskStep::NotFound => {
+                self.replacing = false;
+                self.refuse(LocalizedText::new(
+                    format!("没有找到 {}", self.pattern),
+                    format!("{} is not in the text", self.pattern),
+                ));
+            }
+            TaskStep::Changed(rope, count) => {
+                self.document.replace_all(rope);
+                self.replacing = false;
+                self.message =
+                    Some((LocalizedText::new(format!("改了 {count} 处"), format!("{count} places changed")), false));
+            }
+            TaskStep::Refused(why) => self.refuse(why),
+        }
+        self.task = None;
+    }
+
+    pub(super) fn perform(&mut self, act: EditorAction, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
+        if self.task.is_some() && act != EditorAction::StopTask || login.is_open() {
+            return;
+        }
+        self.message = None;
+        if act.needs_editing() && !self.editing {
+            return self.refuse(super::keys::EDIT_FIRST);
+        }
+        match act {
+            EditorAction::Edit if view.snapshot.program.has_invalid_bytes => {
+                self.refuse(LocalizedText::new("文件编码不对，不能编辑", "not of a known encoding: not to be edited"));
+            }
+            EditorAction::Edit => self.request_edit(out),
+            EditorAction::End => self.stop_editing(),
+            EditorAction::Keyboard => self.keyboard_open = !self.keyboard_open,
+            EditorAction::Find => self.open_prompt(Prompt::Find),
+            EditorAction::FindNext if self.pattern.is_empty() => self.open_prompt(Prompt::Find),
+            EditorAction::FindNext => self.task = Some(TextTask::find(&self.pattern, &self.document)),
+            EditorAction::Replace => self.open_prompt(Prompt::ReplaceOld),
+            EditorAction::GoTo => self.open_prompt(Prompt::GoTo),
+            EditorAction::Renumber => self.open_prompt(Prompt::Renumber),
+            EditorAction::First | EditorAction::Last => {
+                self.document.move_to(if act == EditorAction::First { 0 } else { usize::MAX }, 0);
+                let row = self.document.cursor_position().0;
+                self.position.scroll.top = row as f64;
+                self.position.scroll.user_scrolled = true;
+            }
+            EditorAction::Left => self.edit(EditKey::Left, out),
+            EditorAction::Right => self.edit(EditKey::Right, out),
+            EditorAction::Up => self.edit(EditKey::Up, out),
+            EditorAction::Down => self.edit(EditKey::Down, out),
+            EditorAction::Save if !self.document.changed => {
+                self.message = Some((LocalizedText::new("没有改动", "nothing to save"), false))
+            }
+            EditorAction::Save => self.save(false, out),
+            EditorAction::Discard if !self.document.changed => self.stop_editing(),
+            EditorAction::Discard => {
+                let name = view.snapshot.title(self.document.number);
+                let body = LocalizedText::new(
+                    format!("{name} 的改动将丢失。"),
+                    format!("The changes of {name} will be lost."),
+                );
+                let title = Text::new("放弃改动？", "discard the changes?");
+                let key = ("question-discard", Text::new("放弃", "DISCARD"));
+                self.question.ask(EditorQuestion::Discard, Question::new(title, body, key));
+            }
+            EditorAction::StopTask => self.task = None,
+            // B5: the core reads the program up to the line and reports the modal state there in the message line.
+            EditorAction::RestartHere if self.document.changed => {
+                self.refuse(LocalizedText::new("先保存改动", "save the changes first"))
+            }
+            EditorAction::RestartHere => out.push(Command::RestartAt(self.document.cursor_position().0 as u32 + 1)),
+            EditorAction::Resume => out.push(Command::ResumeInterrupted),
+            EditorAction::OpenDesigner => out.push(Command::OpenPage(Page::Designer)),
+            EditorAction::PromptAccept => self.edit(EditKey::Enter, out),
+            EditorAction::PromptCancel => self.edit(EditKey::Cancel, out),
+            EditorAction::Undo
+            | EditorAction::Redo
+            | EditorAction::Mark
+            | EditorAction::CopyBlock
+            | EditorAction::Cut
+            | EditorAction::DeleteBlock
+            | EditorAction::Unmark
+            | EditorAction::Paste => {
+                self.change_text(act);
+            }
+            EditorAction::ReplaceThis | EditorAction::Skip | EditorAction::ReplaceAll | EditorAction::EndReplace => {
+                self.replace_step(act)
+            }
+        }
+    }
+
+    fn open_prompt(&mut self, ask: Prompt) {
+        (self.prompt, self.replacing, self.keys_focused) = (Some(ask), false, false);
+        self.keyboard_open = true;
+        self.prompt_text.clear();
+        if ask == Prompt::Find || ask == Prompt::ReplaceOld {
+            self.prompt_text.clone_from(&self.pattern);
+        } else if ask == Prompt::Renumber {
+            self.prompt_text = "10 10".to_owned();
+        }
+    }
+
+    fn change_text(&mut self, act: EditorAction) {
+        let document = &mut self.document;
+        match act {
+            EditorAction::Undo => drop(document.undo()),
+            EditorAction::Redo => drop(document.redo()),
+            EditorAction::Mark => document.block_anchor = Some(document.cursor_position().0),
+            EditorAction::Unmark => document.block_anchor = None,
+            EditorAction::CopyBlock | EditorAction::Cut => {
+                if document.block_anchor.is_none() {
+                    document.block_anchor = Some(document.cursor_position().0);
+                }
+                self.clipboard = document.copy_block();
+                let count = document.block().map_or(0, |(first, end)| end - first);
+                if act == EditorAction::Cut {
+                    document.delete_block()
+                } else {
+                    document.block_anchor = None
+                }
+                self.message =
+                    Some((LocalizedText::new(format!("已复制 {count} 行"), format!("{count} lines copied")), false));
+            }
+            EditorAction::DeleteBlock => document.delete_block(),
+            EditorAction::Paste => match &self.clipboard {
+                Some(clip) => document.paste(clip),
+                None => self.refuse(LocalizedText::new("先复制一块", "copy a block first")),
+            },
+            _ => {}
+        }
+        self.follow_cursor();
+    }
+
+    /// Replaces one by one, or all.
+    fn replace_step(&mut self, act: EditorAction) {
+        match act {
+            EditorAction::ReplaceThis => {
+                let length = self.pattern.chars().count();
+                let to = self.document.cursor;
+                let with = self.prompt_text.clone();
+                self.document.replace(to.saturating_sub(length), to, &with);
+                self.task = Some(TextTask::find(&self.pattern, &self.document));
+            }
+            EditorAction::Skip => self.task = Some(TextTask::find(&self.pattern, &self.document)),
+            EditorAction::ReplaceAll => self.task = Some(TextTask::replace(&self.pattern, &self.prompt_text)),
+            _ => self.replacing = false,
+        }
+    }
+}

@@ -1,0 +1,400 @@
+//! Tasks over a whole text: search, replace all, renumber. They run in slices so that no frame waits.
+//! Source: spec B6 (search O/N/word), H8 (nothing blocks the frame for more than 16 ms).
+
+use std::collections::BTreeMap;
+
+use ropey::{Rope, RopeBuilder};
+
+use super::document::{Document, content_len};
+use crate::defs::text::{LocalizedText, Text};
+
+/// Lines per slice: a few milliseconds.
+const SLICE_LINES: usize = 4_000;
+/// Maximum number of characters searched per line; lines of a program are far shorter.
+const MAX_SEARCHED_CHARS: usize = 20_000;
+/// The largest block number that is assigned.
+const MAX_BLOCK_NUMBER: u64 = 99_999_999;
+
+/// Result of a slice.
+#[derive(Debug)]
+pub enum TaskStep {
+    /// In progress, per mille.
+    Running(u16),
+    /// Found: first character and one past the last.
+    Found(usize, usize),
+    /// No match in the text.
+    NotFound,
+    /// A new text, and the number of changes.
+    Changed(Rope, usize),
+    /// Not possible, with the reason.
+    Refused(LocalizedText),
+}
+
+/// A task in progress.
+#[derive(Debug)]
+pub enum TextTask {
+    /// Searches a word from a position on, once around the text.
+    Find { what: String, from: usize, done: usize },
+    /// Searches the block with a number.
+    Block { number: u64, line: usize },
+    /// Replaces all matches.
+    Replace { what: String, with: String, line: usize, count: usize, built: Option<RopeBuilder> },
+    /// Renumbers the blocks: first reads all block numbers, then writes new ones.
+    Renumber {
+        first: u64,
+        by: u64,
+        line: usize,
+        map: BTreeMap<u64, u64>,
+        twice: Vec<u64>,
+        blocks: u64,
+        built: Option<RopeBuilder>,
+    },
+}
+
+impl TextTask {
+    /// Searches a word from the cursor on.
+    #[must_use]
+    pub fn find(what: &str, document: &Document) -> Self {
+        Self::Find { what: what.to_owned(), from: document.cursor, done: 0 }
+    }
+
+    /// Searches the block N with this number.
+    #[must_use]
+    pub const fn find_block(number: u64) -> Self {
+        Self::Block { number, line: 0 }
+    }
+
+    /// Replaces all matches.
+    #[must_use]
+    pub fn replace(what: &str, with: &str) -> Self {
+        Self::Replace {
+            what: what.to_owned(),
+            with: with.to_owned(),
+            line: 0,
+            count: 0,
+            built: Some(RopeBuilder::new()),
+        }
+    }
+
+    /// Renumbers the blocks from `first` in steps of `by`.
+    #[must_use]
+    pub const fn renumber(first: u64, by: u64) -> Self {
+        let built = None;
+        Self::Renumber { first, by, line: 0, map: BTreeMap::new(), twice: Vec::new(), blocks: 0, built }
+    }
+
+    /// Name of the task.
+    #[must_use]
+    pub const fn name(&self) -> Text {
+        match self {
+            Self::Find { .. } | Self::Block { .. } => Text::new("正在查找", "searching"),
+            Self::Replace { .. } => Text::new("正在替换", "replacing"),
+            Self::Renumber { .. } => Text::new("正在重排段号", "renumbering"),
+        }
+    }
+
+    /// Runs one slice.
+    pub fn step(&mut self, text: &Rope) -> TaskStep {
+        match self {
+            Self::Find { what, from, done } => find(text, what, *from, done),
+            Self::Block { number, line } => find_block(text, *number, line),
+            Self::Replace { what, with, line, count, built } => {
+                let Some(builder) = built else { return TaskStep::NotFound };
+                let end = (*line + SLICE_LINES).min(text.len_lines());
+                for index in *line..end {
+                    let whole = text.line(index);
+                    *count += replace_in(&whole.to_string(), what, with, builder);
+                }
+                *line = end;
+                if end < text.len_lines() {
+                    return TaskStep::Running(permille(end, text.len_lines()));
+                }
+                match (built.take(), *count) {
+                    (Some(built), 1..) => TaskStep::Changed(built.finish(), *count),
+                    (Some(_) | None, _) => TaskStep::NotFound,
+                }
+            }
+            Self::Renumber { first, by, line, map, twice, blocks, built } => match built {
+                None => match read_numbers(text, (*first, *by), line, (map, twice, blocks)) {
+                    Ok(true) => {
+                        (*line, *built) = (0, Some(RopeBuilder::new()));
+                        TaskStep::Running(500)
+                    }
+                    Ok(false) => TaskStep::Running(permille(*line, text.len_lines()) / 2),
+                    Err(why) => TaskStep::Refused(why),
+                },
+                Some(builder) => {
+                    let all = map.is_empty();
+                    let end = (*line + SLICE_LINES).min(text.len_lines());
+                    if *line == 0 {
+                        *blocks = 0;
+                    }
+                    for index in *line..end {
+                        write_numbered(&text.line(index).to_string(), (*first, *by, all), map, blocks, builder);
+                    }
+                    *line = end;
+                    if end < text.len_lines() {
+                        return TaskStep::Running(500 + permille(end, text.len_lines()) / 2);
+                    }
+                    match built.take() {
+                        Some(built) => TaskStep::Changed(built.finish(), *blocks as usize),
+                        None => TaskStep::NotFound,
+                    }
+                }
+            },
+        }
+    }
+}
+
+fn permille(done: usize, all: usize) -> u16 {
+    (done * 1_000 / all.max(1)).min(1_000) as u16
+}
+
+/// Byte position of a word in a text at or after `from`, ignoring case.
+fn find_in_line(text: &str, what: &str, from: usize) -> Option<usize> {
+    let (text, what) = (text.as_bytes(), what.as_bytes());
+    if what.is_empty() {
+        return None;
+    }
+    (from..=text.len().checked_sub(what.len())?).find(|at| text[*at..*at + what.len()].eq_ignore_ascii_case(what))
+}
+
+fn find(text: &Rope, what: &str, from: usize, done: &mut usize) -> TaskStep {
+    let lines = text.len_lines();
+    let (start, column) = {
+        let line = text.char_to_line(from.min(text.len_chars()));
+        (line, from - text.line_to_char(line))
+    };
+    // Once around: the cursor's line comes first, from the cursor on, and last, from its start.
+    for _ in 0..SLICE_LINES {
+        if *done > lines {
+            return TaskStep::NotFound;
+        }
+        let line = (start + *done) % lines;
+        let slice = text.line(line);
+        let part: String = slice.slice(..content_len(slice).min(MAX_SEARCHED_CHARS)).into();
+        let begin = if *done == 0 { part.char_indices().nth(column).map_or(part.len(), |(at, _)| at) } else { 0 };
+        *done += 1;
+        if let Some(at) = find_in_line(&part, what, begin) {
+            let from = text.line_to_char(line) + part[..at].chars().count();
+            return TaskStep::Found(from, from + what.chars().count());
+        }
+    }
+    TaskStep::Running(permille(*done, lines))
+}
+
+/// Searches a block: N is its first word, `N0040` is 40. A longer number with the same digits in front does not match.
+fn find_block(text: &Rope, number: u64, line: &mut usize) -> TaskStep {
+    let lines = text.len_lines();
+    for _ in 0..SLICE_LINES {
+        if *line >= lines {
+            return TaskStep::NotFound;
+        }
+        let slice = text.line(*line);
+        let part: String = slice.slice(..content_len(slice).min(MAX_SEARCHED_CHARS)).into();
+        if split_block_number(&part).1 == Some(number) {
+            let at = text.line_to_char(*line);
+            return TaskStep::Found(at, at);
+        }
+        *line += 1;
+    }
+    TaskStep::Running(permille(*line, lines))
+}
+
+/// Appends a line with all matches replaced; returns their number.
+fn replace_in(line: &str, what: &str, with: &str, builder: &mut RopeBuilder) -> usize {
+    let (mut at, mut count) = (0, 0);
+    while let Some(found) = find_in_line(line, what, at) {
+        builder.append(&line[at..found]);
+        builder.append(with);
+        at = found + what.len();
+        count += 1;
+    }
+    builder.append(&line[at..]);
+    count
+}
+
+/// Splits a line into leading blanks and `/`, the block number if there is one, and the rest.
+fn split_block_number(line: &str) -> (&str, Option<u64>, &str) {
+    let begin = line.len() - line.trim_start_matches([' ', '\t', '/']).len();
+    let (lead, rest) = line.split_at(begin);
+    let Some(after) = rest.strip_prefix(['N', 'n']) else { return (lead, None, rest) };
+    let digits = after.bytes().take_while(u8::is_ascii_digit).count();
+    match after[..digits].parse() {
+        Ok(number) => (lead, Some(number), &after[digits..]),
+        Err(_) => (lead, None, rest),
+    }
+}
+
+/// Whether a line gets a number when no block of the program has one.
+fn is_block(rest: &str) -> bool {
+    rest.trim_end().chars().next().is_some_and(|sign| !matches!(sign, '%' | 'O' | 'o' | '(' | ';'))
+}
+
+/// First pass: reads the block numbers and checks that all jumps can be updated. True when all lines are read.
+fn read_numbers(
+    text: &Rope,
+    (first, by): (u64, u64),
+    line: &mut usize,
+    (map, twice, blocks): (&mut BTreeMap<u64, u64>, &mut Vec<u64>, &mut u64),
+) -> Result<bool, LocalizedText> {
+    let end = (*line + SLICE_LINES).min(text.len_lines());
+    for index in *line..end {
+        let line = text.line(index).to_string();
+        let (lead, number, rest) = split_block_number(&line);
+        if lead.ends_with("//") {
+            continue;
+        }
+        if let Some(number) = number {
+            if map.insert(number, first + *blocks * by).is_some() {
+                twice.push(number);
+            }
+            *blocks += 1;
+        }
+        let upper = without_comments(rest).to_ascii_uppercase();
+        let jumps = [("M99", 'P'), ("M01", 'L'), ("M1", 'L'), ("M91", 'P'), ("M92", 'P'), ("G65", 'H')];
+        let by_code = jumps.iter().any(|(code, word)| upper.contains(code) && upper.contains(*word));
+        let target = upper.split("GOTO").nth(1).map(str::trim_start);
+        if by_code || target.is_some_and(|target| target.starts_with(['#', '['])) {
+            let line = index + 1;
+            return Err(LocalizedText::new(
+                format!("第{line}行的跳转目标不能自动更改，请手工改段号"),
+                format!("line {line} jumps in a way that cannot follow: renumber by hand"),
+            ));
+        }
+    }
+    *line = end;
+    if end < text.len_lines() {
+        return Ok(false);
+    }
+    if let Some(number) = twice.first() {
+        return Err(LocalizedText::new(
+            format!("段号 N{number} 出现两次，请先改正"),
+            format!("N{number} stands twice: mend that first"),
+        ));
+    }
+    if first + by * text.len_lines() as u64 > MAX_BLOCK_NUMBER {
+        return Err(LocalizedText::new("段号太大，请减小步长", "the numbers grow too large: take a smaller step"));
+    }
+    Ok(true)
+}
+
+fn without_comments(text: &str) -> String {
+    let mut plain = String::with_capacity(text.len());
+    let mut depth = 0;
+    for sign in text.chars() {
+        match sign {
+            '(' => depth += 1,
+            ')' => depth = 0,
+            ';' if depth == 0 => break,
+            _ if depth == 0 => plain.push(sign),
+            _ => {}
+        }
+    }
+    plain
+}
+
+fn write_numbered(
+    line: &str,
+    (first, by, all): (u64, u64, bool),
+    map: &BTreeMap<u64, u64>,
+    blocks: &mut u64,
+    builder: &mut RopeBuilder,
+) {
+    let (lead, number, rest) = split_block_number(line);
+    builder.append(lead);
+    let comment = lead.ends_with("//");
+    if !comment && (number.is_some() || (all && is_block(rest))) {
+        builder.append(&format!("N{:04}", first + *blocks * by));
+        if number.is_none() {
+            builder.append(" ");
+        }
+        *blocks += 1;
+    } else if let Some(number) = number {
+        builder.append(&format!("N{number}"));
+    }
+    let target = find_in_line(rest, "GOTO", 0).map(|at| at + 4).filter(|_| !comment);
+    let Some(at) = target else { return builder.append(rest) };
+    let digits_at = at + (rest[at..].len() - rest[at..].trim_start_matches([' ', 'N', 'n']).len());
+    let digits = rest[digits_at..].bytes().take_while(u8::is_ascii_digit).count();
+    let old = rest[digits_at..digits_at + digits].parse::<u64>().ok();
+    match old.and_then(|old| map.get(&old)) {
+        Some(new) => {
+            builder.append(&rest[..digits_at]);
+            builder.append(&format!("{new}"));
+            builder.append(&rest[digits_at + digits..]);
+        }
+        None => builder.append(rest),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(mut work: TextTask, text: &str) -> TaskStep {
+        let rope = Rope::from_str(text);
+        for _ in 0..10_000 {
+            match work.step(&rope) {
+                TaskStep::Running(_) => {}
+                done => return done,
+            }
+        }
+        panic!("it does not end")
+    }
+
+    fn changed(work: TextTask, text: &str) -> String {
+        match run(work, text) {
+            TaskStep::Changed(rope, _) => rope.to_string(),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn b6_a_word_is_found_once_around_in_any_case() {
+        let text = "N10 G00 X1\nN20 g01 X2 (磨)\nN30 M30\n";
+        let mut document = Document::open(1, 0, &Rope::from_str(text));
+        let found = |document: &Document, what: &str| match run(TextTask::find(what, document), text) {
+            TaskStep::Found(from, to) => Some((from, to)),
+            _ => None,
+        };
+        assert_eq!(found(&document, "G01"), Some((15, 18)));
+        document.cursor = 18;
+        assert_eq!(found(&document, "g01"), Some((15, 18)), "around the end");
+        assert_eq!(
+            (found(&document, "磨"), found(&document, "G02"), found(&document, "")),
+            (Some((23, 24)), None, None)
+        );
+    }
+
+    #[test]
+    fn b6_a_block_is_found_by_its_number_not_by_what_begins_alike() {
+        let text = "(N20)\nN200 G00\nGOTO 20\n/N0020 X1\n";
+        assert!(matches!(run(TextTask::find_block(20), text), TaskStep::Found(23, 23)), "the fourth line");
+        assert!(matches!(run(TextTask::find_block(2), text), TaskStep::NotFound));
+    }
+
+    #[test]
+    fn b6_replace_all_counts() {
+        assert_eq!(changed(TextTask::replace("x1", "X20"), "X1 X1.\nY\nX10"), "X20 X20.\nY\nX200");
+        assert!(matches!(run(TextTask::replace("Q", "R"), "X1"), TaskStep::NotFound));
+    }
+
+    #[test]
+    fn b6_renumbering_takes_the_jumps_along() {
+        let text = "O1001\nN5 G00 X1\n/N7 IF[#1 EQ 0] GOTO 5\nG01 X2\nN9 GOTO N7\nM30\n%";
+        assert_eq!(
+            changed(TextTask::renumber(10, 10), text),
+            "O1001\nN0010 G00 X1\n/N0020 IF[#1 EQ 0] GOTO 10\nG01 X2\nN0030 GOTO N20\nM30\n%"
+        );
+        // If no block has a number, all get one.
+        assert_eq!(changed(TextTask::renumber(1, 1), "O1\nG00\n(a)\nM30\n%"), "O1\nN0001 G00\n(a)\nN0002 M30\n%");
+    }
+
+    #[test]
+    fn b6_renumbering_refuses_what_it_cannot_follow() {
+        for text in ["N1 GOTO #1", "N1 M99 P1", "N1 G65 H80 P1", "N1 G0\nN1 G1", "N1 M01 L5"] {
+            assert!(matches!(run(TextTask::renumber(10, 10), text), TaskStep::Refused(_)), "{text}");
+        }
+    }
+}

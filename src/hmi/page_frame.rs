@@ -1,0 +1,210 @@
+//! The areas around every page: header, message line, status line.
+//! Source: spec H1, H7.
+
+use egui::accesskit::Role;
+use egui::{Align2, Color32, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::keycap;
+use super::theme;
+use super::view::{View, chip, fit_text, layout_line, text_line};
+use crate::defs::page::Page;
+use crate::link::snapshot::{RunState, Tone};
+use crate::units::Micros;
+
+/// How long a message stays in the message line.
+const MESSAGE_DURATION: Micros = Micros::from_millis(5_000);
+
+/// What was touched in the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrameTouch {
+    /// The key `?`.
+    Help,
+    /// The alarm chip, or the message line while it shows an alarm.
+    Alarm,
+}
+
+/// Draws the header: kind · page, program and block, mode, state, alarms, clock, help.
+pub fn header(ui: &Ui, view: &View<'_>, rect: Rect) -> Option<FrameTouch> {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, view.theme.surface);
+    painter.hline(rect.x_range(), rect.max.y - 0.5, egui::Stroke::new(theme::HAIRLINE, view.theme.line));
+    let row = rect.shrink2(vec2(theme::PAD, 9.0));
+    let help =
+        Rect::from_min_max(pos2(rect.max.x - theme::TOUCH_TARGET - 4.0, rect.min.y + 1.0), rect.max - vec2(4.0, 1.0));
+    let mut touched = help_key(ui, view, help).then_some(FrameTouch::Help);
+    let mut right = help.min.x - theme::GAP;
+    let clock = Rect::from_min_max(pos2(right - 66.0, row.min.y), pos2(right, row.max.y));
+    text_line(painter, clock, Align2::RIGHT_CENTER, view.clock, theme::LABEL, view.theme.muted);
+    right = clock.min.x - theme::PAD;
+    let (left, chip_touched) = alarm_chip(ui, view, right, row);
+    touched = touched.or(chip_touched.then_some(FrameTouch::Alarm));
+    right = left;
+    let (fill, ink) = state_colours(view);
+    let state = chip(painter, right, row, view.snapshot.state.name().get(view.lang), fill, ink);
+    let mode = chip(painter, state.min.x - theme::GAP, row, mode_label(view), view.theme.raised, view.theme.text);
+    right = mode.min.x - theme::PAD;
+    let program = program_label(view);
+    // A long program name takes space from the title.
+    let wanted = layout_line(painter, &program, theme::LABEL, view.theme.text, 180.0).size().x;
+    let place = Rect::from_min_max(pos2(right - wanted.max(122.0), row.min.y), pos2(right, row.max.y));
+    fit_text(painter, place, Align2::RIGHT_CENTER, &program, theme::LABEL, view.theme.text);
+    let title = Rect::from_min_max(row.min, pos2(place.min.x - theme::PAD, row.max.y));
+    let kind = view.snapshot.kind.name().get(view.lang).split(' ').next().unwrap_or_default();
+    let mut letters = kind.chars();
+    let first: String = letters.next().map(char::to_uppercase).into_iter().flatten().collect();
+    let kind = first + letters.as_str();
+    let word = format!("{kind} · {}", view.snapshot.page.title_on(view.snapshot.kind).get(view.lang));
+    fit_text(painter, title, Align2::LEFT_CENTER, &word, theme::TITLE, view.theme.text);
+    touched
+}
+
+/// Draws the key `?`, which opens the help.
+fn help_key(ui: &Ui, view: &View<'_>, rect: Rect) -> bool {
+    let response = ui.interact(rect, Id::unique("header-help"), Sense::CLICK);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "? help"));
+    let face = keycap::KeycapState { pressed: response.is_pointer_button_down_on(), ..keycap::KeycapState::default() };
+    keycap::paint_body(ui.painter(), view.theme, rect, face);
+    text_line(ui.painter(), rect, Align2::CENTER_CENTER, "?", theme::SECONDARY, view.theme.text);
+    response.clicked()
+}
+
+/// The label of the mode, as on its key.
+fn mode_label<'a>(view: &View<'a>) -> &'a str {
+    view.snapshot.mode.key().label().get(view.lang)
+}
+
+/// `O1001 N0040`
+#[must_use]
+pub fn program_label(view: &View<'_>) -> String {
+    let program = &view.snapshot.program;
+    if program.number == 0 {
+        return view.text("没有程序", "no program").to_owned();
+    }
+    format!("{} N{:04}", view.snapshot.title(program.number), program.block.unwrap_or(0))
+}
+
+/// Paints program and block in a narrow space. If a long name leaves no space for the block, only the name; the header
+/// shows both.
+pub fn paint_program_label(painter: &egui::Painter, view: &View<'_>, rect: Rect, size: f32) {
+    let word = program_label(view);
+    let whole = layout_line(painter, &word, theme::SMALL, view.theme.text, f32::INFINITY).size().x;
+    let name = view.snapshot.title(view.snapshot.program.number);
+    let word = if whole <= rect.width() { &word } else { &name };
+    fit_text(painter, rect, Align2::LEFT_CENTER, word, size, view.theme.text);
+}
+
+/// Only a state other than idle is coloured.
+fn state_colours(view: &View<'_>) -> (Color32, Color32) {
+    match view.snapshot.state {
+        RunState::Idle => (view.theme.raised, view.theme.text),
+        RunState::Running => (view.theme.run, view.theme.on_accent),
+        RunState::Held | RunState::Stopped | RunState::Waiting => (view.theme.hold, view.theme.on_accent),
+        RunState::Homing => (view.theme.info, view.theme.on_accent),
+        RunState::Alarm => (view.theme.alarm, view.theme.on_accent),
+    }
+}
+
+/// Draws number of the first alarm and count of alarms; the space stays empty without an alarm. Returns its left
+/// edge and whether it was touched; the touch area has the full height of the header.
+fn alarm_chip(ui: &Ui, view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
+    let left = right - 92.0;
+    let Some(first) = view.snapshot.alarms.first() else { return (left, false) };
+    let word = match view.snapshot.alarms.len() {
+        1 => format!("⚠ {:03}", first.number),
+        count => format!("⚠ {:03} ×{count}", first.number),
+    };
+    chip(ui.painter(), right, row, &word, view.theme.alarm, view.theme.on_accent);
+    let place = Rect::from_min_max(pos2(left + 4.0, row.min.y - 8.0), pos2(right, row.max.y + 8.0));
+    let response = ui.interact(place, Id::unique("alarm-chip"), Sense::CLICK);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "报警 alarm-chip"));
+    (left, response.clicked())
+}
+
+/// Text and colour of the message line.
+fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
+    let lang = view.lang;
+    if let Some(hint) = hint {
+        return Some((hint.to_owned(), view.theme.hold));
+    }
+    let message = &view.snapshot.message;
+    let fresh = view.snapshot.now.since(message.since) < MESSAGE_DURATION && !message.text.zh.is_empty();
+    if fresh && message.tone == Tone::Refused {
+        return Some((message.text.get(lang).to_owned(), view.theme.hold));
+    }
+    if let Some(alarm) = view.snapshot.alarms.first() {
+        let (text, remedy) = (alarm.text.get(lang), alarm.remedy.get(lang));
+        let arrow = if remedy.is_empty() { "" } else { " → " };
+        let word = format!("{:03} {text}{arrow}{remedy}", alarm.number);
+        return Some((word, view.theme.alarm_text));
+    }
+    if let Some(waiting) = &view.snapshot.waiting_for {
+        return Some((waiting.get(lang).to_owned(), view.theme.hold));
+    }
+    fresh.then(|| (message.text.get(lang).to_owned(), view.theme.text))
+}
+
+/// Draws the message line: a refusal in amber for 5 s, else the first alarm with its remedy in red, else what the run
+/// waits for, else a note for 5 s. Returns [`FrameTouch::Alarm`] if it was touched while there is an alarm.
+pub fn message_line(ui: &Ui, view: &View<'_>, rect: Rect, hint: Option<&str>) -> Option<FrameTouch> {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, view.theme.surface);
+    painter.hline(rect.x_range(), rect.min.y + 0.5, egui::Stroke::new(theme::HAIRLINE, view.theme.line));
+    if let Some((words, colour)) = message(view, hint) {
+        let mark = Rect::from_min_size(rect.min + vec2(0.0, 1.0), vec2(4.0, rect.height() - 1.0));
+        painter.rect_filled(mark, 0.0, colour);
+        fit_text(painter, rect.shrink2(vec2(theme::PAD, 2.0)), Align2::LEFT_CENTER, &words, theme::LABEL, colour);
+    }
+    if view.snapshot.alarms.is_empty() {
+        return None;
+    }
+    let response = ui.interact(rect, Id::unique("message"), Sense::CLICK);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "报警 alarm-list"));
+    response.clicked().then_some(FrameTouch::Alarm)
+}
+
+/// `手动方式 · 连续 · 停止 · F 100 % · 100 mm/min · S 1260 · 件数 12`
+pub fn status_line(ui: &Ui, view: &View<'_>, rect: Rect) {
+    let painter = ui.painter();
+    painter.rect_filled(rect, 0.0, view.theme.background);
+    painter.hline(rect.x_range(), rect.min.y + 0.5, egui::Stroke::new(theme::HAIRLINE, view.theme.line));
+    let snapshot = view.snapshot;
+    let blocks =
+        if snapshot.single_block { view.text("单段", "single block") } else { view.text("连续", "continuous") };
+    let words = [
+        snapshot.mode.name().get(view.lang).to_owned(),
+        blocks.to_owned(),
+        snapshot.state.name().get(view.lang).to_owned(),
+        format!("F {} %", snapshot.feed_override),
+        format!("{:.0} mm/min", snapshot.feed_mm_min),
+        format!("S {:.0}", snapshot.wheel_rpm),
+        format!("{} {}", view.text("件数", "parts"), snapshot.parts_counted),
+    ];
+    // Fixed columns: nothing shifts when a value changes.
+    let row = rect.shrink2(vec2(theme::PAD, 0.0));
+    let shares: [f32; 7] = [0.15, 0.13, 0.11, 0.13, 0.21, 0.13, 0.14];
+    let mut left = row.min.x;
+    for (word, share) in words.iter().zip(shares) {
+        let place = Rect::from_min_size(pos2(left, row.min.y), vec2(row.width() * share, row.height()));
+        if left > row.min.x {
+            painter.vline(
+                left - theme::GAP,
+                rect.min.y + 8.0..=rect.max.y - 7.0,
+                egui::Stroke::new(theme::HAIRLINE, view.theme.line),
+            );
+        }
+        let cell = Rect::from_min_max(place.min, pos2(place.max.x - 2.0 * theme::GAP, place.max.y));
+        fit_text(painter, cell, Align2::LEFT_CENTER, word, theme::LABEL, view.theme.text);
+        left = place.max.x;
+    }
+}
+
+/// Paints the title inside a page; here so that all titles look the same. Returns the area it covers.
+pub fn title(ui: &Ui, view: &View<'_>, rect: Rect, words: &str) -> Rect {
+    fit_text(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::SECONDARY, view.theme.text)
+}
+
+/// Whether the page has fields of the page text for numbers.
+#[must_use]
+pub const fn has_number_fields(page: Page) -> bool {
+    matches!(page, Page::Grinding)
+}

@@ -1,0 +1,375 @@
+//! The layout of the panel keys: geometry only. Source: spec H2, K1 (direction keys of each kind).
+
+use egui::{Pos2, Rect, pos2, vec2};
+
+use crate::defs::key::Key;
+use crate::defs::kind::Kind;
+use crate::defs::text::Text;
+use crate::hmi::theme;
+
+/// A group of keys: frame and optional caption.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanelGroup {
+    /// Rectangle around the keys.
+    pub frame: Rect,
+    /// Caption at the top of the frame.
+    pub caption: Option<(Rect, Text)>,
+}
+
+/// The layout of the panel.
+#[derive(Clone, Debug)]
+pub struct PanelLayout {
+    /// All keys of the kind.
+    pub keys: Vec<(Key, Rect)>,
+    /// Groups.
+    pub groups: Vec<PanelGroup>,
+    /// The handwheel.
+    pub handwheel: Rect,
+    /// Feed override value, between its two keys.
+    pub feed_value: Rect,
+    /// Spindle override value, between its two keys.
+    pub spindle_value: Rect,
+    /// Numeric pad; it never covers cycle start, feed hold, reset and emergency stop.
+    pub pad: Rect,
+}
+
+/// Gap between keys of a group, gap between groups, height of a caption, margin of the panel; points.
+const KEY_GAP: f32 = 3.0;
+const GROUP_GAP: f32 = 6.0;
+const CAPTION_HEIGHT: f32 = 16.0;
+const MARGIN: f32 = 5.0;
+/// Height of the machine units, in rows of keys.
+const UNIT_ROWS: f32 = 3.0;
+
+/// Computes the layout of the panel.
+#[must_use]
+pub fn panel_layout(kind: Kind, rect: Rect, portrait: bool) -> PanelLayout {
+    let empty = Rect::from_min_size(rect.min, vec2(0.0, 0.0));
+    let mut layout = PanelLayout {
+        keys: Vec::with_capacity(64),
+        groups: Vec::with_capacity(16),
+        handwheel: empty,
+        feed_value: empty,
+        spindle_value: empty,
+        pad: empty,
+    };
+    let inside = rect.shrink(MARGIN);
+    if portrait {
+        let width = (inside.width() - 2.0 * GROUP_GAP) / 3.0;
+        let key = (inside.height() - 3.0 * KEY_GAP - 2.0 * GROUP_GAP) / 6.0;
+        let column = |index: f32| pos2(inside.min.x + index * (width + GROUP_GAP), inside.min.y);
+        let mut build =
+            PanelBuilder { layout: &mut layout, kind, key_height: key, cursor: column(0.0), width, wide: false };
+        build.modes();
+        build.overrides();
+        build.cursor = column(1.0);
+        build.machine_units();
+        let bottom = inside.max.y;
+        let pad = Rect::from_min_max(column(1.0), pos2(column(1.0).x + width, bottom));
+        build.cursor = column(2.0);
+        build.jog();
+        build.run_row();
+        layout.pad = pad;
+    } else {
+        // Fifteen rows of keys, fourteen on the wide panel, plus captions and gaps within and between groups.
+        let wide = rect.width() >= theme::PANEL.1;
+        let (rows, gaps) = if wide { (14.0, 6.0) } else { (15.0, 7.0) };
+        let fixed = 2.0 * CAPTION_HEIGHT + 7.0 * KEY_GAP + gaps * GROUP_GAP;
+        let key = ((inside.height() - fixed) / rows).min(64.0);
+        let mut build = PanelBuilder {
+            layout: &mut layout,
+            kind,
+            key_height: key,
+            cursor: inside.min,
+            width: inside.width(),
+            wide,
+        };
+        build.modes();
+        build.machine_units();
+        let top = build.cursor.y;
+        build.overrides();
+        build.jog();
+        let bottom = build.cursor.y - GROUP_GAP;
+        build.run_row();
+        layout.pad = Rect::from_min_max(pos2(inside.min.x, top), pos2(inside.max.x, bottom));
+    }
+    layout
+}
+
+/// Column and row of the jog keys of a kind in a 3 × 3 cross: rapid in the middle, the third axis on the diagonal.
+/// GC, seen from above: X− moves the wheel to the workpiece, towards the operator. GS: X moves the table sideways,
+/// Y− lowers the wheel, Z moves away from the operator. GA and the vertical grinder: X moves
+/// across the table, Z− lowers the wheel.
+#[must_use]
+pub const fn jog_positions(kind: Kind) -> [(Key, u8, u8); 7] {
+    const fn cross(across: [Key; 2], upright: [Key; 2], aslant: [Key; 2]) -> [(Key, u8, u8); 7] {
+        [
+            (across[0], 0, 1),
+            (across[1], 2, 1),
+            (upright[0], 1, 0),
+            (upright[1], 1, 2),
+            (aslant[0], 2, 0),
+            (aslant[1], 0, 2),
+            (Key::Rapid, 1, 1),
+        ]
+    }
+    let (x, y, z) = ([Key::XMinus, Key::XPlus], [Key::YPlus, Key::YMinus], [Key::ZPlus, Key::ZMinus]);
+    match kind {
+        Kind::Gc | Kind::Lathe => cross([Key::ZMinus, Key::ZPlus], [Key::XPlus, Key::XMinus], y),
+        Kind::Gs => cross(x, y, z),
+        Kind::Ga | Kind::Vertical => cross(x, z, y),
+    }
+}
+
+const MODES: [Key; 8] = [
+    Key::ModeEdit,
+    Key::ModeAuto,
+    Key::ModeMdi,
+    Key::ModeHome,
+    Key::ModeHandwheel,
+    Key::ModeStep,
+    Key::ModeManual,
+    Key::SingleBlock,
+];
+const SWITCHES: [Key; 5] = [Key::BlockSkip, Key::OptionalStop, Key::MachineLock, Key::AuxFunctionLock, Key::DryRun];
+/// On the wide panel the program switches are beside the modes; the trial-run switches have their own column.
+const MODES_WIDE: [Key; 10] = [
+    Key::ModeEdit,
+    Key::ModeAuto,
+    Key::ModeMdi,
+    Key::ModeHome,
+    Key::ModeHandwheel,
+    Key::ModeStep,
+    Key::ModeManual,
+    Key::SingleBlock,
+    Key::BlockSkip,
+    Key::OptionalStop,
+];
+const RAPIDS: [Key; 4] = [Key::RapidF0, Key::Rapid25, Key::Rapid50, Key::Rapid100];
+const HANDWHEEL: [[Key; 2]; 3] =
+    [[Key::HandwheelX, Key::Step0001], [Key::HandwheelY, Key::Step001], [Key::HandwheelZ, Key::Step01]];
+
+/// One unit of the machine: caption, keys, width in key columns.
+struct MachineUnit(Text, &'static [Key], usize);
+
+const WHEEL: MachineUnit =
+    MachineUnit(Text::new("砂轮", "WHEEL"), &[Key::WheelStart, Key::WheelStop, Key::SecondSpindle], 1);
+const WHEEL_WIDE: MachineUnit = MachineUnit(Text::new("砂轮", "WHEEL"), &[Key::WheelStart, Key::WheelStop], 1);
+const SPINDLE: MachineUnit = MachineUnit(Text::new("主轴", "SPDL"), &[Key::SecondSpindle], 1);
+const FLUIDS: MachineUnit =
+    MachineUnit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication, Key::Hydraulic], 1);
+const DRESSING: MachineUnit =
+    MachineUnit(Text::new("修整", "DRESS"), &[Key::Oscillation, Key::DressReturn, Key::WheelRetract], 1);
+const TRIAL: MachineUnit =
+    MachineUnit(Text::new("试运行", "TRIAL"), &[Key::MachineLock, Key::AuxFunctionLock, Key::DryRun], 1);
+const HEADSTOCK: MachineUnit =
+    MachineUnit(Text::new("头架", "HEAD"), &[Key::HeadstockHigh, Key::HeadstockLow, Key::HeadstockStop], 1);
+const MAGNET: MachineUnit = MachineUnit(Text::new("磁力", "MAGNET"), &[Key::Magnetise, Key::Demagnetise], 1);
+const TAILSTOCK: MachineUnit =
+    MachineUnit(Text::new("尾座", "TAILSTOCK"), &[Key::TailstockAdvance, Key::TailstockRetract], 2);
+const ROLL: MachineUnit = MachineUnit(Text::new("修整器", "DRESSER"), &[Key::DresserRoll], 2);
+const TABLE: MachineUnit = MachineUnit(Text::new("台面", "TABLE"), &[Key::TableRotation], 2);
+/// The table of a machine that clamps the workpiece with jaws.
+const CLAMPED: MachineUnit = MachineUnit(Text::new("台面", "TABLE"), &[Key::TableRotation], 1);
+/// Main spindle, fluids and tool turret of a lathe.
+const SPINDLE_DRIVE: MachineUnit =
+    MachineUnit(Text::new("主轴", "SPDL"), &[Key::SpindleForward, Key::SpindleReverse, Key::SpindleStop], 2);
+const FLUIDS_LATHE: MachineUnit = MachineUnit(Text::new("液体", "FLUIDS"), &[Key::Coolant, Key::Lubrication], 2);
+const POST_WIDE: MachineUnit = MachineUnit(Text::new("刀架", "POST"), &[Key::ToolTurret], 5);
+const POST: MachineUnit = MachineUnit(Text::new("刀架", "POST"), &[Key::ToolTurret], 4);
+const GAUGES_WIDE: MachineUnit = MachineUnit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 4);
+const GAUGES: MachineUnit = MachineUnit(Text::new("量仪", "GAUGES"), &[Key::RadialGauge, Key::AxialGauge], 2);
+
+/// The units of a kind: the columns, three keys high, and the units in the row below them.
+/// GC has headstock and tailstock, GS magnet and dresser roll, GA magnet and rotary table (K1, K2.1).
+const fn units(kind: Kind, wide: bool) -> (&'static [MachineUnit], &'static [MachineUnit]) {
+    match (kind, wide) {
+        (Kind::Gc, false) => (&[WHEEL, HEADSTOCK, FLUIDS, DRESSING], &[TAILSTOCK, GAUGES]),
+        (Kind::Gs, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[ROLL, GAUGES]),
+        (Kind::Ga, false) => (&[WHEEL, MAGNET, FLUIDS, DRESSING], &[TABLE, GAUGES]),
+        (Kind::Vertical, false) => (&[WHEEL, CLAMPED, FLUIDS, DRESSING], &[GAUGES_WIDE]),
+        (Kind::Lathe, false) => (&[SPINDLE_DRIVE, FLUIDS_LATHE], &[POST]),
+        (Kind::Gc, true) => (&[WHEEL_WIDE, HEADSTOCK, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TAILSTOCK, GAUGES]),
+        (Kind::Gs, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, ROLL, GAUGES]),
+        (Kind::Ga, true) => (&[WHEEL_WIDE, MAGNET, FLUIDS, DRESSING, TRIAL], &[SPINDLE, TABLE, GAUGES]),
+        (Kind::Lathe, true) => (&[SPINDLE_DRIVE, FLUIDS_LATHE, TRIAL], &[POST_WIDE]),
+        (Kind::Vertical, true) => (&[WHEEL_WIDE, CLAMPED, FLUIDS, DRESSING, TRIAL], &[SPINDLE, GAUGES_WIDE]),
+    }
+}
+
+/// Places the groups from top to bottom.
+struct PanelBuilder<'a> {
+    layout: &'a mut PanelLayout,
+    kind: Kind,
+    key_height: f32,
+    cursor: Pos2,
+    width: f32,
+    wide: bool,
+}
+
+impl PanelBuilder<'_> {
+    /// A cell of a grid with `columns` columns, from the current corner.
+    fn cell(&self, columns: f32, column: usize, row: usize) -> Rect {
+        let width = (self.width - (columns - 1.0) * KEY_GAP) / columns;
+        let corner = self.cursor + vec2(column as f32 * (width + KEY_GAP), row as f32 * (self.key_height + KEY_GAP));
+        Rect::from_min_size(corner, vec2(width, self.key_height))
+    }
+
+    fn advance(&mut self, rows: f32, gap: f32) {
+        self.cursor.y += rows * self.key_height + (rows - 1.0).max(0.0) * KEY_GAP + gap;
+    }
+
+    fn group(&mut self, around: Rect, caption: Option<Text>) {
+        let caption = caption.map(|text| {
+            let bar =
+                Rect::from_min_max(pos2(around.min.x, around.min.y - CAPTION_HEIGHT), pos2(around.max.x, around.min.y));
+            (bar, text)
+        });
+        let frame = caption.as_ref().map_or(around, |(bar, _)| around.union(*bar)).expand(2.0);
+        self.layout.groups.push(PanelGroup { frame, caption });
+    }
+
+    fn rows(&mut self, columns: f32, keys: &[Key], caption: Option<Text>) {
+        let mut around = Rect::NOTHING;
+        for (index, key) in keys.iter().enumerate() {
+            let cell = self.cell(columns, index % columns as usize, index / columns as usize);
+            around = around.union(cell);
+            self.layout.keys.push((*key, cell));
+        }
+        self.group(around, caption);
+    }
+
+    fn modes(&mut self) {
+        if self.wide {
+            self.rows(5.0, &MODES_WIDE, None);
+            self.advance(2.0, GROUP_GAP);
+            return;
+        }
+        self.rows(4.0, &MODES, None);
+        self.advance(2.0, GROUP_GAP);
+        self.rows(5.0, &SWITCHES, None);
+        self.advance(1.0, GROUP_GAP);
+    }
+
+    /// The units of the machine side by side, then the row of units below them.
+    fn machine_units(&mut self) {
+        let (beside, below) = units(self.kind, self.wide);
+        self.cursor.y += CAPTION_HEIGHT;
+        let mut column = 0;
+        for MachineUnit(caption, keys, columns) in beside {
+            self.column(column, *columns, keys, *caption);
+            column += columns;
+        }
+        self.advance(UNIT_ROWS, GROUP_GAP);
+        self.cursor.y += CAPTION_HEIGHT;
+        let mut column = 0;
+        for MachineUnit(caption, keys, columns) in below {
+            self.block(column, *columns, keys, *caption);
+            column += columns;
+        }
+        self.advance(1.0, GROUP_GAP);
+    }
+
+    fn columns(&self) -> f32 {
+        if self.wide { 5.0 } else { 4.0 }
+    }
+
+    /// Keys in a column; two keys share the height of three.
+    fn column(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
+        let top = self.cell(self.columns(), column, 0);
+        let top = top.union(self.cell(self.columns(), column + columns - 1, 0));
+        let height = UNIT_ROWS * self.key_height + (UNIT_ROWS - 1.0) * KEY_GAP;
+        let each = (height - (keys.len() as f32 - 1.0) * KEY_GAP) / keys.len() as f32;
+        for (index, key) in keys.iter().enumerate() {
+            let corner = top.min + vec2(0.0, index as f32 * (each + KEY_GAP));
+            self.layout.keys.push((*key, Rect::from_min_size(corner, vec2(top.width(), each))));
+        }
+        self.group(Rect::from_min_size(top.min, vec2(top.width(), height)), Some(caption));
+    }
+
+    /// Keys side by side that share `columns` columns.
+    fn block(&mut self, column: usize, columns: usize, keys: &[Key], caption: Text) {
+        let first = self.cell(self.columns(), column, 0);
+        let around = first.union(self.cell(self.columns(), column + columns - 1, 0));
+        let each = (around.width() - (keys.len() as f32 - 1.0) * KEY_GAP) / keys.len() as f32;
+        for (index, key) in keys.iter().enumerate() {
+            let corner = around.min + vec2(index as f32 * (each + KEY_GAP), 0.0);
+            self.layout.keys.push((*key, Rect::from_min_size(corner, vec2(each, self.key_height))));
+        }
+        self.group(around, Some(caption));
+    }
+
+    /// Feed and spindle override with their values between the keys, then the rapid override keys.
+    fn overrides(&mut self) {
+        let half = (self.width - GROUP_GAP) / 2.0;
+        let side = theme::TOUCH_TARGET + 1.0;
+        let pairs = [(Key::FeedOverrideDown, Key::FeedOverrideUp), (Key::SpindleOverrideDown, Key::SpindleOverrideUp)];
+        for (index, (less, more)) in pairs.into_iter().enumerate() {
+            let left = self.cursor + vec2(index as f32 * (half + GROUP_GAP), 0.0);
+            let whole = Rect::from_min_size(left, vec2(half, self.key_height));
+            let (first, rest) = whole.split_left_right_at_x(whole.min.x + side);
+            let (value, last) = rest.split_left_right_at_x(rest.max.x - side);
+            self.layout.keys.push((less, first));
+            self.layout.keys.push((more, last));
+            if index == 0 { self.layout.feed_value = value } else { self.layout.spindle_value = value }
+        }
+        let top = self.cursor;
+        self.cursor.y += self.key_height + KEY_GAP;
+        for (index, key) in RAPIDS.into_iter().enumerate() {
+            let cell = self.cell(4.0, index, 0);
+            self.layout.keys.push((key, cell));
+        }
+        let around = Rect::from_min_size(top, vec2(self.width, 2.0 * self.key_height + KEY_GAP));
+        self.group(around, None);
+        self.advance(1.0, GROUP_GAP);
+    }
+
+    /// The jog cross of the kind, with the handwheel axis and step keys beside it.
+    fn jog(&mut self) {
+        // The last column, the steps, is wider: ×0.001 has six characters.
+        let unit = ((self.width - 3.0 * KEY_GAP - GROUP_GAP) / 5.0 - 2.0).max(theme::TOUCH_TARGET);
+        let place = |at: Pos2, left: f32, column: u8, row: u8, key: f32| {
+            let corner = at + vec2(left + f32::from(column) * (unit + KEY_GAP), f32::from(row) * (key + KEY_GAP));
+            Rect::from_min_size(corner, vec2(unit, key))
+        };
+        for (key, column, row) in jog_positions(self.kind) {
+            self.layout.keys.push((key, place(self.cursor, 0.0, column, row, self.key_height)));
+        }
+        let left = 3.0 * unit + 2.0 * KEY_GAP + GROUP_GAP;
+        for (row, keys) in HANDWHEEL.into_iter().enumerate() {
+            for (column, key) in keys.into_iter().enumerate() {
+                let mut cell = place(self.cursor, left, column as u8, row as u8, self.key_height);
+                if column == 1 {
+                    cell.max.x = self.cursor.x + self.width;
+                }
+                self.layout.keys.push((key, cell));
+            }
+        }
+        let height = 3.0 * self.key_height + 2.0 * KEY_GAP;
+        self.group(Rect::from_min_size(self.cursor, vec2(3.0 * unit + 2.0 * KEY_GAP, height)), None);
+        let wheel = Rect::from_min_size(self.cursor + vec2(left, 0.0), vec2(self.width - left, height));
+        self.group(wheel, None);
+        self.advance(3.0, GROUP_GAP);
+    }
+
+    /// Handwheel and reset, then cycle start, feed hold and emergency stop, large and well apart.
+    fn run_row(&mut self) {
+        let stop = (self.width * 0.32).round();
+        let reset =
+            Rect::from_min_size(pos2(self.cursor.x + self.width - stop, self.cursor.y), vec2(stop, self.key_height));
+        self.layout.keys.push((Key::Reset, reset));
+        self.layout.handwheel =
+            Rect::from_min_max(self.cursor, pos2(reset.min.x - GROUP_GAP, self.cursor.y + self.key_height));
+        self.advance(1.0, GROUP_GAP);
+        let height = 2.0 * self.key_height + KEY_GAP;
+        let apart = theme::PAD - 2.0;
+        let width = (self.width - stop - 2.0 * apart) / 2.0;
+        for (index, key) in [Key::CycleStart, Key::FeedHold].into_iter().enumerate() {
+            let corner = self.cursor + vec2(index as f32 * (width + apart), 0.0);
+            self.layout.keys.push((key, Rect::from_min_size(corner, vec2(width, height))));
+        }
+        let corner = pos2(self.cursor.x + self.width - stop, self.cursor.y);
+        self.layout.keys.push((Key::EmergencyStop, Rect::from_min_size(corner, vec2(stop, height))));
+        self.advance(2.0, 0.0);
+    }
+}

@@ -1,0 +1,164 @@
+//! The file requests and long calculations that a page has started, and the answers to them. Every page has its own
+//! list; answers to other pages or to older requests are ignored.
+//! Source: spec H8, K7.8.
+
+use super::login::Login;
+use super::question::Question;
+use super::view::View;
+use crate::defs::text::{LocalizedText, Text};
+use crate::link::Command;
+use crate::link::files::{Completion, FileRequest, FilesView, Refusal, Requester, Ticket};
+use crate::link::page_command::{PageCommand, PasswordScope};
+
+/// Maximum number of pending requests. An answer can be missing if the command queue was full.
+const MAX_PENDING: usize = 8;
+
+/// The reason of a request, returned with its answer.
+pub trait RequestReason {
+    /// The page that sends the request.
+    const REQUESTER: Requester;
+}
+
+/// The pending requests of a page, oldest first.
+#[derive(Debug)]
+pub struct PendingRequests<W> {
+    last: u32,
+    waiting: Vec<(u32, W)>,
+}
+
+impl<W> Default for PendingRequests<W> {
+    fn default() -> Self {
+        Self { last: 0, waiting: Vec::new() }
+    }
+}
+
+impl<W: RequestReason> PendingRequests<W> {
+    /// Creates a request; [`Self::hear`] returns the reason with the answer.
+    pub fn send(&mut self, why: W, request: FileRequest) -> Command {
+        if self.waiting.len() >= MAX_PENDING {
+            self.waiting.remove(0);
+        }
+        self.last = self.last.wrapping_add(1);
+        self.waiting.push((self.last, why));
+        Command::Page(PageCommand::File(Ticket { requester: W::REQUESTER, number: self.last }, request))
+    }
+
+    /// Whether an answer is pending.
+    #[must_use]
+    pub const fn is_waiting(&self) -> bool {
+        !self.waiting.is_empty()
+    }
+
+    /// The next answer to a request of this page.
+    pub fn poll(&mut self, files: &FilesView) -> Option<(W, Result<Completion, Refusal>)> {
+        let own = files.answers.iter().filter(|answer| answer.ticket.requester == W::REQUESTER);
+        for answer in own {
+            let number = answer.ticket.number;
+            // The core may have answered an earlier screen: continue after its numbers.
+            self.last = self.last.max(number);
+            if let Some(at) = self.waiting.iter().position(|(waiting, _)| *waiting == number) {
+                return Some((self.waiting.remove(at).1, answer.result.clone()));
+            }
+        }
+        None
+    }
+}
+
+/// The requests of a page that edits a text; they may need the program password first (K6.2).
+#[derive(Debug)]
+pub struct ProtectedRequests<W> {
+    requests: PendingRequests<W>,
+    /// The password dialog is open.
+    password_asked: bool,
+}
+
+impl<W> Default for ProtectedRequests<W> {
+    fn default() -> Self {
+        Self { requests: PendingRequests::default(), password_asked: false }
+    }
+}
+
+/// What a page that edits a text receives.
+#[derive(Debug)]
+pub enum RequestEvent<W> {
+    /// The password was accepted: the request can be repeated.
+    Unlocked,
+    /// An answer.
+    Answer(W, Result<Completion, Refusal>),
+}
+
+impl<W: RequestReason> ProtectedRequests<W> {
+    /// Creates a request; [`Self::hear`] returns the reason with the answer.
+    pub fn send(&mut self, why: W, request: FileRequest) -> Command {
+        self.requests.send(why, request)
+    }
+
+    /// The next answer; opens the password dialog if the password is required.
+    pub fn poll(&mut self, view: &View<'_>, login: &mut Login) -> Option<RequestEvent<W>> {
+        if self.password_asked && !login.is_open() {
+            self.password_asked = false;
+            if view.snapshot.access.program_unlocked {
+                return Some(RequestEvent::Unlocked);
+            }
+        }
+        let (why, answer) = self.requests.poll(&view.snapshot.files)?;
+        if answer == Err(Refusal::Password) {
+            self.password_asked = true;
+            login.unlock(view, PasswordScope::Program);
+            return None;
+        }
+        Some(RequestEvent::Answer(why, answer))
+    }
+}
+
+/// Index of the overwrite key in [`conflict_question`].
+pub const OVERWRITE_KEY: usize = 0;
+
+/// The question for a text that was changed on the disk since it was opened: overwrite it, read the disk, or cancel.
+#[must_use]
+pub fn conflict_question() -> Question {
+    let body = LocalizedText::new(
+        "打开之后磁盘上的文件已被改动。读磁盘：放弃这里的改动；覆盖：别处的改动丢失；取消：两者都保留。",
+        "The file was changed on the disk since it was opened. READ DISK drops the changes made here, OVERWRITE those made there; with CANCEL both stay.",
+    );
+    let keys =
+        [("question-overwrite", Text::new("覆盖", "OVERWRITE")), ("question-read", Text::new("读磁盘", "READ DISK"))];
+    Question::with_keys(Text::new("文件已被别处改动", "the file was changed elsewhere"), body, &keys)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, PartialEq)]
+    struct TestReason(u8);
+
+    impl RequestReason for TestReason {
+        const REQUESTER: Requester = Requester::Transfer;
+    }
+
+    fn ticket(command: &Command) -> Ticket {
+        match command {
+            Command::Page(PageCommand::File(ticket, _)) => *ticket,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn h8_every_answer_comes_to_its_own_request_in_any_order() {
+        let (mut asking, mut view) = (PendingRequests::default(), FilesView::default());
+        // An earlier screen has already sent request 1.
+        view.add_answer(Ticket { requester: Requester::Transfer, number: 1 }, Ok(Completion::default()));
+        assert!(asking.poll(&view).is_none());
+        let first = ticket(&asking.send(TestReason(1), FileRequest::ListMedia));
+        let second = ticket(&asking.send(TestReason(2), FileRequest::ListMedia));
+        assert!(first.number == 2 && second.number == 3 && asking.is_waiting());
+        view.add_answer(Ticket { requester: Requester::Editor, number: first.number }, Err(Refusal::Conflict));
+        assert!(asking.poll(&view).is_none(), "another page's answer");
+        view.add_answer(second, Err(Refusal::Password));
+        view.add_answer(first, Ok(Completion::default()));
+        assert_eq!(asking.poll(&view), Some((TestReason(2), Err(Refusal::Password))));
+        assert_eq!(asking.poll(&view), Some((TestReason(1), Ok(Completion::default()))));
+        assert!(asking.poll(&view).is_none() && !asking.is_waiting(), "each one once");
+    }
+}

@@ -1,0 +1,342 @@
+//! Reads the folders of programs and page files: splits programs into lines, parses page texts, decodes pictures.
+//! Runs on the disk thread or before a headless run, never in the tick.
+//! Source: spec B1, K5.12, K7.3, K7.4.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use chrono::{DateTime, Local};
+use image::ImageReader;
+use ropey::Rope;
+
+use super::shipped::{SHIPPED, SHIPPED_BY_NAME};
+use crate::controller::{Programs, StoredProgram};
+use crate::defs::kind::Kind;
+use crate::defs::text::LocalizedText;
+use crate::defs::{self, page_text};
+use crate::link::command::{FileFault, Picture, ScreenFiles, Screens};
+use crate::link::snapshot::DirectoryRow;
+use crate::nc::Source;
+use crate::store::{
+    DataDir, FileClass, FileContent, Folder, FolderEntry, FolderError, NamedProgram, PAGE_TEXT, PICTURE, PROGRAM,
+    ProgramFolder, decode, list_named_programs, program_stem, stamp,
+};
+
+/// Page file numbers of the programs with a grinding page: O1001 to O1020 use C0001/B0001 to C0020/B0020.
+const PAGE_NUMBERS: std::ops::RangeInclusive<u16> = 1..=20;
+/// Page file numbers of the R pages of the vertical grinder (S3).
+const R_PAGE_NUMBERS: std::ops::RangeInclusive<u16> = 801..=803;
+/// Number of the dressing page's picture, B0100.BMP (K7.6).
+const DRESSING_PICTURE: u16 = 100;
+/// Size of a page picture, pixels.
+pub const PICTURE_SIZE: (u32, u32) = (200, 400);
+/// Size of a page picture, bytes: 54 of header, 3 per pixel (K5.12).
+pub const PICTURE_BYTES: usize = 54 + 3 * 200 * 400;
+/// Offsets of bits per pixel and compression in a BMP header, bytes.
+const BITS_OFFSET: usize = 28;
+const COMPRESSION_OFFSET: usize = 30;
+
+/// The folders of programs and of page files.
+#[derive(Clone, Debug)]
+pub struct Folders {
+    /// Folder of programs.
+    pub programs: PathBuf,
+    /// Folder of page texts and pictures.
+    pub screens: PathBuf,
+    /// Programs have names (`SHAFT.NC`) instead of O numbers (L1).
+    pub by_name: bool,
+}
+
+impl Folders {
+    /// The given folders; otherwise `./programs` and `./screens`; otherwise those of the data directory. Empty folders
+    /// of the data directory get the shipped files.
+    ///
+    /// # Errors
+    /// The folder or a file in it cannot be created.
+    pub fn resolve(
+        programs: Option<PathBuf>,
+        screens: Option<PathBuf>,
+        data: &DataDir,
+        kind: Kind,
+    ) -> std::io::Result<Self> {
+        let choose = |given: Option<PathBuf>, name: &str, own: PathBuf| match given {
+            Some(path) => Ok(path),
+            None if Path::new(name).is_dir() => Ok(PathBuf::from(name)),
+            None => install_shipped(name, &own).map(|()| own),
+        };
+        let (name, own) = match kind.program_folder() {
+            "" => ("programs".to_owned(), data.programs()),
+            folder => (format!("programs/{folder}"), data.programs().join(folder)),
+        };
+        Ok(Self {
+            programs: choose(programs, &name, own)?,
+            screens: choose(screens, "screens", data.screens())?,
+            by_name: false,
+        })
+    }
+
+    /// The subfolder `name` of the program folder, whose programs have names. It is created with the shipped programs
+    /// when it is missing.
+    ///
+    /// # Errors
+    /// The folder or a file in it cannot be created.
+    pub fn subfolder_by_name(self, name: &str) -> std::io::Result<Self> {
+        let programs = self.programs.join(name);
+        if !programs.is_dir() {
+            std::fs::create_dir_all(&programs)?;
+            for (file, bytes) in SHIPPED_BY_NAME {
+                std::fs::write(programs.join(file), bytes)?;
+            }
+        }
+        Ok(Self { programs, by_name: true, ..self })
+    }
+
+    /// The program folder, for programs with numbers and with names.
+    #[must_use]
+    pub fn program_folder(&self) -> ProgramFolder {
+        ProgramFolder::new(&self.programs, self.by_name)
+    }
+
+    /// Reads every program.
+    ///
+    /// # Errors
+    /// The folder cannot be listed.
+    pub fn read_programs(&self) -> Result<(Programs, Vec<DirectoryRow>), FolderError> {
+        if self.by_name {
+            return Ok(self.read_named());
+        }
+        let folder = Folder::new(&self.programs);
+        let listing = folder.list(&PROGRAM)?;
+        let mut rows = Vec::new();
+        let mut directory = Vec::new();
+        for entry in &listing.entries {
+            if let Ok(read) = folder.read(&PROGRAM, entry.number) {
+                rows.push(program_from_bytes(u32::from(entry.number), &read.name, read.bytes));
+                directory.push(directory_row(entry));
+            }
+        }
+        for entry in list_named_programs(&self.programs)? {
+            if let Ok(read) = folder.read_named(&PROGRAM, &entry.name) {
+                let number = defs::program_number::from_name(&entry.stem);
+                rows.push(program_from_bytes(number, &read.name, read.bytes));
+                directory.push(named_directory_row(number, &entry));
+            }
+        }
+        Ok((Programs::new(rows), directory))
+    }
+
+    /// Reads programs with names in alphabetical order (L1). Skips a file that cannot be read.
+    fn read_named(&self) -> (Programs, Vec<DirectoryRow>) {
+        let shelf = self.program_folder();
+        let names = shelf.list().unwrap_or_default();
+        let (mut rows, mut directory) = (Vec::new(), Vec::new());
+        for file in names {
+            let Ok(FileContent { name, bytes }) = shelf.read(&file.name) else { continue };
+            let size = bytes.len() as u64;
+            let stem = defs::program_number::stem(&name).to_ascii_uppercase();
+            let program = program_from_bytes(defs::program_number::from_name(&stem), &name, bytes);
+            let comment = program.source.comment_title().unwrap_or_default();
+            let told = self.programs.join(&name).metadata().ok();
+            let modified = time_text(told.and_then(|metadata| metadata.modified().ok()));
+            directory.push(DirectoryRow { number: program.number, name: stem, size, comment, modified });
+            rows.push(program);
+        }
+        (Programs::new(rows), directory)
+    }
+
+    /// Reads every page text and picture.
+    ///
+    /// # Errors
+    /// The folder cannot be listed.
+    pub fn read_screens(&self) -> Result<Screens, FolderError> {
+        let folder = Folder::new(&self.screens);
+        let listed = |class: &FileClass| -> Result<Vec<u16>, FolderError> {
+            Ok(folder.list(class)?.entries.iter().map(|entry| entry.number).collect())
+        };
+        let (texts, pictures) = (listed(&PAGE_TEXT)?, listed(&PICTURE)?);
+        let pages = PAGE_NUMBERS
+            .chain(R_PAGE_NUMBERS)
+            .filter(|number| texts.contains(number) || pictures.contains(number))
+            .map(|number| {
+                let files = ScreenFiles { text: page_text(&folder, number), picture: picture(&folder, number) };
+                (1_000 + u32::from(number), files)
+            })
+            .collect();
+        let dressing = Some(picture(&folder, DRESSING_PICTURE));
+        Ok(Screens { pages, dressing })
+    }
+}
+
+/// Creates a program from the bytes of its file.
+#[must_use]
+pub fn program_from_bytes(number: u32, name: &str, bytes: Vec<u8>) -> StoredProgram {
+    let (text, mistaken) = match decode(&bytes) {
+        Ok(decoded) => (Rope::from_str(&decoded.text), false),
+        Err(_) => (Rope::from_str(&String::from_utf8_lossy(&bytes)), true),
+    };
+    let stamp = stamp(&bytes);
+    StoredProgram {
+        number,
+        source: Arc::new(Source::new(number, name, bytes)),
+        text,
+        stamp,
+        has_invalid_bytes: mistaken,
+    }
+}
+
+/// The named programs in the folder of a named program. A call such as `L10` is searched there first.
+#[must_use]
+pub fn named_programs_beside(file: &Path) -> Vec<StoredProgram> {
+    let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    if program_stem(&name).is_none() {
+        return Vec::new();
+    }
+    let path = match file.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let folder = Folder::new(path);
+    let named = list_named_programs(path).unwrap_or_default();
+    let read = |entry: NamedProgram| folder.read_named(&PROGRAM, &entry.name).ok().map(|read| (entry.stem, read));
+    let found = named.into_iter().filter_map(read);
+    found
+        .map(|(stem, read)| program_from_bytes(defs::program_number::from_name(&stem), &read.name, read.bytes))
+        .collect()
+}
+
+fn named_directory_row(number: u32, entry: &NamedProgram) -> DirectoryRow {
+    DirectoryRow {
+        number,
+        name: entry.stem.clone(),
+        size: entry.size,
+        comment: entry.comment.clone(),
+        modified: time_text(entry.modified),
+    }
+}
+
+fn time_text(modified: Option<SystemTime>) -> String {
+    modified.map(|time| DateTime::<Local>::from(time).format("%Y-%m-%d %H:%M").to_string()).unwrap_or_default()
+}
+
+fn install_shipped(name: &str, own: &Path) -> std::io::Result<()> {
+    std::fs::create_dir_all(own)?;
+    if std::fs::read_dir(own)?.next().is_some() {
+        return Ok(());
+    }
+    for (path, bytes) in SHIPPED {
+        // The subfolder of a kind is filled at the first start with that kind.
+        let own_file = |file: &&str| !file.contains('/');
+        if let Some(file) = path.strip_prefix(name).and_then(|rest| rest.strip_prefix('/')).filter(own_file) {
+            std::fs::write(own.join(file), bytes)?;
+        }
+    }
+    Ok(())
+}
+
+fn directory_row(entry: &FolderEntry) -> DirectoryRow {
+    let number = u32::from(entry.number);
+    DirectoryRow {
+        number,
+        name: defs::program_number::name_of(number),
+        size: entry.size,
+        comment: entry.comment.clone(),
+        modified: time_text(entry.modified),
+    }
+}
+
+fn file_fault(file: &str, zh: impl Into<String>, en: impl Into<String>) -> FileFault {
+    FileFault { file: file.to_owned(), position: None, message: LocalizedText::new(zh, en) }
+}
+
+/// Reads a page file; a fault is shown with alarm 66.
+fn read_page_file(folder: &Folder, class: &FileClass, number: u16) -> Result<crate::store::FileContent, FileFault> {
+    folder.read(class, number).map_err(|error| match error {
+        FolderError::Missing { name, .. } => {
+            file_fault(&name, "文件不存在，请拷入 screens 目录", "missing: copy it into the screens folder")
+        }
+        other => FileFault { file: class.file_name(number), position: None, message: other.message() },
+    })
+}
+
+fn page_text(folder: &Folder, number: u16) -> Result<Arc<page_text::PageText>, FileFault> {
+    let found = read_page_file(folder, &PAGE_TEXT, number)?;
+    parse_page_text(&found.name, &found.bytes).map(Arc::new)
+}
+
+/// Parses a page text in UTF-8 or GBK.
+///
+/// # Errors
+/// The first position that does not match the format.
+pub fn parse_page_text(name: &str, bytes: &[u8]) -> Result<page_text::PageText, FileFault> {
+    let decoded = decode(bytes).map_err(|error| FileFault {
+        file: name.to_owned(),
+        position: Some((error.line as u32, error.column as u32)),
+        message: LocalizedText::new(
+            "不是 GBK 或 UTF-8 编码，请用记事本另存",
+            "neither GBK nor UTF-8: save it again with an editor",
+        ),
+    })?;
+    page_text::parse(&decoded.text).map_err(|wrong| FileFault {
+        file: name.to_owned(),
+        position: Some((wrong.line, wrong.column)),
+        message: wrong.message,
+    })
+}
+
+fn picture(folder: &Folder, number: u16) -> Result<Arc<Picture>, FileFault> {
+    let found = read_page_file(folder, &PICTURE, number)?;
+    parse_picture(&found.name, &found.bytes).map(Arc::new)
+}
+
+/// Checks and decodes a page picture: BMP, 200 × 400 pixels, 24 bit, uncompressed, 240 054 bytes (K5.12).
+///
+/// # Errors
+/// What is wrong with the picture.
+pub fn parse_picture(name: &str, bytes: &[u8]) -> Result<Picture, FileFault> {
+    if !bytes.starts_with(b"BM") {
+        return Err(file_fault(name, "不是 BMP 文件", "not a BMP file"));
+    }
+    let number = |at: usize| bytes.get(at..at + 4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]]));
+    let (width, height) = (number(18), number(22).map(|height| (height as i32).unsigned_abs()));
+    if (width, height) != (Some(PICTURE_SIZE.0), Some(PICTURE_SIZE.1)) {
+        let (width, height) = (width.unwrap_or(0), height.unwrap_or(0));
+        return Err(file_fault(
+            name,
+            format!("图片是 {width}×{height}，应为 200×400 点"),
+            format!("the picture is {width}×{height}, it has to be 200×400 pixels"),
+        ));
+    }
+    let bits = number(BITS_OFFSET).map_or(0, |both| both & 0xFFFF);
+    if bits != 24 {
+        return Err(file_fault(
+            name,
+            format!("图片是 {bits} 位，保存时请选 24 位"),
+            format!("the picture has {bits} bits a pixel, save it with 24"),
+        ));
+    }
+    if number(COMPRESSION_OFFSET) != Some(0) {
+        return Err(file_fault(
+            name,
+            "图片是压缩的，请存为不压缩的 BMP",
+            "the picture is compressed, save it uncompressed",
+        ));
+    }
+    if bytes.len() != PICTURE_BYTES {
+        return Err(file_fault(
+            name,
+            format!("文件是 {} 字节，应为 {PICTURE_BYTES} 字节 (234K)", bytes.len()),
+            format!("the file has {} bytes, it has to have {PICTURE_BYTES}", bytes.len()),
+        ));
+    }
+    let decoded = ImageReader::with_format(std::io::Cursor::new(bytes), image::ImageFormat::Bmp)
+        .decode()
+        .map_err(|error| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}")))?;
+    let mut png = Vec::new();
+    decoded
+        .to_rgb8()
+        .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
+        .map_err(|error| file_fault(name, format!("图片损坏：{error}"), format!("the picture is damaged: {error}")))?;
+    png.shrink_to_fit();
+    Ok(Picture(png))
+}

@@ -1,0 +1,120 @@
+//! Checks and changes passwords, and stores settings such as kind and language, as the pages request.
+//! Runs on the disk thread or in a rig; the core receives the answer only.
+//! Source: spec B6, K1, K6.2.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use crate::defs::text::LocalizedText;
+use crate::link::command::Command;
+use crate::link::page_command::{PageCommand, PasswordScope, Secret, SettingsRequest, StorageAnswer};
+use crate::store::{RetainedChange, RetainedData, RetainedDatabase, RetainedError, StoredSettings, password};
+
+/// The default passwords, valid until they are changed; the manual lists them.
+const fn default_password(guard: PasswordScope) -> &'static str {
+    match guard {
+        PasswordScope::Program => "187350", // K6.2
+        PasswordScope::User => "123456",
+        PasswordScope::Builder => "830830",
+    }
+}
+
+const fn store_key(guard: PasswordScope) -> &'static str {
+    match guard {
+        PasswordScope::Program => "password-program",
+        PasswordScope::User => "password-user",
+        PasswordScope::Builder => "password-builder",
+    }
+}
+
+/// Hashes of the changed passwords, and the folder of the settings.
+#[derive(Clone, Debug, Default)]
+pub struct PasswordStore {
+    hashes: BTreeMap<PasswordScope, String>,
+    folder: Option<PathBuf>,
+}
+
+impl PasswordStore {
+    /// Takes the passwords from retained data; settings are stored in `folder`.
+    #[must_use]
+    pub fn new(loaded: &RetainedData, folder: PathBuf) -> Self {
+        let found = |guard: PasswordScope| loaded.texts.get(store_key(guard)).map(|hash| (guard, hash.clone()));
+        Self { hashes: PasswordScope::ALL.into_iter().filter_map(found).collect(), folder: Some(folder) }
+    }
+
+    /// Executes a request and returns the answer; without a store a new password is kept in memory only.
+    pub fn answer(&mut self, wish: &SettingsRequest, store: Option<&mut RetainedDatabase>) -> Command {
+        let answer = match wish {
+            SettingsRequest::CheckPassword(guard, secret) => {
+                StorageAnswer::PasswordChecked(*guard, self.matches(*guard, secret))
+            }
+            SettingsRequest::ChangePassword { scope: of, old, .. } if !self.matches(*of, old) => {
+                StorageAnswer::PasswordChanged(*of, false)
+            }
+            SettingsRequest::ChangePassword { scope: of, new, .. } => match self.set_password(*of, new, store) {
+                Ok(()) => StorageAnswer::PasswordChanged(*of, true),
+                Err(why) => StorageAnswer::Failed(why),
+            },
+            SettingsRequest::SaveKind(kind) => match self.update_settings(|settings| settings.kind = Some(*kind)) {
+                Ok(()) => StorageAnswer::KindSaved(*kind),
+                Err(why) => StorageAnswer::Failed(why),
+            },
+            SettingsRequest::SaveLightTheme(light) => {
+                match self.update_settings(|settings| settings.light = Some(*light)) {
+                    Ok(()) => StorageAnswer::LangSaved,
+                    Err(why) => StorageAnswer::Failed(why),
+                }
+            }
+            SettingsRequest::SaveBrightness(percent) => {
+                match self.update_settings(|settings| settings.brightness = Some(*percent)) {
+                    Ok(()) => StorageAnswer::LangSaved,
+                    Err(why) => StorageAnswer::Failed(why),
+                }
+            }
+            SettingsRequest::SaveSerialPort(port) => {
+                match self.update_settings(|settings| settings.serial = Some(port.clone())) {
+                    Ok(()) => StorageAnswer::LangSaved,
+                    Err(why) => StorageAnswer::Failed(why),
+                }
+            }
+            SettingsRequest::SaveLang(lang) => match self.update_settings(|settings| settings.lang = Some(*lang)) {
+                Ok(()) => StorageAnswer::LangSaved,
+                Err(why) => StorageAnswer::Failed(why),
+            },
+        };
+        Command::Page(PageCommand::StorageAnswered(answer))
+    }
+
+    fn matches(&self, guard: PasswordScope, secret: &Secret) -> bool {
+        match self.hashes.get(&guard) {
+            Some(hash) => password::verify(secret.reveal(), hash),
+            None => secret.reveal() == default_password(guard),
+        }
+    }
+
+    fn set_password(
+        &mut self,
+        guard: PasswordScope,
+        new: &Secret,
+        store: Option<&mut RetainedDatabase>,
+    ) -> Result<(), LocalizedText> {
+        let hash = password::hash(new.reveal()).map_err(|error| error_text(&error))?;
+        if let Some(store) = store {
+            let change = RetainedChange::Text { key: store_key(guard).to_owned(), value: Some(hash.clone()) };
+            store.commit(&[change]).map_err(|error: RetainedError| error_text(&error))?;
+        }
+        self.hashes.insert(guard, hash);
+        Ok(())
+    }
+
+    fn update_settings(&self, change: impl FnOnce(&mut StoredSettings)) -> Result<(), LocalizedText> {
+        let Some(folder) = &self.folder else { return Ok(()) };
+        let mut settings = StoredSettings::read(folder).map_err(|error| error_text(&error))?;
+        change(&mut settings);
+        settings.write(folder).map_err(|error| error_text(&error))
+    }
+}
+
+fn error_text(error: &dyn std::fmt::Display) -> LocalizedText {
+    LocalizedText::new(error.to_string(), error.to_string())
+}

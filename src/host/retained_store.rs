@@ -1,0 +1,197 @@
+//! Maps the core's storage requests to database rows: keys, values, and how they are restored at power-on.
+//! Source: spec B3 (retained ranges), notes "acknowledge after commit".
+
+use std::path::Path;
+
+use super::password_store::PasswordStore;
+use crate::controller::{PowerOnState, StorageRequest};
+use crate::defs::kind::Kind;
+use crate::defs::leadscrew::LeadscrewCompensation;
+use crate::defs::param::ParamAddress;
+use crate::link::command::Command;
+use crate::link::page_command::SettingsRequest;
+use crate::store;
+use crate::units::{Axis, PerAxis};
+
+const CURRENT_PROGRAM: &str = "current-program";
+const PARTS: &str = "parts";
+const CLOCK_OFFSET: &str = "clock-offset";
+const SCREWS: [&str; 3] = ["screw-x", "screw-y", "screw-z"];
+const RUNNING_AT: &str = "running-at";
+/// Factor that combines program and line into one number; larger than any line number.
+const LINE_FACTOR: f64 = 1e8;
+const DRESS_POINTS: [&str; 3] = ["dress-point-x", "dress-point-y", "dress-point-z"];
+
+/// Result of opening the data.
+#[derive(Debug)]
+pub struct StoreReport {
+    /// The data that the control starts with.
+    pub retained: PowerOnState,
+    /// The data were damaged: path of the copy and cause.
+    pub damaged: Option<String>,
+    /// Stored values that are no longer allowed; factory values are used instead.
+    pub dropped: Vec<String>,
+}
+
+/// The store of one control.
+pub struct RetainedStore {
+    database: store::RetainedDatabase,
+    passwords: PasswordStore,
+    /// Changes that the disk has refused; they are written before the next changes.
+    unsaved: Vec<store::RetainedChange>,
+}
+
+/// Maximum number of unsaved changes; the oldest are dropped first.
+const MAX_UNSAVED: usize = 100_000;
+
+impl RetainedStore {
+    /// Opens the data of a directory.
+    ///
+    /// # Errors
+    /// Another control has it open, or the disk reports an error.
+    pub fn open(folder: &Path, kind: Kind) -> Result<(Self, StoreReport), store::RetainedError> {
+        let mut opened = store::RetainedDatabase::open(folder)?;
+        let loaded = opened.database.load()?;
+        let damaged = opened.damaged.map(|report| format!("{} ({})", report.kept_as.display(), report.cause));
+        let (retained, dropped) = retained_from_data(kind, &loaded);
+        let vault = PasswordStore::new(&loaded, folder.to_path_buf());
+        Ok((
+            Self { database: opened.database, passwords: vault, unsaved: Vec::new() },
+            StoreReport { retained, damaged, dropped },
+        ))
+    }
+
+    /// Answers a request of a page.
+    pub fn answer(&mut self, wish: &SettingsRequest) -> Command {
+        self.passwords.answer(wish, Some(&mut self.database))
+    }
+
+    /// Stores the core's requests. When it returns, they survive a power cut. Changes that the disk refuses are written
+    /// again with the next request.
+    ///
+    /// # Errors
+    /// The disk reports an error.
+    pub fn commit(&mut self, effects: &[StorageRequest]) -> Result<u64, store::RetainedError> {
+        self.unsaved.extend(effects.iter().filter_map(to_change));
+        let mut done = self.database.commit(&self.unsaved);
+        if let Err(store::RetainedError::BadChange { .. }) = done {
+            // An invalid change is dropped and reported; the others are still written.
+            self.unsaved.retain(store::RetainedDatabase::accepts);
+            self.database.commit(&self.unsaved)?;
+            self.unsaved.clear();
+        }
+        match &mut done {
+            Ok(_) => self.unsaved.clear(),
+            Err(_) => drop(self.unsaved.drain(..self.unsaved.len().saturating_sub(MAX_UNSAVED))),
+        }
+        done.map(|generation| generation.0)
+    }
+}
+
+/// The database change of an effect; `None` for jobs and page requests.
+fn to_change(effect: &StorageRequest) -> Option<store::RetainedChange> {
+    Some(match effect {
+        StorageRequest::Variable(number, value) => {
+            store::RetainedChange::Variable { number: *number as u16, value: *value }
+        }
+        StorageRequest::Param(at, value) => store::RetainedChange::Param { key: at.to_string(), value: Some(*value) },
+        StorageRequest::Offset { number, geometry, wear } => store::RetainedChange::Offset {
+            number: *number as u8,
+            offset: store::ToolOffset { geometry: *geometry, wear: *wear },
+        },
+        StorageRequest::WorkOffset(index, origin) => {
+            store::RetainedChange::WorkOffset { index: *index as u8, origin: *origin }
+        }
+        StorageRequest::DressPoint(axis, at) => {
+            store::RetainedChange::Number { key: DRESS_POINTS[*axis as usize].into(), value: Some(*at) }
+        }
+        StorageRequest::LeadscrewTable(axis, table) => {
+            store::RetainedChange::Text { key: SCREWS[*axis as usize].into(), value: Some(table.to_text()) }
+        }
+        StorageRequest::CurrentProgram(number) => {
+            store::RetainedChange::Number { key: CURRENT_PROGRAM.into(), value: Some(f64::from(*number)) }
+        }
+        StorageRequest::Alarm(past) => store::RetainedChange::Alarm(past.clone()),
+        StorageRequest::ClockOffset(seconds) => {
+            store::RetainedChange::Number { key: CLOCK_OFFSET.into(), value: Some(*seconds as f64) }
+        }
+        StorageRequest::PartCount(parts) => {
+            store::RetainedChange::Number { key: PARTS.into(), value: Some(f64::from(*parts)) }
+        }
+        StorageRequest::RunningAt(place) => store::RetainedChange::Number {
+            key: RUNNING_AT.into(),
+            // One number, so that program and line always belong together.
+            value: place.map(|(program, line)| f64::from(program) * LINE_FACTOR + f64::from(line)),
+        },
+        StorageRequest::Page(_) | StorageRequest::Job(_) => return None,
+    })
+}
+
+/// Applies one request to data in memory: a control without a data directory starts with them after a power cut.
+pub fn apply_effect(retained: &mut PowerOnState, effect: &StorageRequest) {
+    match effect {
+        StorageRequest::Variable(number, value) => drop(retained.variables.set(*number, *value)),
+        StorageRequest::Param(at, value) => drop(retained.params.write(*at, *value)),
+        StorageRequest::Offset { number, geometry, wear } => {
+            if let Some(index) = number.checked_sub(1).filter(|index| *index < retained.work_offsets.wear.len()) {
+                retained.work_offsets.geometry[index] = *geometry;
+                retained.work_offsets.wear[index] = *wear;
+            }
+        }
+        StorageRequest::WorkOffset(index, origin) => {
+            if let Some(frame) = retained.work_offsets.work.get_mut(*index) {
+                *frame = *origin;
+            }
+        }
+        StorageRequest::DressPoint(axis, at) => retained.dress_points[*axis] = Some(*at),
+        StorageRequest::LeadscrewTable(axis, table) => retained.leadscrew_tables[*axis] = table.clone(),
+        StorageRequest::CurrentProgram(number) => retained.current_program = *number,
+        StorageRequest::Alarm(past) => {
+            retained.alarm_history.retain(|other| other.slot() != past.slot());
+            retained.alarm_history.push((**past).clone());
+        }
+        StorageRequest::ClockOffset(seconds) => retained.clock_offset_s = *seconds,
+        StorageRequest::PartCount(parts) => retained.part_count = *parts,
+        StorageRequest::RunningAt(place) => retained.interrupted = *place,
+        StorageRequest::Page(_) | StorageRequest::Job(_) => {}
+    }
+}
+
+fn retained_from_data(kind: Kind, loaded: &store::RetainedData) -> (PowerOnState, Vec<String>) {
+    let mut retained = PowerOnState::factory(kind);
+    let mut dropped = Vec::new();
+    for (number, value) in &loaded.variables {
+        if retained.variables.set(u32::from(*number), Some(*value)).is_err() {
+            dropped.push(format!("#{number} = {value}"));
+        }
+    }
+    for (key, value) in &loaded.params {
+        let written = ParamAddress::parse(key).map(|at| retained.params.write(at, *value));
+        if !matches!(written, Some(Ok(()))) {
+            dropped.push(format!("{key} = {value}"));
+        }
+    }
+    for (number, offset) in &loaded.offsets {
+        let number = usize::from(*number);
+        apply_effect(&mut retained, &StorageRequest::Offset { number, geometry: offset.geometry, wear: offset.wear });
+    }
+    for (index, origin) in &loaded.work_offsets {
+        apply_effect(&mut retained, &StorageRequest::WorkOffset(usize::from(*index), PerAxis(origin.0)));
+    }
+    for axis in Axis::ALL {
+        let Some(text) = loaded.texts.get(SCREWS[axis as usize]) else { continue };
+        match LeadscrewCompensation::parse(text) {
+            Ok(table) => retained.leadscrew_tables[axis] = table,
+            Err(fault) => dropped.push(format!("{}: {fault}", SCREWS[axis as usize])),
+        }
+    }
+    let number = |key: &str| loaded.numbers.get(key).map_or(0, |value| value.max(0.0) as u32);
+    retained.current_program = number(CURRENT_PROGRAM);
+    retained.part_count = number(PARTS);
+    retained.alarm_history = loaded.alarms.values().cloned().collect();
+    retained.clock_offset_s = loaded.numbers.get(CLOCK_OFFSET).map_or(0, |seconds| *seconds as i64);
+    retained.interrupted =
+        loaded.numbers.get(RUNNING_AT).map(|at| ((at / LINE_FACTOR) as u32, (at % LINE_FACTOR) as u32));
+    retained.dress_points = PerAxis::from_fn(|axis| loaded.numbers.get(DRESS_POINTS[axis as usize]).copied());
+    (retained, dropped)
+}

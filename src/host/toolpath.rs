@@ -1,0 +1,231 @@
+//! Computes the toolpath of a program in a check run: every move, arcs as chords, with progress and cancellation.
+//! Source: spec B6 (图形), H8.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::job_runner::line_fault;
+use crate::controller::files::{BackgroundJob, DrawingStart};
+use crate::controller::{Programs, StoredProgram};
+use crate::defs::text::{LocalizedText, Text};
+use crate::io::sim::{InterferenceCheck, MachineFile};
+use crate::link::files::{FileAnswer, LineFault};
+use crate::link::toolpath::{MAX_POINTS, MoveKind, PathPoint, Toolpath};
+use crate::nc::{ExternalState, Library, OfflineMachine, Op, check_until};
+use crate::units::PerAxis;
+
+/// Text shown with the progress.
+pub const PROGRESS_TEXT: Text = Text::new("正在计算图形", "computing the path");
+/// Blocks between two progress reports.
+const PROGRESS_INTERVAL_BLOCKS: u64 = 4_096;
+/// Maximum number of interferences reported.
+const MAX_INTERFERENCES: usize = 20;
+/// Maximum number of chords per arc, and the largest distance between chord and arc, mm.
+const MAX_CHORDS: f64 = 180.0;
+const CHORD_TOLERANCE_MM: f64 = 0.002;
+
+/// Computes the toolpath of a program.
+pub fn compute_toolpath(
+    program: &StoredProgram,
+    job: &BackgroundJob,
+    start: &DrawingStart,
+    cancelled: &AtomicBool,
+    tell: &mut dyn FnMut(FileAnswer),
+) -> Toolpath {
+    let programs: Arc<Programs> = Arc::clone(&job.programs);
+    let library: Arc<dyn Library + Send + Sync> = programs;
+    let mut world = OfflineMachine::new(&job.settings)
+        .with_references(start.reference_points)
+        .with_block_skip(start.block_skip)
+        .with_position(start.position)
+        .with_work_offsets(start.work_offsets.clone());
+    start.system_variables.iter().for_each(|(number, value)| world.set_system(*number, Some(*value)));
+    let rehearsal = interference_check(program, start);
+    let mut pen = ToolpathRecorder {
+        world: world.clone(),
+        points: Vec::new(),
+        last: None,
+        interference_check: rehearsal,
+        interferences: Vec::new(),
+    };
+    let (lines, mut blocks, mut furthest) = (program.source.line_count().max(1), 0_u64, 0);
+    let memory = start.memory.clone();
+    let checked = check_until(&program.source, &library, &job.settings, memory, &mut world, &mut |block| {
+        let line = if block.location.program == program.number { block.location.line } else { 0 };
+        block.ops.iter().for_each(|op| pen.record(op, line));
+        blocks += 1;
+        if blocks.is_multiple_of(PROGRESS_INTERVAL_BLOCKS) {
+            if block.location.program == program.number {
+                furthest = furthest.max(block.location.line as usize);
+            }
+            // The last tenth is left for the levels of detail.
+            tell(FileAnswer::Progress(PROGRESS_TEXT, (furthest * 900 / lines) as u16));
+        }
+        !cancelled.load(Ordering::Acquire) && pen.points.len() < MAX_POINTS
+    });
+    let mut drawing = Toolpath {
+        number: program.number,
+        stamp: program.stamp,
+        levels: Vec::new(),
+        extents: checked.extents,
+        length_mm: checked.length_mm,
+        duration_s: checked.seconds,
+        lines: checked.lines,
+        crashes: pen.interferences.iter().map(|met| met.at).collect(),
+        faults: checked
+            .faults
+            .iter()
+            .filter(|fault| fault.location.program == program.number)
+            .map(line_fault)
+            .collect(),
+        finished: checked.finished,
+    };
+    drawing.faults.extend(pen.interferences.iter().map(Interference::line_fault));
+    drawing.faults.sort_by_key(|fault| fault.line);
+    drawing.set_path(pen.points);
+    drawing
+}
+
+/// Interference check of a lathe program's bar and tools (L9); `None` on other kinds.
+fn interference_check(program: &StoredProgram, start: &DrawingStart) -> Option<InterferenceCheck> {
+    let part = super::bar::bar_of_program(start.kind, &start.params, &program.source)?;
+    let machine = MachineFile::builtin(start.kind).ok()?;
+    InterferenceCheck::new(&part, machine.tool_post.as_ref()?, &start.params)
+}
+
+/// A collision of a tool: line, cause and position.
+#[derive(Debug)]
+struct Interference {
+    line: u32,
+    cause: &'static str,
+    at: [f32; 3],
+}
+
+impl Interference {
+    fn line_fault(&self) -> LineFault {
+        let zh = match self.cause {
+            "chuck" => "刀具碰卡盘",
+            "part, shank of the tool" => "刀杆碰工件",
+            "part, spindle standing" => "主轴不转时切入工件",
+            _ => "快速切入工件",
+        };
+        let (x, z) = (2.0 * self.at[0], self.at[2]);
+        let said = LocalizedText::new(
+            format!("干涉：{zh}，X{x:.2} Z{z:.2}；请改路径或换刀"),
+            format!("interference: {}, X{x:.2} Z{z:.2}; change the path or the tool", self.cause),
+        );
+        LineFault { line: self.line, column: 1, message: said }
+    }
+}
+
+/// Executes the operations in its own check world and records the toolpath.
+struct ToolpathRecorder {
+    world: OfflineMachine,
+    points: Vec<PathPoint>,
+    /// End of the path so far; a change of work offset can move it away from the current position.
+    last: Option<[f32; 3]>,
+    interference_check: Option<InterferenceCheck>,
+    interferences: Vec<Interference>,
+}
+
+impl ToolpathRecorder {
+    /// Executes one operation; `line` is 0 for an operation of another program.
+    fn record(&mut self, op: &Op, line: u32) {
+        let from = self.world.position();
+        let before = self.points.len();
+        self.world.apply(op);
+        self.record_path(op, from);
+        if let Some(mut rehearsal) = self.interference_check.take() {
+            let met = self.check_interference(&mut rehearsal, op, from, before);
+            if let Some((what, at)) = met.filter(|_| self.interferences.len() < MAX_INTERFERENCES) {
+                self.interferences.push(Interference { line, cause: what, at });
+            }
+            self.interference_check = Some(rehearsal);
+        }
+    }
+
+    /// Runs the interference check for one operation: the first collision and the end point of its path segment.
+    fn check_interference(
+        &self,
+        rehearsal: &mut InterferenceCheck,
+        op: &Op,
+        from: PerAxis<f64>,
+        before: usize,
+    ) -> Option<(&'static str, [f32; 3])> {
+        match op {
+            Op::SetCoordinateSystem { .. } => rehearsal.set_coordinate_system(from, self.world.position()),
+            Op::IndexTurret { station, by } => rehearsal.change_tool(usize::from(*station).saturating_sub(1), *by),
+            Op::M { code: 3 | 4, .. } => rehearsal.set_spindle(true),
+            Op::M { code: 5, .. } => rehearsal.set_spindle(false),
+            _ => {}
+        }
+        // The path segments recorded for this operation.
+        let mut at = from;
+        for point in self.points.iter().skip(before).filter(|point| point.kind != MoveKind::Break) {
+            let to = PerAxis(point.at.map(f64::from));
+            if let Some(what) = rehearsal.check_move(at, to, point.kind == MoveKind::Rapid) {
+                return Some((what, point.at));
+            }
+            at = to;
+        }
+        None
+    }
+
+    fn record_path(&mut self, op: &Op, from: PerAxis<f64>) {
+        let to = self.world.position();
+        match op {
+            Op::Rapid { .. } | Op::MachineMove { feed: None, .. } => self.record_line(from, to, MoveKind::Rapid),
+            Op::Feed { .. } | Op::Skip { .. } | Op::MachineMove { feed: Some(_), .. } => {
+                self.record_line(from, to, MoveKind::Feed)
+            }
+            Op::Thread(threading) => {
+                self.record_line(from, threading.run_out_start, MoveKind::Feed);
+                self.record_line(threading.run_out_start, to, MoveKind::Feed);
+            }
+            Op::ReturnToReference { via, .. } => {
+                self.record_line(from, *via, MoveKind::Rapid);
+                self.record_line(*via, to, MoveKind::Rapid);
+            }
+            Op::Gauge(gauging) => {
+                let mut touch = from;
+                touch[gauging.axis] = gauging.to;
+                self.record_line(from, touch, MoveKind::Feed);
+                self.record_line(touch, to, MoveKind::Feed);
+            }
+            Op::Arc { center, plane, turn, .. } => {
+                let (first, second) = plane.axes();
+                let angle = |at: PerAxis<f64>| (at[second] - center[second]).atan2(at[first] - center[first]);
+                let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
+                let (begin, turn) = (angle(from), f64::from(*turn));
+                let swept = (turn * (angle(to) - begin)).rem_euclid(std::f64::consts::TAU);
+                let swept = if swept <= 1e-9 { std::f64::consts::TAU } else { swept };
+                let step = 2.0 * (1.0 - CHORD_TOLERANCE_MM / radius.max(CHORD_TOLERANCE_MM)).clamp(-1.0, 1.0).acos();
+                let chords = (swept / step.max(1e-3)).ceil().clamp(1.0, MAX_CHORDS) as u32;
+                let mut last = from;
+                for chord in 1..=chords {
+                    let part = f64::from(chord) / f64::from(chords);
+                    let at = begin + turn * swept * part;
+                    let mut next = PerAxis::from_fn(|axis| from[axis] + (to[axis] - from[axis]) * part);
+                    next[first] = center[first] + radius * at.cos();
+                    next[second] = center[second] + radius * at.sin();
+                    let next = if chord == chords { to } else { next };
+                    self.record_line(last, next, MoveKind::Feed);
+                    last = next;
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn record_line(&mut self, from: PerAxis<f64>, to: PerAxis<f64>, way: MoveKind) {
+        let three = |at: PerAxis<f64>| at.0.map(|value| value as f32);
+        let (from, to) = (three(from), three(to));
+        if self.last.is_none_or(|last| last.map(f32::to_bits) != from.map(f32::to_bits)) {
+            self.points.push(PathPoint { at: from, kind: MoveKind::Break });
+        }
+        if from.map(f32::to_bits) != to.map(f32::to_bits) {
+            self.points.push(PathPoint { at: to, kind: way });
+        }
+        self.last = Some(to);
+    }
+}

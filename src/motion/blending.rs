@@ -1,0 +1,188 @@
+//! Runs: which queued moves blend into each other without a stop.
+//!
+//! Decides what ends a run, and fills a tolerance band with the next moves of a run. Knows nothing of plans.
+
+use std::collections::VecDeque;
+
+use super::lookahead_window::MAX_WINDOW_MOVES;
+use super::tolerance_band::{BandMove, ToleranceBand, corner_speed, cosine};
+use super::trajectory::QueuedMove;
+use super::work_budget::WorkBudget;
+use super::{CornerMode, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
+
+/// Below this tolerance, mm, corners are exact stops: the curve through the set-points itself needs 0.5 µm.
+const MIN_TOLERANCE_MM: f64 = 0.001;
+/// Corners sharper than this (cosine of the angle) are exact stops: a stop costs no time there.
+const EXACT_STOP_COSINE: f64 = -0.8;
+/// Minimum speed, mm/s, to avoid a division by zero.
+const MIN_SPEED_MM_S: f64 = 1e-6;
+/// Work units for adding a move.
+const COST_ADD: usize = 500;
+/// If at least this share of a move lies within the horizon, the whole move is added.
+const WHOLE_MOVE_SHARE: f64 = 0.6;
+
+/// How the motion continues after a move.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Continuation {
+    /// With the move at this queue index, without a stop.
+    ContinuesAt(usize),
+    /// A stop.
+    Stops,
+    /// Unknown: the next move is not queued yet and could belong to the run.
+    Unknown,
+}
+
+/// How the motion continues after the move at a queue index. Zero-length moves are skipped.
+pub fn continuation(moves: &VecDeque<QueuedMove>, place: usize) -> Continuation {
+    let Some(this) = moves.get(place) else { return Continuation::Stops };
+    for next in place + 1..=moves.len() {
+        let Some(CornerMode::Continuous { tolerance_mm }) = moves.get(next - 1).map(|queued| queued.programmed.corner)
+        else {
+            return Continuation::Stops;
+        };
+        if tolerance_mm < MIN_TOLERANCE_MM {
+            return Continuation::Stops;
+        }
+        let Some(queued) = moves.get(next) else { return Continuation::Unknown };
+        if (this.programmed.speed == MotionSpeed::Rapid) != (queued.programmed.speed == MotionSpeed::Rapid) {
+            return Continuation::Stops;
+        }
+        if !queued.segment.has_no_length() {
+            let sharp = cosine(&this.segment, &queued.segment) < EXACT_STOP_COSINE;
+            return if sharp { Continuation::Stops } else { Continuation::ContinuesAt(next) };
+        }
+    }
+    Continuation::Unknown
+}
+
+/// Result of filling a tolerance band.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FillResult {
+    /// The work budget is spent: continue in the next tick.
+    Incomplete,
+    /// The run continues beyond the horizon, or the next move is not known yet.
+    RunContinues,
+    /// The run ends within the horizon.
+    RunEnds,
+}
+
+/// Fills a tolerance band with the next moves of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct BandFiller {
+    /// Index of the next move of the previous band to take over.
+    pub copied: usize,
+    /// Serial number of the next queued move, after the moves taken over.
+    pub next: u64,
+    /// Time left to the horizon, s.
+    pub time_left_s: f64,
+    /// Speed reached with constant acceleration, mm/s.
+    pub speed: f64,
+    /// That acceleration, mm/s².
+    pub acceleration: f64,
+    /// Jerk at the start and end of an acceleration, mm/s³.
+    pub jerk: f64,
+    /// Distance along the contour from which the time counts, mm.
+    pub from: f64,
+    /// Factor on the programmed feeds.
+    pub feed_override: f64,
+}
+
+impl BandFiller {
+    /// Adds moves up to the horizon: first the rest of the previous band, then moves of the queue.
+    pub fn fill(
+        &mut self,
+        tube: &mut ToleranceBand,
+        before: &ToleranceBand,
+        moves: &VecDeque<QueuedMove>,
+        limits: &MotionLimits,
+        budget: &mut WorkBudget,
+    ) -> FillResult {
+        let front = moves.front().map_or(0, |queued| queued.number);
+        loop {
+            if budget.is_spent() {
+                return FillResult::Incomplete;
+            }
+            budget.spend(COST_ADD);
+            if self.time_left_s <= 0.0 && tube.length() > self.from {
+                // The horizon is at the end of a move.
+                return FillResult::RunContinues;
+            }
+            if let Some(piece) = before.moves.get(self.copied) {
+                self.copied += 1;
+                self.next = piece.number;
+                if self.add(tube, *piece) {
+                    return FillResult::RunContinues;
+                }
+                if self.copied < before.moves.len() {
+                    continue;
+                }
+            } else {
+                let Some(queued) = moves.get((self.next - front) as usize) else { return FillResult::RunContinues };
+                if self.add(tube, piece(queued, limits)) {
+                    return FillResult::RunContinues;
+                }
+            }
+            match continuation(moves, (self.next - front) as usize) {
+                Continuation::Stops => return FillResult::RunEnds,
+                Continuation::Unknown => return FillResult::RunContinues,
+                Continuation::ContinuesAt(next) => self.next = front + next as u64,
+            }
+            if self.time_left_s <= 0.0 || tube.moves.len() >= MAX_WINDOW_MOVES {
+                return FillResult::RunContinues;
+            }
+        }
+    }
+
+    /// Adds a move; true if the horizon lies inside it.
+    fn add(&mut self, tube: &mut ToleranceBand, mut piece: BandMove) -> bool {
+        if let Some(last) = tube.moves.last() {
+            // The tolerance at a corner is limited by the move before it.
+            piece.tolerance = piece.tolerance.min(last.tolerance);
+        }
+        if piece.tolerance.is_infinite() {
+            piece.tolerance = MIN_TOLERANCE_MM;
+        }
+        piece.feed = piece.programmed_speed * self.feed_override;
+        piece.top_speed = piece.feed.min(piece.max_speed);
+        let counted = (tube.length() + piece.segment.length() - self.from.max(tube.length())).max(0.0);
+        let corner = tube.moves.last().map_or(f64::INFINITY, |last| corner_speed(last, &piece, self.jerk));
+        let slowed = self.speed.min(corner).min(piece.top_speed);
+        let speed =
+            piece.top_speed.min((slowed.powi(2) + 2.0 * self.acceleration * counted).sqrt()).max(MIN_SPEED_MM_S);
+        // A slow corner costs time for braking and accelerating, limited by acceleration and jerk.
+        let fall = self.speed - slowed;
+        let bends = 2.0 * (self.acceleration / self.jerk).min((fall.max(0.0) / self.jerk).sqrt());
+        let seconds = 2.0 * counted / (speed + slowed) + fall.max(0.0) / self.acceleration * 0.5 + bends;
+        let left = self.time_left_s.max(0.0);
+        let cut = (self.speed + 0.5 * self.acceleration * left).min(piece.top_speed) * left;
+        self.speed = speed;
+        tube.add(piece);
+        if seconds > self.time_left_s && cut < WHOLE_MOVE_SHARE * counted {
+            tube.end = tube.length() - counted + cut;
+            return true;
+        }
+        self.time_left_s -= seconds;
+        false
+    }
+}
+
+fn piece(queued: &QueuedMove, limits: &MotionLimits) -> BandMove {
+    let most = queued.segment.limits(limits).velocity_mm_s;
+    let programmed = match queued.programmed.speed {
+        MotionSpeed::Rapid => f64::MAX.sqrt(),
+        MotionSpeed::Feed { mm_s } => mm_s.max(MIN_FEED_MM_S),
+    };
+    let tolerance = match queued.programmed.corner {
+        CornerMode::Continuous { tolerance_mm } => tolerance_mm,
+        CornerMode::ExactStop => f64::INFINITY,
+    };
+    BandMove {
+        segment: queued.segment,
+        number: queued.number,
+        max_speed: most,
+        programmed_speed: programmed,
+        feed: programmed,
+        top_speed: most,
+        tolerance,
+    }
+}

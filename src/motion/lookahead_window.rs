@@ -1,0 +1,379 @@
+//! Look-ahead window: up to about a second and a half of a run as one smooth curve, from any state of motion to rest.
+//!
+//! Plans one window in slices of counted work: a first timing along the contour, smoothing inside the tolerance band,
+//! the fastest speed along the curve, smoothing and speed again with the better timing, and a check of every set-point
+//! against limits and tolerance. In motion, a window takes over control points and rate of the previous window up to
+//! where braking affects them: the path stays the same, and the speed can adapt to the path ahead. Knows nothing of
+//! the queue and of which part of a plan is used. Each plan ends at rest, so its rest can always be followed if the
+//! next window is not ready.
+
+mod check;
+mod sampling;
+mod timing;
+
+use super::MotionLimits;
+use super::feed_scaling::{DifferenceLimits, SetpointHistory};
+use super::smoother::{CurveSmoother, MAX_CONTROL_POINTS};
+use super::speed_optimizer::{KnotLimits, LEAD_KNOTS, SpeedOptimizer};
+use super::tolerance_band::ToleranceBand;
+use super::work_budget::WorkBudget;
+
+/// Maximum number of moves in a window.
+pub const MAX_WINDOW_MOVES: usize = 320;
+/// Maximum number of set-points in a plan.
+pub const MAX_PLAN_TICKS: usize = 8_192;
+/// Knot spacing, s. A coarser spacing loses time in corners; a finer one gains none.
+pub const KNOT_SPACING_S: f64 = 0.004;
+/// Share of the tolerance used for smoothing; the rest is for deviations between knots and unfinished iterations.
+const TUBE_SHARE: f64 = 0.95;
+/// Share of the tolerance used for planning; the rest is for positions between set-points, used under an override.
+const TOLERANCE_SHARE: f64 = 0.98;
+/// Smoothing iterations of each round.
+const ROUND_ITERATIONS: [u32; 3] = [20, 0, 20];
+const ROUND_ITERATIONS_URGENT: [u32; 3] = [20, 0, 20];
+/// Factor on the knot spacing in the first round.
+const FIRST_SPACING_FACTOR: f64 = 1.4;
+const LAST_ROUND: usize = ROUND_ITERATIONS.len() - 1;
+/// Maximum number of times the tolerance band is narrowed, and smoothing iterations after each time.
+const MAX_REPAIRS: u32 = 8;
+const REPAIR_ITERATIONS: u32 = 10;
+/// Maximum number of retries with a lower share of the limits after the check.
+const MAX_SLOWDOWNS: u32 = 3;
+/// Share of the limits used for planning: nothing is checked between knots, and a change of rate needs a reserve.
+const LIMIT_SHARE: f64 = 0.98;
+
+/// Further reduction of the acceleration limit where acceleration changes within two knots.
+const BETWEEN_KNOTS_MARGIN: f64 = 0.03;
+/// Factor on the limits at a start in motion. The previous plan left this reserve, so that a solution exists.
+const LEAD_SLACK: f64 = 1.016;
+/// Further share of the jerk limit: jerk varies most between knots, and a second plan costs more than it gains.
+const JERK_SHARE: f64 = 0.98;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum WindowPhase {
+    Idle,
+    PlacePoints,
+    Smooth { round: usize, left: u32 },
+    CheckCurve,
+    Speed { round: usize },
+    Retime { round: usize },
+    CheckPlan,
+    Ready,
+    Failed,
+}
+
+/// Position on the curve of a plan.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CurvePosition {
+    /// Index of the interval between two knots.
+    pub interval: usize,
+    /// Fraction of the interval, 0 to 1.
+    pub fraction: f64,
+}
+
+/// One set-point of a plan.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanPoint {
+    /// Position, mm.
+    pub at: [f64; 3],
+    /// Velocity, mm/s.
+    pub velocity: [f64; 3],
+    /// Acceleration, mm/s².
+    pub acceleration: [f64; 3],
+    /// Distance along the contour, mm.
+    pub along: f64,
+    /// Index of the move it lies on; all earlier moves have ended.
+    pub segment: usize,
+    /// Position on the curve.
+    pub curve_position: CurvePosition,
+}
+
+impl PlanPoint {
+    /// A set-point at rest.
+    #[must_use]
+    pub const fn at_rest(at: [f64; 3], along: f64, segment: usize) -> Self {
+        let follow = CurvePosition { interval: 0, fraction: 0.0 };
+        Self { at, velocity: [0.0; 3], acceleration: [0.0; 3], along, segment, curve_position: follow }
+    }
+
+    /// Whether it is not at rest.
+    #[must_use]
+    pub fn is_in_motion(&self) -> bool {
+        self.velocity.iter().chain(&self.acceleration).any(|x| x.abs() > 0.0)
+    }
+}
+
+/// Start conditions of a window.
+#[derive(Clone, Copy, Debug)]
+pub struct WindowStart {
+    /// The state at the start.
+    pub point: PlanPoint,
+    /// The set-points up to the start, the newest last.
+    pub history: SetpointHistory,
+    /// Last interval of the previous curve that is taken over; `None` at rest and where that curve already brakes.
+    pub lead_end: Option<usize>,
+    /// Offset of distance (mm) and move index from the previous tolerance band to this one; subtracted.
+    pub shift: (f64, usize),
+    /// Share of every limit reserved for a change of rate, 0 to below 1.
+    pub reserve: f64,
+    /// Whether early completion is more important than the fastest plan.
+    pub is_urgent: bool,
+}
+
+/// How far the curve exceeds tolerance (`off`) and axis bounds (`room`) in an interval, mm.
+#[derive(Clone, Copy, Debug, Default)]
+struct IntervalExcess {
+    deviation: f64,
+    bounds: [(f64, f64); 3],
+}
+
+/// The curve of the plan in use.
+#[derive(Clone, Debug)]
+struct WindowCurve {
+    points: Vec<[f64; 3]>,
+    rate_square: Vec<f64>,
+    /// Distance along the contour and move index of each knot.
+    near: Vec<(f64, usize)>,
+    share: f64,
+}
+
+/// Planning of one window.
+#[derive(Clone, Debug)]
+pub struct LookaheadWindow {
+    limits: MotionLimits,
+    steps: DifferenceLimits,
+    /// The tolerance band; filled by the caller before `begin`.
+    pub band: ToleranceBand,
+    start: WindowStart,
+    previous: WindowCurve,
+    smoother: CurveSmoother,
+    speed: SpeedOptimizer,
+    new_points: Vec<([f64; 3], f64)>,
+    corner_speeds: Vec<f64>,
+    spacing_s: f64,
+    share: f64,
+    phase: WindowPhase,
+    curve_position: CurvePosition,
+    /// Start of the first timing, mm along the contour.
+    first_from: f64,
+    /// First timing: distance along the contour, mm. Retiming: time between new control points, in knot spacings.
+    sum: f64,
+    cursor: usize,
+    history: SetpointHistory,
+    worst_ratio: f64,
+    excess: Vec<IntervalExcess>,
+    is_outside: bool,
+    repairs: u32,
+    slowdowns: u32,
+    /// Whether the horizon was too long, so that the curve ends earlier.
+    is_cut: bool,
+    /// The intervals of the two set-points before the last.
+    past_intervals: [usize; 2],
+    /// The move nearest to the last checked point.
+    nearest_before: usize,
+    /// The set-points; all checked once the plan is ready.
+    pub plan: Vec<PlanPoint>,
+}
+
+impl LookaheadWindow {
+    /// An empty window with capacity for the longest plan.
+    pub fn new(limits: &MotionLimits) -> Self {
+        let at_rest = PlanPoint::at_rest([0.0; 3], 0.0, 0);
+        Self {
+            limits: *limits,
+            steps: DifferenceLimits::from_limits(limits),
+            band: ToleranceBand::with_capacity(MAX_WINDOW_MOVES),
+            start: WindowStart {
+                point: at_rest,
+                history: [[0.0; 3]; 4],
+                lead_end: None,
+                shift: (0.0, 0),
+                reserve: 0.0,
+                is_urgent: false,
+            },
+            previous: WindowCurve {
+                points: Vec::with_capacity(MAX_CONTROL_POINTS),
+                rate_square: Vec::with_capacity(MAX_CONTROL_POINTS),
+                near: Vec::with_capacity(MAX_CONTROL_POINTS),
+                share: LIMIT_SHARE,
+            },
+            smoother: CurveSmoother::new(),
+            speed: SpeedOptimizer::new(),
+            new_points: Vec::with_capacity(MAX_CONTROL_POINTS),
+            corner_speeds: Vec::with_capacity(MAX_WINDOW_MOVES + 1),
+            spacing_s: KNOT_SPACING_S,
+            share: LIMIT_SHARE,
+            phase: WindowPhase::Idle,
+            curve_position: CurvePosition::default(),
+            first_from: 0.0,
+            sum: 0.0,
+            cursor: 0,
+            history: [[0.0; 3]; 4],
+            worst_ratio: 0.0,
+            excess: Vec::with_capacity(MAX_CONTROL_POINTS),
+            is_outside: false,
+            repairs: 0,
+            slowdowns: 0,
+            is_cut: false,
+            past_intervals: [0; 2],
+            nearest_before: 0,
+            plan: Vec::with_capacity(MAX_PLAN_TICKS),
+        }
+    }
+
+    /// Discards the plan.
+    pub fn clear(&mut self) {
+        self.phase = WindowPhase::Idle;
+        self.band.clear();
+    }
+
+    /// Starts to plan inside the tolerance band, which must be filled and closed.
+    pub fn begin(&mut self, start: WindowStart, budget: &mut WorkBudget) {
+        self.start = start;
+        self.repairs = 0;
+        self.slowdowns = 0;
+        self.share = LIMIT_SHARE * (1.0 - start.reserve);
+        self.is_cut = false;
+        self.spacing_s =
+            if start.point.is_in_motion() { KNOT_SPACING_S } else { KNOT_SPACING_S * FIRST_SPACING_FACTOR };
+        self.begin_points();
+        self.guess_corners(budget);
+        self.begin_placing();
+        self.phase = WindowPhase::PlacePoints;
+    }
+
+    /// Whether the plan is complete and valid.
+    pub fn is_ready(&self) -> bool {
+        self.phase == WindowPhase::Ready
+    }
+
+    /// Whether no plan within limits and tolerance was found.
+    pub fn has_failed(&self) -> bool {
+        self.phase == WindowPhase::Failed
+    }
+
+    /// Whether the curve ends before the requested horizon.
+    pub fn is_cut(&self) -> bool {
+        self.is_cut
+    }
+
+    /// Keeps the curve of this plan: the next window starts on it.
+    pub fn adopt_curve(&mut self) {
+        std::mem::swap(&mut self.previous.points, &mut self.smoother.points);
+        std::mem::swap(&mut self.previous.rate_square, &mut self.speed.rate_square);
+        self.previous.near.clear();
+        self.previous.near.extend(self.smoother.knots.iter().map(|knot| knot.near));
+        self.previous.share = self.share;
+    }
+
+    /// Works on the plan until it is done or the budget is spent.
+    pub fn work(&mut self, budget: &mut WorkBudget) {
+        while !budget.is_spent() {
+            match self.phase {
+                WindowPhase::Idle | WindowPhase::Ready | WindowPhase::Failed => return,
+                WindowPhase::PlacePoints => {
+                    if self.place_points(budget) {
+                        self.smoother.begin(TOLERANCE_SHARE * TUBE_SHARE);
+                        self.phase = self.smoothing_round(0);
+                    }
+                }
+                WindowPhase::Smooth { round: LAST_ROUND, left: 0 } => self.begin_curve_check(),
+                WindowPhase::Smooth { round, left: 0 } => self.begin_speed(round),
+                WindowPhase::Smooth { round, left } => {
+                    if self.smoother.iterate(&self.band, budget) {
+                        self.phase = WindowPhase::Smooth { round, left: left - 1 };
+                    }
+                }
+                WindowPhase::CheckCurve => {
+                    if self.check_curve(budget) {
+                        self.after_curve_check();
+                    }
+                }
+                WindowPhase::Speed { round } => {
+                    if self.speed.work(&self.smoother.points, budget) {
+                        self.after_speed(round);
+                    }
+                }
+                WindowPhase::Retime { round } => {
+                    if self.retime(budget) {
+                        self.smoother.begin(TOLERANCE_SHARE * TUBE_SHARE);
+                        self.phase = self.smoothing_round(round + 1);
+                    }
+                }
+                WindowPhase::CheckPlan => {
+                    if self.check(budget) {
+                        self.evaluate();
+                    }
+                }
+            }
+        }
+    }
+
+    fn smoothing_round(&self, round: usize) -> WindowPhase {
+        if self.start.is_urgent || ROUND_ITERATIONS[1] == 0 {
+            let round = if round == 0 { 0 } else { LAST_ROUND };
+            return WindowPhase::Smooth {
+                round,
+                left: if self.start.is_urgent { ROUND_ITERATIONS_URGENT[round] } else { ROUND_ITERATIONS[round] },
+            };
+        }
+        WindowPhase::Smooth { round, left: ROUND_ITERATIONS[round] }
+    }
+
+    fn intervals(&self) -> usize {
+        self.smoother.points.len() - 3
+    }
+
+    /// Whether the end of the curve has been reached.
+    fn is_at_end(&self) -> bool {
+        self.curve_position.interval >= self.intervals()
+    }
+
+    fn begin_speed(&mut self, round: usize) {
+        let (d, share) = (self.spacing_s, self.share);
+        let axes = self.limits.axes.map(|l| {
+            let ramp_s = l.acceleration_mm_s2 / l.jerk_mm_s3;
+            [
+                l.velocity_mm_s * d * share,
+                l.acceleration_mm_s2
+                    * d
+                    * d
+                    * share
+                    * (1.0 - BETWEEN_KNOTS_MARGIN * (2.0 * d / ramp_s).min(1.0).powi(2)),
+                l.jerk_mm_s3 * d * d * d * share * JERK_SHARE,
+            ]
+        });
+        let limits = KnotLimits {
+            velocity: axes.0.map(|l| l[0]),
+            acceleration: axes.0.map(|l| l[1]),
+            jerk: axes.0.map(|l| l[2]),
+        };
+        self.speed.feed.clear();
+        for knot in &self.smoother.knots[1..self.smoother.points.len() - 1] {
+            self.speed.feed.push(self.band.moves[knot.near.1].feed * d);
+        }
+        let from = self.start.point.curve_position.interval;
+        let given = match self.start.lead_end {
+            Some(_) => &self.previous.rate_square[from..from + self.smoother.lead - 1],
+            None if self.start.point.is_in_motion() => &[1.0; 2],
+            None => &[],
+        };
+        // A handover this far on the previous curve is past its own slack: the limits need not be wider.
+        let fresh = self.start.lead_end.is_some() && from >= LEAD_KNOTS;
+        let slack = if fresh { 1.0 } else { LEAD_SLACK };
+        self.speed.begin(limits, given, slack * (self.previous.share / share).max(1.0), round < LAST_ROUND);
+        self.phase = WindowPhase::Speed { round };
+    }
+
+    fn after_speed(&mut self, round: usize) {
+        if round < LAST_ROUND {
+            self.begin_retime();
+            self.phase = WindowPhase::Retime { round };
+        } else if self.speed.is_feasible() {
+            self.begin_check();
+            self.phase = WindowPhase::CheckPlan;
+        } else {
+            self.phase = WindowPhase::Failed;
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! The planner: turns queued moves into nominal set-points on the trail.
+//!
+//! Decides which moves are planned and how far ahead. Knows nothing of holds and overrides below 100 %. Every plan ends
+//! at rest. If the run continues beyond it, only the part not affected by braking is appended first; meanwhile the
+//! next window is planned from there. If it is not ready in time, the rest is appended and the axes brake.
+
+mod handover;
+
+use std::collections::VecDeque;
+
+use super::blending::{Continuation, continuation};
+use super::lookahead_window::{LookaheadWindow, MAX_PLAN_TICKS, MAX_WINDOW_MOVES, PlanPoint};
+use super::point_to_point::PointToPointMove;
+use super::setpoint_buffer::{BUFFER_CAPACITY, BufferPosition, NominalSetpoint, SetpointBuffer};
+use super::tolerance_band::ToleranceBand;
+use super::trajectory::QueuedMove;
+use super::work_budget::WorkBudget;
+use super::{MAX_QUEUED_MOVES, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
+use handover::{COST_POINT, WindowJob};
+
+/// Share of every limit used for planning, so that the differences of set-points stay below it despite rounding.
+const LIMIT_SHARE: f64 = 0.999_99;
+/// Maximum units of planning work per tick: until the windows have reached their full length, and afterwards.
+pub const MAX_WORK_PER_TICK: usize = 26_000;
+const STEADY_WORK_PER_TICK: usize = 5_000;
+/// Maximum number of set-points appended per tick.
+const SETPOINTS_PER_TICK: usize = 24;
+/// Maximum number of zero-length moves skipped per tick.
+const EMPTY_MOVES_PER_TICK: usize = 32;
+/// The trail is filled ahead of the axes by this many of the longest braking times, plus `MIN_AHEAD_TICKS` ticks.
+const AHEAD_BRAKING_TIMES: f64 = 2.0;
+const MIN_AHEAD_TICKS: f64 = 96.0;
+/// The braking part of a plan is appended only when the axes are this near to the end of the trail, in set-points.
+const APPEND_MARGIN_TICKS: u64 = 8;
+/// A run that may still grow is started when no move has been queued for this many ticks, or after this many ticks.
+const GATHER_TICKS: u32 = 3;
+const MAX_GATHER_TICKS: u32 = 8;
+
+/// What the path requests from the planner in a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanRequest {
+    /// Feed override, at least 1.
+    pub feed_override: f64,
+    /// A stop is requested: append the plan up to its end at rest.
+    pub braking: bool,
+    /// The rate is below the requested one: leave a reserve in the limits for raising it.
+    pub catching_up: bool,
+}
+
+/// Plans the moves of the queue.
+#[derive(Clone, Debug)]
+pub struct SetpointPlanner {
+    limits: MotionLimits,
+    ahead_ticks: u64,
+    /// Number of moves at the front of the queue whose end is on the trail, including the active stroke.
+    planned_moves: usize,
+    single_move: Option<PointToPointMove>,
+    /// The plan being appended: its set-points, how many are appended, and its tolerance band.
+    plan: Vec<PlanPoint>,
+    appended: usize,
+    band: ToleranceBand,
+    /// Whether the run continues beyond the plan, and the index up to which braking does not affect the plan.
+    is_extendable: bool,
+    best_handover_index: usize,
+    /// At rest in the middle of a move: the last set-point of the plan.
+    resting_point: Option<PlanPoint>,
+    planned_override: f64,
+    window: LookaheadWindow,
+    job: Option<WindowJob>,
+    /// Share of the horizon that is tried; halved when no valid plan was found.
+    horizon_fraction: f64,
+    /// Measured work units per control point.
+    cost_per_point: f64,
+    /// Queue length in the last tick, ticks without a change of it, and ticks that a run has waited to start.
+    last_queue_length: usize,
+    quiet_ticks: u32,
+    waited_ticks: u32,
+    work: usize,
+}
+
+impl SetpointPlanner {
+    /// A planner without a plan.
+    #[must_use]
+    pub fn new(limits: &MotionLimits) -> Self {
+        let brake =
+            |l: &super::AxisLimits| l.velocity_mm_s / l.acceleration_mm_s2 + l.acceleration_mm_s2 / l.jerk_mm_s3;
+        let longest = limits.axes.iter().map(|(_, l)| brake(l)).fold(0.0, f64::max) / limits.tick_s;
+        let ahead = (longest * AHEAD_BRAKING_TIMES + MIN_AHEAD_TICKS).min(BUFFER_CAPACITY as f64 / 2.0) as u64;
+        let share = limits.axes.map(|l| super::AxisLimits {
+            velocity_mm_s: l.velocity_mm_s * LIMIT_SHARE,
+            acceleration_mm_s2: l.acceleration_mm_s2 * LIMIT_SHARE,
+            jerk_mm_s3: l.jerk_mm_s3 * LIMIT_SHARE,
+        });
+        let limits = MotionLimits { axes: share, ..*limits };
+        Self {
+            limits,
+            ahead_ticks: ahead,
+            planned_moves: 0,
+            single_move: None,
+            plan: Vec::with_capacity(MAX_PLAN_TICKS),
+            appended: 0,
+            band: ToleranceBand::with_capacity(MAX_WINDOW_MOVES),
+            is_extendable: false,
+            best_handover_index: 0,
+            resting_point: None,
+            planned_override: 1.0,
+            window: LookaheadWindow::new(&limits),
+            job: None,
+            horizon_fraction: 1.0,
+            cost_per_point: COST_POINT,
+            last_queue_length: 0,
+            quiet_ticks: 0,
+            waited_ticks: 0,
+            work: 0,
+        }
+    }
+
+    /// Discards all plans.
+    pub fn clear(&mut self) {
+        self.planned_moves = 0;
+        self.single_move = None;
+        self.plan.clear();
+        self.appended = 0;
+        self.resting_point = None;
+        self.cancel_window();
+        self.horizon_fraction = 1.0;
+        self.cost_per_point = COST_POINT;
+    }
+
+    /// The first move was removed from the queue.
+    pub const fn first_move_finished(&mut self) {
+        self.planned_moves = self.planned_moves.saturating_sub(1);
+    }
+
+    /// Units of planning work in the last tick.
+    pub const fn work(&self) -> usize {
+        self.work
+    }
+
+    /// Plans for one tick and appends set-points to the trail.
+    pub fn tick(
+        &mut self,
+        moves: &mut VecDeque<QueuedMove>,
+        trail: &mut SetpointBuffer,
+        spot: BufferPosition,
+        ask: PlanRequest,
+    ) {
+        let calm = self.job.is_none_or(|job| job.is_steady() && !self.is_urgent(job, trail, spot));
+        let units = if calm { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK };
+        let mut budget = WorkBudget::new(units);
+        self.quiet_ticks = if moves.len() == self.last_queue_length { self.quiet_ticks.saturating_add(1) } else { 0 };
+        self.last_queue_length = moves.len();
+        for _ in 0..EMPTY_MOVES_PER_TICK {
+            if !self.start_next(moves, trail, ask) {
+                break;
+            }
+        }
+        self.raise_single_move_speed(moves, ask.feed_override);
+        self.look_ahead(moves, trail, spot, ask, &mut budget);
+        for _ in 0..SETPOINTS_PER_TICK {
+            if trail.end() >= spot.tick + self.ahead_ticks {
+                break;
+            }
+            let laid = if self.single_move.is_some() {
+                self.append_single_move(moves, trail, spot)
+            } else {
+                self.append_plan(moves, trail, spot, ask)
+            };
+            if !laid && !self.start_next(moves, trail, ask) {
+                break;
+            }
+        }
+        self.work = units - budget.left();
+    }
+
+    /// Applies a feed override above 100 % to an active stroke at once.
+    fn raise_single_move_speed(&mut self, moves: &VecDeque<QueuedMove>, feed_override: f64) {
+        if let (Some(stroke), Some(queued)) = (&mut self.single_move, moves.get(self.planned_moves.saturating_sub(1)))
+            && (feed_override - self.planned_override).abs() > 0.0
+        {
+            self.planned_override = feed_override;
+            stroke.set_speed(top_speed(queued, &self.limits, feed_override));
+        }
+    }
+
+    fn append_single_move(
+        &mut self,
+        moves: &mut VecDeque<QueuedMove>,
+        trail: &mut SetpointBuffer,
+        spot: BufferPosition,
+    ) -> bool {
+        let Some(stroke) = &mut self.single_move else { return false };
+        let Some(queued) = moves.get_mut(self.planned_moves.saturating_sub(1)) else { return false };
+        let place = NominalSetpoint {
+            position: stroke.next_setpoint(),
+            planned_override: self.planned_override,
+            is_rapid: queued.programmed.speed == MotionSpeed::Rapid,
+        };
+        let over = stroke.is_finished();
+        append_setpoint(trail, spot, place, !over);
+        if over {
+            queued.end_index = Some(trail.end());
+            self.single_move = None;
+        }
+        true
+    }
+
+    fn append_plan(
+        &mut self,
+        moves: &mut VecDeque<QueuedMove>,
+        trail: &mut SetpointBuffer,
+        spot: BufferPosition,
+        ask: PlanRequest,
+    ) -> bool {
+        self.adopt_window(trail);
+        let Some(point) = self.plan.get(self.appended).copied() else { return false };
+        let kept = self.is_extendable && self.appended > self.job.map_or(self.best_handover_index, |job| job.handover);
+        if kept && !ask.braking && trail.is_open() && trail.end() >= spot.tick + APPEND_MARGIN_TICKS {
+            return false;
+        }
+        self.appended += 1;
+        let over = self.appended == self.plan.len();
+        let rapid = moves.get(self.planned_moves).is_some_and(|queued| queued.programmed.speed == MotionSpeed::Rapid);
+        append_setpoint(
+            trail,
+            spot,
+            NominalSetpoint { position: point.at, planned_override: self.planned_override, is_rapid: rapid },
+            !over,
+        );
+        let whole = over && self.band.ends_at_move_end();
+        let number = self.band.moves[point.segment].number + u64::from(whole);
+        while let Some(queued) = moves.get_mut(self.planned_moves)
+            && queued.number < number
+        {
+            queued.end_index = Some(trail.end());
+            self.planned_moves += 1;
+        }
+        if over {
+            self.resting_point = (!whole).then_some(point);
+            self.plan.clear();
+            self.appended = 0;
+            self.cancel_window();
+            append_rest(trail);
+        }
+        true
+    }
+
+    /// Starts the next move or run of the queue; false if there is none or the last one is still active.
+    fn start_next(&mut self, moves: &mut VecDeque<QueuedMove>, trail: &SetpointBuffer, ask: PlanRequest) -> bool {
+        if self.single_move.is_some() || !self.plan.is_empty() || self.job.is_some() {
+            return false;
+        }
+        let Some(queued) = moves.get_mut(self.planned_moves) else { return false };
+        if queued.segment.has_no_length() {
+            queued.end_index = Some(trail.end());
+            self.planned_moves += 1;
+            return true;
+        }
+        let then = continuation(moves, self.planned_moves);
+        if self.horizon_fraction > MIN_HORIZON_FRACTION && (then != Continuation::Stops || self.resting_point.is_some())
+        {
+            self.waited_ticks += 1;
+            if self.quiet_ticks < GATHER_TICKS && self.waited_ticks < MAX_GATHER_TICKS && moves.len() < MAX_QUEUED_MOVES
+            {
+                return false;
+            }
+            self.waited_ticks = 0;
+            // A single move runs exactly at its feed to its end and needs no window.
+            if then != Continuation::Unknown || self.resting_point.is_some() {
+                self.begin_at_rest(moves, ask);
+                return false;
+            }
+        }
+        self.horizon_fraction = (2.0 * self.horizon_fraction).min(1.0);
+        let Some(queued) = moves.get(self.planned_moves) else { return false };
+        let mut limits = queued.segment.limits(&self.limits);
+        limits.velocity_mm_s = top_speed(queued, &self.limits, ask.feed_override);
+        self.planned_override = ask.feed_override;
+        let from = self.resting_point.take().map_or(0.0, |point| point.along - self.band.starts[point.segment]);
+        self.single_move = Some(PointToPointMove::new(queued.segment, from, limits, self.limits.tick_s));
+        self.planned_moves += 1;
+        true
+    }
+}
+
+/// Below this share of the horizon a move is planned by itself.
+const MIN_HORIZON_FRACTION: f64 = 0.2;
+
+/// Appends two set-points at rest, so that no third difference spans both the old and the new motion: the check of
+/// a plan from rest covers only the plan itself.
+fn append_rest(trail: &mut SetpointBuffer) {
+    for _ in 0..2 {
+        let last = trail.last();
+        trail.push(last);
+    }
+}
+
+/// Appends a set-point, with padding before it at a start from rest.
+fn append_setpoint(trail: &mut SetpointBuffer, spot: BufferPosition, place: NominalSetpoint, more: bool) {
+    if !trail.is_open() {
+        trail.pad_for_start(spot);
+    }
+    trail.push(place);
+    trail.set_open(more);
+}
+
+fn top_speed(queued: &QueuedMove, limits: &MotionLimits, feed_override: f64) -> f64 {
+    let axes = queued.segment.limits(limits).velocity_mm_s;
+    match queued.programmed.speed {
+        MotionSpeed::Rapid => axes,
+        MotionSpeed::Feed { mm_s } => axes.min(mm_s.max(MIN_FEED_MM_S) * feed_override),
+    }
+}

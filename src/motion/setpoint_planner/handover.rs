@@ -1,0 +1,356 @@
+//! Look-ahead: which window is planned next, from where, and when it takes over.
+//!
+//! Selects handover and horizon. Knows nothing of how a window is planned or appended.
+
+use std::collections::VecDeque;
+
+use super::super::blending::{BandFiller, Continuation, FillResult, continuation};
+use super::super::lookahead_window::{KNOT_SPACING_S, PlanPoint, WindowStart};
+use super::super::setpoint_buffer::{BufferPosition, SetpointBuffer};
+use super::super::tolerance_band::{SHARP_COSINE, cosine};
+use super::super::trajectory::QueuedMove;
+use super::super::work_budget::WorkBudget;
+use super::super::{MIN_FEED_MM_S, MotionSpeed};
+use super::{
+    APPEND_MARGIN_TICKS, MAX_WORK_PER_TICK, PlanRequest, STEADY_WORK_PER_TICK, SetpointPlanner, append_rest, top_speed,
+};
+
+/// Minimum and maximum horizon of a window, s.
+const MIN_HORIZON_S: f64 = 0.25;
+const MAX_HORIZON_S: f64 = 1.4;
+/// Work units per control point from the first timing to the last check, found by trial, and the rate at which a lower
+/// cost is learned.
+pub const COST_POINT: f64 = 20_000.0;
+const COST_DECAY: f64 = 0.2;
+/// Approximate number of control points for braking at the end of a window.
+const BRAKE_POINTS: f64 = 30.0;
+/// Set-points before a handover that the next window takes into account.
+const HISTORY_POINTS: usize = 4;
+/// Reserve in the estimated planning time, ticks.
+const SPARE_TICKS: usize = 18;
+/// Braking at the end of a plan affects it over this many braking times plus this many ticks.
+const INFLUENCE_BRAKING_TIMES: f64 = 1.3;
+const INFLUENCE_TICKS: f64 = 24.0;
+/// Ticks of the old curve that the next window takes over if there is time, so that the speed can adapt to the path
+/// ahead; and their maximum.
+const LEAD_TICKS: i64 = 64;
+const MAX_LEAD_TICKS: usize = 160;
+/// With fewer ticks only the state of motion is taken over, not the curve.
+const MIN_LEAD_TICKS: usize = 0;
+const SHORT_LEAD_TICKS: i64 = 24;
+/// This near to the handover, in ticks, the full work budget is used.
+const URGENT_TICKS: u64 = 48;
+/// Minimum planning time, ticks.
+const MIN_PLANNING_TICKS: i64 = 80;
+/// Maximum shift of the handover after failures, ticks.
+const RETRY_SHIFT_TICKS: f64 = 30.0;
+/// Share of the limits reserved for raising the rate.
+const RATE_RESERVE: f64 = 0.04;
+
+/// A window being planned.
+#[derive(Clone, Copy, Debug)]
+pub struct WindowJob {
+    /// Index of the last set-point of the current plan that is still used; 0 from rest.
+    pub handover: usize,
+    /// Whether it starts in motion.
+    in_motion: bool,
+    filler: BandFiller,
+    start: WindowStart,
+    fill_result: FillResult,
+    /// Whether the window has its full length within the steady work budget.
+    steady: bool,
+    /// Horizon, s, and work units spent.
+    horizon_s: f64,
+    work_spent: usize,
+}
+
+/// Handover and horizon of the next window.
+#[derive(Clone, Copy, Debug)]
+struct HandoverChoice {
+    /// Index of the last set-point of the current plan that is still used.
+    handover: usize,
+    /// Index of the first move of the old tolerance band that is taken over.
+    first: usize,
+    /// The end of the part of the old curve that is taken over.
+    end: PlanPoint,
+    /// Horizon from there, s.
+    horizon_s: f64,
+    /// Serial number of the next move if no move is taken over.
+    next: u64,
+    /// Whether the steady work budget is enough.
+    steady: bool,
+}
+
+impl WindowJob {
+    /// Whether the steady work budget is enough.
+    pub const fn is_steady(&self) -> bool {
+        self.steady
+    }
+}
+
+impl SetpointPlanner {
+    /// Discards the window being planned.
+    pub(super) fn cancel_window(&mut self) {
+        self.job = None;
+        self.window.clear();
+    }
+
+    /// Starts a window from rest.
+    pub(super) fn begin_at_rest(&mut self, moves: &VecDeque<QueuedMove>, ask: PlanRequest) {
+        let Some(queued) = moves.get(self.planned_moves) else { return };
+        let point = self.resting_point.unwrap_or_else(|| PlanPoint::at_rest(queued.segment.at(0.0), 0.0, 0));
+        if self.resting_point.is_none() {
+            self.band.clear();
+        }
+        let start = WindowStart {
+            point,
+            history: [point.at; 4],
+            lead_end: None,
+            shift: (0.0, 0),
+            reserve: 0.0,
+            is_urgent: true,
+        };
+        let (first, next) = (point.segment, queued.number);
+        let brake = self.brake_s(top_speed(queued, &self.limits, ask.feed_override));
+        self.begin_job(
+            start,
+            HandoverChoice {
+                handover: 0,
+                first,
+                end: point,
+                horizon_s: self.first_horizon_s(brake),
+                next,
+                steady: false,
+            },
+            ask,
+        );
+    }
+
+    fn begin_job(&mut self, start: WindowStart, choice: HandoverChoice, ask: PlanRequest) {
+        let HandoverChoice { handover, first, horizon_s: seconds, next, steady, .. } = choice;
+        self.window.clear();
+        self.window.band.continue_from(&self.band, first);
+        let mut start = start;
+        start.shift = (self.band.starts.get(first).copied().unwrap_or(0.0), first);
+        start.point.along -= start.shift.0;
+        start.point.segment -= first;
+        start.reserve = if ask.catching_up { RATE_RESERVE } else { 0.0 };
+        let in_motion = start.point.is_in_motion();
+        // The rate is relative to the override of the set-points on the trail: the planned override may rise, not fall.
+        let least = if in_motion { self.planned_override } else { 1.0 };
+        let filling = BandFiller {
+            copied: first,
+            next,
+            time_left_s: seconds * self.horizon_fraction,
+            from: choice.end.along - start.shift.0,
+            speed: choice.end.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
+            acceleration: self.limits.axes.iter().map(|(_, l)| l.acceleration_mm_s2).fold(f64::INFINITY, f64::min)
+                / 2.0,
+            jerk: self.limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(f64::INFINITY, f64::min),
+            feed_override: ask.feed_override.max(least),
+        };
+        self.job = Some(WindowJob {
+            handover,
+            in_motion,
+            filler: filling,
+            start,
+            fill_result: FillResult::Incomplete,
+            steady,
+            horizon_s: seconds * self.horizon_fraction,
+            work_spent: 0,
+        });
+    }
+
+    /// Works on the next window; starts one when it is time.
+    pub(super) fn look_ahead(
+        &mut self,
+        moves: &VecDeque<QueuedMove>,
+        trail: &SetpointBuffer,
+        spot: BufferPosition,
+        ask: PlanRequest,
+        budget: &mut WorkBudget,
+    ) {
+        if self.job.is_some_and(|job| job.steady && job.in_motion && ask.feed_override > job.filler.feed_override) {
+            // There was enough time, so there is enough for a faster window.
+            self.cancel_window();
+        }
+        if self.job.is_none() && !ask.braking && self.is_extendable && !self.plan.is_empty() {
+            self.begin_in_motion(moves, trail, spot, ask);
+        }
+        let Some(mut job) = self.job else { return };
+        if job.in_motion && self.appended > job.handover + 1 {
+            // Too late: the set-points after the handover have been appended.
+            job.work_spent += job.work_spent / 4;
+            self.update_cost(&job);
+            self.cancel_window();
+            return;
+        }
+        let before = budget.left();
+        if job.fill_result == FillResult::Incomplete {
+            job.fill_result = job.filler.fill(&mut self.window.band, &self.band, moves, &self.limits, budget);
+            if job.fill_result != FillResult::Incomplete {
+                self.window.band.finish();
+                self.window.begin(job.start, budget);
+            }
+            self.job = Some(job);
+        }
+        self.window.work(budget);
+        job.work_spent += before - budget.left();
+        self.job = Some(job);
+        if self.window.has_failed() {
+            self.horizon_fraction *= 0.5;
+            self.cancel_window();
+        }
+    }
+
+    /// Selects handover and horizon of the next window; starts it when it is time.
+    fn begin_in_motion(
+        &mut self,
+        moves: &VecDeque<QueuedMove>,
+        trail: &SetpointBuffer,
+        spot: BufferPosition,
+        ask: PlanRequest,
+    ) {
+        let Some(last) = self.band.moves.last() else { return };
+        let front = moves.front().map_or(0, |queued| queued.number);
+        let cut = !self.band.ends_at_move_end();
+        if !cut && !matches!(continuation(moves, (last.number - front) as usize), Continuation::ContinuesAt(_)) {
+            return;
+        }
+        // Index of the axes on the plan; negative while they are still before it.
+        let here = self.appended as i64 + spot.tick as i64 - trail.end() as i64;
+        let near = here + APPEND_MARGIN_TICKS as i64 + SPARE_TICKS as i64;
+        let best = self.best_handover_index as i64;
+        // The horizon is limited by the known moves and by the time for planning.
+        let known = self.known_time_s(moves, (last.number - front) as usize, MAX_HORIZON_S);
+        let aim = (best - LEAD_TICKS).max(near + MIN_PLANNING_TICKS.min(best - near - SHORT_LEAD_TICKS));
+        let wanted =
+            self.seconds_of((aim - near) as f64, MAX_WORK_PER_TICK).clamp(MIN_HORIZON_S, MAX_HORIZON_S).min(known);
+        let raised = ask.feed_override > self.planned_override;
+        let steady = !raised && near + self.ticks_of(wanted, STEADY_WORK_PER_TICK) <= aim;
+        let ticks = self.ticks_of(wanted, if steady { STEADY_WORK_PER_TICK } else { MAX_WORK_PER_TICK });
+        if !raised && wanted >= MAX_HORIZON_S && steady && near + ticks + self.ahead_ticks as i64 <= aim {
+            return;
+        }
+        let earliest = self.appended.max(usize::try_from(near + ticks).unwrap_or(0));
+        // After a failure, start from a later state.
+        let other = ((1.0 - self.horizon_fraction) * RETRY_SHIFT_TICKS) as usize;
+        let handover = other + if raised { earliest } else { earliest.max(usize::try_from(aim).unwrap_or(0)) };
+        if handover < HISTORY_POINTS || handover + HISTORY_POINTS >= self.plan.len() {
+            return;
+        }
+        let point = self.plan[handover];
+        let past = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
+        let end = self.plan[self.best_handover_index.clamp(handover, handover + MAX_LEAD_TICKS)];
+        let until = (handover + MIN_LEAD_TICKS <= self.best_handover_index).then_some(end.curve_position.interval);
+        let start =
+            WindowStart { point, history: past, lead_end: until, shift: (0.0, 0), reserve: 0.0, is_urgent: false };
+        let first = self.plan[handover - HISTORY_POINTS].segment.saturating_sub(1);
+        self.begin_job(
+            start,
+            HandoverChoice { handover, first, end, horizon_s: wanted, next: last.number, steady },
+            ask,
+        );
+    }
+
+    /// Approximate time of the known run beyond `best`, s, up to `most`.
+    fn known_time_s(&self, moves: &VecDeque<QueuedMove>, last: usize, most: f64) -> f64 {
+        let mut seconds = (self.plan.len() - self.best_handover_index) as f64 * self.limits.tick_s;
+        if let Some(piece) = self.band.moves.last() {
+            seconds += (self.band.length() - self.band.end) / piece.top_speed;
+        }
+        let jerk = self.limits.axes.iter().map(|(_, l)| l.jerk_mm_s3).fold(f64::INFINITY, f64::min);
+        let mut before = moves.get(last).map(|queued| &queued.segment);
+        for queued in moves.range((last + 1).min(moves.len())..) {
+            if seconds >= most {
+                break;
+            }
+            let length = queued.segment.length();
+            seconds += match queued.programmed.speed {
+                MotionSpeed::Rapid => 0.0,
+                MotionSpeed::Feed { mm_s } => length / mm_s.max(MIN_FEED_MM_S),
+            };
+            if before.is_some_and(|before| cosine(before, &queued.segment) < SHARP_COSINE) {
+                // Between sharp corners the motion is nearly from rest to rest.
+                seconds += 4.0 * (length / (2.0 * jerk)).cbrt();
+            }
+            before = Some(&queued.segment);
+        }
+        seconds
+    }
+
+    /// Switches to the window when it is ready and the current plan has been appended up to the handover.
+    pub(super) fn adopt_window(&mut self, trail: &mut SetpointBuffer) {
+        let Some(job) = self.job else { return };
+        if !self.window.is_ready() || (job.in_motion && self.appended != job.handover + 1) {
+            return;
+        }
+        self.update_cost(&job);
+        if !job.in_motion {
+            append_rest(trail);
+        }
+        std::mem::swap(&mut self.plan, &mut self.window.plan);
+        std::mem::swap(&mut self.band, &mut self.window.band);
+        self.appended = 0;
+        self.is_extendable = job.fill_result == FillResult::RunContinues || self.window.is_cut();
+        self.window.adopt_curve();
+        self.planned_override = job.filler.feed_override;
+        self.resting_point = None;
+        self.horizon_fraction = (2.0 * self.horizon_fraction).min(1.0);
+        self.best_handover_index = self.best_handover();
+        self.cancel_window();
+    }
+
+    /// Planning time, ticks, of a horizon in seconds at a number of work units per tick. `seconds_of` is the inverse.
+    fn ticks_of(&self, seconds: f64, work: usize) -> i64 {
+        ((seconds / KNOT_SPACING_S + BRAKE_POINTS) * self.cost_per_point / work as f64).ceil() as i64
+    }
+
+    fn seconds_of(&self, ticks: f64, work: usize) -> f64 {
+        (ticks * work as f64 / self.cost_per_point - BRAKE_POINTS) * KNOT_SPACING_S
+    }
+
+    /// Updates the cost per control point after each window: upward at once, downward slowly.
+    fn update_cost(&mut self, job: &WindowJob) {
+        let cost = job.work_spent as f64 / (job.horizon_s / KNOT_SPACING_S + BRAKE_POINTS);
+        let learnt = cost.max(self.cost_per_point + COST_DECAY * (cost - self.cost_per_point));
+        self.cost_per_point = learnt.clamp(0.5 * COST_POINT, 3.0 * COST_POINT);
+    }
+
+    /// Whether the axes are near the handover of a window.
+    pub(super) fn is_urgent(&self, job: WindowJob, trail: &SetpointBuffer, spot: BufferPosition) -> bool {
+        job.in_motion && spot.tick + self.appended as u64 + URGENT_TICKS > trail.end() + job.handover as u64
+    }
+
+    /// Horizon of the first window, s: long enough to plan the next one in time.
+    fn first_horizon_s(&self, brake: f64) -> f64 {
+        let ticks = self.ticks_of(MIN_HORIZON_S, MAX_WORK_PER_TICK)
+            + APPEND_MARGIN_TICKS as i64
+            + SPARE_TICKS as i64
+            + SHORT_LEAD_TICKS;
+        INFLUENCE_BRAKING_TIMES * brake + (ticks as f64 + INFLUENCE_TICKS) * self.limits.tick_s
+    }
+
+    /// Braking time from a speed in mm/s, s.
+    fn brake_s(&self, speed: f64) -> f64 {
+        let (mut push, mut jerk) = (f64::INFINITY, f64::INFINITY);
+        for (_, l) in self.limits.axes.iter() {
+            (push, jerk) = (push.min(l.acceleration_mm_s2), jerk.min(l.jerk_mm_s3));
+        }
+        // From a low speed: 2·√(v/j). From a high speed: v/a + a/j.
+        (speed / push + push / jerk).min(2.0 * (speed / jerk).sqrt())
+    }
+
+    /// Index up to which braking at the end of the plan does not affect it.
+    fn best_handover(&self) -> usize {
+        let count = self.plan.len();
+        for (left, point) in self.plan.iter().rev().enumerate() {
+            let speed = point.velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let brake = self.brake_s(speed) / self.limits.tick_s;
+            if left as f64 >= INFLUENCE_BRAKING_TIMES * brake + INFLUENCE_TICKS && left > 2 * HISTORY_POINTS {
+                return count - 1 - left;
+            }
+        }
+        0
+    }
+}

@@ -1,0 +1,227 @@
+//! The Newton step of the speed plan, computed knot by knot.
+//!
+//! Barrier functions of all limits with gradient and Hessian, the banded Cholesky factor, and the fraction of a step
+//! that keeps all limits. Knows nothing of the order of the passes.
+
+use super::terms::WEIGHTS;
+use super::{MAX_RATE_SQUARE, SpeedOptimizer};
+
+/// A step that exceeds a jerk limit is shortened by this factor until it does not, at most this many times.
+const STEP_REDUCTION: f64 = 0.8;
+const MAX_REDUCTIONS: u32 = 40;
+/// Minimum distance to a limit in the barrier, so that a value beyond it by rounding is pushed back.
+const MIN_MARGIN: f64 = 1e-9;
+
+fn dot(w: [f64; 3], c: [f64; 3]) -> f64 {
+    w[0] * c[0] + w[1] * c[1] + w[2] * c[2]
+}
+
+impl SpeedOptimizer {
+    /// Computes the limit terms of one knot.
+    pub(super) fn begin_knot(&mut self, p: &[[f64; 3]], k: usize) {
+        self.terms.push(p, k, &self.limits, self.feed[k]);
+    }
+
+    /// Whether there is an interval after a knot and not all its coefficients are fixed.
+    fn is_free(&self, k: usize) -> bool {
+        k + 2 < self.rate_square.len() && k + 3 > self.fixed_count
+    }
+
+    /// Measures the factor on the limits that the present coefficients need.
+    pub(super) fn measure_need(&mut self, k: usize) {
+        let c = &self.rate_square;
+        let b = f64::midpoint(c[k], c[k + 1]);
+        let mut need = b / MAX_RATE_SQUARE;
+        if k + 2 > self.fixed_count {
+            need = need.max(self.terms.speed[k] * b);
+            for term in self.terms.at(k) {
+                let a = term.acceleration[0] * c[k] + term.acceleration[1] * c[k + 1];
+                need = need.max(term.velocity * b).max(a.abs());
+            }
+        }
+        if self.is_free(k) {
+            let c = [c[k], c[k + 1], c[k + 2]];
+            let roots = WEIGHTS.map(|(wb, _)| dot(wb, c).max(0.0).sqrt());
+            for term in self.terms.at(k) {
+                for (jerk, root) in term.jerk.iter().zip(roots) {
+                    need = need.max(dot(*jerk, c).abs() * root);
+                }
+            }
+        }
+        self.max_need = self.max_need.max(need);
+        self.slack[k] = self.slack_for(k, need).min(self.slack[k]);
+        self.max_slack = self.max_slack.max(self.slack[k] / self.lead_slack(k));
+    }
+
+    /// Adds time and barrier of one knot and the interval after it to gradient and Hessian.
+    pub(super) fn assemble(&mut self, k: usize) {
+        let (mu, slack) = (self.barrier, self.slack[k]);
+        let last = self.rate_square.len() - 1;
+        for row in if k + 1 == last { k..last + 1 } else { k..k + 1 } {
+            let c = self.rate_square[row];
+            self.gradient[row] -= mu / c;
+            self.hessian[row][0] += mu / (c * c);
+        }
+        let (c0, c1) = (self.rate_square[k], self.rate_square[k + 1]);
+        let b = f64::midpoint(c0, c1);
+        let inverse = 1.0 / b;
+        let root = inverse.sqrt();
+        // Time 1/√b and the upper limits of b. Derivatives by b; each of the two coefficients contributes one half.
+        let mut first = -0.5 * root * inverse;
+        let mut second = 0.75 * root * inverse * inverse;
+        let mut upper = |by: f64, most: f64| {
+            let room = by / (most - by * b).max(MIN_MARGIN);
+            first += mu * room;
+            second += mu * room * room;
+        };
+        upper(1.0 / MAX_RATE_SQUARE, slack);
+        if k + 2 > self.fixed_count {
+            upper(self.terms.speed[k], slack);
+        }
+        let (mut g, mut h) = ([0.0; 3], [0.0; 6]);
+        if k + 2 > self.fixed_count {
+            for term in self.terms.at(k) {
+                upper(term.velocity, slack);
+                let [l0, l1] = term.acceleration;
+                let value = l0 * c0 + l1 * c1;
+                let (u, w) = (1.0 / (slack - value).max(MIN_MARGIN), 1.0 / (slack + value).max(MIN_MARGIN));
+                let (slope, bend) = (mu * (u - w), mu * (u * u + w * w));
+                g[0] += slope * l0;
+                g[1] += slope * l1;
+                h[0] += bend * l0 * l0;
+                h[1] += bend * l1 * l0;
+                h[2] += bend * l1 * l1;
+            }
+        }
+        g[0] += 0.5 * first;
+        g[1] += 0.5 * first;
+        h[0] += 0.25 * second;
+        h[1] += 0.25 * second;
+        h[2] += 0.25 * second;
+        if self.is_free(k) {
+            self.assemble_jerk(k, &mut g, &mut h);
+        }
+        let rows = 3.min(self.rate_square.len() - k);
+        for row in 0..rows {
+            self.gradient[k + row] += g[row];
+            for lag in 0..=row {
+                self.hessian[k + row][lag] += h[row * (row + 1) / 2 + row - lag];
+            }
+        }
+    }
+
+    /// The barrier of |value| ≤ slack/√b at three points of an interval.
+    fn assemble_jerk(&self, k: usize, g: &mut [f64; 3], h: &mut [f64; 6]) {
+        let mu = self.barrier;
+        let c = [self.rate_square[k], self.rate_square[k + 1], self.rate_square[k + 2]];
+        let places = WEIGHTS.map(|(wb, _)| {
+            let b = dot(wb, c);
+            let most = self.slack[k] / b.sqrt();
+            // The limit itself decreases with b.
+            (most, wb.map(|w| -0.5 * most / b * w))
+        });
+        for term in self.terms.at(k) {
+            for (lever, (most, falls)) in term.jerk.iter().zip(&places) {
+                let value = dot(*lever, c);
+                let (u, w) = (1.0 / (most - value).max(MIN_MARGIN), 1.0 / (most + value).max(MIN_MARGIN));
+                let up = [0, 1, 2].map(|i| (falls[i] - lever[i]) * u);
+                let down = [0, 1, 2].map(|i| (falls[i] + lever[i]) * w);
+                for row in 0..3 {
+                    g[row] -= mu * (up[row] + down[row]);
+                    for column in 0..=row {
+                        h[row * (row + 1) / 2 + column] += mu * (up[row] * up[column] + down[row] * down[column]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// One row of the banded Cholesky factor and of the forward substitution; the diagonal is stored inverted.
+    pub(super) fn forward(&mut self, row: usize) {
+        if row < self.fixed_count {
+            self.hessian[row] = [1.0, 0.0, 0.0];
+            self.step[row] = 0.0;
+            return;
+        }
+        let mut line = self.hessian[row];
+        let free = (row - self.fixed_count).min(2);
+        for lag in (0..=free).rev() {
+            let mut sum = line[lag];
+            for (back, entry) in line.iter().enumerate().take(free + 1).skip(lag + 1) {
+                sum -= entry * if lag == 0 { *entry } else { self.hessian[row - lag][back - lag] };
+            }
+            line[lag] = if lag == 0 {
+                1.0 / (sum * (1.0 + 1e-10)).max(1e-300).sqrt()
+            } else {
+                sum * self.hessian[row - lag][0]
+            };
+        }
+        for entry in &mut line[free + 1..] {
+            *entry = 0.0;
+        }
+        self.hessian[row] = line;
+        let mut sum = -self.gradient[row];
+        for (lag, entry) in line.iter().enumerate().take(free + 1).skip(1) {
+            sum -= entry * self.step[row - lag];
+        }
+        self.step[row] = sum * line[0];
+    }
+
+    pub(super) fn back(&mut self, row: usize) {
+        if row < self.fixed_count {
+            self.step[row] = 0.0;
+            return;
+        }
+        let n = self.rate_square.len();
+        let mut sum = self.step[row];
+        for lag in 1..3.min(n - row) {
+            sum -= self.hessian[row + lag][lag] * self.step[row + lag];
+        }
+        self.step[row] = sum * self.hessian[row][0];
+    }
+
+    /// Shortens the step as required by the limits of one knot and the interval after it.
+    pub(super) fn limit_step(&mut self, k: usize) {
+        let (c, d, slack) = (&self.rate_square, &self.step, self.slack[k]);
+        let mut part = self.step_fraction;
+        let mut within = |value: f64, change: f64, most: f64| {
+            if value + part * change >= most && change > 0.0 {
+                part = ((most - value) / change).max(0.0);
+            }
+        };
+        within(-c[k], -d[k], 0.0);
+        within(-c[k + 1], -d[k + 1], 0.0);
+        let (b, change) = (f64::midpoint(c[k], c[k + 1]), f64::midpoint(d[k], d[k + 1]));
+        within(b, change, MAX_RATE_SQUARE * slack);
+        if k + 2 > self.fixed_count {
+            let speed = self.terms.speed[k];
+            within(speed * b, speed * change, slack);
+            for term in self.terms.at(k) {
+                within(term.velocity * b, term.velocity * change, slack);
+                let [l0, l1] = term.acceleration;
+                let (value, change) = (l0 * c[k] + l1 * c[k + 1], l0 * d[k] + l1 * d[k + 1]);
+                within(value, change, slack);
+                within(-value, -change, slack);
+            }
+        }
+        if self.is_free(k) {
+            within(-c[k + 2], -d[k + 2], 0.0);
+            let (c, d) = ([c[k], c[k + 1], c[k + 2]], [d[k], d[k + 1], d[k + 2]]);
+            let rates = WEIGHTS.map(|(wb, _)| (dot(wb, c), dot(wb, d)));
+            let most = slack * slack;
+            for term in self.terms.at(k) {
+                for (lever, (b, change)) in term.jerk.iter().zip(rates) {
+                    let (value, by) = (dot(*lever, c), dot(*lever, d));
+                    for _ in 0..MAX_REDUCTIONS {
+                        let value = value + part * by;
+                        if value * value * (b + part * change) < most {
+                            break;
+                        }
+                        part *= STEP_REDUCTION;
+                    }
+                }
+            }
+        }
+        self.step_fraction = part;
+    }
+}

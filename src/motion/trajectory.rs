@@ -1,0 +1,351 @@
+//! Program motion: the move queue and the set-points along the moves.
+//!
+//! Owns the queue, the planner, the trail, the position of the axes on it, and hold, override and abort.
+//!
+//! An override below 100 % slows feed and corners alike and takes effect within a few ticks. An override above 100 %
+//! raises the programmed feed of everything that is not on the trail yet: of an active stroke at once, of a blended run
+//! from the next look-ahead window on, which is then planned immediately.
+
+use std::collections::VecDeque;
+
+use super::feed_scaling::{DifferenceLimits, FeedScaling, SetpointHistory};
+use super::path_segment::PathSegment;
+use super::setpoint_buffer::{BufferPosition, SetpointBuffer};
+use super::setpoint_planner::{PlanRequest, SetpointPlanner};
+use super::{MotionLimits, MotionSpeed, Move, MoveQueueFull, Override, Setpoint};
+use crate::units::PerAxis;
+
+/// Maximum number of queued moves.
+pub const MAX_QUEUED_MOVES: usize = 256;
+/// Maximum number of finished tags kept for [`TrajectoryPlanner::pop_finished`]; older tags are dropped.
+pub const MAX_FINISHED_TAGS: usize = 1_024;
+/// After this many ticks without reaching the requested rate, the rest of the plan is appended up to its end at rest.
+const MAX_UNMET_TICKS: u32 = 50;
+/// A rate this near to the requested rate counts as reached.
+const RATE_MET_TOLERANCE: f64 = 0.16;
+/// Maximum feed override.
+const MAX_FEED_OVERRIDE: f64 = 1.5;
+
+/// A move in the queue.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct QueuedMove {
+    pub programmed: Move,
+    pub segment: PathSegment,
+    /// Serial number since power-on.
+    pub number: u64,
+    /// Index on the trail at which the move is finished (one after its last set-point), once that is appended.
+    pub end_index: Option<u64>,
+}
+
+/// Program motion of all axes.
+#[derive(Clone, Debug)]
+pub struct TrajectoryPlanner {
+    limits: MotionLimits,
+    steps: DifferenceLimits,
+    moves: VecDeque<QueuedMove>,
+    pushed_count: u64,
+    finished: VecDeque<u32>,
+    finished_tag: Option<u32>,
+    planner: SetpointPlanner,
+    buffer: SetpointBuffer,
+    buffer_position: BufferPosition,
+    history: SetpointHistory,
+    feed_scaling: FeedScaling,
+    /// Number of ticks in which the requested rate could not be reached.
+    unmet_ticks: u32,
+    held: bool,
+    aborting: bool,
+}
+
+impl TrajectoryPlanner {
+    /// A path with the axes at rest at `start`, mm.
+    ///
+    /// # Panics
+    /// When a limit or the tick is not positive and finite, or a start is not finite: a bug of the caller.
+    #[must_use]
+    pub fn new(limits: MotionLimits, start: PerAxis<f64>) -> Self {
+        check_limits(&limits);
+        let PerAxis(at) = start;
+        assert!(at.iter().all(|x| x.is_finite()), "start {at:?}");
+        let trail = SetpointBuffer::at_rest(at);
+        let spot = trail.rest_position();
+        Self {
+            limits,
+            steps: DifferenceLimits::from_limits(&limits),
+            moves: VecDeque::with_capacity(MAX_QUEUED_MOVES),
+            pushed_count: 0,
+            finished: VecDeque::with_capacity(MAX_FINISHED_TAGS),
+            finished_tag: None,
+            planner: SetpointPlanner::new(&limits),
+            buffer: trail,
+            buffer_position: spot,
+            history: [at; 4],
+            feed_scaling: FeedScaling::steady(1.0),
+            unmet_ticks: 0,
+            held: false,
+            aborting: false,
+        }
+    }
+
+    /// Sets the limits for everything planned from now on.
+    ///
+    /// # Panics
+    /// When the axes are not at rest with nothing queued, or a limit is not positive: bugs of the caller.
+    pub fn set_limits(&mut self, limits: MotionLimits) {
+        assert!(self.is_done(), "limits changed while moves are queued");
+        check_limits(&limits);
+        self.limits = limits;
+        self.steps = DifferenceLimits::from_limits(&limits);
+        self.planner = SetpointPlanner::new(&limits);
+    }
+
+    /// Appends a move to the queue.
+    ///
+    /// # Errors
+    /// [`MoveQueueFull`] when [`TrajectoryPlanner::room`] is 0.
+    ///
+    /// # Panics
+    /// When an end point, centre, feed or tolerance is not finite: a bug of the caller.
+    pub fn push(&mut self, program: Move) -> Result<(), MoveQueueFull> {
+        if self.free_slots() == 0 {
+            return Err(MoveQueueFull);
+        }
+        let finite = |p: PerAxis<f64>| p.0.iter().all(|x| x.is_finite());
+        assert!(finite(program.to), "end point {:?}", program.to);
+        if let MotionSpeed::Feed { mm_s } = program.speed {
+            assert!(mm_s.is_finite(), "feed {mm_s}");
+        }
+        let from = self.moves.back().map_or(self.last_planned_position(), |last| last.programmed.to.0);
+        let segment = PathSegment::new(from, program.to, program.shape);
+        assert!(segment.length().is_finite(), "move {program:?}");
+        self.moves.push_back(QueuedMove { programmed: program, segment, number: self.pushed_count, end_index: None });
+        self.pushed_count += 1;
+        Ok(())
+    }
+
+    /// Number of moves that can be pushed now; 0 while an abort brakes.
+    #[must_use]
+    pub fn free_slots(&self) -> usize {
+        if self.aborting { 0 } else { MAX_QUEUED_MOVES - self.moves.len() }
+    }
+
+    /// Advances by one tick and returns the set-point at its end.
+    pub fn tick(&mut self, requested: Override) -> Setpoint {
+        let requested = Override {
+            feed: clamp_factor(requested.feed, MAX_FEED_OVERRIDE),
+            rapid: clamp_factor(requested.rapid, 1.0),
+        };
+        // A verified change of rate relies on the end of a closed trail: nothing may be appended until it has ended.
+        // An abort appends only what it needs until a change of rate to rest has been found.
+        let wanted = !self.aborting || (self.buffer.is_open() && self.feed_scaling.target() > 0.0);
+        if wanted && (self.buffer.is_open() || self.feed_scaling.is_steady()) {
+            let ask = PlanRequest {
+                feed_override: requested.feed.max(1.0),
+                braking: self.unmet_ticks > if self.held { 0 } else { MAX_UNMET_TICKS },
+                catching_up: !self.held && self.wanted_rate(requested) > self.feed_scaling.target(),
+            };
+            self.planner.tick(&mut self.moves, &mut self.buffer, self.buffer_position, ask);
+        }
+        self.adjust_rate(requested);
+        let ahead = self.feed_scaling.advance();
+        self.buffer_position = self.buffer_position.later(ahead);
+        let resting = self.buffer.rest_position();
+        if self.buffer_position.tick >= resting.tick {
+            self.buffer_position = resting;
+        }
+        let on = self.buffer.sample(self.buffer_position);
+        self.history = [self.history[1], self.history[2], self.history[3], on.position];
+        self.report_finished();
+        if self.aborting && self.is_at_rest() {
+            self.discard_moves();
+            (self.aborting, self.held) = (false, false);
+            self.feed_scaling = FeedScaling::steady(1.0);
+        }
+        let rate = self.feed_scaling.rate() / self.limits.tick_s;
+        Setpoint { position: PerAxis(on.position), velocity_mm_s: PerAxis(on.step.map(|step| step * rate)) }
+    }
+
+    /// Feed hold: brakes along the path to rest within the limits and stays at rest.
+    pub const fn hold(&mut self) {
+        self.held = true;
+    }
+
+    /// Ends a hold. An abort cannot be cancelled.
+    pub const fn resume(&mut self) {
+        if !self.aborting {
+            self.held = false;
+        }
+    }
+
+    /// Whether a hold is active, braking or at rest.
+    #[must_use]
+    pub const fn is_holding(&self) -> bool {
+        self.held
+    }
+
+    /// Whether all axes are at rest and stay so in the next tick, unless a move is pushed or hold or override change.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.feed_scaling.is_stopped() || (self.buffer_position.tick >= self.buffer.end() && !self.buffer.is_open())
+    }
+
+    /// Whether every move is finished and the axes are at rest.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        self.moves.is_empty() && self.is_at_rest()
+    }
+
+    /// Brakes along the path to rest within the limits, then discards all moves and any hold. Until then [`TrajectoryPlanner::room`]
+    /// is 0. Discarded moves are not reported as finished.
+    pub fn abort(&mut self) {
+        (self.aborting, self.held) = (true, true);
+        if self.is_at_rest() {
+            self.discard_moves();
+            (self.aborting, self.held) = (false, false);
+            self.feed_scaling = FeedScaling::steady(1.0);
+        }
+    }
+
+    /// Discards every move and sets the position, mm (after a jog in a hold, homing and the like); a hold stays active.
+    ///
+    /// # Panics
+    /// When the axes are not at rest: a bug of the caller.
+    pub fn reset_to(&mut self, position: PerAxis<f64>) {
+        assert!(self.is_at_rest(), "cleared in motion");
+        self.moves.clear();
+        self.planner.clear();
+        self.buffer_position = self.buffer.reset_to(position.0);
+        self.history = [position.0; 4];
+        self.feed_scaling = FeedScaling::steady(if self.held { 0.0 } else { 1.0 });
+    }
+
+    /// Moves every unfinished move to `out`, the interrupted one first, in order and with tags. The axes stay where
+    /// they are; a hold stays active. The moves can be pushed again, after [`TrajectoryPlanner::clear_at`] if an axis was moved
+    /// meanwhile; an arc then starts with the radius of its new start point.
+    ///
+    /// # Panics
+    /// When the axes are not at rest: a bug of the caller.
+    pub fn drain_unfinished(&mut self, out: &mut Vec<Move>) {
+        out.extend(self.moves.iter().map(|queued| queued.programmed));
+        self.reset_to(self.position());
+    }
+
+    /// Number of unfinished moves, including the active one.
+    #[must_use]
+    pub fn remaining_moves(&self) -> usize {
+        self.moves.len()
+    }
+
+    /// The tag of the active or next move.
+    #[must_use]
+    pub fn active_tag(&self) -> Option<u32> {
+        self.moves.front().map(|queued| queued.programmed.tag)
+    }
+
+    /// The tag of the last finished move; all moves before it are finished, too.
+    #[must_use]
+    pub const fn finished_tag(&self) -> Option<u32> {
+        self.finished_tag
+    }
+
+    /// Takes the next tag of a finished move; each is returned once, in order. The newest [`MAX_FINISHED_TAGS`] are kept.
+    pub fn pop_finished(&mut self) -> Option<u32> {
+        self.finished.pop_front()
+    }
+
+    /// The position of the last set-point, mm.
+    #[must_use]
+    pub const fn position(&self) -> PerAxis<f64> {
+        PerAxis(self.history[3])
+    }
+
+    /// Signed distance from the last set-point to the end of the active move, mm; zero without an active move.
+    #[must_use]
+    pub fn distance_to_go(&self) -> PerAxis<f64> {
+        let at = self.position();
+        self.moves
+            .front()
+            .map_or(PerAxis([0.0; 3]), |queued| PerAxis::from_fn(|axis| queued.programmed.to[axis] - at[axis]))
+    }
+
+    /// Units of planning work in the last tick; counted, not timed, and never above [`MAX_WORK_PER_TICK`].
+    #[must_use]
+    pub const fn work_of_last_tick(&self) -> usize {
+        self.planner.work()
+    }
+
+    /// Average speed along the path in the last tick, mm/s.
+    #[must_use]
+    pub fn path_speed_mm_s(&self) -> f64 {
+        super::path_segment::distance(self.history[3], self.history[2]) / self.limits.tick_s
+    }
+
+    /// The rate requested by hold and override at the present position.
+    fn wanted_rate(&self, requested: Override) -> f64 {
+        let place = self.buffer.setpoint(self.buffer_position.tick + 1);
+        match (self.held, place.is_rapid) {
+            (true, _) => 0.0,
+            (false, true) => requested.rapid,
+            (false, false) => (requested.feed / place.planned_override).min(1.0),
+        }
+    }
+
+    /// Starts a change to the requested rate.
+    fn adjust_rate(&mut self, requested: Override) {
+        let target = self.wanted_rate(requested);
+        if (target - self.feed_scaling.target()).abs() <= 0.0 {
+            self.unmet_ticks = 0;
+            return;
+        }
+        if self.buffer_position.tick >= self.buffer.end() {
+            // At rest with an empty trail: the rate can change at once.
+            self.feed_scaling = FeedScaling::steady(target);
+            self.unmet_ticks = 0;
+        } else {
+            self.feed_scaling.change_to(target, &self.buffer, self.buffer_position, &self.history, &self.steps);
+            let met = (target - self.feed_scaling.target()).abs() <= RATE_MET_TOLERANCE;
+            self.unmet_ticks = if met { 0 } else { self.unmet_ticks.saturating_add(1) };
+        }
+    }
+
+    fn report_finished(&mut self) {
+        while let Some(queued) = self.moves.front() {
+            match queued.end_index {
+                Some(place) if self.buffer_position.tick >= place => {
+                    let tag = queued.programmed.tag;
+                    self.moves.pop_front();
+                    self.planner.first_move_finished();
+                    self.finished_tag = Some(tag);
+                    if self.finished.len() == MAX_FINISHED_TAGS {
+                        self.finished.pop_front();
+                    }
+                    self.finished.push_back(tag);
+                }
+                Some(_) | None => return,
+            }
+        }
+    }
+
+    fn discard_moves(&mut self) {
+        self.reset_to(self.position());
+    }
+
+    /// End position of the trail, mm.
+    fn last_planned_position(&self) -> [f64; 3] {
+        self.buffer.last().position
+    }
+}
+
+/// A factor clamped to 0..=`most`; NaN gives 0.
+fn clamp_factor(factor: f64, most: f64) -> f64 {
+    if factor > 0.0 { factor.min(most) } else { 0.0 }
+}
+
+fn check_limits(limits: &MotionLimits) {
+    let positive = |x: f64| x.is_finite() && x > 0.0;
+    assert!(positive(limits.tick_s), "tick {} s", limits.tick_s);
+    for (axis, l) in limits.axes.iter() {
+        let good = positive(l.velocity_mm_s) && positive(l.acceleration_mm_s2) && positive(l.jerk_mm_s3);
+        assert!(good, "limits of {axis}: {l:?}");
+    }
+}

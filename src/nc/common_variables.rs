@@ -1,0 +1,112 @@
+//! The common variables #100–#433 and #500–#999. Source: spec B3, K7.5.
+
+/// The highest common variable.
+const LAST_NUMBER: usize = 999;
+
+/// The reason why a variable cannot be read or written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum VariableError {
+    /// No common variable has this number.
+    #[error("there is no common variable #{0}")]
+    Unknown(u32),
+    /// #570–#579 take 0 or 1.
+    #[error("variable #{0} takes 0 or 1 only")]
+    Switch(u32),
+    /// Infinite or not a number.
+    #[error("the value for #{0} is not a number")]
+    NotFinite(u32),
+}
+
+/// The common variables. A variable without a value is null.
+#[derive(Clone, Debug)]
+pub struct CommonVariables {
+    // Null is stored as NaN; `set` refuses NaN as a value.
+    values: Box<[f64]>,
+}
+
+impl Default for CommonVariables {
+    fn default() -> Self {
+        Self { values: vec![f64::NAN; LAST_NUMBER + 1].into_boxed_slice() }
+    }
+}
+
+impl CommonVariables {
+    /// Whether a number is a common variable: 100–433 and 500–999.
+    #[must_use]
+    pub const fn contains(number: u32) -> bool {
+        matches!(number, 100..=433 | 500..=999)
+    }
+
+    /// Whether a variable is retained over power-off: 200–433 and 500–999.
+    #[must_use]
+    pub const fn is_retained(number: u32) -> bool {
+        matches!(number, 200..=433 | 500..=999)
+    }
+
+    /// The value of a variable, `None` for null.
+    ///
+    /// # Errors
+    /// [`VariableError::Unknown`] outside 100–433 and 500–999.
+    pub fn get(&self, number: u32) -> Result<Option<f64>, VariableError> {
+        if !Self::contains(number) {
+            return Err(VariableError::Unknown(number));
+        }
+        Ok(self.values.get(number as usize).copied().filter(|value| !value.is_nan()))
+    }
+
+    /// Sets a variable; `None` is null.
+    ///
+    /// # Errors
+    /// [`VariableError::Unknown`] outside the ranges; [`VariableError::Switch`] for values other than 0 and 1 in
+    /// 570–579 (also null); [`VariableError::NotFinite`]. The variable is then unchanged.
+    pub fn set(&mut self, number: u32, value: Option<f64>) -> Result<(), VariableError> {
+        let place = match self.values.get_mut(number as usize) {
+            Some(place) if Self::contains(number) => place,
+            _ => return Err(VariableError::Unknown(number)),
+        };
+        match value {
+            Some(value) if !value.is_finite() => return Err(VariableError::NotFinite(number)),
+            Some(0.0 | 1.0) => {}
+            Some(_) | None if matches!(number, 570..=579) => return Err(VariableError::Switch(number)),
+            Some(_) | None => {}
+        }
+        *place = value.unwrap_or(f64::NAN);
+        Ok(())
+    }
+
+    /// All variables with a value, by number.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
+        self.values
+            .iter()
+            .enumerate()
+            .filter(|(_, value)| !value.is_nan())
+            .map(|(number, value)| (number as u32, *value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k7_5_switch_variables_take_0_and_1_only() {
+        let mut memory = CommonVariables::default();
+        assert_eq!(memory.set(570, Some(1.0)), Ok(()));
+        assert_eq!(memory.set(570, Some(0.5)), Err(VariableError::Switch(570)));
+        assert_eq!(memory.set(579, None), Err(VariableError::Switch(579)));
+        assert_eq!(memory.get(570), Ok(Some(1.0)));
+        assert_eq!(memory.set(580, Some(0.5)), Ok(()));
+    }
+
+    #[test]
+    fn b3_commons_are_null_at_first_and_ranges_are_kept() {
+        let mut memory = CommonVariables::default();
+        assert_eq!(memory.get(100), Ok(None));
+        for number in [0, 33, 99, 434, 499, 1000, u32::MAX] {
+            assert_eq!(memory.get(number), Err(VariableError::Unknown(number)));
+            assert_eq!(memory.set(number, Some(1.0)), Err(VariableError::Unknown(number)));
+        }
+        assert_eq!(memory.set(200, Some(f64::NAN)), Err(VariableError::NotFinite(200)));
+        assert_eq!(memory.iter().count(), 0);
+    }
+}

@@ -1,0 +1,103 @@
+//! Reads the contour blocks that a cycle names, without motion. Source: spec B2 (G70–G73).
+
+use super::contour::{ContourCycle, CycleKind, expand};
+use super::external_state::{ExternalState, LiveValue};
+use super::fault::{ReadResult, fail, fail1};
+use super::interpreter::{Block, Interpreter, PendingCycle, StepStatus};
+use super::op::Op;
+use crate::defs::program_error::ProgramError as E;
+use crate::units::PerAxis;
+
+/// Most blocks of a contour.
+const MAX_CONTOUR_BLOCKS: usize = 500;
+
+/// The state while a contour is read: the position is the end of its last block.
+struct ContourReadState<'w> {
+    inner: &'w mut dyn ExternalState,
+    position: PerAxis<f64>,
+}
+
+impl ExternalState for ContourReadState<'_> {
+    fn position(&self) -> PerAxis<f64> {
+        self.position
+    }
+
+    fn system_variable(&mut self, number: u32) -> LiveValue {
+        self.inner.system_variable(number)
+    }
+
+    fn block_skip(&self) -> bool {
+        self.inner.block_skip()
+    }
+}
+
+impl Interpreter {
+    /// Expands a cycle into operations. The program continues after the contour, or after the cycle if that is later.
+    pub(super) fn expand_contour(
+        &mut self,
+        PendingCycle { cycle, block_start: begin }: &PendingCycle,
+        world: &mut dyn ExternalState,
+        block: &mut Block,
+    ) -> ReadResult<StepStatus> {
+        let start = world.position();
+        let (flow, modals, last_n, n) =
+            (self.flow.clone(), self.modals, self.last_block_number, self.block_words.block_number);
+        let read = self.read_contour(cycle, world, start);
+        let end_line = self.flow.line;
+        self.flow = flow;
+        (self.modals, self.last_block_number, self.block_words.block_number, self.second_half) =
+            (modals, last_n, n, false);
+        let ops = match read.and_then(|ops| expand(cycle, start, &ops).or_else(|error| fail(cycle.at, error))) {
+            Ok(ops) => ops,
+            Err(stop) => {
+                // The flow goes back to the block: it is read again, or its mistake is reported.
+                (self.flow.at, self.flow.line, self.flow.mid_line) = *begin;
+                return Err(stop);
+            }
+        };
+        block.ops.extend(ops);
+        block.modals = self.modals;
+        if !matches!(cycle.kind, CycleKind::Finish) && end_line > self.flow.line {
+            self.flow.go_to_line(end_line);
+        }
+        Ok(StepStatus::Block)
+    }
+
+    /// The operations of the contour's blocks. Afterwards the flow is past the last one.
+    fn read_contour(
+        &mut self,
+        cycle: &ContourCycle,
+        world: &mut dyn ExternalState,
+        start: PerAxis<f64>,
+    ) -> ReadResult<Vec<Op>> {
+        if self.flow.source.find_block(cycle.last_block, self.flow.at).is_none() {
+            return fail1(cycle.at, E::MissingTarget, format!("N{}", cycle.last_block));
+        }
+        self.flow.go_to_block(cycle.first_block, cycle.at)?;
+        let mut ahead = ContourReadState { inner: world, position: start };
+        let (mut inner, mut ops) = (Block::new(&self.settings), Vec::new());
+        for _ in 0..MAX_CONTOUR_BLOCKS {
+            inner.clear();
+            let at = self.flow.at;
+            match self.read_block(&mut ahead, &mut inner)? {
+                StepStatus::End => break,
+                StepStatus::Empty | StepStatus::Block => {}
+            }
+            if self.pending_cycle.take().is_some() {
+                return fail(at, E::ContourCode);
+            }
+            for op in inner.ops.drain(..) {
+                match &op {
+                    Op::Rapid { to, .. } | Op::Feed { to, .. } | Op::Arc { to, .. } => ahead.position = *to,
+                    Op::S { .. } | Op::SetPathMode(_) => {}
+                    _ => return fail(at, E::ContourCode),
+                }
+                ops.push(op);
+            }
+            if self.block_words.block_number == Some(cycle.last_block) && !self.second_half {
+                return Ok(ops);
+            }
+        }
+        fail1(cycle.at, E::MissingTarget, format!("N{}", cycle.last_block))
+    }
+}

@@ -1,0 +1,97 @@
+//! Shared by the grinder dialects: unique addresses, feed and modes, blocks that change the work position, whole
+//! numbers and ranges. Source: spec B1, B2, S1.
+
+use std::fmt::Display;
+
+use super::{BlockContext, FlowAction};
+use crate::defs::program_error::ProgramError as E;
+use crate::nc::expression::whole_number;
+use crate::nc::fault::{ReadResult, ReadStop, fail1, fail2};
+use crate::nc::op::Op;
+use crate::nc::words::Word;
+
+/// Greatest coordinate, feed or speed that can be programmed.
+pub(super) const MAX_VALUE: f64 = 99_999.999;
+/// Least feed: three decimals.
+const MIN_FEED: f64 = 0.001;
+
+/// The modes that a block sets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ModeChanges {
+    /// Exact stop or continuous.
+    pub path: bool,
+    /// The work offset.
+    pub frame: bool,
+}
+
+/// Refuses an address that occurs twice in the block.
+pub(super) fn refuse_duplicate_address(running: &BlockContext<'_, '_>) -> ReadResult<()> {
+    match running.words.duplicate {
+        Some(at) => fail1(at as usize, E::DoubleWord, letter_at(running, at)),
+        None => Ok(()),
+    }
+}
+
+/// The letter at a byte of the text, in upper case.
+pub(super) fn letter_at(running: &BlockContext<'_, '_>, at: u32) -> char {
+    char::from(running.text.get(at as usize).copied().unwrap_or(b'?')).to_ascii_uppercase()
+}
+
+/// Makes F the modal feed; `mm` is millimetres per programmed unit.
+#[inline]
+pub(super) fn set_feed(running: &mut BlockContext<'_, '_>, mm: f64) -> ReadResult<()> {
+    let Some(word) = running.words.take(b'F') else { return Ok(()) };
+    if !(MIN_FEED..=MAX_VALUE).contains(&word.value) {
+        return out_of_range("F", word, "0.001–99999.999");
+    }
+    running.modals.feed = Some(word.value * mm);
+    Ok(())
+}
+
+/// Adds the operations for path mode and work offset; not again in the second half of a block.
+#[inline]
+pub(super) fn push_modes(running: &mut BlockContext<'_, '_>, modes: ModeChanges) {
+    if running.second_half {
+        return;
+    }
+    if modes.path {
+        running.ops.push(Op::SetPathMode(running.modals.path_mode));
+    }
+    if modes.frame {
+        running.ops.push(Op::SelectWorkOffset { g: running.modals.work_offset });
+    }
+}
+
+/// Splits a block that changes the work position before it moves. The rest is tried first: a mistake refuses the whole
+/// block. It is read again after the change. Arc errors do not count in the trial, as the start differs then.
+pub(super) fn split_block(
+    running: &mut BlockContext<'_, '_>,
+    rest: impl FnOnce(&mut BlockContext<'_, '_>) -> ReadResult<FlowAction>,
+) -> ReadResult<FlowAction> {
+    let (kept, modals) = (running.ops.len(), *running.modals);
+    match rest(running) {
+        Err(stop) if !depends_on_start(&stop) => return Err(stop),
+        Ok(_) | Err(_) => {}
+    }
+    running.ops.truncate(kept);
+    *running.modals = modals;
+    Ok(FlowAction::SecondHalf)
+}
+
+fn depends_on_start(stop: &ReadStop) -> bool {
+    matches!(stop, ReadStop::Error(wrong) if matches!(wrong.error, E::ArcEndOffCircle | E::ArcRadius))
+}
+
+/// The value of a word that must be a whole number from `low` to `high`.
+pub(super) fn integer(name: impl Display, word: Word, low: u32, high: u32) -> ReadResult<u32> {
+    match whole_number(word.value) {
+        None => fail1(word.at as usize, E::NotWhole, name.to_string()),
+        Some(value) if (i64::from(low)..=i64::from(high)).contains(&value) => Ok(value as u32),
+        Some(_) => out_of_range(name, word, &format!("{low}–{high}")),
+    }
+}
+
+#[cold]
+pub(super) fn out_of_range<T>(name: impl Display, word: Word, range: &str) -> ReadResult<T> {
+    fail2(word.at as usize, E::OutOfRange, format!("{name}{}", word.value), range)
+}

@@ -1,0 +1,133 @@
+//! Follows a program without a machine: for a check, and for a restart from a chosen block. Source: spec B1, B5, T4.
+
+use std::sync::Arc;
+
+use super::common_variables::CommonVariables;
+use super::external_state::{ExternalState, OfflineMachine};
+use super::fault::{ErrorAt, ProgramFault, ReadStop, locate_error};
+use super::interpreter::{Block, Interpreter, NextStatus, StepStatus};
+use super::op::Op;
+use super::source::Source;
+use crate::defs::program_error::ProgramError as E;
+
+/// Most blocks that one call of `advance_to` reads.
+pub const ADVANCE_PER_CALL: usize = 2_000;
+
+impl Interpreter {
+    /// Reads without a machine until a line (from 1) of the started program is next. The modal state is then in
+    /// [`Self::modals`], the position in `world`. `sink` gets all operations. At most [`ADVANCE_PER_CALL`] blocks.
+    /// `NextStatus::Block`: line reached. `NextStatus::Busy`: call again. `NextStatus::End`: the program ends before the line.
+    ///
+    /// # Errors
+    /// A mistake in the blocks up to the line.
+    pub fn advance_to(
+        &mut self,
+        line: u32,
+        world: &mut OfflineMachine,
+        sink: &mut dyn FnMut(&Op),
+    ) -> Result<NextStatus, ProgramFault> {
+        let mut block = Block::new(&self.settings);
+        for _ in 0..ADVANCE_PER_CALL {
+            let there = self.flow.line + 1 == line && !self.flow.mid_line && !self.second_half;
+            if there && self.flow.is_main() && !self.ended {
+                return Ok(NextStatus::Block);
+            }
+            if self.ended || !self.read_one(world, &mut block)? {
+                return Ok(NextStatus::End);
+            }
+            for op in &block.ops {
+                world.apply(op);
+                sink(op);
+            }
+        }
+        Ok(NextStatus::Busy)
+    }
+
+    /// Skips a faulty block, so that a check can read on without consequential errors.
+    pub(crate) fn skip_faulty_block(&mut self, error: E) {
+        self.second_half = false;
+        // The F word of the faulty block is kept, so that later blocks do not report a missing feed.
+        if self.modals.feed.is_none() {
+            let word = self.block_words.list().iter().find(|word| word.letter == b'F');
+            self.modals.feed = word.map(|word| word.value).filter(|feed| *feed > 0.0);
+        }
+        if matches!(error, E::SubWithoutReturn | E::EndInSub) {
+            let _ = self.flow.return_to(None, 0); // without a target it always succeeds
+            return;
+        }
+        self.flow.enter_faulty_loop();
+        self.flow.go_to_line(self.flow.line + 1);
+    }
+
+    /// Leaves the outermost open loop; for a check of an endless loop.
+    pub(crate) fn leave_loop(&mut self) -> bool {
+        self.flow.leave_loops()
+    }
+
+    /// Restores the common variables; for a check that continues from an earlier state.
+    pub(crate) fn restore_variables(&mut self, memory: CommonVariables) {
+        self.common_variables = memory;
+    }
+
+    /// Whether M99 restarted the main program.
+    pub(crate) const fn has_restarted(&self) -> bool {
+        self.flow.restarted
+    }
+
+    /// Whether M02 or M30 was read.
+    pub(crate) const fn has_ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Whether the last block has warnings.
+    #[inline]
+    pub(crate) fn has_warnings(&self) -> bool {
+        self.flow.mid_line
+            || self.warnings.as_ref().is_some_and(|notes| !notes.is_empty())
+            || self.null_uses.as_ref().is_some_and(|nulls| !nulls.is_empty())
+    }
+
+    /// Whether the last block used a null variable.
+    #[inline]
+    pub(crate) fn has_null_use(&self) -> bool {
+        self.block_words.has_null() || self.null_uses.as_ref().is_some_and(|nulls| !nulls.is_empty())
+    }
+
+    /// Takes the warnings of the last block: allowed but rarely intended.
+    pub(crate) fn take_warnings(&mut self) -> Vec<ProgramFault> {
+        let source = Arc::clone(&self.flow.source);
+        let mut remarks = Vec::new();
+        for (source, at, variable) in self.null_uses.iter_mut().flat_map(|nulls| nulls.drain(..)) {
+            let details = [format!("#{variable}"), String::new()];
+            remarks.push(locate_error(&source, None, ErrorAt { at, error: E::NullUsed, details }));
+        }
+        for wrong in self.warnings.iter_mut().flat_map(|notes| notes.drain(..)) {
+            remarks.push(locate_error(&source, None, wrong));
+        }
+        if self.flow.mid_line {
+            let wrong = ErrorAt { at: self.flow.at, error: E::BlockAfterSemicolon, details: Default::default() };
+            remarks.push(locate_error(&source, None, wrong));
+        }
+        remarks
+    }
+
+    /// The running program and the line (from 0) that is read next.
+    #[inline]
+    pub(crate) fn next_line(&self) -> (&Arc<Source>, u32) {
+        (&self.flow.source, self.flow.line)
+    }
+
+    /// Reads one block, with or without operations; `true` while there is more.
+    #[inline]
+    pub(crate) fn read_one(&mut self, world: &mut dyn ExternalState, block: &mut Block) -> Result<bool, ProgramFault> {
+        block.clear();
+        match self.step(world, block) {
+            Ok(StepStatus::Empty | StepStatus::Block) => Ok(true),
+            Ok(StepStatus::End) => Ok(false),
+            Err(stop) => match *stop {
+                ReadStop::Drain => Ok(true),
+                ReadStop::Error(wrong) => Err(self.locate(wrong)),
+            },
+        }
+    }
+}

@@ -1,0 +1,158 @@
+//! Lines that a run does not execute: checks their syntax, and what else can be checked without a run.
+//! Source: spec B1, T4, L1, L4, L7.
+
+use super::dialect::{self, UnexecutedBlock};
+use super::fault::{ErrorAt, ProgramFault, ReadResult, ReadStop, fail, fail1, locate_error};
+use super::lexer::Cursor;
+use super::settings::NcSettings;
+use super::source::{Library, Source, is_at_text_head};
+use super::statement::{self, BlockContent, ReadOptions, SyntaxOnlyScope};
+use super::words::BlockWords;
+use crate::defs::program_error::ProgramError as E;
+use crate::defs::program_number;
+
+/// The lines read so far, one bit per line.
+pub(crate) struct VisitedLines(Vec<u64>);
+
+impl VisitedLines {
+    pub fn new(lines: usize) -> Self {
+        Self(vec![0; lines / 64 + 1])
+    }
+
+    /// Marks a line; returns whether it was unmarked.
+    #[inline]
+    pub fn mark(&mut self, line: u32) -> bool {
+        let Some(word) = self.0.get_mut(line as usize / 64) else { return false };
+        let bit = 1 << (line % 64);
+        let new = *word & bit == 0;
+        *word |= bit;
+        new
+    }
+}
+
+/// Reads the unmarked lines of a program and marks them.
+pub(crate) struct UnexecutedLines {
+    pub visited: VisitedLines,
+    /// The line (from 0) whose `%` ends the text.
+    pub text_end: Option<u32>,
+    /// The programs that the lines call, and the bytes of the calls.
+    pub calls: Vec<(u32, usize)>,
+    line: u32,
+    words: BlockWords,
+}
+
+impl UnexecutedLines {
+    pub fn new(lines: usize) -> Self {
+        Self {
+            visited: VisitedLines::new(lines),
+            text_end: None,
+            calls: Vec::new(),
+            line: 0,
+            words: BlockWords::default(),
+        }
+    }
+
+    /// Reads at most `most` lines and passes their mistakes to `tell`; `false` when all are read. With a `library`,
+    /// called programs must exist in it.
+    pub fn advance(
+        &mut self,
+        (source, settings): (&Source, &NcSettings),
+        library: Option<&dyn Library>,
+        most: u32,
+        tell: &mut dyn FnMut(ProgramFault),
+    ) -> bool {
+        for _ in 0..most {
+            let line = self.line;
+            if line as usize >= source.line_count() || self.text_end.is_some_and(|end| line > end) {
+                return false;
+            }
+            self.line += 1;
+            if !self.visited.mark(line) {
+                continue;
+            }
+            let calls = self.calls.len();
+            let read = read_line(source, settings, line, (&mut self.words, &mut self.calls)).and_then(|text_end| {
+                let missing = |(number, _): &&(u32, usize)| library.is_some_and(|found| found.find(*number).is_none());
+                match self.calls[calls..].iter().find(missing) {
+                    Some((number, at)) => fail1(*at, E::MissingProgram, program_number::name_of(*number)),
+                    None => Ok(text_end),
+                }
+            });
+            match read {
+                Ok(false) => {}
+                Ok(true) => self.text_end = Some(line),
+                Err(stop) => {
+                    if let ReadStop::Error(wrong) = *stop {
+                        tell(locate_error(source, self.words.block_number, wrong));
+                    }
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Mistakes of the text as a whole: repeated labels, no blocks.
+pub(crate) fn check_whole_text<'a>(
+    source: &'a Source,
+    settings: &NcSettings,
+) -> impl Iterator<Item = ProgramFault> + use<'a> {
+    let told = |at: usize, error: E, detail: String| {
+        locate_error(source, None, ErrorAt { at, error, details: [detail, String::new()] })
+    };
+    let empty = dialect::required_end_code(settings)
+        .filter(|_| source.bytes().split(|byte| matches!(byte, b'\r' | b'\n')).all(has_no_block))
+        .map(|end| told(0, E::EmptyProgram, end.to_owned()));
+    let labels = dialect::has_labels(settings).then(|| source.repeated_labels()).into_iter().flatten();
+    let labels = labels.map(move |(line, label)| {
+        let text = source.bytes().get(source.line_start(line)..).unwrap_or_default();
+        let upper = text.get(..text.len().min(LABEL_SEARCH_BYTES)).unwrap_or_default().to_ascii_uppercase();
+        let at = upper.windows(label.len()).position(|part| part == label).unwrap_or(0);
+        told(source.line_start(line) + at, E::SeveralLabels, String::from_utf8_lossy(label).into_owned())
+    });
+    empty.into_iter().chain(labels)
+}
+
+/// Bytes of a line that are searched for its label.
+const LABEL_SEARCH_BYTES: usize = 256;
+
+/// Whether a line has no block.
+fn has_no_block(line: &[u8]) -> bool {
+    line.trim_ascii_start().first().is_none_or(|first| matches!(first, b';' | b'%' | b'('))
+}
+
+/// Checks the blocks of a line; returns whether the text ends in it.
+fn read_line(
+    source: &Source,
+    settings: &NcSettings,
+    line: u32,
+    (words, calls): (&mut BlockWords, &mut Vec<(u32, usize)>),
+) -> ReadResult<bool> {
+    let text = source.bytes();
+    let mut cursor = Cursor::window(text, source.line_start(line));
+    let mut head = ReadOptions { mid_line: false, block_skip: false };
+    let mut text_end = false;
+    loop {
+        let at = cursor.at;
+        let content = dialect::read_block(settings.dialect, &mut cursor, &mut SyntaxOnlyScope, words, head);
+        if cursor.is_truncated(text) {
+            return fail(at, E::BlockTooLong);
+        }
+        match content? {
+            BlockContent::Words => {
+                dialect::check_unexecuted(words, settings, &UnexecutedBlock { source, at, line })?;
+                calls.extend(dialect::called_program(words, settings));
+            }
+            BlockContent::TextEnd { at } if !is_at_text_head(text, at) => text_end = true,
+            BlockContent::Goto { n, at } if n > 0 && source.find_block(n, at).is_none() => {
+                return fail1(at, E::MissingTarget, format!("N{n}"));
+            }
+            BlockContent::Jump { label, forward, .. } => source.find_label(label, line, forward).map(drop)?,
+            _ => {}
+        }
+        if !statement::line_continues(&cursor) || cursor.at <= at {
+            return Ok(text_end);
+        }
+        head.mid_line = true;
+    }
+}

@@ -1,0 +1,74 @@
+//! An error of the operating system with path, cause and remedy.
+
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// A failed operation on a file or folder.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: cannot {action}: {cause}; {}", .path.display(), remedy(.cause.kind()))]
+pub struct IoFault {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// The operation as a verb: "read", "replace".
+    pub action: &'static str,
+    /// The error of the operating system.
+    #[source]
+    pub cause: io::Error,
+}
+
+impl IoFault {
+    /// For `map_err`: adds path and operation to the error of the operating system.
+    pub(super) fn at(path: &Path, act: &'static str) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |cause| Self { path, action: act, cause }
+    }
+
+    fn name(&self) -> String {
+        self.path.file_name().unwrap_or(self.path.as_os_str()).to_string_lossy().into_owned()
+    }
+
+    /// The message with the file name only, in English.
+    #[must_use]
+    pub fn en(&self) -> String {
+        format!("{}: {} ({})", self.name(), remedy(self.cause.kind()), self.cause)
+    }
+
+    /// The message in Chinese; the text of the operating system is not translated.
+    #[must_use]
+    pub fn zh(&self) -> String {
+        let name = self.name();
+        let remedy = match self.cause.kind() {
+            ErrorKind::NotFound => "找不到，请检查 U 盘是否插好",
+            ErrorKind::PermissionDenied => "没有权限",
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "磁盘已满，请清理后再试",
+            ErrorKind::ReadOnlyFilesystem => "磁盘写保护，请解除或更换",
+            ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "同名的文件或目录挡住了，请移开",
+            _ => "请检查磁盘后再试",
+        };
+        format!("{name}：{remedy} ({})", self.cause)
+    }
+
+    /// Whether the disk is full.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        matches!(self.cause.kind(), ErrorKind::StorageFull | ErrorKind::QuotaExceeded)
+    }
+
+    /// Whether the file or folder does not exist.
+    #[must_use]
+    pub fn is_missing(&self) -> bool {
+        self.cause.kind() == ErrorKind::NotFound
+    }
+}
+
+/// The remedy for a kind of error.
+fn remedy(kind: ErrorKind) -> &'static str {
+    match kind {
+        ErrorKind::NotFound => "check the path, and that the stick is plugged in",
+        ErrorKind::PermissionDenied => "give the user of the control access to it",
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => "make room on the disk",
+        ErrorKind::ReadOnlyFilesystem => "the disk is write-protected: unlock it, or replace a failing disk",
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => "move away the file that stands in its place",
+        _ => "check the disk and try again",
+    }
+}

@@ -1,0 +1,71 @@
+//! Checks a copy of the database in memory before the file is opened, because opening can repair and write the file.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use redb::StorageBackend;
+use redb::backends::InMemoryBackend;
+
+use super::tables::{self, FORMAT, OLDEST_FORMAT};
+use super::{RetainedError, builder};
+use crate::store::atomic_file::{self, ReadError};
+
+/// Maximum size of the database, bytes; a thousand times the expected size.
+const FILE_LIMIT: u64 = 256 * 1024 * 1024;
+
+/// What is wrong with the file; `None` if it is intact. The file itself is only read.
+///
+/// An interrupted commit is not damage: the database returns to the commit before, the last acknowledged one.
+pub(super) fn find_damage(path: &Path) -> Result<Option<String>, RetainedError> {
+    let bytes = match atomic_file::read(path, FILE_LIMIT) {
+        Ok(bytes) => bytes,
+        Err(ReadError::Io(fault)) => return Err(fault.into()),
+        Err(odd @ (ReadError::NotRegular | ReadError::TooLarge { .. } | ReadError::BeingWritten)) => {
+            return Ok(Some(odd.to_string()));
+        }
+    };
+    if bytes.is_empty() {
+        return Ok(Some("empty: the file was cut off".to_owned()));
+    }
+    // The bytes are untrusted: a failed assertion of the database is a finding, not a crash.
+    let found = catch_unwind(AssertUnwindSafe(|| inspect(&bytes)));
+    match found {
+        Ok(DatabaseState::Intact) => Ok(None),
+        Ok(DatabaseState::Damaged(cause)) => Ok(Some(cause)),
+        Ok(DatabaseState::Newer(found)) => Err(RetainedError::Newer { path: path.to_path_buf(), found, known: FORMAT }),
+        Err(_) => Ok(Some("the database does not understand its own file".to_owned())),
+    }
+}
+
+enum DatabaseState {
+    Intact,
+    Damaged(String),
+    Newer(u64),
+}
+
+/// Opens the bytes as a database, checks the checksum of every page, then the checksum over the rows.
+fn inspect(bytes: &[u8]) -> DatabaseState {
+    let backend = InMemoryBackend::default();
+    let copied = backend.set_len(bytes.len() as u64).and_then(|()| backend.write(0, bytes));
+    if let Err(cause) = copied {
+        return DatabaseState::Damaged(cause.to_string());
+    }
+    let mut database = match builder().create_with_backend(backend) {
+        Ok(database) => database,
+        Err(cause) => return DatabaseState::Damaged(cause.to_string()),
+    };
+    match database.check_integrity() {
+        Ok(true) => {}
+        Ok(false) => return DatabaseState::Damaged("pages do not fit their checksums".to_owned()),
+        Err(cause) => return DatabaseState::Damaged(cause.to_string()),
+    }
+    match tables::load(&database) {
+        Ok(found) if found.format > FORMAT => DatabaseState::Newer(found.format),
+        Ok(found) if found.format < OLDEST_FORMAT => DatabaseState::Damaged(format!("unknown format {}", found.format)),
+        Ok(found) if found.stored_sum != found.computed_sum => {
+            DatabaseState::Damaged("rows do not fit their checksum".to_owned())
+        }
+        Ok(_) => DatabaseState::Intact,
+        Err(cause) => DatabaseState::Damaged(cause.to_string()),
+    }
+}
