@@ -15,10 +15,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("io", &["units", "defs"]),
     ("store", &["units", "defs"]),
     ("controller", &["units", "defs", "link", "nc", "motion", "machine", "io"]),
-    ("runtime", &["units", "defs", "link", "nc", "machine", "io", "store", "controller"]),
-    ("story", &["units", "defs", "link", "io", "runtime"]),
+    ("host", &["units", "defs", "link", "nc", "machine", "io", "store", "controller"]),
+    ("story", &["units", "defs", "link", "io", "host"]),
     ("hmi", &["units", "defs", "link"]),
-    ("cli", &["units", "defs", "link", "nc", "io", "store", "controller", "runtime", "story", "hmi"]),
+    ("cli", &["units", "defs", "link", "nc", "io", "store", "controller", "host", "story", "hmi"]),
 ];
 
 /// Rooms without clock, file, thread or chance: time and hardware are arguments.
