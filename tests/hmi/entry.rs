@@ -45,7 +45,7 @@ fn h6_by_touch_a_value_is_typed_stored_and_the_next_field_chosen() {
     assert_eq!(screen.state().hmi.variable_entry().editor.text, "-0.03");
     assert!(sent(&mut screen).is_empty(), "nothing is stored before 输入");
     touch(&mut screen, "输入 input");
-    assert_eq!(sent(&mut screen), ["TypeVariable(505, Some(-0.03))"]);
+    assert_eq!(sent(&mut screen), ["EnterVariable(505, Some(-0.03))"]);
     assert_eq!(screen.state().hmi.variable_entry().cursor, 5, "the next field is chosen");
 }
 
@@ -75,7 +75,7 @@ fn h6_physical_keys_do_the_same() {
     write(&mut screen, "1");
     press(&mut screen, egui::Key::Escape);
     press(&mut screen, egui::Key::ArrowRight);
-    assert_eq!(sent(&mut screen), ["TypeVariable(501, Some(-12.75))", "TypeVariable(504, Some(8.0))"]);
+    assert_eq!(sent(&mut screen), ["EnterVariable(501, Some(-12.75))", "EnterVariable(504, Some(8.0))"]);
     assert_eq!(screen.state().hmi.variable_entry().cursor, 12, "the arrow goes to the field beside it");
 }
 
@@ -96,7 +96,7 @@ fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
     write(&mut screen, "1");
     assert_eq!(screen.state().hmi.variable_entry().refusal(Lang::Zh), None);
     press(&mut screen, egui::Key::Enter);
-    assert_eq!(sent(&mut screen), ["TypeVariable(570, Some(1.0))"]);
+    assert_eq!(sent(&mut screen), ["EnterVariable(570, Some(1.0))"]);
     write(&mut screen, "100000");
     press(&mut screen, egui::Key::Enter);
     assert_eq!(screen.state().hmi.variable_entry().refusal(Lang::En), Some("out of range ±99999.999"));
@@ -154,7 +154,7 @@ fn k7_1_soft_keys_open_their_pages_by_touch_and_by_f_key() {
         }
         touch(&mut screen, "▶ next-row");
         let next = (row + 1) % SOFT_ROWS.len();
-        assert_eq!(sent(&mut screen), [format!("TurnSoftRow({next})")]);
+        assert_eq!(sent(&mut screen), [format!("ShowSoftKeyRow({next})")]);
         screen.state_mut().snapshot.soft_key_row = next;
         screen.step();
     }
