@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use ropey::Rope;
 
+use super::line_fault::LineFault;
 use super::media::{MediaView, Screenshot, TransferRequest};
 use super::page_file::{PageFile, PictureLocation};
 use super::toolpath::Toolpath;
@@ -152,17 +153,6 @@ pub enum FileRequest {
     ExportLeadscrew(Axis, LeadscrewCompensation),
     /// Cancels the long operation in progress.
     Cancel,
-}
-
-/// An error in a line.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LineFault {
-    /// Line, from 1.
-    pub line: u32,
-    /// Column in characters, from 1.
-    pub column: u32,
-    /// Cause and remedy.
-    pub message: LocalizedText,
 }
 
 /// The result of checking lines.

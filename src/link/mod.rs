@@ -5,6 +5,7 @@ pub mod command;
 pub mod edit;
 pub mod files;
 pub mod internal_signal;
+pub mod line_fault;
 pub mod media;
 pub mod page_command;
 pub mod page_file;

@@ -4,7 +4,7 @@
 
 use std::collections::HashSet;
 
-use super::files::LineFault;
+use super::line_fault::LineFault;
 use crate::units::{Axis, PerAxis};
 
 /// Maximum number of points of a path; a longer path is truncated.

@@ -5,8 +5,8 @@
 use std::collections::VecDeque;
 
 use super::lookahead_window::MAX_WINDOW_MOVES;
+use super::queued_move::QueuedMove;
 use super::tolerance_band::{BandMove, ToleranceBand, corner_speed, cosine};
-use super::trajectory::QueuedMove;
 use super::work_budget::WorkBudget;
 use super::{CornerMode, MIN_FEED_MM_S, MotionLimits, MotionSpeed};
 

@@ -19,6 +19,7 @@ mod lookahead_window;
 mod path_segment;
 mod point_to_point;
 pub mod profile;
+mod queued_move;
 mod setpoint_buffer;
 mod setpoint_planner;
 mod smoother;

@@ -10,6 +10,7 @@ use std::collections::VecDeque;
 
 use super::feed_scaling::{DifferenceLimits, FeedScaling, SetpointHistory};
 use super::path_segment::PathSegment;
+use super::queued_move::QueuedMove;
 use super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::setpoint_planner::{PlanRequest, SetpointPlanner};
 use super::{MotionLimits, MotionSpeed, Move, MoveQueueFull, Override, Setpoint};
@@ -25,17 +26,6 @@ const MAX_UNMET_TICKS: u32 = 50;
 const RATE_MET_TOLERANCE: f64 = 0.16;
 /// Maximum feed override.
 const MAX_FEED_OVERRIDE: f64 = 1.5;
-
-/// A move in the queue.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct QueuedMove {
-    pub programmed: Move,
-    pub segment: PathSegment,
-    /// Serial number since power-on.
-    pub number: u64,
-    /// Index on the trail at which the move is finished (one after its last set-point), once that is appended.
-    pub end_index: Option<u64>,
-}
 
 /// Program motion of all axes.
 #[derive(Clone, Debug)]

@@ -2,7 +2,6 @@
 //! tests. Writes `docs/requirements/traceability.md` anew and fails when it was not up to date, when something cites a
 //! row that is not there, and when nothing shows a row.
 
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;

@@ -7,6 +7,7 @@
 //! was not held is lost and has no size; a crash trips the drives of all axes until the drives are switched off and the
 //! axes are at rest.
 
+use super::contact_law::{TraverseLengths, WheelMotion};
 use super::machine_file::MachineFile;
 use super::machine_sections::{CuttingFile, DresserFile, LayoutFile, PlateFile, ProbeFile};
 use super::obstacle::Obstacle;
@@ -14,7 +15,7 @@ use super::part_file::{GaugeSetupFile, PartFile, SlidePosition};
 use super::report::{EventKind, EventLog, PartReport, SimEvent};
 use super::scatter::DiamondScatter;
 use super::spindle::Spindle;
-use super::surface::{ContactFlags, Surface, TraverseLengths, WheelMotion};
+use super::surface::{ContactFlags, Surface};
 use super::wheel::GrindingWheel;
 use crate::io::random::SplitMix64;
 use crate::units::{Axis, PerAxis};

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::file_error::{SimFileError, require_positive};
 use super::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
     ScatterFile, SecondSpindleFile, ToolTurretFile, WheelFile,
@@ -18,32 +19,6 @@ const BUILTIN: [&str; Kind::ALL.len()] = [
     include_str!("../../../assets/machines/vertical.ron"),
     include_str!("../../../assets/machines/lathe.ron"),
 ];
-
-/// Why a machine or part file is refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SimFileError {
-    /// Syntax error; RON gives line and column.
-    #[error("{0}")]
-    Syntax(#[from] ron::error::SpannedError),
-    /// A value is invalid.
-    #[error("{field} is {value}: {rule}")]
-    Value {
-        /// Field, with the number of the surface if there are several.
-        field: String,
-        /// The invalid value.
-        value: f64,
-        /// The rule that is violated.
-        rule: &'static str,
-    },
-    /// Two settings contradict each other.
-    #[error("{what}: {rule}")]
-    Incompatible {
-        /// The setting at fault.
-        what: String,
-        /// The rule that is violated.
-        rule: &'static str,
-    },
-}
 
 /// A whole machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -195,14 +170,6 @@ impl MachineFile {
             ("cutting.contact_mm", self.cutting.contact_mm),
         ]
     }
-}
-
-/// Refuses a value that is not positive and finite.
-pub(super) fn require_positive(field: &str, value: f64) -> Result<(), SimFileError> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
-    }
-    Err(SimFileError::Value { field: field.to_owned(), value, rule: "must be above zero" })
 }
 
 #[cfg(test)]

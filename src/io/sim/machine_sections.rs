@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::machine_file::{SimFileError, require_positive};
+use super::file_error::{SimFileError, require_positive};
 use crate::units::Axis;
 
 /// Greatest number of rows of an error table over position.

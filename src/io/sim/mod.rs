@@ -8,7 +8,9 @@
 
 mod axis;
 mod contact;
+mod contact_law;
 mod fault;
+mod file_error;
 mod gauge;
 mod grinding;
 mod hydraulics;
@@ -48,9 +50,10 @@ use crate::defs::signal::{Output, OutputSet};
 use crate::units::{Axis, Micros, PerAxis};
 
 pub use self::fault::FaultError;
+pub use self::file_error::SimFileError;
 pub use self::interference_check::InterferenceCheck;
 pub use self::lathe::LatheScene;
-pub use self::machine_file::{MachineFile, SimFileError};
+pub use self::machine_file::MachineFile;
 pub use self::machine_sections::{
     AxisFile, CuttingFile, DresserFile, DriveFile, GaugesFile, HydraulicsFile, LayoutFile, MagnetFile, MainSpindleFile,
     PlateFile, ProbeFile, QuillFile, RollFile, ScatterFile, SecondSpindleFile, TablePoint, ToolFile, ToolTurretFile,

@@ -1,9 +1,9 @@
 //! Obstacles of the wheel: chuck, tailstock, fixture, magnet plate (P8 crash). Any contact is a crash, reported once
 //! until the wheel is clear.
 
+use super::contact_law::WheelMotion;
 use super::machine_sections::PlateFile;
 use super::part_file::{BlockFile, Body, BodyFile, TailstockFile};
-use super::surface::WheelMotion;
 use super::wheel::GrindingWheel;
 
 /// An obstacle, part coordinates in wheel directions, mm.

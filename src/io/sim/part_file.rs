@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::machine_file::{SimFileError, require_positive};
+use super::file_error::{SimFileError, require_positive};
 use crate::defs::kind::Kind;
 use crate::defs::kind_ui::GrindingForm;
 use crate::defs::program_number;

@@ -9,9 +9,9 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use super::contact_law::{Cut, WheelMotion, removed_share};
 use super::part_file::SurfaceFile;
 use super::report::{HeightAt, PartReport};
-use super::surface::{Cut, WheelMotion, removed_share};
 use super::wheel::GrindingWheel;
 use crate::io::random::SplitMix64;
 

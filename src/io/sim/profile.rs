@@ -6,9 +6,9 @@
 
 use std::f64::consts::PI;
 
+use super::contact_law::{Cut, WheelMotion, removed_share};
 use super::part_file::{FaceDirection, SurfaceFile};
 use super::report::{DiameterAt, FaceAt, PartReport};
-use super::surface::{Cut, WheelMotion, removed_share};
 use super::wheel::{GrindingWheel, Side};
 use crate::io::random::SplitMix64;
 
@@ -71,75 +71,44 @@ const fn side_of(looks: FaceDirection) -> (Side, f64) {
 
 /// The common values of a surface; `None` for a plane.
 fn profile_spec(file: &SurfaceFile) -> Option<ProfileSpec> {
+    let spec = |from, to, cell, stock, shape| ProfileSpec {
+        from,
+        to,
+        cell,
+        normal: 1.0,
+        stock,
+        rise: 0.0,
+        waviness: 0.0,
+        runout: 0.0,
+        shape,
+    };
     match *file {
         SurfaceFile::Diameter { z_from, z_to, stock, cell, runout, waviness } => {
-            let (from, to, stock) = (z_from, z_to, stock / 2.0);
-            Some(ProfileSpec {
-                from,
-                to,
-                cell,
-                normal: 1.0,
-                stock,
-                rise: 0.0,
-                waviness,
-                runout,
-                shape: ProfileShape::Diameter,
-            })
+            let spec = spec(z_from, z_to, cell, stock / 2.0, ProfileShape::Diameter);
+            Some(ProfileSpec { waviness, runout, ..spec })
         }
         SurfaceFile::Cone { z_from, z_to, stock_from, stock_to, cell, runout, waviness } => {
-            let (from, to, stock, rise) = (z_from, z_to, stock_from / 2.0, (stock_to - stock_from) / 2.0);
-            Some(ProfileSpec {
-                from,
-                to,
-                cell,
-                normal: 1.0,
-                stock,
-                rise,
-                waviness,
-                runout,
-                shape: ProfileShape::Diameter,
-            })
+            let spec = spec(z_from, z_to, cell, stock_from / 2.0, ProfileShape::Diameter);
+            Some(ProfileSpec { rise: (stock_to - stock_from) / 2.0, waviness, runout, ..spec })
         }
         SurfaceFile::Bore { z_from, z_to, stock_from, stock_to, thickness, cell, runout, waviness } => {
-            let (from, to, stock, rise) = (z_from, z_to, stock_from / 2.0, (stock_from - stock_to) / 2.0);
-            let shape = ProfileShape::Bore { thickness_mm: thickness };
-            Some(ProfileSpec { from, to, cell, normal: -1.0, stock, rise, waviness, runout, shape })
+            let spec = spec(z_from, z_to, cell, stock_from / 2.0, ProfileShape::Bore { thickness_mm: thickness });
+            Some(ProfileSpec { normal: -1.0, rise: (stock_from - stock_to) / 2.0, waviness, runout, ..spec })
         }
         SurfaceFile::Face { looks, x_from, x_to, stock, cell, waviness, width, thickness, turns } => {
             let (side, normal) = side_of(looks);
             let shape = ProfileShape::Face { side, width_mm: width, thickness_mm: thickness, turns, wall: None };
-            Some(ProfileSpec {
-                from: x_from / 2.0,
-                to: x_to / 2.0,
-                cell,
-                normal,
-                stock,
-                rise: 0.0,
-                waviness,
-                runout: 0.0,
-                shape,
-            })
+            Some(ProfileSpec { normal, waviness, ..spec(x_from / 2.0, x_to / 2.0, cell, stock, shape) })
         }
         SurfaceFile::Wall { looks, x_from, x_to, y_from, y_to, stock, cell, thickness, waviness } => {
             let (side, normal) = side_of(looks);
             let wall = Some(Wall { from_mm: x_from, to_mm: x_to });
             let width_mm = x_to - x_from;
             let shape = ProfileShape::Face { side, width_mm, thickness_mm: thickness, turns: false, wall };
-            Some(ProfileSpec { from: y_from, to: y_to, cell, normal, stock, rise: 0.0, waviness, runout: 0.0, shape })
+            Some(ProfileSpec { normal, waviness, ..spec(y_from, y_to, cell, stock, shape) })
         }
         SurfaceFile::Disc { x_from, x_to, stock, cell, runout, waviness } => {
-            let (from, to) = (x_from, x_to);
-            Some(ProfileSpec {
-                from,
-                to,
-                cell,
-                normal: 1.0,
-                stock,
-                rise: 0.0,
-                waviness,
-                runout,
-                shape: ProfileShape::Disc,
-            })
+            Some(ProfileSpec { waviness, runout, ..spec(x_from, x_to, cell, stock, ProfileShape::Disc) })
         }
         SurfaceFile::Plane { .. } => None,
     }

@@ -6,9 +6,9 @@ use std::collections::VecDeque;
 
 use super::super::blending::{BandFiller, Continuation, FillResult, continuation};
 use super::super::lookahead_window::{KNOT_SPACING_S, PlanPoint, WindowStart};
+use super::super::queued_move::QueuedMove;
 use super::super::setpoint_buffer::{BufferPosition, SetpointBuffer};
 use super::super::tolerance_band::{SHARP_COSINE, cosine};
-use super::super::trajectory::QueuedMove;
 use super::super::work_budget::WorkBudget;
 use super::super::{MIN_FEED_MM_S, MotionSpeed};
 use super::{

@@ -1,0 +1,35 @@
+//! Why a machine or part file is refused.
+
+/// Why a machine or part file is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimFileError {
+    /// Syntax error; RON gives line and column.
+    #[error("{0}")]
+    Syntax(#[from] ron::error::SpannedError),
+    /// A value is invalid.
+    #[error("{field} is {value}: {rule}")]
+    Value {
+        /// Field, with the number of the surface if there are several.
+        field: String,
+        /// The invalid value.
+        value: f64,
+        /// The rule that is violated.
+        rule: &'static str,
+    },
+    /// Two settings contradict each other.
+    #[error("{what}: {rule}")]
+    Incompatible {
+        /// The setting at fault.
+        what: String,
+        /// The rule that is violated.
+        rule: &'static str,
+    },
+}
+
+/// Refuses a value that is not positive and finite.
+pub(super) fn require_positive(field: &str, value: f64) -> Result<(), SimFileError> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(SimFileError::Value { field: field.to_owned(), value, rule: "must be above zero" })
+}

@@ -1,0 +1,15 @@
+//! A move in the queue of the trajectory planner.
+
+use super::Move;
+use super::path_segment::PathSegment;
+
+/// A move in the queue.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct QueuedMove {
+    pub programmed: Move,
+    pub segment: PathSegment,
+    /// Serial number since power-on.
+    pub number: u64,
+    /// Index on the trail at which the move is finished (one after its last set-point), once that is appended.
+    pub end_index: Option<u64>,
+}
