@@ -36,25 +36,28 @@ pub fn accessible_name(key: Key, lang: crate::defs::text::Lang) -> String {
     format!("{} {}", key.label().get(lang), key.id())
 }
 
+/// A key and how it looks now.
+#[derive(Clone, Copy, Debug)]
+pub struct Keycap {
+    /// The key.
+    pub key: Key,
+    /// Its visible state.
+    pub state: KeycapState,
+    /// Its pictogram; empty for keys labelled with a number or letter.
+    pub shapes: &'static [PictogramShape],
+}
+
 /// Draws a key of the panel.
-pub fn paint(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: KeycapState, marks: &[PictogramShape]) {
-    match key {
-        Key::CycleStart => paint_run_key(painter, view, rect, key, face, view.theme.run),
-        Key::FeedHold => paint_run_key(painter, view, rect, key, face, view.theme.hold),
-        Key::EmergencyStop => paint_emergency_stop(painter, view, rect, face),
-        _ => paint_standard(painter, view, rect, key, face, marks),
+pub fn paint(painter: &Painter, view: &View<'_>, rect: Rect, keycap: Keycap) {
+    match keycap.key {
+        Key::CycleStart | Key::FeedHold => paint_run_key(painter, view, rect, keycap),
+        Key::EmergencyStop => paint_emergency_stop(painter, view, rect, keycap.state),
+        _ => paint_standard(painter, view, rect, keycap),
     }
 }
 
-fn paint_standard(
-    painter: &Painter,
-    view: &View<'_>,
-    rect: Rect,
-    key: Key,
-    face: KeycapState,
-    marks: &[PictogramShape],
-) {
-    let theme = view.theme;
+fn paint_standard(painter: &Painter, view: &View<'_>, rect: Rect, keycap: Keycap) {
+    let (theme, Keycap { key, state: face, shapes: marks }) = (view.theme, keycap);
     paint_body(painter, theme, rect, face);
     let body = if face.pressed { rect.translate(vec2(0.0, 1.5)) } else { rect };
     let ink = label_colour(theme, face);
@@ -135,8 +138,9 @@ fn paint_lamp(painter: &Painter, view: &View<'_>, rect: Rect, face: KeycapState,
 }
 
 /// Paints cycle start or feed hold: large, framed in its colour, filled with it while lit.
-fn paint_run_key(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face: KeycapState, colour: Color32) {
-    let theme = view.theme;
+fn paint_run_key(painter: &Painter, view: &View<'_>, rect: Rect, keycap: Keycap) {
+    let (theme, Keycap { key, state: face, shapes }) = (view.theme, keycap);
+    let colour = if key == Key::CycleStart { theme.run } else { theme.hold };
     let radius = CornerRadius::same(2 * theme::RADIUS as u8);
     let lit = face.on && (!face.pending || view.blink);
     let fill = if lit { colour } else { theme.raised };
@@ -147,7 +151,7 @@ fn paint_run_key(painter: &Painter, view: &View<'_>, rect: Rect, key: Key, face:
     let body = if face.pressed { rect.translate(vec2(0.0, 2.0)) } else { rect };
     let size = (rect.height() * 0.36).min(34.0);
     let centre = pos2(body.center().x, body.min.y + rect.height() * 0.36);
-    pictogram::draw(painter, Rect::from_center_size(centre, vec2(size, size)), pictogram::for_key(key), ink);
+    pictogram::draw(painter, Rect::from_center_size(centre, vec2(size, size)), shapes, ink);
     let below =
         Rect::from_min_max(pos2(body.min.x + 3.0, centre.y + size / 2.0), pos2(body.max.x - 3.0, body.max.y - 4.0));
     fit_text(painter, below, Align2::CENTER_CENTER, key.label().get(view.lang), theme::LABEL, ink);

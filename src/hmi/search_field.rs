@@ -21,8 +21,20 @@ pub enum SearchTouch {
     Clear,
 }
 
-/// Draws the field; `hint` is shown while it is empty, `open` is true while it takes the typed text.
-pub fn field(ui: &Ui, view: &View<'_>, rect: Rect, hint: &str, search: &str, open: bool) -> Option<SearchTouch> {
+/// What the field shows.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchField<'a> {
+    /// Shown while the field is empty.
+    pub hint: &'a str,
+    /// The typed text.
+    pub text: &'a str,
+    /// It takes the typed text now.
+    pub open: bool,
+}
+
+/// Draws the field.
+pub fn field(ui: &Ui, view: &View<'_>, rect: Rect, shown: SearchField<'_>) -> Option<SearchTouch> {
+    let SearchField { hint, text: search, open } = shown;
     let (rect, cross) = if search.is_empty() {
         (rect, None)
     } else {

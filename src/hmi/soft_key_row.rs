@@ -44,7 +44,8 @@ pub fn ui(
     for (index, soft) in soft_key::row(view.snapshot.kind, row).enumerate() {
         let left = inner.min.x + index as f32 * (width + theme::GAP);
         let place = Rect::from_min_size(pos2(left, inner.min.y), vec2(width, inner.height()));
-        if soft_key_ui(ui, view, place, index, soft, chosen(soft.action)) {
+        let name = format!("F{}", index + 1);
+        if soft_key_ui(ui, view, place, &SoftKeyView { name: &name, soft, chosen: chosen(soft.action) }) {
             pressed = Some(SoftKeyPress::Act(soft.action));
         }
     }
@@ -60,16 +61,26 @@ pub fn ui(
     if response.clicked() { Some(SoftKeyPress::Next) } else { pressed }
 }
 
-fn soft_key_ui(ui: &Ui, view: &View<'_>, place: Rect, index: usize, soft: &SoftKey, chosen: bool) -> bool {
-    let response = ui.interact(place, Id::unique(("soft", index)), Sense::CLICK);
-    let name = format!("{} f{}", label(soft, view), index + 1);
+/// A soft key as it is shown.
+struct SoftKeyView<'a> {
+    /// `F1` to `F5`.
+    name: &'a str,
+    soft: &'a SoftKey,
+    /// Its page is open.
+    chosen: bool,
+}
+
+fn soft_key_ui(ui: &Ui, view: &View<'_>, place: Rect, key: &SoftKeyView<'_>) -> bool {
+    let SoftKeyView { name: key, soft, chosen } = *key;
+    let response = ui.interact(place, Id::unique(("soft", key)), Sense::CLICK);
+    let name = format!("{} {}", label(soft, view), key.to_lowercase());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &name));
     let face = KeycapState { pressed: response.is_pointer_button_down_on(), ..KeycapState::default() };
     let painter = ui.painter();
     keycap::paint_body(painter, view.theme, place, face);
     let ink = if chosen { view.theme.info } else { view.theme.text };
     let tag = Rect::from_min_size(place.min + vec2(7.0, 3.0), vec2(30.0, 16.0));
-    text_line(painter, tag, Align2::LEFT_CENTER, &format!("F{}", index + 1), theme::SMALL, view.theme.muted);
+    text_line(painter, tag, Align2::LEFT_CENTER, key, theme::SMALL, view.theme.muted);
     let words = Rect::from_min_max(pos2(place.min.x + 4.0, place.min.y + 16.0), place.max - vec2(4.0, 2.0));
     fit_text(painter, words, Align2::CENTER_CENTER, label(soft, view), theme::TITLE, ink);
     if chosen {

@@ -113,20 +113,22 @@ pub struct HelpEntry {
     search_text: String,
 }
 
+/// What an entry is called.
+struct Heading {
+    id: String,
+    code: String,
+    name: LocalizedText,
+}
+
 impl HelpEntry {
-    fn new(
-        section: Section,
-        about: HelpTopic,
-        id: String,
-        sign: String,
-        name: LocalizedText,
-        parts: Vec<(Text, LocalizedText)>,
-    ) -> Self {
-        let mut haystack = format!("{id} {sign} {} {}", name.zh, name.en);
-        for (_, said) in &parts {
-            haystack.push_str(&format!(" {} {}", said.zh, said.en));
+    fn new(section: Section, topic: HelpTopic, heading: Heading, paragraphs: Vec<(Text, LocalizedText)>) -> Self {
+        let Heading { id, code, name } = heading;
+        let mut search_text = format!("{id} {code} {} {}", name.zh, name.en);
+        for (_, text) in &paragraphs {
+            search_text.push_str(&format!(" {} {}", text.zh, text.en));
         }
-        Self { section, topic: about, id, code: sign, name, paragraphs: parts, search_text: haystack.to_lowercase() }
+        let search_text = search_text.to_lowercase();
+        Self { section, topic, id, code, name, paragraphs, search_text }
     }
 
     /// Whether the entry contains every word of a search. Case-insensitive.
@@ -210,7 +212,12 @@ fn param_entry(row: &ParamRow) -> HelpEntry {
         (Text::new("位置", "where"), where_),
     ];
     let id = format!("param-{sign}");
-    HelpEntry::new(Section::Params, HelpTopic::Param(row.address), id, sign, row.name.clone(), parts)
+    HelpEntry::new(
+        Section::Params,
+        HelpTopic::Param(row.address),
+        Heading { id, code: sign, name: row.name.clone() },
+        parts,
+    )
 }
 
 fn page_entry(page: Page, kind: Kind) -> HelpEntry {
@@ -226,7 +233,12 @@ fn page_entry(page: Page, kind: Kind) -> HelpEntry {
         (Text::new("打开时的软键", "its soft keys"), keys),
     ];
     let id = format!("page-{}", page.id());
-    HelpEntry::new(Section::Pages, HelpTopic::Page(page), id, String::new(), page.title_on(kind).into(), parts)
+    HelpEntry::new(
+        Section::Pages,
+        HelpTopic::Page(page),
+        Heading { id, code: String::new(), name: page.title_on(kind).into() },
+        parts,
+    )
 }
 
 fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
@@ -239,7 +251,12 @@ fn soft_keys(kind: Kind, all: &mut Vec<HelpEntry>) {
             let parts = vec![(PURPOSE, soft.action.help().into()), (Text::new("位置", "where"), place)];
             let (id, sign) = (format!("soft-{}-{}", row + 1, index + 1), format!("{}·F{}", row + 1, index + 1));
             let about = HelpTopic::SoftKey(soft.action);
-            all.push(HelpEntry::new(Section::SoftKeys, about, id, sign, soft.label_on(kind).into(), parts));
+            all.push(HelpEntry::new(
+                Section::SoftKeys,
+                about,
+                Heading { id, code: sign, name: soft.label_on(kind).into() },
+                parts,
+            ));
         }
     }
 }
@@ -263,7 +280,12 @@ fn key_entry(key: Key, kind: Kind) -> HelpEntry {
     }
     let sign = shortcuts.into_iter().next().unwrap_or_default();
     let id = format!("key-{}", row.id);
-    HelpEntry::new(Section::Keys, HelpTopic::Key(key), id, sign, key.label_on(kind).into(), parts)
+    HelpEntry::new(
+        Section::Keys,
+        HelpTopic::Key(key),
+        Heading { id, code: sign, name: key.label_on(kind).into() },
+        parts,
+    )
 }
 
 fn alarms(all: &mut Vec<HelpEntry>) {
@@ -275,7 +297,12 @@ fn alarms(all: &mut Vec<HelpEntry>) {
                 parts.push((CAUSE, cause));
             }
             parts.extend([(REMEDY, remedy), (REACTION, acts.0.name().into()), (CLEARED_BY, acts.1.name().into())]);
-            HelpEntry::new(Section::Alarms, HelpTopic::Alarm(number), format!("alarm-{sign}"), sign, name, parts)
+            HelpEntry::new(
+                Section::Alarms,
+                HelpTopic::Alarm(number),
+                Heading { id: format!("alarm-{sign}"), code: sign, name },
+                parts,
+            )
         };
     let from = all.len();
     for row in ALARMS {
@@ -316,12 +343,22 @@ fn g_codes(kind: Kind, all: &mut Vec<HelpEntry>) {
             parts.pop();
         }
         let sign = format!("G{:02}", row.code);
-        all.push(HelpEntry::new(Section::GCodes, HelpTopic::Code, format!("g-{sign}"), sign, row.text.into(), parts));
+        all.push(HelpEntry::new(
+            Section::GCodes,
+            HelpTopic::Code,
+            Heading { id: format!("g-{sign}"), code: sign, name: row.text.into() },
+            parts,
+        ));
     }
     for word in dialect_word::words_of(system) {
         let (id, sign) = (format!("g-{}", word.word), word.word.to_owned());
         let parts = vec![(PURPOSE, word.help.into())];
-        all.push(HelpEntry::new(Section::GCodes, HelpTopic::Code, id, sign, word.text.into(), parts));
+        all.push(HelpEntry::new(
+            Section::GCodes,
+            HelpTopic::Code,
+            Heading { id, code: sign, name: word.text.into() },
+            parts,
+        ));
     }
 }
 
@@ -333,5 +370,10 @@ fn mcode_entry(row: &mcode::MCode) -> HelpEntry {
     };
     let parts = vec![(PURPOSE, row.help.into()), (NEXT_BLOCK, waits.into())];
     let sign = format!("M{:02}", row.code);
-    HelpEntry::new(Section::MCodes, HelpTopic::Code, format!("m-{sign}"), sign, row.name.into(), parts)
+    HelpEntry::new(
+        Section::MCodes,
+        HelpTopic::Code,
+        Heading { id: format!("m-{sign}"), code: sign, name: row.name.into() },
+        parts,
+    )
 }

@@ -13,7 +13,7 @@ pub use entries::{HelpEntry, HelpTopic, Section, entries};
 use super::letter_pad::{self, LetterKey};
 use super::page::TypedInput;
 use super::page::scroll::Scroll;
-use super::search_field::{self, SearchTouch};
+use super::search_field::{self, SearchField, SearchTouch};
 use super::theme;
 use super::variable_entry::EditKey;
 use super::view::{View, card, fit_text, focus_frame, layout_line, paragraph};
@@ -140,7 +140,8 @@ impl Help {
         let left = Rect::from_min_max(left.min, left.max - vec2(theme::GAP, 0.0));
         let (field, list) = left.split_top_bottom_at_y(left.min.y + theme::TOUCH_TARGET);
         let hint = view.text("查找 号码/文字", "find number/word");
-        match search_field::field(ui, view, field, hint, &self.search, self.searching) {
+        let shown = SearchField { hint, text: &self.search, open: self.searching };
+        match search_field::field(ui, view, field, shown) {
             Some(SearchTouch::Field) => self.searching = !self.searching,
             Some(SearchTouch::Clear) => {
                 self.search.clear();

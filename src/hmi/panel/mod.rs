@@ -8,7 +8,7 @@ use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, vec2};
 
 use self::layout::PanelLayout;
 use super::key_press::KeyPresses;
-use super::keycap::{self, KeycapState};
+use super::keycap::{self, Keycap, KeycapState};
 use super::pictogram::{self, PictogramShape};
 use super::theme;
 use super::view::{View, card, fit_text, text_line};
@@ -192,7 +192,8 @@ pub fn key_ui(
     response.widget_info(|| WidgetInfo::selected(Role::Button, state.blocked.is_none(), state.lamp, name()));
     let before = out.len();
     let pressed = presses.track_touch(ui, &response, rect, key, out) || presses.is_down(key);
-    keycap::paint(ui.painter(), view, rect, key, KeycapState::from_view(state, pressed), key_shapes(view, key));
+    let keycap = Keycap { key, state: KeycapState::from_view(state, pressed), shapes: key_shapes(view, key) };
+    keycap::paint(ui.painter(), view, rect, keycap);
     let asked = out[before..].iter().any(|command| matches!(command, Command::Press(_)));
     state.blocked.filter(|_| asked)
 }

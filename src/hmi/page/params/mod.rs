@@ -15,7 +15,7 @@ use crate::defs::text::LocalizedText;
 use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
 use crate::hmi::letter_pad::{self, LetterKey};
 use crate::hmi::login::Login;
-use crate::hmi::search_field::{self, SearchTouch};
+use crate::hmi::search_field::{self, SearchField, SearchTouch};
 use crate::hmi::theme;
 use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::View;
@@ -181,7 +181,8 @@ impl ParamPage {
             return self.level_key(ui, places, view, login, out);
         }
         let hint = view.text("查找 号码/文字", "find number/text");
-        match search_field::field(ui, view, places.search, hint, &self.search, self.searching) {
+        let shown = SearchField { hint, text: &self.search, open: self.searching };
+        match search_field::field(ui, view, places.search, shown) {
             Some(SearchTouch::Field) => {
                 self.searching = !self.searching;
                 self.typing.text.clear();
