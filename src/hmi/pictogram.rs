@@ -107,6 +107,17 @@ const MAGNET: PictogramShape = Arc(12.0, 12.0, 7.0, 180.0, 360.0);
 const POLES: PictogramShape = Line(&[(5.0, 12.0), (5.0, 19.0)]);
 const POLES_2: PictogramShape = Line(&[(19.0, 12.0), (19.0, 19.0)]);
 const PART: PictogramShape = Ring(12.0, 15.0, 5.0);
+const OCTAGON: &[(f32, f32)] = &[
+    (8.0, 3.0),
+    (16.0, 3.0),
+    (21.0, 8.0),
+    (21.0, 16.0),
+    (16.0, 21.0),
+    (8.0, 21.0),
+    (3.0, 16.0),
+    (3.0, 8.0),
+    (8.0, 3.0),
+];
 const LOCK_BODY: PictogramShape = Box(6.0, 11.0, 12.0, 9.0);
 const LOCK_BOW: PictogramShape = Arc(12.0, 11.0, 4.0, 180.0, 360.0);
 
@@ -129,21 +140,9 @@ pub const fn for_key(key: Key) -> &'static [PictogramShape] {
             Arc(12.0, 14.0, 8.0, 190.0, 335.0),
             ArrowHead(20.5, 14.5, 65.0),
         ],
-        Key::OptionalStop => &[
-            Line(&[
-                (8.0, 3.0),
-                (16.0, 3.0),
-                (21.0, 8.0),
-                (21.0, 16.0),
-                (16.0, 21.0),
-                (8.0, 21.0),
-                (3.0, 16.0),
-                (3.0, 8.0),
-                (8.0, 3.0),
-            ]),
-            Line(&[(9.0, 8.5), (9.0, 15.5)]),
-            Line(&[(15.0, 8.5), (15.0, 15.5)]),
-        ],
+        Key::OptionalStop => {
+            &[Line(OCTAGON), Line(&[(9.0, 8.5), (9.0, 15.5)]), Line(&[(15.0, 8.5), (15.0, 15.5)])]
+        }
         Key::MachineLock => &[LOCK_BODY, LOCK_BOW, Line(&[(1.0, 22.5), (23.0, 22.5)]), Dot(12.0, 15.5, 1.6)],
         Key::AuxFunctionLock => &[
             Box(3.0, 12.0, 11.0, 8.5),
