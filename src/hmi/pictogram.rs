@@ -140,9 +140,7 @@ pub const fn for_key(key: Key) -> &'static [PictogramShape] {
             Arc(12.0, 14.0, 8.0, 190.0, 335.0),
             ArrowHead(20.5, 14.5, 65.0),
         ],
-        Key::OptionalStop => {
-            &[Line(OCTAGON), Line(&[(9.0, 8.5), (9.0, 15.5)]), Line(&[(15.0, 8.5), (15.0, 15.5)])]
-        }
+        Key::OptionalStop => &[Line(OCTAGON), Line(&[(9.0, 8.5), (9.0, 15.5)]), Line(&[(15.0, 8.5), (15.0, 15.5)])],
         Key::MachineLock => &[LOCK_BODY, LOCK_BOW, Line(&[(1.0, 22.5), (23.0, 22.5)]), Dot(12.0, 15.5, 1.6)],
         Key::AuxFunctionLock => &[
             Box(3.0, 12.0, 11.0, 8.5),

@@ -55,8 +55,8 @@ impl PathSegment {
                 };
                 let ((r0, a0), (r1, a1)) = (polar(from), polar(to));
                 let ccw = (a1 - a0).rem_euclid(TAU);
-                let flat = (from[axes[0]] - to[axes[0]]).hypot(from[axes[1]] - to[axes[1]]);
-                let closed = flat <= MIN_LENGTH_MM;
+                // An end on the ray of the start is a full turn, also where its radius differs within the tolerance.
+                let closed = f64::midpoint(r0, r1) * ccw.min(TAU - ccw) <= MIN_LENGTH_MM;
                 let sweep = match turn {
                     ArcDirection::Ccw if closed => TAU,
                     ArcDirection::Cw if closed => -TAU,
@@ -256,5 +256,14 @@ mod tests {
     fn the_same_point_again_is_a_full_turn_and_the_third_axis_makes_it_a_helix() {
         check_middle(&arc(ArcDirection::Ccw, [0.0, 0.0, 10.0]), 20.0 * PI, [0.0, 0.0, -10.0]);
         check_middle(&arc(ArcDirection::Cw, [0.0, 5.0, 10.0]), (20.0 * PI).hypot(5.0), [0.0, 2.5, -10.0]);
+    }
+
+    #[test]
+    fn b2_an_end_on_the_ray_of_the_start_is_a_full_turn_either_way() {
+        // The radius may differ by the arc tolerance of 0.01 mm: 2π · (10 + 10.005)/2.
+        for direction in [ArcDirection::Ccw, ArcDirection::Cw] {
+            let length = arc(direction, [0.0, 0.0, 10.005]).length();
+            assert!((length - 20.005 * PI).abs() < 1e-9, "{direction:?}: {length}");
+        }
     }
 }

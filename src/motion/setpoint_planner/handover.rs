@@ -35,8 +35,6 @@ const INFLUENCE_TICKS: f64 = 24.0;
 /// ahead; and their maximum.
 const LEAD_TICKS: i64 = 64;
 const MAX_LEAD_TICKS: usize = 160;
-/// With fewer ticks only the state of motion is taken over, not the curve.
-const MIN_LEAD_TICKS: usize = 0;
 const SHORT_LEAD_TICKS: i64 = 24;
 /// This near to the handover, in ticks, the full work budget is used.
 const URGENT_TICKS: u64 = 48;
@@ -242,7 +240,7 @@ impl SetpointPlanner {
         let point = self.plan[handover];
         let past = [3, 2, 1, 0].map(|back| self.plan[handover - back].at);
         let end = self.plan[self.best_handover_index.clamp(handover, handover + MAX_LEAD_TICKS)];
-        let until = (handover + MIN_LEAD_TICKS <= self.best_handover_index).then_some(end.curve_position.interval);
+        let until = (handover <= self.best_handover_index).then_some(end.curve_position.interval);
         let start =
             WindowStart { point, history: past, lead_end: until, shift: (0.0, 0), reserve: 0.0, is_urgent: false };
         let first = self.plan[handover - HISTORY_POINTS].segment.saturating_sub(1);
