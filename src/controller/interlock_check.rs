@@ -2,10 +2,10 @@
 //! machine whose units respond at once. Also checked: missing ports and moves of an oscillating axis.
 //! Source: spec K3 (the checker reads the table), K4.3, B3, B4, T4.
 
-use super::offsets::offset_in_range;
-use super::run::MCall;
-use super::system_variables::offset_part_of_variable;
-use super::wheel_size::wheel_rpm_of;
+use super::plant::offset_in_range;
+use super::plant::system_variables::offset_part_of_variable;
+use super::plant::wheel_size::wheel_rpm_of;
+use super::program::queue::MCall;
 use crate::defs::alarm;
 use crate::defs::kind::Kind;
 use crate::defs::mcode::{self, MCodeAction, Request};

@@ -1,13 +1,19 @@
 //! Requests of the core to the disk thread. The core never waits: the answer comes back as a command.
 //! Source: style "effects to the disk", notes "acknowledge after commit".
 
-use super::files::BackgroundJob;
+use std::sync::Arc;
+
+use super::program::library::Programs;
 use crate::defs::alarm_history::PastAlarm;
+use crate::defs::date::DateTime;
+use crate::defs::kind::Kind;
 use crate::defs::leadscrew::LeadscrewCompensation;
-use crate::defs::param::ParamAddress;
+use crate::defs::param::{ParamAddress, Params};
 use crate::defs::signal::{Input, Output};
 use crate::defs::turning_tool;
+use crate::link::files::{FileRequest, Ticket};
 use crate::link::page_command::SettingsRequest;
+use crate::nc::{CommonVariables, NcSettings, REFERENCE_POINTS, WorkOffsets};
 use crate::units::{Axis, PerAxis};
 
 /// One request.
@@ -58,5 +64,64 @@ impl StorageRequest {
                 || turning_tool::TOOL_PARAMS.iter().flatten().any(|row| row.number == number)
         };
         matches!(self, Self::Param(at, _) if at.bit.is_none() && is_port(at.number))
+    }
+}
+
+/// One job for the background thread, with the values of the core that it needs.
+#[derive(Clone, Debug)]
+pub struct BackgroundJob {
+    /// Returned with every answer.
+    pub ticket: Ticket,
+    /// The request.
+    pub request: FileRequest,
+    /// Interpreter settings.
+    pub settings: NcSettings,
+    /// The programs.
+    pub programs: Arc<Programs>,
+    /// Values of the core; only for a transfer.
+    pub transfer_values: Option<Box<TransferValues>>,
+    /// Initial state of a check run; only for a drawing.
+    pub start: Option<Box<DrawingStart>>,
+    /// Date and time at the machine, for file names; `None` while unknown.
+    pub date: Option<DateTime>,
+}
+
+/// The values that the core holds.
+#[derive(Clone, Debug)]
+pub struct TransferValues {
+    /// The kind of machine.
+    pub kind: Kind,
+    /// Parameters.
+    pub params: Params,
+    /// Variables.
+    pub memory: CommonVariables,
+    /// Work frames and offsets.
+    pub work_offsets: WorkOffsets,
+}
+
+/// Initial state of a check run.
+#[derive(Clone, Debug)]
+pub struct DrawingStart {
+    /// The kind of machine.
+    pub kind: Kind,
+    /// Parameters: tools and bar of a lathe.
+    pub params: Params,
+    /// Variables.
+    pub memory: CommonVariables,
+    /// Work frames and offsets.
+    pub work_offsets: WorkOffsets,
+    /// Work position, radius mm.
+    pub position: PerAxis<f64>,
+    /// The reference points, machine coordinates.
+    pub reference_points: [PerAxis<f64>; REFERENCE_POINTS],
+    /// System variables stored in parameters: number, value.
+    pub system_variables: Vec<(u32, f64)>,
+    /// Block skip (跳段) is on.
+    pub block_skip: bool,
+}
+
+impl PartialEq for BackgroundJob {
+    fn eq(&self, other: &Self) -> bool {
+        (self.ticket, &self.request) == (other.ticket, &other.request)
     }
 }

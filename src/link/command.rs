@@ -23,6 +23,8 @@ use crate::units::{Axis, PerAxis};
 pub enum Command {
     /// A panel key is pressed. A jog key acts only while [`Command::Hold`] is repeated.
     Press(Key),
+    /// The emergency stop on the screen: pressed in and latched, or turned out. Pressed twice it stays latched.
+    EmergencyStop(bool),
     /// A panel key is released.
     Release(Key),
     /// A jog key is still held; sent at least every 50 ms. After `JOG_KEEP_ALIVE` without it the core stops the jog.

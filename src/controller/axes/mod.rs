@@ -1,0 +1,478 @@
+//! The axes: who controls them, their set-points and their actual positions.
+//!
+//! Owns the trajectory planner, one mover per axis and the machine zero set by homing. Machine coordinates, radius mm.
+//! Source: spec B5, B7.
+
+pub mod homing;
+pub mod jog_demand;
+mod leadscrew;
+pub mod oscillation;
+pub mod spindle_encoder;
+
+use homing::AxisHoming;
+use leadscrew::LeadscrewCompensator;
+
+use crate::defs::leadscrew::LeadscrewCompensation;
+use crate::defs::param::{self, Params};
+use crate::io::InputImage;
+use crate::machine::kind::KindRow;
+use crate::motion::{AxisLimits, AxisMover, MotionLimits, Override, ThreadMover, TrajectoryPlanner};
+use crate::units::{Axis, Micros, PerAxis};
+
+/// Seconds in a minute: parameters are per minute, motion per second.
+pub const SECONDS_PER_MINUTE: f64 = 60.0;
+
+/// Two positions closer than this, mm, count as equal; far below the resolution.
+const SAME_POSITION_MM: f64 = 1e-5;
+
+/// Who moves the axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxisOwner {
+    /// Jog, step, handwheel, homing.
+    Manual,
+    /// The program.
+    Program,
+}
+
+/// The real set-points while machine lock is on.
+#[derive(Clone, Copy, Debug)]
+struct LockedPosition {
+    set_point: PerAxis<f64>,
+    last_move_minus: PerAxis<bool>,
+}
+
+/// All axes of the machine.
+#[derive(Debug)]
+pub struct Axes {
+    /// The program's moves.
+    pub planner: TrajectoryPlanner,
+    /// One mover per axis for everything else.
+    pub movers: PerAxis<AxisMover>,
+    present: PerAxis<bool>,
+    owner: AxisOwner,
+    /// Machine coordinate minus encoder reading.
+    machine_minus_encoder_mm: PerAxis<f64>,
+    homed: PerAxis<bool>,
+    /// Actual positions from the encoders.
+    encoder: PerAxis<f64>,
+    /// Displayed positions: equal to `encoder`, except under machine lock.
+    actual: PerAxis<f64>,
+    /// Set-points.
+    set_point: PerAxis<f64>,
+    velocity_mm_s: PerAxis<f64>,
+    /// The last move of each axis was in the minus direction: backlash is taken up on that side.
+    last_move_minus: PerAxis<bool>,
+    /// An axis that oscillates independently of the owner: its set-point (mm) and velocity (mm/s).
+    oscillation: Option<(Axis, f64, f64)>,
+    /// Position of the axis when oscillation began, machine mm: the position that program and planner use for it.
+    oscillation_start_mm: f64,
+    /// The oscillation is over. The axis holds its position until the path has come to rest.
+    releasing: bool,
+    /// Leadscrew compensation added to the set-points.
+    compensation: LeadscrewCompensator,
+    /// The thread being cut.
+    thread: Option<ThreadMover>,
+    /// The homing that a program has started.
+    pub homing: Option<AxisHoming>,
+    /// Machine lock: the real set-points while the displayed positions keep counting.
+    locked: Option<LockedPosition>,
+    /// Tick time, as read at power-on (P58).
+    tick_time: Micros,
+}
+
+impl Axes {
+    /// Axes at rest at their encoder positions; not homed.
+    #[must_use]
+    pub fn new(params: &Params, row: &KindRow, image: &InputImage, screws: PerAxis<LeadscrewCompensation>) -> Self {
+        let tick_time = Micros(params.get(param::TICK_TIME) as u64);
+        let tick_s = tick_time.as_secs_f64();
+        let limits = limits(params, tick_s);
+        let start = image.encoder_mm;
+        let movers = PerAxis::from_fn(|axis| AxisMover::new(limits.axes[axis], start[axis], limits.tick_s));
+        Self {
+            planner: TrajectoryPlanner::new(limits, start),
+            movers,
+            present: row.fitted(params),
+            owner: AxisOwner::Manual,
+            machine_minus_encoder_mm: PerAxis::default(),
+            homed: PerAxis::default(),
+            encoder: start,
+            actual: start,
+            set_point: start,
+            velocity_mm_s: PerAxis::default(),
+            last_move_minus: PerAxis::default(),
+            oscillation: None,
+            oscillation_start_mm: 0.0,
+            releasing: false,
+            compensation: LeadscrewCompensator::new(screws, params, tick_s),
+            thread: None,
+            homing: None,
+            locked: None,
+            tick_time,
+        }
+    }
+
+    /// Applies changed limits. Call only while nothing runs.
+    pub fn configure(&mut self, params: &Params) {
+        let limits = limits(params, self.tick_time.as_secs_f64());
+        if self.planner.is_done() {
+            self.planner.set_limits(limits);
+        }
+        for axis in Axis::ALL {
+            self.movers[axis].set_limits(limits.axes[axis]);
+            self.apply_soft_limits(axis, params);
+        }
+        self.compensation.configure(params);
+    }
+
+    /// Applies the soft limits if the axis is homed (B5). An axis that homing left beyond a limit may only move back.
+    pub fn apply_soft_limits(&mut self, axis: Axis, params: &Params) {
+        let bounds = self.homed[axis].then(|| soft_limits(params, axis));
+        self.movers[axis].set_bounds(bounds);
+    }
+
+    /// Sets the machine zero of an axis: the position `edge` (in present machine coordinates) becomes `coordinate`.
+    /// The axis must be at rest. It is homed only when it reaches its zero point, see [`Self::finish_homing`].
+    pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64) {
+        let shift = coordinate - edge;
+        self.machine_minus_encoder_mm[axis] += shift;
+        self.encoder[axis] += shift;
+        self.actual[axis] += shift;
+        self.set_point[axis] += shift;
+        self.movers[axis].set_position(self.set_point[axis]);
+        // From here on the leadscrew table applies. The axis does not move for it; the zero is shifted instead.
+        self.machine_minus_encoder_mm[axis] +=
+            self.compensation.apply_at_once(axis, self.set_point[axis], self.last_move_minus[axis]);
+    }
+
+    /// The axis has reached its zero point: it is now homed and its soft limits apply.
+    pub fn finish_homing(&mut self, axis: Axis, params: &Params) {
+        self.homed[axis] = true;
+        self.apply_soft_limits(axis, params);
+    }
+
+    /// Homing searches for the switch without soft limits.
+    pub fn lift_soft_limits(&mut self, axis: Axis) {
+        self.homed[axis] = false;
+        self.movers[axis].set_bounds(None);
+    }
+
+    /// All axes must be homed again (hard limit, drive fault, following error).
+    pub fn clear_homed(&mut self) {
+        self.homed = PerAxis::default();
+        for axis in Axis::ALL {
+            self.movers[axis].set_bounds(None);
+        }
+    }
+
+    /// Reads the encoders.
+    pub fn read(&mut self, image: &InputImage) {
+        let applied = self.compensation.applied_mm();
+        self.encoder =
+            PerAxis::from_fn(|axis| image.encoder_mm[axis] + self.machine_minus_encoder_mm[axis] - applied[axis]);
+        self.actual = if self.locked.is_some() { self.set_point } else { self.encoder };
+    }
+
+    /// One tick of the owner of the axes. A thread follows `spindle_turns` (revolutions).
+    pub fn tick(&mut self, rate: Override, spindle_turns: f64) {
+        let before = self.set_point;
+        self.release_oscillation();
+        match self.owner {
+            AxisOwner::Program => {
+                let point = self.planner.tick(rate);
+                self.set_point = point.position;
+                self.velocity_mm_s = point.velocity_mm_s;
+            }
+            AxisOwner::Manual => {
+                for axis in Axis::ALL {
+                    let (position, velocity) = self.movers[axis].tick();
+                    self.set_point[axis] = position;
+                    self.velocity_mm_s[axis] = velocity;
+                }
+            }
+        }
+        if let Some((axis, position, velocity)) = self.oscillation {
+            self.set_point[axis] = position;
+            self.velocity_mm_s[axis] = velocity;
+        }
+        if let Some(thread) = &mut self.thread {
+            let point = thread.tick(spindle_turns);
+            for axis in [Axis::X, Axis::Z] {
+                self.set_point[axis] = point.position[axis];
+                self.velocity_mm_s[axis] = point.velocity_mm_s[axis];
+            }
+            if thread.is_finished() {
+                self.thread = None;
+                self.planner.reset_to(self.set_point);
+            }
+        }
+        for axis in Axis::ALL {
+            let moved = self.set_point[axis] - before[axis];
+            if moved.abs() > 0.0 {
+                self.last_move_minus[axis] = moved < 0.0;
+            }
+        }
+        let LockedPosition { set_point: set, last_move_minus: minus } = self.physical_position();
+        for axis in Axis::ALL {
+            self.compensation.step(axis, set[axis], minus[axis], self.homed[axis]);
+        }
+    }
+
+    /// Starts a thread, which takes over X and Z. The path must be at rest.
+    pub fn begin_thread(&mut self, mover: ThreadMover) {
+        self.thread = Some(mover);
+    }
+
+    /// The thread being cut, if any.
+    #[must_use]
+    pub const fn thread(&self) -> Option<&ThreadMover> {
+        self.thread.as_ref()
+    }
+
+    /// The limits for moves of the program.
+    #[must_use]
+    pub fn path_limits(&self, params: &Params) -> MotionLimits {
+        limits(params, self.tick_time.as_secs_f64())
+    }
+
+    /// Sets position (mm) and velocity (mm/s) of the oscillating axis for this tick; `None` ends the oscillation.
+    pub fn set_oscillation(&mut self, strokes: Option<(Axis, f64, f64)>) {
+        match (self.oscillation, strokes) {
+            (None, Some((axis, ..))) => self.oscillation_start_mm = self.set_point[axis],
+            (Some(_), None) => {
+                self.releasing = true;
+                return self.release_oscillation();
+            }
+            (None, None) | (Some(_), Some(_)) => {}
+        }
+        (self.oscillation, self.releasing) = (strokes, false);
+    }
+
+    /// Releases the axis once the path is at rest, so that no pending move can displace it.
+    fn release_oscillation(&mut self) {
+        let Some((axis, position, _)) = self.oscillation.filter(|_| self.releasing) else { return };
+        if self.owner == AxisOwner::Program && !self.planner.is_at_rest() {
+            self.oscillation = Some((axis, position, 0.0));
+            return;
+        }
+        self.movers[axis].set_position(position);
+        // Stopped at its start point, the path continues from there. Stopped elsewhere, its moves are discarded.
+        let elsewhere = (position - self.oscillation_start_mm).abs() > SAME_POSITION_MM;
+        if self.owner == AxisOwner::Program && (elsewhere || self.planner.is_done()) {
+            self.planner.reset_to(self.set_point);
+        }
+        (self.oscillation, self.releasing) = (None, false);
+    }
+
+    /// The set-points as the program sees them: an oscillating axis counts as being at its start point.
+    #[must_use]
+    pub fn program_set_point(&self) -> PerAxis<f64> {
+        let mut set = self.set_point;
+        if let Some((axis, ..)) = self.oscillation {
+            set[axis] = self.oscillation_start_mm;
+        }
+        set
+    }
+
+    /// The set-point of each axis in encoder coordinates, mm.
+    #[must_use]
+    pub fn encoder_set_points(&self) -> PerAxis<f64> {
+        let LockedPosition { set_point: set, .. } = self.physical_position();
+        let applied = self.compensation.applied_mm();
+        PerAxis::from_fn(|axis| set[axis] - self.machine_minus_encoder_mm[axis] + applied[axis])
+    }
+
+    /// The real set-points and last directions, with machine lock on or off.
+    fn physical_position(&self) -> LockedPosition {
+        self.locked.unwrap_or(LockedPosition { set_point: self.set_point, last_move_minus: self.last_move_minus })
+    }
+
+    /// Replaces the leadscrew table of an axis. The correction is applied by a ramp.
+    pub fn set_leadscrew_table(&mut self, axis: Axis, table: LeadscrewCompensation) {
+        self.compensation.set_table(axis, table);
+    }
+
+    /// The leadscrew table of an axis.
+    #[must_use]
+    pub fn leadscrew_table(&self, axis: Axis) -> &LeadscrewCompensation {
+        self.compensation.table(axis)
+    }
+
+    /// Machine lock on: the displayed positions count while the axes stand. The axes must be at rest.
+    pub const fn lock(&mut self) {
+        if self.locked.is_none() {
+            self.locked = Some(LockedPosition { set_point: self.set_point, last_move_minus: self.last_move_minus });
+        }
+    }
+
+    /// Whether machine lock is on.
+    #[must_use]
+    pub const fn is_locked(&self) -> bool {
+        self.locked.is_some()
+    }
+
+    /// Tick time, as read at power-on (P58).
+    #[must_use]
+    pub const fn tick_time(&self) -> Micros {
+        self.tick_time
+    }
+
+    /// Machine lock off: displays the real positions again.
+    pub fn unlock(&mut self) {
+        let Some(LockedPosition { set_point: set, last_move_minus: minus }) = self.locked.take() else { return };
+        (self.set_point, self.last_move_minus, self.actual) = (set, minus, self.encoder);
+        self.planner.reset_to(set);
+        for axis in Axis::ALL {
+            self.movers[axis].set_position(set[axis]);
+        }
+    }
+
+    /// Hands the axes over to the program at their present position.
+    pub fn switch_to_program(&mut self) {
+        if self.owner == AxisOwner::Manual && self.planner.is_at_rest() {
+            self.planner.reset_to(self.program_set_point());
+            self.owner = AxisOwner::Program;
+        }
+    }
+
+    /// Hands the axes over to the movers at their present position.
+    pub fn switch_to_manual(&mut self) {
+        if self.owner == AxisOwner::Program && self.planner.is_at_rest() {
+            for axis in Axis::ALL {
+                self.movers[axis].set_position(self.set_point[axis]);
+            }
+            self.owner = AxisOwner::Manual;
+        }
+    }
+
+    /// Who moves the axes.
+    #[must_use]
+    pub const fn owner(&self) -> AxisOwner {
+        self.owner
+    }
+
+    /// Brakes all motion: the path along its contour, the movers at full deceleration.
+    pub fn brake(&mut self) {
+        if let Some(thread) = &mut self.thread {
+            thread.abort();
+        }
+        match self.owner {
+            AxisOwner::Program => self.planner.abort(),
+            AxisOwner::Manual => {
+                for mover in &mut self.movers.0 {
+                    mover.emergency_stop();
+                }
+            }
+        }
+    }
+
+    /// Whether no set-point moves.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        if self.thread.is_some() {
+            return false;
+        }
+        match self.owner {
+            AxisOwner::Program => self.planner.is_at_rest(),
+            AxisOwner::Manual => self.movers.iter().all(|(_, mover)| mover.is_at_rest()),
+        }
+    }
+
+    /// Whether every axis is within the in-position width (mm) of its set-point; an oscillating axis is not checked.
+    #[must_use]
+    pub fn is_in_position(&self, params: &Params) -> bool {
+        let oscillating = self.oscillation.map(|(axis, ..)| axis);
+        self.present().all(|axis| Some(axis) == oscillating || self.is_axis_in_position(axis, params))
+    }
+
+    /// Whether one axis is within the in-position width of its set-point.
+    #[must_use]
+    pub fn is_axis_in_position(&self, axis: Axis, params: &Params) -> bool {
+        (self.set_point[axis] - self.actual[axis]).abs() <= params.get(param::IN_POSITION)
+    }
+
+    /// The first axis whose following error exceeds the limit, mm. Only supervised while the drives are on.
+    #[must_use]
+    pub fn first_following_error(&self, params: &Params) -> Option<Axis> {
+        let limit = params.get(param::FOLLOWING_LIMIT);
+        let set = self.locked.map_or(self.set_point, |locked| locked.set_point);
+        self.present().find(|axis| (set[*axis] - self.encoder[*axis]).abs() > limit)
+    }
+
+    /// Drives off: the set-points follow the actual positions, so that switching on causes no jump.
+    pub fn follow_actual(&mut self) {
+        if self.planner.is_at_rest() {
+            self.set_point = self.actual;
+            for axis in Axis::ALL {
+                self.movers[axis].set_position(self.actual[axis]);
+            }
+            self.owner = AxisOwner::Manual;
+        }
+    }
+
+    /// Which axes the machine has.
+    #[must_use]
+    pub const fn fitted(&self) -> PerAxis<bool> {
+        self.present
+    }
+
+    /// Whether the machine has an axis.
+    #[must_use]
+    pub fn is_present(&self, axis: Axis) -> bool {
+        self.present[axis]
+    }
+
+    /// The axes of the machine.
+    pub fn present(&self) -> impl Iterator<Item = Axis> + use<> {
+        let present = self.present;
+        Axis::ALL.into_iter().filter(move |axis| present[*axis])
+    }
+
+    /// Whether an axis is homed.
+    #[must_use]
+    pub fn is_homed(&self, axis: Axis) -> bool {
+        self.homed[axis]
+    }
+
+    /// Whether all axes are homed.
+    #[must_use]
+    pub fn all_homed(&self) -> bool {
+        self.present().all(|axis| self.homed[axis])
+    }
+
+    /// Machine position from the encoders, mm.
+    #[must_use]
+    pub const fn actual(&self) -> PerAxis<f64> {
+        self.actual
+    }
+
+    /// Machine set-point, mm.
+    #[must_use]
+    pub const fn set_point(&self) -> PerAxis<f64> {
+        self.set_point
+    }
+
+    /// Commanded velocity, mm/s.
+    #[must_use]
+    pub const fn velocity_mm_s(&self) -> PerAxis<f64> {
+        self.velocity_mm_s
+    }
+}
+
+/// Soft limits of an axis, machine coordinates, radius mm: low, high.
+#[must_use]
+pub fn soft_limits(params: &Params, axis: Axis) -> (f64, f64) {
+    (params.get_axis(param::SOFT_MINUS_X, axis), params.get_axis(param::SOFT_PLUS_X, axis))
+}
+
+/// The planner's limits from the parameters.
+pub fn limits(params: &Params, tick_s: f64) -> MotionLimits {
+    MotionLimits {
+        axes: PerAxis::from_fn(|axis| AxisLimits {
+            velocity_mm_s: params.get_axis(param::RAPID_X, axis) / SECONDS_PER_MINUTE,
+            acceleration_mm_s2: params.get_axis(param::ACCELERATION_X, axis),
+            jerk_mm_s3: params.get_axis(param::JERK_X, axis),
+        }),
+        tick_s,
+    }
+}

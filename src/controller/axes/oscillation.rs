@@ -1,0 +1,193 @@
+//! Servo oscillation: moves one axis to and fro between two reversal points, beside the program, with its own limits.
+//!
+//! The other axes belong to the program or to manual motion. A stroke ends when the axis is in position at the
+//! reversal point; then its dwell begins. #438 and #439 are set in that tick and hold until the other reversal point.
+//! Source: spec K4.3.
+
+use super::{SECONDS_PER_MINUTE, limits};
+use crate::defs::param::{self, Params};
+use crate::defs::text::LocalizedText;
+use crate::motion::{AxisLimits, AxisMover};
+use crate::units::{Axis, Micros};
+
+/// Speed to which the ramp time D refers, mm/min.
+const RAMP_SPEED_MM_MIN: f64 = 10_000.0;
+/// Minimum double strokes per minute.
+const MIN_STROKES_PER_MIN: f64 = 1.0;
+/// Unit of P235 and P236, ms.
+const DWELL_UNIT_MS: f64 = 4.0;
+/// A stroke shorter than this, mm, counts as zero length.
+pub const MIN_STROKE_MM: f64 = 1e-6;
+
+/// Oscillation requested by G35 or by the key. Machine coordinates, radius mm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OscillationStroke {
+    /// The axis.
+    pub axis: Axis,
+    /// The far reversal point.
+    pub to: f64,
+    /// D: time to reach 10 m/min, ms; P240 if not given.
+    pub ramp_ms: Option<f64>,
+    /// Q: double strokes per minute; P241 if not given.
+    pub strokes_min: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum OscillationStep {
+    Moving {
+        forward: bool,
+    },
+    Dwelling {
+        forward: bool,
+        until: Micros,
+    },
+    /// Reset or e-stop: braking.
+    Stopping,
+}
+
+/// State of an oscillating axis.
+#[derive(Clone, Debug)]
+pub struct Oscillation {
+    /// The axis.
+    pub axis: Axis,
+    /// Started by a program or an MDI line, not by the key.
+    pub started_by_run: bool,
+    from: f64,
+    to: f64,
+    speed_mm_s: f64,
+    /// Its mover.
+    pub mover: AxisMover,
+    step: OscillationStep,
+    /// G36: it ends at the next arrival at its start point.
+    ending: bool,
+    /// #438: in position forward; #439: backward.
+    pub in_position: (bool, bool),
+    last_forward_at: Option<Micros>,
+    /// Measured double strokes per minute; 0 before the second stroke.
+    pub strokes_min: f64,
+}
+
+/// Result of one tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OscillationStatus {
+    /// In progress.
+    Running,
+    /// The axis is at rest and free again.
+    Finished,
+}
+
+impl Oscillation {
+    /// Starts with the next tick. Returns a text if values were limited.
+    #[must_use]
+    pub fn new(
+        stroke: OscillationStroke,
+        by_run: bool,
+        from: f64,
+        params: &Params,
+        tick_s: f64,
+    ) -> (Self, Option<LocalizedText>) {
+        let axis = stroke.axis;
+        let own = limits(params, tick_s).axes[axis];
+        let length = (stroke.to - from).abs();
+        let mut said: Vec<(String, String)> = Vec::new();
+        let asked = stroke.strokes_min.unwrap_or_else(|| params.get(param::OSCILLATION_FREQUENCY));
+        let strokes = asked.max(MIN_STROKES_PER_MIN);
+        if strokes > asked {
+            said.push((format!("Q{asked} 按 1 次/分"), format!("Q{asked} is taken as 1")));
+        }
+        // K4.3: v = 2·L·Q.
+        let wanted = 2.0 * length * strokes;
+        let most = params.get(param::OSCILLATION_SPEED).min(own.velocity_mm_s * SECONDS_PER_MINUTE);
+        if wanted > most {
+            said.push((
+                format!("速度 {wanted:.0} 限为 {most:.0} mm/min"),
+                format!("{wanted:.0} mm/min is held to {most:.0}"),
+            ));
+        }
+        let ramp_ms = stroke.ramp_ms.unwrap_or_else(|| params.get(param::OSCILLATION_TIME_CONSTANT));
+        let rapid_ms = 1_000.0 * RAMP_SPEED_MM_MIN / SECONDS_PER_MINUTE / own.acceleration_mm_s2;
+        if ramp_ms < rapid_ms {
+            said.push((
+                format!("D{ramp_ms:.0} 按 {rapid_ms:.0} ms"),
+                format!("D{ramp_ms:.0} is taken as {rapid_ms:.0} ms"),
+            ));
+        }
+        let acceleration_mm_s2 = RAMP_SPEED_MM_MIN / SECONDS_PER_MINUTE / (ramp_ms.max(rapid_ms) / 1_000.0);
+        let speed_mm_s = wanted.min(most) / SECONDS_PER_MINUTE;
+        let bounds = AxisLimits { velocity_mm_s: speed_mm_s, acceleration_mm_s2, jerk_mm_s3: own.jerk_mm_s3 };
+        let oscillation = Self {
+            axis,
+            started_by_run: by_run,
+            from,
+            to: stroke.to,
+            speed_mm_s,
+            mover: AxisMover::new(bounds, from, tick_s),
+            step: OscillationStep::Moving { forward: true },
+            ending: false,
+            in_position: (false, false),
+            last_forward_at: None,
+            strokes_min: 0.0,
+        };
+        let clamped = (!said.is_empty()).then(|| {
+            let join = |pick: fn(&(String, String)) -> &str| said.iter().map(pick).collect::<Vec<_>>().join("; ");
+            LocalizedText::new(join(|text| &text.0), join(|text| &text.1))
+        });
+        (oscillation, clamped)
+    }
+
+    /// One tick; `in_position`: the axis has followed its set-point.
+    pub fn tick(&mut self, now: Micros, in_position: bool, params: &Params) -> OscillationStatus {
+        let rest = self.mover.is_at_rest();
+        match self.step {
+            OscillationStep::Stopping if rest => return OscillationStatus::Finished,
+            OscillationStep::Stopping => {}
+            OscillationStep::Moving { forward } => {
+                let end = if forward { self.to } else { self.from };
+                let there = rest && (self.mover.position() - end).abs() < MIN_STROKE_MM && in_position;
+                if there && !forward && self.ending {
+                    return OscillationStatus::Finished;
+                }
+                if there {
+                    self.arrive(forward, now, params);
+                } else {
+                    self.mover.set_position_target(end, self.speed_mm_s);
+                }
+            }
+            OscillationStep::Dwelling { forward: false, .. } if self.ending => return OscillationStatus::Finished,
+            OscillationStep::Dwelling { forward, until } if now >= until || self.ending => {
+                self.step = OscillationStep::Moving { forward: !forward };
+                self.mover.set_position_target(if forward { self.from } else { self.to }, self.speed_mm_s);
+            }
+            OscillationStep::Dwelling { .. } => {}
+        }
+        self.mover.tick();
+        OscillationStatus::Running
+    }
+
+    fn arrive(&mut self, forward: bool, now: Micros, params: &Params) {
+        let dwell = if forward { param::OSCILLATION_DWELL_FORWARD } else { param::OSCILLATION_DWELL_BACKWARD };
+        self.in_position = (forward, !forward);
+        let until = now + Micros::from_millis_f64(DWELL_UNIT_MS * params.get(dwell));
+        self.step = OscillationStep::Dwelling { forward, until };
+        if forward && let Some(last) = self.last_forward_at.replace(now) {
+            self.strokes_min = SECONDS_PER_MINUTE / now.since(last).as_secs_f64();
+        }
+    }
+
+    /// G36: a forward stroke reverses at once; the oscillation ends at its start point.
+    pub const fn end_at_start(&mut self) {
+        if self.ending {
+            return;
+        }
+        self.ending = true;
+        if let OscillationStep::Moving { forward: true } = self.step {
+            self.step = OscillationStep::Moving { forward: false };
+        }
+    }
+
+    /// Reset and e-stop: brakes the axis at once.
+    pub fn stop(&mut self) {
+        self.step = OscillationStep::Stopping;
+        self.mover.emergency_stop();
+    }
+}

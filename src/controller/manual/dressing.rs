@@ -1,0 +1,144 @@
+//! The dressing point: setting it, and returning to it manually. G27 returns to it in a program.
+//!
+//! The lamp of 回修整点 shows the state. Lit: an axis key moves its axis to the point. Dark: the key jogs.
+//! Source: spec K4.2.
+
+use super::Manual;
+use crate::controller::plant::{ControlPhase, MM_S_PER_MM_MIN, Plant};
+use crate::controller::program::Program;
+use crate::controller::program::move_refusal::MoveRefusal;
+use crate::controller::storage_request::StorageRequest;
+use crate::defs::alarm;
+use crate::defs::key::Mode;
+use crate::defs::mcode::Request;
+use crate::defs::page::Page;
+use crate::defs::param;
+use crate::defs::soft_key::CoordinateView;
+use crate::defs::text::{LocalizedText, Text};
+use crate::machine::RequestResult;
+use crate::units::Axis;
+
+/// The state of operator input about the dressing points.
+#[derive(Clone, Debug, Default)]
+pub struct DressingPanel {
+    /// 回修整点 is lit.
+    pub return_active: bool,
+    /// The question “是否设置…修整点” is open for this axis.
+    awaiting_answer: Option<Axis>,
+}
+
+impl DressingPanel {
+    /// Mode change or reset: the lamp goes dark and an open question is withdrawn.
+    pub const fn cancel(&mut self) {
+        self.return_active = false;
+        self.awaiting_answer = None;
+    }
+
+    /// The operator left the view of the question: the question is withdrawn.
+    pub const fn withdraw_question(&mut self) {
+        self.awaiting_answer = None;
+    }
+}
+
+impl Manual {
+    /// Key X, Y or Z in JOG mode, view 相对 of the position page: asks whether to set the dressing point here.
+    pub fn ask_dress_point(&mut self, plant: &mut Plant, coordinates: CoordinateView, axis: Axis) {
+        let elsewhere = if plant.operator.mode != Mode::Manual {
+            Some(Text::new("不是手动方式", "the mode is not JOG"))
+        } else if plant.operator.page != Page::Position {
+            Some(Text::new("不在位置页面", "this is not the position page"))
+        } else {
+            (coordinates != CoordinateView::Relative)
+                .then_some(Text::new("不是相对坐标", "these are not the relative coordinates"))
+        };
+        let refusal = if let Some(why) = elsewhere {
+            Some(LocalizedText::new(
+                format!("{}：修整点在手动方式、位置页面 F1“相对”下设置", why.zh),
+                format!("{}: dressing points are set in JOG, position page, F1 RELATIVE", why.en),
+            ))
+        } else if !plant.axes.is_homed(axis) {
+            Some(LocalizedText::new(
+                format!("{axis} 轴未回零，不能设置修整点"),
+                format!("{axis} is not homed: no dressing point"),
+            ))
+        } else {
+            None
+        };
+        self.dressing.awaiting_answer = refusal.is_none().then_some(axis);
+        match refusal {
+            Some(said) => plant.refuse(said),
+            None => plant.show_note(LocalizedText::new(
+                format!("是否设置 {axis} 轴修整点？按输入设置，取消放弃"),
+                format!("set the dressing point of {axis} here? INPUT sets it, CANCEL leaves it"),
+            )),
+        }
+    }
+
+    /// 输入 confirms the question: the present machine coordinate is stored.
+    pub fn set_dress_point(&mut self, plant: &mut Plant) {
+        let Some(axis) = self.dressing.awaiting_answer else {
+            return plant.refuse(LocalizedText::new("没有要输入的内容", "there is nothing to enter"));
+        };
+        if !plant.axes.is_at_rest() {
+            return plant.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move")); // the question stays
+        }
+        self.dressing.awaiting_answer = None;
+        let at = plant.axes.actual()[axis];
+        plant.work.dress_points[axis] = Some(at);
+        plant.outbox.requests.push(StorageRequest::DressPoint(axis, at));
+        let shown = at * plant.displayed_per_mm(axis);
+        plant.show_note(LocalizedText::new(
+            format!("{axis} 轴修整点设置成功：机床坐标 {shown:.3}"),
+            format!("dressing point of {axis} set: machine {shown:.3}"),
+        ));
+    }
+
+    /// 取消 withdraws the question.
+    pub fn cancel_dress_point(&mut self, plant: &mut Plant) {
+        if self.dressing.awaiting_answer.take().is_some() {
+            plant.show_note(LocalizedText::new("修整点没有改变", "the dressing point is as it was"));
+        } else {
+            plant.refuse(LocalizedText::new("没有要取消的内容", "there is nothing to cancel"));
+        }
+    }
+
+    /// 回修整点 switches its lamp on or off.
+    pub fn toggle_dress_return(&mut self, plant: &mut Plant) {
+        if plant.operator.mode != Mode::Manual {
+            return plant.refuse(LocalizedText::new("手动方式下才能回修整点", "the return works in JOG"));
+        }
+        self.dressing.return_active = !self.dressing.return_active;
+        if !self.dressing.return_active {
+            plant.jog.stop_all();
+        }
+    }
+
+    fn refuse_dress_return(&mut self, plant: &mut Plant, number: u16, why: LocalizedText) {
+        plant.refuse(why.clone());
+        if !plant.execution.phase.is_run_open() {
+            plant.raise(number, Some(why));
+        }
+    }
+
+    /// Axis key with the lamp lit: one press of either sign moves the axis to its point at P243 (mm/min). Without a
+    /// point, or if not homed, nothing moves and the alarm of G27 is raised; in a held run only a message is shown
+    /// and the run survives (K6.3).
+    pub fn return_to_dress_point(&mut self, plant: &mut Plant, program: &mut Program, axis: Axis) {
+        let Some(point) = plant.work.dress_points[axis] else {
+            let why = MoveRefusal::NoDressPoint(axis).text(&plant.params);
+            return self.refuse_dress_return(plant, alarm::NO_DRESSING_POINT, why);
+        };
+        if !plant.axes.is_homed(axis) {
+            let why =
+                LocalizedText::new(format!("{axis} 轴未回零，不能回修整点"), format!("{axis} is not homed: no return"));
+            return self.refuse_dress_return(plant, alarm::NOT_HOMED, why);
+        }
+        let still = matches!(plant.execution.phase, ControlPhase::Idle) || plant.allows_manual_motion();
+        if !still || !matches!(plant.request(Request::Jog), RequestResult::Accepted) || !program.detach_from_run(plant)
+        {
+            return;
+        }
+        let speed = plant.params.get(param::DRESS_RETURN_SPEED) * MM_S_PER_MM_MIN;
+        plant.jog.move_to(axis, point, speed);
+    }
+}

@@ -1,0 +1,121 @@
+//! Manual motion: jog keys, steps and handwheel.
+//! Source: spec K2.3, K5.9.
+
+use super::Manual;
+use super::homing::{home_axis, step_homing};
+use crate::controller::axes::AxisOwner;
+use crate::controller::axes::jog_demand::JogLimits;
+use crate::controller::plant::{ControlPhase, Plant};
+use crate::controller::program::Program;
+use crate::defs::key::{Key, Mode};
+use crate::defs::mcode::Request;
+use crate::defs::signal::Output;
+use crate::defs::text::{LocalizedText, Text};
+use crate::machine::RequestResult;
+use crate::units::Axis;
+
+/// Coarsest step on the wheel axis while the wheel turns, mm displayed (K5.9).
+const FINE_STEP_MM: f64 = 0.010_5;
+
+pub(super) const ON_LIMIT_SWITCH: Text =
+    Text::new("限位方向，请向反方向移开", "onto the limit switch: move the other way");
+const AT_SOFT_LIMIT: Text = Text::new("已到软限位，请向反方向移动", "at the software limit: move the other way");
+const STILL_MOVING: Text = Text::new("轴还在运动，请稍候", "the axes still move");
+
+/// Handwheel detents: each changes the displayed coordinate by the step (K2.3).
+pub fn turn_handwheel(plant: &mut Plant, program: &mut Program, detents: i32) {
+    if plant.operator.mode != Mode::Handwheel {
+        return plant.refuse(LocalizedText::new("手轮方式下手轮才有效", "the handwheel works in mode HANDWHEEL"));
+    }
+    if !plant.allows_manual_motion() {
+        return plant.refuse(STILL_MOVING);
+    }
+    if !matches!(plant.request(Request::Jog), RequestResult::Accepted) || !program.detach_from_run(plant) {
+        return;
+    }
+    let axis = plant.operator.handwheel_axis;
+    if plant.refuse_oscillating(axis) {
+        return;
+    }
+    let distance = f64::from(detents) * plant.operator.step_mm / plant.displayed_per_mm(axis);
+    jog_by(plant, axis, distance);
+}
+
+/// A handwheel detent or a step. K5.9: with the wheel on, the wheel axis accepts no coarse steps.
+fn jog_by(plant: &mut Plant, axis: Axis, distance: f64) {
+    let coarse = plant.operator.step_mm > FINE_STEP_MM;
+    if coarse && axis == plant.kind_row.wheel_axis && plant.outputs.on.has(Output::Wheel) {
+        return plant.refuse(LocalizedText::new(
+            "砂轮启动后该轴倍率只能为 ×0.01",
+            "with the wheel on this axis takes ×0.01 and finer",
+        ));
+    }
+    if plant.is_on_limit_switch(axis, distance) {
+        return plant.refuse(ON_LIMIT_SWITCH);
+    }
+    if plant.is_at_soft_limit(axis, distance) {
+        return plant.refuse(AT_SOFT_LIMIT);
+    }
+    plant.jog.move_by(axis, distance, &plant.axes, &plant.params);
+}
+
+/// One tick of jog, handwheel or homing.
+pub fn step_jog(plant: &mut Plant) {
+    if plant.execution.phase.is_homing() {
+        step_homing(plant);
+    } else if matches!(plant.execution.phase, ControlPhase::Idle)
+        || plant.allows_manual_motion() && plant.axes.owner() == AxisOwner::Manual
+    {
+        let limits = JogLimits {
+            jog_mode: plant.operator.mode == Mode::Manual,
+            rapid_jog: plant.operator.rapid_jog,
+            feed: f64::from(plant.operator.overrides.feed) / 100.0,
+            rapid: plant.override_factors().rapid,
+            slow_axis: plant.outputs.on.has(Output::Wheel).then_some(plant.kind_row.wheel_axis),
+        };
+        plant.axes.switch_to_manual();
+        if plant.jog.tick(&mut plant.axes, plant.now, &plant.params, limits) {
+            plant.refuse(LocalizedText::new("按键信号中断，轴已停止", "the key was lost: the axis has stopped"));
+        }
+    }
+}
+
+impl Manual {
+    /// An axis key: jogs, steps, homes, or returns to the dressing point.
+    pub fn axis_key(&mut self, plant: &mut Plant, program: &mut Program, key: Key) {
+        let Some((axis, direction)) = key.jog_direction() else { return };
+        if plant.refuse_oscillating(axis) {
+            return;
+        }
+        match plant.operator.mode {
+            Mode::Manual if self.dressing.return_active => self.return_to_dress_point(plant, program, axis),
+            Mode::Home => home_axis(plant, axis),
+            Mode::Manual | Mode::Step if !plant.allows_manual_motion() => plant.refuse(STILL_MOVING),
+            Mode::Manual => {
+                if plant.is_on_limit_switch(axis, direction) {
+                    plant.refuse(ON_LIMIT_SWITCH);
+                } else if plant.operator.overrides.feed == 0 && !plant.operator.rapid_jog {
+                    plant.refuse(LocalizedText::new("进给倍率为 0，轴不动", "the feed override is 0: the axis stands"));
+                } else if plant.is_at_soft_limit(axis, direction) {
+                    plant.refuse(AT_SOFT_LIMIT);
+                } else if matches!(plant.request(Request::Jog), RequestResult::Accepted)
+                    && program.detach_from_run(plant)
+                {
+                    plant.jog.press_jog_key(axis, direction, plant.now);
+                }
+            }
+            Mode::Step => {
+                if matches!(plant.request(Request::Jog), RequestResult::Accepted) && program.detach_from_run(plant) {
+                    let distance = direction * plant.step_length_mm() / plant.displayed_per_mm(axis);
+                    jog_by(plant, axis, distance);
+                }
+            }
+            Mode::Edit | Mode::Auto | Mode::Mdi | Mode::Handwheel => {
+                plant.refuse(LocalizedText::new(
+                    "手动、单步或机械零点方式下轴键才有效",
+                    "axis keys work in JOG, STEP and HOME",
+                ));
+            }
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! The key 振荡: starts and ends an oscillation by hand.
+//! Source: spec K4.3.
+
+use crate::controller::axes::oscillation::{MIN_STROKE_MM, OscillationStroke};
+use crate::controller::plant::{ControlPhase, Plant};
+use crate::controller::program::move_refusal::MoveRefusal;
+use crate::controller::program::queue::check_soft_limits;
+use crate::defs::mcode::Request;
+use crate::defs::param;
+use crate::defs::text::LocalizedText;
+use crate::machine::RequestResult;
+use crate::units::Axis;
+
+/// Key 振荡: G35 with P238 to P241; pressed again, G36.
+pub fn toggle_oscillation(plant: &mut Plant) {
+    if plant.is_oscillating() {
+        plant.end_oscillation();
+        return;
+    }
+    if plant.params.bit(param::OSCILLATION_BY_CYLINDER) {
+        plant.request(Request::CylinderOn);
+        return;
+    }
+    let axis = if plant.params.get(param::OSCILLATION_AXIS) < 0.5 { Axis::X } else { Axis::Z };
+    if !matches!(plant.execution.phase, ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped)
+        || !plant.axes.is_at_rest()
+    {
+        return plant.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move"));
+    }
+    if !matches!(plant.request(Request::Jog), RequestResult::Accepted) {
+        return;
+    }
+    let work = plant.params.get(param::OSCILLATION_POSITION) / plant.displayed_per_mm(axis);
+    let to = work + plant.work.offsets.machine_minus_work(axis);
+    if let Err(forbidden) = check_stroke(plant, axis, to) {
+        let said = forbidden.text(&plant.params);
+        return plant.refuse(said);
+    }
+    plant.begin_oscillation(OscillationStroke { axis, to, ramp_ms: None, strokes_min: None }, false);
+}
+
+fn check_stroke(plant: &Plant, axis: Axis, to: f64) -> Result<(), MoveRefusal> {
+    if !plant.axes.is_homed(axis) || (to - plant.axes.set_point()[axis]).abs() < MIN_STROKE_MM {
+        return Err(MoveRefusal::NoStroke(axis));
+    }
+    check_soft_limits(axis, to, &plant.params)
+}

@@ -1,0 +1,200 @@
+//! Commands from the operator, a story or the disk, and why they are refused.
+//! Source: spec B6, K7.5, K7.7.
+
+use super::{Panel, Parts};
+use crate::controller::manual::turn_handwheel;
+use crate::controller::storage_request::StorageRequest;
+use crate::defs::alarm;
+use crate::defs::key::Key;
+use crate::defs::leadscrew::LeadscrewCompensation;
+use crate::defs::param::ParamAddress;
+use crate::defs::program_number;
+use crate::defs::text::LocalizedText;
+use crate::link::PageCommand;
+use crate::link::command::Command;
+use crate::link::files::{Requester, Ticket};
+use crate::machine::panel_key::NOT_IN_RUN;
+use crate::nc::BlockLocation;
+use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
+use crate::units::{Axis, PerAxis};
+
+impl Panel {
+    /// Executes one command.
+    pub fn handle_command(&mut self, parts: &mut Parts<'_>, command: &Command) {
+        if parts.program.restart.is_some() && invalidates_restart(command) {
+            parts.program.restart = None;
+            parts.plant.show_note(LocalizedText::new(
+                "数据已修改，请重新选择起始段",
+                "data were changed: choose the block again",
+            ));
+        }
+        match command {
+            Command::Press(key) => self.press_key(parts, *key),
+            Command::EmergencyStop(pressed) => parts.plant.inputs.set_screen_e_stop(*pressed),
+            Command::Release(key) => {
+                if let Some((axis, _)) = key.jog_direction() {
+                    parts.plant.jog.release_jog_key(axis);
+                }
+            }
+            Command::StillHeld(key) => parts.plant.jog.keep_alive(*key, parts.plant.now),
+            Command::Handwheel(detents) => turn_handwheel(parts.plant, parts.program, *detents),
+            Command::OpenPage(page) => self.open_page(parts, *page),
+            Command::ShowCoordinates(coordinates) => self.show_coordinates(parts, *coordinates),
+            Command::ShowSoftKeyRow(row) => self.show_soft_row(*row),
+            Command::ShowGrindingSheet(sheet) => self.show_sheet(parts, *sheet),
+            Command::LoadProgram(number) => self.load_program(parts, *number),
+            Command::RestartAt(line) => parts.program.restart_at(parts.plant, *line),
+            Command::ResumeInterrupted => self.resume_interrupted(parts),
+            Command::Mdi(line) => parts.program.run_mdi(parts.plant, line),
+            Command::EnterVariable(..)
+            | Command::Offset(_)
+            | Command::AddWear { .. }
+            | Command::ChangeWheel { .. }
+            | Command::PrepareMdi(_)
+            | Command::Page(PageCommand::EditParam(..) | PageCommand::EditLeadscrew(..)) => {
+                self.handle_edit(parts, command)
+            }
+            Command::SetVariable(variable, value) => {
+                parts.program.set_variable(parts.plant, *variable, *value);
+            }
+            Command::SetParam(at, value) => Self::set_param(parts, *at, *value),
+            Command::SetWorkOffset(index, origin) => Self::set_work_offset(parts, *index, *origin),
+            Command::SetGeometry(number, geometry) => Self::set_geometry(parts, *number, *geometry),
+            Command::SetStock(stock) => self.files.stock.clone_from(stock),
+            Command::SetLeadscrew(axis, table) => Self::set_leadscrew_table(parts, *axis, table),
+            Command::ClearRelative(axis) => self.relative_zero[*axis] = parts.plant.axes.actual()[*axis],
+            Command::ScreensLoaded(screens) => {
+                self.screens.clone_from(screens);
+                self.check_page_files(parts);
+            }
+            Command::Stored(_) | Command::Simulate(_) => {}
+            Command::DiskFailed(why) => parts.plant.raise(alarm::STORE_FAILED, Some(why.clone())),
+            Command::Page(command) => self.handle_page_command(parts, command),
+            Command::Teach(command) => {
+                let run_open = parts.program.is_open();
+                if let Some(request) = parts.manual.teach.command(parts.plant, run_open, *command) {
+                    self.handle_file_request(parts, Ticket::without_reply(Requester::Teach), &request);
+                }
+            }
+            Command::WallClock(told) => {
+                if let Some(power_on) = self.calendar.sync(parts.plant.now, *told) {
+                    parts.plant.alarms.set_power_on_date(power_on);
+                }
+            }
+            Command::KeepAlive => parts.plant.operator.screen_alive_at = Some(parts.plant.now),
+        }
+    }
+
+    /// Changes a parameter. Refused while a run is open.
+    pub fn set_param(parts: &mut Parts<'_>, at: ParamAddress, value: f64) {
+        if parts.program.is_open() {
+            return parts
+                .plant
+                .refuse(LocalizedText::new("运行中不能修改参数", "parameters are not changed while a program runs"));
+        }
+        match parts.plant.change_param(at, value) {
+            Ok(()) => parts.plant.show_note(LocalizedText::new(format!("{at} = {value}"), format!("{at} = {value}"))),
+            Err(why) => parts.plant.refuse(why),
+        }
+    }
+
+    fn set_work_offset(parts: &mut Parts<'_>, index: usize, origin: PerAxis<f64>) {
+        match parts.plant.work.offsets.work.get_mut(index) {
+            Some(_) if parts.program.is_open() => parts.plant.refuse(NOT_IN_RUN),
+            Some(frame) => {
+                *frame = origin;
+                parts.plant.outbox.requests.push(StorageRequest::WorkOffset(index, origin));
+            }
+            None => parts.plant.refuse(LocalizedText::new("没有此工件坐标系", "there is no such work frame")),
+        }
+    }
+
+    /// Replaces the leadscrew table of an axis; the correction is applied by a ramp. Refused while a run is open.
+    pub fn set_leadscrew_table(parts: &mut Parts<'_>, axis: Axis, table: &LeadscrewCompensation) {
+        if parts.program.is_open() {
+            return parts.plant.refuse(NOT_IN_RUN);
+        }
+        parts.plant.axes.set_leadscrew_table(axis, table.clone());
+        parts.plant.outbox.requests.push(StorageRequest::LeadscrewTable(axis, table.clone()));
+        let points = table.points().len();
+        parts.plant.show_note(LocalizedText::new(
+            format!("{axis} 轴丝杠补偿表：{points} 点"),
+            format!("screw table of axis {axis}: {points} points"),
+        ));
+    }
+
+    fn set_geometry(parts: &mut Parts<'_>, number: usize, geometry: PerAxis<f64>) {
+        match number.checked_sub(1).filter(|index| *index < TOOL_OFFSET_COUNT) {
+            Some(_) if parts.program.is_open() => parts.plant.refuse(NOT_IN_RUN),
+            Some(index) => {
+                parts.plant.work.offsets.geometry[index] = geometry;
+                parts.plant.outbox.requests.push(StorageRequest::Offset {
+                    number,
+                    geometry,
+                    wear: parts.plant.work.offsets.wear[index],
+                });
+            }
+            None => parts.plant.refuse(LocalizedText::new("刀补号应为 1-16", "offsets are numbered 1 to 16")),
+        }
+    }
+
+    /// Makes a program of the folder the current one.
+    pub fn load_program(&mut self, parts: &mut Parts<'_>, number: u32) {
+        if parts.program.is_open() {
+            return parts.plant.refuse(NOT_IN_RUN);
+        }
+        if parts.plant.work.programs.get(number).is_none() {
+            // For a named program only the number is known.
+            let title = if program_number::is_named(number) { String::new() } else { program_number::name_of(number) };
+            return parts.plant.refuse(match title.as_str() {
+                "" => LocalizedText::new("程序目录中没有这个程序", "the programs folder has no such program"),
+                title => {
+                    LocalizedText::new(format!("程序目录中没有 {title}"), format!("the programs folder has no {title}"))
+                }
+            });
+        }
+        parts.plant.execution.current_program = number;
+        parts.program.restart = None;
+        parts.plant.execution.current_block = BlockLocation::default();
+        parts.plant.outbox.requests.push(StorageRequest::CurrentProgram(number));
+        self.check_page_files(parts);
+        let title = parts.plant.program_title(number);
+        parts.plant.show_note(LocalizedText::new(format!("当前程序 {title}"), format!("current program {title}")));
+    }
+
+    /// Resumes the run that a power failure interrupted.
+    pub fn resume_interrupted(&mut self, parts: &mut Parts<'_>) {
+        let Some((program, line)) = parts.program.power_cut.interrupted else {
+            return parts
+                .plant
+                .refuse(LocalizedText::new("没有断电中断的程序", "no program was cut off by a power failure"));
+        };
+        if parts.plant.execution.current_program != program {
+            self.load_program(parts, program);
+        }
+        if parts.plant.execution.current_program == program {
+            parts.program.restart_at(parts.plant, line);
+        }
+    }
+}
+
+/// Whether a command forbids every start of its tick: whoever stops the machine must not see it start.
+pub fn voids_starts(command: &Command) -> bool {
+    matches!(command, Command::Press(Key::Reset | Key::EmergencyStop) | Command::EmergencyStop(true))
+}
+
+/// Whether a command changes data on which a prepared program restart is based (B5).
+const fn invalidates_restart(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::EnterVariable(..)
+            | Command::Offset(_)
+            | Command::AddWear { .. }
+            | Command::ChangeWheel { .. }
+            | Command::SetVariable(..)
+            | Command::SetParam(..)
+            | Command::SetWorkOffset(..)
+            | Command::SetGeometry(..)
+            | Command::Page(PageCommand::EditParam(..))
+    )
+}

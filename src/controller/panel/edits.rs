@@ -1,0 +1,106 @@
+//! Values typed on pages: accepted, or refused with a reason. The page gets an answer either way (H6).
+//! Source: spec K7.5, K7.7.
+
+use super::edit_protection::{check_not_running, check_unlocked};
+use super::wheel_change::change_wheel;
+use super::{Panel, Parts, View, offsets};
+use crate::defs::page::Page;
+use crate::defs::text::LocalizedText;
+use crate::link::PageCommand;
+use crate::link::command::Command;
+use crate::link::edit::OffsetView;
+use crate::link::snapshot::{Message, Snapshot, Tone};
+use crate::nc::CommonVariables;
+use crate::units::PerAxis;
+
+impl Panel {
+    /// Executes an edit of a page and answers it.
+    pub fn handle_edit(&mut self, parts: &mut Parts<'_>, command: &Command) {
+        let done = match command {
+            Command::EnterVariable(variable, value) => self.edit_variable(parts, *variable, *value),
+            Command::Offset(command) => offsets::handle_offset_command(parts, *command),
+            Command::AddWear { number, axis, increment: by } => {
+                offsets::edit_wear_increment(parts, *number, *axis, *by)
+            }
+            Command::ChangeWheel { diameter_mm, width_mm, rated_m_s } => {
+                change_wheel(parts, [*diameter_mm, *width_mm, *rated_m_s])
+            }
+            Command::PrepareMdi(line) => parts.program.prepare_mdi(parts.plant, line),
+            Command::Page(command) => self.edit_param_on_page(parts, command),
+            _ => return,
+        };
+        self.edit_answer.count = self.edit_answer.count.wrapping_add(1);
+        self.edit_answer.refused = done.as_ref().err().cloned();
+        match done {
+            Ok(said) => parts.plant.show_note(said),
+            Err(why) => parts.plant.refuse(why),
+        }
+    }
+
+    /// A value typed on the open page for one of the page's variables (K7.5, K7.7).
+    fn edit_variable(
+        &mut self,
+        parts: &mut Parts<'_>,
+        variable: u16,
+        value: Option<f64>,
+    ) -> Result<LocalizedText, LocalizedText> {
+        let name = crate::defs::variable_name::variable_name_on(u32::from(variable), parts.plant.kind_row.kind);
+        let shows = match parts.plant.operator.page {
+            Page::Grinding => self.page_shows(parts.view(), variable),
+            Page::Macro => CommonVariables::contains(u32::from(variable)),
+            _ => false,
+        };
+        if !shows {
+            return Err(if parts.plant.operator.page == Page::Macro {
+                LocalizedText::new(format!("{name} 是只读变量"), format!("{name} is read-only"))
+            } else {
+                LocalizedText::new(format!("当前页面没有 {name}"), format!("the open page does not show {name}"))
+            });
+        }
+        if parts.plant.operator.page == Page::Macro {
+            check_unlocked(parts.view())?;
+        }
+        check_not_running(parts.view())?;
+        if !parts.program.set_variable(parts.plant, variable, value) {
+            // The reason is already shown.
+            return Err(parts.plant.outbox.message.text.clone());
+        }
+        let shown = value.map_or_else(String::new, |value| format!("{value:.3}"));
+        Ok(LocalizedText::new(format!("{name} = {shown}"), format!("{name} = {shown}")))
+    }
+
+    /// A parameter typed on its page. The result is taken from the message that the command has shown.
+    fn edit_param_on_page(
+        &mut self,
+        parts: &mut Parts<'_>,
+        command: &PageCommand,
+    ) -> Result<LocalizedText, LocalizedText> {
+        parts.plant.outbox.message = Message::default();
+        self.handle_page_command(parts, command);
+        let text = parts.plant.outbox.message.text.clone();
+        match parts.plant.outbox.message.tone {
+            Tone::Info => Ok(text),
+            Tone::Refused => Err(text),
+        }
+    }
+
+    /// Writes the snapshot fields of the offset, variable and MDI pages.
+    pub fn edit_view(&self, parts: View<'_>, out: &mut Snapshot) {
+        if out.edit_answer != self.edit_answer {
+            out.edit_answer.clone_from(&self.edit_answer);
+        }
+        if out.prepared_mdi != parts.program.mdi_ready {
+            out.prepared_mdi.clone_from(&parts.program.mdi_ready);
+        }
+        for (index, row) in out.offsets.iter_mut().enumerate() {
+            *row = OffsetView {
+                geometry: parts.plant.displayed(&parts.plant.work.offsets.geometry[index]),
+                wear: parts.plant.displayed(&parts.plant.work.offsets.wear[index]),
+            };
+        }
+        out.active_offset = parts.plant.work.offsets.tool_offset;
+        out.modals = parts.program.modal_view(parts.plant);
+        let points = parts.plant.work.dress_points;
+        out.dressing_point = PerAxis::from_fn(|axis| points[axis].map(|at| at * parts.plant.displayed_per_mm(axis)));
+    }
+}

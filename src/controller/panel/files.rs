@@ -1,0 +1,357 @@
+//! File and calculation requests of pages: whether they are allowed now, and their results. The background thread
+//! does the work, one request at a time; requests that only read are also accepted in between.
+//! Source: spec B6, K6.2, K7.8.
+
+use super::{Panel, Parts, View};
+use crate::controller::plant::Plant;
+use crate::controller::plant::system_variables::{PARAM_VARIABLES, nc_settings};
+use crate::controller::program::lookahead_state::reference_points;
+use crate::controller::storage_request::StorageRequest;
+pub use crate::controller::storage_request::{BackgroundJob, DrawingStart, TransferValues};
+use crate::defs::alarm;
+use crate::defs::key::Mode;
+use crate::defs::param::{self, Params};
+use crate::defs::text::{LocalizedText, Text};
+use crate::link::files::{Completion, FileAnswer, FileRequest, FilesView, Refusal, RestoredValues, Ticket};
+use crate::link::media::{Direction, TransferRequest, TransferSet};
+use crate::link::snapshot::{Snapshot, Tone};
+use crate::link::toolpath::StockBox;
+use crate::nc::BlockLocation;
+use crate::units::PerAxis;
+use std::sync::Arc;
+
+/// Programs whose editing is protected by P23.5.
+const GUARDED_SUBPROGRAMS: std::ops::RangeInclusive<u32> = 9_000..=9_999;
+
+const BUSY: Text = Text::new("上一项工作未完成，请稍候或取消", "the work before is not done: wait or cancel it");
+const EDIT_MODE: Text = Text::new("先按面板上的 编辑 键", "press EDIT on the panel first");
+const IN_RUN: Text = Text::new("程序运行中不能编辑程序", "programs are not edited while one runs");
+
+const TRANSFER_IN_RUN: Text = Text::new("程序运行中不能读入", "nothing is taken in while a program runs");
+
+/// State of the file requests.
+#[derive(Clone, Debug, Default)]
+pub struct FileRequests {
+    view: Arc<FilesView>,
+    /// The pending request. Only an answer with the same ticket ends it.
+    pending: Option<(Ticket, Box<FileRequest>)>,
+    /// Boxes of the workpiece and its fixture, as far as known.
+    pub(super) stock: Arc<[StockBox]>,
+}
+
+impl Panel {
+    /// Executes one request of a page.
+    pub fn handle_file_request(&mut self, parts: &mut Parts<'_>, ticket: Ticket, request: &FileRequest) {
+        match request {
+            FileRequest::CheckLines { .. }
+            | FileRequest::ListMedia
+            | FileRequest::SaveScreenshot(_)
+            | FileRequest::SaveTable(_)
+            | FileRequest::ReadPage { .. } => {
+                return self.submit_job(parts, ticket, request);
+            }
+            FileRequest::Cancel => {
+                if self.files.pending.is_some() {
+                    self.submit_job(parts, ticket, request);
+                }
+                return;
+            }
+            FileRequest::CheckEditable(number) => {
+                let may = self.check_program_edit(parts.view(), *number);
+                let ready =
+                    Completion { message: LocalizedText::new("可以编辑", "ready for editing"), saved: None };
+                return Arc::make_mut(&mut self.files.view).add_answer(ticket, may.map(|()| ready));
+            }
+            _ => {}
+        }
+        if let Err(refusal) = self.check_file_request(parts.view(), request) {
+            parts.plant.refuse(refusal.message());
+            return Arc::make_mut(&mut self.files.view).add_answer(ticket, Err(refusal));
+        }
+        if matches!(request, FileRequest::Transfer(transfer) if transfer.set == TransferSet::Serial) {
+            // A new transmission clears the alarms of the last one.
+            alarm::SERIAL_ALARMS.for_each(|number| parts.plant.alarms.clear(number));
+        }
+        self.files.pending = Some((ticket, Box::new(request.clone())));
+        self.submit_job(parts, ticket, request);
+    }
+
+    fn submit_job(&mut self, parts: &mut Parts<'_>, ticket: Ticket, request: &FileRequest) {
+        let settings = nc_settings(parts.plant.kind_row.kind, &parts.plant.params);
+        let holdings = matches!(request, FileRequest::Transfer(_)).then(|| {
+            Box::new(TransferValues {
+                kind: parts.plant.kind_row.kind,
+                params: Params::clone(&parts.plant.params),
+                memory: parts.plant.work.variables.clone(),
+                work_offsets: parts.plant.work.offsets.clone(),
+            })
+        });
+        let start = matches!(request, FileRequest::ComputeToolpath(_)).then(|| {
+            let params: &Params = &parts.plant.params;
+            Box::new(DrawingStart {
+                kind: parts.plant.kind_row.kind,
+                params: params.clone(),
+                memory: parts.plant.work.variables.clone(),
+                work_offsets: parts.plant.work.offsets.clone(),
+                // L3: a lathe program starts at its own zero.
+                position: if settings.start_is_work_zero { PerAxis::default() } else { parts.plant.work_position() },
+                reference_points: reference_points(params),
+                system_variables: PARAM_VARIABLES.iter().map(|(row, at)| (row.first, params.get(*at))).collect(),
+                block_skip: parts.plant.operator.switches.block_skip,
+            })
+        });
+        let (programs, date) = (Arc::clone(&parts.plant.work.programs), self.calendar.date(parts.plant.now));
+        let job = BackgroundJob {
+            ticket,
+            request: request.clone(),
+            settings,
+            programs,
+            transfer_values: holdings,
+            start,
+            date,
+        };
+        parts.plant.outbox.requests.push(StorageRequest::Job(Box::new(job)));
+    }
+
+    /// Whether a request is allowed now.
+    fn check_file_request(&self, parts: View<'_>, request: &FileRequest) -> Result<(), Refusal> {
+        if self.files.pending.is_some() {
+            return Err(Refusal::Other(BUSY.into()));
+        }
+        match request {
+            FileRequest::Save { number, .. } | FileRequest::New(number) | FileRequest::Delete(number) => {
+                self.check_program_edit(parts, *number)
+            }
+            FileRequest::SaveRecording(_) => self.check_program_write(parts, 0),
+            // K6.2: a page has the same protection as its program.
+            FileRequest::SavePage { page, .. } | FileRequest::ImportPicture { page, .. } => {
+                self.check_program_edit(parts, *page)
+            }
+            FileRequest::Copy { to, .. } => self.check_program_edit(parts, *to),
+            FileRequest::Rename { from, to } => {
+                self.check_program_edit(parts, *from).and_then(|()| self.check_program_edit(parts, *to))
+            }
+            FileRequest::Transfer(transfer) => self.check_transfer(parts, transfer),
+            FileRequest::ImportLeadscrew(_) if parts.program.is_open() => Err(Refusal::Other(TRANSFER_IN_RUN.into())),
+            FileRequest::ImportLeadscrew(_) if !self.pages.is_builder() => Err(Refusal::Builder),
+            FileRequest::ImportLeadscrew(_) | FileRequest::ExportLeadscrew(..) => Ok(()),
+            FileRequest::CheckEditable(_) | FileRequest::CheckLines { .. } | FileRequest::ComputeToolpath(_) => Ok(()),
+            FileRequest::ReadPage { .. } => Ok(()),
+            FileRequest::ListMedia
+            | FileRequest::SaveScreenshot(_)
+            | FileRequest::SaveTable(_)
+            | FileRequest::Cancel => Ok(()),
+        }
+    }
+
+    /// Export is always allowed. Import is refused while a run is open; programs need the program password, parameters
+    /// and a full backup the machine builder's password.
+    fn check_transfer(&self, parts: View<'_>, transfer: &TransferRequest) -> Result<(), Refusal> {
+        if transfer.direction == Direction::Export {
+            return Ok(());
+        }
+        if parts.program.is_open() {
+            return Err(Refusal::Other(TRANSFER_IN_RUN.into()));
+        }
+        match transfer.set {
+            TransferSet::Params | TransferSet::Backup if !self.pages.is_builder() => Err(Refusal::Builder),
+            TransferSet::Programs | TransferSet::Serial
+                if self.needs_program_password(parts, transfer) && !self.pages.may_edit_programs() =>
+            {
+                Err(Refusal::Password)
+            }
+            TransferSet::Programs
+            | TransferSet::Serial
+            | TransferSet::Screens
+            | TransferSet::Params
+            | TransferSet::Variables
+            | TransferSet::Backup => Ok(()),
+        }
+    }
+
+    /// Whether an import needs the program password. A program of unknown name may be one of O9000 to O9999.
+    fn needs_program_password(&self, parts: View<'_>, transfer: &TransferRequest) -> bool {
+        let number = |name: &String| name.get(1..5).and_then(|digits| digits.parse::<u32>().ok());
+        let guarded = |name: &String| number(name).is_some_and(|number| GUARDED_SUBPROGRAMS.contains(&number));
+        let any =
+            transfer.set == TransferSet::Serial || transfer.names.is_empty() || transfer.names.iter().any(guarded);
+        parts.plant.params.bit(param::PROGRAM_PASSWORD) || (any && parts.plant.params.bit(param::SUBPROGRAM_PASSWORD))
+    }
+
+    /// Applies the checked values of a file. Parameters in use are left unchanged and listed in the result.
+    fn restore_values(parts: &mut Parts<'_>, restored: &RestoredValues) -> LocalizedText {
+        let mut kept = Vec::new();
+        for (at, value) in &restored.params {
+            let same = parts.plant.params.read(*at).is_ok_and(|old| old.to_bits() == value.to_bits());
+            if same {
+                continue;
+            }
+            Self::set_param(parts, *at, *value);
+            if parts.plant.outbox.message.tone == Tone::Refused {
+                kept.push(at.to_string());
+            }
+        }
+        for (number, value) in &restored.variables {
+            parts.program.set_variable(parts.plant, *number, Some(*value));
+        }
+        for (number, geometry, wear) in &restored.offsets {
+            (parts.plant.work.offsets.geometry[number - 1], parts.plant.work.offsets.wear[number - 1]) =
+                (*geometry, *wear);
+            parts.plant.outbox.requests.push(StorageRequest::Offset {
+                number: *number,
+                geometry: *geometry,
+                wear: *wear,
+            });
+        }
+        for (index, origin) in &restored.work_offsets {
+            parts.plant.work.offsets.work[*index] = *origin;
+            parts.plant.outbox.requests.push(StorageRequest::WorkOffset(*index, *origin));
+        }
+        let (params, variables) = (restored.params.len(), restored.variables.len());
+        if kept.is_empty() {
+            return LocalizedText::new(
+                format!("已读入：参数 {params} 个，变量 {variables} 个"),
+                format!("taken: {params} parameters, {variables} variables"),
+            );
+        }
+        let kept = kept.join(" ");
+        LocalizedText::new(
+            format!("已读入，正在使用而未改的：{kept}"),
+            format!("taken; in use and left as they are: {kept}"),
+        )
+    }
+
+    /// Editing needs mode EDIT, no open run, and the password where set (K6.2).
+    fn check_program_edit(&self, parts: View<'_>, number: u32) -> Result<(), Refusal> {
+        if !parts.program.is_open() && parts.plant.operator.mode != Mode::Edit {
+            return Err(Refusal::Other(EDIT_MODE.into()));
+        }
+        self.check_program_write(parts, number)
+    }
+
+    /// Writing needs no open run, and the password where set.
+    fn check_program_write(&self, parts: View<'_>, number: u32) -> Result<(), Refusal> {
+        if parts.program.is_open() {
+            return Err(Refusal::Other(IN_RUN.into()));
+        }
+        let asks = match GUARDED_SUBPROGRAMS.contains(&number) {
+            true => param::SUBPROGRAM_PASSWORD,
+            false => param::PROGRAM_PASSWORD,
+        };
+        if parts.plant.params.bit(asks) && !self.pages.may_edit_programs() { Err(Refusal::Password) } else { Ok(()) }
+    }
+
+    /// Handles an answer of the background thread.
+    pub fn handle_file_answer(&mut self, parts: &mut Parts<'_>, ticket: Ticket, answer: &FileAnswer) {
+        match answer {
+            FileAnswer::Done(said) => self.finish_file_request(parts, ticket, said.clone(), None),
+            FileAnswer::Saved { message: said, number, stamp } => {
+                self.finish_file_request(parts, ticket, said.clone(), Some((*number, *stamp)))
+            }
+            FileAnswer::Restored(_) | FileAnswer::Leadscrew(..) if parts.program.is_open() => {
+                self.fail_file_request(parts, ticket, Refusal::Other(TRANSFER_IN_RUN.into()));
+            }
+            FileAnswer::Restored(restored) => {
+                let said = Self::restore_values(parts, restored);
+                self.finish_file_request(parts, ticket, said, None);
+            }
+            FileAnswer::Leadscrew(axis, table, file) => {
+                Self::set_leadscrew_table(parts, *axis, table);
+                let points = table.points().len();
+                let said = LocalizedText::new(
+                    format!("{axis} 轴：已从 {file} 读入 {points} 点"),
+                    format!("axis {axis}: {points} points from {file}"),
+                );
+                self.finish_file_request(parts, ticket, said, None);
+            }
+            FileAnswer::ToolpathComputed(drawing) => {
+                self.end_pending(ticket);
+                let view = Arc::make_mut(&mut self.files.view);
+                view.toolpath = Some(Arc::clone(drawing));
+                view.add_answer(ticket, Ok(Completion::default()));
+            }
+            FileAnswer::Refused(refusal) => self.fail_file_request(parts, ticket, refusal.clone()),
+            FileAnswer::Progress(..) | FileAnswer::BytesReceived(..) => self.update_progress(ticket, answer),
+            FileAnswer::Media(media) => {
+                if self.files.view.media.as_deref() != Some(media) {
+                    Arc::make_mut(&mut self.files.view).media = Some(Arc::new(media.clone()));
+                }
+            }
+            FileAnswer::LinesChecked(looked) => {
+                Arc::make_mut(&mut self.files.view).line_check = Arc::new(looked.clone());
+            }
+            FileAnswer::Page(page) => Arc::make_mut(&mut self.files.view).page = Some(Arc::clone(page)),
+        }
+    }
+
+    fn finish_file_request(
+        &mut self,
+        parts: &mut Parts<'_>,
+        ticket: Ticket,
+        said: LocalizedText,
+        saved: Option<(u32, u64)>,
+    ) {
+        if let Some(request) = self.end_pending(ticket) {
+            if matches!(request, FileRequest::SaveRecording(_)) {
+                parts.manual.teach.mark_saved();
+            }
+            Self::update_current_program(parts.plant, &request);
+        }
+        parts.plant.show_note(said.clone());
+        Arc::make_mut(&mut self.files.view).add_answer(ticket, Ok(Completion { message: said, saved }));
+    }
+
+    fn fail_file_request(&mut self, parts: &mut Parts<'_>, ticket: Ticket, refusal: Refusal) {
+        self.end_pending(ticket);
+        match &refusal {
+            Refusal::Alarm(number, detail) => parts.plant.raise(*number, Some(detail.clone())),
+            other => parts.plant.refuse(other.message()),
+        }
+        Arc::make_mut(&mut self.files.view).add_answer(ticket, Err(refusal));
+    }
+
+    /// Ends the pending request if the ticket matches; returns the request.
+    fn end_pending(&mut self, ticket: Ticket) -> Option<FileRequest> {
+        let (_, request) = self.files.pending.take_if(|(of, _)| *of == ticket)?;
+        let view = Arc::make_mut(&mut self.files.view);
+        (view.busy, view.bytes_received) = (None, None);
+        Some(*request)
+    }
+
+    /// Updates the current program after it was renamed or deleted.
+    fn update_current_program(plant: &mut Plant, request: &FileRequest) {
+        let current = match request {
+            FileRequest::Rename { from, to } if *from == plant.execution.current_program => *to,
+            FileRequest::Delete(number) if *number == plant.execution.current_program => 0,
+            _ => return,
+        };
+        plant.execution.current_program = current;
+        plant.execution.current_block = BlockLocation::default();
+        plant.outbox.requests.push(StorageRequest::CurrentProgram(current));
+    }
+
+    /// Shows the progress of the pending request. Late answers to other requests are ignored.
+    fn update_progress(&mut self, ticket: Ticket, answer: &FileAnswer) {
+        if self.files.pending.as_ref().is_none_or(|(of, _)| *of != ticket) {
+            return;
+        }
+        let view = Arc::make_mut(&mut self.files.view);
+        match answer {
+            FileAnswer::Progress(what, thousandths) => view.busy = Some((*what, *thousandths)),
+            FileAnswer::BytesReceived(what, bytes) => {
+                (view.busy, view.bytes_received) = (Some((*what, 0)), Some(*bytes))
+            }
+            _ => {}
+        }
+    }
+
+    /// Writes the snapshot fields of file requests.
+    pub fn files_view(&self, out: &mut Snapshot) {
+        if !Arc::ptr_eq(&out.files, &self.files.view) {
+            out.files.clone_from(&self.files.view);
+        }
+        if !Arc::ptr_eq(&out.stock, &self.files.stock) {
+            out.stock.clone_from(&self.files.stock);
+        }
+    }
+}

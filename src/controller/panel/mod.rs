@@ -1,0 +1,89 @@
+//! The panel: keys, commands, pages, edits, files, and the snapshot for the screen.
+//! Source: spec B6, K2, K7.
+
+mod calendar;
+mod commands;
+mod edit_protection;
+mod edits;
+pub mod files;
+mod keys;
+mod lamps;
+mod offsets;
+mod page_files;
+mod pages;
+mod snapshot;
+mod switches;
+mod wheel_change;
+
+pub use commands::voids_starts;
+pub use snapshot::run_state;
+
+use std::sync::Arc;
+
+use super::manual::Manual;
+use super::plant::Plant;
+use super::program::Program;
+use crate::defs::kind::Kind;
+use crate::link::command::Screens;
+use crate::link::edit::EditAnswer;
+use crate::link::snapshot::DirectoryRow;
+use crate::units::PerAxis;
+
+/// The parts on which a key or a command acts.
+pub struct Parts<'a> {
+    /// The plant.
+    pub plant: &'a mut Plant,
+    /// The program.
+    pub program: &'a mut Program,
+    /// Manual operation.
+    pub manual: &'a mut Manual,
+}
+
+/// The parts as the screen sees them.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    /// The plant.
+    pub plant: &'a Plant,
+    /// The program.
+    pub program: &'a Program,
+    /// Manual operation.
+    pub manual: &'a Manual,
+}
+
+impl Parts<'_> {
+    /// The parts for reading.
+    #[must_use]
+    pub const fn view(&self) -> View<'_> {
+        View { plant: self.plant, program: self.program, manual: self.manual }
+    }
+}
+
+/// The state of the panel that no other part shares.
+pub struct Panel {
+    pages: pages::PageState,
+    /// Answer to the last edit.
+    edit_answer: EditAnswer,
+    files: files::FileRequests,
+    screens: Arc<Screens>,
+    /// The directory of the programs folder.
+    pub directory: Arc<Vec<DirectoryRow>>,
+    /// Date and time of day.
+    pub calendar: calendar::Calendar,
+    relative_zero: PerAxis<f64>,
+}
+
+impl Panel {
+    /// The panel at power-on.
+    #[must_use]
+    pub fn new(kind: Kind, clock_offset_s: i64) -> Self {
+        Self {
+            pages: pages::PageState::new(kind),
+            edit_answer: EditAnswer::default(),
+            files: files::FileRequests::default(),
+            screens: Arc::default(),
+            directory: Arc::default(),
+            calendar: calendar::Calendar::new(clock_offset_s),
+            relative_zero: PerAxis::default(),
+        }
+    }
+}

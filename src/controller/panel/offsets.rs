@@ -1,0 +1,160 @@
+//! Tool offset edits by pages: absolute values, increments, measurements.
+//!
+//! An edit applies from the next block that is read: blocks already read ahead keep their targets. Queued offset
+//! changes are edited as well, so that they do not undo the edit when they are executed.
+//! Source: spec K4.1, K5.10, K7.6, K7.7.
+
+use super::edit_protection::{check_not_running, check_unlocked};
+use super::{Parts, View};
+use crate::controller::plant::Plant;
+use crate::controller::plant::offset_in_range;
+use crate::controller::storage_request::StorageRequest;
+use crate::defs::page::Page;
+use crate::defs::text::{LocalizedText, Text};
+use crate::link::edit::{MAX_INCREMENT, OffsetCommand, OffsetPart};
+use crate::nc::WorkOffsets;
+use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
+use crate::units::{Axis, PerAxis};
+
+const NO_NUMBER: Text = Text::new("刀补号应为 1-16", "offsets are numbered 1 to 16");
+const NOT_HERE: Text = Text::new("请在刀补或砂轮修整页面修改", "edit it on the offset or dressing page");
+const OPEN_RUN: Text = Text::new("程序未结束，不能测量", "a program is open: no measurement");
+const MOVING: Text = Text::new("轴还在运动，不能测量", "the axes still move: no measurement");
+
+/// Executes a command of the offset or the dressing page.
+pub fn handle_offset_command(parts: &mut Parts<'_>, command: OffsetCommand) -> Result<LocalizedText, LocalizedText> {
+    match command {
+        OffsetCommand::Set { number, part, axis, value } => {
+            let index = offset_index(parts.plant, number, axis)?;
+            // K7.7: P22.0 does not protect the geometry; the dressing page has no protection.
+            if part == OffsetPart::Geometry && parts.plant.operator.page == Page::Offset {
+                check_not_running(parts.view())?;
+            } else {
+                check_offset_page(parts.view(), part)?;
+            }
+            set_offset_value(parts, index, part, axis, value / parts.plant.displayed_per_mm(axis))
+        }
+        OffsetCommand::AddGeometry { number, axis, increment: by } => {
+            let index = offset_index(parts.plant, number, axis)?;
+            check_offset_page(parts.view(), OffsetPart::Geometry)?;
+            check_increment(by)?;
+            let sum = parts.plant.work.offsets.geometry[index][axis] + by / parts.plant.displayed_per_mm(axis);
+            set_offset_value(parts, index, OffsetPart::Geometry, axis, sum)
+        }
+        OffsetCommand::Measure { number, axis, value } => {
+            let index = offset_index(parts.plant, number, axis)?;
+            check_offset_page(parts.view(), OffsetPart::Geometry)?;
+            measure(parts, index, axis, value)
+        }
+    }
+}
+
+/// A wear increment typed on a page.
+pub fn edit_wear_increment(
+    parts: &mut Parts<'_>,
+    number: usize,
+    axis: Axis,
+    by: f64,
+) -> Result<LocalizedText, LocalizedText> {
+    offset_index(parts.plant, number, axis)?;
+    check_offset_page(parts.view(), OffsetPart::Wear)?;
+    check_increment(by)?;
+    add_wear(parts, number, axis, by)
+}
+
+/// Adds to the wear of an offset, mm as displayed (U, V, W on a page). G10 has the same range (K4.1).
+///
+/// # Errors
+/// No such offset or axis, or the sum is out of range. Nothing is changed then.
+pub fn add_wear(parts: &mut Parts<'_>, number: usize, axis: Axis, by: f64) -> Result<LocalizedText, LocalizedText> {
+    let index = offset_index(parts.plant, number, axis)?;
+    let sum = parts.plant.work.offsets.wear[index][axis] + by / parts.plant.displayed_per_mm(axis);
+    set_offset_value(parts, index, OffsetPart::Wear, axis, sum)
+}
+
+/// K5.10: a measurement sets the geometry and clears the wear of its axis.
+fn measure(parts: &mut Parts<'_>, index: usize, axis: Axis, value: f64) -> Result<LocalizedText, LocalizedText> {
+    if parts.program.is_open() {
+        return Err(OPEN_RUN.into());
+    }
+    if !parts.plant.axes.is_at_rest() {
+        return Err(MOVING.into());
+    }
+    if !parts.plant.axes.is_homed(axis) {
+        return Err(LocalizedText::new(
+            format!("{axis} 未回零，不能测量"),
+            format!("{axis} is not homed: no measurement"),
+        ));
+    }
+    let frame =
+        parts.plant.work.offsets.work[parts.plant.work.offsets.active][axis] + parts.plant.work.offsets.shift[axis];
+    let geometry = parts.plant.axes.actual()[axis] - frame - value / parts.plant.displayed_per_mm(axis);
+    let said = set_offset_value(parts, index, OffsetPart::Geometry, axis, geometry)?;
+    set_offset_value(parts, index, OffsetPart::Wear, axis, 0.0)?;
+    Ok(LocalizedText::new(format!("{}，磨耗已清零", said.zh), format!("{}, wear cleared", said.en)))
+}
+
+/// Sets one value, radius mm, and stores it on disk.
+fn set_offset_value(
+    parts: &mut Parts<'_>,
+    index: usize,
+    part: OffsetPart,
+    axis: Axis,
+    value: f64,
+) -> Result<LocalizedText, LocalizedText> {
+    let shown = value * parts.plant.displayed_per_mm(axis);
+    let most = part.max_abs();
+    if !offset_in_range(part, shown) {
+        return Err(LocalizedText::new(
+            format!("超出范围 ±{most:.3}：{shown:.3}"),
+            format!("out of range ±{most:.3}: {shown:.3}"),
+        ));
+    }
+    let old = std::mem::replace(&mut offset_table(&mut parts.plant.work.offsets, part)[index][axis], value);
+    parts.program.change_offsets_read_ahead(|frames| {
+        let place = &mut offset_table(frames, part)[index][axis];
+        *place = if place.to_bits() == old.to_bits() { value } else { *place + (value - old) };
+    });
+    let (geometry, wear) = (parts.plant.work.offsets.geometry[index], parts.plant.work.offsets.wear[index]);
+    parts.plant.outbox.requests.push(StorageRequest::Offset { number: index + 1, geometry, wear });
+    let (name, number) = (part.name(), index + 1);
+    Ok(LocalizedText::new(
+        format!("刀补 {number:02} {} {axis} = {shown:.3}", name.zh),
+        format!("offset {number:02} {} {axis} = {shown:.3}", name.en),
+    ))
+}
+
+/// The index of an offset, if the machine has the axis.
+fn offset_index(plant: &Plant, number: usize, axis: Axis) -> Result<usize, LocalizedText> {
+    if !plant.axes.is_present(axis) {
+        return Err(LocalizedText::new(format!("没有 {axis} 轴"), format!("there is no axis {axis}")));
+    }
+    number.checked_sub(1).filter(|index| *index < TOOL_OFFSET_COUNT).ok_or_else(|| NO_NUMBER.into())
+}
+
+/// Whether the open page may change this value now.
+fn check_offset_page(parts: View<'_>, part: OffsetPart) -> Result<(), LocalizedText> {
+    match parts.plant.operator.page {
+        Page::Offset => check_unlocked(parts)?,
+        Page::Dressing if part == OffsetPart::Wear => {}
+        _ => return Err(NOT_HERE.into()),
+    }
+    check_not_running(parts)
+}
+
+fn offset_table(frames: &mut WorkOffsets, part: OffsetPart) -> &mut [PerAxis<f64>; TOOL_OFFSET_COUNT] {
+    match part {
+        OffsetPart::Geometry => &mut frames.geometry,
+        OffsetPart::Wear => &mut frames.wear,
+    }
+}
+
+fn check_increment(by: f64) -> Result<(), LocalizedText> {
+    if by.abs() <= MAX_INCREMENT {
+        return Ok(());
+    }
+    Err(LocalizedText::new(
+        format!("一次增量最大 ±{MAX_INCREMENT:.3}"),
+        format!("an increment is ±{MAX_INCREMENT:.3} at most"),
+    ))
+}

@@ -1,0 +1,145 @@
+//! The open page and its soft keys; alarm 66 for missing files of the grinding and the dressing page.
+//! Source: spec K7.1, K7.3, K7.6.
+
+use super::{Panel, Parts, View};
+use crate::defs::alarm;
+use crate::defs::page::Page;
+use crate::defs::soft_key::{self, CoordinateView, SoftKeyAction};
+use crate::defs::text::{LocalizedText, Text};
+use crate::link::command::FileFault;
+use crate::link::snapshot::PROGRAMS_WITH_PAGE;
+
+/// Base of the page numbers: file C0001 belongs to page 1001.
+const PAGE_FILES: u32 = 1_000;
+
+/// Screen printing happens in the HMI, not in the core.
+const PRINT: Text = Text::new("屏幕打印：在屏幕上点此软键", "the screen is printed by touching the key on it");
+
+impl Panel {
+    /// Opens a page.
+    pub fn open_page(&mut self, parts: &mut Parts<'_>, page: Page) {
+        if !page.exists_on(parts.plant.kind_row.kind) {
+            let title = page.title();
+            return parts.plant.refuse(LocalizedText::new(
+                format!("本机床没有“{}”页面", title.zh),
+                format!("this machine has no page {}", title.en),
+            ));
+        }
+        if parts.plant.operator.page != page {
+            parts.plant.operator.page = page;
+            self.pages.soft_row = soft_key::row_of_page(page);
+            parts.manual.dressing.withdraw_question();
+        }
+        self.check_page_files(parts);
+    }
+
+    /// Selects a view of the position page and opens the page.
+    pub fn show_coordinates(&mut self, parts: &mut Parts<'_>, coordinates: CoordinateView) {
+        if self.pages.coordinates != coordinates {
+            self.pages.coordinates = coordinates;
+            parts.manual.dressing.withdraw_question();
+        }
+        self.open_page(parts, Page::Position);
+    }
+
+    /// Selects a row of soft keys; after the last row comes the first.
+    pub fn show_soft_row(&mut self, row: usize) {
+        self.pages.soft_row = row % soft_key::ROWS.len();
+    }
+
+    /// A soft key pressed on the panel: acts like a touch on the screen.
+    pub fn press_soft_key(&mut self, parts: &mut Parts<'_>, index: usize) {
+        let row = self.pages.soft_row;
+        let Some(soft) = soft_key::row(parts.plant.kind_row.kind, row).nth(index) else {
+            let (row, key) = (row + 1, index + 1);
+            return parts.plant.refuse(LocalizedText::new(
+                format!("第 {row} 行软键没有 F{key}，按 ▶ 换行"),
+                format!("row {row} of the soft keys has no F{key}: turn it by ▶"),
+            ));
+        };
+        let before = (parts.plant.operator.page, self.pages.coordinates);
+        match soft.action {
+            SoftKeyAction::Open(page) => self.open_page(parts, page),
+            SoftKeyAction::Position(coordinates) => self.show_coordinates(parts, coordinates),
+            SoftKeyAction::Print => return parts.plant.refuse(PRINT),
+        }
+        if before == (parts.plant.operator.page, self.pages.coordinates) {
+            let name = soft.label_on(parts.plant.kind_row.kind);
+            parts.plant.show_note(LocalizedText::new(format!("已是“{}”", name.zh), format!("{} is open", name.en)));
+        }
+    }
+
+    /// Selects a sheet of the grinding page; after the last sheet comes the first.
+    pub fn show_sheet(&mut self, parts: &mut Parts<'_>, sheet: usize) {
+        self.pages.sheet = sheet % parts.plant.kind_row.page_files.len().max(1);
+        self.check_page_files(parts);
+    }
+
+    /// The page number that the grinding page shows: the kind's own, or that of the program (K7.2).
+    pub fn grinding_page(&self, parts: View<'_>) -> Option<u32> {
+        self.kind_page(parts).or_else(|| {
+            let current = parts.plant.execution.current_program;
+            PROGRAMS_WITH_PAGE.contains(&current).then_some(current)
+        })
+    }
+
+    /// The page number of the selected sheet, if the kind has its own grinding pages.
+    pub fn kind_page(&self, parts: View<'_>) -> Option<u32> {
+        parts.plant.kind_row.page_files.get(self.pages.sheet).map(|number| PAGE_FILES + number)
+    }
+
+    /// Index of the selected sheet and number of sheets.
+    pub fn grinding_pages(&self, parts: View<'_>) -> (usize, usize) {
+        (self.pages.sheet, parts.plant.kind_row.page_files.len().max(1))
+    }
+
+    /// Whether a sheet of the grinding page has a field for a variable.
+    pub fn page_shows(&self, parts: View<'_>, variable: u16) -> bool {
+        let own = parts.plant.kind_row.page_files.iter().map(|number| PAGE_FILES + number);
+        let mut shown = own.chain(self.grinding_page(parts));
+        shown.any(|number| {
+            let files = self.screens.find(number);
+            let text = files.and_then(|files| files.text.as_ref().ok());
+            text.is_some_and(|page| page.rows().any(|row| row.variable == variable))
+        })
+    }
+
+    /// K7.3: raises alarm 66 when the page opens; clears it when the files are correct or the page is left.
+    pub fn check_page_files(&self, parts: &mut Parts<'_>) {
+        parts.plant.alarms.clear(alarm::PAGE_FILES_INVALID);
+        if parts.plant.operator.page == Page::Dressing {
+            // K7.6: the dressing page has only a picture.
+            if let Some(Err(fault)) = self.screens.dressing.clone() {
+                parts.plant.raise(alarm::PAGE_FILES_INVALID, Some(fault.full_message()));
+            }
+            return;
+        }
+        let Some(shown) = self.grinding_page(parts.view()).filter(|_| parts.plant.operator.page == Page::Grinding)
+        else {
+            return;
+        };
+        let nn = shown - PAGE_FILES;
+        let missing = |file: String| FileFault {
+            file,
+            position: None,
+            message: LocalizedText::new("文件不存在，请拷入 screens 目录", "missing: copy it into the screens folder"),
+        };
+        let faults: Vec<LocalizedText> = match self.screens.find(shown) {
+            Some(files) => [files.text.as_ref().err(), files.picture.as_ref().err()]
+                .into_iter()
+                .flatten()
+                .map(FileFault::full_message)
+                .collect(),
+            None => {
+                vec![missing(format!("C{nn:04}.TXT")).full_message(), missing(format!("B{nn:04}.BMP")).full_message()]
+            }
+        };
+        if let Some(first) = faults.first() {
+            let rest = &faults[1..];
+            let detail = rest.iter().fold(first.clone(), |all, fault| {
+                LocalizedText::new(format!("{}；{}", all.zh, fault.zh), format!("{}; {}", all.en, fault.en))
+            });
+            parts.plant.raise(alarm::PAGE_FILES_INVALID, Some(detail));
+        }
+    }
+}

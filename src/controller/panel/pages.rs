@@ -1,0 +1,271 @@
+//! Core side of the parameter, diagnosis and settings pages: what they show and what they may change.
+//!
+//! Passwords are never compared here: they go to the disk thread as a request, and the answer comes back as a command.
+//! The tick does not wait for it.
+//! Source: spec B6, K6.1.
+
+use super::snapshot::run_state;
+use super::{Panel, Parts, View};
+use crate::controller::storage_request::StorageRequest;
+use crate::defs::kind::Kind;
+use crate::defs::param::{AccessLevel, ParamAddress};
+use crate::defs::param_row;
+use crate::defs::signal::Output;
+use crate::defs::soft_key::CoordinateView;
+use crate::defs::text::{LocalizedText, Text};
+use crate::link::internal_signal::{InternalSignal, InternalSignalSet};
+use crate::link::page_command::{
+    BRIGHTNESS, PASSWORD_LENGTH, PageCommand, PasswordScope, SettingsRequest, StorageAnswer,
+};
+use crate::link::snapshot::{AccessView, RunState, Snapshot};
+use crate::units::{Axis, Micros, PerAxis};
+use std::sync::Arc;
+
+/// Consecutive wrong passwords that start a lock-out.
+const MAX_WRONG_PASSWORDS: u32 = 3;
+/// Length of the lock-out.
+const PAUSE: Micros = Micros::from_millis(30_000);
+
+const WRONG: Text = Text::new("密码错误", "wrong password");
+const TOO_OFTEN: Text = Text::new("密码错误次数过多，30 秒后再试", "wrong too often: try again in 30 s");
+const BUSY: Text = Text::new("正在核对密码，请稍候", "a password is being checked");
+const FORM: Text = Text::new("新密码为 4 到 16 位数字", "a new password has 4 to 16 digits");
+
+/// State of the pages kept in the core.
+#[derive(Clone, Debug)]
+pub struct PageState {
+    /// View of the position page.
+    pub coordinates: CoordinateView,
+    /// Index of the displayed soft-key row.
+    pub soft_row: usize,
+    /// Index of the displayed sheet of the grinding page.
+    pub sheet: usize,
+    access: AccessView,
+    next_kind: Kind,
+    wrong_passwords: u32,
+    locked_until: Micros,
+}
+
+impl PageState {
+    /// At power-on every level is locked.
+    pub fn new(kind: Kind) -> Self {
+        Self {
+            coordinates: CoordinateView::default(),
+            soft_row: 0,
+            sheet: 0,
+            access: AccessView::default(),
+            next_kind: kind,
+            wrong_passwords: 0,
+            locked_until: Micros::ZERO,
+        }
+    }
+
+    /// Whether the machine builder's password was entered.
+    pub fn is_builder(&self) -> bool {
+        self.access.level >= AccessLevel::Builder
+    }
+
+    /// Whether the program password was entered (K6.2).
+    pub const fn may_edit_programs(&self) -> bool {
+        self.access.program_unlocked
+    }
+
+    /// Answers the page that asked for a password check.
+    const fn answer(&mut self, refused: Option<Text>) {
+        self.access.password_pending = false;
+        self.access.answer_count = self.access.answer_count.wrapping_add(1);
+        self.access.refused = refused;
+    }
+}
+
+impl Panel {
+    /// Executes one command of a page.
+    pub fn handle_page_command(&mut self, parts: &mut Parts<'_>, command: &PageCommand) {
+        match command {
+            PageCommand::EditParam(at, value) => self.edit_param(parts, *at, *value),
+            PageCommand::EditLeadscrew(axis, table) => {
+                if self.pages.access.level < AccessLevel::Builder {
+                    return parts.plant.refuse(password_needed(AccessLevel::Builder));
+                }
+                Self::set_leadscrew_table(parts, *axis, table);
+            }
+            PageCommand::Unlock(guard, secret) => {
+                self.request_password_check(parts, SettingsRequest::CheckPassword(*guard, secret.clone()))
+            }
+            PageCommand::Lock => {
+                self.pages.access.level = AccessLevel::Operator;
+                self.pages.access.program_unlocked = false;
+                parts.plant.show_note(LocalizedText::new("参数已锁定", "parameters are locked"));
+            }
+            PageCommand::ChangePassword { scope: of, old, new } => {
+                let digits = new.reveal().bytes().all(|sign| sign.is_ascii_digit());
+                if !digits || !PASSWORD_LENGTH.contains(&new.reveal().len()) {
+                    self.pages.answer(Some(FORM));
+                    return parts.plant.refuse(FORM);
+                }
+                self.request_password_check(
+                    parts,
+                    SettingsRequest::ChangePassword { scope: *of, old: old.clone(), new: new.clone() },
+                );
+            }
+            PageCommand::SetNextKind(kind) => {
+                if self.pages.access.level < AccessLevel::Builder {
+                    return parts.plant.refuse(password_needed(AccessLevel::Builder));
+                }
+                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveKind(*kind)));
+            }
+            PageCommand::SetLang(lang) => {
+                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveLang(*lang)))
+            }
+            PageCommand::SetLightTheme(light) => {
+                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveLightTheme(*light)))
+            }
+            PageCommand::SetBrightness(percent) => {
+                let percent = (*percent).clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end());
+                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveBrightness(percent)));
+            }
+            PageCommand::SetSerialPort(port) => {
+                if self.pages.access.level < AccessLevel::Builder {
+                    return parts.plant.refuse(password_needed(AccessLevel::Builder));
+                }
+                parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveSerialPort(port.clone())));
+            }
+            PageCommand::SetDate(wanted) => self.set_date(parts, *wanted),
+            PageCommand::File(ticket, request) => self.handle_file_request(parts, *ticket, request),
+            PageCommand::StorageAnswered(answer) => self.handle_page_answer(parts, answer),
+        }
+    }
+
+    fn edit_param(&mut self, parts: &mut Parts<'_>, at: ParamAddress, value: f64) {
+        match param_row::access_level(at) {
+            Some(level) if level > self.pages.access.level => parts.plant.refuse(password_needed(level)),
+            Some(_) | None => Self::set_param(parts, at, value),
+        }
+    }
+
+    /// Requests a password check: one at a time; after three wrong passwords input is locked for 30 s.
+    fn request_password_check(&mut self, parts: &mut Parts<'_>, wish: SettingsRequest) {
+        let refusal = if self.pages.access.password_pending {
+            Some(BUSY)
+        } else {
+            (parts.plant.now < self.pages.locked_until).then_some(TOO_OFTEN)
+        };
+        if let Some(reason) = refusal {
+            if !self.pages.access.password_pending {
+                self.pages.answer(Some(reason));
+            }
+            return parts.plant.refuse(reason);
+        }
+        self.pages.access.password_pending = true;
+        parts.plant.outbox.requests.push(StorageRequest::Page(wish));
+    }
+
+    fn handle_page_answer(&mut self, parts: &mut Parts<'_>, answer: &StorageAnswer) {
+        match answer {
+            StorageAnswer::PasswordChecked(guard, true) => {
+                self.pages.wrong_passwords = 0;
+                self.pages.access.level = self.pages.access.level.max(guard.level());
+                self.pages.access.program_unlocked |= *guard == PasswordScope::Program;
+                self.pages.answer(None);
+                let name = guard.name();
+                parts.plant.show_note(LocalizedText::new(
+                    format!("{}已打开，关机前有效", name.zh),
+                    format!("{}: open until power-off", name.en),
+                ));
+            }
+            StorageAnswer::PasswordChanged(guard, true) => {
+                self.pages.wrong_passwords = 0;
+                self.pages.answer(None);
+                let name = guard.name();
+                parts.plant.show_note(LocalizedText::new(
+                    format!("{}密码已修改", name.zh),
+                    format!("{}: password changed", name.en),
+                ));
+            }
+            StorageAnswer::PasswordChecked(_, false) | StorageAnswer::PasswordChanged(_, false) => {
+                self.pages.wrong_passwords += 1;
+                if self.pages.wrong_passwords >= MAX_WRONG_PASSWORDS {
+                    self.pages.wrong_passwords = 0;
+                    self.pages.locked_until = parts.plant.now + PAUSE;
+                }
+                self.pages.answer(Some(WRONG));
+                parts.plant.refuse(WRONG);
+            }
+            StorageAnswer::KindSaved(kind) => {
+                self.pages.next_kind = *kind;
+                let name = kind.name();
+                parts.plant.show_note(LocalizedText::new(
+                    format!("下次启动为 {}", name.zh),
+                    format!("from the next start: {}", name.en),
+                ));
+            }
+            StorageAnswer::LangSaved => {}
+            StorageAnswer::File(ticket, answer) => self.handle_file_answer(parts, *ticket, answer),
+            StorageAnswer::Failed(why) => {
+                self.pages.answer(Some(Text::new("保存失败", "could not be stored")));
+                parts.plant.refuse(why.clone());
+            }
+        }
+    }
+
+    /// Writes the snapshot fields of the parameter, diagnosis and settings pages.
+    pub fn page_view(&self, parts: View<'_>, out: &mut Snapshot) {
+        out.input_terminals = parts.plant.inputs.image.terminals;
+        out.output_terminals = parts.plant.outputs.image.terminals;
+        out.analog_volts = [parts.plant.outputs.image.wheel_volts, parts.plant.outputs.image.analog_2_volts];
+        out.internals = internal_signals(parts);
+        out.access = self.pages.access;
+        out.leadscrews = PerAxis::from_fn(|axis| parts.plant.axes.leadscrew_table(axis).clone());
+        out.date = self.calendar.date(parts.plant.now);
+        self.files_view(out);
+        out.next_kind = self.pages.next_kind;
+        if !Arc::ptr_eq(&out.params, &parts.plant.params) {
+            out.params.clone_from(&parts.plant.params);
+        }
+        if !Arc::ptr_eq(&out.alarm_history, parts.plant.alarms.history()) {
+            out.alarm_history.clone_from(parts.plant.alarms.history());
+        }
+    }
+}
+
+/// The internal signals of the diagnosis page.
+fn internal_signals(parts: View<'_>) -> InternalSignalSet {
+    let facts = parts.plant.machine.interlock_inputs(parts.plant.now, parts.plant.inputs.filtered, &parts.plant.params);
+    let state = run_state(parts);
+    let axes = [
+        (Axis::X, InternalSignal::HomedX, InternalSignal::MovingX),
+        (Axis::Y, InternalSignal::HomedY, InternalSignal::MovingY),
+        (Axis::Z, InternalSignal::HomedZ, InternalSignal::MovingZ),
+    ];
+    let mut set = InternalSignalSet::default();
+    for (axis, homed, moving) in axes {
+        set = set.with(homed, parts.plant.axes.is_homed(axis)).with(moving, parts.plant.is_moving(axis));
+    }
+    set.with(InternalSignal::DrivesOn, parts.plant.outputs.drives_on)
+        .with(InternalSignal::BusAlive, parts.plant.inputs.image.bus_alive)
+        .with(InternalSignal::EmergencyStopped, parts.plant.machine.is_e_stopped())
+        .with(InternalSignal::ScreenEmergencyStop, parts.plant.inputs.screen_e_stop())
+        .with(InternalSignal::AlarmBlocksStart, parts.plant.alarms.blocks_start())
+        .with(InternalSignal::InPosition, parts.plant.is_in_position())
+        .with(InternalSignal::ProgramOpen, parts.program.is_open())
+        .with(InternalSignal::Running, matches!(state, RunState::Running | RunState::Waiting))
+        .with(InternalSignal::Held, state == RunState::Held)
+        .with(InternalSignal::Waiting, state == RunState::Waiting)
+        .with(InternalSignal::Homing, state == RunState::Homing)
+        .with(InternalSignal::SingleBlock, parts.plant.operator.switches.single_block)
+        .with(InternalSignal::BlockSkip, parts.plant.operator.switches.block_skip)
+        .with(InternalSignal::OptionalStop, parts.plant.operator.switches.optional_stop)
+        .with(InternalSignal::RapidJog, parts.plant.operator.rapid_jog)
+        .with(InternalSignal::WheelRunUp, parts.plant.machine.awaits_feedback(Output::Wheel))
+        .with(InternalSignal::WorkpieceDrive, parts.plant.machine.drive_is_on())
+        .with(InternalSignal::TailstockMoving, facts.tailstock_moving)
+        .with(InternalSignal::TailstockClamped, facts.tailstock_advanced)
+        .with(InternalSignal::HydraulicSettled, facts.hydraulic_settled)
+        .with(InternalSignal::HydraulicLatched, facts.hydraulic_latched)
+}
+
+/// The refusal for a locked level.
+fn password_needed(level: AccessLevel) -> LocalizedText {
+    let guard = PasswordScope::for_level(level).map_or(level.name(), PasswordScope::name);
+    LocalizedText::new(format!("需要{}密码", guard.zh), format!("the password for {} is needed", guard.en))
+}

@@ -1,0 +1,126 @@
+//! Fills the snapshot: positions, state, values. Read-only; called whenever a snapshot is needed.
+//! Source: spec H5, H7, K2.4.
+
+use super::{Panel, View};
+use crate::controller::axes::SECONDS_PER_MINUTE;
+use crate::controller::plant::ControlPhase;
+use crate::defs::key::Key;
+use crate::defs::signal::Output;
+use crate::link::snapshot::{AxisView, ProgramView, RunState, Snapshot, VARIABLE_COUNT};
+use crate::units::{Axis, PerAxis};
+use std::sync::Arc;
+
+impl Panel {
+    /// Writes everything that pages show.
+    pub fn snapshot(&self, parts: View<'_>, out: &mut Snapshot) {
+        out.kind = parts.plant.kind_row.kind;
+        out.now = parts.plant.now;
+        out.mode = parts.plant.operator.mode;
+        out.state = run_state(parts);
+        out.page = parts.plant.operator.page;
+        (out.coordinates, out.soft_key_row) = (self.pages.coordinates, self.pages.soft_row);
+        out.kind_page = self.kind_page(parts);
+        out.grinding_sheet = self.grinding_pages(parts);
+        out.x_as_diameter = parts.plant.is_diameter();
+        out.axes = self.axis_views(parts);
+        self.program_view(parts, out);
+        out.single_block = parts.plant.operator.switches.single_block;
+        out.handwheel_axis = parts.plant.operator.handwheel_axis;
+        out.handwheel_step_mm = parts.plant.operator.step_mm;
+        out.feed_override = parts.plant.operator.overrides.feed;
+        out.rapid_override = parts.plant.operator.overrides.rapid;
+        out.spindle_override = parts.plant.operator.overrides.spindle;
+        out.feed_mm_min = parts.plant.path_speed_mm_s() * SECONDS_PER_MINUTE;
+        out.wheel_rpm = if parts.plant.outputs.on.has(Output::Wheel) { parts.plant.output_wheel_rpm() } else { 0.0 };
+        if parts.plant.kind_row.has_main_spindle {
+            out.wheel_rpm = parts.plant.spindles.encoder.rpm.abs();
+        }
+        out.tool_station =
+            parts.plant.kind_row.has_main_spindle.then(|| parts.plant.turret_station().map_or(0, u32::from));
+        parts.manual.teach.write_view(&mut out.teach);
+        out.strokes_per_min = parts.plant.measured_strokes_min();
+        out.parts_counted = parts.plant.work.part_count;
+        out.restart = parts.program.restart_view(parts.plant).map(Box::new);
+        out.interrupted = parts.program.power_cut.interrupted;
+        let started = parts.program.started_at();
+        let cycle = started.map_or(parts.plant.execution.cycle_time, |at| parts.plant.now.since(at));
+        out.cycle_seconds = cycle.as_secs_f64();
+        out.inputs = parts.plant.inputs.filtered;
+        out.outputs = parts.plant.outputs.on;
+        for key in Key::ALL {
+            out.keys[*key as usize] = self.key_view(parts, *key);
+        }
+        for (number, place) in out.variables.iter_mut().enumerate().take(VARIABLE_COUNT) {
+            *place = parts.plant.work.variables.get(number as u32).ok().flatten();
+        }
+        for number in 434..=439 {
+            out.variables[number] = parts.plant.system_variable(number as u32);
+        }
+        if out.alarms != parts.plant.alarms.present() {
+            out.alarms = parts.plant.alarms.present().to_vec();
+        }
+        if out.message != parts.plant.outbox.message {
+            out.message.clone_from(&parts.plant.outbox.message);
+        }
+        let awaited = parts.program.awaited_input(parts.plant);
+        let told = awaited.as_ref().or(parts.plant.outbox.program_message.as_ref());
+        if out.waiting_for.as_ref() != told {
+            out.waiting_for = told.cloned();
+        }
+        self.page_view(parts, out);
+        self.edit_view(parts, out);
+        if !Arc::ptr_eq(&out.screens, &self.screens) {
+            out.screens.clone_from(&self.screens);
+        }
+        if !Arc::ptr_eq(&out.directory, &self.directory) {
+            out.directory.clone_from(&self.directory);
+        }
+    }
+
+    fn axis_views(&self, parts: View<'_>) -> PerAxis<AxisView> {
+        let (machine, work, to_go) =
+            (parts.plant.axes.actual(), parts.plant.work_position(), parts.program.distance_to_go(parts.plant));
+        PerAxis::from_fn(|axis: Axis| {
+            let factor = parts.plant.displayed_per_mm(axis);
+            AxisView {
+                present: parts.plant.axes.is_present(axis),
+                work: work[axis] * factor,
+                machine: machine[axis] * factor,
+                relative: (machine[axis] - self.relative_zero[axis]) * factor,
+                to_go: to_go[axis],
+                homed: parts.plant.axes.is_homed(axis),
+                moving: parts.plant.is_moving(axis),
+            }
+        })
+    }
+
+    fn program_view(&self, parts: View<'_>, out: &mut Snapshot) {
+        let program = parts.plant.work.programs.get(parts.plant.execution.current_program);
+        match program {
+            Some(program) if !out.program.text.is_instance(&program.text) => {
+                out.program.text.clone_from(&program.text);
+                (out.program.stamp, out.program.has_invalid_bytes) = (program.stamp, program.has_invalid_bytes);
+            }
+            Some(_) => {}
+            None => out.program = ProgramView::default(),
+        }
+        out.program.number = parts.plant.execution.current_program;
+        out.program.block_program = parts.plant.execution.current_block.program;
+        out.program.line = parts.plant.execution.current_block.line;
+        out.program.block = parts.plant.execution.current_block.n;
+    }
+}
+
+/// The run state.
+#[must_use]
+pub fn run_state(parts: View<'_>) -> RunState {
+    match parts.plant.execution.phase {
+        ControlPhase::Homing(_) => RunState::Homing,
+        ControlPhase::Running if parts.program.is_awaiting_input() => RunState::Waiting,
+        ControlPhase::Running => RunState::Running,
+        ControlPhase::Holding | ControlPhase::Held => RunState::Held,
+        ControlPhase::Stopped => RunState::Stopped,
+        ControlPhase::Idle | ControlPhase::Aborting if parts.plant.alarms.blocks_start() => RunState::Alarm,
+        ControlPhase::Idle | ControlPhase::Aborting => RunState::Idle,
+    }
+}

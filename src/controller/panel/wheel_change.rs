@@ -1,0 +1,45 @@
+//! Wheel change: sets size and rating, and blocks cycle start until the wheel is dressed.
+//! Source: spec K5.17; seed 000 (the dressing point is set again after the wheel was mounted).
+
+use super::Parts;
+use crate::defs::page::Page;
+use crate::defs::param::{self, NumberParam};
+use crate::defs::signal::Output;
+use crate::defs::text::{LocalizedText, Text};
+
+const WHEEL_RUNS: Text = Text::new("砂轮还在转，先停砂轮", "the wheel runs: stop it first");
+const OPEN_RUN: Text = Text::new("程序未结束，先复位", "a program is open: press RESET first");
+const NOT_HERE: Text = Text::new("请在换砂轮页面操作", "change the wheel on its page");
+
+/// Sets P77–P79 (diameter and width, mm; rated speed, m/s) and P6.7, all or nothing.
+pub fn change_wheel(
+    parts: &mut Parts<'_>,
+    [diameter_mm, width_mm, rated_m_s]: [f64; 3],
+) -> Result<LocalizedText, LocalizedText> {
+    if parts.plant.operator.page != Page::Wheel {
+        return Err(NOT_HERE.into());
+    }
+    if parts.plant.outputs.on.has(Output::Wheel) {
+        return Err(WHEEL_RUNS.into());
+    }
+    if parts.program.is_open() {
+        return Err(OPEN_RUN.into());
+    }
+    let values: [(NumberParam, f64); 3] =
+        [(param::WHEEL_DIAMETER, diameter_mm), (param::WHEEL_WIDTH, width_mm), (param::WHEEL_RATED_SPEED, rated_m_s)];
+    for (row, value) in values {
+        if !(row.min..=row.max).contains(&value) {
+            let range = format!("{} … {} {}", row.min, row.max, row.unit);
+            return Err(LocalizedText::new(
+                format!("P{} {} 超出范围 {range}", row.number, row.name.zh),
+                format!("P{} {}: out of range {range}", row.number, row.name.en),
+            ));
+        }
+    }
+    let flag = (param::WHEEL_UNDRESSED.address(), 1.0);
+    for (at, value) in values.map(|(row, value)| (row.address(), value)).into_iter().chain([flag]) {
+        parts.plant.store_param(at, value);
+    }
+    parts.plant.reset_dressing_counts();
+    Ok(LocalizedText::new("已换砂轮：先设修整点并修整", "wheel changed: set its dressing point and dress it"))
+}

@@ -1,0 +1,107 @@
+//! Execution: the phase of the control and the place in the program, with the reactions that stop motion.
+//! Source: spec B5, table "what stops what".
+
+use super::Plant;
+use crate::controller::axes::homing::AxisHoming;
+use crate::defs::signal::Output;
+use crate::machine::phase;
+use crate::nc::BlockLocation;
+use crate::units::{Micros, PerAxis};
+
+/// Homing in progress: the present axis and the axes still to home.
+#[derive(Clone, Debug)]
+pub struct Homing {
+    /// The axis that homes now.
+    pub current: AxisHoming,
+    /// The axes still to home.
+    pub queued: PerAxis<bool>,
+}
+
+/// The control phase.
+pub type ControlPhase = phase::RunPhase<Homing>;
+/// An event that may change the phase.
+pub type ControlEvent = phase::PhaseEvent<Homing>;
+
+/// What is executed: phase, program, block.
+#[derive(Clone, Debug)]
+pub struct Execution {
+    /// The control phase.
+    pub phase: ControlPhase,
+    /// Number of the current program; 0 for none.
+    pub current_program: u32,
+    /// The present block.
+    pub current_block: BlockLocation,
+    /// Blocks executed since power-on.
+    pub block_count: u64,
+    /// Remaining automatic repetitions of the program (P390).
+    pub repeats_left: u32,
+    /// Duration of the last run.
+    pub cycle_time: Micros,
+    /// Running when the run was paused: wheel, and workpiece drive (headstock, table, roll) or main spindle.
+    pub spindles_before_pause: [bool; 2],
+    /// RESET or emergency stop is among the commands of this tick: nothing starts in it.
+    pub starts_void: bool,
+}
+
+impl Execution {
+    /// Idle, with the current program of the last power-off.
+    #[must_use]
+    pub fn new(current_program: u32) -> Self {
+        Self {
+            phase: ControlPhase::Idle,
+            current_program,
+            current_block: BlockLocation::default(),
+            block_count: 0,
+            repeats_left: 0,
+            cycle_time: Micros::ZERO,
+            spindles_before_pause: [false; 2],
+            starts_void: false,
+        }
+    }
+}
+
+impl Plant {
+    /// Applies an event to the phase; the phase changes only here (homing updates its own state in place).
+    pub fn transition(&mut self, event: ControlEvent) {
+        let before = self.execution.phase.is_pause();
+        self.execution.phase = std::mem::take(&mut self.execution.phase).after(event);
+        if self.execution.phase.is_pause() && !before {
+            self.execution.spindles_before_pause = self.running_spindles();
+        }
+    }
+
+    /// Brakes all motion; the run ends once the axes are at rest.
+    pub fn abort_run(&mut self) {
+        self.jog.stop_all();
+        self.execution.repeats_left = 0;
+        if matches!(self.execution.phase, ControlPhase::Aborting)
+            || matches!(self.execution.phase, ControlPhase::Idle) && self.axes.is_at_rest()
+        {
+            return;
+        }
+        self.axes.brake();
+        self.transition(ControlEvent::Abort);
+    }
+
+    /// Feed hold: holds a running program; nothing else is affected.
+    pub fn hold_run(&mut self) {
+        if self.axes.homing.is_some() {
+            return self.abort_run(); // homing cannot be held
+        }
+        if matches!(self.execution.phase, ControlPhase::Running) {
+            self.axes.planner.hold();
+            self.transition(ControlEvent::Hold);
+        }
+    }
+
+    /// Whether manual motion is allowed: nothing runs, or the run is held or stopped.
+    pub const fn allows_manual_motion(&self) -> bool {
+        matches!(self.execution.phase, ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped)
+    }
+
+    /// Whether wheel and workpiece drive or main spindle run.
+    pub fn running_spindles(&self) -> [bool; 2] {
+        let part = self.machine.drive_is_on() || self.machine.spindle_direction().is_some();
+        [self.outputs.on.has(Output::Wheel), part]
+    }
+}

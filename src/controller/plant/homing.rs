@@ -1,0 +1,81 @@
+//! Homing of an axis and the limits of manual motion, as manual and programmed homing share them.
+//! Source: spec B5, K5.9, K5.16, L6.
+
+use super::{MM_S_PER_MM_MIN, Plant};
+use crate::controller::axes::homing::{AxisHoming, HomingFailure, HomingPlan, HomingProgress};
+use crate::controller::axes::soft_limits;
+use crate::defs::alarm;
+use crate::defs::param::{self, BitParam};
+use crate::defs::signal::{Input, Output};
+use crate::defs::text::LocalizedText;
+use crate::units::Axis;
+
+impl Plant {
+    pub fn home_direction(&self, axis: Axis) -> f64 {
+        let minus: BitParam = [param::HOME_MINUS_X, param::HOME_MINUS_Y, param::HOME_MINUS_Z][axis as usize];
+        if self.params.bit(minus) { -1.0 } else { 1.0 }
+    }
+
+    /// Speeds and maximum travel of an axis to its home switch.
+    pub fn plan_homing(&self, axis: Axis) -> AxisHoming {
+        let direction = self.home_direction(axis);
+        // K5.9: with the wheel turning, its minus direction is slow.
+        let slow = axis == self.kind_row.wheel_axis && direction < 0.0 && self.outputs.on.has(Output::Wheel);
+        let most = if slow { self.params.get(param::WHEEL_ON_INFEED_SPEED) } else { f64::INFINITY };
+        let plan = HomingPlan {
+            direction,
+            fast_mm_s: self.params.get(param::HOME_FAST).min(most) * MM_S_PER_MM_MIN,
+            slow_mm_s: self.params.get(param::HOME_SLOW) * MM_S_PER_MM_MIN,
+            travel_mm: self.params.get(param::HOMING_TRAVEL),
+            coordinate: self.params.get_axis(param::HOME_X, axis),
+            over_switch: self.kind_row.homes_over_switch(),
+            width_mm: self.params.get(param::IN_POSITION),
+        };
+        AxisHoming::new(axis, plan)
+    }
+
+    /// One tick of homing an axis.
+    pub fn tick_homing(&mut self, homing: &mut AxisHoming) -> HomingProgress {
+        const SWITCHES: [Input; 3] = [Input::HomeX, Input::HomeY, Input::HomeZ];
+        let (axis, switch) = (homing.axis, SWITCHES[homing.axis as usize]);
+        let at = self.axes.actual()[axis];
+        homing.tick(&mut self.axes.movers[axis], self.inputs.filtered.has(switch), self.inputs.raw.has(switch), at)
+    }
+
+    /// Sets the zero of an axis: its switch was at `edge` in present machine coordinates and is from now on at the
+    /// coordinate of the parameter. The tool-change point keeps its physical position (L3).
+    pub fn apply_zero(&mut self, axis: Axis, edge: f64) {
+        let coordinate = self.params.get_axis(param::HOME_X, axis);
+        self.axes.set_zero(axis, edge, coordinate);
+        if let Some(start) = &mut self.work.tool_change_point {
+            start[axis] += coordinate - edge;
+        }
+    }
+
+    /// Raises the alarm of a failed homing.
+    pub fn raise_homing_failed(&mut self, axis: Axis, why: HomingFailure) {
+        let n = param::HOME_X.number + axis as u16;
+        let said = match why {
+            HomingFailure::NoSwitch => LocalizedText::new(axis.to_string(), axis.to_string()),
+            HomingFailure::NotAtZero => LocalizedText::new(
+                format!("{axis} 到不了零点坐标 P{n}={:.3}", self.params.get_axis(param::HOME_X, axis)),
+                format!("{axis} does not come to its coordinate P{n}={:.3}", self.params.get_axis(param::HOME_X, axis)),
+            ),
+        };
+        self.raise(alarm::HOMING_FAILED, Some(said));
+    }
+
+    /// Whether a homed axis is at the soft limit in this direction.
+    pub fn is_at_soft_limit(&self, axis: Axis, direction: f64) -> bool {
+        let (low, high) = soft_limits(&self.params, axis);
+        let at = self.axes.set_point()[axis];
+        let width = self.params.get(param::IN_POSITION);
+        self.axes.is_homed(axis) && if direction > 0.0 { at >= high - width } else { at <= low + width }
+    }
+
+    /// Whether an axis is on the limit switch of this direction.
+    pub fn is_on_limit_switch(&self, axis: Axis, direction: f64) -> bool {
+        let side = if direction > 0.0 { 0 } else { 1 };
+        self.inputs.limit_switches >> (2 * axis as u8 + side) & 1 == 1
+    }
+}

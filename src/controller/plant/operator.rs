@@ -1,0 +1,94 @@
+//! What the operator has selected on the panel: mode, page, switches, overrides, handwheel.
+//! Source: spec K2, K2.1.
+
+use super::Plant;
+use crate::defs::key::Mode;
+use crate::defs::page::Page;
+use crate::defs::param;
+use crate::motion::Override;
+use crate::units::{Axis, Micros};
+
+/// The panel switches that change how a program runs. Machine lock is a state of the axes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PanelSwitches {
+    /// 单段: the run stops after each block.
+    pub single_block: bool,
+    /// 跳段: blocks with / are skipped.
+    pub block_skip: bool,
+    /// 选择停: M01 stops.
+    pub optional_stop: bool,
+    /// M, S and T codes are read but not executed.
+    pub aux_function_lock: bool,
+    /// Feed moves run at P89.
+    pub dry_run: bool,
+}
+
+/// Overrides in percent.
+#[derive(Clone, Copy, Debug)]
+pub struct Overrides {
+    /// Feed.
+    pub feed: u16,
+    /// Rapid; 0 is P for F0.
+    pub rapid: u16,
+    /// Wheel speed.
+    pub spindle: u16,
+}
+
+/// Selections of the panel.
+#[derive(Clone, Copy, Debug)]
+pub struct OperatorState {
+    /// The mode.
+    pub mode: Mode,
+    /// The open page.
+    pub page: Page,
+    /// The switches.
+    pub switches: PanelSwitches,
+    /// The overrides.
+    pub overrides: Overrides,
+    /// Rapid jog (快速) is on.
+    pub rapid_jog: bool,
+    /// Axis of the handwheel.
+    pub handwheel_axis: Axis,
+    /// Step per detent, mm as displayed.
+    pub step_mm: f64,
+    /// When the screen was last heard; `None` while it is not supervised.
+    pub screen_alive_at: Option<Micros>,
+}
+
+impl Default for OperatorState {
+    fn default() -> Self {
+        Self {
+            mode: Mode::Manual,
+            page: Page::Position,
+            switches: PanelSwitches::default(),
+            overrides: Overrides { feed: 100, rapid: 100, spindle: 100 },
+            rapid_jog: false,
+            handwheel_axis: Axis::X,
+            step_mm: 0.01,
+            screen_alive_at: None,
+        }
+    }
+}
+
+impl Plant {
+    /// The overrides as factors for this tick.
+    pub fn override_factors(&self) -> Override {
+        let rapid = match self.operator.overrides.rapid {
+            0 => self.params.get(param::RAPID_F0) / self.params.get(param::RAPID_X),
+            percent => f64::from(percent) / 100.0,
+        };
+        Override { feed: f64::from(self.operator.overrides.feed) / 100.0, rapid: rapid.min(1.0) }
+    }
+
+    /// Whether nothing is really ground: machine lock, auxiliary function lock or dry run.
+    pub fn is_dry_or_locked(&self) -> bool {
+        let PanelSwitches { aux_function_lock, dry_run, .. } = self.operator.switches;
+        self.axes.is_locked() || aux_function_lock || dry_run
+    }
+
+    /// Length of a manual step, mm as displayed: P395 on a lathe if set (L9 定长进给), else the selected step.
+    pub fn step_length_mm(&self) -> f64 {
+        let set = self.params.get(param::FIXED_STEP_LENGTH);
+        if self.kind_row.has_main_spindle && set > 0.0 { set } else { self.operator.step_mm }
+    }
+}

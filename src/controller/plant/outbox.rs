@@ -1,0 +1,78 @@
+//! What a tick tells the outside: the message, the refusal of a command, and requests to the disk thread.
+
+use std::sync::Arc;
+
+use super::Plant;
+use crate::controller::storage_request::StorageRequest;
+use crate::defs::param::ParamAddress;
+use crate::defs::text::LocalizedText;
+use crate::link::snapshot::{Message, Tone};
+
+/// Capacity for disk requests between two calls of `drain_storage_requests`.
+const STORAGE_REQUESTS: usize = 256;
+
+/// Messages and disk requests.
+#[derive(Debug, Default)]
+pub struct Outbox {
+    /// The message shown.
+    pub message: Message,
+    /// Why a command of the last tick was refused, if one was.
+    pub refusal: Option<LocalizedText>,
+    /// Program message (MSG), shown until it is replaced.
+    pub program_message: Option<LocalizedText>,
+    /// Requests to the disk thread.
+    pub requests: Vec<StorageRequest>,
+}
+
+impl Outbox {
+    /// Empty, with capacity for the requests of a tick.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { requests: Vec::with_capacity(STORAGE_REQUESTS), ..Self::default() }
+    }
+}
+
+impl Plant {
+    pub fn show_note(&mut self, text: impl Into<LocalizedText>) {
+        self.outbox.message = Message { text: text.into(), tone: Tone::Info, since: self.now };
+    }
+
+    /// Refuses a command and shows the reason.
+    pub fn refuse(&mut self, text: impl Into<LocalizedText>) {
+        self.warn(text);
+        self.outbox.refusal = Some(self.outbox.message.text.clone());
+    }
+
+    /// Shows a warning that no command caused.
+    pub fn warn(&mut self, text: impl Into<LocalizedText>) {
+        self.outbox.message = Message { text: text.into(), tone: Tone::Refused, since: self.now };
+    }
+
+    /// MSG: shown until replaced; an empty text ends it.
+    pub fn show_program_message(&mut self, text: &LocalizedText) {
+        self.outbox.program_message = (!text.zh.is_empty()).then(|| text.clone());
+        if self.outbox.program_message.is_some() {
+            self.show_note(text.clone());
+        }
+    }
+
+    /// A program start clears the program message; an MDI line keeps it.
+    pub fn clear_program_message(&mut self, mdi: bool) {
+        self.outbox.program_message = self.outbox.program_message.take().filter(|_| mdi);
+    }
+
+    /// Changes a parameter on behalf of the control and stores it.
+    pub fn store_param(&mut self, at: ParamAddress, value: f64) {
+        if Arc::make_mut(&mut self.params).write(at, value).is_ok() {
+            self.outbox.requests.push(StorageRequest::Param(at, value));
+        }
+    }
+
+    /// Stores changed entries of the alarm history on disk.
+    pub fn store_alarm_changes(&mut self) {
+        if self.alarms.has_changed() {
+            let changed = self.alarms.take_changed();
+            self.outbox.requests.extend(changed.into_iter().map(|past| StorageRequest::Alarm(Box::new(past))));
+        }
+    }
+}

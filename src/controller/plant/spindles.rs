@@ -1,0 +1,123 @@
+//! The spindles: programmed wheel speed and its limits, workpiece speed, main spindle encoder, threads cut.
+//! Source: spec B2 (S, G96), P2, K3.4, L5.
+
+use super::Plant;
+use super::wheel_size::wheel_rpm_of;
+use crate::controller::axes::spindle_encoder::{SpindleEncoder, ThreadMeasurement};
+use crate::defs::param::{self, Params};
+use crate::defs::signal::Output;
+use crate::defs::text::LocalizedText;
+use crate::link::snapshot::ThreadCut;
+use crate::nc::SpeedMode;
+use crate::units::Axis;
+
+/// Maximum number of recorded threads.
+const MAX_THREADS: usize = 256;
+/// Approach travel before the lead is measured, in leads, as the manual requires.
+const APPROACH_LEADS: f64 = 3.0;
+
+/// Wheel, workpiece drive and main spindle.
+#[derive(Clone, Debug)]
+pub struct Spindles {
+    /// Programmed S, in the unit of its mode.
+    pub wheel_speed: (f64, SpeedMode),
+    /// G50 S: maximum wheel speed under G96, rpm.
+    pub wheel_rpm_limit: Option<f64>,
+    /// Speed on the second analog output, rpm; 0 for the two fixed speeds.
+    pub analog_2_rpm: f64,
+    /// The main spindle encoder.
+    pub encoder: SpindleEncoder,
+    /// Measurement of the thread being cut.
+    pub thread: Option<ThreadMeasurement>,
+    /// The threads cut since power-on.
+    pub threads: Vec<ThreadCut>,
+}
+
+impl Spindles {
+    /// At power-on the wheel has the speed of its parameter.
+    #[must_use]
+    pub fn new(params: &Params) -> Self {
+        Self {
+            wheel_speed: (params.get(param::WHEEL_RPM), SpeedMode::Rpm),
+            wheel_rpm_limit: None,
+            analog_2_rpm: 0.0,
+            encoder: SpindleEncoder::default(),
+            thread: None,
+            threads: Vec::new(),
+        }
+    }
+}
+
+impl Plant {
+    /// S: wheel speed in rpm, or as surface speed by the wheel diameter P77.
+    pub fn set_wheel_speed(&mut self, value: f64, mode: SpeedMode) {
+        self.spindles.wheel_speed = (value, mode);
+        if self.outputs.on.has(Output::Wheel) && self.output_wheel_rpm() < self.commanded_wheel_rpm() {
+            self.refuse(LocalizedText::new(
+                "S 超过砂轮额定线速度，按额定转速运行 (P77 P79)",
+                "S exceeds the wheel's rating: it runs at the rating (P77, P79)",
+            ));
+        }
+    }
+
+    /// The programmed wheel speed, rpm, with the present diameter.
+    pub fn wheel_rpm(&self) -> f64 {
+        wheel_rpm_of(self.spindles.wheel_speed, self.spindles.wheel_rpm_limit, self.params.get(param::WHEEL_DIAMETER))
+    }
+
+    /// Commanded wheel speed, rpm, limited to 10 V output. Above the wheel's rating the wheel does not start (P2).
+    pub fn commanded_wheel_rpm(&self) -> f64 {
+        let wanted = self.wheel_rpm() * f64::from(self.operator.overrides.spindle) / 100.0;
+        wanted.min(self.params.get(param::WHEEL_RPM_MAX))
+    }
+
+    /// Speed on the first analog output, rpm: also limited to the wheel's rating while it runs.
+    pub fn output_wheel_rpm(&self) -> f64 {
+        let rim_mm_min = self.params.get(param::WHEEL_RATED_SPEED) * 60_000.0;
+        let rated = rim_mm_min / (std::f64::consts::PI * self.params.get(param::WHEEL_DIAMETER));
+        self.commanded_wheel_rpm().min(rated)
+    }
+
+    /// Workpiece speed, rpm; 0 while the drive is off.
+    pub fn workpiece_rpm(&self) -> f64 {
+        if !self.machine.drive_is_on() {
+            0.0
+        } else if self.spindles.analog_2_rpm > 0.0 {
+            self.spindles.analog_2_rpm
+        } else if self.outputs.on.has(self.kind_row.drive_high) {
+            self.params.get(param::HEADSTOCK_RPM_HIGH)
+        } else {
+            self.params.get(param::HEADSTOCK_RPM_LOW)
+        }
+    }
+
+    /// Measures the thread being cut, from the Z and spindle encoders of the same tick.
+    pub fn measure_thread(&mut self) {
+        let Some(mut measured) = self.spindles.thread else { return };
+        let actual = self.axes.actual()[Axis::Z];
+        match self.axes.thread() {
+            Some(mover) => {
+                // Note 5: the run-up must be over after three leads; measure from there in any case.
+                let far = (actual - measured.start_mm).abs() >= APPROACH_LEADS * measured.lead_mm;
+                if let Some(belongs) = mover.nominal_z_mm(self.spindles.encoder.turns).filter(|_| far) {
+                    let off = actual - belongs;
+                    measured.least_mm = measured.least_mm.min(off);
+                    measured.greatest_mm = measured.greatest_mm.max(off);
+                    measured.end_mm = actual;
+                }
+                self.spindles.thread = Some(measured);
+            }
+            None => {
+                self.spindles.thread = None;
+                if measured.greatest_mm >= measured.least_mm && self.spindles.threads.len() < MAX_THREADS {
+                    self.spindles.threads.push(ThreadCut {
+                        line: measured.line,
+                        lead_mm: measured.lead_mm,
+                        length_mm: (measured.end_mm - measured.start_mm).abs(),
+                        error_mm: measured.greatest_mm - measured.least_mm,
+                    });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! System variables: machine data that a program can read.
+//! Numbers follow FANUC: #1000 inputs, #1100 outputs, #2001 wear, #3001 times, #3901 counts, #5001 positions.
+//! Source: spec B3, K4.3 (#438, #439).
+
+use super::Plant;
+use crate::defs::kind::Kind;
+use crate::defs::param::{self, NumberParam, Params};
+use crate::defs::system_variable::{self, SystemVariableRange};
+use crate::link::edit::OffsetPart;
+use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
+use crate::nc::{NcSettings, SpeedUnit, SuperManSettings};
+use crate::units::{Axis, PerAxis};
+
+/// System variables mapped to parameters.
+pub const PARAM_VARIABLES: [(SystemVariableRange, NumberParam); 6] = [
+    (system_variable::PARTS_REQUIRED, param::PARTS_REQUIRED),
+    (system_variable::WHEEL_DIAMETER, param::WHEEL_DIAMETER),
+    (system_variable::WHEEL_WIDTH, param::WHEEL_WIDTH),
+    (system_variable::PARTS_SINCE_DRESSING, param::PARTS_SINCE_DRESSING),
+    (system_variable::DRESSING_INTERVAL, param::DRESSING_INTERVAL),
+    (system_variable::DRESSING_COUNT, param::DRESSING_COUNT),
+];
+const SECONDS_PER_HOUR: f64 = 3_600.0;
+/// The offset tables: variable range and axis.
+pub const WEAR: [(SystemVariableRange, Axis); 3] =
+    [(system_variable::WEAR_X, Axis::X), (system_variable::WEAR_Z, Axis::Z), (system_variable::WEAR_Y, Axis::Y)];
+pub const GEOMETRY: [(SystemVariableRange, Axis); 3] = [
+    (system_variable::GEOMETRY_X, Axis::X),
+    (system_variable::GEOMETRY_Z, Axis::Z),
+    (system_variable::GEOMETRY_Y, Axis::Y),
+];
+
+/// Interpreter settings for a kind of machine with these parameters.
+#[must_use]
+pub fn nc_settings(kind: Kind, params: &Params) -> NcSettings {
+    let row = crate::machine::kind::find(kind);
+    NcSettings {
+        diameter: !params.bit(param::RADIUS_PROGRAMMING),
+        axes: row.fitted(params),
+        least_increment_mm: params.bit(param::INTEGERS_AS_LEAST_INCREMENTS).then_some(0.001),
+        inch: false,
+        tolerance_mm: params.get(param::PATH_TOLERANCE),
+        arc_tolerance_mm: 0.01,
+        speed_unit: if params.bit(param::S_IS_SURFACE_SPEED) { SpeedUnit::MetresPerSecond } else { SpeedUnit::Rpm },
+        jump_input: params.get(param::JUMP_INPUT) as u32,
+        tool_count: TOOL_OFFSET_COUNT as u32,
+        oscillation_by_cylinder: params.bit(param::OSCILLATION_BY_CYLINDER),
+        rapid_mm_min: PerAxis::from_fn(|axis| params.get_axis(param::RAPID_X, axis)),
+        superman: SuperManSettings {
+            line_feed: params.get(param::DEFAULT_LINE_FEED),
+            arc_feed: params.get(param::DEFAULT_ARC_FEED),
+            rapid_z_per_x: params.get(param::RAPID_Z_PER_X),
+            increment_mm: params.get(param::LEAST_INPUT_INCREMENT),
+            origin: PerAxis::from_fn(|axis| params.get_axis(param::HOME_X, axis)),
+            arcs_reversed: !params.bit(param::ISO_ARC_DIRECTION),
+            spindle_rpm: params.get(param::WHEEL_RPM),
+            max_rpm: params.get(param::WHEEL_RPM_MAX),
+            z_accel_jerk: (params.get_axis(param::ACCELERATION_X, Axis::Z), params.get_axis(param::JERK_X, Axis::Z)),
+        },
+        ..NcSettings::for_dialect(row.dialect)
+    }
+}
+
+impl Plant {
+    /// The value of a system variable; `None` if it is null or does not exist.
+    #[must_use]
+    pub fn system_variable(&self, number: u32) -> Option<f64> {
+        self.read_system_variable(number).flatten()
+    }
+
+    /// A system variable; `None` if it does not exist, `Some(None)` for null.
+    pub fn read_system_variable(&self, number: u32) -> Option<Option<f64>> {
+        let switched = |on: bool| Some(f64::from(u8::from(on)));
+        let of = |range: SystemVariableRange| range.index(number);
+        if let Some(index) = of(system_variable::INPUTS) {
+            let inverted = self.params.inverted_inputs() >> index & 1 == 1;
+            return Some(switched(self.inputs.image.terminals.level(index as u8 + 1) ^ inverted));
+        }
+        if let Some(index) = of(system_variable::OUTPUTS) {
+            // Switching by the previous block counts at once, one tick before it reaches the terminals.
+            return Some(switched(self.outputs_now().1.level(index as u8 + 1)));
+        }
+        if let Some(index) = of(system_variable::GAUGE_POSITIONS) {
+            return Some(self.work.gauge_positions[index]);
+        }
+        if let Some(value) = self.read_offset(number).map(Some).or_else(|| self.read_position(number)) {
+            return Some(value);
+        }
+        Some(match *system_variable::find(number)? {
+            system_variable::OSCILLATION => {
+                let (forward, backward) = self.oscillation_flags();
+                switched(if number == system_variable::OSCILLATION.first { forward } else { backward })
+            }
+            system_variable::MILLISECONDS => Some(self.milliseconds() + self.work.timer_offset[0]),
+            system_variable::HOURS => Some(self.hours() + self.work.timer_offset[1]),
+            system_variable::PARTS_DONE => Some(f64::from(self.work.part_count)),
+            range => {
+                let (_, row) = PARAM_VARIABLES.iter().find(|(of, _)| *of == range)?;
+                Some(self.params.get(*row))
+            }
+        })
+    }
+
+    /// Whole milliseconds since power-on.
+    pub const fn milliseconds(&self) -> f64 {
+        (self.now.0 / 1_000) as f64
+    }
+
+    pub fn hours(&self) -> f64 {
+        self.now.as_secs_f64() / SECONDS_PER_HOUR
+    }
+
+    pub fn read_offset(&self, number: u32) -> Option<f64> {
+        let of = |table: &[(SystemVariableRange, Axis)], values: &[PerAxis<f64>; TOOL_OFFSET_COUNT]| {
+            let (index, axis) = offset_and_axis(table, number)?;
+            Some(values[index][axis] * self.displayed_per_mm(axis))
+        };
+        of(&WEAR, &self.work.offsets.wear).or_else(|| of(&GEOMETRY, &self.work.offsets.geometry))
+    }
+
+    /// A position; `Some(None)`, null, for an axis that this machine does not have.
+    pub fn read_position(&self, number: u32) -> Option<Option<f64>> {
+        let ranges = [
+            system_variable::BLOCK_END,
+            system_variable::MACHINE_POSITION,
+            system_variable::WORK_POSITION,
+            system_variable::SKIP_POSITION,
+        ];
+        let (which, index) = ranges.iter().enumerate().find_map(|(at, range)| Some((at, range.index(number)?)))?;
+        let Some(axis) = self.axes.present().nth(index) else { return Some(None) };
+        let place = match which {
+            0 => self.work.offsets.work_from_machine(self.axes.set_point()),
+            1 => self.axes.actual(),
+            2 => self.work_position(),
+            _ => self.work.skip_position,
+        };
+        Some(Some(place[axis] * self.displayed_per_mm(axis)))
+    }
+}
+
+/// The offset table that a variable belongs to.
+pub fn offset_part_of_variable(number: u32) -> Option<OffsetPart> {
+    let of = |table| offset_and_axis(table, number).is_some();
+    if of(&WEAR) { Some(OffsetPart::Wear) } else { of(&GEOMETRY).then_some(OffsetPart::Geometry) }
+}
+
+/// The offset index and axis of a variable number.
+pub fn offset_and_axis(table: &[(SystemVariableRange, Axis)], number: u32) -> Option<(usize, Axis)> {
+    table.iter().find_map(|(range, axis)| Some((range.index(number)?, *axis)))
+}

@@ -1,0 +1,117 @@
+//! Work data: offsets, variables, dressing points, programs, counts and measured positions.
+//! Source: spec B2, B3, K4.1, K4.2, L3.
+
+use std::sync::Arc;
+
+use super::Plant;
+use crate::controller::program::library::Programs;
+use crate::controller::storage_request::StorageRequest;
+use crate::link::edit::OffsetPart;
+use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
+use crate::nc::{CommonVariables, VariableError, WorkOffsets};
+use crate::units::PerAxis;
+
+/// Results of the last G78 for the program: #434 to #437, mm as displayed.
+pub type GaugePositions = [Option<f64>; 4];
+
+/// The data a program works with, as executed.
+#[derive(Debug)]
+pub struct WorkData {
+    /// Work offsets and tool offsets.
+    pub offsets: WorkOffsets,
+    /// Macro variables.
+    pub variables: CommonVariables,
+    /// Dressing points, machine coordinates, radius mm (K4.2); `None` where not set.
+    pub dress_points: PerAxis<Option<f64>>,
+    /// The programs of the folder.
+    pub programs: Arc<Programs>,
+    /// Workpiece count.
+    pub part_count: u32,
+    /// Offsets added to the time since power-on in #3001 (ms) and #3002 (h).
+    pub timer_offset: [f64; 2],
+    /// Position latched by the last G31, work coordinates, radius mm.
+    pub skip_position: PerAxis<f64>,
+    /// Results of the last G78.
+    pub gauge_positions: GaugePositions,
+    /// The tool-change point: tip position at the start of the last program, machine coordinates (L3).
+    pub tool_change_point: Option<PerAxis<f64>>,
+}
+
+impl WorkData {
+    /// The retained data at power-on.
+    #[must_use]
+    pub fn new(
+        offsets: WorkOffsets,
+        variables: CommonVariables,
+        dress_points: PerAxis<Option<f64>>,
+        part_count: u32,
+    ) -> Self {
+        Self {
+            offsets,
+            variables,
+            dress_points,
+            programs: Arc::default(),
+            part_count,
+            timer_offset: [0.0; 2],
+            skip_position: PerAxis::default(),
+            gauge_positions: GaugePositions::default(),
+            tool_change_point: None,
+        }
+    }
+}
+
+/// Whether an offset value, mm as displayed, is within the range for pages and programs.
+pub fn offset_in_range(part: OffsetPart, shown: f64) -> bool {
+    shown.is_finite() && shown.abs() <= part.max_abs()
+}
+
+impl Plant {
+    /// Sets a common variable at execution time; retained variables are also stored on disk.
+    pub fn store_variable(&mut self, variable: u32, value: Option<f64>) -> Result<(), VariableError> {
+        self.work.variables.set(variable, value)?;
+        if CommonVariables::is_retained(variable) {
+            self.outbox.requests.push(StorageRequest::Variable(variable, value));
+        }
+        Ok(())
+    }
+
+    pub fn set_work_offsets(&mut self, frames: &WorkOffsets) {
+        for number in 1..=TOOL_OFFSET_COUNT {
+            let (geometry, wear) = (frames.geometry[number - 1], frames.wear[number - 1]);
+            if wear != self.work.offsets.wear[number - 1] {
+                self.outbox.requests.push(StorageRequest::Offset { number, geometry, wear });
+            }
+        }
+        self.work.offsets.clone_from(frames);
+    }
+
+    /// Stores a changed offset (index from 0) on disk.
+    pub fn store_offset(&mut self, index: usize) {
+        let (geometry, wear) = (self.work.offsets.geometry[index], self.work.offsets.wear[index]);
+        self.outbox.requests.push(StorageRequest::Offset { number: index + 1, geometry, wear });
+    }
+
+    /// Counts a finished part.
+    pub fn count_part(&mut self) {
+        self.work.part_count += 1;
+        self.outbox.requests.push(StorageRequest::PartCount(self.work.part_count));
+        self.count_since_dressing();
+    }
+
+    /// Shifts the tool-change point with the slides when a tool compensation is applied.
+    pub fn shift_tool_change_point(&mut self, shift: PerAxis<f64>) {
+        if let Some(start) = &mut self.work.tool_change_point {
+            *start = PerAxis::from_fn(|axis| start[axis] + shift[axis] - self.work.offsets.shift[axis]);
+        }
+    }
+
+    /// Run start: sets the tool-change point (programs only) and reads the present tool from its switch (L3, L8).
+    pub fn start_lathe_program(&mut self, program: bool) {
+        if program {
+            self.work.tool_change_point = Some(self.axes.set_point());
+        }
+        if let Some(station) = crate::machine::lathe::station_in_position(self.inputs.filtered) {
+            self.work.offsets.tool = u32::from(station);
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! State of the control at power-on.
+
+use crate::defs::alarm_history::PastAlarm;
+use crate::defs::kind::Kind;
+use crate::defs::leadscrew::LeadscrewCompensation;
+use crate::defs::param::Params;
+use crate::nc::{CommonVariables, WorkOffsets};
+use crate::units::PerAxis;
+
+/// State of the control at power-on, from the retained store.
+#[derive(Clone, Debug)]
+pub struct PowerOnState {
+    /// Parameters.
+    pub params: Params,
+    /// Macro variables.
+    pub variables: CommonVariables,
+    /// Work offsets and tool offsets.
+    pub work_offsets: WorkOffsets,
+    /// Dressing points, machine coordinates, radius mm (K4.2); `None` where not set.
+    pub dress_points: PerAxis<Option<f64>>,
+    /// Leadscrew compensation tables of the axes (B7).
+    pub leadscrew_tables: PerAxis<LeadscrewCompensation>,
+    /// Number of the current program; 0 for none.
+    pub current_program: u32,
+    /// Workpiece count.
+    pub part_count: u32,
+    /// Program and line (from 1) of a run that a power failure interrupted.
+    pub interrupted: Option<(u32, u32)>,
+    /// Alarm history.
+    pub alarm_history: Vec<PastAlarm>,
+    /// Date set at the machine minus the system clock, s.
+    pub clock_offset_s: i64,
+}
+
+impl PowerOnState {
+    /// Factory state of a kind of machine.
+    #[must_use]
+    pub fn factory(kind: Kind) -> Self {
+        let mut variables = CommonVariables::default();
+        for (number, value) in crate::machine::kind::find(kind).variables {
+            let _ = variables.set(u32::from(*number), Some(*value)); // the rows name common variables only
+        }
+        Self {
+            params: Params::factory(kind),
+            variables,
+            work_offsets: WorkOffsets::default(),
+            dress_points: PerAxis::default(),
+            leadscrew_tables: PerAxis::default(),
+            current_program: 0,
+            part_count: 0,
+            interrupted: None,
+            alarm_history: Vec::new(),
+            clock_offset_s: 0,
+        }
+    }
+}

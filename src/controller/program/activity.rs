@@ -1,0 +1,90 @@
+//! What a run is in the middle of, with the data of it.
+//! Source: spec B3, B5, K4.5, K6.3.
+
+use crate::defs::signal::Input;
+use crate::nc::GaugeMove;
+use crate::units::{Axis, Micros, PerAxis};
+
+/// What the executor does with the item at the front of the queue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Activity {
+    /// No action in progress.
+    Idle,
+    /// The axes are at rest and not yet in position.
+    Settling {
+        /// Since when.
+        since: Micros,
+    },
+    /// An M code was accepted and its unit has not settled yet.
+    AwaitUnit,
+    /// G04.
+    Dwell {
+        /// Its end.
+        until: Micros,
+    },
+    /// M80–M89.
+    AwaitInput(Input),
+    /// G31.
+    Skip {
+        /// Tag of the move.
+        tag: u32,
+        /// The signal has come.
+        latched: bool,
+    },
+    /// G78.
+    Gauge(GaugeCycle),
+    /// A thread is being cut.
+    Thread,
+    /// An axis is homing.
+    Homing,
+}
+
+/// Whether the moves of the run are handed to the planner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Handover {
+    /// Moves go to the planner as they come up.
+    Feeding,
+    /// Single block was switched on after moves were handed over: the axes stop and the moves are taken back.
+    TakingBack,
+    /// The axes belong to manual motion.
+    Detached(ManualIntervention),
+}
+
+/// Stage of a G78 cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum GaugeStage {
+    /// Fast towards the part.
+    Approach,
+    /// Back-off from the first contact (single-contact cycle).
+    BackOff,
+    /// Slowly towards the part again, or on to the second signal (two-contact cycle).
+    Fine,
+    /// Retract at the end.
+    Retract,
+    /// M79: the arm goes in.
+    ArmIn,
+}
+
+/// State of a G78 cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GaugeCycle {
+    /// The request; its end is a machine coordinate.
+    pub request: GaugeMove,
+    /// The present stage.
+    pub stage: GaugeStage,
+    /// Tag of this stage's move, once handed to the planner.
+    pub tag: Option<u32>,
+    /// Latched work coordinate of this stage's contact, mm displayed.
+    pub latched: Option<f64>,
+    /// Work coordinate of the first contact, mm displayed.
+    pub first_contact: f64,
+}
+
+/// State of a manual intervention.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ManualIntervention {
+    /// Set-points when it began, machine mm.
+    pub start: PerAxis<f64>,
+    /// The axis that the hold has withdrawn, and the distance, mm.
+    pub withdrawn: Option<(Axis, f64)>,
+}

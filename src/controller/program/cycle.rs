@@ -1,0 +1,117 @@
+//! Cycle start and feed hold: they start and hold a run.
+//! Source: spec B5, K2.2, "what stops what".
+
+use std::sync::Arc;
+
+use super::Program;
+use super::activity::Handover;
+use super::run::Origin;
+use crate::controller::plant::{ControlPhase, Plant};
+use crate::defs::key::Mode;
+use crate::defs::mcode::Request;
+use crate::defs::param;
+use crate::defs::text::{LocalizedText, Text};
+use crate::machine::RequestResult;
+
+/// A start in the tick of a reset.
+pub const START_VOID: Text =
+    Text::new("同时按了复位或急停，启动无效", "RESET or emergency stop came with the start: nothing starts");
+
+impl Program {
+    /// 单段: switched on in a move, the axes stop and the moves are handed over block by block.
+    pub fn toggle_single_block(&mut self, plant: &mut Plant) {
+        plant.operator.switches.single_block = !plant.operator.switches.single_block;
+        if plant.operator.switches.single_block
+            && matches!(plant.execution.phase, ControlPhase::Running)
+            && let Some(run) = &mut self.run
+            && run.handed_over > 0
+        {
+            plant.axes.planner.hold();
+            run.handover = Handover::TakingBack;
+        }
+    }
+
+    /// 循环启动: starts a program or a prepared MDI line, or continues a held run.
+    pub fn cycle_start(&mut self, plant: &mut Plant) {
+        if plant.execution.starts_void {
+            return plant.refuse(START_VOID);
+        }
+        match plant.execution.phase {
+            ControlPhase::Running => return plant.refuse(LocalizedText::new("程序已在运行", "the program is running")),
+            ControlPhase::Holding | ControlPhase::Aborting | ControlPhase::Homing(_) => {
+                return plant.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move"));
+            }
+            ControlPhase::Idle if plant.operator.mode == Mode::Mdi => return self.start_mdi(plant),
+            ControlPhase::Idle if plant.operator.mode != Mode::Auto => {
+                return plant.refuse(LocalizedText::new("自动方式下才能循环启动", "cycle start works in mode AUTO"));
+            }
+            ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped => {}
+        }
+        if let Some(why) = self.retract_blocks_start(plant) {
+            return plant.refuse(why);
+        }
+        if !matches!(plant.request(Request::CycleStart), RequestResult::Accepted) {
+            return;
+        }
+        if matches!(plant.execution.phase, ControlPhase::Idle) && self.start_restart(plant) {
+            return;
+        }
+        if matches!(plant.execution.phase, ControlPhase::Idle) {
+            plant.execution.repeats_left = plant.params.get(param::PROGRAM_REPEATS) as u32 - 1;
+            return self.start_program(plant);
+        }
+        if let Some(why) = self.spindle_stopped_in_pause(plant) {
+            return plant.refuse(why);
+        }
+        if plant.oscillates_by_key() {
+            return plant.refuse(LocalizedText::new(
+                "暂停中用按键启动的振荡未关闭，先关闭再循环启动",
+                "the key has begun an oscillation in the pause: end it before cycle start",
+            ));
+        }
+        self.resume_run(plant);
+    }
+
+    /// L9: a finished program starts again until it has run P390 times.
+    pub fn repeat_program(&mut self, plant: &mut Plant) {
+        if plant.execution.repeats_left > 0 && matches!(plant.execution.phase, ControlPhase::Idle) {
+            plant.execution.repeats_left -= 1;
+            if matches!(plant.request(Request::CycleStart), RequestResult::Accepted) {
+                self.start_program(plant);
+            }
+        }
+    }
+
+    fn start_program(&mut self, plant: &mut Plant) {
+        let number = plant.execution.current_program;
+        match plant.work.programs.get(number) {
+            Some(program) => {
+                let source = Arc::clone(&program.source);
+                self.open_run(plant, source, Origin::Program);
+            }
+            None => {
+                let title = plant.program_title(number);
+                plant.refuse(LocalizedText::new(
+                    format!("没有程序 {title}：先在目录中选择程序"),
+                    format!("there is no program {title}: choose one in the directory"),
+                ));
+            }
+        }
+    }
+
+    /// 进给保持.
+    pub fn feed_hold(&mut self, plant: &mut Plant) {
+        match plant.execution.phase {
+            ControlPhase::Running => plant.hold_run(),
+            ControlPhase::Homing(_) => plant.abort_run(),
+            ControlPhase::Idle => plant
+                .refuse(LocalizedText::new("没有程序在运行，无可暂停", "no program runs: there is nothing to hold")),
+            ControlPhase::Holding | ControlPhase::Aborting => {
+                plant.show_note(LocalizedText::new("轴正在停止", "the axes are stopping"))
+            }
+            ControlPhase::Held | ControlPhase::Stopped => {
+                plant.show_note(LocalizedText::new("已在暂停，按循环启动继续", "held already: cycle start goes on"));
+            }
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! Executes a run. Each tick: actions at the front of the queue, moves to the planner, blocks from the interpreter.
+//! Source: spec B3, B5, K3.14.
+
+use super::actions::{ActionStatus, raise_no_workpiece_drive};
+use super::activity::{Activity, Handover};
+use super::move_refusal::MoveRefusal;
+use super::queue::{ProgrammedFeed, QueueItem, QueuedAction};
+use super::run::{MAX_ITEMS, Origin, ProgramRun, ReadAheadStatus};
+use super::run_world::RunWorld;
+use crate::controller::plant::{ControlEvent, ControlPhase, Plant};
+use crate::defs::alarm;
+use crate::defs::param;
+use crate::defs::text::LocalizedText;
+use crate::motion::Move;
+use crate::nc::{NextStatus, PreflightStatus};
+
+/// Maximum blocks read per tick.
+const BLOCKS_PER_TICK: usize = 16;
+/// Maximum actions executed per tick.
+const ACTIONS_PER_TICK: usize = 64;
+
+impl ProgramRun {
+    /// One tick of the run; `suspended` is the run that the retract has suspended. True when the run is over.
+    pub fn step(&mut self, plant: &mut Plant, suspended: Option<&mut Self>) -> bool {
+        if matches!(plant.execution.phase, ControlPhase::Holding | ControlPhase::Held) {
+            self.latch_in_pause(plant);
+        }
+        self.drop_finished_moves(plant);
+        if !matches!(plant.execution.phase, ControlPhase::Running) {
+            return false;
+        }
+        if self.execute_front(plant, suspended) {
+            return true;
+        }
+        if !matches!(plant.execution.phase, ControlPhase::Running) {
+            return false;
+        }
+        if self.handover == Handover::TakingBack {
+            self.take_back_moves(plant);
+        } else if self.preflight_passed(plant) {
+            self.feed_planner(plant);
+            self.read_ahead(plant);
+            self.feed_planner(plant);
+        }
+        false
+    }
+
+    /// Extends a dwell by the time in which the program is held or returns from a hold.
+    pub fn extend_dwell(&mut self, plant: &Plant) {
+        if let Activity::Dwell { until } = &mut self.activity
+            && (!matches!(plant.execution.phase, ControlPhase::Running)
+                || matches!(self.queue.front(), Some(QueueItem::Move(_))))
+        {
+            *until = *until + plant.axes.tick_time();
+        }
+    }
+
+    /// Removes finished moves from the queue.
+    fn drop_finished_moves(&mut self, plant: &mut Plant) {
+        let finished = plant.axes.planner.finished_tag();
+        while self.handed_over > 0 {
+            match self.queue.front() {
+                Some(QueueItem::Move(planned)) if planned.tag.is_some() && planned.tag <= finished => {}
+                Some(QueueItem::Move(_) | QueueItem::BlockStart(_) | QueueItem::Action(_) | QueueItem::BlockEnd)
+                | None => break,
+            }
+            self.queue.pop_front();
+            self.handed_over -= 1;
+        }
+    }
+
+    /// Executes the items at the front of the queue. True when the run is over.
+    fn execute_front(&mut self, plant: &mut Plant, mut suspended: Option<&mut Self>) -> bool {
+        for _ in 0..ACTIONS_PER_TICK {
+            self.drop_finished_moves(plant);
+            let did = match self.queue.front() {
+                None | Some(QueueItem::Move(_)) => return false,
+                Some(QueueItem::BlockStart(place)) => {
+                    plant.execution.current_block = *place;
+                    plant.execution.block_count += 1;
+                    ActionStatus::Done
+                }
+                // While splitting, a block ends without a stop if its successor is already moving.
+                Some(QueueItem::BlockEnd)
+                    if plant.operator.switches.single_block
+                        && self.origin == Origin::Program
+                        && self.handover != Handover::TakingBack =>
+                {
+                    if self.is_settled(plant) == Some(true) {
+                        ActionStatus::Stop
+                    } else {
+                        ActionStatus::Wait
+                    }
+                }
+                Some(QueueItem::BlockEnd) => ActionStatus::Done,
+                Some(QueueItem::Action(_)) => {
+                    let Some(QueueItem::Action(act)) = self.queue.pop_front() else { return false };
+                    let did = self.execute_action(plant, &act);
+                    // A run suspended by the retract has its own copy of the variables.
+                    if let (QueuedAction::SetVariable(number, value), Some(waiting)) = (&act, &mut suspended) {
+                        let _ = waiting.interpreter.update_variable(*number, *value);
+                    }
+                    self.queue.push_front(QueueItem::Action(act));
+                    did
+                }
+            };
+            match did {
+                ActionStatus::Wait => return false,
+                ActionStatus::EndRun => return true,
+                ActionStatus::Done | ActionStatus::Stop => {
+                    self.queue.pop_front();
+                    self.handed_over = self.handed_over.saturating_sub(1);
+                    // A block that ends with its own stop (M00) does not stop a second time in single block.
+                    if matches!((&did, self.queue.front()), (ActionStatus::Stop, Some(QueueItem::BlockEnd))) {
+                        self.queue.pop_front();
+                        self.handed_over = self.handed_over.saturating_sub(1);
+                    }
+                    self.activity = Activity::Idle;
+                }
+            }
+            if matches!(did, ActionStatus::Stop) {
+                plant.transition(ControlEvent::Stop);
+                return false;
+            }
+            if !matches!(plant.execution.phase, ControlPhase::Running) {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// Hands moves to the planner, up to the first action that must be executed before them.
+    fn feed_planner(&mut self, plant: &mut Plant) {
+        while let Some(item) = self.queue.get_mut(self.handed_over) {
+            match item {
+                QueueItem::Move(planned) => {
+                    if plant.axes.planner.free_slots() == 0 {
+                        return;
+                    }
+                    let dry = plant.operator.switches.dry_run && planned.speed != ProgrammedFeed::Rapid;
+                    let speed = if dry {
+                        ProgrammedFeed::PerMinute(plant.params.get(param::DRY_RUN_FEED))
+                    } else {
+                        planned.speed
+                    };
+                    let Some(rate) = speed.rate(plant.workpiece_rpm(), plant.params.get(param::FEED_MAX)) else {
+                        // Alarm only at the front of the queue: an earlier item may still start the drive.
+                        if self.handed_over == 0 {
+                            raise_no_workpiece_drive(plant);
+                        }
+                        return;
+                    };
+                    let tag = self.next_tag;
+                    let pushed = Move { to: planned.to, shape: planned.shape, speed: rate, corner: planned.end, tag };
+                    if plant.axes.planner.push(pushed).is_err() {
+                        return;
+                    }
+                    planned.tag = Some(tag);
+                    self.next_tag += 1;
+                }
+                QueueItem::BlockEnd if plant.operator.switches.single_block && self.origin == Origin::Program => return,
+                QueueItem::Action(
+                    QueuedAction::SetVariable(..)
+                    | QueuedAction::Note(_)
+                    | QueuedAction::SetWorkOffsets(_)
+                    | QueuedAction::WheelSpeed(..)
+                    | QueuedAction::WheelSpeedLimit(_),
+                )
+                | QueueItem::BlockStart(_)
+                | QueueItem::BlockEnd => {}
+                QueueItem::Action(
+                    QueuedAction::SetSystemVariable(..)
+                    | QueuedAction::SetCoordinateSystem(_)
+                    | QueuedAction::MCode(..)
+                    | QueuedAction::Gauge(_)
+                    | QueuedAction::Oscillate(_)
+                    | QueuedAction::Cylinder(_)
+                    | QueuedAction::Thread(_)
+                    | QueuedAction::Home(_)
+                    | QueuedAction::IndexTurret(_)
+                    | QueuedAction::Dwell(_)
+                    | QueuedAction::Skip(..)
+                    | QueuedAction::Alarm(..)
+                    | QueuedAction::Message(_)
+                    | QueuedAction::EndOfText,
+                ) => return,
+            }
+            self.handed_over += 1;
+        }
+    }
+
+    /// Whether the preflight is over. A program error found by it becomes an alarm and the state before is restored.
+    fn preflight_passed(&mut self, plant: &mut Plant) -> bool {
+        let Some(proving) = &mut self.preflight else { return true };
+        match proving.preflight.advance() {
+            PreflightStatus::Busy => {
+                if !std::mem::replace(&mut proving.announced, true) {
+                    plant.show_note(LocalizedText::new("正在检查程序…", "looking through the program …"));
+                }
+                return false;
+            }
+            PreflightStatus::Passed => {}
+            PreflightStatus::Failed(fault) => {
+                (plant.work.offsets, plant.work.tool_change_point) = proving.before.clone();
+                self.queue.clear();
+                self.handed_over = 0;
+                self.end_with_fault(&fault);
+            }
+        }
+        self.preflight = None;
+        true
+    }
+
+    /// Reads blocks ahead.
+    fn read_ahead(&mut self, plant: &mut Plant) {
+        if self.read_ahead == ReadAheadStatus::Barrier && self.queue.is_empty() {
+            self.read_ahead = ReadAheadStatus::Open;
+        }
+        for _ in 0..BLOCKS_PER_TICK {
+            if self.read_ahead != ReadAheadStatus::Open || self.queue.len() >= MAX_ITEMS {
+                return;
+            }
+            let drained = self.queue.is_empty() && plant.axes.is_at_rest() && plant.axes.is_in_position(&plant.params);
+            let mut world = RunWorld::new(plant, &self.lookahead, drained);
+            match self.interpreter.next(&mut world, &mut self.block) {
+                Ok(NextStatus::Block) => {
+                    if let Err(forbidden) = self.queue_block(&plant.params) {
+                        self.read_ahead = ReadAheadStatus::Finished;
+                        return self.queue_refusal_alarm(plant, &forbidden);
+                    }
+                }
+                Ok(NextStatus::Drain | NextStatus::Busy) => return,
+                Ok(NextStatus::End) => {
+                    self.queue.push_back(QueueItem::Action(QueuedAction::EndOfText));
+                    self.read_ahead = ReadAheadStatus::Finished;
+                }
+                Err(fault) => self.end_with_fault(&fault),
+            }
+        }
+    }
+
+    /// Refuses a block: nothing of it is executed; its alarm is raised when all blocks before it are done.
+    fn queue_refusal_alarm(&mut self, plant: &Plant, forbidden: &MoveRefusal) {
+        let at = self.block.location;
+        let (title, line) = (plant.program_title(at.program), at.line);
+        let place = LocalizedText::new(format!("{title} 第{line}行"), format!("{title} line {line}"));
+        let number = match forbidden {
+            MoveRefusal::SoftLimit(..) => alarm::SOFT_LIMIT,
+            MoveRefusal::NotHomed => alarm::NOT_HOMED,
+            MoveRefusal::Oscillating(_) => alarm::AXIS_OSCILLATES,
+            MoveRefusal::NoStroke(_) => alarm::OSCILLATION_REFUSED,
+            MoveRefusal::WearOutOfRange(..) => alarm::OFFSET_RANGE,
+            MoveRefusal::NoDressPoint(_) => alarm::NO_DRESSING_POINT,
+            MoveRefusal::Unsupported(_) => alarm::M_CODE_NOT_AVAILABLE,
+        };
+        let cause = forbidden.text(&plant.params);
+        let said = LocalizedText::new(format!("{} {}", place.zh, cause.zh), format!("{} {}", place.en, cause.en));
+        self.queue.push_back(QueueItem::Action(QueuedAction::Alarm(number, said, at)));
+    }
+
+    /// Once the axes are at rest, takes the unfinished moves back from the planner, to hand them over block by block.
+    pub fn take_back_moves(&mut self, plant: &mut Plant) {
+        if !plant.axes.planner.is_at_rest() {
+            return;
+        }
+        let mut taken = Vec::new();
+        plant.axes.planner.drain_unfinished(&mut taken);
+        for item in &mut self.queue {
+            if let QueueItem::Move(planned) = item {
+                planned.tag = None;
+            }
+        }
+        self.handed_over = 0;
+        if self.handover == Handover::TakingBack {
+            self.handover = Handover::Feeding;
+        }
+        plant.axes.planner.resume();
+    }
+}

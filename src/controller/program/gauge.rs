@@ -1,0 +1,211 @@
+//! G78: positioning an axis by a gauge, in one or two contacts.
+//!
+//! The encoder position is latched in the tick of the unfiltered edge, so that input filter, servo lag and braking do
+//! not matter. Source: spec K4.5.
+
+use super::actions::ActionStatus;
+use super::activity::{Activity, GaugeCycle, GaugeStage};
+use super::queue::check_soft_limits;
+use super::run::ProgramRun;
+use crate::controller::axes::SECONDS_PER_MINUTE;
+use crate::controller::plant::Plant;
+use crate::defs::alarm;
+use crate::defs::mcode::{Gauge, Request};
+use crate::defs::signal::Input;
+use crate::defs::text::LocalizedText;
+use crate::motion::{CornerMode, MotionSpeed, Move, MoveShape};
+use crate::nc::GaugeMove;
+use crate::units::{Axis, PerAxis};
+
+/// The gauge inputs, P1 to P6.
+pub const GAUGE_INPUTS: [Input; 6] =
+    [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
+
+impl ProgramRun {
+    /// One tick of G78.
+    pub fn step_gauge(&mut self, plant: &mut Plant, asked: &GaugeMove) -> ActionStatus {
+        let Activity::Gauge(mut gauging) = self.activity else {
+            return match self.is_settled(plant) {
+                Some(true) if gauge_signal(plant, asked.first_input) => {
+                    fail_gauge(plant, alarm::GAUGE_SIGNAL_TOO_EARLY, asked.first_input)
+                }
+                Some(true) => {
+                    let stage = GaugeStage::Approach;
+                    let begun = GaugeCycle { request: *asked, stage, tag: None, latched: None, first_contact: 0.0 };
+                    self.activity = Activity::Gauge(begun);
+                    ActionStatus::Wait
+                }
+                Some(false) | None => ActionStatus::Wait,
+            };
+        };
+        let did = self.gauge_stage(plant, &mut gauging);
+        if matches!(did, ActionStatus::Wait) {
+            self.activity = Activity::Gauge(gauging);
+        } else {
+            self.activity = Activity::Idle;
+            self.lookahead.machine_position = plant.axes.set_point();
+        }
+        did
+    }
+
+    /// Latches a contact that occurs while the run brakes to a hold or is held.
+    pub fn latch_in_pause(&mut self, plant: &mut Plant) {
+        let Activity::Gauge(mut gauging) = self.activity else { return };
+        if gauging.tag.is_none() || gauging.latched.is_some() {
+            return;
+        }
+        let asked = gauging.request;
+        let awaited = match gauging.stage {
+            GaugeStage::Approach => asked.first_input,
+            GaugeStage::Fine => asked.second_input.unwrap_or(asked.first_input),
+            GaugeStage::BackOff | GaugeStage::Retract | GaugeStage::ArmIn => return,
+        };
+        if gauge_signal(plant, awaited) {
+            gauging.latched = Some(displayed_work(plant, asked.axis));
+            plant.axes.planner.abort();
+            self.activity = Activity::Gauge(gauging);
+        }
+    }
+
+    fn gauge_stage(&mut self, plant: &mut Plant, gauging: &mut GaugeCycle) -> ActionStatus {
+        if gauging.stage == GaugeStage::ArmIn {
+            return if plant.machine.is_settled(Request::Gauge(Gauge::Axial, false)) {
+                ActionStatus::Done
+            } else {
+                ActionStatus::Wait
+            };
+        }
+        let Some(tag) = gauging.tag else {
+            return self.begin_stage(plant, gauging);
+        };
+        let arrived = plant.axes.planner.finished_tag() >= Some(tag) && plant.axes.planner.is_at_rest();
+        match gauging.stage {
+            GaugeStage::BackOff | GaugeStage::Retract if !arrived => ActionStatus::Wait,
+            GaugeStage::BackOff if gauge_signal(plant, gauging.request.first_input) => {
+                fail_gauge(plant, alarm::GAUGE_SIGNAL_TOO_EARLY, gauging.request.first_input)
+            }
+            GaugeStage::BackOff => next_stage(gauging, GaugeStage::Fine),
+            GaugeStage::Retract => {
+                // The customer's text: M79 is executed automatically.
+                plant.request(Request::Gauge(Gauge::Axial, false));
+                next_stage(gauging, GaugeStage::ArmIn)
+            }
+            GaugeStage::Approach | GaugeStage::Fine => latch_contact(plant, gauging, arrived),
+            GaugeStage::ArmIn => ActionStatus::Wait,
+        }
+    }
+
+    fn begin_stage(&mut self, plant: &mut Plant, gauging: &mut GaugeCycle) -> ActionStatus {
+        if !plant.axes.is_at_rest() {
+            return ActionStatus::Wait;
+        }
+        let (asked, from) = (gauging.request, plant.axes.set_point());
+        let axis = asked.axis;
+        let away = -(asked.to - from[axis]).signum();
+        let (target, mm_min) = match gauging.stage {
+            GaugeStage::Approach => (asked.to, asked.fast_mm_min),
+            GaugeStage::Fine => (asked.to, asked.fine_mm_min),
+            GaugeStage::BackOff | GaugeStage::Retract | GaugeStage::ArmIn => {
+                (from[axis] + away * asked.retract_mm, asked.fast_mm_min)
+            }
+        };
+        // B5: the target of the back-off is known only now.
+        if let Err(forbidden) = check_soft_limits(axis, target, &plant.params) {
+            let said = forbidden.text(&plant.params);
+            plant.raise(alarm::SOFT_LIMIT, Some(said));
+            return ActionStatus::Wait;
+        }
+        let mut to: PerAxis<f64> = from;
+        to[axis] = target;
+        let tag = self.next_tag;
+        let rate = MotionSpeed::Feed { mm_s: mm_min / SECONDS_PER_MINUTE };
+        if plant
+            .axes
+            .planner
+            .push(Move { to, shape: MoveShape::Line, speed: rate, corner: CornerMode::ExactStop, tag })
+            .is_ok()
+        {
+            self.next_tag += 1;
+            gauging.tag = Some(tag);
+        }
+        ActionStatus::Wait
+    }
+}
+
+/// Latches the contact, brakes the axis and starts the next stage once the axis is at rest.
+fn latch_contact(plant: &mut Plant, gauging: &mut GaugeCycle, arrived: bool) -> ActionStatus {
+    let (asked, fine) = (gauging.request, gauging.stage == GaugeStage::Fine);
+    let awaited = if fine { asked.second_input.unwrap_or(asked.first_input) } else { asked.first_input };
+    let multi = asked.second_input.is_some();
+    if gauging.latched.is_none() && gauge_signal(plant, awaited) {
+        gauging.latched = Some(displayed_work(plant, asked.axis));
+        plant.axes.planner.abort();
+    }
+    if fine
+        && multi
+        && gauging.latched.is_none()
+        && !plant.inputs.filtered.has(GAUGE_INPUTS[gauge_index(asked.first_input)])
+    {
+        return fail_gauge(plant, alarm::GAUGE_SIGNAL_MISSING, asked.first_input);
+    }
+    match gauging.latched {
+        // The axis lags behind its set-point: a late contact still counts.
+        None if arrived && plant.axes.is_axis_in_position(asked.axis, &plant.params) => {
+            fail_gauge(plant, alarm::GAUGE_SIGNAL_MISSING, awaited)
+        }
+        Some(edge) if plant.axes.is_at_rest() => {
+            record_contact(plant, asked.axis, edge, fine, gauging.first_contact);
+            if !fine {
+                gauging.first_contact = edge;
+            }
+            next_stage(
+                gauging,
+                match (fine, multi) {
+                    (true, _) => GaugeStage::Retract,
+                    (false, true) => GaugeStage::Fine,
+                    (false, false) => GaugeStage::BackOff,
+                },
+            )
+        }
+        None | Some(_) => ActionStatus::Wait,
+    }
+}
+
+/// Records a contact in #434 to #437.
+fn record_contact(plant: &mut Plant, axis: Axis, edge: f64, fine: bool, first: f64) {
+    plant.work.gauge_positions[0] = Some(displayed_work(plant, Axis::X));
+    if fine {
+        plant.work.gauge_positions[2] = Some(edge);
+        plant.work.gauge_positions[3] = Some(edge - first);
+    } else {
+        debug_assert!(axis != Axis::X, "G78 goes along Z or Y");
+        plant.work.gauge_positions = [plant.work.gauge_positions[0], Some(edge), None, None];
+    }
+}
+
+/// Fails the cycle: the gauge arm retracts and the alarm ends the run.
+fn fail_gauge(plant: &mut Plant, number: u16, signal: u8) -> ActionStatus {
+    plant.request(Request::Gauge(Gauge::Axial, false));
+    plant.raise(number, Some(LocalizedText::new(format!("量仪信号 {signal}"), format!("gauge signal {signal}"))));
+    ActionStatus::Wait
+}
+
+fn gauge_signal(plant: &Plant, number: u8) -> bool {
+    plant.inputs.raw.has(GAUGE_INPUTS[gauge_index(number)])
+}
+
+/// The work coordinate of an axis from its encoder, as displayed.
+fn displayed_work(plant: &Plant, axis: Axis) -> f64 {
+    plant.work_position()[axis] * plant.displayed_per_mm(axis)
+}
+
+const fn next_stage(gauging: &mut GaugeCycle, stage: GaugeStage) -> ActionStatus {
+    gauging.stage = stage;
+    gauging.tag = None;
+    gauging.latched = None;
+    ActionStatus::Wait
+}
+
+fn gauge_index(signal: u8) -> usize {
+    usize::from(signal.clamp(1, 6)) - 1
+}

@@ -1,0 +1,123 @@
+//! Lathe functions of a program: threads, homing to a switch, the tool post.
+//! Source: spec L5, L6, L8.
+
+use super::actions::ActionStatus;
+use super::activity::Activity;
+use super::run::ProgramRun;
+use crate::controller::axes::homing::HomingProgress;
+use crate::controller::axes::spindle_encoder::ThreadMeasurement;
+use crate::controller::plant::{ControlEvent, Plant};
+use crate::defs::alarm;
+use crate::defs::mcode::Request;
+use crate::defs::param;
+use crate::defs::text::LocalizedText;
+use crate::machine::RequestResult;
+use crate::motion::{ThreadMover, ThreadPass};
+use crate::units::Axis;
+
+impl ProgramRun {
+    /// One tick of a thread.
+    pub fn step_thread(&mut self, plant: &mut Plant, thread: &ThreadPass) -> ActionStatus {
+        if self.activity == Activity::Thread {
+            return if plant.axes.thread().is_some() { ActionStatus::Wait } else { ActionStatus::Done };
+        }
+        if self.is_settled(plant) != Some(true) {
+            return ActionStatus::Wait;
+        }
+        if plant.machine.spindle_direction().is_none() || plant.spindles.encoder.rpm.abs() < 1.0 {
+            plant.raise(alarm::SPINDLE_NOT_TURNING, Some(thread_location(plant)));
+            return ActionStatus::Wait;
+        }
+        let (rpm, limit) = (plant.spindles.encoder.rpm.abs(), max_thread_rpm(thread.lead_mm));
+        // The speed is measured: one or two rpm above the limit are no program fault.
+        if rpm > limit * 1.01 + 1.0 {
+            let (at, lead_mm) = (thread_location(plant), thread.lead_mm);
+            let said = LocalizedText::new(
+                format!("{}：主轴 {rpm:.0} r/min，导程 {lead_mm:.3} mm 最高 {limit:.0} r/min", at.zh),
+                format!("{}: {rpm:.0} rpm, a lead of {lead_mm:.3} mm allows {limit:.0} rpm", at.en),
+            );
+            plant.raise(alarm::THREAD_SPEED, Some(said));
+            return ActionStatus::Wait;
+        }
+        let from = plant.axes.set_point();
+        plant.axes.begin_thread(ThreadMover::new(
+            *thread,
+            from,
+            plant.axes.path_limits(&plant.params),
+            (plant.spindles.encoder.turns, plant.params.get(param::SERVO_LAG) / 1_000.0),
+        ));
+        plant.spindles.thread = Some(ThreadMeasurement {
+            line: plant.execution.current_block.line,
+            lead_mm: thread.lead_mm,
+            start_mm: from[Axis::Z],
+            least_mm: f64::INFINITY,
+            greatest_mm: f64::NEG_INFINITY,
+            end_mm: from[Axis::Z],
+        });
+        self.activity = Activity::Thread;
+        ActionStatus::Wait
+    }
+
+    /// One tick of homing by a program.
+    pub fn step_program_homing(&mut self, plant: &mut Plant, axis: Axis) -> ActionStatus {
+        if self.activity != Activity::Homing {
+            if self.is_settled(plant) != Some(true) {
+                return ActionStatus::Wait;
+            }
+            plant.axes.switch_to_manual();
+            plant.axes.lift_soft_limits(axis);
+            plant.axes.homing = Some(plant.plan_homing(axis));
+            self.activity = Activity::Homing;
+            return ActionStatus::Wait;
+        }
+        let Some(mut homing) = plant.axes.homing.take() else {
+            plant.axes.switch_to_program();
+            return ActionStatus::Done;
+        };
+        let progress = plant.tick_homing(&mut homing);
+        match progress {
+            HomingProgress::Running => plant.axes.homing = Some(homing),
+            HomingProgress::SetZero { edge } => {
+                plant.apply_zero(axis, edge);
+                plant.axes.homing = Some(homing);
+            }
+            HomingProgress::Done => plant.axes.finish_homing(axis, &plant.params),
+            HomingProgress::Failed(why) => plant.raise_homing_failed(axis, why),
+        }
+        ActionStatus::Wait
+    }
+
+    /// One tick of the tool post.
+    pub fn step_turret(&mut self, plant: &mut Plant, station: u8) -> ActionStatus {
+        let request = Request::ToolTurret(station);
+        if self.activity == Activity::AwaitUnit {
+            return if plant.machine.is_settled(request) { ActionStatus::Done } else { ActionStatus::Wait };
+        }
+        if plant.operator.switches.aux_function_lock {
+            return ActionStatus::Done;
+        }
+        if self.is_settled(plant) != Some(true) {
+            return ActionStatus::Wait;
+        }
+        if matches!(plant.request(request), RequestResult::Accepted) {
+            self.activity = Activity::AwaitUnit;
+        } else {
+            plant.transition(ControlEvent::Hold);
+        }
+        ActionStatus::Wait
+    }
+}
+
+/// The highest spindle speed for a lead, rpm.
+fn max_thread_rpm(lead_mm: f64) -> f64 {
+    1_200.0 / lead_mm - 80.0
+}
+
+/// Program, line and column of the thread code, or of its block if the code is modal from an earlier block.
+fn thread_location(plant: &Plant) -> LocalizedText {
+    let (program, line) = (plant.execution.current_block.program, plant.execution.current_block.line);
+    let text = plant.work.programs.get(program).and_then(|program| program.source.line(line)).unwrap_or_default();
+    let found = ["G33", "G32"].into_iter().find_map(|code| text.to_ascii_uppercase().find(code)).unwrap_or(0);
+    let (title, column) = (plant.program_title(program), text[..found].chars().count() + 1);
+    LocalizedText::new(format!("{title} 第{line}行 第{column}列"), format!("{title} line {line}, column {column}"))
+}

@@ -1,0 +1,243 @@
+//! The program: the open run, its start and end, retract, restart and MDI.
+//! Source: spec B3, B5, K3.14.
+
+mod actions;
+mod activity;
+mod cycle;
+mod executor;
+mod gauge;
+mod hold;
+mod lathe;
+pub mod library;
+pub mod lookahead_state;
+mod mdi;
+pub mod move_refusal;
+mod preflight;
+pub mod queue;
+pub mod restart;
+pub mod retract;
+pub mod run;
+mod run_world;
+
+use std::sync::Arc;
+
+use activity::Activity;
+use lookahead_state::LookaheadState;
+use preflight::new_preflight;
+use queue::{QueueItem, QueuedAction};
+use run::{Origin, PendingPreflight, ProgramRun};
+
+use super::plant::system_variables::nc_settings;
+use super::plant::{ControlEvent, ControlPhase, Plant};
+use crate::defs::text::LocalizedText;
+use crate::defs::variable_name;
+use crate::nc::{self, ModalState, Source, VariableError, WorkOffsets};
+use crate::units::{Axis, Micros, PerAxis};
+
+/// The program part.
+pub struct Program {
+    /// The open run.
+    run: Option<Box<ProgramRun>>,
+    /// The one-key retract and the run that it suspends.
+    pub retract: retract::Retract,
+    /// A restart in preparation.
+    pub restart: Option<Box<restart::Restart>>,
+    /// Position of the run for a power failure.
+    pub power_cut: restart::PowerCutPosition,
+    /// Modal state kept from one MDI line to the next.
+    mdi_modals: Option<ModalState>,
+    /// The MDI line that waits for cycle start; empty if none.
+    pub mdi_ready: Arc<str>,
+}
+
+impl Program {
+    /// At power-on nothing runs.
+    #[must_use]
+    pub fn new(interrupted: Option<(u32, u32)>) -> Self {
+        Self {
+            run: None,
+            retract: retract::Retract::default(),
+            restart: None,
+            power_cut: restart::PowerCutPosition::new(interrupted),
+            mdi_modals: None,
+            mdi_ready: Arc::from(""),
+        }
+    }
+
+    /// Start time of the open run.
+    #[must_use]
+    pub fn started_at(&self) -> Option<Micros> {
+        self.run.as_ref().map(|run| run.started_at)
+    }
+
+    /// Changes the work offsets that the open run has read ahead, queued changes included.
+    pub fn change_offsets_read_ahead(&mut self, change: impl Fn(&mut WorkOffsets)) {
+        let Some(run) = &mut self.run else { return };
+        change(Arc::make_mut(&mut run.lookahead.work_offsets));
+        for item in &mut run.queue {
+            if let QueueItem::Action(QueuedAction::SetWorkOffsets(frames)) = item {
+                change(Arc::make_mut(frames));
+            }
+        }
+    }
+
+    /// Whether a run is open.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        self.run.is_some()
+    }
+}
+
+impl Program {
+    /// Opens a run of the text and starts it.
+    pub fn open_run(&mut self, plant: &mut Plant, source: Arc<Source>, origin: Origin) {
+        let settings = nc_settings(plant.kind_row.kind, &plant.params);
+        let numbered = settings.needs_block_numbers && origin != Origin::Mdi;
+        let settings = nc::NcSettings { axes: plant.axes.fitted(), needs_block_numbers: numbered, ..settings };
+        // A program starts from the power-on modal state; MDI continues from its last line.
+        plant.clear_program_message(origin == Origin::Mdi);
+        let kept = self.mdi_modals.take().filter(|_| origin == Origin::Mdi);
+        let modals = kept.unwrap_or_else(|| ModalState::new(&settings));
+        let before = (plant.work.offsets.clone(), plant.work.tool_change_point);
+        plant.work.offsets.activate(modals.work_offset);
+        if settings.start_is_work_zero {
+            plant.start_lathe_program(origin == Origin::Program);
+        }
+        if settings.start_is_work_zero && origin == Origin::Program {
+            // L3: at program start, work zero, reference point and start point coincide.
+            plant.work.offsets.set_coordinates(plant.axes.set_point(), &PerAxis([Some(0.0), None, Some(0.0)]));
+        }
+        let mut planned = LookaheadState::new(
+            plant.work.offsets.clone(),
+            plant.axes.set_point(),
+            plant.work.dress_points,
+            modals.path_mode,
+        );
+        planned.oscillating = plant.oscillating_axis();
+        planned.soft_limits_active = plant.axes.all_homed();
+        planned.homed = planned.soft_limits_active || plant.kind_row.may_start_unhomed();
+        planned.dialect = plant.kind_row.dialect;
+        let start = (plant.work.variables.clone(), planned);
+        let library = Arc::clone(&plant.work.programs);
+        let proof = (origin == Origin::Program).then(|| new_preflight(plant, &source, &settings)).flatten();
+        let mut run = ProgramRun::new(source, library, (settings, modals), start, plant.now);
+        run.origin = origin;
+        run.preflight = proof.map(|proof| Box::new(PendingPreflight { preflight: proof, announced: false, before }));
+        // The planner keeps the tag of the last finished move across runs.
+        run.next_tag = plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1);
+        self.run = Some(Box::new(run));
+        plant.transition(ControlEvent::Start);
+    }
+
+    /// One tick of the run.
+    pub fn step_run(&mut self, plant: &mut Plant) {
+        let Some(run) = &mut self.run else { return };
+        let needs_axes = matches!(plant.execution.phase, ControlPhase::Running) && run.activity != Activity::Homing;
+        if needs_axes && !run.return_axes_to_run(plant) {
+            return;
+        }
+        run.extend_dwell(plant);
+        self.retract.extend_dwell(plant.axes.tick_time());
+        if !run.step(plant, self.retract.suspended_run()) {
+            return;
+        }
+        match run.origin {
+            Origin::Retract => self.finish_retract(plant),
+            origin @ (Origin::Program | Origin::Mdi) => {
+                self.close_run(plant);
+                plant.transition(ControlEvent::Finish);
+                if origin == Origin::Program {
+                    self.repeat_program(plant);
+                }
+            }
+        }
+    }
+
+    /// Handles the end of braking and the drive state.
+    pub fn finish_braking(&mut self, plant: &mut Plant) {
+        let rest = plant.axes.is_at_rest();
+        if rest && matches!(plant.execution.phase, ControlPhase::Holding | ControlPhase::Aborting) {
+            if matches!(plant.execution.phase, ControlPhase::Aborting) {
+                self.close_run(plant);
+                self.abandon_retract(plant);
+            }
+            let held = matches!(plant.execution.phase, ControlPhase::Holding);
+            plant.transition(ControlEvent::AtRest);
+            if held && !self.retract_if_requested(plant) {
+                self.withdraw_wheel(plant);
+            }
+        }
+        if !plant.outputs.drives_on && rest {
+            plant.axes.unlock();
+            plant.axes.follow_actual();
+        }
+    }
+
+    /// Closes the run and discards items not yet executed.
+    pub fn close_run(&mut self, plant: &mut Plant) {
+        if let Some(run) = self.run.take().filter(|run| run.origin != Origin::Retract) {
+            if run.origin == Origin::Program {
+                self.clear_run_position(plant);
+            }
+            plant.execution.cycle_time = plant.now.since(run.started_at);
+            self.mdi_modals = (run.origin == Origin::Mdi).then(|| *run.interpreter.modals());
+        }
+        plant.axes.homing = None;
+        plant.axes.switch_to_manual();
+    }
+
+    /// Sets a common variable. False: refused, with the reason shown.
+    pub fn set_variable(&mut self, plant: &mut Plant, variable: u16, value: Option<f64>) -> bool {
+        let number = u32::from(variable);
+        if let Err(error) = plant.store_variable(number, value) {
+            let name = variable_name::variable_name_on(number, plant.kind_row.kind);
+            let zh = match error {
+                VariableError::Unknown(_) => format!("{name} 不存在或不能修改"),
+                VariableError::Switch(_) => format!("{name} 只能输入 0 或 1"),
+                VariableError::NotFinite(_) => format!("{name} 的值不是数字"),
+            };
+            plant.refuse(LocalizedText::new(zh, error.to_string()));
+            return false;
+        }
+        // A run suspended by the retract has its own copy.
+        if let Some(waiting) = self.retract.suspended_run() {
+            let _ = waiting.interpreter.update_variable(number, value);
+        }
+        if let Some(run) = &mut self.run
+            && run.interpreter.update_variable(number, value).is_err()
+        {
+            plant.refuse(LocalizedText::new("程序没有接受此值", "the running program did not take the value"));
+            return false;
+        }
+        true
+    }
+
+    /// Distance to go of the present block, mm displayed.
+    pub fn distance_to_go(&self, plant: &Plant) -> PerAxis<f64> {
+        let way = if self.run.is_some() { plant.axes.planner.distance_to_go() } else { PerAxis::default() };
+        PerAxis::from_fn(|axis: Axis| way[axis] * plant.displayed_per_mm(axis))
+    }
+
+    /// Whether the run waits for an input (M80–M89).
+    pub fn is_awaiting_input(&self) -> bool {
+        self.run.as_ref().is_some_and(|run| matches!(run.activity, Activity::AwaitInput(_)))
+    }
+
+    /// What the run waits for, in words (M80–M89).
+    pub fn awaited_input(&self, plant: &Plant) -> Option<LocalizedText> {
+        match self.run.as_ref()?.activity {
+            Activity::AwaitInput(input) if !matches!(plant.execution.phase, ControlPhase::Aborting) => {
+                Some(actions::awaited_input_text(input, plant.params.input_port(input)))
+            }
+            Activity::AwaitInput(_)
+            | Activity::Idle
+            | Activity::Settling { .. }
+            | Activity::AwaitUnit
+            | Activity::Dwell { .. }
+            | Activity::Skip { .. }
+            | Activity::Gauge(_)
+            | Activity::Thread
+            | Activity::Homing => None,
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Why a move or an operation is refused.
+
+use crate::controller::plant::displayed_per_mm;
+use crate::defs::param::Params;
+use crate::defs::text::LocalizedText;
+use crate::units::Axis;
+
+/// Why a move or operation is refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MoveRefusal {
+    /// Target beyond a soft limit: axis, target, limit; machine coordinates, radius mm.
+    SoftLimit(Axis, f64, f64),
+    /// Move before the axes are homed.
+    NotHomed,
+    /// Move of an oscillating axis, or oscillation of a second axis.
+    Oscillating(Axis),
+    /// Oscillation with zero stroke, or of an axis that is not homed.
+    NoStroke(Axis),
+    /// Wear outside the range of the offset page: axis and sum, mm of slide travel.
+    WearOutOfRange(Axis, f64),
+    /// Return to a dressing point that is not set.
+    NoDressPoint(Axis),
+    /// M code that this version does not support.
+    Unsupported(u8),
+}
+
+impl MoveRefusal {
+    /// The text of a refusal.
+    pub fn text(&self, params: &Params) -> LocalizedText {
+        match *self {
+            MoveRefusal::SoftLimit(axis, to, limit) => {
+                let factor = displayed_per_mm(params, axis);
+                let (to, limit) = (to * factor, limit * factor);
+                LocalizedText::new(
+                    format!("{axis} 目标 {to:.3} 超出软限位 {limit:.3} (机床坐标)"),
+                    format!("{axis} target {to:.3} is beyond the limit {limit:.3} (machine)"),
+                )
+            }
+            MoveRefusal::NotHomed => LocalizedText::new("先回零", "home the axes first"),
+            MoveRefusal::Oscillating(axis) => LocalizedText::new(
+                format!("{axis} 轴在振荡中，先用 G36 关闭"),
+                format!("{axis} oscillates: end it with G36 first"),
+            ),
+            MoveRefusal::NoStroke(axis) => LocalizedText::new(
+                format!("{axis} 轴没有振荡行程，或未回零"),
+                format!("{axis} has no stroke to oscillate, or is not homed"),
+            ),
+            MoveRefusal::WearOutOfRange(axis, sum) => {
+                let sum = sum * displayed_per_mm(params, axis);
+                LocalizedText::new(format!("{axis} 磨耗 {sum:.3}"), format!("wear of {axis} {sum:.3}"))
+            }
+            MoveRefusal::NoDressPoint(axis) => {
+                LocalizedText::new(format!("{axis} 轴没有设置修整点"), format!("{axis} has no dressing point"))
+            }
+            MoveRefusal::Unsupported(code) => LocalizedText::new(
+                format!("M{code:02} 在本版本中还没有"),
+                format!("M{code:02} is not available in this version"),
+            ),
+        }
+    }
+}

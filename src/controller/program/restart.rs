@@ -1,0 +1,365 @@
+//! Program restart from a selected block, and resuming after a power failure.
+//!
+//! The blocks before it are read without motion. The resulting modal codes, work offset, tool offset, variables and
+//! axis positions are shown first. Nothing starts automatically: a wheel or workpiece that would turn there must be
+//! started by key. Cycle start then moves the axes to the position, the wheel axis last, and runs from the block.
+//! Source: spec B5.
+
+use std::sync::Arc;
+
+use super::Program;
+use super::lookahead_state::{LookaheadState, reference_points};
+use super::mdi::modal_view_of;
+use super::preflight::new_preflight;
+use super::queue::{PlannedMove, ProgrammedFeed, QueueItem, check_soft_limits};
+use super::run::{Origin, PendingPreflight, ProgramRun};
+use crate::controller::plant::system_variables::{PARAM_VARIABLES, nc_settings};
+use crate::controller::plant::{ControlEvent, ControlPhase, Plant};
+use crate::controller::storage_request::StorageRequest;
+use crate::defs::key::Mode;
+use crate::defs::param;
+use crate::defs::system_variable;
+use crate::defs::text::{Lang, LocalizedText, Text};
+use crate::link::edit::ModalView;
+use crate::link::snapshot::RestartView;
+use crate::motion::MoveShape;
+use crate::nc::{self, AxisSet, CommonVariables, ExternalState, ModalState, NextStatus, OfflineMachine, Op, SpeedMode};
+use crate::units::{Axis, Micros, PerAxis};
+
+/// Maximum ticks for reading the blocks before: about two million blocks. A loop that waits for the machine never ends.
+const MAX_SEARCH_TICKS: u32 = 1_000;
+/// The last common variable.
+const LAST_VARIABLE: u32 = 999;
+/// Minimum interval between two records of the run position for a power failure.
+const STORE_INTERVAL: Micros = Micros::from_millis(1_000);
+
+const NO_PROGRAM: Text = Text::new("没有当前程序：先在目录中选择", "no current program: choose one in the directory");
+const WHEEL_FIRST: Text = Text::new(
+    "该段之前已启动砂轮：先按砂轮启动，再循环启动",
+    "the wheel runs there: start it by its key before cycle start",
+);
+const DRIVE_FIRST: Text = Text::new(
+    "该段之前工件已转动：先启动，再循环启动",
+    "the workpiece turns there: start it by its key before cycle start",
+);
+
+/// Machine state that the blocks before the selected one produce.
+#[derive(Clone, Debug, Default)]
+struct StateBeforeBlock {
+    wheel: bool,
+    drive: bool,
+    coolant: bool,
+    /// An axis oscillates at the block.
+    oscillates: bool,
+    /// G50, G27, G31 or G78 is among them: the resulting position cannot be computed.
+    position_unknown: bool,
+    /// First alarm raised by the program before the block.
+    alarm: Option<LocalizedText>,
+    /// The last S, and the limit of G50 S, rpm.
+    speed: Option<(f64, SpeedMode)>,
+    rpm_limit: Option<f64>,
+}
+
+impl StateBeforeBlock {
+    fn apply(&mut self, op: &Op) {
+        match op {
+            Op::M { code: 3 | 4, .. } => self.wheel = true,
+            Op::M { code: 5, .. } => self.wheel = false,
+            Op::M { code: 63 | 64, .. } => self.drive = true,
+            Op::M { code: 65, .. } => self.drive = false,
+            Op::M { code: 8, .. } => self.coolant = true,
+            Op::M { code: 9, .. } => self.coolant = false,
+            Op::OscillationOn { .. } => self.oscillates = true,
+            Op::OscillationOff => self.oscillates = false,
+            Op::SetCoordinateSystem { .. } | Op::DressReturn { .. } | Op::Skip { .. } | Op::Gauge(_) => {
+                self.position_unknown = true
+            }
+            Op::Alarm { text, .. } if self.alarm.is_none() => self.alarm = Some(LocalizedText::new(&**text, &**text)),
+            Op::S { value, mode } => self.speed = Some((*value, *mode)),
+            Op::SpeedLimit { rpm } => self.rpm_limit = Some(*rpm),
+            _ => {}
+        }
+    }
+}
+
+/// A restart in preparation.
+pub struct Restart {
+    line: u32,
+    run: Box<ProgramRun>,
+    world: OfflineMachine,
+    state: StateBeforeBlock,
+    ticks: u32,
+    /// The selected block has been reached.
+    block_found: bool,
+}
+
+/// Position of the run for a power failure.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PowerCutPosition {
+    /// Program and line (from 1) of a run interrupted before this power-on.
+    pub interrupted: Option<(u32, u32)>,
+    /// Line of the present run last stored on disk, and when.
+    stored: Option<(u32, Micros)>,
+}
+
+impl PowerCutPosition {
+    /// Starts from the record of the last power-on.
+    pub const fn new(interrupted: Option<(u32, u32)>) -> Self {
+        Self { interrupted, stored: None }
+    }
+}
+
+impl Program {
+    /// At power-on: shows the program that was interrupted.
+    pub fn announce_interrupted(&self, plant: &mut Plant) {
+        if let Some((program, line)) = self.power_cut.interrupted {
+            plant.show_note(LocalizedText::new(
+                format!("O{program:04} 在第 {line} 行断电中断：回零后可从该段继续（程序页）"),
+                format!(
+                    "O{program:04} was cut off at line {line}: home the axes, then go on from there (program page)"
+                ),
+            ));
+        }
+    }
+
+    /// Starts reading the current program up to a line (from 1), to run it from there.
+    pub fn restart_at(&mut self, plant: &mut Plant, line: u32) {
+        self.restart = None;
+        if let Some(why) = self.restart_refused(plant) {
+            return plant.refuse(why);
+        }
+        let Some(program) = plant.work.programs.get(plant.execution.current_program) else {
+            return plant.refuse(NO_PROGRAM);
+        };
+        if line == 0 || line as usize > program.source.line_count() {
+            return plant.refuse(LocalizedText::new(
+                format!("O{:04} 没有第 {line} 行", plant.execution.current_program),
+                format!("O{:04} has no line {line}", plant.execution.current_program),
+            ));
+        }
+        let source = Arc::clone(&program.source);
+        let settings = nc::NcSettings { axes: plant.axes.fitted(), ..nc_settings(plant.kind_row.kind, &plant.params) };
+        let modals = ModalState::new(&settings);
+        let mut frames = plant.work.offsets.clone();
+        frames.activate(modals.work_offset);
+        let world = OfflineMachine::new(&settings)
+            .with_references(reference_points(&plant.params))
+            .with_work_offsets(frames.clone())
+            .with_position(frames.work_from_machine(plant.axes.set_point()))
+            .with_block_skip(plant.operator.switches.block_skip)
+            .with_known_values_only();
+        let world = copy_system_variables(plant, world);
+        let planned = LookaheadState::new(frames, plant.axes.set_point(), plant.work.dress_points, modals.path_mode);
+        let library = Arc::clone(&plant.work.programs);
+        let start = (plant.work.variables.clone(), planned);
+        let proof = new_preflight(plant, &source, &settings);
+        let before = (plant.work.offsets.clone(), plant.work.tool_change_point);
+        let mut run = Box::new(ProgramRun::new(source, library, (settings, modals), start, plant.now));
+        run.preflight = proof.map(|proof| Box::new(PendingPreflight { preflight: proof, announced: false, before }));
+        let switched = StateBeforeBlock::default();
+        self.restart = Some(Box::new(Restart { line, run, world, state: switched, ticks: 0, block_found: false }));
+        plant.show_note(LocalizedText::new(format!("正在查找第 {line} 行…"), format!("reading up to line {line} …")));
+    }
+
+    fn restart_refused(&self, plant: &Plant) -> Option<Text> {
+        if self.run.is_some() || !matches!(plant.execution.phase, ControlPhase::Idle) {
+            return Some(crate::machine::panel_key::NOT_IN_RUN);
+        }
+        if plant.operator.mode != Mode::Auto {
+            return Some(Text::new("自动方式下才能选择起始段", "a block is chosen in mode AUTO"));
+        }
+        (!plant.axes.all_homed()).then_some(Text::new("先回零，再选择起始段", "home the axes before a block is chosen"))
+    }
+
+    /// One tick of the search; shows the result.
+    pub fn step_restart(&mut self, plant: &mut Plant) {
+        let Some(mut restart) = self.restart.take_if(|restart| !restart.block_found) else { return };
+        let Restart { line, run, world, state: switched, .. } = &mut *restart;
+        let line = *line;
+        match run.interpreter.advance_to(line, world, &mut |op| switched.apply(op)) {
+            Ok(NextStatus::Block) => {
+                restart.block_found = true;
+                self.finish_search(plant, restart);
+            }
+            Ok(NextStatus::End | NextStatus::Drain) => plant.refuse(LocalizedText::new(
+                format!("程序运行不到第 {line} 行，不能从该行开始"),
+                format!("the program does not come to line {line}: it cannot begin there"),
+            )),
+            Ok(NextStatus::Busy) if restart.ticks < MAX_SEARCH_TICKS => {
+                restart.ticks += 1;
+                self.restart = Some(restart);
+            }
+            Ok(NextStatus::Busy) => plant.refuse(LocalizedText::new(
+                format!("第 {line} 行之前有等待机床的循环，不能从该行开始"),
+                format!("a loop before line {line} waits for the machine: the program cannot begin there"),
+            )),
+            Err(fault) => plant.refuse(LocalizedText::new(fault.text(Lang::Zh), fault.text(Lang::En))),
+        }
+    }
+
+    fn finish_search(&mut self, plant: &mut Plant, mut restart: Box<Restart>) {
+        let Restart { run, world, state: switched, line, .. } = &mut *restart;
+        if let Some(alarm) = switched.alarm.take() {
+            return plant.refuse(alarm);
+        }
+        if switched.position_unknown || switched.oscillates {
+            let line = *line;
+            return plant.refuse(LocalizedText::new(
+                format!("第 {line} 行之前有 G50、G27、G31、G78，或该处在振荡 (G35)，不能从该行开始"),
+                format!(
+                    "G50, G27, G31 or G78 before line {line}, or G35 in force there: the program cannot begin there"
+                ),
+            ));
+        }
+        let mut frames = plant.work.offsets.clone();
+        let there = world.work_offsets();
+        (frames.active, frames.tool, frames.tool_offset) = (there.active, there.tool, there.tool_offset);
+        run.lookahead = LookaheadState::new(
+            frames.clone(),
+            frames.machine_from_work(world.work_position()),
+            plant.work.dress_points,
+            run.interpreter.modals().path_mode,
+        );
+        run.block.modals = *run.interpreter.modals();
+        self.restart = Some(restart);
+        if let Some(view) = self.restart_view(plant) {
+            let said = view.summary();
+            plant.show_note(said);
+        }
+    }
+
+    /// The view for the program page before the start.
+    pub fn restart_view(&self, plant: &Plant) -> Option<RestartView> {
+        let restart = self.restart.as_ref().filter(|restart| restart.block_found)?;
+        let work = restart.world.work_position();
+        let StateBeforeBlock { wheel, drive, coolant, .. } = restart.state.clone();
+        Some(RestartView {
+            program: plant.execution.current_program,
+            line: restart.line,
+            modals: self.restart_modals(plant)?,
+            start: PerAxis::from_fn(|axis| {
+                plant.axes.is_present(axis).then(|| work[axis] * plant.displayed_per_mm(axis))
+            }),
+            wheel_turns: wheel,
+            workpiece_turns: drive,
+            coolant_on: coolant,
+        })
+    }
+
+    /// The modal codes at the selected block.
+    pub fn restart_modals(&self, plant: &Plant) -> Option<ModalView> {
+        let restart = self.restart.as_ref().filter(|restart| restart.block_found)?;
+        Some(modal_view_of(plant, &restart.run.block.modals))
+    }
+
+    /// Cycle start with a selected block. True: the restart was started or refused.
+    pub fn start_restart(&mut self, plant: &mut Plant) -> bool {
+        let Some(restart) = self.restart.as_ref() else { return false };
+        let [wheel, drive] = plant.running_spindles();
+        if !restart.block_found {
+            plant.refuse(LocalizedText::new("正在查找起始段，请稍候", "the block is still being looked for"));
+        } else if restart.state.wheel
+            && !wheel
+            && !plant.operator.switches.dry_run
+            && !plant.operator.switches.aux_function_lock
+        {
+            plant.refuse(WHEEL_FIRST);
+        } else if restart.state.drive && !drive && !plant.operator.switches.aux_function_lock {
+            plant.refuse(DRIVE_FIRST);
+        } else if let Some(restart) = self.restart.take() {
+            self.start_at_block(plant, *restart);
+        }
+        true
+    }
+
+    fn start_at_block(&mut self, plant: &mut Plant, Restart { mut run, world, state: switched, .. }: Restart) {
+        let (from, to, wheel_axis) =
+            (plant.axes.set_point(), run.lookahead.machine_position, plant.kind_row.wheel_axis);
+        let mut beside = to;
+        beside[wheel_axis] = from[wheel_axis];
+        let forbidden = |axis: Axis| check_soft_limits(axis, to[axis], &plant.params).err();
+        if let Some(forbidden) = plant.axes.present().find_map(forbidden) {
+            let said = forbidden.text(&plant.params);
+            return plant.refuse(said);
+        }
+        for number in (1..=LAST_VARIABLE).filter(|number| CommonVariables::contains(*number)) {
+            let of = |memory: &CommonVariables| memory.get(number).ok().flatten();
+            let there = of(run.interpreter.common_variables());
+            if there != of(&plant.work.variables) {
+                let _ = plant.store_variable(number, there);
+            }
+        }
+        plant.work.offsets.clone_from(&run.lookahead.work_offsets);
+        plant.work.tool_change_point = Some(plant.work.offsets.machine_from_work(world.program_start()));
+        plant.spindles.wheel_speed = switched.speed.unwrap_or(plant.spindles.wheel_speed);
+        plant.spindles.wheel_rpm_limit = switched.rpm_limit.or(plant.spindles.wheel_rpm_limit);
+        let speed = ProgrammedFeed::PerMinute(plant.params.get(param::WHEEL_ON_INFEED_SPEED));
+        for (target, speed) in [(beside, ProgrammedFeed::Rapid), (to, speed)] {
+            run.queue.push_back(QueueItem::Move(PlannedMove::new(
+                target,
+                MoveShape::Line,
+                speed,
+                (all_axes(), AxisSet::NONE),
+            )));
+        }
+        run.lookahead.oscillating = plant.oscillating_axis();
+        run.lookahead.dialect = plant.kind_row.dialect;
+        run.started_at = plant.now;
+        run.origin = Origin::Program;
+        run.next_tag = plant.axes.planner.finished_tag().map_or(1, |tag| tag + 1);
+        self.run = Some(run);
+        plant.transition(ControlEvent::Start);
+    }
+
+    /// Records the position of the run for a power failure: the line in the main program.
+    pub fn store_run_position(&mut self, plant: &mut Plant) {
+        let Some(run) = self.run.as_ref().filter(|run| run.origin == Origin::Program) else { return };
+        // In a subprogram, the calling block counts.
+        let (program, line) = (plant.execution.current_program, plant.execution.current_block.line);
+        if plant.execution.current_block.program != program || run.started_at == plant.now {
+            return;
+        }
+        let due = self.power_cut.stored.is_none_or(|(told, at)| told != line && plant.now.since(at) >= STORE_INTERVAL);
+        if due {
+            self.power_cut.stored = Some((line, plant.now));
+            plant.outbox.requests.push(StorageRequest::RunningAt(Some((program, line))));
+        }
+    }
+
+    /// The run is over: clears the recorded position.
+    pub fn clear_run_position(&mut self, plant: &mut Plant) {
+        self.power_cut.interrupted = None;
+        if self.power_cut.stored.take().is_some() {
+            plant.outbox.requests.push(StorageRequest::RunningAt(None));
+        }
+    }
+}
+
+/// Copies system variables to a check world: offsets, counts, wheel data.
+fn copy_system_variables(plant: &Plant, mut world: OfflineMachine) -> OfflineMachine {
+    let kept = [
+        system_variable::WEAR_X,
+        system_variable::WEAR_Y,
+        system_variable::WEAR_Z,
+        system_variable::GEOMETRY_X,
+        system_variable::GEOMETRY_Y,
+        system_variable::GEOMETRY_Z,
+        system_variable::PARTS_DONE,
+    ];
+    let params = PARAM_VARIABLES.iter().map(|(range, _)| *range);
+    for range in kept.into_iter().chain(params) {
+        for number in range.first..range.first + range.count {
+            if let Some(value) = plant.read_system_variable(number) {
+                world.set_system(number, value);
+            }
+        }
+    }
+    world
+}
+
+/// All axes, programmed absolutely.
+fn all_axes() -> AxisSet {
+    let mut all = AxisSet::NONE;
+    Axis::ALL.into_iter().for_each(|axis| all.insert(axis));
+    all
+}

@@ -1,0 +1,147 @@
+//! A run: the program being read ahead, and the queue of items read but not yet executed.
+//!
+//! Read-ahead converts operations to items in machine coordinates. The executor hands moves to the planner and executes
+//! everything else when all motion before it is finished. So variables, work offsets and block numbers change when the
+//! machine reaches them, not when they are read.
+//! Source: spec B3 (shown as executed), B5, K6.3.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use super::activity::{Activity, Handover};
+use super::lookahead_state::LookaheadState;
+use super::move_refusal::MoveRefusal;
+use super::queue::{QueueItem, QueuedAction};
+use crate::defs::param::Params;
+use crate::defs::text::{Lang, LocalizedText};
+use crate::nc::{self, Block, CommonVariables, Interpreter, Library, Source, WorkOffsets};
+use crate::units::{Micros, PerAxis};
+
+/// Maximum items read ahead.
+pub const MAX_ITEMS: usize = 512;
+
+/// State of read-ahead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReadAheadStatus {
+    /// Blocks are being read.
+    Open,
+    /// The queue must be executed before the next block is read.
+    Barrier,
+    /// End of the program text, or a fault.
+    Finished,
+}
+
+/// Origin of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Origin {
+    /// The current program: has a preflight, obeys single block, repeats by P390.
+    Program,
+    /// An MDI line.
+    Mdi,
+    /// O9000 or O9001 of the one-key retract.
+    Retract,
+}
+
+/// A preflight in progress.
+pub struct PendingPreflight {
+    /// The preflight.
+    pub preflight: nc::ProgramPreflight,
+    /// The operator has been informed.
+    pub announced: bool,
+    /// Work offsets and tool-change point before the start: a refused program changes nothing.
+    pub before: (WorkOffsets, Option<PerAxis<f64>>),
+}
+
+/// One run of a program or an MDI line.
+pub struct ProgramRun {
+    /// The interpreter of the program text.
+    pub interpreter: Interpreter,
+    /// Scratch for the block being read.
+    pub block: Block,
+    /// The queue: items read but not yet executed, in order.
+    pub queue: VecDeque<QueueItem>,
+    /// Number of items at the front of the queue that were handed over.
+    pub handed_over: usize,
+    /// The next planner tag.
+    pub next_tag: u32,
+    /// Machine state at the end of all items read.
+    pub lookahead: LookaheadState,
+    /// State of read-ahead.
+    pub read_ahead: ReadAheadStatus,
+    /// What the executor is in the middle of.
+    pub activity: Activity,
+    /// Origin of the run.
+    pub origin: Origin,
+    /// Start time.
+    pub started_at: Micros,
+    /// Whether the moves are handed to the planner.
+    pub handover: Handover,
+    /// Preflight of the program before anything is executed.
+    pub preflight: Option<Box<PendingPreflight>>,
+}
+
+impl ProgramRun {
+    /// Creates a run from the machine's present state.
+    #[must_use]
+    pub fn new(
+        source: Arc<Source>,
+        library: Arc<dyn Library + Send + Sync>,
+        (settings, modals): (nc::NcSettings, nc::ModalState),
+        (memory, planned): (CommonVariables, LookaheadState),
+        now: Micros,
+    ) -> Self {
+        let block = Block::new(&settings);
+        Self {
+            interpreter: Interpreter::new(source, library, settings, memory).with_modals(modals),
+            block,
+            queue: VecDeque::with_capacity(MAX_ITEMS + 64),
+            handed_over: 0,
+            next_tag: 1,
+            lookahead: planned,
+            read_ahead: ReadAheadStatus::Open,
+            activity: Activity::Idle,
+            origin: Origin::Program,
+            started_at: now,
+            handover: Handover::Feeding,
+            preflight: None,
+        }
+    }
+
+    /// Ends read-ahead with a program fault; its alarm is raised when everything before it is executed.
+    pub fn end_with_fault(&mut self, fault: &nc::ProgramFault) {
+        self.read_ahead = ReadAheadStatus::Finished;
+        let said = LocalizedText::new(fault.text(Lang::Zh), fault.text(Lang::En));
+        self.queue.push_back(QueueItem::Action(QueuedAction::Alarm(fault.alarm(), said, fault.location)));
+    }
+
+    /// Converts the block just read to queue items.
+    ///
+    /// # Errors
+    /// The first refused operation. Nothing of the block is queued then.
+    pub fn queue_block(&mut self, params: &Params) -> Result<(), MoveRefusal> {
+        let kept = self.queue.len();
+        let planned = self.lookahead.clone();
+        self.queue.push_back(QueueItem::BlockStart(self.block.location));
+        let ops = std::mem::take(&mut self.block.ops);
+        let mut result = Ok(());
+        for op in &ops {
+            result = self.lookahead.queue_op(op, self.block.location, &mut self.queue, params);
+            if result.is_err() {
+                break;
+            }
+            if op.stops_look_ahead() {
+                self.read_ahead = ReadAheadStatus::Barrier;
+            }
+        }
+        self.block.ops = ops;
+        match result {
+            Ok(()) if self.block.complete => self.queue.push_back(QueueItem::BlockEnd),
+            Ok(()) => {}
+            Err(_) => {
+                self.queue.truncate(kept);
+                self.lookahead = planned;
+            }
+        }
+        result
+    }
+}

@@ -1,0 +1,150 @@
+//! The machine as a running program sees it, and what it writes to it by system variables.
+//! Source: spec B3, K4.2, K5.17, L8.
+
+use std::sync::Arc;
+
+use super::lookahead_state::LookaheadState;
+use super::run::ProgramRun;
+use crate::controller::plant::system_variables::{GEOMETRY, WEAR, offset_and_axis};
+use crate::controller::plant::{Plant, offset_in_range};
+use crate::controller::storage_request::StorageRequest;
+use crate::defs::alarm;
+use crate::defs::mcode::Request;
+use crate::defs::param;
+use crate::defs::system_variable;
+use crate::defs::text::LocalizedText;
+use crate::link::edit::OffsetPart;
+use crate::machine::RequestResult;
+use crate::nc::{ExternalState, LiveValue};
+use crate::units::PerAxis;
+
+/// Threshold between off (0) and on (1) when a program writes an output.
+const SWITCH_THRESHOLD: f64 = 0.5;
+
+/// The machine as a running program sees it.
+pub struct RunWorld<'a> {
+    plant: &'a Plant,
+    planned: &'a LookaheadState,
+    drained: bool,
+}
+
+impl<'a> RunWorld<'a> {
+    /// The state at the end of read-ahead; `drained`: the machine has reached it.
+    pub const fn new(plant: &'a Plant, planned: &'a LookaheadState, drained: bool) -> Self {
+        Self { plant, planned, drained }
+    }
+}
+
+impl ExternalState for RunWorld<'_> {
+    fn position(&self) -> PerAxis<f64> {
+        self.planned.work_offsets.work_from_machine(self.planned.machine_position)
+    }
+
+    fn system_variable(&mut self, number: u32) -> LiveValue {
+        match self.plant.read_system_variable(number) {
+            None => LiveValue::Unknown,
+            Some(_) if !self.drained => LiveValue::Drain,
+            Some(value) => LiveValue::Value(value),
+        }
+    }
+
+    fn tool_compensation(&self, tool: u32) -> PerAxis<f64> {
+        self.planned.work_offsets.tool_compensation(tool)
+    }
+
+    fn active_tool(&self) -> u32 {
+        self.planned.work_offsets.tool
+    }
+
+    fn program_start(&self) -> PerAxis<f64> {
+        let Some(start) = self.plant.work.tool_change_point else { return self.position() };
+        // L8: a tool change read ahead shifts the tip position by the same amount as the slides.
+        let (there, now) = (self.planned.work_offsets.shift, self.plant.work.offsets.shift);
+        self.planned.work_offsets.work_from_machine(PerAxis::from_fn(|axis| start[axis] + there[axis] - now[axis]))
+    }
+
+    fn block_skip(&self) -> bool {
+        self.plant.operator.switches.block_skip
+    }
+}
+
+impl ProgramRun {
+    /// Writes a system variable for a program. False: refused, with the alarm raised.
+    pub fn write_system_variable(&mut self, plant: &mut Plant, number: u32, value: Option<f64>) -> bool {
+        let value = value.unwrap_or(0.0);
+        if let Some(index) = system_variable::OUTPUTS.index(number) {
+            let request = Request::Port(index as u8 + 1, value.abs() >= SWITCH_THRESHOLD);
+            return matches!(plant.request(request), RequestResult::Accepted | RequestResult::NoEffect(_));
+        }
+        match system_variable::find(number) {
+            Some(&system_variable::WHEEL_DIAMETER) => return self.record_dressing(plant, value),
+            Some(&system_variable::MILLISECONDS) => plant.work.timer_offset[0] = value - plant.milliseconds(),
+            Some(&system_variable::HOURS) => plant.work.timer_offset[1] = value - plant.hours(),
+            Some(&system_variable::PARTS_DONE) => {
+                plant.work.part_count = value.max(0.0) as u32;
+                plant.outbox.requests.push(StorageRequest::PartCount(plant.work.part_count));
+            }
+            Some(&system_variable::PARTS_REQUIRED) => plant.store_param(param::PARTS_REQUIRED.address(), value),
+            Some(_) | None => return self.write_offset(plant, number, value),
+        }
+        true
+    }
+
+    fn write_offset(&mut self, plant: &mut Plant, number: u32, value: f64) -> bool {
+        for (table, wear) in [(&WEAR, true), (&GEOMETRY, false)] {
+            if let Some((index, axis)) = offset_and_axis(table, number) {
+                if !offset_in_range(if wear { OffsetPart::Wear } else { OffsetPart::Geometry }, value) {
+                    let said = format!("#{number} = {value}");
+                    plant.raise(alarm::OFFSET_RANGE, Some(LocalizedText::new(said.clone(), said)));
+                    return false;
+                }
+                let value = value / plant.displayed_per_mm(axis);
+                let place = if wear { &mut plant.work.offsets.wear } else { &mut plant.work.offsets.geometry };
+                place[index][axis] = value;
+                plant.store_offset(index);
+                self.lookahead.work_offsets = Arc::new(plant.work.offsets.clone());
+            }
+        }
+        true
+    }
+
+    /// Records a new wheel diameter, mm, written by a program. False: refused, with the alarm raised.
+    pub fn record_dressing(&mut self, plant: &mut Plant, diameter_mm: f64) -> bool {
+        if plant.is_dry_or_locked() {
+            plant.show_note(LocalizedText::new(
+                "锁定或空运行：修整不计入砂轮直径",
+                "locked or dry run: no dressing is booked",
+            ));
+            return true;
+        }
+        let before = plant.params.get(param::WHEEL_DIAMETER);
+        let refusal = if diameter_mm > before || diameter_mm < param::WHEEL_DIAMETER.min {
+            Some(LocalizedText::new(
+                format!("#5801={diameter_mm:.4}，现直径 {before:.4}"),
+                format!("#5801={diameter_mm:.4}, the wheel has {before:.4}"),
+            ))
+        } else if plant.work.offsets.tool_offset == 0 {
+            Some(LocalizedText::new("没有刀补生效", "no offset is in force"))
+        } else {
+            None
+        };
+        if let Some(why) = refusal {
+            plant.raise(alarm::WHEEL_DIAMETER_REFUSED, Some(why));
+            return false;
+        }
+        let lost_mm = (before - diameter_mm) / 2.0;
+        let (axis, index) = (plant.kind_row.wheel_axis, plant.work.offsets.tool_offset - 1);
+        plant.work.offsets.wear[index][axis] -= lost_mm;
+        plant.store_offset(index);
+        self.lookahead.work_offsets = Arc::new(plant.work.offsets.clone());
+        if let Some(point) = &mut plant.work.dress_points[axis] {
+            *point += lost_mm * plant.params.get(param::DRESSING_POINT_SIDE);
+            plant.outbox.requests.push(StorageRequest::DressPoint(axis, *point));
+        }
+        self.lookahead.dress_points = plant.work.dress_points;
+        plant.store_param(param::WHEEL_DIAMETER.address(), diameter_mm);
+        plant.store_param(param::DRESSING_COUNT.address(), plant.params.get(param::DRESSING_COUNT) + 1.0);
+        plant.store_param(param::PARTS_SINCE_DRESSING.address(), 0.0);
+        true
+    }
+}

@@ -1,0 +1,147 @@
+//! What hosts and tests ask of the controller besides the snapshot.
+
+use super::Controller;
+use super::panel::run_state;
+use super::plant::ControlPhase;
+use crate::defs::kind::Kind;
+use crate::defs::param::Params;
+use crate::defs::signal::{OutputSet, Terminals};
+use crate::defs::text::LocalizedText;
+use crate::io::OutputImage;
+use crate::link::snapshot::{RunState, ThreadCut};
+use crate::nc::BlockLocation;
+use crate::units::{Axis, Micros, PerAxis};
+
+impl Controller {
+    /// Why a command of the last tick was refused; `None` if all were executed.
+    #[must_use]
+    pub const fn refusal(&self) -> Option<&LocalizedText> {
+        self.plant.outbox.refusal.as_ref()
+    }
+
+    /// The threads cut since power-on with their lead error, mm; at most 256.
+    #[must_use]
+    pub fn threads(&self) -> &[ThreadCut] {
+        &self.plant.spindles.threads
+    }
+
+    /// The value of a system variable; `None` if it is null or does not exist.
+    #[must_use]
+    pub fn system_variable(&self, number: u32) -> Option<f64> {
+        self.plant.system_variable(number)
+    }
+
+    /// Outputs by function, as of the last tick.
+    #[must_use]
+    pub const fn output_set(&self) -> OutputSet {
+        self.plant.outputs.on
+    }
+
+    /// The value of a common variable as executed.
+    #[must_use]
+    pub fn variable(&self, number: u32) -> Option<f64> {
+        self.plant.work.variables.get(number).ok().flatten()
+    }
+
+    /// The present block: program, line, N.
+    #[must_use]
+    pub const fn current_block(&self) -> BlockLocation {
+        self.plant.execution.current_block
+    }
+
+    /// The output image of the last tick.
+    #[must_use]
+    pub const fn outputs(&self) -> &OutputImage {
+        &self.plant.outputs.image
+    }
+
+    /// The parameters in force.
+    #[must_use]
+    pub fn params(&self) -> &Params {
+        &self.plant.params
+    }
+
+    /// The kind of machine.
+    #[must_use]
+    pub const fn kind(&self) -> Kind {
+        self.plant.kind_row.kind
+    }
+
+    /// Tick time.
+    #[must_use]
+    pub const fn tick_time(&self) -> Micros {
+        self.plant.axes.tick_time()
+    }
+
+    /// Blocks executed since power-on.
+    #[must_use]
+    pub const fn block_count(&self) -> u64 {
+        self.plant.execution.block_count
+    }
+
+    /// Whether the axes are braking to a hold or a reset.
+    #[must_use]
+    pub const fn is_braking(&self) -> bool {
+        matches!(self.plant.execution.phase, ControlPhase::Holding | ControlPhase::Aborting)
+    }
+
+    /// Whether the axes stand in position.
+    #[must_use]
+    pub fn is_in_position(&self) -> bool {
+        self.plant.is_in_position()
+    }
+
+    /// Whether no set-point moves.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.plant.axes.is_at_rest()
+    }
+
+    /// The axes of the machine.
+    pub fn axes_present(&self) -> impl Iterator<Item = Axis> + use<> {
+        self.plant.axes.present()
+    }
+
+    /// Machine set-point, radius mm.
+    #[must_use]
+    pub const fn set_point(&self) -> PerAxis<f64> {
+        self.plant.axes.set_point()
+    }
+
+    /// Machine position from the encoders, radius mm.
+    #[must_use]
+    pub const fn actual(&self) -> PerAxis<f64> {
+        self.plant.axes.actual()
+    }
+
+    /// Wear of an offset (1 to 16), mm as displayed.
+    #[must_use]
+    pub fn wear(&self, number: usize, axis: Axis) -> Option<f64> {
+        let wear = self.plant.work.offsets.wear.get(number.checked_sub(1)?)?;
+        Some(wear[axis] * self.plant.displayed_per_mm(axis))
+    }
+
+    /// Controller time.
+    #[must_use]
+    pub const fn now(&self) -> Micros {
+        self.plant.now
+    }
+
+    /// #438 and #439.
+    #[must_use]
+    pub fn oscillation_flags(&self) -> (bool, bool) {
+        self.plant.oscillation_flags()
+    }
+
+    /// Terminals that keep their level in the safe state: spindles and fluids off, clamps hold (table after K3).
+    #[must_use]
+    pub fn kept_in_safe_state(&self) -> Terminals {
+        self.plant.kept_in_safe_state()
+    }
+
+    /// The run state.
+    #[must_use]
+    pub fn state(&self) -> RunState {
+        run_state(self.view())
+    }
+}

@@ -1,0 +1,7 @@
+//! Safety: inputs, supervision, alarms and their reactions, outputs.
+
+pub mod alarms;
+mod filter;
+pub mod inputs;
+pub mod outputs;
+mod supervision;

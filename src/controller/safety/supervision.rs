@@ -1,0 +1,132 @@
+//! Supervision: findings of the machine logic, and the control's own checks of drives, limits, bus and screen.
+//! Source: spec B5, B8, K3.7, table "what stops what".
+
+use crate::controller::plant::Plant;
+use crate::defs::alarm;
+use crate::defs::param;
+use crate::defs::signal::Input;
+use crate::defs::text::LocalizedText;
+use crate::machine::{Consequence, MachineFinding};
+use crate::units::Micros;
+
+impl Plant {
+    /// One tick of the machine logic.
+    pub fn supervise_machine(&mut self) {
+        let around = self.control_state();
+        for finding in self.machine.tick(self.now, self.inputs.filtered, &self.params, around).into_iter().flatten() {
+            match finding {
+                MachineFinding::Alarm { number, stopped } => self.raise_with_reaction(number, None, stopped),
+                MachineFinding::Cleared(number) => self.alarms.clear(number),
+                MachineFinding::Message(why) => self.refuse(why),
+            }
+        }
+    }
+
+    /// Drives, limit switches, bus and following errors.
+    pub fn supervise_axes(&mut self) {
+        if !self.inputs.image.bus_alive {
+            self.raise(alarm::BUS_LOST, None);
+        }
+        let drives = [Input::DriveX, Input::DriveY, Input::DriveZ];
+        let limits = [
+            (Input::LimitXPlus, Input::LimitXMinus),
+            (Input::LimitYPlus, Input::LimitYMinus),
+            (Input::LimitZPlus, Input::LimitZMinus),
+        ];
+        let faults: Vec<_> =
+            self.axes.present().filter(|axis| self.inputs.filtered.has(drives[*axis as usize])).collect();
+        if !faults.is_empty() {
+            // A crash trips all drives at once: report the moving axes.
+            let moving: Vec<_> = faults.iter().filter(|axis| self.is_moving(**axis)).collect();
+            let told = if moving.is_empty() { faults.iter().collect() } else { moving };
+            let names = told.into_iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+            self.raise(alarm::DRIVE_FAULT, Some(LocalizedText::new(names.clone(), names)));
+            self.axes.clear_homed();
+        }
+        for axis in self.axes.present() {
+            let name = || Some(LocalizedText::new(axis.to_string(), axis.to_string()));
+            let (plus, minus) = limits[axis as usize];
+            for (bit, switch) in [(0, plus), (1, minus)] {
+                let mask = 1 << (2 * axis as u8 + bit);
+                let pressed = self.inputs.filtered.has(switch);
+                // Only the edge counts: after RESET the axis must be able to leave the switch.
+                if pressed && self.inputs.limit_switches & mask == 0 {
+                    self.alarms.clear(alarm::HARD_LIMIT);
+                    self.raise(alarm::HARD_LIMIT, name());
+                    self.axes.clear_homed();
+                }
+                if pressed { self.inputs.limit_switches |= mask } else { self.inputs.limit_switches &= !mask }
+            }
+        }
+        if self.outputs.drives_on
+            && let Some(axis) = self.axes.first_following_error(&self.params)
+        {
+            self.raise(alarm::FOLLOWING_ERROR, Some(LocalizedText::new(axis.to_string(), axis.to_string())));
+            self.axes.clear_homed();
+        }
+    }
+
+    /// Keep-alive of the screen.
+    pub fn supervise_screen(&mut self) {
+        let silence = Micros::from_millis_f64(self.params.get(param::HMI_KEEP_ALIVE));
+        if let Some(heard) = self.operator.screen_alive_at
+            && self.now.since(heard) > silence
+        {
+            self.raise(alarm::HMI_LOST, None);
+            self.operator.screen_alive_at = None;
+        }
+    }
+
+    /// RESET: clears the alarms whose cause is gone; the drives go on if nothing forbids it.
+    pub fn reset_alarms(&mut self) {
+        let e_stop = self.machine.is_e_stopped();
+        let bus = self.inputs.image.bus_alive;
+        let (inputs, limits) = (self.inputs.filtered, self.inputs.limit_switches);
+        let drives = [Input::DriveX, Input::DriveY, Input::DriveZ].into_iter().any(|input| inputs.has(input));
+        self.alarms.reset(|number| match number {
+            alarm::EMERGENCY_STOP => e_stop,
+            alarm::BUS_LOST => !bus,
+            alarm::DRIVE_FAULT => drives,
+            alarm::HARD_LIMIT => limits != 0,
+            _ => false,
+        });
+        self.outputs.drives_on = !e_stop && bus && !drives;
+    }
+
+    /// Raises an alarm and executes its reaction.
+    pub fn raise(&mut self, number: u16, detail: Option<LocalizedText>) {
+        self.raise_with_reaction(number, detail, false);
+    }
+
+    pub fn raise_with_reaction(&mut self, number: u16, detail: Option<LocalizedText>, stopped: bool) {
+        if !self.alarms.has(number) {
+            let place = self
+                .execution
+                .phase
+                .is_run_open()
+                .then_some((self.execution.current_block.program, self.execution.current_block.line));
+            self.alarms.raise(number, detail, self.now, place);
+            if let Some(alarm) = self.alarms.present().last().filter(|_| self.outbox.message.since < self.now) {
+                let text = alarm.text.clone();
+                self.warn(text);
+            }
+        } else if !stopped {
+            return;
+        }
+        match Consequence::of(number, stopped) {
+            Consequence::Nothing => {}
+            Consequence::Hold => self.hold_run(),
+            Consequence::Abort => self.abort_run(),
+            Consequence::AbortAndStop => {
+                self.machine.stop_wheel_and_drive();
+                self.abort_run();
+            }
+            Consequence::AbortAndMakeSafe => {
+                self.stop_oscillation();
+                self.machine.safe_stop();
+                self.abort_run();
+                self.outputs.drives_on = false;
+            }
+        }
+    }
+}
