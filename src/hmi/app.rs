@@ -159,6 +159,11 @@ impl Hmi {
             ui.painter().rect_filled(ui.max_rect(), 0.0, theme::dimming_overlay(self.brightness));
         }
         self.presses.end_frame(ui, &mut out);
+        for command in &mut out {
+            if let Command::Press(key) = *command {
+                *command = snapshot.press_command(key);
+            }
+        }
         out
     }
 

@@ -143,7 +143,10 @@ impl HostLink {
     /// Sends a command. Reset, feed hold and emergency stop have their own queue, which other commands cannot fill.
     /// Returns false when the queue is full or the thread has ended; the command is lost.
     pub fn send(&self, command: Command) -> bool {
-        let urgent = matches!(command, Command::Press(Key::Reset | Key::FeedHold | Key::EmergencyStop));
+        let urgent = matches!(
+            command,
+            Command::Press(Key::Reset | Key::FeedHold | Key::EmergencyStop) | Command::EmergencyStop(_)
+        );
         let path = if urgent { &self.urgent } else { &self.commands };
         path.try_send(command).is_ok()
     }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use ropey::Rope;
 
-use super::command::{ScreenFiles, Screens};
+use super::command::{Command, ScreenFiles, Screens};
 use super::edit::{EditAnswer, ModalView, OFFSET_COUNT, OffsetView};
 use super::files::FilesView;
-use super::internal_signal::InternalSignalSet;
+use super::internal_signal::{InternalSignal, InternalSignalSet};
 use super::simulation::SimView;
 use super::teach::TeachView;
 use super::toolpath::StockBox;
@@ -390,6 +390,16 @@ pub struct DirectoryRow {
 }
 
 impl Snapshot {
+    /// The command of a pressed key. The emergency stop is a state: its key latches it, or turns it out if the screen
+    /// shows it latched.
+    #[must_use]
+    pub fn press_command(&self, key: Key) -> Command {
+        match key {
+            Key::EmergencyStop => Command::EmergencyStop(!self.internals.has(InternalSignal::ScreenEmergencyStop)),
+            key => Command::Press(key),
+        }
+    }
+
     /// The initial state, before the machine has been read.
     #[must_use]
     pub fn new(kind: Kind) -> Self {

@@ -194,8 +194,17 @@ impl<'a> Player<'a> {
         refused.map_or(Ok(()), Err)
     }
 
+    /// The command of a pressed key. The mushroom of the emergency stop is turned out when it is latched.
+    fn press_command(&mut self, key: Key) -> Command {
+        match key {
+            Key::EmergencyStop => self.host.snapshot().press_command(key),
+            key => Command::Press(key),
+        }
+    }
+
     fn press_and_hold(&mut self, key: Key) {
-        self.host.send(Command::Press(key));
+        let command = self.press_command(key);
+        self.host.send(command);
         if key.jog_direction().is_some() && !self.held_keys.contains(&key) {
             if self.held_keys.is_empty() {
                 self.next_hold = self.host.now() + HOLD_INTERVAL;
@@ -210,7 +219,8 @@ impl<'a> Player<'a> {
     }
 
     fn press(&mut self, key: Key) -> Result<(), String> {
-        self.send(Command::Press(key))?;
+        let command = self.press_command(key);
+        self.send(command)?;
         self.send(Command::Release(key))
     }
 

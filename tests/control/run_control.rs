@@ -337,3 +337,51 @@ fn b2_g30_goes_over_the_via_point_to_a_reference_point_of_the_parameters() {
         "key cycle-start\nwait until idle max 60 s\nexpect machine X -90 ±0.001\nexpect machine Z -120 ±0.001",
     );
 }
+
+#[test]
+fn k3_6_an_emergency_stop_pressed_twice_in_one_tick_stays_pressed() {
+    use kt830::defs::key::Key;
+    use kt830::link::command::Command;
+    let mut rig = ready();
+    rig.send(Command::Press(Key::EmergencyStop));
+    rig.send(Command::Press(Key::EmergencyStop));
+    tell(&mut rig, "wait 0.1 s\nexpect alarm 0\nkey reset\nexpect alarm 0");
+    rig.send(Command::EmergencyStop(true));
+    tell(&mut rig, "wait 0.1 s\nkey reset\nexpect alarm 0");
+    // Its key turns it out; only then RESET clears the alarm.
+    tell(&mut rig, "key emergency-stop\nwait 0.1 s\nkey reset\nexpect no alarm");
+}
+
+#[test]
+fn k2_2_nothing_starts_in_the_tick_of_a_reset_or_an_emergency_stop() {
+    use kt830::defs::key::Key;
+    use kt830::link::command::Command;
+    use kt830::link::snapshot::RunState;
+    let start = || Command::Press(Key::CycleStart);
+    let line = || Command::Mdi("G98 G01 W-1 F300".to_owned());
+    for (mode, start) in [("auto", &start as &dyn Fn() -> Command), ("mdi", &line)] {
+        for stop in [Command::Press(Key::Reset), Command::EmergencyStop(true)] {
+            for stop_first in [true, false] {
+                let mut rig = ready_with("G98 G01 W-10 F300\nM30");
+                tell(&mut rig, &format!("mode {mode}"));
+                let both = if stop_first { [stop.clone(), start()] } else { [start(), stop.clone()] };
+                both.into_iter().for_each(|command| rig.send(command));
+                rig.step();
+                assert_eq!(rig.controller().block_count(), 0, "{mode}, {stop:?}");
+                assert!(!rig.snapshot().state.is_active(), "{mode}, {stop:?}, first: {stop_first}");
+                for _ in 0..100 {
+                    rig.step();
+                    assert_ne!(rig.controller().state(), RunState::Running, "{mode}, {stop:?}, first: {stop_first}");
+                }
+            }
+        }
+        // In the next tick a start counts again.
+        let mut rig = ready_with("G98 G01 W-10 F300\nM30");
+        tell(&mut rig, &format!("mode {mode}"));
+        rig.send(Command::Press(Key::Reset));
+        rig.step();
+        rig.send(start());
+        rig.step();
+        assert_eq!(rig.controller().state(), RunState::Running, "{mode}");
+    }
+}
