@@ -24,14 +24,14 @@
 //! # The path of a key press
 //!
 //! finger → `hmi::panel` → [`link::Command`] → bounded channel (reset, hold and emergency stop have one of their own) →
-//! [`host::realtime`] → [`controller::Controller::tick`]: inputs, commands (`controller::keys` asks
+//! [`host::realtime`] → [`controller::Controller::tick`]: inputs, commands (`controller::panel::keys` asks
 //! [`machine::Machine::ask`], which asks [`machine::interlock`]), machine logic and alarms, program, hand, axes, outputs →
 //! [`io::Backend::write`] → newest-only [`link::Snapshot`] → page. It never runs back: a lamp shows the output, not the wish.
 //!
 //! # The path of a move
 //!
-//! text → on the lathe and the 802D [`nc::ProgramPreflight`]: the whole of it before anything moves → [`nc::Interpreter::next`] → [`nc::Op`] (radius mm, work frame) → `controller::run` turns it into machine
-//! coordinates and checks the soft limits → `controller::executor` hands it to [`motion::TrajectoryPlanner`], in order with the acts
+//! text → on the lathe and the 802D [`nc::ProgramPreflight`]: the whole of it before anything moves → [`nc::Interpreter::next`] → [`nc::Op`] (radius mm, work frame) → `controller::program::queue` turns it into machine
+//! coordinates and checks the soft limits → `controller::program::executor` hands it to [`motion::TrajectoryPlanner`], in order with the acts
 //! between the moves → [`motion::TrajectoryPlanner::tick`], one set-point a tick → [`io::OutputImage`]. Variables, frames and block numbers
 //! change when the machine gets there, not when the reader does.
 //!

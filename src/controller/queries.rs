@@ -22,7 +22,7 @@ impl Controller {
     /// The threads cut since power-on with their lead error, mm; at most 256.
     #[must_use]
     pub fn threads(&self) -> &[ThreadCut] {
-        &self.plant.spindles.threads
+        self.plant.spindles.threads.threads()
     }
 
     /// The value of a system variable; `None` if it is null or does not exist.

@@ -64,6 +64,23 @@ enum HomingStep {
     },
 }
 
+impl HomingStep {
+    /// Whether the axis at `at` has gone further than this step may go to reach or leave the switch.
+    fn is_too_far(self, at: f64, travel_mm: f64) -> bool {
+        let (from, most_mm) = match self {
+            Self::SeekFast { from } | Self::BackOff { from } => (from, travel_mm),
+            Self::SeekSlow { from } | Self::OverSwitch { from } => (from, travel_mm.min(MAX_SLOW_TRAVEL_MM)),
+            Self::Begin
+            | Self::StopFast
+            | Self::StopOverSwitch
+            | Self::StopBackOff
+            | Self::StopSlow { .. }
+            | Self::ToZero { .. } => return false,
+        };
+        (at - from).abs() > most_mm
+    }
+}
+
 /// Why homing failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HomingFailure {
@@ -168,7 +185,6 @@ impl AxisHoming {
             self.step = step;
             return HomingProgress::Running;
         }
-        let too_far = |from: f64, most_mm: f64| (at - from).abs() > most_mm;
         self.step = match self.step {
             HomingStep::Begin if switch => {
                 mover.set_velocity_target(-direction * slow_mm_s * BACK_OFF_FACTOR);
@@ -203,16 +219,6 @@ impl AxisHoming {
                 return HomingProgress::SetZero { edge };
             }
             HomingStep::ToZero { stood } => return self.settle_at_zero(mover, at, stood),
-            HomingStep::SeekFast { from } | HomingStep::BackOff { from } if too_far(from, travel_mm) => {
-                mover.stop();
-                return HomingProgress::Failed(HomingFailure::NoSwitch);
-            }
-            HomingStep::SeekSlow { from } | HomingStep::OverSwitch { from }
-                if too_far(from, travel_mm.min(MAX_SLOW_TRAVEL_MM)) =>
-            {
-                mover.stop();
-                return HomingProgress::Failed(HomingFailure::NoSwitch);
-            }
             step @ (HomingStep::SeekFast { .. }
             | HomingStep::StopFast
             | HomingStep::OverSwitch { .. }
@@ -220,8 +226,54 @@ impl AxisHoming {
             | HomingStep::BackOff { .. }
             | HomingStep::StopBackOff
             | HomingStep::SeekSlow { .. }
-            | HomingStep::StopSlow { .. }) => step,
+            | HomingStep::StopSlow { .. }) => {
+                if step.is_too_far(at, travel_mm) {
+                    mover.stop();
+                    return HomingProgress::Failed(HomingFailure::NoSwitch);
+                }
+                step
+            }
         };
         HomingProgress::Running
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::AxisLimits;
+
+    /// Homes an axis whose switch closes at `switch_mm`, for at most `ticks`: the position of zero, or the failure.
+    fn home(switch_mm: f64, ticks: u32) -> Result<f64, HomingFailure> {
+        let limits = AxisLimits { velocity_mm_s: 100.0, acceleration_mm_s2: 800.0, jerk_mm_s3: 20_000.0 };
+        let mut mover = AxisMover::new(limits, 0.0, 0.001);
+        let (direction, travel_mm, width_mm) = (1.0, 50.0, 0.01);
+        let (fast_mm_s, slow_mm_s, coordinate, over_switch) = (20.0, 1.0, 5.0, false);
+        let plan = HomingPlan { direction, fast_mm_s, slow_mm_s, travel_mm, coordinate, over_switch, width_mm };
+        let mut homing = AxisHoming::new(Axis::X, plan);
+        let mut zero = None;
+        for _ in 0..ticks {
+            let at = mover.position();
+            // After the zero is set the switch is at its coordinate.
+            let on = at >= zero.map_or(switch_mm, |_| coordinate);
+            match homing.tick(&mut mover, on, on, at) {
+                HomingProgress::Running => {}
+                HomingProgress::SetZero { edge } => {
+                    zero = Some(edge);
+                    mover.set_position(at + coordinate - edge);
+                }
+                HomingProgress::Done => return Ok(zero.unwrap_or(f64::NAN)),
+                HomingProgress::Failed(why) => return Err(why),
+            }
+            mover.tick();
+        }
+        panic!("still homing");
+    }
+
+    #[test]
+    fn b5_an_axis_homes_on_the_slow_edge_of_its_switch_or_says_that_there_is_none() {
+        let edge = home(10.0, 40_000).unwrap();
+        assert!((edge - 10.0).abs() < 0.002, "1 mm/s are 1 µm a tick: {edge}");
+        assert_eq!(home(500.0, 40_000), Err(HomingFailure::NoSwitch), "further than the travel of 50 mm");
     }
 }

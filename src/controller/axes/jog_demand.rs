@@ -130,3 +130,47 @@ fn jog_speed(axis: Axis, direction: f64, params: &Params, limits: JogLimits) -> 
     let speed = if slow { speed.min(params.get(param::WHEEL_ON_INFEED_SPEED)) } else { speed };
     speed / SECONDS_PER_MINUTE
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::defs::kind::Kind;
+    use crate::io::InputImage;
+    use crate::units::PerAxis;
+
+    const LIMITS: JogLimits = JogLimits { jog_mode: true, rapid_jog: false, feed: 1.0, rapid: 1.0, slow_axis: None };
+
+    #[test]
+    fn b5_a_jog_key_without_refresh_lets_go() {
+        let params = Params::factory(Kind::Gc);
+        let image = InputImage::default();
+        let mut axes = Axes::new(&params, crate::machine::kind::find(Kind::Gc), &image, PerAxis::default());
+        let mut jog = JogDemand::default();
+        let silence = Micros::from_millis_f64(params.get(param::JOG_KEEP_ALIVE));
+        jog.press_jog_key(Axis::X, 1.0, Micros::ZERO);
+        assert!(!jog.tick(&mut axes, silence, &params, LIMITS) && jog.is_active());
+        jog.keep_alive(Key::XMinus, silence);
+        assert!(jog.tick(&mut axes, silence + Micros(1), &params, LIMITS), "another key does not refresh it");
+        assert!(!jog.is_active());
+        jog.press_jog_key(Axis::X, 1.0, Micros::ZERO);
+        jog.keep_alive(Key::XPlus, silence);
+        assert!(!jog.tick(&mut axes, silence + Micros(1), &params, LIMITS) && jog.is_active());
+    }
+
+    #[test]
+    fn k2_3_detents_add_up_and_stop_at_the_soft_limit_of_a_homed_axis() {
+        let params = Params::factory(Kind::Gc);
+        let image = InputImage::default();
+        let mut axes = Axes::new(&params, crate::machine::kind::find(Kind::Gc), &image, PerAxis::default());
+        axes.finish_homing(Axis::Z, &params);
+        let (_, high) = soft_limits(&params, Axis::Z);
+        let mut jog = JogDemand::default();
+        jog.move_by(Axis::Z, 0.1, &axes, &params);
+        jog.move_by(Axis::Z, 0.1, &axes, &params);
+        assert!((jog.target[Axis::Z].map_or(0.0, |(to, _)| to) - 0.2).abs() < 1e-12);
+        jog.move_by(Axis::Z, 1e6, &axes, &params);
+        assert!((jog.target[Axis::Z].map_or(0.0, |(to, _)| to) - high).abs() < 1e-12);
+        jog.stop_all();
+        assert!(!jog.is_active());
+    }
+}

@@ -8,6 +8,7 @@ pub mod jog_demand;
 mod leadscrew;
 pub mod oscillation;
 pub mod spindle_encoder;
+pub mod thread_recorder;
 
 use homing::AxisHoming;
 use leadscrew::LeadscrewCompensator;
@@ -34,11 +35,35 @@ pub enum AxisOwner {
     Program,
 }
 
-/// The real set-points while machine lock is on.
+/// Set-points and the direction from which they were reached.
 #[derive(Clone, Copy, Debug)]
-struct LockedPosition {
+struct Commanded {
     set_point: PerAxis<f64>,
+    /// The last move of each axis was in the minus direction: backlash is taken up on that side.
     last_move_minus: PerAxis<bool>,
+}
+
+/// Positions from the encoders.
+#[derive(Clone, Copy, Debug)]
+struct Feedback {
+    /// Machine coordinate minus encoder reading.
+    machine_minus_encoder_mm: PerAxis<f64>,
+    /// Actual positions from the encoders.
+    encoder: PerAxis<f64>,
+    /// Displayed positions: equal to `encoder`, except under machine lock.
+    actual: PerAxis<f64>,
+}
+
+/// An axis that oscillates independently of the owner.
+#[derive(Clone, Copy, Debug)]
+struct OscillatingAxis {
+    axis: Axis,
+    position: f64,
+    velocity_mm_s: f64,
+    /// Position of the axis when oscillation began, machine mm: the position that program and planner use for it.
+    start_mm: f64,
+    /// The oscillation is over. The axis holds its position until the path has come to rest.
+    releasing: bool,
 }
 
 /// All axes of the machine.
@@ -50,24 +75,11 @@ pub struct Axes {
     pub movers: PerAxis<AxisMover>,
     present: PerAxis<bool>,
     owner: AxisOwner,
-    /// Machine coordinate minus encoder reading.
-    machine_minus_encoder_mm: PerAxis<f64>,
     homed: PerAxis<bool>,
-    /// Actual positions from the encoders.
-    encoder: PerAxis<f64>,
-    /// Displayed positions: equal to `encoder`, except under machine lock.
-    actual: PerAxis<f64>,
-    /// Set-points.
-    set_point: PerAxis<f64>,
+    feedback: Feedback,
+    commanded: Commanded,
     velocity_mm_s: PerAxis<f64>,
-    /// The last move of each axis was in the minus direction: backlash is taken up on that side.
-    last_move_minus: PerAxis<bool>,
-    /// An axis that oscillates independently of the owner: its set-point (mm) and velocity (mm/s).
-    oscillation: Option<(Axis, f64, f64)>,
-    /// Position of the axis when oscillation began, machine mm: the position that program and planner use for it.
-    oscillation_start_mm: f64,
-    /// The oscillation is over. The axis holds its position until the path has come to rest.
-    releasing: bool,
+    oscillating: Option<OscillatingAxis>,
     /// Leadscrew compensation added to the set-points.
     compensation: LeadscrewCompensator,
     /// The thread being cut.
@@ -75,7 +87,7 @@ pub struct Axes {
     /// The homing that a program has started.
     pub homing: Option<AxisHoming>,
     /// Machine lock: the real set-points while the displayed positions keep counting.
-    locked: Option<LockedPosition>,
+    locked: Option<Commanded>,
     /// Tick time, as read at power-on (P58).
     tick_time: Micros,
 }
@@ -94,16 +106,11 @@ impl Axes {
             movers,
             present: row.fitted(params),
             owner: AxisOwner::Manual,
-            machine_minus_encoder_mm: PerAxis::default(),
             homed: PerAxis::default(),
-            encoder: start,
-            actual: start,
-            set_point: start,
+            feedback: Feedback { machine_minus_encoder_mm: PerAxis::default(), encoder: start, actual: start },
+            commanded: Commanded { set_point: start, last_move_minus: PerAxis::default() },
             velocity_mm_s: PerAxis::default(),
-            last_move_minus: PerAxis::default(),
-            oscillation: None,
-            oscillation_start_mm: 0.0,
-            releasing: false,
+            oscillating: None,
             compensation: LeadscrewCompensator::new(screws, params, tick_s),
             thread: None,
             homing: None,
@@ -135,14 +142,14 @@ impl Axes {
     /// The axis must be at rest. It is homed only when it reaches its zero point, see [`Self::finish_homing`].
     pub fn set_zero(&mut self, axis: Axis, edge: f64, coordinate: f64) {
         let shift = coordinate - edge;
-        self.machine_minus_encoder_mm[axis] += shift;
-        self.encoder[axis] += shift;
-        self.actual[axis] += shift;
-        self.set_point[axis] += shift;
-        self.movers[axis].set_position(self.set_point[axis]);
+        self.feedback.machine_minus_encoder_mm[axis] += shift;
+        self.feedback.encoder[axis] += shift;
+        self.feedback.actual[axis] += shift;
+        self.commanded.set_point[axis] += shift;
+        self.movers[axis].set_position(self.commanded.set_point[axis]);
         // From here on the leadscrew table applies. The axis does not move for it; the zero is shifted instead.
-        self.machine_minus_encoder_mm[axis] +=
-            self.compensation.apply_at_once(axis, self.set_point[axis], self.last_move_minus[axis]);
+        self.feedback.machine_minus_encoder_mm[axis] +=
+            self.compensation.apply_at_once(axis, self.commanded.set_point[axis], self.commanded.last_move_minus[axis]);
     }
 
     /// The axis has reached its zero point: it is now homed and its soft limits apply.
@@ -168,51 +175,52 @@ impl Axes {
     /// Reads the encoders.
     pub fn read(&mut self, image: &InputImage) {
         let applied = self.compensation.applied_mm();
-        self.encoder =
-            PerAxis::from_fn(|axis| image.encoder_mm[axis] + self.machine_minus_encoder_mm[axis] - applied[axis]);
-        self.actual = if self.locked.is_some() { self.set_point } else { self.encoder };
+        self.feedback.encoder = PerAxis::from_fn(|axis| {
+            image.encoder_mm[axis] + self.feedback.machine_minus_encoder_mm[axis] - applied[axis]
+        });
+        self.feedback.actual = if self.locked.is_some() { self.commanded.set_point } else { self.feedback.encoder };
     }
 
     /// One tick of the owner of the axes. A thread follows `spindle_turns` (revolutions).
     pub fn tick(&mut self, rate: Override, spindle_turns: f64) {
-        let before = self.set_point;
+        let before = self.commanded.set_point;
         self.release_oscillation();
         match self.owner {
             AxisOwner::Program => {
                 let point = self.planner.tick(rate);
-                self.set_point = point.position;
+                self.commanded.set_point = point.position;
                 self.velocity_mm_s = point.velocity_mm_s;
             }
             AxisOwner::Manual => {
                 for axis in Axis::ALL {
                     let (position, velocity) = self.movers[axis].tick();
-                    self.set_point[axis] = position;
+                    self.commanded.set_point[axis] = position;
                     self.velocity_mm_s[axis] = velocity;
                 }
             }
         }
-        if let Some((axis, position, velocity)) = self.oscillation {
-            self.set_point[axis] = position;
-            self.velocity_mm_s[axis] = velocity;
+        if let Some(OscillatingAxis { axis, position, velocity_mm_s, .. }) = self.oscillating {
+            self.commanded.set_point[axis] = position;
+            self.velocity_mm_s[axis] = velocity_mm_s;
         }
         if let Some(thread) = &mut self.thread {
             let point = thread.tick(spindle_turns);
             for axis in [Axis::X, Axis::Z] {
-                self.set_point[axis] = point.position[axis];
+                self.commanded.set_point[axis] = point.position[axis];
                 self.velocity_mm_s[axis] = point.velocity_mm_s[axis];
             }
             if thread.is_finished() {
                 self.thread = None;
-                self.planner.reset_to(self.set_point);
+                self.planner.reset_to(self.commanded.set_point);
             }
         }
         for axis in Axis::ALL {
-            let moved = self.set_point[axis] - before[axis];
+            let moved = self.commanded.set_point[axis] - before[axis];
             if moved.abs() > 0.0 {
-                self.last_move_minus[axis] = moved < 0.0;
+                self.commanded.last_move_minus[axis] = moved < 0.0;
             }
         }
-        let LockedPosition { set_point: set, last_move_minus: minus } = self.physical_position();
+        let Commanded { set_point: set, last_move_minus: minus } = self.physical_position();
         for axis in Axis::ALL {
             self.compensation.step(axis, set[axis], minus[axis], self.homed[axis]);
         }
@@ -237,39 +245,42 @@ impl Axes {
 
     /// Sets position (mm) and velocity (mm/s) of the oscillating axis for this tick; `None` ends the oscillation.
     pub fn set_oscillation(&mut self, strokes: Option<(Axis, f64, f64)>) {
-        match (self.oscillation, strokes) {
-            (None, Some((axis, ..))) => self.oscillation_start_mm = self.set_point[axis],
-            (Some(_), None) => {
-                self.releasing = true;
-                return self.release_oscillation();
+        match (&mut self.oscillating, strokes) {
+            (Some(oscillating), None) => {
+                oscillating.releasing = true;
+                self.release_oscillation();
             }
-            (None, None) | (Some(_), Some(_)) => {}
+            (before, Some((axis, position, velocity_mm_s))) => {
+                let start_mm = before.map_or(self.commanded.set_point[axis], |before| before.start_mm);
+                *before = Some(OscillatingAxis { axis, position, velocity_mm_s, start_mm, releasing: false });
+            }
+            (None, None) => {}
         }
-        (self.oscillation, self.releasing) = (strokes, false);
     }
 
     /// Releases the axis once the path is at rest, so that no pending move can displace it.
     fn release_oscillation(&mut self) {
-        let Some((axis, position, _)) = self.oscillation.filter(|_| self.releasing) else { return };
+        let Some(oscillating) = self.oscillating.as_mut().filter(|oscillating| oscillating.releasing) else { return };
         if self.owner == AxisOwner::Program && !self.planner.is_at_rest() {
-            self.oscillation = Some((axis, position, 0.0));
+            oscillating.velocity_mm_s = 0.0;
             return;
         }
+        let OscillatingAxis { axis, position, start_mm, .. } = *oscillating;
         self.movers[axis].set_position(position);
         // Stopped at its start point, the path continues from there. Stopped elsewhere, its moves are discarded.
-        let elsewhere = (position - self.oscillation_start_mm).abs() > SAME_POSITION_MM;
+        let elsewhere = (position - start_mm).abs() > SAME_POSITION_MM;
         if self.owner == AxisOwner::Program && (elsewhere || self.planner.is_done()) {
-            self.planner.reset_to(self.set_point);
+            self.planner.reset_to(self.commanded.set_point);
         }
-        (self.oscillation, self.releasing) = (None, false);
+        self.oscillating = None;
     }
 
     /// The set-points as the program sees them: an oscillating axis counts as being at its start point.
     #[must_use]
     pub fn program_set_point(&self) -> PerAxis<f64> {
-        let mut set = self.set_point;
-        if let Some((axis, ..)) = self.oscillation {
-            set[axis] = self.oscillation_start_mm;
+        let mut set = self.commanded.set_point;
+        if let Some(OscillatingAxis { axis, start_mm, .. }) = self.oscillating {
+            set[axis] = start_mm;
         }
         set
     }
@@ -277,14 +288,14 @@ impl Axes {
     /// The set-point of each axis in encoder coordinates, mm.
     #[must_use]
     pub fn encoder_set_points(&self) -> PerAxis<f64> {
-        let LockedPosition { set_point: set, .. } = self.physical_position();
+        let Commanded { set_point: set, .. } = self.physical_position();
         let applied = self.compensation.applied_mm();
-        PerAxis::from_fn(|axis| set[axis] - self.machine_minus_encoder_mm[axis] + applied[axis])
+        PerAxis::from_fn(|axis| set[axis] - self.feedback.machine_minus_encoder_mm[axis] + applied[axis])
     }
 
     /// The real set-points and last directions, with machine lock on or off.
-    fn physical_position(&self) -> LockedPosition {
-        self.locked.unwrap_or(LockedPosition { set_point: self.set_point, last_move_minus: self.last_move_minus })
+    fn physical_position(&self) -> Commanded {
+        self.locked.unwrap_or(self.commanded)
     }
 
     /// Replaces the leadscrew table of an axis. The correction is applied by a ramp.
@@ -301,7 +312,7 @@ impl Axes {
     /// Machine lock on: the displayed positions count while the axes stand. The axes must be at rest.
     pub const fn lock(&mut self) {
         if self.locked.is_none() {
-            self.locked = Some(LockedPosition { set_point: self.set_point, last_move_minus: self.last_move_minus });
+            self.locked = Some(self.commanded);
         }
     }
 
@@ -319,8 +330,9 @@ impl Axes {
 
     /// Machine lock off: displays the real positions again.
     pub fn unlock(&mut self) {
-        let Some(LockedPosition { set_point: set, last_move_minus: minus }) = self.locked.take() else { return };
-        (self.set_point, self.last_move_minus, self.actual) = (set, minus, self.encoder);
+        let Some(real) = self.locked.take() else { return };
+        (self.commanded, self.feedback.actual) = (real, self.feedback.encoder);
+        let set = real.set_point;
         self.planner.reset_to(set);
         for axis in Axis::ALL {
             self.movers[axis].set_position(set[axis]);
@@ -339,7 +351,7 @@ impl Axes {
     pub fn switch_to_manual(&mut self) {
         if self.owner == AxisOwner::Program && self.planner.is_at_rest() {
             for axis in Axis::ALL {
-                self.movers[axis].set_position(self.set_point[axis]);
+                self.movers[axis].set_position(self.commanded.set_point[axis]);
             }
             self.owner = AxisOwner::Manual;
         }
@@ -381,30 +393,30 @@ impl Axes {
     /// Whether every axis is within the in-position width (mm) of its set-point; an oscillating axis is not checked.
     #[must_use]
     pub fn is_in_position(&self, params: &Params) -> bool {
-        let oscillating = self.oscillation.map(|(axis, ..)| axis);
+        let oscillating = self.oscillating.map(|oscillating| oscillating.axis);
         self.present().all(|axis| Some(axis) == oscillating || self.is_axis_in_position(axis, params))
     }
 
     /// Whether one axis is within the in-position width of its set-point.
     #[must_use]
     pub fn is_axis_in_position(&self, axis: Axis, params: &Params) -> bool {
-        (self.set_point[axis] - self.actual[axis]).abs() <= params.get(param::IN_POSITION)
+        (self.commanded.set_point[axis] - self.feedback.actual[axis]).abs() <= params.get(param::IN_POSITION)
     }
 
     /// The first axis whose following error exceeds the limit, mm. Only supervised while the drives are on.
     #[must_use]
     pub fn first_following_error(&self, params: &Params) -> Option<Axis> {
         let limit = params.get(param::FOLLOWING_LIMIT);
-        let set = self.locked.map_or(self.set_point, |locked| locked.set_point);
-        self.present().find(|axis| (set[*axis] - self.encoder[*axis]).abs() > limit)
+        let set = self.locked.map_or(self.commanded.set_point, |locked| locked.set_point);
+        self.present().find(|axis| (set[*axis] - self.feedback.encoder[*axis]).abs() > limit)
     }
 
     /// Drives off: the set-points follow the actual positions, so that switching on causes no jump.
     pub fn follow_actual(&mut self) {
         if self.planner.is_at_rest() {
-            self.set_point = self.actual;
+            self.commanded.set_point = self.feedback.actual;
             for axis in Axis::ALL {
-                self.movers[axis].set_position(self.actual[axis]);
+                self.movers[axis].set_position(self.feedback.actual[axis]);
             }
             self.owner = AxisOwner::Manual;
         }
@@ -443,13 +455,13 @@ impl Axes {
     /// Machine position from the encoders, mm.
     #[must_use]
     pub const fn actual(&self) -> PerAxis<f64> {
-        self.actual
+        self.feedback.actual
     }
 
     /// Machine set-point, mm.
     #[must_use]
     pub const fn set_point(&self) -> PerAxis<f64> {
-        self.set_point
+        self.commanded.set_point
     }
 
     /// Commanded velocity, mm/s.

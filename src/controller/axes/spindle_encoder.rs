@@ -1,4 +1,4 @@
-//! The main spindle encoder, and the measurement of the thread being cut.
+//! The main spindle encoder.
 //! Source: spec L5.
 
 use super::SECONDS_PER_MINUTE;
@@ -28,21 +28,4 @@ impl SpindleEncoder {
             (self.window_start_turns, self.window_start) = (turns, now);
         }
     }
-}
-
-/// Measured deviation of Z from its nominal position in a thread, mm.
-#[derive(Clone, Copy, Debug)]
-pub struct ThreadMeasurement {
-    /// Line of the thread.
-    pub line: u32,
-    /// Its lead.
-    pub lead_mm: f64,
-    /// Z at its start.
-    pub start_mm: f64,
-    /// The least deviation.
-    pub least_mm: f64,
-    /// The greatest deviation.
-    pub greatest_mm: f64,
-    /// Z at its end.
-    pub end_mm: f64,
 }

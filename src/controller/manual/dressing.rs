@@ -4,7 +4,7 @@
 //! Source: spec K4.2.
 
 use super::Manual;
-use crate::controller::plant::{ControlPhase, MM_S_PER_MM_MIN, Plant};
+use crate::controller::plant::{ControlPhase, MM_S_PER_MM_MIN, Plant, STILL_MOVING};
 use crate::controller::program::Program;
 use crate::controller::program::move_refusal::MoveRefusal;
 use crate::controller::storage_request::StorageRequest;
@@ -20,14 +20,14 @@ use crate::units::Axis;
 
 /// The state of operator input about the dressing points.
 #[derive(Clone, Debug, Default)]
-pub struct DressingPanel {
+pub struct DressingInput {
     /// 回修整点 is lit.
     pub return_active: bool,
     /// The question “是否设置…修整点” is open for this axis.
     awaiting_answer: Option<Axis>,
 }
 
-impl DressingPanel {
+impl DressingInput {
     /// Mode change or reset: the lamp goes dark and an open question is withdrawn.
     pub const fn cancel(&mut self) {
         self.return_active = false;
@@ -80,7 +80,7 @@ impl Manual {
             return plant.refuse(LocalizedText::new("没有要输入的内容", "there is nothing to enter"));
         };
         if !plant.axes.is_at_rest() {
-            return plant.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move")); // the question stays
+            return plant.refuse(STILL_MOVING); // the question stays
         }
         self.dressing.awaiting_answer = None;
         let at = plant.axes.actual()[axis];

@@ -1,7 +1,7 @@
 //! Manual homing: the axis of a key, and the wheel axis before it.
 //! Source: spec B5, K5.16.
 
-use super::jog::ON_LIMIT_SWITCH;
+use super::ON_LIMIT_SWITCH;
 use crate::controller::axes::homing::HomingProgress;
 use crate::controller::plant::{ControlEvent, ControlPhase, Homing, Plant};
 use crate::defs::mcode::Request;

@@ -1,11 +1,11 @@
 //! Manual motion: jog keys, steps and handwheel.
 //! Source: spec K2.3, K5.9.
 
-use super::Manual;
 use super::homing::{home_axis, step_homing};
+use super::{Manual, ON_LIMIT_SWITCH};
 use crate::controller::axes::AxisOwner;
 use crate::controller::axes::jog_demand::JogLimits;
-use crate::controller::plant::{ControlPhase, Plant};
+use crate::controller::plant::{ControlPhase, Plant, STILL_MOVING};
 use crate::controller::program::Program;
 use crate::defs::key::{Key, Mode};
 use crate::defs::mcode::Request;
@@ -17,10 +17,7 @@ use crate::units::Axis;
 /// Coarsest step on the wheel axis while the wheel turns, mm displayed (K5.9).
 const FINE_STEP_MM: f64 = 0.010_5;
 
-pub(super) const ON_LIMIT_SWITCH: Text =
-    Text::new("限位方向，请向反方向移开", "onto the limit switch: move the other way");
 const AT_SOFT_LIMIT: Text = Text::new("已到软限位，请向反方向移动", "at the software limit: move the other way");
-const STILL_MOVING: Text = Text::new("轴还在运动，请稍候", "the axes still move");
 
 /// Handwheel detents: each changes the displayed coordinate by the step (K2.3).
 pub fn turn_handwheel(plant: &mut Plant, program: &mut Program, detents: i32) {

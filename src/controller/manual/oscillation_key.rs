@@ -2,12 +2,11 @@
 //! Source: spec K4.3.
 
 use crate::controller::axes::oscillation::{MIN_STROKE_MM, OscillationStroke};
-use crate::controller::plant::{ControlPhase, Plant};
+use crate::controller::plant::{ControlPhase, Plant, STILL_MOVING};
 use crate::controller::program::move_refusal::MoveRefusal;
 use crate::controller::program::queue::check_soft_limits;
 use crate::defs::mcode::Request;
 use crate::defs::param;
-use crate::defs::text::LocalizedText;
 use crate::machine::RequestResult;
 use crate::units::Axis;
 
@@ -25,7 +24,7 @@ pub fn toggle_oscillation(plant: &mut Plant) {
     if !matches!(plant.execution.phase, ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped)
         || !plant.axes.is_at_rest()
     {
-        return plant.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move"));
+        return plant.refuse(STILL_MOVING);
     }
     if !matches!(plant.request(Request::Jog), RequestResult::Accepted) {
         return;

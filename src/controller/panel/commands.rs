@@ -9,24 +9,24 @@ use crate::defs::key::Key;
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::param::ParamAddress;
 use crate::defs::program_number;
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, Text};
 use crate::link::PageCommand;
 use crate::link::command::Command;
 use crate::link::files::{Requester, Ticket};
+use crate::link::teach::TeachCommand;
 use crate::machine::panel_key::NOT_IN_RUN;
 use crate::nc::BlockLocation;
 use crate::nc::work_offsets::TOOL_OFFSET_COUNT;
 use crate::units::{Axis, PerAxis};
+
+const DATA_CHANGED: Text = Text::new("数据已修改，请重新选择起始段", "data were changed: choose the block again");
 
 impl Panel {
     /// Executes one command.
     pub fn handle_command(&mut self, parts: &mut Parts<'_>, command: &Command) {
         if parts.program.restart.is_some() && invalidates_restart(command) {
             parts.program.restart = None;
-            parts.plant.show_note(LocalizedText::new(
-                "数据已修改，请重新选择起始段",
-                "data were changed: choose the block again",
-            ));
+            parts.plant.show_note(DATA_CHANGED);
         }
         match command {
             Command::Press(key) => self.press_key(parts, *key),
@@ -70,18 +70,20 @@ impl Panel {
             Command::Stored(_) | Command::Simulate(_) => {}
             Command::DiskFailed(why) => parts.plant.raise(alarm::STORE_FAILED, Some(why.clone())),
             Command::Page(command) => self.handle_page_command(parts, command),
-            Command::Teach(command) => {
-                let run_open = parts.program.is_open();
-                if let Some(request) = parts.manual.teach.command(parts.plant, run_open, *command) {
-                    self.handle_file_request(parts, Ticket::without_reply(Requester::Teach), &request);
-                }
-            }
+            Command::Teach(command) => self.handle_teach_command(parts, *command),
             Command::WallClock(told) => {
                 if let Some(power_on) = self.calendar.sync(parts.plant.now, *told) {
                     parts.plant.alarms.set_power_on_date(power_on);
                 }
             }
             Command::KeepAlive => parts.plant.operator.screen_alive_at = Some(parts.plant.now),
+        }
+    }
+
+    fn handle_teach_command(&mut self, parts: &mut Parts<'_>, command: TeachCommand) {
+        let run_open = parts.program.is_open();
+        if let Some(request) = parts.manual.teach.command(parts.plant, run_open, command) {
+            self.handle_file_request(parts, Ticket::without_reply(Requester::Teach), &request);
         }
     }
 

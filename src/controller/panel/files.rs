@@ -133,7 +133,7 @@ impl Panel {
             }
             FileRequest::Transfer(transfer) => self.check_transfer(parts, transfer),
             FileRequest::ImportLeadscrew(_) if parts.program.is_open() => Err(Refusal::Other(TRANSFER_IN_RUN.into())),
-            FileRequest::ImportLeadscrew(_) if !self.pages.is_builder() => Err(Refusal::Builder),
+            FileRequest::ImportLeadscrew(_) if !self.access.is_builder() => Err(Refusal::Builder),
             FileRequest::ImportLeadscrew(_) | FileRequest::ExportLeadscrew(..) => Ok(()),
             FileRequest::CheckEditable(_) | FileRequest::CheckLines { .. } | FileRequest::ComputeToolpath(_) => Ok(()),
             FileRequest::ReadPage { .. } => Ok(()),
@@ -154,9 +154,9 @@ impl Panel {
             return Err(Refusal::Other(TRANSFER_IN_RUN.into()));
         }
         match transfer.set {
-            TransferSet::Params | TransferSet::Backup if !self.pages.is_builder() => Err(Refusal::Builder),
+            TransferSet::Params | TransferSet::Backup if !self.access.is_builder() => Err(Refusal::Builder),
             TransferSet::Programs | TransferSet::Serial
-                if self.needs_program_password(parts, transfer) && !self.pages.may_edit_programs() =>
+                if self.needs_program_password(parts, transfer) && !self.access.may_edit_programs() =>
             {
                 Err(Refusal::Password)
             }
@@ -238,7 +238,7 @@ impl Panel {
             true => param::SUBPROGRAM_PASSWORD,
             false => param::PROGRAM_PASSWORD,
         };
-        if parts.plant.params.bit(asks) && !self.pages.may_edit_programs() { Err(Refusal::Password) } else { Ok(()) }
+        if parts.plant.params.bit(asks) && !self.access.may_edit_programs() { Err(Refusal::Password) } else { Ok(()) }
     }
 
     /// Handles an answer of the background thread.

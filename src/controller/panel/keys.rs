@@ -61,6 +61,9 @@ impl Panel {
                 self.reset(parts);
                 parts.plant.show_note(LocalizedText::new("已复位", "reset"));
             }
+            Key::EmergencyStop if parts.plant.inputs.screen_e_stop() => {
+                parts.plant.show_note(LocalizedText::new("急停已按下", "the emergency stop is pressed already"));
+            }
             Key::EmergencyStop => parts.plant.inputs.set_screen_e_stop(true),
             Key::Rapid => parts.plant.operator.rapid_jog = !parts.plant.operator.rapid_jog,
             Key::HandwheelX => parts.plant.operator.handwheel_axis = Axis::X,

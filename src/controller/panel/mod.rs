@@ -1,6 +1,7 @@
 //! The panel: keys, commands, pages, edits, files, and the snapshot for the screen.
 //! Source: spec B6, K2, K7.
 
+mod access;
 mod calendar;
 mod commands;
 mod edit_protection;
@@ -61,6 +62,7 @@ impl Parts<'_> {
 /// The state of the panel that no other part shares.
 pub struct Panel {
     pages: pages::PageState,
+    access: access::Access,
     /// Answer to the last edit.
     edit_answer: EditAnswer,
     files: files::FileRequests,
@@ -78,6 +80,7 @@ impl Panel {
     pub fn new(kind: Kind, clock_offset_s: i64) -> Self {
         Self {
             pages: pages::PageState::new(kind),
+            access: access::Access::default(),
             edit_answer: EditAnswer::default(),
             files: files::FileRequests::default(),
             screens: Arc::default(),

@@ -1,8 +1,8 @@
 //! Core side of the parameter, diagnosis and settings pages: what they show and what they may change.
 //!
-//! Passwords are never compared here: they go to the disk thread as a request, and the answer comes back as a command.
-//! The tick does not wait for it.
 //! Source: spec B6, K6.1.
+
+use std::sync::Arc;
 
 use super::snapshot::run_state;
 use super::{Panel, Parts, View};
@@ -17,21 +17,12 @@ use crate::link::internal_signal::{InternalSignal, InternalSignalSet};
 use crate::link::page_command::{
     BRIGHTNESS, PASSWORD_LENGTH, PageCommand, PasswordScope, SettingsRequest, StorageAnswer,
 };
-use crate::link::snapshot::{AccessView, RunState, Snapshot};
-use crate::units::{Axis, Micros, PerAxis};
-use std::sync::Arc;
+use crate::link::snapshot::{RunState, Snapshot};
+use crate::units::{Axis, PerAxis};
 
-/// Consecutive wrong passwords that start a lock-out.
-const MAX_WRONG_PASSWORDS: u32 = 3;
-/// Length of the lock-out.
-const PAUSE: Micros = Micros::from_millis(30_000);
-
-const WRONG: Text = Text::new("密码错误", "wrong password");
-const TOO_OFTEN: Text = Text::new("密码错误次数过多，30 秒后再试", "wrong too often: try again in 30 s");
-const BUSY: Text = Text::new("正在核对密码，请稍候", "a password is being checked");
 const FORM: Text = Text::new("新密码为 4 到 16 位数字", "a new password has 4 to 16 digits");
 
-/// State of the pages kept in the core.
+/// The views that the operator has selected.
 #[derive(Clone, Debug)]
 pub struct PageState {
     /// View of the position page.
@@ -40,41 +31,14 @@ pub struct PageState {
     pub soft_row: usize,
     /// Index of the displayed sheet of the grinding page.
     pub sheet: usize,
-    access: AccessView,
+    /// Kind of machine from the next power-on.
     next_kind: Kind,
-    wrong_passwords: u32,
-    locked_until: Micros,
 }
 
 impl PageState {
-    /// At power-on every level is locked.
+    /// At power-on.
     pub fn new(kind: Kind) -> Self {
-        Self {
-            coordinates: CoordinateView::default(),
-            soft_row: 0,
-            sheet: 0,
-            access: AccessView::default(),
-            next_kind: kind,
-            wrong_passwords: 0,
-            locked_until: Micros::ZERO,
-        }
-    }
-
-    /// Whether the machine builder's password was entered.
-    pub fn is_builder(&self) -> bool {
-        self.access.level >= AccessLevel::Builder
-    }
-
-    /// Whether the program password was entered (K6.2).
-    pub const fn may_edit_programs(&self) -> bool {
-        self.access.program_unlocked
-    }
-
-    /// Answers the page that asked for a password check.
-    const fn answer(&mut self, refused: Option<Text>) {
-        self.access.password_pending = false;
-        self.access.answer_count = self.access.answer_count.wrapping_add(1);
-        self.access.refused = refused;
+        Self { coordinates: CoordinateView::default(), soft_row: 0, sheet: 0, next_kind: kind }
     }
 }
 
@@ -84,7 +48,7 @@ impl Panel {
         match command {
             PageCommand::EditParam(at, value) => self.edit_param(parts, *at, *value),
             PageCommand::EditLeadscrew(axis, table) => {
-                if self.pages.access.level < AccessLevel::Builder {
+                if !self.access.is_builder() {
                     return parts.plant.refuse(password_needed(AccessLevel::Builder));
                 }
                 Self::set_leadscrew_table(parts, *axis, table);
@@ -93,14 +57,13 @@ impl Panel {
                 self.request_password_check(parts, SettingsRequest::CheckPassword(*guard, secret.clone()))
             }
             PageCommand::Lock => {
-                self.pages.access.level = AccessLevel::Operator;
-                self.pages.access.program_unlocked = false;
+                self.access.lock();
                 parts.plant.show_note(LocalizedText::new("参数已锁定", "parameters are locked"));
             }
             PageCommand::ChangePassword { scope: of, old, new } => {
                 let digits = new.reveal().bytes().all(|sign| sign.is_ascii_digit());
                 if !digits || !PASSWORD_LENGTH.contains(&new.reveal().len()) {
-                    self.pages.answer(Some(FORM));
+                    self.access.answer(Some(FORM));
                     return parts.plant.refuse(FORM);
                 }
                 self.request_password_check(
@@ -109,7 +72,7 @@ impl Panel {
                 );
             }
             PageCommand::SetNextKind(kind) => {
-                if self.pages.access.level < AccessLevel::Builder {
+                if !self.access.is_builder() {
                     return parts.plant.refuse(password_needed(AccessLevel::Builder));
                 }
                 parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveKind(*kind)));
@@ -125,7 +88,7 @@ impl Panel {
                 parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveBrightness(percent)));
             }
             PageCommand::SetSerialPort(port) => {
-                if self.pages.access.level < AccessLevel::Builder {
+                if !self.access.is_builder() {
                     return parts.plant.refuse(password_needed(AccessLevel::Builder));
                 }
                 parts.plant.outbox.requests.push(StorageRequest::Page(SettingsRequest::SaveSerialPort(port.clone())));
@@ -138,35 +101,23 @@ impl Panel {
 
     fn edit_param(&mut self, parts: &mut Parts<'_>, at: ParamAddress, value: f64) {
         match param_row::access_level(at) {
-            Some(level) if level > self.pages.access.level => parts.plant.refuse(password_needed(level)),
+            Some(level) if level > self.access.view().level => parts.plant.refuse(password_needed(level)),
             Some(_) | None => Self::set_param(parts, at, value),
         }
     }
 
     /// Requests a password check: one at a time; after three wrong passwords input is locked for 30 s.
     fn request_password_check(&mut self, parts: &mut Parts<'_>, wish: SettingsRequest) {
-        let refusal = if self.pages.access.password_pending {
-            Some(BUSY)
-        } else {
-            (parts.plant.now < self.pages.locked_until).then_some(TOO_OFTEN)
-        };
-        if let Some(reason) = refusal {
-            if !self.pages.access.password_pending {
-                self.pages.answer(Some(reason));
-            }
-            return parts.plant.refuse(reason);
+        match self.access.begin_check(parts.plant.now) {
+            Ok(()) => parts.plant.outbox.requests.push(StorageRequest::Page(wish)),
+            Err(reason) => parts.plant.refuse(reason),
         }
-        self.pages.access.password_pending = true;
-        parts.plant.outbox.requests.push(StorageRequest::Page(wish));
     }
 
     fn handle_page_answer(&mut self, parts: &mut Parts<'_>, answer: &StorageAnswer) {
         match answer {
             StorageAnswer::PasswordChecked(guard, true) => {
-                self.pages.wrong_passwords = 0;
-                self.pages.access.level = self.pages.access.level.max(guard.level());
-                self.pages.access.program_unlocked |= *guard == PasswordScope::Program;
-                self.pages.answer(None);
+                self.access.unlock(*guard);
                 let name = guard.name();
                 parts.plant.show_note(LocalizedText::new(
                     format!("{}已打开，关机前有效", name.zh),
@@ -174,8 +125,7 @@ impl Panel {
                 ));
             }
             StorageAnswer::PasswordChanged(guard, true) => {
-                self.pages.wrong_passwords = 0;
-                self.pages.answer(None);
+                self.access.accept();
                 let name = guard.name();
                 parts.plant.show_note(LocalizedText::new(
                     format!("{}密码已修改", name.zh),
@@ -183,13 +133,8 @@ impl Panel {
                 ));
             }
             StorageAnswer::PasswordChecked(_, false) | StorageAnswer::PasswordChanged(_, false) => {
-                self.pages.wrong_passwords += 1;
-                if self.pages.wrong_passwords >= MAX_WRONG_PASSWORDS {
-                    self.pages.wrong_passwords = 0;
-                    self.pages.locked_until = parts.plant.now + PAUSE;
-                }
-                self.pages.answer(Some(WRONG));
-                parts.plant.refuse(WRONG);
+                let wrong = self.access.reject(parts.plant.now);
+                parts.plant.refuse(wrong);
             }
             StorageAnswer::KindSaved(kind) => {
                 self.pages.next_kind = *kind;
@@ -202,7 +147,7 @@ impl Panel {
             StorageAnswer::LangSaved => {}
             StorageAnswer::File(ticket, answer) => self.handle_file_answer(parts, *ticket, answer),
             StorageAnswer::Failed(why) => {
-                self.pages.answer(Some(Text::new("保存失败", "could not be stored")));
+                self.access.answer(Some(Text::new("保存失败", "could not be stored")));
                 parts.plant.refuse(why.clone());
             }
         }
@@ -214,7 +159,7 @@ impl Panel {
         out.output_terminals = parts.plant.outputs.image.terminals;
         out.analog_volts = [parts.plant.outputs.image.wheel_volts, parts.plant.outputs.image.analog_2_volts];
         out.internals = internal_signals(parts);
-        out.access = self.pages.access;
+        out.access = self.access.view();
         out.leadscrews = PerAxis::from_fn(|axis| parts.plant.axes.leadscrew_table(axis).clone());
         out.date = self.calendar.date(parts.plant.now);
         self.files_view(out);

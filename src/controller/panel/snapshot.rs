@@ -3,7 +3,7 @@
 
 use super::{Panel, View};
 use crate::controller::axes::SECONDS_PER_MINUTE;
-use crate::controller::plant::ControlPhase;
+use crate::controller::plant::{ControlPhase, OperatorState};
 use crate::defs::key::Key;
 use crate::defs::signal::Output;
 use crate::link::snapshot::{AxisView, ProgramView, RunState, Snapshot, VARIABLE_COUNT};
@@ -15,21 +15,14 @@ impl Panel {
     pub fn snapshot(&self, parts: View<'_>, out: &mut Snapshot) {
         out.kind = parts.plant.kind_row.kind;
         out.now = parts.plant.now;
-        out.mode = parts.plant.operator.mode;
         out.state = run_state(parts);
-        out.page = parts.plant.operator.page;
         (out.coordinates, out.soft_key_row) = (self.pages.coordinates, self.pages.soft_row);
         out.kind_page = self.kind_page(parts);
         out.grinding_sheet = self.grinding_pages(parts);
         out.x_as_diameter = parts.plant.is_diameter();
         out.axes = self.axis_views(parts);
         self.program_view(parts, out);
-        out.single_block = parts.plant.operator.switches.single_block;
-        out.handwheel_axis = parts.plant.operator.handwheel_axis;
-        out.handwheel_step_mm = parts.plant.operator.step_mm;
-        out.feed_override = parts.plant.operator.overrides.feed;
-        out.rapid_override = parts.plant.operator.overrides.rapid;
-        out.spindle_override = parts.plant.operator.overrides.spindle;
+        operator_view(&parts.plant.operator, out);
         out.feed_mm_min = parts.plant.path_speed_mm_s() * SECONDS_PER_MINUTE;
         out.wheel_rpm = if parts.plant.outputs.on.has(Output::Wheel) { parts.plant.output_wheel_rpm() } else { 0.0 };
         if parts.plant.kind_row.has_main_spindle {
@@ -123,4 +116,15 @@ pub fn run_state(parts: View<'_>) -> RunState {
         ControlPhase::Idle | ControlPhase::Aborting if parts.plant.alarms.blocks_start() => RunState::Alarm,
         ControlPhase::Idle | ControlPhase::Aborting => RunState::Idle,
     }
+}
+
+/// Selections of the panel.
+fn operator_view(operator: &OperatorState, out: &mut Snapshot) {
+    (out.mode, out.page) = (operator.mode, operator.page);
+    out.single_block = operator.switches.single_block;
+    out.handwheel_axis = operator.handwheel_axis;
+    out.handwheel_step_mm = operator.step_mm;
+    out.feed_override = operator.overrides.feed;
+    out.rapid_override = operator.overrides.rapid;
+    out.spindle_override = operator.overrides.spindle;
 }

@@ -37,12 +37,15 @@ use crate::defs::mcode::Request;
 use crate::defs::param::{self, ParamAddress, Params};
 use crate::defs::program_number;
 use crate::defs::signal::{Input, Output};
-use crate::defs::text::LocalizedText;
+use crate::defs::text::{LocalizedText, Text};
 use crate::io::InputImage;
 use crate::machine::kind::KindRow;
 use crate::machine::lathe::station_in_position;
 use crate::machine::{ControlState, Machine, RequestResult};
 use crate::units::{Axis, Micros, PerAxis};
+
+/// Refusal while set-points move.
+pub const STILL_MOVING: Text = Text::new("轴还在运动，请稍候", "the axes still move");
 
 /// Factor from mm/min to mm/s.
 pub const MM_S_PER_MM_MIN: f64 = 1.0 / SECONDS_PER_MINUTE;

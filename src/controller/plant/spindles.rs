@@ -3,18 +3,13 @@
 
 use super::Plant;
 use super::wheel_size::wheel_rpm_of;
-use crate::controller::axes::spindle_encoder::{SpindleEncoder, ThreadMeasurement};
+use crate::controller::axes::spindle_encoder::SpindleEncoder;
+use crate::controller::axes::thread_recorder::ThreadRecorder;
 use crate::defs::param::{self, Params};
 use crate::defs::signal::Output;
 use crate::defs::text::LocalizedText;
-use crate::link::snapshot::ThreadCut;
 use crate::nc::SpeedMode;
 use crate::units::Axis;
-
-/// Maximum number of recorded threads.
-const MAX_THREADS: usize = 256;
-/// Approach travel before the lead is measured, in leads, as the manual requires.
-const APPROACH_LEADS: f64 = 3.0;
 
 /// Wheel, workpiece drive and main spindle.
 #[derive(Clone, Debug)]
@@ -27,10 +22,8 @@ pub struct Spindles {
     pub analog_2_rpm: f64,
     /// The main spindle encoder.
     pub encoder: SpindleEncoder,
-    /// Measurement of the thread being cut.
-    pub thread: Option<ThreadMeasurement>,
     /// The threads cut since power-on.
-    pub threads: Vec<ThreadCut>,
+    pub threads: ThreadRecorder,
 }
 
 impl Spindles {
@@ -42,8 +35,7 @@ impl Spindles {
             wheel_rpm_limit: None,
             analog_2_rpm: 0.0,
             encoder: SpindleEncoder::default(),
-            thread: None,
-            threads: Vec::new(),
+            threads: ThreadRecorder::default(),
         }
     }
 }
@@ -93,31 +85,12 @@ impl Plant {
 
     /// Measures the thread being cut, from the Z and spindle encoders of the same tick.
     pub fn measure_thread(&mut self) {
-        let Some(mut measured) = self.spindles.thread else { return };
-        let actual = self.axes.actual()[Axis::Z];
         match self.axes.thread() {
             Some(mover) => {
-                // Note 5: the run-up must be over after three leads; measure from there in any case.
-                let far = (actual - measured.start_mm).abs() >= APPROACH_LEADS * measured.lead_mm;
-                if let Some(belongs) = mover.nominal_z_mm(self.spindles.encoder.turns).filter(|_| far) {
-                    let off = actual - belongs;
-                    measured.least_mm = measured.least_mm.min(off);
-                    measured.greatest_mm = measured.greatest_mm.max(off);
-                    measured.end_mm = actual;
-                }
-                self.spindles.thread = Some(measured);
+                let nominal = mover.nominal_z_mm(self.spindles.encoder.turns);
+                self.spindles.threads.measure(self.axes.actual()[Axis::Z], nominal);
             }
-            None => {
-                self.spindles.thread = None;
-                if measured.greatest_mm >= measured.least_mm && self.spindles.threads.len() < MAX_THREADS {
-                    self.spindles.threads.push(ThreadCut {
-                        line: measured.line,
-                        lead_mm: measured.lead_mm,
-                        length_mm: (measured.end_mm - measured.start_mm).abs(),
-                        error_mm: measured.greatest_mm - measured.least_mm,
-                    });
-                }
-            }
+            None => self.spindles.threads.finish(),
         }
     }
 }

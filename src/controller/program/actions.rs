@@ -3,8 +3,7 @@
 
 use std::sync::Arc;
 
-use super::activity::Activity;
-use super::gauge::GAUGE_INPUTS;
+use super::activity::{ActionStatus, Activity, GAUGE_INPUTS};
 use super::queue::{MCall, PlannedMove, QueuedAction};
 use super::run::{Origin, ProgramRun};
 use crate::controller::axes::oscillation::OscillationStroke;
@@ -17,18 +16,6 @@ use crate::defs::text::LocalizedText;
 use crate::machine::RequestResult;
 use crate::motion::{CornerMode, Move};
 use crate::units::{Micros, PerAxis};
-
-/// Status of a queued action after one tick.
-pub enum ActionStatus {
-    /// Finished.
-    Done,
-    /// Not finished; called again in the next tick.
-    Wait,
-    /// Done; the run stops until cycle start.
-    Stop,
-    /// The run is over.
-    EndRun,
-}
 
 impl ProgramRun {
     /// One tick of the action at the front of the queue.

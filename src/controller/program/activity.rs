@@ -5,6 +5,22 @@ use crate::defs::signal::Input;
 use crate::nc::GaugeMove;
 use crate::units::{Axis, Micros, PerAxis};
 
+/// The gauge inputs, P1 to P6.
+pub const GAUGE_INPUTS: [Input; 6] =
+    [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
+
+/// Status of a queued action after one tick.
+pub enum ActionStatus {
+    /// Finished.
+    Done,
+    /// Not finished; called again in the next tick.
+    Wait,
+    /// Done; the run stops until cycle start.
+    Stop,
+    /// The run is over.
+    EndRun,
+}
+
 /// What the executor does with the item at the front of the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Activity {

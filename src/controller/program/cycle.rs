@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Program;
 use super::activity::Handover;
 use super::run::Origin;
-use crate::controller::plant::{ControlPhase, Plant};
+use crate::controller::plant::{ControlPhase, Plant, STILL_MOVING};
 use crate::defs::key::Mode;
 use crate::defs::mcode::Request;
 use crate::defs::param;
@@ -39,7 +39,7 @@ impl Program {
         match plant.execution.phase {
             ControlPhase::Running => return plant.refuse(LocalizedText::new("程序已在运行", "the program is running")),
             ControlPhase::Holding | ControlPhase::Aborting | ControlPhase::Homing(_) => {
-                return plant.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move"));
+                return plant.refuse(STILL_MOVING);
             }
             ControlPhase::Idle if plant.operator.mode == Mode::Mdi => return self.start_mdi(plant),
             ControlPhase::Idle if plant.operator.mode != Mode::Auto => {

@@ -1,8 +1,8 @@
 //! Executes a run. Each tick: actions at the front of the queue, moves to the planner, blocks from the interpreter.
 //! Source: spec B3, B5, K3.14.
 
-use super::actions::{ActionStatus, raise_no_workpiece_drive};
-use super::activity::{Activity, Handover};
+use super::actions::raise_no_workpiece_drive;
+use super::activity::{ActionStatus, Activity, Handover};
 use super::move_refusal::MoveRefusal;
 use super::queue::{ProgrammedFeed, QueueItem, QueuedAction};
 use super::run::{MAX_ITEMS, Origin, ProgramRun, ReadAheadStatus};

@@ -3,23 +3,17 @@
 //! The encoder position is latched in the tick of the unfiltered edge, so that input filter, servo lag and braking do
 //! not matter. Source: spec K4.5.
 
-use super::actions::ActionStatus;
-use super::activity::{Activity, GaugeCycle, GaugeStage};
+use super::activity::{ActionStatus, Activity, GAUGE_INPUTS, GaugeCycle, GaugeStage};
 use super::queue::check_soft_limits;
 use super::run::ProgramRun;
 use crate::controller::axes::SECONDS_PER_MINUTE;
 use crate::controller::plant::Plant;
 use crate::defs::alarm;
 use crate::defs::mcode::{Gauge, Request};
-use crate::defs::signal::Input;
 use crate::defs::text::LocalizedText;
 use crate::motion::{CornerMode, MotionSpeed, Move, MoveShape};
 use crate::nc::GaugeMove;
 use crate::units::{Axis, PerAxis};
-
-/// The gauge inputs, P1 to P6.
-pub const GAUGE_INPUTS: [Input; 6] =
-    [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
 
 impl ProgramRun {
     /// One tick of G78.

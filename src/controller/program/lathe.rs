@@ -1,11 +1,9 @@
 //! Lathe functions of a program: threads, homing to a switch, the tool post.
 //! Source: spec L5, L6, L8.
 
-use super::actions::ActionStatus;
-use super::activity::Activity;
+use super::activity::{ActionStatus, Activity};
 use super::run::ProgramRun;
 use crate::controller::axes::homing::HomingProgress;
-use crate::controller::axes::spindle_encoder::ThreadMeasurement;
 use crate::controller::plant::{ControlEvent, Plant};
 use crate::defs::alarm;
 use crate::defs::mcode::Request;
@@ -46,14 +44,7 @@ impl ProgramRun {
             plant.axes.path_limits(&plant.params),
             (plant.spindles.encoder.turns, plant.params.get(param::SERVO_LAG) / 1_000.0),
         ));
-        plant.spindles.thread = Some(ThreadMeasurement {
-            line: plant.execution.current_block.line,
-            lead_mm: thread.lead_mm,
-            start_mm: from[Axis::Z],
-            least_mm: f64::INFINITY,
-            greatest_mm: f64::NEG_INFINITY,
-            end_mm: from[Axis::Z],
-        });
+        plant.spindles.threads.begin(plant.execution.current_block.line, thread.lead_mm, from[Axis::Z]);
         self.activity = Activity::Thread;
         ActionStatus::Wait
     }

@@ -65,13 +65,14 @@ impl PlannedMove {
                 check_soft_limits(axis, self.to[axis], params)?;
             }
         }
-        let MoveShape::Arc { center, plane, direction: turn } = self.shape else { return Ok(()) };
+        let MoveShape::Arc { center, plane, direction } = self.shape else { return Ok(()) };
         let (first, second, _) = plane.axes();
+        let arc = PlaneArc { from, to: self.to, center, first, second, ccw: direction == ArcDirection::Ccw };
         let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
         for (axis, sign) in [(first, 1.0), (first, -1.0), (second, 1.0), (second, -1.0)] {
             let mut summit = center;
             summit[axis] += sign * radius;
-            if arc_passes(from, self.to, center, (first, second), turn == ArcDirection::Ccw, summit) {
+            if arc.passes(summit) {
                 check_soft_limits(axis, summit[axis], params)?;
             }
         }
@@ -205,20 +206,26 @@ pub fn check_soft_limits(axis: Axis, at: f64, params: &Params) -> Result<(), Mov
     Ok(())
 }
 
-/// Whether an arc passes through a point of its circle.
-fn arc_passes(
+/// An arc in the plane of two axes.
+struct PlaneArc {
     from: PerAxis<f64>,
     to: PerAxis<f64>,
     center: PerAxis<f64>,
-    (first, second): (Axis, Axis),
+    first: Axis,
+    second: Axis,
     ccw: bool,
-    point: PerAxis<f64>,
-) -> bool {
-    let angle = |at: PerAxis<f64>| (at[second] - center[second]).atan2(at[first] - center[first]);
-    let sense = if ccw { 1.0 } else { -1.0 };
-    let swept = |to: f64| (sense * (to - angle(from))).rem_euclid(std::f64::consts::TAU);
-    let whole = swept(angle(to));
-    whole < 1e-9 || swept(angle(point)) < whole
+}
+
+impl PlaneArc {
+    /// Whether the arc passes through a point of its circle.
+    fn passes(&self, point: PerAxis<f64>) -> bool {
+        let Self { from, to, center, first, second, ccw } = *self;
+        let angle = |at: PerAxis<f64>| (at[second] - center[second]).atan2(at[first] - center[first]);
+        let sense = if ccw { 1.0 } else { -1.0 };
+        let swept = |to: f64| (sense * (to - angle(from))).rem_euclid(std::f64::consts::TAU);
+        let whole = swept(angle(to));
+        whole < 1e-9 || swept(angle(point)) < whole
+    }
 }
 
 #[cfg(test)]
@@ -230,11 +237,12 @@ mod tests {
         // From angle 0 (Z+) counter-clockwise to 180°: it passes the summit at X+, not the one at X−.
         let center = PerAxis([0.0, 0.0, 0.0]);
         let (from, to) = (PerAxis([0.0, 0.0, 10.0]), PerAxis([0.0, 0.0, -10.0]));
-        let plane = (Axis::Z, Axis::X);
+        let passes =
+            |from, to, ccw, point| PlaneArc { from, to, center, first: Axis::Z, second: Axis::X, ccw }.passes(point);
         let (up, down) = (PerAxis([10.0, 0.0, 0.0]), PerAxis([-10.0, 0.0, 0.0]));
-        assert!(arc_passes(from, to, center, plane, true, up) && !arc_passes(from, to, center, plane, true, down));
-        assert!(arc_passes(from, to, center, plane, false, down) && !arc_passes(from, to, center, plane, false, up));
-        assert!(arc_passes(from, from, center, plane, true, down), "a full circle passes everything");
+        assert!(passes(from, to, true, up) && !passes(from, to, true, down));
+        assert!(passes(from, to, false, down) && !passes(from, to, false, up));
+        assert!(passes(from, from, true, down), "a full circle passes everything");
     }
 
     #[test]

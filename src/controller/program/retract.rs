@@ -11,7 +11,7 @@ use super::Program;
 use super::activity::Activity;
 use super::run::{Origin, ProgramRun};
 use crate::controller::axes::AxisOwner;
-use crate::controller::plant::{ControlEvent, ControlPhase, Plant};
+use crate::controller::plant::{ControlEvent, ControlPhase, Plant, STILL_MOVING};
 use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
@@ -113,9 +113,7 @@ impl Program {
                 plant.hold_run();
             }
             ControlPhase::Idle | ControlPhase::Held | ControlPhase::Stopped => self.start_retract(plant),
-            ControlPhase::Aborting | ControlPhase::Homing(_) => {
-                plant.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move"));
-            }
+            ControlPhase::Aborting | ControlPhase::Homing(_) => plant.refuse(STILL_MOVING),
         }
     }
 
@@ -148,7 +146,7 @@ impl Program {
         let still =
             plant.allows_manual_motion() && (plant.axes.owner() == AxisOwner::Program || plant.axes.is_at_rest());
         if !still || !no_manual_motion(plant) {
-            return plant.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move"));
+            return plant.refuse(STILL_MOVING);
         }
         if !matches!(plant.request(Request::Jog), RequestResult::Accepted) || !self.detach_from_run(plant) {
             return;

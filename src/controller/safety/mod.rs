@@ -3,5 +3,6 @@
 pub mod alarms;
 mod filter;
 pub mod inputs;
+mod output_image;
 pub mod outputs;
 mod supervision;
