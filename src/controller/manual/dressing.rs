@@ -142,3 +142,36 @@ impl Manual {
         plant.jog.move_to(axis, point, speed);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controller::PowerOnState;
+    use crate::defs::kind::Kind;
+    use crate::io::InputImage;
+    use crate::units::Micros;
+
+    #[test]
+    fn k4_2_a_dressing_point_is_asked_for_before_it_is_set() {
+        let factory = PowerOnState::factory(Kind::Gc);
+        let mut plant = Plant::new(Kind::Gc, factory, InputImage::default(), Micros::ZERO);
+        let mut manual = Manual::default();
+        manual.ask_dress_point(&mut plant, CoordinateView::Relative, Axis::X);
+        assert!(plant.outbox.refusal.take().is_some_and(|why| why.en.contains("not homed")));
+        manual.set_dress_point(&mut plant);
+        assert!(plant.outbox.refusal.take().is_some(), "no question is open");
+        let params = std::sync::Arc::clone(&plant.params);
+        plant.axes.finish_homing(Axis::X, &params);
+        manual.ask_dress_point(&mut plant, CoordinateView::All, Axis::X);
+        assert!(plant.outbox.refusal.take().is_some(), "another view");
+        manual.ask_dress_point(&mut plant, CoordinateView::Relative, Axis::X);
+        manual.dressing.withdraw_question();
+        manual.cancel_dress_point(&mut plant);
+        assert!(plant.outbox.refusal.take().is_some(), "the operator left the view");
+        manual.ask_dress_point(&mut plant, CoordinateView::Relative, Axis::X);
+        manual.set_dress_point(&mut plant);
+        assert_eq!(plant.outbox.refusal, None);
+        assert_eq!(plant.outbox.requests, [StorageRequest::DressPoint(Axis::X, 0.0)]);
+        assert!(plant.work.dress_points[Axis::X].is_some());
+    }
+}

@@ -115,3 +115,30 @@ impl Program {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controller::PowerOnState;
+    use crate::defs::kind::Kind;
+    use crate::io::InputImage;
+    use crate::units::Micros;
+
+    #[test]
+    fn k2_2_cycle_start_and_feed_hold_say_why_nothing_happens() {
+        let factory = PowerOnState::factory(Kind::Gc);
+        let mut plant = Plant::new(Kind::Gc, factory, InputImage::default(), Micros::ZERO);
+        let mut program = Program::new(None);
+        let mut why = |plant: &mut Plant, act: fn(&mut Program, &mut Plant)| {
+            act(&mut program, plant);
+            assert!(matches!(plant.execution.phase, ControlPhase::Idle) && !program.is_open());
+            plant.outbox.refusal.take().map(|why| why.en).unwrap_or_default()
+        };
+        assert!(why(&mut plant, Program::feed_hold).contains("nothing to hold"));
+        assert!(why(&mut plant, Program::cycle_start).contains("mode AUTO"));
+        plant.operator.mode = Mode::Mdi;
+        assert!(why(&mut plant, Program::cycle_start).contains("type a line"));
+        plant.execution.starts_void = true;
+        assert!(why(&mut plant, Program::cycle_start).contains("nothing starts"));
+    }
+}

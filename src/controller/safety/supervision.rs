@@ -130,3 +130,44 @@ impl Plant {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::controller::PowerOnState;
+    use crate::controller::plant::ControlPhase;
+    use crate::defs::kind::Kind;
+    use crate::io::InputImage;
+    use crate::units::{Axis, Micros};
+
+    fn plant(bus_alive: bool) -> Plant {
+        let image = InputImage { bus_alive, ..InputImage::default() };
+        Plant::new(Kind::Gc, PowerOnState::factory(Kind::Gc), image, Micros::ZERO)
+    }
+
+    #[test]
+    fn b8_a_lost_bus_takes_the_drives_until_it_is_back_and_reset() {
+        let mut plant = plant(false);
+        plant.jog.press_jog_key(Axis::X, 1.0, Micros::ZERO);
+        plant.supervise_axes();
+        assert!(plant.alarms.has(alarm::BUS_LOST) && !plant.outputs.drives_on && !plant.jog.is_active());
+        assert!(matches!(plant.execution.phase, ControlPhase::Idle), "nothing moved: nothing has to brake");
+        plant.reset_alarms();
+        assert!(plant.alarms.has(alarm::BUS_LOST) && !plant.outputs.drives_on, "its cause is still there");
+        plant.inputs.image.bus_alive = true;
+        plant.reset_alarms();
+        assert!(!plant.alarms.has(alarm::BUS_LOST) && plant.outputs.drives_on);
+    }
+
+    #[test]
+    fn b5_a_limit_switch_counts_at_its_edge() {
+        let mut plant = plant(true);
+        plant.inputs.filtered.set(Input::LimitZMinus, true);
+        plant.supervise_axes();
+        assert!(plant.alarms.has(alarm::HARD_LIMIT) && plant.is_on_limit_switch(Axis::Z, -1.0));
+        assert!(!plant.is_on_limit_switch(Axis::Z, 1.0) && !plant.is_on_limit_switch(Axis::X, -1.0));
+        plant.alarms.clear(alarm::HARD_LIMIT);
+        plant.supervise_axes();
+        assert!(!plant.alarms.has(alarm::HARD_LIMIT), "the axis must be able to leave it");
+    }
+}
