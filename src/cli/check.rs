@@ -196,28 +196,16 @@ fn analyse_program(
     let retained = setup::check_retained(shared)?;
     let settings = nc_settings(shared.kind, &retained.params);
     let axes = settings.axes;
-    let folders = setup::folders(shared)?;
-    let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
-    programs.replace(named_programs_beside(path));
-    let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
+    let library = program_library(shared, path)?;
     let mut memory = retained.variables.clone();
-    let mut world = OfflineMachine::new(&settings)
-        .with_references(reference_points(&retained.params))
-        .with_work_offsets(retained.work_offsets.clone());
-    for (variable, row) in PARAM_VARIABLES {
-        world.set_system(variable.first, Some(retained.params.get(row)));
-    }
+    let mut world = offline_machine(&retained, &settings);
     let source = program_from_bytes(number, &path.display().to_string(), bytes).source;
-    let part = setup::part(shared, number)?;
+    let part = checked_part(shared, number)?;
     let mut limits = soft_limit_check(shared, &world, &retained, (&source, part.as_ref()), &settings)?;
     if let Some(part) = part.as_ref().filter(|_| !settings.start_is_work_zero) {
         world = world_at_start(world, retained.work_offsets.clone(), part);
         preset_variables(&mut memory, part, &shared.sets);
     }
-    let mut show = |op: &Op| match shared.format {
-        OutputFormat::Json => print_line(with_work_offset(op, op.json(axes), part.as_ref(), axes)),
-        OutputFormat::Text => print_line(op),
-    };
     let finished = part.as_ref().and_then(|part| part.finished).filter(|_| call.simulate);
     let mut rehearsal = finished.map(|finished| {
         let width_mm = retained.params.get(param::WHEEL_WIDTH);
@@ -241,7 +229,7 @@ fn analyse_program(
         }
         foresight.check_block(block);
         if call.ops && !repeated.iter().any(|repeated| repeated.contains(&shown)) {
-            block.ops.iter().for_each(&mut show);
+            block.ops.iter().for_each(|op| print_op(shared, op, part.as_ref(), axes));
         }
         shown += 1;
     });
@@ -259,6 +247,41 @@ fn analyse_program(
     let mut moves: Vec<_> = passed.into_iter().chain(foreseen).collect();
     moves.sort_by_key(|wrong| wrong.line);
     Ok(CheckOutcome { checked, move_errors: moves, source, settings })
+}
+
+/// The programs that a checked program may call: those of the folder and the named ones beside its file.
+fn program_library(shared: &SharedArgs, path: &Path) -> Result<Arc<dyn Library + Send + Sync>, CallError> {
+    let folders = setup::folders(shared)?;
+    let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
+    programs.replace(named_programs_beside(path));
+    Ok(Arc::new(programs))
+}
+
+/// A machine with the retained data, at its zero.
+fn offline_machine(retained: &PowerOnState, settings: &NcSettings) -> OfflineMachine {
+    let mut world = OfflineMachine::new(settings)
+        .with_references(reference_points(&retained.params))
+        .with_work_offsets(retained.work_offsets.clone());
+    for (variable, row) in PARAM_VARIABLES {
+        world.set_system(variable.first, Some(retained.params.get(row)));
+    }
+    world
+}
+
+/// Prints a canonical operation.
+fn print_op(shared: &SharedArgs, op: &Op, part: Option<&PartFile>, axes: PerAxis<bool>) {
+    match shared.format {
+        OutputFormat::Json => print_line(with_work_offset(op, op.json(axes), part, axes)),
+        OutputFormat::Text => print_line(op),
+    }
+}
+
+/// The part that a program is checked for: `--part`, otherwise the built-in part of its number.
+fn checked_part(shared: &SharedArgs, number: u32) -> Result<Option<PartFile>, CallError> {
+    match &shared.part {
+        Some(path) => setup::read_part_file(path).map(Some),
+        None => PartFile::builtin(number).map_err(CallError::new),
+    }
 }
 
 /// Prefix of an error in a subprogram.
