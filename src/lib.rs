@@ -16,15 +16,15 @@
 //! | [`io`] | [`io::Backend`]; the simulated machine and its physics | units, defs |
 //! | [`store`] | what outlives a power cut, and the folders people copy files into | units, defs |
 //! | [`controller`] | [`controller::Controller::tick`] in a fixed order | the core above |
-//! | [`runtime`] | clock, threads, disk; the headless rig | controller, io, store, link |
-//! | [`story`] | what an operator does, as text; its player | runtime, link |
+//! | [`host`] | clock, threads, disk; [`host::Host`], the one way to run the core: stepped or on a thread | controller, io, store, link |
+//! | [`story`] | what an operator does, as text; its player | host, link |
 //! | `hmi` | the screen (feature `hmi`): pages, panel, theme | units, defs, link |
 //! | [`cli`] | the command line | all |
 //!
 //! # The path of a key press
 //!
 //! finger → `hmi::panel` → [`link::Command`] → bounded channel (reset, hold and emergency stop have one of their own) →
-//! [`host::realtime`] → [`controller::Controller::tick`]: inputs, commands (`controller::panel::keys` asks
+//! [`host::thread`] → [`controller::Controller::tick`]: inputs, commands (`controller::panel::keys` asks
 //! [`machine::Machine::ask`], which asks [`machine::interlock`]), machine logic and alarms, program, hand, axes, outputs →
 //! [`io::Backend::write`] → newest-only [`link::Snapshot`] → page. It never runs back: a lamp shows the output, not the wish.
 //!

@@ -9,7 +9,7 @@ use crate::defs::kind::Kind;
 use crate::defs::page::Page;
 use crate::defs::param::ParamAddress;
 use crate::defs::text::Lang;
-use crate::units::Axis;
+use crate::units::{Axis, Micros};
 
 /// KT-830: a CNC control for grinding machines. Without a command it opens the control full-screen.
 #[derive(Debug, Parser)]
@@ -163,6 +163,12 @@ pub struct LeadscrewArgs {
 pub struct PlayArgs {
     /// The story
     pub story: PathBuf,
+    /// Play to this simulated time and print the state, for example '12.5 s' or '800 ms'
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub until: Option<Micros>,
+    /// Write one line a tick: time, inputs, encoders, outputs, set-points
+    #[arg(long, value_name = "FILE")]
+    pub trace: Option<PathBuf>,
 }
 
 /// `kt830 shot`
@@ -183,6 +189,10 @@ pub struct ShotArgs {
     /// A story that leads to what is to be seen
     #[arg(long)]
     pub story: Option<PathBuf>,
+}
+
+fn time(words: &str) -> Result<Micros, String> {
+    crate::story::parse::parse_duration(words).map(Micros::from_secs_f64)
 }
 
 fn clock(words: &str) -> Result<DateTime, String> {

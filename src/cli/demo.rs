@@ -39,15 +39,15 @@ pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
         }
     };
     let shared = SharedArgs { kind: told.kind, ..shared.clone() };
-    let rig = setup::headless_host(&shared)?;
     #[cfg(feature = "hmi")]
     if super::window::has_display() {
-        return live::play(&shared, told, rig);
+        return live::play(&shared, told);
     }
-    headless(&shared, call, &told, rig)
+    headless(&shared, call, &told)
 }
 
-fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile, mut rig: HeadlessHost) -> Result<u8, CallError> {
+fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile) -> Result<u8, CallError> {
+    let mut rig = setup::headless_host(shared)?;
     if let Some(folder) = &call.out {
         std::fs::create_dir_all(folder)
             .map_err(|error| CallError::new(format!("--out {}: {error}", folder.display())))?;
@@ -114,15 +114,16 @@ mod live {
     //! The story on a display.
 
     use std::path::Path;
-    use std::sync::Arc;
-    use std::sync::atomic::{AtomicBool, Ordering};
 
     use super::super::args::SharedArgs;
     use super::super::play::StoryFile;
-    use super::super::{CallError, window};
-    use crate::host::headless::HeadlessHost;
+    use super::super::{CallError, setup, window};
+    use crate::host::pace::Pace;
+    use crate::host::simulated::SimulatedPlant;
+    use crate::host::storage::ThreadedStorage;
+    use crate::host::thread::{HostThread, start};
     use crate::link::snapshot::RunState;
-    use crate::story::Player;
+    use crate::story::{Player, Stage};
     use crate::units::Micros;
 
     /// Without input for this time the story starts again.
@@ -130,46 +131,39 @@ mod live {
     /// Pause between two runs of the story.
     const PAUSE: Micros = Micros::from_millis(5_000);
 
-    pub fn play(shared: &SharedArgs, told: StoryFile, mut rig: HeadlessHost) -> Result<u8, CallError> {
-        let (desk, beside) = window::story_connection(rig.snapshot().clone());
-        let over = Arc::new(AtomicBool::new(false));
-        let ended = Arc::clone(&over);
-        rig.set_observer(Box::new(beside));
-        let thread = std::thread::Builder::new().name("kt830-story".into()).spawn(move || {
-            while !ended.load(Ordering::Acquire) {
-                show(&mut rig, &told, &ended);
+    pub fn play(shared: &SharedArgs, told: StoryFile) -> Result<u8, CallError> {
+        let host = setup::threaded_host(shared, false)?;
+        let script = move |thread: &mut HostThread<SimulatedPlant, ThreadedStorage>| {
+            while !thread.is_stopped() {
+                show(thread, &told);
             }
-        });
-        let thread = thread.map_err(CallError::new)?;
-        let closed = window::run_window(Box::new(desk), shared, false);
-        over.store(true, Ordering::Release);
-        drop(thread.join());
-        closed
+        };
+        let link = start(host, Pace::Simulated, script).map_err(CallError::new)?;
+        window::show(link, shared, false)
     }
 
     /// Plays the story once. A touch stops it; then this waits until there is no input.
-    fn show(rig: &mut HeadlessHost, told: &StoryFile, over: &AtomicBool) {
-        rig.power_on();
-        rig.take_touched();
-        let mut player = Player::new(rig, None, Path::new("."), false);
+    fn show(thread: &mut HostThread<SimulatedPlant, ThreadedStorage>, told: &StoryFile) {
+        thread.host().power_on();
+        thread.take_touched();
+        let mut player = Player::new(thread, None, Path::new("."), false);
         for line in &told.lines {
-            let touched = player.host().is_touched();
-            if touched || over.load(Ordering::Acquire) {
+            if player.stage().is_interrupted() {
                 break;
             }
             // A demo continues when an expectation fails.
             drop(player.play(line));
         }
         drop(player);
-        let touched = rig.is_touched();
-        let mut quiet_since = rig.now();
-        let quiet = if touched { IDLE } else { PAUSE };
-        while !over.load(Ordering::Acquire) {
-            rig.step();
-            if rig.take_touched() || rig.controller().state() == RunState::Running {
-                quiet_since = rig.now();
+        let quiet = if thread.is_touched() { IDLE } else { PAUSE };
+        let mut quiet_since = thread.host().now();
+        while !thread.is_stopped() {
+            thread.turn();
+            let now = thread.host().now();
+            if thread.take_touched() || thread.host().controller().state() == RunState::Running {
+                quiet_since = now;
             }
-            if rig.now().since(quiet_since) > quiet {
+            if now.since(quiet_since) > quiet {
                 return;
             }
         }

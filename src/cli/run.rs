@@ -116,7 +116,7 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
             break (end, seconds);
         }
         // The next part is mounted like the first one; the machine keeps its state, including wheel wear.
-        if let Some(part) = setup::part(shared, number)? {
+        if let Some(part) = setup::part(&rig, shared, number)? {
             rig.machine_mut().set_part(Some(&part));
         }
     };

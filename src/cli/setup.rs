@@ -5,17 +5,28 @@ use std::path::Path;
 use super::CallError;
 use super::args::SharedArgs;
 use crate::controller::PowerOnState;
-use crate::host::bar::{self, program_subfolder};
+use crate::host::Host;
+use crate::host::bar::program_subfolder;
 use crate::host::folders::{Folders, named_programs_beside, program_from_bytes};
-use crate::host::headless::{HeadlessHost, HostSetup};
+use crate::host::headless::HeadlessHost;
+use crate::host::job_runner::JobRunner;
 use crate::host::retained_store::RetainedStore;
-use crate::io::sim::PartFile;
+use crate::host::simulated::SimulatedPlant;
+use crate::host::storage::{DirectStorage, RetainedWorker, Storage};
+#[cfg(feature = "hmi")]
+use crate::host::storage::{StorageWorker, ThreadedStorage};
+use crate::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use crate::link::command::Command;
 use crate::nc::CommonVariables;
 use crate::store::{DataDir, StoredSettings};
+use crate::units::Micros;
 
 /// Program number of a file without a number in its name.
 const DEFAULT_NUMBER: u32 = 9_999;
+
+/// Update interval of the simulator page on a display.
+#[cfg(feature = "hmi")]
+const SIM_VIEW_INTERVAL: Micros = Micros::from_millis(100);
 
 /// Kind and language: from the call, otherwise from the machine's settings, otherwise GC and Chinese. The settings are
 /// read with `--data`, or when the control itself is opened.
@@ -91,47 +102,98 @@ fn set_variable(variables: &mut CommonVariables, number: u16, value: f64) -> Res
         .map_err(|error| CallError::new(format!("--set #{number}={value}: {error}")))
 }
 
-/// Creates a rig for a headless job; it uses retained data only with `--data`.
+/// What a control starts with: retained data, their store, and how it runs jobs.
+struct HostParts {
+    retained: PowerOnState,
+    store: Option<RetainedStore>,
+    /// Report of damaged retained data.
+    damaged: Option<String>,
+    jobs: JobRunner,
+}
+
+/// Opens the retained data of a directory, or takes factory values without one, and the folders.
+fn host_parts(shared: &SharedArgs, data: Option<DataDir>) -> Result<HostParts, CallError> {
+    let jobs = JobRunner::new(folders(shared)?)
+        .with_drives(data.as_ref().map(DataDir::screenshots), shared.usb.clone())
+        .with_serial(shared.serial.clone(), data.as_ref().map(|data| data.root().to_path_buf()));
+    let Some(data) = data else {
+        let retained = apply_overrides(shared, PowerOnState::factory(shared.kind))?;
+        return Ok(HostParts { retained, store: None, damaged: None, jobs });
+    };
+    let (store, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
+    for value in &found.dropped {
+        eprintln!("kt830: retained value {value} is not allowed any more and was left out");
+    }
+    if let Some(damaged) = &found.damaged {
+        eprintln!("kt830: the retained data were damaged; the copy is kept as {damaged}; factory values are in force");
+    }
+    let retained = apply_overrides(shared, found.retained)?;
+    Ok(HostParts { retained, store: Some(store), damaged: found.damaged, jobs })
+}
+
+/// The data directory, if the call names one.
+fn named_data(shared: &SharedArgs) -> Result<Option<DataDir>, CallError> {
+    shared.data.is_some().then(|| DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)).transpose()
+}
+
+/// Connects a control with its simulated machine and its storage.
+fn connect<S: Storage>(
+    shared: &SharedArgs,
+    retained: PowerOnState,
+    (storage, damaged): (S, Option<String>),
+    view_interval: Micros,
+) -> Result<Host<SimulatedPlant, S>, CallError> {
+    let file = MachineFile::builtin(shared.kind).map_err(CallError::new)?;
+    let machine = SimulatedMachine::new(file, None, &retained.params, shared.seed);
+    let mut host = Host::connect(shared.kind, retained, SimulatedPlant::new(machine, view_interval), storage);
+    if let Some(damaged) = damaged {
+        host.report_damage(&damaged);
+    }
+    Ok(host)
+}
+
+/// Creates a host for a headless job; it uses retained data only with `--data`.
 ///
 /// # Errors
 /// Data, folders or the machine cannot be opened.
 pub fn headless_host(shared: &SharedArgs) -> Result<HeadlessHost, CallError> {
-    let (keeper, retained, damaged) = match &shared.data {
-        Some(_) => {
-            let data = DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?;
-            let (keeper, found) = RetainedStore::open(data.root(), shared.kind).map_err(CallError::new)?;
-            for value in &found.dropped {
-                eprintln!("kt830: retained value {value} is not allowed any more and was left out");
-            }
-            (Some(keeper), found.retained, found.damaged)
-        }
-        None => (None, PowerOnState::factory(shared.kind), None),
-    };
-    let setup = HostSetup {
-        kind: shared.kind,
-        retained: apply_overrides(shared, retained)?,
-        store: keeper,
-        folders: folders(shared)?,
-        seed: shared.seed,
-    };
-    let mut rig = HeadlessHost::new(setup).map_err(CallError::new)?;
-    let prints = shared.data.is_some().then(|| DataDir::resolve(shared.data.as_deref()).map(|data| data.screenshots()));
-    rig.set_drives(prints.transpose().map_err(CallError::new)?, shared.usb.clone());
-    if let Some(damaged) = damaged {
-        eprintln!("kt830: the retained data were damaged; the copy is kept as {damaged}; factory values are in force");
-        rig.report_damage(&damaged);
-    }
-    Ok(rig)
+    let parts = host_parts(shared, named_data(shared)?)?;
+    let storage = DirectStorage::new(RetainedWorker::new(parts.store), parts.jobs).map_err(CallError::new)?;
+    connect(shared, parts.retained, (storage, parts.damaged), Micros::ZERO)
 }
 
-/// The part: `--part`, otherwise the built-in part of the program.
+/// Creates a host for a display, with storage on threads. The control itself always has a data directory, the demo only
+/// with `--data`.
+///
+/// # Errors
+/// Data, folders or the machine cannot be opened.
+#[cfg(feature = "hmi")]
+pub fn threaded_host(
+    shared: &SharedArgs,
+    opens_control: bool,
+) -> Result<Host<SimulatedPlant, ThreadedStorage>, CallError> {
+    let data = match opens_control {
+        true => Some(DataDir::resolve(shared.data.as_deref()).map_err(CallError::new)?),
+        false => named_data(shared)?,
+    };
+    let parts = host_parts(shared, data)?;
+    let worker = StorageWorker::new(parts.jobs);
+    let storage = ThreadedStorage::start(RetainedWorker::new(parts.store), worker).map_err(CallError::new)?;
+    connect(shared, parts.retained, (storage, parts.damaged), SIM_VIEW_INTERVAL)
+}
+
+/// The part: `--part`, otherwise the part of the program.
 ///
 /// # Errors
 /// The file cannot be read.
-pub fn part(shared: &SharedArgs, number: u32) -> Result<Option<PartFile>, CallError> {
+pub fn part<S: Storage>(
+    host: &Host<SimulatedPlant, S>,
+    shared: &SharedArgs,
+    number: u32,
+) -> Result<Option<PartFile>, CallError> {
     match &shared.part {
         Some(path) => read_part_file(path).map(Some),
-        None => PartFile::builtin(number).map_err(CallError::new),
+        None => Ok(host.part_of_program(number)),
     }
 }
 
@@ -151,7 +213,7 @@ pub fn read_part_file(path: &Path) -> Result<PartFile, CallError> {
     PartFile::parse(&text).map_err(|error| CallError::new(format!("part file {}: {error}", path.display())))
 }
 
-/// Finds the program of the call, a number or name in the folder or a file; adds a file to the rig.
+/// Finds the program of the call, a number or name in the folder or a file; adds a file to the host.
 ///
 /// # Errors
 /// There is no such program.
@@ -193,11 +255,7 @@ pub fn find_program(rig: &mut HeadlessHost, word: &str) -> Result<u32, CallError
 /// # Errors
 /// The part file cannot be read.
 pub fn mount_part(rig: &mut HeadlessHost, shared: &SharedArgs, number: u32) -> Result<(), CallError> {
-    let given = match rig.program_source(number) {
-        Some(source) if shared.part.is_none() => bar::bar_of_program(shared.kind, &rig.retained().params, &source),
-        Some(_) | None => None,
-    };
-    if let Some(part) = given.map_or_else(|| part(shared, number), |bar| Ok(Some(bar)))? {
+    if let Some(part) = part(rig, shared, number)? {
         rig.mount_part(&part);
         // A control without retained data has factory variables; the part's program needs its own.
         if shared.data.is_none() {

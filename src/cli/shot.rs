@@ -9,8 +9,6 @@ use super::{CallError, FAILED, SUCCESS, setup};
 use crate::defs::program_number;
 use crate::hmi::Hmi;
 use crate::hmi::offscreen::OffscreenHmi;
-use crate::host::headless::HeadlessHost;
-use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::story::{Player, play::state_report};
 
@@ -48,23 +46,10 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
         }
         None => {
             let number = program_number::from_name(kind.picture_program());
-            // The built-in part can be for another kind: that of O1001 is for a cylindrical grinder.
-            let other = PartFile::builtin(number).ok().flatten().is_some_and(|part| part.kind != kind);
-            let mount = |rig: &mut HeadlessHost| match other {
-                false => setup::mount_part(rig, &shared, number),
-                true => {
-                    rig.send(Command::LoadProgram(number));
-                    Ok(())
-                }
-            };
-            if !other {
-                mount(&mut rig)?;
-            }
+            setup::mount_part(&mut rig, &shared, number)?;
             rig.step();
             rig.make_ready();
-            // `make_ready` restarts the control, which loses the date.
-            rig.send(Command::WallClock(call.clock));
-            mount(&mut rig)?;
+            setup::mount_part(&mut rig, &shared, number)?;
         }
     }
     rig.send(Command::OpenPage(call.page));

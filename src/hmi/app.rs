@@ -89,6 +89,12 @@ impl Hmi {
         self.theme.background
     }
 
+    /// The colours.
+    #[must_use]
+    pub const fn theme(&self) -> &Theme {
+        &self.theme
+    }
+
     /// Sets the picture brightness, percent; below 100 a dark overlay covers the picture (B6).
     pub fn set_brightness(&mut self, percent: u8) {
         self.brightness = percent.clamp(*BRIGHTNESS.start(), *BRIGHTNESS.end());

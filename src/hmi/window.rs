@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use egui::{ViewportBuilder, ViewportCommand, vec2};
 
 use super::app::Hmi;
+use super::core_fault::{CoreHealth, paint_core_fault};
 use super::theme;
 use crate::defs::key::Key;
 use crate::defs::page::Page;
@@ -32,13 +33,11 @@ const KEEP_ALIVE_INTERVAL: Duration = Duration::from_millis(100);
 /// The connection of the screen to the core: source of snapshots, destination of commands.
 pub trait CoreConnection: Send {
     /// The newest snapshot; the same one again if there is no newer one. Must not block.
-    fn newest(&mut self) -> Arc<Snapshot>;
+    fn newest(&mut self) -> &Snapshot;
+    /// The age of the newest snapshot, and whether the control has failed.
+    fn health(&self) -> CoreHealth;
     /// Sends a command. Must not block.
     fn send(&mut self, command: Command);
-    /// True when the program is to end and the window to close.
-    fn is_closing(&mut self) -> bool {
-        false
-    }
 }
 
 /// How the window opens.
@@ -80,7 +79,7 @@ type SharedConnection = Arc<Mutex<Box<dyn CoreConnection>>>;
 ///
 /// # Errors
 /// [`WindowError::NoDisplay`] if there is no display, [`WindowError::Graphics`] if drawing fails.
-pub fn run(desk: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), WindowError> {
+pub fn run(core: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), WindowError> {
     let display = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if cfg!(all(unix, not(target_os = "macos"))) && !display("DISPLAY") {
         return Err(WindowError::NoDisplay("DISPLAY is not set".to_owned()));
@@ -89,7 +88,7 @@ pub fn run(desk: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
     let viewport = viewport.with_fullscreen(options.fullscreen).with_decorations(!options.fullscreen);
     // Flat colours show no banding, and dithering costs time per pixel in software OpenGL.
     let native = eframe::NativeOptions { viewport, dithering: false, ..eframe::NativeOptions::default() };
-    let desk: SharedConnection = Arc::new(Mutex::new(desk));
+    let core: SharedConnection = Arc::new(Mutex::new(core));
     let over = Arc::new(AtomicBool::new(false));
     let end = Arc::clone(&over);
     let made = eframe::run_native(
@@ -100,8 +99,8 @@ pub fn run(desk: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
             hmi.set_light(options.light);
             hmi.set_brightness(options.brightness);
             hmi.install(&context.egui_ctx);
-            watch_snapshots(Arc::clone(&desk), context.egui_ctx.clone(), Arc::clone(&end));
-            Ok(Box::new(Window { hmi, core: desk, fullscreen: options.fullscreen, alive_sent: None, sized: false }))
+            watch_snapshots(Arc::clone(&core), context.egui_ctx.clone(), Arc::clone(&end));
+            Ok(Box::new(Window { hmi, core, fullscreen: options.fullscreen, alive_sent: None, sized: false }))
         }),
     );
     over.store(true, Ordering::Relaxed);
@@ -112,23 +111,19 @@ pub fn run(desk: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
 }
 
 /// Requests a frame when something shown has changed, and after [`max_frame_interval`] at the latest.
-fn watch_snapshots(desk: SharedConnection, ctx: egui::Context, over: Arc<AtomicBool>) {
+fn watch_snapshots(core: SharedConnection, ctx: egui::Context, over: Arc<AtomicBool>) {
     thread::spawn(move || {
-        let mut last = 0;
+        let mut last = None;
         let mut asked = Instant::now();
         while !over.load(Ordering::Relaxed) {
             thread::sleep(WATCH_PERIOD);
-            let (snapshot, closing) = {
-                let mut desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
-                (desk.newest(), desk.is_closing())
+            let (now, interval) = {
+                let mut core = core.lock().unwrap_or_else(PoisonError::into_inner);
+                let snapshot = core.newest();
+                let (hash, interval) = (repaint_hash(snapshot), max_frame_interval(snapshot));
+                (Some((hash, core.health().fault())), interval)
             };
-            if closing {
-                ctx.send_viewport_cmd(ViewportCommand::Close);
-                ctx.request_repaint();
-                return;
-            }
-            let now = repaint_hash(&snapshot);
-            if now != last || asked.elapsed() >= max_frame_interval(&snapshot) {
+            if now != last || asked.elapsed() >= interval {
                 last = now;
                 asked = Instant::now();
                 // A delayed repaint paints one frame, `request_repaint` paints two.
@@ -255,18 +250,20 @@ impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.fill_monitor(ui.ctx());
         Self::apply_scale(ui.ctx());
-        let snapshot = {
-            let mut desk = self.core.lock().unwrap_or_else(PoisonError::into_inner);
-            desk.newest()
-        };
-        let commands = self.hmi.ui(ui, &snapshot);
-        let mut desk = self.core.lock().unwrap_or_else(PoisonError::into_inner);
-        for command in commands {
-            desk.send(command);
+        let mut core = self.core.lock().unwrap_or_else(PoisonError::into_inner);
+        // Reading the newest snapshot renews its age.
+        core.newest();
+        match core.health().fault() {
+            Some(fault) => paint_core_fault(ui, self.hmi.theme(), fault),
+            None => {
+                for command in self.hmi.ui(ui, core.newest()) {
+                    core.send(command);
+                }
+            }
         }
         if self.alive_sent.is_none_or(|sent| sent.elapsed() >= KEEP_ALIVE_INTERVAL) {
             self.alive_sent = Some(Instant::now());
-            desk.send(Command::KeepAlive);
+            core.send(Command::KeepAlive);
         }
     }
 }

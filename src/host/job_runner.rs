@@ -1,5 +1,5 @@
 //! Runs the jobs that the pages request outside the tick: saving and copying programs, checking the syntax of lines.
-//! Jobs run on their own thread, so that a long one never delays retained data; a rig runs them at once.
+//! Jobs run on their own thread, so that a long one never delays retained data; a headless host runs them in the step.
 //! Source: spec B6, K6.2, H8.
 
 use std::path::PathBuf;
@@ -63,7 +63,7 @@ pub struct ChangedFolders {
 }
 
 impl JobRunner {
-    /// Creates an office for the two folders.
+    /// A runner for the two folders.
     #[must_use]
     pub fn new(folders: Folders) -> Self {
         let (held, cancelled) = (Arc::default(), CancelFlag::default());
@@ -80,6 +80,18 @@ impl JobRunner {
     #[must_use]
     pub fn with_serial(self, port: Option<String>, data: Option<PathBuf>) -> Self {
         Self { port, data_dir: data, ..self }
+    }
+
+    /// The same runner with a cancel flag of its own, for a second thread.
+    #[must_use]
+    pub fn with_own_cancel(self) -> Self {
+        Self { cancelled: CancelFlag::default(), ..self }
+    }
+
+    /// The folders of programs and page files.
+    #[must_use]
+    pub const fn folders(&self) -> &Folders {
+        &self.folders
     }
 
     fn port(&self) -> Option<String> {
@@ -102,74 +114,83 @@ impl JobRunner {
         if is_long(&job.request) {
             self.cancelled.store(false, Ordering::Release);
         }
-        let (programs, date) = (Folder::new(&self.folders.programs), file_date(job));
+        let (programs, pages) = (Folder::new(&self.folders.programs), self.page_files());
         let called = |number: u32| ProgramFile::new(number, &job.programs);
-        let done = match &job.request {
-            FileRequest::CheckEditable(_) | FileRequest::Cancel => return ChangedFolders::default(),
+        match &job.request {
+            FileRequest::CheckEditable(_) | FileRequest::Cancel => ChangedFolders::default(),
             FileRequest::CheckLines { number, first_line: first, text, token } => {
-                tell(FileAnswer::LinesChecked(check_lines(*number, *first, text, *token, &job.settings)));
-                return ChangedFolders::default();
+                let checked = check_lines(*number, *first, text, *token, &job.settings);
+                report_answer(Ok(FileAnswer::LinesChecked(checked)), tell)
             }
-            FileRequest::ComputeToolpath(number) => {
-                let answer = self.compute_toolpath(*number, job, tell).unwrap_or_else(FileAnswer::Refused);
-                tell(answer);
-                return ChangedFolders::default();
-            }
+            FileRequest::ComputeToolpath(number) => report_answer(self.compute_toolpath(*number, job, tell), tell),
             FileRequest::ListMedia => {
                 let media = transfer::media_view(&self.folders, self.usb_drive().as_ref());
-                tell(FileAnswer::Media(MediaView { port: self.port(), ports: port_names(), ..media }));
-                return ChangedFolders::default();
+                let media = MediaView { port: self.port(), ports: port_names(), ..media };
+                report_answer(Ok(FileAnswer::Media(media)), tell)
             }
-            FileRequest::SaveScreenshot(picture) => {
-                let done = transfer::save_screenshot(picture, date, self.prints.as_deref(), self.usb_drive().as_ref());
-                tell(done.map_or_else(FileAnswer::Refused, FileAnswer::Done));
-                return ChangedFolders::default();
-            }
-            FileRequest::SaveTable(text) => {
-                let stick = self.usb_drive();
-                let done = transfer::save_file(text.as_bytes(), (date, "CSV"), self.prints.as_deref(), stick.as_ref());
-                tell(done.map_or_else(FileAnswer::Refused, FileAnswer::Done));
-                return ChangedFolders::default();
+            FileRequest::SaveScreenshot(_) | FileRequest::SaveTable(_) | FileRequest::ExportLeadscrew(..) => {
+                report_answer(self.export(job).map(FileAnswer::Done), tell)
             }
             FileRequest::ReadPage { page, program } => {
-                let read = self.page_files().read(*page, *program, job);
-                tell(read.map_or_else(FileAnswer::Refused, |read| FileAnswer::Page(Arc::new(read))));
-                return ChangedFolders::default();
+                report_answer(pages.read(*page, *program, job).map(|read| FileAnswer::Page(Arc::new(read))), tell)
             }
             FileRequest::SavePage { page, text, base_stamp: base, overwrite: force } => {
-                return self.report_page_change(self.page_files().save(*page, text, *base, *force), tell);
+                report_page_change(pages.save(*page, text, *base, *force), tell)
             }
             FileRequest::ImportPicture { page, from, name } => {
-                return self.report_page_change(self.page_files().take_picture(*page, *from, name), tell);
+                report_page_change(pages.take_picture(*page, *from, name), tell)
             }
-            FileRequest::Transfer(ask) if ask.set == TransferSet::Serial => {
-                return self.transfer_serial(ask, job, tell);
-            }
-            FileRequest::Transfer(ask) => return self.transfer_usb(ask, job, tell),
+            FileRequest::Transfer(ask) if ask.set == TransferSet::Serial => self.transfer_serial(ask, job, tell),
+            FileRequest::Transfer(ask) => self.transfer_usb(ask, job, tell),
             FileRequest::ImportLeadscrew(axis) => {
-                tell(leadscrew_files::read(*axis, self.usb_drive().as_ref()).unwrap_or_else(FileAnswer::Refused));
-                return ChangedFolders::default();
-            }
-            FileRequest::ExportLeadscrew(axis, table) => {
-                let stick = self.usb_drive();
-                let done = leadscrew_files::write((*axis, table), date, self.prints.as_deref(), stick.as_ref());
-                tell(done.map_or_else(FileAnswer::Refused, FileAnswer::Done));
-                return ChangedFolders::default();
+                report_answer(leadscrew_files::read(*axis, self.usb_drive().as_ref()), tell)
             }
             FileRequest::Save { number, text, base_stamp: base, overwrite: force } => {
-                save_program(&programs, &called(*number), text, (*base, *force))
+                report_program_change(save_program(&programs, &called(*number), text, (*base, *force)), tell)
             }
-            FileRequest::SaveRecording(text) => save_recording(&programs, text),
-            FileRequest::New(number) => new_program(&programs, *number, &job.settings),
-            FileRequest::Copy { from, to } => copy_program(&programs, &called(*from), *to),
-            FileRequest::Rename { from, to } => rename_program(&programs, *from, *to),
-            FileRequest::Delete(number) => delete_program(&programs, &called(*number)),
-        };
-        // At a conflict the file was changed from outside: the core must read it again, too.
-        let changed = ChangedFolders { programs: done.is_ok() || done == Err(Refusal::Conflict), screens: false };
-        tell(done.unwrap_or_else(FileAnswer::Refused));
-        changed
+            FileRequest::SaveRecording(text) => report_program_change(save_recording(&programs, text), tell),
+            FileRequest::New(number) => report_program_change(new_program(&programs, *number, &job.settings), tell),
+            FileRequest::Copy { from, to } => report_program_change(copy_program(&programs, &called(*from), *to), tell),
+            FileRequest::Rename { from, to } => report_program_change(rename_program(&programs, *from, *to), tell),
+            FileRequest::Delete(number) => report_program_change(delete_program(&programs, &called(*number)), tell),
+        }
     }
+
+    /// Writes a picture or a table to the folder of screenshots or the USB drive.
+    fn export(&self, job: &BackgroundJob) -> Result<LocalizedText, Refusal> {
+        let (date, folder, usb) = (file_date(job), self.prints.as_deref(), self.usb_drive());
+        match &job.request {
+            FileRequest::SaveScreenshot(picture) => transfer::save_screenshot(picture, date, folder, usb.as_ref()),
+            FileRequest::SaveTable(text) => transfer::save_file(text.as_bytes(), (date, "CSV"), folder, usb.as_ref()),
+            FileRequest::ExportLeadscrew(axis, table) => {
+                leadscrew_files::write((*axis, table), date, folder, usb.as_ref())
+            }
+            other => Err(Refusal::Other(LocalizedText::new("不能导出", format!("{other:?} exports nothing")))),
+        }
+    }
+}
+
+type JobAnswer = Result<FileAnswer, Refusal>;
+
+/// Answers a job that changes no folder.
+fn report_answer(done: JobAnswer, tell: &mut dyn FnMut(FileAnswer)) -> ChangedFolders {
+    tell(done.unwrap_or_else(FileAnswer::Refused));
+    ChangedFolders::default()
+}
+
+/// Answers a change of a program.
+fn report_program_change(done: JobAnswer, tell: &mut dyn FnMut(FileAnswer)) -> ChangedFolders {
+    // At a conflict the file was changed from outside: the core must read it again, too.
+    let changed = ChangedFolders { programs: done.is_ok() || done == Err(Refusal::Conflict), screens: false };
+    tell(done.unwrap_or_else(FileAnswer::Refused));
+    changed
+}
+
+/// Answers a change of a page file; after a success the page files are read again.
+fn report_page_change(done: JobAnswer, tell: &mut dyn FnMut(FileAnswer)) -> ChangedFolders {
+    let changed = ChangedFolders { programs: false, screens: done.is_ok() };
+    tell(done.unwrap_or_else(FileAnswer::Refused));
+    changed
 }
 
 /// The file of a program.
@@ -220,17 +241,6 @@ pub(super) const fn is_long(request: &FileRequest) -> bool {
 impl JobRunner {
     fn page_files(&self) -> PageFileFolder {
         PageFileFolder { screens: Folder::new(&self.folders.screens), usb_drive: self.usb_drive() }
-    }
-
-    /// Answers a change of a page file; after a success the page files are read again.
-    fn report_page_change(
-        &self,
-        done: Result<FileAnswer, Refusal>,
-        tell: &mut dyn FnMut(FileAnswer),
-    ) -> ChangedFolders {
-        let changed = ChangedFolders { programs: false, screens: done.is_ok() };
-        tell(done.unwrap_or_else(FileAnswer::Refused));
-        changed
     }
 
     /// Sends or receives programs over RS232.

@@ -1,5 +1,7 @@
-//! Runs the core: folders and data on disk, the headless rig, the real-time thread and the disk thread.
+//! Hosts the core: one [`Host`] connects the control with a machine and with storage. It is stepped by tests, stories
+//! and `run` ([`headless`]), or paced on a thread of its own for the window and the demo ([`thread`]).
 //! The only room with a clock and threads.
+//! Source: spec tools.md T1–T6; simulator.md; notes "reliability".
 
 pub mod bar;
 pub mod clock;
@@ -7,14 +9,440 @@ pub mod folders;
 pub mod headless;
 pub mod job_runner;
 mod leadscrew_files;
+pub mod link;
+pub mod pace;
 mod page_file;
+pub mod part;
 pub mod password_store;
-pub mod realtime;
+pub mod plant;
 pub mod retained_store;
 pub mod serial;
 mod shipped;
-pub mod simulation_control;
-pub mod storage_thread;
+pub mod simulated;
+pub mod storage;
+pub mod thread;
 pub mod toolpath;
 pub mod transfer;
 pub mod value_set;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use crate::controller::{Controller, PowerOnState, Programs, StorageRequest, StoredProgram};
+use crate::defs::alarm;
+use crate::defs::date::DateTime;
+use crate::defs::kind::Kind;
+use crate::defs::signal::Terminals;
+use crate::defs::text::LocalizedText;
+use crate::io::sim::PartFile;
+use crate::io::trace::TraceRow;
+use crate::io::{InputImage, OutputImage};
+use crate::link::command::{Command, Screens};
+use crate::link::snapshot::{DirectoryRow, RunState, Snapshot};
+use crate::nc::Source;
+use crate::units::Micros;
+
+use part::{PartQuery, PartRule};
+use plant::Plant;
+use retained_store::apply_effect;
+use storage::{Arrival, Storage};
+
+/// Maximum number of storage requests that wait for a full queue; the oldest are dropped first, with an alarm.
+const MAX_WAITING_REQUESTS: usize = 100_000;
+
+/// What storage has delivered; a control that gets its power back receives it again.
+#[derive(Default)]
+struct Delivered {
+    programs: Arc<Programs>,
+    directory: Arc<Vec<DirectoryRow>>,
+    screens: Option<Arc<Screens>>,
+    /// The time of day, and the host's time at which it came.
+    wall_clock: Option<(DateTime, Micros)>,
+    /// Report of damaged retained data.
+    damage: Option<String>,
+}
+
+/// The part in the machine, and the part that belongs to the current program.
+struct MountedPart {
+    rule: PartRule,
+    /// A question that storage has not taken yet.
+    to_ask: Option<u32>,
+    /// Number of questions that storage has not answered.
+    asked: u32,
+    /// A part that waits for the end of the run.
+    waiting: Option<Box<PartFile>>,
+    /// The part in the machine.
+    mounted: Option<PartFile>,
+    /// Number of parts mounted because of a program.
+    changes: u32,
+}
+
+/// A control with its machine and its storage.
+pub struct Host<P, S> {
+    kind: Kind,
+    controller: Controller,
+    plant: P,
+    storage: S,
+    /// What the next power-on begins with.
+    retained: PowerOnState,
+    delivered: Delivered,
+    part: MountedPart,
+    requests: Vec<StorageRequest>,
+    arrivals: Vec<Arrival>,
+    inbox: Vec<Command>,
+    image: InputImage,
+    outputs: OutputImage,
+    now: Micros,
+    powered: bool,
+    snapshot: Snapshot,
+}
+
+impl<P: Plant, S: Storage> Host<P, S> {
+    /// Connects a control with its machine and switches it on, with what storage has ready.
+    pub fn connect(kind: Kind, retained: PowerOnState, mut plant: P, storage: S) -> Self {
+        let now = Micros::ZERO;
+        let image = plant.read(now);
+        let controller = Controller::new(kind, retained.clone(), image, now);
+        let part =
+            MountedPart { rule: PartRule::Keep, to_ask: None, asked: 0, waiting: None, mounted: None, changes: 0 };
+        let mut host = Self {
+            kind,
+            controller,
+            plant,
+            storage,
+            retained,
+            delivered: Delivered::default(),
+            part,
+            requests: Vec::new(),
+            arrivals: Vec::new(),
+            inbox: Vec::new(),
+            image,
+            outputs: OutputImage::default(),
+            now,
+            powered: true,
+            snapshot: Snapshot::new(kind),
+        };
+        host.take_arrivals();
+        host
+    }
+
+    /// Queues a command for the next tick; a command of the simulator page acts on the machine at once.
+    pub fn send(&mut self, command: Command) {
+        match command {
+            Command::Simulate(asked) => self.plant.simulate(asked),
+            other => self.queue(other),
+        }
+    }
+
+    /// Queues a command and notes what a control needs again after a power cut.
+    fn queue(&mut self, command: Command) {
+        match &command {
+            Command::ScreensLoaded(screens) => self.delivered.screens = Some(Arc::clone(screens)),
+            Command::WallClock(date) => self.delivered.wall_clock = Some((*date, self.now)),
+            _ => {}
+        }
+        self.inbox.push(command);
+    }
+
+    /// Steps control and machine by one tick.
+    pub fn step(&mut self) {
+        self.step_with(|controller, now, image, commands| *controller.tick(now, image, commands));
+    }
+
+    /// One tick in its order: inputs, control, outputs, storage requests, answers for the next tick. Without power only
+    /// the machine goes on.
+    fn step_with(&mut self, tick: impl FnOnce(&mut Controller, Micros, &InputImage, &[Command]) -> OutputImage) {
+        self.now = self.now + self.controller.tick_time();
+        self.image = self.plant.read(self.now);
+        if !self.powered {
+            self.take_arrivals();
+            self.inbox.clear();
+            return;
+        }
+        self.outputs = tick(&mut self.controller, self.now, &self.image, &self.inbox);
+        self.inbox.clear();
+        self.plant.write(self.now, &self.outputs);
+        self.submit_requests();
+        self.take_arrivals();
+        self.mount_waiting_part();
+    }
+
+    /// Hands the control's storage requests on. What storage cannot take now is submitted again after the next tick.
+    fn submit_requests(&mut self) {
+        let old = self.requests.len();
+        self.controller.drain_storage_requests(&mut self.requests);
+        let mut rewired = false;
+        for request in &self.requests[old..] {
+            apply_effect(&mut self.retained, request);
+            rewired |= request.changes_machine_setup();
+            if self.part.rule == PartRule::FollowProgram && part::changes_part(request) {
+                self.part.to_ask = Some(self.retained.current_program);
+            }
+        }
+        if rewired {
+            self.plant.rewire(&self.retained.params);
+        }
+        if !self.requests.is_empty() {
+            self.storage.submit(&mut self.requests);
+        }
+        if self.requests.len() > MAX_WAITING_REQUESTS {
+            self.requests.drain(..self.requests.len() - MAX_WAITING_REQUESTS / 2);
+            self.inbox.push(Command::DiskFailed(LocalizedText::new(
+                "存储线程没有响应，较早的数据没有保存",
+                "the storage thread does not answer: older values are not stored",
+            )));
+        }
+        if let Some(number) = self.part.to_ask {
+            self.ask_for_part(number);
+        }
+    }
+
+    fn ask_for_part(&mut self, number: u32) {
+        let source = self.program_source(number);
+        let params = self.retained.params.clone();
+        let taken = self.storage.find_part(PartQuery { kind: self.kind, params, number, source });
+        self.part.asked += u32::from(taken);
+        self.part.to_ask = (!taken).then_some(number);
+    }
+
+    /// Takes what storage has delivered: programs at once, commands for the next tick, a part when nothing runs.
+    fn take_arrivals(&mut self) {
+        let mut arrivals = std::mem::take(&mut self.arrivals);
+        self.storage.poll(&mut arrivals);
+        for arrival in arrivals.drain(..) {
+            match arrival {
+                Arrival::Command(command) => self.queue(command),
+                Arrival::Programs(programs, directory) => self.set_programs(programs, directory),
+                Arrival::Part(part) => {
+                    self.part.asked = self.part.asked.saturating_sub(1);
+                    self.part.waiting = part;
+                }
+            }
+        }
+        self.arrivals = arrivals;
+    }
+
+    fn set_programs(&mut self, programs: Arc<Programs>, directory: Arc<Vec<DirectoryRow>>) {
+        self.controller.set_programs(Arc::clone(&programs), Arc::clone(&directory));
+        (self.delivered.programs, self.delivered.directory) = (programs, directory);
+    }
+
+    /// Mounts the part of the current program, unless the machine is working on another one.
+    fn mount_waiting_part(&mut self) {
+        if matches!(self.controller.state(), RunState::Running | RunState::Homing) {
+            return;
+        }
+        if let Some(part) = self.part.waiting.take() {
+            self.part.changes += 1;
+            self.mount_part(&part);
+        }
+    }
+
+    /// Mounts a part in the machine and sends its work offset and tool geometry to the control. Variables without a
+    /// value get the part's value.
+    pub fn mount_part(&mut self, part: &PartFile) {
+        self.plant.mount_part(part);
+        self.part.mounted = Some(part.clone());
+        let variables = &self.retained.variables;
+        let present = |variable: u16| variables.get(u32::from(variable)).ok().flatten();
+        self.inbox.extend(part::part_setup_commands(part, present));
+    }
+
+    /// Mounts a part in a machine that has been set up for it: the control gets its outline only.
+    pub fn place_part(&mut self, part: &PartFile) {
+        self.plant.mount_part(part);
+        self.part.mounted = Some(part.clone());
+        self.inbox.push(part::stock_command(part));
+    }
+
+    /// Sets which part is mounted when the current program changes.
+    pub const fn set_part_rule(&mut self, rule: PartRule) {
+        self.part.rule = rule;
+    }
+
+    /// Whether the part of the current program has been asked for and is not mounted yet.
+    #[must_use]
+    pub const fn awaits_part(&self) -> bool {
+        self.part.to_ask.is_some() || self.part.asked > 0 || self.part.waiting.is_some()
+    }
+
+    /// How many parts have been mounted because the current program changed.
+    #[must_use]
+    pub const fn part_changes(&self) -> u32 {
+        self.part.changes
+    }
+
+    /// Cuts the power at this tick: all outputs go off.
+    pub fn power_cut(&mut self) {
+        self.powered = false;
+        self.outputs = OutputImage { set_point_mm: self.image.encoder_mm, ..OutputImage::default() };
+        self.plant.write(self.now, &self.outputs);
+    }
+
+    /// Restores the power: a cold start with the retained data so far.
+    pub fn power_on(&mut self) {
+        self.powered = true;
+        self.plant.power_on(&self.retained.params);
+        self.restart_controller();
+        self.deliver_again();
+    }
+
+    /// A new control with the retained data so far.
+    fn restart_controller(&mut self) {
+        self.image = self.plant.read(self.now);
+        self.controller = Controller::new(self.kind, self.retained.clone(), self.image, self.now);
+    }
+
+    /// Delivers programs, page files, the time of day, the outline of the part and a damage report to a new control.
+    fn deliver_again(&mut self) {
+        let delivered = &self.delivered;
+        self.controller.set_programs(Arc::clone(&delivered.programs), Arc::clone(&delivered.directory));
+        if let Some(screens) = &delivered.screens {
+            self.inbox.push(Command::ScreensLoaded(Arc::clone(screens)));
+        }
+        if let Some((DateTime(seconds), at)) = delivered.wall_clock {
+            let passed = self.now.since(at).0 / 1_000_000;
+            self.inbox.push(Command::WallClock(DateTime(seconds + passed as i64)));
+        }
+        self.inbox.extend(self.part.mounted.as_ref().map(part::stock_command));
+        if let Some(what) = self.delivered.damage.clone() {
+            self.raise_damage(&what);
+        }
+    }
+
+    /// Raises the alarm for damaged retained data, now and at every power-on.
+    pub fn report_damage(&mut self, what: &str) {
+        self.delivered.damage = Some(what.to_owned());
+        self.raise_damage(what);
+    }
+
+    fn raise_damage(&mut self, what: &str) {
+        self.controller.report_alarm(alarm::RETAINED_DATA_DAMAGED, Some(LocalizedText::new(what, what)));
+    }
+
+    /// Raises the alarm for late ticks.
+    fn report_late_ticks(&mut self) {
+        self.controller.report_alarm(alarm::LATE_TICKS, None);
+    }
+
+    /// Writes the safe image without a tick: spindles, fluids, drives and analog outputs off, clamps hold. Also after a
+    /// panic of control or machine.
+    pub fn leave_safe(&mut self) {
+        let kept = catch_unwind(AssertUnwindSafe(|| self.controller.kept_in_safe_state())).unwrap_or_default();
+        let terminals = Terminals(self.outputs.terminals.0 & kept.0);
+        self.outputs =
+            OutputImage { terminals, drives_on: false, wheel_volts: 0.0, analog_2_volts: 0.0, ..self.outputs };
+        drop(catch_unwind(AssertUnwindSafe(|| self.plant.write(self.now, &self.outputs))));
+    }
+
+    /// Stores what was submitted and ends the storage.
+    pub fn close(&mut self) {
+        self.storage.close();
+    }
+
+    /// Writes what a page shows now into a snapshot.
+    pub fn snapshot_into(&mut self, into: &mut Snapshot) {
+        self.controller.snapshot(into);
+        into.simulated = self.plant.view(self.now);
+        if !self.powered {
+            into.clear_for_power_off();
+        }
+    }
+
+    /// The snapshot that a page would show now.
+    pub fn snapshot(&mut self) -> &Snapshot {
+        self.controller.snapshot(&mut self.snapshot);
+        self.snapshot.simulated = self.plant.view(self.now);
+        if !self.powered {
+            self.snapshot.clear_for_power_off();
+        }
+        &self.snapshot
+    }
+
+    /// Inputs and outputs of the last tick.
+    #[must_use]
+    pub const fn trace_row(&self) -> TraceRow {
+        TraceRow { now: self.now, inputs: self.image, outputs: self.outputs }
+    }
+
+    /// Whether the control has power.
+    #[must_use]
+    pub const fn is_powered(&self) -> bool {
+        self.powered
+    }
+
+    /// The control.
+    #[must_use]
+    pub const fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// The machine.
+    #[must_use]
+    pub const fn plant(&self) -> &P {
+        &self.plant
+    }
+
+    /// The machine, to be changed.
+    pub const fn plant_mut(&mut self) -> &mut P {
+        &mut self.plant
+    }
+
+    /// Voltage of the second analog output, 0 to 10 V.
+    #[must_use]
+    pub const fn analog_2_volts(&self) -> f64 {
+        self.controller.outputs().analog_2_volts
+    }
+
+    /// Time since the start: the sum of the ticks.
+    #[must_use]
+    pub const fn now(&self) -> Micros {
+        self.now
+    }
+
+    /// Length of a tick.
+    #[must_use]
+    pub const fn tick_time(&self) -> Micros {
+        self.controller.tick_time()
+    }
+
+    /// The kind of machine.
+    #[must_use]
+    pub const fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// The retained data.
+    #[must_use]
+    pub const fn retained(&self) -> &PowerOnState {
+        &self.retained
+    }
+
+    /// Whether a program is known.
+    #[must_use]
+    pub fn has_program(&self, number: u32) -> bool {
+        self.delivered.programs.get(number).is_some()
+    }
+
+    /// The text of a program.
+    #[must_use]
+    pub fn program_source(&self, number: u32) -> Option<Arc<Source>> {
+        self.delivered.programs.get(number).map(|program| Arc::clone(&program.source))
+    }
+
+    /// The number of the program whose file has this name, with or without its extension.
+    #[must_use]
+    pub fn find_program(&self, word: &str) -> Option<u32> {
+        let stem = |name: &str| name.rsplit_once('.').map_or(name, |(stem, _)| stem).to_ascii_uppercase();
+        let wanted = stem(word);
+        let named = |program: &&StoredProgram| stem(program.source.name()) == wanted;
+        self.delivered.programs.iter().find(named).map(|program| program.number)
+    }
+
+    /// The part of a program.
+    #[must_use]
+    pub fn part_of_program(&self, number: u32) -> Option<PartFile> {
+        let source = self.program_source(number);
+        PartQuery { kind: self.kind, params: self.retained.params.clone(), number, source }.find()
+    }
+}

@@ -144,6 +144,7 @@ mod tests {
         fn write(&mut self, _now: Micros, _outputs: &OutputImage) {
             self.0 += 1;
         }
+        fn rewire(&mut self, _params: &Params) {}
     }
 
     fn course(rates: FaultRates, seed: u64) -> (u32, u32, u32) {

@@ -49,6 +49,7 @@ pub trait Backend {
     fn read(&mut self, now: Micros) -> InputImage;
     /// Writes the outputs that apply from `now` on.
     fn write(&mut self, now: Micros, outputs: &OutputImage);
-    /// Called after functions were assigned to other ports. A simulated machine follows; real wires are moved by hand.
-    fn rewire(&mut self, _params: &Params) {}
+    /// Functions were assigned to other ports, or the shape of a lathe tool was changed. A simulated machine follows;
+    /// on a field bus the wires are moved by hand, and there is nothing to do.
+    fn rewire(&mut self, params: &Params);
 }

@@ -232,6 +232,9 @@ impl Backend for Replay {
             self.next += 1;
         }
     }
+
+    /// A recording has no wires.
+    fn rewire(&mut self, _params: &Params) {}
 }
 
 #[cfg(test)]
@@ -246,6 +249,7 @@ mod tests {
             InputImage { encoder_mm: PerAxis([self.0, 0.0, -1e-7]), bus_alive: true, ..InputImage::default() }
         }
         fn write(&mut self, _now: Micros, _outputs: &OutputImage) {}
+        fn rewire(&mut self, _params: &Params) {}
     }
 
     /// Outputs computed from the inputs.

@@ -3,6 +3,8 @@
 
 pub mod parse;
 pub mod play;
+pub mod statement;
 
-pub use parse::{Statement, StoryError, StoryLine, parse};
-pub use play::{PageReader, Player};
+pub use parse::parse;
+pub use play::{PageReader, Player, Stage};
+pub use statement::{Statement, StoryError, StoryLine};

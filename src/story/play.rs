@@ -1,13 +1,19 @@
-//! Plays a story on a rig: each statement does what an operator would do, then the control runs until it has answered.
+//! Plays a story on a host: each statement does what an operator would do, then the control runs until it has answered.
 //! Source: spec tools.md T5, "Story language".
 
 use std::path::{Path, PathBuf};
 
-use super::parse::{Expectation, InputForce, Quantity, Statement, StoryLine, WaitCondition};
+use super::statement::{Expectation, InputForce, Quantity, Statement, StoryLine, WaitCondition};
 use crate::defs::key::{Key, Mode};
 use crate::defs::leadscrew::LeadscrewCompensation;
 use crate::defs::page::Page;
+use crate::host::Host;
 use crate::host::headless::HeadlessHost;
+use crate::host::part::PartRule;
+use crate::host::plant::Plant;
+use crate::host::simulated::SimulatedPlant;
+use crate::host::storage::Storage;
+use crate::host::thread::HostThread;
 use crate::io::sim::PartFile;
 use crate::link::command::Command;
 use crate::link::snapshot::{RunState, Snapshot};
@@ -23,6 +29,8 @@ const INPUT_TICKS: u32 = 20;
 const HOLD_INTERVAL: Micros = Micros::from_millis(50);
 /// Maximum wait of `mdi` and `handwheel` for standstill.
 const STANDSTILL_TIMEOUT: Micros = Micros::from_millis(1_000);
+/// Maximum wait for the part of a program from the storage thread.
+const PART_TIMEOUT: Micros = Micros::from_millis(2_000);
 /// Maximum duration of homing.
 const HOMING_TIMEOUT: Micros = Micros::from_millis(300_000);
 
@@ -32,12 +40,55 @@ pub trait PageReader {
     fn texts(&mut self, snapshot: &Snapshot) -> Vec<String>;
 }
 
-/// Plays a story. Waiting ends at once when the operator touches the screen (demo).
-pub struct Player<'a> {
-    host: &'a mut HeadlessHost,
+/// What a story is played on: a host that is stepped, or one turn of a host on a thread.
+pub trait Stage {
+    /// Storage of the host.
+    type Storage: Storage;
+    /// The host.
+    fn host(&mut self) -> &mut Host<SimulatedPlant, Self::Storage>;
+    /// One tick.
+    fn step(&mut self);
+    /// Whether the story is to end: the operator has touched the screen (demo), or the time is over.
+    fn is_interrupted(&self) -> bool;
+}
+
+impl Stage for HeadlessHost {
+    type Storage = crate::host::storage::DirectStorage;
+
+    fn host(&mut self) -> &mut Self {
+        self
+    }
+
+    fn step(&mut self) {
+        Self::step(self);
+    }
+
+    fn is_interrupted(&self) -> bool {
+        false
+    }
+}
+
+impl<S: Storage> Stage for HostThread<SimulatedPlant, S> {
+    type Storage = S;
+
+    fn host(&mut self) -> &mut Host<SimulatedPlant, S> {
+        Self::host(self)
+    }
+
+    fn step(&mut self) {
+        self.turn();
+    }
+
+    fn is_interrupted(&self) -> bool {
+        self.is_touched() || self.is_stopped()
+    }
+}
+
+/// Plays a story. Waiting ends at once when the stage is interrupted.
+pub struct Player<'a, G: Stage> {
+    stage: &'a mut G,
     page_reader: Option<Box<dyn PageReader>>,
     folder: PathBuf,
-    has_part: bool,
     /// Jog keys that are held: `Hold` is repeated as by the screen, until they are released.
     held_keys: Vec<Key>,
     /// Time of the next `Hold`.
@@ -45,33 +96,33 @@ pub struct Player<'a> {
 }
 
 /// Releases all held keys at the end of the story.
-impl Drop for Player<'_> {
+impl<G: Stage> Drop for Player<'_, G> {
     fn drop(&mut self) {
         for key in self.held_keys.drain(..) {
-            self.host.send(Command::Release(key));
+            self.stage.host().send(Command::Release(key));
         }
     }
 }
 
-impl<'a> Player<'a> {
+impl<'a, G: Stage> Player<'a, G> {
     /// Creates a player. Files named in the story are searched in `folder`. `part_given`: a part is mounted already, so
     /// loading a program does not mount another.
     #[must_use]
-    pub fn new(rig: &'a mut HeadlessHost, eyes: Option<Box<dyn PageReader>>, folder: &Path, part_given: bool) -> Self {
-        Self {
-            host: rig,
-            page_reader: eyes,
-            folder: folder.to_owned(),
-            has_part: part_given,
-            held_keys: Vec::new(),
-            next_hold: Micros::ZERO,
-        }
+    pub fn new(stage: &'a mut G, eyes: Option<Box<dyn PageReader>>, folder: &Path, part_given: bool) -> Self {
+        stage.host().set_part_rule(if part_given { PartRule::Keep } else { PartRule::FollowProgram });
+        Self { stage, page_reader: eyes, folder: folder.to_owned(), held_keys: Vec::new(), next_hold: Micros::ZERO }
     }
 
-    /// The rig.
+    /// The host.
     #[must_use]
-    pub fn host(&mut self) -> &mut HeadlessHost {
-        self.host
+    pub fn host(&mut self) -> &mut Host<SimulatedPlant, G::Storage> {
+        self.stage.host()
+    }
+
+    /// The stage.
+    #[must_use]
+    pub const fn stage(&mut self) -> &mut G {
+        self.stage
     }
 
     /// Plays one line.
@@ -81,20 +132,16 @@ impl<'a> Player<'a> {
     pub fn play(&mut self, line: &StoryLine) -> Result<(), String> {
         match &line.statement {
             Statement::Kind(_) => Ok(()),
-            Statement::PowerOn => {
-                self.held_keys.clear();
-                self.host.power_on();
-                self.wait_for_answer()
-            }
+            Statement::PowerOn => self.power_on(),
             Statement::PowerCut => {
                 self.held_keys.clear();
-                self.host.power_cut();
+                self.stage.host().power_cut();
                 Ok(())
             }
             Statement::Param(at, value) => self.set(Command::SetParam(*at, *value)),
             Statement::Set(number, value) => self.set(Command::SetVariable(*number, *value)),
             Statement::Load(number) => self.load(*number),
-            Statement::LoadNamed(name) => match self.host.find_program(name) {
+            Statement::LoadNamed(name) => match self.stage.host().find_program(name) {
                 Some(number) => self.load(number),
                 None => Err(format!("程序目录中没有 {name}; the programs folder has no {name}")),
             },
@@ -108,27 +155,14 @@ impl<'a> Player<'a> {
             Statement::Release(key) => self.release(*key),
             Statement::Hold(key, seconds) => self.hold(*key, *seconds),
             Statement::Handwheel(axis, detents, step) => self.handwheel(*axis, *detents, *step),
-            Statement::Mdi(text) => {
-                self.press(Mode::Mdi.key())?;
-                self.send(Command::Mdi(text.clone()))?;
-                self.wait_for_standstill();
-                Ok(())
-            }
+            Statement::Mdi(text) => self.mdi(text),
             Statement::Page(page) => self.send(Command::OpenPage(*page)),
             Statement::Teach(command) => self.send(Command::Teach(*command)),
             Statement::Sheet(number) => self.send(Command::ShowGrindingSheet(number - 1)),
             Statement::Type(number, value) => self.send(Command::EnterVariable(*number, *value)),
-            Statement::Input(name, force) => {
-                let level = match force {
-                    InputForce::To(on) => Some(*on),
-                    InputForce::Released => None,
-                };
-                self.host.machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
-                self.ticks(INPUT_TICKS);
-                Ok(())
-            }
+            Statement::Input(name, force) => self.force_input(name, *force),
             Statement::Fault(text) => {
-                self.host.machine_mut().inject_fault(text).map_err(|error| error.to_string())?;
+                self.stage.host().machine_mut().inject_fault(text).map_err(|error| error.to_string())?;
                 self.wait_for_answer()
             }
             Statement::FaultList => Ok(()),
@@ -138,7 +172,7 @@ impl<'a> Player<'a> {
             }
             Statement::WaitUntil(until, most) => self.wait_until(*until, Micros::from_secs_f64(*most)),
             Statement::Seed(seed) => {
-                self.host.reseed(*seed);
+                self.stage.host().reseed(*seed);
                 Ok(())
             }
             Statement::Part(file) => self.part(file),
@@ -147,13 +181,36 @@ impl<'a> Player<'a> {
         }
     }
 
+    fn power_on(&mut self) -> Result<(), String> {
+        self.held_keys.clear();
+        self.stage.host().power_on();
+        self.wait_for_answer()
+    }
+
+    fn mdi(&mut self, text: &str) -> Result<(), String> {
+        self.press(Mode::Mdi.key())?;
+        self.send(Command::Mdi(text.to_owned()))?;
+        self.wait_for_standstill();
+        Ok(())
+    }
+
+    fn force_input(&mut self, name: &str, force: InputForce) -> Result<(), String> {
+        let level = match force {
+            InputForce::To(on) => Some(on),
+            InputForce::Released => None,
+        };
+        self.stage.host().machine_mut().force_input(name, level).map_err(|error| error.to_string())?;
+        self.ticks(INPUT_TICKS);
+        Ok(())
+    }
+
     /// Steps by one tick and repeats `Hold` for held keys.
     fn step(&mut self) {
-        self.host.step();
-        if !self.held_keys.is_empty() && self.host.now() >= self.next_hold {
-            self.next_hold = self.host.now() + HOLD_INTERVAL;
+        self.stage.step();
+        if !self.held_keys.is_empty() && self.stage.host().now() >= self.next_hold {
+            self.next_hold = self.stage.host().now() + HOLD_INTERVAL;
             for key in &self.held_keys {
-                self.host.send(Command::StillHeld(*key));
+                self.stage.host().send(Command::StillHeld(*key));
             }
         }
     }
@@ -172,23 +229,23 @@ impl<'a> Player<'a> {
     }
 
     fn send(&mut self, command: Command) -> Result<(), String> {
-        self.host.send(command);
+        self.stage.host().send(command);
         self.wait_for_answer()
     }
 
     /// Changes a setting without the panel. A refusal by the control is an error of the story (T5).
     fn set(&mut self, command: Command) -> Result<(), String> {
-        self.host.send(command);
+        self.stage.host().send(command);
         self.wait_for_setting()
     }
 
     /// Waits for the answer to settings; the error is the control's refusal.
     fn wait_for_setting(&mut self) -> Result<(), String> {
-        if !self.host.is_powered() {
+        if !self.stage.host().is_powered() {
             return Err("the control has no power".to_owned());
         }
         self.step();
-        let refused = self.host.controller().refusal().map(|said| format!("{}; {}", said.zh, said.en));
+        let refused = self.stage.host().controller().refusal().map(|said| format!("{}; {}", said.zh, said.en));
         self.ticks(ANSWER_TICKS - 1);
         self.run_until(ANSWER_TIMEOUT, |rig| !rig.controller().is_braking());
         refused.map_or(Ok(()), Err)
@@ -197,17 +254,17 @@ impl<'a> Player<'a> {
     /// The command of a pressed key. The mushroom of the emergency stop is turned out when it is latched.
     fn press_command(&mut self, key: Key) -> Command {
         match key {
-            Key::EmergencyStop => self.host.snapshot().press_command(key),
+            Key::EmergencyStop => self.stage.host().snapshot().press_command(key),
             key => Command::Press(key),
         }
     }
 
     fn press_and_hold(&mut self, key: Key) {
         let command = self.press_command(key);
-        self.host.send(command);
+        self.stage.host().send(command);
         if key.jog_direction().is_some() && !self.held_keys.contains(&key) {
             if self.held_keys.is_empty() {
-                self.next_hold = self.host.now() + HOLD_INTERVAL;
+                self.next_hold = self.stage.host().now() + HOLD_INTERVAL;
             }
             self.held_keys.push(key);
         }
@@ -225,17 +282,17 @@ impl<'a> Player<'a> {
     }
 
     fn wait(&mut self, span: Micros) {
-        let end = self.host.now() + span;
-        while self.host.now() < end && !self.host.is_touched() {
+        let end = self.stage.host().now() + span;
+        while self.stage.host().now() < end && !self.stage.is_interrupted() {
             self.step();
         }
     }
 
     /// Runs until the condition is true; returns false after the timeout or a touch.
-    fn run_until(&mut self, most: Micros, mut done: impl FnMut(&mut HeadlessHost) -> bool) -> bool {
-        let end = self.host.now() + most;
-        while !done(self.host) {
-            if self.host.now() >= end || self.host.is_touched() {
+    fn run_until(&mut self, most: Micros, mut done: impl FnMut(&mut Host<SimulatedPlant, G::Storage>) -> bool) -> bool {
+        let end = self.stage.host().now() + most;
+        while !done(self.stage.host()) {
+            if self.stage.host().now() >= end || self.stage.is_interrupted() {
                 return false;
             }
             self.step();
@@ -251,11 +308,10 @@ impl<'a> Player<'a> {
     }
 
     fn load(&mut self, number: u32) -> Result<(), String> {
+        let changes = self.stage.host().part_changes();
         self.set(Command::LoadProgram(number))?;
-        if !self.has_part
-            && let Some(part) = self.host.bar_of_program(number).or_else(|| PartFile::builtin(number).ok().flatten())
-        {
-            self.host.mount_part(&part);
+        self.run_until(PART_TIMEOUT, |host| !host.awaits_part());
+        if self.stage.host().part_changes() != changes {
             self.wait_for_setting()?;
         }
         Ok(())
@@ -265,8 +321,8 @@ impl<'a> Player<'a> {
         let path = self.folder.join(file);
         let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         let part = PartFile::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
-        self.host.mount_part(&part);
-        self.has_part = true;
+        self.stage.host().set_part_rule(PartRule::Keep);
+        self.stage.host().mount_part(&part);
         self.wait_for_setting()
     }
 
@@ -280,15 +336,15 @@ impl<'a> Player<'a> {
     /// Homes all axes as an operator does: mode home, then one axis key after the other.
     fn home_all(&mut self) -> Result<(), String> {
         self.press(Mode::Home.key())?;
-        let axes: Vec<Axis> = self.host.controller().axes_present().collect();
+        let axes: Vec<Axis> = self.stage.host().controller().axes_present().collect();
         for axis in axes {
             self.press(Key::from_jog(axis, true))?;
         }
-        let homing = |rig: &mut HeadlessHost| rig.controller().state() != RunState::Homing;
+        let homing = |host: &mut Host<SimulatedPlant, G::Storage>| host.controller().state() != RunState::Homing;
         if !self.run_until(HOMING_TIMEOUT, homing) {
             return Err("homing did not end".to_owned());
         }
-        let snapshot = self.host.snapshot();
+        let snapshot = self.stage.host().snapshot();
         let missing = snapshot.axes.iter().find(|(_, view)| view.present && !view.homed).map(|(axis, _)| axis);
         match missing {
             None => Ok(()),
@@ -297,16 +353,16 @@ impl<'a> Player<'a> {
     }
 
     fn hold(&mut self, key: Key, seconds: f64) -> Result<(), String> {
-        let end = self.host.now() + Micros::from_secs_f64(seconds);
+        let end = self.stage.host().now() + Micros::from_secs_f64(seconds);
         self.press_and_hold(key);
-        while self.host.now() < end {
+        while self.stage.host().now() < end && !self.stage.is_interrupted() {
             self.step();
         }
         self.release(key)
     }
 
     fn handwheel(&mut self, axis: Axis, detents: i32, step: Key) -> Result<(), String> {
-        if !self.host.snapshot().axes[axis].present {
+        if !self.stage.host().snapshot().axes[axis].present {
             return Err(format!("this machine has no {axis}"));
         }
         let chosen = match axis {
@@ -339,9 +395,11 @@ impl<'a> Player<'a> {
             if is == wanted { Ok(()) } else { Err(format!("{name} is {}", on_off(is))) }
         };
         match expectation {
-            Expectation::Output(output, on) => switched(output.id(), self.host.snapshot().outputs.has(*output), *on),
-            Expectation::Input(input, on) => switched(input.id(), self.host.snapshot().inputs.has(*input), *on),
-            Expectation::Lamp(key, on) => switched(key.id(), self.host.snapshot().key(*key).lamp, *on),
+            Expectation::Output(output, on) => {
+                switched(output.id(), self.stage.host().snapshot().outputs.has(*output), *on)
+            }
+            Expectation::Input(input, on) => switched(input.id(), self.stage.host().snapshot().inputs.has(*input), *on),
+            Expectation::Lamp(key, on) => switched(key.id(), self.stage.host().snapshot().key(*key).lamp, *on),
             Expectation::Alarm(number) => {
                 self.alarm(|alarm| alarm.number == *number, &format!("alarm {number} is not present"))
             }
@@ -352,25 +410,25 @@ impl<'a> Player<'a> {
                 };
                 self.alarm(has, "no alarm has this text")
             }
-            Expectation::NoAlarm => match self.host.snapshot().alarms.first() {
+            Expectation::NoAlarm => match self.stage.host().snapshot().alarms.first() {
                 None => Ok(()),
                 Some(alarm) => Err(format!("alarm {}: {}", alarm.number, alarm.text.zh)),
             },
             Expectation::Event(kind) => {
-                let seen: Vec<_> = self.host.machine().events().iter().map(|event| event.kind).collect();
+                let seen: Vec<_> = self.stage.host().machine().events().iter().map(|event| event.kind).collect();
                 if seen.contains(kind) { Ok(()) } else { Err(format!("events: {seen:?}")) }
             }
-            Expectation::NoEvent => match self.host.machine().events().first() {
+            Expectation::NoEvent => match self.stage.host().machine().events().first() {
                 None => Ok(()),
                 Some(event) => Err(format!("event {} at {:.3} s on {}", event.kind.id(), event.seconds, event.place)),
             },
             Expectation::State(state) => {
-                let is = self.host.controller().state();
+                let is = self.stage.host().controller().state();
                 if is == *state { Ok(()) } else { Err(format!("state is {}", is.id())) }
             }
             Expectation::Value { of, is, tolerance } => self.value(*of, *is, *tolerance),
             Expectation::Message(text) => {
-                let message = &self.host.snapshot().message.text;
+                let message = &self.stage.host().snapshot().message.text;
                 if message.zh.contains(text) || message.en.contains(text) {
                     Ok(())
                 } else {
@@ -382,7 +440,7 @@ impl<'a> Player<'a> {
     }
 
     fn alarm(&mut self, is: impl Fn(&crate::link::snapshot::AlarmView) -> bool, no: &str) -> Result<(), String> {
-        let alarms = &self.host.snapshot().alarms;
+        let alarms = &self.stage.host().snapshot().alarms;
         if alarms.iter().any(is) {
             return Ok(());
         }
@@ -392,16 +450,16 @@ impl<'a> Player<'a> {
 
     fn value(&mut self, of: Quantity, is: f64, tolerance: f64) -> Result<(), String> {
         let found = match of {
-            Quantity::Work(axis) => Some(self.host.snapshot().axes[axis].work),
-            Quantity::Machine(axis) => Some(self.host.snapshot().axes[axis].machine),
+            Quantity::Work(axis) => Some(self.stage.host().snapshot().axes[axis].work),
+            Quantity::Machine(axis) => Some(self.stage.host().snapshot().axes[axis].machine),
             Quantity::Variable(number) => {
-                let values = &self.host.snapshot().variables;
+                let values = &self.stage.host().snapshot().variables;
                 values.get(usize::from(number)).copied().flatten()
             }
-            Quantity::Wear(number, axis) => self.host.controller().wear(number, axis),
-            Quantity::PartDiameter(z) => self.host.machine().diameter_at(z),
-            Quantity::PartFace(x) => self.host.machine().face_at(x, None),
-            Quantity::PartHeight(x, z) => self.host.machine().height_at(x, z),
+            Quantity::Wear(number, axis) => self.stage.host().controller().wear(number, axis),
+            Quantity::PartDiameter(z) => self.stage.host().machine().diameter_at(z),
+            Quantity::PartFace(x) => self.stage.host().machine().face_at(x, None),
+            Quantity::PartHeight(x, z) => self.stage.host().machine().height_at(x, z),
         };
         match found {
             // 1e-9 compensates binary rounding of the tolerance.
@@ -412,7 +470,7 @@ impl<'a> Player<'a> {
     }
 
     fn page_shows(&mut self, page: Page, text: &str) -> Result<(), String> {
-        let snapshot = self.host.snapshot();
+        let snapshot = self.stage.host().snapshot();
         if snapshot.page != page {
             return Err(format!("the open page is {}", snapshot.page.id()));
         }
@@ -432,9 +490,9 @@ impl<'a> Player<'a> {
 
 /// A report of the control's state after a failed line.
 #[must_use]
-pub fn state_report(rig: &mut HeadlessHost) -> String {
-    let now = rig.now().as_secs_f64();
-    let snapshot = rig.snapshot();
+pub fn state_report<P: Plant, S: Storage>(host: &mut Host<P, S>) -> String {
+    let now = host.now().as_secs_f64();
+    let snapshot = host.snapshot();
     let axes: Vec<_> = snapshot
         .axes
         .iter()

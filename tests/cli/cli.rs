@@ -390,3 +390,43 @@ fn t6_a_picture_of_a_page_has_a_clock_and_is_the_same_every_time() {
     let wrong = kt830(&["shot", "settings", "--out", "d.png", "--clock", "noon"]);
     assert!(status(&wrong) == 2 && errors(&wrong).contains("2026-11-21 15:01:56"), "{}", errors(&wrong));
 }
+
+#[test]
+fn t5_a_story_is_played_to_a_time_and_every_tick_is_traced() {
+    let story = "kind gc\npower on\nkey hydraulic\nwait 2 s\nmode home\npage position\nwait 60 s\nexpect alarm 999\n";
+    let (folder, path) = file("a.story", story.as_bytes());
+    let trace = folder.path().join("trace.csv").to_string_lossy().into_owned();
+    let out = kt830(&["play", &path, "--until", "3.5 s", "--trace", &trace]);
+    assert_eq!(status(&out), 0, "{}", errors(&out));
+    let told = String::from_utf8_lossy(&out.stdout).into_owned();
+    assert!(told.contains("at 3.500 s: state idle") && told.contains("outputs: "), "{told}");
+    assert!(told.contains("page position") && !told.contains("FAIL") && !told.contains("alarm 999"), "{told}");
+    let rows = std::fs::read_to_string(&trace).unwrap();
+    let mut lines = rows.lines();
+    assert!(lines.next().unwrap().starts_with("now_us,inputs,"));
+    let times: Vec<u64> = lines.map(|line| line.split(',').next().unwrap().parse().unwrap()).collect();
+    assert_eq!((times[0], *times.last().unwrap()), (times[1] - times[0], 3_500_000), "every tick to the time");
+    assert!(times.windows(2).all(|pair| pair[1] - pair[0] == times[0]));
+}
+
+#[test]
+fn t5_after_the_end_of_the_story_the_machine_runs_on_to_the_time() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\n");
+    let out = kt830(&["play", &path, "--until", "250 ms", "--format", "json"]);
+    let last: Value = serde_json::from_str(String::from_utf8_lossy(&out.stdout).lines().last().unwrap()).unwrap();
+    assert_eq!(last["seconds"].as_f64(), Some(0.25));
+    assert!(last["axes"]["X"]["machine"].is_number() && last["alarms"].is_array(), "{last}");
+}
+
+#[test]
+fn t5_a_wrong_time_and_a_trace_that_cannot_be_written_are_told() {
+    let (_folder, path) = file("a.story", b"kind gc\npower on\n");
+    for (words, why) in [
+        (["--until", "12 parsecs"], "unit of time"),
+        (["--until", "12"], "a unit: ms, s, min is missing"),
+        (["--trace", "/no/such/folder/a.csv"], "--trace /no/such/folder/a.csv"),
+    ] {
+        let out = kt830(&["play", &path, words[0], words[1]]);
+        assert!(status(&out) == 2 && errors(&out).contains(why), "{words:?}: {}", errors(&out));
+    }
+}

@@ -10,6 +10,7 @@ mod stories;
 mod check;
 mod cli;
 mod docs;
+mod host;
 mod requirements;
 #[cfg(unix)]
 mod serial;

@@ -9,6 +9,7 @@ mod sample;
 mod stories;
 
 mod alarm;
+mod core_fault;
 mod designer;
 mod editor;
 mod entry;

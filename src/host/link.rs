@@ -1,0 +1,79 @@
+//! The screen's end of a control on a thread: commands go in, the newest snapshot comes out.
+//! Source: style "a key press", safety stance.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::Sender;
+
+use crate::defs::key::Key;
+use crate::link::command::Command;
+use crate::link::snapshot::Snapshot;
+
+/// Statistics and state of the control thread.
+#[derive(Debug, Default)]
+pub struct ThreadHealth {
+    /// Number of ticks.
+    pub ticks: AtomicU64,
+    /// Number of wake-ups that came more than the duration of their ticks late.
+    pub late: AtomicU64,
+    /// The thread runs with real-time priority.
+    pub real_time: AtomicBool,
+    /// The thread has panicked; the outputs are in the safe state.
+    pub failed: AtomicBool,
+}
+
+/// The screen's connection to the control. Dropping it stops the control: safe outputs, storage completed.
+pub struct HostLink {
+    pub(super) commands: Sender<Command>,
+    pub(super) urgent: Sender<Command>,
+    pub(super) snapshots: triple_buffer::Output<Snapshot>,
+    pub(super) updated: Instant,
+    pub(super) health: Arc<ThreadHealth>,
+    pub(super) stop: Arc<AtomicBool>,
+    pub(super) thread: Option<JoinHandle<()>>,
+}
+
+impl HostLink {
+    /// Sends a command without waiting. Reset, feed hold and emergency stop have their own queue, which other commands
+    /// cannot fill. Returns false if the queue is full or the thread has ended; the command is lost then.
+    pub fn send(&self, command: Command) -> bool {
+        let urgent = matches!(
+            command,
+            Command::Press(Key::Reset | Key::FeedHold | Key::EmergencyStop) | Command::EmergencyStop(_)
+        );
+        let path = if urgent { &self.urgent } else { &self.commands };
+        path.try_send(command).is_ok()
+    }
+
+    /// The newest snapshot. Never waits and never makes the control wait.
+    pub fn newest(&mut self) -> &Snapshot {
+        if self.snapshots.update() {
+            self.updated = Instant::now();
+        }
+        self.snapshots.output_buffer_mut()
+    }
+
+    /// Time since the newest snapshot was first read; call [`Self::newest`] before.
+    #[must_use]
+    pub fn snapshot_age(&self) -> Duration {
+        self.updated.elapsed()
+    }
+
+    /// Statistics and state of the control thread.
+    #[must_use]
+    pub fn health(&self) -> &ThreadHealth {
+        &self.health
+    }
+}
+
+impl Drop for HostLink {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Release);
+        if let Some(thread) = self.thread.take() {
+            drop(thread.join());
+        }
+    }
+}

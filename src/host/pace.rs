@@ -1,0 +1,199 @@
+//! When the next tick is due, and the real-time privileges of the control thread. Times are counted from the absolute
+//! tick number, not from the last wake-up.
+//! Source: notes "reliability".
+
+use std::time::{Duration, Instant};
+
+use thread_priority::{ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id};
+
+/// A simulated machine that is more ticks behind than this drops them.
+const MAX_CATCH_UP_TICKS: u32 = 50;
+/// Ticks per wake-up with a simulated machine.
+const TICKS_PER_WAKE_UP: u32 = 16;
+/// Number of consecutive late ticks that raises an alarm on a real machine.
+const MAX_LATE_IN_A_ROW: u32 = 10;
+/// Real-time priority, SCHED_FIFO.
+const PRIORITY: u8 = 80;
+
+/// How strictly the thread keeps the tick time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// Simulated machine: one wake-up for 16 ticks, which saves a laptop's battery. Late ticks are counted and made up
+    /// for; more than 50 ticks are dropped.
+    Simulated,
+    /// Real machine: one wake-up for each tick. A late tick is computed once and the time base starts again from it: the
+    /// drives never get the set-points of several ticks in a row. 10 late ticks in a row raise an alarm.
+    Real,
+}
+
+impl Pace {
+    const fn ticks_per_wake_up(self) -> u32 {
+        match self {
+            Self::Simulated => TICKS_PER_WAKE_UP,
+            Self::Real => 1,
+        }
+    }
+
+    /// Ticks that are made up for; a thread that is further behind drops its time base.
+    const fn max_catch_up(self) -> u32 {
+        match self {
+            Self::Simulated => MAX_CATCH_UP_TICKS,
+            Self::Real => 1,
+        }
+    }
+}
+
+/// The schedule of the ticks. Times are durations since the start of the thread.
+#[derive(Clone, Copy, Debug)]
+pub struct TickSchedule {
+    pace: Pace,
+    /// When the next wake-up is due.
+    due: Duration,
+    /// Ticks left until then.
+    ticks_left: u32,
+    late_in_a_row: u32,
+}
+
+/// How a wake-up came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WakeUp {
+    /// Within the time of its ticks.
+    OnTime,
+    /// Later than the time of its ticks.
+    Late,
+    /// Late on a real machine so often in a row that the alarm is due.
+    TooOftenLate,
+}
+
+impl TickSchedule {
+    /// A schedule that begins at the start of the thread.
+    #[must_use]
+    pub const fn new(pace: Pace) -> Self {
+        Self { pace, due: Duration::ZERO, ticks_left: 0, late_in_a_row: 0 }
+    }
+
+    /// The time at which to wake up before the next tick of this length; `None` if the tick is computed at once.
+    pub fn next_due(&mut self, tick: Duration) -> Option<Duration> {
+        if self.ticks_left > 0 {
+            self.ticks_left -= 1;
+            return None;
+        }
+        let ticks = self.pace.ticks_per_wake_up();
+        self.ticks_left = ticks - 1;
+        self.due += tick * ticks;
+        Some(self.due)
+    }
+
+    /// Notes the time of a wake-up. A thread that is too far behind starts again from now.
+    pub fn woke_up(&mut self, now: Duration, tick: Duration) -> WakeUp {
+        let behind = now.saturating_sub(self.due);
+        if behind > tick * self.pace.max_catch_up() {
+            self.due = now;
+        }
+        if behind <= tick * self.pace.ticks_per_wake_up() {
+            self.late_in_a_row = 0;
+            return WakeUp::OnTime;
+        }
+        self.late_in_a_row += 1;
+        match self.pace {
+            Pace::Real if self.late_in_a_row >= MAX_LATE_IN_A_ROW => WakeUp::TooOftenLate,
+            Pace::Real | Pace::Simulated => WakeUp::Late,
+        }
+    }
+}
+
+/// Sleeps until `due`.
+pub(super) fn sleep_until(due: Instant) {
+    let Some(ahead) = due.checked_duration_since(Instant::now()) else { return };
+    #[cfg(target_os = "linux")]
+    sleep_until_absolute(ahead);
+    #[cfg(not(target_os = "linux"))]
+    std::thread::sleep(ahead);
+}
+
+/// `clock_nanosleep` until an absolute time: signals and preemption do not accumulate delay.
+#[cfg(target_os = "linux")]
+fn sleep_until_absolute(ahead: Duration) {
+    use rustix::thread::{ClockId, clock_nanosleep_absolute};
+    let clock = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+    let mut due = clock;
+    due.tv_sec += ahead.as_secs() as i64;
+    due.tv_nsec += i64::from(ahead.subsec_nanos());
+    if due.tv_nsec >= 1_000_000_000 {
+        due.tv_sec += 1;
+        due.tv_nsec -= 1_000_000_000;
+    }
+    while clock_nanosleep_absolute(ClockId::Monotonic, &due) == Err(rustix::io::Errno::INTR) {}
+}
+
+/// Locks all memory in use. On Linux a page is locked at its first use, so that stacks are not allocated in advance.
+#[cfg(unix)]
+fn memory_lock_flags() -> rustix::mm::MlockAllFlags {
+    use rustix::mm::MlockAllFlags;
+    let all = MlockAllFlags::CURRENT | MlockAllFlags::FUTURE;
+    #[cfg(target_os = "linux")]
+    let all = all | MlockAllFlags::ONFAULT;
+    all
+}
+
+/// Requests real-time priority and locked memory; returns false where the system does not permit it.
+pub(super) fn request_real_time() -> bool {
+    #[cfg(unix)]
+    {
+        use rustix::mm::mlockall;
+        use thread_priority::{RealtimeThreadSchedulePolicy, ThreadPriorityValue};
+        let Ok(value) = ThreadPriorityValue::try_from(PRIORITY) else { return false };
+        let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+        let given =
+            set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Crossplatform(value), policy).is_ok();
+        let locked = given && mlockall(memory_lock_flags()).is_ok();
+        given && locked
+    }
+    #[cfg(not(unix))]
+    {
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TICK: Duration = Duration::from_millis(1);
+
+    #[test]
+    fn a_late_tick_of_a_real_machine_is_computed_once() {
+        let mut schedule = TickSchedule::new(Pace::Real);
+        assert_eq!(schedule.next_due(TICK), Some(TICK));
+        assert_eq!(schedule.woke_up(TICK, TICK), WakeUp::OnTime);
+        // The computer was away for 40 ms: one tick now, and the next one a whole tick later.
+        assert_eq!(schedule.next_due(TICK), Some(2 * TICK));
+        assert_eq!(schedule.woke_up(42 * TICK, TICK), WakeUp::Late);
+        assert_eq!(schedule.next_due(TICK), Some(43 * TICK));
+    }
+
+    #[test]
+    fn ten_late_ticks_in_a_row_are_too_many_on_a_real_machine_only() {
+        for (pace, told) in [(Pace::Real, WakeUp::TooOftenLate), (Pace::Simulated, WakeUp::Late)] {
+            let mut schedule = TickSchedule::new(pace);
+            let mut wake_ups = (0..MAX_LATE_IN_A_ROW).map(|_| {
+                while schedule.next_due(TICK).is_none() {}
+                let due = schedule.due;
+                schedule.woke_up(due + 30 * TICK, TICK)
+            });
+            assert!(wake_ups.by_ref().take(9).all(|wake_up| wake_up == WakeUp::Late), "{pace:?}");
+            assert_eq!(wake_ups.next(), Some(told));
+        }
+    }
+
+    #[test]
+    fn a_simulated_machine_makes_up_for_fifty_ticks_and_drops_more() {
+        for (behind, due) in [(49, 32), (51, 16 + 51 + 16)] {
+            let mut schedule = TickSchedule::new(Pace::Simulated);
+            assert_eq!(schedule.next_due(TICK), Some(16 * TICK));
+            assert_eq!(schedule.woke_up((16 + behind) * TICK, TICK), WakeUp::Late);
+            assert!((1..16).all(|_| schedule.next_due(TICK).is_none()), "sixteen ticks a wake-up");
+            assert_eq!(schedule.next_due(TICK), Some(due * TICK));
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! What a host does to the machine beside reading and writing it in the tick.
+//! Source: spec P1–P8, T1–T5.
+
+use std::sync::Arc;
+
+use crate::defs::param::Params;
+use crate::io::Backend;
+use crate::io::sim::PartFile;
+use crate::link::simulation::{SimCommand, SimView};
+use crate::units::Micros;
+
+/// A machine under a host. A field bus implements the duties of a simulated machine with empty bodies: nothing is
+/// inherited, so that no duty is forgotten.
+pub trait Plant: Backend {
+    /// The control gets its power back; the parameters are those it starts with.
+    fn power_on(&mut self, params: &Params);
+    /// Puts an unmachined part into the machine.
+    fn mount_part(&mut self, part: &PartFile);
+    /// Executes a command of the simulator page.
+    fn simulate(&mut self, command: SimCommand);
+    /// What the simulator page shows at `now`; `None` without a simulated machine.
+    fn view(&mut self, now: Micros) -> Option<Arc<SimView>>;
+}

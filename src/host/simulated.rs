@@ -1,0 +1,167 @@
+//! The simulated machine under a host: it mounts parts, executes the commands of the simulator page and builds its view.
+//! Source: spec P1–P8.
+
+use std::sync::Arc;
+
+use super::plant::Plant;
+use crate::defs::param::Params;
+use crate::defs::signal::Input;
+use crate::defs::text::LocalizedText;
+use crate::io::sim::{LatheScene, PartFile, SimulatedMachine};
+use crate::io::{Backend, InputImage, OutputImage};
+use crate::link::simulation::{LatheWorkspaceView, SimCommand, SimView};
+use crate::units::Micros;
+
+/// Maximum number of events shown.
+const MAX_EVENTS: usize = 6;
+/// Maximum number of sizes shown.
+const MAX_SIZES: usize = 12;
+
+/// The simulated machine, the part in it, and what the simulator page has changed so far.
+pub struct SimulatedPlant {
+    machine: SimulatedMachine,
+    /// The part as it was mounted.
+    part: Option<PartFile>,
+    forced: Vec<(Input, bool)>,
+    faults: Vec<&'static str>,
+    /// The view as last built, and when.
+    view: Arc<SimView>,
+    viewed_at: Option<Micros>,
+    view_interval: Micros,
+}
+
+impl SimulatedPlant {
+    /// A machine without a part. The view of the simulator page is built anew at most every `view_interval`.
+    #[must_use]
+    pub fn new(machine: SimulatedMachine, view_interval: Micros) -> Self {
+        Self {
+            machine,
+            part: None,
+            forced: Vec::new(),
+            faults: Vec::new(),
+            view: Arc::default(),
+            viewed_at: None,
+            view_interval,
+        }
+    }
+
+    /// The machine.
+    #[must_use]
+    pub const fn machine(&self) -> &SimulatedMachine {
+        &self.machine
+    }
+
+    /// The machine, for forcing inputs and faults.
+    pub const fn machine_mut(&mut self) -> &mut SimulatedMachine {
+        &mut self.machine
+    }
+
+    fn build_view(&self) -> SimView {
+        let machine = &self.machine;
+        let wheel = machine.wheel();
+        let report = machine.measure();
+        let diameters = report
+            .diameters
+            .iter()
+            .map(|at| (LocalizedText::new(format!("直径 Z{:.1}", at.z), format!("diameter Z{:.1}", at.z)), at.d));
+        let faces = report
+            .faces
+            .iter()
+            .map(|at| (LocalizedText::new(format!("端面 X{:.1}", at.x), format!("face X{:.1}", at.x)), at.z));
+        let heights = report.heights.iter().map(|at| {
+            let (x, z) = (at.x, at.z);
+            (LocalizedText::new(format!("高度 X{x:.0} Z{z:.0}"), format!("height X{x:.0} Z{z:.0}")), at.y)
+        });
+        let events = machine.events().iter().rev().take(MAX_EVENTS).rev();
+        let events = events.map(|event| {
+            let words = format!("{:.1} s {}", event.seconds, event.kind.id());
+            LocalizedText::new(words.clone(), words)
+        });
+        SimView {
+            forced: self.forced.clone(),
+            faults: self.faults.clone(),
+            wheel_diameter_mm: wheel.diameter_mm,
+            wheel_dullness: wheel.dullness,
+            wheel_load_percent: wheel.load_percent,
+            sizes: diameters.chain(faces).chain(heights).take(MAX_SIZES).collect(),
+            events: events.collect(),
+            lathe_workspace: machine.lathe_scene().map(lathe_workspace),
+        }
+    }
+}
+
+impl Backend for SimulatedPlant {
+    fn read(&mut self, now: Micros) -> InputImage {
+        self.machine.read(now)
+    }
+
+    fn write(&mut self, now: Micros, outputs: &OutputImage) {
+        self.machine.write(now, outputs);
+    }
+
+    fn rewire(&mut self, params: &Params) {
+        self.machine.rewire(params);
+    }
+}
+
+impl Plant for SimulatedPlant {
+    fn power_on(&mut self, params: &Params) {
+        self.machine.power_on(params);
+    }
+
+    fn mount_part(&mut self, part: &PartFile) {
+        self.machine.set_part(Some(part));
+        self.part = Some(part.clone());
+        self.viewed_at = None;
+    }
+
+    fn simulate(&mut self, command: SimCommand) {
+        self.viewed_at = None;
+        match command {
+            SimCommand::Force(input, on) => {
+                // Cannot fail: the id comes from the input table.
+                if self.machine.force_input(input.id(), on).is_ok() {
+                    self.forced.retain(|(other, _)| *other != input);
+                    self.forced.extend(on.map(|on| (input, on)));
+                }
+            }
+            SimCommand::Fault(name, present) => {
+                let machine = &mut self.machine;
+                let done = if present { machine.inject_fault(name) } else { machine.clear_fault(name) };
+                if done.is_ok() {
+                    self.faults.retain(|other| *other != name);
+                    self.faults.extend(present.then_some(name));
+                }
+            }
+            SimCommand::NewPart => self.machine.set_part(self.part.as_ref()),
+            SimCommand::SharpenWheel => self.machine.set_wheel_dullness(0.0),
+        }
+    }
+
+    fn view(&mut self, now: Micros) -> Option<Arc<SimView>> {
+        if self.viewed_at.is_none_or(|at| now.since(at) >= self.view_interval) {
+            self.viewed_at = Some(now);
+            let view = self.build_view();
+            // The page is painted again when the view is another one.
+            if *self.view != view {
+                self.view = Arc::new(view);
+            }
+        }
+        Some(Arc::clone(&self.view))
+    }
+}
+
+/// The workspace of a lathe for the drawing.
+fn lathe_workspace(scene: LatheScene<'_>) -> LatheWorkspaceView {
+    let pair = |(a, b): (f64, f64)| (a as f32, b as f32);
+    LatheWorkspaceView {
+        zero_mm: pair(scene.zero_mm),
+        chuck_face_z_mm: scene.z_from_mm as f32,
+        cell_mm: scene.cell_mm as f32,
+        radius_mm: scene.radius_mm.iter().map(|radius| *radius as f32).collect(),
+        stock_radius_mm: scene.stock_mm as f32,
+        bodies: scene.bodies.iter().map(|(from, to, radius)| (*from as f32, *to as f32, *radius as f32)).collect(),
+        tip_mm: pair(scene.tip_mm),
+        outline_mm: scene.outline_mm.into_iter().map(pair).collect(),
+    }
+}

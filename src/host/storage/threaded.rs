@@ -1,0 +1,264 @@
+//! Storage on threads: one for retained data and passwords, one for jobs, one for the serial line, so that neither a
+//! long job nor a transfer of minutes delays retained data. Detects files copied into the folders and sends the time.
+//! Source: notes "reliability", K7.3 ("copied in by the operator at any time"), L9.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{Builder, JoinHandle};
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded, never};
+
+use super::{Arrival, RetainedWorker, Storage, StorageWorker};
+use crate::controller::StorageRequest;
+use crate::controller::files::BackgroundJob;
+use crate::defs::text::LocalizedText;
+use crate::host::clock;
+use crate::host::job_runner::{ChangedFolders, JobRunner};
+use crate::host::part::PartQuery;
+use crate::link::command::Command;
+use crate::link::files::{FileAnswer, FileRequest, Refusal};
+use crate::link::media::TransferSet;
+use crate::link::page_command::{PageCommand, StorageAnswer};
+use crate::store::{FolderChange, FolderWatch};
+
+/// Capacity of the queue of request batches.
+const REQUEST_QUEUE: usize = 4_096;
+/// Capacity of the queue of arrivals, and most arrivals of one tick.
+const ARRIVAL_QUEUE: usize = 256;
+/// Capacity of each job queue.
+const JOB_QUEUE: usize = 8;
+/// How long the storage thread waits for requests before it looks at the folders again.
+const POLL_INTERVAL: Duration = Duration::from_millis(200);
+/// How often the storage thread sends the computer's clock.
+const CALENDAR_INTERVAL: Duration = Duration::from_secs(10);
+/// Maximum number of further request batches in one commit.
+const MAX_BATCHES: usize = 64;
+
+/// A question to the storage thread.
+enum StorageQuestion {
+    Requests(Vec<StorageRequest>),
+    Part(Box<PartQuery>),
+}
+
+/// Storage on threads of its own. Dropping it ends the threads.
+pub struct ThreadedStorage {
+    questions: Option<Sender<StorageQuestion>>,
+    arrivals: Receiver<Arrival>,
+    thread: Option<JoinHandle<()>>,
+    jobs: JobQueues,
+}
+
+impl ThreadedStorage {
+    /// Reads the folders and starts the threads. A folder that cannot be read raises an alarm.
+    ///
+    /// # Errors
+    /// The system cannot create a thread.
+    pub fn start(retained: RetainedWorker, worker: StorageWorker) -> std::io::Result<Self> {
+        let (questions, asked) = bounded(REQUEST_QUEUE);
+        let (tell, arrivals) = bounded(ARRIVAL_QUEUE);
+        let folders = worker.jobs.folders();
+        let watch = FolderWatch::start(&folders.programs, &folders.screens);
+        // They arrive before the first tick.
+        worker.read(ChangedFolders { programs: true, screens: true }, &mut |arrival| drop(tell.send(arrival)));
+        let (jobs, threads) = JobQueues::start(&worker, &tell)?;
+        let own = jobs.clone();
+        let mut thread =
+            StorageThread { retained, worker, asked, tell, watch, jobs: own, waiting: None, clock_sent: None };
+        let thread = Builder::new().name("kt830-disk".into()).spawn(move || {
+            while thread.turn() {}
+            drop(thread);
+            threads.into_iter().for_each(|thread| drop(thread.join()));
+        })?;
+        Ok(Self { questions: Some(questions), arrivals, thread: Some(thread), jobs })
+    }
+}
+
+impl Storage for ThreadedStorage {
+    fn submit(&mut self, requests: &mut Vec<StorageRequest>) {
+        let Some(questions) = self.questions.as_ref().filter(|_| !requests.is_empty()) else { return };
+        match questions.try_send(StorageQuestion::Requests(std::mem::take(requests))) {
+            Ok(()) => {}
+            Err(TrySendError::Full(question) | TrySendError::Disconnected(question)) => {
+                if let StorageQuestion::Requests(kept) = question {
+                    *requests = kept;
+                }
+            }
+        }
+    }
+
+    fn find_part(&mut self, query: PartQuery) -> bool {
+        self.questions
+            .as_ref()
+            .is_some_and(|questions| questions.try_send(StorageQuestion::Part(Box::new(query))).is_ok())
+    }
+
+    fn poll(&mut self, arrivals: &mut Vec<Arrival>) {
+        arrivals.extend(self.arrivals.try_iter().take(ARRIVAL_QUEUE));
+    }
+
+    fn close(&mut self) {
+        self.questions = None;
+        // Nobody reads answers any more: a thread that waits for room goes on.
+        self.arrivals = never();
+        self.jobs.end();
+        if let Some(thread) = self.thread.take() {
+            drop(thread.join());
+        }
+    }
+}
+
+impl Drop for ThreadedStorage {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+/// The queues of the two job threads.
+#[derive(Clone)]
+struct JobQueues {
+    office: Option<Sender<BackgroundJob>>,
+    line: Option<Sender<BackgroundJob>>,
+    office_runner: JobRunner,
+    line_runner: JobRunner,
+    /// The job in progress only calculates: it is cancelled at the end.
+    calculating: Arc<AtomicBool>,
+    ending: Arc<AtomicBool>,
+}
+
+impl JobQueues {
+    /// Starts the job threads; they end when their queues are closed.
+    fn start(worker: &StorageWorker, tell: &Sender<Arrival>) -> std::io::Result<(Self, Vec<JoinHandle<()>>)> {
+        let line_worker = StorageWorker { jobs: worker.jobs.clone().with_own_cancel(), ..worker.clone() };
+        let (office, office_jobs) = bounded(JOB_QUEUE);
+        let (line, line_jobs) = bounded(JOB_QUEUE);
+        let queues = Self {
+            office: Some(office),
+            line: Some(line),
+            office_runner: worker.jobs.clone(),
+            line_runner: line_worker.jobs.clone(),
+            calculating: Arc::default(),
+            ending: Arc::default(),
+        };
+        let threads = vec![
+            queues.spawn("kt830-jobs", worker.clone(), office_jobs, tell.clone())?,
+            queues.spawn("kt830-line", line_worker, line_jobs, tell.clone())?,
+        ];
+        Ok((queues, threads))
+    }
+
+    fn spawn(
+        &self,
+        name: &str,
+        worker: StorageWorker,
+        jobs: Receiver<BackgroundJob>,
+        tell: Sender<Arrival>,
+    ) -> std::io::Result<JoinHandle<()>> {
+        let (calculating, ending) = (Arc::clone(&self.calculating), Arc::clone(&self.ending));
+        Builder::new().name(name.into()).spawn(move || {
+            for job in jobs {
+                let calculates = matches!(job.request, FileRequest::ComputeToolpath(_));
+                if ending.load(Ordering::Acquire) && (calculates || is_serial(&job)) {
+                    continue;
+                }
+                calculating.fetch_or(calculates, Ordering::AcqRel);
+                worker.run(&job, &mut |arrival| drop(tell.send(arrival)));
+                if calculates {
+                    calculating.store(false, Ordering::Release);
+                }
+            }
+        })
+    }
+
+    /// Queues a job without waiting. A full queue is answered with a busy message, except for requests that pages repeat.
+    fn queue(&self, job: Box<BackgroundJob>) -> Option<Arrival> {
+        if job.request == FileRequest::Cancel {
+            self.office_runner.cancel();
+            self.line_runner.cancel();
+            return None;
+        }
+        let asked_again = matches!(job.request, FileRequest::CheckLines { .. } | FileRequest::ListMedia);
+        let (ticket, queue) = (job.ticket, if is_serial(&job) { &self.line } else { &self.office });
+        let taken = queue.as_ref().is_some_and(|queue| queue.try_send(*job).is_ok());
+        (!taken && !asked_again).then(|| {
+            let busy = LocalizedText::new("上一项工作未完成，请稍候", "the work before is not done: wait");
+            let answer = FileAnswer::Refused(Refusal::Other(busy));
+            Arrival::Command(Command::Page(PageCommand::StorageAnswered(StorageAnswer::File(ticket, answer))))
+        })
+    }
+
+    /// Closes the queues. A job that writes is completed; a calculation or a transfer over the line is cancelled.
+    fn end(&mut self) {
+        self.ending.store(true, Ordering::Release);
+        (self.office, self.line) = (None, None);
+        self.line_runner.cancel();
+        if self.calculating.load(Ordering::Acquire) {
+            self.office_runner.cancel();
+        }
+    }
+}
+
+fn is_serial(job: &BackgroundJob) -> bool {
+    matches!(&job.request, FileRequest::Transfer(ask) if ask.set == TransferSet::Serial)
+}
+
+/// The state of the storage thread.
+struct StorageThread {
+    retained: RetainedWorker,
+    worker: StorageWorker,
+    asked: Receiver<StorageQuestion>,
+    tell: Sender<Arrival>,
+    watch: FolderWatch,
+    jobs: JobQueues,
+    /// A part question that came behind a batch of requests.
+    waiting: Option<Box<PartQuery>>,
+    clock_sent: Option<Instant>,
+}
+
+impl StorageThread {
+    /// Waits for requests, carries them out and looks at the folders; returns false at the end.
+    fn turn(&mut self) -> bool {
+        if self.clock_sent.is_none_or(|sent| sent.elapsed() >= CALENDAR_INTERVAL) {
+            self.clock_sent = Some(Instant::now());
+            drop(self.tell.send(Arrival::Command(Command::WallClock(clock::local_time()))));
+        }
+        match self.asked.recv_timeout(POLL_INTERVAL) {
+            Ok(StorageQuestion::Requests(first)) => self.handle(first),
+            Ok(StorageQuestion::Part(query)) => self.waiting = Some(query),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return false,
+        }
+        if let Some(query) = self.waiting.take() {
+            drop(self.tell.send(Arrival::Part(query.find().map(Box::new))));
+        }
+        while let Some(changed) = self.watch.try_recv(Instant::now()) {
+            let programs = changed == FolderChange::Programs;
+            let tell = &self.tell;
+            self.worker.read(ChangedFolders { programs, screens: !programs }, &mut |arrival| drop(tell.send(arrival)));
+        }
+        true
+    }
+
+    /// Carries out a batch and what waits behind it in one commit, up to the next part question.
+    fn handle(&mut self, mut requests: Vec<StorageRequest>) {
+        for _ in 0..MAX_BATCHES {
+            match self.asked.try_recv() {
+                Ok(StorageQuestion::Requests(more)) => requests.extend(more),
+                Ok(StorageQuestion::Part(query)) => {
+                    self.waiting = Some(query);
+                    break;
+                }
+                Err(_) => break,
+            }
+        }
+        let tell = &self.tell;
+        self.retained.handle(&requests, &mut |arrival| drop(tell.send(arrival)));
+        for request in requests {
+            if let StorageRequest::Job(job) = request
+                && let Some(busy) = self.jobs.queue(job)
+            {
+                drop(self.tell.send(busy));
+            }
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! Carries out storage requests. Called in the step of a headless host, or by the storage threads.
+//! Source: spec B3, B6, K7.3.
+
+use std::sync::Arc;
+
+use super::Arrival;
+use crate::controller::StorageRequest;
+use crate::controller::StoredProgram;
+use crate::controller::files::BackgroundJob;
+use crate::defs::text::LocalizedText;
+use crate::host::job_runner::{ChangedFolders, JobRunner};
+use crate::host::password_store::PasswordStore;
+use crate::host::retained_store::RetainedStore;
+use crate::link::command::Command;
+use crate::link::files::FileAnswer;
+use crate::link::page_command::{PageCommand, SettingsRequest, StorageAnswer};
+use crate::store::FolderError;
+
+/// Where retained data and passwords are kept.
+pub enum RetainedWorker {
+    /// In the data directory.
+    Disk(RetainedStore),
+    /// In memory, until the program ends: the host itself keeps the retained data.
+    Memory(PasswordStore),
+}
+
+impl RetainedWorker {
+    /// The store of a data directory, or memory without one.
+    #[must_use]
+    pub fn new(store: Option<RetainedStore>) -> Self {
+        store.map_or_else(|| Self::Memory(PasswordStore::default()), Self::Disk)
+    }
+
+    /// Answers the requests of the pages, then stores the values and acknowledges the commit.
+    pub(super) fn handle(&mut self, requests: &[StorageRequest], tell: &mut dyn FnMut(Arrival)) {
+        for request in requests {
+            if let StorageRequest::Page(wish) = request {
+                tell(Arrival::Command(self.answer(wish)));
+            }
+        }
+        let Self::Disk(store) = self else { return };
+        if requests.iter().all(|request| matches!(request, StorageRequest::Page(_) | StorageRequest::Job(_))) {
+            return;
+        }
+        tell(Arrival::Command(match store.commit(requests) {
+            Ok(generation) => Command::Stored(generation),
+            Err(error) => Command::DiskFailed(LocalizedText::new(error.to_string(), error.to_string())),
+        }));
+    }
+
+    fn answer(&mut self, wish: &SettingsRequest) -> Command {
+        match self {
+            Self::Disk(store) => store.answer(wish),
+            Self::Memory(passwords) => passwords.answer(wish, None),
+        }
+    }
+}
+
+/// Runs jobs and reads the folders.
+#[derive(Clone)]
+pub struct StorageWorker {
+    /// Runs the jobs of the pages.
+    pub jobs: JobRunner,
+    /// Programs that are not in the folder: files named on the command line.
+    pub added: Vec<StoredProgram>,
+}
+
+impl StorageWorker {
+    /// A worker without added programs.
+    #[must_use]
+    pub const fn new(jobs: JobRunner) -> Self {
+        Self { jobs, added: Vec::new() }
+    }
+
+    /// Runs a job. Folders that it changed are read before its final answer is told.
+    pub(super) fn run(&self, job: &BackgroundJob, tell: &mut dyn FnMut(Arrival)) {
+        let told = |answer| {
+            let answer = StorageAnswer::File(job.ticket, answer);
+            Arrival::Command(Command::Page(PageCommand::StorageAnswered(answer)))
+        };
+        let mut last = Vec::new();
+        let changed = self.jobs.run(job, &mut |answer| match answer {
+            FileAnswer::Progress(..) | FileAnswer::BytesReceived(..) | FileAnswer::ToolpathComputed(_) => {
+                tell(told(answer));
+            }
+            answer => last.push(answer),
+        });
+        self.read(changed, tell);
+        last.into_iter().map(told).for_each(tell);
+    }
+
+    /// Reads the changed folders. A folder that cannot be read raises an alarm.
+    pub(super) fn read(&self, changed: ChangedFolders, tell: &mut dyn FnMut(Arrival)) {
+        let failed = |error: FolderError| Arrival::Command(Command::DiskFailed(error.message()));
+        if changed.programs {
+            tell(self.programs().unwrap_or_else(failed));
+        }
+        if changed.screens {
+            tell(self.screens().unwrap_or_else(failed));
+        }
+    }
+
+    /// The programs of the folder and the added ones.
+    pub(super) fn programs(&self) -> Result<Arrival, FolderError> {
+        let (mut programs, directory) = self.jobs.folders().read_programs()?;
+        programs.replace(self.added.clone());
+        Ok(Arrival::Programs(Arc::new(programs), Arc::new(directory)))
+    }
+
+    /// The page files.
+    pub(super) fn screens(&self) -> Result<Arrival, FolderError> {
+        let screens = self.jobs.folders().read_screens()?;
+        Ok(Arrival::Command(Command::ScreensLoaded(Arc::new(screens))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::host::folders::Folders;
+
+    #[test]
+    fn a_folder_that_cannot_be_read_after_a_job_is_told() {
+        let missing = || "no/such/folder".into();
+        let folders = Folders { programs: missing(), screens: missing(), by_name: false };
+        let mut told = Vec::new();
+        let changed = ChangedFolders { programs: true, screens: true };
+        StorageWorker::new(JobRunner::new(folders)).read(changed, &mut |arrival| told.push(arrival));
+        assert_eq!(told.len(), 2);
+        assert!(told.iter().all(|arrival| matches!(arrival, Arrival::Command(Command::DiskFailed(_)))));
+    }
+
+    #[test]
+    fn without_a_store_passwords_are_checked_and_nothing_is_acknowledged() {
+        use crate::link::page_command::{PasswordScope, Secret};
+        let ask = SettingsRequest::CheckPassword(PasswordScope::User, Secret::new("123456".into()));
+        let requests = [StorageRequest::PartCount(3), StorageRequest::Page(ask)];
+        let mut told = Vec::new();
+        RetainedWorker::new(None).handle(&requests, &mut |arrival| told.push(arrival));
+        let [Arrival::Command(Command::Page(PageCommand::StorageAnswered(answer)))] = told.as_slice() else {
+            panic!("{} answers", told.len());
+        };
+        assert!(matches!(answer, StorageAnswer::PasswordChecked(PasswordScope::User, true)), "{answer:?}");
+    }
+}

@@ -1,0 +1,163 @@
+//! The control on a thread of its own, paced to real time. Commands arrive through a bounded channel, with a separate one
+//! for reset, feed hold and emergency stop; the newest snapshot is published without a lock. A stop, a panic, a lost
+//! screen, a silent bus and ticks that are late again and again lead to the safe output image.
+//! Source: notes "reliability", style "a key press", safety stance.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, bounded};
+use triple_buffer::TripleBuffer;
+
+use super::Host;
+use super::link::{HostLink, ThreadHealth};
+use super::pace::{Pace, TickSchedule, WakeUp, request_real_time, sleep_until};
+use super::plant::Plant;
+use super::storage::Storage;
+use crate::link::command::Command;
+use crate::link::snapshot::Snapshot;
+
+/// Capacity of the queue of commands for the next tick.
+const COMMAND_QUEUE: usize = 256;
+/// Capacity of the separate queue for reset, feed hold and emergency stop.
+const URGENT_QUEUE: usize = 16;
+/// Snapshots a second.
+const SNAPSHOTS_PER_SECOND: u64 = 60;
+
+/// A host on its thread.
+pub struct HostThread<P, S> {
+    host: Host<P, S>,
+    from_screen: Receiver<Command>,
+    from_urgent: Receiver<Command>,
+    snapshots: triple_buffer::Input<Snapshot>,
+    schedule: TickSchedule,
+    started: Instant,
+    ticks: u64,
+    health: Arc<ThreadHealth>,
+    stop: Arc<AtomicBool>,
+    touched: bool,
+}
+
+/// Starts a host on a thread. `script` drives it with [`HostThread::turn`] until [`HostThread::is_stopped`]; then the
+/// outputs are made safe and storage is completed.
+///
+/// # Errors
+/// The system cannot create a thread.
+pub fn start<P, S>(
+    mut host: Host<P, S>,
+    pace: Pace,
+    script: impl FnOnce(&mut HostThread<P, S>) + Send + 'static,
+) -> std::io::Result<HostLink>
+where
+    P: Plant + Send + 'static,
+    S: Storage + Send + 'static,
+{
+    let (commands, from_screen) = bounded(COMMAND_QUEUE);
+    let (urgent, from_urgent) = bounded(URGENT_QUEUE);
+    let (snapshots, newest) = TripleBuffer::new(host.snapshot()).split();
+    let (health, stop) = (Arc::new(ThreadHealth::default()), Arc::new(AtomicBool::new(false)));
+    let (own_health, own_stop) = (Arc::clone(&health), Arc::clone(&stop));
+    let thread = std::thread::Builder::new().name("kt830-control".into()).spawn(move || {
+        own_health.real_time.store(request_real_time(), Ordering::Release);
+        let mut thread = HostThread {
+            host,
+            from_screen,
+            from_urgent,
+            snapshots,
+            schedule: TickSchedule::new(pace),
+            started: Instant::now(),
+            ticks: 0,
+            health: own_health,
+            stop: own_stop,
+            touched: false,
+        };
+        thread.guard(script);
+        thread.host.leave_safe();
+        thread.host.close();
+    })?;
+    let updated = Instant::now();
+    Ok(HostLink { commands, urgent, snapshots: newest, updated, health, stop, thread: Some(thread) })
+}
+
+/// Runs the control until it is stopped: the script of the window.
+pub fn run_until_stopped<P: Plant, S: Storage>(thread: &mut HostThread<P, S>) {
+    while !thread.is_stopped() {
+        thread.turn();
+    }
+}
+
+impl<P: Plant, S: Storage> HostThread<P, S> {
+    /// Waits for the next tick, computes it and publishes the snapshot. Does nothing once the thread is stopped.
+    pub fn turn(&mut self) {
+        if self.is_stopped() {
+            return;
+        }
+        self.pace();
+        self.guard(|thread| {
+            thread.receive();
+            thread.host.step();
+            thread.publish();
+        });
+        self.health.ticks.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Runs a step; a panic in it stops the thread and is shown on the screen.
+    fn guard(&mut self, step: impl FnOnce(&mut Self)) {
+        if catch_unwind(AssertUnwindSafe(|| step(self))).is_err() {
+            self.health.failed.store(true, Ordering::Release);
+        }
+    }
+
+    fn pace(&mut self) {
+        let tick = Duration::from_micros(self.host.tick_time().0);
+        let Some(due) = self.schedule.next_due(tick) else { return };
+        sleep_until(self.started + due);
+        match self.schedule.woke_up(self.started.elapsed(), tick) {
+            WakeUp::OnTime => return,
+            WakeUp::Late => {}
+            WakeUp::TooOftenLate => self.host.report_late_ticks(),
+        }
+        self.health.late.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn receive(&mut self) {
+        for command in self.from_urgent.try_iter().chain(self.from_screen.try_iter().take(COMMAND_QUEUE)) {
+            self.touched |= !matches!(command, Command::KeepAlive);
+            self.host.send(command);
+        }
+    }
+
+    /// Publishes the newest snapshot 60 times a second; the screen never makes the control wait.
+    fn publish(&mut self) {
+        self.ticks += 1;
+        let every = (1_000_000 / SNAPSHOTS_PER_SECOND / self.host.tick_time().0.max(1)).max(1);
+        if self.ticks.is_multiple_of(every) {
+            self.host.snapshot_into(self.snapshots.input_buffer_mut());
+            self.snapshots.publish();
+        }
+    }
+
+    /// The host.
+    pub const fn host(&mut self) -> &mut Host<P, S> {
+        &mut self.host
+    }
+
+    /// Whether the thread is to end: the screen is closed, or a step has failed.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Acquire) || self.health.failed.load(Ordering::Acquire)
+    }
+
+    /// Whether the operator has sent a command since [`Self::take_touched`].
+    #[must_use]
+    pub const fn is_touched(&self) -> bool {
+        self.touched
+    }
+
+    /// Whether the operator has sent a command; clears the flag.
+    pub const fn take_touched(&mut self) -> bool {
+        std::mem::replace(&mut self.touched, false)
+    }
+}
