@@ -47,7 +47,7 @@
 //!
 //! *Block*: one line of a program. *Op*: a canonical operation of a block. *Act*: something other than a move that waits for
 //! its turn. *Barrier*: an op that must be executed before the next block is read. *Drain*: all motion over, axes in
-//! position. *Rig*: control and simulated machine, stepped tick by tick. *Slide travel*: true millimetres of an axis; X is
+//! position. *Host*: control, machine and storage; stepped, or paced on a thread. *Slide travel*: true millimetres of an axis; X is
 //! shown as twice that where diameter mode is on.
 
 pub mod cli;

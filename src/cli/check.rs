@@ -11,7 +11,7 @@ use super::finished_size_check::{FinishedSizeCheck, Overshoot};
 use super::run::{RunEnd, RunResult};
 use super::soft_limit_check::SoftLimitCheck;
 use super::{CallError, FAILED, SUCCESS, USAGE_ERROR, print_line, setup};
-use crate::controller::interlock_check::InterlockCheck;
+use crate::controller::interlock_check::{InterlockCheck, PredictedRefusal};
 use crate::controller::{PARAM_VARIABLES, PowerOnState, Programs, nc_settings, reference_points};
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::{param, variable_name};
@@ -239,11 +239,8 @@ fn analyse_program(
     // An endless loop runs into the limits; only the endless loop is reported.
     let beyond =
         limits.filter(|_| checked.repeated_blocks.is_empty()).map(SoftLimitCheck::into_violations).unwrap_or_default();
-    let foreseen = foresight.refusals().into_iter().chain(beyond).map(|foreseen| {
-        let own = foreseen.at.program == source.number();
-        let sub = if own { String::new() } else { subprogram_prefix(foreseen.at.program) };
-        CheckError { line: foreseen.at.line, column: 1, message: format!("{sub}{}", foreseen.text.get(shared.lang)) }
-    });
+    let foreseen = foresight.refusals().into_iter().chain(beyond);
+    let foreseen = foreseen.map(|foreseen| refusal_error(shared, source.number(), &foreseen));
     let mut moves: Vec<_> = passed.into_iter().chain(foreseen).collect();
     moves.sort_by_key(|wrong| wrong.line);
     Ok(CheckOutcome { checked, move_errors: moves, source, settings })
@@ -284,9 +281,12 @@ fn checked_part(shared: &SharedArgs, number: u32) -> Result<Option<PartFile>, Ca
     }
 }
 
-/// Prefix of an error in a subprogram.
-fn subprogram_prefix(number: u32) -> String {
-    format!("{}: ", crate::defs::program_number::name_of(number))
+/// The error of a block that the machine would refuse; one in a subprogram is reported with its program.
+fn refusal_error(shared: &SharedArgs, number: u32, foreseen: &PredictedRefusal) -> CheckError {
+    let program = foreseen.at.program;
+    let sub =
+        if program == number { String::new() } else { format!("{}: ", crate::defs::program_number::name_of(program)) };
+    CheckError { line: foreseen.at.line, column: 1, message: format!("{sub}{}", foreseen.text.get(shared.lang)) }
 }
 
 /// The soft limit check, if the part (or a lathe's bar) gives the start position in the machine.

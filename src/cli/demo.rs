@@ -47,13 +47,13 @@ pub fn demo(shared: &SharedArgs, call: &DemoArgs) -> Result<u8, CallError> {
 }
 
 fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile) -> Result<u8, CallError> {
-    let mut rig = setup::headless_host(shared)?;
+    let mut host = setup::headless_host(shared)?;
     if let Some(folder) = &call.out {
         std::fs::create_dir_all(folder)
             .map_err(|error| CallError::new(format!("--out {}: {error}", folder.display())))?;
     }
     let folder = call.story.as_deref().and_then(Path::parent).unwrap_or(Path::new("."));
-    let mut player = Player::new(&mut rig, super::page_reader::page_reader(shared.lang), folder, false);
+    let mut player = Player::new(&mut host, super::page_reader::page_reader(shared.lang), folder, false);
     let mut visited = Vec::new();
     for line in &told.lines {
         let done = player.play(line);
@@ -81,7 +81,7 @@ fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile) -> Result<u8
         picture(shared, call, player.host(), 0)?;
     }
     drop(player);
-    let part = rig.machine().measure();
+    let part = host.machine().measure();
     for at in &part.diameters {
         print_line(format!("part diameter at Z{:.3}  {:.4}", at.z, at.d));
     }
@@ -92,10 +92,10 @@ fn headless(shared: &SharedArgs, call: &DemoArgs, told: &StoryFile) -> Result<u8
 }
 
 /// Writes a picture of the open page to the folder of the call.
-fn picture(shared: &SharedArgs, call: &DemoArgs, rig: &mut HeadlessHost, line: u32) -> Result<(), CallError> {
+fn picture(shared: &SharedArgs, call: &DemoArgs, host: &mut HeadlessHost, line: u32) -> Result<(), CallError> {
     #[cfg(feature = "hmi")]
     if let Some(folder) = &call.out {
-        let snapshot = rig.snapshot();
+        let snapshot = host.snapshot();
         let name = match line {
             0 => format!("{}.png", snapshot.page.id()),
             line => format!("{}-line-{line:03}.png", snapshot.page.id()),
@@ -105,7 +105,7 @@ fn picture(shared: &SharedArgs, call: &DemoArgs, rig: &mut HeadlessHost, line: u
         painted.save(&path).map_err(|error| CallError::new(format!("{}: {error}", path.display())))?;
     }
     #[cfg(not(feature = "hmi"))]
-    let _ = (shared, call, rig, line);
+    let _ = (shared, call, host, line);
     Ok(())
 }
 

@@ -91,42 +91,42 @@ pub fn run(shared: &SharedArgs, call: &RunArgs) -> Result<u8, CallError> {
 /// # Errors
 /// The call or a file is wrong.
 pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, CallError> {
-    let mut rig = setup::headless_host(shared)?;
-    let number = setup::find_program(&mut rig, &call.program)?;
-    setup::mount_part(&mut rig, shared, number)?;
-    rig.step(); // the control takes part, program and work offsets
-    rig.make_ready();
-    setup::mount_part(&mut rig, shared, number)?;
-    rig.step();
+    let mut host = setup::headless_host(shared)?;
+    let number = setup::find_program(&mut host, &call.program)?;
+    setup::mount_part(&mut host, shared, number)?;
+    host.step(); // the control takes part, program and work offsets
+    host.make_ready();
+    setup::mount_part(&mut host, shared, number)?;
+    host.step();
     let mut trace = match &call.trace {
-        Some(path) => Some(TraceFile::create(path, &rig)?),
+        Some(path) => Some(TraceFile::create(path, &host)?),
         None => None,
     };
-    let before = rig.snapshot().variables.clone();
-    let started = rig.now();
+    let before = host.snapshot().variables.clone();
+    let started = host.now();
     let mut batch = Vec::new();
     let (end, seconds) = loop {
-        let end = run_one_part(&mut rig, call, trace.as_mut())?;
-        let seconds = rig.now().since(started).as_secs_f64();
+        let end = run_one_part(&mut host, call, trace.as_mut())?;
+        let seconds = host.now().since(started).as_secs_f64();
         for _ in 0..SETTLE_TICKS {
-            rig.step();
+            host.step();
         }
-        batch.push(rig.machine().measure());
+        batch.push(host.machine().measure());
         if end != RunEnd::Finished || batch.len() >= call.parts as usize {
             break (end, seconds);
         }
         // The next part is mounted like the first one; the machine keeps its state, including wheel wear.
-        if let Some(part) = setup::part(&rig, shared, number)? {
-            rig.machine_mut().set_part(Some(&part));
+        if let Some(part) = setup::part(&host, shared, number)? {
+            host.machine_mut().set_part(Some(&part));
         }
     };
-    let why = stop_reason(&mut rig, end);
+    let why = stop_reason(&mut host, end);
     if let Some(why) = &why {
         eprintln!("kt830: stopped: {}", why.get(shared.lang));
     }
-    let flag = variable_name::error_variable(rig.kind());
-    let refused_itself = flag.and_then(|flag| rig.controller().variable(flag)).is_some_and(|flag| flag.abs() > 0.0);
-    let snapshot = rig.snapshot();
+    let flag = variable_name::error_variable(host.kind());
+    let refused_itself = flag.and_then(|flag| host.controller().variable(flag)).is_some_and(|flag| flag.abs() > 0.0);
+    let snapshot = host.snapshot();
     let alarms: Vec<_> = snapshot.alarms.iter().map(|alarm| (alarm.place, alarm.text.clone())).collect();
     let told = why.clone().or_else(|| snapshot.waiting_for.clone());
     // The program can reach its end in spite of an alarm.
@@ -135,58 +135,58 @@ pub fn run_program(shared: &SharedArgs, call: &RunArgs) -> Result<RunResult, Cal
         end,
         stop_reason: why,
         seconds,
-        blocks: rig.controller().block_count(),
+        blocks: host.controller().block_count(),
         variables_before: before,
         batch,
     };
     let report = match shared.format {
-        OutputFormat::Json => report.json(&mut rig, shared.lang).to_string(),
-        OutputFormat::Text => report.text(&mut rig, shared.lang),
+        OutputFormat::Json => report.json(&mut host, shared.lang).to_string(),
+        OutputFormat::Text => report.text(&mut host, shared.lang),
     };
     Ok(RunResult { end, program: number, report, alarms, message: told, has_own_error: refused_itself })
 }
 
 /// Presses cycle start and steps to the end of the program, an alarm, or a state that needs an operator.
 fn run_one_part(
-    rig: &mut HeadlessHost,
+    host: &mut HeadlessHost,
     call: &RunArgs,
     mut trace: Option<&mut TraceFile>,
 ) -> Result<RunEnd, CallError> {
-    let started = rig.now();
-    let mut moved = (started, rig.controller().block_count());
-    rig.send(Command::Press(Key::CycleStart));
+    let started = host.now();
+    let mut moved = (started, host.controller().block_count());
+    host.send(Command::Press(Key::CycleStart));
     loop {
-        rig.step();
-        if !rig.controller().is_at_rest() {
-            moved = (rig.now(), rig.controller().block_count());
+        host.step();
+        if !host.controller().is_at_rest() {
+            moved = (host.now(), host.controller().block_count());
         }
         if let Some(trace) = &mut trace {
-            trace.line(rig)?;
+            trace.line(host)?;
         }
-        let young = rig.now().since(started).0 < u64::from(START_TICKS) * rig.tick_time().0;
-        match rig.controller().state() {
-            RunState::Stopped if call.through_stops => rig.send(Command::Press(Key::CycleStart)),
+        let young = host.now().since(started).0 < u64::from(START_TICKS) * host.tick_time().0;
+        match host.controller().state() {
+            RunState::Stopped if call.through_stops => host.send(Command::Press(Key::CycleStart)),
             RunState::Stopped => return Ok(RunEnd::Pause),
             RunState::Held => return Ok(RunEnd::Held),
             RunState::Idle if !young => return Ok(RunEnd::Finished),
-            RunState::Alarm if rig.controller().is_at_rest() => return Ok(RunEnd::Alarm),
+            RunState::Alarm if host.controller().is_at_rest() => return Ok(RunEnd::Alarm),
             // A headless run has no operator who gives the input.
             RunState::Waiting => return Ok(RunEnd::Waiting),
-            RunState::Running if rig.now().since(started) > MAX_RUN_TIME => return Ok(RunEnd::TimedOut),
-            RunState::Running if is_stalled(rig, moved) => return Ok(RunEnd::Stalled),
+            RunState::Running if host.now().since(started) > MAX_RUN_TIME => return Ok(RunEnd::TimedOut),
+            RunState::Running if is_stalled(host, moved) => return Ok(RunEnd::Stalled),
             RunState::Idle | RunState::Running | RunState::Homing | RunState::Alarm => {}
         }
     }
 }
 
 /// Whether no axis has moved for longer than any valid program needs, since a time and a block count.
-fn is_stalled(rig: &HeadlessHost, (since, block): (Micros, u64)) -> bool {
-    rig.now().since(since) > MAX_STALLED_TIME || rig.controller().block_count() - block > MAX_STALLED_BLOCKS
+fn is_stalled(host: &HeadlessHost, (since, block): (Micros, u64)) -> bool {
+    host.now().since(since) > MAX_STALLED_TIME || host.controller().block_count() - block > MAX_STALLED_BLOCKS
 }
 
 /// Why a run stopped; at M00 the text of its MSG.
-fn stop_reason(rig: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText> {
-    let snapshot = rig.snapshot();
+fn stop_reason(host: &mut HeadlessHost, end: RunEnd) -> Option<LocalizedText> {
+    let snapshot = host.snapshot();
     let told = snapshot.waiting_for.clone();
     match end {
         RunEnd::Finished | RunEnd::Alarm => None,
@@ -222,20 +222,20 @@ struct RunReport {
 }
 
 impl RunReport {
-    fn json(&self, rig: &mut HeadlessHost, lang: Lang) -> Value {
-        let snapshot = rig.snapshot().clone();
+    fn json(&self, host: &mut HeadlessHost, lang: Lang) -> Value {
+        let snapshot = host.snapshot().clone();
         let alarms: Vec<Value> = snapshot
             .alarms
             .iter()
             .map(|alarm| {
                 let (program, line) = alarm.place.unwrap_or_default();
-                let program = program_json(rig, program);
+                let program = program_json(host, program);
                 json!({"number": alarm.number, "text": alarm.text.get(lang), "program": program, "line": line})
             })
             .collect();
         let mut variables = Map::new();
         for (number, value) in self.changed(&snapshot) {
-            variables.insert(variable_name::variable_name_on(number as u32, rig.kind()), json!(value));
+            variables.insert(variable_name::variable_name_on(number as u32, host.kind()), json!(value));
         }
         let mut told = json!({
             "end": self.end.report_word(),
@@ -247,15 +247,15 @@ impl RunReport {
             "message": self.stop_reason.as_ref().or(snapshot.waiting_for.as_ref()).map(|told| told.get(lang)),
             "parts": snapshot.parts_counted,
             "variables": variables,
-            "part": rig.machine().measure(),
-            "threads": threads_json(rig),
-            "events": rig.machine().events(),
+            "part": host.machine().measure(),
+            "threads": threads_json(host),
+            "events": host.machine().events(),
         });
         // L8: a lathe has an active tool, not a wheel.
-        if turns_part(rig) {
+        if turns_part(host) {
             told["tool"] = json!(snapshot.tool_station);
         } else {
-            told["wheel"] = json!({"diameter": rig.machine().wheel().diameter_mm});
+            told["wheel"] = json!({"diameter": host.machine().wheel().diameter_mm});
         }
         if self.batch.len() > 1 {
             told["batch"] = json!(self.batch);
@@ -269,8 +269,8 @@ impl RunReport {
         pairs.filter(|(_, (before, after))| before != after).map(|(number, (_, after))| (number, *after)).collect()
     }
 
-    fn text(&self, rig: &mut HeadlessHost, lang: Lang) -> String {
-        let snapshot = rig.snapshot().clone();
+    fn text(&self, host: &mut HeadlessHost, lang: Lang) -> String {
+        let snapshot = host.snapshot().clone();
         let mut lines = vec![format!(
             "{}  {:.3} s  {} blocks  {} parts",
             self.end.report_word(),
@@ -292,18 +292,18 @@ impl RunReport {
         }
         for (number, value) in self.changed(&snapshot) {
             lines.push(match value {
-                Some(value) => format!("{} = {value}", variable_name::variable_name_on(number as u32, rig.kind())),
-                None => format!("{} = ", variable_name::variable_name_on(number as u32, rig.kind())),
+                Some(value) => format!("{} = {value}", variable_name::variable_name_on(number as u32, host.kind())),
+                None => format!("{} = ", variable_name::variable_name_on(number as u32, host.kind())),
             });
         }
         if self.batch.len() > 1 {
             lines.extend(self.batch.iter().enumerate().map(|(at, part)| part_line(at + 1, part)));
         }
-        let part = rig.machine().measure();
+        let part = host.machine().measure();
         lines.extend(part.diameters.iter().map(|at| format!("part diameter at Z{:.3}  {:.4}", at.z, at.d)));
         lines.extend(part.faces.iter().map(|at| format!("part face at X{:.3}  Z {:.4}", at.x, at.z)));
         lines.extend(part.heights.iter().map(|at| format!("part height at X{:.3} Z{:.3}  {:.4}", at.x, at.z, at.y)));
-        for cut in rig.controller().threads() {
+        for cut in host.controller().threads() {
             lines.push(format!(
                 "thread line {} lead {:.4} over {:.3} mm: lead error {:.1} µm",
                 cut.line,
@@ -312,7 +312,7 @@ impl RunReport {
                 cut.error_mm * 1_000.0
             ));
         }
-        for event in rig.machine().events() {
+        for event in host.machine().events() {
             lines.push(format!(
                 "event {} at {:.3} s: {} X{:.3} Z{:.3}",
                 event.kind.id(),
@@ -322,23 +322,23 @@ impl RunReport {
                 event.z
             ));
         }
-        lines.push(match turns_part(rig) {
+        lines.push(match turns_part(host) {
             true => format!("tool {}", snapshot.tool_station.unwrap_or_default()),
-            false => format!("wheel diameter {:.4}", rig.machine().wheel().diameter_mm),
+            false => format!("wheel diameter {:.4}", host.machine().wheel().diameter_mm),
         });
         lines.join("\n")
     }
 }
 
 /// Whether the part turns in a main spindle and tools cut it (L7, L8).
-fn turns_part(rig: &HeadlessHost) -> bool {
-    rig.kind().ui().is_lathe
+fn turns_part(host: &HeadlessHost) -> bool {
+    host.kind().ui().is_lathe
 }
 
 /// A program in a report: its number, or its name if it has one (L53 of the 802D, too).
-fn program_json(rig: &HeadlessHost, number: u32) -> Value {
+fn program_json(host: &HeadlessHost, number: u32) -> Value {
     let by_name = crate::defs::program_number::is_named(number) || crate::defs::program_number::is_l_number(number);
-    rig.program_source(number).filter(|_| by_name).map_or_else(|| json!(number), |source| json!(source.title()))
+    host.program_source(number).filter(|_| by_name).map_or_else(|| json!(number), |source| json!(source.title()))
 }
 
 /// One line for a part of a batch: the range of each measurement.
@@ -356,9 +356,9 @@ fn part_line(number: usize, part: &PartReport) -> String {
 }
 
 /// The threads cut, with their lead errors.
-fn threads_json(rig: &HeadlessHost) -> Vec<Value> {
+fn threads_json(host: &HeadlessHost) -> Vec<Value> {
     let row = |cut: &crate::link::snapshot::ThreadCut| json!({"line": cut.line, "lead": cut.lead_mm, "length": cut.length_mm, "error": cut.error_mm});
-    rig.controller().threads().iter().map(row).collect()
+    host.controller().threads().iter().map(row).collect()
 }
 
 fn positions_json(snapshot: &Snapshot, of: impl Fn(&crate::link::snapshot::AxisView) -> f64) -> Value {
@@ -376,18 +376,18 @@ struct TraceFile {
 }
 
 impl TraceFile {
-    fn create(path: &std::path::Path, rig: &HeadlessHost) -> Result<Self, CallError> {
+    fn create(path: &std::path::Path, host: &HeadlessHost) -> Result<Self, CallError> {
         let name = path.display().to_string();
         let file = File::create(path).map_err(|error| CallError::new(format!("--trace {name}: {error}")))?;
         let mut trace = Self { file: BufWriter::new(file), path: name };
-        let axes: Vec<Axis> = rig.controller().axes_present().collect();
+        let axes: Vec<Axis> = host.controller().axes_present().collect();
         let columns = |what: &str| axes.iter().map(|axis| format!("{what}_{axis}")).collect::<Vec<_>>().join(",");
         trace.write(&format!("seconds,{},{},outputs,program,line", columns("set"), columns("actual")))?;
         Ok(trace)
     }
 
-    fn line(&mut self, rig: &mut HeadlessHost) -> Result<(), CallError> {
-        let control = rig.controller();
+    fn line(&mut self, host: &mut HeadlessHost) -> Result<(), CallError> {
+        let control = host.controller();
         let (set, actual, place) = (control.set_point(), control.actual(), control.current_block());
         let list = |of: crate::units::PerAxis<f64>| {
             control.axes_present().map(|axis| format!("{:.6}", of[axis])).collect::<Vec<_>>().join(",")
@@ -395,7 +395,7 @@ impl TraceFile {
         let outputs: Vec<_> = control.output_set().iter().map(|output| output.id()).collect();
         let line = format!(
             "{:.3},{},{},{},{},{}",
-            rig.now().as_secs_f64(),
+            host.now().as_secs_f64(),
             list(set),
             list(actual),
             outputs.join(" "),

@@ -217,13 +217,13 @@ pub fn read_part_file(path: &Path) -> Result<PartFile, CallError> {
 ///
 /// # Errors
 /// There is no such program.
-pub fn find_program(rig: &mut HeadlessHost, word: &str) -> Result<u32, CallError> {
+pub fn find_program(host: &mut HeadlessHost, word: &str) -> Result<u32, CallError> {
     if let Some(number) = crate::story::parse::program(word)
-        && rig.has_program(number)
+        && host.has_program(number)
     {
         return Ok(number);
     }
-    if let Some(number) = rig.find_program(word) {
+    if let Some(number) = host.find_program(word) {
         return Ok(number);
     }
     let path = Path::new(word);
@@ -231,7 +231,7 @@ pub fn find_program(rig: &mut HeadlessHost, word: &str) -> Result<u32, CallError
     let named = crate::story::parse::program(&stem);
     if !path.is_file()
         && let Some(number) = named
-        && rig.has_program(number)
+        && host.has_program(number)
     {
         return Ok(number);
     }
@@ -242,11 +242,11 @@ pub fn find_program(rig: &mut HeadlessHost, word: &str) -> Result<u32, CallError
     }
     let bytes = std::fs::read(path).map_err(|error| CallError::new(format!("{word}: {error}")))?;
     // L1: every program of a lathe has a name of at least one letter.
-    let by_name = program_subfolder(rig.kind()).is_some() && !stem.is_empty();
+    let by_name = program_subfolder(host.kind()).is_some() && !stem.is_empty();
     let named = if by_name { Some(crate::defs::program_number::from_name(&stem)) } else { named };
     let number = named.unwrap_or(DEFAULT_NUMBER);
-    rig.add_programs(named_programs_beside(path));
-    rig.add_program(program_from_bytes(number, word, bytes));
+    host.add_programs(named_programs_beside(path));
+    host.add_program(program_from_bytes(number, word, bytes));
     Ok(number)
 }
 
@@ -254,16 +254,16 @@ pub fn find_program(rig: &mut HeadlessHost, word: &str) -> Result<u32, CallError
 ///
 /// # Errors
 /// The part file cannot be read.
-pub fn mount_part(rig: &mut HeadlessHost, shared: &SharedArgs, number: u32) -> Result<(), CallError> {
-    if let Some(part) = part(rig, shared, number)? {
-        rig.mount_part(&part);
+pub fn mount_part(host: &mut HeadlessHost, shared: &SharedArgs, number: u32) -> Result<(), CallError> {
+    if let Some(part) = part(host, shared, number)? {
+        host.mount_part(&part);
         // A control without retained data has factory variables; the part's program needs its own.
         if shared.data.is_none() {
             for (number, value) in part_variables(&part, &shared.sets) {
-                rig.send(Command::SetVariable(number, Some(value)));
+                host.send(Command::SetVariable(number, Some(value)));
             }
         }
     }
-    rig.send(Command::LoadProgram(number));
+    host.send(Command::LoadProgram(number));
     Ok(())
 }

@@ -23,14 +23,14 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
     let told = call.story.as_deref().map(|path| read_story(path, shared.kind)).transpose()?;
     let kind = told.as_ref().map_or(shared.kind, |story| story.kind);
     let shared = SharedArgs { kind, ..shared.clone() };
-    let mut rig = setup::headless_host(&shared)?;
-    rig.send(Command::WallClock(call.clock));
+    let mut host = setup::headless_host(&shared)?;
+    host.send(Command::WallClock(call.clock));
     match &told {
         Some(told) => {
             let path = call.story.as_deref().unwrap_or(Path::new("."));
             let folder = path.parent().unwrap_or(Path::new("."));
             let mut player =
-                Player::new(&mut rig, super::page_reader::page_reader(shared.lang), folder, shared.part.is_some());
+                Player::new(&mut host, super::page_reader::page_reader(shared.lang), folder, shared.part.is_some());
             for line in &told.lines {
                 if let Err(why) = player.play(line) {
                     eprintln!(
@@ -46,26 +46,26 @@ pub fn shot(shared: &SharedArgs, call: &ShotArgs) -> Result<u8, CallError> {
         }
         None => {
             let number = program_number::from_name(kind.picture_program());
-            setup::mount_part(&mut rig, &shared, number)?;
-            rig.step();
-            rig.make_ready();
-            setup::mount_part(&mut rig, &shared, number)?;
+            setup::mount_part(&mut host, &shared, number)?;
+            host.step();
+            host.make_ready();
+            setup::mount_part(&mut host, &shared, number)?;
         }
     }
-    rig.send(Command::OpenPage(call.page));
+    host.send(Command::OpenPage(call.page));
     for _ in 0..SETTLE_TICKS {
-        rig.step();
+        host.step();
     }
     // A page may send requests when it opens: the drawing its toolpath, the transfer page its media.
     let mut hmi = Hmi::new(shared.lang);
     hmi.set_light(shared.light);
     let mut stage = OffscreenHmi::new(hmi, call.size);
     for _ in 0..SETTLE_TICKS {
-        let wishes = stage.frame(rig.snapshot());
-        wishes.into_iter().for_each(|wish| rig.send(wish));
-        (0..SETTLE_TICKS).for_each(|_| rig.step());
+        let wishes = stage.frame(host.snapshot());
+        wishes.into_iter().for_each(|wish| host.send(wish));
+        (0..SETTLE_TICKS).for_each(|_| host.step());
     }
-    stage.frame(rig.snapshot());
+    stage.frame(host.snapshot());
     let picture = stage.picture();
     let out = &call.out;
     picture.save(out).map_err(|error| CallError::new(format!("--out {}: {error}", out.display())))?;

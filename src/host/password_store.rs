@@ -1,5 +1,5 @@
 //! Checks and changes passwords, and stores settings such as kind and language, as the pages request.
-//! Runs on the disk thread or in a rig; the core receives the answer only.
+//! Runs with the storage of a host; the core receives the answer only.
 //! Source: spec B6, K1, K6.2.
 
 use std::collections::BTreeMap;

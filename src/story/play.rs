@@ -224,7 +224,7 @@ impl<'a, G: Stage> Player<'a, G> {
     /// Waits until the control has answered: two ticks, and up to 48 ms more while it brakes.
     fn wait_for_answer(&mut self) -> Result<(), String> {
         self.ticks(ANSWER_TICKS);
-        self.run_until(ANSWER_TIMEOUT, |rig| !rig.controller().is_braking());
+        self.run_until(ANSWER_TIMEOUT, |host| !host.controller().is_braking());
         Ok(())
     }
 
@@ -247,7 +247,7 @@ impl<'a, G: Stage> Player<'a, G> {
         self.step();
         let refused = self.stage.host().controller().refusal().map(|said| format!("{}; {}", said.zh, said.en));
         self.ticks(ANSWER_TICKS - 1);
-        self.run_until(ANSWER_TIMEOUT, |rig| !rig.controller().is_braking());
+        self.run_until(ANSWER_TIMEOUT, |host| !host.controller().is_braking());
         refused.map_or(Ok(()), Err)
     }
 
@@ -301,9 +301,9 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn wait_for_standstill(&mut self) {
-        self.run_until(STANDSTILL_TIMEOUT, |rig| {
-            let state = rig.controller().state();
-            rig.controller().is_in_position() && !matches!(state, RunState::Running | RunState::Homing)
+        self.run_until(STANDSTILL_TIMEOUT, |host| {
+            let state = host.controller().state();
+            host.controller().is_in_position() && !matches!(state, RunState::Running | RunState::Homing)
         });
     }
 
@@ -379,10 +379,10 @@ impl<'a, G: Stage> Player<'a, G> {
     }
 
     fn wait_until(&mut self, until: WaitCondition, most: Micros) -> Result<(), String> {
-        let there = self.run_until(most, |rig| match until {
-            WaitCondition::State(state) => rig.controller().state() == state,
+        let there = self.run_until(most, |host| match until {
+            WaitCondition::State(state) => host.controller().state() == state,
             WaitCondition::Axis(axis, below, value) => {
-                let at = rig.snapshot().axes[axis].work;
+                let at = host.snapshot().axes[axis].work;
                 if below { at < value } else { at > value }
             }
         });

@@ -21,7 +21,7 @@ use kt830::host::part::PartRule;
 use kt830::host::plant::Plant;
 use kt830::host::retained_store::RetainedStore;
 use kt830::host::simulated::SimulatedPlant;
-use kt830::host::storage::{RetainedWorker, StorageWorker, ThreadedStorage};
+use kt830::host::storage::{DirectStorage, RetainedWorker, StorageWorker, ThreadedStorage};
 use kt830::host::thread::{HostThread, run_until_stopped, start};
 use kt830::io::sim::{MachineFile, PartFile, SimulatedMachine};
 use kt830::io::{Backend, InputImage, OutputImage};
@@ -30,6 +30,7 @@ use kt830::link::media::{Direction, TransferRequest, TransferSet};
 use kt830::link::page_command::{PageCommand, PasswordScope, Secret};
 use kt830::link::simulation::{SimCommand, SimView};
 use kt830::link::{Command, Snapshot};
+use kt830::story::{Player, Stage, parse};
 use kt830::units::Micros;
 use tempfile::TempDir;
 
@@ -456,4 +457,27 @@ fn b7_the_stepped_host_takes_the_new_tick_time_at_power_on() {
     let before = rig.now();
     rig.step();
     assert_eq!((rig.tick_time(), rig.now().since(before)), (Micros(4_000), Micros(4_000)));
+}
+
+#[test]
+fn a_story_plays_on_the_thread_until_somebody_touches_the_screen() {
+    let (ended, told) = std::sync::mpsc::channel();
+    let script = move |thread: &mut HostThread<SimulatedPlant, DirectStorage>| {
+        let (_, lines) = parse("power on\nload O1002\nwait 600 s\nwait 600 s", Kind::Gc).unwrap();
+        let mut player = Player::new(thread, None, std::path::Path::new("."), false);
+        for line in &lines {
+            if player.stage().is_interrupted() {
+                break;
+            }
+            player.play(line).unwrap();
+        }
+        let host = player.host();
+        ended.send((host.part_changes(), host.now())).unwrap();
+    };
+    let mut link = start(crate::stories::rig(), Pace::Simulated, script).unwrap();
+    wait("the program", || link.newest().program.number == 1_002);
+    assert!(link.send(Command::KeepAlive), "no touch");
+    assert!(link.send(Command::Press(kt830::defs::key::Key::Hydraulic)));
+    let (parts, now) = told.recv_timeout(DEADLINE).unwrap();
+    assert!(parts == 1 && now < Micros::from_millis(60_000), "{parts} parts at {now:?}");
 }

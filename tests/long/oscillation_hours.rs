@@ -79,7 +79,7 @@ struct Count {
 fn slow_ticks() -> HeadlessHost {
     let mut retained = PowerOnState::factory(Kind::Gc);
     retained.params.write(param::TICK_TIME.address(), f64::from(TICK_MS) * 1_000.0).unwrap();
-    let setup = HostSetup { kind: Kind::Gc, retained, keeper: None, folders: crate::stories::folders(), seed: 1 };
+    let setup = HostSetup { kind: Kind::Gc, retained, store: None, folders: crate::stories::folders(), seed: 1 };
     let mut rig = HeadlessHost::new(setup).unwrap();
     rig.make_ready();
     rig.add_program(program_from_bytes(7_000, "O7000.NC", INFEED.as_bytes().to_vec()));

@@ -36,7 +36,7 @@ fn k4_1_fifty_parts_of_o1002_with_a_dressing_every_ten_hold_their_size() {
     // What the diamond leaves is what the control reckons with, but for the wear of the last ten parts.
     let real = shop.rig.machine().wheel().diameter_mm;
     assert!((0.0..0.008).contains(&(booked(&shop) - real)), "{real}");
-    assert_eq!(shop.rig.retained().parts, 50);
+    assert_eq!(shop.rig.retained().part_count, 50);
 }
 
 #[test]

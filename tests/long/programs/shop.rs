@@ -46,7 +46,7 @@ pub fn shop_with(program: u32, seed: u64, change: impl FnOnce(&mut PartFile)) ->
     change(&mut part);
     let retained = PowerOnState::factory(part.kind);
     let mut rig =
-        HeadlessHost::new(HostSetup { kind: part.kind, retained, keeper: None, folders: folders(), seed }).unwrap();
+        HeadlessHost::new(HostSetup { kind: part.kind, retained, store: None, folders: folders(), seed }).unwrap();
     rig.mount(&part);
     rig.step();
     rig.make_ready();
