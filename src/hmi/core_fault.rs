@@ -13,9 +13,8 @@ use crate::defs::text::{Lang, Text};
 /// A snapshot older than this is not shown: 30 periods of the control's publishing.
 pub const MAX_SNAPSHOT_AGE: Duration = Duration::from_millis(500);
 
-/// Height of the title and of each paragraph, points.
-const TITLE_HEIGHT: f32 = 84.0;
-const PARAGRAPH_HEIGHT: f32 = 132.0;
+/// Height of the title, points.
+const TITLE_HEIGHT: f32 = 96.0;
 
 /// What the screen knows of the control beside its snapshots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,14 +95,14 @@ pub fn paint_core_fault(ui: &Ui, theme: &Theme, fault: CoreFault) {
     painter.rect_filled(all, 0.0, theme.background);
     painter.rect_filled(Rect::from_min_size(all.min, egui::vec2(all.width(), theme::PAD)), 0.0, theme.alarm);
     let inner = all.shrink(4.0 * theme::PAD);
-    let middle = inner.center().x;
+    let (middle, paragraph_height) = (inner.center().x, (inner.height() - TITLE_HEIGHT) / 3.0);
     for (lang, from, to) in [(Lang::Zh, inner.min.x, middle - theme::PAD), (Lang::En, middle + theme::PAD, inner.max.x)]
     {
         let mut at = Pos2::new(from, inner.min.y);
         for (row, text) in fault.texts().into_iter().enumerate() {
             let (height, size, colour) = match row {
                 0 => (TITLE_HEIGHT, 1.5 * theme::SECONDARY, theme.alarm_text),
-                _ => (PARAGRAPH_HEIGHT, theme::SECONDARY, theme.text),
+                _ => (paragraph_height, theme::SECONDARY, theme.text),
             };
             let rect = Rect::from_min_max(at, pos2(to, at.y + height));
             paragraph(painter, rect, text.get(lang), size, colour);
