@@ -136,7 +136,6 @@ mod tests {
     use super::*;
     use crate::defs::kind::Kind;
     use crate::io::InputImage;
-    use crate::units::PerAxis;
 
     const LIMITS: JogLimits = JogLimits { jog_mode: true, rapid_jog: false, feed: 1.0, rapid: 1.0, slow_axis: None };
 
@@ -163,13 +162,13 @@ mod tests {
         let image = InputImage::default();
         let mut axes = Axes::new(&params, crate::machine::kind::find(Kind::Gc), &image, PerAxis::default());
         axes.finish_homing(Axis::Z, &params);
-        let (_, high) = soft_limits(&params, Axis::Z);
+        let (low, _) = soft_limits(&params, Axis::Z);
         let mut jog = JogDemand::default();
-        jog.move_by(Axis::Z, 0.1, &axes, &params);
-        jog.move_by(Axis::Z, 0.1, &axes, &params);
-        assert!((jog.target[Axis::Z].map_or(0.0, |(to, _)| to) - 0.2).abs() < 1e-12);
-        jog.move_by(Axis::Z, 1e6, &axes, &params);
-        assert!((jog.target[Axis::Z].map_or(0.0, |(to, _)| to) - high).abs() < 1e-12);
+        jog.move_by(Axis::Z, -0.1, &axes, &params);
+        jog.move_by(Axis::Z, -0.1, &axes, &params);
+        assert!((jog.target[Axis::Z].map_or(0.0, |(to, _)| to) + 0.2).abs() < 1e-12);
+        jog.move_by(Axis::Z, -1e6, &axes, &params);
+        assert!((jog.target[Axis::Z].map_or(0.0, |(to, _)| to) - low).abs() < 1e-12);
         jog.stop_all();
         assert!(!jog.is_active());
     }
