@@ -29,20 +29,18 @@ impl ProgramRun {
         if !matches!(plant.execution.phase, ControlPhase::Running) {
             return false;
         }
-        if self.execute_front(plant, suspended) {
-            return true;
-        }
+        let over = self.execute_front(plant, suspended);
         if !matches!(plant.execution.phase, ControlPhase::Running) {
-            return false;
+            return over;
         }
         if self.handover == Handover::TakingBack {
             self.take_back_moves(plant);
-        } else if self.preflight_passed(plant) {
+        } else if !over && self.preflight_passed(plant) {
             self.feed_planner(plant);
             self.read_ahead(plant);
             self.feed_planner(plant);
         }
-        false
+        over
     }
 
     /// Extends a dwell by the time in which the program is held or returns from a hold.
