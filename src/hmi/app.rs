@@ -5,19 +5,21 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureId, TextureOptions, Ui};
 
+use super::help::Help;
 use super::key_press::KeyPresses;
 use super::keyboard::{self, KeyboardInput};
 use super::layout::Regions;
-use super::page::{PageSet, TypedInput};
+use super::page::grinding::GrindingPage;
+use super::page::program::ProgramPage;
+use super::page::{PageSet, PageUi, TypedInput};
 use super::page_frame::FrameTouch;
 use super::panel::Panel;
 use super::panel::layout::{PanelLayout, panel_layout};
 use super::soft_key_row::{self, SoftKeyPress};
 use super::theme::{self, Theme};
 use super::variable_entry::VariableEntry;
-use super::view::View;
+use super::view::{self, View};
 use super::{numeric_pad, page_frame};
-use crate::defs::date::DateTime;
 use crate::defs::page::Page;
 use crate::defs::param;
 use crate::defs::soft_key::{self, SoftKeyAction};
@@ -39,12 +41,12 @@ pub struct Hmi {
     /// Percent.
     brightness: u8,
     page: Option<Page>,
-    program: (u32, Option<u32>),
     pages: PageSet,
     panel: Panel,
     presses: KeyPresses,
-    /// The help overlay is open.
-    help: bool,
+    /// The help over a page.
+    help: Help,
+    help_open: bool,
     hint: Option<(Text, f64)>,
     picture: Option<(Arc<Picture>, TextureHandle)>,
     /// Screenshots that wait to be sent to the disk thread.
@@ -61,11 +63,11 @@ impl Hmi {
             theme: theme::DARK,
             brightness: *BRIGHTNESS.end(),
             page: None,
-            program: (0, None),
             pages: PageSet::default(),
             panel: Panel::default(),
             presses: KeyPresses::default(),
-            help: false,
+            help: Help::default(),
+            help_open: false,
             hint: None,
             picture: None,
             screenshots: Arc::default(),
@@ -102,14 +104,8 @@ impl Hmi {
 
     /// The value being typed, for tests and stories.
     #[must_use]
-    pub const fn variable_entry(&self) -> &VariableEntry {
-        &self.pages.entry
-    }
-
-    /// Why the value typed on the parameter page was refused, for tests.
-    #[must_use]
-    pub fn param_refusal(&self, lang: Lang) -> Option<String> {
-        self.pages.param_refusal(lang)
+    pub fn variable_entry(&self) -> Option<&VariableEntry> {
+        self.pages.state(Page::Grinding).map(|page: &GrindingPage| &page.entry)
     }
 
     /// The text typed on the open page that the page or the core refused, and the reason; for tests.
@@ -120,31 +116,35 @@ impl Hmi {
 
     /// The text on the program page with unsaved changes; for tests.
     #[must_use]
-    pub const fn program_text(&self) -> &ropey::Rope {
-        self.pages.program_text()
+    pub fn program_text(&self) -> Option<&ropey::Rope> {
+        self.pages.state(Page::Program).map(ProgramPage::text)
+    }
+
+    /// Every page records what it needs of a snapshot; called for each new one, painted or not.
+    pub fn record(&mut self, snapshot: &Snapshot) {
+        self.pages.record(snapshot);
     }
 
     /// Draws one frame over the whole `ui` and returns the operator's commands.
     /// egui may run several passes per frame: collect the commands of all passes and send them once.
     pub fn ui(&mut self, ui: &mut Ui, snapshot: &Snapshot) -> Vec<Command> {
         let mut out = Vec::new();
+        self.record(snapshot);
         self.follow_snapshot(ui, snapshot);
-        let clock = snapshot.date.unwrap_or(DateTime((snapshot.now.0 / 1_000_000) as i64)).time();
+        let (clock, blink) = (view::clock_time(snapshot), view::blink_phase(snapshot.now));
         let theme = self.theme;
-        // The blink follows controller time, so the same snapshot gives the same picture.
-        let blink = (snapshot.now.0 / 500_000).is_multiple_of(2);
         let (light, brightness) = (self.light, self.brightness);
         let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: &clock, blink };
         let regions = Regions::new(ui.max_rect());
         let panel = panel_layout(snapshot.kind, regions.panel, regions.portrait);
-        let shown = if self.help { Page::Help } else { snapshot.page };
-        let words = self.pages.accepts_text(shown) && !snapshot.state.is_active();
+        let words = if self.help_open { self.help.accepts_text() } else { self.pages.accepts_text(snapshot.page) };
+        let words = words && !snapshot.state.is_active();
         let asked = keyboard::read(ui, snapshot.kind, words);
         out.extend(self.screenshot_commands(snapshot.params.bit(param::PRINT_AS_BMP)));
         self.handle_physical_keys(ui, &view, &asked, &mut out);
         let mut edits = asked.edits.clone();
         self.draw_panel(ui, &panel, &view, &mut out);
-        if !self.help && self.pages.wants_pad(&view) {
+        if !self.help_open && self.pages.wants_pad(&view) {
             // Drawn after the panel to lie on top, before the page so that its touches count in this frame.
             numeric_pad::ui(ui, &view, panel.pad, &mut edits);
         }
@@ -154,9 +154,8 @@ impl Hmi {
             ctrl_keys: &asked.ctrl_keys,
             scroll_pages: asked.scroll_pages,
         };
-        if self.help {
-            self.pages.update_background(&view);
-            self.help = !self.pages.help.overlay(ui, &view, regions.content.shrink(theme::GAP), &typed);
+        if self.help_open {
+            self.help_open = !self.help.overlay(ui, &view, regions.content.shrink(theme::GAP), &typed);
         } else {
             self.draw_page(ui, regions.content, &view, &typed, &mut out);
         }
@@ -177,27 +176,13 @@ impl Hmi {
     fn follow_snapshot(&mut self, ui: &Ui, snapshot: &Snapshot) {
         if self.page != Some(snapshot.page) {
             self.page = Some(snapshot.page);
-            self.help = false;
+            self.help_open = false;
             let theme = self.theme;
             let (light, brightness) = (self.light, self.brightness);
             let view = View { snapshot, lang: self.lang, theme: &theme, light, brightness, clock: "", blink: false };
             self.pages.open(&view);
         }
-        let shown = (snapshot.program.number, snapshot.grinding_page_number());
-        if self.program != shown {
-            self.program = shown;
-            self.pages.restart_entry();
-        }
-        let files = snapshot.page_files();
-        let wanted = match snapshot.page {
-            Page::Dressing => snapshot.screens.dressing.as_ref().and_then(|picture| picture.as_ref().ok()),
-            Page::Designer => {
-                let files = snapshot.screens.find(self.pages.designer.number(snapshot));
-                files.and_then(|files| files.picture.as_ref().ok())
-            }
-            _ => files.and_then(|files| files.picture.as_ref().ok()),
-        };
-        match (wanted, &self.picture) {
+        match (self.pages.picture(snapshot), &self.picture) {
             (Some(wanted), Some((shown, _))) if Arc::ptr_eq(wanted, shown) => {}
             (Some(wanted), _) => self.picture = load_picture(ui.ctx(), wanted),
             (None, _) => self.picture = None,
@@ -279,9 +264,9 @@ impl Hmi {
 
     /// Opens the help overlay at the open page, or closes it.
     fn toggle_help(&mut self, view: &View<'_>) {
-        self.help = !self.help && view.snapshot.page != Page::Help;
-        if self.help {
-            self.pages.open_help(view);
+        self.help_open = !self.help_open && view.snapshot.page != Page::Help;
+        if self.help_open {
+            self.help.open_at(view, view.snapshot.page, self.pages.help_alarm(view));
         }
     }
 
@@ -334,7 +319,7 @@ impl Hmi {
         }
         // Sent in every view of the page: if no dressing point can be set, the core reports the reason.
         let position = view.snapshot.page == Page::Position;
-        for key in asked.address_keys.iter().filter(|_| position && !self.help) {
+        for key in asked.address_keys.iter().filter(|_| position && !self.help_open) {
             out.extend([Command::Press(*key), Command::Release(*key)]);
         }
         if asked.handwheel_detents != 0 {

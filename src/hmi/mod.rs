@@ -22,6 +22,7 @@ pub mod panel;
 pub mod pictogram;
 mod question;
 pub mod rasterizer;
+pub mod repaint;
 mod requests;
 mod search_field;
 mod soft_key_row;

@@ -6,8 +6,8 @@ use egui::{Align2, Color32, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::keycap;
 use super::theme;
-use super::view::{View, chip, fit_text, layout_line, text_line};
-use crate::defs::page::Page;
+use super::view::{View, chip, fit_text, format_whole, layout_line, text_line};
+use crate::link::Snapshot;
 use crate::link::snapshot::{RunState, Tone};
 use crate::units::Micros;
 
@@ -120,14 +120,19 @@ fn alarm_chip(ui: &Ui, view: &View<'_>, right: f32, row: Rect) -> (f32, bool) {
     (left, response.clicked())
 }
 
+/// Whether the message is still shown.
+#[must_use]
+pub fn message_is_fresh(snapshot: &Snapshot) -> bool {
+    snapshot.now.since(snapshot.message.since) < MESSAGE_DURATION && !snapshot.message.text.zh.is_empty()
+}
+
 /// Text and colour of the message line.
 fn message(view: &View<'_>, hint: Option<&str>) -> Option<(String, Color32)> {
     let lang = view.lang;
     if let Some(hint) = hint {
         return Some((hint.to_owned(), view.theme.hold));
     }
-    let message = &view.snapshot.message;
-    let fresh = view.snapshot.now.since(message.since) < MESSAGE_DURATION && !message.text.zh.is_empty();
+    let (message, fresh) = (&view.snapshot.message, message_is_fresh(view.snapshot));
     if fresh && message.tone == Tone::Refused {
         return Some((message.text.get(lang).to_owned(), view.theme.hold));
     }
@@ -175,8 +180,8 @@ pub fn status_line(ui: &Ui, view: &View<'_>, rect: Rect) {
         blocks.to_owned(),
         snapshot.state.name().get(view.lang).to_owned(),
         format!("F {} %", snapshot.feed_override),
-        format!("{:.0} mm/min", snapshot.feed_mm_min),
-        format!("S {:.0}", snapshot.wheel_rpm),
+        format!("{} mm/min", format_whole(snapshot.feed_mm_min)),
+        format!("S {}", format_whole(snapshot.wheel_rpm)),
         format!("{} {}", view.text("件数", "parts"), snapshot.parts_counted),
     ];
     // Fixed columns: nothing shifts when a value changes.
@@ -201,10 +206,4 @@ pub fn status_line(ui: &Ui, view: &View<'_>, rect: Rect) {
 /// Paints the title inside a page; here so that all titles look the same. Returns the area it covers.
 pub fn title(ui: &Ui, view: &View<'_>, rect: Rect, words: &str) -> Rect {
     fit_text(ui.painter(), rect, Align2::LEFT_CENTER, words, theme::SECONDARY, view.theme.text)
-}
-
-/// Whether the page has fields of the page text for numbers.
-#[must_use]
-pub const fn has_number_fields(page: Page) -> bool {
-    matches!(page, Page::Grinding)
 }

@@ -53,6 +53,18 @@ impl View<'_> {
     }
 }
 
+/// The clock in the header: time of day, or the time since power-on if it is unknown.
+#[must_use]
+pub fn clock_time(snapshot: &Snapshot) -> String {
+    snapshot.date.unwrap_or(DateTime((snapshot.now.0 / 1_000_000) as i64)).time()
+}
+
+/// The lit half of the 1 Hz blink. It follows controller time, so the same snapshot gives the same picture.
+#[must_use]
+pub const fn blink_phase(now: Micros) -> bool {
+    (now.0 / 500_000).is_multiple_of(2)
+}
+
 /// Date and time of a history entry; without a clock, the time since power-on.
 #[must_use]
 pub fn format_date_time(date: DateTime) -> String {
@@ -145,6 +157,31 @@ pub fn chip(painter: &Painter, right: f32, row: Rect, text: &str, fill: Color32,
 #[must_use]
 pub fn rect_at(x: f32, y: f32, width: f32, height: f32) -> Rect {
     Rect::from_min_size(Pos2::new(x, y), egui::vec2(width, height))
+}
+
+/// Formats a feed or a speed as a whole number.
+#[must_use]
+pub fn format_whole(value: f64) -> String {
+    format!("{value:.0}")
+}
+
+/// Formats strokes per minute; a dash without a measurement.
+#[must_use]
+pub fn format_strokes(strokes_per_min: Option<f64>) -> String {
+    strokes_per_min.map_or_else(|| "–".to_owned(), |strokes| format!("{strokes:.1}"))
+}
+
+/// Formats a cycle time, s, as minutes and seconds.
+#[must_use]
+pub fn format_cycle_time(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).floor();
+    format!("{minutes:02.0}:{:02.0}", (seconds - minutes * 60.0).floor())
+}
+
+/// Formats a voltage.
+#[must_use]
+pub fn format_volts(volts: f64) -> String {
+    format!("{volts:.2} V")
 }
 
 /// Formats a length with three decimals; NaN and infinity become a dash.

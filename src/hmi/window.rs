@@ -1,10 +1,9 @@
 //! The window: shows the user interface on a display, feeds it the newest snapshot and sends its commands.
 //!
-//! A watcher thread checks the newest snapshot 30 times a second and requests a frame only if something shown changed:
-//! the clock once a second, the blink while a lamp blinks. `Alive` is sent with a frame, at least every half of P76.
+//! A watcher thread checks the newest snapshot 30 times a second and requests a frame only if something shown changed
+//! ([`super::repaint`]); the pages record every snapshot that it sees. `Alive` is sent with a frame, at least every half of P76.
 
 use std::fmt;
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
@@ -14,12 +13,10 @@ use egui::{ViewportBuilder, ViewportCommand, vec2};
 
 use super::app::Hmi;
 use super::core_fault::{CoreHealth, paint_core_fault};
+use super::repaint::LiveScreen;
 use super::theme;
-use crate::defs::key::Key;
-use crate::defs::page::Page;
 use crate::defs::text::Lang;
 use crate::link::{Command, Snapshot};
-use crate::units::PerAxis;
 
 /// Period of the watcher.
 const WATCH_PERIOD: Duration = Duration::from_millis(33);
@@ -74,6 +71,7 @@ impl fmt::Display for WindowError {
 impl std::error::Error for WindowError {}
 
 type SharedConnection = Arc<Mutex<Box<dyn CoreConnection>>>;
+type SharedScreen = Arc<Mutex<LiveScreen>>;
 
 /// Opens the window and returns when it is closed.
 ///
@@ -99,8 +97,9 @@ pub fn run(core: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
             hmi.set_light(options.light);
             hmi.set_brightness(options.brightness);
             hmi.install(&context.egui_ctx);
-            watch_snapshots(Arc::clone(&core), context.egui_ctx.clone(), Arc::clone(&end));
-            Ok(Box::new(Window { hmi, core, fullscreen: options.fullscreen, alive_sent: None, sized: false }))
+            let screen = Arc::new(Mutex::new(LiveScreen::new(hmi)));
+            watch_snapshots(Arc::clone(&core), Arc::clone(&screen), context.egui_ctx.clone(), Arc::clone(&end));
+            Ok(Box::new(Window { screen, core, fullscreen: options.fullscreen, alive_sent: None, sized: false }))
         }),
     );
     over.store(true, Ordering::Relaxed);
@@ -111,20 +110,21 @@ pub fn run(core: Box<dyn CoreConnection>, options: WindowOptions) -> Result<(), 
 }
 
 /// Requests a frame when something shown has changed, and after [`max_frame_interval`] at the latest.
-fn watch_snapshots(core: SharedConnection, ctx: egui::Context, over: Arc<AtomicBool>) {
+fn watch_snapshots(core: SharedConnection, screen: SharedScreen, ctx: egui::Context, over: Arc<AtomicBool>) {
     thread::spawn(move || {
-        let mut last = None;
+        let mut fault = None;
         let mut asked = Instant::now();
         while !over.load(Ordering::Relaxed) {
             thread::sleep(WATCH_PERIOD);
-            let (now, interval) = {
+            let (changed, interval) = {
                 let mut core = core.lock().unwrap_or_else(PoisonError::into_inner);
                 let snapshot = core.newest();
-                let (hash, interval) = (repaint_hash(snapshot), max_frame_interval(snapshot));
-                (Some((hash, core.health().fault())), interval)
+                let mut screen = screen.lock().unwrap_or_else(PoisonError::into_inner);
+                let (changed, interval) = (screen.follow(snapshot), max_frame_interval(snapshot));
+                let before = std::mem::replace(&mut fault, core.health().fault());
+                (changed || fault != before, interval)
             };
-            if now != last || asked.elapsed() >= interval {
-                last = now;
+            if changed || asked.elapsed() >= interval {
                 asked = Instant::now();
                 // A delayed repaint paints one frame, `request_repaint` paints two.
                 ctx.request_repaint_after(Duration::from_millis(1));
@@ -139,71 +139,9 @@ fn max_frame_interval(snapshot: &Snapshot) -> Duration {
     MAX_FRAME_INTERVAL.min(Duration::from_secs_f64(heard_within.clamp(0.05, 10.0)))
 }
 
-/// A hash of what the pages show; it changes when something shown changes.
-#[must_use]
-pub fn repaint_hash(snapshot: &Snapshot) -> u64 {
-    let mut hasher = DefaultHasher::new();
-    let h = &mut hasher;
-    (snapshot.page as u8, snapshot.mode as u8, snapshot.state as u8, snapshot.kind as u8).hash(h);
-    snapshot.date.hash(h);
-    for (_, axis) in snapshot.axes.iter() {
-        let lengths = [axis.work, axis.machine, axis.relative, axis.to_go];
-        lengths.map(|length| (length * 1_000.0).round() as i64).hash(h);
-        (axis.present, axis.homed, axis.moving).hash(h);
-    }
-    let program = &snapshot.program;
-    (program.number, program.line, program.block, program.block_program, program.stamp).hash(h);
-    (snapshot.single_block, snapshot.handwheel_axis, snapshot.handwheel_step_mm.to_bits(), snapshot.x_as_diameter)
-        .hash(h);
-    (snapshot.feed_override, snapshot.rapid_override, snapshot.spindle_override, snapshot.parts_counted).hash(h);
-    (snapshot.feed_mm_min.round() as i64, snapshot.wheel_rpm.round() as i64, snapshot.cycle_seconds as u64).hash(h);
-    if snapshot.key(Key::EmergencyStop).lamp || snapshot.keys.iter().any(|key| key.pending) {
-        (snapshot.now.0 / 500_000).hash(h);
-    }
-    for key in &snapshot.keys {
-        (key.lamp, key.pending, key.blocked.map(|text| text.zh)).hash(h);
-    }
-    for value in snapshot.variables.iter() {
-        value.map(f64::to_bits).hash(h);
-    }
-    for alarm in &snapshot.alarms {
-        (alarm.number, &alarm.text.zh).hash(h);
-    }
-    (&snapshot.message.text.zh, snapshot.message.since).hash(h);
-    snapshot.waiting_for.as_ref().map(|said| &said.zh).hash(h);
-    if matches!(snapshot.page, Page::Simulator | Page::Process) {
-        snapshot.simulated.as_ref().map(|sim| Arc::as_ptr(sim).addr()).hash(h);
-        snapshot.inputs.hash(h);
-    }
-    if snapshot.page == Page::Diagnosis {
-        (snapshot.input_terminals, snapshot.output_terminals, snapshot.inputs, snapshot.outputs).hash(h);
-        (snapshot.internals, snapshot.analog_volts.map(|volts| (volts * 100.0).round() as i64)).hash(h);
-    }
-    hash_edited_values(snapshot, h);
-    let access = snapshot.access;
-    (access.level as u8, access.password_pending, access.answer_count, snapshot.next_kind as u8).hash(h);
-    Arc::as_ptr(&snapshot.files).addr().hash(h);
-    (Arc::as_ptr(&snapshot.params).addr(), Arc::as_ptr(&snapshot.alarm_history).addr()).hash(h);
-    (Arc::as_ptr(&snapshot.screens).addr(), Arc::as_ptr(&snapshot.directory).addr()).hash(h);
-    hasher.finish()
-}
-
-/// Hashes offsets, active modal codes and the answer to the last value typed.
-fn hash_edited_values(snapshot: &Snapshot, h: &mut DefaultHasher) {
-    let bits = |values: &PerAxis<f64>| values.map(f64::to_bits).0;
-    for row in &snapshot.offsets {
-        (bits(&row.geometry), bits(&row.wear)).hash(h);
-    }
-    (snapshot.edit_answer.count, snapshot.active_offset, &snapshot.prepared_mdi).hash(h);
-    let modals = &snapshot.modals;
-    (modals.g, modals.feed.map(f64::to_bits), modals.speed.map(f64::to_bits), modals.tool, modals.m).hash(h);
-    snapshot.dressing_point.map(|at| at.map(f64::to_bits)).0.hash(h);
-    snapshot.strokes_per_min.map(|strokes| (strokes * 10.0).round() as i64).hash(h);
-}
-
 /// The eframe application around the user interface.
 struct Window {
-    hmi: Hmi,
+    screen: SharedScreen,
     core: SharedConnection,
     fullscreen: bool,
     alive_sent: Option<Instant>,
@@ -239,7 +177,7 @@ impl Window {
 
 impl eframe::App for Window {
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
-        self.hmi.background().to_normalized_gamma_f32()
+        self.screen.lock().unwrap_or_else(PoisonError::into_inner).hmi.background().to_normalized_gamma_f32()
     }
 
     fn raw_input_hook(&mut self, _ctx: &egui::Context, input: &mut egui::RawInput) {
@@ -253,10 +191,11 @@ impl eframe::App for Window {
         let mut core = self.core.lock().unwrap_or_else(PoisonError::into_inner);
         // Reading the newest snapshot renews its age.
         core.newest();
+        let mut screen = self.screen.lock().unwrap_or_else(PoisonError::into_inner);
         match core.health().fault() {
-            Some(fault) => paint_core_fault(ui, self.hmi.theme(), fault),
+            Some(fault) => paint_core_fault(ui, screen.hmi.theme(), fault),
             None => {
-                for command in self.hmi.ui(ui, core.newest()) {
+                for command in screen.ui(ui, core.newest()) {
                     core.send(command);
                 }
             }

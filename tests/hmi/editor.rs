@@ -44,7 +44,7 @@ impl Shop {
     }
 
     fn text(&self) -> String {
-        self.bench.screen.state().hmi.program_text().to_string()
+        self.bench.screen.state().hmi.program_text().unwrap().to_string()
     }
 
     fn tell(&mut self, story: &str) {

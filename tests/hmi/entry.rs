@@ -42,11 +42,11 @@ fn h6_by_touch_a_value_is_typed_stored_and_the_next_field_chosen() {
     for key in ["pad-0", "pad-point", "pad-0", "pad-3", "pad-5", "pad-back", "pad-sign"] {
         touch(&mut screen, key);
     }
-    assert_eq!(screen.state().hmi.variable_entry().editor.text, "-0.03");
+    assert_eq!(screen.state().hmi.variable_entry().unwrap().editor.text, "-0.03");
     assert!(sent(&mut screen).is_empty(), "nothing is stored before 输入");
     touch(&mut screen, "输入 input");
     assert_eq!(sent(&mut screen), ["EnterVariable(505, Some(-0.03))"]);
-    assert_eq!(screen.state().hmi.variable_entry().cursor, 5, "the next field is chosen");
+    assert_eq!(screen.state().hmi.variable_entry().unwrap().cursor, 5, "the next field is chosen");
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn h6_cancel_restores_then_closes_the_pad() {
     touch(&mut screen, "卡尺X轴始磨位置 #500");
     touch(&mut screen, "pad-9");
     touch(&mut screen, "取消 cancel");
-    assert!(screen.state().hmi.variable_entry().editor.text.is_empty());
+    assert!(screen.state().hmi.variable_entry().unwrap().editor.text.is_empty());
     touch(&mut screen, "取消 cancel");
     assert!(screen.query_by_label("pad-9").is_none());
     assert!(sent(&mut screen).is_empty());
@@ -76,7 +76,7 @@ fn h6_physical_keys_do_the_same() {
     press(&mut screen, egui::Key::Escape);
     press(&mut screen, egui::Key::ArrowRight);
     assert_eq!(sent(&mut screen), ["EnterVariable(501, Some(-12.75))", "EnterVariable(504, Some(8.0))"]);
-    assert_eq!(screen.state().hmi.variable_entry().cursor, 12, "the arrow goes to the field beside it");
+    assert_eq!(screen.state().hmi.variable_entry().unwrap().cursor, 12, "the arrow goes to the field beside it");
 }
 
 #[test]
@@ -91,15 +91,15 @@ fn k7_5_a_refused_value_stays_with_its_reason_until_the_next_key() {
     write(&mut screen, "2");
     press(&mut screen, egui::Key::Enter);
     assert!(sent(&mut screen).is_empty());
-    assert_eq!(screen.state().hmi.variable_entry().refusal(Lang::Zh), Some("只能输入 0 或 1"));
-    assert_eq!(screen.state().hmi.variable_entry().editor.text, "2");
+    assert_eq!(screen.state().hmi.variable_entry().unwrap().refusal(Lang::Zh), Some("只能输入 0 或 1"));
+    assert_eq!(screen.state().hmi.variable_entry().unwrap().editor.text, "2");
     write(&mut screen, "1");
-    assert_eq!(screen.state().hmi.variable_entry().refusal(Lang::Zh), None);
+    assert_eq!(screen.state().hmi.variable_entry().unwrap().refusal(Lang::Zh), None);
     press(&mut screen, egui::Key::Enter);
     assert_eq!(sent(&mut screen), ["EnterVariable(570, Some(1.0))"]);
     write(&mut screen, "100000");
     press(&mut screen, egui::Key::Enter);
-    assert_eq!(screen.state().hmi.variable_entry().refusal(Lang::En), Some("out of range ±99999.999"));
+    assert_eq!(screen.state().hmi.variable_entry().unwrap().refusal(Lang::En), Some("out of range ±99999.999"));
     assert!(sent(&mut screen).is_empty());
 }
 
@@ -117,7 +117,7 @@ fn h6_a_digit_with_alt_is_a_panel_key_and_types_nothing() {
     screen.step();
     screen.step();
     assert_eq!(sent(&mut screen), ["Press(Step001)", "Release(Step001)"]);
-    assert_eq!(screen.state().hmi.variable_entry().editor.text, "");
+    assert_eq!(screen.state().hmi.variable_entry().unwrap().editor.text, "");
 }
 
 #[test]

@@ -22,6 +22,7 @@ mod pages;
 mod panel;
 mod process;
 mod reach;
+mod repaint;
 mod screen;
 mod screw;
 mod service;

@@ -314,7 +314,7 @@ impl Operator {
             Hand::Keyboard => {
                 let wanted = self.rows().iter().position(|(number, _)| *number == variable).expect("on the page");
                 for _ in 0..20 {
-                    if self.screen.state().hmi.variable_entry().cursor == wanted {
+                    if self.screen.state().hmi.variable_entry().unwrap().cursor == wanted {
                         break;
                     }
                     self.plain(egui::Key::ArrowDown);

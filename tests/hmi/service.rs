@@ -91,7 +91,7 @@ fn h6_a_value_out_of_range_stays_in_red_and_the_old_one_in_force() {
     let mut bench = Bench::new(crate::stories::rig(), Page::Params);
     bench.set("P71", "1000000");
     assert_eq!(bench.param("P71").to_bits(), 0.0_f64.to_bits());
-    let reason = |bench: &Bench| bench.screen.state().hmi.param_refusal(Lang::Zh);
+    let reason = |bench: &Bench| bench.screen.state().hmi.refusal(Lang::Zh).map(|(_, why)| why);
     assert_eq!(reason(&bench).as_deref(), Some("超出范围 0 … 999999"));
     bench.write("7");
     assert_eq!(reason(&bench), None, "until the next key");

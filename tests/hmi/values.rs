@@ -518,11 +518,14 @@ fn h6_what_the_core_refuses_on_the_grinding_page_stays_in_red() {
     type_in(&mut bench, "12.5");
     let said = Some(("12.5".into(), "程序运行中不能修改 (P6.3)".into()));
     assert_eq!(red(&bench), said);
-    assert_eq!((bench.screen.state().hmi.variable_entry().cursor, bench.rig.snapshot().variables[501]), (1, before));
+    assert_eq!(
+        (bench.screen.state().hmi.variable_entry().unwrap().cursor, bench.rig.snapshot().variables[501]),
+        (1, before)
+    );
     // It outlasts the message line's five seconds, and goes with the next key.
     crate::stories::tell(&mut bench.rig, "wait 6 s");
     bench.turn();
     assert_eq!(red(&bench), said);
     bench.write("3");
-    assert_eq!((red(&bench), bench.screen.state().hmi.variable_entry().editor.text.as_str()), (None, "3"));
+    assert_eq!((red(&bench), bench.screen.state().hmi.variable_entry().unwrap().editor.text.as_str()), (None, "3"));
 }

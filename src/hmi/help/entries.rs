@@ -288,6 +288,14 @@ fn key_entry(key: Key, kind: Kind) -> HelpEntry {
     )
 }
 
+/// The entry of an alarm.
+#[must_use]
+pub fn alarm_entry(number: u16) -> Option<HelpEntry> {
+    let mut all = Vec::new();
+    alarms(&mut all);
+    all.into_iter().find(|entry| entry.topic == HelpTopic::for_alarm(number))
+}
+
 fn alarms(all: &mut Vec<HelpEntry>) {
     let add =
         |number: u16, sign: String, name: LocalizedText, texts: [LocalizedText; 2], acts: (Reaction, ResetRule)| {

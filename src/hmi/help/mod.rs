@@ -8,11 +8,11 @@ mod keyboard_map;
 use egui::accesskit::Role;
 use egui::{Align2, Color32, Id, Painter, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-pub use entries::{HelpEntry, HelpTopic, Section, entries};
+pub use entries::{HelpEntry, HelpTopic, Section, alarm_entry, entries};
 
 use super::letter_pad::{self, LetterKey};
-use super::page::TypedInput;
 use super::page::scroll::Scroll;
+use super::page::{PageContext, PageUi, TypedInput};
 use super::search_field::{self, SearchField, SearchTouch};
 use super::theme;
 use super::variable_entry::EditKey;
@@ -50,9 +50,23 @@ pub struct Help {
     detail_scroll: (Scroll, Option<usize>),
 }
 
+impl PageUi for Help {
+    fn open(&mut self, view: &View<'_>, _handed_over: Option<u32>) {
+        self.open_at(view, Page::Help, None);
+    }
+
+    fn accepts_text(&self) -> bool {
+        self.searching || !self.search.is_empty()
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        self.draw(ctx.ui, ctx.view, ctx.rect, ctx.typed, 0.0);
+    }
+}
+
 impl Help {
     /// Opens at an alarm if given, else at a page.
-    pub fn open(&mut self, view: &View<'_>, page: Page, alarm: Option<u16>) {
+    pub fn open_at(&mut self, view: &View<'_>, page: Page, alarm: Option<u16>) {
         self.load_entries(view);
         (self.keyboard_map_open, self.searching) = (false, false);
         self.search.clear();
@@ -62,18 +76,6 @@ impl Help {
         };
         self.show_section(section);
         self.cursor = self.visible.iter().position(|index| self.entries[*index].topic == about).unwrap_or(0);
-    }
-
-    /// The entry of an alarm.
-    #[must_use]
-    pub fn alarm(&self, number: u16) -> Option<&HelpEntry> {
-        self.entries.iter().find(|entry| entry.topic == HelpTopic::for_alarm(number))
-    }
-
-    /// Whether the search is active.
-    #[must_use]
-    pub const fn searches(&self) -> bool {
-        self.searching || !self.search.is_empty()
     }
 
     fn load_entries(&mut self, view: &View<'_>) {
@@ -117,11 +119,6 @@ impl Help {
         self.draw(ui, view, rect, typed, CLOSE_WIDTH + theme::GAP);
         widget::button(ui, view, close, "close-help", view.text("关闭帮助", "CLOSE"), ButtonState::default())
             || cancelled
-    }
-
-    /// Draws the help as the page 帮助.
-    pub fn ui(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, typed: &TypedInput<'_>) {
-        self.draw(ui, view, rect, typed, 0.0);
     }
 
     fn draw(&mut self, ui: &Ui, view: &View<'_>, rect: Rect, typed: &TypedInput<'_>, room: f32) {

@@ -7,12 +7,12 @@ use std::sync::Arc;
 use egui::accesskit::Role;
 use egui::{Align2, Id, Painter, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::TypedInput;
 use super::scroll::Scroll;
+use super::{PageContext, PageUi, TypedInput};
 use crate::defs::alarm::{self, ALARMS};
 use crate::defs::alarm_history::PastAlarm;
 use crate::defs::text::Lang;
-use crate::hmi::help::Help;
+use crate::hmi::help::{self, HelpEntry};
 use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{View, card, fit_text, focus_frame, format_date_time, paragraph, text_line};
 use crate::hmi::widget::ButtonState;
@@ -42,30 +42,25 @@ pub struct AlarmPage {
     shows_history: bool,
     selected: Option<AlarmRef>,
     scroll: Scroll,
+    /// Alarm whose text was looked up last, and its help.
+    looked_up: Option<(u16, Option<HelpEntry>)>,
 }
 
-impl AlarmPage {
+impl PageUi for AlarmPage {
     /// Shows the active alarms from the top.
-    pub fn open(&mut self) {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
         *self = Self::default();
     }
 
-    /// Number of the selected alarm; without a selection the first active one.
-    #[must_use]
-    pub fn selected_number(&self, view: &View<'_>) -> Option<u16> {
-        let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
-        let chosen = self.selected.and_then(|chosen| match chosen {
-            AlarmRef::Present(number, _) => Some(number),
-            AlarmRef::Past(count) => past.iter().find(|past| past.count == count).map(|past| past.number),
-        });
-        chosen.or_else(|| present.first().map(|alarm| alarm.number))
+    fn help_alarm(&self, view: &View<'_>) -> Option<u16> {
+        self.selected_number(view)
     }
 
-    /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>, help: &Help) -> Vec<Command> {
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, out, .. } = ctx;
         let inside = rect.shrink(theme::PAD);
         let (bar, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS_HEIGHT);
-        let out = self.bar(ui, bar, view, typed);
+        out.extend(self.bar(ui, bar, view, typed));
         let rest = Rect::from_min_max(rest.min + vec2(0.0, theme::PAD), rest.max);
         let rows = self.rows(view);
         if rows.is_empty() {
@@ -76,14 +71,13 @@ impl AlarmPage {
             };
             let line = Rect::from_center_size(rest.center(), vec2(rest.width(), 30.0));
             fit_text(ui.painter(), line, Align2::CENTER_CENTER, words, theme::SECONDARY, view.theme.muted);
-            return out;
+            return;
         }
         let line = if self.shows_history { PAST_HEIGHT } else { PRESENT_HEIGHT };
         self.move_selection(&rows, typed.edits, widget::round_to_lines(rest, line), line);
         let chosen = self.selected.filter(|chosen| rows.contains(chosen));
-        let told =
-            chosen.filter(|_| self.shows_history).and(self.selected_number(view)).and_then(|number| help.alarm(number));
-        let below = told.map_or(0.0, |entry| {
+        let told = chosen.filter(|_| self.shows_history).and(self.selected_number(view));
+        let below = told.and_then(|number| self.help_of(number)).map_or(0.0, |entry| {
             let parts = entry.paragraphs.iter().map(|(caption, said)| (caption.get(view.lang), said.get(view.lang)));
             let place = Rect::from_min_max(pos2(rest.min.x, rest.min.y + rest.height() / 3.0), rest.max);
             detail(ui.painter(), view, place, parts.collect())
@@ -102,7 +96,26 @@ impl AlarmPage {
             self.row(ui, view, (list, place), *row);
         }
         self.scroll.draw_bar(ui, view, list, line, rows.len());
-        out
+    }
+}
+
+impl AlarmPage {
+    /// Number of the selected alarm; without a selection the first active one.
+    fn selected_number(&self, view: &View<'_>) -> Option<u16> {
+        let (present, past) = (&view.snapshot.alarms, &view.snapshot.alarm_history);
+        let chosen = self.selected.and_then(|chosen| match chosen {
+            AlarmRef::Present(number, _) => Some(number),
+            AlarmRef::Past(count) => past.iter().find(|past| past.count == count).map(|past| past.number),
+        });
+        chosen.or_else(|| present.first().map(|alarm| alarm.number))
+    }
+
+    /// The help of an alarm; looked up once.
+    fn help_of(&mut self, number: u16) -> Option<&HelpEntry> {
+        if self.looked_up.as_ref().is_none_or(|(known, _)| *known != number) {
+            self.looked_up = Some((number, help::alarm_entry(number)));
+        }
+        self.looked_up.as_ref()?.1.as_ref()
     }
 
     /// The tabs, and the key that exports the history.

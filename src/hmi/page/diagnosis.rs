@@ -4,13 +4,13 @@
 
 use egui::{Align2, Painter, Rect, Ui, pos2, vec2};
 
-use super::TypedInput;
 use super::scroll::Scroll;
+use super::{PageContext, PageUi, TypedInput};
 use crate::defs::key::{Key, KeyGroup};
 use crate::defs::port_conflict;
 use crate::defs::signal::{Input, Output};
 use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text};
+use crate::hmi::view::{View, card, fit_text, format_volts};
 use crate::hmi::{panel, theme, widget};
 use crate::link::internal_signal::InternalSignal;
 
@@ -55,9 +55,13 @@ struct PortLine {
     volts: Option<f64>,
 }
 
-impl DiagnosisPage {
-    /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>) {
+impl PageUi for DiagnosisPage {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+        *self = Self::default();
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, .. } = ctx;
         let inside = rect.shrink(theme::PAD);
         let (bar, rest) = inside.split_top_bottom_at_y(inside.min.y + widget::TABS_HEIGHT);
         let dead = blocked_keys(view);
@@ -87,7 +91,9 @@ impl DiagnosisPage {
             DiagnosisTab::Keys => self.keys(ui, rest, view, typed, &dead),
         }
     }
+}
 
+impl DiagnosisPage {
     fn ports(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>, lines: &[PortLine]) {
         let (head, rest) = rect.split_top_bottom_at_y(rect.min.y + 26.0);
         let words = [
@@ -265,7 +271,7 @@ fn port_line(painter: &Painter, view: &View<'_>, place: Rect, line: &PortLine) {
     put(name, &line.name, text);
     put(id, line.id, quiet);
     if let Some(volts) = line.volts {
-        put(port.union(level), &format!("{volts:.2} V"), text);
+        put(port.union(level), &format_volts(volts), text);
         return;
     }
     match (line.port, line.in_conflict) {

@@ -4,15 +4,14 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::empty;
 use super::scroll::Scroll;
+use super::{PageContext, PageUi, empty};
 use crate::defs::key::Mode;
 use crate::defs::page::Page;
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::field_editor::FieldEditor;
 use crate::hmi::keycap::{self, KeycapState};
 use crate::hmi::login::Login;
-use crate::hmi::page::TypedInput;
 use crate::hmi::page::input_line::{self, InputPrompt};
 use crate::hmi::question::{Question, QuestionDialog};
 use crate::hmi::requests::{PendingRequests, RequestReason};
@@ -56,7 +55,7 @@ pub struct DirectoryPage {
     /// The action whose program number is being typed.
     action: Option<DirectoryAction>,
     /// The number being typed.
-    pub typing: FieldEditor,
+    typing: FieldEditor,
     question: QuestionDialog<()>,
     /// Request that waits for an answer or for the password.
     request: Option<FileRequest>,
@@ -68,50 +67,52 @@ pub struct DirectoryPage {
     reveal_cursor: bool,
     /// Width of the name column; named programs need more than O and four digits.
     name_width: f32,
-    /// Program whose page is to be designed.
-    pub designer_program: Option<u32>,
 }
 
-impl DirectoryPage {
-    /// Draws the page.
-    pub fn ui(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        view: &View<'_>,
-        typed: &TypedInput<'_>,
-        login: &mut Login,
-    ) -> Vec<Command> {
-        let mut out = Vec::new();
-        self.handle_answer(view, login, &mut out);
+impl PageUi for DirectoryPage {
+    /// Selects the current program and scrolls to it.
+    fn open(&mut self, view: &View<'_>, _handed_over: Option<u32>) {
+        let number = view.snapshot.program.number;
+        self.cursor = view.snapshot.directory.iter().position(|row| row.number == number).unwrap_or(0);
+        (self.action, self.request, self.keys_focused, self.reveal_cursor) = (None, None, false, true);
+        self.question.close();
+        self.typing = FieldEditor::default();
+    }
+
+    fn typing(&self) -> Option<&FieldEditor> {
+        Some(&self.typing)
+    }
+
+    fn wants_pad(&self, _view: &View<'_>) -> bool {
+        self.action.is_some() && self.typing.pad_open
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, login, hand_over, out, .. } = ctx;
+        self.handle_answer(view, login, out);
         let free = !self.question.is_open() && !login.is_open();
         let edits = if free { typed.edits } else { &[] };
         let (body, below) = rect.split_top_bottom_at_y(rect.max.y - KEYS_HEIGHT - theme::GAP);
         let edits = if self.action.is_some() {
-            edits.iter().for_each(|edit| self.edit(*edit, view, &mut out));
+            edits.iter().for_each(|edit| self.edit(*edit, view, out));
             &[]
         } else {
             edits
         };
         out.extend(self.list(ui, body, view, edits, typed.scroll_pages));
         if self.keys(ui, below.shrink2(vec2(theme::PAD, 0.0)), view, edits) {
-            self.designer_program = view.snapshot.directory.get(self.cursor).map(|row| row.number);
+            *hand_over = view.snapshot.directory.get(self.cursor).map(|row| row.number);
             out.push(Command::OpenPage(Page::Designer));
         }
         match self.question.ui(ui, rect, view, typed.edits) {
-            Some(((), Some(_))) => self.send(&mut out),
+            Some(((), Some(_))) => self.send(out),
             Some(((), None)) => self.request = None,
             None => {}
         }
-        out
     }
+}
 
-    /// Whether the numeric pad is shown.
-    #[must_use]
-    pub const fn wants_pad(&self) -> bool {
-        self.action.is_some() && self.typing.pad_open
-    }
-
+impl DirectoryPage {
     fn send(&mut self, out: &mut Vec<Command>) {
         if let Some(request) = &self.request {
             out.push(self.asking.send(DirectoryRequest, request.clone()));
@@ -344,15 +345,6 @@ impl DirectoryPage {
             return false;
         }
         chosen && load_key(ui, action, view)
-    }
-
-    /// Scrolls to the current program when the page opens.
-    pub fn open(&mut self, view: &View<'_>) {
-        let number = view.snapshot.program.number;
-        self.cursor = view.snapshot.directory.iter().position(|row| row.number == number).unwrap_or(0);
-        (self.action, self.request, self.keys_focused, self.reveal_cursor) = (None, None, false, true);
-        self.question.close();
-        self.typing = FieldEditor::default();
     }
 }
 

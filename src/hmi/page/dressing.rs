@@ -2,15 +2,19 @@
 //! Editing on this page does not need P22.0.
 //! Source: spec K7.6, K7.7 (D), K4.2.
 
-use egui::{Align2, Rect, TextureId, Ui, vec2};
+use std::sync::Arc;
+
+use egui::{Align2, Rect, Ui, vec2};
 
 use super::offset::table::{EntryMode, OffsetTable, OffsetTableSpec, columns};
 use super::position::{self, PositionGroup};
-use super::{TypedInput, empty, input_line};
+use super::{PageContext, PageUi, empty, input_line};
 use crate::defs::param;
+use crate::hmi::field_editor::FieldEditor;
 use crate::hmi::view::{View, paragraph, text_line};
 use crate::hmi::{page_frame as lines, theme, widget};
-use crate::link::Command;
+use crate::link::Snapshot;
+use crate::link::command::Picture;
 use crate::link::edit::OffsetPart;
 
 /// Entry modes of this page.
@@ -23,19 +27,24 @@ pub struct DressingPage {
     pub table: OffsetTable,
 }
 
-impl DressingPage {
-    /// Draws the page.
-    pub fn ui(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        view: &View<'_>,
-        typed: &TypedInput<'_>,
-        picture: Option<TextureId>,
-    ) -> Vec<Command> {
+impl PageUi for DressingPage {
+    fn open(&mut self, view: &View<'_>, _handed_over: Option<u32>) {
+        self.table.open(view.snapshot.active_offset);
+    }
+
+    fn typing(&self) -> Option<&FieldEditor> {
+        Some(&self.table.typing)
+    }
+
+    fn picture<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {
+        snapshot.screens.dressing.as_ref()?.as_ref().ok()
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, picture, out, .. } = ctx;
         let columns = columns(view, &[OffsetPart::Wear]);
         let form = OffsetTableSpec { id: "dressing", columns: &columns, modes: &ENTRY_MODES, locked: false };
-        let out = self.table.handle_typed(view, typed, &form);
+        out.extend(self.table.handle_typed(view, typed, &form));
         let (page, input) = input_line::split(rect);
         let main = page.shrink(theme::GAP);
         let left_width = if main.width() > 900.0 { 210.0 } else { 172.0 };
@@ -54,7 +63,6 @@ impl DressingPage {
         let list = Rect::from_min_max(list.min + vec2(0.0, 4.0), list.max);
         self.table.ui(ui, list, view, typed, &form);
         self.table.input_line(ui, input, view, &form);
-        out
     }
 }
 

@@ -1,21 +1,24 @@
 //! Grinding page: positions, the customer's two columns of macro variables, the picture.
 //! Source: spec K7.2–K7.5, H6, H8; seed 000.
 
+use std::sync::Arc;
+
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, TextureId, Ui, WidgetInfo, pos2, vec2};
 
 use super::position::PositionGroup;
-use super::{empty, position};
+use super::{PageContext, PageUi, empty, position};
 use crate::defs::page::Page;
 use crate::defs::page_text::{COLUMN_ROWS, PageText, PageTextRow};
 use crate::defs::text::Lang;
 use crate::defs::{r_parameter_name, variable_name};
-use crate::hmi::variable_entry::{self, EditKey, VariableEntry};
+use crate::hmi::field_editor::FieldEditor;
+use crate::hmi::variable_entry::{self, VariableEntry};
 use crate::hmi::view::{View, fit_text, focus_frame, format_length, paragraph};
 use crate::hmi::widget::{self, ButtonState};
 use crate::hmi::{keycap, page_frame as lines, pictogram, theme};
-use crate::link::Command;
-use crate::link::command::{FileFault, ScreenFiles};
+use crate::link::command::{FileFault, Picture, ScreenFiles};
+use crate::link::{Command, Snapshot};
 
 /// Column width from which label and value are side by side, if every label fits.
 const SIDE_BY_SIDE_WIDTH: f32 = 236.0;
@@ -26,21 +29,51 @@ const STACKED_HEIGHT: f32 = 46.0;
 /// The same for smaller text sizes.
 const COMPACT_HEIGHT: f32 = 36.0;
 
-/// Draws the page; `edits` is what was typed.
-pub fn ui(
-    ui: &Ui,
-    rect: Rect,
-    view: &View<'_>,
-    entry: &mut VariableEntry,
-    edits: &[EditKey],
-    picture: Option<TextureId>,
-) -> Vec<Command> {
-    let mut out = Vec::new();
-    let number = view.snapshot.program.number;
-    let Some(shown) = view.snapshot.grinding_page_number() else {
-        no_page(ui, rect, view, number, &mut out);
-        return out;
-    };
+/// State of the page.
+#[derive(Debug, Default)]
+pub struct GrindingPage {
+    /// The value being typed.
+    pub entry: VariableEntry,
+    /// Program and its page; another one drops the typed value.
+    shown: (u32, Option<u32>),
+}
+
+impl PageUi for GrindingPage {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+        self.entry.restart();
+    }
+
+    fn record(&mut self, snapshot: &Snapshot) {
+        let shown = (snapshot.program.number, snapshot.grinding_page_number());
+        if self.shown != shown {
+            self.shown = shown;
+            self.entry.restart();
+        }
+    }
+
+    fn typing(&self) -> Option<&FieldEditor> {
+        Some(&self.entry.editor)
+    }
+
+    fn wants_pad(&self, view: &View<'_>) -> bool {
+        self.entry.editor.pad_open && view.snapshot.page_files().is_some_and(|files| files.text.is_ok())
+    }
+
+    fn picture<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {
+        snapshot.page_files()?.picture.as_ref().ok()
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        match ctx.view.snapshot.grinding_page_number() {
+            Some(shown) => page(shown, &mut self.entry, ctx),
+            None => no_page(ctx.ui, ctx.rect, ctx.view, ctx.out),
+        }
+    }
+}
+
+/// Draws the page with a number.
+fn page(shown: u32, entry: &mut VariableEntry, ctx: PageContext<'_>) {
+    let PageContext { ui, rect, view, typed, picture, out, .. } = ctx;
     let several = view.snapshot.grinding_sheet.1 > 1;
     let places = GrindingLayout::new(rect, several);
     let files = view.snapshot.page_files();
@@ -63,7 +96,7 @@ pub fn ui(
             lines::title(ui, view, place, &title);
             let columns = (variables(&text.left), variables(&text.right));
             entry.poll_answer(&view.snapshot.edit_answer);
-            for edit in edits {
+            for edit in typed.edits {
                 out.extend(entry.handle_key(*edit, (&columns.0, &columns.1)));
             }
             fields(ui, &places, view, [&text.left, &text.right], entry);
@@ -79,7 +112,6 @@ pub fn ui(
             empty::show(ui, view, places.body, pictogram::NO_PAGE, &what, remedy);
         }
     }
-    out
 }
 
 /// Rectangles of the page.
@@ -354,7 +386,8 @@ fn text_fault(ui: &Ui, places: &GrindingLayout, view: &View<'_>, fault: &FileFau
 }
 
 /// The program has no grinding page: shows what to do.
-fn no_page(ui: &Ui, rect: Rect, view: &View<'_>, number: u32, out: &mut Vec<Command>) {
+fn no_page(ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
+    let number = view.snapshot.program.number;
     let name = view.snapshot.title(number);
     let what = match (number, view.lang) {
         (0, _) => view.text("没有装入程序", "no program is loaded").to_owned(),

@@ -4,8 +4,8 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::TypedInput;
 use super::scroll::Scroll;
+use super::{PageContext, PageUi};
 use crate::defs::key::Mode;
 use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
 use crate::hmi::keycap::{self, KeycapState};
@@ -29,7 +29,7 @@ const MAX_CHARS: usize = 120;
 #[derive(Debug, Default)]
 pub struct MdiPage {
     /// The line being typed.
-    pub typing: FieldEditor,
+    typing: FieldEditor,
     /// Lines that were loaded, latest first.
     history: Vec<String>,
     /// History line recalled with the arrow keys.
@@ -37,16 +37,23 @@ pub struct MdiPage {
     scroll: Scroll,
 }
 
-impl MdiPage {
-    /// The page was opened again: history and typed text stay.
-    pub fn open(&mut self) {
+impl PageUi for MdiPage {
+    /// History and typed text stay.
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
         self.recalled = None;
         self.scroll = Scroll::default();
     }
 
-    /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>) -> Vec<Command> {
-        let mut out = Vec::new();
+    fn typing(&self) -> Option<&FieldEditor> {
+        Some(&self.typing)
+    }
+
+    fn accepts_text(&self) -> bool {
+        true
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, out, .. } = ctx;
         if let CoreAnswer::Accepted(_, line) = self.typing.poll_answer(&view.snapshot.edit_answer)
             && !line.is_empty()
         {
@@ -59,12 +66,12 @@ impl MdiPage {
             self.push_char(sign);
         }
         for edit in typed.edits {
-            self.edit(*edit, view, &mut out);
+            self.edit(*edit, view, out);
         }
         let pad = letter_pad::block_layout(view.snapshot.kind);
         let (main, board) = rect.split_top_bottom_at_y(rect.max.y - pad.height());
         if let Some(letter) = letter_pad::ui(ui, view, board.shrink2(vec2(theme::GAP, 0.0)), &pad) {
-            self.letter(&letter, view, &mut out);
+            self.letter(&letter, view, out);
         }
         let inside = Rect::from_min_max(main.min + vec2(theme::PAD, 6.0), main.max - vec2(theme::PAD, 6.0));
         let (top, input) = inside.split_top_bottom_at_y(inside.max.y - INPUT_HEIGHT);
@@ -79,13 +86,12 @@ impl MdiPage {
             typed.scroll_pages,
         );
         self.input(ui, input, view);
-        out
     }
+}
 
+impl MdiPage {
     fn push_char(&mut self, sign: char) {
-        if self.typing.refused.take().is_some() && sign == '\u{8}' {
-            return;
-        }
+        self.typing.refused = None;
         if self.typing.text.chars().count() < MAX_CHARS {
             self.typing.text.extend(sign.to_uppercase());
         }

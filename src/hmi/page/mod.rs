@@ -1,4 +1,5 @@
-//! The pages. Each page draws from the view and keeps only its cursor and its edit text.
+//! The pages: a page is one file behind [`PageUi`] and one row of the table below. A page draws from the view and keeps
+//! only its cursor and its edit text; no page knows another page's state.
 
 pub mod alarm;
 pub mod designer;
@@ -19,23 +20,27 @@ pub mod scroll;
 pub mod serial;
 pub mod settings;
 pub mod simulator;
-mod teach;
-mod tools;
+pub mod teach;
+pub mod tools;
 pub mod transfer;
 pub mod variables;
 pub mod wheel;
 
+use std::any::Any;
+use std::fmt;
+use std::sync::Arc;
+
 use egui::{Rect, TextureId, Ui};
 
+use super::field_editor::FieldEditor;
 use super::help::Help;
 use super::login::Login;
-use super::page_frame;
-use super::variable_entry::{EditKey, VariableEntry};
+use super::variable_entry::EditKey;
 use super::view::View;
-use crate::defs::key::Key;
 use crate::defs::page::Page;
 use crate::defs::text::Lang;
-use crate::link::Command;
+use crate::link::command::Picture;
+use crate::link::{Command, Snapshot};
 
 /// Keyboard input of this frame.
 #[derive(Clone, Copy, Debug, Default)]
@@ -50,148 +55,180 @@ pub struct TypedInput<'a> {
     pub scroll_pages: i32,
 }
 
-/// State of all pages.
-#[derive(Debug, Default)]
-pub struct PageSet {
-    /// Value being typed on the grinding page.
-    pub entry: VariableEntry,
-    /// Help on pages, keys, alarms and codes.
-    pub help: Help,
-    /// Page designer.
-    pub designer: designer::DesignerPage,
-    program: program::ProgramPage,
-    graphic: graphic::GraphicPage,
-    transfer: transfer::TransferPage,
-    process: process::ProcessPage,
-    simulator: simulator::SimulatorPage,
-    simulator_tab_index: usize,
-    directory: directory::DirectoryPage,
-    diagnosis: diagnosis::DiagnosisPage,
-    alarms: alarm::AlarmPage,
-    params: params::ParamPage,
-    settings: settings::SettingsPage,
-    offset: offset::OffsetPage,
-    dressing: dressing::DressingPage,
-    variables: variables::VariablesPage,
-    mdi: mdi::MdiPage,
-    wheel: wheel::WheelPage,
-    teach: teach::TeachPage,
-    tools: tools::ToolsPage,
-    login: Login,
+/// What a page draws from in one frame, and where its commands go.
+pub struct PageContext<'a> {
+    /// Painter and input of the frame.
+    pub ui: &'a Ui,
+    /// Area of the page, points.
+    pub rect: Rect,
+    /// State of the machine, language and colours.
+    pub view: &'a View<'a>,
+    /// Keyboard input.
+    pub typed: &'a TypedInput<'a>,
+    /// The picture that the page asked for with [`PageUi::picture`].
+    pub picture: Option<TextureId>,
+    /// The password dialog; it is drawn over the page.
+    pub login: &'a mut Login,
+    /// The program that this page hands to the page that it opens.
+    pub hand_over: &'a mut Option<u32>,
+    /// The operator's commands.
+    pub out: &'a mut Vec<Command>,
 }
 
-impl PageSet {
-    /// Resets the pages after another page was opened.
-    pub fn open(&mut self, view: &View<'_>) {
-        self.entry.restart();
-        self.login.close();
-        self.directory.open(view);
-        self.program.open();
-        self.designer.open(view, self.directory.designer_program.take());
-        self.transfer.open();
-        self.alarms.open();
-        self.diagnosis = diagnosis::DiagnosisPage::default();
-        self.settings = settings::SettingsPage::default();
-        self.simulator = simulator::SimulatorPage::default();
-        self.params.open();
-        self.offset.table.open(view.snapshot.active_offset);
-        self.dressing.table.open(view.snapshot.active_offset);
-        self.variables.open();
-        self.mdi.open();
-        self.wheel = wheel::WheelPage::default();
-        self.tools = tools::ToolsPage::default();
-        self.help.open(view, Page::Help, None);
+/// A page of the control screen.
+pub trait PageUi: Any + fmt::Debug + Send {
+    /// Draws the page and handles its input.
+    fn ui(&mut self, ctx: PageContext<'_>);
+
+    /// The page was opened; the page before may have handed over a program.
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {}
+
+    /// Another page was opened in its place.
+    fn close(&mut self) {}
+
+    /// A new snapshot arrived; called for each one, also while the page is closed.
+    fn record(&mut self, _snapshot: &Snapshot) {}
+
+    /// The value being typed; none on a page that takes no value.
+    fn typing(&self) -> Option<&FieldEditor> {
+        None
     }
 
-    /// Opens the help for the open page; on the alarm page for the selected alarm.
-    pub fn open_help(&mut self, view: &View<'_>) {
-        let page = view.snapshot.page;
-        let alarm = self.alarms.selected_number(view).filter(|_| page == Page::Alarm);
-        self.help.open(view, page, alarm);
-    }
-
-    /// Records path and process data; called in every frame, whichever page is open.
-    pub fn update_background(&mut self, view: &View<'_>) {
-        self.graphic.record_position(view);
-        self.process.record_sample(view);
-    }
-
-    /// Drops the typed value; called when another program becomes current.
-    pub fn restart_entry(&mut self) {
-        self.entry.restart();
-    }
-
-    /// Why the value typed on the parameter page was refused.
-    #[must_use]
-    pub fn param_refusal(&self, lang: Lang) -> Option<String> {
-        self.params.typing.refusal(lang).map(str::to_owned)
-    }
-
-    /// What was typed on the open page, and why it was refused.
-    #[must_use]
-    pub fn refusal(&self, page: Page, lang: Lang) -> Option<(String, String)> {
-        let typing = match page {
-            Page::Offset => &self.offset.table.typing,
-            Page::Dressing => &self.dressing.table.typing,
-            Page::Macro => &self.variables.typing,
-            Page::Mdi => &self.mdi.typing,
-            Page::Wheel => &self.wheel.typing,
-            Page::Tools => &self.tools.typing,
-            Page::Settings => &self.settings.clock.typing,
-            Page::Directory => &self.directory.typing,
-            Page::Params => self.params.typing(),
-            Page::Transfer => return Some((String::new(), self.transfer.refusal()?.get(lang).to_owned())),
-            Page::Designer => {
-                return Some((self.designer.text().to_string(), self.designer.refusal()?.get(lang).to_owned()));
-            }
-            Page::Program => {
-                let (text, why) = (self.program.text().to_string(), self.program.refusal()?);
-                return Some((text, why.get(lang).to_owned()));
-            }
-            _ => &self.entry.editor,
-        };
+    /// The text that the page or the core refused, and the reason.
+    fn refusal(&self, lang: Lang) -> Option<(String, String)> {
+        let typing = self.typing()?;
         Some((typing.text.clone(), typing.refusal(lang)?.to_owned()))
     }
 
-    /// Text on the program page, with unsaved changes.
+    /// Whether the numeric pad is shown.
+    fn wants_pad(&self, _view: &View<'_>) -> bool {
+        self.typing().is_some_and(|typing| typing.pad_open)
+    }
+
+    /// Whether typed letters are text now; otherwise they are keys of the panel.
+    fn accepts_text(&self) -> bool {
+        false
+    }
+
+    /// The picture that the page shows.
+    fn picture<'a>(&self, _snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {
+        None
+    }
+
+    /// Number of the alarm at which the help opens; none: at the page.
+    fn help_alarm(&self, _view: &View<'_>) -> Option<u16> {
+        None
+    }
+}
+
+macro_rules! page_rows {
+    ($($page:ident => $state:ty,)*) => {
+        fn new_page(page: Page) -> Box<dyn PageUi> {
+            match page { $(Page::$page => Box::<$state>::default(),)* }
+        }
+    };
+}
+
+// One row per page; a page without a row does not compile.
+page_rows! {
+    Position => position::PositionPage,
+    Panel => position::PositionPage,
+    Grinding => grinding::GrindingPage,
+    Dressing => dressing::DressingPage,
+    Program => program::ProgramPage,
+    Designer => designer::DesignerPage,
+    Mdi => mdi::MdiPage,
+    Directory => directory::DirectoryPage,
+    Offset => offset::OffsetPage,
+    Macro => variables::VariablesPage,
+    Teach => teach::TeachPage,
+    Tools => tools::ToolsPage,
+    Wheel => wheel::WheelPage,
+    Params => params::ParamPage,
+    Diagnosis => diagnosis::DiagnosisPage,
+    Graphic => graphic::GraphicPage,
+    Transfer => transfer::TransferPage,
+    Process => process::ProcessPage,
+    Alarm => alarm::AlarmPage,
+    Settings => settings::SettingsPage,
+    Simulator => simulator::SimulatorPage,
+    Help => Help,
+}
+
+/// State of all pages.
+#[derive(Debug)]
+pub struct PageSet {
+    /// By `Page as usize`.
+    pages: Vec<Box<dyn PageUi>>,
+    /// The open page.
+    open: Option<Page>,
+    /// Program handed over to the next page.
+    hand_over: Option<u32>,
+    login: Login,
+}
+
+impl Default for PageSet {
+    fn default() -> Self {
+        let pages = Page::ALL.iter().copied().map(new_page).collect();
+        Self { pages, open: None, hand_over: None, login: Login::default() }
+    }
+}
+
+impl PageSet {
+    fn page(&self, page: Page) -> &dyn PageUi {
+        self.pages[page as usize].as_ref()
+    }
+
+    /// State of a page as its own type; none if the page is of another type.
     #[must_use]
-    pub const fn program_text(&self) -> &ropey::Rope {
-        self.program.text()
+    pub fn state<T: PageUi>(&self, page: Page) -> Option<&T> {
+        let state: &dyn Any = self.page(page);
+        state.downcast_ref()
+    }
+
+    /// Closes the page before and opens the page of the view.
+    pub fn open(&mut self, view: &View<'_>) {
+        let page = view.snapshot.page;
+        if let Some(before) = self.open.replace(page) {
+            self.pages[before as usize].close();
+        }
+        self.login.close();
+        self.pages[page as usize].open(view, self.hand_over.take());
+    }
+
+    /// Every page records what it needs of a snapshot, open or closed.
+    pub fn record(&mut self, snapshot: &Snapshot) {
+        self.pages.iter_mut().for_each(|page| page.record(snapshot));
+    }
+
+    /// What was typed on a page, and why it was refused.
+    #[must_use]
+    pub fn refusal(&self, page: Page, lang: Lang) -> Option<(String, String)> {
+        self.page(page).refusal(lang)
     }
 
     /// Whether the open page accepts text now.
     #[must_use]
     pub fn accepts_text(&self, page: Page) -> bool {
-        match page {
-            Page::Mdi => true,
-            Page::Program => self.program.accepts_text(),
-            Page::Params => self.params.is_searching(),
-            Page::Help => self.help.searches(),
-            _ => false,
-        }
+        self.page(page).accepts_text()
     }
 
     /// Whether the numeric pad is shown.
     #[must_use]
     pub fn wants_pad(&self, view: &View<'_>) -> bool {
-        if self.login.is_open() {
-            return true;
-        }
-        match view.snapshot.page {
-            Page::Params => self.params.wants_pad(),
-            Page::Directory => self.directory.wants_pad(),
-            Page::Offset => self.offset.table.typing.pad_open,
-            Page::Dressing => self.dressing.table.typing.pad_open,
-            Page::Macro => self.variables.typing.pad_open,
-            Page::Wheel => self.wheel.wants_pad(),
-            Page::Tools => self.tools.typing.pad_open,
-            Page::Transfer => self.transfer.wants_pad(),
-            Page::Settings => self.settings.clock.typing.pad_open,
-            page => {
-                let has_fields = view.snapshot.page_files().is_some_and(|files| files.text.is_ok());
-                self.entry.editor.pad_open && page_frame::has_number_fields(page) && has_fields
-            }
-        }
+        self.login.is_open() || self.page(view.snapshot.page).wants_pad(view)
+    }
+
+    /// The picture that the open page shows.
+    #[must_use]
+    pub fn picture<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {
+        self.page(snapshot.page).picture(snapshot)
+    }
+
+    /// Number of the alarm at which the help of the open page opens.
+    #[must_use]
+    pub fn help_alarm(&self, view: &View<'_>) -> Option<u16> {
+        self.page(view.snapshot.page).help_alarm(view)
     }
 
     /// Draws the open page; returns its commands.
@@ -203,61 +240,30 @@ impl PageSet {
         typed: &TypedInput<'_>,
         picture: Option<TextureId>,
     ) -> Vec<Command> {
-        self.update_background(view);
-        let mut out = match view.snapshot.page {
-            Page::Position | Page::Panel => {
-                let mut out = panel_key_commands(typed.edits);
-                out.extend(position::ui(ui, rect, view));
-                out
-            }
-            Page::Grinding => grinding::ui(ui, rect, view, &mut self.entry, typed.edits, picture),
-            Page::Program => self.program.ui(ui, rect, view, typed, &mut self.login),
-            Page::Designer => self.designer.ui(ui, rect, view, typed, (&mut self.login, picture)),
-            Page::Process => self.process.ui(ui, rect, view, typed),
-            Page::Simulator => self.simulator.ui(ui, rect, view, typed, &mut self.simulator_tab_index),
-            Page::Graphic => self.graphic.ui(ui, rect, view, typed),
-            Page::Transfer => self.transfer.ui(ui, rect, view, typed, &mut self.login),
-            Page::Directory => self.directory.ui(ui, rect, view, typed, &mut self.login),
-            Page::Dressing => self.dressing.ui(ui, rect, view, typed, picture),
-            Page::Offset => self.offset.ui(ui, rect, view, typed),
-            Page::Macro => self.variables.ui(ui, rect, view, typed),
-            Page::Mdi => self.mdi.ui(ui, rect, view, typed),
-            Page::Wheel => self.wheel.ui(ui, rect, view, typed.edits),
-            Page::Teach => self.teach.ui(ui, rect, view, typed, &mut self.login),
-            Page::Tools => self.tools.ui(ui, rect, view, typed.edits),
-            Page::Params => self.params.ui(ui, rect, view, typed, &mut self.login),
-            Page::Settings => self.settings.ui(ui, rect, view, typed.edits, &mut self.login),
-            Page::Diagnosis => {
-                self.diagnosis.ui(ui, rect, view, typed);
-                Vec::new()
-            }
-            Page::Alarm => self.alarms.ui(ui, rect, view, typed, &self.help),
-            Page::Help => {
-                self.help.ui(ui, view, rect, typed);
-                Vec::new()
-            }
-        };
+        let mut out = Vec::new();
+        let (login, hand_over) = (&mut self.login, &mut self.hand_over);
+        let ctx = PageContext { ui, rect, view, typed, picture, login, hand_over, out: &mut out };
+        self.pages[view.snapshot.page as usize].ui(ctx);
         self.login.ui(ui, rect, view, typed.edits, &mut out);
         out
     }
 }
 
-/// On a page without fields Enter and Esc act as the panel keys 输入 and 取消.
-fn panel_key_commands(edits: &[EditKey]) -> Vec<Command> {
-    let press = |key| [Command::Press(key), Command::Release(key)];
-    let mut out = Vec::new();
-    for edit in edits {
-        match edit {
-            EditKey::Enter => out.extend(press(Key::Input)),
-            EditKey::Cancel => out.extend(press(Key::Cancel)),
-            EditKey::Char(_) | EditKey::Sign | EditKey::Backspace | EditKey::Delete | EditKey::Up | EditKey::Down => {}
-            EditKey::Left
-            | EditKey::Right
-            | EditKey::LineStart
-            | EditKey::LineEnd
-            | EditKey::Next
-            | EditKey::Previous => {}
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k7_1_every_page_has_its_own_row_at_its_own_place() {
+        let rows = PageSet::default();
+        assert_eq!(rows.pages.len(), Page::ALL.len());
+        for (index, page) in Page::ALL.iter().copied().enumerate() {
+            assert_eq!(page as usize, index);
+            let own = |page: Page| -> std::any::TypeId { rows.page(page).type_id() };
+            let same: Vec<Page> = Page::ALL.iter().copied().filter(|other| own(*other) == own(page)).collect();
+            // The panel stands beside every page: its page shows the positions.
+            let expected = matches!(page, Page::Position | Page::Panel);
+            assert_eq!(same.len(), if expected { 2 } else { 1 }, "{page:?} shares its state with {same:?}");
         }
     }
-    out
 }

@@ -5,19 +5,42 @@ use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::program::listing;
+use super::{PageContext, PageUi};
 use crate::defs::key::Key;
 use crate::defs::soft_key::CoordinateView;
 use crate::hmi::keycap::{self, KeycapState};
-use crate::hmi::view::{View, card, fit_text, format_length, text_line};
+use crate::hmi::variable_entry::EditKey;
+use crate::hmi::view::{
+    View, card, fit_text, format_cycle_time, format_length, format_strokes, format_whole, text_line,
+};
 use crate::hmi::{page_frame as lines, pictogram, theme};
 use crate::link::Command;
 use crate::link::snapshot::AxisView;
 use crate::units::Axis;
 
-/// Draws the page.
-pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>) -> Vec<Command> {
+/// The page has no state; also the page 面板, because the panel is always shown beside the page.
+#[derive(Debug, Default)]
+pub struct PositionPage;
+
+impl PageUi for PositionPage {
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        ctx.out.extend(panel_key_commands(ctx.typed.edits));
+        coordinates(ctx.ui, ctx.rect, ctx.view, ctx.out);
+    }
+}
+
+/// Enter and Esc act as the panel keys 输入 and 取消, because the page has no fields.
+fn panel_key_commands(edits: &[EditKey]) -> Vec<Command> {
+    let key = |edit: &EditKey| match edit {
+        EditKey::Enter => Some(Key::Input),
+        EditKey::Cancel => Some(Key::Cancel),
+        _ => None,
+    };
+    edits.iter().filter_map(key).flat_map(|key| [Command::Press(key), Command::Release(key)]).collect()
+}
+
+fn coordinates(ui: &Ui, rect: Rect, view: &View<'_>, out: &mut Vec<Command>) {
     let shown = view.snapshot.coordinates;
-    let mut out = Vec::new();
     let inside = rect.shrink(theme::PAD);
     let side = if inside.width() > 900.0 { 250.0 } else { 190.0 };
     let (main, right) = inside.split_left_right_at_x(inside.max.x - side);
@@ -34,15 +57,14 @@ pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>) -> Vec<Command> {
     for (index, axis) in present.into_iter().enumerate() {
         let corner = axes.min + vec2(0.0, index as f32 * (height + theme::GAP));
         let card = Rect::from_min_size(corner, vec2(axes.width(), height));
-        axis_card(ui, card, view, axis, shown, &mut out);
+        axis_card(ui, card, view, axis, shown, out);
     }
     let rest = Rect::from_min_size(axes.min + vec2(0.0, used), vec2(axes.width(), room - used));
     listing::running_lines(ui, rest, view);
     if keys {
-        confirm_keys(ui, axes, view, &mut out);
+        confirm_keys(ui, axes, view, out);
     }
     side_column(ui, right, view);
-    out
 }
 
 /// One axis: letter, homed mark, large value, and smaller values below. The decimal points are aligned.
@@ -206,7 +228,6 @@ fn side_column(ui: &Ui, rect: Rect, view: &View<'_>) {
 /// Process values, one below the other; as many as fit.
 pub fn process_values(ui: &Ui, rect: Rect, view: &View<'_>) {
     let snapshot = view.snapshot;
-    let minutes = (snapshot.cycle_seconds / 60.0).floor();
     let (rapid, of) = match snapshot.rapid_override {
         0 => ("F0".to_owned(), ""),
         percent => (percent.to_string(), "%"),
@@ -215,18 +236,14 @@ pub fn process_values(ui: &Ui, rect: Rect, view: &View<'_>) {
     let (last, of_last) = match snapshot.tool_station {
         Some(0) => ("–".to_owned(), ""),
         Some(station) => (format!("T{station}"), ""),
-        None => (snapshot.strokes_per_min.map_or_else(|| "–".to_owned(), |n| format!("{n:.1}")), "1/min"),
+        None => (format_strokes(snapshot.strokes_per_min), "1/min"),
     };
     let rows = [
-        (view.text("进给", "feed"), format!("{:.0}", snapshot.feed_mm_min), "mm/min"),
+        (view.text("进给", "feed"), format_whole(snapshot.feed_mm_min), "mm/min"),
         (view.text("进给倍率", "feed ovr"), format!("{}", snapshot.feed_override), "%"),
         (view.text("快速倍率", "rapid ovr"), rapid, of),
-        (face.spindle_name.get(view.lang), format!("{:.0}", snapshot.wheel_rpm), "r/min"),
-        (
-            view.text("循环时间", "cycle"),
-            format!("{minutes:02.0}:{:02.0}", (snapshot.cycle_seconds - minutes * 60.0).floor()),
-            "",
-        ),
+        (face.spindle_name.get(view.lang), format_whole(snapshot.wheel_rpm), "r/min"),
+        (view.text("循环时间", "cycle"), format_cycle_time(snapshot.cycle_seconds), ""),
         (view.text("件数", "parts"), snapshot.parts_counted.to_string(), ""),
         (face.last_process_item.get(view.lang), last, of_last),
     ];

@@ -3,11 +3,11 @@
 
 use egui::{Align2, Rect, Ui, pos2, vec2};
 
-use super::{TypedInput, empty};
+use super::{PageContext, PageUi, empty};
 use crate::defs::signal::Input;
 use crate::defs::sim_fault;
 use crate::defs::text::Text;
-use crate::hmi::view::{View, card, fit_text, format_length, text_line};
+use crate::hmi::view::{View, card, fit_text, format_length, format_whole, text_line};
 use crate::hmi::widget::{self, ButtonState, KeyboardFocus, round_to_lines};
 use crate::hmi::{pictogram, theme};
 use crate::link::Command;
@@ -19,6 +19,7 @@ const ROW_HEIGHT: f32 = 48.0;
 /// State of the page.
 #[derive(Debug, Default)]
 pub struct SimulatorPage {
+    tab: usize,
     input_page: usize,
     walk: KeyboardFocus,
 }
@@ -33,20 +34,18 @@ const TABS: [(&str, Text); 3] = [
 /// Index of the part tab; its name depends on the kind of machine.
 const PART_TAB: usize = 2;
 
-impl SimulatorPage {
-    /// Draws the page.
-    pub fn ui(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        view: &View<'_>,
-        typed: &TypedInput<'_>,
-        tab: &mut usize,
-    ) -> Vec<Command> {
+impl PageUi for SimulatorPage {
+    /// The tab stays.
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+        *self = Self { tab: self.tab, ..Self::default() };
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, out, .. } = ctx;
         let Some(sim) = view.snapshot.simulated.as_deref() else {
             let remedy = view.text("控制器接的是真实的机床。", "A real machine is wired to the control.");
             empty::show(ui, view, rect, pictogram::NO_PAGE, view.text("没有模拟机床", "no simulated machine"), remedy);
-            return Vec::new();
+            return;
         };
         self.walk.begin_frame(typed.edits);
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
@@ -56,19 +55,21 @@ impl SimulatorPage {
             let corner = pos2(tabs.min.x + index as f32 * width, tabs.min.y);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, ROW_HEIGHT));
             let label = if index == PART_TAB { view.snapshot.kind.ui().part_tab } else { label };
-            let look = ButtonState { on: *tab == index, locked: false };
+            let look = ButtonState { on: self.tab == index, locked: false };
             if self.walk.button(ui, view, place, (name, label.get(view.lang)), look) {
-                (*tab, self.input_page) = (index, 0);
+                (self.tab, self.input_page) = (index, 0);
             }
         }
-        let done = match *tab {
+        let done = match self.tab {
             0 => self.inputs(ui, body, view, sim, typed.scroll_pages),
             1 => self.faults(ui, body, view, sim),
             _ => self.part(ui, body, view, sim),
         };
-        done.map(Command::Simulate).into_iter().collect()
+        out.extend(done.map(Command::Simulate));
     }
+}
 
+impl SimulatorPage {
     /// Two columns of inputs. A touch forces a free input to its opposite level, a forced 1 to 0; it frees a forced 0.
     fn inputs(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, sim: &SimView, pages: i32) -> Option<SimCommand> {
         let (list, keys) = rect.split_top_bottom_at_y(rect.max.y - ROW_HEIGHT);
@@ -169,7 +170,7 @@ impl SimulatorPage {
             lines.push((load, format!("{:.0}", sim.wheel_load_percent)));
         } else {
             let speed = view.text("主轴 r/min", "spindle rpm").to_owned();
-            lines.push((speed, format!("{:.0}", view.snapshot.wheel_rpm)));
+            lines.push((speed, format_whole(view.snapshot.wheel_rpm)));
             let station = view.snapshot.tool_station.unwrap_or_default();
             lines.push((view.text("刀位", "station").to_owned(), format!("T{station}")));
         }

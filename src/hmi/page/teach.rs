@@ -2,11 +2,11 @@
 
 use egui::{Align2, Rect, Ui, pos2, vec2};
 
-use super::TypedInput;
 use super::scroll::Scroll;
+use super::{PageContext, PageUi};
 use crate::defs::param::{self, ParamAddress};
 use crate::hmi::login::Login;
-use crate::hmi::view::{View, card, fit_text, format_length, paragraph, text_line};
+use crate::hmi::view::{View, card, fit_text, format_length, format_whole, paragraph, text_line};
 use crate::hmi::widget::{self, ButtonState, KeyboardFocus};
 use crate::hmi::{page_frame as lines, theme};
 use crate::link::Command;
@@ -33,17 +33,9 @@ pub struct TeachPage {
     awaiting_password: bool,
 }
 
-impl TeachPage {
-    /// Draws the page.
-    pub fn ui(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        view: &View<'_>,
-        typed: &TypedInput<'_>,
-        login: &mut Login,
-    ) -> Vec<Command> {
-        let mut out = Vec::new();
+impl PageUi for TeachPage {
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, login, out, .. } = ctx;
         self.walk.begin_frame(if login.is_open() { &[] } else { typed.edits });
         if self.awaiting_password && !login.is_open() {
             self.awaiting_password = false;
@@ -72,11 +64,12 @@ impl TeachPage {
         self.blocks(ui, list, view, typed.scroll_pages);
         tool_status(ui, Rect::from_min_max(side.min, side.max - vec2(0.0, theme::GAP)), view);
         let (steps, acts) = keys.split_top_bottom_at_y(keys.min.y + KEY_HEIGHT + theme::GAP);
-        self.steps(ui, Rect::from_min_size(steps.min, vec2(steps.width(), KEY_HEIGHT)), view, &mut out);
-        self.action_keys(ui, acts, view, login, &mut out);
-        out
+        self.steps(ui, Rect::from_min_size(steps.min, vec2(steps.width(), KEY_HEIGHT)), view, out);
+        self.action_keys(ui, acts, view, login, out);
     }
+}
 
+impl TeachPage {
     fn blocks(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, pages: i32) {
         card(ui.painter(), rect, view.theme.surface, view.theme.line);
         let blocks = &view.snapshot.teach.blocks;
@@ -186,7 +179,7 @@ fn tool_status(ui: &Ui, rect: Rect, view: &View<'_>) {
     let station =
         snapshot.tool_station.filter(|station| *station > 0).map_or_else(|| "–".to_owned(), |at| format!("T{at}"));
     let rows = [
-        (view.text("主轴 r/min", "spindle rpm"), format!("{:.0}", snapshot.wheel_rpm)),
+        (view.text("主轴 r/min", "spindle rpm"), format_whole(snapshot.wheel_rpm)),
         (view.text("刀位", "station"), station),
         (view.text("单步 mm", "step mm"), step.to_string()),
         (view.text("进给倍率 %", "feed ovr %"), snapshot.feed_override.to_string()),

@@ -5,6 +5,7 @@ use egui::accesskit::Role;
 use egui::{Align2, Id, Pos2, Rect, Sense, Shape as Drawn, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use super::input_line::{self, InputPrompt};
+use super::{PageContext, PageUi};
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::{LocalizedText, Text};
 use crate::defs::turning_tool::{TOOL_PARAMS, TurningTool, TurningToolShape};
@@ -36,7 +37,7 @@ const DRAWING_SHARE: f32 = 0.3;
 #[derive(Debug, Default)]
 pub struct ToolsPage {
     /// The value being typed.
-    pub typing: FieldEditor,
+    typing: FieldEditor,
     cursor: usize,
 }
 
@@ -52,17 +53,24 @@ const fn is_shape(field: usize) -> bool {
     field < TOOL_COUNT * TOOL_FIELDS && field.is_multiple_of(TOOL_FIELDS)
 }
 
-impl ToolsPage {
-    /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> Vec<Command> {
-        let mut out = Vec::new();
+impl PageUi for ToolsPage {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+        *self = Self::default();
+    }
+
+    fn typing(&self) -> Option<&FieldEditor> {
+        Some(&self.typing)
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, out, .. } = ctx;
         if let CoreAnswer::Accepted(field, _) = self.typing.poll_answer(&view.snapshot.edit_answer)
             && field == self.cursor
         {
             self.go((field + 1) % FIELD_COUNT);
         }
-        for edit in edits {
-            self.edit(*edit, &mut out);
+        for edit in typed.edits {
+            self.edit(*edit, out);
         }
         let (page, input) = input_line::split(rect);
         let inside = page.shrink2(vec2(theme::PAD, theme::GAP));
@@ -72,13 +80,14 @@ impl ToolsPage {
         for station in 0..TOOL_COUNT {
             let corner = pos2(tools.min.x + station as f32 * width, tools.min.y);
             let place = Rect::from_min_size(corner, vec2(width - theme::GAP, tools.height() - theme::GAP));
-            self.tool(ui, place, view, station, &mut out);
+            self.tool(ui, place, view, station, out);
         }
-        self.bar(ui, bar, view, &mut out);
+        self.bar(ui, bar, view, out);
         self.input(ui, input, view);
-        out
     }
+}
 
+impl ToolsPage {
     fn edit(&mut self, edit: EditKey, out: &mut Vec<Command>) {
         self.typing.clear_refused(edit);
         if self.typing.handle_key(edit) {

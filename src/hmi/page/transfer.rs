@@ -6,11 +6,11 @@ use std::collections::BTreeSet;
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::TypedInput;
 use super::scroll::Scroll;
 use super::serial::SerialPane;
+use super::{PageContext, PageUi};
 use crate::defs::kind::Kind;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::login::Login;
 use crate::hmi::question::{Question, QuestionDialog};
 use crate::hmi::requests::{PendingRequests, RequestReason};
@@ -69,36 +69,25 @@ pub struct TransferPage {
     work_start: Option<(f64, u16)>,
 }
 
-impl TransferPage {
-    /// The page was opened.
-    pub fn open(&mut self) {
+impl PageUi for TransferPage {
+    /// The kind of files stays.
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
         let asking = std::mem::take(&mut self.asking);
         *self = Self { set: self.set, asking, last_poll: f64::NEG_INFINITY, ..Self::default() };
     }
 
-    /// Whether the numeric pad is shown.
-    #[must_use]
-    pub fn wants_pad(&self) -> bool {
+    fn wants_pad(&self, _view: &View<'_>) -> bool {
         self.set == TransferSet::Serial && self.serial.pad && !self.question.is_open()
     }
 
-    /// Why the last transfer was refused.
-    #[must_use]
-    pub fn refusal(&self) -> Option<&LocalizedText> {
-        self.message.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
+    fn refusal(&self, lang: Lang) -> Option<(String, String)> {
+        let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
+        Some((String::new(), said.get(lang).to_owned()))
     }
 
-    /// Draws the page.
-    pub fn ui(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        view: &View<'_>,
-        typed: &TypedInput<'_>,
-        login: &mut Login,
-    ) -> Vec<Command> {
-        let mut out = Vec::new();
-        self.handle_answer(view, login, &mut out);
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, login, out, .. } = ctx;
+        self.handle_answer(view, login, out);
         let now = ui.input(|input| input.time);
         let busy = view.snapshot.files.busy;
         if busy.is_none() && self.request.is_none() && now - self.last_poll > MEDIUM_POLL_SECONDS {
@@ -131,25 +120,26 @@ impl TransferPage {
             let (head, body) = side(1.0).split_top_bottom_at_y(side(1.0).min.y + 34.0);
             lines::title(ui, view, head, "RS232");
             card(ui.painter(), body, view.theme.surface, view.theme.line);
-            self.serial.ui(ui, body.shrink(theme::PAD), view, media, (&mut self.walk, login, &mut out));
+            self.serial.ui(ui, body.shrink(theme::PAD), view, media, (&mut self.walk, login, out));
         } else {
             self.side(ui, side(1.0), view, (1, media), typed.scroll_pages);
         }
         self.message_line(ui, told, view);
-        self.keys(ui, keys, view, media, &mut out);
+        self.keys(ui, keys, view, media, out);
         match self.question.ui(ui, rect, view, typed.edits) {
             Some((TransferQuestion::Convert, Some(_))) => {
                 self.request.iter_mut().for_each(|ask| ask.convert = Some(true));
                 let overwrite = self.request.as_ref().and_then(|ask| ask.overwrite);
-                self.send_request(overwrite, &mut out);
+                self.send_request(overwrite, out);
             }
-            Some((TransferQuestion::Overwrite, Some(key))) => self.send_request(Some(key == OVERWRITE_KEY), &mut out),
+            Some((TransferQuestion::Overwrite, Some(key))) => self.send_request(Some(key == OVERWRITE_KEY), out),
             Some((_, None)) => self.request = None,
             None => {}
         }
-        out
     }
+}
 
+impl TransferPage {
     fn handle_answer(&mut self, view: &View<'_>, login: &mut Login, out: &mut Vec<Command>) {
         let access = view.snapshot.access;
         if let Some(guard) = self.awaiting_password.filter(|_| !login.is_open()) {

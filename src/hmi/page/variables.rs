@@ -4,9 +4,9 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::TypedInput;
 use super::input_line::{self, InputPrompt};
 use super::scroll::Scroll;
+use super::{PageContext, PageUi};
 use crate::defs::param;
 use crate::defs::variable_name;
 use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
@@ -29,7 +29,7 @@ const RANGES: [(u16, u16); 4] = [(100, 199), (200, 433), (434, 439), (500, 999)]
 #[derive(Debug, Default)]
 pub struct VariablesPage {
     /// What is being typed: a value, or a number to find.
-    pub typing: FieldEditor,
+    typing: FieldEditor,
     scroll: Scroll,
     /// The selected variable; 0 until one is selected.
     selected: u16,
@@ -46,16 +46,19 @@ const fn is_read_only(variable: u16) -> bool {
     matches!(variable, 434..=439)
 }
 
-impl VariablesPage {
-    /// The page was opened again; selection and filter stay.
-    pub fn open(&mut self) {
+impl PageUi for VariablesPage {
+    /// Selection and filter stay.
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
         let (chosen, labelled) = (self.selected, self.only_labelled);
         *self = Self { selected: chosen, only_labelled: labelled, ..Self::default() };
     }
 
-    /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>) -> Vec<Command> {
-        let mut out = Vec::new();
+    fn typing(&self) -> Option<&FieldEditor> {
+        Some(&self.typing)
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, out, .. } = ctx;
         let numbers = self.numbers(view);
         if !numbers.contains(&self.selected) {
             self.selected = numbers.first().copied().unwrap_or(0);
@@ -68,7 +71,7 @@ impl VariablesPage {
             self.begin_search();
         }
         for edit in typed.edits {
-            self.edit(*edit, &numbers, &mut out);
+            self.edit(*edit, &numbers, out);
         }
         let (page, input) = input_line::split(rect);
         let inside = page.shrink(theme::PAD);
@@ -80,9 +83,10 @@ impl VariablesPage {
         let columns = self.columns;
         self.list(ui, widget::round_to_lines(list, LINE_HEIGHT), view, typed.scroll_pages, (&numbers, columns));
         self.input(ui, input, view);
-        out
     }
+}
 
+impl VariablesPage {
     /// The listed variables.
     fn numbers(&self, view: &View<'_>) -> Vec<u16> {
         if self.only_labelled {

@@ -6,12 +6,13 @@ use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::input_line::{self, InputPrompt};
+use super::{PageContext, PageUi};
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
 use crate::hmi::keycap::{self, KeycapState};
 use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{View, card, fit_text, focus_frame, paragraph, text_line};
+use crate::hmi::view::{View, card, fit_text, focus_frame, format_whole, paragraph, text_line};
 use crate::hmi::widget::{self, ButtonState};
 use crate::hmi::{page_frame as lines, theme};
 use crate::link::Command;
@@ -33,7 +34,7 @@ const BANNER_HEIGHT: f32 = 58.0;
 #[derive(Debug, Default)]
 pub struct WheelPage {
     /// The value being typed.
-    pub typing: FieldEditor,
+    typing: FieldEditor,
     cursor: usize,
     entered: [Option<f64>; FIELDS.len()],
     /// The confirmation is open.
@@ -42,10 +43,13 @@ pub struct WheelPage {
     refused: Option<LocalizedText>,
 }
 
-impl WheelPage {
-    /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey]) -> Vec<Command> {
-        let mut out = Vec::new();
+impl PageUi for WheelPage {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+        *self = Self::default();
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, out, .. } = ctx;
         match self.typing.poll_answer(&view.snapshot.edit_answer) {
             CoreAnswer::Refused(_) => {
                 self.refused = self.typing.refused.take();
@@ -57,8 +61,8 @@ impl WheelPage {
             }
             CoreAnswer::Nothing => {}
         }
-        for edit in edits {
-            self.edit(*edit, view, &mut out);
+        for edit in typed.edits {
+            self.edit(*edit, view, out);
         }
         let (page, input) = input_line::split(rect);
         let inside = page.shrink(theme::PAD);
@@ -68,17 +72,20 @@ impl WheelPage {
         let (left, right) = rest.split_left_right_at_fraction(0.44);
         mounted_wheel(ui, Rect::from_min_max(left.min, left.max - vec2(theme::PAD / 2.0, 0.0)), view);
         let right = Rect::from_min_max(right.min + vec2(theme::PAD / 2.0, 0.0), right.max);
-        self.new_wheel(ui, right, view, &mut out);
+        self.new_wheel(ui, right, view, out);
         self.input(ui, input, view);
-        out
     }
 
-    /// Whether the numeric pad is shown.
-    #[must_use]
-    pub const fn wants_pad(&self) -> bool {
+    fn typing(&self) -> Option<&FieldEditor> {
+        Some(&self.typing)
+    }
+
+    fn wants_pad(&self, _view: &View<'_>) -> bool {
         self.typing.pad_open && !self.confirming
     }
+}
 
+impl WheelPage {
     fn edit(&mut self, edit: EditKey, view: &View<'_>, out: &mut Vec<Command>) {
         self.refused = None;
         if self.confirming {
@@ -327,7 +334,7 @@ fn mounted_wheel(ui: &Ui, rect: Rect, view: &View<'_>) {
         (view.text("宽度 P78", "width P78"), width.to_string(), "mm"),
         (view.text("额定线速度 P79", "rated speed P79"), rated.to_string(), "m/s"),
         (view.text("允许最高转速", "greatest speed"), format!("{most:.0}"), "r/min"),
-        (view.text("当前转速", "speed now"), format!("{rpm:.0}"), "r/min"),
+        (view.text("当前转速", "speed now"), format_whole(rpm), "r/min"),
         (view.text("当前线速度", "rim speed now"), format!("{rim:.1}"), "m/s"),
     ];
     let mut at = body.min.y;

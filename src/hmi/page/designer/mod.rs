@@ -8,15 +8,14 @@ mod paint;
 use std::sync::Arc;
 
 use egui::{Rect, TextureId, Ui, pos2, vec2};
-use ropey::Rope;
 
 use super::program::document::Document;
 use super::program::listing;
 use super::scroll::Scroll;
-use super::{TypedInput, empty};
+use super::{PageContext, PageUi, TypedInput, empty};
 use crate::defs::key::Mode;
 use crate::defs::page_text::{self, ParsedPageText};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::letter_pad::{self, LetterKey};
 use crate::hmi::login::Login;
 use crate::hmi::question::QuestionDialog;
@@ -25,6 +24,7 @@ use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::View;
 use crate::hmi::widget::{self, ButtonState, KeyboardFocus};
 use crate::hmi::{pictogram, theme};
+use crate::link::command::Picture;
 use crate::link::files::{FileRequest, Refusal, Requester, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::link::page_file::{PageFile, PictureLocation};
@@ -109,56 +109,36 @@ pub struct DesignerPage {
     keys_focused: bool,
 }
 
-impl DesignerPage {
-    /// The page was opened; `program` was selected in the directory.
-    pub fn open(&mut self, view: &View<'_>, program: Option<u32>) {
-        if view.snapshot.page == crate::defs::page::Page::Designer {
-            self.requested_program = program;
-            self.stale = true;
-        }
+impl PageUi for DesignerPage {
+    /// `handed_over` was selected in the directory.
+    fn open(&mut self, _view: &View<'_>, handed_over: Option<u32>) {
+        (self.requested_program, self.stale) = (handed_over, true);
+    }
+
+    fn close(&mut self) {
         (self.editing, self.keyboard_open, self.keys_focused) = (false, false, false);
         self.question.close();
     }
 
-    /// Number of the page: 1000 plus the number of its files. A number outside `PROGRAMS_WITH_PAGE` has no page.
-    #[must_use]
-    pub fn number(&self, snapshot: &Snapshot) -> u32 {
-        match self.requested_program {
-            Some(program) if snapshot.kind_page.is_none() => program,
-            _ => snapshot.grinding_page_number().unwrap_or(snapshot.program.number),
-        }
+    fn refusal(&self, lang: Lang) -> Option<(String, String)> {
+        let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
+        Some((self.document.rope.to_string(), said.get(lang).to_owned()))
     }
 
-    /// Why the last request was refused.
-    #[must_use]
-    pub fn refusal(&self) -> Option<&LocalizedText> {
-        self.message.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
+    fn picture<'a>(&self, snapshot: &'a Snapshot) -> Option<&'a Arc<Picture>> {
+        snapshot.screens.find(self.number(snapshot))?.picture.as_ref().ok()
     }
 
-    /// The text with its unsaved changes.
-    #[must_use]
-    pub const fn text(&self) -> &Rope {
-        &self.document.rope
-    }
-
-    /// Draws the page.
-    pub fn ui(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        view: &View<'_>,
-        typed: &TypedInput<'_>,
-        (login, picture): (&mut Login, Option<TextureId>),
-    ) -> Vec<Command> {
-        let mut out = Vec::new();
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, picture, login, out, .. } = ctx;
         let number = self.number(view.snapshot);
         let has_page = PROGRAMS_WITH_PAGE.contains(&number) || view.snapshot.kind_page.is_some();
         if !has_page {
-            paint::no_page(ui, rect, view, number, &mut out);
-            return out;
+            paint::no_page(ui, rect, view, number, out);
+            return;
         }
-        self.handle_answers(view, login, &mut out);
-        self.sync_file(view, (number, ui.input(|input| input.time)), &mut out);
+        self.handle_answers(view, login, out);
+        self.sync_file(view, (number, ui.input(|input| input.time)), out);
         if self.file.is_none() && !self.document.changed {
             let remedy = view.text(
                 "原因见下面的提示行；检查 screens 目录中的文件。",
@@ -172,10 +152,10 @@ impl DesignerPage {
                 view.text("页面文件还没有读出", "the page file is not read"),
                 remedy,
             );
-            return out;
+            return;
         }
         if !self.question.is_open() && !login.is_open() {
-            self.handle_typed(view, typed, &mut out);
+            self.handle_typed(view, typed, out);
         }
         self.read_text();
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
@@ -192,7 +172,7 @@ impl DesignerPage {
         self.right(ui, right, view, picture);
         self.message_line(ui, told, view);
         if let Some(act) = actions::ui(ui, view, keys, self) {
-            self.perform(act, view, &mut out);
+            self.perform(act, view, out);
         }
         if self.keyboard_open
             && let Some(letter) = letter_pad::ui(ui, view, pad, &letter_pad::PAGE_TEXT_LAYOUT)
@@ -200,9 +180,18 @@ impl DesignerPage {
             self.letter(&letter);
         }
         if let Some((about, Some(key))) = self.question.ui(ui, rect, view, typed.edits) {
-            self.answer(about, key, &mut out);
+            self.answer(about, key, out);
         }
-        out
+    }
+}
+
+impl DesignerPage {
+    /// Number of the page: 1000 plus the number of its files. A number outside `PROGRAMS_WITH_PAGE` has no page.
+    fn number(&self, snapshot: &Snapshot) -> u32 {
+        match self.requested_program {
+            Some(program) if snapshot.kind_page.is_none() => program,
+            _ => snapshot.grinding_page_number().unwrap_or(snapshot.program.number),
+        }
     }
 
     /// Handles the answers of the core.

@@ -9,18 +9,19 @@ use std::sync::Arc;
 
 use egui::{Align2, Id, Rect, Sense, Ui, Vec2, pos2, vec2};
 
-use super::{TypedInput, empty};
+use super::{PageContext, PageUi, TypedInput, empty};
 use crate::defs::text::Text;
 use crate::hmi::requests::{PendingRequests, RequestReason};
 use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{View, card, fit_text, format_length, paragraph};
 use crate::hmi::widget::{ButtonState, KeyboardFocus};
 use crate::hmi::{page_frame as lines, pictogram, theme};
-use crate::link::Command;
 use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::page_command::PageCommand;
+use crate::link::snapshot::RunState;
 use crate::link::toolpath::{BoundingBox, Toolpath};
-use crate::units::Axis;
+use crate::link::{Command, Snapshot};
+use crate::units::{Axis, Micros};
 use paint::{Camera, Canvas};
 
 /// Height of the keys below.
@@ -29,6 +30,8 @@ const KEYS_HEIGHT: f32 = 46.0;
 const FIGURES_WIDTH: f32 = 196.0;
 /// Maximum number of points of the actual path; when full, every second point is removed.
 const MAX_PATH_POINTS: usize = 8_000;
+/// Time between two points of the actual path.
+const PATH_PERIOD: Micros = Micros::from_millis(30);
 /// Seconds after which an unanswered request is repeated.
 const RETRY_SECONDS: f64 = 1.0;
 /// Zoom factor of a key press.
@@ -58,6 +61,8 @@ pub struct GraphicPage {
     asking: PendingRequests<DrawingRequest>,
     /// Actual path X Y Z, mm, work coordinates, X as radius.
     actual_path: Vec<[f32; 3]>,
+    /// Period of the clock in which the machine position was looked at last.
+    last_period: u64,
     /// Touched Z positions to measure, mm, two at most (L10).
     measured_at: Vec<f32>,
     walk: KeyboardFocus,
@@ -67,11 +72,15 @@ const fn index(axis: Axis) -> usize {
     axis as usize
 }
 
-impl GraphicPage {
-    /// Records the machine position; called in every frame, whichever page is open.
-    pub fn record_position(&mut self, view: &View<'_>) {
-        let at = machine_position(view);
-        let running = view.snapshot.state == crate::link::snapshot::RunState::Running;
+impl PageUi for GraphicPage {
+    fn record(&mut self, snapshot: &Snapshot) {
+        // One point in each period of the clock, however many snapshots or frames it has.
+        let period = snapshot.now.0 / PATH_PERIOD.0;
+        if std::mem::replace(&mut self.last_period, period) == period {
+            return;
+        }
+        let at = machine_position(snapshot);
+        let running = snapshot.state == RunState::Running;
         let moved = self.actual_path.last().is_none_or(|last| (0..3).any(|axis| (last[axis] - at[axis]).abs() > 5e-4));
         if !running || !moved {
             return;
@@ -86,14 +95,13 @@ impl GraphicPage {
         self.actual_path.push(at);
     }
 
-    /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>) -> Vec<Command> {
-        let mut out = Vec::new();
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, out, .. } = ctx;
         let program = &view.snapshot.program;
         if program.number == 0 {
             let remedy = view.text("按“目录”选择一个程序并装入。", "Choose a program in the directory and load it.");
             empty::show(ui, view, rect, pictogram::NO_PAGE, view.text("没有装入程序", "no program is loaded"), remedy);
-            return out;
+            return;
         }
         let drawing = view.snapshot.files.toolpath.as_ref().filter(|drawing| drawing.number == program.number);
         let fresh = drawing.is_some_and(|drawing| drawing.stamp == program.stamp);
@@ -105,7 +113,7 @@ impl GraphicPage {
             .last_request
             .is_none_or(|(of, when)| of != wanted || self.asking.is_waiting() && now - when > RETRY_SECONDS);
         if !fresh && due && view.snapshot.files.busy.is_none() {
-            self.request_drawing(wanted, now, &mut out);
+            self.request_drawing(wanted, now, out);
         }
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
@@ -119,13 +127,14 @@ impl GraphicPage {
         lines::title(ui, view, title, &words);
         self.canvas(ui, canvas, view, (drawing, plane), typed);
         path_figures(ui, figures, view, drawing, fresh);
-        self.keys(ui, keys, view, typed.edits, &mut out);
+        self.keys(ui, keys, view, typed.edits, out);
         if let Some((what, share)) = view.snapshot.files.busy {
             progress(ui, canvas, view, what, share);
         }
-        out
     }
+}
 
+impl GraphicPage {
     fn request_drawing(&mut self, wanted: (u32, u64), now: f64, out: &mut Vec<Command>) {
         self.last_request = Some((wanted, now));
         out.push(self.asking.send(DrawingRequest, FileRequest::ComputeToolpath(wanted.0)));
@@ -252,10 +261,10 @@ impl GraphicPage {
 }
 
 /// Position of the wheel's reference point: X Y Z, mm, X as radius, work coordinates.
-fn machine_position(view: &View<'_>) -> [f32; 3] {
+fn machine_position(snapshot: &Snapshot) -> [f32; 3] {
     Axis::ALL.map(|axis| {
-        let halved = if axis == Axis::X && view.snapshot.x_as_diameter { 2.0 } else { 1.0 };
-        (view.snapshot.axes[axis].work / halved) as f32
+        let halved = if axis == Axis::X && snapshot.x_as_diameter { 2.0 } else { 1.0 };
+        (snapshot.axes[axis].work / halved) as f32
     })
 }
 

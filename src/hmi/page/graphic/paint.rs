@@ -123,7 +123,7 @@ pub fn scene_bounds(view: &View<'_>, drawing: Option<&Arc<Toolpath>>, trail: &[[
     if drawing.is_none() {
         trail.iter().for_each(|at| take(*at, *at));
     }
-    or_around_machine(all, machine_position(view))
+    or_around_machine(all, machine_position(view.snapshot))
 }
 
 impl Canvas {
@@ -343,7 +343,7 @@ fn paint_collisions(painter: &Painter, rect: Rect, view: &View<'_>, scene: &Grap
 
 /// Paints the wheel at its present position. Its reference point is the lowest or foremost point on the minus side.
 fn paint_wheel(painter: &Painter, rect: Rect, view: &View<'_>, scene: &GraphicScene<'_>) {
-    let at = machine_position(view);
+    let at = machine_position(view.snapshot);
     let (right, up) = scene.plane;
     let params = &view.snapshot.params;
     let (diameter, width) = (params.get(param::WHEEL_DIAMETER) as f32, params.get(param::WHEEL_WIDTH) as f32);

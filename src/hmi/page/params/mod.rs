@@ -7,8 +7,8 @@ mod paint;
 
 use egui::{Rect, Ui, pos2, vec2};
 
-use super::TypedInput;
 use super::scroll::Scroll;
+use super::{PageContext, PageUi, TypedInput};
 use crate::defs::param::AccessLevel;
 use crate::defs::param_row::{ParamRow, ParamType};
 use crate::defs::text::LocalizedText;
@@ -41,50 +41,36 @@ pub struct ParamPage {
     /// Index of the selected row.
     cursor: usize,
     /// The value being typed.
-    pub typing: FieldEditor,
+    typing: FieldEditor,
     /// Row and value that wait for the password of the level.
     pending_value: Option<(usize, f64)>,
     /// The leadscrew tables are shown instead.
     shows_leadscrews: bool,
     /// The leadscrew tab.
-    pub leadscrew: leadscrew::LeadscrewTab,
+    leadscrew: leadscrew::LeadscrewTab,
 }
 
-impl ParamPage {
-    /// The page was opened: nothing is being typed.
-    pub fn open(&mut self) {
+impl PageUi for ParamPage {
+    /// Tab and row stay; nothing is being typed.
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
         let (part, cursor, screws) = (self.filter, self.cursor, self.shows_leadscrews);
         *self = Self { filter: part, cursor, shows_leadscrews: screws, ..Self::default() };
     }
 
-    /// The value being typed.
-    #[must_use]
-    pub const fn typing(&self) -> &FieldEditor {
-        if self.shows_leadscrews { &self.leadscrew.typing } else { &self.typing }
+    fn typing(&self) -> Option<&FieldEditor> {
+        Some(if self.shows_leadscrews { &self.leadscrew.typing } else { &self.typing })
     }
 
-    /// Whether a search is being typed.
-    #[must_use]
-    pub const fn is_searching(&self) -> bool {
+    fn accepts_text(&self) -> bool {
         self.searching
     }
 
-    /// Whether the numeric pad is shown.
-    #[must_use]
-    pub const fn wants_pad(&self) -> bool {
+    fn wants_pad(&self, _view: &View<'_>) -> bool {
         if self.shows_leadscrews { self.leadscrew.typing.pad_open } else { self.typing.pad_open && !self.searching }
     }
 
-    /// Draws the page; returns its commands.
-    pub fn ui(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        view: &View<'_>,
-        typed: &TypedInput<'_>,
-        login: &mut Login,
-    ) -> Vec<Command> {
-        let mut out = Vec::new();
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, login, out, .. } = ctx;
         // Ctrl+P selects the next tab.
         if typed.ctrl_keys.contains(&egui::Key::P) && !login.is_open() {
             let tab = if self.shows_leadscrews {
@@ -96,10 +82,10 @@ impl ParamPage {
         }
         if self.shows_leadscrews {
             let places = paint::ParamLayout::new(rect, false, 0);
-            self.header(ui, &places, view, login, &mut out);
+            self.header(ui, &places, view, login, out);
             let below = Rect::from_min_max(pos2(rect.min.x, places.tabs.max.y + theme::GAP), rect.max);
             out.extend(self.leadscrew.ui(ui, below, view, typed, login));
-            return out;
+            return;
         }
         if self.list.update(view.snapshot.kind, self.filter, &self.search) {
             self.scroll = Scroll::default();
@@ -113,9 +99,9 @@ impl ParamPage {
             self.cursor = row;
             self.reveal(row);
         }
-        self.send_pending(view, login, &mut out);
+        self.send_pending(view, login, out);
         if !login.is_open() {
-            self.handle_typed(typed, view, login, &mut out);
+            self.handle_typed(typed, view, login, out);
         }
         let number = self
             .list
@@ -125,7 +111,7 @@ impl ParamPage {
             .map(|row| row.address.number);
         let bits = self.list.rows.iter().filter(|row| Some(row.address.number) == number).count();
         let places = paint::ParamLayout::new(rect, self.searching, bits);
-        self.header(ui, &places, view, login, &mut out);
+        self.header(ui, &places, view, login, out);
         self.lines(ui, &places, view, typed);
         paint::detail(ui.painter(), view, &places, &self.list, self.cursor);
         paint::input_line(
@@ -141,9 +127,10 @@ impl ParamPage {
         {
             self.letter(&letter);
         }
-        out
     }
+}
 
+impl ParamPage {
     /// Sends the waiting value once its level is unlocked; drops it if the password is not given.
     fn send_pending(&mut self, view: &View<'_>, login: &Login, out: &mut Vec<Command>) {
         let Some((row, value)) = self.pending_value else { return };

@@ -10,7 +10,7 @@ use std::fmt::Write;
 use egui::accesskit::Role;
 use egui::{Align2, Color32, Id, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-use super::TypedInput;
+use super::{PageContext, PageUi};
 use crate::defs::param;
 use crate::defs::signal::Input;
 use crate::defs::text::{LocalizedText, Text};
@@ -42,7 +42,7 @@ const KEYS_HEIGHT: f32 = 46.0;
 const GAUGES: [Input; 6] = [Input::Gauge1, Input::Gauge2, Input::Gauge3, Input::Gauge4, Input::Gauge5, Input::Gauge6];
 
 /// Values at one moment.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Sample {
     at: Micros,
     axes: [f64; 3],
@@ -93,10 +93,8 @@ impl Default for ProcessPage {
     }
 }
 
-impl ProcessPage {
-    /// Records a sample; called in every frame, whichever page is open.
-    pub fn record_sample(&mut self, view: &View<'_>) {
-        let snapshot = view.snapshot;
+impl PageUi for ProcessPage {
+    fn record(&mut self, snapshot: &Snapshot) {
         if self.last_part_count.is_some_and(|counted| snapshot.parts_counted > counted) {
             self.parts.push_back(FinishedPart::of(snapshot));
             if self.parts.len() > MAX_PARTS {
@@ -109,7 +107,9 @@ impl ProcessPage {
             self.samples.clear();
             self.window_end = None;
         }
-        if self.samples.back().is_some_and(|last| snapshot.now.since(last.at) < SAMPLE_PERIOD) {
+        // One sample in each period of the clock, however many snapshots or frames it has.
+        let period = |at: Micros| at.0 / SAMPLE_PERIOD.0;
+        if self.samples.back().is_some_and(|last| period(last.at) == period(snapshot.now)) {
             return;
         }
         let gauges = GAUGES.iter().enumerate().filter(|(_, gauge)| snapshot.inputs.has(**gauge));
@@ -125,6 +125,35 @@ impl ProcessPage {
         }
     }
 
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, out, .. } = ctx;
+        if self.window_end.is_none() && self.curves_move(view.snapshot.now) {
+            ui.ctx().request_repaint_after(std::time::Duration::from_micros(SAMPLE_PERIOD.0));
+        }
+        self.walk.begin_frame(if self.question.is_open() { &[] } else { typed.edits });
+        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
+        let (body, keys) = inside.split_top_bottom_at_y(inside.max.y - KEYS_HEIGHT);
+        let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
+        let (curves, below) = body.split_top_bottom_at_y(body.max.y - BELOW_HEIGHT);
+        let curves = Rect::from_min_max(curves.min, curves.max - vec2(0.0, theme::GAP));
+        self.drag(ui, curves, view);
+        self.curves(ui, curves, view);
+        let (trend, rest) = below.split_left_right_at_fraction(0.46);
+        let (parts, wheel) = rest.split_left_right_at_fraction(0.42);
+        let cut = |rect: Rect| Rect::from_min_max(rect.min, rect.max - vec2(theme::GAP, 0.0));
+        self.trend(ui, cut(trend), view);
+        self.cycle_times(ui, cut(parts), view);
+        self.wheel(ui, wheel, view);
+        out.extend(self.keys(ui, keys, view));
+        if let Some(((), Some(_))) = self.question.ui(ui, rect, view, typed.edits) {
+            self.samples.clear();
+            self.parts.clear();
+            self.window_end = None;
+        }
+    }
+}
+
+impl ProcessPage {
     /// Tracks what a dressing takes off the wheel; a new wheel starts again.
     fn track_dressing(&mut self, snapshot: &Snapshot) {
         let now = (snapshot.params.get(param::DRESSING_COUNT), snapshot.params.get(param::WHEEL_DIAMETER));
@@ -174,32 +203,6 @@ impl ProcessPage {
         self.window_end = (wanted.0 < now.0).then_some(wanted);
     }
 
-    /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, typed: &TypedInput<'_>) -> Vec<Command> {
-        ui.ctx().request_repaint_after(std::time::Duration::from_micros(SAMPLE_PERIOD.0));
-        self.walk.begin_frame(if self.question.is_open() { &[] } else { typed.edits });
-        let inside = rect.shrink2(vec2(theme::PAD, 6.0));
-        let (body, keys) = inside.split_top_bottom_at_y(inside.max.y - KEYS_HEIGHT);
-        let body = Rect::from_min_max(body.min, body.max - vec2(0.0, theme::GAP));
-        let (curves, below) = body.split_top_bottom_at_y(body.max.y - BELOW_HEIGHT);
-        let curves = Rect::from_min_max(curves.min, curves.max - vec2(0.0, theme::GAP));
-        self.drag(ui, curves, view);
-        self.curves(ui, curves, view);
-        let (trend, rest) = below.split_left_right_at_fraction(0.46);
-        let (parts, wheel) = rest.split_left_right_at_fraction(0.42);
-        let cut = |rect: Rect| Rect::from_min_max(rect.min, rect.max - vec2(theme::GAP, 0.0));
-        self.trend(ui, cut(trend), view);
-        self.cycle_times(ui, cut(parts), view);
-        self.wheel(ui, wheel, view);
-        let out = self.keys(ui, keys, view);
-        if let Some(((), Some(_))) = self.question.ui(ui, rect, view, typed.edits) {
-            self.samples.clear();
-            self.parts.clear();
-            self.window_end = None;
-        }
-        out
-    }
-
     fn curves(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
         let snapshot = view.snapshot;
         let colours = [view.theme.info, view.theme.run, view.theme.macros];
@@ -225,6 +228,15 @@ impl ProcessPage {
         }
         let strip = Rect::from_min_max(pos2(rect.min.x, rect.max.y - gauge + 2.0), rect.max);
         self.gauges(ui.painter(), strip, view);
+    }
+
+    /// Whether the live curves look different in a moment although nothing changes: they move to the left while they
+    /// are not level over the whole span.
+    fn curves_move(&self, now: Micros) -> bool {
+        let mut visible = self.visible_samples(now);
+        let Some(first) = visible.next() else { return true };
+        let filled = now.since(first.at).as_secs_f64() + 2.0 * SAMPLE_PERIOD.as_secs_f64() > self.span_seconds;
+        !filled || visible.any(|sample| Sample { at: first.at, ..*sample } != *first)
     }
 
     fn visible_samples(&self, end: Micros) -> impl Iterator<Item = &Sample> {

@@ -11,9 +11,9 @@ mod text_task;
 
 use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
 
-use super::{TypedInput, empty};
+use super::{PageContext, PageUi, TypedInput, empty};
 use crate::defs::key::Mode;
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::letter_pad::{self, LetterKey};
 use crate::hmi::login::Login;
 use crate::hmi::question::QuestionDialog;
@@ -96,50 +96,33 @@ pub struct ProgramPage {
     editing_began: bool,
 }
 
-impl ProgramPage {
-    /// Why the last request was refused.
-    #[must_use]
-    pub fn refusal(&self) -> Option<&LocalizedText> {
-        self.message.as_ref().filter(|(_, refused)| *refused).map(|(said, _)| said)
-    }
-
-    /// Whether text is accepted: for the program or for a prompt.
-    #[must_use]
-    pub const fn accepts_text(&self) -> bool {
-        self.editing || self.prompt.is_some()
-    }
-
-    /// The text with its unsaved changes.
-    #[must_use]
-    pub const fn text(&self) -> &Rope {
-        &self.document.rope
-    }
-
-    /// The page was opened again: typed text stays, editing must be requested again.
-    pub fn open(&mut self) {
+impl PageUi for ProgramPage {
+    /// Typed text stays; editing must be requested again.
+    fn close(&mut self) {
         self.stop_editing();
     }
 
-    /// Draws the page.
-    pub fn ui(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        view: &View<'_>,
-        typed: &TypedInput<'_>,
-        login: &mut Login,
-    ) -> Vec<Command> {
-        let mut out = Vec::new();
-        self.handle_answers(view, login, &mut out);
+    fn refusal(&self, lang: Lang) -> Option<(String, String)> {
+        let (said, _) = self.message.as_ref().filter(|(_, refused)| *refused)?;
+        Some((self.document.rope.to_string(), said.get(lang).to_owned()))
+    }
+
+    fn accepts_text(&self) -> bool {
+        self.editing || self.prompt.is_some()
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, login, out, .. } = ctx;
+        self.handle_answers(view, login, out);
         self.sync_with_core(view);
         if self.document.number == 0 {
             let remedy = view.text("按“目录”选择一个程序并装入。", "Choose a program in the directory and load it.");
             empty::show(ui, view, rect, pictogram::NO_PAGE, view.text("没有装入程序", "no program is loaded"), remedy);
-            return out;
+            return;
         }
         let free = !self.question.is_open() && !login.is_open();
         if free {
-            self.handle_typed(view, typed, login, &mut out);
+            self.handle_typed(view, typed, login, out);
         }
         let inside = rect.shrink2(vec2(theme::PAD, 6.0));
         let (title, rest) = inside.split_top_bottom_at_y(inside.min.y + 32.0);
@@ -152,19 +135,26 @@ impl ProgramPage {
         let (told, keys) = below.split_top_bottom_at_y(below.min.y + MESSAGE_HEIGHT);
         self.message_line(ui, told, view);
         if let Some(act) = keys::ui(ui, view, keys, self) {
-            self.perform(act, view, login, &mut out);
+            self.perform(act, view, login, out);
         }
         if self.keyboard_open
             && let Some(letter) = letter_pad::ui(ui, view, pad, &letter_pad::block_layout(view.snapshot.kind))
         {
-            self.letter(&letter, &mut out);
+            self.letter(&letter, out);
         }
         self.run_task(ui);
-        self.request_check(ui, list, &mut out);
+        self.request_check(ui, list, out);
         if let Some((about, Some(key))) = self.question.ui(ui, rect, view, typed.edits) {
-            self.answer(about, key, view, &mut out);
+            self.answer(about, key, view, out);
         }
-        out
+    }
+}
+
+impl ProgramPage {
+    /// The text with its unsaved changes.
+    #[must_use]
+    pub const fn text(&self) -> &Rope {
+        &self.document.rope
     }
 
     /// Handles the answers of the core.

@@ -7,12 +7,12 @@ mod switches;
 
 use egui::{Align2, Pos2, Rect, Ui, pos2, vec2};
 
-use super::input_line;
+use super::{PageContext, PageUi, input_line};
 use crate::defs::kind::Kind;
 use crate::defs::param::AccessLevel;
+use crate::hmi::field_editor::FieldEditor;
 use crate::hmi::login::Login;
 use crate::hmi::theme;
-use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{View, card, fit_text};
 use crate::hmi::widget::{ButtonState, KeyboardFocus};
 use crate::link::Command;
@@ -36,16 +36,23 @@ pub struct SettingsPage {
     pending_kind: Option<Kind>,
     switches: SwitchGroup,
     /// The clock group.
-    pub clock: ClockGroup,
+    clock: ClockGroup,
     walk: KeyboardFocus,
 }
 
-impl SettingsPage {
-    /// Draws the page.
-    pub fn ui(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, edits: &[EditKey], login: &mut Login) -> Vec<Command> {
-        let mut out = Vec::new();
-        let edits = if login.is_open() { &[] } else { edits };
-        let rest = self.clock.handle_edits(view, edits, &mut out);
+impl PageUi for SettingsPage {
+    fn open(&mut self, _view: &View<'_>, _handed_over: Option<u32>) {
+        *self = Self::default();
+    }
+
+    fn typing(&self) -> Option<&FieldEditor> {
+        Some(&self.clock.typing)
+    }
+
+    fn ui(&mut self, ctx: PageContext<'_>) {
+        let PageContext { ui, rect, view, typed, login, out, .. } = ctx;
+        let edits = if login.is_open() { &[] } else { typed.edits };
+        let rest = self.clock.handle_edits(view, edits, out);
         self.walk.begin_frame(&rest);
         if let Some(kind) = self.pending_kind {
             if view.snapshot.access.level >= AccessLevel::Builder {
@@ -55,7 +62,7 @@ impl SettingsPage {
                 self.pending_kind = None;
             }
         }
-        self.switches.send_pending(view, login, &mut out);
+        self.switches.send_pending(view, login, out);
         let (page, input) = input_line::split(rect);
         let inside = page.shrink(theme::PAD);
         let half = (inside.width() - theme::PAD) / 2.0;
@@ -67,15 +74,16 @@ impl SettingsPage {
         let right = pos2(inside.min.x + half + theme::PAD, inside.min.y);
         let [kind, level, passwords] = column(right, (half, height), RIGHT_GROUPS, key);
         self.clock.ui(ui, clock, view, (key, &mut self.walk));
-        appearance::ui(ui, look, view, (key, &mut self.walk), &mut out);
-        self.switches.ui(ui, switches, view, (key, &mut self.walk, login), &mut out);
-        self.kind_group(ui, kind, view, (key, login), &mut out);
-        access_group(ui, level, view, (key, &mut self.walk, login), &mut out);
+        appearance::ui(ui, look, view, (key, &mut self.walk), out);
+        self.switches.ui(ui, switches, view, (key, &mut self.walk, login), out);
+        self.kind_group(ui, kind, view, (key, login), out);
+        access_group(ui, level, view, (key, &mut self.walk, login), out);
         password_group(ui, passwords, view, (key, &mut self.walk, login));
         self.clock.input_line(ui, input, view);
-        out
     }
+}
 
+impl SettingsPage {
     fn kind_group(&mut self, ui: &Ui, rect: Rect, view: &View<'_>, keys: (f32, &mut Login), out: &mut Vec<Command>) {
         let (key, login) = keys;
         let (body, free) = group(ui, view, rect, view.text("机床类型", "kind of machine"));

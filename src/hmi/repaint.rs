@@ -1,0 +1,199 @@
+//! Which change of the machine asks for a frame: the newest snapshot is compared with the painted one, field by field.
+//!
+//! A row for each field decides on which pages a change shows and how it is compared. Values are compared as the pages
+//! write them: a change that no digit shows asks for no frame. A field without a row does not compile.
+//! Source: spec H5, H8.
+
+use std::sync::Arc;
+
+use super::app::Hmi;
+use super::page_frame::message_is_fresh;
+use super::view::{
+    blink_phase, clock_time, format_cycle_time, format_length, format_strokes, format_volts, format_whole,
+};
+use crate::defs::key::Key;
+use crate::defs::page::Page;
+use crate::link::snapshot::{AxisView, ProgramView, VARIABLE_COUNT};
+use crate::link::{Command, Snapshot};
+use crate::units::PerAxis;
+
+/// Pages with the position column, or that show the cycle.
+const CYCLE: &[Page] = &[Page::Position, Page::Panel, Page::Grinding];
+/// Pages that show values of macro variables.
+const VARIABLES: &[Page] = &[Page::Grinding, Page::Designer, Page::Macro];
+/// Pages that show inputs.
+const INPUTS: &[Page] = &[Page::Diagnosis, Page::Simulator, Page::Process];
+/// Pages that show the simulated machine.
+const SIMULATED: &[Page] = &[Page::Simulator, Page::Process, Page::Graphic];
+const DIAGNOSIS: &[Page] = &[Page::Diagnosis];
+const OFFSETS: &[Page] = &[Page::Offset, Page::Dressing];
+const DRESSING: &[Page] = &[Page::Dressing];
+const GRAPHIC: &[Page] = &[Page::Graphic];
+const PARAMS: &[Page] = &[Page::Params];
+const PROGRAM: &[Page] = &[Page::Program];
+const MDI: &[Page] = &[Page::Mdi];
+const TEACH: &[Page] = &[Page::Teach];
+
+macro_rules! compared_fields {
+    ($($field:ident: $rule:expr;)*) => {
+        /// Names of the fields of a snapshot, in the order of the rows.
+        pub const FIELDS: &[&str] = &[$(stringify!($field)),*];
+
+        /// The first field whose change shows on the open page; none if the painted frame still holds.
+        #[must_use]
+        pub fn changed_field(painted: &Snapshot, newest: &Snapshot) -> Option<&'static str> {
+            // Without `..`: a new field of the snapshot needs its row.
+            let Snapshot { $($field),* } = newest;
+            $(
+                if is_changed(&painted.$field, $field, newest.page, $rule) {
+                    return Some(stringify!($field));
+                }
+            )*
+            time_step_passed(painted, newest).then_some("now")
+        }
+    };
+}
+
+compared_fields! {
+    page: differ;
+    kind: differ;
+    // The clock, the blink and the end of a message are steps of time: `time_step_passed`.
+    now: |_, _, _| false;
+    date: differ;
+    mode: differ;
+    state: differ;
+    coordinates: differ;
+    soft_key_row: differ;
+    x_as_diameter: differ;
+    axes: |old, new, _| axes_differ(old, new);
+    program: |old, new, _| program_differs(old, new);
+    single_block: differ;
+    handwheel_axis: differ;
+    handwheel_step_mm: differ;
+    feed_override: differ;
+    rapid_override: differ;
+    spindle_override: differ;
+    feed_mm_min: |old, new, _| format_whole(*old) != format_whole(*new);
+    // The wheel page also shows the speed of the rim.
+    wheel_rpm: |old, new, page| if page == Page::Wheel { old != new } else { format_whole(*old) != format_whole(*new) };
+    tool_station: differ;
+    teach: on(TEACH, differ);
+    strokes_per_min: on(CYCLE, |old, new, _| format_strokes(*old) != format_strokes(*new));
+    parts_counted: differ;
+    cycle_seconds: on(CYCLE, |old, new, _| format_cycle_time(*old) != format_cycle_time(*new));
+    inputs: on(INPUTS, differ);
+    outputs: on(DIAGNOSIS, differ);
+    keys: differ;
+    variables: |old, new, page| VARIABLES.contains(&page) && variables_differ(old, new);
+    restart: on(PROGRAM, differ);
+    interrupted: on(PROGRAM, differ);
+    alarms: differ;
+    message: differ;
+    waiting_for: differ;
+    input_terminals: on(DIAGNOSIS, differ);
+    output_terminals: on(DIAGNOSIS, differ);
+    analog_volts: on(DIAGNOSIS, |old, new, _| volts_differ(old, new));
+    internals: on(DIAGNOSIS, differ);
+    alarm_history: replaced;
+    leadscrews: on(PARAMS, differ);
+    params: replaced;
+    // Without a simulated machine every page has one row of soft keys less.
+    simulated: |old, new, page| old.is_some() != new.is_some() || SIMULATED.contains(&page) && old != new;
+    stock: on(GRAPHIC, differ);
+    files: replaced;
+    access: differ;
+    next_kind: differ;
+    edit_answer: differ;
+    offsets: on(OFFSETS, differ);
+    active_offset: differ;
+    modals: on(MDI, differ);
+    prepared_mdi: on(MDI, differ);
+    dressing_point: on(DRESSING, differ);
+    kind_page: differ;
+    grinding_sheet: differ;
+    screens: replaced;
+    directory: replaced;
+}
+
+/// Applies a rule to the painted and to the newest value; here so that the closures of the rows have their types.
+fn is_changed<T>(painted: &T, newest: &T, page: Page, rule: impl Fn(&T, &T, Page) -> bool) -> bool {
+    rule(painted, newest, page)
+}
+
+/// The value is another one.
+fn differ<T: PartialEq>(painted: &T, newest: &T, _page: Page) -> bool {
+    painted != newest
+}
+
+/// The owner has replaced the value. The painted one is kept, so its address is not reused.
+fn replaced<T>(painted: &Arc<T>, newest: &Arc<T>, _page: Page) -> bool {
+    !Arc::ptr_eq(painted, newest)
+}
+
+/// A rule for some pages; the others do not show the value.
+fn on<T>(pages: &'static [Page], rule: impl Fn(&T, &T, Page) -> bool) -> impl Fn(&T, &T, Page) -> bool {
+    move |painted, newest, page| pages.contains(&page) && rule(painted, newest, page)
+}
+
+fn axes_differ(painted: &PerAxis<AxisView>, newest: &PerAxis<AxisView>) -> bool {
+    let shown = |axis: &AxisView| {
+        let AxisView { present, work, machine, relative, to_go, homed, moving } = *axis;
+        ([present, homed, moving], [work, machine, relative, to_go].map(format_length))
+    };
+    painted.0.iter().zip(&newest.0).any(|(old, new)| old != new && shown(old) != shown(new))
+}
+
+/// Compared bit by bit: a value that is not a number is equal to itself.
+fn variables_differ(painted: &[Option<f64>; VARIABLE_COUNT], newest: &[Option<f64>; VARIABLE_COUNT]) -> bool {
+    painted.iter().zip(newest).any(|(old, new)| old.map(f64::to_bits) != new.map(f64::to_bits))
+}
+
+/// The lamp of an analog output is lit above zero.
+fn volts_differ(painted: &[f64; 2], newest: &[f64; 2]) -> bool {
+    let shown = |volts: f64| (volts > 0.0, format_volts(volts));
+    painted.map(shown) != newest.map(shown)
+}
+
+/// The text is compared by its memory and its stamp: a million lines are not read 30 times a second.
+fn program_differs(painted: &ProgramView, newest: &ProgramView) -> bool {
+    let ProgramView { number, text, stamp, has_invalid_bytes, block_program, line, block } = newest;
+    let shown = (*number, *stamp, *has_invalid_bytes, *block_program, *line, *block);
+    let old = painted;
+    shown != (old.number, old.stamp, old.has_invalid_bytes, old.block_program, old.line, old.block)
+        || !text.is_instance(&old.text)
+}
+
+/// Whether time alone changes the picture: the clock, the blink of a lamp, the end of a message.
+fn time_step_passed(painted: &Snapshot, newest: &Snapshot) -> bool {
+    let blinks = newest.key(Key::EmergencyStop).lamp || newest.keys.iter().any(|key| key.pending);
+    clock_time(painted) != clock_time(newest)
+        || blinks && blink_phase(painted.now) != blink_phase(newest.now)
+        || message_is_fresh(painted) != message_is_fresh(newest)
+}
+
+/// The screen and the snapshot that it painted last; shared by the window and the watcher of the snapshots.
+pub struct LiveScreen {
+    /// The user interface.
+    pub hmi: Hmi,
+    painted: Option<Box<Snapshot>>,
+}
+
+impl LiveScreen {
+    /// A screen that has painted nothing yet.
+    #[must_use]
+    pub const fn new(hmi: Hmi) -> Self {
+        Self { hmi, painted: None }
+    }
+
+    /// Draws one frame; returns the operator's commands.
+    pub fn ui(&mut self, ui: &mut egui::Ui, snapshot: &Snapshot) -> Vec<Command> {
+        self.painted = Some(Box::new(snapshot.clone()));
+        self.hmi.ui(ui, snapshot)
+    }
+
+    /// Records a new snapshot; true if it asks for a frame.
+    pub fn follow(&mut self, newest: &Snapshot) -> bool {
+        self.hmi.record(newest);
+        self.painted.as_ref().is_none_or(|painted| changed_field(painted, newest).is_some())
+    }
+}
