@@ -2,6 +2,7 @@
 //! A value refused by the core returns to its field in red with the reason, like a value refused by the page (H6).
 
 use super::variable_entry::EditKey;
+use crate::defs::param::NumberParam;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::link::edit::EditAnswer;
 
@@ -90,7 +91,23 @@ impl FieldEditor {
 
     /// Marks the text of a field as sent to the core.
     pub fn send(&mut self, field: usize) {
-        self.sent = Some((field, std::mem::take(&mut self.text)));
+        let text = std::mem::take(&mut self.text);
+        self.send_text(field, text);
+    }
+
+    /// Marks a text that was typed before as sent to the core.
+    pub fn send_text(&mut self, field: usize, text: String) {
+        self.sent = Some((field, text));
+    }
+
+    /// Parses the text as a value of a parameter.
+    ///
+    /// # Errors
+    /// The range, in both languages.
+    pub fn param_value(&self, row: NumberParam) -> Result<f64, LocalizedText> {
+        let range = param_range(row);
+        let refusal = || LocalizedText::new(format!("应为 {range}"), format!("it should be {range}"));
+        self.number(row.max).ok().filter(|value| *value >= row.min).ok_or_else(refusal)
     }
 
     /// Polls the core's answer. A refused text is restored unless another one is being typed.
@@ -114,6 +131,12 @@ impl FieldEditor {
     pub fn refusal(&self, lang: Lang) -> Option<&str> {
         self.refused.as_ref().map(|said| said.get(lang))
     }
+}
+
+/// Range and unit of a parameter, as shown.
+#[must_use]
+pub fn param_range(row: NumberParam) -> String {
+    format!("{} … {} {}", row.min, row.max, row.unit)
 }
 
 #[cfg(test)]

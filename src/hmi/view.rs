@@ -42,6 +42,13 @@ impl View<'_> {
 }
 
 impl View<'_> {
+    /// Value of a macro variable as executed; a null variable is a dash.
+    #[must_use]
+    pub fn variable(&self, variable: u16) -> String {
+        let value = self.snapshot.variables.get(usize::from(variable)).copied().flatten();
+        value.map_or_else(|| "—".to_owned(), format_length)
+    }
+
     /// Time of day at a controller time, with the date if it is not today; without a clock, the time since power-on.
     #[must_use]
     pub fn time(&self, at: Micros) -> String {
@@ -157,6 +164,17 @@ pub fn chip(painter: &Painter, right: f32, row: Rect, text: &str, fill: Color32,
 #[must_use]
 pub fn rect_at(x: f32, y: f32, width: f32, height: f32) -> Rect {
     Rect::from_min_size(Pos2::new(x, y), egui::vec2(width, height))
+}
+
+/// Formats the size of a file.
+#[must_use]
+pub fn format_size(bytes: u64) -> String {
+    match bytes {
+        0..1_024 => format!("{bytes} B"),
+        1_024..1_048_576 => format!("{:.1} kB", bytes as f64 / 1_024.0),
+        1_048_576..1_073_741_824 => format!("{:.1} MB", bytes as f64 / 1_048_576.0),
+        _ => format!("{:.1} GB", bytes as f64 / 1_073_741_824.0),
+    }
 }
 
 /// Formats a feed or a speed as a whole number.

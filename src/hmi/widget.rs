@@ -130,6 +130,13 @@ pub fn lamp(painter: &Painter, view: &View<'_>, rect: Rect, on: bool) {
     fit_text(painter, figure, Align2::LEFT_CENTER, if on { "1" } else { "0" }, theme::LABEL, ink);
 }
 
+/// Cell of a row of `count` equal keys.
+#[must_use]
+pub fn cell(row: Rect, index: usize, count: usize) -> Rect {
+    let width = (row.width() - (count as f32 - 1.0) * theme::GAP) / count as f32;
+    Rect::from_min_size(row.min + vec2(index as f32 * (width + theme::GAP), 0.0), vec2(width, row.height()))
+}
+
 /// The rectangles of the columns of a line, by their shares of the width.
 pub fn columns<const N: usize>(line: Rect, shares: [f32; N]) -> [Rect; N] {
     let whole: f32 = shares.iter().sum();

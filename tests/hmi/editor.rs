@@ -363,3 +363,57 @@ fn b5_a_program_is_run_from_the_line_under_the_cursor() {
     bench.touch("断电续 run-resume");
     assert!(bench.message().contains("没有断电中断"), "{}", bench.message());
 }
+
+/// Outside edit mode the listing follows the running block; a search leads to its match all the same.
+#[test]
+fn b6_a_search_scrolls_to_its_match_outside_edit_mode() {
+    let lines: String = (1..200).map(|line| format!("N{line} G00 X{line}.\n")).collect();
+    for begun in [false, true] {
+        let mut shop = Shop::new(format!("{lines}M30\n").as_bytes());
+        if begun {
+            shop.tell("param P22.5 0\nmode auto\nkey single-block\nkey cycle-start\nwait 0.5 s");
+            assert!(shop.bench.rig.snapshot().program.line > 0);
+        }
+        shop.bench.touch("查找 edit-find");
+        shop.bench.write("X150.");
+        shop.bench.press(egui::Key::Enter);
+        shop.bench.turn();
+        assert!(shop.bench.shows("N150 G00 X150."), "a block has run: {begun}");
+        shop.bench.touch("定位 edit-go");
+        shop.bench.write("90");
+        shop.bench.press(egui::Key::Enter);
+        shop.bench.turn();
+        assert!(shop.bench.shows("N90 G00 X90."), "a block has run: {begun}");
+    }
+}
+
+/// The modal state at the chosen block stays in sight until it runs, also when the message has gone.
+#[test]
+fn b5_the_page_shows_where_cycle_start_would_begin() {
+    use kt830::link::snapshot::RestartView;
+    use kt830::units::PerAxis;
+    let mut machine = crate::sample::snapshot(Page::Program);
+    let told = |machine: &kt830::link::Snapshot, lang: Lang| kt830::hmi::page_text(machine, lang).join("\n");
+    machine.interrupted = Some((1_001, 13));
+    let (zh, en) = (told(&machine, Lang::Zh), told(&machine, Lang::En));
+    assert!(zh.contains("O1001 在第 13 行断电中断") && zh.contains("断电续"), "{zh}");
+    assert!(en.contains("O1001") && en.contains("line 13") && en.contains("RESUME"), "{en}");
+    // A chosen block comes first.
+    machine.restart = Some(Box::new(RestartView {
+        program: 1_001,
+        line: 21,
+        modals: machine.modals,
+        start: PerAxis([Some(40.2), None, Some(-12.5)]),
+        wheel_turns: true,
+        workpiece_turns: false,
+        coolant_on: true,
+    }));
+    let (zh, en) = (told(&machine, Lang::Zh), told(&machine, Lang::En));
+    for words in ["O1001 第21行", "G18", "X40.200 Z-12.500", "先启动 砂轮 冷却"] {
+        assert!(zh.contains(words), "{words}: {zh}");
+    }
+    assert!(
+        en.contains("O1001 line 21") && en.contains("start wheel coolant first") && !zh.contains("断电中断"),
+        "{en}"
+    );
+}

@@ -215,3 +215,36 @@ fn b6_what_was_recorded_is_cleared_only_when_asked() {
     let left = table(&mut screen).lines().count();
     assert!(left < 10, "{left} lines");
 }
+
+/// Ten minutes lie on a few hundred pixel columns: a peak of one sample is seen wherever it falls in its column.
+#[test]
+fn h9_a_short_peak_is_seen_on_a_long_span() {
+    let mut screen = measuring();
+    let mut machine = screen.state().snapshot.clone();
+    let peaks: Vec<usize> = (0..20).map(|peak| 300 + peak * 261).collect();
+    for sample in 0..6_000 {
+        machine.now = Micros(machine.now.0 + 100_000);
+        machine.axes[Axis::X].work = if peaks.contains(&sample) { 10.0 } else { 0.0 };
+        screen.state_mut().hmi.record(&machine);
+    }
+    screen.state_mut().snapshot = machine;
+    screen.step();
+    for _ in 0..3 {
+        let key = screen.query_all_by_label_contains("process-span").next().unwrap();
+        key.click();
+        screen.step();
+        screen.step();
+    }
+    assert!(shows(&screen, "时间 600 s"));
+    let longest = screen.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
+        egui::Shape::Path(path) if path.points.len() > 300 => Some(path.points.clone()),
+        _ => None,
+    });
+    let seen = |points: &Vec<egui::Pos2>| {
+        let top = points.iter().map(|point| point.y).fold(f32::INFINITY, f32::min);
+        points.iter().filter(|point| point.y < top + 0.5).count()
+    };
+    let curves: Vec<(usize, usize)> = longest.map(|points| (points.len(), seen(&points))).collect();
+    assert!(curves.iter().any(|(_, seen)| *seen == peaks.len()), "{curves:?}");
+    assert!(curves.iter().all(|(points, _)| *points < 4 * 1_024), "{curves:?}");
+}

@@ -154,3 +154,23 @@ fn b7_the_sheet_is_worked_by_keyboard() {
     bench.press(egui::Key::Enter);
     assert_eq!(table(&mut bench, Axis::Z), "0,0.02,0\n");
 }
+
+/// The value waits for the password. If the core then refuses it, it comes back in red to the field it was typed in.
+#[test]
+fn h6_a_value_refused_after_the_password_returns_to_its_field() {
+    let mut rig = crate::stories::ready_with("G04 P9000\nM30");
+    rig.send(Command::SetLeadscrew(Axis::X, LeadscrewCompensation::parse("0,0.01,0\n100,0.02,0\n").unwrap()));
+    crate::stories::tell(&mut rig, "mode auto\nkey cycle-start\nwait 0.1 s\nexpect state running");
+    let mut bench = Bench::new(rig, Page::Params);
+    bench.touch("丝杠 params-screws");
+    bench.touch("反向间隙 1 screw-0-1");
+    bench.write("0.03");
+    bench.press(egui::Key::Enter);
+    assert!(bench.asks_password());
+    bench.write("830830");
+    bench.press(egui::Key::Enter);
+    assert!(!bench.asks_password());
+    let (text, why) = bench.screen.state().hmi.refusal(Lang::Zh).expect("refused in a run");
+    assert_eq!(text, "0.03", "{why}");
+    assert!(bench.shows("X 1 反向间隙=0.03"), "in the field it was typed in");
+}

@@ -311,6 +311,10 @@ fn b6_macro_variables_are_found_by_number_with_their_labels() {
         bench.touch(key);
     }
     assert_eq!(red(&bench).unwrap().1, "没有此变量：#100–#439、#500–#999");
+    // A number of four digits is not the variable of its first three.
+    bench.touch("查找 # find-variable");
+    type_in(&mut bench, "5001");
+    assert_eq!(red(&bench).unwrap(), ("5001".into(), "没有此变量：#100–#439、#500–#999".into()));
     bench.touch("#200 range-200");
     type_in(&mut bench, "-1.5");
     assert_eq!(bench.rig.snapshot().variables[200], Some(-1.5));

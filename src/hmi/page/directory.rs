@@ -16,7 +16,7 @@ use crate::hmi::page::input_line::{self, InputPrompt};
 use crate::hmi::question::{Question, QuestionDialog};
 use crate::hmi::requests::{PendingRequests, RequestReason};
 use crate::hmi::variable_entry::EditKey;
-use crate::hmi::view::{self, View, card, fit_text, focus_frame, text_line};
+use crate::hmi::view::{self, View, card, fit_text, focus_frame, format_size, text_line};
 use crate::hmi::widget::{ButtonState, KeyboardFocus, round_to_lines};
 use crate::hmi::{page_frame as lines, pictogram, theme};
 use crate::link::Command;
@@ -164,24 +164,26 @@ impl DirectoryPage {
 
     /// Sends the request for the typed number.
     fn enter(&mut self, view: &View<'_>, out: &mut Vec<Command>) {
-        let Some(deed) = self.action.filter(|deed| *deed != DirectoryAction::Delete) else {
-            (self.action, self.typing) = (None, FieldEditor::default());
-            return;
-        };
-        let from = view.snapshot.directory.get(self.cursor).map_or(0, |row| row.number);
-        let to = match self.typing.text.parse::<u32>() {
-            Ok(number) if (1..=9_999).contains(&number) => number,
-            _ => {
-                self.typing.refused = Some(LocalizedText::new("程序号应为 1-9999", "program numbers are 1 to 9999"));
+        let request: fn(u32, u32) -> FileRequest = match self.action {
+            Some(DirectoryAction::New) => |_, to| FileRequest::New(to),
+            Some(DirectoryAction::Copy) => |from, to| FileRequest::Copy { from, to },
+            Some(DirectoryAction::Rename) => |from, to| FileRequest::Rename { from, to },
+            // A refused deletion takes no number: INPUT closes its line.
+            Some(DirectoryAction::Delete) | None => {
+                (self.action, self.typing) = (None, FieldEditor::default());
                 return;
             }
         };
-        self.request = Some(match deed {
-            DirectoryAction::New | DirectoryAction::Delete => FileRequest::New(to),
-            DirectoryAction::Copy => FileRequest::Copy { from, to },
-            DirectoryAction::Rename => FileRequest::Rename { from, to },
-        });
-        self.send(out);
+        let from = view.snapshot.directory.get(self.cursor).map_or(0, |row| row.number);
+        match self.typing.text.parse::<u32>() {
+            Ok(to @ 1..=9_999) => {
+                self.request = Some(request(from, to));
+                self.send(out);
+            }
+            Ok(_) | Err(_) => {
+                self.typing.refused = Some(LocalizedText::new("程序号应为 1-9999", "program numbers are 1 to 9999"));
+            }
+        }
     }
 
     fn begin_action(&mut self, deed: DirectoryAction, view: &View<'_>) {
@@ -337,7 +339,7 @@ impl DirectoryPage {
         let words = row.comment.replace('\u{FFFD}', "?");
         view::text_rows(painter, comment, &words, theme::LABEL, view.theme.text, 2);
         let (size, date) = facts.split_left_right_at_fraction(0.34);
-        text_line(painter, size, Align2::RIGHT_CENTER, &size_text(row.size), theme::LABEL, view.theme.muted);
+        text_line(painter, size, Align2::RIGHT_CENTER, &format_size(row.size), theme::LABEL, view.theme.muted);
         let date = Rect::from_min_max(date.min, date.max - vec2(theme::PAD, 0.0));
         fit_text(painter, date, Align2::RIGHT_CENTER, &row.modified, theme::LABEL, view.theme.muted);
         if current {
@@ -345,14 +347,6 @@ impl DirectoryPage {
             return false;
         }
         chosen && load_key(ui, action, view)
-    }
-}
-
-fn size_text(bytes: u64) -> String {
-    match bytes {
-        0..1_024 => format!("{bytes} B"),
-        1_024..1_048_576 => format!("{:.1} kB", bytes as f64 / 1_024.0),
-        _ => format!("{:.1} MB", bytes as f64 / 1_048_576.0),
     }
 }
 

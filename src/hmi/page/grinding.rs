@@ -14,7 +14,7 @@ use crate::defs::text::Lang;
 use crate::defs::{r_parameter_name, variable_name};
 use crate::hmi::field_editor::FieldEditor;
 use crate::hmi::variable_entry::{self, VariableEntry};
-use crate::hmi::view::{View, fit_text, focus_frame, format_length, paragraph};
+use crate::hmi::view::{View, fit_text, focus_frame, paragraph};
 use crate::hmi::widget::{self, ButtonState};
 use crate::hmi::{keycap, page_frame as lines, pictogram, theme};
 use crate::link::command::{FileFault, Picture, ScreenFiles};
@@ -297,19 +297,13 @@ fn field(
     let (words, colour) = match chosen {
         Some(entry) if entry.editor.refused.is_some() => (entry.editor.text.clone(), view.theme.alarm_text),
         Some(entry) if !entry.editor.text.is_empty() => (format!("{}_", entry.editor.text), view.theme.info),
-        _ => (value_text(view, row.variable), view.theme.text),
+        _ => (view.variable(row.variable), view.theme.text),
     };
     fit_text(painter, value, Align2::RIGHT_CENTER, &words, large, colour);
     if let Some(entry) = chosen {
         let colour = if entry.editor.refused.is_some() { view.theme.alarm } else { view.theme.focus };
         focus_frame(painter, place, colour);
     }
-}
-
-/// Value of a variable as executed; a null variable is a dash.
-fn value_text(view: &View<'_>, variable: u16) -> String {
-    let value = view.snapshot.variables.get(usize::from(variable)).copied().flatten();
-    value.map_or_else(|| "—".to_owned(), format_length)
 }
 
 /// `数据输入: #500=40.2_   卡尺X轴始磨位置   范围 ±99999.999 · 原值 40.000`
@@ -332,7 +326,7 @@ fn input_line(
         Some(reason) => (view.theme.alarm_text, (reason.to_owned(), view.theme.alarm_text)),
         None => {
             let range = variable_entry::range(row.variable).get(view.lang);
-            let old = value_text(view, row.variable);
+            let old = view.variable(row.variable);
             let words = format!("{} {range} · {} {old}", view.text("范围", "range"), view.text("原值", "was"));
             (view.theme.text, (words, view.theme.muted))
         }

@@ -7,7 +7,7 @@ use super::{PageContext, PageUi};
 use crate::defs::param::{self, ParamAddress};
 use crate::hmi::login::Login;
 use crate::hmi::view::{View, card, fit_text, format_length, format_whole, paragraph, text_line};
-use crate::hmi::widget::{self, ButtonState, KeyboardFocus};
+use crate::hmi::widget::{self, ButtonState, KeyboardFocus, cell};
 use crate::hmi::{page_frame as lines, theme};
 use crate::link::Command;
 use crate::link::page_command::{PageCommand, PasswordScope};
@@ -150,12 +150,6 @@ impl TeachPage {
 /// Whether saving a program needs the password first (K6.2).
 fn needs_password(view: &View<'_>) -> bool {
     view.snapshot.params.bit(param::PROGRAM_PASSWORD) && !view.snapshot.access.program_unlocked
-}
-
-/// Cell of a row of `count` equal keys.
-fn cell(row: Rect, index: usize, count: usize) -> Rect {
-    let width = (row.width() - (count as f32 - 1.0) * theme::GAP) / count as f32;
-    Rect::from_min_size(row.min + vec2(index as f32 * (width + theme::GAP), 0.0), vec2(width, row.height()))
 }
 
 /// Tool position and status values.

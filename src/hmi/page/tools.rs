@@ -7,9 +7,9 @@ use egui::{Align2, Id, Pos2, Rect, Sense, Shape as Drawn, Stroke, Ui, WidgetInfo
 use super::input_line::{self, InputPrompt};
 use super::{PageContext, PageUi};
 use crate::defs::param::{self, NumberParam};
-use crate::defs::text::{LocalizedText, Text};
+use crate::defs::text::Text;
 use crate::defs::turning_tool::{TOOL_PARAMS, TurningTool, TurningToolShape};
-use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
+use crate::hmi::field_editor::{CoreAnswer, FieldEditor, param_range};
 use crate::hmi::keycap::{self, KeycapState};
 use crate::hmi::theme;
 use crate::hmi::variable_entry::EditKey;
@@ -117,16 +117,12 @@ impl ToolsPage {
             return self.go((self.cursor + 1) % FIELD_COUNT);
         }
         let (row, _) = field_param(self.cursor);
-        match self.typing.number(row.max) {
-            Ok(value) if value >= row.min => {
+        match self.typing.param_value(row) {
+            Ok(value) => {
                 self.typing.send(self.cursor);
                 out.push(Command::Page(PageCommand::EditParam(row.address(), value)));
             }
-            Ok(_) | Err(_) => {
-                let range = range(row);
-                self.typing.refused =
-                    Some(LocalizedText::new(format!("应为 {range}"), format!("it should be {range}")));
-            }
+            Err(reason) => self.typing.refused = Some(reason),
         }
     }
 
@@ -220,14 +216,10 @@ impl ToolsPage {
             station if station < TOOL_COUNT => format!("T{} {}", station + 1, name.get(view.lang)),
             _ => name.get(view.lang).to_owned(),
         };
-        let range = format!("{} {}", view.text("范围", "range"), range(row));
+        let range = format!("{} {}", view.text("范围", "range"), param_range(row));
         let what = format!("P{}=", row.number);
         input_line::ui(ui, view, rect, &self.typing, &InputPrompt { label: &what, name: &tool, range: &range });
     }
-}
-
-fn range(row: NumberParam) -> String {
-    format!("{} … {} {}", row.min, row.max, row.unit)
 }
 
 /// Draws a tool above the part line: shank grey, edge bright, tip a dot.

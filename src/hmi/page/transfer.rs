@@ -14,7 +14,7 @@ use crate::defs::text::{Lang, LocalizedText, Text};
 use crate::hmi::login::Login;
 use crate::hmi::question::{Question, QuestionDialog};
 use crate::hmi::requests::{PendingRequests, RequestReason};
-use crate::hmi::view::{View, card, fit_text, focus_frame, paragraph, text_line};
+use crate::hmi::view::{View, card, fit_text, focus_frame, format_size, paragraph, text_line};
 use crate::hmi::widget::{ButtonState, KeyboardFocus, round_to_lines};
 use crate::hmi::{page_frame as lines, theme};
 use crate::link::Command;
@@ -247,7 +247,7 @@ impl TransferPage {
         let name = if side == 0 { view.text("本机", "this control") } else { view.text("U 盘", "USB medium") };
         lines::title(ui, view, head, name);
         if let Some(free) = media.free_bytes.filter(|_| side == 1 && media.medium_folder.is_some()) {
-            let words = format!("{} {}", view.text("剩余", "free"), size_text(free));
+            let words = format!("{} {}", view.text("剩余", "free"), format_size(free));
             text_line(ui.painter(), head, Align2::RIGHT_CENTER, &words, theme::LABEL, view.theme.muted);
         }
         card(ui.painter(), body, view.theme.surface, view.theme.line);
@@ -312,7 +312,7 @@ impl TransferPage {
         let inside = place.shrink2(vec2(theme::PAD, 0.0));
         let (name, bytes) = inside.split_left_right_at_x(inside.max.x - 86.0);
         fit_text(painter, name, Align2::LEFT_CENTER, &file.name, theme::TITLE, view.theme.text);
-        text_line(painter, bytes, Align2::RIGHT_CENTER, &size_text(file.size), theme::LABEL, view.theme.muted);
+        text_line(painter, bytes, Align2::RIGHT_CENTER, &format_size(file.size), theme::LABEL, view.theme.muted);
     }
 
     fn message_line(&self, ui: &Ui, rect: Rect, view: &View<'_>) {
@@ -323,7 +323,7 @@ impl TransferPage {
             ui.painter().rect_filled(done, theme::RADIUS, view.theme.focus);
             let line = Rect::from_min_max(rect.min, pos2(rect.max.x, bar.min.y));
             let words = match view.snapshot.files.bytes_received {
-                Some(bytes) => format!("{}  {}", what.get(view.lang), size_text(bytes)),
+                Some(bytes) => format!("{}  {}", what.get(view.lang), format_size(bytes)),
                 None => format!("{} {} %{}", what.get(view.lang), share / 10, self.time_left(ui, view, share)),
             };
             fit_text(ui.painter(), line, Align2::LEFT_CENTER, &words, theme::LABEL, view.theme.text);
@@ -430,14 +430,5 @@ const fn set_description(set: TransferSet, view: &View<'_>) -> &'static str {
             "程序、页面文件、参数、变量、刀补和坐标系写成一个带校验的文件 KT830-日期-时间.TAR，或从所选（最新）备份恢复。恢复需要机床厂密码。",
             "Programs, page files, parameters, variables, offsets and work frames go into one file with checksums, KT830-DATE-TIME.TAR, or come back from the chosen (newest) one. Restoring asks for the machine builder's password.",
         ),
-    }
-}
-
-fn size_text(bytes: u64) -> String {
-    match bytes {
-        0..1_024 => format!("{bytes} B"),
-        1_024..1_048_576 => format!("{:.1} kB", bytes as f64 / 1_024.0),
-        1_048_576..1_073_741_824 => format!("{:.1} MB", bytes as f64 / 1_048_576.0),
-        _ => format!("{:.1} GB", bytes as f64 / 1_073_741_824.0),
     }
 }

@@ -12,15 +12,13 @@ use crate::defs::variable_name;
 use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
 use crate::hmi::keycap::{self, KeycapState};
 use crate::hmi::variable_entry::{self, EditKey};
-use crate::hmi::view::{View, fit_text, focus_frame, format_length, text_line};
+use crate::hmi::view::{View, fit_text, focus_frame, text_line};
 use crate::hmi::widget;
 use crate::hmi::{pictogram, theme};
 use crate::link::Command;
 
 /// Height of a line.
 const LINE_HEIGHT: f32 = 46.0;
-/// Digits of a searched number.
-const NUMBER_DIGITS: usize = 3;
 
 /// Ranges of the list: first and last variable.
 const RANGES: [(u16, u16); 4] = [(100, 199), (200, 433), (434, 439), (500, 999)];
@@ -142,8 +140,7 @@ impl VariablesPage {
 
     /// Selects the typed number, wherever it is listed.
     fn find(&mut self) {
-        let number =
-            self.typing.text.get(..NUMBER_DIGITS.min(self.typing.text.len())).and_then(|text| text.parse().ok());
+        let number = self.typing.text.parse().ok();
         match number.filter(|number| RANGES.iter().any(|(first, last)| (*first..=*last).contains(number))) {
             Some(number) => {
                 self.only_labelled = false;
@@ -266,7 +263,7 @@ impl VariablesPage {
         let (words, ink) = match typing {
             true if refused => (self.typing.text.clone(), view.theme.alarm_text),
             true => (format!("{}_", self.typing.text), view.theme.info),
-            false => (value_text(view, variable), view.theme.text),
+            false => (view.variable(variable), view.theme.text),
         };
         fit_text(painter, value, Align2::RIGHT_CENTER, &words, theme::TITLE, ink);
         if chosen {
@@ -280,7 +277,7 @@ impl VariablesPage {
             return input_line::ui(ui, view, rect, &self.typing, &InputPrompt { label: "→ #", name: "", range });
         }
         let what = format!("{}=", variable_name::variable_name_on(u32::from(self.selected), view.snapshot.kind));
-        let old = value_text(view, self.selected);
+        let old = view.variable(self.selected);
         let range = if is_read_only(self.selected) {
             view.text("只读", "read-only").to_owned()
         } else {
@@ -333,10 +330,4 @@ const fn read_only_name<'a>(view: &View<'a>, variable: u16) -> &'a str {
         438 => view.text("振荡前进到位", "oscillation forward"),
         _ => view.text("振荡后退到位", "oscillation backward"),
     }
-}
-
-/// Value of a variable as executed; a null variable is a dash.
-fn value_text(view: &View<'_>, variable: u16) -> String {
-    let value = view.snapshot.variables.get(usize::from(variable)).copied().flatten();
-    value.map_or_else(|| "—".to_owned(), format_length)
 }

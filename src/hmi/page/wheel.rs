@@ -9,7 +9,7 @@ use super::input_line::{self, InputPrompt};
 use super::{PageContext, PageUi};
 use crate::defs::param::{self, NumberParam};
 use crate::defs::text::{LocalizedText, Text};
-use crate::hmi::field_editor::{CoreAnswer, FieldEditor};
+use crate::hmi::field_editor::{CoreAnswer, FieldEditor, param_range};
 use crate::hmi::keycap::{self, KeycapState};
 use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{View, card, fit_text, focus_frame, format_whole, paragraph, text_line};
@@ -124,17 +124,10 @@ impl WheelPage {
     /// Checks the typed value against its parameter's range and keeps it. Nothing changes before the confirmation.
     fn store_entry(&mut self) {
         if !self.typing.text.is_empty() {
-            let row = FIELDS[self.cursor].0;
-            let value = match self.typing.number(row.max) {
-                Ok(value) if value >= row.min => value,
-                Ok(_) | Err(_) => {
-                    let range = range(row);
-                    self.typing.refused =
-                        Some(LocalizedText::new(format!("应为 {range}"), format!("it should be {range}")));
-                    return;
-                }
-            };
-            self.entered[self.cursor] = Some(value);
+            match self.typing.param_value(FIELDS[self.cursor].0) {
+                Ok(value) => self.entered[self.cursor] = Some(value),
+                Err(reason) => return self.typing.refused = Some(reason),
+            }
         }
         self.go(self.cursor + 1);
     }
@@ -267,15 +260,11 @@ impl WheelPage {
             let told = InputPrompt { label: "", name: "", range: "" };
             return input_line::ui(ui, view, rect, &self.typing, &told);
         };
-        let range = format!("{} {}", view.text("范围", "range"), range(*row));
+        let range = format!("{} {}", view.text("范围", "range"), param_range(*row));
         let what = format!("P{}=", row.number);
         let told = InputPrompt { label: &what, name: name.get(view.lang), range: &range };
         input_line::ui(ui, view, rect, &self.typing, &told);
     }
-}
-
-fn range(row: NumberParam) -> String {
-    format!("{} … {} {}", row.min, row.max, row.unit)
 }
 
 /// Speed at which the rim reaches its rating, r/min.

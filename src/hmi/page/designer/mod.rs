@@ -391,9 +391,4 @@ impl DesignerPage {
             DesignerTab::Faults => self.faults(ui, rest, view),
         }
     }
-
-    /// Height of a line of the text.
-    const fn line_height() -> f32 {
-        listing::LINE_HEIGHT
-    }
 }

@@ -80,7 +80,7 @@ impl DesignerPage {
         if self.editing {
             focus_frame(ui.painter(), rect, view.theme.focus);
         }
-        let (list, height) = (round_to_lines(rect.shrink2(vec2(3.0, 4.0)), Self::line_height()), Self::line_height());
+        let (list, height) = (round_to_lines(rect.shrink2(vec2(3.0, 4.0)), listing::LINE_HEIGHT), listing::LINE_HEIGHT);
         let count = self.document.lines();
         if pages != 0 {
             self.position.scroll.scroll_pages(pages, list, height);

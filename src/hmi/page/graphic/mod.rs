@@ -14,7 +14,7 @@ use crate::defs::text::Text;
 use crate::hmi::requests::{PendingRequests, RequestReason};
 use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{View, card, fit_text, format_length, paragraph};
-use crate::hmi::widget::{ButtonState, KeyboardFocus};
+use crate::hmi::widget::{ButtonState, KeyboardFocus, cell};
 use crate::hmi::{page_frame as lines, pictogram, theme};
 use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::page_command::PageCommand;
@@ -175,24 +175,10 @@ impl GraphicPage {
             }
             self.measured_at.push(camera.right_at(inside, at));
         }
-        for edit in typed.edits {
-            match edit {
-                EditKey::Left => camera.pan(vec2(PAN_STEP * inside.width(), 0.0)),
-                EditKey::Right => camera.pan(vec2(-PAN_STEP * inside.width(), 0.0)),
-                EditKey::Up => camera.pan(vec2(0.0, PAN_STEP * inside.height())),
-                EditKey::Down => camera.pan(vec2(0.0, -PAN_STEP * inside.height())),
-                EditKey::Sign => camera.zoom(1.0 / ZOOM_STEP, Vec2::ZERO),
-                _ => {}
-            }
+        move_camera(&mut camera, inside, typed);
+        if typed.text.contains(['f', 'F']) {
+            camera = Camera::fit(whole, plane, inside);
         }
-        for sign in typed.text.chars() {
-            match sign {
-                '+' | '=' => camera.zoom(ZOOM_STEP, Vec2::ZERO),
-                'f' | 'F' => camera = Camera::fit(whole, plane, inside),
-                _ => {}
-            }
-        }
-        camera.zoom(ZOOM_STEP.powi(-typed.scroll_pages), Vec2::ZERO);
         self.camera = Some(camera);
         let painter = ui.painter().with_clip_rect(inside);
         let scene = paint::GraphicScene {
@@ -225,10 +211,9 @@ impl GraphicPage {
             ("graphic-stop", Text::new("取消", "CANCEL"), busy),
         ];
         let shown: Vec<_> = keys.into_iter().filter(|(.., shown)| *shown).collect();
-        let width = (rect.width() + theme::GAP) / shown.len() as f32;
+        let count = shown.len();
         for (index, (name, label, _)) in shown.into_iter().enumerate() {
-            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
-            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height()));
+            let place = cell(rect, index, count);
             if !self.walk.button(ui, view, place, (name, label.get(view.lang)), ButtonState::default()) {
                 continue;
             }
@@ -258,6 +243,24 @@ impl GraphicPage {
             ui.ctx().request_repaint();
         }
     }
+}
+
+/// Pans with the arrow keys, zooms with + and - and by pages.
+fn move_camera(camera: &mut Camera, canvas: Rect, typed: &TypedInput<'_>) {
+    for edit in typed.edits {
+        match edit {
+            EditKey::Left => camera.pan(vec2(PAN_STEP * canvas.width(), 0.0)),
+            EditKey::Right => camera.pan(vec2(-PAN_STEP * canvas.width(), 0.0)),
+            EditKey::Up => camera.pan(vec2(0.0, PAN_STEP * canvas.height())),
+            EditKey::Down => camera.pan(vec2(0.0, -PAN_STEP * canvas.height())),
+            EditKey::Sign => camera.zoom(1.0 / ZOOM_STEP, Vec2::ZERO),
+            _ => {}
+        }
+    }
+    for _ in typed.text.matches(['+', '=']) {
+        camera.zoom(ZOOM_STEP, Vec2::ZERO);
+    }
+    camera.zoom(ZOOM_STEP.powi(-typed.scroll_pages), Vec2::ZERO);
 }
 
 /// Position of the wheel's reference point: X Y Z, mm, X as radius, work coordinates.

@@ -3,7 +3,7 @@
 //! Source: spec B7, H6.
 
 use egui::accesskit::Role;
-use egui::{Align2, Id, Painter, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Color32, Id, Painter, Rect, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use crate::defs::leadscrew::{LeadscrewCompensation, LeadscrewPoint, MAX_POINTS};
 use crate::defs::param::AccessLevel;
@@ -44,7 +44,8 @@ const NEW_POINT_STEP_MM: f64 = 10.0;
 /// Edit that waits for the machine builder's password.
 #[derive(Clone, Debug)]
 enum PendingEdit {
-    Table(LeadscrewCompensation),
+    /// A table; with the field and the text that changed it.
+    Table(LeadscrewCompensation, Option<(usize, String)>),
     Import,
 }
 
@@ -114,7 +115,8 @@ impl LeadscrewTab {
         self.keys(ui, keys, view, (axis, table), (login, &mut out));
         self.input(ui, input, view, axis, table);
         if let Some(((), Some(_))) = self.question.ui(ui, rect, view, typed.edits) {
-            self.request_edit(view, axis, PendingEdit::Table(LeadscrewCompensation::default()), login, &mut out);
+            let empty = PendingEdit::Table(LeadscrewCompensation::default(), None);
+            self.request_edit(view, axis, empty, login, &mut out);
         }
         out
     }
@@ -155,8 +157,9 @@ impl LeadscrewTab {
 
     fn send(&mut self, axis: Axis, wish: PendingEdit, out: &mut Vec<Command>) {
         match wish {
-            PendingEdit::Table(table) => {
-                self.typing.send(self.row * VALUE_COLUMNS.len() + self.column);
+            PendingEdit::Table(table, typed) => {
+                let (field, text) = typed.unwrap_or_else(|| (self.field(), String::new()));
+                self.typing.send_text(field, text);
                 out.push(Command::Page(PageCommand::EditLeadscrew(axis, table)));
             }
             PendingEdit::Import => {
@@ -212,6 +215,11 @@ impl LeadscrewTab {
         }
     }
 
+    /// The selected field, counted row by row.
+    const fn field(&self) -> usize {
+        self.row * VALUE_COLUMNS.len() + self.column
+    }
+
     fn select_cell(&mut self, row: usize, column: usize) {
         if (row, column) != (self.row, self.column) {
             self.typing.clear();
@@ -252,8 +260,9 @@ impl LeadscrewTab {
         }
         match LeadscrewCompensation::from_points(&points) {
             Ok(table) => {
-                self.request_edit(view, axis, PendingEdit::Table(table), login, out);
+                let typed = (self.field(), self.typing.text.clone());
                 self.select_next(points.len() - 1);
+                self.request_edit(view, axis, PendingEdit::Table(table, Some(typed)), login, out);
             }
             Err(said) => self.typing.refused = Some(said),
         }
@@ -288,7 +297,7 @@ impl LeadscrewTab {
         );
         match LeadscrewCompensation::from_points(&points) {
             Ok(table) => {
-                self.request_edit(view, axis, PendingEdit::Table(table), login, out);
+                self.request_edit(view, axis, PendingEdit::Table(table, None), login, out);
                 self.select_cell(at, 0);
             }
             Err(said) => self.message = Some((said, true)),
@@ -308,7 +317,7 @@ impl LeadscrewTab {
         }
         points.remove(self.row);
         match LeadscrewCompensation::from_points(&points) {
-            Ok(table) => self.request_edit(view, axis, PendingEdit::Table(table), login, out),
+            Ok(table) => self.request_edit(view, axis, PendingEdit::Table(table, None), login, out),
             Err(said) => self.message = Some((said, true)),
         }
     }
@@ -495,16 +504,9 @@ fn value_text(value: f64, column: usize) -> String {
     if column == 0 { format!("{value:.3}") } else { format!("{value:.4}") }
 }
 
-/// Backlash and pitch error over position, with the selected point.
-fn paint_curves(painter: &Painter, rect: Rect, view: &View<'_>, table: &LeadscrewCompensation, row: usize) {
-    if table.points().is_empty() {
-        return;
-    }
-    card(painter, rect, view.theme.surface, view.theme.line);
-    let inside = rect.shrink(theme::PAD);
-    let (legend, plot) = inside.split_top_bottom_at_y(inside.min.y + 22.0);
+/// The colours of backlash and pitch error.
+fn paint_legend(painter: &Painter, legend: Rect, view: &View<'_>, inks: [Color32; 2]) {
     let half = legend.split_left_right_at_fraction(0.5);
-    let inks = [view.theme.info, view.theme.hold];
     for (place, (name, ink)) in
         [half.0, half.1].into_iter().zip([1, 2].map(|column| (VALUE_COLUMNS[column].0, inks[column - 1])))
     {
@@ -520,6 +522,18 @@ fn paint_curves(painter: &Painter, rect: Rect, view: &View<'_>, table: &Leadscre
             view.theme.muted,
         );
     }
+}
+
+/// Backlash and pitch error over position, with the selected point.
+fn paint_curves(painter: &Painter, rect: Rect, view: &View<'_>, table: &LeadscrewCompensation, row: usize) {
+    if table.points().is_empty() {
+        return;
+    }
+    card(painter, rect, view.theme.surface, view.theme.line);
+    let inside = rect.shrink(theme::PAD);
+    let (legend, plot) = inside.split_top_bottom_at_y(inside.min.y + 22.0);
+    let inks = [view.theme.info, view.theme.hold];
+    paint_legend(painter, legend, view, inks);
     let points = table.points();
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
     let values = points.iter().flat_map(|point| [point.backlash_mm, point.pitch_error_mm]);

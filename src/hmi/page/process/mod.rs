@@ -17,7 +17,7 @@ use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::question::{Question, QuestionDialog};
 use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit_text, format_length, text_line};
-use crate::hmi::widget::{ButtonState, KeyboardFocus};
+use crate::hmi::widget::{ButtonState, KeyboardFocus, cell};
 use crate::link::files::{FileRequest, Requester, Ticket};
 use crate::link::page_command::PageCommand;
 use crate::link::{Command, Snapshot};
@@ -273,16 +273,7 @@ impl ProcessPage {
             let y = f64::from(plot.max.y) - 2.0 - (value(sample) - low) / room * f64::from(plot.height() - 4.0);
             pos2(x as f32, y as f32)
         };
-        // At most three points per pixel column: the first two and the last.
-        let mut points: Vec<Pos2> = Vec::new();
-        for at in self.visible_samples(now).map(place) {
-            let column = |point: &Pos2| point.x.floor() as i32;
-            let same = points.len() >= 3 && points[points.len() - 3..].iter().all(|point| column(point) == column(&at));
-            if same {
-                points.pop();
-            }
-            points.push(at);
-        }
+        let points = with_extremes(self.visible_samples(now).map(place));
         painter.with_clip_rect(plot).add(Shape::line(points, Stroke::new(1.6, colour)));
     }
 
@@ -325,10 +316,9 @@ impl ProcessPage {
         let mut out = Vec::new();
         let keys =
             [("process-span", words), ("process-live", live), ("process-clear", clear), ("process-export", export)];
-        let width = (rect.width() + theme::GAP) / keys.len() as f32;
+        let count = keys.len();
         for (index, (name, label)) in keys.into_iter().enumerate() {
-            let corner = pos2(rect.min.x + index as f32 * width, rect.min.y);
-            let place = Rect::from_min_size(corner, vec2(width - theme::GAP, rect.height()));
+            let place = cell(rect, index, count);
             let look = ButtonState { on: name == "process-live" && self.window_end.is_none(), locked: false };
             if !self.walk.button(ui, view, place, (name, &label), look) {
                 continue;
@@ -385,4 +375,24 @@ impl ProcessPage {
         }
         text
     }
+}
+
+/// Reduces a curve to at most four points per pixel column: the first, the lowest and the highest, the last.
+fn with_extremes(curve: impl Iterator<Item = Pos2>) -> Vec<Pos2> {
+    let mut points: Vec<Pos2> = Vec::new();
+    // Index of the first point of the column.
+    let mut first = 0;
+    for at in curve {
+        if points.get(first).is_some_and(|point| point.x.floor() < at.x.floor()) {
+            first = points.len();
+        }
+        points.push(at);
+        if points.len() - first > 4 {
+            // One of the three between the first and the last goes: it is neither the lowest nor the highest.
+            let mut middle = [first + 1, first + 2, first + 3];
+            middle.sort_by(|a, b| points[*a].y.total_cmp(&points[*b].y));
+            points.remove(middle[1]);
+        }
+    }
+    points
 }

@@ -54,7 +54,7 @@ impl ProgramPage {
                 return self.refuse(LocalizedText::new(format!("行号为 1-{last}"), format!("lines are 1 to {last}")));
             }
             self.document.move_to(line - 1, 0);
-            self.follow_cursor();
+            self.reveal_cursor();
         } else if let Some(Ok(number)) = text.strip_prefix(['N', 'n']).map(str::parse) {
             self.pattern = text.to_owned();
             self.task = Some(TextTask::find_block(number));
@@ -79,16 +79,14 @@ impl ProgramPage {
                 ));
                 return;
             }
-            TaskStep::Found(from, to) => {
+            TaskStep::Found(_, to) => {
                 self.document.cursor = to.min(self.document.rope.len_chars());
                 self.message = self.replacing.then(|| {
                     let (with, what) = (&self.prompt_text, &self.pattern);
                     (LocalizedText::new(format!("{what} → {with} ？"), format!("{what} → {with} ?")), false)
                 });
-                let line = self.document.rope.char_to_line(from);
                 self.position.first_column = 0;
-                self.position.scroll.user_scrolled = false;
-                self.position.followed_line = line as u32;
+                self.reveal_cursor();
             }
             TaskStep::NotFound => {
                 self.replacing = false;
@@ -125,16 +123,14 @@ impl ProgramPage {
             EditorAction::Keyboard => self.keyboard_open = !self.keyboard_open,
             EditorAction::Find => self.open_prompt(Prompt::Find),
             EditorAction::FindNext if self.pattern.is_empty() => self.open_prompt(Prompt::Find),
-            EditorAction::FindNext => self.task = Some(TextTask::find(&self.pattern, &self.document)),
+            EditorAction::FindNext | EditorAction::Skip => {
+                self.task = Some(TextTask::find(&self.pattern, &self.document))
+            }
             EditorAction::Replace => self.open_prompt(Prompt::ReplaceOld),
             EditorAction::GoTo => self.open_prompt(Prompt::GoTo),
             EditorAction::Renumber => self.open_prompt(Prompt::Renumber),
-            EditorAction::First | EditorAction::Last => {
-                self.document.move_to(if act == EditorAction::First { 0 } else { usize::MAX }, 0);
-                let row = self.document.cursor_position().0;
-                self.position.scroll.top = row as f64;
-                self.position.scroll.user_scrolled = true;
-            }
+            EditorAction::First => self.show_line(0),
+            EditorAction::Last => self.show_line(usize::MAX),
             EditorAction::Left => self.edit(EditKey::Left, out),
             EditorAction::Right => self.edit(EditKey::Right, out),
             EditorAction::Up => self.edit(EditKey::Up, out),
@@ -144,18 +140,9 @@ impl ProgramPage {
             }
             EditorAction::Save => self.save(false, out),
             EditorAction::Discard if !self.document.changed => self.stop_editing(),
-            EditorAction::Discard => {
-                let name = view.snapshot.title(self.document.number);
-                let body = LocalizedText::new(
-                    format!("{name} 的改动将丢失。"),
-                    format!("The changes of {name} will be lost."),
-                );
-                let title = Text::new("放弃改动？", "discard the changes?");
-                let key = ("question-discard", Text::new("放弃", "DISCARD"));
-                self.question.ask(EditorQuestion::Discard, Question::new(title, body, key));
-            }
+            EditorAction::Discard => self.ask_discard(view),
             EditorAction::StopTask => self.task = None,
-            // B5: the core reads the program up to the line and reports the modal state there in the message line.
+            // B5: the core reads the program up to the line and reports the modal state there.
             EditorAction::RestartHere if self.document.changed => {
                 self.refuse(LocalizedText::new("先保存改动", "save the changes first"))
             }
@@ -164,20 +151,39 @@ impl ProgramPage {
             EditorAction::OpenDesigner => out.push(Command::OpenPage(Page::Designer)),
             EditorAction::PromptAccept => self.edit(EditKey::Enter, out),
             EditorAction::PromptCancel => self.edit(EditKey::Cancel, out),
-            EditorAction::Undo
-            | EditorAction::Redo
-            | EditorAction::Mark
-            | EditorAction::CopyBlock
-            | EditorAction::Cut
-            | EditorAction::DeleteBlock
-            | EditorAction::Unmark
-            | EditorAction::Paste => {
-                self.change_text(act);
+            EditorAction::ReplaceThis => self.replace_match(),
+            EditorAction::ReplaceAll => self.task = Some(TextTask::replace(&self.pattern, &self.prompt_text)),
+            EditorAction::EndReplace => self.replacing = false,
+            EditorAction::Undo | EditorAction::Redo | EditorAction::Mark | EditorAction::Unmark => {
+                self.change_text(act)
             }
-            EditorAction::ReplaceThis | EditorAction::Skip | EditorAction::ReplaceAll | EditorAction::EndReplace => {
-                self.replace_step(act)
+            EditorAction::CopyBlock | EditorAction::Cut | EditorAction::DeleteBlock | EditorAction::Paste => {
+                self.change_text(act)
             }
         }
+    }
+
+    /// Puts the cursor on a line, or on the last one, and shows it on top.
+    fn show_line(&mut self, line: usize) {
+        self.document.move_to(line, 0);
+        self.position.scroll.top = self.document.cursor_position().0 as f64;
+        self.position.scroll.user_scrolled = true;
+    }
+
+    fn ask_discard(&mut self, view: &View<'_>) {
+        let name = view.snapshot.title(self.document.number);
+        let body = LocalizedText::new(format!("{name} 的改动将丢失。"), format!("The changes of {name} will be lost."));
+        let key = ("question-discard", Text::new("放弃", "DISCARD"));
+        let question = Question::new(Text::new("放弃改动？", "discard the changes?"), body, key);
+        self.question.ask(EditorQuestion::Discard, question);
+    }
+
+    /// Replaces the match that is shown and searches the next one.
+    fn replace_match(&mut self) {
+        let to = self.document.cursor;
+        let from = to.saturating_sub(self.pattern.chars().count());
+        self.document.replace(from, to, &self.prompt_text);
+        self.task = Some(TextTask::find(&self.pattern, &self.document));
     }
 
     fn open_prompt(&mut self, ask: Prompt) {
@@ -220,21 +226,5 @@ impl ProgramPage {
             _ => {}
         }
         self.follow_cursor();
-    }
-
-    /// Replaces one by one, or all.
-    fn replace_step(&mut self, act: EditorAction) {
-        match act {
-            EditorAction::ReplaceThis => {
-                let length = self.pattern.chars().count();
-                let to = self.document.cursor;
-                let with = self.prompt_text.clone();
-                self.document.replace(to.saturating_sub(length), to, &with);
-                self.task = Some(TextTask::find(&self.pattern, &self.document));
-            }
-            EditorAction::Skip => self.task = Some(TextTask::find(&self.pattern, &self.document)),
-            EditorAction::ReplaceAll => self.task = Some(TextTask::replace(&self.pattern, &self.prompt_text)),
-            _ => self.replacing = false,
-        }
     }
 }

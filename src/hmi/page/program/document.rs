@@ -160,11 +160,15 @@ impl Document {
 
     /// Deletes the character behind the cursor; at the end of a line the line end.
     pub fn delete(&mut self) {
-        let here = self.cursor;
-        self.move_chars(1);
-        if self.cursor != here {
-            self.backspace();
-        }
+        let (line, column) = self.cursor_position();
+        let end = match content_len(self.rope.line(line)) {
+            length if column < length => self.cursor + 1,
+            _ if line + 1 < self.lines() => self.rope.line_to_char(line + 1),
+            _ => return,
+        };
+        self.record_undo(ChangeKind::Deleting);
+        self.rope.remove(self.cursor..end);
+        self.last_change = Some((ChangeKind::Deleting, self.cursor));
     }
 
     /// Replaces characters by a text and puts the cursor behind it.
@@ -297,6 +301,28 @@ mod tests {
         assert_eq!(text.rope.to_string(), "G00\r\nM30\r\n");
         assert!(!text.undo() && text.redo());
         assert_eq!(text.rope.to_string(), "G00 X10\r\nM30\r\n");
+    }
+
+    #[test]
+    fn b6_deleting_by_either_key_is_one_step_back() {
+        for key in [EditKey::Delete, EditKey::Backspace] {
+            let mut text = document("G00 X10\r\nM30\r\n");
+            text.move_to(0, if key == EditKey::Delete { 0 } else { 4 });
+            for _ in 0..4 {
+                text.edit(key);
+            }
+            assert_eq!(text.rope.to_string(), "X10\r\nM30\r\n");
+            assert!(text.undo());
+            assert_eq!(text.rope.to_string(), "G00 X10\r\nM30\r\n", "{key:?}");
+        }
+        // A line end goes whole; the end of the text stays.
+        let mut text = document("A\r\nB\r\n");
+        text.move_to(0, 1);
+        text.edit(EditKey::Delete);
+        assert_eq!((text.rope.to_string().as_str(), text.cursor), ("AB\r\n", 1));
+        text.move_to(0, 2);
+        text.edit(EditKey::Delete);
+        assert_eq!(text.rope.to_string(), "AB\r\n");
     }
 
     #[test]

@@ -7,6 +7,7 @@ pub mod document;
 mod highlight;
 mod keys;
 pub mod listing;
+mod restart;
 mod text_task;
 
 use egui::{Align2, Id, Rect, Sense, Ui, pos2, vec2};
@@ -94,6 +95,8 @@ pub struct ProgramPage {
     keys_focused: bool,
     /// Editing has just begun: the cursor moves to the visible lines.
     editing_began: bool,
+    /// A search outside edit mode has moved the cursor: the listing scrolls to it once.
+    cursor_moved: bool,
 }
 
 impl PageUi for ProgramPage {
@@ -130,6 +133,7 @@ impl PageUi for ProgramPage {
         let rows = if self.editing && !self.keyboard_open && self.prompt.is_none() { 2.0 } else { 1.0 };
         let (rest, pad) = rest.split_top_bottom_at_y(rest.max.y - board);
         let (list, below) = rest.split_top_bottom_at_y(rest.max.y - rows * KEYS_HEIGHT - MESSAGE_HEIGHT);
+        let list = restart::ui(ui, list, view);
         self.title(ui, title, view);
         self.listing(ui, list, view, typed.scroll_pages);
         let (told, keys) = below.split_top_bottom_at_y(below.min.y + MESSAGE_HEIGHT);
@@ -328,6 +332,11 @@ impl ProgramPage {
         self.follow_cursor();
     }
 
+    /// Scrolls to the cursor; outside edit mode it stays there until the running block changes.
+    const fn reveal_cursor(&mut self) {
+        (self.position.scroll.user_scrolled, self.cursor_moved) = (false, !self.editing);
+    }
+
     const fn follow_cursor(&mut self) {
         self.position.scroll.user_scrolled = false;
     }
@@ -396,10 +405,7 @@ impl ProgramPage {
         }
         let (line, column) = self.document.cursor_position();
         if !self.position.scroll.user_scrolled {
-            let followed = if self.editing || !current || program.line == 0 { line } else { program.line as usize - 1 };
-            self.position.scroll.scroll_to(followed, list, LINE_HEIGHT);
-            let room = list.width() - listing::NUMBER_WIDTH;
-            self.position.follow_cursor(ui.painter(), &self.document.rope, (line, column), room);
+            self.scroll_to_followed(ui, list, (program.line as usize).checked_sub(1).filter(|_| current));
         }
         let tap = ui.interact(list, Id::unique("listing-tap"), Sense::CLICK);
         let (first, last) = self.position.scroll.handle_input(ui, "listing", list, LINE_HEIGHT, count);
@@ -426,6 +432,17 @@ impl ProgramPage {
             listing::paint_line(painter, place, view, &self.document.rope, (row, self.position.first_column), mark);
         }
         self.position.scroll.draw_bar(ui, view, list, LINE_HEIGHT, count);
+    }
+
+    /// Scrolls to the cursor while the text is edited or after a search, else to the running line.
+    fn scroll_to_followed(&mut self, ui: &Ui, list: Rect, running: Option<usize>) {
+        let (line, column) = self.document.cursor_position();
+        let searched = std::mem::take(&mut self.cursor_moved);
+        let followed = running.filter(|_| !searched && !self.editing).unwrap_or(line);
+        self.position.scroll.user_scrolled = searched;
+        self.position.scroll.scroll_to(followed, list, LINE_HEIGHT);
+        let room = list.width() - listing::NUMBER_WIDTH;
+        self.position.follow_cursor(ui.painter(), &self.document.rope, (line, column), room);
     }
 
     /// Moves a hidden cursor to the running line, else to the first visible one.

@@ -2,11 +2,11 @@
 
 use egui::{Align2, Rect, Ui};
 
-use super::{cell, group, key_row};
+use super::{group, key_row};
 use crate::defs::text::Lang;
 use crate::hmi::theme;
 use crate::hmi::view::{View, fit_text};
-use crate::hmi::widget::{ButtonState, KeyboardFocus};
+use crate::hmi::widget::{ButtonState, KeyboardFocus, cell};
 use crate::link::Command;
 use crate::link::page_command::{BRIGHTNESS, BRIGHTNESS_STEP, PageCommand};
 

@@ -3,7 +3,7 @@
 use egui::accesskit::Role;
 use egui::{Align2, Id, Rect, Sense, Ui, WidgetInfo};
 
-use super::{cell, group, key_row, title_note};
+use super::{group, key_row, title_note};
 use crate::defs::date::{DateTime, YEARS, days_in_month};
 use crate::defs::text::{LocalizedText, Text};
 use crate::hmi::field_editor::FieldEditor;
@@ -11,7 +11,7 @@ use crate::hmi::page::input_line::{self, InputPrompt};
 use crate::hmi::theme;
 use crate::hmi::variable_entry::EditKey;
 use crate::hmi::view::{View, card, fit_text, focus_frame};
-use crate::hmi::widget::KeyboardFocus;
+use crate::hmi::widget::{KeyboardFocus, cell};
 use crate::link::Command;
 use crate::link::page_command::PageCommand;
 

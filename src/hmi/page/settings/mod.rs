@@ -14,7 +14,7 @@ use crate::hmi::field_editor::FieldEditor;
 use crate::hmi::login::Login;
 use crate::hmi::theme;
 use crate::hmi::view::{View, card, fit_text};
-use crate::hmi::widget::{ButtonState, KeyboardFocus};
+use crate::hmi::widget::{ButtonState, KeyboardFocus, cell};
 use crate::link::Command;
 use crate::link::page_command::{PageCommand, PasswordScope};
 use clock::ClockGroup;
@@ -147,12 +147,6 @@ fn key_row(body: Rect, key: f32, row: usize) -> Rect {
 fn note(ui: &Ui, view: &View<'_>, body: Rect, below: Rect, words: &str) {
     let place = Rect::from_min_max(pos2(body.min.x, below.max.y + 4.0), pos2(body.max.x, below.max.y + NOTE_HEIGHT));
     fit_text(ui.painter(), place, Align2::LEFT_CENTER, words, theme::LABEL, view.theme.muted);
-}
-
-/// Cell of a row of `count` equal keys.
-fn cell(row: Rect, index: usize, count: usize) -> Rect {
-    let width = (row.width() - (count as f32 - 1.0) * theme::GAP) / count as f32;
-    Rect::from_min_size(row.min + vec2(index as f32 * (width + theme::GAP), 0.0), vec2(width, row.height()))
 }
 
 /// A card with a title; returns its inside, and the free rectangle beside the title.

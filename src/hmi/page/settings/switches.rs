@@ -2,12 +2,12 @@
 
 use egui::{Rect, Ui};
 
-use super::{cell, group, key_row, title_note};
+use super::{group, key_row, title_note};
 use crate::defs::param::{self, BitParam};
 use crate::defs::text::Text;
 use crate::hmi::login::Login;
 use crate::hmi::view::View;
-use crate::hmi::widget::{ButtonState, KeyboardFocus};
+use crate::hmi::widget::{ButtonState, KeyboardFocus, cell};
 use crate::link::Command;
 use crate::link::page_command::{PageCommand, PasswordScope};
 

@@ -1,0 +1,36 @@
+//! The block at which cycle start would begin, with its modal state, or the run that a power cut ended.
+//! Source: spec B5.
+
+use egui::{Rect, Ui, vec2};
+
+use crate::defs::text::LocalizedText;
+use crate::hmi::theme;
+use crate::hmi::view::{View, card, text_rows};
+use crate::link::Snapshot;
+
+/// Height of the two lines of text.
+const HEIGHT: f32 = 52.0;
+
+/// Shows the restart below the listing; returns the rectangle left for the listing.
+pub fn ui(ui: &Ui, rect: Rect, view: &View<'_>) -> Rect {
+    let Some(told) = text(view.snapshot) else { return rect };
+    let (list, below) = rect.split_top_bottom_at_y(rect.max.y - HEIGHT - theme::GAP);
+    let place = Rect::from_min_max(below.min + vec2(0.0, theme::GAP), below.max);
+    card(ui.painter(), place, view.theme.surface, view.theme.hold);
+    let inside = place.shrink2(vec2(theme::PAD, 3.0));
+    text_rows(ui.painter(), inside, told.get(view.lang), theme::LABEL, view.theme.hold, 2);
+    list
+}
+
+/// A chosen block comes before an interrupted run: cycle start begins there.
+fn text(snapshot: &Snapshot) -> Option<LocalizedText> {
+    if let Some(restart) = &snapshot.restart {
+        return Some(restart.summary());
+    }
+    let (program, line) = snapshot.interrupted?;
+    let name = snapshot.title(program);
+    Some(LocalizedText::new(
+        format!("{name} 在第 {line} 行断电中断：回零后按“断电续”，从该段继续"),
+        format!("{name} was cut off at line {line}: home the axes, then RESUME goes on from that block"),
+    ))
+}
