@@ -75,7 +75,9 @@ compared_fields! {
     spindle_override: differ;
     feed_mm_min: |old, new, _| format_whole(*old) != format_whole(*new);
     // The wheel page also shows the speed of the rim.
-    wheel_rpm: |old, new, page| if page == Page::Wheel { old != new } else { format_whole(*old) != format_whole(*new) };
+    wheel_rpm: |old, new, page| {
+        page == Page::Wheel && old.to_bits() != new.to_bits() || format_whole(*old) != format_whole(*new)
+    };
     tool_station: differ;
     teach: on(TEACH, differ);
     strokes_per_min: on(CYCLE, |old, new, _| format_strokes(*old) != format_strokes(*new));

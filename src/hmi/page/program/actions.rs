@@ -79,8 +79,8 @@ impl ProgramPage {
                 ));
                 return;
             }
-            TaskStep::Found(_, to) => {
-                self.document.cursor = to.min(self.document.rope.len_chars());
+            TaskStep::Found(found) => {
+                self.document.cursor = found.end.min(self.document.rope.len_chars());
                 self.message = self.replacing.then(|| {
                     let (with, what) = (&self.prompt_text, &self.pattern);
                     (LocalizedText::new(format!("{what} → {with} ？"), format!("{what} → {with} ?")), false)

@@ -2,6 +2,7 @@
 //! Source: spec B6 (search O/N/word), H8 (nothing blocks the frame for more than 16 ms).
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use ropey::{Rope, RopeBuilder};
 
@@ -20,8 +21,8 @@ const MAX_BLOCK_NUMBER: u64 = 99_999_999;
 pub enum TaskStep {
     /// In progress, per mille.
     Running(u16),
-    /// Found: first character and one past the last.
-    Found(usize, usize),
+    /// Found: its characters.
+    Found(Range<usize>),
     /// No match in the text.
     NotFound,
     /// A new text, and the number of changes.
@@ -177,7 +178,7 @@ fn find(text: &Rope, what: &str, from: usize, done: &mut usize) -> TaskStep {
         *done += 1;
         if let Some(at) = find_in_line(&part, what, begin) {
             let from = text.line_to_char(line) + part[..at].chars().count();
-            return TaskStep::Found(from, from + what.chars().count());
+            return TaskStep::Found(from..from + what.chars().count());
         }
     }
     TaskStep::Running(permille(*done, lines))
@@ -194,7 +195,7 @@ fn find_block(text: &Rope, number: u64, line: &mut usize) -> TaskStep {
         let part: String = slice.slice(..content_len(slice).min(MAX_SEARCHED_CHARS)).into();
         if split_block_number(&part).1 == Some(number) {
             let at = text.line_to_char(*line);
-            return TaskStep::Found(at, at);
+            return TaskStep::Found(at..at);
         }
         *line += 1;
     }
@@ -355,7 +356,7 @@ mod tests {
         let text = "N10 G00 X1\nN20 g01 X2 (磨)\nN30 M30\n";
         let mut document = Document::open(1, 0, &Rope::from_str(text));
         let found = |document: &Document, what: &str| match run(TextTask::find(what, document), text) {
-            TaskStep::Found(from, to) => Some((from, to)),
+            TaskStep::Found(found) => Some((found.start, found.end)),
             _ => None,
         };
         assert_eq!(found(&document, "G01"), Some((15, 18)));
@@ -370,7 +371,10 @@ mod tests {
     #[test]
     fn b6_a_block_is_found_by_its_number_not_by_what_begins_alike() {
         let text = "(N20)\nN200 G00\nGOTO 20\n/N0020 X1\n";
-        assert!(matches!(run(TextTask::find_block(20), text), TaskStep::Found(23, 23)), "the fourth line");
+        assert!(
+            matches!(run(TextTask::find_block(20), text), TaskStep::Found(found) if found == (23..23)),
+            "the fourth line"
+        );
         assert!(matches!(run(TextTask::find_block(2), text), TaskStep::NotFound));
     }
 
