@@ -19,8 +19,8 @@ use crate::host::bar;
 use crate::host::folders::{named_programs_beside, parse_page_text, parse_picture, program_from_bytes};
 use crate::io::sim::PartFile;
 use crate::nc::{
-    BlockLocation, CheckReport, CommonVariables, ExternalState, Library, NcSettings, OfflineMachine, Op, ProgramFault,
-    Source, WorkOffsets, check_with,
+    BlockLocation, CheckReport, CommonVariables, Library, NcSettings, OfflineMachine, Op, ProgramFault, Source,
+    WorkOffsets, check_with,
 };
 use crate::units::{Axis, PerAxis};
 
@@ -221,7 +221,7 @@ fn analyse_program(
     let finished = part.as_ref().and_then(|part| part.finished).filter(|_| call.simulate);
     let mut rehearsal = finished.map(|finished| {
         let width_mm = retained.params.get(param::WHEEL_WIDTH);
-        FinishedSizeCheck::new(finished, width_mm, settings.dialect, (world.position(), memory.clone()))
+        FinishedSizeCheck::new(finished, width_mm, settings.dialect, (world.clone(), memory.clone()))
     });
     let mut foresight = InterlockCheck::new(shared.kind, &retained.params);
     // An endless loop is shown once, up to its repetition. A first run without output finds that position.

@@ -13,13 +13,14 @@ use super::gauge::GaugeCycle;
 use super::hold::ManualIntervention;
 use super::lookahead_state::{LookaheadState, MoveRefusal, NamedAxes};
 use super::oscillation::OscillationStroke;
-use crate::defs::mcode::{MCode, MCodeAction, Request};
+use crate::defs::kind::Dialect;
+use crate::defs::mcode::{self, MCode, MCodeAction, Request};
 use crate::defs::param::Params;
 use crate::defs::text::{Lang, LocalizedText};
 use crate::motion::{ArcDirection, CornerMode, MotionSpeed, MoveShape, ThreadPass};
 use crate::nc::{
-    self, AxisSet, Block, BlockLocation, CommonVariables, GaugeMove, Interpreter, Library, Source, SpeedMode,
-    WorkOffsets,
+    self, AxisSet, Block, BlockLocation, CommonVariables, GaugeMove, Interpreter, Library, MCodeWords, Source,
+    SpeedMode, WorkOffsets,
 };
 use crate::units::{Axis, Micros, PerAxis};
 
@@ -76,7 +77,7 @@ impl PlannedMove {
             }
         }
         let MoveShape::Arc { center, plane, direction: turn } = self.shape else { return Ok(()) };
-        let (first, second, _) = plane.axes();
+        let (first, second) = plane.axes();
         let radius = (from[first] - center[first]).hypot(from[second] - center[second]);
         for (axis, sign) in [(first, 1.0), (first, -1.0), (second, 1.0), (second, -1.0)] {
             let mut summit = center;
@@ -128,6 +129,13 @@ pub struct MCall {
 }
 
 impl MCall {
+    /// The row and the words of a code; `None` if the dialect does not have the code.
+    #[must_use]
+    pub fn new(dialect: Dialect, words: &MCodeWords) -> Option<Self> {
+        let row = mcode::find_in(dialect, u16::from(words.code))?;
+        Some(Self { row, s: words.s, p: words.p.unwrap_or(0.0) as u8, l_ms: words.l.unwrap_or(0.0) as u32 })
+    }
+
     /// The machine request of the code, if it has one.
     #[must_use]
     pub const fn request(&self) -> Option<Request> {

@@ -381,7 +381,7 @@ impl Interpreter {
         if !matches!(step, FlowAction::SecondHalf) {
             self.set_variables(block)?;
         }
-        let moves = self.flow.modal_call.is_some() && block.ops.iter().any(Op::is_motion);
+        let moves = self.flow.modal_call.is_some() && block.ops.iter().any(|op| op.effect().is_motion());
         match step {
             FlowAction::Goto { at, .. } | FlowAction::Call(Call { at, .. }) | FlowAction::Return { at, .. }
                 if moves =>

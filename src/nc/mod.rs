@@ -22,6 +22,7 @@ mod lexer;
 pub mod modal;
 mod offline_run;
 pub mod op;
+pub mod op_effect;
 mod preflight;
 pub mod program_uses;
 mod scope;
@@ -39,7 +40,10 @@ pub use fault::{BlockLocation, ProgramFault};
 pub use interpreter::{Block, Interpreter, NextStatus};
 pub use modal::{ModalState, MotionMode};
 pub use offline_run::ADVANCE_PER_CALL;
-pub use op::{ArcPlane, AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
+pub use op::{AxisSet, Feed, GaugeMove, Op, PathMode, REFERENCE_POINTS, SpeedMode, ThreadMove};
+pub use op_effect::{
+    ArcMove, CoordinateChange, MCodeWords, MotionSegment, OpEffect, OpMotion, OscillationChange, ProgramMessage,
+};
 pub use preflight::{PreflightStatus, ProgramPreflight};
 pub use settings::{Dialect, NcSettings, SpeedUnit, SuperManSettings};
 pub use source::{EmptyLibrary, Library, Source};

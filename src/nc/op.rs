@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde_json::{Map, Value, json};
 
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, Plane};
 
 /// A set of axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -20,6 +20,17 @@ impl AxisSet {
     #[inline]
     pub const fn contains(self, axis: Axis) -> bool {
         self.0 & (1 << axis as u8) != 0
+    }
+
+    /// X and Z.
+    pub const XZ: Self = Self::of(Axis::X).with(Self::of(Axis::Z));
+
+    /// The axes that have a value.
+    #[must_use]
+    pub fn of_some<T>(values: PerAxis<Option<T>>) -> Self {
+        let mut set = Self::NONE;
+        values.iter().filter(|(_, value)| value.is_some()).for_each(|(axis, _)| set.insert(axis));
+        set
     }
 
     /// Adds an axis.
@@ -49,6 +60,11 @@ impl AxisSet {
         self.0 == 0
     }
 
+    /// The letters of the axes in lower case.
+    fn letters(self) -> String {
+        self.iter().map(axis_key).collect()
+    }
+
     /// The axes, X first.
     pub fn iter(self) -> impl Iterator<Item = Axis> {
         Axis::ALL.into_iter().filter(move |axis| self.contains(*axis))
@@ -62,40 +78,6 @@ pub enum Feed {
     PerMinute(f64),
     /// mm per revolution.
     PerRev(f64),
-}
-
-/// The plane of an arc. Seen with the first axis to the right and the second axis up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ArcPlane {
-    /// G17: X right, Y up.
-    Xy,
-    /// G18: Z right, X up.
-    #[default]
-    Zx,
-    /// G19: Y right, Z up.
-    Yz,
-}
-
-impl ArcPlane {
-    /// First and second axis.
-    #[must_use]
-    pub const fn axes(self) -> (Axis, Axis) {
-        match self {
-            Self::Xy => (Axis::X, Axis::Y),
-            Self::Zx => (Axis::Z, Axis::X),
-            Self::Yz => (Axis::Y, Axis::Z),
-        }
-    }
-
-    /// The G code.
-    #[must_use]
-    pub const fn g(self) -> u8 {
-        match self {
-            Self::Xy => 17,
-            Self::Zx => 18,
-            Self::Yz => 19,
-        }
-    }
 }
 
 /// How consecutive blocks are blended.
@@ -140,6 +122,19 @@ pub struct GaugeMove {
     pub retract_mm: f64,
 }
 
+impl GaugeMove {
+    fn fields(&self, put: &mut dyn FnMut(&str, Value)) {
+        put(axis_key(self.axis), json!(self.to));
+        put("f", json!(self.fast_mm_min));
+        put("j", json!(self.fine_mm_min));
+        put("p", json!(self.first_input));
+        if let Some(second) = self.second_input {
+            put("q", json!(second));
+        }
+        put("l", json!(self.retract_mm));
+    }
+}
+
 /// Number of reference points: the machine zero (G28) and three more (G30 P2 to P4).
 pub const REFERENCE_POINTS: usize = 4;
 
@@ -170,7 +165,7 @@ pub enum Op {
     Arc {
         to: PerAxis<f64>,
         center: PerAxis<f64>,
-        plane: ArcPlane,
+        plane: Plane,
         turn: i8,
         feed: Feed,
         words: AxisSet,
@@ -247,25 +242,6 @@ impl Op {
         }
     }
 
-    /// Whether it moves axes. Oscillation does not count.
-    #[must_use]
-    pub const fn is_motion(&self) -> bool {
-        matches!(
-            self,
-            Self::Rapid { .. }
-                | Self::Feed { .. }
-                | Self::Arc { .. }
-                | Self::MachineMove { .. }
-                | Self::ReturnToReference { .. }
-                | Self::Skip { .. }
-                | Self::DressReturn { .. }
-                | Self::Gauge(_)
-                | Self::Thread(_)
-                | Self::HomeSwitch { .. }
-                | Self::IndexTurret { by: Some(_), .. }
-        )
-    }
-
     /// The operation as one JSON object, with the machine's axes only. A feed per revolution adds `"per":"rev"`.
     #[must_use]
     pub fn json(&self, axes: PerAxis<bool>) -> Value {
@@ -321,19 +297,36 @@ impl Op {
                 put_feed(put, *feed);
                 put("signal", json!(signal));
             }
-            Self::AddWear { .. }
-            | Self::DressReturn { .. }
-            | Self::OscillationOn { .. }
-            | Self::OscillationOff
-            | Self::Gauge(_) => self.grinding_fields(axes, put),
-            Self::Thread(_) | Self::HomeSwitch { .. } | Self::IndexTurret { .. } => self.turning_fields(axes, put),
+            Self::AddWear { number, by } => {
+                put("offset", json!(number));
+                put_points(put, "", axes, *by);
+            }
+            Self::DressReturn { axes, feed } => {
+                put("axes", json!(axes.letters()));
+                put_some(put, [("f", *feed)]);
+            }
+            Self::OscillationOn { stroke, ramp_ms, strokes_min } => {
+                if let Some((axis, to)) = stroke {
+                    put(axis_key(*axis), json!(to));
+                }
+                put_some(put, [("ramp", *ramp_ms), ("strokes", *strokes_min)]);
+            }
+            Self::OscillationOff => {}
+            Self::Gauge(gauging) => gauging.fields(put),
+            Self::Thread(ThreadMove { to, run_out_start: out, lead_mm }) => {
+                put_points(put, "", axes, *to);
+                put_points(put, "out", axes, *out);
+                put("lead", json!(lead_mm));
+            }
+            Self::HomeSwitch { axes } => put("axes", json!(axes.letters())),
+            Self::IndexTurret { station, by } => {
+                put("tool", json!(station));
+                put("offset", json!(if by.is_some() { *station } else { 0 }));
+                by.iter().for_each(|by| put_points(put, "d", axes, *by));
+            }
             Self::M { code, s, p, l } => {
                 put("code", json!(code));
-                for (key, value) in [("s", s), ("p", p), ("l", l)] {
-                    if let Some(value) = value {
-                        put(key, json!(value));
-                    }
-                }
+                put_some(put, [("s", *s), ("p", *p), ("l", *l)]);
             }
             Self::S { value, mode } => put_both(put, ("value", json!(value)), ("unit", json!(mode.unit()))),
             Self::T { tool, offset } => put_both(put, ("tool", json!(tool)), ("offset", json!(offset))),
@@ -349,65 +342,24 @@ impl Op {
         }
     }
 
-    /// The fields of the grinding functions.
-    fn grinding_fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
+    /// The axes of a block with coordinate words, and those of them with an incremental word.
+    const fn programmed_axes(&self) -> Option<(AxisSet, AxisSet)> {
         match self {
-            Self::AddWear { number, by } => {
-                put("offset", json!(number));
-                put_points(put, "", axes, *by);
+            Self::Rapid { words, incremental, .. } | Self::Feed { words, incremental, .. } => {
+                Some((*words, *incremental))
             }
-            Self::DressReturn { axes, feed } => {
-                let names: String = axes.iter().map(|axis| axis.letter().to_ascii_lowercase()).collect();
-                put("axes", json!(names));
-                if let Some(feed) = feed {
-                    put("f", json!(feed));
-                }
+            Self::Arc { words, incremental, .. } | Self::Skip { words, incremental, .. } => {
+                Some((*words, *incremental))
             }
-            Self::OscillationOn { stroke, ramp_ms, strokes_min } => {
-                if let Some((axis, to)) = stroke {
-                    put(&axis.letter().to_ascii_lowercase().to_string(), json!(to));
-                }
-                for (key, value) in [("ramp", ramp_ms), ("strokes", strokes_min)] {
-                    if let Some(value) = value {
-                        put(key, json!(value));
-                    }
-                }
-            }
-            Self::OscillationOff => {}
-            Self::Gauge(gauging) => {
-                put(&gauging.axis.letter().to_ascii_lowercase().to_string(), json!(gauging.to));
-                put("f", json!(gauging.fast_mm_min));
-                put("j", json!(gauging.fine_mm_min));
-                put("p", json!(gauging.first_input));
-                if let Some(second) = gauging.second_input {
-                    put("q", json!(second));
-                }
-                put("l", json!(gauging.retract_mm));
-            }
-            _ => {}
-        }
-    }
-
-    /// The fields of the lathe's functions.
-    fn turning_fields(&self, axes: PerAxis<bool>, put: &mut dyn FnMut(&str, Value)) {
-        match self {
-            Self::Thread(ThreadMove { to, run_out_start: out, lead_mm }) => {
-                put_points(put, "", axes, *to);
-                put_points(put, "out", axes, *out);
-                put("lead", json!(lead_mm));
-            }
-            Self::HomeSwitch { axes } => {
-                let names: String = axes.iter().map(|axis| axis.letter().to_ascii_lowercase()).collect();
-                put("axes", json!(names));
-            }
-            Self::IndexTurret { station, by } => {
-                put("tool", json!(station));
-                put("offset", json!(if by.is_some() { *station } else { 0 }));
-                if let Some(by) = by {
-                    put_points(put, "d", axes, *by);
-                }
-            }
-            _ => {}
+            Self::ReturnToReference { words, incremental, .. } => Some((*words, *incremental)),
+            Self::Dwell { .. } | Self::SetPathMode(_) | Self::SelectWorkOffset { .. } => None,
+            Self::SetCoordinateSystem { .. } | Self::SpeedLimit { .. } | Self::MachineMove { .. } => None,
+            Self::AddWear { .. } | Self::DressReturn { .. } | Self::Gauge(_) => None,
+            Self::OscillationOn { .. } | Self::OscillationOff => None,
+            Self::Thread(_) | Self::HomeSwitch { .. } | Self::IndexTurret { .. } => None,
+            Self::M { .. } | Self::S { .. } | Self::T { .. } => None,
+            Self::SetVariable { .. } | Self::SetSystemVariable { .. } => None,
+            Self::Alarm { .. } | Self::DisplayMessage { .. } | Self::StopWithMessage { .. } => None,
         }
     }
 
@@ -454,6 +406,23 @@ impl SpeedMode {
     }
 }
 
+/// The key of an axis: its letter in lower case.
+const fn axis_key(axis: Axis) -> &'static str {
+    match axis {
+        Axis::X => "x",
+        Axis::Y => "y",
+        Axis::Z => "z",
+    }
+}
+
+fn put_some<const N: usize>(put: &mut dyn FnMut(&str, Value), fields: [(&str, Option<f64>); N]) {
+    for (key, value) in fields {
+        if let Some(value) = value {
+            put(key, json!(value));
+        }
+    }
+}
+
 fn put_points(put: &mut dyn FnMut(&str, Value), prefix: &str, axes: PerAxis<bool>, to: PerAxis<f64>) {
     put_prefixed_points(put, prefix, PerAxis::from_fn(|axis| axes[axis].then_some(to[axis])));
 }
@@ -465,7 +434,7 @@ fn put_some_points(put: &mut dyn FnMut(&str, Value), to: PerAxis<Option<f64>>) {
 fn put_prefixed_points(put: &mut dyn FnMut(&str, Value), prefix: &str, to: PerAxis<Option<f64>>) {
     for (axis, value) in to.iter() {
         if let Some(value) = value {
-            put(&format!("{prefix}{}", axis.letter().to_ascii_lowercase()), json!(value));
+            put(&format!("{prefix}{}", axis_key(axis)), json!(value));
         }
     }
 }
@@ -497,12 +466,7 @@ impl fmt::Display for Op {
             });
         });
         written?;
-        let (words, incremental) = match self {
-            Self::Rapid { words, incremental, .. } | Self::Feed { words, incremental, .. } => (*words, *incremental),
-            Self::Arc { words, incremental, .. } | Self::Skip { words, incremental, .. } => (*words, *incremental),
-            Self::ReturnToReference { words, incremental, .. } => (*words, *incremental),
-            _ => return Ok(()),
-        };
+        let Some((words, incremental)) = self.programmed_axes() else { return Ok(()) };
         f.write_str(" [")?;
         for axis in words.iter() {
             write!(f, "{axis}{}", if incremental.contains(axis) { "+" } else { "" })?;

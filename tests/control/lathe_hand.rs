@@ -156,6 +156,20 @@ fn l9_interference_is_told_before_anything_moves() {
     assert_eq!(into(deep, &[("P402", 3.0)]), told(4, "part"));
 }
 
+/// Homing by the switches moves the axes at rapid: it is drawn, and out of a groove it crashes.
+#[test]
+fn l6_l9_homing_is_drawn_and_told_as_interference() {
+    let homes = |blocks: &str| drawn(&format!("N0010G92X60Z20\nN0020M03\n{blocks}\nN0090M02"), &[("P402", 3.0)]);
+    let free = homes("N0030G01X50Z-10F300\nN0040G36");
+    assert_eq!((free.faults.len(), free.crashes.len()), (0, 0), "{:?}", free.faults);
+    let still = homes("N0030G01X50Z-10F300");
+    let points = |drawing: &Toolpath| drawing.levels[0].points.len();
+    assert_eq!(points(&free), points(&still) + 2, "X, then Z");
+    let groove = homes("N0030G01Z-10F300\nN0040X42F50\nN0050G39");
+    let lines: Vec<u32> = groove.faults.iter().map(|fault| fault.line).collect();
+    assert_eq!((lines, groove.crashes.len()), (vec![5], 1), "{:?}", groove.faults);
+}
+
 #[test]
 fn l9_a_tool_as_it_is_defined_crashes_in_the_run_as_in_the_drawing() {
     let folder = tempfile::tempdir().unwrap();

@@ -4,8 +4,9 @@ use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::BlockContext;
 use crate::nc::fault::{ReadResult, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{ArcPlane, PathMode, SpeedMode};
+use crate::nc::op::{PathMode, SpeedMode};
 use crate::nc::words::{BlockWords, Code};
+use crate::units::Plane;
 
 /// Groups of G codes; a block may contain one code of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,7 +123,7 @@ fn apply_code(running: &mut BlockContext<'_, '_>, plan: &mut SinumerikCodes, gro
             modals.motion = MotionMode::from_g(code.number).unwrap_or_default();
         }
         SinumerikGroup::Dwell => plan.dwell = Some(code),
-        SinumerikGroup::Plane => modals.plane = ArcPlane::Zx,
+        SinumerikGroup::Plane => modals.plane = Plane::Zx,
         SinumerikGroup::WorkOffset => {
             plan.work_offset = true;
             modals.work_offset = code.number as u8;

@@ -5,9 +5,9 @@ use crate::defs::program_error::ProgramError as E;
 use crate::nc::dialect::BlockContext;
 use crate::nc::fault::{ReadResult, fail, fail1, fail2};
 use crate::nc::modal::MotionMode;
-use crate::nc::op::{ArcPlane, AxisSet, Feed, Op};
+use crate::nc::op::{AxisSet, Feed, Op};
 use crate::nc::words::{BlockWords, Word};
-use crate::units::{Axis, PerAxis};
+use crate::units::{Axis, PerAxis, Plane};
 
 /// Ranges of F, mm/min on Z: G00, G01 and G23, G02 and G03.
 const RAPID_FEED_RANGE: (f64, f64) = (2_000.0, 6_000.0);
@@ -186,7 +186,7 @@ pub(super) fn arc_move(running: &mut BlockContext<'_, '_>, place: usize, iso_opp
     let turning = &running.settings.superman;
     let feed = running.modals.feed.filter(|feed| *feed <= ARC_FEED_RANGE.1).unwrap_or(turning.arc_feed);
     let feed = Feed::PerMinute(feed);
-    running.ops.push(Op::Arc { to, center, plane: ArcPlane::Zx, turn, feed, words, incremental });
+    running.ops.push(Op::Arc { to, center, plane: Plane::Zx, turn, feed, words, incremental });
     Ok(())
 }
 
