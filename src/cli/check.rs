@@ -198,7 +198,7 @@ fn analyse_program(
     let axes = settings.axes;
     let folders = setup::folders(shared)?;
     let (mut programs, _) = folders.read_programs().unwrap_or_else(|_| (Programs::default(), Vec::new()));
-    programs.replace(named_programs_beside(path));
+    programs.replace(named_programs_beside(path, settings.dialect));
     let library: Arc<dyn Library + Send + Sync> = Arc::new(programs);
     let mut memory = retained.variables.clone();
     let mut world = OfflineMachine::new(&settings)
@@ -207,7 +207,7 @@ fn analyse_program(
     for (variable, row) in PARAM_VARIABLES {
         world.set_system(variable.first, Some(retained.params.get(row)));
     }
-    let source = program_from_bytes(number, &path.display().to_string(), bytes).source;
+    let source = program_from_bytes(number, &path.display().to_string(), bytes, settings.dialect).source;
     let part = setup::part(shared, number)?;
     let mut limits = soft_limit_check(shared, &world, &retained, (&source, part.as_ref()), &settings)?;
     if let Some(part) = part.as_ref().filter(|_| !settings.start_is_work_zero) {

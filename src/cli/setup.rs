@@ -183,8 +183,8 @@ pub fn find_program(rig: &mut HeadlessHost, word: &str) -> Result<u32, CallError
     let by_name = program_subfolder(rig.kind()).is_some() && !stem.is_empty();
     let named = if by_name { Some(crate::defs::program_number::from_name(&stem)) } else { named };
     let number = named.unwrap_or(DEFAULT_NUMBER);
-    rig.add_programs(named_programs_beside(path));
-    rig.add_program(program_from_bytes(number, word, bytes));
+    rig.add_programs(named_programs_beside(path, rig.kind().dialect()));
+    rig.add_program(program_from_bytes(number, word, bytes, rig.kind().dialect()));
     Ok(number)
 }
 

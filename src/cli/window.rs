@@ -185,7 +185,8 @@ impl ControlConnection {
         self.mounted_bar = (number, defined);
         let row = self.snapshot.directory.iter().find(|row| row.number == number);
         let name = row.map_or("", |row| row.name.as_str());
-        let source = Arc::new(Source::new(number, name, self.snapshot.program.text.bytes().collect::<Vec<u8>>()));
+        let text = self.snapshot.program.text.bytes().collect::<Vec<u8>>();
+        let source = Arc::new(Source::new(number, name, text, self.snapshot.kind.dialect()));
         if let Some(part) = bar::bar_of_program(self.snapshot.kind, &self.snapshot.params, &source) {
             self.mount_part(part);
         }

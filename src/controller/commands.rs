@@ -183,7 +183,7 @@ impl Controller {
             return self.refuse(why);
         }
         if matches!(self.request(Request::MdiStart), RequestResult::Accepted) {
-            let source = std::sync::Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
+            let source = std::sync::Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), self.kind_row.dialect));
             self.open_run(source, super::run::Origin::Mdi);
         }
     }

@@ -13,6 +13,7 @@ use crate::defs::text::LocalizedText;
 use crate::link::snapshot::ThreadCut;
 use crate::machine::RequestResult;
 use crate::motion::{ThreadMover, ThreadPass};
+use crate::nc::ThreadMove;
 use crate::units::{Axis, Micros, PerAxis};
 
 /// Maximum number of recorded threads.
@@ -72,11 +73,6 @@ pub struct ThreadMeasurement {
 }
 
 impl Controller {
-    /// The highest spindle speed for a lead, rpm.
-    fn max_thread_rpm(lead_mm: f64) -> f64 {
-        1_200.0 / lead_mm - 80.0
-    }
-
     /// Program, line and column of the thread code, or of its block if the code is modal from an earlier block.
     fn thread_location(&self) -> LocalizedText {
         let (program, line) = (self.current_block.program, self.current_block.line);
@@ -98,7 +94,7 @@ impl Controller {
             self.raise(alarm::SPINDLE_NOT_TURNING, Some(self.thread_location()));
             return ActionStatus::Wait;
         }
-        let (rpm, limit) = (self.lathe.spindle.rpm.abs(), Self::max_thread_rpm(thread.lead_mm));
+        let (rpm, limit) = (self.lathe.spindle.rpm.abs(), ThreadMove::max_spindle_rpm(thread.lead_mm));
         // The speed is measured: one or two rpm above the limit are no program fault.
         if rpm > limit * 1.01 + 1.0 {
             let (at, lead_mm) = (self.thread_location(), thread.lead_mm);

@@ -61,7 +61,7 @@ impl Controller {
 
     /// Checks the first block of the line from the present machine position.
     fn check_mdi(&self, line: &str) -> Result<(), LocalizedText> {
-        let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec()));
+        let source = Arc::new(Source::new(0, "MDI", line.as_bytes().to_vec(), self.kind_row.dialect));
         let settings = NcSettings { needs_block_numbers: false, ..nc_settings(self.kind, &self.params) };
         let modals = self.mdi_modals.unwrap_or_else(|| ModalState::new(&settings));
         let mut frames = self.work_offsets.clone();

@@ -14,7 +14,7 @@ use crate::defs::mcode::Request;
 use crate::defs::param;
 use crate::defs::text::{LocalizedText, Text};
 use crate::machine::RequestResult;
-use crate::nc::{BlockLocation, Library, Source};
+use crate::nc::{self, BlockLocation, Library, Source};
 use crate::units::{Axis, PerAxis};
 
 /// The programs that retract and return the wheel.
@@ -135,6 +135,13 @@ impl Controller {
                 format!("the programs folder has no O{number:04}: no retract"),
             ));
         }
+        let dialect = self.kind_row.dialect;
+        let Some(call) = nc::call_text(dialect, number) else {
+            return self.refuse(LocalizedText::new(
+                format!("该机型的程序不能调用 O{number:04}，不能一键回退"),
+                format!("the programs of this kind cannot call O{number:04}: no retract"),
+            ));
+        };
         let still = self.allows_manual_motion() && (self.axes.owner() == AxisOwner::Program || self.axes.is_at_rest());
         if !still || !self.no_manual_motion() {
             return self.refuse(LocalizedText::new("轴还在运动，请稍候", "the axes still move"));
@@ -148,7 +155,7 @@ impl Controller {
             self.retract.suspended = Some(Box::new(SuspendedRun { run, place, active_offset: active, tool, offset }));
         }
         // Called as a subprogram: M99 ends it; M30 ends it too, without its machine actions.
-        let source = Arc::new(Source::new(0, "一键回退", format!("M98 P{number}").into_bytes()));
+        let source = Arc::new(Source::new(0, "一键回退", call.into_bytes(), dialect));
         let modals = self.mdi_modals.take();
         self.open_run(source, Origin::Retract);
         self.mdi_modals = modals;

@@ -116,6 +116,12 @@ impl Dialect {
         matches!(self, Self::LatheA | Self::Mill)
     }
 
+    /// Round brackets enclose comments. With R parameters they belong to expressions (S1).
+    #[must_use]
+    pub const fn has_bracket_comments(self) -> bool {
+        !self.has_r_parameters()
+    }
+
     /// R parameters exist, and round brackets belong to expressions (S1).
     #[must_use]
     pub const fn has_r_parameters(self) -> bool {

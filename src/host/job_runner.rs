@@ -447,7 +447,7 @@ fn delete_program(folder: &Folder, of: &ProgramFile) -> Result<FileAnswer, Refus
 
 /// Checks the syntax of some lines. Jumps out of them and loops across them are allowed.
 fn check_lines(number: u32, first: u32, text: &str, token: u64, settings: &NcSettings) -> LineCheck {
-    let source = Arc::new(Source::new(number, "", text.as_bytes().to_vec()));
+    let source = Arc::new(Source::new(number, "", text.as_bytes().to_vec(), settings.dialect));
     let found = check_syntax(&source, settings);
     let faults = found.iter().map(line_fault).map(|fault| {
         let line = first + fault.line.saturating_sub(1);

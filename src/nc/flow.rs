@@ -3,18 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::dialect;
 use super::expression::Value;
 use super::fault::{ReadResult, fail1, fail2};
-use super::source::{LOOP_DEPTH, LoopEnd, Source};
+use super::source::Source;
+use super::source_index::{LOOP_DEPTH, LoopEnd};
 use crate::defs::program_error::ProgramError as E;
-use crate::defs::program_number;
-
-/// Deepest nesting of M98.
-pub(crate) const SUB_DEPTH: usize = 4;
-/// Deepest nesting of G65 and G66.
-pub(crate) const MACRO_DEPTH: usize = 4;
-/// Deepest nesting of SINUMERIK L calls: eight levels with the main program (DECISION).
-pub(crate) const L_DEPTH: usize = 7;
 
 /// Deepest nesting of counted loops (G22) and of subprograms in the same text.
 pub(crate) const COUNTED_DEPTH: usize = 255;
@@ -252,11 +246,7 @@ impl Flow {
     pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool) -> ReadResult<()> {
         let is_macro = matches!(call.callee, Callee::Macro(_));
         let same = |level: &&CallFrame| matches!(level.callee, Callee::Macro(_)) == is_macro;
-        let (limit, name) = match is_macro {
-            true => (MACRO_DEPTH, "G65/G66"),
-            false if program_number::is_l_number(source.number()) => (L_DEPTH, "L"),
-            false => (SUB_DEPTH, "M98"),
-        };
+        let (limit, name) = dialect::rules(source.dialect()).call_limit(&call.callee);
         if self.call_stack.iter().filter(same).count() >= limit {
             return fail2(call.at, E::TooDeep, name, limit.to_string());
         }

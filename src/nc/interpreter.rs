@@ -14,7 +14,7 @@ use super::modal::ModalState;
 use super::op::Op;
 use super::scope::{LiveScope, NullUse};
 use super::settings::NcSettings;
-use super::source::{Library, Source, is_at_text_head};
+use super::source::{Library, Source};
 use super::statement::{self, BlockContent, ReadOptions};
 use super::words::BlockWords;
 use crate::defs::program_error::ProgramError as E;
@@ -259,38 +259,30 @@ impl Interpreter {
         if cursor.is_truncated(text) {
             return fail(at, E::BlockTooLong);
         }
-        let step = match read? {
-            BlockContent::Words => {
-                let mut running = BlockContext {
-                    words: &self.block_words,
-                    modals: &mut self.modals,
-                    settings: &self.settings,
-                    ops: &mut block.ops,
-                    scope: &mut scope,
-                    text,
-                    at,
-                    flow: &self.flow,
-                    second_half: self.second_half,
-                };
-                if self.block_words.has(b'O') && !is_at_text_head(text, at) {
-                    return fail(self.block_words.peek(b'O').map_or(at, |word| word.at as usize), E::MisplacedO);
-                }
-                let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, &cursor, block));
-                match &done {
-                    Ok(_) => self.modals.modal_call = self.flow.modal_call.is_some(),
-                    Err(_) => self.modals = before,
-                }
-                done?
+        let content = read?;
+        let step = if matches!(content, BlockContent::Words) {
+            if self.block_words.has(b'O') && !source.is_at_head(at) {
+                return fail(self.block_words.peek(b'O').map_or(at, |word| word.at as usize), E::MisplacedO);
             }
-            BlockContent::Assign { at, .. }
-            | BlockContent::Goto { at, .. }
-            | BlockContent::While { at, .. }
-            | BlockContent::EndLoop { at, .. }
-                if !dialect::has_macros(&self.settings) =>
-            {
-                return fail(at, E::NoMacros);
+            let mut running = BlockContext {
+                words: &self.block_words,
+                modals: &mut self.modals,
+                settings: &self.settings,
+                ops: &mut block.ops,
+                scope: &mut scope,
+                text,
+                at,
+                flow: &self.flow,
+                second_half: self.second_half,
+            };
+            let done = dialect::execute(&mut running).and_then(|step| self.apply_flow_action(step, &cursor, block));
+            match &done {
+                Ok(_) => self.modals.modal_call = self.flow.modal_call.is_some(),
+                Err(_) => self.modals = before,
             }
-            content => self.run_statement(content, &cursor, block, text)?,
+            done?
+        } else {
+            self.run_statement(content, &cursor, block, text)?
         };
         self.last_block_number = self.block_words.block_number.or(self.last_block_number);
         block.location = BlockLocation { program: source.number(), line, n: self.block_words.block_number };
@@ -337,6 +329,14 @@ impl Interpreter {
         text: &[u8],
     ) -> ReadResult<StepStatus> {
         match content {
+            BlockContent::Assign { at, .. }
+            | BlockContent::Goto { at, .. }
+            | BlockContent::While { at, .. }
+            | BlockContent::EndLoop { at, .. }
+                if !dialect::rules(self.settings.dialect).has_macros() =>
+            {
+                return fail(at, E::NoMacros);
+            }
             BlockContent::Empty | BlockContent::Words => {
                 self.advance_past_block(cursor);
             }
@@ -362,7 +362,7 @@ impl Interpreter {
             }
             BlockContent::EndLoop { number, at } => self.flow.end_loop(number, at)?,
             // A `%` at the head of a text does not end it.
-            BlockContent::TextEnd { at } if is_at_text_head(text, at) && !text[..at].contains(&b'%') => {
+            BlockContent::TextEnd { at } if self.flow.source.is_at_head(at) && !text[..at].contains(&b'%') => {
                 self.advance_past_block(cursor)
             }
             BlockContent::TextEnd { at } => return self.end_of_text(at),
@@ -476,7 +476,7 @@ impl Interpreter {
             FlowAction::Return { target, at } => {
                 self.second_half = false;
                 self.condition_changed = true;
-                if self.flow.is_main() && !dialect::has_macros(&self.settings) {
+                if self.flow.is_main() && !dialect::rules(self.settings.dialect).has_macros() {
                     return fail(at, E::ReturnWithoutCall);
                 }
                 self.flow.return_to(target, at)?;

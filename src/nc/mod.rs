@@ -28,6 +28,7 @@ pub mod program_uses;
 mod scope;
 pub mod settings;
 pub mod source;
+mod source_index;
 mod statement;
 mod unexecuted_lines;
 mod words;
@@ -35,6 +36,7 @@ pub mod work_offsets;
 
 pub use check::{CheckReport, ProgramCheck, check, check_syntax, check_until, check_with};
 pub use common_variables::{CommonVariables, VariableError};
+pub use dialect::call_text;
 pub use external_state::{ExternalState, LiveValue, OfflineMachine};
 pub use fault::{BlockLocation, ProgramFault};
 pub use interpreter::{Block, Interpreter, NextStatus};

@@ -163,7 +163,7 @@ impl ModalState {
     #[must_use]
     pub fn g_codes(&self, system: Dialect) -> [u8; 8] {
         let ModalCodes { distance_is_modal: modal_distance, per_minute, per_rev, inch, metric, exact_stop: exact } =
-            dialect::modal_codes(system);
+            dialect::rules(system).modal_codes();
         [
             self.motion.g(),
             self.plane.g(),

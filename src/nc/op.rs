@@ -149,6 +149,14 @@ pub struct ThreadMove {
     pub lead_mm: f64,
 }
 
+impl ThreadMove {
+    /// The highest spindle speed for a lead, rpm.
+    #[must_use]
+    pub fn max_spindle_rpm(lead_mm: f64) -> f64 {
+        1_200.0 / lead_mm - 80.0
+    }
+}
+
 /// A canonical operation.
 ///
 /// In moves, `words` holds the axes that the block names. `incremental` holds those that it names as distances.

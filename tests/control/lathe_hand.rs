@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::stories::{rig_of, tell};
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::defs::page::Page;
 use kt830::defs::param::ParamAddress;
 use kt830::defs::program_number::from_name;
@@ -23,7 +23,10 @@ fn screens() -> std::path::PathBuf {
 
 /// A ready lathe whose programs lie in a folder of their own.
 fn lathe(folder: &Path) -> HeadlessHost {
-    let mut rig = rig_of(Kind::Lathe, Folders { programs: folder.to_owned(), screens: screens(), by_name: true });
+    let mut rig = rig_of(
+        Kind::Lathe,
+        Folders { programs: folder.to_owned(), screens: screens(), by_name: true, dialect: Dialect::SuperMan },
+    );
     rig.make_ready();
     rig.step();
     rig
@@ -79,7 +82,12 @@ fn l9_teach_in_is_refused_in_a_run_and_where_there_is_nothing_and_on_a_grinder()
     let folder = tempfile::tempdir().unwrap();
     let mut rig = lathe(folder.path());
     tell(&mut rig, "teach keep\nexpect message \"没有录返记录\"\nteach stop\nexpect message \"没有录返记录\"");
-    rig.add_program(program_from_bytes(from_name("LONG"), "LONG.NC", b"N0010G04F5\r\nN0020M02".to_vec()));
+    rig.add_program(program_from_bytes(
+        from_name("LONG"),
+        "LONG.NC",
+        b"N0010G04F5\r\nN0020M02".to_vec(),
+        rig.kind().dialect(),
+    ));
     tell(&mut rig, "load LONG\nmode auto\nkey cycle-start\nwait 1 s\nteach start\nexpect message \"不能录返\"");
     let mut rig = crate::stories::ready();
     tell(&mut rig, "teach start\nexpect message \"没有录返功能\"\npage teach\nexpect message \"本机床没有\"");
@@ -118,7 +126,7 @@ fn l9_a_program_with_a_name_is_edited_copied_and_deleted() {
 fn drawn(text: &str, params: &[(&str, f64)]) -> Arc<Toolpath> {
     let folder = tempfile::tempdir().unwrap();
     let mut rig = lathe(folder.path());
-    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
     for (at, value) in [("P384", 45.0)].iter().chain(params) {
         rig.send(Command::SetParam(ParamAddress::parse(at).unwrap(), *value));
     }
@@ -175,7 +183,7 @@ fn l9_a_tool_as_it_is_defined_crashes_in_the_run_as_in_the_drawing() {
     let folder = tempfile::tempdir().unwrap();
     let mut rig = lathe(folder.path());
     let text = b"N0010G92X60Z20\nN0020M03\nN0030G01X35F300\nN0040Z-30\nN0050M02".to_vec();
-    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text));
+    rig.add_program(program_from_bytes(from_name("PART"), "PART.NC", text, rig.kind().dialect()));
     tell(&mut rig, "param P384 45\nparam P402 3");
     let bar = rig.bar_of_program(from_name("PART")).unwrap();
     rig.mount_part(&bar);

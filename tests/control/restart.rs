@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::stories::{ready_with, rig_of, tell};
-use kt830::defs::kind::Kind;
+use kt830::defs::kind::{Dialect, Kind};
 use kt830::host::folders::{Folders, program_from_bytes};
 use kt830::host::headless::HeadlessHost;
 use kt830::link::Command;
@@ -106,9 +106,14 @@ fn b5_a_run_that_ended_leaves_nothing_to_resume() {
 /// A ready lathe with a program of this text, in automatic mode.
 fn ready_lathe(text: &str) -> HeadlessHost {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = Folders { programs: root.join("programs/lathe"), screens: root.join("screens"), by_name: true };
+    let folders = Folders {
+        programs: root.join("programs/lathe"),
+        screens: root.join("screens"),
+        by_name: true,
+        dialect: Dialect::SuperMan,
+    };
     let mut rig = rig_of(Kind::Lathe, folders);
-    rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec()));
+    rig.add_program(program_from_bytes(7_000, "PART.NC", text.as_bytes().to_vec(), rig.kind().dialect()));
     rig.make_ready();
     rig.step();
     tell(&mut rig, "load PART\nmode auto");

@@ -1,7 +1,7 @@
 //! The G codes of a block. Each is looked up; none is ignored. Source: spec S1.
 
 use crate::defs::program_error::ProgramError as E;
-use crate::nc::dialect::BlockContext;
+use crate::nc::dialect::{BlockContext, common};
 use crate::nc::fault::{ReadResult, fail2};
 use crate::nc::modal::MotionMode;
 use crate::nc::op::{PathMode, SpeedMode};
@@ -91,17 +91,8 @@ pub(super) fn check_codes(words: &BlockWords) -> ReadResult<()> {
 const EXCLUSIVE_M_CODES: [&[u32]; 2] = [&[3, 4, 5], &[7, 8, 9]];
 
 /// Refuses mutually exclusive M codes in one block, such as M3 and M4.
-pub(in crate::nc::dialect) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {
-    for codes in EXCLUSIVE_M_CODES {
-        let mut found = words.m().iter().filter(|code| codes.contains(&code.number));
-        if let (Some(first), Some(second)) = (found.next(), found.next())
-            && first.number != second.number
-        {
-            let [a, b] = [first, second].map(|code| format!("M{}", code.number));
-            return fail2(second.at as usize, E::DoubleGroup, a, b);
-        }
-    }
-    Ok(())
+pub(super) fn check_exclusive_m_codes(words: &BlockWords) -> ReadResult<()> {
+    common::check_exclusive_m_codes(words, &EXCLUSIVE_M_CODES, 1)
 }
 
 /// Reads the G codes.
