@@ -122,7 +122,7 @@ impl<'a> InterlockCheck<'a> {
                 self.oscillating = Some(axis);
                 refused
             }
-            OpEffect::Oscillation(OscillationChange::Cylinder) => self.request(Request::CylinderOn, "G35"),
+            OpEffect::Oscillation(OscillationChange::Cylinder { .. }) => self.request(Request::CylinderOn, "G35"),
             OpEffect::Oscillation(OscillationChange::Off) => {
                 self.oscillating = None;
                 None

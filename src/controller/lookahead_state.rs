@@ -109,7 +109,7 @@ impl LookaheadState {
                 match message {
                     ProgramMessage::Alarm(number, text) => QueuedAction::Alarm(number as u16, said(text), at),
                     ProgramMessage::Show(text) => QueuedAction::Note(said(text)),
-                    ProgramMessage::Stop(text) => QueuedAction::Message(said(text)),
+                    ProgramMessage::Stop(_, text) => QueuedAction::Message(said(text)),
                 }
             }
         };
@@ -213,7 +213,7 @@ impl LookaheadState {
 
     fn change_oscillation(&mut self, change: OscillationChange, params: &Params) -> Result<QueuedAction, MoveRefusal> {
         match change {
-            OscillationChange::Cylinder => Ok(QueuedAction::Cylinder(true)),
+            OscillationChange::Cylinder { .. } => Ok(QueuedAction::Cylinder(true)),
             OscillationChange::Off => {
                 self.oscillating = None;
                 Ok(QueuedAction::Cylinder(false))

@@ -127,13 +127,4 @@ impl Dialect {
     pub const fn has_r_parameters(self) -> bool {
         matches!(self, Self::Sinumerik)
     }
-
-    /// Initial text of a new program with this number.
-    #[must_use]
-    pub fn new_program_text(self, number: u32) -> String {
-        match self {
-            Self::SuperMan => "N0010M02\r\n".to_owned(),
-            Self::LatheA | Self::Mill | Self::Sinumerik => format!("O{number:04}\r\n\r\nM30\r\n"),
-        }
-    }
 }

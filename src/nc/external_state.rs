@@ -254,7 +254,7 @@ impl OfflineMachine {
             }
             OpEffect::IndexTurret { station, by } => self.change_tool(station, by),
             // An oscillating axis returns to its start.
-            OpEffect::Oscillation(OscillationChange::Axis { .. } | OscillationChange::Cylinder) => {
+            OpEffect::Oscillation(OscillationChange::Axis { .. } | OscillationChange::Cylinder { .. }) => {
                 self.oscillation_end = Some(false);
             }
             OpEffect::Oscillation(OscillationChange::Off) => self.oscillation_end = None,

@@ -238,9 +238,9 @@ impl Interpreter {
         if cursor.is_at_end() {
             return self.end_of_text(at);
         }
+        let head = ReadOptions { mid_line: self.flow.mid_line, block_skip: world.block_skip() };
         // A refused block must not change the modal state.
-        let (before, head) =
-            (self.modals, ReadOptions { mid_line: self.flow.mid_line, block_skip: world.block_skip() });
+        let before = self.modals;
         let mut scope = LiveScope {
             locals: self.flow.locals(),
             common_variables: &self.common_variables,
@@ -261,8 +261,8 @@ impl Interpreter {
         }
         let content = read?;
         let step = if matches!(content, BlockContent::Words) {
-            if self.block_words.has(b'O') && !source.is_at_head(at) {
-                return fail(self.block_words.peek(b'O').map_or(at, |word| word.at as usize), E::MisplacedO);
+            if let Some(word) = self.block_words.peek(b'O').filter(|_| !source.is_at_head(at)) {
+                return fail(word.at as usize, E::MisplacedO);
             }
             let mut running = BlockContext {
                 words: &self.block_words,
@@ -284,12 +284,19 @@ impl Interpreter {
         } else {
             self.run_statement(content, &cursor, block, text)?
         };
-        self.last_block_number = self.block_words.block_number.or(self.last_block_number);
-        block.location = BlockLocation { program: source.number(), line, n: self.block_words.block_number };
+        self.finish_block(source.number(), line, block);
+        Ok(step)
+    }
+
+    /// Adds location and modal state to the block just read.
+    #[inline]
+    fn finish_block(&mut self, program: u32, line: u32, block: &mut Block) {
+        let n = self.block_words.block_number;
+        self.last_block_number = n.or(self.last_block_number);
+        block.location = BlockLocation { program, line, n };
         if !block.ops.is_empty() {
             block.modals = self.modals;
         }
-        Ok(step)
     }
 
     /// Moves the flow past the block just read.
@@ -389,16 +396,7 @@ impl Interpreter {
                 // The G66 macro would have to run between the move and the jump.
                 return fail2(at, E::NotTogether, "G66", "M");
             }
-            FlowAction::Next => {
-                let modal = self.flow.modal_call.clone().filter(|_| moves);
-                let at = self.flow.at;
-                let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
-                self.advance_past_block(cursor);
-                if let (Some(modal), Some(source)) = (modal, source) {
-                    let callee = Callee::Macro(modal.arguments.clone());
-                    self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true)?;
-                }
-            }
+            FlowAction::Next => self.call_modal_macro(moves, cursor)?,
             FlowAction::SecondHalf => {
                 self.second_half = true;
                 block.complete = false;
@@ -433,6 +431,20 @@ impl Interpreter {
         } else {
             StepStatus::Block
         })
+    }
+
+    /// Goes to the next block. After a block with motion, calls the macro of G66 first.
+    #[inline]
+    fn call_modal_macro(&mut self, moves: bool, cursor: &Cursor<'_>) -> ReadResult<()> {
+        let modal = self.flow.modal_call.clone().filter(|_| moves);
+        let at = self.flow.at;
+        let source = modal.as_ref().map(|modal| self.find_program(modal.program, at)).transpose()?;
+        self.advance_past_block(cursor);
+        if let (Some(modal), Some(source)) = (modal, source) {
+            let callee = Callee::Macro(modal.arguments.clone());
+            self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true)?;
+        }
+        Ok(())
     }
 
     /// Executes jumps, loops, calls and returns.

@@ -23,6 +23,7 @@ pub mod modal;
 mod offline_run;
 pub mod op;
 pub mod op_effect;
+mod op_text;
 mod preflight;
 pub mod program_uses;
 mod scope;
@@ -36,7 +37,7 @@ pub mod work_offsets;
 
 pub use check::{CheckReport, ProgramCheck, check, check_syntax, check_until, check_with};
 pub use common_variables::{CommonVariables, VariableError};
-pub use dialect::call_text;
+pub use dialect::{call_text, new_program_text};
 pub use external_state::{ExternalState, LiveValue, OfflineMachine};
 pub use fault::{BlockLocation, ProgramFault};
 pub use interpreter::{Block, Interpreter, NextStatus};

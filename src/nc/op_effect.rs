@@ -172,7 +172,12 @@ pub enum OscillationChange {
         strokes_min: Option<f64>,
     },
     /// A cylinder oscillates.
-    Cylinder,
+    Cylinder {
+        /// Ramp, ms to 10 m/min.
+        ramp_ms: Option<f64>,
+        /// Strokes per minute.
+        strokes_min: Option<f64>,
+    },
     /// Nothing oscillates.
     Off,
 }
@@ -195,8 +200,8 @@ pub struct MCodeWords {
 pub enum ProgramMessage<'a> {
     /// Raises an alarm, 3000–3999, and stops.
     Alarm(u32, &'a str),
-    /// Stops until cycle start.
-    Stop(&'a str),
+    /// Stops until cycle start; the number is 0–999.
+    Stop(u32, &'a str),
     /// Shows a text until the next one.
     Show(&'a str),
 }
@@ -247,7 +252,9 @@ impl Op {
                     strokes_min: *strokes_min,
                 })
             }
-            Self::OscillationOn { stroke: None, .. } => OpEffect::Oscillation(OscillationChange::Cylinder),
+            Self::OscillationOn { stroke: None, ramp_ms, strokes_min } => {
+                OpEffect::Oscillation(OscillationChange::Cylinder { ramp_ms: *ramp_ms, strokes_min: *strokes_min })
+            }
             Self::OscillationOff => OpEffect::Oscillation(OscillationChange::Off),
             Self::SetPathMode(mode) => OpEffect::PathMode(*mode),
             Self::Dwell { s } => OpEffect::Dwell(*s),
@@ -257,7 +264,7 @@ impl Op {
             Self::SetVariable { variable, value } => OpEffect::Variable(*variable, *value),
             Self::SetSystemVariable { number, value } => OpEffect::SystemVariable(*number, *value),
             Self::Alarm { number, text } => OpEffect::Message(ProgramMessage::Alarm(*number, text)),
-            Self::StopWithMessage { text, .. } => OpEffect::Message(ProgramMessage::Stop(text)),
+            Self::StopWithMessage { number, text } => OpEffect::Message(ProgramMessage::Stop(*number, text)),
             Self::DisplayMessage { text } => OpEffect::Message(ProgramMessage::Show(text)),
         }
     }

@@ -151,6 +151,9 @@ pub(crate) trait DialectRules: Sync {
     /// The text of a block that calls a program; `None` if a block cannot call by a number.
     fn call_text(&self, program: u32) -> Option<String>;
 
+    /// The initial text of a new program with this number.
+    fn new_program_text(&self, number: u32) -> String;
+
     /// Deepest nesting of a call, and the name of the call.
     fn call_limit(&self, callee: &Callee) -> (usize, &'static str);
 
@@ -265,6 +268,12 @@ impl NcSettings {
             rapid_mm_min: PerAxis([6_000.0; 3]),
         }
     }
+}
+
+/// The initial text of a new program with this number.
+#[must_use]
+pub fn new_program_text(dialect: Dialect, number: u32) -> String {
+    rules(dialect).new_program_text(number)
 }
 
 /// The text of a block that calls a program in a dialect; `None` if a block cannot call by a number.

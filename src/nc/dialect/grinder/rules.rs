@@ -87,6 +87,10 @@ impl DialectRules for Rules {
         Some(format!("M98 P{program}"))
     }
 
+    fn new_program_text(&self, number: u32) -> String {
+        format!("O{number:04}\r\n\r\nM30\r\n")
+    }
+
     fn call_limit(&self, callee: &Callee) -> (usize, &'static str) {
         match callee {
             Callee::Macro(_) => (MACRO_DEPTH, "G65/G66"),

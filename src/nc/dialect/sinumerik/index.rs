@@ -30,3 +30,19 @@ fn leading_label(text: &[u8]) -> Option<&[u8]> {
     let after = text[name.len()..].iter().find(|byte| !matches!(byte, b' ' | b'\t'));
     (after == Some(&b':')).then_some(name)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::nc::settings::Dialect;
+    use crate::nc::source::Source;
+
+    #[test]
+    fn s1_an_802d_text_has_labels_and_neither_loops_nor_bracket_comments() {
+        let text = "AB1:G0\nN20 CD2: X=(R1)\n; EF3:\nN40 G22\nG80 M2\n";
+        let source = Source::new(1, "T.TXT", text.as_bytes(), Dialect::Sinumerik);
+        assert_eq!(source.find_label(0..3, 5, false).ok(), Some(0));
+        assert_eq!(source.find_label(11..14, 0, true).ok(), Some(1));
+        assert_eq!((source.find_block(20, 0), source.counted_loop_at(3), source.main_end_line()), (None, None, None));
+        assert_eq!(source.comment_title().as_deref(), Some("EF3:"));
+    }
+}

@@ -68,6 +68,10 @@ impl DialectRules for SinumerikRules {
         program_number::is_l_number(program).then(|| program_number::name_of(program))
     }
 
+    fn new_program_text(&self, number: u32) -> String {
+        format!("O{number:04}\r\n\r\nM30\r\n")
+    }
+
     fn call_limit(&self, _callee: &Callee) -> (usize, &'static str) {
         (L_DEPTH, "L")
     }

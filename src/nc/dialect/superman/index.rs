@@ -51,3 +51,19 @@ fn has_code(line: &[u8], letter: u8, number: u32) -> bool {
 fn is_code(bytes: &[u8], word: &[u8]) -> bool {
     starts_with_word(bytes, word) && !bytes.get(word.len()).is_some_and(u8::is_ascii_digit)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::nc::settings::Dialect;
+    use crate::nc::source::Source;
+
+    #[test]
+    fn l7_the_end_of_the_main_program_is_known_when_the_text_is_loaded() {
+        let text = "N0010 (M02)\nN0020G22L0002 ;M02\nN0030G80\nN0040M02\nN0050M99\nAA1:M02";
+        let source = Source::new(1, "", text.as_bytes(), Dialect::SuperMan);
+        assert_eq!(source.main_end_line(), Some(3));
+        assert_eq!(source.counted_loop_at(1).and_then(|found| found.end_line), Some(2));
+        assert_eq!(source.find_unique_block(50), Ok(Some(4)));
+        assert!(source.find_label(54..57, 0, true).is_err(), "this dialect has no labels");
+    }
+}

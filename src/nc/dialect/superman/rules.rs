@@ -82,6 +82,10 @@ impl DialectRules for SuperManRules {
         None
     }
 
+    fn new_program_text(&self, _number: u32) -> String {
+        "N0010M02\r\n".to_owned()
+    }
+
     /// No program calls another; calls in the same text have their own limit.
     fn call_limit(&self, _callee: &Callee) -> (usize, &'static str) {
         (crate::nc::flow::COUNTED_DEPTH, "M98")
