@@ -3,7 +3,6 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::dialect;
 use super::expression::Value;
 use super::fault::{ReadResult, fail1, fail2};
 use super::source::Source;
@@ -242,11 +241,16 @@ impl Flow {
         true
     }
 
-    /// Calls a program. The flow is already past the calling block.
-    pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool) -> ReadResult<()> {
+    /// Calls a program, at most `limit` levels deep. The flow is already past the calling block.
+    pub fn call(
+        &mut self,
+        source: Arc<Source>,
+        call: Call,
+        modal: bool,
+        (limit, name): (usize, &str),
+    ) -> ReadResult<()> {
         let is_macro = matches!(call.callee, Callee::Macro(_));
         let same = |level: &&CallFrame| matches!(level.callee, Callee::Macro(_)) == is_macro;
-        let (limit, name) = dialect::rules(source.dialect()).call_limit(&call.callee);
         if self.call_stack.iter().filter(same).count() >= limit {
             return fail2(call.at, E::TooDeep, name, limit.to_string());
         }

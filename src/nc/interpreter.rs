@@ -442,7 +442,8 @@ impl Interpreter {
         self.advance_past_block(cursor);
         if let (Some(modal), Some(source)) = (modal, source) {
             let callee = Callee::Macro(modal.arguments.clone());
-            self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true)?;
+            let limit = dialect::rules(self.settings.dialect).call_limit(&callee);
+            self.flow.call(source, Call { program: modal.program, times: modal.times, callee, at }, true, limit)?;
         }
         Ok(())
     }
@@ -483,7 +484,8 @@ impl Interpreter {
                 let source = self.find_program(call.program, call.at)?;
                 self.condition_changed = true;
                 self.advance_past_block(cursor);
-                self.flow.call(source, call, false)?;
+                let limit = dialect::rules(self.settings.dialect).call_limit(&call.callee);
+                self.flow.call(source, call, false, limit)?;
             }
             FlowAction::Return { target, at } => {
                 self.second_half = false;

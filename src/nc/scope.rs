@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::common_variables::CommonVariables;
-use super::dialect;
 use super::expression::{CoordinateFrame, Scope, Value};
 use super::external_state::{ExternalState, LiveValue};
 use super::fault::{ErrorAt, ReadResult, ReadStop, fail1};
@@ -95,8 +94,9 @@ impl LiveScope<'_> {
             1..=33 => Ok(self.locals[number as usize - 1]),
             4114 => Ok(self.block_number.map(f64::from)),
             4115 => Ok(Some(f64::from(self.program))),
-            4000..=4200 => dialect::rules(self.settings.dialect)
-                .modal_variable(self.modals, number)
+            4000..=4200 => self
+                .modals
+                .variable(number, self.settings.is_mill())
                 .map_or_else(|| fail1(at, E::BadVariable, format!("#{number}")), Ok),
             434..=439 | 1000.. => match self.world.system_variable(number) {
                 LiveValue::Value(Some(length)) if self.modals.inch && system_variable::is_position(number) => {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use encoding_rs::GB18030;
 
-use super::dialect;
+use super::dialect::index::index;
 use super::fault::{BlockLocation, ReadResult, fail1, fail2};
 use super::source_index::{CountedLoop, SourceIndex, TextLines, WhileLoop, after_blanks};
 use crate::defs::kind::Dialect;
@@ -54,7 +54,7 @@ impl Source {
         assert!(bytes.len() < u32::MAX as usize, "program of {} bytes", bytes.len());
         let lines = line_starts(&bytes);
         let utf8 = std::str::from_utf8(&bytes).is_ok();
-        let index = dialect::rules(dialect).index(&TextLines { text: &bytes, starts: &lines });
+        let index = index(dialect, &TextLines { text: &bytes, starts: &lines });
         Self { number, name: name.into(), bytes, utf8, line_offsets: lines, dialect, index }
     }
 

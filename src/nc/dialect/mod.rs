@@ -1,9 +1,10 @@
-//! Dialects: they turn the words of a block into operations. A dialect is a folder with a `DialectRules` and a row in
-//! `with_rules`. Lexer, expressions, flow, operations and check are shared.
+//! Dialects: they turn the words of a block into operations. A dialect is a folder with a `DialectRules`, a row in
+//! `with_rules` and a row in `index`. Lexer, expressions, flow, operations and check are shared.
 
 mod arc;
 mod common;
 mod grinder;
+pub(crate) mod index;
 mod sinumerik;
 mod superman;
 
@@ -19,7 +20,6 @@ use super::op::Op;
 use super::scope::LiveScope;
 use super::settings::{Dialect, NcSettings, SpeedUnit, SuperManSettings};
 use super::source::Source;
-use super::source_index::{SourceIndex, TextLines};
 use super::statement::{BlockContent, ReadOptions};
 use super::words::BlockWords;
 use crate::units::PerAxis;
@@ -114,12 +114,6 @@ pub(crate) trait DialectRules: Sync {
     /// The G codes that show the modal states.
     fn modal_codes(&self) -> ModalCodes;
 
-    /// #4001…#4130: a modal value; `None` for an undefined number.
-    fn modal_variable(&self, modals: &ModalState, number: u32) -> Option<Value>;
-
-    /// Indexes what a program can jump to, loop over and call.
-    fn index(&self, lines: &TextLines<'_>) -> SourceIndex;
-
     /// Reads one block. Afterwards the cursor is at the line end, or after a `;` that another block follows.
     fn read_block<S: Scope>(
         &self,
@@ -175,11 +169,11 @@ macro_rules! with_rules {
     ($dialect:expr, $rules:ident => $value:expr) => {
         match $dialect {
             Dialect::LatheA => {
-                let $rules = &grinder::Rules::LATHE_A;
+                let $rules = &grinder::GrinderRules::LATHE_A;
                 $value
             }
             Dialect::Mill => {
-                let $rules = &grinder::Rules::MILL;
+                let $rules = &grinder::GrinderRules::MILL;
                 $value
             }
             Dialect::Sinumerik => {

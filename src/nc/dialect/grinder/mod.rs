@@ -8,7 +8,7 @@ mod calls;
 mod codes;
 mod cycle;
 mod grinding;
-mod index;
+pub(super) mod index;
 mod macro_a;
 mod motion;
 mod repetitive;
@@ -16,7 +16,7 @@ mod rules;
 
 use self::codes::GrinderCodes;
 pub(crate) use self::repetitive::RepetitiveCycleState;
-pub(super) use self::rules::Rules;
+pub(super) use self::rules::GrinderRules;
 use super::common::{self, MAX_VALUE, out_of_range};
 use super::{BlockContext, FlowAction};
 use crate::defs::program_error::ProgramError as E;

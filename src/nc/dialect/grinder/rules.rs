@@ -1,14 +1,11 @@
 //! The rules of the KT-820/KT-830 dialect. Source: spec B1–B4, K1.
 
-use super::index;
 use crate::nc::dialect::{BlockContext, DialectRules, FlowAction, ModalCodes, PreflightScope, UnexecutedBlock};
-use crate::nc::expression::{Scope, Value};
+use crate::nc::expression::Scope;
 use crate::nc::fault::ReadResult;
 use crate::nc::flow::Callee;
 use crate::nc::lexer::Cursor;
-use crate::nc::modal::ModalState;
 use crate::nc::settings::{Dialect, NcSettings};
-use crate::nc::source_index::{SourceIndex, TextLines};
 use crate::nc::statement::{self, BlockContent, ReadOptions};
 use crate::nc::words::BlockWords;
 use crate::units::PerAxis;
@@ -18,18 +15,18 @@ const SUB_DEPTH: usize = 4;
 const MACRO_DEPTH: usize = 4;
 
 /// The rules of GC (lathe system A), or of GS and GA (modal G90 and G91).
-pub(in crate::nc::dialect) struct Rules {
+pub(in crate::nc::dialect) struct GrinderRules {
     mill: bool,
 }
 
-impl Rules {
+impl GrinderRules {
     /// GC.
     pub const LATHE_A: Self = Self { mill: false };
     /// GS and GA.
     pub const MILL: Self = Self { mill: true };
 }
 
-impl DialectRules for Rules {
+impl DialectRules for GrinderRules {
     fn settings(&self) -> NcSettings {
         match self.mill {
             false => NcSettings::two_axes(Dialect::LatheA),
@@ -39,14 +36,6 @@ impl DialectRules for Rules {
 
     fn modal_codes(&self) -> ModalCodes {
         ModalCodes { distance_is_modal: self.mill, per_minute: 98, per_rev: 99, inch: 20, metric: 21, exact_stop: 61 }
-    }
-
-    fn modal_variable(&self, modals: &ModalState, number: u32) -> Option<Value> {
-        modals.variable(number, self.mill)
-    }
-
-    fn index(&self, lines: &TextLines<'_>) -> SourceIndex {
-        index::index(lines)
     }
 
     #[inline]

@@ -7,7 +7,7 @@
 
 mod codes;
 mod expression;
-mod index;
+pub(super) mod index;
 mod motion;
 mod read;
 mod rules;

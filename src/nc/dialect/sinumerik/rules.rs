@@ -1,15 +1,12 @@
 //! The rules of the SINUMERIK 802D dialect. Source: spec S1.
 
-use super::index;
 use crate::defs::program_number;
 use crate::nc::dialect::{BlockContext, DialectRules, FlowAction, ModalCodes, PreflightScope, UnexecutedBlock};
-use crate::nc::expression::{Scope, Value};
+use crate::nc::expression::Scope;
 use crate::nc::fault::ReadResult;
 use crate::nc::flow::Callee;
 use crate::nc::lexer::Cursor;
-use crate::nc::modal::ModalState;
 use crate::nc::settings::{Dialect, NcSettings};
-use crate::nc::source_index::{SourceIndex, TextLines};
 use crate::nc::statement::{BlockContent, ReadOptions};
 use crate::nc::words::BlockWords;
 
@@ -26,14 +23,6 @@ impl DialectRules for SinumerikRules {
 
     fn modal_codes(&self) -> ModalCodes {
         ModalCodes { distance_is_modal: true, per_minute: 94, per_rev: 95, inch: 70, metric: 71, exact_stop: 60 }
-    }
-
-    fn modal_variable(&self, _modals: &ModalState, _number: u32) -> Option<Value> {
-        None
-    }
-
-    fn index(&self, lines: &TextLines<'_>) -> SourceIndex {
-        index::index(lines)
     }
 
     #[inline]

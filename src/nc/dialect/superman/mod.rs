@@ -4,7 +4,7 @@
 //! Source: spec superman-lathe.md L1–L8, seed 001.
 
 mod auxiliary;
-mod index;
+pub(super) mod index;
 mod motion;
 mod rules;
 mod thread;

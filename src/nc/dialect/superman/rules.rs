@@ -1,14 +1,11 @@
 //! The rules of the 超人 (SuperMan) lathe dialect. Source: spec L1, L7.
 
-use super::index;
 use crate::nc::dialect::{BlockContext, DialectRules, FlowAction, ModalCodes, PreflightScope, UnexecutedBlock};
-use crate::nc::expression::{Scope, Value};
+use crate::nc::expression::Scope;
 use crate::nc::fault::ReadResult;
 use crate::nc::flow::Callee;
 use crate::nc::lexer::Cursor;
-use crate::nc::modal::ModalState;
 use crate::nc::settings::{Dialect, NcSettings};
-use crate::nc::source_index::{SourceIndex, TextLines};
 use crate::nc::statement::{self, BlockContent, ReadOptions};
 use crate::nc::words::BlockWords;
 
@@ -31,14 +28,6 @@ impl DialectRules for SuperManRules {
 
     fn modal_codes(&self) -> ModalCodes {
         ModalCodes { distance_is_modal: false, per_minute: 98, per_rev: 99, inch: 20, metric: 21, exact_stop: 61 }
-    }
-
-    fn modal_variable(&self, _modals: &ModalState, _number: u32) -> Option<Value> {
-        None
-    }
-
-    fn index(&self, lines: &TextLines<'_>) -> SourceIndex {
-        index::index(lines)
     }
 
     #[inline]
