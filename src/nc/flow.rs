@@ -30,6 +30,13 @@ pub(crate) enum Callee {
     Macro(Box<Locals>),
 }
 
+/// Deepest nesting of a kind of call, and its name.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CallLimit {
+    pub depth: usize,
+    pub name: &'static str,
+}
+
 /// A call as programmed.
 #[derive(Clone, Debug)]
 pub(crate) struct Call {
@@ -241,18 +248,12 @@ impl Flow {
         true
     }
 
-    /// Calls a program, at most `limit` levels deep. The flow is already past the calling block.
-    pub fn call(
-        &mut self,
-        source: Arc<Source>,
-        call: Call,
-        modal: bool,
-        (limit, name): (usize, &str),
-    ) -> ReadResult<()> {
+    /// Calls a program, as deep as the limit. The flow is already past the calling block.
+    pub fn call(&mut self, source: Arc<Source>, call: Call, modal: bool, limit: CallLimit) -> ReadResult<()> {
         let is_macro = matches!(call.callee, Callee::Macro(_));
         let same = |level: &&CallFrame| matches!(level.callee, Callee::Macro(_)) == is_macro;
-        if self.call_stack.iter().filter(same).count() >= limit {
-            return fail2(call.at, E::TooDeep, name, limit.to_string());
+        if self.call_stack.iter().filter(same).count() >= limit.depth {
+            return fail2(call.at, E::TooDeep, limit.name, limit.depth.to_string());
         }
         if let Callee::Macro(arguments) = &call.callee {
             self.locals.push(**arguments);

@@ -13,7 +13,7 @@ pub(crate) use grinder::RepetitiveCycleState;
 use super::contour::ContourCycle;
 use super::expression::{Scope, Value};
 use super::fault::ReadResult;
-use super::flow::{Call, Callee, Flow, ModalCall};
+use super::flow::{Call, CallLimit, Callee, Flow, ModalCall};
 use super::lexer::Cursor;
 use super::modal::ModalState;
 use super::op::Op;
@@ -149,7 +149,7 @@ pub(crate) trait DialectRules: Sync {
     fn new_program_text(&self, number: u32) -> String;
 
     /// Deepest nesting of a call, and the name of the call.
-    fn call_limit(&self, callee: &Callee) -> (usize, &'static str);
+    fn call_limit(&self, callee: &Callee) -> CallLimit;
 
     /// How much of a program can be checked before it starts.
     fn preflight_scope(&self) -> PreflightScope;

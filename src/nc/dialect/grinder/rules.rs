@@ -3,7 +3,7 @@
 use crate::nc::dialect::{BlockContext, DialectRules, FlowAction, ModalCodes, PreflightScope, UnexecutedBlock};
 use crate::nc::expression::Scope;
 use crate::nc::fault::ReadResult;
-use crate::nc::flow::Callee;
+use crate::nc::flow::{CallLimit, Callee};
 use crate::nc::lexer::Cursor;
 use crate::nc::settings::{Dialect, NcSettings};
 use crate::nc::statement::{self, BlockContent, ReadOptions};
@@ -80,10 +80,10 @@ impl DialectRules for GrinderRules {
         format!("O{number:04}\r\n\r\nM30\r\n")
     }
 
-    fn call_limit(&self, callee: &Callee) -> (usize, &'static str) {
+    fn call_limit(&self, callee: &Callee) -> CallLimit {
         match callee {
-            Callee::Macro(_) => (MACRO_DEPTH, "G65/G66"),
-            Callee::Sub => (SUB_DEPTH, "M98"),
+            Callee::Macro(_) => CallLimit { depth: MACRO_DEPTH, name: "G65/G66" },
+            Callee::Sub => CallLimit { depth: SUB_DEPTH, name: "M98" },
         }
     }
 

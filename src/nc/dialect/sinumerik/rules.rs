@@ -4,7 +4,7 @@ use crate::defs::program_number;
 use crate::nc::dialect::{BlockContext, DialectRules, FlowAction, ModalCodes, PreflightScope, UnexecutedBlock};
 use crate::nc::expression::Scope;
 use crate::nc::fault::ReadResult;
-use crate::nc::flow::Callee;
+use crate::nc::flow::{CallLimit, Callee};
 use crate::nc::lexer::Cursor;
 use crate::nc::settings::{Dialect, NcSettings};
 use crate::nc::statement::{BlockContent, ReadOptions};
@@ -61,8 +61,8 @@ impl DialectRules for SinumerikRules {
         format!("O{number:04}\r\n\r\nM30\r\n")
     }
 
-    fn call_limit(&self, _callee: &Callee) -> (usize, &'static str) {
-        (L_DEPTH, "L")
+    fn call_limit(&self, _callee: &Callee) -> CallLimit {
+        CallLimit { depth: L_DEPTH, name: "L" }
     }
 
     fn preflight_scope(&self) -> PreflightScope {

@@ -3,7 +3,7 @@
 use crate::nc::dialect::{BlockContext, DialectRules, FlowAction, ModalCodes, PreflightScope, UnexecutedBlock};
 use crate::nc::expression::Scope;
 use crate::nc::fault::ReadResult;
-use crate::nc::flow::Callee;
+use crate::nc::flow::{COUNTED_DEPTH, CallLimit, Callee};
 use crate::nc::lexer::Cursor;
 use crate::nc::settings::{Dialect, NcSettings};
 use crate::nc::statement::{self, BlockContent, ReadOptions};
@@ -76,8 +76,8 @@ impl DialectRules for SuperManRules {
     }
 
     /// No program calls another; calls in the same text have their own limit.
-    fn call_limit(&self, _callee: &Callee) -> (usize, &'static str) {
-        (crate::nc::flow::COUNTED_DEPTH, "M98")
+    fn call_limit(&self, _callee: &Callee) -> CallLimit {
+        CallLimit { depth: COUNTED_DEPTH, name: "M98" }
     }
 
     fn preflight_scope(&self) -> PreflightScope {
