@@ -10,18 +10,14 @@ use crate::units::{Axis, PerAxis, Plane};
 
 /// What an operation does. Lengths are radius millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
 pub enum OpEffect<'a> {
     /// Axes move.
     Motion(OpMotion<'a>),
     /// Work coordinates change. The slides stand still.
     Coordinates(CoordinateChange<'a>),
-    /// The tool turret turns to a station. With compensation the slides move by `by`; work coordinates stay (L8).
-    IndexTurret {
-        /// Station 1 to 4.
-        station: u8,
-        /// Slide travel of the compensation.
-        by: Option<PerAxis<f64>>,
-    },
+    /// The tool turret turns to a station, 1 to 4. With compensation the slides move by `by`; work coordinates stay (L8).
+    IndexTurret { station: u8, by: Option<PerAxis<f64>> },
     /// An oscillation starts or ends.
     Oscillation(OscillationChange),
     /// The path mode changes.
@@ -44,34 +40,16 @@ pub enum OpEffect<'a> {
 
 /// A motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
 pub enum OpMotion<'a> {
     /// A line or an arc in work coordinates.
     Work(WorkMove),
     /// A line in machine coordinates; rapid without a feed.
-    Machine {
-        /// Target of the programmed axes.
-        to: PerAxis<Option<f64>>,
-        /// Feed.
-        feed: Option<Feed>,
-    },
-    /// Rapid via a work position to a reference point.
-    Reference {
-        /// Reference point 1 to 4.
-        number: u8,
-        /// Intermediate work position.
-        via: PerAxis<f64>,
-        /// Programmed axes.
-        words: AxisSet,
-        /// Those of them with an incremental word.
-        incremental: AxisSet,
-    },
-    /// To the stored dressing point, machine coordinates; feed in mm/min.
-    DressPoint {
-        /// Axes.
-        axes: AxisSet,
-        /// Feed, mm/min.
-        feed: Option<f64>,
-    },
+    Machine { to: PerAxis<Option<f64>>, feed: Option<Feed> },
+    /// Rapid via a work position to a reference point, 1 to 4.
+    Reference { number: u8, via: PerAxis<f64>, words: AxisSet, incremental: AxisSet },
+    /// To the stored dressing point; feed in mm/min.
+    DressPoint { axes: AxisSet, feed: Option<f64> },
     /// Positioning by a gauge.
     Gauge(&'a GaugeMove),
     /// A thread with its run-out.
@@ -136,62 +114,37 @@ pub enum SegmentSpeed {
 
 /// A change of work coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
 pub enum CoordinateChange<'a> {
     /// G54–G59.
     Select(u8),
     /// G50, G92: assigns work coordinates to the present position.
     Set(&'a PerAxis<Option<f64>>),
-    /// T: tool and tool offset.
-    Tool {
-        /// 0 keeps the tool.
-        tool: u16,
-        /// 0 cancels the offset.
-        offset: u16,
-    },
-    /// G10: adds to the wear of a tool offset.
-    AddWear {
-        /// Tool offset, 1 to 16.
-        number: u8,
-        /// Wear.
-        by: PerAxis<f64>,
-    },
+    /// T: tool 0 keeps the tool, offset 0 cancels the offset.
+    Tool { tool: u16, offset: u16 },
+    /// G10: adds to the wear of a tool offset, 1 to 16.
+    AddWear { number: u8, by: PerAxis<f64> },
 }
 
 /// A change of the oscillation (K4.3, K4.4).
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the fields are what their names say, in the units of the variant")]
 pub enum OscillationChange {
-    /// An axis oscillates between its position and a work coordinate.
-    Axis {
-        /// Axis.
-        axis: Axis,
-        /// The other reversal point.
-        to: f64,
-        /// Ramp, ms to 10 m/min.
-        ramp_ms: Option<f64>,
-        /// Strokes per minute.
-        strokes_min: Option<f64>,
-    },
+    /// An axis oscillates between its position and a work coordinate; ramp in ms to 10 m/min.
+    Axis { axis: Axis, to: f64, ramp_ms: Option<f64>, strokes_min: Option<f64> },
     /// A cylinder oscillates.
-    Cylinder {
-        /// Ramp, ms to 10 m/min.
-        ramp_ms: Option<f64>,
-        /// Strokes per minute.
-        strokes_min: Option<f64>,
-    },
+    Cylinder { ramp_ms: Option<f64>, strokes_min: Option<f64> },
     /// Nothing oscillates.
     Off,
 }
 
 /// An M code with its words.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs, reason = "the fields are the words of the block")]
 pub struct MCodeWords {
-    /// The number after M.
     pub code: u8,
-    /// S word.
     pub s: Option<f64>,
-    /// P word.
     pub p: Option<f64>,
-    /// L word.
     pub l: Option<f64>,
 }
 
