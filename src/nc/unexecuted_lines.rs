@@ -143,7 +143,7 @@ fn read_line(
         match content? {
             BlockContent::Words => {
                 let rules = dialect::rules(settings.dialect);
-                rules.check_unexecuted(words, settings, &UnexecutedBlock { source, at, line })?;
+                rules.check_unexecuted(words, &UnexecutedBlock { source, settings, at, line })?;
                 calls.extend(rules.called_program(words));
             }
             BlockContent::TextEnd { at } if !source.is_at_head(at) => text_end = true,

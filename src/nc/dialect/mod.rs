@@ -72,10 +72,11 @@ pub(crate) enum FlowAction {
     End,
 }
 
-/// A block that is not executed: its text, its first byte, its line from 0.
+/// A block that is not executed: its text, the settings, its first byte, its line from 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UnexecutedBlock<'r> {
     pub source: &'r Source,
+    pub settings: &'r NcSettings,
     pub at: usize,
     pub line: u32,
 }
@@ -114,27 +115,11 @@ pub(crate) trait DialectRules: Sync {
     /// The G codes that show the modal states.
     fn modal_codes(&self) -> ModalCodes;
 
-    /// Reads one block. Afterwards the cursor is at the line end, or after a `;` that another block follows.
-    fn read_block<S: Scope>(
-        &self,
-        cursor: &mut Cursor<'_>,
-        scope: &mut S,
-        words: &mut BlockWords,
-        head: ReadOptions,
-    ) -> ReadResult<BlockContent>
-    where
-        Self: Sized;
-
     /// Executes a block of words.
     fn execute(&self, running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction>;
 
     /// Checks a block of words that is not executed: its syntax, its codes, and that the blocks it names exist.
-    fn check_unexecuted(
-        &self,
-        words: &BlockWords,
-        settings: &NcSettings,
-        block: &UnexecutedBlock<'_>,
-    ) -> ReadResult<()>;
+    fn check_unexecuted(&self, words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()>;
 
     /// The program that a block certainly calls (literal number, at least one call), and the byte of the call.
     fn called_program(&self, words: &BlockWords) -> Option<(u32, usize)>;
@@ -193,7 +178,8 @@ pub(crate) const fn rules(dialect: Dialect) -> &'static dyn DialectRules {
     with_rules!(dialect, rules => rules)
 }
 
-/// Reads one block in a dialect, as [`DialectRules::read_block`]; static, as every block is read here.
+/// Reads one block in a dialect. Afterwards the cursor is at the line end, or after a `;` that another block follows.
+/// The rules of each dialect have the function `read_block`; the call is static, as every block is read here.
 #[inline]
 pub(crate) fn read_block<S: Scope>(
     dialect: Dialect,

@@ -24,6 +24,18 @@ impl GrinderRules {
     pub const LATHE_A: Self = Self { mill: false };
     /// GS and GA.
     pub const MILL: Self = Self { mill: true };
+
+    /// Reads one block.
+    #[inline]
+    pub fn read_block<S: Scope>(
+        &self,
+        cursor: &mut Cursor<'_>,
+        scope: &mut S,
+        words: &mut BlockWords,
+        head: ReadOptions,
+    ) -> ReadResult<BlockContent> {
+        statement::read_block(cursor, scope, words, head)
+    }
 }
 
 impl DialectRules for GrinderRules {
@@ -39,22 +51,11 @@ impl DialectRules for GrinderRules {
     }
 
     #[inline]
-    fn read_block<S: Scope>(
-        &self,
-        cursor: &mut Cursor<'_>,
-        scope: &mut S,
-        words: &mut BlockWords,
-        head: ReadOptions,
-    ) -> ReadResult<BlockContent> {
-        statement::read_block(cursor, scope, words, head)
-    }
-
-    #[inline]
     fn execute(&self, running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
         super::execute(running)
     }
 
-    fn check_unexecuted(&self, words: &BlockWords, _: &NcSettings, _: &UnexecutedBlock<'_>) -> ReadResult<()> {
+    fn check_unexecuted(&self, words: &BlockWords, _block: &UnexecutedBlock<'_>) -> ReadResult<()> {
         super::check_unexecuted(words, self.mill)
     }
 

@@ -16,6 +16,20 @@ const L_DEPTH: usize = 7;
 /// The rules of the vertical lathe-grinder.
 pub(in crate::nc::dialect) struct SinumerikRules;
 
+impl SinumerikRules {
+    /// Reads one block.
+    #[inline]
+    pub fn read_block<S: Scope>(
+        &self,
+        cursor: &mut Cursor<'_>,
+        scope: &mut S,
+        words: &mut BlockWords,
+        head: ReadOptions,
+    ) -> ReadResult<BlockContent> {
+        super::read::read_block(cursor, scope, words, head)
+    }
+}
+
 impl DialectRules for SinumerikRules {
     fn settings(&self) -> NcSettings {
         NcSettings { exact_stop: true, ..NcSettings::two_axes(Dialect::Sinumerik) }
@@ -26,22 +40,11 @@ impl DialectRules for SinumerikRules {
     }
 
     #[inline]
-    fn read_block<S: Scope>(
-        &self,
-        cursor: &mut Cursor<'_>,
-        scope: &mut S,
-        words: &mut BlockWords,
-        head: ReadOptions,
-    ) -> ReadResult<BlockContent> {
-        super::read::read_block(cursor, scope, words, head)
-    }
-
-    #[inline]
     fn execute(&self, running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
         super::execute(running)
     }
 
-    fn check_unexecuted(&self, words: &BlockWords, _: &NcSettings, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
+    fn check_unexecuted(&self, words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
         super::check_unexecuted(words, block.source.bytes())
     }
 

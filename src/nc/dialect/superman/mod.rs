@@ -61,9 +61,9 @@ fn execute(running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
 }
 
 /// Checks format and codes of a block that is not executed.
-fn check_unexecuted(words: &BlockWords, settings: &NcSettings, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
+fn check_unexecuted(words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
     let text: &[u8] = block.source.bytes();
-    check_format(words, settings, (text, block.at))?;
+    check_format(words, block.settings, (text, block.at))?;
     let code = single_g_code(words)?;
     words.m().iter().try_for_each(|code| auxiliary::check_m_code(*code, words, block))?;
     auxiliary::check_exclusive_m_codes(words)?;

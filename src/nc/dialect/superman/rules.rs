@@ -15,6 +15,23 @@ const STATIONS: u32 = 4;
 /// The rules of the lathe.
 pub(in crate::nc::dialect) struct SuperManRules;
 
+impl SuperManRules {
+    /// Reads one block.
+    #[inline]
+    pub fn read_block<S: Scope>(
+        &self,
+        cursor: &mut Cursor<'_>,
+        scope: &mut S,
+        words: &mut BlockWords,
+        head: ReadOptions,
+    ) -> ReadResult<BlockContent> {
+        let content = statement::read_block(cursor, scope, words, head)?;
+        // L1: a line is one block. Text after `;` is always a comment.
+        cursor.skip_rest_of_line();
+        Ok(content)
+    }
+}
+
 impl DialectRules for SuperManRules {
     fn settings(&self) -> NcSettings {
         NcSettings {
@@ -31,31 +48,12 @@ impl DialectRules for SuperManRules {
     }
 
     #[inline]
-    fn read_block<S: Scope>(
-        &self,
-        cursor: &mut Cursor<'_>,
-        scope: &mut S,
-        words: &mut BlockWords,
-        head: ReadOptions,
-    ) -> ReadResult<BlockContent> {
-        let content = statement::read_block(cursor, scope, words, head)?;
-        // L1: a line is one block. Text after `;` is always a comment.
-        cursor.skip_rest_of_line();
-        Ok(content)
-    }
-
-    #[inline]
     fn execute(&self, running: &mut BlockContext<'_, '_>) -> ReadResult<FlowAction> {
         super::execute(running)
     }
 
-    fn check_unexecuted(
-        &self,
-        words: &BlockWords,
-        settings: &NcSettings,
-        block: &UnexecutedBlock<'_>,
-    ) -> ReadResult<()> {
-        super::check_unexecuted(words, settings, block)
+    fn check_unexecuted(&self, words: &BlockWords, block: &UnexecutedBlock<'_>) -> ReadResult<()> {
+        super::check_unexecuted(words, block)
     }
 
     fn called_program(&self, _words: &BlockWords) -> Option<(u32, usize)> {
